@@ -1,0 +1,192 @@
+"""Bodies: particles, and particles that springs connect. Immutable, and used as keys into results."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from physcore.checks import DIMENSIONS, BoolArray, FloatArray, IntArray, array, broadcast, frozen, mask, require
+from physcore.errors import SceneError
+
+
+@dataclass(frozen=True, eq=False, init=False, repr=False)
+class Body:
+    """N particles in D dimensions: what all bodies have in common."""
+
+    positions: FloatArray
+    """Positions [m], shape (N, D)."""
+    velocities: FloatArray
+    """Velocities [m/s], shape (N, D)."""
+    mass: FloatArray
+    """Mass of each particle [kg], shape (N,)."""
+    charge: FloatArray
+    """Charge of each particle [C], shape (N,)."""
+    radius: FloatArray
+    """Radius of each particle [m], shape (N,)."""
+    fixed: BoolArray
+    """Which particles keep their given velocity for ever, shape (N,)."""
+    name: str | None
+    """A name by which results can be asked for."""
+
+    @property
+    def dimension(self) -> int:
+        """2 or 3."""
+        return int(self.positions.shape[1])
+
+    def __len__(self) -> int:
+        return len(self.positions)
+
+    def __repr__(self) -> str:
+        label = f"{self.name!r}, " if self.name else ""
+        return f"{type(self).__name__}({label}{len(self)} particles in {self.dimension}D)"
+
+    def _set(self, **values: object) -> None:
+        """Fill in the fields; only for constructors, because the dataclass is frozen."""
+        for field, value in values.items():
+            object.__setattr__(self, field, frozen(value) if isinstance(value, np.ndarray) else value)
+
+    def _set_particles(
+        self,
+        positions: ArrayLike,
+        velocities: ArrayLike,
+        mass: ArrayLike,
+        charge: ArrayLike,
+        radius: ArrayLike,
+        fixed: ArrayLike | None,
+        name: str | None,
+    ) -> None:
+        """Check, copy and store what every particle has."""
+        kind = type(self).__name__
+        points = array(positions, f"{kind}.positions")
+        if points.ndim != 2 or points.shape[1] not in DIMENSIONS:
+            raise SceneError(
+                f"{kind}.positions: must have the shape (N, 2) or (N, 3), got {points.shape}; "
+                "one particle is [[x, y]], none are np.empty((0, 2))"
+            )
+        if name is not None and not isinstance(name, str):
+            raise SceneError(f"{kind}.name: must be a string, got {name!r}")
+        number = len(points)
+        masses = broadcast(mass, (number,), f"{kind}.mass")
+        require(masses > 0, masses, f"{kind}.mass", "> 0 (to hold a particle in place use fixed=)")
+        radii = broadcast(radius, (number,), f"{kind}.radius")
+        require(radii >= 0, radii, f"{kind}.radius", "≥ 0")
+        self._set(
+            positions=points,
+            velocities=broadcast(velocities, points.shape, f"{kind}.velocities"),
+            mass=masses,
+            charge=broadcast(charge, (number,), f"{kind}.charge"),
+            radius=radii,
+            fixed=mask(fixed, number, f"{kind}.fixed"),
+            name=name,
+        )
+
+
+@dataclass(frozen=True, eq=False, init=False, repr=False)
+class Particles(Body):
+    """Independent particles.
+
+    Args:
+        positions: [m], shape (N, D) with D = 2 or 3.
+        velocities: [m/s], broadcast to (N, D).
+        mass: of each particle [kg], broadcast to (N,), above zero.
+        charge: of each particle [C], broadcast to (N,).
+        radius: of each particle [m], broadcast to (N,); boundaries are met at center ± radius.
+        fixed: a bool mask of shape (N,), or integer indices. A fixed particle feels no force and keeps its velocity.
+        name: a name by which results can be asked for.
+
+    Raises:
+        SceneError: a shape does not fit, or a value is not finite or out of range.
+    """
+
+    def __init__(
+        self,
+        positions: ArrayLike,
+        velocities: ArrayLike = 0.0,
+        mass: ArrayLike = 1.0,
+        charge: ArrayLike = 0.0,
+        radius: ArrayLike = 0.0,
+        fixed: ArrayLike | None = None,
+        name: str | None = None,
+    ) -> None:
+        self._set_particles(positions, velocities, mass, charge, radius, fixed, name)
+
+
+@dataclass(frozen=True, eq=False, init=False, repr=False)
+class SpringNetwork(Body):
+    """Particles connected by damped linear springs.
+
+    A spring of length l and direction n between the particles i and j pulls them together with the force
+    k (l − l₀) + c (v_j − v_i)·n, along n [N].
+
+    Args:
+        positions: [m], shape (N, D) with D = 2 or 3.
+        pairs: indices of the two particles that each spring connects, shape (M, 2).
+        stiffness: k of each spring [N/m], broadcast to (M,), at least zero.
+        damping: c of each spring, along the spring [N·s/m], broadcast to (M,), at least zero.
+        rest_length: l₀ of each spring [m], broadcast to (M,); None: the lengths that the springs have in `positions`.
+        mass, fixed, velocities, charge, radius, name: as in Particles.
+
+    Raises:
+        SceneError: a shape does not fit, an index points outside, or a value is not finite or out of range.
+    """
+
+    pairs: IntArray
+    """Indices of the particles that each spring connects, shape (M, 2)."""
+    stiffness: FloatArray
+    """Stiffness of each spring [N/m], shape (M,)."""
+    damping: FloatArray
+    """Damping along each spring [N·s/m], shape (M,)."""
+    rest_length: FloatArray
+    """Rest length of each spring [m], shape (M,)."""
+
+    def __init__(
+        self,
+        positions: ArrayLike,
+        pairs: ArrayLike,
+        stiffness: ArrayLike,
+        damping: ArrayLike = 0.0,
+        rest_length: ArrayLike | None = None,
+        mass: ArrayLike = 1.0,
+        fixed: ArrayLike | None = None,
+        velocities: ArrayLike = 0.0,
+        charge: ArrayLike = 0.0,
+        radius: ArrayLike = 0.0,
+        name: str | None = None,
+    ) -> None:
+        self._set_particles(positions, velocities, mass, charge, radius, fixed, name)
+        links = _pairs(pairs, len(self))
+        if rest_length is None:
+            rest_length = np.linalg.norm(self.positions[links[:, 1]] - self.positions[links[:, 0]], axis=1)
+        springs = {"stiffness": stiffness, "damping": damping, "rest_length": rest_length}
+        self._set(pairs=links)
+        for field, value in springs.items():
+            path = f"SpringNetwork.{field}"
+            values = broadcast(value, (len(links),), path)
+            require(values >= 0, values, path, "≥ 0")
+            self._set(**{field: values})
+
+
+def _pairs(value: ArrayLike, number: int) -> IntArray:
+    """Checked spring indices of shape (M, 2); negative indices count from the end."""
+    path = "SpringNetwork.pairs"
+    given = np.asarray(value)
+    if given.size == 0:
+        return np.empty((0, 2), dtype=np.int64)
+    if given.dtype.kind not in "iu" or given.ndim != 2 or given.shape[1] != 2:
+        raise SceneError(f"{path}: must be integers of shape (M, 2), got {given.dtype} of shape {given.shape}")
+    outside = (given < -number) | (given >= number)
+    if outside.any():
+        spring, end = np.argwhere(outside)[0]
+        raise SceneError(
+            f"{path}[{spring}, {end}]: index {given[spring, end]} is outside of the {number} particles "
+            f"(expected 0 to {number - 1})"
+        )
+    links = given.astype(np.int64)
+    links[links < 0] += number
+    loops = links[:, 0] == links[:, 1]
+    if loops.any():
+        spring = int(np.argmax(loops))
+        raise SceneError(f"{path}[{spring}]: connects particle {links[spring, 0]} with itself")
+    return np.ascontiguousarray(links)

@@ -1,0 +1,18 @@
+"""Boundaries, one file each."""
+
+from __future__ import annotations
+
+from physcore.boundaries.base import Boundary
+from physcore.boundaries.box import Box
+from physcore.boundaries.plane import Floor, Plane
+from physcore.boundaries.sphere import Sphere
+
+BOUNDARIES: tuple[type[Boundary], ...] = (
+    Floor,
+    Plane,
+    Box,
+    Sphere,
+)
+"""Every boundary; what is registered here can be saved, and is tested."""
+
+__all__ = ["BOUNDARIES", "Boundary", "Box", "Floor", "Plane", "Sphere"]

@@ -1,0 +1,35 @@
+"""A box with its edges along the axes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from physcore.boundaries.base import Boundary
+from physcore.checks import Vector, vector
+from physcore.errors import SceneError
+
+
+@dataclass(frozen=True)
+class Box(Boundary):
+    """A box (a rectangle in 2D) along the axes; particles stay inside.
+
+    Args:
+        lower: the corner with the smallest coordinates [m].
+        upper: the corner with the largest coordinates [m].
+        restitution, friction, on: as in Boundary.
+
+    Raises:
+        SceneError: `lower` is not below `upper` in every component, or a value is not finite.
+    """
+
+    lower: Vector
+    upper: Vector
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        lower, upper = vector(self.lower, "Box.lower"), vector(self.upper, "Box.upper")
+        if len(lower) != len(upper):
+            raise SceneError(f"Box.upper: must have {len(lower)} components like the lower corner, got {len(upper)}")
+        if not all(low < high for low, high in zip(lower, upper, strict=True)):
+            raise SceneError(f"Box.upper: must be above the lower corner {lower} in every component, got {upper}")
+        self._set(lower=lower, upper=upper)

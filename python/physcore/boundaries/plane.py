@@ -1,0 +1,69 @@
+"""A plane that keeps particles on one side, and the floor."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from physcore.boundaries.base import Boundary
+from physcore.checks import Vector, number, vector
+from physcore.errors import SceneError
+
+
+@dataclass(frozen=True)
+class Plane(Boundary):
+    """A plane (a line in 2D); particles stay on the side to which the normal points.
+
+    Args:
+        point: any point of the plane [m].
+        normal: its normal; the length does not matter.
+        restitution, friction, on: as in Boundary.
+
+    Raises:
+        SceneError: the normal is zero, the two vectors differ in size, or a value is not finite.
+    """
+
+    point: Vector
+    normal: Vector
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        point, normal = vector(self.point, "Plane.point"), vector(self.normal, "Plane.normal")
+        if len(point) != len(normal):
+            raise SceneError(f"Plane.normal: must have {len(point)} components like the point, got {len(normal)}")
+        if not any(normal):
+            raise SceneError("Plane.normal: must not be zero")
+        self._set(point=point, normal=normal)
+
+    def describe(self, dimension: int) -> dict[str, object]:
+        """The engine reads a normal of length one."""
+        description = super().describe(dimension)
+        normal = np.array(self.normal)
+        normal /= np.abs(normal).max()
+        return {**description, "normal": normal / np.linalg.norm(normal)}
+
+
+@dataclass(frozen=True)
+class Floor(Boundary):
+    """A horizontal floor; particles stay above it. Up is the last axis: y in 2D, z in 3D.
+
+    Args:
+        height: of the floor along the last axis [m].
+        restitution, friction, on: as in Boundary.
+
+    Raises:
+        SceneError: a value is out of range or not finite.
+    """
+
+    height: float = 0.0
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self._set(height=number(self.height, "Floor.height"))
+
+    def describe(self, dimension: int) -> dict[str, object]:
+        """The engine reads a floor as a plane."""
+        up = np.eye(dimension)[-1]
+        plane = Plane(self.height * up, up, restitution=self.restitution, friction=self.friction)
+        return plane.describe(dimension)

@@ -1,0 +1,36 @@
+"""A sphere, as an obstacle or as a bowl."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from physcore.boundaries.base import Boundary
+from physcore.checks import Vector, number, vector
+from physcore.errors import SceneError
+
+
+@dataclass(frozen=True)
+class Sphere(Boundary):
+    """A sphere (a circle in 2D); particles stay outside, or inside when `inside` is true.
+
+    Args:
+        center: [m], as many numbers as the scene has dimensions.
+        radius: [m], above zero.
+        inside: whether particles are kept inside the sphere.
+        restitution, friction, on: as in Boundary.
+
+    Raises:
+        SceneError: the radius is not above zero, or a value is not finite.
+    """
+
+    center: Vector
+    radius: float
+    inside: bool = False
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if not isinstance(self.inside, bool):
+            raise SceneError(f"Sphere.inside: must be True or False, got {self.inside!r}")
+        self._set(
+            center=vector(self.center, "Sphere.center"), radius=number(self.radius, "Sphere.radius", above=0.0)
+        )

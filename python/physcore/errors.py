@@ -1,0 +1,71 @@
+"""What can go wrong, as exceptions that say where, what was expected and what to do."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from physcore.state import Snapshot
+
+
+class PhyscoreError(Exception):
+    """The base of every error that physcore raises on purpose."""
+
+
+class SceneError(PhyscoreError, ValueError):
+    """A scene or a numerical choice is not valid: the message starts with the path of the parameter."""
+
+
+class FileError(PhyscoreError, OSError):
+    """A file cannot be read or written, is damaged, or is of another version."""
+
+
+class InternalError(PhyscoreError):
+    """physcore broke a promise to itself; please report it with the script that led here."""
+
+
+class SimulationDiverged(PhyscoreError, ArithmeticError):
+    """The simulation blew up, and stands at the last good state.
+
+    Attributes:
+        step: the step that failed, counted from 1.
+        time: the time at which that step would have ended [s].
+        particle: index of the particle that was caught, in scene order.
+        quantity: what went wrong there ("position", "velocity", "energy").
+        cause: one sentence on why.
+        hint: what to change, with a time step that would hold.
+        last_good: the state before the failed step; finite, not necessarily accurate.
+    """
+
+    def __init__(
+        self,
+        message: str,
+        *,
+        step: int,
+        time: float,
+        particle: int,
+        quantity: str,
+        cause: str,
+        hint: str,
+        last_good: Snapshot | None = None,
+    ) -> None:
+        super().__init__(message)
+        self.step = step
+        self.time = time
+        self.particle = particle
+        self.quantity = quantity
+        self.cause = cause
+        self.hint = hint
+        self.last_good = last_good
+
+    def __reduce__(self) -> tuple[object, ...]:
+        """Pickle with the attributes, so that the error survives the way out of a worker process."""
+        return _rebuild_divergence, (str(self), dict(self.__dict__))
+
+
+def _rebuild_divergence(message: str, attributes: dict[str, object]) -> SimulationDiverged:
+    return SimulationDiverged(message, **attributes)  # type: ignore[arg-type]
+
+
+class StabilityWarning(UserWarning):
+    """The time step that was asked for is above the limit of stability."""

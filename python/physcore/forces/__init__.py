@@ -1,0 +1,19 @@
+"""Forces, one file each."""
+
+from __future__ import annotations
+
+from physcore.forces.base import Force
+from physcore.forces.central import CentralForce
+from physcore.forces.custom import CustomForce
+from physcore.forces.drag import Drag
+from physcore.forces.gravity import Gravity
+
+FORCES: tuple[type[Force], ...] = (
+    Gravity,
+    Drag,
+    CentralForce,
+    CustomForce,
+)
+"""Every force; what is registered here can be saved, and is tested."""
+
+__all__ = ["FORCES", "CentralForce", "CustomForce", "Drag", "Force", "Gravity"]

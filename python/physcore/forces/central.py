@@ -1,0 +1,41 @@
+"""A central force that follows a power law."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from physcore.checks import Vector, number, vector
+from physcore.forces.base import Force
+
+
+@dataclass(frozen=True)
+class CentralForce(Force):
+    """A force toward a fixed center: F = −strength · s^(exponent − 1) · (x − center), s = √(|x − center|² + softening²).
+
+    Without softening its magnitude is strength · r^exponent. It does not scale with mass: for the gravity of a mass M
+    on particles of mass m, the strength is G M m.
+
+    Args:
+        center: [m], as many numbers as the scene has dimensions.
+        strength: the force at a distance of 1 m [N]; positive attracts, negative repels.
+        exponent: −2 for gravity and electrostatics, 1 for a harmonic well.
+        softening: a length [m] that keeps the force finite at the center (Plummer 1911).
+        on: the body or bodies that it acts on; all by default.
+
+    Raises:
+        SceneError: a value is not finite, or `softening` is negative.
+    """
+
+    center: Vector
+    strength: float
+    exponent: float = -2.0
+    softening: float = 0.0
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self._set(
+            center=vector(self.center, "CentralForce.center"),
+            strength=number(self.strength, "CentralForce.strength"),
+            exponent=number(self.exponent, "CentralForce.exponent"),
+            softening=number(self.softening, "CentralForce.softening", least=0.0),
+        )

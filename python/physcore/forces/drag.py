@@ -1,0 +1,40 @@
+"""Linear and quadratic drag in a uniform wind."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from physcore.checks import Vector, number, vector
+from physcore.forces.base import Force
+
+
+@dataclass(frozen=True)
+class Drag(Force):
+    """Resistance of the surrounding medium: F = −(b + c |u|) u, where u = v − wind.
+
+    The linear term is Stokes' law for slow motion, the quadratic one Newton's for fast motion. What the drag takes in
+    the frame of the wind, (b + c |u|) |u|², counts as dissipated; what the wind gives counts as work.
+
+    Args:
+        linear: b [N·s/m], at least zero.
+        quadratic: c [N·s²/m²], at least zero.
+        wind: velocity of the medium [m/s]; None: at rest.
+        on: the body or bodies that it acts on; all by default.
+
+    Raises:
+        SceneError: a coefficient is negative, or a value is not finite.
+
+    Source: L. D. Landau, E. M. Lifshitz, "Fluid Mechanics", §§ 20 and 45.
+    """
+
+    linear: float = 0.0
+    quadratic: float = 0.0
+    wind: Vector | None = None
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self._set(
+            linear=number(self.linear, "Drag.linear", least=0.0),
+            quadratic=number(self.quadratic, "Drag.quadratic", least=0.0),
+            wind=None if self.wind is None else vector(self.wind, "Drag.wind"),
+        )

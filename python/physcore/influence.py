@@ -1,0 +1,57 @@
+"""What forces and boundaries have in common: parameters, and the bodies that they act on."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, fields
+
+import numpy as np
+
+from physcore.bodies import Body
+from physcore.errors import SceneError
+
+On = Body | Sequence[Body] | None
+
+
+@dataclass(frozen=True)
+class Influence:
+    """Something that acts on bodies; its fields are plain numbers, tuples of numbers for vectors, or None."""
+
+    on: On = field(default=None, kw_only=True)
+    """The body or bodies that it acts on; None: all."""
+
+    def __post_init__(self) -> None:
+        bodies = (self.on,) if isinstance(self.on, Body) else self.on
+        if bodies is None:
+            return
+        if not isinstance(bodies, Sequence) or not all(isinstance(body, Body) for body in bodies):
+            raise SceneError(f"{type(self).__name__}.on: must be a body or several, got {self.on!r}")
+        self._set(on=tuple(bodies))
+
+    def _set(self, **values: object) -> None:
+        """Replace what the user passed by its checked form; only for `__post_init__`."""
+        for name, value in values.items():
+            object.__setattr__(self, name, value)
+
+    def bodies(self) -> tuple[Body, ...] | None:
+        """The bodies that it acts on; None: all."""
+        return self.on if self.on is None or isinstance(self.on, tuple) else tuple(self.on)  # type: ignore[arg-type]
+
+    def parameters(self) -> dict[str, object]:
+        """Every field but `on`, by name."""
+        return {entry.name: getattr(self, entry.name) for entry in fields(self) if entry.name != "on"}
+
+    def mismatch(self, dimension: int) -> str | None:
+        """The name of the first vector that has not `dimension` components, or None."""
+        return next(
+            (name for name, value in self.parameters().items() if isinstance(value, tuple) and len(value) != dimension),
+            None,
+        )
+
+    def describe(self, dimension: int) -> dict[str, object]:
+        """The name of its kind and its parameters, as the engine reads them in a scene of `dimension` dimensions."""
+        del dimension
+        values = {
+            name: np.array(value) if isinstance(value, tuple) else value for name, value in self.parameters().items()
+        }
+        return {"type": type(self).__name__, **values}

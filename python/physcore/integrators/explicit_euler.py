@@ -1,0 +1,24 @@
+"""Explicit Euler, for teaching."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from physcore.integrators.base import Integrator
+
+
+@dataclass(frozen=True)
+class ExplicitEuler(Integrator):
+    """Explicit Euler, order 1, one force evaluation: for teaching, not for work.
+
+        x ← x + v dt,   v ← v + a(x, v) dt   (both from the old state)
+
+    It feeds energy into every undamped oscillation, at any time step, so orbits spiral out; its limit of stability
+    there is zero. Use SemiImplicitEuler or VelocityVerlet, which cost the same.
+
+    Source: L. Euler, "Institutionum calculi integralis", 1768; E. Hairer, C. Lubich, G. Wanner, "Geometric Numerical
+    Integration", 2nd ed. 2006, § I.1.
+    """
+
+    order: ClassVar[int] = 1

@@ -1,0 +1,116 @@
+"""A scene says what is there, and nothing about how it is computed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from physcore.bodies import Body
+from physcore.boundaries import Boundary
+from physcore.errors import SceneError
+from physcore.forces import Force
+from physcore.influence import Influence
+
+BodyKey = Body | int | str
+"""How a body is asked for: by itself, by its index in the scene, or by its name."""
+
+
+@dataclass(frozen=True, eq=False, init=False, repr=False)
+class Scene:
+    """Bodies, forces and boundaries, in 2D or 3D. Immutable; the dimension follows from the positions.
+
+    Args:
+        items: bodies (Particles, SpringNetwork), forces and boundaries in any order. Results list the particles body
+            by body in the order given here.
+
+    Raises:
+        SceneError: there is no body, the dimensions differ, a body or a name is there twice, or a force acts on a body
+            that is not in the scene.
+    """
+
+    bodies: tuple[Body, ...]
+    forces: tuple[Force, ...]
+    boundaries: tuple[Boundary, ...]
+
+    def __init__(self, *items: Body | Force | Boundary) -> None:
+        for position, item in enumerate(items):
+            if not isinstance(item, (Body, Force, Boundary)):
+                raise SceneError(f"items[{position}]: must be a body, a force or a boundary, got {item!r}{_advice(item)}")
+        kinds = {"bodies": Body, "forces": Force, "boundaries": Boundary}
+        for field, kind in kinds.items():
+            object.__setattr__(self, field, tuple(item for item in items if isinstance(item, kind)))
+        self._check_bodies()
+        self._check_influences("forces", self.forces)
+        self._check_influences("boundaries", self.boundaries)
+
+    @property
+    def dimension(self) -> int:
+        """2 or 3."""
+        return self.bodies[0].dimension
+
+    @property
+    def particles(self) -> int:
+        """The number of particles in all bodies together."""
+        return sum(len(body) for body in self.bodies)
+
+    def index(self, key: BodyKey) -> int:
+        """The position of a body among the bodies of this scene.
+
+        Raises:
+            KeyError: there is no such body.
+        """
+        for position, body in enumerate(self.bodies):
+            if key is body or (isinstance(key, str) and key == body.name):
+                return position
+        if isinstance(key, int) and not isinstance(key, bool) and -len(self.bodies) <= key < len(self.bodies):
+            return key % len(self.bodies)
+        raise KeyError(f"no body {key!r} in {self!r}")
+
+    def slice(self, key: BodyKey) -> slice:
+        """Where the particles of a body are in the results."""
+        index = self.index(key)
+        start = sum(len(body) for body in self.bodies[:index])
+        return slice(start, start + len(self.bodies[index]))
+
+    def __repr__(self) -> str:
+        parts = [repr(item) for item in (*self.bodies, *self.forces, *self.boundaries)]
+        return f"Scene({', '.join(parts)})"
+
+    def _check_bodies(self) -> None:
+        """There is at least one body, each once, all of one dimension."""
+        if not self.bodies:
+            raise SceneError("Scene: must have at least one body, such as Particles or SpringNetwork")
+        names: set[str] = set()
+        for position, body in enumerate(self.bodies):
+            if body in self.bodies[:position]:
+                raise SceneError(f"bodies[{position}]: the same body is in the scene twice; build a second one")
+            if body.name is not None and body.name in names:
+                raise SceneError(f"bodies[{position}].name: {body.name!r} is already the name of another body")
+            if body.name is not None:
+                names.add(body.name)
+            if body.dimension != self.dimension:
+                raise SceneError(
+                    f"bodies[{position}].positions: {body.dimension}D, but the first body is {self.dimension}D"
+                )
+
+    def _check_influences(self, path: str, influences: tuple[Influence, ...]) -> None:
+        """Vectors have the scene's dimension, and `on` names bodies of the scene."""
+        for position, influence in enumerate(influences):
+            name = influence.mismatch(self.dimension)
+            if name is not None:
+                size = len(influence.parameters()[name])  # type: ignore[arg-type]
+                raise SceneError(
+                    f"{path}[{position}].{name}: must have {self.dimension} components in this {self.dimension}D scene, "
+                    f"got {size} ({type(influence).__name__})"
+                )
+            for body in influence.bodies() or ():
+                if body not in self.bodies:
+                    raise SceneError(f"{path}[{position}].on: {body!r} is not in the scene; add it as an item too")
+
+
+def _advice(item: object) -> str:
+    """A hint for the usual mistakes."""
+    if isinstance(item, type):
+        return f"; write {item.__name__}(…)"
+    if isinstance(item, (list, tuple)):
+        return "; unpack it: Scene(*items)"
+    return ""

@@ -1,0 +1,12 @@
+//! The extension module `physcore._core`: it converts between Python and the crates beside it, and does nothing else.
+
+use pyo3::prelude::*;
+
+mod canvas;
+
+/// What `import physcore._core` gives.
+#[pymodule(gil_used = false)]
+mod _core {
+    #[pymodule_export]
+    use super::canvas::Film;
+}

@@ -1,0 +1,61 @@
+//! A file that appears under its name only when it is whole.
+
+use std::fs::{self, File, OpenOptions};
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// Written under a temporary name beside the target and renamed by [`NewFile::commit`]. Dropped before that, or on any failure,
+/// it is removed, and whatever stood under the name stays as it was.
+#[derive(Debug)]
+pub struct NewFile {
+    writer: BufWriter<File>,
+    temporary: PathBuf,
+    target: PathBuf,
+    committed: bool,
+}
+
+impl NewFile {
+    /// Opens a temporary file beside `path`; a link is followed, so that it stays a link.
+    pub fn create(path: &Path) -> io::Result<Self> {
+        static COUNT: AtomicU64 = AtomicU64::new(0);
+        let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
+        if fs::metadata(&target).is_ok_and(|metadata| !metadata.is_file()) {
+            // Renaming onto a device would replace the device.
+            return Err(io::Error::new(io::ErrorKind::InvalidInput, "not a regular file"));
+        }
+        let name = target.file_name().ok_or_else(|| io::Error::new(io::ErrorKind::InvalidInput, "not the name of a file"))?;
+        let number = COUNT.fetch_add(1, Ordering::Relaxed);
+        let temporary = target.with_file_name(format!(".{}.{}-{number}.tmp", name.display(), std::process::id()));
+        let file = OpenOptions::new().write(true).create_new(true).open(&temporary)?;
+        Ok(Self { writer: BufWriter::with_capacity(1 << 16, file), temporary, target, committed: false })
+    }
+
+    /// Puts the file under its name, after its bytes have reached the disk.
+    pub fn commit(mut self) -> io::Result<()> {
+        self.writer.flush()?;
+        self.writer.get_ref().sync_all()?;
+        fs::rename(&self.temporary, &self.target)?;
+        self.committed = true;
+        Ok(())
+    }
+}
+
+impl Write for NewFile {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.writer.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.writer.flush()
+    }
+}
+
+impl Drop for NewFile {
+    fn drop(&mut self) {
+        if !self.committed {
+            // Nothing more can be done if even that fails; the target is whole either way.
+            let _ = fs::remove_file(&self.temporary);
+        }
+    }
+}

@@ -1,0 +1,124 @@
+//! Shapes cover as many pixels as their areas say.
+
+use physcore_canvas::{Canvas, Disc, Line, Painting};
+use proptest::prelude::*;
+
+const SIDE: usize = 64;
+const WHITE: [u8; 4] = [255; 4];
+
+fn black() -> Canvas {
+    Canvas::new(SIDE, SIDE, [0; 3]).expect("a valid size")
+}
+
+/// Sum of the coverages of all pixels.
+fn covered(canvas: &Canvas) -> f64 {
+    canvas.pixels().iter().map(|pixel| f64::from(pixel[0]) / 255.0).sum()
+}
+
+/// The ramp is Lipschitz with constant 1 and not constant only in a band one pixel wide along the perimeter p. Sampling it at
+/// pixel centers is the midpoint rule, whose error per pixel of the band is at most the mean distance to the pixel's center,
+/// 0.383; the errors of about p + 4 pixels have varying signs, so that they add up like their root. Rounding to 1/256 adds at
+/// most 1/256 for each of the band's pixels.
+fn sampling_error(perimeter: f64) -> f64 {
+    let pixels = perimeter + 4.0;
+    0.383 * pixels.sqrt() + pixels / 256.0
+}
+
+proptest! {
+    #[test]
+    fn a_disc_covers_its_area(x in 20.0..40.0_f32, y in 20.0..40.0_f32, radius in 0.05..15.0_f32) {
+        let mut canvas = black();
+        canvas.disc(Disc { center: [x, y], radius, color: WHITE, shading: 0.0 });
+        let (r, pi) = (f64::from(radius), std::f64::consts::PI);
+        let error = (covered(&canvas) - pi * r * r).abs();
+        prop_assert!(error < sampling_error(2.0 * pi * r).min(0.35 * pi * r * r + 0.05), "{error}");
+    }
+
+    #[test]
+    fn a_line_covers_its_length_times_its_width(
+        from in [15.0..45.0_f32, 15.0..45.0_f32], to in [15.0..45.0_f32, 15.0..45.0_f32], width in 0.1..8.0_f32,
+    ) {
+        let mut canvas = black();
+        canvas.line(Line { from, to, width, color: WHITE });
+        let length = f64::from((to[0] - from[0]).hypot(to[1] - from[1]));
+        // The two round ends make a disc of the drawn half width h, of which the ramp gives π(h² + 1/12).
+        let (w, half) = (f64::from(width), f64::from(width.max(1.0)) / 2.0);
+        let ends = std::f64::consts::PI * (half * half + 1.0 / 12.0) * w.min(1.0);
+        let error = (covered(&canvas) - (w * length + ends)).abs();
+        prop_assert!(error < sampling_error(2.0 * length + 7.0 * half), "{error}");
+    }
+
+    #[test]
+    fn a_triangle_covers_its_area(
+        a in [15.0..45.0_f32, 15.0..45.0_f32], b in [15.0..45.0_f32, 15.0..45.0_f32], c in [15.0..45.0_f32, 15.0..45.0_f32],
+    ) {
+        let mut canvas = black();
+        canvas.polygon(&[a, b, c], WHITE);
+        let doubled = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+        let side = |p: [f32; 2], q: [f32; 2]| f64::from((p[0] - q[0]).hypot(p[1] - q[1]));
+        let perimeter = side(a, b) + side(b, c) + side(c, a);
+        let error = (covered(&canvas) - f64::from(doubled.abs()) / 2.0).abs();
+        // The ramp lies half outside each side, and in a corner of angle α the outer halves meet: at most a half pixel each way,
+        // so that a very flat triangle may gain up to a quarter of its perimeter (both sides' half ramps, of area 1/8 each).
+        prop_assert!(error < sampling_error(perimeter) + perimeter / 4.0, "{error}");
+    }
+
+    #[test]
+    fn nothing_panics_and_nothing_leaves_the_clip(values in prop::collection::vec(prop::num::f32::ANY, 6)) {
+        let mut canvas = black();
+        canvas.clip(10, 20, 30, 40);
+        let ends = ([values[0], values[1]], [values[2], values[3]]);
+        canvas.line(Line { from: ends.0, to: ends.1, width: values[4], color: WHITE });
+        canvas.disc(Disc { center: ends.0, radius: values[4].abs().min(1e4), color: WHITE, shading: values[5] });
+        canvas.polygon(&[ends.0, ends.1, [values[4], values[5]]], WHITE);
+        for (index, pixel) in canvas.pixels().iter().enumerate() {
+            let inside = (10..30).contains(&(index % SIDE)) && (20..40).contains(&(index / SIDE));
+            prop_assert!(inside || pixel[0] == 0);
+        }
+    }
+}
+
+#[test]
+fn a_disc_is_the_same_in_all_eight_orientations() {
+    let mut canvas = black();
+    canvas.disc(Disc { center: [32.0, 32.0], radius: 9.3, color: WHITE, shading: 0.0 });
+    let at = |x: usize, y: usize| canvas.pixels()[y * SIDE + x][0];
+    for x in 0..SIDE {
+        for y in 0..SIDE {
+            assert_eq!(at(x, y), at(y, x));
+            assert_eq!(at(x, y), at(SIDE - 1 - x, y));
+        }
+    }
+}
+
+#[test]
+fn the_near_hides_the_far_whatever_was_added_first() {
+    let disc = |color| Disc { center: [32.0, 32.0], radius: 5.0, color, shading: 0.0 };
+    let (red, green) = ([255, 0, 0, 255], [0, 255, 0, 255]);
+    for (first, second, front) in [(1.0, 2.0, red), (2.0, 1.0, green), (1.0, 1.0, green)] {
+        let (mut painting, mut canvas) = (Painting::default(), black());
+        painting.disc(disc(red), first);
+        painting.disc(disc(green), second);
+        painting.paint(&mut canvas);
+        assert_eq!(canvas.pixels()[32 * SIDE + 32][..3], front[..3]);
+    }
+}
+
+#[test]
+fn a_canvas_goes_back_to_what_was_kept() {
+    let mut canvas = black();
+    canvas.polygon(&[[0.0, 40.0], [64.0, 40.0], [64.0, 64.0], [0.0, 64.0]], [90, 90, 90, 255]);
+    canvas.keep();
+    let kept = canvas.pixels().to_vec();
+    canvas.disc(Disc { center: [32.0, 40.0], radius: 8.0, color: WHITE, shading: 0.5 });
+    assert_ne!(canvas.pixels(), kept);
+    canvas.clear();
+    assert_eq!(canvas.pixels(), kept);
+}
+
+#[test]
+fn a_canvas_without_pixels_is_refused() {
+    for (width, height) in [(0, 10), (10, 0), (65_536, 10)] {
+        assert!(Canvas::new(width, height, [0; 3]).is_err());
+    }
+}

@@ -1,0 +1,1 @@
+//! Boundaries, one file each. To add one: write its file, and add its line to [`build`].

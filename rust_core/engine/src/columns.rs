@@ -1,0 +1,132 @@
+//! One vector per particle, as one array per component: the form of all bulk data.
+
+use crate::math::{AXES, Real, Vector};
+use crate::simd::padded;
+
+/// One vector per particle, stored as one array per axis. The arrays are padded with zeros to whole groups of lanes.
+#[derive(Debug, Clone, Default)]
+pub struct Columns<V: Vector> {
+    axes: Vec<Vec<V::Scalar>>,
+    count: usize,
+}
+
+impl<V: Vector> Columns<V> {
+    /// `count` zero vectors.
+    pub fn zeros(count: usize) -> Self {
+        Self { axes: vec![vec![V::Scalar::ZERO; padded(count)]; V::DIMENSION], count }
+    }
+
+    /// The vectors that `each` gives for every particle.
+    pub fn from_fn(count: usize, each: impl Fn(usize) -> V) -> Self {
+        let mut columns = Self::zeros(count);
+        (0..count).for_each(|index| columns.set(index, each(index)));
+        columns
+    }
+
+    /// The number of vectors.
+    pub fn count(&self) -> usize {
+        self.count
+    }
+
+    /// One vector.
+    pub fn get(&self, index: usize) -> V {
+        V::from_axes(|axis| self.axes[axis][index])
+    }
+
+    /// Writes one vector.
+    pub fn set(&mut self, index: usize, value: V) {
+        for axis in 0..V::DIMENSION {
+            self.axes[axis][index] = value.axis(axis);
+        }
+    }
+
+    /// Copies all vectors of `other`, which has as many.
+    pub fn copy_from(&mut self, other: &Self) {
+        for (mine, theirs) in self.axes.iter_mut().zip(&other.axes) {
+            mine.copy_from_slice(theirs);
+        }
+    }
+
+    /// The components along one axis, padding included.
+    #[inline(always)]
+    pub fn axis(&self, axis: usize) -> &[V::Scalar] {
+        &self.axes[axis]
+    }
+
+    /// All of it, to write.
+    pub fn span(&mut self) -> Span<'_, V> {
+        let mut arrays = self.axes.iter_mut();
+        Span { axes: std::array::from_fn(|_| arrays.next().map_or(&mut [][..], Vec::as_mut_slice)) }
+    }
+
+    /// The memory that the arrays take [bytes].
+    pub fn bytes(&self) -> usize {
+        self.axes.iter().map(|axis| std::mem::size_of_val(axis.as_slice())).sum()
+    }
+}
+
+/// A range of columns, to write: one slice per axis, padding included.
+#[derive(Debug)]
+pub struct Span<'a, V: Vector> {
+    /// The components along each axis; those past the dimension are empty.
+    pub axes: [&'a mut [V::Scalar]; AXES],
+}
+
+impl<V: Vector> Span<'_, V> {
+    /// A span without particles.
+    pub fn empty() -> Self {
+        Self { axes: std::array::from_fn(|_| &mut [][..]) }
+    }
+
+    /// Its length along every axis, padding included.
+    #[inline(always)]
+    pub fn len(&self) -> usize {
+        self.axes[0].len()
+    }
+
+    /// Whether there is nothing in it.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The first `length` particles, and the others. A span that is empty from the start stays so on both sides.
+    #[must_use]
+    pub fn split_at(mut self, length: usize) -> (Self, Self) {
+        let others = std::array::from_fn(|axis| {
+            let whole = std::mem::take(&mut self.axes[axis]);
+            let (first, others) = whole.split_at_mut(length.min(whole.len()));
+            self.axes[axis] = first;
+            others
+        });
+        (self, Self { axes: others })
+    }
+
+    /// A shorter borrow of the same span.
+    #[inline(always)]
+    pub fn reborrow(&mut self) -> Span<'_, V> {
+        Span { axes: self.axes.each_mut().map(|axis| &mut **axis) }
+    }
+
+    /// One vector.
+    #[inline(always)]
+    pub fn get(&self, index: usize) -> V {
+        V::from_axes(|axis| self.axes[axis][index])
+    }
+
+    /// Writes one vector.
+    #[inline(always)]
+    pub fn set(&mut self, index: usize, value: V) {
+        for axis in 0..V::DIMENSION {
+            self.axes[axis][index] = value.axis(axis);
+        }
+    }
+
+    /// Copies a range of columns of the span's own length.
+    pub fn copy_from(&mut self, columns: &Columns<V>, start: usize) {
+        for axis in 0..V::DIMENSION {
+            let slice = &mut *self.axes[axis];
+            slice.copy_from_slice(&columns.axis(axis)[start..start + slice.len()]);
+        }
+    }
+}
+

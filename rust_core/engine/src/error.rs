@@ -1,0 +1,76 @@
+//! What can go wrong, typed: every variant carries what a user needs in order to mend it.
+
+/// The result of everything in this crate that can fail.
+pub type Result<T> = std::result::Result<T, Error>;
+
+/// An error of the engine.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum Error {
+    /// A parameter of the scene or of the numerics is not acceptable.
+    #[error("{path}: expected {expected}, got {found}{}", hint_text(hint))]
+    Parameter {
+        /// Where the parameter stands, as in `forces[2].stiffness`.
+        path: String,
+        /// What is acceptable.
+        expected: String,
+        /// What was there.
+        found: String,
+        /// What to do about it; empty where that is plain.
+        hint: String,
+    },
+    /// The run left what its numerics can follow; the simulation stands at the last good step.
+    #[error(transparent)]
+    Diverged(Box<Divergence>),
+    /// The caller asked for the run to stop; the simulation stands at a whole step.
+    #[error("interrupted")]
+    Interrupted,
+    /// A function that the user supplied failed; the simulation stands at a whole step.
+    #[error("{path}: {message}")]
+    Callback {
+        /// Which force called it, as in `forces[2].function`.
+        path: String,
+        /// What it said.
+        message: String,
+    },
+    /// A captured state does not belong to this simulation.
+    #[error("state: {0}")]
+    State(String),
+}
+
+fn hint_text(hint: &str) -> String {
+    if hint.is_empty() { String::new() } else { format!(" ({hint})") }
+}
+
+impl Error {
+    /// A parameter at `path` should have been `expected` but was `found`.
+    pub fn parameter(path: impl Into<String>, expected: impl Into<String>, found: impl ToString) -> Self {
+        Self::Parameter { path: path.into(), expected: expected.into(), found: found.to_string(), hint: String::new() }
+    }
+
+    /// The same error with advice added to it, where it is about a parameter.
+    #[must_use]
+    pub fn with_hint(mut self, advice: impl Into<String>) -> Self {
+        if let Self::Parameter { hint, .. } = &mut self {
+            *hint = advice.into();
+        }
+        self
+    }
+}
+
+/// Where and how a run diverged.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("step {step} (t = {time} s): {quantity} of particle {particle} {cause}; {hint}")]
+pub struct Divergence {
+    /// The step that failed, counted from 1.
+    pub step: u64,
+    /// The time at the end of that step [s].
+    pub time: f64,
+    /// The particle that shows it most, in the caller's order.
+    pub particle: usize,
+    /// What is wrong: `position`, `velocity` or `energy`.
+    pub quantity: &'static str,
+    /// Why it counts as diverged.
+    pub cause: String,
+    /// What to do.
+    pub hint: String,
+}

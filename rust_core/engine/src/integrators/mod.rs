@@ -1,0 +1,82 @@
+//! Integrators, one file each. To add one: write its file, and add its line to [`with_integrator`].
+//!
+//! An integrator treats every component of every particle alike, so it is written for one number x with its velocity v.
+//! A step is a sequence of stages: [`Integrator::point`] moves x and v to where the forces are wanted, and
+//! [`Integrator::absorb`] takes in the acceleration found there. The drivers in [`crate::systems`] decide whether a stage
+//! sweeps over all particles, or a block of independent particles runs through many steps.
+
+use crate::math::Real;
+use crate::matter::MEMORY;
+
+mod explicit_euler;
+mod pefrl;
+mod runge_kutta_4;
+mod semi_implicit_euler;
+mod velocity_verlet;
+
+pub use explicit_euler::ExplicitEuler;
+pub use pefrl::Pefrl;
+pub use runge_kutta_4::RungeKutta4;
+pub use semi_implicit_euler::SemiImplicitEuler;
+pub use velocity_verlet::VelocityVerlet;
+
+/// One component of one particle, on its way through a step.
+#[derive(Debug, Clone, Copy)]
+pub struct Register<T> {
+    /// Position: at a step's end the state, at a stage the point where the forces are wanted.
+    pub x: T,
+    /// Velocity, likewise.
+    pub v: T,
+    /// What is kept between the stages and, the first [`Integrator::CARRIED`] of them, from step to step.
+    pub memory: [T; MEMORY],
+}
+
+/// A way to advance x'' = a(x, v, t) by steps of h.
+pub trait Integrator: Send + Sync + 'static {
+    /// The class's name in Python.
+    const NAME: &'static str;
+    /// The order of convergence without velocity-dependent forces.
+    const ORDER: u32;
+    /// The order with dissipation.
+    const ORDER_DISSIPATIVE: u32;
+    /// Where in the step each stage asks for the forces, as fractions of h. Their number is that of the evaluations.
+    const NODES: &'static [f64];
+    /// The weights with which the powers at the stages are integrated over the step.
+    const WEIGHTS: &'static [f64];
+    /// The weight of the power at the last stage of the step before, where the method reuses that evaluation.
+    const LAST_WEIGHT: f64 = 0.0;
+    /// How many of the registers' memories it uses.
+    const MEMORY: usize = 0;
+    /// How many of those it carries from one step to the next.
+    const CARRIED: usize = 0;
+
+    /// The largest stable ω·h on x'' = −ω²x − 2ξωx' for the damping ratio ξ; 0 where no step is stable.
+    fn limit(damping_ratio: f64) -> f64;
+
+    /// Fills the carried memory from the acceleration `a` at the initial state.
+    fn begin<T: Real>(_register: &mut Register<T>, _a: T) {}
+
+    /// Moves to where stage `stage` asks for the forces.
+    fn point<T: Real>(stage: usize, register: &mut Register<T>, h: T);
+
+    /// Takes in the acceleration found there; after the last stage x and v are the state at the step's end.
+    fn absorb<T: Real>(stage: usize, register: &mut Register<T>, a: T, h: T);
+}
+
+/// The registry: binds `$I` to the integrator called `$name` and evaluates `$body`, or `$otherwise` if there is none.
+macro_rules! with_integrator {
+    ($name:expr, $I:ident => $body:expr, $otherwise:expr) => {
+        $crate::integrators::with_integrator!(@ $name, $I, $body, $otherwise;
+            ExplicitEuler, SemiImplicitEuler, VelocityVerlet, RungeKutta4, Pefrl)
+    };
+    (@ $name:expr, $I:ident, $body:expr, $otherwise:expr; $($integrator:ident),+) => {
+        match $name {
+            $(name if name == <$crate::integrators::$integrator as $crate::integrators::Integrator>::NAME => {
+                type $I = $crate::integrators::$integrator;
+                $body
+            })+
+            _ => $otherwise,
+        }
+    };
+}
+pub(crate) use with_integrator;

@@ -1,0 +1,34 @@
+//! Semi-implicit (symplectic) Euler, order 1: kick, then drift. Its energy error is large but bounded.
+//!
+//! Source: E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, 2nd ed. (2006), sec. I.1.2.
+
+use super::{Integrator, Register};
+use crate::math::Real;
+
+/// v ← v + h a(x, v), x ← x + h v, with the new velocity.
+#[derive(Debug)]
+pub struct SemiImplicitEuler;
+
+impl Integrator for SemiImplicitEuler {
+    const NAME: &'static str = "SemiImplicitEuler";
+    const ORDER: u32 = 1;
+    const ORDER_DISSIPATIVE: u32 = 1;
+    const NODES: &'static [f64] = &[0.0];
+    const WEIGHTS: &'static [f64] = &[1.0];
+
+    /// With y = ωh the step maps (x, hv) by a matrix of trace 2 − 2ξy − y² and determinant 1 − 2ξy. A real quadratic
+    /// g² − tr g + det has both roots in the unit disc if |det| ≤ 1 and |tr| ≤ 1 + det (Jury). 1 + det + tr ≥ 0 gives
+    /// y² + 4ξy − 4 ≤ 0, so y ≤ 2(√(ξ² + 1) − ξ); the other conditions (ξy ≤ 1, y² ≥ 0) are weaker.
+    fn limit(damping_ratio: f64) -> f64 {
+        2.0 / ((damping_ratio * damping_ratio + 1.0).sqrt() + damping_ratio)
+    }
+
+    #[inline(always)]
+    fn point<T: Real>(_stage: usize, _register: &mut Register<T>, _h: T) {}
+
+    #[inline(always)]
+    fn absorb<T: Real>(_stage: usize, register: &mut Register<T>, a: T, h: T) {
+        register.v += h * a;
+        register.x += h * register.v;
+    }
+}

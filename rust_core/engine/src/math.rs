@@ -1,0 +1,170 @@
+//! Precision and dimension: the only file that names f32 or f64, two or three dimensions.
+//!
+//! Everything else is written once over [`Real`] and [`Vector`]. The vectors themselves are glam's; bulk state is one
+//! array per component ([`crate::matter::Columns`]), six times as fast as an array of vectors.
+
+use std::cell::RefCell;
+use std::fmt::Debug;
+use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
+
+use glam::{DVec2, DVec3, Vec2, Vec3};
+
+/// A floating-point number: f32 or f64.
+pub trait Real:
+    Copy
+    + Default
+    + Debug
+    + PartialEq
+    + PartialOrd
+    + Send
+    + Sync
+    + 'static
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+    + AddAssign
+    + SubAssign
+    + MulAssign
+{
+    /// 0.
+    const ZERO: Self;
+    /// 1.
+    const ONE: Self;
+    /// The distance from 1 to the next number.
+    const EPSILON: f64;
+    /// The name that users know it by.
+    const NAME: &'static str;
+
+    /// The nearest number to `value`.
+    fn from_f64(value: f64) -> Self;
+    /// The same number in double precision.
+    fn to_f64(self) -> f64;
+    /// The correctly rounded square root.
+    fn sqrt(self) -> Self;
+    /// Whether this is neither infinite nor NaN.
+    fn is_finite(self) -> bool;
+    /// Lends the calling thread's scratch memory of at least `length` numbers, holding anything.
+    fn with_scratch<R>(length: usize, work: impl FnOnce(&mut [Self]) -> R) -> R;
+}
+
+macro_rules! real {
+    ($number:ident, $scratch:ident) => {
+        thread_local! {
+            static $scratch: RefCell<Vec<$number>> = const { RefCell::new(Vec::new()) };
+        }
+
+        impl Real for $number {
+            const ZERO: Self = 0.0;
+            const ONE: Self = 1.0;
+            const EPSILON: f64 = $number::EPSILON as f64;
+            const NAME: &'static str = stringify!($number);
+
+            #[inline(always)]
+            #[allow(clippy::cast_lossless)]
+            fn from_f64(value: f64) -> Self {
+                value as $number
+            }
+
+            #[inline(always)]
+            #[allow(clippy::cast_lossless)]
+            fn to_f64(self) -> f64 {
+                self as f64
+            }
+
+            #[inline(always)]
+            fn sqrt(self) -> Self {
+                $number::sqrt(self)
+            }
+
+            #[inline(always)]
+            fn is_finite(self) -> bool {
+                $number::is_finite(self)
+            }
+
+            fn with_scratch<R>(length: usize, work: impl FnOnce(&mut [Self]) -> R) -> R {
+                // Taken out while lent, so that a nested loan gets memory of its own instead of a panic.
+                let mut memory = $scratch.with(RefCell::take);
+                if memory.len() < length {
+                    memory.resize(length, 0.0);
+                }
+                let result = work(&mut memory[..length]);
+                $scratch.with(|slot| *slot.borrow_mut() = memory);
+                result
+            }
+        }
+    };
+}
+
+real!(f32, SCRATCH_F32);
+real!(f64, SCRATCH_F64);
+
+/// The most axes that a vector has. What is kept per axis is kept for this many; those past the dimension stay empty.
+pub const AXES: usize = 3;
+
+/// A vector in two or three dimensions: the value type of geometry and parameters.
+pub trait Vector:
+    Copy
+    + Default
+    + Debug
+    + PartialEq
+    + Send
+    + Sync
+    + 'static
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Neg<Output = Self>
+    + Mul<Self::Scalar, Output = Self>
+    + AddAssign
+    + SubAssign
+{
+    /// The type of its components.
+    type Scalar: Real;
+    /// The number of axes.
+    const DIMENSION: usize;
+
+    /// The vector whose components `each` gives.
+    fn from_axes(each: impl FnMut(usize) -> Self::Scalar) -> Self;
+    /// One component.
+    fn axis(self, axis: usize) -> Self::Scalar;
+    /// The vector in double precision and three dimensions; the third component of a 2D vector is 0.
+    fn widen(self) -> DVec3;
+    /// The nearest vector to `value`; in 2D its third component is left out.
+    fn narrow(value: DVec3) -> Self {
+        let components = value.to_array();
+        Self::from_axes(|axis| Self::Scalar::from_f64(components[axis]))
+    }
+}
+
+macro_rules! vector {
+    ($vector:ident, $number:ident, $dimension:literal) => {
+        impl Vector for $vector {
+            type Scalar = $number;
+            const DIMENSION: usize = $dimension;
+
+            #[inline(always)]
+            fn from_axes(each: impl FnMut(usize) -> $number) -> Self {
+                Self::from_array(std::array::from_fn(each))
+            }
+
+            #[inline(always)]
+            fn axis(self, axis: usize) -> $number {
+                self[axis]
+            }
+
+            fn widen(self) -> DVec3 {
+                let mut wide = [0.0; 3];
+                for (axis, component) in self.to_array().into_iter().enumerate() {
+                    wide[axis] = component.to_f64();
+                }
+                DVec3::from_array(wide)
+            }
+        }
+    };
+}
+
+vector!(Vec2, f32, 2);
+vector!(Vec3, f32, 3);
+vector!(DVec2, f64, 2);
+vector!(DVec3, f64, 3);

@@ -1,0 +1,174 @@
+//! The state of everything Lagrangian, cut into fixed blocks.
+
+use std::ops::Range;
+
+use glam::DVec3;
+
+pub use crate::columns::{Columns, Span};
+use crate::math::Vector;
+pub use crate::meter::{CHANNELS, Channel, Meter, Power};
+use crate::parallel::Split;
+
+/// What never changes while a simulation runs.
+#[derive(Debug, Clone)]
+pub struct Properties<V: Vector> {
+    /// 1/m [1/kg], 0 for a fixed particle; padded with zeros to whole groups of lanes.
+    pub inverse_mass: Vec<V::Scalar>,
+    /// Mass m [kg], infinite for a fixed particle.
+    pub mass: Vec<f64>,
+    /// Charge [C].
+    pub charge: Vec<f64>,
+    /// Radius [m].
+    pub radius: Vec<f64>,
+    /// The body that each particle belongs to.
+    pub body: Vec<u32>,
+    /// The place of each particle in the caller's order.
+    pub caller: Vec<u32>,
+    /// The point that positions are relative to [m]; the third component is 0 in 2D.
+    pub origin: DVec3,
+}
+
+impl<V: Vector> Properties<V> {
+    /// The number of particles.
+    pub fn count(&self) -> usize {
+        self.mass.len()
+    }
+
+    /// Whether a particle keeps its velocity whatever acts on it.
+    pub fn is_fixed(&self, index: usize) -> bool {
+        self.mass[index].is_infinite()
+    }
+}
+
+/// The state of everything Lagrangian.
+#[derive(Debug, Clone)]
+pub struct Matter<V: Vector> {
+    /// Positions relative to the origin [m].
+    pub position: Columns<V>,
+    /// Velocities [m/s].
+    pub velocity: Columns<V>,
+    /// What the integrator remembers from step to step or keeps between its stages.
+    pub memory: Vec<Columns<V>>,
+    /// The energy that has left and entered, one meter per block.
+    pub meters: Vec<Meter>,
+    /// The number of particles in a block.
+    pub block: usize,
+}
+
+impl<V: Vector> Matter<V> {
+    /// Matter at rest at the origin.
+    pub fn zeros(count: usize, memory: usize, block: usize) -> Self {
+        Self {
+            position: Columns::zeros(count),
+            velocity: Columns::zeros(count),
+            memory: vec![Columns::zeros(count); memory],
+            meters: vec![Meter::ZERO; count.div_ceil(block)],
+            block,
+        }
+    }
+
+    /// The number of particles.
+    pub fn count(&self) -> usize {
+        self.position.count()
+    }
+
+    /// Copies the state of `other`, which has the same shape.
+    pub fn copy_from(&mut self, other: &Self) {
+        self.position.copy_from(&other.position);
+        self.velocity.copy_from(&other.velocity);
+        for (mine, theirs) in self.memory.iter_mut().zip(&other.memory) {
+            mine.copy_from(theirs);
+        }
+        self.meters.copy_from_slice(&other.meters);
+    }
+
+    /// The energy that has passed through one channel so far [J], summed block by block.
+    pub fn metered(&self, channel: Channel) -> f64 {
+        self.meters.iter().map(|meter| meter.total(channel)).sum()
+    }
+
+    /// The memory that it takes [bytes].
+    pub fn bytes(&self) -> usize {
+        let memory: usize = self.memory.iter().map(Columns::bytes).sum();
+        self.position.bytes() + self.velocity.bytes() + memory + std::mem::size_of_val(self.meters.as_slice())
+    }
+
+    /// All blocks, to write.
+    pub fn blocks(&mut self) -> Blocks<'_, V> {
+        let mut memory = self.memory.iter_mut();
+        Blocks {
+            start: 0,
+            count: self.position.count(),
+            size: self.block,
+            position: self.position.span(),
+            velocity: self.velocity.span(),
+            memory: std::array::from_fn(|_| memory.next().map_or_else(Span::empty, Columns::span)),
+            meters: &mut self.meters,
+        }
+    }
+}
+
+/// The most vectors per particle that an integrator may remember.
+pub const MEMORY: usize = 4;
+
+/// Consecutive blocks of matter, to write.
+#[derive(Debug)]
+pub struct Blocks<'a, V: Vector> {
+    /// The index of the first particle.
+    pub start: usize,
+    /// The number of particles, without the padding.
+    pub count: usize,
+    size: usize,
+    /// Positions relative to the origin [m].
+    pub position: Span<'a, V>,
+    /// Velocities [m/s].
+    pub velocity: Span<'a, V>,
+    /// What the integrator remembers.
+    pub memory: [Span<'a, V>; MEMORY],
+    /// One meter per block.
+    pub meters: &'a mut [Meter],
+}
+
+impl<V: Vector> Blocks<'_, V> {
+    /// The particles, padding included.
+    #[inline(always)]
+    pub fn range(&self) -> Range<usize> {
+        self.start..self.start + self.position.len()
+    }
+}
+
+impl<V: Vector> Split for Blocks<'_, V> {
+    fn blocks(&self) -> usize {
+        self.meters.len()
+    }
+
+    fn split_at(self, blocks: usize) -> (Self, Self) {
+        let length = (blocks * self.size).min(self.position.len());
+        let count = length.min(self.count);
+        let (position, other_position) = self.position.split_at(length);
+        let (velocity, other_velocity) = self.velocity.split_at(length);
+        let (meters, other_meters) = self.meters.split_at_mut(blocks);
+        let mut others: [Span<'_, V>; MEMORY] = std::array::from_fn(|_| Span::empty());
+        let memory = {
+            let mut other = others.iter_mut();
+            self.memory.map(|span| {
+                let (first, rest) = span.split_at(length);
+                if let Some(place) = other.next() {
+                    *place = rest;
+                }
+                first
+            })
+        };
+        let first = Self { start: self.start, count, size: self.size, position, velocity, memory, meters };
+        let rest = Self {
+            start: self.start + length,
+            count: self.count - count,
+            size: self.size,
+            position: other_position,
+            velocity: other_velocity,
+            memory: others,
+            meters: other_meters,
+        };
+        (first, rest)
+    }
+}

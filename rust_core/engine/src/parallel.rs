@@ -1,0 +1,149 @@
+//! Threads: the only file that names rayon.
+//!
+//! Work is cut along fixed blocks by recursion, and each half owns what it writes; so neither locks nor unsafe code are
+//! needed, and the bits cannot depend on who ran what. A long job runs inside the pool while the calling thread waits
+//! and asks now and then whether to stop; a short one runs on the calling thread.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Condvar, Mutex, PoisonError};
+use std::time::Duration;
+
+use crate::error::{Error, Result};
+
+/// How often a long job asks whether to stop.
+const POLL: Duration = Duration::from_millis(20);
+
+/// Work that can be cut in two between blocks.
+pub trait Split: Sized + Send {
+    /// The number of blocks.
+    fn blocks(&self) -> usize;
+    /// The first `blocks` blocks, and the others.
+    fn split_at(self, blocks: usize) -> (Self, Self);
+}
+
+/// What a running job knows of its team.
+#[derive(Debug)]
+pub struct Crew {
+    threads: usize,
+    stop: AtomicBool,
+}
+
+impl Crew {
+    /// A crew of the calling thread alone.
+    pub fn alone() -> Self {
+        Self { threads: 1, stop: AtomicBool::new(false) }
+    }
+
+    /// Whether the job was asked to end early; the state that it leaves behind is then thrown away.
+    #[inline]
+    pub fn stopped(&self) -> bool {
+        self.stop.load(Ordering::Relaxed)
+    }
+
+    /// Runs `each` on every block, in any order.
+    pub fn sweep<W: Split>(&self, work: W, each: &(impl Fn(W) + Sync)) {
+        if self.threads > 1 && work.blocks() > 1 {
+            let half = work.blocks() / 2;
+            let (left, right) = work.split_at(half);
+            rayon::join(|| self.sweep(left, each), || self.sweep(right, each));
+        } else {
+            let mut rest = work;
+            while rest.blocks() > 1 && !self.stopped() {
+                let (block, others) = rest.split_at(1);
+                each(block);
+                rest = others;
+            }
+            if rest.blocks() > 0 && !self.stopped() {
+                each(rest);
+            }
+        }
+    }
+}
+
+/// A team of threads of the simulation's own.
+#[derive(Debug)]
+pub struct Team {
+    threads: usize,
+    pool: Option<rayon::ThreadPool>,
+    process: u32,
+}
+
+impl Team {
+    /// A team of `threads` threads. They start with the first job that needs them.
+    pub fn new(threads: usize) -> Self {
+        Self { threads, pool: None, process: std::process::id() }
+    }
+
+    /// The number of threads to use where the user gave none: `PHYSCORE_NUM_THREADS`, or all that this process may use.
+    pub fn default_threads() -> Result<usize> {
+        match std::env::var("PHYSCORE_NUM_THREADS") {
+            Ok(text) => match text.parse() {
+                Ok(threads) if threads >= 1 => Ok(threads),
+                _ => Err(Error::parameter("PHYSCORE_NUM_THREADS", "a whole number ≥ 1", format!("{text:?}"))),
+            },
+            Err(_) => Ok(std::thread::available_parallelism().map_or(1, std::num::NonZero::get)),
+        }
+    }
+
+    /// The number of threads.
+    pub fn threads(&self) -> usize {
+        self.threads
+    }
+
+    /// Runs a short job on the calling thread alone.
+    pub fn run_here(job: impl FnOnce(&Crew)) {
+        job(&Crew::alone());
+    }
+
+    /// Runs a long job in the pool, asking `interrupted` every 20 ms whether to stop.
+    ///
+    /// # Errors
+    /// [`Error::Interrupted`] if it was stopped: the job has then ended early.
+    pub fn run(&mut self, interrupted: &dyn Fn() -> bool, job: impl FnOnce(&Crew) + Send) -> Result<()> {
+        let crew = Crew { threads: self.threads, stop: AtomicBool::new(false) };
+        let Some(pool) = self.pool() else {
+            job(&Crew::alone());
+            return Ok(());
+        };
+        let (ended, bell) = (Mutex::new(false), Condvar::new());
+        pool.in_place_scope(|scope| {
+            scope.spawn(|_| {
+                // Set on the way out of a panic too, so that the wait below ends and the scope passes the panic on.
+                let _ended = RingWhenDropped(&ended, &bell);
+                job(&crew);
+            });
+            let mut guard = ended.lock().unwrap_or_else(PoisonError::into_inner);
+            while !*guard {
+                let (next, wait) = bell.wait_timeout(guard, POLL).unwrap_or_else(PoisonError::into_inner);
+                guard = next;
+                if wait.timed_out() && !*guard && interrupted() {
+                    crew.stop.store(true, Ordering::Relaxed);
+                }
+            }
+        });
+        if crew.stopped() { Err(Error::Interrupted) } else { Ok(()) }
+    }
+
+    /// The pool; built anew after a fork, whose child has none of its threads. The parent's is left alone there,
+    /// because dropping it would wait for them for ever. None where the system gives no threads.
+    fn pool(&mut self) -> Option<&rayon::ThreadPool> {
+        if self.process != std::process::id() {
+            std::mem::forget(self.pool.take());
+            self.process = std::process::id();
+        }
+        if self.pool.is_none() {
+            let builder = rayon::ThreadPoolBuilder::new().num_threads(self.threads);
+            self.pool = builder.thread_name(|index| format!("physcore-{index}")).build().ok();
+        }
+        self.pool.as_ref()
+    }
+}
+
+struct RingWhenDropped<'a>(&'a Mutex<bool>, &'a Condvar);
+
+impl Drop for RingWhenDropped<'_> {
+    fn drop(&mut self) {
+        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = true;
+        self.1.notify_one();
+    }
+}

@@ -1,0 +1,106 @@
+//! SIMD, chosen at run time: one wheel for every CPU.
+//!
+//! A kernel is a plain loop over fixed lanes. [`dispatch`] runs it inside a function compiled for the best level that
+//! this CPU has, so that the compiler vectorises the same source several times; scalar is one of the levels. No level
+//! changes the bits: nothing here reassociates, contracts or estimates. This folder is the only place where `unsafe`
+//! is allowed: for calling such a function after the CPU was asked, and for the gathers whose indices were checked once.
+#![allow(unsafe_code)]
+
+use std::sync::OnceLock;
+
+mod gather;
+
+pub use gather::Gather;
+
+/// The width of every fixed-lane loop: one AVX-512 register of f32, two of f64.
+pub const LANES: usize = 16;
+
+/// One number for every lane.
+pub type Lanes<T> = [T; LANES];
+
+/// `count` rounded up to whole groups of lanes: columns are this long, so that no kernel has a remainder.
+pub const fn padded(count: usize) -> usize {
+    count.div_ceil(LANES) * LANES
+}
+
+/// A set of vector instructions.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Level {
+    /// What every CPU of the target has.
+    Scalar,
+    /// AVX2.
+    Avx2,
+    /// AVX-512 F, VL, DQ and BW.
+    Avx512,
+}
+
+impl Level {
+    /// The name that `PHYSCORE_SIMD` and the plan use.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Scalar => "scalar",
+            Self::Avx2 => "avx2",
+            Self::Avx512 => "avx512",
+        }
+    }
+
+    /// The best level of this CPU.
+    fn detect() -> Self {
+        #[cfg(target_arch = "x86_64")]
+        {
+            let avx512 = is_x86_feature_detected!("avx512f")
+                && is_x86_feature_detected!("avx512vl")
+                && is_x86_feature_detected!("avx512dq")
+                && is_x86_feature_detected!("avx512bw");
+            if avx512 {
+                return Self::Avx512;
+            }
+            if is_x86_feature_detected!("avx2") {
+                return Self::Avx2;
+            }
+        }
+        Self::Scalar
+    }
+
+    /// The level in use: that of the CPU, or a lower one that the environment variable `PHYSCORE_SIMD` asks for.
+    pub fn current() -> Self {
+        static LEVEL: OnceLock<Level> = OnceLock::new();
+        *LEVEL.get_or_init(|| {
+            let best = Self::detect();
+            let wanted = std::env::var("PHYSCORE_SIMD").unwrap_or_default();
+            [Self::Scalar, Self::Avx2, Self::Avx512].into_iter().find(|level| level.name() == wanted).map_or(best, |level| level.min(best))
+        })
+    }
+}
+
+/// A computation to run at the best level. `run` and all that it calls must be `#[inline(always)]`.
+pub trait Kernel {
+    /// What it gives.
+    type Output;
+    /// Computes it.
+    fn run(self) -> Self::Output;
+}
+
+/// Runs `kernel` at the current level.
+pub fn dispatch<K: Kernel>(kernel: K) -> K::Output {
+    #[cfg(target_arch = "x86_64")]
+    // SAFETY: `Level::current` is never above what the CPU was found to have.
+    match Level::current() {
+        Level::Avx512 => return unsafe { avx512(kernel) },
+        Level::Avx2 => return unsafe { avx2(kernel) },
+        Level::Scalar => {}
+    }
+    kernel.run()
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx512f,avx512vl,avx512dq,avx512bw,avx2")]
+fn avx512<K: Kernel>(kernel: K) -> K::Output {
+    kernel.run()
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2")]
+fn avx2<K: Kernel>(kernel: K) -> K::Output {
+    kernel.run()
+}
