@@ -10,6 +10,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -18,8 +19,8 @@ from physcore.bodies import SpringNetwork
 from physcore.checks import BoolArray, FloatArray, IntArray, Vector, count, mask, number, vector
 from physcore.errors import SceneError
 
-Pinned = str | tuple[str, ...] | ArrayLike | None
-Offset = tuple[int, ...]
+Pinned: TypeAlias = str | tuple[str, ...] | ArrayLike | None
+Offset: TypeAlias = tuple[int, ...]
 
 
 @dataclass(frozen=True)
@@ -312,7 +313,7 @@ def _pins(pinned: Pinned, edges: Mapping[str, IntArray], nodes: int, path: str) 
     """A bool mask from the name of an edge, several names, a mask, or indices."""
     names = (pinned,) if isinstance(pinned, str) else pinned
     if not isinstance(names, (tuple, list)) or not any(isinstance(name, str) for name in names):
-        return mask(pinned, nodes, path)  # type: ignore[arg-type]
+        return mask(pinned, nodes, path)
     chosen = np.zeros(nodes, dtype=np.bool_)
     for name in names:
         if name not in edges:

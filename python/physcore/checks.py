@@ -88,7 +88,7 @@ def require(condition: BoolArray, values: FloatArray, path: str, rule: str) -> N
 
 
 def mask(value: ArrayLike | None, length: int, path: str) -> BoolArray:
-    """A bool array of `length` entries, from None, one bool, a mask, or integer indices (negative ones from the end)."""
+    """A bool array of `length` entries, from one bool, a mask, or integer indices (negative: from the end)."""
     if value is None:
         return np.zeros(length, dtype=np.bool_)
     given = np.asarray(value)

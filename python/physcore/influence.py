@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, fields
+from typing import TypeAlias
 
 import numpy as np
 
 from physcore.bodies import Body
 from physcore.errors import SceneError
 
-On = Body | Sequence[Body] | None
+On: TypeAlias = Body | Sequence[Body] | None
 
 
 @dataclass(frozen=True)
@@ -21,9 +22,9 @@ class Influence:
     """The body or bodies that it acts on; None: all."""
 
     def __post_init__(self) -> None:
-        bodies = (self.on,) if isinstance(self.on, Body) else self.on
-        if bodies is None:
+        if self.on is None:
             return
+        bodies: object = (self.on,) if isinstance(self.on, Body) else self.on
         if not isinstance(bodies, Sequence) or not all(isinstance(body, Body) for body in bodies):
             raise SceneError(f"{type(self).__name__}.on: must be a body or several, got {self.on!r}")
         self._set(on=tuple(bodies))
@@ -35,7 +36,9 @@ class Influence:
 
     def bodies(self) -> tuple[Body, ...] | None:
         """The bodies that it acts on; None: all."""
-        return self.on if self.on is None or isinstance(self.on, tuple) else tuple(self.on)  # type: ignore[arg-type]
+        if self.on is None:
+            return None
+        return (self.on,) if isinstance(self.on, Body) else tuple(self.on)
 
     def parameters(self) -> dict[str, object]:
         """Every field but `on`, by name."""

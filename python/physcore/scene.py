@@ -34,7 +34,9 @@ class Scene:
     def __init__(self, *items: Body | Force | Boundary) -> None:
         for position, item in enumerate(items):
             if not isinstance(item, (Body, Force, Boundary)):
-                raise SceneError(f"items[{position}]: must be a body, a force or a boundary, got {item!r}{_advice(item)}")
+                raise SceneError(
+                    f"items[{position}]: must be a body, a force or a boundary, got {item!r}{_advice(item)}"
+                )
         kinds = {"bodies": Body, "forces": Force, "boundaries": Boundary}
         for field, kind in kinds.items():
             object.__setattr__(self, field, tuple(item for item in items if isinstance(item, kind)))
@@ -99,8 +101,8 @@ class Scene:
             if name is not None:
                 size = len(influence.parameters()[name])  # type: ignore[arg-type]
                 raise SceneError(
-                    f"{path}[{position}].{name}: must have {self.dimension} components in this {self.dimension}D scene, "
-                    f"got {size} ({type(influence).__name__})"
+                    f"{path}[{position}].{name}: {type(influence).__name__} must have {self.dimension} components "
+                    f"in this {self.dimension}D scene, got {size}"
                 )
             for body in influence.bodies() or ():
                 if body not in self.bodies:

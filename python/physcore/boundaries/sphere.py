@@ -31,6 +31,4 @@ class Sphere(Boundary):
         super().__post_init__()
         if not isinstance(self.inside, bool):
             raise SceneError(f"Sphere.inside: must be True or False, got {self.inside!r}")
-        self._set(
-            center=vector(self.center, "Sphere.center"), radius=number(self.radius, "Sphere.radius", above=0.0)
-        )
+        self._set(center=vector(self.center, "Sphere.center"), radius=number(self.radius, "Sphere.radius", above=0.0))

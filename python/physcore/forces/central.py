@@ -10,7 +10,7 @@ from physcore.forces.base import Force
 
 @dataclass(frozen=True)
 class CentralForce(Force):
-    """A force toward a fixed center: F = −strength · s^(exponent − 1) · (x − center), s = √(|x − center|² + softening²).
+    """A force toward a fixed center: F = −strength · s^(exponent − 1) · r, r = x − center, s = √(|r|² + softening²).
 
     Without softening its magnitude is strength · r^exponent. It does not scale with mass: for the gravity of a mass M
     on particles of mass m, the strength is G M m.

@@ -3,10 +3,15 @@
 use pyo3::prelude::*;
 
 mod canvas;
+mod errors;
+mod scene;
+mod world;
 
 /// What `import physcore._core` gives.
 #[pymodule(gil_used = false)]
 mod _core {
     #[pymodule_export]
-    use super::canvas::Film;
+    use super::canvas::{Canvas, Gif};
+    #[pymodule_export]
+    use super::world::World;
 }

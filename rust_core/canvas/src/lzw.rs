@@ -1,9 +1,4 @@
-//! LZW as GIF uses it (Welch 1984; GIF89a, appendix F), with one freedom more.
-//!
-//! A pixel that has not changed since the last frame may be written as its color or as "transparent". The encoder takes whichever
-//! continues the string that it is matching, so one pass gets the long runs of transparency where the picture rests *and* the
-//! repetitions of the picture where it moves. Measured on the frames of `benches/frames.rs` that gives smaller files than
-//! either choice for whole frames, in less time than one pass of the usual tree of nodes.
+//! LZW as GIF uses it (Welch 1984; `GIF89a`, appendix F).
 
 /// The index that stands for "as it was" in a frame; no color has it.
 pub(crate) const TRANSPARENT: u8 = 0;
@@ -16,80 +11,73 @@ pub(crate) struct Encoder {
     /// (string, next symbol) → longer string, in an open-addressed table: 12 + 8 bits of key above 12 bits of code, 0 is free.
     /// At most a quarter full, so a search looks at little more than one slot.
     slots: Box<[u32; SLOTS]>,
+    bytes: Vec<u8>,
 }
 
 impl Encoder {
+    #[expect(
+        clippy::large_stack_arrays,
+        reason = "64 KiB once per film, on the way to the heap"
+    )]
     pub(crate) fn new() -> Self {
-        Self { slots: Box::new([0; SLOTS]) }
+        Self {
+            slots: Box::new([0; SLOTS]),
+            bytes: Vec::new(),
+        }
     }
 
-    /// Appends to `out` the code size and the sub-blocks for `pixels`, all of them indices below 2^`bits`.
-    ///
-    /// `before` are the same pixels of the last frame, if it shall be built upon. Returns whether transparency was used.
-    pub(crate) fn encode(&mut self, pixels: &[u8], before: Option<&[u8]>, bits: u32, out: &mut Vec<u8>) -> bool {
+    /// Appends to `out` the code size and the sub-blocks for `symbols`, all of them below 2^`bits`.
+    pub(crate) fn encode(&mut self, symbols: &[u8], bits: u32, out: &mut Vec<u8>) {
         let bits = bits.max(2);
-        let clear = 1 << bits;
-        let mut codes = Codes::new(out, bits);
+        let (clear, end) = (1 << bits, (1 << bits) + 1);
+        let mut codes = Codes::new(&mut self.bytes, bits);
+        let mut next = end + 1;
         self.slots.fill(0);
         codes.write(clear);
-        let mut next = clear + 2;
-        let Some((&first, rest)) = pixels.split_first() else {
-            codes.finish(clear + 1);
-            return false;
+        let Some((&first, rest)) = symbols.split_first() else {
+            return codes.finish(end, out);
         };
-        let rests = |index: usize| before.is_some_and(|before| before[index] == pixels[index]);
-        let mut transparent = rests(0);
-        let mut string = u32::from(if transparent { TRANSPARENT } else { first });
-        for (color, index) in rest.iter().copied().zip(1..) {
-            let unchanged = rests(index);
-            let wanted = if unchanged { TRANSPARENT } else { color };
-            let slot = match self.find(string, wanted) {
-                Ok(longer) => {
-                    transparent |= unchanged;
-                    string = longer;
-                    continue;
+        let mut string = u32::from(first);
+        for &symbol in rest {
+            match find(&self.slots, string, symbol) {
+                Ok(longer) => string = longer,
+                Err(slot) => {
+                    codes.write(string);
+                    if next > GREATEST_CODE {
+                        codes.write(clear);
+                        self.slots.fill(0);
+                        next = end + 1;
+                    } else {
+                        self.slots[slot] = key(string, symbol) << 12 | next;
+                        codes.widen(next);
+                        next += 1;
+                    }
+                    string = u32::from(symbol);
                 }
-                Err(slot) => slot,
-            };
-            if unchanged && let Ok(longer) = self.find(string, color) {
-                string = longer;
-                continue;
             }
-            transparent |= unchanged;
-            codes.write(string);
-            if next > GREATEST_CODE {
-                codes.write(clear);
-                self.slots.fill(0);
-                next = clear + 2;
-            } else {
-                self.slots[slot] = key(string, wanted) << 12 | next;
-                codes.widen(next);
-                next += 1;
-            }
-            string = u32::from(wanted);
         }
         codes.write(string);
         codes.widen(next);
-        codes.finish(clear + 1);
-        transparent
+        codes.finish(end, out);
     }
+}
 
-    /// The code of a string with one more symbol, or else the free slot where it belongs.
-    #[inline(always)]
-    fn find(&self, string: u32, symbol: u8) -> Result<u32, usize> {
-        let key = key(string, symbol);
-        // Fibonacci hashing: the multiplier is 2³² over the golden ratio.
-        let mut slot = (key.wrapping_mul(0x9E37_79B1) >> (32 - SLOTS.ilog2())) as usize;
-        loop {
-            let entry = self.slots[slot];
-            if entry == 0 {
-                return Err(slot);
-            }
-            if entry >> 12 == key {
-                return Ok(entry & 0xFFF);
-            }
-            slot = (slot + 1) % SLOTS;
+/// The code of a string with one more symbol, or else the free slot where it belongs.
+#[inline(always)]
+fn find(slots: &[u32; SLOTS], string: u32, symbol: u8) -> Result<u32, usize> {
+    let key = key(string, symbol);
+    // The symbols are spread by the golden ratio; the string, which each step must wait for, needs one operation more.
+    let spread = u32::from(symbol).wrapping_mul(0x9E37_79B1) >> (32 - SLOTS.ilog2());
+    let mut slot = (spread ^ string) as usize % SLOTS;
+    loop {
+        let entry = slots[slot];
+        if entry >> 12 == key && entry != 0 {
+            return Ok(entry & 0xFFF);
         }
+        if entry == 0 {
+            return Err(slot);
+        }
+        slot = (slot + 1) % SLOTS;
     }
 }
 
@@ -98,10 +86,9 @@ fn key(string: u32, symbol: u8) -> u32 {
     string << 8 | u32::from(symbol)
 }
 
-/// Codes of growing width, packed from the least significant bit into blocks of up to 255 bytes.
+/// Codes of growing width, packed from the least significant bit.
 struct Codes<'a> {
-    out: &'a mut Vec<u8>,
-    block: usize,
+    bytes: &'a mut Vec<u8>,
     pending: u64,
     count: u32,
     width: u32,
@@ -109,19 +96,26 @@ struct Codes<'a> {
 }
 
 impl<'a> Codes<'a> {
-    fn new(out: &'a mut Vec<u8>, bits: u32) -> Self {
-        out.push(bits as u8);
-        let block = out.len();
-        out.push(0);
-        Self { out, block, pending: 0, count: 0, width: bits + 1, bits }
+    fn new(bytes: &'a mut Vec<u8>, bits: u32) -> Self {
+        bytes.clear();
+        Self {
+            bytes,
+            pending: 0,
+            count: 0,
+            width: bits + 1,
+            bits,
+        }
     }
 
     #[inline(always)]
     fn write(&mut self, code: u32) {
         self.pending |= u64::from(code) << self.count;
         self.count += self.width;
-        while self.count >= 8 {
-            self.push();
+        if self.count >= 32 {
+            self.bytes
+                .extend_from_slice(&(self.pending as u32).to_le_bytes());
+            self.pending >>= 32;
+            self.count -= 32;
         }
         if code == 1 << self.bits {
             self.width = self.bits + 1;
@@ -136,27 +130,16 @@ impl<'a> Codes<'a> {
         }
     }
 
-    #[inline(always)]
-    fn push(&mut self) {
-        if self.out.len() - self.block == 256 {
-            self.out[self.block] = 255;
-            self.block = self.out.len();
-            self.out.push(0);
-        }
-        self.out.push(self.pending as u8);
-        self.pending >>= 8;
-        self.count = self.count.saturating_sub(8);
-    }
-
-    fn finish(mut self, end: u32) {
+    /// Writes the last code and sends everything off, in blocks of up to 255 bytes, each with its length, and an empty one.
+    fn finish(mut self, end: u32, out: &mut Vec<u8>) {
         self.write(end);
-        if self.count > 0 {
-            self.push();
+        self.bytes
+            .extend_from_slice(&self.pending.to_le_bytes()[..self.count.div_ceil(8) as usize]);
+        out.push(self.bits as u8);
+        for block in self.bytes.chunks(255) {
+            out.push(block.len() as u8);
+            out.extend_from_slice(block);
         }
-        let length = self.out.len() - self.block - 1;
-        self.out[self.block] = length as u8;
-        if length > 0 {
-            self.out.push(0);
-        }
+        out.push(0);
     }
 }

@@ -1,5 +1,10 @@
 //! Small labels: anti-aliased glyphs of Noto Sans Mono, drawn beforehand for four sizes.
 
+#![expect(
+    clippy::cast_possible_wrap,
+    reason = "no label is longer than a picture is wide by far"
+)]
+
 use noto_sans_mono_bitmap::{FontWeight, RasterHeight, get_raster, get_raster_width};
 
 use crate::canvas::Canvas;
@@ -24,10 +29,10 @@ pub fn text_width(text: &str, height: usize) -> usize {
 impl Canvas {
     /// Writes one line of text with its upper edge at `y`, in the greatest of the sizes 16, 20, 24 and 32 that fits `height`.
     /// A character outside Latin script is shown as a question mark.
-    pub fn text(&mut self, text: &str, [x, y]: [i64; 2], height: usize, color: Ink, align: Align) {
+    pub fn text(&mut self, text: &str, [x, y]: [i32; 2], height: usize, color: Ink, align: Align) {
         let size = raster_height(height);
         let advance = get_raster_width(FontWeight::Regular, size);
-        let width = (text.chars().count() * advance) as i64;
+        let width = (text.chars().count() * advance) as i32;
         let left = match align {
             Align::Left => x,
             Align::Center => x - width / 2,
@@ -35,10 +40,17 @@ impl Canvas {
         };
         for (index, character) in text.chars().enumerate() {
             let glyph = get_raster(character, FontWeight::Regular, size);
-            let Some(glyph) = glyph.or_else(|| get_raster('?', FontWeight::Regular, size)) else { continue };
+            let Some(glyph) = glyph.or_else(|| get_raster('?', FontWeight::Regular, size)) else {
+                continue;
+            };
             for (row, coverages) in glyph.rows().enumerate() {
                 for (column, &coverage) in coverages.iter().enumerate() {
-                    self.dot(left + (index * advance + column) as i64, y + row as i64, color, coverage);
+                    self.dot(
+                        left + (index * advance + column) as i32,
+                        y + row as i32,
+                        color,
+                        f32::from(coverage) / 255.0,
+                    );
                 }
             }
         }

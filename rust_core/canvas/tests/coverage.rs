@@ -12,7 +12,11 @@ fn black() -> Canvas {
 
 /// Sum of the coverages of all pixels.
 fn covered(canvas: &Canvas) -> f64 {
-    canvas.pixels().iter().map(|pixel| f64::from(pixel[0]) / 255.0).sum()
+    canvas
+        .pixels()
+        .iter()
+        .map(|pixel| f64::from(pixel[0]) / 255.0)
+        .sum()
 }
 
 /// The ramp is Lipschitz with constant 1 and not constant only in a band one pixel wide along the perimeter p. Sampling it at
@@ -81,7 +85,12 @@ proptest! {
 #[test]
 fn a_disc_is_the_same_in_all_eight_orientations() {
     let mut canvas = black();
-    canvas.disc(Disc { center: [32.0, 32.0], radius: 9.3, color: WHITE, shading: 0.0 });
+    canvas.disc(Disc {
+        center: [32.0, 32.0],
+        radius: 9.3,
+        color: WHITE,
+        shading: 0.0,
+    });
     let at = |x: usize, y: usize| canvas.pixels()[y * SIDE + x][0];
     for x in 0..SIDE {
         for y in 0..SIDE {
@@ -93,7 +102,12 @@ fn a_disc_is_the_same_in_all_eight_orientations() {
 
 #[test]
 fn the_near_hides_the_far_whatever_was_added_first() {
-    let disc = |color| Disc { center: [32.0, 32.0], radius: 5.0, color, shading: 0.0 };
+    let disc = |color| Disc {
+        center: [32.0, 32.0],
+        radius: 5.0,
+        color,
+        shading: 0.0,
+    };
     let (red, green) = ([255, 0, 0, 255], [0, 255, 0, 255]);
     for (first, second, front) in [(1.0, 2.0, red), (2.0, 1.0, green), (1.0, 1.0, green)] {
         let (mut painting, mut canvas) = (Painting::default(), black());
@@ -107,10 +121,18 @@ fn the_near_hides_the_far_whatever_was_added_first() {
 #[test]
 fn a_canvas_goes_back_to_what_was_kept() {
     let mut canvas = black();
-    canvas.polygon(&[[0.0, 40.0], [64.0, 40.0], [64.0, 64.0], [0.0, 64.0]], [90, 90, 90, 255]);
+    canvas.polygon(
+        &[[0.0, 40.0], [64.0, 40.0], [64.0, 64.0], [0.0, 64.0]],
+        [90, 90, 90, 255],
+    );
     canvas.keep();
     let kept = canvas.pixels().to_vec();
-    canvas.disc(Disc { center: [32.0, 40.0], radius: 8.0, color: WHITE, shading: 0.5 });
+    canvas.disc(Disc {
+        center: [32.0, 40.0],
+        radius: 8.0,
+        color: WHITE,
+        shading: 0.5,
+    });
     assert_ne!(canvas.pixels(), kept);
     canvas.clear();
     assert_eq!(canvas.pixels(), kept);

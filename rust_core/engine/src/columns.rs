@@ -1,5 +1,7 @@
 //! One vector per particle, as one array per component: the form of all bulk data.
 
+use std::ops::Range;
+
 use crate::math::{AXES, Real, Vector};
 use crate::simd::padded;
 
@@ -53,6 +55,11 @@ impl<V: Vector> Columns<V> {
         &self.axes[axis]
     }
 
+    /// All of it, to read.
+    pub fn view(&self) -> View<'_, V> {
+        View { start: 0, axes: std::array::from_fn(|axis| self.axes.get(axis).map_or(&[][..], Vec::as_slice)) }
+    }
+
     /// All of it, to write.
     pub fn span(&mut self) -> Span<'_, V> {
         let mut arrays = self.axes.iter_mut();
@@ -65,6 +72,33 @@ impl<V: Vector> Columns<V> {
     }
 }
 
+/// Columns, or a range of them, to read. Particles keep their index in the whole.
+#[derive(Debug, Clone, Copy)]
+pub struct View<'a, V: Vector> {
+    start: usize,
+    axes: [&'a [V::Scalar]; AXES],
+}
+
+impl<'a, V: Vector> View<'a, V> {
+    /// The components along one axis, padding included. In a view of whole columns their index is the particle's.
+    #[inline(always)]
+    pub fn axis(&self, axis: usize) -> &'a [V::Scalar] {
+        self.axes[axis]
+    }
+
+    /// The components of a range of particles along one axis; nothing for an axis past the dimension.
+    #[inline(always)]
+    pub fn slice(&self, axis: usize, range: Range<usize>) -> &'a [V::Scalar] {
+        if axis < V::DIMENSION { &self.axes[axis][range.start - self.start..range.end - self.start] } else { &[] }
+    }
+
+    /// One vector.
+    #[inline(always)]
+    pub fn get(&self, index: usize) -> V {
+        V::from_axes(|axis| self.axes[axis][index - self.start])
+    }
+}
+
 /// A range of columns, to write: one slice per axis, padding included.
 #[derive(Debug)]
 pub struct Span<'a, V: Vector> {
@@ -72,10 +106,16 @@ pub struct Span<'a, V: Vector> {
     pub axes: [&'a mut [V::Scalar]; AXES],
 }
 
-impl<V: Vector> Span<'_, V> {
+impl<'a, V: Vector> Span<'a, V> {
     /// A span without particles.
     pub fn empty() -> Self {
         Self { axes: std::array::from_fn(|_| &mut [][..]) }
+    }
+
+    /// Scratch memory as a span of `length` particles.
+    pub fn over(memory: &'a mut [V::Scalar], length: usize) -> Self {
+        let mut columns = memory.chunks_exact_mut(length.max(1));
+        Self { axes: std::array::from_fn(|axis| if axis < V::DIMENSION { columns.next().unwrap_or_default() } else { &mut [] }) }
     }
 
     /// Its length along every axis, padding included.
@@ -101,6 +141,12 @@ impl<V: Vector> Span<'_, V> {
         (self, Self { axes: others })
     }
 
+    /// The same to read; `start` is the index of its first particle.
+    #[inline(always)]
+    pub fn view(&self, start: usize) -> View<'_, V> {
+        View { start, axes: self.axes.each_ref().map(|axis| &**axis) }
+    }
+
     /// A shorter borrow of the same span.
     #[inline(always)]
     pub fn reborrow(&mut self) -> Span<'_, V> {
@@ -121,11 +167,11 @@ impl<V: Vector> Span<'_, V> {
         }
     }
 
-    /// Copies a range of columns of the span's own length.
-    pub fn copy_from(&mut self, columns: &Columns<V>, start: usize) {
+    /// Copies as many vectors as it holds, from particle `start` on.
+    pub fn copy_from(&mut self, from: &View<'_, V>, start: usize) {
         for axis in 0..V::DIMENSION {
             let slice = &mut *self.axes[axis];
-            slice.copy_from_slice(&columns.axis(axis)[start..start + slice.len()]);
+            slice.copy_from_slice(from.slice(axis, start..start + slice.len()));
         }
     }
 }

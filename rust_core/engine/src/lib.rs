@@ -5,8 +5,10 @@
 //! [`matter`], asking the [`forces`] for accelerations and the [`boundaries`] for contacts, block by block, on the
 //! threads of [`parallel`] and at the SIMD level of [`simd`] → [`audit`] proves the energy, [`stability`] bounds the step.
 
+pub mod audit;
 pub mod boundaries;
 pub mod columns;
+pub mod contacts;
 pub mod error;
 pub mod forces;
 pub mod integrators;
@@ -14,6 +16,9 @@ pub mod math;
 pub mod matter;
 pub mod meter;
 pub mod parallel;
+pub mod plan;
 pub mod scene;
 pub mod simd;
+pub mod simulation;
 pub mod stability;
+pub mod systems;

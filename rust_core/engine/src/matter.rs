@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use glam::DVec3;
 
-pub use crate::columns::{Columns, Span};
+pub use crate::columns::{Columns, Span, View};
 use crate::math::Vector;
 pub use crate::meter::{CHANNELS, Channel, Meter, Power};
 use crate::parallel::Split;

@@ -1,5 +1,214 @@
 //! The largest time step: a certified bound from the stiffness and damping of all terms.
+//!
+//! Linearized about any state, a scene obeys M x'' + C x' + K x = 0 with symmetric K and C. Three facts make a bound:
+//!
+//! 1. **A mode is an oscillator.** For an eigenvector u of the step, the one-step maps of this crate reduce to their own
+//!    scalar map with ω² = u*Ku/u*Mu and γ = u*Cu/u*Mu: Runge–Kutta methods, because they are functions of the
+//!    Jacobian, whose eigenvalues obey λ² + γλ + ω² = 0; semi-implicit Euler and Verlet, because the matrices of their
+//!    characteristic equations are linear in K and C. Both quotients lie below the largest eigenvalues of M⁻¹K and
+//!    M⁻¹C. PEFRL multiplies K by C, and so reduces only where they commute: without damping, or with the same γ for all.
+//!    Elsewhere its bound is measured, not proved, and has the margin [`Integrator::COUPLED`].
+//! 2. **Rows bound the eigenvalues**: see [`rows`]. Bodies share no spring, so each has a bound of its own. A negative ω²
+//!    (a buckling spring) grows in truth as well, and limits no step.
+//! 3. **The box of modes.** All modes of a body have ω ≤ Ω and Γ₀ ≤ γ ≤ Γ. Along a ray of constant ξ = γ/2ω the limit
+//!    is L(ξ)/ω, so it is smallest where the ray leaves the box, at ω = min(Ω, Γ/2ξ). That leaves one minimum over ξ.
+
+mod rows;
+
+use std::f64::consts::FRAC_PI_2;
+
+use crate::integrators::{Integrator, amplification};
+use rows::{Row, Rows};
+
+/// What sets the largest time step.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// A larger step would let the solution grow without bound.
+    Stability,
+    /// A larger step would be stable and wrong.
+    Accuracy,
+    /// Nothing does.
+    None,
+}
+
+/// The largest time step, and what sets it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Limit {
+    /// The largest stable step [s]: infinite where nothing limits it, 0 where no step is stable.
+    pub stability: f64,
+    /// The largest accurate step [s]: infinite where nothing limits it.
+    pub accuracy: f64,
+    /// The term that binds, empty where none does: `springs`, `spring damping`, `drag`, `central`.
+    pub term: &'static str,
+    /// Which of the two binds.
+    pub kind: Kind,
+}
+
+impl Limit {
+    /// The largest step [s]: infinite where nothing limits it, 0 where no step is stable.
+    pub fn dt(&self) -> f64 {
+        self.stability.min(self.accuracy)
+    }
+}
 
 /// What the terms of a scene contribute to the bound.
-#[derive(Debug, Default)]
-pub struct Bound {}
+#[derive(Debug, Clone)]
+pub struct Bound {
+    /// 1/m [1/kg], 0 where fixed.
+    inverse_mass: Vec<f64>,
+    body: Vec<u32>,
+    stiffness: Rows,
+    damping: Rows,
+    /// What of the damping acts on each particle in every direction and at any speed [N·s/m]; empty if nowhere.
+    least_damping: Vec<f64>,
+    accuracy: Option<(&'static str, f64)>,
+}
+
+impl Bound {
+    /// A bound without terms, for particles of these masses [kg], infinite where fixed, that belong to these bodies.
+    pub fn new(mass: &[f64], body: &[u32]) -> Self {
+        Self {
+            inverse_mass: mass.iter().map(|mass| mass.recip()).collect(),
+            body: body.to_vec(),
+            stiffness: Rows::new("springs"),
+            damping: Rows::new("spring damping"),
+            least_damping: Vec::new(),
+            accuracy: None,
+        }
+    }
+
+    /// A spring between two particles of one body: its stiffness [N/m] and damping [N·s/m].
+    ///
+    /// The stiffness across a spring of length l is k (1 − l₀/l), which −k and k enclose while l ≥ l₀/2. For a shorter
+    /// one, give k (l₀/l − 1).
+    pub fn spring(&mut self, i: usize, j: usize, stiffness: f64, damping: f64) {
+        if self.inverse_mass[i] > 0.0 || self.inverse_mass[j] > 0.0 {
+            self.stiffness.join(self.inverse_mass.len(), i, j, stiffness);
+            self.damping.join(self.inverse_mass.len(), i, j, damping);
+        }
+    }
+
+    /// A term that acts on one particle: the largest |eigenvalue| of its force's gradient by position [N/m] and by
+    /// velocity [N·s/m].
+    pub fn point(&mut self, i: usize, term: &'static str, stiffness: f64, damping: f64) {
+        if self.inverse_mass[i] > 0.0 {
+            self.stiffness.add(self.inverse_mass.len(), i, term, stiffness);
+            self.damping.add(self.inverse_mass.len(), i, term, damping);
+        }
+    }
+
+    /// That part of the damping given to [`Bound::point`] which acts in every direction and at any speed [N·s/m]:
+    /// linear drag. Only with it can explicit Euler be stable where there is stiffness.
+    pub fn least_damping(&mut self, i: usize, damping: f64) {
+        self.least_damping.resize(self.inverse_mass.len(), 0.0);
+        self.least_damping[i] += damping;
+    }
+
+    /// A step [s] beyond which `term` is no longer accurate.
+    pub fn accuracy(&mut self, term: &'static str, dt: f64) {
+        if self.accuracy.is_none_or(|(_, least)| dt < least) {
+            self.accuracy = Some((term, dt));
+        }
+    }
+
+    /// The limit for one integrator.
+    pub fn limit<I: Integrator>(&self) -> Limit {
+        self.limit_with(I::limit, I::COUPLED)
+    }
+
+    /// The limit for an integrator whose largest stable ωh is `largest` of the damping ratio, mode by mode.
+    pub fn limit_of(&self, largest: fn(f64) -> f64) -> Limit {
+        self.limit_with(largest, 1.0)
+    }
+
+    fn limit_with(&self, largest: fn(f64) -> f64, coupled: f64) -> Limit {
+        let (stability, binding) = self
+            .modes()
+            .iter()
+            .map(|modes| modes.limit(largest, coupled))
+            .min_by(|one, other| one.0.total_cmp(&other.0))
+            .unwrap_or((f64::INFINITY, ""));
+        let (slowest, accuracy) = self.accuracy.unwrap_or(("", f64::INFINITY));
+        let (term, kind) = match stability.min(accuracy) {
+            f64::INFINITY => ("", Kind::None),
+            dt if dt == stability => (binding, Kind::Stability),
+            _ => (slowest, Kind::Accuracy),
+        };
+        Limit { stability, accuracy, term, kind }
+    }
+
+    /// The box of modes of each body, without those that another box encloses.
+    fn modes(&self) -> Vec<Modes> {
+        let bodies = self.body.iter().max().map_or(0, |&last| last as usize + 1);
+        let stiffness = self.stiffness.largest(&self.inverse_mass, &self.body, bodies);
+        let damping = self.damping.largest(&self.inverse_mass, &self.body, bodies);
+        let mut least = vec![if self.least_damping.is_empty() { 0.0 } else { f64::INFINITY }; bodies];
+        for ((&damping, &inverse_mass), &body) in self.least_damping.iter().zip(&self.inverse_mass).zip(&self.body) {
+            if inverse_mass > 0.0 {
+                least[body as usize] = least[body as usize].min(damping * inverse_mass);
+            }
+        }
+        let mut boxes: Vec<Modes> = (stiffness.into_iter().zip(damping).zip(least))
+            .map(|((stiffness, damping), least)| Modes { stiffness, damping, least: least.min(damping.rate) })
+            .filter(|modes| modes.stiffness.rate > 0.0 || modes.damping.rate > 0.0)
+            .collect();
+        boxes.sort_by(|one, other| other.stiffness.rate.total_cmp(&one.stiffness.rate));
+        let mut outer: Vec<Modes> = Vec::new();
+        for modes in boxes {
+            if !outer.iter().any(|other| other.damping.rate >= modes.damping.rate && other.least <= modes.least) {
+                outer.push(modes);
+            }
+        }
+        outer
+    }
+}
+
+/// What encloses the modes of a body: ω² up to one row [1/s²], γ up to another and from a least value [1/s].
+#[derive(Debug, Clone, Copy)]
+struct Modes {
+    stiffness: Row,
+    damping: Row,
+    least: f64,
+}
+
+/// The damping ratio that stands for pure damping: there 2ξL(ξ) has come within 1e-12 of its limit for ξ → ∞.
+const PURE_DAMPING: f64 = 1e6;
+/// Rays tried on each of the two outer edges. The lowest is then refined between its neighbors, so it only has to lie in
+/// the right valley of L. The narrowest is PEFRL's, 0.28 < ξ < 0.32, which counts while the corner of the box lies
+/// between that and ξ = 0.5, and then holds four rays.
+const RAYS: usize = 64;
+
+impl Modes {
+    /// The largest stable step, and the term that sets it.
+    fn limit(&self, largest: fn(f64) -> f64, coupled: f64) -> (f64, &'static str) {
+        let damping = self.damping.rate;
+        let by_damping = 2.0 * PURE_DAMPING * largest(PURE_DAMPING) / damping;
+        if self.stiffness.rate == 0.0 {
+            return (by_damping, self.damping.term);
+        }
+        let frequency = self.stiffness.rate.sqrt().max(damping / (2.0 * PURE_DAMPING));
+        let along = |angle: f64| {
+            let ratio = angle.tan().clamp(0.0, PURE_DAMPING);
+            // At ξ = 0 without damping the second is 0/0, which `min` passes over.
+            largest(ratio) / frequency.min(damping / (2.0 * ratio))
+        };
+        let corner = (damping / (2.0 * frequency)).atan();
+        let stiff = valley(along, (self.least / (2.0 * frequency)).atan(), corner);
+        let damped = if damping > 0.0 { valley(along, corner, FRAC_PI_2) } else { f64::INFINITY };
+        let row = if largest(0.0) / frequency <= by_damping { self.stiffness } else { self.damping };
+        let margin = if self.least < damping { coupled } else { 1.0 };
+        (margin * stiff.min(damped), row.term)
+    }
+}
+
+/// The least value of a function between `low` and `high`.
+fn valley(function: impl Fn(f64) -> f64, low: f64, high: f64) -> f64 {
+    if low >= high {
+        return function(high);
+    }
+    let at = |ray: usize| if ray == RAYS { high } else { low + (high - low) * ray as f64 / RAYS as f64 };
+    let values: Vec<f64> = (0..=RAYS).map(|ray| function(at(ray))).collect();
+    let least = (0..=RAYS).min_by(|&one, &other| values[one].total_cmp(&values[other])).unwrap_or(0);
+    let refined = amplification::lowest(&function, at(least.saturating_sub(1)), at((least + 1).min(RAYS)));
+    values[least].min(function(refined))
+}

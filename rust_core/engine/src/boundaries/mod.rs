@@ -1,1 +1,51 @@
-//! Boundaries, one file each. To add one: write its file, and add its line to [`build`].
+//! Boundaries, one file each. To add one: write its file, which says what walls it has, and add its line to [`build`].
+//!
+//! A boundary is an intersection of smooth [`Wall`]s. Every wall knows its signed distance, and along a parabolic path
+//! its [`Gap`] to a particle is a polynomial in time, whose first root is the moment of contact: nothing can tunnel.
+
+use std::fmt::Debug;
+
+use glam::DVec3;
+
+use crate::error::{Error, Result};
+use crate::scene::Term;
+
+mod cuboid;
+mod gap;
+mod plane;
+mod sphere;
+mod wall;
+
+pub use cuboid::Cuboid;
+pub use gap::{Gap, Path};
+pub use plane::Plane;
+pub use sphere::Sphere;
+pub use wall::Wall;
+
+/// Where matter must stay.
+pub trait Boundary: Debug + Send + Sync {
+    /// Its name in the plan: `plane`.
+    fn name(&self) -> &'static str;
+
+    /// The walls that it is made of; the allowed side is where all their distances are positive.
+    fn walls(&self) -> &[Wall];
+
+    /// The distance from `x` to the nearest wall [m], positive on the allowed side, and the direction into that side.
+    fn distance(&self, x: DVec3) -> (f64, DVec3) {
+        let distances = self.walls().iter().map(|wall| wall.distance(x));
+        distances.reduce(|nearest, other| if other.0 < nearest.0 { other } else { nearest }).unwrap_or((f64::INFINITY, DVec3::ZERO))
+    }
+}
+
+/// The boundary that `term` describes in a scene of `dimension` axes, in coordinates relative to `origin`.
+///
+/// # Errors
+/// If there is no boundary of that kind, or one of its parameters is not acceptable.
+pub fn build(term: &Term, dimension: usize, origin: DVec3) -> Result<Box<dyn Boundary>> {
+    match term.kind.as_str() {
+        "Plane" => Ok(Box::new(Plane::new(term, origin)?)),
+        "Box" => Ok(Box::new(Cuboid::new(term, dimension, origin)?)),
+        "Sphere" => Ok(Box::new(Sphere::new(term, origin)?)),
+        other => Err(Error::parameter(&term.path, "a boundary: Plane, Box or Sphere", other)),
+    }
+}

@@ -1,19 +1,31 @@
-//! Forces, one file each. To add one: write its file, and add its line to [`registered`].
+//! Forces, one file each. To add one: write its file, and add its line to [`build`].
 
 use std::ops::Range;
 
-use crate::error::Result;
-use crate::math::Vector;
-use crate::matter::{Columns, Power, Properties, Span};
+use crate::error::{Error, Result};
+use crate::math::{Real, Vector};
+use crate::matter::{Power, Properties, Span, View};
+use crate::scene::{Scene, Term};
+use crate::simd::padded;
 use crate::stability::Bound;
+
+pub mod affine;
+mod central;
+mod custom;
+mod drag;
+mod gravity;
+mod pointwise;
+pub mod springs;
+
+use affine::Fold;
 
 /// The matter at the moment when the forces are asked for.
 #[derive(Debug, Clone, Copy)]
 pub struct Moment<'a, V: Vector> {
-    /// Positions relative to the origin [m].
-    pub position: &'a Columns<V>,
+    /// Positions relative to the origin [m]; for pointwise forces those of the block, for others of all particles.
+    pub position: View<'a, V>,
     /// Velocities [m/s].
-    pub velocity: &'a Columns<V>,
+    pub velocity: View<'a, V>,
     /// Mass and everything else that does not change.
     pub properties: &'a Properties<V>,
     /// The time [s].
@@ -65,11 +77,21 @@ pub trait Force<V: Vector>: Send + Sync {
         Ok(())
     }
 
+    /// Adds itself to the folded law if it can. It is then not asked to accumulate.
+    fn fold(&self, _properties: &Properties<V>, _fold: &mut Fold) -> bool {
+        false
+    }
+
     /// Adds the force on each particle of `block` and the power that it dissipates or supplies there.
-    fn accumulate(&self, block: Range<usize>, at: &Moment<'_, V>, rates: &mut Rates<'_, V>);
+    fn accumulate(&self, _block: Range<usize>, _at: &Moment<'_, V>, _rates: &mut Rates<'_, V>) {}
 
     /// The potential energy of the particles of `block` [J]; what two particles share is split between them.
     fn potential(&self, block: Range<usize>, at: &Moment<'_, V>) -> f64;
+
+    /// The potential energy that belongs to no block [J].
+    fn potential_of_all(&self, _at: &Moment<'_, V>) -> Result<f64> {
+        Ok(0.0)
+    }
 
     /// Adds its stiffness and damping, as they are at this moment, to the bound on the time step.
     fn bound(&self, at: &Moment<'_, V>, bound: &mut Bound);
@@ -78,4 +100,24 @@ pub trait Force<V: Vector>: Send + Sync {
     fn bytes(&self) -> usize {
         0
     }
+}
+
+/// The registry: the forces that a term of the scene declares. Pointwise forces don't act on fixed particles.
+pub fn build<V: Vector>(scene: &Scene, term: &Term, properties: &Properties<V>) -> Result<Vec<Box<dyn Force<V>>>> {
+    let in_scene = scene.members(term);
+    let members: Vec<bool> = (0..properties.count()).map(|index| in_scene[properties.caller[index] as usize] && !properties.is_fixed(index)).collect();
+    let mut mask: Vec<V::Scalar> = members.iter().map(|&member| if member { V::Scalar::ONE } else { V::Scalar::ZERO }).collect();
+    mask.resize(padded(members.len()), V::Scalar::ZERO);
+    Ok(match term.kind.as_str() {
+        "Gravity" => vec![Box::new(gravity::Gravity::new(term, members)?)],
+        "Drag" => drag::Drag::<V>::parts(term, &mask)?.into_iter().map(|part| Box::new(part) as _).collect(),
+        "CentralForce" => vec![Box::new(central::Central::<V>::new(term, mask)?)],
+        "CustomForce" => {
+            let mut engine = vec![0; members.len()];
+            properties.caller.iter().enumerate().for_each(|(index, &caller)| engine[caller as usize] = index);
+            let all = (0..members.len()).filter(|&caller| in_scene[caller]).map(|caller| engine[caller]).collect();
+            vec![Box::new(custom::Custom::<V>::new(term, all, members.len())?)]
+        }
+        other => return Err(Error::parameter(&term.path, "a force", other)),
+    })
 }

@@ -8,7 +8,10 @@
 use crate::math::Real;
 use crate::matter::MEMORY;
 
+pub(crate) mod amplification;
 mod explicit_euler;
+#[cfg(test)]
+mod limits;
 mod pefrl;
 mod runge_kutta_4;
 mod semi_implicit_euler;
@@ -49,6 +52,9 @@ pub trait Integrator: Send + Sync + 'static {
     const MEMORY: usize = 0;
     /// How many of those it carries from one step to the next.
     const CARRIED: usize = 0;
+    /// What remains of the limit where stiffness and damping couple the modes; 1 where it holds mode by mode, as
+    /// [`crate::stability`] explains.
+    const COUPLED: f64 = 1.0;
 
     /// The largest stable ω·h on x'' = −ω²x − 2ξωx' for the damping ratio ξ; 0 where no step is stable.
     fn limit(damping_ratio: f64) -> f64;
@@ -63,13 +69,13 @@ pub trait Integrator: Send + Sync + 'static {
     fn absorb<T: Real>(stage: usize, register: &mut Register<T>, a: T, h: T);
 }
 
-/// The registry: binds `$I` to the integrator called `$name` and evaluates `$body`, or `$otherwise` if there is none.
+/// The registry: binds `$I` to the integrator called `$name` and evaluates `$body`, or `$otherwise` if there is none; or
+/// evaluates `$body` for each.
 macro_rules! with_integrator {
-    ($name:expr, $I:ident => $body:expr, $otherwise:expr) => {
-        $crate::integrators::with_integrator!(@ $name, $I, $body, $otherwise;
-            ExplicitEuler, SemiImplicitEuler, VelocityVerlet, RungeKutta4, Pefrl)
+    (@registered $($then:tt)*) => {
+        $crate::integrators::with_integrator!($($then)*; ExplicitEuler, SemiImplicitEuler, VelocityVerlet, RungeKutta4, Pefrl)
     };
-    (@ $name:expr, $I:ident, $body:expr, $otherwise:expr; $($integrator:ident),+) => {
+    (@named $name:expr, $I:ident, $body:expr, $otherwise:expr; $($integrator:ident),+) => {
         match $name {
             $(name if name == <$crate::integrators::$integrator as $crate::integrators::Integrator>::NAME => {
                 type $I = $crate::integrators::$integrator;
@@ -77,6 +83,18 @@ macro_rules! with_integrator {
             })+
             _ => $otherwise,
         }
+    };
+    (@each $I:ident, $body:expr; $($integrator:ident),+) => {
+        $({
+            type $I = $crate::integrators::$integrator;
+            $body
+        })+
+    };
+    (each $I:ident => $body:expr) => {
+        $crate::integrators::with_integrator!(@registered @each $I, $body)
+    };
+    ($name:expr, $I:ident => $body:expr, $otherwise:expr) => {
+        $crate::integrators::with_integrator!(@registered @named $name, $I, $body, $otherwise)
     };
 }
 pub(crate) use with_integrator;

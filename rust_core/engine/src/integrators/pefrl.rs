@@ -8,7 +8,7 @@
 //! not stay 4 at any price: a splitting above order 2 has negative substeps (Sheng 1989, Suzuki 1991), in which
 //! dissipation would run backwards.
 
-use super::{Integrator, Register};
+use super::{Integrator, Register, amplification};
 use crate::math::Real;
 
 /// Drifts by ξ, χ, 1 − 2(χ + ξ), χ, ξ around kicks by (1 − 2λ)/2, λ, λ, (1 − 2λ)/2, in units of h.
@@ -17,7 +17,7 @@ pub struct Pefrl;
 
 const XI: f64 = 0.178_617_895_844_809_1;
 const LAMBDA: f64 = -0.212_341_831_062_605_4;
-const CHI: f64 = -0.066_264_582_669_818_49;
+const CHI: f64 = -0.066_264_582_669_818_5;
 const DRIFTS: [f64; 4] = [XI, CHI, 1.0 - 2.0 * (CHI + XI), CHI];
 const KICKS: [f64; 4] = [0.5 - LAMBDA, LAMBDA, LAMBDA, 0.5 - LAMBDA];
 
@@ -34,10 +34,14 @@ impl Integrator for Pefrl {
     const WEIGHTS: &'static [f64] = &KICKS;
     const MEMORY: usize = 2;
     const CARRIED: usize = 1;
+    /// Searching pairs of matrices that do not commute, of up to four modes, for the least limit found 0.995 of that of the
+    /// modes alone, at damping ratios near 0.5, and none below 1 elsewhere.
+    const COUPLED: f64 = 0.99;
 
+    /// At ξ = 0 half the trace of the step is a polynomial of degree 4 in (ωh)², which falls from 1 to −1 at ωh = 2.98945….
+    /// With damping the step maps (x, v, a) by the product of four stages, of which no closed form is worth having.
     fn limit(damping_ratio: f64) -> f64 {
-        let _ = damping_ratio;
-        2.990
+        amplification::limit::<Self>(damping_ratio)
     }
 
     #[inline(always)]

@@ -27,9 +27,13 @@ impl Integrator for VelocityVerlet {
     const MEMORY: usize = 2;
     const CARRIED: usize = 1;
 
+    /// With y = ωh, c = 2ξy and a growth factor g per step, v = h/2 (g + 1)/(g − 1) a and x = h² g/(g − 1)² a, so that
+    /// the stored a obeys g³ + (y² + 3c/2 − 2) g² + (1 − 2c) g + c/2 = 0. Jury's condition at g = −1 is y² + 4c ≤ 4, so
+    /// y ≤ 2(√(4ξ² + 1) − 2ξ). It is the strictest: it bounds c by 1, and then at g = 1 there is y² ≥ 0, the product of
+    /// the roots is c/2 < 1, and the last condition, cy²/2 + c + c² ≤ 2, follows from c(4 − 4c)/2 + c + c² = 3c − c² ≤ 2.
     fn limit(damping_ratio: f64) -> f64 {
-        let _ = damping_ratio;
-        2.0
+        let twice = 2.0 * damping_ratio;
+        2.0 / (twice.hypot(1.0) + twice)
     }
 
     #[inline(always)]

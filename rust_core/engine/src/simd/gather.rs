@@ -1,28 +1,27 @@
 //! Reading a column at indices that are checked once, when they are built, instead of at every read.
 
+use std::ops::Range;
+
 use super::{LANES, Lanes};
 
-/// Indices into columns of a known length.
+/// Indices into columns of a known length. Signed, because that is what the gathers of the hardware take.
 #[derive(Debug, Clone, Default)]
 pub struct Gather {
-    indices: Vec<u32>,
+    indices: Vec<Lanes<i32>>,
     length: usize,
 }
 
 impl Gather {
-    /// Indices for columns of at least `length` elements.
+    /// Indices for columns of at least `length` elements, which must be below 2³¹.
     ///
     /// # Panics
     /// If an index is not below `length`, or their number is not a whole number of lanes.
-    pub fn new(indices: Vec<u32>, length: usize) -> Self {
+    pub fn new(indices: &[u32], length: usize) -> Self {
+        assert!(i32::try_from(length).is_ok(), "a column is too long to be indexed");
         assert!(indices.iter().all(|&index| (index as usize) < length), "an index lies outside its column");
-        assert!(indices.len().is_multiple_of(LANES), "indices come in whole groups of lanes");
-        Self { indices, length }
-    }
-
-    /// The number of groups of lanes.
-    pub fn groups(&self) -> usize {
-        self.indices.len() / LANES
+        let (groups, rest) = indices.as_chunks::<LANES>();
+        assert!(rest.is_empty(), "indices come in whole groups of lanes");
+        Self { indices: groups.iter().map(|group| group.map(u32::cast_signed)).collect(), length }
     }
 
     /// The memory that the indices take [bytes].
@@ -30,15 +29,24 @@ impl Gather {
         std::mem::size_of_val(self.indices.as_slice())
     }
 
-    /// The elements of `column` at the indices of one group.
+    /// The indices of one group.
+    #[inline(always)]
+    pub fn indices(&self, group: usize) -> &Lanes<i32> {
+        &self.indices[group]
+    }
+
+    /// Copies the elements of `column` at the indices of some groups. A loop of its own, because compilers make a clean
+    /// gather of nothing else.
     ///
     /// # Panics
-    /// If the column is shorter than promised or there is no such group.
+    /// If the column is shorter than promised, there are no such groups, or `out` has another number of them.
     #[inline(always)]
-    pub fn read<T: Copy>(&self, group: usize, column: &[T]) -> Lanes<T> {
-        assert!(column.len() >= self.length);
-        let indices = &self.indices[group * LANES..][..LANES];
-        // SAFETY: every index is below `self.length` (checked in `new`), which is at most the column's length.
-        std::array::from_fn(|lane| unsafe { *column.get_unchecked(indices[lane] as usize) })
+    pub fn read<T: Copy>(&self, groups: Range<usize>, column: &[T], out: &mut [Lanes<T>]) {
+        let (indices, out) = (self.indices[groups].as_flattened(), out.as_flattened_mut());
+        assert!(column.len() >= self.length && out.len() == indices.len());
+        for (out, &index) in out.iter_mut().zip(indices) {
+            // SAFETY: every index is at least 0 and below `self.length` (checked in `new`), the least length of a column.
+            *out = unsafe { *column.get_unchecked(index as usize) };
+        }
     }
 }

@@ -1,0 +1,88 @@
+# `make` or `make help` says what there is. All that a target needs is installed into .venv, from PyPI and crates.io.
+
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+OUT := out
+DEMO ?=
+
+RUST_SOURCES := $(shell find rust_core -name '*.rs' -o -name 'Cargo.toml') Cargo.toml $(wildcard Cargo.lock)
+PYTHON_SOURCES := $(shell find python -name '*.py' -o -name '*.pyi' -o -name 'py.typed')
+WHEEL_SOURCES := $(RUST_SOURCES) $(PYTHON_SOURCES) pyproject.toml README.md
+WHEEL := $$(echo dist/physcore-*.whl)
+
+# nextest runs the Rust tests faster and names the slow ones; plain `cargo test` runs the same tests.
+CARGO_TEST := $(if $(shell command -v cargo-nextest),cargo nextest run,cargo test)
+
+.DEFAULT_GOAL := help
+.PHONY: help check install demo test test-rust test-python test-long validate lint format bench clean
+
+help: ## list the targets
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-12s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
+
+check: ## look whether this machine has what the build needs, and say how to get what is missing
+	@PYTHON='$(PYTHON)' scripts/check-environment
+
+demo: $(VENV)/package.stamp ## build, install, run a demo (DEMO=name), say where the GIF is and what the audit found
+	@mkdir -p $(OUT)
+	@$(BIN)/physcore demo $(DEMO) -o $(OUT)/$(or $(DEMO),demo).gif
+
+install: $(VENV)/package.stamp ## build the release wheel and install it into .venv
+
+test: test-rust test-python ## run every test, Rust and Python, in a few minutes
+
+test-rust: | check
+	$(CARGO_TEST) --locked --workspace
+
+test-python: $(VENV)/tools.stamp
+	$(BIN)/python -m pytest -m 'not long'
+
+test-long: $(VENV)/tools.stamp ## run every test with the full number of examples, and write docs/reports/test-long.md
+	PROPTEST_CASES=2000 cargo test --locked --workspace --release -- --include-ignored
+	PHYSCORE_TESTS=long $(BIN)/python -m pytest --report docs/reports/test-long.md
+
+validate: $(VENV)/tools.stamp ## run the cases with reference figures from outside, and write docs/reports/validation.md
+	$(BIN)/python -m pytest -m validation --report docs/reports/validation.md
+
+lint: $(VENV)/tools.stamp ## check format, style and types, Rust and Python
+	cargo fmt --all --check
+	cargo clippy --locked --workspace --all-targets -- -D warnings
+	$(BIN)/ruff check
+	$(BIN)/ruff format --check
+	$(BIN)/mypy
+	$(BIN)/stubtest physcore._core --mypy-config-file pyproject.toml
+
+format: $(VENV)/tools.stamp ## format the code, Rust and Python
+	cargo fmt --all
+	$(BIN)/ruff check --fix
+	$(BIN)/ruff format
+
+bench: $(VENV)/bench.stamp ## measure the speed beside NumPy and Numba
+	$(BIN)/physcore bench
+
+clean: ## remove everything that was built
+	rm -rf $(VENV) dist target $(OUT)
+	find . -name __pycache__ -prune -exec rm -rf {} +
+
+$(VENV)/maturin.stamp: | check
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check 'maturin>=1.14,<2'
+	@touch $@
+
+dist/wheel.stamp: $(WHEEL_SOURCES) $(VENV)/maturin.stamp
+	@rm -f dist/physcore-*.whl
+	$(BIN)/maturin build --release --locked --interpreter $(BIN)/python --out dist
+	@touch $@
+
+$(VENV)/package.stamp: dist/wheel.stamp
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --force-reinstall --no-deps $(WHEEL)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check $(WHEEL)
+	@touch $@
+
+$(VENV)/tools.stamp: $(VENV)/package.stamp
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check "$(WHEEL)[dev]"
+	@touch $@
+
+$(VENV)/bench.stamp: $(VENV)/package.stamp
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check "$(WHEEL)[bench]"
+	@touch $@

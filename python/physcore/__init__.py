@@ -1,0 +1,100 @@
+"""physcore: particles and spring networks at the speed of the hardware, with an energy budget that closes.
+
+    import physcore as pc
+
+    cloth = pc.cloth((40, 30), spacing=0.025, stiffness=400.0, damping=0.02, mass=0.002, pinned="top corners")
+    recording = pc.simulate(pc.Scene(cloth, pc.Gravity((0.0, -9.81))), duration=4.0)
+    pc.film(recording, "cloth.gif")
+
+A Scene says what is there; the numerics (integrator, dt, precision, threads) stand beside it; a Simulation owns state
+and clock; a Recording is arrays and the audit; `film` draws them.
+"""
+
+from __future__ import annotations
+
+from physcore.bodies import Body, Particles, SpringNetwork
+from physcore.boundaries import Boundary, Box, Floor, Plane, Sphere
+from physcore.builders import cloth, rope, soft_body
+from physcore.energy import Energy, EnergySeries
+from physcore.errors import (
+    FileError,
+    InternalError,
+    PhyscoreError,
+    SceneError,
+    SimulationDiverged,
+    StabilityWarning,
+)
+from physcore.film import film, styles
+from physcore.forces import CentralForce, CustomForce, Drag, Force, Gravity
+from physcore.integrators import (
+    PEFRL,
+    ExplicitEuler,
+    Integrator,
+    RungeKutta4,
+    SemiImplicitEuler,
+    VelocityVerlet,
+)
+from physcore.loading import load
+from physcore.numerics import AutoStep
+from physcore.plan import Plan
+from physcore.recording import Recording
+from physcore.scene import Scene
+from physcore.simulation import Simulation, simulate, stability_limit
+from physcore.state import Frame, Snapshot
+
+__version__: str
+"""The version of the installed package."""
+
+__all__ = [
+    "PEFRL",
+    "AutoStep",
+    "Body",
+    "Boundary",
+    "Box",
+    "CentralForce",
+    "CustomForce",
+    "Drag",
+    "Energy",
+    "EnergySeries",
+    "ExplicitEuler",
+    "FileError",
+    "Floor",
+    "Force",
+    "Frame",
+    "Gravity",
+    "Integrator",
+    "InternalError",
+    "Particles",
+    "PhyscoreError",
+    "Plan",
+    "Plane",
+    "Recording",
+    "RungeKutta4",
+    "Scene",
+    "SceneError",
+    "SemiImplicitEuler",
+    "Simulation",
+    "SimulationDiverged",
+    "Snapshot",
+    "Sphere",
+    "SpringNetwork",
+    "StabilityWarning",
+    "VelocityVerlet",
+    "cloth",
+    "film",
+    "load",
+    "rope",
+    "simulate",
+    "soft_body",
+    "stability_limit",
+    "styles",
+]
+
+
+def __getattr__(name: str) -> str:
+    """The version, looked up when it is asked for: reading package metadata takes longer than all other imports."""
+    if name != "__version__":
+        raise AttributeError(f"module 'physcore' has no attribute {name!r}")
+    from importlib.metadata import version
+
+    return version("physcore")

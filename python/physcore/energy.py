@@ -1,0 +1,99 @@
+"""The energy budget: at one moment, and over the frames of a recording."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Generic, TypeVar
+
+import numpy as np
+
+from physcore.checks import FloatArray
+from physcore.errors import PhyscoreError
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+Amount = TypeVar("Amount", float, FloatArray)
+
+
+@dataclass(frozen=True, eq=False)
+class Budget(Generic[Amount]):
+    """Where the energy is, and where it went; everything in joules."""
+
+    kinetic: Amount
+    """Of all particles that are not fixed."""
+    by_term: Mapping[str, Amount]
+    """Potential energy by the force that it belongs to, such as `by_term["springs"]`."""
+    dissipated: Amount
+    """What drag, damping and contacts have taken since the start: the time integral of their own power."""
+    dissipated_by: Mapping[str, Amount]
+    """The same by what took it: `dissipated_by["drag"]`, `["damping"]` (of springs) and `["contacts"]`."""
+    work: Amount
+    """What drivers, wind and `Simulation.set` have put in since the start: the time integral of their own power."""
+
+    @property
+    def potential(self) -> Amount:
+        """The sum over all terms."""
+        zero: Amount = self.kinetic - self.kinetic if not self.by_term else 0.0  # type: ignore[assignment]
+        return sum(self.by_term.values(), start=zero)
+
+    @property
+    def total(self) -> Amount:
+        """Kinetic and potential energy."""
+        return self.kinetic + self.potential
+
+    @property
+    def balance(self) -> Amount:
+        """total + dissipated − work: constant, up to the integrator's error."""
+        return self.total + self.dissipated - self.work
+
+
+@dataclass(frozen=True, eq=False)
+class Energy(Budget[float]):
+    """The energy budget at one moment, in joules."""
+
+    time: float
+    """When it was taken [s]."""
+
+
+@dataclass(frozen=True, eq=False)
+class EnergySeries(Budget[FloatArray]):
+    """The energy budget over time, in joules; every array has the shape (F,)."""
+
+    times: FloatArray
+    """When each was taken [s]: at the last step at or before each frame."""
+
+    @property
+    def drift(self) -> FloatArray:
+        """(balance − balance[0]) / (largest kinetic energy + range of the potential energy); 0 where nothing moves."""
+        change = self.balance - self.balance[0]
+        scale = self.kinetic.max() + np.ptp(self.potential)
+        drift: FloatArray = change / scale if scale > 0 else change
+        return drift
+
+    def plot(self, axes: Axes | None = None) -> Axes:
+        """Draw the budget over time with Matplotlib (`pip install "physcore[plot]"`).
+
+        Args:
+            axes: where to draw; a new figure by default.
+
+        Raises:
+            PhyscoreError: Matplotlib is not installed.
+        """
+        if axes is None:
+            try:
+                from matplotlib import pyplot
+            except ImportError:
+                raise PhyscoreError('plotting needs Matplotlib: pip install "physcore[plot]"') from None
+            axes = pyplot.subplots(layout="constrained")[1]
+        curves = {"kinetic": self.kinetic, **{f"potential: {name}": values for name, values in self.by_term.items()}}
+        for label, values in curves.items():
+            axes.plot(self.times, values, label=label)
+        for label, values in {"dissipated": self.dissipated, "work": self.work}.items():
+            if np.any(values):
+                axes.plot(self.times, values, "--", label=label)
+        axes.plot(self.times, self.balance, color="black", label="balance = total + dissipated − work")
+        axes.set(xlabel="time [s]", ylabel="energy [J]")
+        axes.legend(frameon=False)
+        return axes

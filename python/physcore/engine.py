@@ -1,0 +1,94 @@
+"""The way to the engine: a scene and its numerics in, a World out. No other file builds one."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from physcore._core import World
+from physcore.bodies import Body, SpringNetwork
+from physcore.checks import FloatArray, IntArray
+from physcore.influence import Influence
+from physcore.numerics import Limit, Numerics
+from physcore.plan import Plan
+from physcore.scene import Scene
+
+_NO_PAIRS: IntArray = np.empty((0, 2), dtype=np.int64)
+_NO_VALUES: FloatArray = np.empty(0)
+
+
+def build(scene: Scene, numerics: Numerics) -> World:
+    """Hand a scene to the engine.
+
+    Raises:
+        SceneError: the engine cannot do what was asked, or a particle starts outside of a boundary.
+    """
+    return World(
+        describe(scene),
+        type(numerics.integrator).__name__,
+        numerics.precision,
+        numerics.threads,
+        numerics.runaway,
+        numerics.on_divergence,
+    )
+
+
+def describe(scene: Scene) -> dict[str, object]:
+    """A scene as plain dictionaries, numbers and arrays."""
+    return {
+        "dimension": scene.dimension,
+        "bodies": [_body(body) for body in scene.bodies],
+        "forces": [_influence(force, scene) for force in scene.forces],
+        "boundaries": [_influence(boundary, scene) for boundary in scene.boundaries],
+    }
+
+
+def limit(world: World) -> Limit:
+    """The limit of the time step in the world's present state."""
+    return Limit(**world.limit())
+
+
+def plan(world: World, bound: Limit, dt: float) -> Plan:
+    """The plan of a world, with the time step and its limit."""
+    facts = world.plan()
+    return Plan(
+        stages=tuple(facts["stages"]),
+        dimension=facts["dimension"],
+        precision=facts["precision"],
+        integrator=facts["integrator"],
+        order=facts["order"],
+        evaluations=facts["evaluations"],
+        dt=dt,
+        dt_limit=bound.dt,
+        limit_kind=bound.kind,
+        limit_term=bound.term,
+        memory=facts["memory"],
+        threads=facts["threads"],
+        simd=facts["simd"],
+        layout=facts["layout"],
+        left_out=tuple(facts["left_out"]),
+        notes=tuple(facts["notes"]),
+    )
+
+
+def _body(body: Body) -> dict[str, object]:
+    """A body's arrays, by name; one without springs has none of them."""
+    springs = body if isinstance(body, SpringNetwork) else None
+    return {
+        "positions": body.positions,
+        "velocities": body.velocities,
+        "mass": body.mass,
+        "charge": body.charge,
+        "radius": body.radius,
+        "fixed": body.fixed,
+        "pairs": springs.pairs if springs else _NO_PAIRS,
+        "stiffness": springs.stiffness if springs else _NO_VALUES,
+        "damping": springs.damping if springs else _NO_VALUES,
+        "rest_length": springs.rest_length if springs else _NO_VALUES,
+    }
+
+
+def _influence(influence: Influence, scene: Scene) -> dict[str, object]:
+    """A force or boundary with its parameters and the indices of the bodies that it acts on."""
+    bodies = influence.bodies()
+    on = None if bodies is None else [scene.index(body) for body in bodies]
+    return {**influence.describe(scene.dimension), "on": on}

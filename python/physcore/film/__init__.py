@@ -1,0 +1,14 @@
+"""Films: what a recording or a running simulation looks like, as a GIF or a still picture.
+
+`film` is the recipe; a style says how bodies look (`styles`), a camera from where they are seen (`camera`), a theme in
+which colors (`themes`). To add a style: one file in `styles/` and one line there.
+"""
+
+from __future__ import annotations
+
+from physcore.film import styles
+from physcore.film.camera import Orbit, Window
+from physcore.film.filming import film, gif_bytes
+from physcore.film.themes import DARK, LIGHT, Theme
+
+__all__ = ["DARK", "LIGHT", "Orbit", "Theme", "Window", "film", "gif_bytes", "styles"]

@@ -1,0 +1,158 @@
+"""The recipe of a film: look at everything once, choose camera and colors, then draw frame by frame."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections import deque
+from collections.abc import Sequence
+from contextlib import closing
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Unpack
+
+from physcore._core import Gif
+from physcore.checks import number
+from physcore.errors import FileError, SceneError
+from physcore.film.camera import Camera
+from physcore.film.panels import Stage
+from physcore.film.sources import sources
+from physcore.film.styles import Style
+from physcore.film.themes import Color, Theme, ThemeName, color, resolve
+from physcore.progress import Progress
+
+if TYPE_CHECKING:
+    from physcore.numerics import Options
+    from physcore.recording import Recording
+    from physcore.scene import Scene
+
+FASTEST = 50.0
+"""Frames per second that every viewer of GIFs shows; most slow shorter delays down to 100 ms."""
+SLOWEST = 100 / 65535
+"""Frames per second below which a delay does not fit into a GIF."""
+
+
+def film(
+    recording: Recording | Scene | Sequence[Recording | Scene],
+    path: str | os.PathLike[str],
+    *,
+    size: tuple[int, int] = (640, 480),
+    style: Style | Sequence[Style] | None = None,
+    camera: Camera | None = None,
+    theme: Theme | ThemeName = "dark",
+    background: Color | str | None = None,
+    title: str | None = None,
+    titles: Sequence[str] | None = None,
+    speed: float = 1.0,
+    duration: float | None = None,
+    fps: float | None = None,
+    progress: bool | None = None,
+    **numerics: Unpack[Options],
+) -> None:
+    """Draw a recording, or a scene while it is simulated, as a GIF; as a PNG, the last frame.
+
+    A scene is simulated twice, with the same bits: once to find the framing and the range of the colors, and once to
+    draw; only one frame is in memory at a time. The file appears under its name when it is whole; until then, and on
+    any failure, what was there stays.
+
+    Args:
+        recording: what to film; several are shown side by side, with one camera and one scale of colors.
+        path: where to write, ending in .gif or .png.
+        size: width and height of the picture [pixels].
+        style: one or several of `physcore.styles`; None: springs by strain, bodies without springs as points. A body
+            that no style draws is drawn as points.
+        camera: `physcore.film.Window` in 2D, `Orbit` in 3D; None: so that nothing leaves the picture.
+        theme: "dark", "light" or a Theme.
+        background: a color instead of the theme's, such as "#000000".
+        title: a line above the picture.
+        titles: a line above each panel.
+        speed: seconds of the simulation that pass in one second of the film.
+        duration: how long to simulate a scene [s].
+        fps: frames per second of simulated time at which to film a scene; None: 30.
+        progress: whether to show a progress bar; None: on a terminal, when it takes longer than a second.
+        numerics: for a scene: integrator, dt, precision, threads, … as in Simulation.
+
+    Raises:
+        SceneError: an argument is not valid.
+        FileError: the file cannot be written.
+        SimulationDiverged: the scene blew up while it was filmed.
+    """
+    target = Path(path)
+    if target.suffix.lower() not in (".gif", ".png"):
+        raise SceneError(f"path: must end in .gif or .png, got {os.fspath(path)!r}")
+    still = target.suffix.lower() == ".png"
+    found = sources(recording, duration, fps, numerics)
+    if title is not None and titles is not None:
+        raise SceneError("titles: give one title for all or titles for the panels, not both")
+    stage = Stage(found, size, style, camera, _colors(theme, background), [title] if title else titles, progress)
+    try:
+        if still:
+            _write_still(stage, target)
+        else:
+            _write(stage, target, _rate(found[0].fps, speed), progress)
+    except FileError:
+        raise
+    except OSError as error:
+        raise FileError(f"{target}: cannot be written: {error.strerror or error}") from error
+
+
+def gif_bytes(
+    recording: Recording | Sequence[Recording],
+    *,
+    size: tuple[int, int] = (640, 480),
+    style: Style | Sequence[Style] | None = None,
+    theme: Theme | ThemeName = "dark",
+    speed: float = 1.0,
+) -> bytes:
+    """The bytes of the GIF that `film` would write, for a notebook or a server; the arguments are those of `film`."""
+    found = sources(recording, None, None, {})
+    stage = Stage(found, size, style, None, resolve(theme), None, False)
+    return _write(stage, None, _rate(found[0].fps, speed), False) or b""
+
+
+def delays(count: int, rate: float) -> list[int]:
+    """How long each of `count` frames is shown [hundredths of a second], so that no frame is late by more than 5 ms."""
+    ends = [math.floor(100 * (index + 1) / rate + 0.5) for index in range(count)]
+    return [end - start for start, end in zip([0, *ends], ends, strict=False)]
+
+
+def _write(stage: Stage, target: Path | None, rate: float, progress: bool | None) -> bytes | None:
+    """Write all frames, and give their bytes if there is no file to put them into."""
+    with closing(Gif(target, stage.reserved)) as gif, Progress(stage.count, "drawing", progress) as bar:
+        for canvas in stage.samples():
+            gif.observe(canvas)
+        for index, (canvas, delay) in enumerate(zip(stage.frames(), delays(stage.count, rate), strict=True)):
+            gif.frame(canvas, delay)
+            bar.update(index + 1)
+        return gif.finish()
+
+
+def _write_still(stage: Stage, target: Path) -> None:
+    """Write the last frame, under a temporary name first."""
+    from PIL import Image
+
+    last = deque(stage.frames(), maxlen=1)[0]
+    temporary = target.with_name(f".{target.name}.{os.getpid()}.tmp")
+    try:
+        Image.fromarray(last.pixels()).save(temporary, format="PNG")
+        os.replace(temporary, target)
+    finally:
+        temporary.unlink(missing_ok=True)
+
+
+def _rate(fps: float, speed: float) -> float:
+    """Frames per second of the film."""
+    rate = fps * number(speed, "speed", above=0.0)
+    if rate > FASTEST:
+        raise SceneError(
+            f"fps: a GIF shows at most {FASTEST:g} frames per second, got {rate:g}; record fewer, "
+            f"or play it slower: speed={FASTEST / fps:.3g}"
+        )
+    if rate < SLOWEST:
+        raise SceneError(f"fps: a GIF shows a frame for at most 655 s, got {1 / rate:g} s; play it faster: speed=…")
+    return rate
+
+
+def _colors(theme: Theme | ThemeName, background: Color | str | None) -> Theme:
+    chosen = resolve(theme)
+    return chosen if background is None else replace(chosen, background=color(background, "background"))

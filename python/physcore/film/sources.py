@@ -1,0 +1,143 @@
+"""Where the frames of a film come from: a recording, or a simulation that runs while it is filmed."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Protocol
+
+from physcore.checks import FloatArray
+from physcore.errors import SceneError
+from physcore.scene import Scene
+
+if TYPE_CHECKING:
+    from physcore.numerics import Options
+    from physcore.recording import Recording
+
+
+@dataclass(frozen=True, eq=False)
+class Moment:
+    """What there is to draw at one time."""
+
+    time: float
+    """[s]"""
+    positions: FloatArray
+    """[m], shape (N, D)."""
+    velocities: FloatArray | None
+    """[m/s], shape (N, D); None where they were not recorded."""
+
+
+class Source(Protocol):
+    """Something that can be looked at from the start as often as needed."""
+
+    @property
+    def scene(self) -> Scene:
+        """What is shown."""
+
+    @property
+    def fps(self) -> float:
+        """Frames per second of simulated time."""
+
+    @property
+    def count(self) -> int:
+        """How many frames there are."""
+
+    @property
+    def has_velocities(self) -> bool:
+        """Whether moments have velocities."""
+
+    def moments(self) -> Iterator[Moment]:
+        """All moments from the start."""
+
+
+@dataclass(frozen=True, eq=False)
+class Recorded:
+    """The frames of a recording."""
+
+    recording: Recording
+
+    @property
+    def scene(self) -> Scene:
+        """What was recorded."""
+        return self.recording.scene
+
+    @property
+    def fps(self) -> float:
+        """Frames per second of simulated time."""
+        return self.recording.fps
+
+    @property
+    def count(self) -> int:
+        """How many frames there are."""
+        return len(self.recording.times)
+
+    @property
+    def has_velocities(self) -> bool:
+        """Whether they were recorded."""
+        return "velocities" in self.recording.channels
+
+    def moments(self) -> Iterator[Moment]:
+        """The frames in order."""
+        recording = self.recording
+        positions, velocities = recording.positions, recording.velocities if self.has_velocities else None
+        for index, time in enumerate(recording.times):
+            yield Moment(float(time), positions[index], None if velocities is None else velocities[index])
+
+
+@dataclass(frozen=True, eq=False)
+class Running:
+    """A simulation that is run anew for each pass, always with the same bits; only one frame is in memory."""
+
+    scene: Scene
+    duration: float
+    fps: float
+    numerics: Options
+
+    @property
+    def count(self) -> int:
+        """How many frames there are."""
+        from physcore.sampling import frame_count
+
+        return frame_count(self.duration, self.fps)
+
+    @property
+    def has_velocities(self) -> bool:
+        """A simulation always has them."""
+        return True
+
+    def moments(self) -> Iterator[Moment]:
+        """Simulate from the start."""
+        from physcore.simulation import Simulation
+
+        for frame in Simulation(self.scene, **self.numerics).frames(self.duration, self.fps):
+            yield Moment(frame.time, frame.positions, frame.velocities)
+
+
+def sources(source: object, duration: float | None, fps: float | None, numerics: Options) -> list[Source]:
+    """One source for each panel.
+
+    Raises:
+        SceneError: something is neither a recording nor a scene, or the rates differ.
+    """
+    items = list(source) if isinstance(source, (list, tuple)) else [source]
+    if not items:
+        raise SceneError("recording: there must be at least one to film")
+    found = [_source(item, duration, fps, numerics) for item in items]
+    rates = sorted({each.fps for each in found})
+    if len(rates) > 1:
+        raise SceneError(f"recording: panels must have the same frames per second, got {rates}")
+    return found
+
+
+def _source(item: object, duration: float | None, fps: float | None, numerics: Options) -> Source:
+    if isinstance(item, Scene):
+        if duration is None:
+            raise SceneError("duration: a scene is filmed while it is simulated, so say how long: duration=… [s]")
+        return Running(item, duration, 30.0 if fps is None else fps, numerics)
+    if not all(hasattr(item, name) for name in ("scene", "times", "positions", "fps")):
+        raise SceneError(f"recording: must be a Recording, a Scene or a list of them, got {item!r}")
+    given = {"duration": duration, "fps": fps, **numerics}
+    for name, value in given.items():
+        if value is not None:
+            raise SceneError(f"{name}: a recording already has it; pass it to simulate(…), or film the scene")
+    return Recorded(item)  # type: ignore[arg-type]

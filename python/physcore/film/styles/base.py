@@ -1,0 +1,105 @@
+"""The base of all styles."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from physcore._core import Canvas
+from physcore.bodies import Body
+from physcore.checks import FloatArray
+from physcore.errors import SceneError
+from physcore.film.camera import PixelArray, View
+from physcore.film.sources import Moment, Source
+from physcore.film.themes import Theme
+
+On = Body | Sequence[Body] | None
+
+FOG = 0.55
+"""How much of its color the farthest thing in a 3D picture has lost to the background."""
+TYPICAL = 99.5
+"""The top of a color scale is this percentile of a frame, so that one outlier does not take all color for itself."""
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """A body, and where its particles are in a moment's arrays."""
+
+    body: Body
+    where: slice
+
+
+@dataclass(frozen=True)
+class Style(ABC):
+    """How some bodies look. To add one: a file here, and a line in `STYLES`."""
+
+    on: On = field(default=None, kw_only=True)
+    """The body or bodies drawn in this style; None: all that it can draw."""
+
+    def __post_init__(self) -> None:
+        bodies: object = () if self.on is None else (self.on,) if isinstance(self.on, Body) else self.on
+        if not isinstance(bodies, Sequence) or not all(isinstance(body, Body) for body in bodies):
+            raise SceneError(f"{type(self).__name__}.on: must be a body or several, got {self.on!r}")
+
+    def draws(self, body: Body) -> bool:
+        """Whether a body is drawn in this style."""
+        if self.on is None:
+            return self.can_draw(body)
+        chosen = (self.on,) if isinstance(self.on, Body) else self.on
+        return any(body is each for each in chosen)
+
+    def can_draw(self, body: Body) -> bool:
+        """Whether a body has what this style shows."""
+        del body
+        return True
+
+    @abstractmethod
+    def painter(self, source: Source, parts: list[Part], theme: Theme) -> Painter:
+        """What draws the given bodies, frame by frame."""
+
+
+class Painter(ABC):
+    """Draws some bodies of one source; it first sees the whole film, to find ranges that hold for all of it."""
+
+    style: Style
+    """What it draws by."""
+    top: float = 0.0
+    """The value at the end of the color scale. Panels with equal styles share it, so that a color means one thing."""
+
+    def begin(self) -> None:  # noqa: B027 - most painters remember nothing
+        """Forget earlier moments: the film starts."""
+
+    @abstractmethod
+    def observe(self, moment: Moment) -> None:
+        """Take a frame into account; called for each one before any is drawn."""
+
+    @abstractmethod
+    def inset(self, pixels: float) -> float:
+        """How far drawings reach beyond the particles' centers [pixels], in a panel of so many pixels."""
+
+    @abstractmethod
+    def paint(self, canvas: Canvas, moment: Moment, view: View, pixels: float) -> None:
+        """Add the bodies to the painting of a panel of so many pixels."""
+
+
+def typical(values: FloatArray) -> float:
+    """The value below which nearly all lie; 0 if there are none."""
+    finite = values[np.isfinite(values)]
+    if len(finite) == 0:
+        return 0.0
+    rank = min(int(len(finite) * TYPICAL / 100), len(finite) - 1)
+    return float(np.partition(finite, rank)[rank])
+
+
+def inks(colors: FloatArray, theme: Theme, farness: PixelArray | None) -> NDArray[np.uint8]:
+    """Opaque inks (N, 4) of colors (N, 3); what is far away fades into the background."""
+    result = np.full((len(colors), 4), 255, dtype=np.uint8)
+    if farness is not None:
+        fog = FOG * farness[:, np.newaxis]
+        colors = colors * (1.0 - fog) + np.array(theme.background) * fog
+    result[:, :3] = colors
+    return result

@@ -1,0 +1,155 @@
+"""Particles as discs, colored by how they move or what they belong to."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from physcore._core import Canvas
+from physcore.checks import FloatArray, number
+from physcore.errors import SceneError
+from physcore.film.camera import PixelArray, View
+from physcore.film.colormaps import ColormapName, look_up, sequential
+from physcore.film.sources import Moment, Source
+from physcore.film.styles.base import Painter, Part, Style, inks, typical
+from physcore.film.themes import Theme
+
+ColorBy = Literal["speed", "energy", "body"]
+
+SPACING = 0.3
+"""A disc's radius as a fraction of the mean distance that the particles would have if they filled the panel."""
+RADII = (1.0, 5.5)
+"""The smallest and the largest radius that is chosen by itself [pixels]."""
+SHADING = 0.45
+TRAIL = 170
+"""Opacity of the freshest part of a trail, of 255."""
+FEW = 16
+"""Up to so many particles get a trail by themselves."""
+
+
+@dataclass(frozen=True)
+class Points(Style):
+    """Each particle is a disc, and in 3D a lit ball.
+
+    Args:
+        color: by "speed" [m/s], kinetic "energy" [J] or "body"; None: speed if it was recorded, otherwise body. Scales
+            go from zero to what is typical of the fastest frame.
+        colormap: "viridis", "inferno", "plasma" or "magma".
+        size: diameter [pixels]; None: as large as the particle if it has a radius, otherwise as fits their number.
+        trail: for how long the path behind each particle is shown [s]; None: where there are only a few particles, an
+            eighth of the film, otherwise not.
+        on: as in Style.
+
+    Raises:
+        SceneError: a value is out of range, or velocities are needed and were not recorded.
+    """
+
+    color: ColorBy | None = None
+    colormap: ColormapName = "plasma"
+    size: float | None = None
+    trail: float | None = None
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.color not in (None, "speed", "energy", "body"):
+            raise SceneError(f"Points.color: must be 'speed', 'energy' or 'body', got {self.color!r}")
+        sequential(self.colormap, (0.0, 1.0), "Points.colormap")
+        if self.trail is not None:
+            number(self.trail, "Points.trail", least=0.0)
+        if self.size is not None:
+            number(self.size, "Points.size", above=0.0)
+
+    def painter(self, source: Source, parts: list[Part], theme: Theme) -> Painter:
+        """A painter with the color scale of one film."""
+        color = self.color or ("speed" if source.has_velocities else "body")
+        if color != "body" and not source.has_velocities:
+            raise SceneError(f"Points.color: {color!r} needs velocities, which were not recorded; use 'body'")
+        return PointsPainter(self, color, source, parts, theme)
+
+
+class PointsPainter(Painter):
+    """Draws discs, and the paths behind them."""
+
+    def __init__(self, style: Points, color: ColorBy, source: Source, parts: list[Part], theme: Theme) -> None:
+        self.style, self._style, self._color, self._theme = style, style, color, theme
+        self._where = np.concatenate([np.arange(part.where.start, part.where.stop) for part in parts])
+        self._mass = np.concatenate([part.body.mass for part in parts])
+        self._radius = np.concatenate([part.body.radius for part in parts])
+        self._table = sequential(style.colormap, theme.part, "Points.colormap")
+        bodies = list(source.scene.bodies)
+        each = [theme.bodies[bodies.index(part.body) % len(theme.bodies)] for part in parts]
+        self._bodies = np.repeat(np.array(each, dtype=float), [len(part.body) for part in parts], axis=0)
+        frames = source.count / 8 if len(self._where) <= FEW else 0.0
+        if style.trail is not None:
+            frames = style.trail * source.fps
+        self._past: deque[FloatArray] = deque(maxlen=1 + round(frames))
+
+    def begin(self) -> None:
+        """Forget the paths."""
+        self._past.clear()
+
+    def observe(self, moment: Moment) -> None:
+        """Find the top of the color scale."""
+        if self._color != "body":
+            self.top = max(self.top, typical(self._values(moment)))
+
+    def inset(self, pixels: float) -> float:
+        """A radius."""
+        return self._chosen(pixels) + 1.0
+
+    def paint(self, canvas: Canvas, moment: Moment, view: View, pixels: float) -> None:
+        """Add discs."""
+        positions = moment.positions[self._where]
+        centers, depth, scale = view.project(positions)
+        colors = self._colors(moment)
+        farness = None if depth is None else view.farness(depth)
+        if self._past.maxlen != 1:
+            self._past.append(positions)
+            self._paint_trail(canvas, view, colors, 0.7 * self._chosen(pixels))
+        radii = self._radii(scale, view, pixels)
+        shading = 0.0 if view.flat or radii.max(initial=0.0) < 2.0 else SHADING
+        canvas.discs(centers, radii, inks(colors, self._theme, farness), depth, shading)
+
+    def _paint_trail(self, canvas: Canvas, view: View, colors: FloatArray, width: float) -> None:
+        """Lines along the last positions that fade with age, the oldest first."""
+        past = np.stack(self._past)
+        steps, count, dimension = len(past) - 1, past.shape[1], past.shape[2]
+        pixels, depth, _ = view.project(past.reshape(-1, dimension))
+        fresh = np.repeat(np.arange(1, steps + 1) / len(past), count)
+        ink = inks(np.tile(colors, (steps, 1)), self._theme, None)
+        ink[:, 3] = TRAIL * fresh
+        widths = np.maximum(1.0, width * fresh).astype(np.float32)
+        ends = np.concatenate([pixels[:-count], pixels[count:]], axis=1)
+        canvas.lines(ends, widths, ink, None if depth is None else depth[count:])
+
+    def _values(self, moment: Moment) -> FloatArray:
+        """What the color shows, (N,)."""
+        assert moment.velocities is not None  # the style has made sure of it
+        velocities = moment.velocities[self._where]
+        squares = np.einsum("nd,nd->n", velocities, velocities)
+        values: FloatArray = np.sqrt(squares) if self._color == "speed" else 0.5 * self._mass * squares
+        return values
+
+    def _colors(self, moment: Moment) -> FloatArray:
+        if self._color == "body":
+            return self._bodies
+        return look_up(self._table, self._values(moment) / (self.top or 1.0))
+
+    def _chosen(self, pixels: float) -> float:
+        """The radius of a particle that has none [pixels]."""
+        if self._style.size is not None:
+            return self._style.size / 2
+        least, most = RADII
+        return float(np.clip(SPACING * math.sqrt(pixels / max(len(self._where), 1)), least, most))
+
+    def _radii(self, scale: PixelArray, view: View, pixels: float) -> PixelArray:
+        chosen = np.float32(self._chosen(pixels))
+        perspective = scale / np.float32(view.scale)
+        if self._style.size is not None:
+            return chosen * perspective
+        own = scale * self._radius.astype(np.float32)
+        return np.where(self._radius > 0.0, np.maximum(own, RADII[0]), chosen * perspective).astype(np.float32)

@@ -1,0 +1,172 @@
+"""Springs, colored by how far they are stretched or compressed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from physcore._core import Canvas
+from physcore.bodies import Body, SpringNetwork
+from physcore.checks import BoolArray, FloatArray, IntArray, number
+from physcore.errors import SceneError
+from physcore.film.camera import View
+from physcore.film.colormaps import diverging, look_up
+from physcore.film.sources import Moment, Source
+from physcore.film.styles.base import Painter, Part, Style, inks, typical
+from physcore.film.themes import Theme
+
+WIDTHS = (1.0, 3.4)
+"""The thinnest and the thickest line that is chosen by itself [pixels]."""
+NEVER = 1e-9
+"""Strains below this are rounding, and stay neutral [1]."""
+BRACE = 1.2
+"""Springs longer than the typical shortest one by this factor are braces [1]."""
+FAINT = 0.5
+"""Opacity of a brace, and its width as a fraction of the others'."""
+PIN = 2.4
+"""Radius of a particle that is held in place [pixels]."""
+
+
+@dataclass(frozen=True)
+class Strain(Style):
+    """Each spring is a line: blue when compressed, red when stretched, neutral in between.
+
+    The scale is symmetric, the same for the whole film, and goes with the root of the strain, so that small strains
+    show beside large ones. A spring that lies along two others is not drawn: bending springs would hide what they
+    reinforce. Braces, which are longer than their neighbors, are drawn fainter.
+
+    Args:
+        range: the strain (length / rest length - 1) at which colors end [1]; None: what is typical of the worst frame.
+        width: of the lines [pixels]; None: as fits their length.
+        on: as in Style; it must have springs.
+
+    Raises:
+        SceneError: a value is out of range.
+    """
+
+    range: float | None = None
+    width: float | None = None
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        for name in ("range", "width"):
+            if getattr(self, name) is not None:
+                number(getattr(self, name), f"Strain.{name}", above=0.0)
+
+    def can_draw(self, body: Body) -> bool:
+        """Whether it has springs."""
+        return isinstance(body, SpringNetwork) and len(body.pairs) > 0
+
+    def painter(self, source: Source, parts: list[Part], theme: Theme) -> Painter:
+        """A painter with the color scale of one film."""
+        for part in parts:
+            if not self.can_draw(part.body):
+                raise SceneError(f"Strain.on: {part.body!r} has no springs; use Points(on=…) for it")
+        return StrainPainter(self, parts, theme)
+
+
+class StrainPainter(Painter):
+    """Draws lines, and what is pinned."""
+
+    def __init__(self, style: Strain, parts: list[Part], theme: Theme) -> None:
+        self.style, self._style, self._theme = style, style, theme
+        self._table = diverging(theme.compressed, theme.relaxed, theme.stretched)
+        pairs, rest, chain, brace, fixed = [], [], [], [], []
+        for part in parts:
+            body = part.body
+            assert isinstance(body, SpringNetwork)  # the style has made sure of it
+            shown = ~covered(body.pairs, body.rest_length)
+            pairs.append(body.pairs[shown] + part.where.start)
+            rest.append(body.rest_length[shown])
+            brace.append(body.rest_length[shown] > BRACE * _spacing(body.pairs[shown], body.rest_length[shown]))
+            chain.append(np.full(shown.sum(), shown.sum() < 1.5 * len(body)))
+            fixed.append(np.flatnonzero(body.fixed) + part.where.start)
+        # The longest are painted first, so that in a cloth the weave lies above its diagonals.
+        order = np.argsort(-np.concatenate(rest), kind="stable")
+        self._pairs: IntArray = np.concatenate(pairs)[order]
+        self._rest: FloatArray = np.concatenate(rest)[order]
+        self._brace: BoolArray = np.concatenate(brace)[order]
+        self._chain: BoolArray = np.concatenate(chain)[order]
+        self._fixed: IntArray = np.concatenate(fixed)
+        self.top = style.range or NEVER
+
+    def observe(self, moment: Moment) -> None:
+        """Find the end of the color scale."""
+        if self._style.range is None:
+            self.top = max(self.top, typical(np.abs(self._strain(moment))))
+
+    def inset(self, pixels: float) -> float:
+        """A line's half width, or a pin."""
+        del pixels
+        return max(WIDTHS[1], self._style.width or 0.0) / 2 + PIN
+
+    def paint(self, canvas: Canvas, moment: Moment, view: View, pixels: float) -> None:
+        """Add lines, and pins above them."""
+        points, depth, _ = view.project(moment.positions)
+        first, second = self._pairs.T
+        between = None if depth is None else (depth[first] + depth[second]) / 2
+        farness = None if between is None else view.farness(between)
+        strain = self._strain(moment) / self.top
+        colors = look_up(self._table, 0.5 + 0.5 * np.sign(strain) * np.sqrt(np.abs(strain)))
+        ink = inks(colors, self._theme, farness)
+        ink[self._brace, 3] = round(255 * FAINT)
+        ends = np.concatenate([points[first], points[second]], axis=1)
+        widths = self._widths(view)
+        canvas.lines(ends, widths, ink, between)
+        pins = np.tile(np.array([*self._theme.text, 255], dtype=np.uint8), (len(self._fixed), 1))
+        radius = np.minimum(PIN, 0.6 + 0.7 * float(np.median(widths)))
+        radii = np.full(len(self._fixed), radius, dtype=np.float32)
+        canvas.discs(points[self._fixed], radii, pins, None if depth is None else depth[self._fixed])
+
+    def _strain(self, moment: Moment) -> FloatArray:
+        """Length over rest length less one, (M,). Where the rest length is 0, the mean length takes its place."""
+        first, second = self._pairs.T
+        apart = moment.positions[second] - moment.positions[first]
+        length = np.sqrt(np.einsum("md,md->m", apart, apart))
+        rest = self._rest
+        if not (rest > 0.0).all():
+            rest = np.where(rest > 0.0, rest, max(float(length.mean()), NEVER))
+        strain: FloatArray = (length - self._rest) / rest
+        return strain
+
+    def _widths(self, view: View) -> np.ndarray:
+        """Widths (M,) [pixels]: a rope is thicker than the threads of a cloth."""
+        if self._style.width is not None:
+            return np.full(len(self._rest), self._style.width, dtype=np.float32)
+        length = float(np.median(self._rest)) * view.scale
+        widths = np.clip(np.where(self._chain, max(0.6 * length, 2.2), 0.17 * length), *WIDTHS)
+        return np.where(self._brace, np.maximum(FAINT * widths, WIDTHS[0]), widths).astype(np.float32)
+
+
+def _spacing(pairs: IntArray, rest_length: FloatArray) -> float:
+    """The typical length of a particle's shortest spring [m]."""
+    shortest = np.full(int(pairs.max(initial=-1)) + 1, np.inf)
+    np.minimum.at(shortest, pairs.ravel(), np.repeat(rest_length, 2))
+    return float(np.median(shortest[np.isfinite(shortest)])) if len(pairs) else 0.0
+
+
+def covered(pairs: IntArray, rest_length: FloatArray) -> BoolArray:
+    """Which springs (M,) lie, at rest, along two others that meet on the way."""
+    longest = 1.001  # how much longer than the direct way the two may be
+    both = np.concatenate([pairs, pairs[:, ::-1]])
+    count = int(both.max(initial=-1)) + 1
+    keys = both[:, 0] * count + both[:, 1]
+    order = np.argsort(keys, kind="stable")
+    keys, source, target = keys[order], both[order, 0], both[order, 1]
+    lengths = np.concatenate([rest_length, rest_length])[order]
+    starts = np.searchsorted(source, np.arange(count + 1))
+    result = np.zeros(len(pairs), dtype=bool)
+    if len(pairs) == 0:
+        return result
+    degrees = np.diff(starts)[pairs[:, 0]]
+    for step in range(int(degrees.max())):
+        # The step-th neighbor of each spring's first end: does a spring lead on from there to its second end?
+        index = np.flatnonzero(degrees > step)
+        there = starts[pairs[index, 0]] + step
+        wanted = target[there] * count + pairs[index, 1]
+        onward = np.minimum(np.searchsorted(keys, wanted), len(keys) - 1)
+        detour = lengths[there] + lengths[onward]
+        proper = (lengths[there] > 0.0) & (lengths[onward] > 0.0)
+        result[index] |= proper & (keys[onward] == wanted) & (detour <= longest * rest_length[index])
+    return result

@@ -1,0 +1,105 @@
+"""The colors of a film."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+from physcore.errors import SceneError
+
+Color: TypeAlias = tuple[int, int, int]
+"""Red, green and blue in sRGB, each from 0 to 255."""
+
+ThemeName = Literal["dark", "light"]
+
+
+@dataclass(frozen=True)
+class Theme:
+    """Colors that go together; every pair that must be told apart differs in lightness too."""
+
+    background: Color
+    surface: Color
+    """What fills solid ground."""
+    edge: Color
+    """The outlines of boundaries."""
+    solid: Color
+    """Balls that things fall upon."""
+    text: Color
+    """Titles, and particles that are held in place."""
+    label: Color
+    """The time."""
+    compressed: Color
+    relaxed: Color
+    stretched: Color
+    bodies: tuple[Color, ...]
+    """One color for each body, in turn; told apart by the color-blind."""
+    part: tuple[float, float]
+    """Which part of a color map stands out against the background, as fractions of its length."""
+
+
+DARK = Theme(
+    background=(15, 18, 24),
+    surface=(29, 35, 46),
+    edge=(92, 104, 124),
+    solid=(94, 112, 143),
+    text=(236, 239, 244),
+    label=(148, 158, 174),
+    compressed=(45, 140, 255),
+    relaxed=(132, 143, 162),
+    stretched=(255, 76, 56),
+    # After Okabe and Ito, "Color Universal Design" (2008), lightened for a dark ground.
+    bodies=((86, 180, 233), (240, 170, 40), (40, 190, 140), (232, 116, 60), (222, 140, 190), (240, 228, 66)),
+    part=(0.3, 1.0),
+)
+"""For projectors and screens: light shapes on a ground that is nearly black."""
+
+LIGHT = Theme(
+    background=(252, 252, 250),
+    surface=(232, 233, 235),
+    edge=(140, 148, 160),
+    solid=(176, 188, 206),
+    text=(24, 29, 38),
+    label=(96, 106, 122),
+    compressed=(0, 92, 220),
+    relaxed=(150, 156, 166),
+    stretched=(214, 34, 20),
+    # Okabe and Ito, "Color Universal Design" (2008).
+    bodies=((0, 114, 178), (213, 94, 0), (0, 158, 115), (204, 121, 167), (180, 130, 0), (86, 180, 233)),
+    part=(0.0, 0.88),
+)
+"""For documents with a white page."""
+
+THEMES: dict[str, Theme] = {"dark": DARK, "light": LIGHT}
+
+
+def resolve(theme: Theme | ThemeName) -> Theme:
+    """A theme, given itself or its name.
+
+    Raises:
+        SceneError: there is no such theme.
+    """
+    if isinstance(theme, Theme):
+        return theme
+    if theme in THEMES:
+        return THEMES[theme]
+    raise SceneError(f"theme: must be one of {', '.join(map(repr, THEMES))} or a Theme, got {theme!r}")
+
+
+def color(value: object, path: str) -> Color:
+    """A color from three numbers 0–255 or a string like "#10c0ff".
+
+    Raises:
+        SceneError: it is neither.
+    """
+    if isinstance(value, str) and len(value) == 7 and value.startswith("#"):
+        try:
+            red, green, blue = bytes.fromhex(value[1:])
+        except ValueError:
+            pass
+        else:
+            return (red, green, blue)
+    if isinstance(value, (tuple, list)) and len(value) == 3:
+        red, green, blue = value
+        if all(isinstance(channel, int) and 0 <= channel <= 255 for channel in value):
+            return (red, green, blue)
+    raise SceneError(f"{path}: must be like '#10c0ff' or (16, 192, 255), got {value!r}")

@@ -1,0 +1,42 @@
+"""Demos: each is one short file to read as an example. Run one with `physcore demo NAME`.
+
+A demo is a module with a docstring, whose first line is its caption, and a function `main(path, progress)` that writes
+a GIF and gives the recordings it is made of, by title. To add one: a file here and a line in `DEMOS`.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from importlib import import_module
+from typing import Protocol, cast
+
+from physcore.recording import Recording
+
+DEMOS = ("cloth", "rope", "jelly", "orbits", "drape", "bowl")
+"""Every demo; the first one is the default."""
+
+
+class Demo(Protocol):
+    """What a module in this folder has."""
+
+    __doc__: str | None
+
+    def main(self, path: str | os.PathLike[str], progress: bool | None = None) -> Mapping[str, Recording]:
+        """Write a GIF to `path`; give the recordings that it shows, by title."""
+
+
+def demo(name: str) -> Demo:
+    """The module of a demo; only that one is imported.
+
+    Raises:
+        KeyError: there is no such demo.
+    """
+    if name not in DEMOS:
+        raise KeyError(name)
+    return cast(Demo, import_module(f"{__name__}.{name}"))
+
+
+def caption(name: str) -> str:
+    """One line on what a demo shows."""
+    return (demo(name).__doc__ or "").partition("\n")[0]

@@ -1,0 +1,116 @@
+"""The pace of a simulation: how many steps of what size take it where it should go."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+from physcore import engine
+from physcore._core import World
+from physcore.checks import count, number
+from physcore.errors import SimulationDiverged
+from physcore.numerics import FRAMES_PER_SECOND, AutoStep, Limit, Numerics, divide, largest_step
+from physcore.state import Snapshot
+
+WATCH = 256
+"""With dt="auto", the limit of stability is looked at again whenever the number of steps is a multiple of this. Fixed
+multiples, so that the bits do not depend on how the steps were asked for."""
+
+SLOWEST = 64
+"""How many times smaller than at the start a watched time step becomes at most: a spring that is pressed to nothing has
+no direction, and no time step resolves it."""
+
+TOUCH = 1e-6
+"""Times closer together than this fraction of a step are the same time."""
+
+
+class Pace:
+    """Steps a world with a time step that is given, or chosen from the limit of stability.
+
+    The limit holds while no spring is shorter than half its rest length. With dt="auto" it is watched: a time step that
+    has become unstable is replaced by a smaller one, and comes back when the reason has gone.
+    """
+
+    def __init__(self, world: World, numerics: Numerics) -> None:
+        self._world = world
+        self._numerics = numerics
+        self._first_limit = engine.limit(world)
+        self.limit = self._first_limit
+        if isinstance(numerics.dt, AutoStep):
+            self._largest(FRAMES_PER_SECOND)  # A scene without any stable step is refused here, not at its first step.
+
+    @property
+    def fixed(self) -> float | None:
+        """The time step that was given [s], or None."""
+        return None if isinstance(self._numerics.dt, AutoStep) else self._numerics.dt
+
+    @property
+    def dt(self) -> float:
+        """The time step in use [s]: of the last step, and before the first one that of the next."""
+        return self.fixed or self._world.dt or self._largest(FRAMES_PER_SECOND)
+
+    def step(self, steps: int) -> None:
+        """Advance by a number of steps."""
+        left = count(steps, "step.n")
+        if self.fixed is not None:
+            return self._advance(left, self.fixed)
+        while left > 0:
+            self._watch()
+            chunk = min(left, self._until_watch())
+            self._advance(chunk, self._largest(FRAMES_PER_SECOND))
+            left -= chunk
+        return None
+
+    def run(self, duration: float, fps: float = FRAMES_PER_SECOND) -> None:
+        """Advance by a duration [s]: to its end with dt="auto", to the first step at or after it with a given dt."""
+        interval = number(duration, "run.duration", least=0.0)
+        if self.fixed is not None:
+            return self._advance(max(0, math.ceil(interval / self.fixed - TOUCH)), self.fixed)
+        if interval == 0.0:
+            return None
+        steps, dt = divide(interval, self._largest(fps))
+        while steps > 0:
+            if self._watch():
+                steps, dt = divide(steps * dt, self._largest(fps))
+            chunk = min(steps, self._until_watch())
+            self._advance(chunk, dt)
+            steps -= chunk
+        return None
+
+    def _advance(self, steps: int, dt: float) -> None:
+        try:
+            self._world.step(steps, dt)
+        except SimulationDiverged as error:
+            world = self._world
+            error.last_good = Snapshot(world.time, world.positions(), world.velocities())
+            raise
+
+    def _largest(self, fps: float) -> float:
+        rule = self._numerics.dt
+        assert isinstance(rule, AutoStep)
+        return largest_step(self.limit, rule, self._numerics.integrator, fps)
+
+    def _until_watch(self) -> int:
+        return WATCH - self._world.steps % WATCH
+
+    def _watch(self) -> bool:
+        """Look at the limit if it is time to; say whether the time step has to change."""
+        if self._world.steps == 0 or self._world.steps % WATCH != 0:
+            return False
+        present = engine.limit(self._world)
+        lowered = self.limit != self._first_limit
+        if self._world.dt > present.stability:
+            self.limit = replace(present, dt=max(present.dt, self._first_limit.dt / SLOWEST))
+        elif lowered and present.stability >= self._first_limit.stability:
+            self.limit = self._first_limit
+        else:
+            return False
+        return True
+
+    def capture(self) -> dict[str, float | str]:
+        """What the choice of later time steps depends on, beside the world."""
+        return dict(vars(self.limit))
+
+    def restore(self, state: dict[str, float | str]) -> None:
+        """Go on as the pace that was captured."""
+        self.limit = Limit(**state)  # type: ignore[arg-type]

@@ -1,0 +1,192 @@
+"""A recording: arrays over time, and the audit that goes with them."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterable
+from dataclasses import asdict, dataclass, fields
+from typing import Any, Literal, Self
+
+import numpy as np
+
+from physcore import storage
+from physcore.checks import FloatArray
+from physcore.energy import EnergySeries
+from physcore.errors import SceneError
+from physcore.plan import Plan
+from physcore.scene import BodyKey, Scene
+from physcore.serial import pack_scene, unpack_scene
+from physcore.state import Frame
+
+Channel = Literal["positions", "velocities"]
+CHANNELS: tuple[Channel, ...] = ("positions", "velocities")
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Track:
+    """Positions and velocities over time, of a whole scene or of one body."""
+
+    times: FloatArray
+    """Time of each frame [s], shape (F,)."""
+    channels: dict[Channel, FloatArray]
+    """What was recorded, each of shape (F, N, D)."""
+
+    @property
+    def positions(self) -> FloatArray:
+        """[m], shape (F, N, D)."""
+        return self._channel("positions")
+
+    @property
+    def velocities(self) -> FloatArray:
+        """[m/s], shape (F, N, D)."""
+        return self._channel("velocities")
+
+    def __len__(self) -> int:
+        return len(self.times)
+
+    def _channel(self, name: Channel) -> FloatArray:
+        if name not in self.channels:
+            raise SceneError(f"channels: {name} were not recorded; ask for them with channels=({name!r}, …)")
+        return self.channels[name]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Recording(Track):
+    """Frames of a simulation at a fixed rate; `recording[body]` gives the part of one body.
+
+    Save one with `save`, read it back with `physcore.load`, draw it with `physcore.film`.
+    """
+
+    energy: EnergySeries
+    """The energy budget, of the last step at or before each frame: `energy.times`."""
+    momentum: FloatArray
+    """Total momentum at `energy.times` [kg·m/s], shape (F, D)."""
+    angular_momentum: FloatArray
+    """Total angular momentum about the origin at `energy.times` [kg·m²/s], shape (F, 1) in 2D, (F, 3) in 3D."""
+    fps: float
+    """Frames per second of simulated time."""
+    scene: Scene
+    """What was simulated."""
+    plan: Plan
+    """How it was simulated."""
+
+    def __getitem__(self, body: BodyKey) -> Track:
+        part = self.scene.slice(body)
+        return Track(self.times, {name: values[:, part] for name, values in self.channels.items()})
+
+    def __repr__(self) -> str:
+        return (
+            f"Recording({len(self)} frames at {self.fps:g} per second, {self.scene.particles} particles "
+            f"in {self.scene.dimension}D, energy drift {np.abs(self.energy.drift).max():.1e})"
+        )
+
+    def _repr_html_(self) -> str:
+        """The GIF, for notebooks."""
+        import base64
+
+        from physcore.film import gif_bytes
+
+        content = base64.b64encode(gif_bytes(self)).decode()
+        return f'<img alt="{self!r}" src="data:image/gif;base64,{content}">'
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write everything to a NumPy archive, which `physcore.load` and `numpy.load` read.
+
+        Raises:
+            FileError: the file cannot be written, or the scene has a CustomForce.
+        """
+        series = {entry.name: getattr(self.energy, entry.name) for entry in fields(self.energy)}
+        content: dict[str, storage.Tree] = {
+            "times": self.times,
+            **dict[str, FloatArray](self.channels.items()),
+            "channels": list(self.channels),
+            "energy": series,
+            "momentum": self.momentum,
+            "angular_momentum": self.angular_momentum,
+            "fps": self.fps,
+            "scene": pack_scene(self.scene),
+            "plan": asdict(self.plan),
+        }
+        storage.write(path, "recording", content)
+
+    @classmethod
+    def from_content(cls, content: dict[str, storage.Tree]) -> Self:
+        """Rebuild a recording from the content of its file."""
+        plan: Any = {
+            name: tuple(value) if isinstance(value, list) else value for name, value in content["plan"].items()
+        }
+        return cls(
+            times=content["times"],
+            channels={name: content[name] for name in content["channels"]},
+            energy=EnergySeries(**content["energy"]),
+            momentum=content["momentum"],
+            angular_momentum=content["angular_momentum"],
+            fps=content["fps"],
+            scene=unpack_scene(content["scene"]),
+            plan=Plan(**plan),
+        )
+
+
+def collect(
+    frames: Iterable[Frame],
+    count: int,
+    scene: Scene,
+    fps: float,
+    channels: tuple[Channel, ...],
+    plan: Callable[[], Plan],
+    tick: Callable[[int], None],
+) -> Recording:
+    """Gather `count` frames into a recording; `tick` is told how many there are so far, `plan` is asked at the end.
+
+    Raises:
+        SceneError: the recording would not fit into memory.
+    """
+    shape = (count, scene.particles, scene.dimension)
+    _refuse_if_too_large(shape, channels)
+    data: dict[Channel, FloatArray] = {name: np.empty(shape) for name in channels}
+    times = np.empty(count)
+    momentum = np.empty((count, scene.dimension))
+    angular_momentum = np.empty((count, 1 if scene.dimension == 2 else 3))
+    budget: dict[str, FloatArray] = {name: np.empty(count) for name in ("times", "kinetic", "dissipated", "work")}
+    by_term: dict[str, FloatArray] = {}
+    dissipated_by: dict[str, FloatArray] = {}
+    for index, frame in enumerate(frames):
+        for name in channels:
+            data[name][index] = getattr(frame, name)
+        times[index] = frame.time
+        momentum[index], angular_momentum[index] = frame.momentum, frame.angular_momentum
+        budget["times"][index] = frame.energy.time
+        for amount in ("kinetic", "dissipated", "work"):
+            budget[amount][index] = getattr(frame.energy, amount)
+        for parts, series in ((frame.energy.by_term, by_term), (frame.energy.dissipated_by, dissipated_by)):
+            for term, value in parts.items():
+                series.setdefault(term, np.empty(count))[index] = value
+        tick(index + 1)
+    energy = EnergySeries(by_term=by_term, dissipated_by=dissipated_by, **budget)
+    return Recording(times, data, energy, momentum, angular_momentum, fps, scene, plan())
+
+
+def _refuse_if_too_large(shape: tuple[int, int, int], channels: tuple[Channel, ...]) -> None:
+    needed = len(channels) * 8 * shape[0] * shape[1] * shape[2]
+    available = _available_memory()
+    if available is not None and needed > available:
+        raise SceneError(
+            f"duration: {shape[0]} frames of {shape[1]} particles take {needed / 1e9:.1f} GB, and "
+            f"{available / 1e9:.1f} GB are free; lower fps, record fewer channels, or stream: physcore.film(scene, …)"
+        )
+
+
+def _available_memory() -> int | None:
+    """Bytes that can be had without swapping, where the system tells."""
+    try:
+        with open("/proc/meminfo", encoding="ascii") as file:
+            for line in file:
+                if line.startswith("MemAvailable:"):
+                    return int(line.split()[1]) * 1024
+        return None
+    except OSError:
+        pass
+    try:
+        return os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
+    except (AttributeError, OSError, ValueError):
+        return None

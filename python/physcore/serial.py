@@ -1,0 +1,78 @@
+"""Scenes and numerics as trees of plain values, from the fields of their dataclasses, and back."""
+
+from __future__ import annotations
+
+from dataclasses import fields
+from typing import Any, cast
+
+from physcore.bodies import Body, Particles, SpringNetwork
+from physcore.boundaries import BOUNDARIES
+from physcore.errors import FileError
+from physcore.forces import FORCES, CustomForce
+from physcore.influence import Influence
+from physcore.integrators import INTEGRATORS
+from physcore.numerics import AutoStep, Numerics, Options
+from physcore.scene import Scene
+from physcore.storage import Tree
+
+_KINDS: dict[str, type[Any]] = {
+    kind.__name__: kind for kind in (Particles, SpringNetwork, *FORCES, *BOUNDARIES, *INTEGRATORS, AutoStep)
+}
+
+
+def pack_scene(scene: Scene) -> Tree:
+    """A scene as a tree.
+
+    Raises:
+        FileError: the scene has a CustomForce, whose function cannot be saved.
+    """
+    for position, force in enumerate(scene.forces):
+        if isinstance(force, CustomForce):
+            raise FileError(
+                f"forces[{position}]: a CustomForce cannot be saved, because its function is code; "
+                "save the arrays that you need with numpy.savez, or express the force by the ones that physcore has"
+            )
+    return {
+        "bodies": [_pack(body) for body in scene.bodies],
+        "forces": [_pack_influence(force, scene) for force in scene.forces],
+        "boundaries": [_pack_influence(boundary, scene) for boundary in scene.boundaries],
+    }
+
+
+def unpack_scene(tree: Tree) -> Scene:
+    """The scene that `pack_scene` was given."""
+    bodies = [_unpack(entry) for entry in tree["bodies"]]
+    influences = [_unpack_influence(entry, bodies) for entry in (*tree["forces"], *tree["boundaries"])]
+    return Scene(*bodies, *influences)
+
+
+def pack_numerics(numerics: Numerics) -> Tree:
+    """Numerical choices as a tree."""
+    tree = {entry.name: getattr(numerics, entry.name) for entry in fields(numerics)}
+    return {name: _pack(value) if type(value).__name__ in _KINDS else value for name, value in tree.items()}
+
+
+def unpack_numerics(tree: Tree) -> Options:
+    """The numerical choices that `pack_numerics` was given, as arguments of Simulation."""
+    return cast(Options, {name: _unpack(value) if isinstance(value, dict) else value for name, value in tree.items()})
+
+
+def _pack(value: Any) -> dict[str, Tree]:
+    return {"kind": type(value).__name__, "fields": {entry.name: getattr(value, entry.name) for entry in fields(value)}}
+
+
+def _unpack(tree: dict[str, Tree]) -> Any:
+    return _KINDS[tree["kind"]](**tree["fields"])
+
+
+def _pack_influence(influence: Influence, scene: Scene) -> dict[str, Tree]:
+    tree = _pack(influence)
+    bodies = influence.bodies()
+    tree["fields"]["on"] = None if bodies is None else [scene.index(body) for body in bodies]
+    return tree
+
+
+def _unpack_influence(tree: dict[str, Tree], bodies: list[Body]) -> Any:
+    on = tree["fields"]["on"]
+    values = {**tree["fields"], "on": None if on is None else [bodies[index] for index in on]}
+    return _unpack({**tree, "fields": values})

@@ -1,0 +1,302 @@
+"""A simulation owns state and clock."""
+
+from __future__ import annotations
+
+import os
+import sys
+import warnings
+from collections.abc import Iterator, Mapping
+from typing import Literal, Unpack
+
+from numpy.typing import ArrayLike
+
+from physcore import engine, sampling, storage
+from physcore.checks import FloatArray, broadcast, number
+from physcore.energy import Energy
+from physcore.errors import SceneError, StabilityWarning
+from physcore.integrators import Integrator
+from physcore.numerics import FRAMES_PER_SECOND, AutoStep, DivergenceRule, Options, Precision, check
+from physcore.pace import Pace
+from physcore.plan import Plan
+from physcore.progress import Progress
+from physcore.recording import CHANNELS, Channel, Recording, collect
+from physcore.scene import BodyKey, Scene
+from physcore.serial import pack_numerics, pack_scene, unpack_numerics, unpack_scene
+from physcore.state import Frame, Snapshot
+
+State = ArrayLike | Mapping[BodyKey, ArrayLike] | None
+"""New values for all particles, for some bodies, or none."""
+
+
+class Simulation:
+    """The state of a scene, and the clock that moves it on.
+
+    Args:
+        scene: what to simulate.
+        integrator: how to step; "auto" is VelocityVerlet().
+        dt: the time step [s]; "auto" is AutoStep(), which chooses it from the certified limit of the scene.
+        precision: "f64", or "f32": forces in single precision, energies in double; "auto" is "f64".
+        threads: how many threads may share the work; None: PHYSCORE_NUM_THREADS, or all that the process may use. The
+            results have the same bits for any number.
+        runaway: how many times the largest energy so far the energy balance may rise before it counts as diverged.
+        on_divergence: "raise", or "ignore": go on until a value is not finite.
+
+    Raises:
+        SceneError: a choice is not valid, dt="auto" finds no stable step, or a particle starts outside a boundary.
+
+    Warns:
+        StabilityWarning: `dt` is above the limit of stability.
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        integrator: Integrator | Literal["auto"] = "auto",
+        dt: float | AutoStep | Literal["auto"] = "auto",
+        precision: Precision = "auto",
+        threads: int | None = None,
+        *,
+        runaway: float = 1e6,
+        on_divergence: DivergenceRule = "raise",
+    ) -> None:
+        if not isinstance(scene, Scene):
+            raise SceneError(f"scene: must be a Scene, got {scene!r}; write Scene({type(scene).__name__}(…), …)")
+        self._scene = scene
+        self._numerics = check(
+            Options(
+                integrator=integrator,
+                dt=dt,
+                precision=precision,
+                threads=threads,
+                runaway=runaway,
+                on_divergence=on_divergence,
+            )
+        )
+        self._world = engine.build(scene, self._numerics)
+        self._pace = Pace(self._world, self._numerics)
+        self._warn_if_unstable()
+
+    @property
+    def scene(self) -> Scene:
+        """What is simulated."""
+        return self._scene
+
+    @property
+    def integrator(self) -> Integrator:
+        """How it is stepped."""
+        return self._numerics.integrator
+
+    @property
+    def time(self) -> float:
+        """The time of the present state [s]."""
+        return self._world.time
+
+    @property
+    def steps(self) -> int:
+        """How many steps have been taken."""
+        return self._world.steps
+
+    @property
+    def dt(self) -> float:
+        """The time step [s]: of the last step taken, and before the first one that of the next."""
+        return self._pace.dt
+
+    @property
+    def positions(self) -> FloatArray:
+        """Positions of all particles, body by body [m], shape (N, D); a copy."""
+        return self._world.positions()
+
+    @property
+    def velocities(self) -> FloatArray:
+        """Velocities of all particles, body by body [m/s], shape (N, D); a copy."""
+        return self._world.velocities()
+
+    @property
+    def plan(self) -> Plan:
+        """What one step does, and what was chosen."""
+        return engine.plan(self._world, self._pace.limit, self.dt)
+
+    def __getitem__(self, body: BodyKey) -> Snapshot:
+        """The present state of one body, given itself, its index or its name."""
+        part = self._scene.slice(body)
+        return Snapshot(self.time, self.positions[part], self.velocities[part])
+
+    def __repr__(self) -> str:
+        return f"Simulation({self._scene!r}, {self.integrator!r}, time={self.time:g}, steps={self.steps})"
+
+    def step(self, n: int = 1) -> None:
+        """Take n equal steps.
+
+        Raises:
+            SimulationDiverged: the state blew up; the simulation stands at the last good step.
+            KeyboardInterrupt: Ctrl-C; the simulation stands at a whole step and can go on.
+        """
+        self._pace.step(n)
+
+    def run(self, duration: float) -> None:
+        """Advance by `duration` [s]: ⌈duration/dt⌉ steps; with dt="auto" the last one ends exactly there.
+
+        Raises:
+            SimulationDiverged, KeyboardInterrupt: as for `step`.
+        """
+        self._pace.run(duration)
+
+    def frames(self, duration: float, fps: float = FRAMES_PER_SECOND) -> Iterator[Frame]:
+        """Advance by `duration` [s] and give `fps` frames per second on the way, in constant memory.
+
+        The first frame is the present state. Frames between two steps of a given dt are cubic Hermite interpolations.
+        """
+        interval, rate = number(duration, "duration", least=0.0), number(fps, "fps", above=0.0)
+        return sampling.frames(self._world, self._pace, interval, rate)
+
+    def record(
+        self,
+        duration: float,
+        fps: float = FRAMES_PER_SECOND,
+        channels: tuple[Channel, ...] = CHANNELS,
+        *,
+        progress: bool | None = None,
+    ) -> Recording:
+        """Advance by `duration` [s] and keep `fps` frames per second.
+
+        Args:
+            duration: [s].
+            fps: frames per second of simulated time.
+            channels: what to keep of each frame, "positions" and "velocities".
+            progress: whether to show a progress bar; None: on a terminal, when it takes longer than a second.
+
+        Raises:
+            SceneError: the recording would not fit into memory, or an argument is out of range.
+            SimulationDiverged, KeyboardInterrupt: as for `step`.
+        """
+        unknown = [name for name in channels if name not in CHANNELS]
+        if unknown or isinstance(channels, str):
+            raise SceneError(f"channels: must be a tuple of {', '.join(map(repr, CHANNELS))}, got {channels!r}")
+        frames = self.frames(duration, fps)
+        count = sampling.frame_count(duration, fps)
+        with Progress(count, "simulating", progress) as bar:
+            return collect(frames, count, self._scene, float(fps), tuple(channels), lambda: self.plan, bar.update)
+
+    def set(self, positions: State = None, velocities: State = None) -> None:
+        """Replace the state between two steps; the change of energy counts as work.
+
+        Args:
+            positions: [m], an array that broadcasts to (N, D), or a mapping from bodies to arrays.
+            velocities: [m/s], likewise.
+
+        Raises:
+            SceneError: a shape does not fit, or a value is not finite.
+        """
+        self._world.set(
+            self._whole(positions, self._world.positions, "set.positions"),
+            self._whole(velocities, self._world.velocities, "set.velocities"),
+        )
+
+    def energy(self) -> Energy:
+        """The energy budget of the present state."""
+        return sampling.energy(self._world)
+
+    def momentum(self) -> FloatArray:
+        """Total momentum of all particles that are not fixed [kg·m/s], shape (D,)."""
+        return self._world.momentum()
+
+    def angular_momentum(self) -> FloatArray:
+        """Total angular momentum about the origin [kg·m²/s], shape (1,) in 2D and (3,) in 3D."""
+        return self._world.angular_momentum()
+
+    def state_hash(self) -> str:
+        """A hash of everything that the bits of the next step depend on."""
+        return self._world.state_hash()
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write a checkpoint, from which `physcore.load` goes on with the same bits. It does not change the run.
+
+        Raises:
+            FileError: the file cannot be written, or the scene has a CustomForce.
+        """
+        content = {
+            "scene": pack_scene(self._scene),
+            "numerics": pack_numerics(self._numerics),
+            "pace": self._pace.capture(),
+            "world": self._world.capture(),
+        }
+        storage.write(path, "simulation", content)
+
+    @classmethod
+    def from_content(cls, content: dict[str, storage.Tree]) -> Simulation:
+        """Rebuild a simulation from the content of its checkpoint."""
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", StabilityWarning)  # It was given when the run began.
+            simulation = cls(unpack_scene(content["scene"]), **unpack_numerics(content["numerics"]))
+        simulation._pace.restore(content["pace"])
+        simulation._world.restore(content["world"])
+        return simulation
+
+    def _whole(self, given: State, present: object, path: str) -> FloatArray | None:
+        """New values (N, D) for all particles, or None."""
+        shape = (self._scene.particles, self._scene.dimension)
+        if given is None:
+            return None
+        if not isinstance(given, Mapping):
+            return broadcast(given, shape, path)
+        values: FloatArray = present()  # type: ignore[operator]
+        for key, part in given.items():
+            where = self._scene.slice(key)
+            values[where] = broadcast(part, values[where].shape, f"{path}[{key!r}]")
+        return values
+
+    def _warn_if_unstable(self) -> None:
+        limit, dt = self._pace.limit, self._pace.fixed
+        if dt is None or dt <= limit.stability:
+            return
+        name = type(self.integrator).__name__
+        message = (
+            f"dt = {dt:g} s is above the limit of stability of {name} in this scene, {limit.stability:g} s "
+            f"({limit.term}): the simulation will blow up"
+            if limit.stability > 0.0
+            else f"{name} is not stable at any time step in this scene ({limit.term}): its energy grows without end"
+        )
+        warnings.warn(message, StabilityWarning, stacklevel=_outside())
+
+
+def simulate(
+    scene: Scene,
+    duration: float,
+    fps: float = FRAMES_PER_SECOND,
+    *,
+    channels: tuple[Channel, ...] = CHANNELS,
+    progress: bool | None = None,
+    **numerics: Unpack[Options],
+) -> Recording:
+    """Simulate a scene from its start and record it.
+
+    Args:
+        scene: what to simulate.
+        duration: [s].
+        fps: frames per second of simulated time.
+        channels: what to keep of each frame, "positions" and "velocities".
+        progress: whether to show a progress bar; None: on a terminal, when it takes longer than a second.
+        numerics: integrator, dt, precision, threads, runaway, on_divergence, as in Simulation.
+
+    Raises:
+        SceneError, SimulationDiverged: as for Simulation.
+    """
+    return Simulation(scene, **numerics).record(duration, fps, channels, progress=progress)
+
+
+def stability_limit(scene: Scene, integrator: Integrator) -> float:
+    """The largest stable time step of a scene [s], from a certified bound; inf: any; 0.0: none.
+
+    The bound holds while no spring is shorter than half its rest length.
+    """
+    numerics = check(Options(integrator=integrator, threads=1))
+    return engine.limit(engine.build(scene, numerics)).stability
+
+
+def _outside() -> int:
+    """The stack level, for warnings, of the first caller that is not physcore's own."""
+    package = __name__.partition(".")[0]
+    level, frame = 1, sys._getframe(1)
+    while frame.f_back is not None and frame.f_globals.get("__name__", "").partition(".")[0] == package:
+        frame, level = frame.f_back, level + 1
+    return level

@@ -1,0 +1,176 @@
+"""Files: one container for checkpoints and recordings.
+
+A file is a NumPy archive (NPZ: `numpy.load` opens it) whose zip comment holds a magic word, the version of the format
+and a checksum of everything before it. Arrays are members of their own; all else is in the member `header.json`.
+Nothing is ever pickled. A file appears under its name only when it is complete.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import secrets
+import zipfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import IO, Any, BinaryIO
+
+import numpy as np
+from numpy.lib import format as npy
+
+from physcore.errors import FileError
+
+VERSION = 1
+_MAGIC = b"physcore"
+_HEADER = "header.json"
+_DIGEST_SIZE = 32
+_TRAILER_SIZE = len(_MAGIC) + 1 + 4 + 1 + 2 * _DIGEST_SIZE  # "physcore 0001 <hex>"
+_BLOCK = 1 << 20
+
+Tree = Any
+"""None, bool, int, float, str, bytes or an array, or lists and dicts (with string keys) of these."""
+
+
+def write(path: str | os.PathLike[str], kind: str, tree: dict[str, Tree]) -> None:
+    """Write a tree of values under `path`, replacing what is there in one move.
+
+    Raises:
+        FileError: the file cannot be written.
+    """
+    arrays: dict[str, np.ndarray] = {}
+    header = json.dumps({"kind": kind, "content": _pack(tree, "", arrays)})
+    with replacing(path) as file:
+        with zipfile.ZipFile(file, "w", zipfile.ZIP_STORED) as archive:
+            archive.writestr(zipfile.ZipInfo(_HEADER), header)
+            for name, values in arrays.items():
+                with archive.open(zipfile.ZipInfo(f"{name}.npy"), "w", force_zip64=True) as member:
+                    npy.write_array(member, values, allow_pickle=False)
+            archive.comment = _trailer("0" * 2 * _DIGEST_SIZE)
+        size = file.tell() - _TRAILER_SIZE
+        digest = _digest(file, size)
+        file.seek(size)
+        file.write(_trailer(digest))
+
+
+def read(path: str | os.PathLike[str]) -> tuple[str, dict[str, Tree]]:
+    """The kind and the tree of values of a file.
+
+    Raises:
+        FileError: the file is missing, damaged, of another version, or no file of physcore.
+    """
+    try:
+        with open(path, "rb") as file:
+            _verify(file)
+            return _read_archive(file)
+    except FileError as error:
+        raise FileError(f"{os.fspath(path)}: {error}") from None
+    except OSError as error:
+        raise FileError(f"{os.fspath(path)}: cannot be read: {error.strerror or error}") from error
+
+
+@contextmanager
+def replacing(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
+    """A file to write and read that takes the place of `path` when the block ends well, and vanishes when it does not.
+
+    Raises:
+        FileError: the file cannot be written.
+    """
+    target = Path(path)
+    temporary = target.with_name(f".{target.name}.{secrets.token_hex(4)}.tmp")
+    try:
+        try:
+            with open(temporary, "x+b") as file:
+                yield file
+                file.flush()
+                os.fsync(file.fileno())
+            os.replace(temporary, target)
+        finally:
+            temporary.unlink(missing_ok=True)
+    except FileError:
+        raise
+    except OSError as error:
+        raise FileError(f"{target}: cannot be written: {error.strerror or error}") from error
+
+
+def _trailer(digest: str) -> bytes:
+    return b"%s %04d %s" % (_MAGIC, VERSION, digest.encode())
+
+
+def _digest(file: IO[bytes], size: int) -> str:
+    """BLAKE2 over the first `size` bytes."""
+    result = hashlib.blake2b(digest_size=_DIGEST_SIZE)
+    file.seek(0)
+    while size > 0:
+        block = file.read(min(size, _BLOCK))
+        if not block:
+            break
+        result.update(block)
+        size -= len(block)
+    return result.hexdigest()
+
+
+def _verify(file: IO[bytes]) -> None:
+    """Check magic, version and checksum."""
+    size = file.seek(0, os.SEEK_END) - _TRAILER_SIZE
+    if size <= 0:
+        raise FileError("is empty or cut short" if size > -_TRAILER_SIZE else "is empty")
+    file.seek(size)
+    trailer = file.read()
+    magic, _, rest = trailer.partition(b" ")
+    if magic != _MAGIC:
+        raise FileError("is damaged, cut short, or no file of physcore")
+    if trailer == _trailer(_digest(file, size)):
+        return
+    version = rest.partition(b" ")[0].decode("ascii", "replace")
+    if version != f"{VERSION:04d}":
+        raise FileError(f"has format version {version.lstrip('0')!r}; this physcore reads version {VERSION}")
+    raise FileError("is damaged: its checksum does not match its content")
+
+
+def _read_archive(file: IO[bytes]) -> tuple[str, dict[str, Tree]]:
+    try:
+        with zipfile.ZipFile(file) as archive:
+            header = json.loads(archive.read(_HEADER))
+            return header["kind"], _unpack(header["content"], archive)
+    except (zipfile.BadZipFile, KeyError, ValueError, EOFError) as error:
+        raise FileError(f"is damaged: {error}") from error
+
+
+def _pack(value: Tree, path: str, arrays: dict[str, np.ndarray]) -> Tree:
+    """The same tree for JSON, with arrays and bytes moved out under their path."""
+    inner = f"{path}/" if path else ""
+    match value:
+        case dict():
+            return {key: _pack(entry, f"{inner}{key}", arrays) for key, entry in value.items()}
+        case list() | tuple():
+            return [_pack(entry, f"{inner}{index}", arrays) for index, entry in enumerate(value)]
+        case np.ndarray():
+            arrays[path] = value
+            return {"$array": path}
+        case bytes():
+            arrays[path] = np.frombuffer(value, dtype=np.uint8)
+            return {"$bytes": path}
+        case np.generic():
+            return value.item()
+    return value
+
+
+def _unpack(value: Tree, archive: zipfile.ZipFile) -> Tree:
+    """The tree that `_pack` was given; tuples come back as lists."""
+    match value:
+        case {"$array": name}:
+            return _array(archive, name)
+        case {"$bytes": name}:
+            return _array(archive, name).tobytes()
+        case dict():
+            return {key: _unpack(entry, archive) for key, entry in value.items()}
+        case list():
+            return [_unpack(entry, archive) for entry in value]
+    return value
+
+
+def _array(archive: zipfile.ZipFile, name: str) -> np.ndarray:
+    with archive.open(f"{name}.npy") as member:
+        return npy.read_array(member, allow_pickle=False)

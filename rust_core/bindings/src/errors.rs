@@ -1,0 +1,33 @@
+//! The engine's errors as the exceptions that `physcore.errors` defines.
+
+use physcore_engine::error::{Divergence, Error};
+use pyo3::exceptions::PyKeyboardInterrupt;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+pyo3::import_exception!(physcore.errors, PhyscoreError);
+pyo3::import_exception!(physcore.errors, SceneError);
+pyo3::import_exception!(physcore.errors, FileError);
+pyo3::import_exception!(physcore.errors, InternalError);
+
+/// The exception for an error.
+pub fn exception(py: Python<'_>, error: Error) -> PyErr {
+    match error {
+        Error::Parameter { .. } | Error::State(_) | Error::Callback { .. } => SceneError::new_err(error.to_string()),
+        Error::Diverged(divergence) => diverged(py, &divergence).unwrap_or_else(|failure| failure),
+        // The signal's handler may have raised an exception of its own; then that one counts.
+        Error::Interrupted => PyErr::take(py).unwrap_or_else(|| PyKeyboardInterrupt::new_err("the run was interrupted")),
+    }
+}
+
+fn diverged(py: Python<'_>, divergence: &Divergence) -> PyResult<PyErr> {
+    let attributes = PyDict::new(py);
+    attributes.set_item("step", divergence.step)?;
+    attributes.set_item("time", divergence.time)?;
+    attributes.set_item("particle", divergence.particle)?;
+    attributes.set_item("quantity", divergence.quantity)?;
+    attributes.set_item("cause", &divergence.cause)?;
+    attributes.set_item("hint", &divergence.hint)?;
+    let class = py.import("physcore.errors")?.getattr("SimulationDiverged")?;
+    Ok(PyErr::from_value(class.call((divergence.to_string(),), Some(&attributes))?))
+}

@@ -1,0 +1,141 @@
+//! A scene as Python describes it: dictionaries of numbers and arrays.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use glam::DVec3;
+use numpy::{PyArray2, PyReadonlyArray1, PyReadonlyArray2};
+use physcore_engine::scene::{Body, Callback, Scene, Spring, Term, Value};
+use pyo3::prelude::*;
+use pyo3::types::{PyBool, PyDict, PyList};
+
+use crate::errors::SceneError;
+
+/// Reads a scene.
+pub fn read(scene: &Bound<'_, PyDict>) -> PyResult<Scene> {
+    let dimension: usize = item(scene, "dimension")?.extract()?;
+    let list = |name: &str| -> PyResult<Vec<Bound<'_, PyDict>>> { item(scene, name)?.cast::<PyList>()?.iter().map(|entry| Ok(entry.cast_into()?)).collect() };
+    Ok(Scene {
+        dimension,
+        bodies: list("bodies")?.iter().map(body).collect::<PyResult<_>>()?,
+        forces: terms(&list("forces")?, "forces", dimension)?,
+        boundaries: terms(&list("boundaries")?, "boundaries", dimension)?,
+    })
+}
+
+fn item<'py>(dictionary: &Bound<'py, PyDict>, name: &str) -> PyResult<Bound<'py, PyAny>> {
+    dictionary.get_item(name)?.ok_or_else(|| SceneError::new_err(format!("scene: {name} is missing")))
+}
+
+fn body(entry: &Bound<'_, PyDict>) -> PyResult<Body> {
+    let numbers = |name: &str| -> PyResult<Vec<f64>> { Ok(item(entry, name)?.extract::<PyReadonlyArray1<'_, f64>>()?.as_array().to_vec()) };
+    let fixed = item(entry, "fixed")?.extract::<PyReadonlyArray1<'_, bool>>()?.as_array().to_vec();
+    let positions = vectors(&item(entry, "positions")?)?;
+    Ok(Body {
+        velocities: vectors(&item(entry, "velocities")?)?,
+        mass: numbers("mass")?,
+        charge: numbers("charge")?,
+        radius: numbers("radius")?,
+        springs: springs(entry, positions.len())?,
+        positions,
+        fixed,
+    })
+}
+
+fn springs(entry: &Bound<'_, PyDict>, count: usize) -> PyResult<Vec<Spring>> {
+    let pairs = item(entry, "pairs")?.extract::<PyReadonlyArray2<'_, i64>>()?;
+    let numbers = |name: &str| -> PyResult<Vec<f64>> { Ok(item(entry, name)?.extract::<PyReadonlyArray1<'_, f64>>()?.as_array().to_vec()) };
+    let (stiffness, damping, rest_length) = (numbers("stiffness")?, numbers("damping")?, numbers("rest_length")?);
+    let end = |index: i64| u32::try_from(index).ok().filter(|&index| (index as usize) < count);
+    let spring = |(index, pair): (usize, numpy::ndarray::ArrayView1<'_, i64>)| match (end(pair[0]), end(pair[1])) {
+        (Some(one), Some(other)) => Ok(Spring { ends: [one, other], stiffness: stiffness[index], damping: damping[index], rest_length: rest_length[index] }),
+        _ => Err(SceneError::new_err(format!("pairs[{index}]: must name two of {count} particles, got [{}, {}]", pair[0], pair[1]))),
+    };
+    pairs.as_array().outer_iter().enumerate().map(spring).collect()
+}
+
+/// The rows of an (N, 2) or (N, 3) array, the third component 0 where there is none.
+pub fn vectors(array: &Bound<'_, PyAny>) -> PyResult<Vec<DVec3>> {
+    let array = array.extract::<PyReadonlyArray2<'_, f64>>()?;
+    Ok(array.as_array().outer_iter().map(|row| vector(row.iter().copied())).collect())
+}
+
+fn vector(components: impl Iterator<Item = f64>) -> DVec3 {
+    let mut all = [0.0; 3];
+    all.iter_mut().zip(components).for_each(|(slot, component)| *slot = component);
+    DVec3::from_array(all)
+}
+
+/// An (N, D) array of vectors.
+pub fn array<'py>(py: Python<'py>, vectors: &[DVec3], dimension: usize) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let numbers: Vec<f64> = vectors.iter().flat_map(|vector| vector.to_array().into_iter().take(dimension)).collect();
+    let array = numpy::ndarray::Array2::from_shape_vec((vectors.len(), dimension), numbers);
+    Ok(PyArray2::from_owned_array(py, array.map_err(|error| SceneError::new_err(error.to_string()))?))
+}
+
+fn terms(entries: &[Bound<'_, PyDict>], list: &str, dimension: usize) -> PyResult<Vec<Term>> {
+    entries.iter().enumerate().map(|(index, entry)| term(entry, format!("{list}[{index}]"), dimension)).collect()
+}
+
+fn term(entry: &Bound<'_, PyDict>, path: String, dimension: usize) -> PyResult<Term> {
+    let mut values = BTreeMap::new();
+    for (name, value) in entry.iter() {
+        let name: String = name.extract()?;
+        if !["type", "on", "potential"].contains(&name.as_str()) && !value.is_none() {
+            values.insert(name, parameter(&value, entry, dimension)?);
+        }
+    }
+    Ok(Term { path, kind: item(entry, "type")?.extract()?, on: item(entry, "on")?.extract()?, values })
+}
+
+/// A parameter of a term; a function comes with its potential, which stands beside it.
+fn parameter(value: &Bound<'_, PyAny>, entry: &Bound<'_, PyDict>, dimension: usize) -> PyResult<Value> {
+    if value.is_callable() {
+        let potential = entry.get_item("potential")?.filter(|potential| !potential.is_none()).map(Bound::unbind);
+        return Ok(Value::Callback(Arc::new(Function { function: value.clone().unbind(), potential, dimension })));
+    }
+    if let Ok(flag) = value.cast::<PyBool>() {
+        return Ok(Value::Flag(flag.is_true()));
+    }
+    if let Ok(number) = value.extract::<f64>() {
+        return Ok(Value::Number(number));
+    }
+    Ok(Value::Vector(vector(value.extract::<Vec<f64>>()?.into_iter())))
+}
+
+/// A Python function that gives forces, with the one that gives their potential.
+struct Function {
+    function: Py<PyAny>,
+    potential: Option<Py<PyAny>>,
+    dimension: usize,
+}
+
+impl Callback for Function {
+    fn forces(&self, time: f64, positions: &[DVec3], velocities: &[DVec3]) -> Result<Vec<DVec3>, String> {
+        Python::attach(|py| {
+            let call = || {
+                let arguments = (time, array(py, positions, self.dimension)?, array(py, velocities, self.dimension)?);
+                vectors(&self.function.bind(py).call1(arguments)?)
+            };
+            call().map_err(|error| explain(py, &error))
+        })
+    }
+
+    fn has_potential(&self) -> bool {
+        self.potential.is_some()
+    }
+
+    fn potential(&self, positions: &[DVec3]) -> Result<f64, String> {
+        let Some(potential) = &self.potential else { return Ok(0.0) };
+        Python::attach(|py| {
+            let call = || potential.bind(py).call1((array(py, positions, self.dimension)?,))?.extract();
+            call().map_err(|error| explain(py, &error))
+        })
+    }
+}
+
+/// What a user's function raised, and where.
+fn explain(py: Python<'_>, error: &PyErr) -> String {
+    let trace = error.traceback(py).and_then(|trace| trace.format().ok()).unwrap_or_default();
+    format!("{error}\n{trace}")
+}

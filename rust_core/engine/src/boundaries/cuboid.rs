@@ -1,0 +1,39 @@
+//! A box along the axes; in 2D a rectangle.
+
+use glam::DVec3;
+
+use super::{Boundary, Wall};
+use crate::error::Result;
+use crate::math::AXES;
+use crate::scene::{Term, Value};
+
+/// The inside of a box, which users call `Box`.
+#[derive(Debug)]
+pub struct Cuboid {
+    walls: Vec<Wall>,
+}
+
+impl Cuboid {
+    /// The box between the term's corners `lower` and `upper` [m].
+    pub fn new(term: &Term, dimension: usize, origin: DVec3) -> Result<Self> {
+        let (lower, upper) = (term.vector("lower")?, term.vector("upper")?);
+        if (0..dimension).any(|axis| lower[axis] >= upper[axis]) {
+            return Err(term.wrong("upper", &format!("more than lower, {lower}, along every axis"), Some(&Value::Vector(upper))));
+        }
+        let walls = DVec3::AXES[..dimension.min(AXES)].iter().flat_map(|&normal| {
+            let offset = |point: DVec3, normal: DVec3| Wall::Plane { normal, offset: normal.dot(point - origin) };
+            [offset(lower, normal), offset(upper, -normal)]
+        });
+        Ok(Self { walls: walls.collect() })
+    }
+}
+
+impl Boundary for Cuboid {
+    fn name(&self) -> &'static str {
+        "box"
+    }
+
+    fn walls(&self) -> &[Wall] {
+        &self.walls
+    }
+}

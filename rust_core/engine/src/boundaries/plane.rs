@@ -1,0 +1,36 @@
+//! A plane; in 2D a line. A floor is one.
+
+use glam::DVec3;
+
+use super::{Boundary, Wall};
+use crate::error::Result;
+use crate::scene::{Term, Value};
+
+/// The half-space above a plane.
+#[derive(Debug)]
+pub struct Plane {
+    wall: [Wall; 1],
+}
+
+impl Plane {
+    /// The plane through the term's `point` [m] whose `normal`, of any length, points to the allowed side.
+    pub fn new(term: &Term, origin: DVec3) -> Result<Self> {
+        let direction = term.vector("normal")?;
+        // Scaled first, so that squares of very long or short normals neither overflow nor vanish.
+        let largest = direction.abs().max_element();
+        let Some(normal) = (direction / largest).try_normalize() else {
+            return Err(term.wrong("normal", "a vector that is not zero", Some(&Value::Vector(direction))));
+        };
+        Ok(Self { wall: [Wall::Plane { normal, offset: normal.dot(term.vector("point")? - origin) }] })
+    }
+}
+
+impl Boundary for Plane {
+    fn name(&self) -> &'static str {
+        "plane"
+    }
+
+    fn walls(&self) -> &[Wall] {
+        &self.wall
+    }
+}

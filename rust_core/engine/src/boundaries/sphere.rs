@@ -1,0 +1,34 @@
+//! A sphere, to stay inside or outside of; in 2D a circle.
+
+use glam::DVec3;
+
+use super::{Boundary, Wall};
+use crate::error::Result;
+use crate::scene::{Term, Value};
+
+/// The inside or the outside of a sphere.
+#[derive(Debug)]
+pub struct Sphere {
+    wall: [Wall; 1],
+}
+
+impl Sphere {
+    /// The sphere around the term's `center` [m] with its `radius` [m]; matter stays `inside`, or else outside.
+    pub fn new(term: &Term, origin: DVec3) -> Result<Self> {
+        let radius = term.number("radius")?;
+        if radius <= 0.0 {
+            return Err(term.wrong("radius", "a number > 0", Some(&Value::Number(radius))));
+        }
+        Ok(Self { wall: [Wall::Sphere { center: term.vector("center")? - origin, radius, inside: term.flag("inside")? }] })
+    }
+}
+
+impl Boundary for Sphere {
+    fn name(&self) -> &'static str {
+        "sphere"
+    }
+
+    fn walls(&self) -> &[Wall] {
+        &self.wall
+    }
+}

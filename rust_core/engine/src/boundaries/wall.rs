@@ -1,0 +1,61 @@
+//! The smooth pieces that boundaries are made of.
+
+use glam::DVec3;
+
+/// A smooth surface with an allowed side.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Wall {
+    /// n·x ≥ offset.
+    Plane {
+        /// The unit normal n into the allowed side.
+        normal: DVec3,
+        /// The distance of the plane from the origin along n [m].
+        offset: f64,
+    },
+    /// |x − c| ≤ R if `inside`, else |x − c| ≥ R.
+    Sphere {
+        /// The center c [m].
+        center: DVec3,
+        /// The radius R [m].
+        radius: f64,
+        /// Whether the inside is the allowed side.
+        inside: bool,
+    },
+}
+
+impl Wall {
+    /// The distance from the wall to `x` [m], positive on the allowed side, and the unit normal into that side.
+    pub fn distance(&self, x: DVec3) -> (f64, DVec3) {
+        match *self {
+            Self::Plane { normal, offset } => (normal.dot(x) - offset, normal),
+            Self::Sphere { center, radius, inside } => {
+                let away = x - center;
+                let length = away.length();
+                // From the very center every direction leads out equally well.
+                let outward = if length > 0.0 { away / length } else { DVec3::X };
+                if inside { (radius - length, -outward) } else { (length - radius, outward) }
+            }
+        }
+    }
+
+    /// The curvature κ [1/m] of the surface at the wall's distance from `x`: moving along it with velocity v changes
+    /// the distance by d'' = n·a + κ v².
+    pub fn curvature(&self, x: DVec3) -> f64 {
+        match *self {
+            Self::Plane { .. } => 0.0,
+            Self::Sphere { center, inside, .. } => {
+                let length = (x - center).length();
+                let curvature = if length > 0.0 { 1.0 / length } else { 0.0 };
+                if inside { -curvature } else { curvature }
+            }
+        }
+    }
+
+    /// The size of the numbers that a distance near the surface is computed from [m]: what its rounding is relative to.
+    pub fn extent(&self) -> f64 {
+        match *self {
+            Self::Plane { offset, .. } => offset.abs(),
+            Self::Sphere { center, radius, .. } => center.abs().max_element() + radius,
+        }
+    }
+}

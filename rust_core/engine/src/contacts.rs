@@ -1,0 +1,303 @@
+//! The contact stage: what a boundary does to particles, after the integrator and within the same step.
+//!
+//! The integrator moves every particle as if there were no walls. [`Contacts::resolve`] then looks at the step's path, a
+//! parabola: groups of lanes that certainly stay clear are done ([`clearance`]); any other particle goes back to the
+//! start of the step and flies it again in double precision, from impact to impact ([`flight`]), sliding where it rests
+//! on walls ([`support`]). What an impact or friction takes is metered as exactly the kinetic energy that is lost, so
+//! that total + dissipated stays as constant as it is without walls.
+
+use std::ops::Range;
+
+use glam::DVec3;
+
+use crate::boundaries::{self, Boundary, Path, Wall};
+use crate::error::{Error, Result};
+use crate::math::{AXES, Real, Vector};
+use crate::matter::{Blocks, Channel, Columns, Properties};
+use crate::scene::{Scene, Term, Value};
+use crate::simd::{dispatch, padded};
+
+mod clearance;
+mod flight;
+mod support;
+
+use clearance::{Sweep, Test};
+use flight::Walls;
+
+/// How many units of rounding a particle may be from a wall and still count as touching it: a distance is a sum of four
+/// products and differences, each off by half a unit, of a position that is itself rounded along each axis.
+const TOUCH: f64 = 4.0;
+
+/// How often a particle is pushed off the walls at the end of a step, before it is left where it is.
+const ROUNDS: u32 = 8;
+
+/// All walls of a scene, and what they are made of.
+#[derive(Debug)]
+pub struct Contacts<V: Vector> {
+    surfaces: Vec<Surface>,
+    tests: Vec<Test<V::Scalar>>,
+    /// The radius of every particle [m], minus infinity where it never touches; one column per set of bodies.
+    reach: Vec<Vec<V::Scalar>>,
+    names: Vec<&'static str>,
+    /// The path of every boundary in the scene.
+    paths: Vec<String>,
+    /// The first particle of every body, in the caller's order.
+    first: Vec<usize>,
+}
+
+/// A wall with its material.
+#[derive(Debug, Clone)]
+pub(crate) struct Surface {
+    wall: Wall,
+    /// e: the share of the normal speed that an impact gives back.
+    restitution: f64,
+    /// Coulomb's coefficient μ.
+    friction: f64,
+    /// Whether it acts on each body.
+    bodies: Vec<bool>,
+    /// The boundary that it belongs to.
+    boundary: usize,
+}
+
+impl Surface {
+    /// How far from the wall a particle at `x` counts as touching, beyond its radius [m], where numbers are rounded by
+    /// `rounding` of their size.
+    fn slack(&self, rounding: f64, x: DVec3, radius: f64) -> f64 {
+        TOUCH * rounding * (x.abs().max_element() + self.wall.extent() + radius)
+    }
+}
+
+/// A block's state at the start of the step.
+#[derive(Debug, Clone, Copy)]
+pub struct Before<'a, V: Vector> {
+    /// Positions relative to the origin [m], padding included; what is past the dimension is not looked at.
+    pub position: [&'a [V::Scalar]; AXES],
+    /// Velocities [m/s], likewise.
+    pub velocity: [&'a [V::Scalar]; AXES],
+}
+
+impl<'a, V: Vector> Before<'a, V> {
+    /// The state in `memory`, which holds a column of `length` for every axis of the positions, then of the velocities.
+    pub fn of(memory: &'a [V::Scalar], length: usize) -> Self {
+        let column = |index: usize| &memory[index * length..][..length];
+        Self { position: std::array::from_fn(column), velocity: std::array::from_fn(|axis| column(AXES + axis)) }
+    }
+
+    /// The state of the particles of `range`, padding included.
+    pub fn part(position: &'a Columns<V>, velocity: &'a Columns<V>, range: &Range<usize>) -> Self {
+        let part = |columns: &'a Columns<V>| {
+            std::array::from_fn(|axis| if axis < V::DIMENSION { &columns.axis(axis)[range.clone()] } else { &[][..] })
+        };
+        Self { position: part(position), velocity: part(velocity) }
+    }
+
+    fn position(&self, index: usize) -> DVec3 {
+        V::from_axes(|axis| self.position[axis][index]).widen()
+    }
+
+    fn velocity(&self, index: usize) -> DVec3 {
+        V::from_axes(|axis| self.velocity[axis][index]).widen()
+    }
+}
+
+impl<V: Vector> Contacts<V> {
+    /// The contacts of a scene, or None if it has no boundaries.
+    ///
+    /// # Errors
+    /// If a boundary's parameter is not acceptable, or a particle does not fit into it.
+    pub fn build(scene: &Scene, properties: &Properties<V>) -> Result<Option<Self>> {
+        if scene.boundaries.is_empty() {
+            return Ok(None);
+        }
+        let starts = scene.bodies.iter().scan(0, |next, body| Some(std::mem::replace(next, *next + body.positions.len())));
+        let mut contacts = Self {
+            surfaces: Vec::new(),
+            tests: Vec::new(),
+            reach: Vec::new(),
+            names: Vec::new(),
+            paths: Vec::new(),
+            first: starts.collect(),
+        };
+        let mut sets: Vec<Vec<bool>> = Vec::new();
+        for term in &scene.boundaries {
+            let boundary = boundaries::build(term, scene.dimension, properties.origin)?;
+            let bodies: Vec<bool> = (0..scene.bodies.len()).map(|body| term.acts_on(body)).collect();
+            let set = sets.iter().position(|other| *other == bodies).unwrap_or(sets.len());
+            if set == sets.len() {
+                contacts.reach.push(reach(properties, &bodies));
+                sets.push(bodies.clone());
+            }
+            contacts.add(term, boundary.as_ref(), &bodies, set)?;
+        }
+        Ok(Some(contacts))
+    }
+
+    fn add(&mut self, term: &Term, boundary: &dyn Boundary, bodies: &[bool], set: usize) -> Result<()> {
+        let restitution = term.number("restitution")?;
+        if !(0.0..=1.0).contains(&restitution) {
+            return Err(term.wrong("restitution", "a number from 0 to 1", Some(&Value::Number(restitution))));
+        }
+        let friction = term.non_negative("friction")?;
+        let largest = self.reach[set].iter().map(|radius| radius.to_f64()).fold(0.0, f64::max);
+        let room = room(boundary.walls());
+        if largest > room {
+            let found = format!("a particle of radius {largest} m");
+            return Err(Error::parameter(&term.path, format!("particles of at most {room} m radius, which fit into it"), found));
+        }
+        let index = self.paths.len();
+        self.tests.extend(Test::of(boundary.walls(), set, largest));
+        self.surfaces.extend(boundary.walls().iter().map(|&wall| Surface {
+            wall,
+            restitution,
+            friction,
+            bodies: bodies.to_vec(),
+            boundary: index,
+        }));
+        self.names.push(boundary.name());
+        self.paths.push(term.path.clone());
+        Ok(())
+    }
+
+    /// The kinds of the boundaries, in scene order: `["plane", "box"]`.
+    pub fn names(&self) -> &[&'static str] {
+        &self.names
+    }
+
+    /// The memory that they take [bytes].
+    pub fn bytes(&self) -> usize {
+        let reach: usize = self.reach.iter().map(|column| std::mem::size_of_val(column.as_slice())).sum();
+        reach + std::mem::size_of_val(self.surfaces.as_slice()) + std::mem::size_of_val(self.tests.as_slice())
+    }
+
+    /// Lets initial positions in: particles whose surface overlaps a wall are pushed back along its normal. Gives their
+    /// number.
+    ///
+    /// # Errors
+    /// If the center of a particle lies outside a boundary.
+    pub fn admit(&self, position: &mut Columns<V>, properties: &Properties<V>) -> Result<usize> {
+        let mut order: Vec<usize> = (0..properties.count()).filter(|&index| !properties.is_fixed(index)).collect();
+        order.sort_unstable_by_key(|&index| properties.caller[index]);
+        let mut pushed = 0;
+        for index in order {
+            let (x, body, radius) = (position.get(index).widen(), properties.body[index] as usize, properties.radius[index]);
+            let mut overlaps = false;
+            for surface in self.surfaces.iter().filter(|surface| surface.bodies[body]) {
+                let distance = surface.wall.distance(x).0;
+                let slack = surface.slack(V::Scalar::EPSILON, x, radius);
+                if distance < -slack {
+                    return Err(self.outside(surface, properties, index, x, distance));
+                }
+                overlaps |= distance < radius - slack;
+            }
+            position.set(index, self.inside(x, body, radius));
+            pushed += usize::from(overlaps);
+        }
+        Ok(pushed)
+    }
+
+    fn outside(&self, surface: &Surface, properties: &Properties<V>, index: usize, x: DVec3, distance: f64) -> Error {
+        let body = properties.body[index] as usize;
+        let place = properties.caller[index] as usize - self.first[body];
+        let (boundary, kind) = (&self.paths[surface.boundary], self.names[surface.boundary]);
+        let expected = format!("a center on the allowed side of {boundary} ({kind})");
+        let found = format!("{}, which is {:.3e} m outside", x + properties.origin, -distance);
+        Error::parameter(format!("bodies[{body}].positions[{place}]"), expected, found)
+    }
+
+    /// The position next to `x`, as the state can hold it, where a particle of `radius` is outside no wall; if there is
+    /// one nearby.
+    fn inside(&self, x: DVec3, body: usize, radius: f64) -> V {
+        let mut position = V::narrow(x);
+        for round in 0..ROUNDS {
+            let mut clear = true;
+            // In a narrow wedge each push off one wall leads into the other: then all that are near push together.
+            let together = if round < ROUNDS / 2 { DVec3::ZERO } else { self.away(position.widen(), body, radius) };
+            for surface in self.surfaces.iter().filter(|surface| surface.bodies[body]) {
+                let x = position.widen();
+                let (distance, normal) = surface.wall.distance(x);
+                if distance < radius {
+                    let way = if together.dot(normal) > 0.0 { together / together.dot(normal) } else { normal };
+                    // A push may be rounded back to where it came from; the next ones reach further.
+                    let extra = 0.25 * f64::from(1 << round) * V::Scalar::EPSILON * x.abs().max_element();
+                    position = V::narrow(x + way * (radius - distance + extra));
+                    clear = false;
+                }
+            }
+            if clear {
+                break;
+            }
+        }
+        position
+    }
+
+    /// The mean direction away from the walls that a particle touches.
+    fn away(&self, x: DVec3, body: usize, radius: f64) -> DVec3 {
+        let mut away = DVec3::ZERO;
+        for surface in self.surfaces.iter().filter(|surface| surface.bodies[body]) {
+            let (distance, normal) = surface.wall.distance(x);
+            if distance - radius <= surface.slack(V::Scalar::EPSILON, x, radius) {
+                away += normal;
+            }
+        }
+        away.normalize_or_zero()
+    }
+
+    /// Resolves the contacts of one block after the integrator's step of `h` from the state `before`.
+    pub fn resolve(&self, before: &Before<'_, V>, block: &mut Blocks<'_, V>, properties: &Properties<V>, h: f64) {
+        dispatch(Sweep { contacts: self, before, block, properties, h });
+    }
+
+    /// Flies one particle's step again, if it does touch a wall.
+    #[cold]
+    #[inline(never)]
+    fn fly(&self, before: &Before<'_, V>, block: &mut Blocks<'_, V>, properties: &Properties<V>, h: f64, lane: usize) {
+        let index = block.start + lane;
+        let (body, radius) = (properties.body[index] as usize, properties.radius[index]);
+        let (x_old, v_old) = (before.position(lane), before.velocity(lane));
+        let (x_new, v_new) = (block.position.get(lane).widen(), block.velocity.get(lane).widen());
+        if !(x_old + v_old + x_new + v_new).is_finite() {
+            return;
+        }
+        let acceleration = (v_new - v_old) / h;
+        // The parabola through both positions; its slope is the velocity up to what the integrator makes of it.
+        let path = Path { position: x_old, velocity: (x_new - x_old) / h - acceleration * (0.5 * h), acceleration };
+        let walls = Walls { surfaces: &self.surfaces, body, radius, rounding: V::Scalar::EPSILON };
+        if let Some(end) = walls.fly(&path, v_old, h) {
+            block.position.set(lane, self.inside(end.position, body, radius));
+            block.velocity.set(lane, V::narrow(end.velocity));
+            block.meters[0].add(Channel::Contact, properties.mass[index] * end.lost);
+        }
+    }
+}
+
+/// The radius of every particle of the given bodies that can move, minus infinity for all others and the padding.
+fn reach<V: Vector>(properties: &Properties<V>, bodies: &[bool]) -> Vec<V::Scalar> {
+    let mut reach = vec![V::Scalar::from_f64(f64::NEG_INFINITY); padded(properties.count())];
+    for (index, radius) in properties.radius.iter().enumerate() {
+        if bodies[properties.body[index] as usize] && !properties.is_fixed(index) {
+            reach[index] = V::Scalar::from_f64(*radius);
+        }
+    }
+    reach
+}
+
+/// The largest radius that fits between the walls of one boundary.
+fn room(walls: &[Wall]) -> f64 {
+    let mut room = f64::INFINITY;
+    for (index, wall) in walls.iter().enumerate() {
+        match *wall {
+            Wall::Sphere { radius, inside, .. } if inside => room = room.min(radius),
+            Wall::Sphere { .. } => {}
+            Wall::Plane { normal, offset } => {
+                for other in &walls[index + 1..] {
+                    if let Wall::Plane { normal: opposite, offset: behind } = *other
+                        && opposite == -normal
+                    {
+                        room = room.min(0.5 * (-behind - offset));
+                    }
+                }
+            }
+        }
+    }
+    room
+}

@@ -1,0 +1,202 @@
+//! The cheap test that most particles pass at every step, in the state's precision and vectorised: the control points of
+//! the step's path are clear of every wall, and so is the path, which lies in their convex hull.
+
+use super::{Before, Contacts};
+use crate::boundaries::Wall;
+use crate::math::{AXES, Real, Vector};
+use crate::matter::{Blocks, Properties};
+use crate::simd::{Kernel, LANES, Lanes};
+
+/// A wall, or two that face each other, in the form in which it is tested. `set` is the column of radii that it uses.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Test<T> {
+    /// lower ≤ x ≤ upper along one axis.
+    Slab { set: usize, axis: usize, lower: T, upper: T },
+    /// n·x ≥ offset.
+    Plane { set: usize, normal: [T; AXES], offset: T },
+    /// |x − c| ≤ R or ≥ R.
+    Sphere { set: usize, center: [T; AXES], radius: T, inside: bool },
+}
+
+impl<T: Real> Test<T> {
+    /// The tests that the walls of a boundary need for particles of at most the radius `largest`. Each wall stands in by
+    /// a few units of rounding, so that who comes that near is looked at in double precision.
+    pub fn of(walls: &[Wall], set: usize, largest: f64) -> Vec<Self> {
+        let mut tests: Vec<Self> = Vec::new();
+        for wall in walls {
+            let margin = 8.0 * T::EPSILON * (wall.extent() + largest);
+            match *wall {
+                Wall::Plane { normal, offset } => {
+                    let axis = (0..AXES).find(|&axis| normal[axis].abs() == 1.0);
+                    let Some(axis) = axis else {
+                        let normal = normal.to_array().map(T::from_f64);
+                        tests.push(Self::Plane { set, normal, offset: T::from_f64(offset + margin) });
+                        continue;
+                    };
+                    let side = normal[axis] * (offset + margin);
+                    let (below, above) = if normal[axis] > 0.0 { (side, f64::INFINITY) } else { (f64::NEG_INFINITY, side) };
+                    let (below, above) = (T::from_f64(below), T::from_f64(above));
+                    // The two walls of a box along one axis share a test.
+                    if let Some(Self::Slab { axis: other, lower, upper, .. }) = tests.last_mut()
+                        && *other == axis
+                    {
+                        *lower = larger(*lower, below);
+                        *upper = smaller(*upper, above);
+                    } else {
+                        tests.push(Self::Slab { set, axis, lower: below, upper: above });
+                    }
+                }
+                Wall::Sphere { center, radius, inside } => {
+                    let radius = T::from_f64(if inside { radius - margin } else { radius + margin });
+                    tests.push(Self::Sphere { set, center: center.to_array().map(T::from_f64), radius, inside });
+                }
+            }
+        }
+        tests
+    }
+}
+
+/// One block's contacts after one step.
+pub(super) struct Sweep<'a, 'b, 'c, V: Vector> {
+    pub contacts: &'a Contacts<V>,
+    pub before: &'a Before<'b, V>,
+    pub block: &'a mut Blocks<'c, V>,
+    pub properties: &'a Properties<V>,
+    pub h: f64,
+}
+
+/// The three Bernstein control points of a group's paths along one axis.
+type Control<T> = [Lanes<T>; 3];
+
+impl<V: Vector> Kernel for Sweep<'_, '_, '_, V> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let contacts = self.contacts;
+        for group in 0..self.block.position.len() / LANES {
+            let base = group * LANES;
+            let mut clear = [V::Scalar::ONE; LANES];
+            for test in &contacts.tests {
+                self.apply(test, base, &mut clear);
+            }
+            let mut touched = false;
+            for value in clear {
+                touched |= value <= V::Scalar::ZERO;
+            }
+            if touched {
+                for (lane, value) in clear.into_iter().enumerate() {
+                    if value <= V::Scalar::ZERO {
+                        contacts.fly(self.before, self.block, self.properties, self.h, base + lane);
+                    }
+                }
+            }
+        }
+    }
+}
+
+impl<V: Vector> Sweep<'_, '_, '_, V> {
+    /// P₀ = x₀, P₁ = x₀ + h v/2 = (x₀ + x₁)/2 − h (v₁ − v₀)/4, P₂ = x₁ along one axis.
+    #[inline(always)]
+    fn control(&self, base: usize, axis: usize) -> Control<V::Scalar> {
+        let (half, quarter) = (V::Scalar::from_f64(0.5), V::Scalar::from_f64(0.25 * self.h));
+        let first = lanes(&self.before.position[axis][base..]);
+        let last = lanes(&self.block.position.axes[axis][base..]);
+        let (before, after) = (lanes(&self.before.velocity[axis][base..]), lanes(&self.block.velocity.axes[axis][base..]));
+        let mut middle = [V::Scalar::ZERO; LANES];
+        for lane in 0..LANES {
+            middle[lane] = half * (first[lane] + last[lane]) - quarter * (after[lane] - before[lane]);
+        }
+        [first, middle, last]
+    }
+
+    /// Lowers each lane's clearance to 0 or below where it is not certain to stay clear of a wall. Only the sign means
+    /// something. A radius of minus infinity is always clear.
+    #[inline(always)]
+    fn apply(&self, test: &Test<V::Scalar>, base: usize, clear: &mut Lanes<V::Scalar>) {
+        let reach = |set: usize| lanes(&self.contacts.reach[set][self.block.start + base..]);
+        match test {
+            Test::Slab { set, axis, lower, upper } => {
+                let radius = reach(*set);
+                let [first, middle, last] = self.control(base, *axis);
+                for lane in 0..LANES {
+                    let lowest = smaller(smaller(first[lane], middle[lane]), last[lane]);
+                    let highest = larger(larger(first[lane], middle[lane]), last[lane]);
+                    let gap = smaller(lowest - *lower, *upper - highest) - radius[lane];
+                    clear[lane] = smaller(gap, clear[lane]);
+                }
+            }
+            Test::Plane { set, normal, offset } => {
+                let radius = reach(*set);
+                let mut height = [[V::Scalar::ZERO; LANES]; 3];
+                for axis in 0..V::DIMENSION {
+                    for (height, control) in height.iter_mut().zip(self.control(base, axis)) {
+                        for lane in 0..LANES {
+                            height[lane] += normal[axis] * control[lane];
+                        }
+                    }
+                }
+                let [first, middle, last] = &height;
+                for lane in 0..LANES {
+                    let lowest = smaller(smaller(first[lane], middle[lane]), last[lane]);
+                    clear[lane] = smaller(lowest - *offset - radius[lane], clear[lane]);
+                }
+            }
+            Test::Sphere { set, center, radius, inside } => {
+                let reach = reach(*set);
+                let (lowest, highest) = self.squares(base, center);
+                for lane in 0..LANES {
+                    let gap = if *inside {
+                        let room = *radius - reach[lane];
+                        room * room - highest[lane]
+                    } else {
+                        // |s| s in place of s², so that a radius of minus infinity counts as clear.
+                        let size = *radius + reach[lane];
+                        lowest[lane] - size * larger(size, -size)
+                    };
+                    clear[lane] = smaller(gap, clear[lane]);
+                }
+            }
+        }
+    }
+
+    /// The smallest and the largest Bernstein coefficient of |x − c|² along a group's paths.
+    #[inline(always)]
+    fn squares(&self, base: usize, center: &[V::Scalar; AXES]) -> (Lanes<V::Scalar>, Lanes<V::Scalar>) {
+        let mut products = [[V::Scalar::ZERO; LANES]; 6];
+        for axis in 0..V::DIMENSION {
+            let control = self.control(base, axis);
+            for lane in 0..LANES {
+                let [p, q, r] = [0, 1, 2].map(|point| control[point][lane] - center[axis]);
+                for (sum, product) in products.iter_mut().zip([p * p, p * q, q * q, p * r, q * r, r * r]) {
+                    sum[lane] += product;
+                }
+            }
+        }
+        let third = V::Scalar::from_f64(1.0 / 3.0);
+        let [pp, pq, qq, pr, qr, rr] = &products;
+        let (mut lowest, mut highest) = ([V::Scalar::ZERO; LANES], [V::Scalar::ZERO; LANES]);
+        for lane in 0..LANES {
+            let middle = (qq[lane] + qq[lane] + pr[lane]) * third;
+            lowest[lane] = smaller(smaller(smaller(pp[lane], pq[lane]), smaller(middle, qr[lane])), rr[lane]);
+            highest[lane] = larger(larger(larger(pp[lane], pq[lane]), larger(middle, qr[lane])), rr[lane]);
+        }
+        (lowest, highest)
+    }
+}
+
+#[inline(always)]
+fn lanes<T: Real>(slice: &[T]) -> Lanes<T> {
+    let (groups, _) = slice.as_chunks::<LANES>();
+    groups[0]
+}
+
+#[inline(always)]
+fn smaller<T: Real>(a: T, b: T) -> T {
+    if a < b { a } else { b }
+}
+
+#[inline(always)]
+fn larger<T: Real>(a: T, b: T) -> T {
+    if a > b { a } else { b }
+}

@@ -1,0 +1,310 @@
+//! One particle through one step, from impact to impact.
+//!
+//! **The path.** The mean acceleration ā = (v₁ − v₀)/h of the step is kept, whatever the walls do. Up to the first
+//! contact at t the particle follows the integrator's path, then it has the velocity v₀ + ā t, so that kinetic and
+//! potential energy stay as the integrator left them; from there on its slope is its velocity.
+//!
+//! **An impact** returns −e times the normal velocity; friction takes μ (1 + e) |vₙ| from the slip, at most all of it
+//! (Coulomb). What is lost is ½ (1 − e²) vₙ² + ½ (|vₜ|² − |vₜ⁺|²) per mass: exactly 0 for e = 1 and μ = 0.
+//!
+//! **Rest.** A series of ever smaller rebounds lasts 2 e |vₙ| / ((1 − e) p) where p is the acceleration that presses on
+//! the wall. If that is within the step, the impact is taken as plastic: over the whole series the wall gives the
+//! impulse |vₙ| (plus p times the time), whether in many impacts or in one, so the step ends the same. So it is if the
+//! next rebound would not rise above rounding. Then the particle slides ([`super::support`]).
+//!
+//! After [`EVENTS`] impacts and slides a particle waits where it is for the step's end, with the velocity that it has:
+//! energy stays exact and nothing leaves; what is lost is the phase of a motion that dt does not resolve.
+
+use glam::DVec3;
+
+use super::Surface;
+use super::support::{Slip, Support};
+use crate::boundaries::{Gap, Path};
+
+/// The most impacts and slides within one step.
+const EVENTS: usize = 64;
+/// The most walls that a particle touches at once.
+pub(super) const TOUCHES: usize = 8;
+
+/// What one particle meets.
+#[derive(Clone, Copy)]
+pub(super) struct Walls<'a> {
+    pub surfaces: &'a [Surface],
+    pub body: usize,
+    pub radius: f64,
+    /// The distance from 1 to the next number of the state.
+    pub rounding: f64,
+}
+
+/// The end of a step with contacts.
+pub(super) struct End {
+    pub position: DVec3,
+    pub velocity: DVec3,
+    /// The kinetic energy per mass that contacts took [J/kg].
+    pub lost: f64,
+}
+
+/// A wall that a particle touches.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Touch {
+    /// Its place among the surfaces.
+    pub surface: usize,
+    /// The unit normal into the allowed side.
+    pub normal: DVec3,
+    /// κ: sliding with velocity v takes a normal acceleration −κ v².
+    pub curvature: f64,
+    /// Coulomb's coefficient μ.
+    pub friction: f64,
+    /// The distance that counts as touching [m].
+    slack: f64,
+}
+
+/// The walls that a particle touches.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Touches {
+    items: [Touch; TOUCHES],
+    count: usize,
+}
+
+impl Touches {
+    pub fn as_slice(&self) -> &[Touch] {
+        &self.items[..self.count]
+    }
+
+    pub fn add(&mut self, touch: Touch) {
+        if self.count < TOUCHES {
+            self.items[self.count] = touch;
+            self.count += 1;
+        }
+    }
+
+    pub fn contain(&self, surface: usize) -> bool {
+        self.as_slice().iter().any(|touch| touch.surface == surface)
+    }
+}
+
+impl<'a> Walls<'a> {
+    /// Flies a step of `h` again that an integrator did along `path` from the velocity `start`; None if it touches nothing.
+    pub fn fly(&self, path: &Path, start: DVec3, h: f64) -> Option<End> {
+        let (time, surface) = self.first(path, h, &self.touches(path.position, None), &Touches::default())?;
+        let flight = Flight {
+            walls: *self,
+            position: path.at(time),
+            velocity: start + path.acceleration * time,
+            acceleration: path.acceleration,
+            left: h - time,
+            lost: 0.0,
+        };
+        Some(flight.finish(surface))
+    }
+
+    fn acting(&self) -> impl Iterator<Item = (usize, &'a Surface)> {
+        let body = self.body;
+        self.surfaces.iter().enumerate().filter(move |(_, surface)| surface.bodies[body])
+    }
+
+    /// The walls that a particle at `x` touches; `hit` is one of them whatever rounding says.
+    fn touches(&self, x: DVec3, hit: Option<usize>) -> Touches {
+        let mut touches = Touches::default();
+        for (index, surface) in self.acting() {
+            let (distance, normal) = surface.wall.distance(x);
+            let slack = surface.slack(self.rounding, x, self.radius);
+            if distance - self.radius <= slack || hit == Some(index) {
+                let curvature = surface.wall.curvature(x);
+                touches.add(Touch { surface: index, normal, curvature, friction: surface.friction, slack });
+            }
+        }
+        touches
+    }
+
+    /// The first contact along `path` within `duration`, beside those walls that the particle slides on anyway.
+    fn first(&self, path: &Path, duration: f64, touches: &Touches, slides: &Touches) -> Option<(f64, usize)> {
+        let mut first = None;
+        let mut duration = duration;
+        for (index, surface) in self.acting().filter(|(index, _)| !slides.contain(*index)) {
+            let gap = Gap::new(&surface.wall, path, self.radius, touches.contain(index));
+            if let Some(time) = gap.first_contact(duration) {
+                first = Some((time, index));
+                duration = time;
+            }
+        }
+        first
+    }
+
+    /// `x`, moved onto the walls that the particle slides on.
+    fn onto(&self, slides: &Touches, mut x: DVec3) -> DVec3 {
+        let gap = |touch: &Touch, x: DVec3| {
+            let (distance, normal) = self.surfaces[touch.surface].wall.distance(x);
+            (self.radius - distance, normal)
+        };
+        match slides.as_slice() {
+            [one] => {
+                let (push, normal) = gap(one, x);
+                x + normal * push
+            }
+            [one, other] => {
+                // Newton's method: exact at once on planes, and after two rounds to rounding from as near as this.
+                for _ in 0..2 {
+                    let ((first, one), (second, other)) = (gap(one, x), gap(other, x));
+                    let [first, second] = pushes(one.dot(other), first, second);
+                    x += one * first + other * second;
+                }
+                x
+            }
+            _ => x,
+        }
+    }
+}
+
+/// The amounts along two unit normals, whose product is `cosine`, that together amount to `first` and `second` along
+/// each: 0 where the normals are parallel.
+pub(super) fn pushes(cosine: f64, first: f64, second: f64) -> [f64; 2] {
+    let determinant = 1.0 - cosine * cosine;
+    if determinant <= f64::EPSILON {
+        return [0.0; 2];
+    }
+    [(first - cosine * second) / determinant, (second - cosine * first) / determinant]
+}
+
+/// A particle on its way.
+struct Flight<'a> {
+    walls: Walls<'a>,
+    position: DVec3,
+    velocity: DVec3,
+    /// The step's mean acceleration ā.
+    acceleration: DVec3,
+    /// What is left of the step [s].
+    left: f64,
+    /// The kinetic energy per mass lost so far [J/kg].
+    lost: f64,
+}
+
+impl Flight<'_> {
+    /// From the contact with one wall to the end of the step.
+    fn finish(mut self, surface: usize) -> End {
+        let mut hit = Some(surface);
+        for _ in 0..EVENTS {
+            let touches = self.walls.touches(self.position, hit);
+            if let Some(touch) = self.approached(&touches) {
+                self.bounce(&touch);
+                hit = Some(touch.surface);
+            } else if self.left > 0.0 {
+                hit = self.go_on(&touches);
+            } else {
+                break;
+            }
+        }
+        End { position: self.position, velocity: self.velocity, lost: self.lost }
+    }
+
+    /// Normal speeds up to this are rounding.
+    fn still(&self) -> f64 {
+        8.0 * f64::EPSILON * (self.velocity.length() + self.acceleration.length() * self.left)
+    }
+
+    /// The touched wall that the particle runs into fastest.
+    fn approached(&self, touches: &Touches) -> Option<Touch> {
+        let mut fastest = (-self.still(), None);
+        for touch in touches.as_slice() {
+            let speed = touch.normal.dot(self.velocity);
+            if speed < fastest.0 {
+                fastest = (speed, Some(*touch));
+            }
+        }
+        fastest.1
+    }
+
+    fn bounce(&mut self, touch: &Touch) {
+        let Surface { restitution, friction, .. } = self.walls.surfaces[touch.surface];
+        // Divided by n², so that a normal whose length is off by rounding does not add energy at every bounce.
+        let normal = touch.normal / touch.normal.length_squared();
+        let speed = -normal.dot(self.velocity);
+        let slip = self.velocity + touch.normal * speed;
+        let press = -(touch.normal.dot(self.acceleration) + touch.curvature * slip.length_squared());
+        let rebound = restitution * speed;
+        let settles = 2.0 * rebound <= (1.0 - restitution) * press * self.left || rebound * rebound <= 2.0 * press * touch.slack;
+        let restitution = if settles { 0.0 } else { restitution };
+        let slipping = slip.length();
+        let stopped = (friction * (1.0 + restitution) * speed).min(slipping);
+        let kept = slipping - stopped;
+        self.lost += 0.5 * ((1.0 - restitution) * (1.0 + restitution) * speed * speed + stopped * (slipping + kept));
+        let share = if stopped > 0.0 { kept / slipping } else { 1.0 };
+        self.velocity = slip * share + touch.normal * (restitution * speed);
+    }
+
+    /// Flies or slides on to the next event, and says which wall it then meets.
+    fn go_on(&mut self, touches: &Touches) -> Option<usize> {
+        let still = self.still();
+        match Support::of(touches, &mut self.velocity, self.acceleration, self.left, still) {
+            None => self.fall(touches),
+            Some(support) => self.slide(touches, &support),
+        }
+    }
+
+    fn fall(&mut self, touches: &Touches) -> Option<usize> {
+        let path = Path { position: self.position, velocity: self.velocity, acceleration: self.acceleration };
+        let next = self.walls.first(&path, self.left, touches, &Touches::default());
+        let time = next.map_or(self.left, |(time, _)| time);
+        self.position = path.at(time);
+        self.velocity = path.slope(time);
+        self.left -= time;
+        next.map(|(_, surface)| surface)
+    }
+
+    /// Slides on the supporting walls: a velocity Verlet step within the surface, with the friction along the velocity
+    /// at its middle. On planes this is the exact parabola, and energy is exact; on a sphere it stays on the surface, and
+    /// its energy is off by O(h²) without drift, as Verlet's is.
+    fn slide(&mut self, touches: &Touches, support: &Support) -> Option<usize> {
+        let Slip { acceleration, duration, rests } = support.slip(self.velocity, self.left);
+        if rests && duration == 0.0 {
+            self.position = self.walls.onto(&support.slides, self.position);
+            (self.velocity, self.left) = (DVec3::ZERO, 0.0);
+            return None;
+        }
+        let aim = self.glide(support, acceleration, duration);
+        let bend = if support.curvature > 0.0 {
+            (aim - self.position - self.velocity * duration) * (2.0 / (duration * duration))
+        } else {
+            acceleration
+        };
+        let path = Path { position: self.position, velocity: self.velocity, acceleration: bend };
+        let next = self.walls.first(&path, duration, touches, &support.slides);
+        let time = next.map_or(duration, |(time, _)| time);
+        let middle = self.velocity + acceleration * (0.5 * time);
+        self.position = self.glide(support, acceleration, time);
+        self.left -= time;
+        let drag = support.acceleration - acceleration;
+        if support.curvature > 0.0 && !(rests && next.is_none()) {
+            self.turn(support, middle, drag.length(), time);
+        } else {
+            self.lost += drag.dot(middle) * time;
+            self.velocity += acceleration * time;
+        }
+        if rests && next.is_none() {
+            (self.velocity, self.left) = (DVec3::ZERO, 0.0);
+        }
+        next.map(|(_, surface)| surface)
+    }
+
+    /// Where a slide with the given acceleration along the surface leads.
+    fn glide(&self, support: &Support, acceleration: DVec3, time: f64) -> DVec3 {
+        let way = (self.velocity + acceleration * (0.5 * time)) * time;
+        // A tangent of length R tan φ is wanted for an arc of length R φ: tan φ = φ + φ³/3 + O(φ⁵).
+        let angle = support.curvature * support.curvature * way.length_squared();
+        self.walls.onto(&support.slides, self.position + way * (1.0 + angle / 3.0))
+    }
+
+    /// The second half of a slide on a curved wall: the velocity turns with the surface, and the forces are those there.
+    fn turn(&mut self, support: &Support, middle: DVec3, drag: f64, time: f64) {
+        let here = support.moved(|surface| {
+            let wall = &self.walls.surfaces[surface].wall;
+            (wall.distance(self.position).1, wall.curvature(self.position))
+        });
+        let speed = middle.length();
+        let middle = here.along(middle).normalize_or_zero() * speed;
+        let kicked = middle + here.along(self.acceleration) * (0.5 * time);
+        let brake = (0.5 * time * here.friction_at(self.acceleration, speed)).min(kicked.length());
+        self.velocity = kicked - middle.normalize_or_zero() * brake;
+        self.lost += (0.5 * time * drag + brake) * speed;
+    }
+}

@@ -1,0 +1,162 @@
+//! Resting on walls: which of them carry the particle, and how it slides there.
+//!
+//! Of the walls that a particle touches without approaching, some push back with accelerations λ ≥ 0 along their normals
+//! so that none is entered: n·(a + Σ λ n) ≥ −κ v². One wall suffices, or two along an edge, or all motion ends in a
+//! corner; in three dimensions there is nothing else, so these few cases are tried in turn. Friction is μ λ against the
+//! slip.
+
+use glam::DVec3;
+
+use super::flight::{Touch, Touches, pushes};
+
+/// The largest angle through which a slide turns on a curved wall before the wall is looked at again.
+const ANGLE: f64 = 0.25;
+
+/// What carries a particle.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Support {
+    carriers: [Touch; 2],
+    count: usize,
+    /// Every wall that the particle stays on, carrying or just alongside.
+    pub slides: Touches,
+    /// The part of the mean acceleration along the surface.
+    pub acceleration: DVec3,
+    /// The deceleration by friction, Σ μ λ.
+    friction: f64,
+    /// The largest |κ| of the carriers.
+    pub curvature: f64,
+}
+
+/// A stretch of sliding.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Slip {
+    /// The acceleration along the surface, friction included.
+    pub acceleration: DVec3,
+    /// How long it holds [s].
+    pub duration: f64,
+    /// Whether the particle then stays where it is.
+    pub rests: bool,
+}
+
+impl Support {
+    /// The support of a particle, or None if it leaves all the walls that it touches. Normal speeds up to `still` are
+    /// rounding, and are taken away.
+    pub fn of(touches: &Touches, velocity: &mut DVec3, acceleration: DVec3, left: f64, still: f64) -> Option<Self> {
+        let mut parallel = Touches::default();
+        for touch in touches.as_slice() {
+            let speed = touch.normal.dot(*velocity);
+            if speed <= still {
+                *velocity -= touch.normal * speed;
+                parallel.add(*touch);
+            }
+        }
+        let square = velocity.length_squared();
+        let tolerance = still / left + 8.0 * f64::EPSILON * acceleration.length();
+        // How strongly the particle leaves a wall when the walls accelerate it by `push`.
+        let leaves = |touch: &Touch, push: DVec3| touch.normal.dot(acceleration + push) + touch.curvature * square;
+        let holds = |push: DVec3| parallel.as_slice().iter().all(|touch| leaves(touch, push) >= -tolerance);
+        let finish = |carriers: [Touch; 2], count: usize, push: [f64; 2]| {
+            let total = carriers[0].normal * push[0] + carriers[1].normal * push[1];
+            let mut support = Self {
+                carriers,
+                count,
+                slides: Touches::default(),
+                acceleration: DVec3::ZERO,
+                friction: carriers[0].friction * push[0].max(0.0) + carriers[1].friction * push[1].max(0.0),
+                curvature: carriers[0].curvature.abs().max(carriers[1].curvature.abs()),
+            };
+            support.acceleration = support.along(acceleration);
+            for touch in parallel.as_slice().iter().filter(|touch| leaves(touch, total) <= tolerance) {
+                support.slides.add(*touch);
+            }
+            support
+        };
+        let list = parallel.as_slice();
+        if list.iter().all(|touch| leaves(touch, DVec3::ZERO) > tolerance) {
+            return None;
+        }
+        for touch in list {
+            let push = -leaves(touch, DVec3::ZERO);
+            if push >= -tolerance && holds(touch.normal * push) {
+                return Some(finish([*touch, Touch::default()], 1, [push, 0.0]));
+            }
+        }
+        for (index, one) in list.iter().enumerate() {
+            for other in &list[index + 1..] {
+                let (first, second) = (-leaves(one, DVec3::ZERO), -leaves(other, DVec3::ZERO));
+                let push = pushes(one.normal.dot(other.normal), first, second);
+                let carries = push.iter().all(|&push| push >= -tolerance);
+                if carries && holds(one.normal * push[0] + other.normal * push[1]) {
+                    return Some(finish([*one, *other], 2, push));
+                }
+            }
+        }
+        let corner = finish([Touch::default(); 2], 3, [0.0; 2]);
+        Some(Self { slides: parallel, ..corner })
+    }
+
+    /// The part of `vector` along the walls that carry.
+    pub fn along(&self, vector: DVec3) -> DVec3 {
+        let [one, other] = self.carriers.map(|touch| touch.normal);
+        match self.count {
+            1 => vector - one * (one.dot(vector) / one.length_squared()),
+            2 => vector.project_onto_normalized(one.cross(other).normalize_or_zero()),
+            _ => DVec3::ZERO,
+        }
+    }
+
+    /// The same support at another place, where `surface` gives a carrier's normal and curvature.
+    pub fn moved(&self, surface: impl Fn(usize) -> (DVec3, f64)) -> Self {
+        let mut moved = *self;
+        for touch in moved.carriers.iter_mut().take(self.count.min(2)) {
+            (touch.normal, touch.curvature) = surface(touch.surface);
+        }
+        moved
+    }
+
+    /// The deceleration by friction at a speed, under the acceleration `a`.
+    pub fn friction_at(&self, a: DVec3, speed: f64) -> f64 {
+        let carriers = &self.carriers[..self.count.min(2)];
+        let [first, second] = [0, 1].map(|index| {
+            carriers.get(index).map_or(0.0, |touch| -(touch.normal.dot(a) + touch.curvature * speed * speed))
+        });
+        let push = match carriers {
+            [one, other] => pushes(one.normal.dot(other.normal), first, second),
+            _ => [first, second],
+        };
+        carriers.iter().zip(push).map(|(touch, push)| touch.friction * push.max(0.0)).sum()
+    }
+
+    /// How the particle slides with `velocity`, for at most the time `left`: with uniform acceleration a − f û, û the
+    /// direction of its slip at mid-time, which makes it a second-order method whose friction never gives energy. Where
+    /// friction would turn the slip around, it ends instead at the moment when it is zero.
+    pub fn slip(&self, velocity: DVec3, left: f64) -> Slip {
+        let (a, friction, speed) = (self.acceleration, self.friction, velocity.length());
+        if self.count > 2 {
+            return Slip { acceleration: DVec3::ZERO, duration: 0.0, rests: true };
+        }
+        let mut duration = left;
+        if self.curvature > 0.0 {
+            let arc = ANGLE / self.curvature;
+            duration = duration.min(arc / speed).min((arc / a.length()).sqrt());
+        }
+        if friction == 0.0 {
+            return Slip { acceleration: a, duration, rests: false };
+        }
+        if speed == 0.0 && a.length() <= friction {
+            return Slip { acceleration: DVec3::ZERO, duration: 0.0, rests: true };
+        }
+        let middle = velocity + a * (0.5 * duration);
+        let along = middle.normalize_or_zero();
+        let end = velocity + (a - along * friction) * duration;
+        let slips = middle.length() > 0.5 * friction * duration;
+        if slips && along.dot(velocity) >= 0.0 && along.dot(end) >= 0.0 {
+            return Slip { acceleration: a - along * friction, duration, rests: false };
+        }
+        let along = velocity.normalize_or_zero();
+        let brake = friction - a.dot(along);
+        let stop = speed / brake;
+        let rests = stop <= duration && a.length() <= friction;
+        Slip { acceleration: along * -brake, duration: duration.min(stop), rests }
+    }
+}

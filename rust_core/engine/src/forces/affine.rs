@@ -1,0 +1,134 @@
+//! Uniform gravity, linear drag, wind and harmonic wells, folded into one law a = a₀ + b v + c x per particle, which the
+//! integrators' kernels evaluate in registers.
+
+use glam::DVec3;
+
+use crate::math::{AXES, Real, Vector};
+use crate::matter::Properties;
+use crate::simd::{Lanes, padded};
+
+/// What the foldable forces add up to, in double precision and absolute coordinates.
+#[derive(Debug)]
+pub struct Fold {
+    /// a₀ [m/s²].
+    pub acceleration: Vec<DVec3>,
+    /// b [1/s].
+    pub rate: Vec<f64>,
+    /// c [1/s²].
+    pub well: Vec<f64>,
+    /// The coefficient γ of linear drag [N·s/m].
+    pub drag: Vec<f64>,
+    /// The wind that drag is relative to [m/s]; None until a drag has been folded.
+    pub wind: Option<DVec3>,
+}
+
+impl Fold {
+    /// Nothing, for `count` particles.
+    pub fn new(count: usize) -> Self {
+        Self { acceleration: vec![DVec3::ZERO; count], rate: vec![0.0; count], well: vec![0.0; count], drag: vec![0.0; count], wind: None }
+    }
+}
+
+/// The coefficients of one particle along one axis.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Coefficients<T> {
+    /// a₀ [m/s²].
+    pub a0: T,
+    /// b [1/s].
+    pub b: T,
+    /// c [1/s²].
+    pub c: T,
+    /// The coefficient γ of linear drag [N·s/m].
+    pub drag: T,
+}
+
+/// The folded law in the precision of the state. Where all particles have the same coefficients, these are kept once;
+/// only the last block, whose padding must not move, has them particle by particle.
+#[derive(Debug)]
+pub struct Affine<V: Vector> {
+    uniform: Option<[Coefficients<V::Scalar>; AXES]>,
+    /// The first particle that the arrays hold.
+    first: usize,
+    a0: [Vec<V::Scalar>; AXES],
+    b: Vec<V::Scalar>,
+    c: Vec<V::Scalar>,
+    drag: Vec<V::Scalar>,
+    wind: [V::Scalar; AXES],
+    /// Whether any power passes through it.
+    pub dissipates: bool,
+}
+
+/// The law of one axis of one block.
+#[derive(Debug, Clone, Copy)]
+pub enum AxisLaw<'a, T> {
+    /// The same for every particle, without wind or well.
+    Uniform(Coefficients<T>),
+    /// Particle by particle.
+    Varying(Varying<'a, T>),
+}
+
+/// Coefficients particle by particle, for one axis of one block.
+#[derive(Debug, Clone, Copy)]
+pub struct Varying<'a, T> {
+    /// a₀ [m/s²].
+    pub a0: &'a [Lanes<T>],
+    /// b [1/s].
+    pub b: &'a [Lanes<T>],
+    /// c [1/s²].
+    pub c: &'a [Lanes<T>],
+    /// The coefficient γ of linear drag [N·s/m].
+    pub drag: &'a [Lanes<T>],
+    /// The wind along this axis [m/s].
+    pub wind: T,
+}
+
+impl<V: Vector> Affine<V> {
+    /// The law that was folded, for blocks of `block` particles.
+    pub fn new(fold: &Fold, properties: &Properties<V>, block: usize) -> Self {
+        let count = properties.count();
+        let coefficients = |index: usize| {
+            let a0 = (fold.acceleration[index] + properties.origin * fold.well[index]).to_array();
+            let [b, c, drag] = [fold.rate[index], fold.well[index], fold.drag[index]].map(V::Scalar::from_f64);
+            a0.map(|a0| Coefficients { a0: V::Scalar::from_f64(a0), b, c, drag })
+        };
+        let wind = fold.wind.unwrap_or(DVec3::ZERO);
+        let mut uniform = (count > 0).then(|| coefficients(0));
+        if uniform.is_some_and(|same| same[0].c != V::Scalar::ZERO || (1..count).any(|index| coefficients(index) != same)) || wind != DVec3::ZERO {
+            uniform = None;
+        }
+        let first = if uniform.is_some() { count.saturating_sub(1) / block * block } else { 0 };
+        let each = |value: &dyn Fn(usize) -> V::Scalar| {
+            let mut values: Vec<V::Scalar> = (first..count).map(value).collect();
+            values.resize(padded(count) - first, V::Scalar::ZERO);
+            values
+        };
+        Self {
+            uniform,
+            first,
+            a0: std::array::from_fn(|axis| each(&|index| coefficients(index)[axis].a0)),
+            b: each(&|index| coefficients(index)[0].b),
+            c: each(&|index| coefficients(index)[0].c),
+            drag: each(&|index| coefficients(index)[0].drag),
+            wind: wind.to_array().map(V::Scalar::from_f64),
+            dissipates: fold.drag.iter().any(|&drag| drag != 0.0),
+        }
+    }
+
+    /// The law of the block of `length` particles, padding included, that begins at `start`.
+    #[inline(always)]
+    pub fn axis(&self, axis: usize, start: usize, length: usize) -> AxisLaw<'_, V::Scalar> {
+        match self.uniform {
+            Some(same) if start < self.first => AxisLaw::Uniform(same[axis]),
+            _ => {
+                let range = start - self.first..start - self.first + length;
+                let [a0, b, c, drag] = [&self.a0[axis], &self.b, &self.c, &self.drag].map(|values| values[range.clone()].as_chunks().0);
+                AxisLaw::Varying(Varying { a0, b, c, drag, wind: self.wind[axis] })
+            }
+        }
+    }
+
+    /// The memory that it takes [bytes].
+    pub fn bytes(&self) -> usize {
+        (V::DIMENSION + 3) * std::mem::size_of_val(self.b.as_slice())
+    }
+}

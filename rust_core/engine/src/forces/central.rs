@@ -1,0 +1,185 @@
+//! A central force: F = −s rᵖ d/r toward the center for d = x − center, with r² = |d|² + ε² (Plummer softening).
+//!
+//! With q = r² this is F = −s q^((p−1)/2) d, so U = s q^((p+1)/2)/(p+1), or (s/2) ln q for p = −1. Source for the
+//! softening: H. C. Plummer, Mon. Not. R. Astron. Soc. 71 (1911) 460. A harmonic one (p = 1) is folded.
+
+use std::f64::consts::TAU;
+use std::ops::Range;
+
+use glam::DVec3;
+
+use super::affine::Fold;
+use super::pointwise::{self, PointLaw, PointRate};
+use super::{Force, Moment, Rates, Reach, VelocityDependence};
+use crate::error::Result;
+use crate::math::{AXES, Real, Vector};
+use crate::matter::Properties;
+use crate::scene::Term;
+use crate::stability::Bound;
+
+/// How many steps an automatic time step gives the fastest turn around the center.
+const STEPS_PER_TURN: f64 = 100.0;
+
+/// A power law of the distance from a center.
+#[derive(Debug)]
+pub struct Central<V: Vector> {
+    /// The center [m].
+    center: DVec3,
+    /// s [N at r = 1 m], positive where it attracts.
+    strength: f64,
+    /// p.
+    exponent: f64,
+    /// ε [m].
+    softening: f64,
+    /// 1 for a particle that it acts on, else 0; padded.
+    members: Vec<V::Scalar>,
+}
+
+impl<V: Vector> Central<V> {
+    /// A central force as declared.
+    pub fn new(term: &Term, members: Vec<V::Scalar>) -> Result<Self> {
+        let (strength, exponent) = (term.number("strength")?, term.number("exponent")?);
+        Ok(Self { center: term.vector("center")?, strength, exponent, softening: term.non_negative("softening")?, members })
+    }
+
+    fn members(&self, block: Range<usize>) -> impl Iterator<Item = usize> {
+        block.filter(|&index| self.members[index] != V::Scalar::ZERO)
+    }
+
+    fn potential_at(&self, q: f64) -> f64 {
+        if self.strength == 0.0 {
+            0.0
+        } else if self.exponent == -1.0 {
+            0.5 * self.strength * libm::log(q)
+        } else {
+            self.strength * half_power(q, self.exponent + 1.0) / (self.exponent + 1.0)
+        }
+    }
+
+    /// The smallest distance that a particle reaches if nothing else acts on it: where the effective potential
+    /// U(r) + L²/(2mr²) takes all of its energy, by bisection between nothing and where it is now.
+    fn closest(&self, mass: f64, from_center: DVec3, velocity: DVec3) -> f64 {
+        let potential = |r: f64| self.potential_at(r * r + self.softening * self.softening);
+        let here = from_center.length();
+        let spin = from_center.cross(velocity).length_squared();
+        let energy = 0.5 * mass * velocity.length_squared() + potential(here);
+        let (mut inside, mut outside) = (0.0, here);
+        for _ in 0..20 {
+            let middle = 0.5 * (inside + outside);
+            if potential(middle) + 0.5 * mass * spin / (middle * middle) > energy { inside = middle } else { outside = middle }
+        }
+        outside
+    }
+}
+
+impl<V: Vector> Force<V> for Central<V> {
+    fn name(&self) -> &'static str {
+        "central"
+    }
+
+    fn reach(&self) -> Reach {
+        Reach::Pointwise
+    }
+
+    fn velocity(&self) -> VelocityDependence {
+        VelocityDependence::None
+    }
+
+    fn fold(&self, properties: &Properties<V>, fold: &mut Fold) -> bool {
+        if self.exponent != 1.0 {
+            return false;
+        }
+        for index in self.members(0..properties.count()) {
+            let rate = self.strength / properties.mass[index];
+            fold.well[index] -= rate;
+            fold.acceleration[index] += self.center * rate;
+        }
+        true
+    }
+
+    fn accumulate(&self, block: Range<usize>, at: &Moment<'_, V>, rates: &mut Rates<'_, V>) {
+        let [strength, square] = [self.strength, self.softening * self.softening].map(V::Scalar::from_f64);
+        let center = (self.center - at.properties.origin).to_array().map(V::Scalar::from_f64);
+        let half_power = 0.5 * (self.exponent - 1.0);
+        macro_rules! run {
+            ($power:expr) => {
+                pointwise::accumulate::<V>(Law { strength, square, center, power: $power }, &self.members, block, at, rates)
+            };
+        }
+        // The exponents of everyday physics cost a root and a division; any other costs a call of pow.
+        if self.exponent == -2.0 {
+            run!(|q: V::Scalar| V::Scalar::ONE / (q * q.sqrt()));
+        } else if self.exponent == -1.0 {
+            run!(|q: V::Scalar| V::Scalar::ONE / q);
+        } else if self.exponent == 0.0 {
+            run!(|q: V::Scalar| V::Scalar::ONE / q.sqrt());
+        } else if self.exponent == 2.0 {
+            run!(|q: V::Scalar| q.sqrt());
+        } else if self.exponent == 3.0 {
+            run!(|q: V::Scalar| q);
+        } else {
+            run!(|q: V::Scalar| V::Scalar::from_f64(libm::pow(q.to_f64(), half_power)));
+        }
+    }
+
+    fn potential(&self, block: Range<usize>, at: &Moment<'_, V>) -> f64 {
+        let offset = at.properties.origin - self.center;
+        let square = self.softening * self.softening;
+        self.members(block).map(|index| self.potential_at((at.position.get(index).widen() + offset).length_squared() + square)).sum()
+    }
+
+    /// A harmonic center limits the stability. Any other one has no greatest stiffness, so it limits the accuracy: a
+    /// hundred steps for a turn at the frequency of the closest approach.
+    fn bound(&self, at: &Moment<'_, V>, bound: &mut Bound) {
+        let properties = at.properties;
+        for index in self.members(0..properties.count()) {
+            let mass = properties.mass[index];
+            if self.exponent == 1.0 {
+                bound.point(index, "central", self.strength.max(0.0), 0.0);
+            } else if self.strength != 0.0 {
+                let from_center = properties.origin + at.position.get(index).widen() - self.center;
+                let closest = self.closest(mass, from_center, at.velocity.get(index).widen());
+                let q = closest * closest + self.softening * self.softening;
+                let stiffness = self.strength.abs() * half_power(q, self.exponent - 1.0) * self.exponent.abs().max(1.0);
+                bound.accuracy("central", TAU * (mass / stiffness).sqrt() / STEPS_PER_TURN);
+            }
+        }
+    }
+
+    fn bytes(&self) -> usize {
+        std::mem::size_of_val(self.members.as_slice())
+    }
+}
+
+/// q^(n/2): by roots and products for the small whole n of everyday physics, which are a hundred times as fast as pow.
+fn half_power(q: f64, n: f64) -> f64 {
+    if n.fract() != 0.0 || n.abs() > 8.0 {
+        return libm::pow(q, 0.5 * n);
+    }
+    let root = q.sqrt();
+    let power = (0..n.abs() as u32).fold(1.0, |product, _| product * root);
+    if n < 0.0 { 1.0 / power } else { power }
+}
+
+#[derive(Clone, Copy)]
+struct Law<T, P> {
+    strength: T,
+    square: T,
+    center: [T; AXES],
+    power: P,
+}
+
+impl<V: Vector, P: Fn(V::Scalar) -> V::Scalar + Copy> PointLaw<V> for Law<V::Scalar, P> {
+    #[inline(always)]
+    fn at(&self, member: V::Scalar, x: [V::Scalar; AXES], _v: [V::Scalar; AXES]) -> PointRate<V::Scalar> {
+        let mut d = [V::Scalar::ZERO; AXES];
+        let mut q = self.square;
+        for axis in 0..V::DIMENSION {
+            d[axis] = x[axis] - self.center[axis];
+            q += d[axis] * d[axis];
+        }
+        // At the very center the direction is undefined and the force is 0.
+        let pull = if q > V::Scalar::ZERO { member * self.strength * (self.power)(q) } else { V::Scalar::ZERO };
+        PointRate { force: d.map(|d| -(pull * d)), dissipated: V::Scalar::ZERO, work: V::Scalar::ZERO }
+    }
+}

@@ -1,0 +1,115 @@
+//! Drag: F = −(γ + q|u|) u with u = v − w, the velocity relative to the wind w.
+//!
+//! Its power F·v splits into what it dissipates, (γ + q|u|)|u|² ≥ 0, and the work that the wind does, −(γ + q|u|) u·w.
+
+use std::ops::Range;
+
+use glam::DVec3;
+
+use super::affine::Fold;
+use super::pointwise::{self, PointLaw, PointRate};
+use super::{Force, Moment, Rates, Reach, VelocityDependence};
+use crate::error::Result;
+use crate::math::{AXES, Real, Vector};
+use crate::matter::Properties;
+use crate::scene::Term;
+use crate::stability::Bound;
+
+/// Linear or quadratic drag in a uniform wind.
+#[derive(Debug)]
+pub struct Drag<V: Vector> {
+    /// γ [N·s/m].
+    linear: f64,
+    /// q [N·s²/m²].
+    quadratic: f64,
+    /// w [m/s].
+    wind: DVec3,
+    /// 1 for a particle that it acts on, else 0; padded.
+    members: Vec<V::Scalar>,
+}
+
+impl<V: Vector> Drag<V> {
+    /// The linear and the quadratic part of a drag as declared, those that are there: only the first can be folded.
+    pub fn parts(term: &Term, members: &[V::Scalar]) -> Result<Vec<Self>> {
+        let wind = term.optional_vector("wind")?.unwrap_or(DVec3::ZERO);
+        let (linear, quadratic) = (term.non_negative("linear")?, term.non_negative("quadratic")?);
+        let parts = [(linear, 0.0), (0.0, quadratic)].into_iter().filter(|&part| part != (0.0, 0.0));
+        Ok(parts.map(|(linear, quadratic)| Self { linear, quadratic, wind, members: members.to_vec() }).collect())
+    }
+
+    fn acts_on(&self, index: usize) -> bool {
+        self.members[index] != V::Scalar::ZERO
+    }
+}
+
+impl<V: Vector> Force<V> for Drag<V> {
+    fn name(&self) -> &'static str {
+        "drag"
+    }
+
+    fn reach(&self) -> Reach {
+        Reach::Pointwise
+    }
+
+    fn velocity(&self) -> VelocityDependence {
+        VelocityDependence::Dissipative
+    }
+
+    fn fold(&self, properties: &Properties<V>, fold: &mut Fold) -> bool {
+        if self.quadratic != 0.0 || fold.wind.is_some_and(|wind| wind != self.wind) {
+            return false;
+        }
+        fold.wind = Some(self.wind);
+        for index in (0..properties.count()).filter(|&index| self.acts_on(index)) {
+            let rate = self.linear / properties.mass[index];
+            fold.drag[index] += self.linear;
+            fold.rate[index] -= rate;
+            fold.acceleration[index] += self.wind * rate;
+        }
+        true
+    }
+
+    fn accumulate(&self, block: Range<usize>, at: &Moment<'_, V>, rates: &mut Rates<'_, V>) {
+        let [linear, quadratic] = [self.linear, self.quadratic].map(V::Scalar::from_f64);
+        let wind = self.wind.to_array().map(V::Scalar::from_f64);
+        pointwise::accumulate::<V>(Law { linear, quadratic, wind }, &self.members, block, at, rates);
+    }
+
+    fn potential(&self, _block: Range<usize>, _at: &Moment<'_, V>) -> f64 {
+        0.0
+    }
+
+    /// The damping is the larger eigenvalue of −∂F/∂v, γ + 2q|u|.
+    fn bound(&self, at: &Moment<'_, V>, bound: &mut Bound) {
+        for index in (0..at.properties.count()).filter(|&index| self.acts_on(index)) {
+            let speed = (at.velocity.get(index).widen() - self.wind).length();
+            bound.point(index, "drag", 0.0, self.linear + 2.0 * self.quadratic * speed);
+        }
+    }
+
+    fn bytes(&self) -> usize {
+        std::mem::size_of_val(self.members.as_slice())
+    }
+}
+
+#[derive(Clone, Copy)]
+struct Law<T> {
+    linear: T,
+    quadratic: T,
+    wind: [T; AXES],
+}
+
+impl<V: Vector> PointLaw<V> for Law<V::Scalar> {
+    #[inline(always)]
+    fn at(&self, member: V::Scalar, _x: [V::Scalar; AXES], v: [V::Scalar; AXES]) -> PointRate<V::Scalar> {
+        let mut relative = [V::Scalar::ZERO; AXES];
+        let (mut square, mut along) = (V::Scalar::ZERO, V::Scalar::ZERO);
+        for axis in 0..V::DIMENSION {
+            relative[axis] = v[axis] - self.wind[axis];
+            square += relative[axis] * relative[axis];
+            along += relative[axis] * self.wind[axis];
+        }
+        let strength = member * (self.linear + self.quadratic * square.sqrt());
+        PointRate { force: relative.map(|u| -(strength * u)), dissipated: strength * square, work: -(strength * along) }
+    }
+}

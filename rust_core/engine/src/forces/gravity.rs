@@ -1,0 +1,59 @@
+//! Uniform gravity: F = m g. Always folded ([`super::affine`]).
+
+use std::ops::Range;
+
+use glam::DVec3;
+
+use super::affine::Fold;
+use super::{Force, Moment, Reach, VelocityDependence};
+use crate::error::Result;
+use crate::math::Vector;
+use crate::matter::Properties;
+use crate::scene::Term;
+use crate::stability::Bound;
+
+/// A uniform acceleration of the particles that are not fixed.
+#[derive(Debug)]
+pub struct Gravity {
+    /// g [m/s²].
+    acceleration: DVec3,
+    /// Which particles it acts on.
+    members: Vec<bool>,
+}
+
+impl Gravity {
+    /// Gravity as declared, on those `members` that are not fixed.
+    pub fn new(term: &Term, members: Vec<bool>) -> Result<Self> {
+        Ok(Self { acceleration: term.vector("acceleration")?, members })
+    }
+}
+
+impl<V: Vector> Force<V> for Gravity {
+    fn name(&self) -> &'static str {
+        "gravity"
+    }
+
+    fn reach(&self) -> Reach {
+        Reach::Pointwise
+    }
+
+    fn velocity(&self) -> VelocityDependence {
+        VelocityDependence::None
+    }
+
+    fn fold(&self, _properties: &Properties<V>, fold: &mut Fold) -> bool {
+        for (sum, _) in fold.acceleration.iter_mut().zip(&self.members).filter(|(_, member)| **member) {
+            *sum += self.acceleration;
+        }
+        true
+    }
+
+    /// U = −m g·x.
+    fn potential(&self, block: Range<usize>, at: &Moment<'_, V>) -> f64 {
+        let properties = at.properties;
+        let members = block.filter(|&index| self.members[index]);
+        members.map(|index| -properties.mass[index] * self.acceleration.dot(properties.origin + at.position.get(index).widen())).sum()
+    }
+
+    fn bound(&self, _at: &Moment<'_, V>, _bound: &mut Bound) {}
+}

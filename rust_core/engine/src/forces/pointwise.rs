@@ -1,0 +1,86 @@
+//! The loop that all forces on independent particles share.
+
+use std::ops::Range;
+
+use super::{Moment, Rates};
+use crate::math::{AXES, Real, Vector};
+use crate::matter::{Channel, Power, Span};
+use crate::simd::{Kernel, LANES, Lanes, dispatch};
+
+/// A force on one particle as a function of where and how fast it is.
+pub trait PointLaw<V: Vector>: Copy {
+    /// The force [N] on a particle, and the powers [W] that it dissipates and supplies; all of it times `member`, which
+    /// is 1 for a particle that it acts on, else 0. Axes past the dimension are 0 and are ignored.
+    fn at(&self, member: V::Scalar, x: [V::Scalar; AXES], v: [V::Scalar; AXES]) -> PointRate<V::Scalar>;
+}
+
+/// What a force does to one particle.
+#[derive(Debug, Clone, Copy)]
+pub struct PointRate<T> {
+    /// The force [N].
+    pub force: [T; AXES],
+    /// The power that drag dissipates [W].
+    pub dissipated: T,
+    /// The power that is supplied from outside [W].
+    pub work: T,
+}
+
+/// Adds a law's forces and powers for one block; `members` says for every particle whether it acts.
+pub fn accumulate<V: Vector>(law: impl PointLaw<V>, members: &[V::Scalar], block: Range<usize>, at: &Moment<'_, V>, rates: &mut Rates<'_, V>) {
+    dispatch(Loop { law, members: &members[block.clone()], block, at, force: rates.force.reborrow(), power: rates.power });
+}
+
+struct Loop<'a, V: Vector, L> {
+    law: L,
+    members: &'a [V::Scalar],
+    block: Range<usize>,
+    at: &'a Moment<'a, V>,
+    force: Span<'a, V>,
+    power: &'a mut Power,
+}
+
+impl<V: Vector, L: PointLaw<V>> Kernel for Loop<'_, V, L> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { law, members, block, at, mut force, power } = self;
+        let x: [&[Lanes<V::Scalar>]; AXES] = std::array::from_fn(|axis| lanes(at.position.slice(axis, block.clone())));
+        let v: [&[Lanes<V::Scalar>]; AXES] = std::array::from_fn(|axis| lanes(at.velocity.slice(axis, block.clone())));
+        let f = force.axes.each_mut().map(|axis| axis.as_chunks_mut::<LANES>().0);
+        let mut dissipated = [V::Scalar::ZERO; LANES];
+        let mut work = [V::Scalar::ZERO; LANES];
+        // Everything is read into local arrays first: only then can the compiler be sure that nothing overlaps.
+        for (group, member) in lanes(members).iter().enumerate() {
+            let read = |columns: &[&[Lanes<V::Scalar>]; AXES]| -> [Lanes<V::Scalar>; AXES] {
+                std::array::from_fn(|axis| if axis < V::DIMENSION { columns[axis][group] } else { [V::Scalar::ZERO; LANES] })
+            };
+            let (member, x, v) = (*member, read(&x), read(&v));
+            let mut sum = [[V::Scalar::ZERO; LANES]; AXES];
+            for lane in 0..LANES {
+                let rate = law.at(member[lane], x.map(|axis| axis[lane]), v.map(|axis| axis[lane]));
+                for axis in 0..V::DIMENSION {
+                    sum[axis][lane] = rate.force[axis];
+                }
+                dissipated[lane] += rate.dissipated;
+                work[lane] += rate.work;
+            }
+            for axis in 0..V::DIMENSION {
+                let mut column = f[axis][group];
+                for lane in 0..LANES {
+                    column[lane] += sum[axis][lane];
+                }
+                f[axis][group] = column;
+            }
+        }
+        for lane in 0..LANES {
+            power[Channel::Drag as usize][lane] += dissipated[lane].to_f64();
+            power[Channel::Work as usize][lane] += work[lane].to_f64();
+        }
+    }
+}
+
+#[inline(always)]
+fn lanes<T>(column: &[T]) -> &[Lanes<T>] {
+    column.as_chunks::<LANES>().0
+}

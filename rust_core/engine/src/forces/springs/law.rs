@@ -1,0 +1,129 @@
+//! What one spring does: the only place that holds the physics.
+
+use std::ops::Range;
+
+use crate::forces::Moment;
+use crate::math::{AXES, Real, Vector};
+use crate::scene::Spring;
+
+/// The numbers of one spring, in the precision of the run.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Law<T> {
+    /// Stiffness k [N/m].
+    pub stiffness: T,
+    /// Damping c along the spring [N·s/m].
+    pub damping: T,
+    /// Rest length L [m].
+    pub rest_length: T,
+}
+
+impl<T: Real> Law<T> {
+    /// Of a spring that exerts nothing.
+    pub const NONE: Self = Self { stiffness: T::ZERO, damping: T::ZERO, rest_length: T::ZERO };
+
+    /// Of a spring of the scene.
+    pub fn of(spring: &Spring) -> Self {
+        Self {
+            stiffness: T::from_f64(spring.stiffness),
+            damping: T::from_f64(spring.damping),
+            rest_length: T::from_f64(spring.rest_length),
+        }
+    }
+
+    /// Equal for equal laws alone, and in a fixed order.
+    pub fn key(&self) -> [u64; 3] {
+        [self.stiffness, self.damping, self.rest_length].map(|number| number.to_f64().to_bits())
+    }
+
+    /// The force on end i [N]; the one on end j is its opposite. And the power that is dissipated [W]. Without DAMPED, c
+    /// counts as 0. With d = xⱼ − xᵢ, r = |d|, u = d/r:
+    ///
+    /// Fᵢ = [k (r − L) + c (vⱼ − vᵢ)·u] u = [k (r − L)/r + c ((vⱼ − vᵢ)·u)/r] d,  P = c ((vⱼ − vᵢ)·u)²
+    ///
+    /// i and j may change places without changing a bit. At rest length the force is exactly 0. Where L = 0, (r − L)/r is
+    /// 1 even at r = 0, so that such a spring is linear to the bit. Where L > 0, ends in one place (r = 0, also when d·d
+    /// underflows) have no direction between them: the force is then −0·d up to underflow, finite, and 0 where d is.
+    #[inline(always)]
+    pub fn force<V: Vector<Scalar = T>, const DAMPED: bool>(&self, i: State<T>, j: State<T>) -> ([T; AXES], T) {
+        let mut along = [T::ZERO; AXES];
+        let (mut square, mut approach) = (T::ZERO, T::ZERO);
+        for axis in 0..V::DIMENSION {
+            along[axis] = j.position[axis] - i.position[axis];
+            square += along[axis] * along[axis];
+            if DAMPED {
+                approach += (j.velocity[axis] - i.velocity[axis]) * along[axis];
+            }
+        }
+        let (pull, power) = self.pull::<DAMPED>(square, approach);
+        (along.map(|along| pull * along), power)
+    }
+
+    /// The factor of d in the force, and the power, from d·d and (vⱼ − vᵢ)·d.
+    #[inline(always)]
+    fn pull<const DAMPED: bool>(&self, square: T, approach: T) -> (T, T) {
+        let length = square.sqrt();
+        let inverse = T::ONE / length;
+        let inverse = if length > T::ZERO { inverse } else { T::ZERO };
+        let strain = if self.rest_length == T::ZERO { T::ONE } else { (length - self.rest_length) * inverse };
+        if !DAMPED {
+            return (self.stiffness * strain, T::ZERO);
+        }
+        let rate = approach * inverse;
+        let drag = self.damping * rate;
+        (self.stiffness * strain + drag * inverse, drag * rate)
+    }
+}
+
+
+/// Where one end is, and how fast.
+#[derive(Debug, Clone, Copy)]
+pub struct State<T> {
+    /// Position [m].
+    pub position: [T; AXES],
+    /// Velocity [m/s]; not read without damping.
+    pub velocity: [T; AXES],
+}
+
+impl<T: Real> State<T> {
+    /// The squared distance to another [m²].
+    #[inline(always)]
+    pub fn square_to<V: Vector<Scalar = T>>(self, other: Self) -> f64 {
+        let mut square = 0.0;
+        for axis in 0..V::DIMENSION {
+            let along = other.position[axis].to_f64() - self.position[axis].to_f64();
+            square += along * along;
+        }
+        square
+    }
+}
+
+/// A range of particles, to read.
+#[derive(Debug, Clone, Copy)]
+pub struct Run<'a, T> {
+    position: [&'a [T]; AXES],
+    velocity: [&'a [T]; AXES],
+}
+
+impl<'a, T: Real> Run<'a, T> {
+    /// The particles of a range.
+    #[inline(always)]
+    pub fn new<V: Vector<Scalar = T>>(at: &Moment<'a, V>, range: &Range<usize>) -> Self {
+        Self {
+            position: std::array::from_fn(|axis| at.position.slice(axis, range.clone())),
+            velocity: std::array::from_fn(|axis| at.velocity.slice(axis, range.clone())),
+        }
+    }
+
+    /// One of them.
+    #[inline(always)]
+    pub fn get<V: Vector<Scalar = T>, const DAMPED: bool>(&self, index: usize) -> State<T> {
+        let mut state = State { position: [T::ZERO; AXES], velocity: [T::ZERO; AXES] };
+        for axis in 0..V::DIMENSION {
+            state.position[axis] = self.position[axis][index];
+            if DAMPED {
+                state.velocity[axis] = self.velocity[axis][index];
+            }
+        }
+        state
+    }
+}

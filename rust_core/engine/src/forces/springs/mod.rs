@@ -1,0 +1,182 @@
+//! Damped springs between given particles.
+//!
+//! Springs that form a stencil run as one ([`stencil`]), whoever built them; all others are gathered in slices
+//! ([`slices`]), for which [`ordering`] can bring partners near each other. Both add to the same force, by the same law
+//! ([`law`]).
+
+use std::ops::Range;
+
+use super::{Force, Moment, Rates, Reach, VelocityDependence};
+use crate::math::{Real, Vector};
+use crate::matter::{Power, Span};
+use crate::scene::Spring;
+use crate::simd::{Kernel, LANES, dispatch};
+use crate::stability::Bound;
+
+mod law;
+mod ordering;
+mod slices;
+mod stencil;
+mod survey;
+#[cfg(test)]
+mod tests;
+
+pub use ordering::ordering;
+
+use law::Law;
+use slices::Slices;
+use stencil::{Scratch, Stencil, TILE};
+use survey::Survey;
+
+/// The springs of a scene.
+#[derive(Debug)]
+pub struct Springs<V: Vector> {
+    stencils: Vec<Stencil<V::Scalar>>,
+    slices: Option<Slices<V::Scalar>>,
+    damped: bool,
+    /// The largest offset of a stencil.
+    reach: usize,
+    /// The number of particles.
+    count: usize,
+}
+
+impl<V: Vector> Springs<V> {
+    /// Springs between `count` particles, by their index in the engine's order. One from a particle to itself does
+    /// nothing and is left out.
+    pub fn new(springs: &[Spring], count: usize) -> Self {
+        let springs: Vec<Spring> = springs.iter().filter(|spring| spring.ends[0] != spring.ends[1]).copied().collect();
+        let (stencils, taken) = stencil::find::<V::Scalar>(&springs);
+        let rest: Vec<Spring> = springs.iter().zip(taken).filter(|(_, taken)| !taken).map(|(spring, _)| *spring).collect();
+        Self {
+            reach: stencils.iter().map(|stencil| stencil.offset).max().unwrap_or(0),
+            damped: springs.iter().any(|spring| spring.damping != 0.0),
+            slices: (!rest.is_empty()).then(|| Slices::new(&rest, count)),
+            stencils,
+            count,
+        }
+    }
+
+    /// How the plan describes them: `6 stencils of 597241 springs`,
+    /// `slices of 16 particles with 40 springs, 3 kinds`.
+    pub fn layout(&self) -> String {
+        let plural = |number: usize, noun: &str| if number == 1 { format!("1 {noun}") } else { format!("{number} {noun}s") };
+        let stencils = (!self.stencils.is_empty()).then(|| {
+            let springs: usize = self.stencils.iter().map(|stencil| stencil.count).sum();
+            format!("{} of {}", plural(self.stencils.len(), "stencil"), plural(springs, "spring"))
+        });
+        let slices = self.slices.as_ref().map(|slices| {
+            let kinds = slices.kinds().map_or_else(|| "each of its own kind".to_owned(), |kinds| plural(kinds, "kind"));
+            format!("slices of {LANES} particles with {}, {kinds}", plural(slices.count, "spring"))
+        });
+        let parts: Vec<String> = stencils.into_iter().chain(slices).collect();
+        if parts.is_empty() { "no springs".to_owned() } else { parts.join("; ") }
+    }
+
+    /// The smallest r/L among springs with L > 0 whose lower end is in a block; infinite if there are none. Below ½ the
+    /// bound on the time step must be made anew.
+    pub fn shortest(&self, block: Range<usize>, at: &Moment<'_, V>) -> f64 {
+        self.survey(block, at).shortest.into_iter().fold(f64::INFINITY, f64::min)
+    }
+
+    fn survey(&self, block: Range<usize>, at: &Moment<'_, V>) -> Survey {
+        dispatch(Surveying { springs: self, block, at })
+    }
+}
+
+impl<V: Vector> Force<V> for Springs<V> {
+    fn name(&self) -> &'static str {
+        "springs"
+    }
+
+    fn reach(&self) -> Reach {
+        Reach::Network
+    }
+
+    fn velocity(&self) -> VelocityDependence {
+        if self.damped { VelocityDependence::Dissipative } else { VelocityDependence::None }
+    }
+
+    fn accumulate(&self, block: Range<usize>, at: &Moment<'_, V>, rates: &mut Rates<'_, V>) {
+        dispatch(Accumulation { springs: self, block, at, force: rates.force.reborrow(), power: rates.power });
+    }
+
+    /// A spring's energy ½ k (r − L)² is counted at its lower end.
+    fn potential(&self, block: Range<usize>, at: &Moment<'_, V>) -> f64 {
+        self.survey(block, at).energy.into_iter().sum()
+    }
+
+    /// Along the spring the stiffness is k, across it k (1 − L/r): more than k where r < L/2. Ends in one place exert
+    /// nothing, and count with k.
+    fn bound(&self, at: &Moment<'_, V>, bound: &mut Bound) {
+        let mut add = |i: usize, j: usize, law: &Law<V::Scalar>| {
+            let length = (at.position.get(j).widen() - at.position.get(i).widen()).length();
+            let across = if length > 0.0 { law.rest_length.to_f64() / length - 1.0 } else { 0.0 };
+            bound.spring(i, j, law.stiffness.to_f64() * across.max(1.0), law.damping.to_f64());
+        };
+        self.stencils.iter().for_each(|stencil| stencil.for_each(0..self.count, &mut add));
+        self.slices.iter().for_each(|slices| slices.for_each(0..self.count, &mut add));
+    }
+
+    fn bytes(&self) -> usize {
+        self.stencils.iter().map(Stencil::bytes).sum::<usize>() + self.slices.as_ref().map_or(0, Slices::bytes)
+    }
+}
+
+struct Accumulation<'a, V: Vector> {
+    springs: &'a Springs<V>,
+    block: Range<usize>,
+    at: &'a Moment<'a, V>,
+    force: Span<'a, V>,
+    power: &'a mut Power,
+}
+
+impl<V: Vector> Kernel for Accumulation<'_, V> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        if self.springs.damped { self.add::<true>() } else { self.add::<false>() }
+    }
+}
+
+impl<V: Vector> Accumulation<'_, V> {
+    #[inline(always)]
+    fn add<const DAMPED: bool>(self) {
+        let Self { springs, block, at, force, power } = self;
+        let mut rates = Rates { force, power };
+        if !springs.stencils.is_empty() {
+            let mut scratch = Scratch::EMPTY;
+            for tile in block.start.saturating_sub(springs.reach) / TILE..block.end.div_ceil(TILE) {
+                let tile = tile * TILE..(tile + 1) * TILE;
+                for stencil in &springs.stencils {
+                    stencil.accumulate::<V, DAMPED>(&tile, &block, at, &mut rates, &mut scratch);
+                }
+            }
+        }
+        if let Some(slices) = &springs.slices {
+            slices.accumulate::<V, DAMPED>(&block, at, &mut rates);
+        }
+    }
+}
+
+struct Surveying<'a, V: Vector> {
+    springs: &'a Springs<V>,
+    block: Range<usize>,
+    at: &'a Moment<'a, V>,
+}
+
+impl<V: Vector> Kernel for Surveying<'_, V> {
+    type Output = Survey;
+
+    #[inline(always)]
+    fn run(self) -> Survey {
+        let mut survey = Survey::EMPTY;
+        for stencil in &self.springs.stencils {
+            stencil.survey::<V>(&self.block, self.at, &mut survey);
+        }
+        for slices in &self.springs.slices {
+            slices.survey::<V>(&self.block, self.at, &mut survey);
+        }
+        survey
+    }
+}

@@ -1,0 +1,119 @@
+//! An order of particles in which partners are near each other in memory.
+
+use std::collections::VecDeque;
+
+use super::stencil;
+use crate::scene::Spring;
+
+/// A component is left as it is if this part of its springs, in percent, is in stencils.
+const STRUCTURED: usize = 90;
+
+/// A component is left as it is if reordering would not bring partners this many times nearer.
+const GAIN: usize = 2;
+
+/// Neighbors in a network: those of particle i are `list[first[i]..first[i + 1]]`.
+struct Graph {
+    first: Vec<usize>,
+    list: Vec<u32>,
+}
+
+impl Graph {
+    fn new(springs: &[Spring], count: usize) -> Self {
+        let mut first = vec![0; count + 1];
+        springs.iter().flat_map(|spring| spring.ends).for_each(|end| first[end as usize + 1] += 1);
+        (0..count).for_each(|index| first[index + 1] += first[index]);
+        let (mut next, mut list) = (first.clone(), vec![0; 2 * springs.len()]);
+        for [i, j] in springs.iter().flat_map(|spring| [spring.ends, [spring.ends[1], spring.ends[0]]]) {
+            list[next[i as usize]] = j;
+            next[i as usize] += 1;
+        }
+        let mut graph = Self { first, list };
+        // Those with few neighbors come first, and so does the lower index: that is Cuthill and McKee's order.
+        let degrees: Vec<usize> = (0..count as u32).map(|index| graph.neighbors(index).len()).collect();
+        for index in 0..count {
+            graph.list[graph.first[index]..graph.first[index + 1]].sort_by_key(|&j| (degrees[j as usize], j));
+        }
+        graph
+    }
+
+    fn neighbors(&self, index: u32) -> &[u32] {
+        &self.list[self.first[index as usize]..self.first[index as usize + 1]]
+    }
+
+    /// A component from `start`, nearest first, and the number of steps to the farthest. `level` belongs to the caller
+    /// and is `FAR` for the whole component before and after.
+    fn walk(&self, start: u32, level: &mut [u32]) -> (Vec<u32>, u32) {
+        let (mut visited, mut queue) = (Vec::new(), VecDeque::from([start]));
+        level[start as usize] = 0;
+        let mut depth = 0;
+        while let Some(index) = queue.pop_front() {
+            visited.push(index);
+            depth = level[index as usize];
+            for &next in self.neighbors(index) {
+                if level[next as usize] == FAR {
+                    level[next as usize] = depth + 1;
+                    queue.push_back(next);
+                }
+            }
+        }
+        visited.iter().for_each(|&index| level[index as usize] = FAR);
+        (visited, depth)
+    }
+
+    /// A component in the reverse order of Cuthill and McKee, from an end of it that is as far from the other as
+    /// walking to and fro can find (A. George, J. W. H. Liu, ACM Trans. Math. Softw. 5 (1979) 284).
+    fn reverse_cuthill_mckee(&self, start: u32, level: &mut [u32]) -> Vec<u32> {
+        let (mut best, mut depth) = self.walk(start, level);
+        loop {
+            let (next, farther) = self.walk(best[best.len() - 1], level);
+            if farther <= depth {
+                best.reverse();
+                return best;
+            }
+            (best, depth) = (next, farther);
+        }
+    }
+}
+
+/// The level of a particle that a walk has not come to.
+const FAR: u32 = u32::MAX;
+
+/// A better order, where there is one: `order[new] = old`. Components of the network that are structured or local
+/// already stay as they are. Others are reordered among the places that they have, and all else keeps its place.
+pub fn ordering(springs: &[Spring], count: usize) -> Option<Vec<u32>> {
+    let (_, taken) = stencil::find::<f64>(springs);
+    if taken.iter().all(|&taken| taken) {
+        return None;
+    }
+    let graph = Graph::new(springs, count);
+    let mut in_stencils = vec![0; count];
+    let structured = springs.iter().zip(&taken).filter(|(_, taken)| **taken);
+    structured.flat_map(|(spring, _)| spring.ends).for_each(|end| in_stencils[end as usize] += 1);
+
+    let mut order: Vec<u32> = (0..count as u32).collect();
+    let (mut level, mut done, mut place) = (vec![FAR; count], vec![false; count], vec![0; count]);
+    let mut changed = false;
+    for start in 0..count as u32 {
+        if done[start as usize] || graph.neighbors(start).is_empty() {
+            continue;
+        }
+        let (mut places, _) = graph.walk(start, &mut level);
+        places.iter().for_each(|&index| done[index as usize] = true);
+        let sum = |each: &dyn Fn(u32) -> usize| places.iter().map(|&index| each(index)).sum::<usize>();
+        if sum(&|index| in_stencils[index as usize]) * 100 >= sum(&|index| graph.neighbors(index).len()) * STRUCTURED {
+            continue;
+        }
+        places.sort_unstable();
+        let better = graph.reverse_cuthill_mckee(start, &mut level);
+        better.iter().zip(&places).for_each(|(&old, &new)| place[old as usize] = new);
+        let distance = |of: &dyn Fn(u32) -> u32| -> u64 {
+            let one = |&index: &u32| graph.neighbors(index).iter().map(|&next| u64::from(of(index).abs_diff(of(next)))).sum::<u64>();
+            places.iter().map(one).sum()
+        };
+        if distance(&|index| index) >= GAIN as u64 * distance(&|index| place[index as usize]) {
+            better.iter().zip(&places).for_each(|(&old, &new)| order[new as usize] = old);
+            changed = true;
+        }
+    }
+    changed.then_some(order)
+}

@@ -1,0 +1,313 @@
+//! Slices: springs in any arrangement, gathered by each particle from its partners.
+//!
+//! The form is sliced ELLPACK (M. Kreutzer et al., SIAM J. Sci. Comput. 36 (2014) C401): 16 consecutive particles are a
+//! slice, and each row of it holds one spring of each, or a stand-in from the particle to itself, whose length of 0 makes
+//! its force exactly 0. Every spring is computed from both of its ends, to the same bits, so that nobody writes to
+//! another's particle. Where the springs are of few kinds, a row is all of one kind, and its law is one number per row.
+
+use std::collections::BTreeMap;
+use std::ops::Range;
+
+use super::law::{Law, State};
+use super::survey::Survey;
+use crate::forces::{Moment, Rates};
+use crate::math::{AXES, Real, Vector};
+use crate::matter::Channel;
+use crate::scene::Spring;
+use crate::simd::{Gather, LANES, Lanes, padded};
+
+/// The most kinds of spring that rows are sorted by.
+const KINDS: usize = 256;
+
+/// Rows sorted by kind may be this much more than unsorted ones, in percent: these read three numbers more per spring.
+const SORTED: usize = 125;
+
+/// The springs that are in no stencil.
+#[derive(Debug)]
+pub struct Slices<T> {
+    /// The number of springs.
+    pub count: usize,
+    /// The first row of each slice; one more at the end.
+    rows: Vec<u32>,
+    /// The particle at the other end, row by row.
+    partners: Gather,
+    /// What the springs obey.
+    laws: Laws<T>,
+}
+
+/// What the springs of every row obey.
+#[derive(Debug)]
+enum Laws<T> {
+    /// One law per row, out of a few.
+    Shared { kinds: Vec<Law<T>>, of: Vec<u16> },
+    /// One law per spring: stiffness, damping and rest length.
+    Own(Vec<[Lanes<T>; 3]>),
+}
+
+/// Looks up what the springs of a row obey.
+trait Source<T>: Copy {
+    /// The law of each lane.
+    fn row(self, row: usize) -> impl Fn(usize) -> Law<T>;
+}
+
+impl<T: Real> Source<T> for (&[Law<T>], &[u16]) {
+    #[inline(always)]
+    fn row(self, row: usize) -> impl Fn(usize) -> Law<T> {
+        let law = self.0[self.1[row] as usize];
+        move |_| law
+    }
+}
+
+impl<T: Real> Source<T> for &[[Lanes<T>; 3]] {
+    #[inline(always)]
+    fn row(self, row: usize) -> impl Fn(usize) -> Law<T> {
+        let [stiffness, damping, rest_length] = &self[row];
+        move |lane| Law { stiffness: stiffness[lane], damping: damping[lane], rest_length: rest_length[lane] }
+    }
+}
+
+/// The number of rows that are gathered at once.
+const ROWS: usize = 16;
+
+/// One end of each spring in some rows.
+struct Side<T, const ROWS: usize> {
+    position: [[Lanes<T>; ROWS]; AXES],
+    velocity: [[Lanes<T>; ROWS]; AXES],
+}
+
+impl<T: Real, const ROWS: usize> Side<T, ROWS> {
+    const EMPTY: Self = Self { position: [[[T::ZERO; LANES]; ROWS]; AXES], velocity: [[[T::ZERO; LANES]; ROWS]; AXES] };
+
+    /// Has `read` fill each column's part.
+    #[inline(always)]
+    fn fill<V: Vector<Scalar = T>, const DAMPED: bool>(&mut self, at: &Moment<'_, V>, read: impl Fn(&[T], &mut [Lanes<T>])) {
+        for axis in 0..V::DIMENSION {
+            read(at.position.axis(axis), &mut self.position[axis]);
+            if DAMPED {
+                read(at.velocity.axis(axis), &mut self.velocity[axis]);
+            }
+        }
+    }
+
+    /// One row.
+    #[inline(always)]
+    fn row(&self, row: usize) -> Side<T, 1> {
+        Side { position: self.position.each_ref().map(|axis| [axis[row]]), velocity: self.velocity.each_ref().map(|axis| [axis[row]]) }
+    }
+}
+
+impl<T: Real> Side<T, 1> {
+    /// One end.
+    #[inline(always)]
+    fn lane(&self, lane: usize) -> State<T> {
+        State {
+            position: self.position.each_ref().map(|axis| axis[0][lane]),
+            velocity: self.velocity.each_ref().map(|axis| axis[0][lane]),
+        }
+    }
+}
+
+/// A spring as one of its ends sees it.
+#[derive(Debug, Clone, Copy)]
+struct End<T> {
+    kind: usize,
+    partner: u32,
+    law: Law<T>,
+}
+
+impl<T: Real> Slices<T> {
+    /// Arranges springs between `count` particles.
+    pub fn new(springs: &[Spring], count: usize) -> Self {
+        let (ends, kinds) = ends::<T>(springs, count);
+        let sorted = arrange(&ends, |end| end.kind);
+        let unsorted = arrange(&ends, |_| 0);
+        let total = |rows: &[Vec<Row<T>>]| rows.iter().map(Vec::len).sum::<usize>();
+        let shared = kinds.len() <= KINDS && total(&sorted) * 100 <= total(&unsorted) * SORTED;
+        let slices = if shared { sorted } else { unsorted };
+        let mut rows = vec![0];
+        let (mut partners, mut of, mut own) = (Vec::new(), Vec::new(), Vec::new());
+        for (slice, arranged) in slices.iter().enumerate() {
+            for row in arranged {
+                let law = |lane: usize| row[lane].map_or(Law::NONE, |end| end.law);
+                partners.extend((0..LANES).map(|lane| row[lane].map_or((slice * LANES + lane) as u32, |end| end.partner)));
+                if shared {
+                    of.push(row.iter().flatten().map(|end| end.kind as u16).next().unwrap_or(0));
+                } else {
+                    own.push([
+                        std::array::from_fn(|lane| law(lane).stiffness),
+                        std::array::from_fn(|lane| law(lane).damping),
+                        std::array::from_fn(|lane| law(lane).rest_length),
+                    ]);
+                }
+            }
+            rows.push((partners.len() / LANES) as u32);
+        }
+        let laws = if shared { Laws::Shared { kinds, of } } else { Laws::Own(own) };
+        Self { count: springs.len(), rows, partners: Gather::new(&partners, padded(count)), laws }
+    }
+
+    /// The number of kinds that rows are sorted by; None where every spring has a law of its own.
+    pub fn kinds(&self) -> Option<usize> {
+        match &self.laws {
+            Laws::Shared { kinds, .. } => Some(kinds.len()),
+            Laws::Own(_) => None,
+        }
+    }
+
+    /// The memory that it takes [bytes].
+    pub fn bytes(&self) -> usize {
+        let laws = match &self.laws {
+            Laws::Shared { kinds, of } => std::mem::size_of_val(kinds.as_slice()) + std::mem::size_of_val(of.as_slice()),
+            Laws::Own(own) => std::mem::size_of_val(own.as_slice()),
+        };
+        std::mem::size_of_val(self.rows.as_slice()) + self.partners.bytes() + laws
+    }
+
+    /// Calls `each` with the ends of every spring whose lower end is in a range.
+    pub fn for_each(&self, range: Range<usize>, mut each: impl FnMut(usize, usize, &Law<T>)) {
+        for slice in range.start / LANES..range.end.div_ceil(LANES) {
+            for row in self.rows(slice) {
+                for lane in 0..LANES {
+                    let (i, j) = (slice * LANES + lane, self.partners.indices(row)[lane] as usize);
+                    if i < j {
+                        let law = match &self.laws {
+                            Laws::Shared { kinds, of } => (kinds.as_slice(), of.as_slice()).row(row)(lane),
+                            Laws::Own(own) => own.as_slice().row(row)(lane),
+                        };
+                        each(i, j, &law);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Adds what its springs do to the particles of a block.
+    #[inline(always)]
+    pub fn accumulate<V: Vector<Scalar = T>, const DAMPED: bool>(
+        &self,
+        block: &Range<usize>,
+        at: &Moment<'_, V>,
+        rates: &mut Rates<'_, V>,
+    ) {
+        match &self.laws {
+            Laws::Shared { kinds, of } => self.gather::<V, DAMPED>((kinds.as_slice(), of.as_slice()), block, at, rates),
+            Laws::Own(own) => self.gather::<V, DAMPED>(own.as_slice(), block, at, rates),
+        }
+    }
+
+    #[inline(always)]
+    fn gather<V: Vector<Scalar = T>, const DAMPED: bool>(
+        &self,
+        laws: impl Source<T>,
+        block: &Range<usize>,
+        at: &Moment<'_, V>,
+        rates: &mut Rates<'_, V>,
+    ) {
+        let mut far = Side::<T, ROWS>::EMPTY;
+        for slice in block.start / LANES..block.end / LANES {
+            if self.rows(slice).is_empty() {
+                continue;
+            }
+            let mut near = Side::<T, 1>::EMPTY;
+            near.fill::<V, DAMPED>(at, |column, out| out[0] = column.as_chunks().0[slice]);
+            let (mut force, mut power) = ([[T::ZERO; LANES]; AXES], [T::ZERO; LANES]);
+            for start in self.rows(slice).step_by(ROWS) {
+                let rows = start..self.rows(slice).end.min(start + ROWS);
+                far.fill::<V, DAMPED>(at, |column, out| self.partners.read(rows.clone(), column, &mut out[..rows.len()]));
+                for row in rows {
+                    let (far, law) = (far.row(row - start), laws.row(row));
+                    let (mut pulls, mut dissipated) = ([[T::ZERO; LANES]; AXES], [T::ZERO; LANES]);
+                    for lane in 0..LANES {
+                        let pull;
+                        (pull, dissipated[lane]) = law(lane).force::<V, DAMPED>(near.lane(lane), far.lane(lane));
+                        (0..V::DIMENSION).for_each(|axis| pulls[axis][lane] = pull[axis]);
+                    }
+                    for lane in 0..LANES {
+                        (0..V::DIMENSION).for_each(|axis| force[axis][lane] += pulls[axis][lane]);
+                        power[lane] += dissipated[lane];
+                    }
+                }
+            }
+            for axis in 0..V::DIMENSION {
+                let sum = &mut rates.force.axes[axis][slice * LANES - block.start..][..LANES];
+                (0..LANES).for_each(|lane| sum[lane] += force[axis][lane]);
+            }
+            (0..LANES).for_each(|lane| rates.power[Channel::Damping as usize][lane] += 0.5 * power[lane].to_f64());
+        }
+    }
+
+    /// Adds the springs with a lower end in a range to a survey.
+    #[inline(always)]
+    pub fn survey<V: Vector<Scalar = T>>(&self, range: &Range<usize>, at: &Moment<'_, V>, survey: &mut Survey) {
+        match &self.laws {
+            Laws::Shared { kinds, of } => self.survey_rows::<V>((kinds.as_slice(), of.as_slice()), range, at, survey),
+            Laws::Own(own) => self.survey_rows::<V>(own.as_slice(), range, at, survey),
+        }
+    }
+
+    #[inline(always)]
+    fn survey_rows<V: Vector<Scalar = T>>(
+        &self,
+        laws: impl Source<T>,
+        range: &Range<usize>,
+        at: &Moment<'_, V>,
+        survey: &mut Survey,
+    ) {
+        let mut far = Side::<T, 1>::EMPTY;
+        for slice in range.start / LANES..range.end.div_ceil(LANES) {
+            let mut near = Side::<T, 1>::EMPTY;
+            near.fill::<V, false>(at, |column, out| out[0] = column.as_chunks().0[slice]);
+            for row in self.rows(slice) {
+                far.fill::<V, false>(at, |column, out| self.partners.read(row..row + 1, column, out));
+                let (law, partners) = (laws.row(row), self.partners.indices(row));
+                for lane in 0..LANES {
+                    let square = near.lane(lane).square_to::<V>(far.lane(lane));
+                    survey.add(lane, partners[lane] as usize > slice * LANES + lane, square, law(lane));
+                }
+            }
+        }
+    }
+
+    /// The rows of a slice.
+    #[inline(always)]
+    fn rows(&self, slice: usize) -> Range<usize> {
+        self.rows[slice] as usize..self.rows[slice + 1] as usize
+    }
+}
+
+/// A spring of each lane, or none.
+type Row<T> = [Option<End<T>>; LANES];
+
+/// The springs that every particle holds, by kind and then by partner, and the kinds.
+fn ends<T: Real>(springs: &[Spring], count: usize) -> (Vec<Vec<End<T>>>, Vec<Law<T>>) {
+    let laws: Vec<Law<T>> = springs.iter().map(Law::of).collect();
+    let kinds: BTreeMap<[u64; 3], Law<T>> = laws.iter().map(|law| (law.key(), *law)).collect();
+    let number: BTreeMap<[u64; 3], usize> = kinds.keys().enumerate().map(|(kind, key)| (*key, kind)).collect();
+    let mut ends = vec![Vec::new(); count];
+    for (spring, &law) in springs.iter().zip(&laws) {
+        let kind = number[&law.key()];
+        let [i, j] = spring.ends;
+        ends[i as usize].push(End { kind, partner: j, law });
+        ends[j as usize].push(End { kind, partner: i, law });
+    }
+    for list in &mut ends {
+        list.sort_by_key(|end| (end.kind, end.partner));
+    }
+    (ends, kinds.into_values().collect())
+}
+
+/// The rows of every slice, such that a row holds springs of one `class` alone.
+fn arrange<T: Real>(ends: &[Vec<End<T>>], class: impl Fn(&End<T>) -> usize) -> Vec<Vec<Row<T>>> {
+    let slices = ends.chunks(LANES).map(|particles| {
+        let mut rows: BTreeMap<(usize, usize), Row<T>> = BTreeMap::new();
+        for (lane, list) in particles.iter().enumerate() {
+            for run in list.chunk_by(|one, next| class(one) == class(next)) {
+                for (place, &end) in run.iter().enumerate() {
+                    rows.entry((class(&end), place)).or_insert([None; LANES])[lane] = Some(end);
+                }
+            }
+        }
+        rows.into_values().collect()
+    });
+    slices.collect()
+}

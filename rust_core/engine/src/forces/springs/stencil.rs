@@ -1,0 +1,219 @@
+//! Stencils: springs of one kind between particles whose indices differ by one constant.
+//!
+//! A cloth, or a lattice, row by row is a few stencils with holes at its edges. Both ends are then read in order, and
+//! every spring is computed once. All blocks add in one global order (tile by tile, in a tile stencil by stencil, in a
+//! stencil first what lower ends feel, then what upper ends feel) and leave out what falls on the particles of others: so
+//! the sum on a particle has the same bits however particles are cut into blocks.
+
+use std::collections::BTreeMap;
+use std::ops::Range;
+
+use super::law::{Law, Run};
+use super::survey::Survey;
+use crate::forces::{Moment, Rates};
+use crate::math::{AXES, Real, Vector};
+use crate::matter::Channel;
+use crate::scene::Spring;
+use crate::simd::{LANES, padded};
+
+/// The number of particles that all stencils visit before they go on, so that these stay in the first cache.
+pub const TILE: usize = 16 * LANES;
+
+/// What the springs of a tile do.
+#[derive(Debug)]
+pub struct Scratch<T> {
+    /// The force on their lower ends [N].
+    force: [[T; TILE]; AXES],
+    /// The power that they dissipate [W].
+    power: [T; TILE],
+}
+
+impl<T: Real> Scratch<T> {
+    /// For any tile.
+    pub const EMPTY: Self = Self { force: [[T::ZERO; TILE]; AXES], power: [T::ZERO; TILE] };
+}
+
+/// The most stencils: each of them costs every tile a look.
+const MOST: usize = 32;
+
+/// The least part, in percent, of the places in its tiles that must hold a spring: slices take sparser ones at less cost.
+const DENSITY: usize = 50;
+
+/// The least part, in percent, of all springs that must be in stencils.
+const STRUCTURE: usize = 50;
+
+/// The springs (i, i + offset) that obey one law.
+#[derive(Debug)]
+pub struct Stencil<T> {
+    /// The difference of the indices.
+    pub offset: usize,
+    /// What they have in common.
+    pub law: Law<T>,
+    /// The number of springs.
+    pub count: usize,
+    /// The first group of lanes that has a lower end.
+    first: usize,
+    /// Which lanes are lower ends, one bit each, from the first group to the last.
+    present: Vec<u16>,
+}
+
+/// The stencils in a network, and whether each spring is in one of them.
+pub fn find<T: Real>(springs: &[Spring]) -> (Vec<Stencil<T>>, Vec<bool>) {
+    let mut kinds: BTreeMap<(u32, [u64; 3]), Vec<usize>> = BTreeMap::new();
+    for (index, spring) in springs.iter().enumerate() {
+        let [i, j] = spring.ends;
+        kinds.entry((i.abs_diff(j), Law::<T>::of(spring).key())).or_default().push(index);
+    }
+    let mut found: Vec<(Stencil<T>, Vec<usize>)> = kinds.into_values().filter_map(|kind| Stencil::of(springs, &kind)).collect();
+    found.sort_by_key(|(stencil, _)| std::cmp::Reverse(stencil.count));
+    found.truncate(MOST);
+    // A few stencils in a network that has no structure would only leave holes in its slices.
+    if found.iter().map(|(stencil, _)| stencil.count).sum::<usize>() * 100 < springs.len() * STRUCTURE {
+        found.clear();
+    }
+    let mut taken = vec![false; springs.len()];
+    found.iter().flat_map(|(_, members)| members).for_each(|&index| taken[index] = true);
+    (found.into_iter().map(|(stencil, _)| stencil).collect(), taken)
+}
+
+impl<T: Real> Stencil<T> {
+    /// The stencil of springs of one kind and those that are in it: a pair can only be in it once. None if too sparse.
+    fn of(springs: &[Spring], kind: &[usize]) -> Option<(Self, Vec<usize>)> {
+        let lower = |index: usize| springs[index].ends[0].min(springs[index].ends[1]) as usize;
+        let [i, j] = springs[kind[0]].ends;
+        let first = kind.iter().map(|&index| lower(index)).min()? / LANES;
+        let last = kind.iter().map(|&index| lower(index)).max()? / LANES;
+        let mut present = vec![0_u16; last + 1 - first];
+        let members: Vec<usize> = kind
+            .iter()
+            .copied()
+            .filter(|&index| {
+                let (group, bit) = (&mut present[lower(index) / LANES - first], 1 << (lower(index) % LANES));
+                let new = *group & bit == 0;
+                *group |= bit;
+                new
+            })
+            .collect();
+        let tiles = present.chunks(TILE / LANES).filter(|tile| tile.iter().any(|&group| group != 0));
+        let places = tiles.map(|tile| tile.len() * LANES).sum::<usize>();
+        let stencil = Self { offset: i.abs_diff(j) as usize, law: Law::of(&springs[kind[0]]), count: members.len(), first, present };
+        (stencil.count * 100 >= DENSITY * places).then_some((stencil, members))
+    }
+
+    /// The memory that it takes [bytes].
+    pub fn bytes(&self) -> usize {
+        std::mem::size_of_val(self.present.as_slice())
+    }
+
+    /// The lower ends in a range of particles, group by group: the group's first particle, and one bit for each lane.
+    fn groups(&self, range: Range<usize>) -> impl Iterator<Item = (usize, u16)> {
+        let lower = (range.start / LANES).max(self.first);
+        let upper = range.end.div_ceil(LANES).min(self.first + self.present.len());
+        (lower..upper).map(|group| (group * LANES, self.present[group - self.first]))
+    }
+
+    /// Calls `each` with the ends of every spring whose lower end is in a range.
+    pub fn for_each(&self, range: Range<usize>, mut each: impl FnMut(usize, usize, &Law<T>)) {
+        for (start, present) in self.groups(range) {
+            (0..LANES).filter(|lane| present >> lane & 1 == 1).for_each(|lane| each(start + lane, start + lane + self.offset, &self.law));
+        }
+    }
+
+    /// Adds what its springs with a lower end in `tile` do to the particles of a block.
+    #[inline(always)]
+    pub fn accumulate<V: Vector<Scalar = T>, const DAMPED: bool>(
+        &self,
+        tile: &Range<usize>,
+        block: &Range<usize>,
+        at: &Moment<'_, V>,
+        rates: &mut Rates<'_, V>,
+        scratch: &mut Scratch<T>,
+    ) {
+        let halo = block.start.saturating_sub(self.offset) / LANES * LANES;
+        let Range { start, end } = self.lower(tile.start.max(halo)..tile.end.min(block.end), at);
+        if start >= end || self.present[start / LANES - self.first..][..(end - start).div_ceil(LANES)].iter().all(|&group| group == 0) {
+            return;
+        }
+        self.compute::<V, DAMPED>(&(start..end), at, scratch);
+        let lower = start.max(block.start)..end;
+        let upper = (start + self.offset).max(block.start)..(end + self.offset).min(block.end);
+        for axis in 0..V::DIMENSION {
+            let (force, pulls) = (&mut *rates.force.axes[axis], &scratch.force[axis]);
+            if !lower.is_empty() {
+                let force = &mut force[lower.start - block.start..lower.end - block.start];
+                force.iter_mut().zip(&pulls[lower.start - start..]).for_each(|(force, pull)| *force += *pull);
+            }
+            if !upper.is_empty() {
+                let force = &mut force[upper.start - block.start..upper.end - block.start];
+                force.iter_mut().zip(&pulls[upper.start - self.offset - start..]).for_each(|(force, pull)| *force -= *pull);
+            }
+        }
+        if DAMPED && !lower.is_empty() {
+            let mut power = [T::ZERO; LANES];
+            for group in scratch.power[lower.start - start..padded(end - start)].as_chunks::<LANES>().0 {
+                (0..LANES).for_each(|lane| power[lane] += group[lane]);
+            }
+            (0..LANES).for_each(|lane| rates.power[Channel::Damping as usize][lane] += power[lane].to_f64());
+        }
+    }
+
+    /// The part of a range that can hold lower ends: it starts with a group of lanes, and the upper ends are in columns.
+    #[inline(always)]
+    fn lower<V: Vector<Scalar = T>>(&self, range: Range<usize>, at: &Moment<'_, V>) -> Range<usize> {
+        let last = at.position.axis(0).len().saturating_sub(self.offset);
+        range.start.max(self.first * LANES)..range.end.min((self.first + self.present.len()) * LANES).min(last)
+    }
+
+    /// Computes the springs with a lower end in a range, and puts zeros where there is none.
+    #[inline(always)]
+    fn compute<V: Vector<Scalar = T>, const DAMPED: bool>(
+        &self,
+        range: &Range<usize>,
+        at: &Moment<'_, V>,
+        scratch: &mut Scratch<T>,
+    ) {
+        let (near, far) = (Run::new(at, range), Run::new(at, &(range.start + self.offset..range.end + self.offset)));
+        let law = self.law;
+        let length = range.len();
+        let mut force = scratch.force.each_mut().map(|axis| &mut axis[..length]);
+        let power = &mut scratch.power[..length];
+        for index in 0..length {
+            let (pull, dissipated) = law.force::<V, DAMPED>(near.get::<V, DAMPED>(index), far.get::<V, DAMPED>(index));
+            for axis in 0..V::DIMENSION {
+                force[axis][index] = pull[axis];
+            }
+            power[index] = dissipated;
+        }
+        scratch.power[length..padded(length)].fill(T::ZERO);
+        for (group, &present) in self.present[range.start / LANES - self.first..][..length.div_ceil(LANES)].iter().enumerate() {
+            let mut holes = !present;
+            while holes != 0 {
+                let hole = group * LANES + holes.trailing_zeros() as usize;
+                (0..V::DIMENSION).for_each(|axis| scratch.force[axis][hole] = T::ZERO);
+                scratch.power[hole] = T::ZERO;
+                holes &= holes - 1;
+            }
+        }
+    }
+
+    /// Adds the springs with a lower end in a range to a survey.
+    #[inline(always)]
+    pub fn survey<V: Vector<Scalar = T>>(&self, block: &Range<usize>, at: &Moment<'_, V>, survey: &mut Survey) {
+        let block = self.lower(block.clone(), at);
+        let mut square = [0.0; TILE];
+        for start in block.clone().step_by(TILE) {
+            let range = start..block.end.min(start + TILE);
+            let (near, far) = (Run::new(at, &range), Run::new(at, &(range.start + self.offset..range.end + self.offset)));
+            let square = &mut square[..range.len()];
+            for index in 0..range.len() {
+                square[index] = near.get::<V, false>(index).square_to::<V>(far.get::<V, false>(index));
+            }
+            let groups = self.present[start / LANES - self.first..].iter().zip(square.chunks(LANES));
+            for (&present, square) in groups {
+                for (lane, &square) in square.iter().enumerate() {
+                    survey.add(lane, present >> lane & 1 == 1, square, self.law);
+                }
+            }
+        }
+    }
+}

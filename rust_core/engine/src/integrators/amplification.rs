@@ -1,0 +1,103 @@
+//! The stability limit of an integrator as its own code steps, for those whose limit has no closed form.
+//!
+//! On x'' = −ω²x − 2ξωx' a step maps (x, v, a) linearly, where a is the carried acceleration: a 3 × 3 amplification matrix,
+//! which running the step on the unit vectors fills. The step is stable where no eigenvalue lies outside the unit circle.
+//! The eigenvalues themselves would be a poor test: where two meet, as at ωh = 0 and at the limit of every symplectic
+//! method, a rounding error ε moves them by √ε. Jury's conditions on the characteristic polynomial are smooth instead.
+//!
+//! Source: E. I. Jury, Theory and Application of the z-Transform Method (1964), ch. 3.
+
+use super::{Integrator, Register};
+
+/// One step over h = 1 with ωh = `step`, as a matrix that acts on (x, v, a).
+pub fn matrix<I: Integrator>(step: f64, damping_ratio: f64) -> [[f64; 3]; 3] {
+    const { assert!(I::CARRIED <= 1, "the matrix has one row for what is carried") };
+    let (stiffness, damping) = (step * step, 2.0 * damping_ratio * step);
+    let mut matrix = [[0.0; 3]; 3];
+    for column in 0..2 + I::CARRIED {
+        let mut unit = [0.0; 3];
+        unit[column] = 1.0;
+        let mut register = Register { x: unit[0], v: unit[1], memory: [unit[2], 0.0, 0.0, 0.0] };
+        for stage in 0..I::NODES.len() {
+            I::point(stage, &mut register, 1.0);
+            let a = -stiffness * register.x - damping * register.v;
+            I::absorb(stage, &mut register, a, 1.0);
+        }
+        let image = [register.x, register.v, register.memory[0]];
+        (0..2 + I::CARRIED).for_each(|row| matrix[row][column] = image[row]);
+    }
+    matrix
+}
+
+/// How far the eigenvalues of a matrix are inside the unit circle, by Jury's conditions on g³ + pg² + qg + r; negative
+/// where one is outside.
+pub fn margin(m: &[[f64; 3]; 3]) -> f64 {
+    let minor = |i: usize, j: usize| m[i][i] * m[j][j] - m[i][j] * m[j][i];
+    let p = -(m[0][0] + m[1][1] + m[2][2]);
+    let q = minor(0, 1) + minor(0, 2) + minor(1, 2);
+    let r = -(m[0][0] * minor(1, 2) - m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0])
+        + m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]));
+    let at_one = 1.0 + p + q + r;
+    let at_minus_one = 1.0 - p + q - r;
+    at_one.min(at_minus_one).min(1.0 - r.abs()).min(1.0 - r * r - (q - r * p).abs())
+}
+
+/// Rounding of the margin, which is 0 along the whole stable interval of a symplectic method. The limit is too large by this
+/// over the margin's slope, which is of the order of 1.
+const ROUNDING: f64 = 1e-12;
+/// Steps tried between 0 and the largest. A region of instability narrower than that shows as a dip of the margin.
+const TRIALS: usize = 200;
+
+/// The largest ωh such that all steps up to it are stable.
+///
+/// It is looked for up to 2 per evaluation, the most that an undamped explicit method reaches (that many Verlet steps),
+/// and, where damping dominates, up to a damping of 4 per evaluation: beyond that a claim would be of no use.
+pub fn limit<I: Integrator>(damping_ratio: f64) -> f64 {
+    let reach = 2.0 * I::NODES.len() as f64 / damping_ratio.max(1.0);
+    let margin = |fraction: f64| margin(&matrix::<I>(fraction * reach, damping_ratio)) + ROUNDING;
+    let at = |trial: usize| trial as f64 / TRIALS as f64;
+    let (mut before, mut here) = (f64::INFINITY, margin(at(1)));
+    for trial in 1..TRIALS {
+        let after = margin(at(trial + 1));
+        let dip = if after < 0.0 {
+            Some(at(trial + 1))
+        } else if before > here && here < after {
+            Some(lowest(margin, at(trial - 1), at(trial + 1))).filter(|&dip| margin(dip) < 0.0)
+        } else {
+            None
+        };
+        if let Some(unstable) = dip {
+            return reach * edge(margin, at(trial - 1), unstable);
+        }
+        (before, here) = (here, after);
+    }
+    reach
+}
+
+/// Where `margin` changes sign between a stable and an unstable place.
+fn edge(margin: impl Fn(f64) -> f64, mut stable: f64, mut unstable: f64) -> f64 {
+    for _ in 0..60 {
+        let middle = 0.5 * (stable + unstable);
+        if margin(middle) < 0.0 { unstable = middle } else { stable = middle }
+    }
+    stable
+}
+
+/// Where a function with one valley between `low` and `high` is lowest, by golden section.
+pub fn lowest(function: impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
+    const GOLDEN: f64 = 0.618_033_988_749_894_9;
+    let (mut left, mut right) = (high - GOLDEN * (high - low), low + GOLDEN * (high - low));
+    let (mut at_left, mut at_right) = (function(left), function(right));
+    for _ in 0..40 {
+        if at_left < at_right {
+            (high, right, at_right) = (right, left, at_left);
+            left = high - GOLDEN * (high - low);
+            at_left = function(left);
+        } else {
+            (low, left, at_left) = (left, right, at_right);
+            right = low + GOLDEN * (high - low);
+            at_right = function(right);
+        }
+    }
+    0.5 * (low + high)
+}

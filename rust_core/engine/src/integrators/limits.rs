@@ -1,0 +1,136 @@
+//! Each registered integrator is stable just below the limit that it claims, and grows just above, as its code steps.
+
+use super::{
+    ExplicitEuler, Integrator, Pefrl, Register, RungeKutta4, SemiImplicitEuler, VelocityVerlet, amplification, with_integrator,
+};
+
+const RATIOS: [f64; 4] = [0.0, 0.1, 1.0, 10.0];
+
+/// x'' = −x − 2ξx' from x = 1 at rest, ready to step.
+fn oscillator<I: Integrator>() -> Register<f64> {
+    let mut register = Register { x: 1.0, v: 0.0, memory: [0.0; 4] };
+    I::begin(&mut register, -1.0);
+    register
+}
+
+fn step<I: Integrator>(register: &mut Register<f64>, h: f64, ratio: f64) {
+    for stage in 0..I::NODES.len() {
+        I::point(stage, register, h);
+        let a = -register.x - 2.0 * ratio * register.v;
+        I::absorb(stage, register, a, h);
+    }
+}
+
+fn amplitude(register: &Register<f64>) -> f64 {
+    register.x.hypot(register.v)
+}
+
+/// The factor by which an unstable oscillation grows per step, once its fastest mode has taken over.
+///
+/// The other modes are smaller by 1.07² per step at the least, the slowest of the factors below and its reciprocal, so
+/// that after 400 steps, and well before overflow, they are below rounding.
+fn growth<I: Integrator>(h: f64, ratio: f64) -> f64 {
+    let mut register = oscillator::<I>();
+    let mut factor = 0.0;
+    for _ in 0..400 {
+        let before = amplitude(&register);
+        step::<I>(&mut register, h, ratio);
+        factor = amplitude(&register) / before;
+        // Linear, so it may be scaled: with a power of two, exactly.
+        let scale = 2.0_f64.powi(-(factor.log2().round() as i32));
+        register.x *= scale;
+        register.v *= scale;
+        register.memory = register.memory.map(|value| value * scale);
+    }
+    factor
+}
+
+fn assert_edge<I: Integrator>() {
+    for ratio in RATIOS {
+        let limit = I::limit(ratio);
+        let mut below = oscillator::<I>();
+        let largest = (0..100_000).fold(0.0, |largest: f64, _| {
+            step::<I>(&mut below, 0.99 * limit, ratio);
+            largest.max(amplitude(&below))
+        });
+        // The slowest to settle is explicit Euler at ξ = 1, with the double factor g = 1 − 0.99·2 = −0.98: x and v reach
+        // 1.98 n 0.98ⁿ⁻¹ ≤ 37.5. Undamped, Verlet's invariant ellipse is elongated by 1/√(1 − 0.99²) = 7.1.
+        assert!(largest <= 37.5 * 2.0_f64.sqrt(), "{} at ξ = {ratio}: |x| reaches {largest}", I::NAME);
+        let beyond = if limit > 0.0 { 1.01 * limit } else { 0.01 };
+        let mut above = oscillator::<I>();
+        let steps = (0..100_000).find(|_| {
+            step::<I>(&mut above, beyond, ratio);
+            amplitude(&above) > 100.0
+        });
+        assert!(steps.is_some(), "{} at ξ = {ratio} does not grow", I::NAME);
+    }
+}
+
+#[test]
+fn the_oscillation_is_bounded_just_below_the_limit_and_grows_just_above() {
+    with_integrator!(each I => assert_edge::<I>());
+}
+
+fn assert_interval<I: Integrator>() {
+    for ratio in [0.0, 1e-12, 1e-6, 1e-3, 0.02, 0.03, 0.2, 0.3, 0.32, 0.5, 0.54, 0.9, 1.0, 1.1, 3.0, 100.0, 1e6] {
+        let limit = I::limit(ratio);
+        assert!(limit.is_finite() && limit >= 0.0, "{} at ξ = {ratio}: {limit}", I::NAME);
+        for part in 1..=1000 {
+            let margin = amplification::margin(&amplification::matrix::<I>(limit * f64::from(part) / 1000.0, ratio));
+            assert!(margin > -1e-11, "{} at ξ = {ratio} is unstable at {part} ‰ of the limit: {margin}", I::NAME);
+        }
+        let beyond = amplification::margin(&amplification::matrix::<I>((1.0 + 1e-6) * limit + 1e-6 / (1.0 + ratio), ratio));
+        assert!(beyond < 0.0, "{} at ξ = {ratio} is stable beyond the limit: {beyond}", I::NAME);
+    }
+}
+
+#[test]
+fn the_limit_ends_the_stable_interval_that_begins_at_zero() {
+    with_integrator!(each I => assert_interval::<I>());
+}
+
+#[test]
+fn extreme_damping_gives_a_number() {
+    for ratio in [1e8, 1e150, 1e300, f64::MAX, f64::INFINITY] {
+        with_integrator!(each I => assert!(I::limit(ratio) >= 0.0 && I::limit(ratio) <= 1e-7));
+    }
+}
+
+fn assert_close(found: f64, expected: f64, tolerance: f64) {
+    assert!((found / expected - 1.0).abs() < tolerance, "found {found}, expected {expected}");
+}
+
+/// Closed forms and roots found in 40-digit arithmetic. The numerical limits are too large by the margin's rounding,
+/// 1e-12, over its slope.
+#[test]
+fn limits_agree_with_theory() {
+    assert_close(RungeKutta4::limit(0.0), 8.0_f64.sqrt(), 1e-11);
+    assert_close(RungeKutta4::limit(0.1), 2.950_852_957_526_124, 1e-11);
+    assert_close(RungeKutta4::limit(0.54), 2.615_590_857_673_826, 1e-11);
+    assert_close(RungeKutta4::limit(0.9), 2.852_372_537_790_133, 1e-11);
+    assert_close(RungeKutta4::limit(1.0), 2.785_293_563_405_282, 1e-15);
+    assert_close(Pefrl::limit(0.0), 2.989_449_545_906_729, 1e-11);
+    assert_close(Pefrl::limit(0.02), 3.028_185_685_946_139, 1e-11);
+    assert_close(Pefrl::limit(0.1), 4.264_029_366_689_525, 1e-11);
+    assert_close(Pefrl::limit(1.0), 1.798_660_190_035_581, 1e-11);
+    assert_close(Pefrl::limit(10.0), 0.200_208_824_556_853_8, 1e-11);
+    assert_close(2e6 * Pefrl::limit(1e6), 4.009_232_277_519_366, 1e-11);
+    for ratio in [0.0, 0.1, 0.7, 1.0, 10.0, 100.0] {
+        assert_close(amplification::limit::<SemiImplicitEuler>(ratio).min(2.0), SemiImplicitEuler::limit(ratio), 1e-9);
+        assert_close(amplification::limit::<VelocityVerlet>(ratio).min(2.0), VelocityVerlet::limit(ratio), 1e-9);
+    }
+}
+
+/// Without damping, from 40-digit arithmetic; explicit Euler's is √(1 + ω²h²).
+#[test]
+fn growth_beyond_the_limit_agrees_with_theory() {
+    let euler_and_verlet = [(1.01, 1.326_584_426_950_908), (10.0, 397.997_487_421_324)];
+    for (multiple, expected) in euler_and_verlet {
+        assert_close(growth::<SemiImplicitEuler>(multiple * 2.0, 0.0), expected, 1e-9);
+        assert_close(growth::<VelocityVerlet>(multiple * 2.0, 0.0), expected, 1e-9);
+    }
+    assert_close(growth::<RungeKutta4>(1.01 * RungeKutta4::limit(0.0), 0.0), 1.073_185_265_238_907, 1e-9);
+    assert_close(growth::<RungeKutta4>(10.0 * RungeKutta4::limit(0.0), 0.0), 26_532.998_341_687_66, 1e-9);
+    assert_close(growth::<Pefrl>(1.01 * Pefrl::limit(0.0), 0.0), 1.112_300_126_070_269, 1e-9);
+    assert_close(growth::<ExplicitEuler>(0.5, 0.0), 1.25_f64.sqrt(), 1e-9);
+}

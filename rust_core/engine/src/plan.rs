@@ -1,0 +1,214 @@
+//! The plan: a scene compiled into exactly the stages that it requires, in their order.
+
+use glam::DVec3;
+
+use crate::contacts::Contacts;
+use crate::error::{Error, Result};
+use crate::forces::springs::{self, Springs};
+use crate::forces::{self, Force, Reach};
+use crate::integrators::Integrator;
+use crate::math::{Real, Vector};
+use crate::matter::{Columns, Matter, Properties};
+use crate::scene::{Scene, Spring};
+use crate::simd::{Level, padded};
+use crate::systems::matter::{Law, MatterSystem};
+
+/// What a simulation does and what it takes, for people to read.
+#[derive(Debug, Clone)]
+pub struct Plan {
+    /// What is done in every step, in order.
+    pub stages: Vec<String>,
+    /// 2 or 3.
+    pub dimension: usize,
+    /// `f32` or `f64`.
+    pub precision: &'static str,
+    /// The integrator's name.
+    pub integrator: &'static str,
+    /// The order of convergence that holds in this scene.
+    pub order: u32,
+    /// Evaluations of the forces per step.
+    pub evaluations: usize,
+    /// The number of particles.
+    pub particles: usize,
+    /// The number of springs.
+    pub springs: usize,
+    /// The number of threads that it uses.
+    pub threads: usize,
+    /// How the work is laid out.
+    pub layout: String,
+    /// The level of vector instructions.
+    pub simd: &'static str,
+    /// The memory that it takes [bytes].
+    pub memory: usize,
+    /// What this scene does not need and does not pay for.
+    pub left_out: Vec<&'static str>,
+    /// What the user may want to know.
+    pub notes: Vec<String>,
+}
+
+/// f32 is refused where the distance between neighboring positions exceeds this fraction of a rest length.
+const COARSEST: f64 = 1e-4;
+
+/// A compiled scene.
+pub struct Compiled<V: Vector> {
+    /// The system at its initial state.
+    pub system: MatterSystem<V>,
+    /// What it does.
+    pub plan: Plan,
+}
+
+/// Compiles a scene for an integrator and a number of threads.
+pub fn compile<V: Vector, I: Integrator>(scene: &Scene, threads: usize) -> Result<Compiled<V>> {
+    let count = scene.count();
+    let springs = scene.springs();
+    let order = springs::ordering(&springs, count).unwrap_or_else(|| (0..count as u32).collect());
+    let properties = properties::<V>(scene, &order);
+    refuse_coarse::<V>(scene, &springs, properties.origin)?;
+    let springs = renumbered(springs, &order);
+
+    let (mut all, mut stages): (Vec<Box<dyn Force<V>>>, Vec<String>) = (Vec::new(), Vec::new());
+    let mut notes = Vec::new();
+    if !springs.is_empty() {
+        let network = Springs::<V>::new(&springs, count);
+        notes.push(format!("springs: {}", network.layout()));
+        all.push(Box::new(network));
+    }
+    for term in &scene.forces {
+        all.extend(forces::build(scene, term, &properties)?);
+    }
+    let contacts = Contacts::build(scene, &properties)?;
+    for force in &all {
+        if !stages.iter().any(|stage| stage == force.name()) {
+            stages.push(force.name().to_owned());
+        }
+    }
+    stages.push(I::NAME.to_owned());
+    stages.extend(contacts.as_ref().map(|_| "contacts".to_owned()));
+
+    let mut state = state::<V>(scene, &properties, all.iter().all(|force| force.reach() == Reach::Pointwise));
+    if let Some(contacts) = &contacts {
+        let pushed = contacts.admit(&mut state.position, &properties)?;
+        if pushed > 0 {
+            notes.push(format!("contacts: {pushed} particles overlapped a boundary at the start and were moved to its surface"));
+        }
+    }
+    let driven = (0..count).any(|index| properties.is_fixed(index) && state.velocity.get(index) != V::default());
+    let left_out = left_out(&all, contacts.is_some());
+    let layout = if all.iter().all(|force| force.reach() == Reach::Pointwise) {
+        format!("blocks of {} independent particles, many steps while a block is in the cache", state.block)
+    } else {
+        format!("a sweep over blocks of {} particles per evaluation", state.block)
+    };
+    let law = Law::new(properties, all, contacts, state.block, driven);
+    let order = if law.is_dissipative() { I::ORDER_DISSIPATIVE } else { I::ORDER };
+    notes.extend(advice::<I>(law.is_dissipative()));
+    let system = MatterSystem::new::<I>(law, state, springs.len(), threads);
+    let plan = Plan {
+        stages,
+        dimension: V::DIMENSION,
+        precision: V::Scalar::NAME,
+        integrator: I::NAME,
+        order,
+        evaluations: I::NODES.len(),
+        particles: count,
+        springs: springs.len(),
+        threads: system.threads(),
+        layout,
+        simd: Level::current().name(),
+        memory: system.bytes(),
+        left_out,
+        notes,
+    };
+    Ok(Compiled { system, plan })
+}
+
+fn advice<I: Integrator>(dissipative: bool) -> Option<String> {
+    match (I::ORDER, dissipative) {
+        (1, _) => Some("order 1: VelocityVerlet costs the same and is of order 2".to_owned()),
+        (2, false) => Some("nothing here depends on velocity: PEFRL keeps energy far better at equal cost".to_owned()),
+        (_, false) if I::NAME == "RungeKutta4" => Some("nothing here depends on velocity: PEFRL costs the same and its energy error does not grow".to_owned()),
+        (_, true) if I::ORDER_DISSIPATIVE < I::ORDER => {
+            Some(format!("forces depend on velocity: {} is only of order {} here; RungeKutta4 keeps order 4, VelocityVerlet gives order 2 at a quarter of the cost", I::NAME, I::ORDER_DISSIPATIVE))
+        }
+        _ => None,
+    }
+}
+
+fn left_out<V: Vector>(forces: &[Box<dyn Force<V>>], contacts: bool) -> Vec<&'static str> {
+    let independent = forces.iter().all(|force| force.reach() == Reach::Pointwise);
+    let mut absent = vec!["neighbors"];
+    if forces.iter().all(|force| force.name() != "springs") {
+        absent.push("springs");
+    }
+    if independent {
+        absent.push("sweeps between stages");
+    }
+    if !contacts {
+        absent.push("contacts");
+    }
+    absent
+}
+
+/// Masses and the like in the engine's order, and the origin: the middle of all positions.
+fn properties<V: Vector>(scene: &Scene, order: &[u32]) -> Properties<V> {
+    let bodies = || scene.bodies.iter().flat_map(|body| 0..body.positions.len()).zip(owners(scene));
+    let ordered = |values: Vec<f64>| -> Vec<f64> { order.iter().map(|&caller| values[caller as usize]).collect() };
+    let of = |value: &dyn Fn(usize, usize) -> f64| ordered(bodies().map(|(index, body)| value(body, index)).collect());
+    let mass = of(&|body, index| if scene.bodies[body].fixed[index] { f64::INFINITY } else { scene.bodies[body].mass[index] });
+    let mut inverse_mass: Vec<V::Scalar> = mass.iter().map(|&mass| V::Scalar::from_f64(1.0 / mass)).collect();
+    inverse_mass.resize(padded(mass.len()), V::Scalar::ZERO);
+    let owner: Vec<u32> = owners(scene).map(|body| body as u32).collect();
+    Properties {
+        inverse_mass,
+        mass,
+        charge: of(&|body, index| scene.bodies[body].charge[index]),
+        radius: of(&|body, index| scene.bodies[body].radius[index]),
+        body: order.iter().map(|&caller| owner[caller as usize]).collect(),
+        caller: order.to_vec(),
+        origin: origin::<V>(scene),
+    }
+}
+
+fn owners(scene: &Scene) -> impl Iterator<Item = usize> {
+    scene.bodies.iter().enumerate().flat_map(|(body, matter)| std::iter::repeat_n(body, matter.positions.len()))
+}
+
+/// Single precision is relative to the middle of all positions, rounded to a number that both precisions hold; double
+/// precision needs no origin.
+fn origin<V: Vector>(scene: &Scene) -> DVec3 {
+    let positions = || scene.bodies.iter().flat_map(|body| &body.positions);
+    if V::Scalar::NAME == "f64" || positions().next().is_none() {
+        return DVec3::ZERO;
+    }
+    let low = positions().copied().fold(DVec3::INFINITY, DVec3::min);
+    let high = positions().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
+    (0.5 * low + 0.5 * high).as_vec3().as_dvec3()
+}
+
+fn refuse_coarse<V: Vector>(scene: &Scene, springs: &[Spring], origin: DVec3) -> Result<()> {
+    let positions = scene.bodies.iter().flat_map(|body| &body.positions);
+    let extent = positions.map(|&position| (position - origin).abs().max_element()).fold(0.0, f64::max);
+    let shortest = springs.iter().map(|spring| spring.rest_length).filter(|&length| length > 0.0).fold(f64::INFINITY, f64::min);
+    if V::Scalar::EPSILON * extent > COARSEST * shortest {
+        let found = format!("{} for a scene that reaches {extent:.3e} m with a rest length of {shortest:.3e} m", V::Scalar::NAME);
+        return Err(Error::parameter("precision", "f64", found).with_hint("neighboring f32 positions are too far apart for these springs"));
+    }
+    Ok(())
+}
+
+fn renumbered(springs: Vec<Spring>, order: &[u32]) -> Vec<Spring> {
+    let mut place = vec![0; order.len()];
+    order.iter().enumerate().for_each(|(index, &caller)| place[caller as usize] = index as u32);
+    springs.into_iter().map(|spring| Spring { ends: spring.ends.map(|end| place[end as usize]), ..spring }).collect()
+}
+
+/// The initial state in the engine's order.
+fn state<V: Vector>(scene: &Scene, properties: &Properties<V>, independent: bool) -> Matter<V> {
+    let count = properties.count();
+    let all = |of: fn(&crate::scene::Body) -> &Vec<DVec3>| -> Vec<DVec3> { scene.bodies.iter().flat_map(of).copied().collect() };
+    let (positions, velocities) = (all(|body| &body.positions), all(|body| &body.velocities));
+    let mut state = Matter::zeros(count, 0, MatterSystem::<V>::block(independent));
+    state.position = Columns::from_fn(count, |index| V::narrow(positions[properties.caller[index] as usize] - properties.origin));
+    state.velocity = Columns::from_fn(count, |index| V::narrow(velocities[properties.caller[index] as usize]));
+    state
+}

@@ -1,0 +1,402 @@
+//! The simulation: a compiled scene with a clock. Everything that it gives and takes is in double precision and in the
+//! caller's order; precision, dimension and integrator are erased here, once.
+
+use glam::{DVec2, DVec3, Vec2, Vec3};
+
+use crate::audit::{self, Energy};
+use crate::error::{Divergence, Error, Result};
+use crate::integrators::{Integrator, with_integrator};
+use crate::math::{Real, Vector};
+use crate::matter::{CHANNELS, Channel, Meter};
+use crate::parallel::Team;
+use crate::plan::{self, Compiled, Plan};
+use crate::scene::Scene;
+use crate::simd::LANES;
+use crate::stability::Limit;
+use crate::systems::matter::{Interval, MatterSystem};
+
+/// How to compute.
+#[derive(Debug, Clone)]
+pub struct Numerics {
+    /// The integrator's name.
+    pub integrator: String,
+    /// `f32` or `f64`.
+    pub precision: String,
+    /// The number of threads; None for all that the process may use.
+    pub threads: Option<usize>,
+    /// A run counts as diverged when the energy balance has risen by this many times the largest energy so far.
+    pub runaway: f64,
+    /// Whether a run may go on until the first number that is not finite.
+    pub ignore_runaway: bool,
+}
+
+/// Equal steps since a time.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Segment {
+    /// When it began [s].
+    pub start: f64,
+    /// The steps taken in it.
+    pub steps: u64,
+    /// Their length [s].
+    pub dt: f64,
+}
+
+impl Segment {
+    /// The time now [s].
+    pub fn time(&self) -> f64 {
+        self.start + self.steps as f64 * self.dt
+    }
+}
+
+/// Everything that the next step's bits depend on, beside the scene and the numerics.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Capture {
+    /// The clock's present segment.
+    pub segment: Segment,
+    /// All steps taken so far.
+    pub steps: u64,
+    /// Positions, velocities and what the integrator carries, relative to the origin, in the engine's order, axis by axis.
+    pub columns: Vec<f64>,
+    /// The meters, block by block.
+    pub meters: Vec<f64>,
+    /// What the watch over divergence remembers.
+    pub watch: [f64; 4],
+}
+
+/// A running scene, whatever its precision, dimension and integrator.
+pub trait World: Send + Sync {
+    /// What it does.
+    fn plan(&self) -> &Plan;
+    /// The time and how it was reached.
+    fn segment(&self) -> Segment;
+    /// All steps taken so far.
+    fn steps(&self) -> u64;
+    /// Takes `steps` steps of `dt` seconds, asking now and then whether it was interrupted.
+    fn step(&mut self, steps: u64, dt: f64, interrupted: &dyn Fn() -> bool) -> Result<()>;
+    /// Positions [m].
+    fn positions(&self) -> Vec<DVec3>;
+    /// Velocities [m/s].
+    fn velocities(&self) -> Vec<DVec3>;
+    /// Moves or accelerates particles; the change of energy counts as work.
+    fn set(&mut self, positions: Option<&[DVec3]>, velocities: Option<&[DVec3]>) -> Result<()>;
+    /// The energy now.
+    fn energy(&self) -> Result<Energy>;
+    /// The momentum [kg·m/s] and the angular momentum about the origin of coordinates [kg·m²/s].
+    fn momenta(&self) -> (DVec3, DVec3);
+    /// The largest time step as matters stand.
+    fn limit(&self) -> Limit;
+    /// Everything that the next step's bits depend on.
+    fn capture(&self) -> Capture;
+    /// Goes on from a captured state.
+    fn restore(&mut self, capture: &Capture) -> Result<()>;
+    /// A hash of the positions, the velocities, what the integrator carries, and the clock.
+    fn state_hash(&self) -> String;
+}
+
+/// Compiles a scene.
+pub fn build(scene: &Scene, numerics: &Numerics) -> Result<Box<dyn World>> {
+    match (scene.dimension, numerics.precision.as_str()) {
+        (2, "f32") => build_for::<Vec2>(scene, numerics),
+        (3, "f32") => build_for::<Vec3>(scene, numerics),
+        (2, "f64") => build_for::<DVec2>(scene, numerics),
+        (3, "f64") => build_for::<DVec3>(scene, numerics),
+        (2 | 3, other) => Err(Error::parameter("precision", "f32 or f64", other)),
+        (other, _) => Err(Error::parameter("scene.dimension", "2 or 3", other)),
+    }
+}
+
+fn build_for<V: Vector>(scene: &Scene, numerics: &Numerics) -> Result<Box<dyn World>> {
+    with_integrator!(
+        numerics.integrator.as_str(),
+        I => Ok(Box::new(Simulation::<V>::new::<I>(scene, numerics)?)),
+        Err(Error::parameter("integrator", "the name of an integrator", &numerics.integrator))
+    )
+}
+
+struct Simulation<V: Vector> {
+    system: MatterSystem<V>,
+    plan: Plan,
+    limit: fn(f64) -> f64,
+    carried: usize,
+    segment: Segment,
+    steps: u64,
+    watch: Watch,
+}
+
+/// What the watch over divergence remembers.
+#[derive(Debug, Clone, Copy)]
+struct Watch {
+    /// How much the balance may rise, in units of the largest energy; infinite where nobody wants to know.
+    runaway: f64,
+    /// The largest energy that the motion has shown [J].
+    scale: f64,
+    /// The smallest potential energy so far [J].
+    lowest: f64,
+    /// The balance at the start [J].
+    balance: f64,
+    /// The kinetic energy up to which the balance need not be looked at [J].
+    calm: f64,
+}
+
+impl Watch {
+    /// Takes in the energy of a moment; says by how much the balance has risen if that is too much.
+    fn check(&mut self, energy: &Energy, epsilon: f64) -> Option<f64> {
+        let rise = (energy.balance() - self.balance).max(0.0);
+        let potential = energy.total() - energy.kinetic;
+        self.lowest = self.lowest.min(potential);
+        // What has risen for no reason must not pass for energy of the motion. Rounding makes noise on the scale of the
+        // numbers that the balance is the sum of; a few roundings per term, and a wide margin.
+        let shown = energy.kinetic + (potential - self.lowest) + energy.work.abs() - rise;
+        self.scale = self.scale.max(shown).max(1e-3 * epsilon * energy.magnitude());
+        self.calm = 2.0 * self.scale.max(energy.kinetic);
+        (rise > self.runaway * self.scale).then_some(rise)
+    }
+}
+
+impl<V: Vector> Simulation<V> {
+    fn new<I: Integrator>(scene: &Scene, numerics: &Numerics) -> Result<Self> {
+        let threads = match numerics.threads {
+            Some(0) => return Err(Error::parameter("threads", "a whole number ≥ 1", 0)),
+            Some(threads) => threads,
+            None => Team::default_threads()?,
+        };
+        let Compiled { system, plan } = plan::compile::<V, I>(scene, threads)?;
+        let runaway = if numerics.ignore_runaway { f64::INFINITY } else { numerics.runaway };
+        let watch = Watch { runaway, scale: 0.0, lowest: f64::INFINITY, balance: 0.0, calm: 0.0 };
+        let mut simulation = Self { system, plan, limit: I::limit, carried: I::CARRIED, segment: Segment::default(), steps: 0, watch };
+        // An integrator without a stable step here may gain energy as it likes: that is what it is shown for.
+        if simulation.limit().stability == 0.0 {
+            simulation.watch.runaway = f64::INFINITY;
+        }
+        simulation.begin()?;
+        let energy = simulation.energy()?;
+        simulation.watch.balance = energy.balance();
+        simulation.watch.check(&energy, V::Scalar::EPSILON);
+        Ok(simulation)
+    }
+
+    fn begin(&mut self) -> Result<()> {
+        self.system.begin(self.segment.time())
+    }
+
+    /// Takes one chunk of steps. If something in it goes wrong, takes it again step by step to find where.
+    fn chunk(&mut self, steps: u64, interrupted: &dyn Fn() -> bool) -> Result<()> {
+        self.advance(steps, interrupted)?;
+        let before = self.watch;
+        if self.verdict()?.is_none() {
+            return Ok(());
+        }
+        self.system.undo();
+        self.segment.steps -= steps;
+        self.steps -= steps;
+        for _ in 0..steps {
+            self.advance(1, interrupted)?;
+            self.watch = before;
+            self.watch.calm = -1.0;
+            if let Some(mut divergence) = self.verdict()? {
+                divergence.step = self.steps;
+                divergence.time = self.segment.time();
+                self.system.undo();
+                self.segment.steps -= 1;
+                self.steps -= 1;
+                return Err(Error::Diverged(Box::new(divergence)));
+            }
+        }
+        Ok(())
+    }
+
+    fn advance(&mut self, steps: u64, interrupted: &dyn Fn() -> bool) -> Result<()> {
+        let interval = Interval { time: self.segment.time(), h: self.segment.dt, steps };
+        self.system.advance(interval, interrupted)?;
+        self.segment.steps += steps;
+        self.steps += steps;
+        Ok(())
+    }
+
+    /// What is wrong with the present state, if anything is.
+    fn verdict(&mut self) -> Result<Option<Divergence>> {
+        let agitation = self.system.agitation();
+        if agitation <= self.watch.calm {
+            return Ok(None);
+        }
+        let state = self.system.state();
+        let stray = |columns: &crate::matter::Columns<V>| (0..state.count()).find(|&index| !columns.get(index).widen().is_finite());
+        for (quantity, columns) in [("position", &state.position), ("velocity", &state.velocity)] {
+            if let Some(index) = stray(columns) {
+                return Ok(Some(self.divergence(index, quantity, "is not finite".to_owned())));
+            }
+        }
+        let energy = self.energy()?;
+        let rise = self.watch.check(&energy, V::Scalar::EPSILON);
+        Ok(rise.map(|rise| {
+            let scale = self.watch.scale;
+            let cause = format!("has run away: the energy balance rose by {rise:.3e} J, where the largest energy of the motion was {scale:.3e} J");
+            self.divergence(self.fastest(), "energy", cause)
+        }))
+    }
+
+    fn fastest(&self) -> usize {
+        let (law, state) = (self.system.law(), self.system.state());
+        let kinetic = |index: usize| law.properties.mass[index] * state.velocity.get(index).widen().length_squared();
+        let mobile = (0..state.count()).filter(|&index| !law.properties.is_fixed(index));
+        mobile.max_by(|&one, &other| kinetic(one).total_cmp(&kinetic(other))).unwrap_or(0)
+    }
+
+    fn divergence(&self, index: usize, quantity: &'static str, cause: String) -> Divergence {
+        Divergence { step: 0, time: 0.0, particle: self.system.law().properties.caller[index] as usize, quantity, cause, hint: String::new() }
+    }
+
+    /// What to do about a divergence; asked for at the last good state.
+    fn hint(&self) -> String {
+        let (limit, dt) = (self.limit(), self.segment.dt);
+        if limit.stability == 0.0 {
+            format!("no dt is stable with {} here: take VelocityVerlet", self.plan.integrator)
+        } else if dt > limit.dt() {
+            format!("dt = {dt:.3e} s is beyond the limit of {:.3e} s set by {}; dt = {:.3e} s would hold", limit.dt(), limit.term, 0.9 * limit.dt())
+        } else {
+            format!("dt = {dt:.3e} s is within the limit of {:.3e} s at the last good state; try dt = {:.3e} s", limit.dt(), 0.25 * dt)
+        }
+    }
+
+    /// The columns that make up the state, in a fixed order.
+    fn columns(&self) -> impl Iterator<Item = &crate::matter::Columns<V>> {
+        let state = self.system.state();
+        [&state.position, &state.velocity].into_iter().chain(state.memory.iter().take(self.carried))
+    }
+}
+
+impl<V: Vector> World for Simulation<V> {
+    fn plan(&self) -> &Plan {
+        &self.plan
+    }
+
+    fn segment(&self) -> Segment {
+        self.segment
+    }
+
+    fn steps(&self) -> u64 {
+        self.steps
+    }
+
+    fn step(&mut self, steps: u64, dt: f64, interrupted: &dyn Fn() -> bool) -> Result<()> {
+        if !(dt.is_finite() && dt > 0.0) {
+            return Err(Error::parameter("dt", "a finite number > 0", dt));
+        }
+        if dt != self.segment.dt {
+            self.segment = Segment { start: self.segment.time(), steps: 0, dt };
+        }
+        let mut left = steps;
+        while left > 0 {
+            let chunk = left.min(self.system.chunk());
+            if let Err(error) = self.chunk(chunk, interrupted) {
+                return Err(match error {
+                    Error::Diverged(divergence) => Error::Diverged(Box::new(Divergence { hint: self.hint(), ..*divergence })),
+                    other => other,
+                });
+            }
+            left -= chunk;
+            if left > 0 && interrupted() {
+                return Err(Error::Interrupted);
+            }
+        }
+        Ok(())
+    }
+
+    fn positions(&self) -> Vec<DVec3> {
+        let properties = &self.system.law().properties;
+        let mut positions = vec![DVec3::ZERO; properties.count()];
+        for (index, &caller) in properties.caller.iter().enumerate() {
+            positions[caller as usize] = properties.origin + self.system.state().position.get(index).widen();
+        }
+        positions
+    }
+
+    fn velocities(&self) -> Vec<DVec3> {
+        let mut velocities = vec![DVec3::ZERO; self.system.state().count()];
+        for (index, &caller) in self.system.law().properties.caller.iter().enumerate() {
+            velocities[caller as usize] = self.system.state().velocity.get(index).widen();
+        }
+        velocities
+    }
+
+    fn set(&mut self, positions: Option<&[DVec3]>, velocities: Option<&[DVec3]>) -> Result<()> {
+        let before = self.energy()?.total();
+        let (caller, origin) = (self.system.law().properties.caller.clone(), self.system.law().properties.origin);
+        let state = self.system.state_mut();
+        for (index, &caller) in caller.iter().enumerate() {
+            if let Some(positions) = positions {
+                state.position.set(index, V::narrow(positions[caller as usize] - origin));
+            }
+            if let Some(velocities) = velocities {
+                state.velocity.set(index, V::narrow(velocities[caller as usize]));
+            }
+        }
+        let work = self.energy()?.total() - before;
+        if let Some(meter) = self.system.state_mut().meters.first_mut() {
+            meter.add(Channel::Work, work);
+        }
+        self.begin()
+    }
+
+    fn energy(&self) -> Result<Energy> {
+        audit::energy(self.system.law(), self.system.state(), self.segment.time())
+    }
+
+    fn momenta(&self) -> (DVec3, DVec3) {
+        audit::momenta(self.system.law(), self.system.state())
+    }
+
+    fn limit(&self) -> Limit {
+        let (law, state) = (self.system.law(), self.system.state());
+        law.bound(&law.moment(state.position.view(), state.velocity.view(), self.segment.time())).limit_of(self.limit)
+    }
+
+    fn capture(&self) -> Capture {
+        let columns = self.columns().flat_map(|columns| (0..V::DIMENSION).flat_map(|axis| &columns.axis(axis)[..columns.count()]));
+        let meters = self.system.state().meters.iter().flat_map(|meter| meter.energy.iter().chain(&meter.last).flatten());
+        Capture {
+            segment: self.segment,
+            steps: self.steps,
+            columns: columns.map(|number| number.to_f64()).collect(),
+            meters: meters.copied().collect(),
+            watch: [self.watch.scale, self.watch.lowest, self.watch.balance, self.watch.calm],
+        }
+    }
+
+    fn restore(&mut self, capture: &Capture) -> Result<()> {
+        let state = self.system.state();
+        let (count, blocks) = (state.count(), state.meters.len());
+        let per_meter = 2 * CHANNELS * LANES;
+        if capture.columns.len() != (2 + self.carried) * V::DIMENSION * count || capture.meters.len() != blocks * per_meter {
+            return Err(Error::State("it does not belong to this scene and these numerics".to_owned()));
+        }
+        let carried = self.carried;
+        let state = self.system.state_mut();
+        let mut numbers = capture.columns.iter();
+        for columns in [&mut state.position, &mut state.velocity].into_iter().chain(state.memory.iter_mut().take(carried)) {
+            for axis in columns.span().axes.iter_mut().take(V::DIMENSION) {
+                axis[..count].iter_mut().zip(&mut numbers).for_each(|(slot, &number)| *slot = V::Scalar::from_f64(number));
+            }
+        }
+        for (meter, numbers) in state.meters.iter_mut().zip(capture.meters.chunks_exact(per_meter)) {
+            *meter = Meter::ZERO;
+            let slots = meter.energy.iter_mut().chain(&mut meter.last).flatten();
+            slots.zip(numbers).for_each(|(slot, &number)| *slot = number);
+        }
+        self.segment = capture.segment;
+        self.steps = capture.steps;
+        [self.watch.scale, self.watch.lowest, self.watch.balance, self.watch.calm] = capture.watch;
+        Ok(())
+    }
+
+    fn state_hash(&self) -> String {
+        let mut hasher = blake3::Hasher::new();
+        let capture = self.capture();
+        for number in capture.columns.iter().chain([&capture.segment.start, &capture.segment.dt]) {
+            hasher.update(&number.to_le_bytes());
+        }
+        hasher.update(&self.segment.steps.to_le_bytes());
+        hasher.update(&self.steps.to_le_bytes());
+        hasher.finalize().to_hex()[..32].to_owned()
+    }
+}

@@ -1,0 +1,97 @@
+//! Bounds on the largest eigenvalue of M⁻¹K (and of M⁻¹C alike) from its rows.
+//!
+//! Let each spring e join i and j with stiffness kₑ, and each particle carry point terms of total stiffness pᵢ. As a spring's
+//! matrix lies between −kₑ and kₑ times that of a spring which pulls alike in every direction, ω² ≤ ρ, the spectral radius
+//! of the non-negative matrix Q = M⁻¹(D + A + P) with Dᵢ = dᵢ = Σ kₑ at i, Aᵢⱼ = kₑ and P = diag(p). By Perron and
+//! Frobenius, Q has an eigenvector x ≥ 0 with ρ:
+//!
+//! ```text
+//! (ρ − pᵢ/mᵢ) xᵢ = Σ over e at i of kₑ/mᵢ yₑ,   with yₑ = xᵢ + xⱼ.
+//! ```
+//!
+//! Write σᵢ = dᵢ/mᵢ, qᵢ = pᵢ/mᵢ. Where ρ exceeds all q, xᵢ ≤ σᵢ y/(ρ − qᵢ) with y the largest yₑ; added up over the two
+//! ends of that spring, 1 ≤ σᵢ/(ρ − qᵢ) + σⱼ/(ρ − qⱼ), that is
+//!
+//! ```text
+//! ρ ≤ largest eigenvalue of [ qᵢ + σᵢ   σᵢ      ]
+//!                           [ σⱼ        qⱼ + σⱼ ]  for some spring, or ρ ≤ qᵢ for some particle.
+//! ```
+//!
+//! Without point terms this is the bound dᵢ/mᵢ + dⱼ/mⱼ of the springs' Gram matrix; with the same q everywhere q is added,
+//! as Weyl's inequality has it. Fixed particles have infinite mass and move in no mode: σ = q = 0.
+
+/// The largest row, as a rate (ω² [1/s²] or γ [1/s]), and the term that contributes most to it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Row {
+    pub rate: f64,
+    pub term: &'static str,
+}
+
+/// The stiffness, or the damping, of all terms.
+#[derive(Debug, Clone)]
+pub struct Rows {
+    /// What the springs are called.
+    springs: &'static str,
+    /// The ends of each spring.
+    ends: Vec<[u32; 2]>,
+    /// The sum over the springs at each particle; empty without springs.
+    joined: Vec<f64>,
+    /// The sum over the point terms of each particle; empty without any.
+    alone: Vec<f64>,
+    /// The largest point term of each particle.
+    leading: Vec<(f64, &'static str)>,
+}
+
+impl Rows {
+    pub fn new(springs: &'static str) -> Self {
+        Self { springs, ends: Vec::new(), joined: Vec::new(), alone: Vec::new(), leading: Vec::new() }
+    }
+
+    /// Adds a spring between two of `count` particles.
+    pub fn join(&mut self, count: usize, i: usize, j: usize, value: f64) {
+        if value != 0.0 {
+            self.joined.resize(count, 0.0);
+            self.ends.push([i as u32, j as u32]);
+            self.joined[i] += value.abs();
+            self.joined[j] += value.abs();
+        }
+    }
+
+    /// Adds a term that acts on one of `count` particles.
+    pub fn add(&mut self, count: usize, i: usize, term: &'static str, value: f64) {
+        if value != 0.0 {
+            self.alone.resize(count, 0.0);
+            self.leading.resize(count, (0.0, ""));
+            self.alone[i] += value.abs();
+            if value.abs() > self.leading[i].0 {
+                self.leading[i] = (value.abs(), term);
+            }
+        }
+    }
+
+    /// The largest row of each body.
+    pub fn largest(&self, inverse_mass: &[f64], body: &[u32], bodies: usize) -> Vec<Row> {
+        let mut rows = vec![Row { rate: 0.0, term: "" }; bodies];
+        let mut raise = |i: usize, rate: f64, term| {
+            let row = &mut rows[body[i] as usize];
+            if rate > row.rate {
+                *row = Row { rate, term };
+            }
+        };
+        let at = |sums: &[f64], i: usize| sums.get(i).map_or(0.0, |sum| sum * inverse_mass[i]);
+        for i in 0..self.alone.len() {
+            raise(i, at(&self.alone, i), self.leading[i].1);
+        }
+        for &[i, j] in &self.ends {
+            let (i, j) = (i as usize, j as usize);
+            let (one, other) = (at(&self.joined, i), at(&self.joined, j));
+            let (alone, other_alone) = (at(&self.alone, i), at(&self.alone, j));
+            let half_gap = 0.5 * ((alone + one) - (other_alone + other));
+            let rate = 0.5 * (alone + one + other_alone + other) + half_gap.hypot((one * other).sqrt());
+            let strongest = if alone > other_alone { i } else { j };
+            let term = if one + other >= alone.max(other_alone) { self.springs } else { self.leading[strongest].1 };
+            raise(i, rate, term);
+        }
+        rows
+    }
+}

@@ -1,0 +1,129 @@
+//! Particles that feel each other: every stage sweeps over all blocks. It reads the positions and velocities of all from
+//! one copy and writes those of its block to another, so that no block has to wait for its neighbours.
+
+use crate::contacts::Before;
+use crate::error::Result;
+use crate::forces::Rates;
+use crate::integrators::Integrator;
+use crate::math::Vector;
+use crate::matter::{Blocks, CHANNELS, Columns, Matter, Span};
+use crate::parallel::{Crew, Split};
+use crate::simd::LANES;
+use crate::systems::matter::Interval;
+use crate::systems::matter::kernels::{self, Action, Load};
+use crate::systems::matter::law::Law;
+
+/// Memory for the sweeps.
+#[derive(Debug)]
+pub struct Desk<V: Vector> {
+    position: Columns<V>,
+    velocity: Columns<V>,
+    force: Columns<V>,
+    before: Option<[Columns<V>; 2]>,
+}
+
+impl<V: Vector> Desk<V> {
+    /// Memory for `count` particles, with contacts or without.
+    pub fn new(count: usize, contacts: bool) -> Self {
+        let columns = || Columns::zeros(count);
+        Self { position: columns(), velocity: columns(), force: columns(), before: contacts.then(|| [columns(), columns()]) }
+    }
+
+    /// The memory that it takes [bytes].
+    pub fn bytes(&self) -> usize {
+        let before = self.before.iter().flatten().map(Columns::bytes).sum::<usize>();
+        self.position.bytes() + self.velocity.bytes() + self.force.bytes() + before
+    }
+}
+
+/// Advances `matter` in place.
+pub fn advance<V: Vector, I: Integrator>(law: &mut Law<V>, matter: &mut Matter<V>, desk: &mut Desk<V>, interval: Interval, crew: &Crew) -> Result<()> {
+    let stages = I::NODES.len();
+    for step in 0..interval.steps {
+        if let Some([position, velocity]) = &mut desk.before {
+            position.copy_from(&matter.position);
+            velocity.copy_from(&matter.velocity);
+        }
+        // Without contacts the sweep of the last stage moves on to the first stage of the next step.
+        if step == 0 || desk.before.is_some() {
+            sweep::<V, I>(law, matter, desk, interval, 0.0, Action::Point, crew)?;
+        }
+        for stage in 0..stages {
+            let next = if stage + 1 < stages {
+                Some(stage + 1)
+            } else {
+                (step + 1 < interval.steps && desk.before.is_none()).then_some(0)
+            };
+            let time = interval.time + (step as f64 + I::NODES[stage]) * interval.h;
+            sweep::<V, I>(law, matter, desk, interval, time, Action::Absorb(stage, next), crew)?;
+        }
+        if crew.stopped() {
+            break;
+        }
+    }
+    Ok(())
+}
+
+/// Evaluates the law at the state and fills the carried memory.
+pub fn begin<V: Vector, I: Integrator>(law: &mut Law<V>, matter: &mut Matter<V>, desk: &mut Desk<V>, interval: Interval) -> Result<()> {
+    sweep::<V, I>(law, matter, desk, interval, interval.time, Action::Begin, &Crew::alone())
+}
+
+fn sweep<V: Vector, I: Integrator>(
+    law: &mut Law<V>,
+    matter: &mut Matter<V>,
+    desk: &mut Desk<V>,
+    interval: Interval,
+    time: f64,
+    action: Action,
+    crew: &Crew,
+) -> Result<()> {
+    let asks = !matches!(action, Action::Point);
+    if asks {
+        law.prepare(matter.position.view(), matter.velocity.view(), time)?;
+    }
+    std::mem::swap(&mut matter.position, &mut desk.position);
+    std::mem::swap(&mut matter.velocity, &mut desk.velocity);
+    let law = &*law;
+    let ends_step = matches!(action, Action::Absorb(stage, _) if stage + 1 == I::NODES.len());
+    let ends_run = ends_step && matches!(action, Action::Absorb(_, None));
+    let at = law.moment(desk.position.view(), desk.velocity.view(), time);
+    let before = desk.before.as_ref().filter(|_| ends_step);
+    let work = Work { blocks: matter.blocks(), force: desk.force.span() };
+    crew.sweep(work, &|work: Work<'_, V>| {
+        let Work { mut blocks, mut force } = work;
+        let range = blocks.range();
+        blocks.position.copy_from(&at.position, range.start);
+        blocks.velocity.copy_from(&at.velocity, range.start);
+        let mut power = [[0.0; LANES]; CHANNELS];
+        if asks {
+            law.accumulate(&range, &at, &mut Rates { force: force.reborrow(), power: &mut power });
+        }
+        kernels::stage::<V, I>(law, &mut blocks, &Load { force, power }, interval.h, action);
+        if let (Some(contacts), Some([position, velocity])) = (&law.contacts, before) {
+            contacts.resolve(&Before::part(position, velocity, &range), &mut blocks, &law.properties, interval.h);
+        }
+        if ends_run {
+            blocks.meters[0].agitation = kernels::agitation(law, &blocks);
+        }
+    });
+    Ok(())
+}
+
+/// Blocks with their forces.
+struct Work<'a, V: Vector> {
+    blocks: Blocks<'a, V>,
+    force: Span<'a, V>,
+}
+
+impl<V: Vector> Split for Work<'_, V> {
+    fn blocks(&self) -> usize {
+        self.blocks.blocks()
+    }
+
+    fn split_at(self, blocks: usize) -> (Self, Self) {
+        let (first, rest) = self.blocks.split_at(blocks);
+        let (force, other_force) = self.force.split_at(first.position.len());
+        (Self { blocks: first, force }, Self { blocks: rest, force: other_force })
+    }
+}

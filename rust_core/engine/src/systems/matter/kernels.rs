@@ -1,0 +1,372 @@
+//! The inner loops: an integrator's steps or stages over the lanes of one block.
+//!
+//! [`Steps`] runs whole steps of a folded law in registers. [`Stage`] runs one stage with forces that were accumulated
+//! before. Both evaluate the folded law the same way, so a scene pays for the general one only where it needs it.
+
+use std::marker::PhantomData;
+
+use crate::forces::affine::{AxisLaw, Coefficients, Varying};
+use crate::integrators::{Integrator, Register};
+use crate::math::{AXES, Real, Vector};
+use crate::matter::{Blocks, CHANNELS, Channel, MEMORY, Meter, Power, Span};
+use crate::simd::{Kernel, LANES, Lanes, dispatch};
+use crate::systems::matter::law::Law;
+
+/// The folded law along one axis of a block. The loops below read everything that a group of lanes needs into local
+/// arrays first: only then can the compiler be sure that nothing overlaps, and vectorise them.
+trait AxisForce<T: Real>: Copy {
+    /// The coefficients of a group.
+    type Group: Copy;
+    /// Reads the coefficients of a group.
+    fn group(&self, group: usize) -> Self::Group;
+    /// The acceleration of a lane.
+    fn acceleration(&self, group: &Self::Group, lane: usize, x: T, v: T) -> T;
+    /// The power that drag dissipates there and the work that wind does, in units of [`AxisForce::unit`].
+    fn power(&self, group: &Self::Group, lane: usize, v: T) -> (T, T);
+    /// What the sums of the powers are to be multiplied with.
+    fn unit(&self) -> f64;
+}
+
+/// A uniform law; `DRAG` says whether it has any.
+#[derive(Clone, Copy)]
+struct Uniform<T, const DRAG: bool>(Coefficients<T>);
+
+impl<T: Real, const DRAG: bool> AxisForce<T> for Uniform<T, DRAG> {
+    type Group = ();
+
+    #[inline(always)]
+    fn group(&self, _group: usize) {}
+
+    #[inline(always)]
+    fn acceleration(&self, _group: &(), _lane: usize, _x: T, v: T) -> T {
+        if DRAG { self.0.a0 + self.0.b * v } else { self.0.a0 }
+    }
+
+    #[inline(always)]
+    fn power(&self, _group: &(), _lane: usize, v: T) -> (T, T) {
+        (if DRAG { v * v } else { T::ZERO }, T::ZERO)
+    }
+
+    #[inline(always)]
+    fn unit(&self) -> f64 {
+        self.0.drag.to_f64()
+    }
+}
+
+impl<T: Real> AxisForce<T> for Varying<'_, T> {
+    /// a₀, b, c and γ.
+    type Group = [Lanes<T>; 4];
+
+    #[inline(always)]
+    fn group(&self, group: usize) -> [Lanes<T>; 4] {
+        [self.a0, self.b, self.c, self.drag].map(|column| column[group])
+    }
+
+    #[inline(always)]
+    fn acceleration(&self, [a0, b, c, _]: &[Lanes<T>; 4], lane: usize, x: T, v: T) -> T {
+        a0[lane] + b[lane] * v + c[lane] * x
+    }
+
+    #[inline(always)]
+    fn power(&self, [.., drag]: &[Lanes<T>; 4], lane: usize, v: T) -> (T, T) {
+        let relative = v - self.wind;
+        let resistance = drag[lane] * relative;
+        (resistance * relative, -(resistance * self.wind))
+    }
+
+    #[inline(always)]
+    fn unit(&self) -> f64 {
+        1.0
+    }
+}
+
+/// Whole steps of a block whose forces are all folded.
+struct Steps<'a, T, I> {
+    axes: Axes<'a, T>,
+    meter: &'a mut Meter,
+    dissipates: bool,
+    h: f64,
+    steps: u64,
+    integrator: PhantomData<I>,
+}
+
+/// Advances one block by whole steps under the folded law alone.
+pub fn steps<V: Vector, I: Integrator>(law: &Law<V>, blocks: &mut Blocks<'_, V>, h: f64, steps: u64) {
+    let (axes, meter) = split(law, blocks);
+    dispatch(Steps::<V::Scalar, I> { axes, meter, dissipates: law.affine.dissipates, h, steps, integrator: PhantomData });
+}
+
+impl<T: Real, I: Integrator> Kernel for Steps<'_, T, I> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        const { assert!(I::LAST_WEIGHT == 0.0 || I::NODES.len() == 1, "only a method of one stage may reuse its last evaluation") }
+        let Self { mut axes, meter, dissipates, h, steps, .. } = self;
+        for _ in 0..steps {
+            let mut power = [[0.0; LANES]; CHANNELS];
+            for (axis, law) in axes.iter_mut().flatten() {
+                match *law {
+                    AxisLaw::Uniform(same) if dissipates => whole_step::<_, I>(Uniform::<_, true>(same), axis, h, &mut power),
+                    AxisLaw::Uniform(same) => whole_step::<_, I>(Uniform::<_, false>(same), axis, h, &mut power),
+                    AxisLaw::Varying(varying) => whole_step::<_, I>(varying, axis, h, &mut power),
+                }
+            }
+            if dissipates {
+                let weight = if I::NODES.len() == 1 { I::WEIGHTS[0] } else { 1.0 };
+                integrate(meter, &power, h * weight, h * I::LAST_WEIGHT, true);
+            }
+        }
+    }
+}
+
+/// Adds what passes through a meter during one stage: its power times `span`, and the power at the last stage of the
+/// step before times `last_span`. `keep` says that this is the last stage of its step.
+#[inline(always)]
+fn integrate(meter: &mut Meter, power: &Power, span: f64, last_span: f64, keep: bool) {
+    for channel in 0..CHANNELS {
+        for lane in 0..LANES {
+            meter.energy[channel][lane] += last_span * meter.last[channel][lane] + span * power[channel][lane];
+        }
+    }
+    if keep {
+        meter.last = *power;
+    }
+}
+
+/// The columns of one axis of one block, as groups of lanes.
+struct Axis<'a, T> {
+    x: &'a mut [Lanes<T>],
+    v: &'a mut [Lanes<T>],
+    memory: [&'a mut [Lanes<T>]; MEMORY],
+}
+
+/// The axes of a block with their laws, as many as it has dimensions. The loops see only these, so that one compiled
+/// kernel serves two and three dimensions.
+type Axes<'a, T> = [Option<(Axis<'a, T>, AxisLaw<'a, T>)>; AXES];
+
+/// The axes and the meter of a block.
+fn split<'a, V: Vector>(law: &'a Law<V>, blocks: &'a mut Blocks<'_, V>) -> (Axes<'a, V::Scalar>, &'a mut Meter) {
+    let (start, length) = (blocks.start, blocks.position.len());
+    let mut x = blocks.position.axes.iter_mut();
+    let mut v = blocks.velocity.axes.iter_mut();
+    let mut memory = blocks.memory.each_mut().map(|span| span.axes.iter_mut());
+    let lanes = |column: Option<&'a mut &mut [V::Scalar]>| column.map_or(&mut [][..], |column| column.as_chunks_mut().0);
+    let axes = std::array::from_fn(|axis| {
+        let columns = Axis { x: lanes(x.next()), v: lanes(v.next()), memory: memory.each_mut().map(|axes| lanes(axes.next())) };
+        (axis < V::DIMENSION).then(|| (columns, law.affine.axis(axis, start, length)))
+    });
+    (axes, &mut blocks.meters[0])
+}
+
+/// One step of every lane along one axis. Only what is carried from step to step is read and written.
+#[inline(always)]
+fn whole_step<T: Real, I: Integrator>(law: impl AxisForce<T>, axis: &mut Axis<'_, T>, h: f64, power: &mut Power) {
+    let step = T::from_f64(h);
+    let Axis { x, v, memory } = axis;
+    let mut drag = [T::ZERO; LANES];
+    let mut work = [T::ZERO; LANES];
+    for (group, (x, v)) in x.iter_mut().zip(v.iter_mut()).enumerate() {
+        let coefficients = law.group(group);
+        let mut registers = Registers::<T>::load(x, v, memory, group, I::CARRIED);
+        for lane in 0..LANES {
+            let mut register = registers.lane(lane);
+            for stage in 0..I::NODES.len() {
+                I::point(stage, &mut register, step);
+                let (dissipated, supplied) = law.power(&coefficients, lane, register.v);
+                // A single stage's weight is left to `integrate`: it would cost a multiplication per lane.
+                let weigh = |power: T| if I::NODES.len() == 1 { power } else { T::from_f64(I::WEIGHTS[stage]) * power };
+                drag[lane] += weigh(dissipated);
+                work[lane] += weigh(supplied);
+                let a = law.acceleration(&coefficients, lane, register.x, register.v);
+                I::absorb(stage, &mut register, a, step);
+            }
+            registers.set(lane, &register);
+        }
+        registers.store(x, v, memory, group, I::CARRIED);
+    }
+    add_power(power, &drag, &work, law.unit());
+}
+
+/// The registers of one group of lanes.
+struct Registers<T> {
+    x: Lanes<T>,
+    v: Lanes<T>,
+    memory: [Lanes<T>; MEMORY],
+}
+
+impl<T: Real> Registers<T> {
+    /// Reads positions, velocities and the first `used` memories.
+    #[inline(always)]
+    fn load(x: &Lanes<T>, v: &Lanes<T>, memory: &[&mut [Lanes<T>]; MEMORY], group: usize, used: usize) -> Self {
+        Self { x: *x, v: *v, memory: std::array::from_fn(|kept| if kept < used { memory[kept][group] } else { [T::ZERO; LANES] }) }
+    }
+
+    /// Writes the same.
+    #[inline(always)]
+    fn store(self, x: &mut Lanes<T>, v: &mut Lanes<T>, memory: &mut [&mut [Lanes<T>]; MEMORY], group: usize, used: usize) {
+        *x = self.x;
+        *v = self.v;
+        for (column, values) in memory.iter_mut().zip(&self.memory).take(used) {
+            column[group] = *values;
+        }
+    }
+
+    #[inline(always)]
+    fn lane(&self, lane: usize) -> Register<T> {
+        Register { x: self.x[lane], v: self.v[lane], memory: std::array::from_fn(|kept| self.memory[kept][lane]) }
+    }
+
+    #[inline(always)]
+    fn set(&mut self, lane: usize, register: &Register<T>) {
+        self.x[lane] = register.x;
+        self.v[lane] = register.v;
+        for kept in 0..MEMORY {
+            self.memory[kept][lane] = register.memory[kept];
+        }
+    }
+}
+
+/// What a stage does with the acceleration.
+#[derive(Debug, Clone, Copy)]
+pub enum Action {
+    /// Begins a run: fills the carried memory.
+    Begin,
+    /// Only moves to where the first stage asks for the forces.
+    Point,
+    /// Takes it in as that of a stage, and moves on to another stage.
+    Absorb(usize, Option<usize>),
+}
+
+/// The forces and powers of one block that are not folded.
+#[derive(Debug)]
+pub struct Load<'a, V: Vector> {
+    /// The force on every particle [N].
+    pub force: Span<'a, V>,
+    /// The power through each channel [W].
+    pub power: Power,
+}
+
+struct Stage<'a, T, I> {
+    axes: Axes<'a, T>,
+    force: [&'a [Lanes<T>]; AXES],
+    inverse_mass: &'a [Lanes<T>],
+    power: Power,
+    meter: &'a mut Meter,
+    h: f64,
+    action: Action,
+    integrator: PhantomData<I>,
+}
+
+/// Runs one stage of one block.
+pub fn stage<V: Vector, I: Integrator>(law: &Law<V>, blocks: &mut Blocks<'_, V>, load: &Load<'_, V>, h: f64, action: Action) {
+    let inverse_mass = law.properties.inverse_mass[blocks.range()].as_chunks().0;
+    let force = load.force.axes.each_ref().map(|axis| axis.as_chunks().0);
+    let (axes, meter) = split(law, blocks);
+    dispatch(Stage::<V::Scalar, I> { axes, force, inverse_mass, power: load.power, meter, h, action, integrator: PhantomData });
+}
+
+impl<T: Real, I: Integrator> Kernel for Stage<'_, T, I> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { mut axes, force, inverse_mass, mut power, meter, h, action, .. } = self;
+        for ((axis, law), force) in axes.iter_mut().flatten().zip(force) {
+            let push = Push { force, inverse_mass };
+            match *law {
+                AxisLaw::Uniform(same) => one_stage::<_, I>(Uniform::<_, true>(same), push, axis, h, action, &mut power),
+                AxisLaw::Varying(varying) => one_stage::<_, I>(varying, push, axis, h, action, &mut power),
+            }
+        }
+        match action {
+            Action::Begin => meter.last = power,
+            Action::Point => {}
+            Action::Absorb(stage, _) => {
+                let last = if stage == 0 { h * I::LAST_WEIGHT } else { 0.0 };
+                integrate(meter, &power, h * I::WEIGHTS[stage], last, stage + 1 == I::NODES.len());
+            }
+        }
+    }
+}
+
+/// Forces of one axis, and what divides them.
+#[derive(Clone, Copy)]
+struct Push<'a, T> {
+    force: &'a [Lanes<T>],
+    inverse_mass: &'a [Lanes<T>],
+}
+
+/// One stage of every lane along one axis.
+#[inline(always)]
+fn one_stage<T: Real, I: Integrator>(law: impl AxisForce<T>, push: Push<'_, T>, axis: &mut Axis<'_, T>, h: f64, action: Action, power: &mut Power) {
+    let step = T::from_f64(h);
+    let Axis { x, v, memory } = axis;
+    let mut drag = [T::ZERO; LANES];
+    let mut work = [T::ZERO; LANES];
+    for (group, (x, v)) in x.iter_mut().zip(v.iter_mut()).enumerate() {
+        let coefficients = law.group(group);
+        let (force, inverse_mass) = (push.force[group], push.inverse_mass[group]);
+        let mut registers = Registers::<T>::load(x, v, memory, group, I::MEMORY);
+        for lane in 0..LANES {
+            let mut register = registers.lane(lane);
+            let (dissipated, supplied) = law.power(&coefficients, lane, register.v);
+            drag[lane] += dissipated;
+            work[lane] += supplied;
+            let a = force[lane] * inverse_mass[lane] + law.acceleration(&coefficients, lane, register.x, register.v);
+            match action {
+                Action::Begin => I::begin(&mut register, a),
+                Action::Point => I::point(0, &mut register, step),
+                Action::Absorb(stage, next) => {
+                    I::absorb(stage, &mut register, a, step);
+                    if let Some(next) = next {
+                        I::point(next, &mut register, step);
+                    }
+                }
+            }
+            registers.set(lane, &register);
+        }
+        registers.store(x, v, memory, group, I::MEMORY);
+    }
+    add_power(power, &drag, &work, law.unit());
+}
+
+#[inline(always)]
+fn add_power<T: Real>(power: &mut Power, drag: &Lanes<T>, work: &Lanes<T>, unit: f64) {
+    for lane in 0..LANES {
+        power[Channel::Drag as usize][lane] += unit * drag[lane].to_f64();
+        power[Channel::Work as usize][lane] += unit * work[lane].to_f64();
+    }
+}
+
+/// The kinetic energy of a block [J], Σ v²/2w with the inverse mass w, for noticing a blow-up: rough in single
+/// precision, and not finite as soon as one velocity is not.
+pub fn agitation<V: Vector>(law: &Law<V>, blocks: &Blocks<'_, V>) -> f64 {
+    let inverse_mass = &law.properties.inverse_mass[blocks.range()];
+    dispatch(Agitation { blocks, inverse_mass })
+}
+
+struct Agitation<'a, 'b, V: Vector> {
+    blocks: &'a Blocks<'b, V>,
+    inverse_mass: &'a [V::Scalar],
+}
+
+impl<V: Vector> Kernel for Agitation<'_, '_, V> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn run(self) -> f64 {
+        let weights = self.inverse_mass.as_chunks::<LANES>().0;
+        let mut sums = [V::Scalar::ZERO; LANES];
+        for axis in 0..V::DIMENSION {
+            for (group, weights) in self.blocks.velocity.axes[axis].as_chunks::<LANES>().0.iter().zip(weights) {
+                for lane in 0..LANES {
+                    // A fixed particle has no kinetic energy, but a velocity that must stay finite.
+                    let mass = if weights[lane] > V::Scalar::ZERO { V::Scalar::ONE / weights[lane] } else { V::Scalar::ZERO };
+                    sums[lane] += mass * (group[lane] * group[lane]);
+                }
+            }
+        }
+        0.5 * sums.iter().map(|sum| sum.to_f64()).sum::<f64>()
+    }
+}

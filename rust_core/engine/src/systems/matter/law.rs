@@ -1,0 +1,115 @@
+//! Everything that acts on matter, sorted by what the drivers have to do for it.
+
+use std::ops::Range;
+
+use crate::contacts::Contacts;
+use crate::error::Result;
+use crate::forces::affine::{Affine, Fold};
+use crate::forces::{Force, Moment, Rates, Reach, VelocityDependence};
+use crate::math::{Real, Vector};
+use crate::matter::{Channel, Properties, View};
+use crate::simd::LANES;
+use crate::stability::Bound;
+
+/// The forces and contacts of a scene.
+pub struct Law<V: Vector> {
+    /// Mass and everything else that does not change.
+    pub properties: Properties<V>,
+    /// What acts on a particle whatever the others do, as far as it could be folded.
+    pub affine: Affine<V>,
+    /// The contact stage, if there are boundaries.
+    pub contacts: Option<Contacts<V>>,
+    /// All forces, folded ones first, then in the order in which they accumulate.
+    forces: Vec<Box<dyn Force<V>>>,
+    /// How many of them are folded.
+    folded: usize,
+    /// How many of them are folded or pass between particles; the others are pointwise.
+    together: usize,
+    /// Whether a fixed particle moves, so that what holds it on its way does work.
+    driven: bool,
+}
+
+impl<V: Vector> Law<V> {
+    /// Sorts the forces for blocks of `block` particles.
+    pub fn new(properties: Properties<V>, forces: Vec<Box<dyn Force<V>>>, contacts: Option<Contacts<V>>, block: usize, driven: bool) -> Self {
+        let mut fold = Fold::new(properties.count());
+        let (folded, others): (Vec<_>, Vec<_>) = forces.into_iter().partition(|force| force.fold(&properties, &mut fold));
+        let (pointwise, together): (Vec<_>, Vec<_>) = others.into_iter().partition(|force| force.reach() == Reach::Pointwise);
+        let affine = Affine::new(&fold, &properties, block);
+        let count = folded.len();
+        let passing = count + together.len();
+        let forces = folded.into_iter().chain(together).chain(pointwise).collect();
+        Self { properties, affine, contacts, forces, folded: count, together: passing, driven }
+    }
+
+    /// All forces.
+    pub fn forces(&self) -> &[Box<dyn Force<V>>] {
+        &self.forces
+    }
+
+    /// Whether no particle feels another.
+    pub fn is_independent(&self) -> bool {
+        self.folded == self.together
+    }
+
+    /// Whether all forces are folded.
+    pub fn is_folded(&self) -> bool {
+        self.folded == self.forces.len()
+    }
+
+    /// Whether any force depends on velocity.
+    pub fn is_dissipative(&self) -> bool {
+        self.forces.iter().any(|force| force.velocity() != VelocityDependence::None)
+    }
+
+    /// The matter at a moment, for the forces to look at.
+    pub fn moment<'a>(&'a self, position: View<'a, V>, velocity: View<'a, V>, time: f64) -> Moment<'a, V> {
+        Moment { position, velocity, properties: &self.properties, time }
+    }
+
+    /// Lets every force do what must be done for all particles at once.
+    pub fn prepare(&mut self, position: View<'_, V>, velocity: View<'_, V>, time: f64) -> Result<()> {
+        let at = Moment { position, velocity, properties: &self.properties, time };
+        self.forces[self.folded..self.together].iter_mut().try_for_each(|force| force.prepare(&at))
+    }
+
+    /// Sets the forces and powers of one block to those of all terms that are not folded.
+    #[inline]
+    pub fn accumulate(&self, block: &Range<usize>, at: &Moment<'_, V>, rates: &mut Rates<'_, V>) {
+        for axis in 0..V::DIMENSION {
+            rates.force.axes[axis].fill(V::Scalar::ZERO);
+        }
+        for force in &self.forces[self.folded..self.together] {
+            force.accumulate(block.clone(), at, rates);
+        }
+        if self.driven {
+            self.count_reactions(block, at, rates);
+        }
+        for force in &self.forces[self.together..] {
+            force.accumulate(block.clone(), at, rates);
+        }
+    }
+
+    /// What keeps a fixed particle on its way against the forces F of its partners does the work −F·v.
+    fn count_reactions(&self, block: &Range<usize>, at: &Moment<'_, V>, rates: &mut Rates<'_, V>) {
+        for index in block.start..block.end.min(self.properties.count()) {
+            if self.properties.is_fixed(index) {
+                let force = rates.force.get(index - block.start).widen();
+                rates.power[Channel::Work as usize][index % LANES] -= force.dot(at.velocity.get(index).widen());
+            }
+        }
+    }
+
+    /// The bound on the time step at a moment.
+    pub fn bound(&self, at: &Moment<'_, V>) -> Bound {
+        let mut bound = Bound::new(&self.properties.mass, &self.properties.body);
+        self.forces.iter().for_each(|force| force.bound(at, &mut bound));
+        bound
+    }
+
+    /// The memory that it takes [bytes].
+    pub fn bytes(&self) -> usize {
+        let contacts = self.contacts.as_ref().map_or(0, Contacts::bytes);
+        self.affine.bytes() + contacts + self.forces.iter().map(|force| force.bytes()).sum::<usize>()
+    }
+}

@@ -1,0 +1,190 @@
+//! Matter: particles and what acts on them, advanced by an integrator.
+
+mod coupled;
+mod independent;
+mod kernels;
+mod law;
+
+pub use law::Law;
+
+use coupled::Desk;
+
+use crate::error::Result;
+use crate::integrators::Integrator;
+use crate::math::Vector;
+use crate::matter::Matter;
+use crate::parallel::{Crew, Team};
+
+/// Equal steps to take.
+#[derive(Debug, Clone, Copy)]
+pub struct Interval {
+    /// The time at their beginning [s].
+    pub time: f64,
+    /// The length of each [s].
+    pub h: f64,
+    /// Their number.
+    pub steps: u64,
+}
+
+/// How long a chunk of steps should take [s]: long enough that keeping a copy of its start costs little.
+const CHUNK: f64 = 0.1;
+/// The longest job that the calling thread does by itself, deaf to interrupts [s].
+const SHORT: f64 = 2e-3;
+/// The work that is worth sharing among threads [s].
+const WORTH_SHARING: f64 = 2e-4;
+/// Particles in a block that runs many steps: position, velocity and memory in three dimensions fit into the first-level
+/// cache.
+const INDEPENDENT_BLOCK: usize = 512;
+/// Particles in a block that looks at its neighbors: large against the rows of a grid that it shares with other blocks,
+/// small against the second-level cache.
+const COUPLED_BLOCK: usize = 4096;
+
+/// Particles with their law of motion.
+pub struct MatterSystem<V: Vector> {
+    law: Law<V>,
+    state: Matter<V>,
+    /// The state at the last chunk's start.
+    kept: Matter<V>,
+    desk: Option<Desk<V>>,
+    stepper: Box<dyn Stepper<V>>,
+    team: Team,
+    /// A rough idea of what a step costs [s].
+    cost: f64,
+}
+
+impl<V: Vector> MatterSystem<V> {
+    /// The number of particles in a block, for independent particles or others.
+    pub fn block(independent: bool) -> usize {
+        if independent { INDEPENDENT_BLOCK } else { COUPLED_BLOCK }
+    }
+
+    /// A system at a given state. `interactions` counts the springs and other pairs.
+    pub fn new<I: Integrator>(law: Law<V>, mut state: Matter<V>, interactions: usize, threads: usize) -> Self {
+        state.memory = vec![crate::matter::Columns::zeros(state.count()); I::MEMORY];
+        let count = state.count() as f64;
+        // Nanoseconds on a common core; only the sizes of chunks hang on them, never a bit of the result.
+        let per_particle = if law.is_folded() && law.contacts.is_none() { 1.0 } else { 5.0 };
+        let cost = 1e-9 * I::NODES.len() as f64 * (count * per_particle + 2.5 * interactions as f64) * V::DIMENSION as f64 / 3.0;
+        let threads = if cost < WORTH_SHARING { 1 } else { threads };
+        let desk = (!law.is_independent()).then(|| Desk::new(state.count(), law.contacts.is_some()));
+        let kept = state.clone();
+        Self { law, state, kept, desk, stepper: Box::new(By::<I>(std::marker::PhantomData)), team: Team::new(threads), cost }
+    }
+
+    /// What acts.
+    pub fn law(&self) -> &Law<V> {
+        &self.law
+    }
+
+    /// The state.
+    pub fn state(&self) -> &Matter<V> {
+        &self.state
+    }
+
+    /// The state, to change between runs; [`MatterSystem::begin`] must follow.
+    pub fn state_mut(&mut self) -> &mut Matter<V> {
+        &mut self.state
+    }
+
+    /// The number of threads that it uses.
+    pub fn threads(&self) -> usize {
+        self.team.threads()
+    }
+
+    /// The number of steps in a chunk.
+    pub fn chunk(&self) -> u64 {
+        (CHUNK / self.cost.max(1e-9)).clamp(1.0, 1e6) as u64
+    }
+
+    /// The memory that it takes [bytes].
+    pub fn bytes(&self) -> usize {
+        let desk = self.desk.as_ref().map_or(0, Desk::bytes);
+        let properties = self.state.count() * (5 * size_of::<f64>() + size_of::<V::Scalar>());
+        self.law.bytes() + self.state.bytes() + self.kept.bytes() + desk + properties
+    }
+
+    /// Evaluates the law at the present state, as every run must begin.
+    pub fn begin(&mut self, time: f64) -> Result<()> {
+        self.stepper.begin(&mut self.law, &mut self.state, self.desk.as_mut(), Interval { time, h: 0.0, steps: 0 })
+    }
+
+    /// Takes steps, or none of them if it fails.
+    pub fn advance(&mut self, interval: Interval, interrupted: &dyn Fn() -> bool) -> Result<()> {
+        let Self { law, state, kept, desk, stepper, team, cost } = self;
+        if desk.is_some() {
+            kept.copy_from(state);
+        } else {
+            std::mem::swap(kept, state);
+        }
+        let mut outcome = Ok(());
+        let job = |crew: &Crew| outcome = stepper.advance(law, kept, state, desk.as_mut(), interval, crew);
+        let ended = if *cost * interval.steps as f64 <= SHORT {
+            Team::run_here(job);
+            Ok(())
+        } else {
+            team.run(interrupted, job)
+        };
+        let outcome = ended.and(outcome);
+        if outcome.is_err() {
+            self.undo();
+        }
+        outcome
+    }
+
+    /// Goes back to the state before the last [`MatterSystem::advance`].
+    pub fn undo(&mut self) {
+        std::mem::swap(&mut self.kept, &mut self.state);
+    }
+
+    /// A measure of the kinetic energy at the end of the last advance [J]; not finite if a velocity is not.
+    pub fn agitation(&self) -> f64 {
+        self.state.meters.iter().map(|meter| meter.agitation).sum()
+    }
+}
+
+/// An integrator with its type erased, once for whole chunks.
+trait Stepper<V: Vector>: Send + Sync {
+    fn begin(&self, law: &mut Law<V>, state: &mut Matter<V>, desk: Option<&mut Desk<V>>, interval: Interval) -> Result<()>;
+
+    fn advance(
+        &self,
+        law: &mut Law<V>,
+        from: &Matter<V>,
+        state: &mut Matter<V>,
+        desk: Option<&mut Desk<V>>,
+        interval: Interval,
+        crew: &Crew,
+    ) -> Result<()>;
+}
+
+struct By<I>(std::marker::PhantomData<I>);
+
+impl<V: Vector, I: Integrator> Stepper<V> for By<I> {
+    fn begin(&self, law: &mut Law<V>, state: &mut Matter<V>, desk: Option<&mut Desk<V>>, interval: Interval) -> Result<()> {
+        match desk {
+            Some(desk) => coupled::begin::<V, I>(law, state, desk, interval),
+            None => {
+                independent::begin::<V, I>(law, state, interval);
+                Ok(())
+            }
+        }
+    }
+
+    fn advance(
+        &self,
+        law: &mut Law<V>,
+        from: &Matter<V>,
+        state: &mut Matter<V>,
+        desk: Option<&mut Desk<V>>,
+        interval: Interval,
+        crew: &Crew,
+    ) -> Result<()> {
+        match desk {
+            Some(desk) => coupled::advance::<V, I>(law, state, desk, interval, crew),
+            None => {
+                independent::advance::<V, I>(law, from, state, interval, crew);
+                Ok(())
+            }
+        }
+    }
+}

@@ -1,0 +1,3 @@
+//! Systems: a state with its law of motion.
+
+pub mod matter;

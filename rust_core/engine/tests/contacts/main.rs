@@ -1,0 +1,8 @@
+//! Contacts: what an impact, friction and rest do to a particle, and that nothing ever passes a wall.
+
+mod impacts;
+mod laboratory;
+mod refusals;
+mod resting;
+mod spheres;
+mod tunnelling;

@@ -1,0 +1,358 @@
+//! The bound on the time step is never above the truth, and not far below it.
+//!
+//! The truth is dense linear algebra: the largest eigenvalue of M⁻¹K by Jacobi's rotations, and the spectral radius of a
+//! whole network's step, as the integrator's own code makes it.
+
+use physcore_engine::integrators::{ExplicitEuler, Integrator, Pefrl, Register, RungeKutta4, SemiImplicitEuler, VelocityVerlet};
+use physcore_engine::stability::{Bound, Kind, Limit};
+use proptest::prelude::*;
+
+type Matrix = Vec<Vec<f64>>;
+
+#[derive(Debug, Clone)]
+struct Particle {
+    position: [f64; 3],
+    mass: f64,
+    /// An isotropic well [N/m].
+    well: f64,
+    /// Linear drag [N·s/m].
+    drag: f64,
+}
+
+#[derive(Debug, Clone)]
+struct Spring {
+    ends: (usize, usize),
+    stiffness: f64,
+    damping: f64,
+    /// The rest length over the length.
+    rest: f64,
+}
+
+#[derive(Debug, Clone)]
+struct Network {
+    dimension: usize,
+    particles: Vec<Particle>,
+    springs: Vec<Spring>,
+}
+
+impl Network {
+    fn bound(&self) -> Bound {
+        let mass: Vec<f64> = self.particles.iter().map(|particle| particle.mass).collect();
+        let mut bound = Bound::new(&mass, &vec![0; mass.len()]);
+        for spring in &self.springs {
+            bound.spring(spring.ends.0, spring.ends.1, spring.stiffness, spring.damping);
+        }
+        for (i, particle) in self.particles.iter().enumerate() {
+            bound.point(i, "well", particle.well, 0.0);
+            bound.point(i, "drag", 0.0, particle.drag);
+            bound.least_damping(i, particle.drag);
+        }
+        bound
+    }
+
+    /// M⁻½ K M⁻½ and M⁻½ C M⁻½ at the particles' positions.
+    fn matrices(&self) -> (Matrix, Matrix) {
+        let size = self.particles.len() * self.dimension;
+        let (mut stiffness, mut damping) = (vec![vec![0.0; size]; size], vec![vec![0.0; size]; size]);
+        let root = |i: usize| self.particles[i].mass.recip().sqrt();
+        for spring in &self.springs {
+            let (i, j) = spring.ends;
+            let offset: [f64; 3] =
+                std::array::from_fn(|axis| self.particles[j].position[axis] - self.particles[i].position[axis]);
+            let square: f64 = offset.iter().map(|component| component * component).sum();
+            for (row, column) in (0..self.dimension).flat_map(|row| (0..self.dimension).map(move |column| (row, column))) {
+                let along = offset[row] * offset[column] / square;
+                let across = if row == column { 1.0 - along } else { -along };
+                let k = spring.stiffness * (along + (1.0 - spring.rest) * across);
+                let c = spring.damping * along;
+                for (one, other, sign) in [(i, i, 1.0), (j, j, 1.0), (i, j, -1.0), (j, i, -1.0)] {
+                    let scale = sign * root(one) * root(other);
+                    stiffness[one * self.dimension + row][other * self.dimension + column] += scale * k;
+                    damping[one * self.dimension + row][other * self.dimension + column] += scale * c;
+                }
+            }
+        }
+        for (i, particle) in self.particles.iter().enumerate() {
+            for place in i * self.dimension..(i + 1) * self.dimension {
+                stiffness[place][place] += particle.well / particle.mass;
+                damping[place][place] += particle.drag / particle.mass;
+            }
+        }
+        (stiffness, damping)
+    }
+}
+
+/// The largest eigenvalue of a symmetric matrix, by Jacobi's rotations.
+fn largest_eigenvalue(mut matrix: Matrix) -> f64 {
+    let size = matrix.len();
+    for _ in 0..30 {
+        for (p, q) in (0..size).flat_map(|p| (p + 1..size).map(move |q| (p, q))) {
+            if matrix[p][q] == 0.0 {
+                continue;
+            }
+            let cotangent = (matrix[q][q] - matrix[p][p]) / (2.0 * matrix[p][q]);
+            let tangent = cotangent.signum() / (cotangent.abs() + cotangent.hypot(1.0));
+            let cosine = tangent.hypot(1.0).recip();
+            let sine = tangent * cosine;
+            for row in &mut matrix {
+                (row[p], row[q]) = (cosine * row[p] - sine * row[q], sine * row[p] + cosine * row[q]);
+            }
+            let (upper, lower) = matrix.split_at_mut(q);
+            for (one, other) in upper[p].iter_mut().zip(&mut lower[0]) {
+                (*one, *other) = (cosine * *one - sine * *other, sine * *one + cosine * *other);
+            }
+        }
+    }
+    (0..size).map(|place| matrix[place][place]).fold(0.0, f64::max)
+}
+
+/// One step of all coordinates, as a matrix that acts on positions, velocities and what the integrator carries; velocities
+/// in units of 1/h and accelerations in 1/h², so that its entries are numbers.
+fn amplification<I: Integrator>(stiffness: &Matrix, damping: &Matrix, h: f64) -> Matrix {
+    let size = stiffness.len();
+    let total = size * (2 + I::CARRIED);
+    let mut columns = vec![vec![0.0; total]; total];
+    for (index, column) in columns.iter_mut().enumerate() {
+        let unit = |kind: usize, place: usize| if index == kind * size + place { 1.0 } else { 0.0 };
+        let mut registers: Vec<Register<f64>> = (0..size)
+            .map(|place| Register { x: unit(0, place), v: unit(1, place), memory: [unit(2, place), 0.0, 0.0, 0.0] })
+            .collect();
+        for stage in 0..I::NODES.len() {
+            for register in &mut registers {
+                I::point(stage, register, 1.0);
+            }
+            let at = registers.clone();
+            for (place, register) in registers.iter_mut().enumerate() {
+                let rows = stiffness[place].iter().zip(&damping[place]).zip(&at);
+                let a: f64 = rows.map(|((k, c), other)| -h * h * k * other.x - h * c * other.v).sum();
+                I::absorb(stage, register, a, 1.0);
+            }
+        }
+        for (place, register) in registers.iter().enumerate() {
+            let image = [register.x, register.v, register.memory[0]];
+            (0..2 + I::CARRIED).for_each(|kind| column[kind * size + place] = image[kind]);
+        }
+    }
+    // By columns: the transpose, which has the same eigenvalues.
+    columns
+}
+
+/// The spectral radius, by Gelfand's formula |Aⁿ|^(1/n) with n = 2³⁰: too large by at most log(n)/n = 2e-8 for a free drift,
+/// whose power grows like n, and by the square root of rounding for its double eigenvalue.
+fn spectral_radius(mut matrix: Matrix) -> f64 {
+    let size = matrix.len();
+    let (mut logarithm, mut power) = (0.0, 1.0);
+    for _ in 0..30 {
+        let norm = matrix.iter().flatten().map(|entry| entry * entry).sum::<f64>().sqrt();
+        logarithm += norm.ln() / power;
+        power *= 2.0;
+        let mut square = vec![vec![0.0; size]; size];
+        for (row, image) in matrix.iter().zip(&mut square) {
+            for (entry, other) in row.iter().zip(&matrix) {
+                let entry = entry / norm;
+                image.iter_mut().zip(other).for_each(|(sum, factor)| *sum += entry * (factor / norm));
+            }
+        }
+        matrix = square;
+    }
+    f64::exp(logarithm)
+}
+
+fn particle() -> impl Strategy<Value = Particle> {
+    let position = [-1.0..1.0, -1.0..1.0, -1.0..1.0];
+    let mass = prop_oneof![3 => (-3.0..3.0).prop_map(|exponent: f64| 10.0_f64.powf(exponent)), 1 => Just(f64::INFINITY)];
+    (position, mass, rarely(-2.0..3.0), rarely(-2.0..3.0)).prop_map(|(position, mass, well, drag)| {
+        let free = if mass.is_finite() { 1.0 } else { 0.0 };
+        Particle { position, mass, well: free * well, drag: free * drag }
+    })
+}
+
+/// A power of ten, or 0 in two cases of three.
+fn rarely(exponent: std::ops::Range<f64>) -> impl Strategy<Value = f64> {
+    prop_oneof![2 => Just(0.0), 1 => exponent.prop_map(|exponent| 10.0_f64.powf(exponent))]
+}
+
+/// A random network whose springs have at most `rest` times their lengths as rest length.
+fn network(rest: f64) -> impl Strategy<Value = Network> {
+    (2_usize..=3, proptest::collection::vec(particle(), 2..6)).prop_flat_map(move |(dimension, particles)| {
+        let count = particles.len();
+        let spring = (
+            0..count,
+            1..count,
+            -2.0..4.0_f64,
+            prop_oneof![Just(0.0), (-3.0..1.0_f64).prop_map(|e| 10.0_f64.powf(e))],
+            0.0..rest,
+        );
+        proptest::collection::vec(spring, 1..10).prop_map(move |springs| {
+            let springs = springs.into_iter().map(|(i, further, exponent, ratio, rest)| {
+                let j = (i + further) % count;
+                let stiffness = 10.0_f64.powf(exponent);
+                let mass = particles[i].mass.min(particles[j].mass).min(1e3);
+                Spring { ends: (i, j), stiffness, damping: 2.0 * ratio * (stiffness * mass).sqrt(), rest }
+            });
+            let springs = springs.collect();
+            let mut particles = particles.clone();
+            if dimension == 2 {
+                for particle in &mut particles {
+                    particle.position[2] = 0.0;
+                }
+            }
+            Network { dimension, particles, springs }
+        })
+    })
+}
+
+/// The largest ω² that a bound admits: undamped, Verlet's limit is 2/ω.
+fn admitted(network: &Network) -> f64 {
+    let mut undamped = network.clone();
+    undamped.springs.iter_mut().for_each(|spring| spring.damping = 0.0);
+    undamped.particles.iter_mut().for_each(|particle| particle.drag = 0.0);
+    (2.0 / undamped.bound().limit::<VelocityVerlet>().dt()).powi(2)
+}
+
+fn assert_stable<I: Integrator>(network: &Network) {
+    let limit = network.bound().limit::<I>();
+    if limit.dt().is_finite() {
+        let (stiffness, damping) = network.matrices();
+        let radius = spectral_radius(amplification::<I>(&stiffness, &damping, 0.999 * limit.dt()));
+        assert!(radius < 1.0 + 1e-6, "{}: {radius} at {limit:?}", I::NAME);
+    }
+}
+
+proptest! {
+    #[test]
+    fn no_mode_is_faster_than_the_bound(network in network(2.0)) {
+        let (stiffness, _) = network.matrices();
+        // Jacobi's rotations are exact to rounding of the largest entries.
+        prop_assert!(largest_eigenvalue(stiffness) <= admitted(&network) * (1.0 + 1e-12));
+    }
+
+    /// With springs at rest or stretched, since a compressed one buckles, which grows in truth as well.
+    #[test]
+    fn every_integrator_is_stable_within_its_bound(network in network(1.0)) {
+        assert_stable::<SemiImplicitEuler>(&network);
+        assert_stable::<VelocityVerlet>(&network);
+        assert_stable::<RungeKutta4>(&network);
+        assert_stable::<Pefrl>(&network);
+    }
+
+    /// For one oscillator whose damping is at most that of a box, the bound is the least limit in the box: none within is
+    /// lower, and the least on a fine grid is hardly higher.
+    #[test]
+    fn the_bound_is_the_least_limit_in_the_box_of_modes(frequency in 0.1..10.0_f64, ratio in prop_oneof![0.0..0.7_f64, 0.5..20.0_f64]) {
+        let stiffness = frequency * frequency;
+        let damping = 2.0 * ratio * frequency;
+        for (name, bound, largest) in [
+            (SemiImplicitEuler::NAME, oscillator(stiffness, damping).limit::<SemiImplicitEuler>(), SemiImplicitEuler::limit as fn(f64) -> f64),
+            (VelocityVerlet::NAME, oscillator(stiffness, damping).limit::<VelocityVerlet>(), VelocityVerlet::limit),
+            (RungeKutta4::NAME, oscillator(stiffness, damping).limit::<RungeKutta4>(), RungeKutta4::limit),
+            (Pefrl::NAME, oscillator(stiffness, damping).limit_of(Pefrl::limit), Pefrl::limit),
+        ] {
+            let edge = |part: u32| [(1.0, f64::from(part) / 100.0), (f64::from(part.max(1)) / 100.0, 1.0)];
+            let least = (0..=100).flat_map(edge).map(|(slower, less)| largest(less * ratio / slower) / (slower * frequency));
+            let least = least.fold(f64::INFINITY, f64::min);
+            prop_assert!(bound.dt() <= least * (1.0 + 1e-9), "{name}: {} above {least}", bound.dt());
+            // The bound's search is finer. The grid may miss the tip where PEFRL's limit jumps, while ξ ≤ 0.5, by the
+            // slope |dL/dξ| < 4 there times the spacing 0.5/100, over L = 2.9.
+            prop_assert!(bound.dt() >= least * (1.0 - 7e-3), "{name}: {} far below {least}", bound.dt());
+        }
+    }
+}
+
+/// One particle of 1 kg on a spring from a fixed one.
+fn oscillator(stiffness: f64, damping: f64) -> Bound {
+    let mut bound = Bound::new(&[1.0, f64::INFINITY], &[0, 0]);
+    bound.spring(0, 1, stiffness, damping);
+    bound
+}
+
+/// A chain's fastest mode has ω = 2√(k/m) cos(π/2N), and the bound is 2√(k/m).
+#[test]
+fn the_bound_of_a_chain_is_tight() {
+    let mut bound = Bound::new(&[2.0; 50], &[0; 50]);
+    (1..50).for_each(|j| bound.spring(j - 1, j, 800.0, 0.0));
+    let truth = 2.0 / (2.0 * (800.0_f64 / 2.0).sqrt() * (std::f64::consts::PI / 100.0).cos());
+    let ratio = bound.limit::<VelocityVerlet>().dt() / truth;
+    assert!((0.999..=1.0).contains(&ratio), "{ratio}");
+}
+
+/// In a lattice the springs at a vertex pull in different directions, which the bound does not see.
+#[test]
+fn the_bound_of_a_lattice_is_of_the_right_size() {
+    let side = 10_usize;
+    let particles = (0..side * side).map(|i| Particle {
+        position: [(i % side) as f64, (i / side) as f64, 0.0],
+        mass: 1.0,
+        well: 0.0,
+        drag: 0.0,
+    });
+    let mut network = Network { dimension: 2, particles: particles.collect(), springs: Vec::new() };
+    for (column, row) in (0..side * side).map(|i| (i % side, i / side)) {
+        for (right, up) in [(1, 0), (0, 1), (1, 1), (1, usize::MAX)] {
+            let (to_column, to_row) = (column + right, row.wrapping_add(up));
+            if to_column < side && to_row < side {
+                let ends = (row * side + column, to_row * side + to_column);
+                network.springs.push(Spring { ends, stiffness: 1.0, damping: 0.0, rest: 1.0 });
+            }
+        }
+    }
+    let ratio = (largest_eigenvalue(network.matrices().0) / admitted(&network)).sqrt();
+    assert!((0.56..=0.98).contains(&ratio), "{ratio}");
+}
+
+#[test]
+fn nothing_limits_what_feels_nothing() {
+    let nothing = Limit { stability: f64::INFINITY, accuracy: f64::INFINITY, term: "", kind: Kind::None };
+    assert_eq!(Bound::new(&[], &[]).limit::<VelocityVerlet>(), nothing);
+    assert_eq!(Bound::new(&[1.0, 2.0], &[0, 0]).limit::<ExplicitEuler>(), nothing);
+    let mut fixed = Bound::new(&[f64::INFINITY; 2], &[0, 0]);
+    fixed.spring(0, 1, 1e8, 1e3);
+    fixed.point(0, "well", 1e8, 1e3);
+    assert_eq!(fixed.limit::<RungeKutta4>(), nothing);
+}
+
+#[test]
+fn explicit_euler_is_stable_only_with_damping_everywhere() {
+    assert_eq!(oscillator(4.0, 0.5).limit::<ExplicitEuler>().dt(), 0.0);
+    let mut dragged = oscillator(4.0, 0.0);
+    dragged.point(0, "drag", 0.0, 0.5);
+    assert_eq!(dragged.limit::<ExplicitEuler>().dt(), 0.0);
+    // h ≤ γ/ω²
+    dragged.least_damping(0, 0.5);
+    assert!((dragged.limit::<ExplicitEuler>().dt() / 0.125 - 1.0).abs() < 1e-12);
+}
+
+/// Two particles in equal wells: ω² = 2k/m + p/m, the row's two sources added, not their worst cases.
+#[test]
+fn the_sources_of_a_row_are_summed() {
+    let mut bound = Bound::new(&[2.0, 2.0], &[0, 0]);
+    bound.spring(0, 1, 30.0, 0.0);
+    bound.point(0, "well", 10.0, 0.0);
+    bound.point(1, "well", 10.0, 0.0);
+    assert!((bound.limit::<VelocityVerlet>().dt() / (2.0 / 35.0_f64.sqrt()) - 1.0).abs() < 1e-12);
+}
+
+/// A stiff body without drag and a soft one with much: neither makes the other's step smaller.
+#[test]
+fn bodies_are_bounded_apart() {
+    let mut both = Bound::new(&[1.0, f64::INFINITY, 1.0], &[0, 0, 1]);
+    both.spring(0, 1, 100.0, 0.0);
+    both.point(2, "drag", 0.0, 9.0);
+    // Verlet: 2/ω = 0.2 s for the first, m/b = 1/9 s for the second.
+    let limit = both.limit::<VelocityVerlet>();
+    assert!((limit.dt() * 9.0 - 1.0).abs() < 1e-9);
+    assert_eq!((limit.term, limit.kind), ("drag", Kind::Stability));
+}
+
+#[test]
+fn the_binding_term_is_named() {
+    assert_eq!(oscillator(100.0, 0.1).limit::<VelocityVerlet>().term, "springs");
+    assert_eq!(oscillator(1.0, 100.0).limit::<VelocityVerlet>().term, "spring damping");
+    let mut well = oscillator(1.0, 0.0);
+    well.point(0, "central", 100.0, 0.0);
+    assert_eq!(well.limit::<Pefrl>().term, "central");
+    well.accuracy("central", 1e-3);
+    well.accuracy("custom", 1e-2);
+    let limit = well.limit::<Pefrl>();
+    assert_eq!((limit.dt(), limit.accuracy, limit.term, limit.kind), (1e-3, 1e-3, "central", Kind::Accuracy));
+}

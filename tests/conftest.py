@@ -1,0 +1,59 @@
+"""How the tests run: with fewer examples by default, with the full number in `make test-long`, and dated reports."""
+
+from __future__ import annotations
+
+import os
+import platform
+from datetime import UTC, datetime
+from pathlib import Path
+
+import hypothesis
+import pytest
+
+LONG = os.environ.get("PHYSCORE_TESTS") == "long"
+
+hypothesis.settings.register_profile("short", max_examples=25, deadline=None, derandomize=True)
+hypothesis.settings.register_profile("long", max_examples=1000, deadline=None)
+hypothesis.settings.load_profile("long" if LONG else "short")
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption("--report", type=Path, help="write a dated table of all tests and what they measured")
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    path = config.getoption("--report")
+    if path is not None:
+        config.pluginmanager.register(Report(path), "physcore-report")
+
+
+class Report:
+    """Collects outcomes, and what tests say with `record_property`, into a Markdown table."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.rows: list[str] = []
+
+    def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
+        if report.when == "call" or (report.when == "setup" and report.outcome != "passed"):
+            measured = ", ".join(f"{name}: {value}" for name, value in report.user_properties)
+            name = report.nodeid.removeprefix("tests/")
+            self.rows.append(f"| `{name}` | {report.outcome} | {measured} | {report.duration:.1f} |")
+
+    def pytest_sessionfinish(self) -> None:
+        import numpy as np
+
+        import physcore
+
+        day = datetime.now(UTC).strftime("%Y-%m-%d")
+        head = [
+            f"# {self.path.stem}, {day}",
+            "",
+            f"physcore {physcore.__version__}, NumPy {np.__version__}, Python {platform.python_version()}, "
+            f"{platform.machine()}, {platform.system()}. Written by the tests; do not edit.",
+            "",
+            "| test | outcome | measured | seconds |",
+            "|---|---|---|---|",
+        ]
+        self.path.parent.mkdir(parents=True, exist_ok=True)
+        self.path.write_text("\n".join([*head, *self.rows]) + "\n", encoding="utf-8")

@@ -1,0 +1,68 @@
+"""The energy series: sums, drift, and the plot."""
+
+from __future__ import annotations
+
+import builtins
+
+import numpy as np
+import pytest
+
+import physcore as pc
+from physcore.audit import audit
+
+SERIES = pc.EnergySeries(
+    kinetic=np.array([0.0, 3.0, 1.0]),
+    by_term={"gravity": np.array([5.0, 1.0, 2.0]), "springs": np.array([0.0, 1.0, 0.5])},
+    dissipated=np.array([0.0, 0.5, 1.5]),
+    dissipated_by={"drag": np.array([0.0, 0.5, 1.5])},
+    work=np.array([0.0, 0.0, 1.0]),
+    times=np.array([0.0, 0.1, 0.2]),
+)
+
+
+def test_total_and_balance_are_the_sums_that_they_say():
+    assert SERIES.potential.tolist() == [5.0, 2.0, 2.5]
+    assert SERIES.total.tolist() == [5.0, 5.0, 3.5]
+    assert SERIES.balance.tolist() == [5.0, 5.5, 4.0]
+
+
+def test_drift_is_relative_to_the_energy_in_motion():
+    # (balance − 5) / (largest kinetic 3 + range of the potential 3)
+    np.testing.assert_allclose(SERIES.drift, [0.0, 0.5 / 6.0, -1.0 / 6.0])
+
+
+def test_what_does_not_move_does_not_drift():
+    recording = pc.simulate(pc.Scene(pc.Particles([[0.0, 0.0]])), 0.5)
+    assert (recording.energy.potential == 0.0).all()
+    assert (recording.energy.drift == 0.0).all()
+
+
+def test_the_plot_shows_each_term_and_the_balance():
+    pytest.importorskip("matplotlib").use("Agg")
+    axes = SERIES.plot()
+    labels = [line.get_label() for line in axes.get_lines()]
+    assert labels[:3] == ["kinetic", "potential: gravity", "potential: springs"]
+    assert any("balance" in label for label in labels)
+    assert SERIES.plot(axes) is axes
+
+
+def test_without_matplotlib_the_plot_says_how_to_get_it(monkeypatch):
+    real = builtins.__import__
+
+    def missing(name, *arguments):
+        if name.startswith("matplotlib"):
+            raise ImportError(name)
+        return real(name, *arguments)
+
+    monkeypatch.setattr(builtins, "__import__", missing)
+    with pytest.raises(pc.PhyscoreError, match=r"pip install \"physcore\[plot\]\""):
+        SERIES.plot()
+
+
+def test_the_audit_lists_every_term():
+    scene = pc.Scene(pc.rope(3, 1.0, 100.0, pinned="start"), pc.Gravity((0.0, -1.0)))
+    text = audit(pc.simulate(scene, 0.5))
+    for word in ("3 particles", "VelocityVerlet", "kinetic", "potential: gravity", "potential: springs", "dissipated"):
+        assert word in text
+    for word in ("work", "balance", "drift: at most", "momentum", "angular momentum"):
+        assert word in text

@@ -1,0 +1,293 @@
+"""Films hold what happened, in real time, whole, and the same for the same recording."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Callable
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from PIL import Image
+
+import physcore as pc
+from physcore._core import Canvas, Gif
+from physcore.film import DARK, LIGHT, Orbit, Window, gif_bytes
+from physcore.film.camera import fit
+from physcore.film.colormaps import COLORMAPS, look_up, sequential
+from physcore.film.filming import delays
+from physcore.film.styles.strain import covered
+
+SIZE = (160, 120)
+
+
+def recorded(
+    scene: pc.Scene, motion: Callable[[np.ndarray, float], np.ndarray], count: int = 7, fps: float = 30.0
+) -> Any:
+    """A recording in which each particle goes where `motion` says from its initial position."""
+    start = np.concatenate([body.positions for body in scene.bodies])
+    times = np.arange(count) / fps
+    positions = np.stack([motion(start, time) for time in times])
+    velocities = np.gradient(positions, times, axis=0)
+    channels = {"positions": positions, "velocities": velocities}
+    return SimpleNamespace(
+        scene=scene, times=times, positions=positions, velocities=velocities, fps=fps, channels=channels
+    )
+
+
+def shift(start: np.ndarray, time: float) -> np.ndarray:
+    """Everything moves to the right."""
+    return start + np.eye(start.shape[1])[0] * time
+
+
+def frames(path: Path | bytes) -> tuple[list[np.ndarray], list[int]]:
+    """The pictures of a GIF and their delays [ms], as Pillow reads them."""
+    pictures, times = [], []
+    with Image.open(io.BytesIO(path) if isinstance(path, bytes) else path) as image:
+        for index in range(image.n_frames):
+            image.seek(index)
+            pictures.append(np.asarray(image.convert("RGB")).astype(int))
+            times.append(image.info["duration"])
+    return pictures, times
+
+
+def ink(picture: np.ndarray, background: tuple[int, int, int] = DARK.background) -> np.ndarray:
+    """Which pixels are not background."""
+    return (np.abs(picture - np.array(background)) > 6).any(axis=2)
+
+
+def dust(count: int, dimension: int = 2) -> pc.Particles:
+    return pc.Particles(np.random.default_rng(1).uniform(size=(count, dimension)))
+
+
+def net(dimension: int = 2) -> pc.SpringNetwork:
+    axes = ((1.0, 0.0), (0.0, 1.0)) if dimension == 2 else ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
+    return pc.cloth((6, 5), spacing=0.1, stiffness=10.0, origin=(0.0,) * dimension, axes=axes, pinned="top")
+
+
+SCENES = {
+    "particles": pc.Scene(dust(50)),
+    "one particle at rest": pc.Scene(pc.Particles([[2.0, 3.0]])),
+    "no particle": pc.Scene(pc.Particles(np.empty((0, 2)))),
+    "springs": pc.Scene(net(), pc.Floor(-1.0)),
+    "mixed": pc.Scene(net(), dust(5), pc.Box((-0.2, -0.2), (1.5, 1.5)), pc.Sphere((0.5, 0.5), 0.2)),
+    "central": pc.Scene(pc.Particles([[1.0, 0.0]]), pc.CentralForce(center=(0.0, 0.0), strength=1.0, exponent=-2.0)),
+    "3D": pc.Scene(
+        net(3), dust(5, 3), pc.Floor(-0.1), pc.Sphere((0.2, 0.2, 0.1), 0.1), pc.Box((-1.0,) * 3, (2.0,) * 3)
+    ),
+    "bowl": pc.Scene(dust(30, 3), pc.Sphere((0.5, 0.5, 0.5), 1.0, inside=True)),
+}
+
+
+@pytest.mark.parametrize("name", SCENES)
+@pytest.mark.parametrize("theme", ["dark", "light"])
+def test_every_scene_gives_as_many_frames_as_were_recorded(name: str, theme: Any, tmp_path: Path) -> None:
+    recording = recorded(SCENES[name], shift)
+    pc.film(recording, tmp_path / "film.gif", size=SIZE, theme=theme)
+    pictures, times = frames(tmp_path / "film.gif")
+    assert len(pictures) == 7
+    assert all(picture.shape == (120, 160, 3) for picture in pictures)
+    assert set(times) <= {30, 40}
+
+
+@pytest.mark.parametrize("kind", pc.styles.STYLES)
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_every_style_draws_a_network_and_stays_inside_the_picture(
+    kind: type[pc.styles.Style], dimension: int, tmp_path: Path
+) -> None:
+    pc.film(recorded(pc.Scene(net(dimension)), shift), tmp_path / "film.gif", size=SIZE, style=kind())
+    for picture in frames(tmp_path / "film.gif")[0]:
+        drawn = ink(picture)
+        assert drawn.sum() > 100
+        assert not drawn[0].any()
+        assert not drawn[:, [0, -1]].any()
+
+
+def test_a_gif_holds_exactly_what_was_drawn() -> None:
+    """Few colors need no approximation, and Pillow shares no code with the writer."""
+    canvas = Canvas(64, 48, (10, 20, 30))
+    gif = Gif(None, [(10, 20, 30)])
+    generator = np.random.default_rng(2)
+    drawn = []
+    for _ in range(12):
+        corners = generator.uniform(0, 60, size=(4, 1, 2)).round() + np.array([[0, 0], [9, 0], [9, 7], [0, 7]])
+        for index, corner in enumerate(corners.astype(np.float32)):
+            canvas.polygon(corner, (40 * index + 60, 200 - 40 * index, 128, 255))
+        gif.observe(canvas)
+        drawn.append(canvas.pixels())
+    for picture in drawn:
+        _paste(canvas, picture)
+        gif.frame(canvas, 3)
+        gif.frame(canvas, 4)  # a frame like the last one is still a frame
+    content = gif.finish()
+    assert content is not None
+    pictures, times = frames(content)
+    assert times == [30, 40] * len(drawn)
+    for index, picture in enumerate(pictures):
+        np.testing.assert_array_equal(picture, drawn[index // 2])
+
+
+def _paste(canvas: Canvas, picture: np.ndarray) -> None:
+    """Copy a picture pixel by pixel."""
+    for row, column in np.ndindex(picture.shape[:2]):
+        red, green, blue = (int(value) for value in picture[row, column])
+        square = np.array([[0, 0], [1, 0], [1, 1], [0, 1]], dtype=np.float32) + np.array(
+            [column, row], dtype=np.float32
+        )
+        canvas.polygon(square, (red, green, blue, 255))
+
+
+@pytest.mark.parametrize("rate", [1.0, 7.3, 12.5, 24.0, 25.0, 29.97, 30.0, 48.0, 50.0])
+def test_delays_keep_real_time(rate: float) -> None:
+    """Each frame ends within half a hundredth of a second of its time, so the sum of 1000 does too."""
+    found = delays(1000, rate)
+    late = np.cumsum(found) / 100 - np.arange(1, 1001) / rate
+    assert np.abs(late).max() <= 0.005 + 1e-9
+    assert max(found) - min(found) <= 1
+
+
+def test_the_same_recording_gives_the_same_bytes() -> None:
+    recording = recorded(SCENES["3D"], shift)
+    assert gif_bytes(recording, size=SIZE) == gif_bytes(recording, size=SIZE)
+
+
+def test_panels_stand_side_by_side_and_share_their_camera(tmp_path: Path) -> None:
+    still = recorded(SCENES["central"], lambda start, time: start)
+    far = recorded(SCENES["central"], lambda start, time: start + 9.0 * time)
+    pc.film([still, far, still], tmp_path / "film.gif", size=(300, 100), titles=["a", "b", "c"])
+    picture = frames(tmp_path / "film.gif")[0][0]
+    left, middle, right = (ink(picture)[25:80, start : start + 100] for start in (0, 100, 200))
+    np.testing.assert_array_equal(left, middle)  # all start at the same place, in pixels too
+    np.testing.assert_array_equal(left, right)
+
+
+def test_a_panel_that_ends_early_keeps_its_last_frame(tmp_path: Path) -> None:
+    short, long = recorded(SCENES["central"], shift, 3), recorded(SCENES["central"], shift, 8)
+    pc.film([short, long], tmp_path / "film.gif", size=(200, 100))
+    pictures = frames(tmp_path / "film.gif")[0]
+    assert len(pictures) == 8
+    np.testing.assert_array_equal(ink(pictures[-1])[:75, :100], ink(pictures[-2])[:75, :100])
+
+
+def test_a_still_is_the_last_frame(tmp_path: Path) -> None:
+    recording = recorded(SCENES["particles"], shift)
+    pc.film(recording, tmp_path / "film.png", size=SIZE)
+    pc.film(recording, tmp_path / "film.gif", size=SIZE)
+    with Image.open(tmp_path / "film.png") as image:
+        still = np.asarray(image).astype(int)
+    # The film's 255 colors are near the still's: a mean difference of one step in 255 is far from visible.
+    assert np.abs(still - frames(tmp_path / "film.gif")[0][-1]).mean() < 1.0
+
+
+def test_strain_is_blue_when_compressed_and_red_when_stretched(tmp_path: Path) -> None:
+    rope = pc.rope(2, length=1.0, stiffness=1.0)
+    for factor, strong, weak in [(1.3, 0, 2), (0.7, 2, 0)]:
+        recording = recorded(pc.Scene(rope), lambda start, time, factor=factor: start * factor)
+        pc.film(recording, tmp_path / "film.png", size=SIZE, style=pc.styles.Strain())
+        with Image.open(tmp_path / "film.png") as image:
+            row = np.asarray(image).astype(int)[20:90].reshape(-1, 3)
+        color = row[np.abs(row - np.array(DARK.background)).sum(axis=1).argmax()]
+        assert color[strong] > color[weak] + 80
+
+
+def test_springs_along_two_others_are_not_drawn() -> None:
+    """In a 6 × 5 cloth those are exactly the bending springs: 4 in each of 5 rows and 3 in each of 6 columns."""
+    cloth = net()
+    hidden = covered(cloth.pairs, cloth.rest_length)
+    assert hidden.sum() == 4 * 5 + 3 * 6
+    np.testing.assert_allclose(cloth.rest_length[hidden], 0.2)
+    assert not covered(cloth.pairs[:0], cloth.rest_length[:0]).any()
+
+
+@pytest.mark.parametrize(
+    "camera", [Orbit(), Orbit(field_of_view=0.0), Orbit(azimuth=120.0, elevation=-70.0, field_of_view=100.0)]
+)
+def test_nothing_leaves_the_picture_in_perspective(camera: Orbit) -> None:
+    points = np.random.default_rng(3).normal(size=(500, 3)) * (3.0, 0.2, 1.0) + 100.0
+    local = points @ camera.axes.T
+    view = fit(camera, local.min(axis=0), local.max(axis=0), (20.0, 10.0, 220.0, 110.0), 5.0)
+    pixels, depth, _ = view.project(points)
+    rounding = 1e-3  # pixels are float32: an ulp of 220 is 1.5e-5
+    assert (pixels >= np.array([25.0, 15.0]) - rounding).all()
+    assert (pixels <= np.array([215.0, 105.0]) + rounding).all()
+    assert depth is not None
+    # What is nearer to the eye has the smaller depth.
+    assert np.argmin(depth) == np.argmax(local[:, 2])
+
+
+def test_up_is_z_and_a_window_is_shown_whole(tmp_path: Path) -> None:
+    toward = Orbit(azimuth=-90.0, elevation=0.0).axes
+    np.testing.assert_allclose(toward, [[1, 0, 0], [0, 0, 1], [0, -1, 0]], atol=1e-15)
+    recording = recorded(SCENES["one particle at rest"], lambda start, time: start)
+    pc.film(recording, tmp_path / "film.png", size=SIZE, camera=Window((0.0, 0.0), (4.0, 6.0)))
+    with Image.open(tmp_path / "film.png") as image:
+        _, columns = np.nonzero(ink(np.asarray(image).astype(int))[:90])
+    assert columns.mean() == pytest.approx(79.5, abs=0.6)  # the particle is in the middle of the window
+
+
+def test_colormaps_grow_evenly_lighter() -> None:
+    """Luma never falls along a map, which is what makes it readable in print and to the color-blind."""
+    for name in COLORMAPS:
+        luma = sequential(name, (0.0, 1.0), "colormap") @ np.array([0.2126, 0.7152, 0.0722])
+        assert (np.diff(luma) > -0.2).all()
+    table = sequential("viridis", (0.0, 1.0), "colormap")
+    np.testing.assert_array_equal(look_up(table, np.array([-1.0, 0.0, 2.0])), table[[0, 0, 255]])
+
+
+def test_a_failure_leaves_the_old_file_and_nothing_else(tmp_path: Path) -> None:
+    path = tmp_path / "film.gif"
+    path.write_bytes(b"old")
+    recording = recorded(SCENES["particles"], shift)
+    recording.positions = recording.positions[:5]  # the film breaks off in the middle
+    with pytest.raises(IndexError):
+        pc.film(recording, path, size=SIZE)
+    assert path.read_bytes() == b"old"
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_a_file_that_cannot_be_written_is_a_file_error(tmp_path: Path) -> None:
+    recording = recorded(SCENES["particles"], shift)
+    for name in ("none/film.gif", "none/film.png"):
+        with pytest.raises(pc.FileError, match=name) as caught:
+            pc.film(recording, tmp_path / name, size=SIZE)
+        assert isinstance(caught.value.__cause__, OSError)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"path": "film.mp4"}, r"path: must end in \.gif or \.png"),
+        ({"size": (10, 10)}, r"size\[0\]"),
+        ({"size": 640}, "size: must be"),
+        ({"style": pc.styles.Points}, r"write Points\(\)"),
+        ({"theme": "blue"}, "theme: must be one of 'dark', 'light'"),
+        ({"background": "red"}, "background"),
+        ({"camera": Orbit()}, "camera: must be a Window in 2D"),
+        ({"titles": ["a", "b"]}, "titles: must be one for each"),
+        ({"speed": 10.0}, "at most 50 frames per second, got 300"),
+        ({"duration": 1.0}, "duration: a recording already has it"),
+        ({"style": pc.styles.Strain(on=SCENES["particles"].bodies[0])}, "no springs"),
+    ],
+)
+def test_what_cannot_be_filmed_is_refused(options: dict[str, Any], message: str, tmp_path: Path) -> None:
+    path = tmp_path / options.pop("path", "film.gif")
+    with pytest.raises(pc.SceneError, match=message):
+        pc.film(recorded(SCENES["particles"], shift), path, **options)
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_scene_is_filmed_while_it_runs_like_its_recording(tmp_path: Path) -> None:
+    """Streaming looks twice at the same bits, so it draws what the recording shows."""
+    scene = pc.Scene(pc.rope(10, length=1.0, stiffness=100.0, mass=0.01, pinned="start"), pc.Gravity((0.0, -9.81)))
+    pc.film(scene, tmp_path / "streamed.gif", duration=0.5, fps=20, size=SIZE)
+    pc.film(pc.simulate(scene, 0.5, fps=20), tmp_path / "recorded.gif", size=SIZE)
+    assert (tmp_path / "streamed.gif").read_bytes() == (tmp_path / "recorded.gif").read_bytes()
+    with pytest.raises(pc.SceneError, match="duration"):
+        pc.film(scene, tmp_path / "film.gif")
+
+
+def test_the_light_theme_is_light(tmp_path: Path) -> None:
+    pc.film(recorded(SCENES["particles"], shift), tmp_path / "film.gif", size=SIZE, theme=LIGHT)
+    np.testing.assert_array_equal(frames(tmp_path / "film.gif")[0][0][0, 0], LIGHT.background)

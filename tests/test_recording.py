@@ -1,0 +1,143 @@
+"""Recordings: frames at a fixed rate, whatever the time step, that change nothing in the run."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import physcore as pc
+from physcore import recording as recording_module
+from physcore.energy import Energy
+from physcore.sampling import hermite
+from physcore.state import Frame, Snapshot
+
+BALL = pc.Particles([[0.0, 1.0]], velocities=[[2.0, 5.0]], name="ball")
+THROW = pc.Scene(BALL, pc.Gravity((0.0, -9.81)))
+
+
+def parabola(times: np.ndarray) -> np.ndarray:
+    return np.stack([2.0 * times, 1.0 + 5.0 * times - 9.81 / 2 * times**2], axis=-1)
+
+
+@pytest.mark.parametrize(
+    ("duration", "fps", "frames"), [(2.0, 30.0, 61), (0.0, 30.0, 1), (1.0 / 3.0, 30.0, 11), (0.99, 10.0, 10)]
+)
+@pytest.mark.parametrize("dt", ["auto", 1e-3, 1.0 / 30.0, 0.07])
+def test_frames_are_at_multiples_of_the_interval(duration, fps, frames, dt):
+    recording = pc.simulate(THROW, duration, fps, dt=dt)
+    assert len(recording) == frames
+    assert (recording.times == np.arange(frames) / fps).all()
+    assert recording.positions.shape == recording.velocities.shape == (frames, 1, 2)
+    # Verlet and a cubic are both exact on a parabola: what is left is rounding, of steps · ulp(10).
+    np.testing.assert_allclose(recording.positions[:, 0], parabola(recording.times), rtol=0, atol=1e-11)
+    np.testing.assert_allclose(recording.velocities[:, 0, 1], 5.0 - 9.81 * recording.times, rtol=0, atol=1e-11)
+
+
+@pytest.mark.parametrize("dt", [1e-3, 0.007, 0.07])
+def test_recording_does_not_change_the_run(dt):
+    recorded, plain = pc.Simulation(THROW, dt=dt), pc.Simulation(THROW, dt=dt)
+    recorded.record(1.0, fps=30.0)
+    plain.run(1.0)
+    assert recorded.steps == plain.steps
+    assert recorded.state_hash() == plain.state_hash()
+
+
+def test_a_frame_on_a_step_is_that_step():
+    simulation = pc.Simulation(THROW, dt=0.01)
+    recording = simulation.record(1.0, fps=20.0)
+    assert (recording.positions[-1] == simulation.positions).all()
+    assert recording.energy.times[7] == pytest.approx(recording.times[7], abs=1e-6 * 0.01)
+
+
+def test_the_energy_of_a_frame_between_steps_is_that_of_the_step_before():
+    recording = pc.simulate(THROW, duration=1.0, fps=30.0, dt=0.07)
+    steps = np.floor(recording.times / 0.07 + 1e-6)
+    np.testing.assert_allclose(recording.energy.times, steps * 0.07, rtol=1e-14)
+    np.testing.assert_allclose(recording.energy.total, recording.energy.total[0], rtol=1e-13)
+
+
+def test_a_recording_can_start_later():
+    simulation = pc.Simulation(THROW, dt=0.01)
+    simulation.run(0.5)
+    recording = simulation.record(0.5, fps=10.0)
+    assert recording.times[0] == simulation.time - 0.5 == 0.5
+    np.testing.assert_allclose(recording.positions[:, 0], parabola(recording.times), rtol=0, atol=1e-12)
+
+
+def test_the_frames_of_automatic_steps_end_with_the_duration():
+    simulation = pc.Simulation(THROW)
+    simulation.record(0.99, fps=10.0)
+    assert simulation.time == pytest.approx(0.99, rel=1e-14)
+
+
+def test_a_body_has_its_part():
+    still = pc.Particles([[7.0, 7.0], [8.0, 8.0]], fixed=True)
+    recording = pc.simulate(pc.Scene(still, BALL, pc.Gravity((0.0, -9.81))), 0.5)
+    assert (recording[BALL].positions == recording.positions[:, 2:]).all()
+    assert (recording["ball"].velocities == recording.velocities[:, 2:]).all()
+    assert (recording[0].positions == still.positions).all()
+    assert (recording[still].times == recording.times).all()
+
+
+def test_only_the_channels_asked_for_are_kept():
+    recording = pc.simulate(THROW, 0.5, channels=("positions",))
+    assert recording.positions.shape == (16, 1, 2)
+    with pytest.raises(pc.SceneError, match="velocities were not recorded"):
+        _ = recording.velocities
+
+
+def test_momentum_and_angular_momentum_are_recorded():
+    recording = pc.simulate(THROW, 0.5, dt=0.01, fps=10.0)
+    assert recording.momentum.shape == (6, 2)
+    np.testing.assert_allclose(recording.momentum, recording.velocities[:, 0], rtol=1e-14)
+    x, v = recording.positions[:, 0], recording.velocities[:, 0]
+    np.testing.assert_allclose(
+        recording.angular_momentum[:, 0], x[:, 0] * v[:, 1] - x[:, 1] * v[:, 0], rtol=0, atol=1e-13
+    )
+
+
+def test_a_recording_that_does_not_fit_is_refused_before_it_starts(monkeypatch):
+    monkeypatch.setattr(recording_module, "_available_memory", lambda: 1000)
+    simulation = pc.Simulation(THROW)
+    with pytest.raises(pc.SceneError, match=r"duration: 61 frames of 1 particles .*lower fps"):
+        simulation.record(2.0)
+    assert simulation.steps == 0
+
+
+def test_save_and_load_give_the_same_recording(tmp_path):
+    path = tmp_path / "throw.npz"
+    recording = pc.simulate(THROW, 0.5)
+    recording.save(path)
+    loaded = pc.load(path)
+    assert isinstance(loaded, pc.Recording)
+    for name in ("times", "positions", "velocities", "momentum", "angular_momentum"):
+        assert (getattr(loaded, name) == getattr(recording, name)).all()
+    assert (loaded.energy.total == recording.energy.total).all()
+    assert (loaded.plan, loaded.fps) == (recording.plan, recording.fps)
+    assert (loaded["ball"].positions == recording.positions).all()
+    with np.load(path) as archive:
+        assert (archive["positions"] == recording.positions).all()
+
+
+def frame(x: float, v: float) -> Frame:
+    energy = Energy(kinetic=0.0, by_term={}, dissipated=0.0, dissipated_by={}, work=0.0, time=0.0)
+    return Frame(0.0, np.array([[x]]), np.array([[v]]), energy, np.zeros(1), np.zeros(1))
+
+
+@given(coefficients=st.tuples(*[st.floats(-10, 10)] * 4), fraction=st.floats(0, 1), dt=st.floats(0.1, 10))
+def test_the_interpolation_is_exact_for_cubics(coefficients, fraction, dt):
+    cubic = np.polynomial.Polynomial(coefficients)
+    slope = cubic.deriv()
+    after = Snapshot(dt, np.array([[cubic(dt)]]), np.array([[slope(dt)]]))
+    between = hermite(frame(cubic(0.0), slope(0.0)), after, fraction, dt)
+    # Rounding: some ten operations on terms of at most 10 · 4 · 10³ (positions), and that divided by dt (velocities).
+    scale = 40.0 * max(1.0, dt) ** 3
+    assert between.positions[0, 0] == pytest.approx(cubic(fraction * dt), abs=30 * 2.0**-53 * scale)
+    assert between.velocities[0, 0] == pytest.approx(slope(fraction * dt), abs=300 * 2.0**-53 * scale / min(1.0, dt))
+
+
+@given(x=st.floats(-1e9, 1e9), fraction=st.floats(0, 1))
+def test_what_rests_stays_where_it_is_to_the_bit(x, fraction):
+    assert hermite(frame(x, 0.0), Snapshot(0.1, np.array([[x]]), np.zeros((1, 1))), fraction, 0.1).positions[0, 0] == x

@@ -1,0 +1,147 @@
+"""Steps: how many there are, how long they are, and what is said about steps that are too long."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+import physcore as pc
+
+FALLING = pc.Scene(pc.Particles([[0.0, 0.0]]), pc.Gravity((0.0, -9.81)))
+
+
+def spring(stiffness: float = 100.0) -> pc.Scene:
+    """Two unit masses on a spring: ω² = 2k/m, so Verlet's limit is 2/ω = √(2m/k)."""
+    return pc.Scene(pc.SpringNetwork([[0.0, 0.0], [1.0, 0.0]], [[0, 1]], stiffness))
+
+
+def test_step_takes_equal_steps():
+    simulation = pc.Simulation(FALLING, dt=1e-3)
+    simulation.step()
+    simulation.step(499)
+    assert simulation.steps == 500
+    assert simulation.time == 500 * 1e-3  # start + n · dt, one product: no sum of roundings
+    assert simulation.dt == 1e-3
+
+
+@pytest.mark.parametrize(("duration", "steps"), [(1.0, 10), (0.95, 10), (0.3, 3), (0.1 + 1e-9, 1), (0.0, 0)])
+def test_run_takes_the_steps_that_reach_the_duration_and_keeps_dt(duration, steps):
+    simulation = pc.Simulation(FALLING, dt=0.1)
+    simulation.run(duration)
+    assert (simulation.steps, simulation.dt) == (steps, 0.1)
+
+
+def test_auto_ends_a_run_exactly_at_the_duration():
+    scene = spring()
+    limit = pc.stability_limit(scene, pc.VelocityVerlet())
+    simulation = pc.Simulation(scene)
+    simulation.run(1.0)
+    assert simulation.time == pytest.approx(1.0, rel=1e-15)
+    assert simulation.steps == math.ceil(1.0 / (pc.AutoStep().safety * limit))
+    assert simulation.dt == 1.0 / simulation.steps
+
+
+def test_the_limit_of_one_spring_is_that_of_the_oscillator():
+    # Gram bound: d_i = k at both ends, ω² ≤ k/m + k/m, which is exact for one spring.
+    assert pc.stability_limit(spring(100.0), pc.VelocityVerlet()) == pytest.approx(math.sqrt(2.0 / 100.0), rel=1e-12)
+
+
+def test_safety_scales_the_automatic_step():
+    scene = spring()
+    whole, half = (pc.Simulation(scene, dt=pc.AutoStep(safety=s)).dt for s in (1.0, 0.5))
+    assert half == whole / 2
+
+
+def test_where_nothing_limits_the_step_there_are_four_to_a_frame():
+    assert pc.stability_limit(FALLING, pc.VelocityVerlet()) == math.inf
+    assert pc.Simulation(FALLING).dt == 1.0 / 120.0
+    recording = pc.simulate(FALLING, duration=1.0, fps=10.0)
+    assert recording.plan.dt == pytest.approx(1.0 / 40.0, rel=1e-15)
+
+
+def test_the_plan_names_the_step_its_limit_and_the_term():
+    plan = pc.Simulation(spring()).plan
+    assert 0 < plan.dt < plan.dt_limit
+    assert plan.margin == plan.dt / plan.dt_limit
+    assert "springs" in plan.limit_term
+    assert plan.limit_kind == "stability"
+    text = str(plan)
+    assert "springs" in text
+    assert "50% of the stability limit" in text
+
+
+def test_a_step_above_the_limit_warns_where_the_user_wrote_it():
+    scene = spring()
+    limit = pc.stability_limit(scene, pc.VelocityVerlet())
+    pc.Simulation(scene, dt=0.99 * limit)
+    with pytest.warns(pc.StabilityWarning, match="above the limit of stability of VelocityVerlet") as caught:
+        pc.Simulation(scene, dt=1.01 * limit)
+    assert caught[0].filename == __file__
+    with pytest.warns(pc.StabilityWarning) as caught:
+        pc.simulate(scene, duration=0.0, dt=1.01 * limit)
+    assert caught[0].filename == __file__
+
+
+def test_explicit_euler_warns_once_and_has_no_automatic_step():
+    scene = spring()
+    assert pc.stability_limit(scene, pc.ExplicitEuler()) == 0.0
+    with pytest.raises(pc.SceneError, match=r"dt: no time step is stable with ExplicitEuler .* SemiImplicitEuler"):
+        pc.Simulation(scene, pc.ExplicitEuler())
+    with pytest.warns(pc.StabilityWarning, match="not stable at any time step") as caught:
+        pc.Simulation(scene, pc.ExplicitEuler(), dt=1e-3).step(10)
+    assert len(caught) == 1
+
+
+@pytest.mark.parametrize(
+    ("choice", "message"),
+    [
+        ({"dt": 0.0}, "dt: must be > 0, got 0"),
+        ({"dt": -1e-3}, "dt: must be > 0"),
+        ({"dt": math.nan}, "dt: must be finite"),
+        ({"dt": math.inf}, "dt: must be finite"),
+        ({"dt": "fast"}, "dt: must be a number of seconds, 'auto' or AutoStep"),
+        ({"dt": None}, "dt: must be a number"),
+        ({"integrator": pc.PEFRL}, r"integrator: .*write PEFRL\(\)"),
+        ({"integrator": "rk4"}, "integrator: must be one of ExplicitEuler"),
+        ({"precision": "f16"}, "precision: must be 'f32', 'f64' or 'auto', got 'f16'"),
+        ({"threads": 0}, "threads: must be ≥ 1, got 0"),
+        ({"threads": 1.5}, "threads: must be a whole number"),
+        ({"runaway": 0.0}, "runaway: must be > 0"),
+        ({"on_divergence": "stop"}, "on_divergence: must be 'raise' or 'ignore'"),
+    ],
+)
+def test_bad_numerics_are_refused_by_name(choice, message):
+    with pytest.raises(pc.SceneError, match=message):
+        pc.Simulation(FALLING, **choice)
+
+
+@pytest.mark.parametrize(
+    ("act", "message"),
+    [
+        (lambda simulation: simulation.step(-1), "step.n: must be ≥ 0, got -1"),
+        (lambda simulation: simulation.step(1.0), "step.n: must be a whole number"),
+        (lambda simulation: simulation.run(-1.0), "run.duration: must be ≥ 0"),
+        (lambda simulation: simulation.run(math.inf), "run.duration: must be finite"),
+        (lambda simulation: simulation.record(1.0, fps=0.0), "fps: must be > 0"),
+        (lambda simulation: simulation.record(-1.0), "duration: must be ≥ 0"),
+        (lambda simulation: simulation.record(1.0, channels="positions"), "channels: must be a tuple"),
+        (lambda simulation: simulation.record(1.0, channels=("forces",)), "channels: must be a tuple"),
+        (lambda simulation: simulation.set(positions=[1.0, 2.0, 3.0]), "set.positions: must broadcast"),
+        (lambda simulation: simulation.set(velocities=math.nan), "set.velocities: must be finite"),
+    ],
+)
+def test_bad_arguments_are_refused_by_name(act, message):
+    with pytest.raises(pc.SceneError, match=message):
+        act(pc.Simulation(FALLING))
+
+
+def test_a_scene_is_asked_for():
+    with pytest.raises(pc.SceneError, match=r"scene: must be a Scene, .*write Scene\(Particles\(…\), …\)"):
+        pc.Simulation(FALLING.bodies[0])
+
+
+def test_safety_is_a_fraction():
+    for safety in (0.0, 1.1, -1.0):
+        with pytest.raises(pc.SceneError, match=r"AutoStep\.safety: must be"):
+            pc.AutoStep(safety)

@@ -1,0 +1,175 @@
+"""Files: they hold what the next bits depend on, and no damage goes unnoticed."""
+
+from __future__ import annotations
+
+import os
+import zipfile
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import physcore as pc
+from physcore import storage
+
+WIND = pc.Drag(0.001, wind=(0.1, 0.0))
+BODIES = (
+    pc.cloth((6, 5), spacing=0.02, stiffness=300.0, damping=0.01, mass=1e-3, pinned="top", name="cloth"),
+    pc.Particles([[0.0, 0.5], [0.1, 0.5]], velocities=[0.3, 0.0], mass=[1.0, 2.0], charge=1e-9, radius=0.01),
+)
+SCENE = pc.Scene(
+    *BODIES,
+    pc.Gravity((0.0, -9.81), on=BODIES[0]),
+    pc.CentralForce((0.0, 0.0), 0.1, softening=0.5, on=[BODIES[1]]),
+    WIND,
+    pc.Floor(-1.0, restitution=0.5, friction=0.1),
+)
+
+
+def saved(simulation: pc.Simulation, path) -> bytes:
+    simulation.save(path)
+    return path.read_bytes()
+
+
+def test_an_interrupted_run_ends_in_the_same_bits(tmp_path):
+    straight, first = pc.Simulation(SCENE), pc.Simulation(SCENE)
+    straight.step(1000)
+    first.step(333)
+    before = first.state_hash()
+    first.save(tmp_path / "state.physcore")
+    assert first.state_hash() == before
+    second = pc.load(tmp_path / "state.physcore")
+    assert isinstance(second, pc.Simulation)
+    assert second.state_hash() == before
+    first.step(667)
+    second.step(667)
+    assert straight.state_hash() == first.state_hash() == second.state_hash()
+    assert second.time == straight.time
+    assert vars(second.energy()) == vars(straight.energy())
+
+
+def test_a_checkpoint_keeps_scene_and_numerics(tmp_path):
+    numerics = {"integrator": pc.VelocityVerlet(), "dt": 1e-4, "precision": "f64", "threads": 1, "runaway": 1e5}
+    simulation = pc.Simulation(SCENE, **numerics)
+    simulation.save(tmp_path / "state")
+    loaded = pc.load(tmp_path / "state")
+    assert isinstance(loaded, pc.Simulation)
+    assert loaded.integrator == pc.VelocityVerlet()
+    assert loaded.dt == 1e-4
+    assert loaded.plan == simulation.plan
+    assert len(loaded.scene.forces) == 3
+    assert loaded.scene.forces[2] == WIND
+    assert loaded.scene.forces[0].bodies() == (loaded.scene.bodies[0],)
+    assert loaded.scene.boundaries == SCENE.boundaries
+    for mine, theirs in zip(SCENE.bodies, loaded.scene.bodies, strict=True):
+        assert mine.name == theirs.name
+        for name in ("positions", "velocities", "mass", "charge", "radius", "fixed"):
+            assert (getattr(mine, name) == getattr(theirs, name)).all()
+
+
+def test_the_same_state_gives_the_same_file(tmp_path):
+    simulation = pc.Simulation(SCENE)
+    assert saved(simulation, tmp_path / "one") == saved(simulation, tmp_path / "two")
+
+
+def test_any_truncation_and_any_flipped_bit_is_noticed(tmp_path):
+    path = tmp_path / "state"
+    data = saved(pc.Simulation(pc.Scene(pc.Particles([[0.0, 0.0]]))), path)
+    generator = np.random.default_rng(1)
+    cuts = [data[:size] for size in (0, 1, 100, len(data) // 2, len(data) - 1)]
+    longer = [data + b"\0", b"\0" + data, data + data]
+    places = np.concatenate([generator.integers(len(data), size=300), np.arange(len(data) - 120, len(data))])
+    flips = []
+    for place in places.tolist():
+        flipped = bytearray(data)
+        flipped[place] ^= 1 << int(generator.integers(8))
+        flips.append(bytes(flipped))
+    for damaged in (*cuts, *longer, *flips):
+        path.write_bytes(damaged)
+        with pytest.raises(pc.FileError) as caught:
+            pc.load(path)
+        assert str(path) in str(caught.value)
+        assert isinstance(caught.value, OSError)
+
+
+def test_a_file_of_another_version_says_so(tmp_path, monkeypatch):
+    path = tmp_path / "state"
+    monkeypatch.setattr(storage, "VERSION", 2)
+    pc.Simulation(SCENE).save(path)
+    monkeypatch.undo()
+    with pytest.raises(pc.FileError, match="format version '2'; this physcore reads version 1"):
+        pc.load(path)
+
+
+@pytest.mark.parametrize(
+    ("prepare", "message"),
+    [
+        (lambda path: None, "cannot be read: No such file"),
+        (lambda path: path.mkdir(), "cannot be read: Is a directory"),
+        (lambda path: path.write_bytes(b""), "is empty"),
+        (lambda path: path.write_text("x = 1\n" * 100), "no file of physcore"),
+        (lambda path: np.savez(path.open("wb"), x=np.zeros(1000)), "no file of physcore"),
+    ],
+)
+@pytest.mark.filterwarnings("ignore::ResourceWarning")
+def test_what_is_no_file_of_physcore_is_refused(tmp_path, prepare, message):
+    path = tmp_path / "thing"
+    prepare(path)
+    with pytest.raises(pc.FileError, match=message):
+        pc.load(path)
+
+
+def test_a_failed_write_leaves_the_old_file_and_nothing_else(tmp_path, monkeypatch):
+    path = tmp_path / "state"
+    simulation = pc.Simulation(SCENE)
+    before = saved(simulation, path)
+
+    def full(descriptor: int) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(os, "fsync", full)
+    with pytest.raises(pc.FileError, match="state: cannot be written: No space left on device"):
+        simulation.save(path)
+    assert path.read_bytes() == before
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_a_folder_that_does_not_exist_is_a_file_error(tmp_path):
+    with pytest.raises(pc.FileError, match="cannot be written: No such file or directory"):
+        pc.Simulation(SCENE).save(tmp_path / "missing" / "state")
+
+
+def test_a_custom_force_cannot_be_saved_and_the_message_says_why(tmp_path):
+    scene = pc.Scene(BODIES[1], pc.CustomForce(lambda time, x, v: -x))
+    with pytest.raises(pc.FileError, match=r"forces\[0\]: a CustomForce cannot be saved"):
+        pc.Simulation(scene, dt=1e-3).save(tmp_path / "state")
+    assert not list(tmp_path.iterdir())
+
+
+def test_nothing_is_pickled(tmp_path):
+    path = tmp_path / "state"
+    pc.Simulation(SCENE).save(path)
+    with zipfile.ZipFile(path) as archive:
+        names = archive.namelist()
+        for name in names:
+            assert name == "header.json" or archive.read(name).startswith(b"\x93NUMPY")
+    with np.load(path, allow_pickle=False) as arrays:
+        assert all(arrays[name].dtype != object for name in arrays.files if name != "header.json")
+
+
+def test_a_loaded_run_does_not_warn_a_second_time(tmp_path):
+    scene = pc.Scene(pc.rope(3, 1.0, 100.0))
+    with pytest.warns(pc.StabilityWarning):
+        pc.Simulation(scene, dt=1.0).save(tmp_path / "state")
+    pc.load(tmp_path / "state")
+
+
+LEAVES = st.none() | st.booleans() | st.integers(0, 2**64 - 1) | st.floats(allow_nan=False) | st.text() | st.binary()
+
+
+@given(tree=st.dictionaries(st.text("abc", min_size=1), st.recursive(LEAVES, lambda t: st.lists(t, max_size=4))))
+def test_a_tree_of_values_comes_back_as_it_was(tmp_path_factory, tree):
+    path = tmp_path_factory.mktemp("tree") / "file"
+    storage.write(path, "kind", tree)
+    assert storage.read(path) == ("kind", tree)
