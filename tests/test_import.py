@@ -19,8 +19,9 @@ def test_heavy_modules_are_not_imported():
 
 
 def test_the_import_takes_at_most_150_ms_beyond_numpy():
-    code = "import time, numpy; t = time.perf_counter(); import physcore; print(time.perf_counter() - t)"
-    assert min(float(python(code)) for _ in range(3)) < 0.15
+    # Time on the processor, and the least of several: the first one may compile, and others may share the machine.
+    code = "import time, numpy; t = time.process_time(); import physcore; print(time.process_time() - t)"
+    assert min(float(python(code)) for _ in range(5)) < 0.15
 
 
 def test_everything_public_is_there_and_documented():

@@ -91,16 +91,16 @@ def test_other_python_threads_run_meanwhile():
 
 @pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="needs interval timers")
 def test_ctrl_c_is_answered_and_the_run_can_go_on():
-    simulation, plain = running(0, HANGING), running(0, HANGING)
-    sent = []
+    small = pc.Scene(pc.rope(1000, 1.0, 1e5, damping=0.01, mass=0.01, pinned="start"), pc.Gravity((0.0, -9.81)))
+    simulation, plain = (pc.Simulation(small, dt=1e-5) for _ in range(2))
 
     def interrupt(number: int, frame: object) -> None:
         raise KeyboardInterrupt
 
     before = signal.signal(signal.SIGALRM, interrupt)
+    sent = time.perf_counter() + 0.5
     try:
-        sent.append(time.perf_counter() + 0.2)
-        signal.setitimer(signal.ITIMER_REAL, 0.2)
+        signal.setitimer(signal.ITIMER_REAL, 0.5)
         with pytest.raises(KeyboardInterrupt):
             simulation.step(10**9)
         answered = time.perf_counter()
@@ -108,9 +108,9 @@ def test_ctrl_c_is_answered_and_the_run_can_go_on():
         signal.setitimer(signal.ITIMER_REAL, 0.0)
         signal.signal(signal.SIGALRM, before)
     # 100 ms is what is promised; a shared machine may keep the process waiting that long again.
-    assert answered - sent[0] < 0.2
-    steps = simulation.steps
-    assert 0 < steps < 10**9
+    assert answered - sent < 0.2
+    steps = simulation.steps  # whole ones: what was under way when the signal came is abandoned
+    assert steps < 10**9
     simulation.step(10)
     plain.step(steps + 10)
     assert simulation.state_hash() == plain.state_hash()
@@ -124,7 +124,7 @@ from test_threads import running
 simulation = running(threads=2)
 child = os.fork()
 simulation.step(50)
-print(simulation.state_hash(), flush=True)
+os.write(1, (simulation.state_hash() + "\\n").encode())  # in one piece, so that the two lines do not mix
 if child:
     sys.exit(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))
 """

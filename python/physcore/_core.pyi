@@ -6,6 +6,8 @@ from typing import Literal, TypedDict, final
 import numpy as np
 from numpy.typing import NDArray
 
+__all__ = ["Canvas", "Gif", "World"]
+
 class _EnergyRecord(TypedDict):
     kinetic: float
     potential: dict[str, float]

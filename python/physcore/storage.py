@@ -7,20 +7,21 @@ Nothing is ever pickled. A file appears under its name only when it is complete.
 
 from __future__ import annotations
 
-import hashlib
 import json
 import os
-import secrets
-import zipfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import IO, Any, BinaryIO
+from typing import IO, TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
 from numpy.lib import format as npy
 
 from physcore.errors import FileError
+
+# hashlib, secrets and zipfile are imported where they are used: together they take as long as the rest of physcore.
+if TYPE_CHECKING:
+    import zipfile
 
 VERSION = 1
 _MAGIC = b"physcore"
@@ -39,6 +40,8 @@ def write(path: str | os.PathLike[str], kind: str, tree: dict[str, Tree]) -> Non
     Raises:
         FileError: the file cannot be written.
     """
+    import zipfile
+
     arrays: dict[str, np.ndarray] = {}
     header = json.dumps({"kind": kind, "content": _pack(tree, "", arrays)})
     with replacing(path) as file:
@@ -77,6 +80,8 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
     Raises:
         FileError: the file cannot be written.
     """
+    import secrets
+
     target = Path(path)
     temporary = target.with_name(f".{target.name}.{secrets.token_hex(4)}.tmp")
     try:
@@ -100,6 +105,8 @@ def _trailer(digest: str) -> bytes:
 
 def _digest(file: IO[bytes], size: int) -> str:
     """BLAKE2 over the first `size` bytes."""
+    import hashlib
+
     result = hashlib.blake2b(digest_size=_DIGEST_SIZE)
     file.seek(0)
     while size > 0:
@@ -130,6 +137,8 @@ def _verify(file: IO[bytes]) -> None:
 
 
 def _read_archive(file: IO[bytes]) -> tuple[str, dict[str, Tree]]:
+    import zipfile
+
     try:
         with zipfile.ZipFile(file) as archive:
             header = json.loads(archive.read(_HEADER))

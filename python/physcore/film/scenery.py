@@ -18,17 +18,15 @@ MERIDIANS = 12
 SEGMENTS = 48
 
 
-def landmarks(scene: Scene) -> FloatArray:
-    """Points (P, D) [m] that belong into the picture with the motion: boxes, spheres, centers of forces."""
-    points = [np.empty((0, scene.dimension))]
+def landmarks(scene: Scene) -> Iterator[tuple[FloatArray, float]]:
+    """Points (P, D) [m], and a distance around them, that belong in the picture: boxes, spheres, centers of forces."""
     for kind, boundary in _described(scene):
         if kind == "Box":
-            points.append(_corners(boundary["lower"], boundary["upper"]))
+            yield _corners(boundary["lower"], boundary["upper"]), 0.0
         elif kind == "Sphere":
-            radius, center = boundary["radius"], boundary["center"]
-            points.append(_corners(center - radius, center + radius))
-    points += [center[np.newaxis] for center in _centers(scene)]
-    return np.concatenate(points)
+            yield boundary["center"][np.newaxis], float(boundary["radius"])
+    for center in _centers(scene):
+        yield center[np.newaxis], 0.0
 
 
 def grounds(scene: Scene, lower: FloatArray, upper: FloatArray) -> FloatArray:

@@ -21,7 +21,7 @@ class Bounds:
     """The smallest box, along some axes, that holds what has been added."""
 
     axes: FloatArray
-    """Unit vectors, shape (D, D); in 2D always those of the scene."""
+    """Unit vectors, shape (D, D); in 2D those of the scene."""
     lower: FloatArray = field(init=False)
     upper: FloatArray = field(init=False)
 
@@ -30,10 +30,10 @@ class Bounds:
 
     def add(self, points: FloatArray, margin: float = 0.0) -> None:
         """Take points (N, D) [m] into account, with so much around each."""
-        local = points if len(self.axes) == 2 else points @ self.axes.T
-        if len(local) == 0:
+        if len(points) == 0:
             return
-        lower, upper = local.min(axis=0), local.max(axis=0)
+        local = self.axes @ points.T  # one row per axis: NumPy finds the least of a row several times faster
+        lower, upper = local.min(axis=1), local.max(axis=1)
         if not (np.isfinite(lower).all() and np.isfinite(upper).all()):
             self.add(points[np.isfinite(points).all(axis=1)], margin)
             return
@@ -83,9 +83,9 @@ def survey(
         if index in kept:
             samples.append(moment)
         tick(index + 1)
-    fixed = landmarks(source.scene)
     for box in bounds:
-        box.add(fixed)
+        for points, around in landmarks(source.scene):
+            box.add(points, around)
         box.settle()
     ground = grounds(source.scene, bounds[0].lower, bounds[0].upper)
     for box in bounds:

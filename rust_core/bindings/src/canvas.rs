@@ -1,9 +1,6 @@
 //! The canvas and the GIF for Python: arrays of shapes in, pixels and files out, with the interpreter free meanwhile.
 
-#![expect(
-    clippy::needless_pass_by_value,
-    reason = "PyO3 hands arguments over by value"
-)]
+#![expect(clippy::needless_pass_by_value, reason = "PyO3 hands arguments over by value")]
 
 use std::io::{self, Write};
 use std::path::PathBuf;
@@ -25,12 +22,8 @@ pub struct Canvas {
 impl Canvas {
     #[new]
     fn new(width: usize, height: usize, background: Rgb) -> PyResult<Self> {
-        let picture =
-            physcore_canvas::Canvas::new(width, height, background).map_err(python_error)?;
-        Ok(Self {
-            picture,
-            painting: Painting::default(),
-        })
+        let picture = physcore_canvas::Canvas::new(width, height, background).map_err(python_error)?;
+        Ok(Self { picture, painting: Painting::default() })
     }
 
     /// Go back to the backdrop.
@@ -61,21 +54,10 @@ impl Canvas {
         let count = centers.shape()[0];
         let centers = rows::<f32, 2>(&centers, count, "centers")?;
         let colors = rows::<u8, 4>(&colors, count, "colors")?;
-        let (radii, depths) = (
-            column(&radii, count, "radii")?,
-            depth(depths.as_ref(), count)?,
-        );
-        for (index, ((&center, &radius), &color)) in
-            centers.iter().zip(radii).zip(colors).enumerate()
-        {
-            let disc = Disc {
-                center,
-                radius,
-                color,
-                shading,
-            };
-            self.painting
-                .disc(disc, depths.map_or(0.0, |depths| depths[index]));
+        let (radii, depths) = (column(&radii, count, "radii")?, depth(depths.as_ref(), count)?);
+        for (index, ((&center, &radius), &color)) in centers.iter().zip(radii).zip(colors).enumerate() {
+            let disc = Disc { center, radius, color, shading };
+            self.painting.disc(disc, depths.map_or(0.0, |depths| depths[index]));
         }
         Ok(())
     }
@@ -92,21 +74,10 @@ impl Canvas {
         let count = ends.shape()[0];
         let ends = rows::<f32, 4>(&ends, count, "ends")?;
         let colors = rows::<u8, 4>(&colors, count, "colors")?;
-        let (widths, depths) = (
-            column(&widths, count, "widths")?,
-            depth(depths.as_ref(), count)?,
-        );
-        for (index, ((&[x0, y0, x1, y1], &width), &color)) in
-            ends.iter().zip(widths).zip(colors).enumerate()
-        {
-            let line = Line {
-                from: [x0, y0],
-                to: [x1, y1],
-                width,
-                color,
-            };
-            self.painting
-                .line(line, depths.map_or(0.0, |depths| depths[index]));
+        let (widths, depths) = (column(&widths, count, "widths")?, depth(depths.as_ref(), count)?);
+        for (index, ((&[x0, y0, x1, y1], &width), &color)) in ends.iter().zip(widths).zip(colors).enumerate() {
+            let line = Line { from: [x0, y0], to: [x1, y1], width, color };
+            self.painting.line(line, depths.map_or(0.0, |depths| depths[index]));
         }
         Ok(())
     }
@@ -136,17 +107,8 @@ impl Canvas {
 
     /// A copy of the pixels, (height, width, 3).
     fn pixels<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray3<u8>>> {
-        let bytes: Vec<u8> = self
-            .picture
-            .pixels()
-            .iter()
-            .flat_map(|&[red, green, blue, _]| [red, green, blue])
-            .collect();
-        numpy::PyArray1::from_vec(py, bytes).reshape([
-            self.picture.height(),
-            self.picture.width(),
-            3,
-        ])
+        let bytes: Vec<u8> = self.picture.pixels().iter().flat_map(|&[red, green, blue, _]| [red, green, blue]).collect();
+        numpy::PyArray1::from_vec(py, bytes).reshape([self.picture.height(), self.picture.width(), 3])
     }
 }
 
@@ -179,11 +141,7 @@ impl Gif {
             Some(path) => Sink::File(NewFile::create(&path)?),
             None => Sink::Memory(Vec::new()),
         };
-        Ok(Self {
-            histogram: Histogram::default(),
-            reserved,
-            state: State::Observing(sink),
-        })
+        Ok(Self { histogram: Histogram::default(), reserved, state: State::Observing(sink) })
     }
 
     /// Let a frame's colors count for the palette.
@@ -194,14 +152,7 @@ impl Gif {
 
     /// Append a frame that is shown for `delay` hundredths of a second; the first one fixes the palette.
     fn frame(&mut self, py: Python<'_>, canvas: &Canvas, delay: u16) -> PyResult<()> {
-        let (
-            picture,
-            Self {
-                histogram,
-                reserved,
-                state,
-            },
-        ) = (&canvas.picture, self);
+        let (picture, Self { histogram, reserved, state }) = (&canvas.picture, self);
         let written = py.detach(|| {
             if let State::Observing(_) = state {
                 let State::Observing(sink) = std::mem::replace(state, State::Closed) else {
@@ -275,41 +226,22 @@ fn rows<'a, T: numpy::Element, const W: usize>(
     count: usize,
     name: &str,
 ) -> PyResult<&'a [[T; W]]> {
-    let values = array
-        .as_slice()
-        .map_err(|_| PyValueError::new_err(format!("{name}: must be C-contiguous")))?;
+    let values = array.as_slice().map_err(|_| PyValueError::new_err(format!("{name}: must be C-contiguous")))?;
     let (rows, rest) = values.as_chunks::<W>();
     if array.shape() != [count, W] || !rest.is_empty() {
-        return Err(PyValueError::new_err(format!(
-            "{name}: must have the shape ({count}, {W}), got {:?}",
-            array.shape()
-        )));
+        return Err(PyValueError::new_err(format!("{name}: must have the shape ({count}, {W}), got {:?}", array.shape())));
     }
     Ok(rows)
 }
 
-fn column<'a>(
-    array: &'a PyReadonlyArray1<'_, f32>,
-    count: usize,
-    name: &str,
-) -> PyResult<&'a [f32]> {
-    let values = array
-        .as_slice()
-        .map_err(|_| PyValueError::new_err(format!("{name}: must be C-contiguous")))?;
+fn column<'a>(array: &'a PyReadonlyArray1<'_, f32>, count: usize, name: &str) -> PyResult<&'a [f32]> {
+    let values = array.as_slice().map_err(|_| PyValueError::new_err(format!("{name}: must be C-contiguous")))?;
     if values.len() != count {
-        return Err(PyValueError::new_err(format!(
-            "{name}: must have the shape ({count},), got ({},)",
-            values.len()
-        )));
+        return Err(PyValueError::new_err(format!("{name}: must have the shape ({count},), got ({},)", values.len())));
     }
     Ok(values)
 }
 
-fn depth<'a>(
-    depths: Option<&'a PyReadonlyArray1<'_, f32>>,
-    count: usize,
-) -> PyResult<Option<&'a [f32]>> {
-    depths
-        .map(|depths| column(depths, count, "depths"))
-        .transpose()
+fn depth<'a>(depths: Option<&'a PyReadonlyArray1<'_, f32>>, count: usize) -> PyResult<Option<&'a [f32]>> {
+    depths.map(|depths| column(depths, count, "depths")).transpose()
 }

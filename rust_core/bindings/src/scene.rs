@@ -14,7 +14,9 @@ use crate::errors::SceneError;
 /// Reads a scene.
 pub fn read(scene: &Bound<'_, PyDict>) -> PyResult<Scene> {
     let dimension: usize = item(scene, "dimension")?.extract()?;
-    let list = |name: &str| -> PyResult<Vec<Bound<'_, PyDict>>> { item(scene, name)?.cast::<PyList>()?.iter().map(|entry| Ok(entry.cast_into()?)).collect() };
+    let list = |name: &str| -> PyResult<Vec<Bound<'_, PyDict>>> {
+        item(scene, name)?.cast::<PyList>()?.iter().map(|entry| Ok(entry.cast_into()?)).collect()
+    };
     Ok(Scene {
         dimension,
         bodies: list("bodies")?.iter().map(body).collect::<PyResult<_>>()?,
@@ -28,7 +30,8 @@ fn item<'py>(dictionary: &Bound<'py, PyDict>, name: &str) -> PyResult<Bound<'py,
 }
 
 fn body(entry: &Bound<'_, PyDict>) -> PyResult<Body> {
-    let numbers = |name: &str| -> PyResult<Vec<f64>> { Ok(item(entry, name)?.extract::<PyReadonlyArray1<'_, f64>>()?.as_array().to_vec()) };
+    let numbers =
+        |name: &str| -> PyResult<Vec<f64>> { Ok(item(entry, name)?.extract::<PyReadonlyArray1<'_, f64>>()?.as_array().to_vec()) };
     let fixed = item(entry, "fixed")?.extract::<PyReadonlyArray1<'_, bool>>()?.as_array().to_vec();
     let positions = vectors(&item(entry, "positions")?)?;
     Ok(Body {
@@ -44,12 +47,21 @@ fn body(entry: &Bound<'_, PyDict>) -> PyResult<Body> {
 
 fn springs(entry: &Bound<'_, PyDict>, count: usize) -> PyResult<Vec<Spring>> {
     let pairs = item(entry, "pairs")?.extract::<PyReadonlyArray2<'_, i64>>()?;
-    let numbers = |name: &str| -> PyResult<Vec<f64>> { Ok(item(entry, name)?.extract::<PyReadonlyArray1<'_, f64>>()?.as_array().to_vec()) };
+    let numbers =
+        |name: &str| -> PyResult<Vec<f64>> { Ok(item(entry, name)?.extract::<PyReadonlyArray1<'_, f64>>()?.as_array().to_vec()) };
     let (stiffness, damping, rest_length) = (numbers("stiffness")?, numbers("damping")?, numbers("rest_length")?);
     let end = |index: i64| u32::try_from(index).ok().filter(|&index| (index as usize) < count);
     let spring = |(index, pair): (usize, numpy::ndarray::ArrayView1<'_, i64>)| match (end(pair[0]), end(pair[1])) {
-        (Some(one), Some(other)) => Ok(Spring { ends: [one, other], stiffness: stiffness[index], damping: damping[index], rest_length: rest_length[index] }),
-        _ => Err(SceneError::new_err(format!("pairs[{index}]: must name two of {count} particles, got [{}, {}]", pair[0], pair[1]))),
+        (Some(one), Some(other)) => Ok(Spring {
+            ends: [one, other],
+            stiffness: stiffness[index],
+            damping: damping[index],
+            rest_length: rest_length[index],
+        }),
+        _ => Err(SceneError::new_err(format!(
+            "pairs[{index}]: must name two of {count} particles, got [{}, {}]",
+            pair[0], pair[1]
+        ))),
     };
     pairs.as_array().outer_iter().enumerate().map(spring).collect()
 }

@@ -3,9 +3,8 @@
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Mutex, MutexGuard, TryLockError};
 
-use glam::DVec3;
 use numpy::{PyArray1, PyArray2, PyReadonlyArray1, ToPyArray};
-use physcore_engine::error::{Error, Result as EngineResult};
+use physcore_engine::error::Result as EngineResult;
 use physcore_engine::simulation::{self, Capture, Numerics, Segment};
 use physcore_engine::stability::Kind;
 use pyo3::prelude::*;
@@ -28,8 +27,12 @@ impl World {
     fn lock(&self) -> PyResult<Guard<'_>> {
         match self.inner.try_lock() {
             Ok(guard) => Ok(guard),
-            Err(TryLockError::WouldBlock) => Err(PhyscoreError::new_err("this simulation is running in another thread: wait until that has ended")),
-            Err(TryLockError::Poisoned(_)) => Err(InternalError::new_err("this simulation was left in the middle of a step by an earlier internal error")),
+            Err(TryLockError::WouldBlock) => {
+                Err(PhyscoreError::new_err("this simulation is running in another thread: wait until that has ended"))
+            }
+            Err(TryLockError::Poisoned(_)) => {
+                Err(InternalError::new_err("this simulation was left in the middle of a step by an earlier internal error"))
+            }
         }
     }
 }
@@ -39,7 +42,8 @@ fn without_gil<T: Send>(py: Python<'_>, work: impl FnOnce() -> EngineResult<T> +
     match py.detach(|| catch_unwind(AssertUnwindSafe(work))) {
         Ok(result) => result.map_err(|error| exception(py, error)),
         Err(panic) => {
-            let message = panic.downcast_ref::<String>().cloned().or_else(|| panic.downcast_ref::<&str>().map(|&text| text.to_owned()));
+            let message =
+                panic.downcast_ref::<String>().cloned().or_else(|| panic.downcast_ref::<&str>().map(|&text| text.to_owned()));
             Err(InternalError::new_err(format!("the engine panicked, please report it: {}", message.unwrap_or_default())))
         }
     }
@@ -72,7 +76,8 @@ impl World {
 
     /// Takes n steps of dt seconds.
     fn step(&self, py: Python<'_>, n: u64, dt: f64) -> PyResult<()> {
-        let mut world = self.lock()?;
+        let mut guard = self.lock()?;
+        let world = &mut *guard;
         without_gil(py, || world.step(n, dt, &interrupted))
     }
 
@@ -102,12 +107,14 @@ impl World {
     fn set(&self, py: Python<'_>, positions: Option<&Bound<'_, PyAny>>, velocities: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
         let positions = positions.map(scene::vectors).transpose()?;
         let velocities = velocities.map(scene::vectors).transpose()?;
-        let mut world = self.lock()?;
+        let mut guard = self.lock()?;
+        let world = &mut *guard;
         without_gil(py, || world.set(positions.as_deref(), velocities.as_deref()))
     }
 
     fn energy<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let world = self.lock()?;
+        let guard = self.lock()?;
+        let world = &*guard;
         let energy = without_gil(py, || world.energy())?;
         let (record, potential, dissipated) = (PyDict::new(py), PyDict::new(py), PyDict::new(py));
         for (name, value) in &energy.potential {
@@ -136,7 +143,8 @@ impl World {
     }
 
     fn limit<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let world = self.lock()?;
+        let guard = self.lock()?;
+        let world = &*guard;
         let limit = without_gil(py, || Ok(world.limit()))?;
         let record = PyDict::new(py);
         let kind = match limit.kind {
@@ -192,7 +200,8 @@ impl World {
             meters: column(state, "meters")?,
             watch: numbers(state, "watch")?,
         };
-        let mut world = self.lock()?;
+        let mut guard = self.lock()?;
+        let world = &mut *guard;
         without_gil(py, || world.restore(&capture))
     }
 

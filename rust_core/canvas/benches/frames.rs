@@ -17,27 +17,10 @@ fn picture(canvas: &mut Canvas, frame: usize) {
             let path = (start * side + speed * frame as f32).rem_euclid(2.0 * side);
             path.min(2.0 * side - path)
         };
-        let (u, v, w) = (
-            (seed * 0.754_877_7).fract(),
-            (seed * 0.569_840_3).fract(),
-            (seed * 0.618_034).fract(),
-        );
-        let center = [
-            bounce(u, 6.0 * (v - 0.5), 640.0),
-            bounce(v, 6.0 * (w - 0.5), 480.0),
-        ];
-        let color = [
-            (60.0 + 190.0 * w) as u8,
-            (80.0 + 150.0 * u) as u8,
-            (250.0 - 180.0 * w) as u8,
-            255,
-        ];
-        canvas.disc(Disc {
-            center,
-            radius: 3.0,
-            color,
-            shading: 0.0,
-        });
+        let (u, v, w) = ((seed * 0.754_877_7).fract(), (seed * 0.569_840_3).fract(), (seed * 0.618_034).fract());
+        let center = [bounce(u, 6.0 * (v - 0.5), 640.0), bounce(v, 6.0 * (w - 0.5), 480.0)];
+        let color = [(60.0 + 190.0 * w) as u8, (80.0 + 150.0 * u) as u8, (250.0 - 180.0 * w) as u8, 255];
+        canvas.disc(Disc { center, radius: 3.0, color, shading: 0.0 });
     }
 }
 
@@ -57,21 +40,14 @@ fn frames(criterion: &mut Criterion) {
             canvas.clone()
         })
         .collect();
-    criterion.bench_function("draw 5000 discs", |bencher| {
-        bencher.iter(|| picture(&mut canvas, 7))
-    });
+    criterion.bench_function("draw 5000 discs", |bencher| bencher.iter(|| picture(&mut canvas, 7)));
     criterion.bench_function("draw 20000 short lines", |bencher| {
         let mut painting = Painting::default();
         bencher.iter(|| {
             canvas.clear();
             for index in 0..20_000_u16 {
                 let (x, y) = (f32::from(index % 200) * 3.2, f32::from(index / 200) * 4.8);
-                let line = Line {
-                    from: [x, y],
-                    to: [x + 5.0, y + 3.0],
-                    width: 1.5,
-                    color: [200, 90, 40, 255],
-                };
+                let line = Line { from: [x, y], to: [x + 5.0, y + 3.0], width: 1.5, color: [200, 90, 40, 255] };
                 painting.line(line, 0.0);
             }
             painting.paint(&mut canvas);
@@ -93,8 +69,7 @@ fn frames(criterion: &mut Criterion) {
     criterion.bench_function("encode a frame, gif crate", |bencher| {
         let (width, height) = (SIZE.0 as u16, SIZE.1 as u16);
         let colors: Vec<u8> = palette.colors().iter().flatten().copied().collect();
-        let mut film =
-            gif::Encoder::new(std::io::sink(), width, height, &colors).expect("a sink takes all");
+        let mut film = gif::Encoder::new(std::io::sink(), width, height, &colors).expect("a sink takes all");
         bencher.iter(|| {
             number = (number + 1) % pictures.len();
             palette.indices(&pictures[number], &mut indices);

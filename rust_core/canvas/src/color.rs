@@ -37,19 +37,11 @@ pub(crate) fn srgb([lightness, a, b]: Oklab) -> Rgb {
 /// The transfer function of sRGB (IEC 61966-2-1): a byte to light, 0–1.
 fn linear(byte: u8) -> f32 {
     let value = f32::from(byte) / 255.0;
-    if value <= 0.040_45 {
-        value / 12.92
-    } else {
-        ((value + 0.055) / 1.055).powf(2.4)
-    }
+    if value <= 0.040_45 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
 }
 
 fn encoded(light: f32) -> u8 {
-    let value = if light <= 0.003_130_8 {
-        12.92 * light
-    } else {
-        1.055 * light.powf(1.0 / 2.4) - 0.055
-    };
+    let value = if light <= 0.003_130_8 { 12.92 * light } else { 1.055 * light.powf(1.0 / 2.4) - 0.055 };
     (value.clamp(0.0, 1.0) * 255.0).round() as u8
 }
 
@@ -61,11 +53,7 @@ mod tests {
     fn every_gray_and_many_colors_come_back_from_oklab() {
         // The matrices above are each other's inverse to about 1e-6, far less than half a step of 1/255.
         for step in 0..=255_u8 {
-            for color in [
-                [step, step, step],
-                [step, 255 - step, step / 2],
-                [255 - step, step / 3, step],
-            ] {
+            for color in [[step, step, step], [step, 255 - step, step / 2], [255 - step, step / 3, step]] {
                 assert_eq!(srgb(oklab(color)), color);
             }
         }

@@ -22,30 +22,13 @@ impl NewFile {
         let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
         if fs::metadata(&target).is_ok_and(|metadata| !metadata.is_file()) {
             // Renaming onto a device would replace the device.
-            return Err(io::Error::new(
-                io::ErrorKind::InvalidInput,
-                "not a regular file",
-            ));
+            return Err(io::Error::new(io::ErrorKind::InvalidInput, "not a regular file"));
         }
-        let name = target
-            .file_name()
-            .ok_or_else(|| io::Error::new(io::ErrorKind::InvalidInput, "not the name of a file"))?;
+        let name = target.file_name().ok_or_else(|| io::Error::new(io::ErrorKind::InvalidInput, "not the name of a file"))?;
         let number = COUNT.fetch_add(1, Ordering::Relaxed);
-        let temporary = target.with_file_name(format!(
-            ".{}.{}-{number}.tmp",
-            name.display(),
-            std::process::id()
-        ));
-        let file = OpenOptions::new()
-            .write(true)
-            .create_new(true)
-            .open(&temporary)?;
-        Ok(Self {
-            writer: BufWriter::with_capacity(1 << 16, file),
-            temporary,
-            target,
-            committed: false,
-        })
+        let temporary = target.with_file_name(format!(".{}.{}-{number}.tmp", name.display(), std::process::id()));
+        let file = OpenOptions::new().write(true).create_new(true).open(&temporary)?;
+        Ok(Self { writer: BufWriter::with_capacity(1 << 16, file), temporary, target, committed: false })
     }
 
     /// Puts the file under its name, after its bytes have reached the disk.

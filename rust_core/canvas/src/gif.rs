@@ -42,33 +42,17 @@ impl<W: Write> Gif<W> {
     pub fn new(out: W, canvas: &Canvas, palette: Palette) -> Result<Self, Error> {
         let (width, height) = (canvas.width(), canvas.height());
         // A table holds 2^bits colors, of which the first is what "transparent" would look like.
-        let bits = (palette.colors().len() + 1)
-            .next_power_of_two()
-            .ilog2()
-            .max(1);
+        let bits = (palette.colors().len() + 1).next_power_of_two().ilog2().max(1);
         let mut bytes = b"GIF89a".to_vec();
         bytes.extend(short(width));
         bytes.extend(short(height));
         bytes.extend([0xF0 | (bits - 1) as u8, 0, 0]);
-        let table = [[0; 3]]
-            .iter()
-            .chain(palette.colors())
-            .chain(std::iter::repeat(&[0; 3]));
+        let table = [[0; 3]].iter().chain(palette.colors()).chain(std::iter::repeat(&[0; 3]));
         bytes.extend(table.take(1 << bits).flatten());
         bytes.extend(b"\x21\xFF\x0BNETSCAPE2.0\x03\x01\0\0\0");
         let (encoder, empty) = (Encoder::new(), Vec::new);
-        let mut gif = Self {
-            out,
-            width,
-            height,
-            palette,
-            bits,
-            encoder,
-            bytes,
-            shown: empty(),
-            indices: empty(),
-            symbols: empty(),
-        };
+        let mut gif =
+            Self { out, width, height, palette, bits, encoder, bytes, shown: empty(), indices: empty(), symbols: empty() };
         gif.out.write_all(&gif.bytes)?;
         Ok(gif)
     }
@@ -85,16 +69,14 @@ impl<W: Write> Gif<W> {
 
         self.bytes.clear();
         // Graphic control: leave the frame in place (disposal 1); its lowest bit says whether one index is transparent.
-        self.bytes
-            .extend([0x21, 0xF9, 4, 0b100 | u8::from(transparent)]);
+        self.bytes.extend([0x21, 0xF9, 4, 0b100 | u8::from(transparent)]);
         self.bytes.extend(delay.to_le_bytes());
         self.bytes.extend([TRANSPARENT, 0, 0x2C]);
         for value in [patch.left, patch.top, patch.width, patch.height] {
             self.bytes.extend(short(value));
         }
         self.bytes.push(0);
-        self.encoder
-            .encode(&self.symbols, self.bits, &mut self.bytes);
+        self.encoder.encode(&self.symbols, self.bits, &mut self.bytes);
         std::mem::swap(&mut self.shown, &mut self.indices);
         Ok(self.out.write_all(&self.bytes)?)
     }
@@ -110,48 +92,21 @@ impl<W: Write> Gif<W> {
     fn changed(&self) -> Patch {
         let (width, height) = (self.width, self.height);
         if self.shown.is_empty() {
-            return Patch {
-                left: 0,
-                top: 0,
-                width,
-                height,
-            };
+            return Patch { left: 0, top: 0, width, height };
         }
-        let rows = || {
-            self.indices
-                .chunks_exact(width)
-                .zip(self.shown.chunks_exact(width))
-        };
+        let rows = || self.indices.chunks_exact(width).zip(self.shown.chunks_exact(width));
         let Some(top) = rows().position(|(now, before)| now != before) else {
-            return Patch {
-                left: 0,
-                top: 0,
-                width: 1,
-                height: 1,
-            };
+            return Patch { left: 0, top: 0, width: 1, height: 1 };
         };
-        let bottom = height
-            - rows()
-                .rev()
-                .position(|(now, before)| now != before)
-                .unwrap_or(0);
+        let bottom = height - rows().rev().position(|(now, before)| now != before).unwrap_or(0);
         let (mut left, mut right) = (width, 0);
         for (now, before) in rows().take(bottom).skip(top) {
             let differs = |(p, q): (&u8, &u8)| p != q;
-            left = now[..left]
-                .iter()
-                .zip(&before[..left])
-                .position(differs)
-                .unwrap_or(left);
+            left = now[..left].iter().zip(&before[..left]).position(differs).unwrap_or(left);
             let beyond = now[right..].iter().zip(&before[right..]).rposition(differs);
             right = beyond.map_or(right, |offset| right + offset + 1);
         }
-        Patch {
-            left,
-            top,
-            width: right - left,
-            height: bottom - top,
-        }
+        Patch { left, top, width: right - left, height: bottom - top }
     }
 
     /// The patch as it is stored, into `symbols`; returns whether any of it is transparent.
@@ -160,8 +115,7 @@ impl<W: Write> Gif<W> {
         let columns = patch.left..patch.left + patch.width;
         for row in patch.top..patch.top + patch.height {
             let start = row * self.width;
-            self.symbols
-                .extend_from_slice(&self.indices[start + columns.start..start + columns.end]);
+            self.symbols.extend_from_slice(&self.indices[start + columns.start..start + columns.end]);
         }
         if self.shown.is_empty() {
             return false;

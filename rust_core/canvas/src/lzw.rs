@@ -15,15 +15,9 @@ pub(crate) struct Encoder {
 }
 
 impl Encoder {
-    #[expect(
-        clippy::large_stack_arrays,
-        reason = "64 KiB once per film, on the way to the heap"
-    )]
+    #[expect(clippy::large_stack_arrays, reason = "64 KiB once per film, on the way to the heap")]
     pub(crate) fn new() -> Self {
-        Self {
-            slots: Box::new([0; SLOTS]),
-            bytes: Vec::new(),
-        }
+        Self { slots: Box::new([0; SLOTS]), bytes: Vec::new() }
     }
 
     /// Appends to `out` the code size and the sub-blocks for `symbols`, all of them below 2^`bits`.
@@ -71,7 +65,7 @@ fn find(slots: &[u32; SLOTS], string: u32, symbol: u8) -> Result<u32, usize> {
     let mut slot = (spread ^ string) as usize % SLOTS;
     loop {
         let entry = slots[slot];
-        if entry >> 12 == key && entry != 0 {
+        if entry >> 12 == key {
             return Ok(entry & 0xFFF);
         }
         if entry == 0 {
@@ -81,9 +75,10 @@ fn find(slots: &[u32; SLOTS], string: u32, symbol: u8) -> Result<u32, usize> {
     }
 }
 
+/// One more than the two numbers side by side, so that none is 0.
 #[inline(always)]
 fn key(string: u32, symbol: u8) -> u32 {
-    string << 8 | u32::from(symbol)
+    (string << 8 | u32::from(symbol)) + 1
 }
 
 /// Codes of growing width, packed from the least significant bit.
@@ -98,13 +93,7 @@ struct Codes<'a> {
 impl<'a> Codes<'a> {
     fn new(bytes: &'a mut Vec<u8>, bits: u32) -> Self {
         bytes.clear();
-        Self {
-            bytes,
-            pending: 0,
-            count: 0,
-            width: bits + 1,
-            bits,
-        }
+        Self { bytes, pending: 0, count: 0, width: bits + 1, bits }
     }
 
     #[inline(always)]
@@ -112,8 +101,7 @@ impl<'a> Codes<'a> {
         self.pending |= u64::from(code) << self.count;
         self.count += self.width;
         if self.count >= 32 {
-            self.bytes
-                .extend_from_slice(&(self.pending as u32).to_le_bytes());
+            self.bytes.extend_from_slice(&(self.pending as u32).to_le_bytes());
             self.pending >>= 32;
             self.count -= 32;
         }
@@ -133,13 +121,48 @@ impl<'a> Codes<'a> {
     /// Writes the last code and sends everything off, in blocks of up to 255 bytes, each with its length, and an empty one.
     fn finish(mut self, end: u32, out: &mut Vec<u8>) {
         self.write(end);
-        self.bytes
-            .extend_from_slice(&self.pending.to_le_bytes()[..self.count.div_ceil(8) as usize]);
+        self.bytes.extend_from_slice(&self.pending.to_le_bytes()[..self.count.div_ceil(8) as usize]);
         out.push(self.bits as u8);
         for block in self.bytes.chunks(255) {
             out.push(block.len() as u8);
             out.extend_from_slice(block);
         }
         out.push(0);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Encoder;
+
+    /// What the `weezl` crate, which shares no code with this file, reads from the blocks.
+    fn decoded(blocks: &[u8]) -> Vec<u8> {
+        let mut codes = Vec::new();
+        let mut rest = &blocks[1..];
+        while rest[0] > 0 {
+            let (block, next) = rest[1..].split_at(usize::from(rest[0]));
+            codes.extend_from_slice(block);
+            rest = next;
+        }
+        assert_eq!(rest, [0], "the last block is the empty one");
+        let mut decoder = weezl::decode::Decoder::new(weezl::BitOrder::Lsb, blocks[0]);
+        let symbols = decoder.decode(&codes).expect("an end that is marked");
+        assert!(decoder.has_ended());
+        symbols
+    }
+
+    /// Every length, so that each width of codes is met just before the end too; noise, which fills the dictionary, and runs.
+    #[test]
+    fn another_decoder_reads_what_was_written() {
+        let noise: Vec<u8> = (0..9000_u32).map(|n| (n.wrapping_mul(n).wrapping_mul(0x9E37_79B1) >> 27) as u8).collect();
+        let runs: Vec<u8> = (0..9000_u32).map(|n| (n.isqrt() % 3) as u8).collect();
+        let mut encoder = Encoder::new();
+        for symbols in [noise, runs] {
+            for length in (0..1200).chain([4100, 9000]) {
+                let mut blocks = Vec::new();
+                encoder.encode(&symbols[..length], 5, &mut blocks);
+                assert_eq!(decoded(&blocks), symbols[..length]);
+            }
+        }
     }
 }

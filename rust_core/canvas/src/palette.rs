@@ -26,9 +26,7 @@ struct Tally {
 
 impl Default for Histogram {
     fn default() -> Self {
-        Self {
-            cells: vec![Tally::default(); CELLS],
-        }
+        Self { cells: vec![Tally::default(); CELLS] }
     }
 }
 
@@ -47,9 +45,7 @@ impl Histogram {
     /// The mean color of each cell in which something was seen, and how often.
     fn colors(&self) -> impl Iterator<Item = (Rgb, u64)> {
         let seen = self.cells.iter().filter(|tally| tally.count > 0);
-        seen.map(|&Tally { count, sums }| {
-            (sums.map(|sum| ((sum + count / 2) / count) as u8), count)
-        })
+        seen.map(|&Tally { count, sums }| (sums.map(|sum| ((sum + count / 2) / count) as u8), count))
     }
 }
 
@@ -82,19 +78,13 @@ impl Palette {
         for &color in reserved {
             add(&mut colors, color);
         }
-        let others: Vec<(Rgb, u64)> = histogram
-            .colors()
-            .filter(|(color, _)| !colors.contains(color))
-            .collect();
+        let others: Vec<(Rgb, u64)> = histogram.colors().filter(|(color, _)| !colors.contains(color)).collect();
         let room = MOST_COLORS - colors.len();
         if others.len() <= room {
             colors.extend(others.iter().map(|(color, _)| color));
         } else {
             // By the root of the area, so that a small thing in a bright color counts beside a large dark surface.
-            let weigh = |&(color, count): &(Rgb, u64)| Sample {
-                color: oklab(color),
-                weight: (count as f32).sqrt(),
-            };
+            let weigh = |&(color, count): &(Rgb, u64)| Sample { color: oklab(color), weight: (count as f32).sqrt() };
             let found = quantize(others.iter().map(weigh).collect(), room);
             for color in found {
                 add(&mut colors, color);
@@ -109,11 +99,7 @@ impl Palette {
             *place = if *place == 0 { number } else { *place }; // a color of the palette stays what it is, those reserved first
         }
         let perceived: Vec<Oklab> = colors.iter().map(|&color| oklab(color)).collect();
-        Self {
-            colors,
-            centers: Centers::new(&perceived),
-            nearest,
-        }
+        Self { colors, centers: Centers::new(&perceived), nearest }
     }
 
     /// The colors; the first has number 1.
@@ -125,12 +111,7 @@ impl Palette {
     pub fn indices(&mut self, canvas: &Canvas, out: &mut Vec<u8>) {
         out.clear();
         out.reserve(canvas.pixels().len());
-        out.extend(
-            canvas
-                .pixels()
-                .iter()
-                .map(|&[red, green, blue, _]| self.number([red, green, blue])),
-        );
+        out.extend(canvas.pixels().iter().map(|&[red, green, blue, _]| self.number([red, green, blue])));
     }
 
     #[inline(always)]
@@ -160,10 +141,7 @@ struct Centers {
 impl Centers {
     fn new(colors: &[Oklab]) -> Self {
         let axes = [0, 1, 2].map(|axis| colors.iter().map(|color| color[axis]).collect());
-        Self {
-            axes,
-            distances: vec![0.0; colors.len()],
-        }
+        Self { axes, distances: vec![0.0; colors.len()] }
     }
 
     /// The position of the nearest color, of equally near ones the first.
@@ -181,15 +159,8 @@ impl Centers {
                 *lane = if distance < *lane { distance } else { *lane };
             }
         }
-        let least = lanes
-            .iter()
-            .chain(rest)
-            .copied()
-            .fold(f32::INFINITY, f32::min);
-        self.distances
-            .iter()
-            .position(|&distance| distance == least)
-            .unwrap_or(0)
+        let least = lanes.iter().chain(rest).copied().fold(f32::INFINITY, f32::min);
+        self.distances.iter().position(|&distance| distance == least).unwrap_or(0)
     }
 }
 
@@ -218,23 +189,14 @@ fn variance_cut(samples: &mut [Sample], count: usize) -> Vec<Oklab> {
     let whole = Part::of(samples, 0);
     let mut parts = vec![whole];
     while parts.len() < count {
-        let widest = (0..parts.len())
-            .max_by(|&p, &q| parts[p].spread.total_cmp(&parts[q].spread).then(q.cmp(&p)));
+        let widest = (0..parts.len()).max_by(|&p, &q| parts[p].spread.total_cmp(&parts[q].spread).then(q.cmp(&p)));
         let Some(index) = widest.filter(|&index| parts[index].spread > 0.0) else {
             break;
         };
-        let Part {
-            start,
-            length,
-            axis,
-            mean,
-            ..
-        } = parts.swap_remove(index);
+        let Part { start, length, axis, mean, .. } = parts.swap_remove(index);
         let part = &mut samples[start..start + length];
         part.sort_unstable_by(|p, q| p.color[axis].total_cmp(&q.color[axis]));
-        let below = part
-            .partition_point(|sample| sample.color[axis] < mean[axis])
-            .clamp(1, length - 1);
+        let below = part.partition_point(|sample| sample.color[axis] < mean[axis]).clamp(1, length - 1);
         let (low, high) = part.split_at(below);
         parts.extend([Part::of(low, start), Part::of(high, start + below)]);
     }
@@ -254,34 +216,11 @@ struct Part {
 impl Part {
     fn of(samples: &[Sample], start: usize) -> Self {
         let total: f32 = samples.iter().map(|sample| sample.weight).sum();
-        let mean = [0, 1, 2].map(|axis| {
-            samples
-                .iter()
-                .map(|s| s.weight * s.color[axis])
-                .sum::<f32>()
-                / total
-        });
-        let square = |axis: usize| {
-            samples
-                .iter()
-                .map(|s| s.weight * (s.color[axis] - mean[axis]).powi(2))
-                .sum::<f32>()
-        };
+        let mean = [0, 1, 2].map(|axis| samples.iter().map(|s| s.weight * s.color[axis]).sum::<f32>() / total);
+        let square = |axis: usize| samples.iter().map(|s| s.weight * (s.color[axis] - mean[axis]).powi(2)).sum::<f32>();
         let squares = [square(0), square(1), square(2)];
-        let axis = (0..3)
-            .max_by(|&p, &q| squares[p].total_cmp(&squares[q]))
-            .unwrap_or(0);
-        let spread = if samples.len() > 1 {
-            squares[axis]
-        } else {
-            0.0
-        };
-        Self {
-            start,
-            length: samples.len(),
-            mean,
-            axis,
-            spread,
-        }
+        let axis = (0..3).max_by(|&p, &q| squares[p].total_cmp(&squares[q])).unwrap_or(0);
+        let spread = if samples.len() > 1 { squares[axis] } else { 0.0 };
+        Self { start, length: samples.len(), mean, axis, spread }
     }
 }

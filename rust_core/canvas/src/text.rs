@@ -1,9 +1,6 @@
 //! Small labels: anti-aliased glyphs of Noto Sans Mono, drawn beforehand for four sizes.
 
-#![expect(
-    clippy::cast_possible_wrap,
-    reason = "no label is longer than a picture is wide by far"
-)]
+#![expect(clippy::cast_possible_wrap, reason = "no label is longer than a picture is wide by far")]
 
 use noto_sans_mono_bitmap::{FontWeight, RasterHeight, get_raster, get_raster_width};
 
@@ -45,12 +42,7 @@ impl Canvas {
             };
             for (row, coverages) in glyph.rows().enumerate() {
                 for (column, &coverage) in coverages.iter().enumerate() {
-                    self.dot(
-                        left + (index * advance + column) as i32,
-                        y + row as i32,
-                        color,
-                        f32::from(coverage) / 255.0,
-                    );
+                    self.dot(left + (index * advance + column) as i32, y + row as i32, color, f32::from(coverage) / 255.0);
                 }
             }
         }

@@ -22,28 +22,17 @@ fn film(frames: &[(Canvas, u16)], palette: &Palette) -> Vec<u8> {
 
 /// The colors on the screen after each frame, as the format says that a viewer shall compose them, and the delays.
 fn shown(bytes: &[u8]) -> (Vec<Vec<[u8; 3]>>, Vec<u16>) {
-    let mut decoder = gif::DecodeOptions::new()
-        .read_info(bytes)
-        .expect("a valid header");
-    let table: Vec<[u8; 3]> = decoder
-        .global_palette()
-        .expect("one palette")
-        .chunks(3)
-        .map(|c| [c[0], c[1], c[2]])
-        .collect();
+    let mut decoder = gif::DecodeOptions::new().read_info(bytes).expect("a valid header");
+    let table: Vec<[u8; 3]> = decoder.global_palette().expect("one palette").chunks(3).map(|c| [c[0], c[1], c[2]]).collect();
     let width = usize::from(decoder.width());
     let mut screen = vec![[0; 3]; width * usize::from(decoder.height())];
     let (mut screens, mut delays) = (Vec::new(), Vec::new());
     while let Some(frame) = decoder.read_next_frame().expect("a valid frame") {
         assert_eq!(frame.dispose, gif::DisposalMethod::Keep);
         for (index, &number) in frame.buffer.iter().enumerate() {
-            let (column, row) = (
-                index % usize::from(frame.width),
-                index / usize::from(frame.width),
-            );
+            let (column, row) = (index % usize::from(frame.width), index / usize::from(frame.width));
             if frame.transparent != Some(number) {
-                let place =
-                    (row + usize::from(frame.top)) * width + column + usize::from(frame.left);
+                let place = (row + usize::from(frame.top)) * width + column + usize::from(frame.left);
                 screen[place] = table[usize::from(number)];
             }
         }
@@ -57,10 +46,7 @@ fn shown(bytes: &[u8]) -> (Vec<Vec<[u8; 3]>>, Vec<u16>) {
 fn reduced(canvas: &Canvas, palette: &mut Palette) -> Vec<[u8; 3]> {
     let mut indices = Vec::new();
     palette.indices(canvas, &mut indices);
-    indices
-        .iter()
-        .map(|&index| palette.colors()[usize::from(index) - 1])
-        .collect()
+    indices.iter().map(|&index| palette.colors()[usize::from(index) - 1]).collect()
 }
 
 fn palette_of(frames: &[(Canvas, u16)]) -> Palette {
@@ -115,22 +101,14 @@ fn noise_survives() {
         for (x, y) in (0..97_u8).flat_map(|x| (0..61_u8).map(move |y| (x, y))) {
             let color = [next(), 30, next(), 255];
             let (x, y) = (f32::from(x), f32::from(y));
-            frame.polygon(
-                &[[x, y], [x + 1.0, y], [x + 1.0, y + 1.0], [x, y + 1.0]],
-                color,
-            );
+            frame.polygon(&[[x, y], [x + 1.0, y], [x + 1.0, y + 1.0], [x, y + 1.0]], color);
         }
         frames.push((frame, 2));
     }
     let mut palette = palette_of(&frames);
     assert!(palette.colors().len() > 240, "noise needs the whole table");
     let (screens, _) = shown(&film(&frames, &palette));
-    assert!(
-        screens
-            .iter()
-            .zip(&frames)
-            .all(|(screen, (frame, _))| *screen == reduced(frame, &mut palette))
-    );
+    assert!(screens.iter().zip(&frames).all(|(screen, (frame, _))| *screen == reduced(frame, &mut palette)));
 }
 
 #[test]
@@ -138,10 +116,7 @@ fn a_picture_of_few_colors_keeps_each_exactly() {
     let mut frame = canvas(40, 20);
     for step in 0..20_u8 {
         let x = f32::from(step) * 2.0;
-        frame.polygon(
-            &[[x, 0.0], [x + 2.0, 0.0], [x + 2.0, 20.0], [x, 20.0]],
-            [step * 9, 255 - step * 12, 77, 255],
-        );
+        frame.polygon(&[[x, 0.0], [x + 2.0, 0.0], [x + 2.0, 20.0], [x, 20.0]], [step * 9, 255 - step * 12, 77, 255]);
     }
     let drawn: Vec<[u8; 3]> = frame.pixels().iter().map(|p| [p[0], p[1], p[2]]).collect();
     let frames = [(frame, 5)];
@@ -152,16 +127,8 @@ fn a_picture_of_few_colors_keeps_each_exactly() {
 fn what_rests_costs_almost_nothing() {
     let mut frame = canvas(320, 240);
     (0..200_u8).for_each(|index| {
-        let center = [
-            f32::from(index) * 1.6,
-            f32::from(index.wrapping_mul(83)) * 0.9,
-        ];
-        frame.disc(Disc {
-            center,
-            radius: 6.0,
-            color: [index, 200, 90, 255],
-            shading: 0.4,
-        });
+        let center = [f32::from(index) * 1.6, f32::from(index.wrapping_mul(83)) * 0.9];
+        frame.disc(Disc { center, radius: 6.0, color: [index, 200, 90, 255], shading: 0.4 });
     });
     let palette = palette_of(&[(frame.clone(), 3)]);
     let length = |frames: &[(Canvas, u16)]| film(frames, &palette).len();
@@ -173,8 +140,7 @@ fn what_rests_costs_almost_nothing() {
 #[test]
 fn frames_of_another_size_are_refused() {
     let first = canvas(20, 10);
-    let mut gif = Gif::new(Vec::new(), &first, palette_of(&[(first.clone(), 3)]))
-        .expect("a vector takes all");
+    let mut gif = Gif::new(Vec::new(), &first, palette_of(&[(first.clone(), 3)])).expect("a vector takes all");
     assert!(gif.frame(&canvas(10, 20), 3).is_err());
 }
 
@@ -190,18 +156,12 @@ fn a_file_is_the_new_one_whole_or_the_old_one() {
     abandoned.write_all(b"half of the ne").expect("space");
     assert_eq!(entries(), 2, "the temporary file stands beside its target");
     drop(abandoned);
-    assert_eq!(
-        (fs::read(&path).expect("the file"), entries()),
-        (b"old".to_vec(), 1)
-    );
+    assert_eq!((fs::read(&path).expect("the file"), entries()), (b"old".to_vec(), 1));
 
     let mut finished = NewFile::create(&path).expect("a file");
     finished.write_all(b"new").expect("space");
     finished.commit().expect("a renamed file");
-    assert_eq!(
-        (fs::read(&path).expect("the file"), entries()),
-        (b"new".to_vec(), 1)
-    );
+    assert_eq!((fs::read(&path).expect("the file"), entries()), (b"new".to_vec(), 1));
 
     assert!(NewFile::create(&folder).is_err(), "a folder is not a file");
     assert!(NewFile::create(&folder.join("none/film.gif")).is_err());

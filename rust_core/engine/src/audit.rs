@@ -60,7 +60,7 @@ pub fn energy<V: Vector>(law: &Law<V>, matter: &Matter<V>, time: f64) -> Result<
     };
     let at = law.moment(matter.position.view(), matter.velocity.view(), time);
     let mut potential: Vec<(&'static str, f64)> = Vec::new();
-    for force in law.forces() {
+    for force in law.forces().iter().filter(|force| force.has_potential()) {
         let energy = blocks(matter).map(|block| force.potential(block, &at)).sum::<f64>() + force.potential_of_all(&at)?;
         match potential.iter_mut().find(|(name, _)| *name == force.name()) {
             Some((_, sum)) => *sum += energy,
@@ -84,6 +84,7 @@ pub fn momenta<V: Vector>(law: &Law<V>, matter: &Matter<V>) -> (DVec3, DVec3) {
         (momentum, (properties.origin + matter.position.get(index).widen()).cross(momentum))
     };
     let add = |sum: (DVec3, DVec3), term: (DVec3, DVec3)| (sum.0 + term.0, sum.1 + term.1);
-    let mobile = |block: Range<usize>| block.filter(|&index| !properties.is_fixed(index)).map(of).fold((DVec3::ZERO, DVec3::ZERO), add);
+    let mobile =
+        |block: Range<usize>| block.filter(|&index| !properties.is_fixed(index)).map(of).fold((DVec3::ZERO, DVec3::ZERO), add);
     blocks(matter).map(mobile).fold((DVec3::ZERO, DVec3::ZERO), add)
 }

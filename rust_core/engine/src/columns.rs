@@ -175,4 +175,3 @@ impl<'a, V: Vector> Span<'a, V> {
         }
     }
 }
-

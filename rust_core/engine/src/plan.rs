@@ -92,14 +92,13 @@ pub fn compile<V: Vector, I: Integrator>(scene: &Scene, threads: usize) -> Resul
             notes.push(format!("contacts: {pushed} particles overlapped a boundary at the start and were moved to its surface"));
         }
     }
-    let driven = (0..count).any(|index| properties.is_fixed(index) && state.velocity.get(index) != V::default());
     let left_out = left_out(&all, contacts.is_some());
     let layout = if all.iter().all(|force| force.reach() == Reach::Pointwise) {
         format!("blocks of {} independent particles, many steps while a block is in the cache", state.block)
     } else {
         format!("a sweep over blocks of {} particles per evaluation", state.block)
     };
-    let law = Law::new(properties, all, contacts, state.block, driven);
+    let law = Law::new(properties, all, contacts, state.block);
     let order = if law.is_dissipative() { I::ORDER_DISSIPATIVE } else { I::ORDER };
     notes.extend(advice::<I>(law.is_dissipative()));
     let system = MatterSystem::new::<I>(law, state, springs.len(), threads);
@@ -126,10 +125,14 @@ fn advice<I: Integrator>(dissipative: bool) -> Option<String> {
     match (I::ORDER, dissipative) {
         (1, _) => Some("order 1: VelocityVerlet costs the same and is of order 2".to_owned()),
         (2, false) => Some("nothing here depends on velocity: PEFRL keeps energy far better at equal cost".to_owned()),
-        (_, false) if I::NAME == "RungeKutta4" => Some("nothing here depends on velocity: PEFRL costs the same and its energy error does not grow".to_owned()),
-        (_, true) if I::ORDER_DISSIPATIVE < I::ORDER => {
-            Some(format!("forces depend on velocity: {} is only of order {} here; RungeKutta4 keeps order 4, VelocityVerlet gives order 2 at a quarter of the cost", I::NAME, I::ORDER_DISSIPATIVE))
+        (_, false) if I::NAME == "RungeKutta4" => {
+            Some("nothing here depends on velocity: PEFRL costs the same and its energy error does not grow".to_owned())
         }
+        (_, true) if I::ORDER_DISSIPATIVE < I::ORDER => Some(format!(
+            "forces depend on velocity: {} is only of order {} here; RungeKutta4 keeps order 4, VelocityVerlet gives order 2 at a quarter of the cost",
+            I::NAME,
+            I::ORDER_DISSIPATIVE
+        )),
         _ => None,
     }
 }
@@ -191,7 +194,8 @@ fn refuse_coarse<V: Vector>(scene: &Scene, springs: &[Spring], origin: DVec3) ->
     let shortest = springs.iter().map(|spring| spring.rest_length).filter(|&length| length > 0.0).fold(f64::INFINITY, f64::min);
     if V::Scalar::EPSILON * extent > COARSEST * shortest {
         let found = format!("{} for a scene that reaches {extent:.3e} m with a rest length of {shortest:.3e} m", V::Scalar::NAME);
-        return Err(Error::parameter("precision", "f64", found).with_hint("neighboring f32 positions are too far apart for these springs"));
+        return Err(Error::parameter("precision", "f64", found)
+            .with_hint("neighboring f32 positions are too far apart for these springs"));
     }
     Ok(())
 }

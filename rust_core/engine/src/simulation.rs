@@ -7,12 +7,12 @@ use crate::audit::{self, Energy};
 use crate::error::{Divergence, Error, Result};
 use crate::integrators::{Integrator, with_integrator};
 use crate::math::{Real, Vector};
-use crate::matter::{CHANNELS, Channel, Meter};
+use crate::matter::{CHANNELS, Channel, Columns, Meter};
 use crate::parallel::Team;
 use crate::plan::{self, Compiled, Plan};
 use crate::scene::Scene;
 use crate::simd::LANES;
-use crate::stability::Limit;
+use crate::stability::{Bound, Limit};
 use crate::systems::matter::{Interval, MatterSystem};
 
 /// How to compute.
@@ -116,7 +116,7 @@ fn build_for<V: Vector>(scene: &Scene, numerics: &Numerics) -> Result<Box<dyn Wo
 struct Simulation<V: Vector> {
     system: MatterSystem<V>,
     plan: Plan,
-    limit: fn(f64) -> f64,
+    limit: fn(&Bound) -> Limit,
     carried: usize,
     segment: Segment,
     steps: u64,
@@ -146,7 +146,7 @@ impl Watch {
         self.lowest = self.lowest.min(potential);
         // What has risen for no reason must not pass for energy of the motion. Rounding makes noise on the scale of the
         // numbers that the balance is the sum of; a few roundings per term, and a wide margin.
-        let shown = energy.kinetic + (potential - self.lowest) + energy.work.abs() - rise;
+        let shown = energy.kinetic + (potential - self.lowest) + energy.dissipated() + energy.work.abs() - rise;
         self.scale = self.scale.max(shown).max(1e-3 * epsilon * energy.magnitude());
         self.calm = 2.0 * self.scale.max(energy.kinetic);
         (rise > self.runaway * self.scale).then_some(rise)
@@ -163,7 +163,8 @@ impl<V: Vector> Simulation<V> {
         let Compiled { system, plan } = plan::compile::<V, I>(scene, threads)?;
         let runaway = if numerics.ignore_runaway { f64::INFINITY } else { numerics.runaway };
         let watch = Watch { runaway, scale: 0.0, lowest: f64::INFINITY, balance: 0.0, calm: 0.0 };
-        let mut simulation = Self { system, plan, limit: I::limit, carried: I::CARRIED, segment: Segment::default(), steps: 0, watch };
+        let mut simulation =
+            Self { system, plan, limit: Bound::limit::<I>, carried: I::CARRIED, segment: Segment::default(), steps: 0, watch };
         // An integrator without a stable step here may gain energy as it likes: that is what it is shown for.
         if simulation.limit().stability == 0.0 {
             simulation.watch.runaway = f64::INFINITY;
@@ -220,7 +221,7 @@ impl<V: Vector> Simulation<V> {
             return Ok(None);
         }
         let state = self.system.state();
-        let stray = |columns: &crate::matter::Columns<V>| (0..state.count()).find(|&index| !columns.get(index).widen().is_finite());
+        let stray = |columns: &Columns<V>| (0..state.count()).find(|&index| !columns.get(index).widen().is_finite());
         for (quantity, columns) in [("position", &state.position), ("velocity", &state.velocity)] {
             if let Some(index) = stray(columns) {
                 return Ok(Some(self.divergence(index, quantity, "is not finite".to_owned())));
@@ -230,7 +231,9 @@ impl<V: Vector> Simulation<V> {
         let rise = self.watch.check(&energy, V::Scalar::EPSILON);
         Ok(rise.map(|rise| {
             let scale = self.watch.scale;
-            let cause = format!("has run away: the energy balance rose by {rise:.3e} J, where the largest energy of the motion was {scale:.3e} J");
+            let cause = format!(
+                "has run away: the energy balance rose by {rise:.3e} J, where the largest energy of the motion was {scale:.3e} J"
+            );
             self.divergence(self.fastest(), "energy", cause)
         }))
     }
@@ -243,7 +246,14 @@ impl<V: Vector> Simulation<V> {
     }
 
     fn divergence(&self, index: usize, quantity: &'static str, cause: String) -> Divergence {
-        Divergence { step: 0, time: 0.0, particle: self.system.law().properties.caller[index] as usize, quantity, cause, hint: String::new() }
+        Divergence {
+            step: 0,
+            time: 0.0,
+            particle: self.system.law().properties.caller[index] as usize,
+            quantity,
+            cause,
+            hint: String::new(),
+        }
     }
 
     /// What to do about a divergence; asked for at the last good state.
@@ -252,14 +262,23 @@ impl<V: Vector> Simulation<V> {
         if limit.stability == 0.0 {
             format!("no dt is stable with {} here: take VelocityVerlet", self.plan.integrator)
         } else if dt > limit.dt() {
-            format!("dt = {dt:.3e} s is beyond the limit of {:.3e} s set by {}; dt = {:.3e} s would hold", limit.dt(), limit.term, 0.9 * limit.dt())
+            format!(
+                "dt = {dt:.3e} s is beyond the limit of {:.3e} s set by {}; dt = {:.3e} s would hold",
+                limit.dt(),
+                limit.term,
+                0.9 * limit.dt()
+            )
         } else {
-            format!("dt = {dt:.3e} s is within the limit of {:.3e} s at the last good state; try dt = {:.3e} s", limit.dt(), 0.25 * dt)
+            format!(
+                "dt = {dt:.3e} s is within the limit of {:.3e} s at the last good state; try dt = {:.3e} s",
+                limit.dt(),
+                0.25 * dt
+            )
         }
     }
 
     /// The columns that make up the state, in a fixed order.
-    fn columns(&self) -> impl Iterator<Item = &crate::matter::Columns<V>> {
+    fn columns(&self) -> impl Iterator<Item = &Columns<V>> {
         let state = self.system.state();
         [&state.position, &state.velocity].into_iter().chain(state.memory.iter().take(self.carried))
     }
@@ -321,16 +340,18 @@ impl<V: Vector> World for Simulation<V> {
 
     fn set(&mut self, positions: Option<&[DVec3]>, velocities: Option<&[DVec3]>) -> Result<()> {
         let before = self.energy()?.total();
-        let (caller, origin) = (self.system.law().properties.caller.clone(), self.system.law().properties.origin);
-        let state = self.system.state_mut();
-        for (index, &caller) in caller.iter().enumerate() {
-            if let Some(positions) = positions {
-                state.position.set(index, V::narrow(positions[caller as usize] - origin));
-            }
-            if let Some(velocities) = velocities {
-                state.velocity.set(index, V::narrow(velocities[caller as usize]));
-            }
+        let law = self.system.law();
+        let (count, properties) = (law.properties.count(), &law.properties);
+        let of = |index: usize, vectors: &[DVec3]| vectors[properties.caller[index] as usize];
+        let mut moved =
+            positions.map(|positions| Columns::<V>::from_fn(count, |index| V::narrow(of(index, positions) - properties.origin)));
+        let accelerated = velocities.map(|velocities| Columns::<V>::from_fn(count, |index| V::narrow(of(index, velocities))));
+        if let (Some(moved), Some(contacts)) = (&mut moved, &law.contacts) {
+            contacts.admit(moved, properties)?;
         }
+        let state = self.system.state_mut();
+        state.position = moved.unwrap_or_else(|| std::mem::take(&mut state.position));
+        state.velocity = accelerated.unwrap_or_else(|| std::mem::take(&mut state.velocity));
         let work = self.energy()?.total() - before;
         if let Some(meter) = self.system.state_mut().meters.first_mut() {
             meter.add(Channel::Work, work);
@@ -348,11 +369,12 @@ impl<V: Vector> World for Simulation<V> {
 
     fn limit(&self) -> Limit {
         let (law, state) = (self.system.law(), self.system.state());
-        law.bound(&law.moment(state.position.view(), state.velocity.view(), self.segment.time())).limit_of(self.limit)
+        (self.limit)(&law.bound(&law.moment(state.position.view(), state.velocity.view(), self.segment.time())))
     }
 
     fn capture(&self) -> Capture {
-        let columns = self.columns().flat_map(|columns| (0..V::DIMENSION).flat_map(|axis| &columns.axis(axis)[..columns.count()]));
+        let columns =
+            self.columns().flat_map(|columns| (0..V::DIMENSION).flat_map(|axis| &columns.axis(axis)[..columns.count()]));
         let meters = self.system.state().meters.iter().flat_map(|meter| meter.energy.iter().chain(&meter.last).flatten());
         Capture {
             segment: self.segment,
@@ -386,6 +408,7 @@ impl<V: Vector> World for Simulation<V> {
         self.segment = capture.segment;
         self.steps = capture.steps;
         [self.watch.scale, self.watch.lowest, self.watch.balance, self.watch.calm] = capture.watch;
+        self.system.resume();
         Ok(())
     }
 

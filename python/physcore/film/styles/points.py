@@ -25,8 +25,8 @@ SPACING = 0.3
 RADII = (1.0, 5.5)
 """The smallest and the largest radius that is chosen by itself [pixels]."""
 SHADING = 0.45
-TRAIL = 170
-"""Opacity of the freshest part of a trail, of 255."""
+TRAIL = 0.7
+"""How much of its color the freshest part of a trail has, beside the background's."""
 FEW = 16
 """Up to so many particles get a trail by themselves."""
 
@@ -120,8 +120,10 @@ class PointsPainter(Painter):
         steps, count, dimension = len(past) - 1, past.shape[1], past.shape[2]
         pixels, depth, _ = view.project(past.reshape(-1, dimension))
         fresh = np.repeat(np.arange(1, steps + 1) / len(past), count)
-        ink = inks(np.tile(colors, (steps, 1)), self._theme, None)
-        ink[:, 3] = TRAIL * fresh
+        # Faded by color, not by opacity: where two opaque lines meet, no joint shows.
+        strength = (TRAIL * fresh)[:, np.newaxis]
+        faded = np.tile(colors, (steps, 1)) * strength + np.array(self._theme.background) * (1.0 - strength)
+        ink = inks(faded, self._theme, None)
         widths = np.maximum(1.0, width * fresh).astype(np.float32)
         ends = np.concatenate([pixels[:-count], pixels[count:]], axis=1)
         canvas.lines(ends, widths, ink, None if depth is None else depth[count:])

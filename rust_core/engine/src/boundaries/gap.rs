@@ -187,3 +187,60 @@ fn falls_once(coefficients: &[f64; 5]) -> bool {
     first_negative.is_some_and(|index| index > 0 && coefficients[index..].iter().all(|&coefficient| coefficient <= 0.0))
         && coefficients[4] < 0.0
 }
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn vector() -> impl Strategy<Value = DVec3> {
+        prop::array::uniform3(-2.0..2.0_f64).prop_map(DVec3::from_array)
+    }
+
+    fn wall() -> impl Strategy<Value = Wall> {
+        let plane = (vector(), -1.0..1.0_f64).prop_filter_map("no direction", |(normal, offset)| {
+            normal.try_normalize().map(|normal| Wall::Plane { normal, offset })
+        });
+        let sphere =
+            (vector(), 0.2..2.0_f64, any::<bool>()).prop_map(|(center, radius, inside)| Wall::Sphere { center, radius, inside });
+        prop_oneof![plane, sphere]
+    }
+
+    fn path() -> impl Strategy<Value = Path> {
+        (vector(), vector(), vector()).prop_map(|(position, velocity, acceleration)| Path { position, velocity, acceleration })
+    }
+
+    /// All numbers here are below 100, so that f is exact to some 20 roundings of 100.
+    const ROUNDING: f64 = 20.0 * 100.0 * f64::EPSILON;
+
+    proptest! {
+        /// The coefficients are those of f: Σ bₖ Bₖ(u) = f(t).
+        #[test]
+        fn coefficients_are_those_of_the_gap(wall in wall(), path in path(), start in 0.0..1.0_f64, length in 0.0..1.0_f64, u in 0.0..=1.0_f64) {
+            let gap = Gap::new(&wall, &path, 0.1, false);
+            let weights = [1.0, 4.0, 6.0, 4.0, 1.0];
+            let terms = (0..).zip(weights).zip(gap.coefficients(start, start + length));
+            let sum: f64 = terms.map(|((k, weight), b)| weight * u.powi(k) * (1.0 - u).powi(4 - k) * b).sum();
+            prop_assert!((sum - gap.value(start + length * u).0).abs() < ROUNDING);
+        }
+
+        /// Up to the first contact the gap is open, and there it is closed; None means open to the end.
+        #[test]
+        fn the_first_contact_is_the_first(wall in wall(), path in path()) {
+            let (distance, _) = wall.distance(path.position);
+            prop_assume!(distance > 0.1);
+            let gap = Gap::new(&wall, &path, 0.1, false);
+            let contact = gap.first_contact(2.0);
+            let open = contact.unwrap_or(2.0);
+            for sample in 0..=200 {
+                prop_assert!(gap.value(open * f64::from(sample) / 200.0).0 > -ROUNDING);
+            }
+            if let Some(time) = contact {
+                // At a grazing contact f touches 0 without crossing it.
+                prop_assert!(gap.value(time).0.abs() < ROUNDING);
+                prop_assert!(((wall.distance(path.at(time)).0) - 0.1).abs() < 1e-10);
+            }
+        }
+    }
+}

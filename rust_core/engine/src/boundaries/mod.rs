@@ -33,7 +33,9 @@ pub trait Boundary: Debug + Send + Sync {
     /// The distance from `x` to the nearest wall [m], positive on the allowed side, and the direction into that side.
     fn distance(&self, x: DVec3) -> (f64, DVec3) {
         let distances = self.walls().iter().map(|wall| wall.distance(x));
-        distances.reduce(|nearest, other| if other.0 < nearest.0 { other } else { nearest }).unwrap_or((f64::INFINITY, DVec3::ZERO))
+        distances
+            .reduce(|nearest, other| if other.0 < nearest.0 { other } else { nearest })
+            .unwrap_or((f64::INFINITY, DVec3::ZERO))
     }
 }
 

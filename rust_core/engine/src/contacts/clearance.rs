@@ -129,10 +129,10 @@ impl<V: Vector> Sweep<'_, '_, '_, V> {
             Test::Plane { set, normal, offset } => {
                 let radius = reach(*set);
                 let mut height = [[V::Scalar::ZERO; LANES]; 3];
-                for axis in 0..V::DIMENSION {
+                for (axis, &slope) in normal.iter().enumerate().take(V::DIMENSION) {
                     for (height, control) in height.iter_mut().zip(self.control(base, axis)) {
                         for lane in 0..LANES {
-                            height[lane] += normal[axis] * control[lane];
+                            height[lane] += slope * control[lane];
                         }
                     }
                 }
@@ -164,10 +164,10 @@ impl<V: Vector> Sweep<'_, '_, '_, V> {
     #[inline(always)]
     fn squares(&self, base: usize, center: &[V::Scalar; AXES]) -> (Lanes<V::Scalar>, Lanes<V::Scalar>) {
         let mut products = [[V::Scalar::ZERO; LANES]; 6];
-        for axis in 0..V::DIMENSION {
+        for (axis, &center) in center.iter().enumerate().take(V::DIMENSION) {
             let control = self.control(base, axis);
             for lane in 0..LANES {
-                let [p, q, r] = [0, 1, 2].map(|point| control[point][lane] - center[axis]);
+                let [p, q, r] = [0, 1, 2].map(|point| control[point][lane] - center);
                 for (sum, product) in products.iter_mut().zip([p * p, p * q, q * q, p * r, q * r, r * r]) {
                     sum[lane] += product;
                 }

@@ -303,7 +303,7 @@ impl Flight<'_> {
         let speed = middle.length();
         let middle = here.along(middle).normalize_or_zero() * speed;
         let kicked = middle + here.along(self.acceleration) * (0.5 * time);
-        let brake = (0.5 * time * here.friction_at(self.acceleration, speed)).min(kicked.length());
+        let brake = (0.5 * time * here.friction_at(speed)).min(kicked.length());
         self.velocity = kicked - middle.normalize_or_zero() * brake;
         self.lost += (0.5 * time * drag + brake) * speed;
     }

@@ -19,7 +19,9 @@ pub(super) struct Support {
     count: usize,
     /// Every wall that the particle stays on, carrying or just alongside.
     pub slides: Touches,
-    /// The part of the mean acceleration along the surface.
+    /// The step's mean acceleration.
+    load: DVec3,
+    /// Its part along the surface.
     pub acceleration: DVec3,
     /// The deceleration by friction, Σ μ λ.
     friction: f64,
@@ -61,6 +63,7 @@ impl Support {
                 carriers,
                 count,
                 slides: Touches::default(),
+                load: acceleration,
                 acceleration: DVec3::ZERO,
                 friction: carriers[0].friction * push[0].max(0.0) + carriers[1].friction * push[1].max(0.0),
                 curvature: carriers[0].curvature.abs().max(carriers[1].curvature.abs()),
@@ -114,11 +117,11 @@ impl Support {
         moved
     }
 
-    /// The deceleration by friction at a speed, under the acceleration `a`.
-    pub fn friction_at(&self, a: DVec3, speed: f64) -> f64 {
+    /// The deceleration by friction at a speed: on a curved wall the faster presses more, or less.
+    pub fn friction_at(&self, speed: f64) -> f64 {
         let carriers = &self.carriers[..self.count.min(2)];
         let [first, second] = [0, 1].map(|index| {
-            carriers.get(index).map_or(0.0, |touch| -(touch.normal.dot(a) + touch.curvature * speed * speed))
+            carriers.get(index).map_or(0.0, |touch| -(touch.normal.dot(self.load) + touch.curvature * speed * speed))
         });
         let push = match carriers {
             [one, other] => pushes(one.normal.dot(other.normal), first, second),
@@ -131,7 +134,7 @@ impl Support {
     /// direction of its slip at mid-time, which makes it a second-order method whose friction never gives energy. Where
     /// friction would turn the slip around, it ends instead at the moment when it is zero.
     pub fn slip(&self, velocity: DVec3, left: f64) -> Slip {
-        let (a, friction, speed) = (self.acceleration, self.friction, velocity.length());
+        let (a, mut friction, speed) = (self.acceleration, self.friction, velocity.length());
         if self.count > 2 {
             return Slip { acceleration: DVec3::ZERO, duration: 0.0, rests: true };
         }
@@ -139,6 +142,8 @@ impl Support {
         if self.curvature > 0.0 {
             let arc = ANGLE / self.curvature;
             duration = duration.min(arc / speed).min((arc / a.length()).sqrt());
+            let middle = velocity + (a - velocity.normalize_or_zero() * friction) * (0.5 * duration);
+            friction = self.friction_at(middle.length());
         }
         if friction == 0.0 {
             return Slip { acceleration: a, duration, rests: false };

@@ -25,7 +25,13 @@ pub struct Fold {
 impl Fold {
     /// Nothing, for `count` particles.
     pub fn new(count: usize) -> Self {
-        Self { acceleration: vec![DVec3::ZERO; count], rate: vec![0.0; count], well: vec![0.0; count], drag: vec![0.0; count], wind: None }
+        Self {
+            acceleration: vec![DVec3::ZERO; count],
+            rate: vec![0.0; count],
+            well: vec![0.0; count],
+            drag: vec![0.0; count],
+            wind: None,
+        }
     }
 }
 
@@ -93,7 +99,9 @@ impl<V: Vector> Affine<V> {
         };
         let wind = fold.wind.unwrap_or(DVec3::ZERO);
         let mut uniform = (count > 0).then(|| coefficients(0));
-        if uniform.is_some_and(|same| same[0].c != V::Scalar::ZERO || (1..count).any(|index| coefficients(index) != same)) || wind != DVec3::ZERO {
+        if uniform.is_some_and(|same| same[0].c != V::Scalar::ZERO || (1..count).any(|index| coefficients(index) != same))
+            || wind != DVec3::ZERO
+        {
             uniform = None;
         }
         let first = if uniform.is_some() { count.saturating_sub(1) / block * block } else { 0 };
@@ -121,9 +129,19 @@ impl<V: Vector> Affine<V> {
             Some(same) if start < self.first => AxisLaw::Uniform(same[axis]),
             _ => {
                 let range = start - self.first..start - self.first + length;
-                let [a0, b, c, drag] = [&self.a0[axis], &self.b, &self.c, &self.drag].map(|values| values[range.clone()].as_chunks().0);
+                let [a0, b, c, drag] =
+                    [&self.a0[axis], &self.b, &self.c, &self.drag].map(|values| values[range.clone()].as_chunks().0);
                 AxisLaw::Varying(Varying { a0, b, c, drag, wind: self.wind[axis] })
             }
+        }
+    }
+
+    /// The steady part a₀ of the acceleration of a particle along one axis [m/s²].
+    #[inline(always)]
+    pub fn steady(&self, axis: usize, index: usize) -> V::Scalar {
+        match self.uniform {
+            Some(same) if index < self.first => same[axis].a0,
+            _ => self.a0[axis][index - self.first],
         }
     }
 

@@ -125,7 +125,9 @@ impl<V: Vector> Force<V> for Central<V> {
     fn potential(&self, block: Range<usize>, at: &Moment<'_, V>) -> f64 {
         let offset = at.properties.origin - self.center;
         let square = self.softening * self.softening;
-        self.members(block).map(|index| self.potential_at((at.position.get(index).widen() + offset).length_squared() + square)).sum()
+        self.members(block)
+            .map(|index| self.potential_at((at.position.get(index).widen() + offset).length_squared() + square))
+            .sum()
     }
 
     /// A harmonic center limits the stability. Any other one has no greatest stiffness, so it limits the accuracy: a

@@ -54,7 +54,8 @@ impl<V: Vector> Force<V> for Custom<V> {
 
     fn prepare(&mut self, at: &Moment<'_, V>) -> Result<()> {
         let velocities: Vec<DVec3> = self.members.iter().map(|&index| at.velocity.get(index).widen()).collect();
-        let forces = self.callback.forces(at.time, &self.positions(at), &velocities).map_err(|message| self.error("function", message))?;
+        let forces =
+            self.callback.forces(at.time, &self.positions(at), &velocities).map_err(|message| self.error("function", message))?;
         if forces.len() != self.members.len() || forces.iter().any(|force| !force.is_finite()) {
             return Err(self.error("function", format!("must give {} finite forces", self.members.len())));
         }
@@ -81,12 +82,16 @@ impl<V: Vector> Force<V> for Custom<V> {
         }
     }
 
+    fn has_potential(&self) -> bool {
+        self.callback.has_potential()
+    }
+
     fn potential(&self, _block: Range<usize>, _at: &Moment<'_, V>) -> f64 {
         0.0
     }
 
     fn potential_of_all(&self, at: &Moment<'_, V>) -> Result<f64> {
-        if !self.callback.has_potential() || self.members.is_empty() {
+        if self.members.is_empty() {
             return Ok(0.0);
         }
         self.callback.potential(&self.positions(at)).map_err(|message| self.error("potential", message))

@@ -75,6 +75,10 @@ impl<V: Vector> Force<V> for Drag<V> {
         pointwise::accumulate::<V>(Law { linear, quadratic, wind }, &self.members, block, at, rates);
     }
 
+    fn has_potential(&self) -> bool {
+        false
+    }
+
     fn potential(&self, _block: Range<usize>, _at: &Moment<'_, V>) -> f64 {
         0.0
     }
@@ -84,6 +88,7 @@ impl<V: Vector> Force<V> for Drag<V> {
         for index in (0..at.properties.count()).filter(|&index| self.acts_on(index)) {
             let speed = (at.velocity.get(index).widen() - self.wind).length();
             bound.point(index, "drag", 0.0, self.linear + 2.0 * self.quadratic * speed);
+            bound.least_damping(index, self.linear);
         }
     }
 

@@ -52,7 +52,9 @@ impl<V: Vector> Force<V> for Gravity {
     fn potential(&self, block: Range<usize>, at: &Moment<'_, V>) -> f64 {
         let properties = at.properties;
         let members = block.filter(|&index| self.members[index]);
-        members.map(|index| -properties.mass[index] * self.acceleration.dot(properties.origin + at.position.get(index).widen())).sum()
+        members
+            .map(|index| -properties.mass[index] * self.acceleration.dot(properties.origin + at.position.get(index).widen()))
+            .sum()
     }
 
     fn bound(&self, _at: &Moment<'_, V>, _bound: &mut Bound) {}

@@ -85,6 +85,11 @@ pub trait Force<V: Vector>: Send + Sync {
     /// Adds the force on each particle of `block` and the power that it dissipates or supplies there.
     fn accumulate(&self, _block: Range<usize>, _at: &Moment<'_, V>, _rates: &mut Rates<'_, V>) {}
 
+    /// Whether it has a potential energy, which the audit then names.
+    fn has_potential(&self) -> bool {
+        true
+    }
+
     /// The potential energy of the particles of `block` [J]; what two particles share is split between them.
     fn potential(&self, block: Range<usize>, at: &Moment<'_, V>) -> f64;
 
@@ -105,7 +110,8 @@ pub trait Force<V: Vector>: Send + Sync {
 /// The registry: the forces that a term of the scene declares. Pointwise forces don't act on fixed particles.
 pub fn build<V: Vector>(scene: &Scene, term: &Term, properties: &Properties<V>) -> Result<Vec<Box<dyn Force<V>>>> {
     let in_scene = scene.members(term);
-    let members: Vec<bool> = (0..properties.count()).map(|index| in_scene[properties.caller[index] as usize] && !properties.is_fixed(index)).collect();
+    let members: Vec<bool> =
+        (0..properties.count()).map(|index| in_scene[properties.caller[index] as usize] && !properties.is_fixed(index)).collect();
     let mut mask: Vec<V::Scalar> = members.iter().map(|&member| if member { V::Scalar::ONE } else { V::Scalar::ZERO }).collect();
     mask.resize(padded(members.len()), V::Scalar::ZERO);
     Ok(match term.kind.as_str() {

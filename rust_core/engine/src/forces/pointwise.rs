@@ -26,7 +26,13 @@ pub struct PointRate<T> {
 }
 
 /// Adds a law's forces and powers for one block; `members` says for every particle whether it acts.
-pub fn accumulate<V: Vector>(law: impl PointLaw<V>, members: &[V::Scalar], block: Range<usize>, at: &Moment<'_, V>, rates: &mut Rates<'_, V>) {
+pub fn accumulate<V: Vector>(
+    law: impl PointLaw<V>,
+    members: &[V::Scalar],
+    block: Range<usize>,
+    at: &Moment<'_, V>,
+    rates: &mut Rates<'_, V>,
+) {
     dispatch(Loop { law, members: &members[block.clone()], block, at, force: rates.force.reborrow(), power: rates.power });
 }
 

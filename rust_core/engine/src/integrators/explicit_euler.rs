@@ -17,7 +17,11 @@ impl Integrator for ExplicitEuler {
     /// The amplification factor is 1 + z with z = hμ and μ² + 2ξωμ + ω² = 0. For ξ < 1, |1 + z|² = 1 − 2ξωh + ω²h², so
     /// ωh ≤ 2ξ. For ξ ≥ 1 both z are real and the larger, −ωh(ξ + √(ξ² − 1)), must not pass −2: ωh ≤ 2(ξ − √(ξ² − 1)).
     fn limit(damping_ratio: f64) -> f64 {
-        if damping_ratio < 1.0 { 2.0 * damping_ratio } else { 2.0 / (damping_ratio + (damping_ratio * damping_ratio - 1.0).sqrt()) }
+        if damping_ratio < 1.0 {
+            2.0 * damping_ratio
+        } else {
+            2.0 / (damping_ratio + (damping_ratio * damping_ratio - 1.0).sqrt())
+        }
     }
 
     #[inline(always)]

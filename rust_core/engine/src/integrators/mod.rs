@@ -59,6 +59,18 @@ pub trait Integrator: Send + Sync + 'static {
     /// The largest stable ω·h on x'' = −ω²x − 2ξωx' for the damping ratio ξ; 0 where no step is stable.
     fn limit(damping_ratio: f64) -> f64;
 
+    /// Whether the positions of the step's end stand when its only evaluation is asked for, after a drift at constant
+    /// velocity. Contacts are then resolved within the drift.
+    const DRIFTS_FIRST: bool = false;
+
+    /// The velocity of that drift.
+    fn drift<T: Real>(register: &Register<T>) -> T {
+        register.v
+    }
+
+    /// Goes on as if the drift had ended with this velocity.
+    fn redirect<T: Real>(_register: &mut Register<T>, _drift: T, _h: T) {}
+
     /// Fills the carried memory from the acceleration `a` at the initial state.
     fn begin<T: Real>(_register: &mut Register<T>, _a: T) {}
 

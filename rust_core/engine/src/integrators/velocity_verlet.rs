@@ -26,6 +26,7 @@ impl Integrator for VelocityVerlet {
     const LAST_WEIGHT: f64 = 0.5;
     const MEMORY: usize = 2;
     const CARRIED: usize = 1;
+    const DRIFTS_FIRST: bool = true;
 
     /// With y = ωh, c = 2ξy and a growth factor g per step, v = h/2 (g + 1)/(g − 1) a and x = h² g/(g − 1)² a, so that
     /// the stored a obeys g³ + (y² + 3c/2 − 2) g² + (1 − 2c) g + c/2 = 0. Jury's condition at g = −1 is y² + 4c ≤ 4, so
@@ -34,6 +35,17 @@ impl Integrator for VelocityVerlet {
     fn limit(damping_ratio: f64) -> f64 {
         let twice = 2.0 * damping_ratio;
         2.0 / (twice.hypot(1.0) + twice)
+    }
+
+    #[inline(always)]
+    fn drift<T: Real>(register: &Register<T>) -> T {
+        register.memory[HALF]
+    }
+
+    #[inline(always)]
+    fn redirect<T: Real>(register: &mut Register<T>, drift: T, h: T) {
+        register.memory[HALF] = drift;
+        register.v = drift + T::from_f64(0.5) * h * register.memory[ACCELERATION];
     }
 
     #[inline(always)]

@@ -68,7 +68,10 @@ impl Level {
         *LEVEL.get_or_init(|| {
             let best = Self::detect();
             let wanted = std::env::var("PHYSCORE_SIMD").unwrap_or_default();
-            [Self::Scalar, Self::Avx2, Self::Avx512].into_iter().find(|level| level.name() == wanted).map_or(best, |level| level.min(best))
+            [Self::Scalar, Self::Avx2, Self::Avx512]
+                .into_iter()
+                .find(|level| level.name() == wanted)
+                .map_or(best, |level| level.min(best))
         })
     }
 }

@@ -122,7 +122,12 @@ fn vector(range: f64) -> impl Strategy<Value = DVec3> {
     [-range..range, -range..range, -range..range].prop_map(DVec3::from_array)
 }
 
-fn total_is_constant<V: Vector>(balls: &[Ball], walls: Vec<physcore_engine::scene::Term>, h: f64, tolerance: f64) -> Result<(), TestCaseError> {
+fn total_is_constant<V: Vector>(
+    balls: &[Ball],
+    walls: Vec<physcore_engine::scene::Term>,
+    h: f64,
+    tolerance: f64,
+) -> Result<(), TestCaseError> {
     let mut laboratory = Laboratory::<V>::new(balls, walls, G);
     let start = laboratory.energy();
     let mut before = 0.0;

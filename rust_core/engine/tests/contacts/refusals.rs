@@ -90,7 +90,8 @@ fn not_concerned() {
         ball.velocity = DVec3::new(0.0, -10.0, 0.0);
     }
     balls[1].fixed = true;
-    let walls = vec![floor(0.5, 0.0), sphere(DVec3::new(0.0, 5.0, 0.0), 1.0, false, 0.5, 0.0), sphere(DVec3::ZERO, 1.0, true, 0.5, 0.0)];
+    let walls =
+        vec![floor(0.5, 0.0), sphere(DVec3::new(0.0, 5.0, 0.0), 1.0, false, 0.5, 0.0), sphere(DVec3::ZERO, 1.0, true, 0.5, 0.0)];
     let mut laboratory = Laboratory::<DVec2>::new(&balls, walls, DVec3::ZERO);
     laboratory.step(0.1);
     assert_eq!(laboratory.velocity(1).y, -10.0);

@@ -46,7 +46,8 @@ fn block_on_a_slope() {
     let normal = DVec3::new(-angle.sin(), angle.cos(), 0.0);
     let uphill = DVec3::new(angle.cos(), angle.sin(), 0.0);
     for (mu, expected) in [(0.5, 0.0), (0.3, 9.81 * (angle.sin() - 0.3 * angle.cos())), (0.0, 9.81 * angle.sin())] {
-        let mut laboratory = Laboratory::<DVec2>::new(&[Ball::new(DVec3::ZERO, DVec3::ZERO, 0.0)], vec![plane(DVec3::ZERO, normal, 0.5, mu)], G);
+        let mut laboratory =
+            Laboratory::<DVec2>::new(&[Ball::new(DVec3::ZERO, DVec3::ZERO, 0.0)], vec![plane(DVec3::ZERO, normal, 0.5, mu)], G);
         laboratory.steps(1000, 1e-3);
         // After 1 s: a/2 downhill. 1000 steps, each with some rounding errors of a few meters.
         let way = -laboratory.position(0).dot(uphill);
@@ -55,7 +56,8 @@ fn block_on_a_slope() {
     }
     // Thrown uphill at 2 m/s it stops after v²/(2 g (sin α + μ cos α)) and comes back with less.
     let mu = 0.3;
-    let mut laboratory = Laboratory::<DVec2>::new(&[Ball::new(DVec3::ZERO, uphill * 2.0, 0.0)], vec![plane(DVec3::ZERO, normal, 0.5, mu)], G);
+    let mut laboratory =
+        Laboratory::<DVec2>::new(&[Ball::new(DVec3::ZERO, uphill * 2.0, 0.0)], vec![plane(DVec3::ZERO, normal, 0.5, mu)], G);
     let highest = 4.0 / (2.0 * 9.81 * (angle.sin() + mu * angle.cos()));
     let start = laboratory.energy();
     let mut reached = 0.0_f64;
@@ -71,10 +73,8 @@ fn block_on_a_slope() {
 /// Along the edge of a tilted wedge: only the component along the edge counts, here without friction.
 #[test]
 fn sliding_along_an_edge() {
-    let walls = vec![
-        plane(DVec3::ZERO, DVec3::new(1.0, 1.3, 0.2), 0.3, 0.0),
-        plane(DVec3::ZERO, DVec3::new(-1.1, 1.0, 0.4), 0.3, 0.0),
-    ];
+    let walls =
+        vec![plane(DVec3::ZERO, DVec3::new(1.0, 1.3, 0.2), 0.3, 0.0), plane(DVec3::ZERO, DVec3::new(-1.1, 1.0, 0.4), 0.3, 0.0)];
     let edge = DVec3::new(1.0, 1.3, 0.2).cross(DVec3::new(-1.1, 1.0, 0.4)).normalize();
     let mut laboratory = Laboratory::<DVec3>::new(&[Ball::new(DVec3::ZERO, DVec3::ZERO, 0.0)], walls, G);
     laboratory.steps(1000, 1e-3);
@@ -85,10 +85,16 @@ fn sliding_along_an_edge() {
 /// A ball thrown into a box with losses ends in a corner or on the floor, at rest, with all its energy metered.
 #[test]
 fn everything_comes_to_rest() {
-    let balls: Vec<Ball> = (0..50).map(|index| {
-        let t = f64::from(index);
-        Ball::new(DVec3::new((1.7 * t).sin(), (2.3 * t).sin(), (3.1 * t).sin()) * 0.8, DVec3::new((5.0 * t).cos(), t.sin(), (7.0 * t).sin()) * 9.0, 0.1)
-    }).collect();
+    let balls: Vec<Ball> = (0..50)
+        .map(|index| {
+            let t = f64::from(index);
+            Ball::new(
+                DVec3::new((1.7 * t).sin(), (2.3 * t).sin(), (3.1 * t).sin()) * 0.8,
+                DVec3::new((5.0 * t).cos(), t.sin(), (7.0 * t).sin()) * 9.0,
+                0.1,
+            )
+        })
+        .collect();
     let mut laboratory = Laboratory::<DVec3>::new(&balls, vec![cuboid(DVec3::splat(-1.0), DVec3::ONE, 0.5, 0.4)], G);
     let start = laboratory.energy();
     laboratory.steps(10_000, 1e-3);

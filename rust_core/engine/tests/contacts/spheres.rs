@@ -88,6 +88,23 @@ fn a_rough_bowl_stops() {
     assert!((laboratory.energy() + laboratory.dissipated() - energy).abs() < 1e-3);
 }
 
+/// Around the inside of a rough hoop, without gravity: what presses is v²/R, so v' = −μ v²/R and v = v₀/(1 + μ v₀ t/R).
+/// A second-order method with μ v h/R = 6e-4: off by some (6e-4)² times the time constants passed, 0.6.
+#[test]
+fn around_a_rough_hoop() {
+    for mu in [0.0, 0.3] {
+        let hoop = vec![sphere(DVec3::ZERO, 1.0, true, 0.0, mu)];
+        let ball = Ball::new(DVec3::X * 0.9, DVec3::new(0.0, 1.8, 0.0), 0.1);
+        let mut laboratory = Laboratory::<DVec2>::new(&[ball], hoop, DVec3::ZERO);
+        laboratory.steps(1000, 1e-3);
+        let exact = 1.8 / (1.0 + mu * 1.8 / 0.9);
+        let speed = laboratory.velocity(0).length();
+        assert!((speed / exact - 1.0).abs() < 4e-7, "{speed} instead of {exact}");
+        assert!((laboratory.position(0).length() - 0.9).abs() < 1e-15);
+        assert!((laboratory.dissipated() - 0.5 * (1.8 * 1.8 - speed * speed)).abs() < 4e-7);
+    }
+}
+
 /// A floor in a bowl: the ball rolls down the bowl, meets the floor and stays on it.
 #[test]
 fn a_floor_in_a_bowl() {

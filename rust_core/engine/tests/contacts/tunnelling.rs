@@ -9,7 +9,10 @@ use proptest::prelude::*;
 use crate::laboratory::{Ball, Laboratory, cuboid, plane, sphere};
 
 fn direction() -> impl Strategy<Value = DVec3> {
-    prop::array::uniform3(-1.0..1.0_f64).prop_map(DVec3::from_array).prop_filter("short", |v| v.length() > 0.1).prop_map(DVec3::normalize)
+    prop::array::uniform3(-1.0..1.0_f64)
+        .prop_map(DVec3::from_array)
+        .prop_filter("short", |v| v.length() > 0.1)
+        .prop_map(DVec3::normalize)
 }
 
 /// A speed from a millimeter to 10⁶ m per second.
@@ -28,7 +31,8 @@ fn flat<V: Vector>(vector: DVec3) -> DVec3 {
 
 /// Runs a ball and checks it after every step. It may be outside by the rounding of its own coordinates.
 fn stays<V: Vector>(ball: Ball, walls: Vec<Term>, gravity: DVec3, h: f64) -> Result<(), TestCaseError> {
-    let shapes: Vec<Box<dyn Boundary>> = walls.iter().map(|term| boundaries::build(term, V::DIMENSION, DVec3::ZERO).expect("fine")).collect();
+    let shapes: Vec<Box<dyn Boundary>> =
+        walls.iter().map(|term| boundaries::build(term, V::DIMENSION, DVec3::ZERO).expect("fine")).collect();
     let mut laboratory = Laboratory::<V>::new(&[ball], walls, flat::<V>(gravity));
     for number in 0..20 {
         laboratory.step(h);

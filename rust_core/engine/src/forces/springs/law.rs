@@ -41,8 +41,8 @@ impl<T: Real> Law<T> {
     /// Fᵢ = [k (r − L) + c (vⱼ − vᵢ)·u] u = [k (r − L)/r + c ((vⱼ − vᵢ)·u)/r] d,  P = c ((vⱼ − vᵢ)·u)²
     ///
     /// i and j may change places without changing a bit. At rest length the force is exactly 0. Where L = 0, (r − L)/r is
-    /// 1 even at r = 0, so that such a spring is linear to the bit. Where L > 0, ends in one place (r = 0, also when d·d
-    /// underflows) have no direction between them: the force is then −0·d up to underflow, finite, and 0 where d is.
+    /// 1 even at r = 0, so that such a spring is linear to the bit. Where L > 0, ends in one place (or so near that d·d
+    /// underflows) have no direction between them, and the force is 0.
     #[inline(always)]
     pub fn force<V: Vector<Scalar = T>, const DAMPED: bool>(&self, i: State<T>, j: State<T>) -> ([T; AXES], T) {
         let mut along = [T::ZERO; AXES];
@@ -73,7 +73,6 @@ impl<T: Real> Law<T> {
         (self.stiffness * strain + drag * inverse, drag * rate)
     }
 }
-
 
 /// Where one end is, and how fast.
 #[derive(Debug, Clone, Copy)]

@@ -174,7 +174,7 @@ impl<V: Vector> Kernel for Surveying<'_, V> {
         for stencil in &self.springs.stencils {
             stencil.survey::<V>(&self.block, self.at, &mut survey);
         }
-        for slices in &self.springs.slices {
+        if let Some(slices) = &self.springs.slices {
             slices.survey::<V>(&self.block, self.at, &mut survey);
         }
         survey

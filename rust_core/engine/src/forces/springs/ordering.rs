@@ -28,7 +28,7 @@ impl Graph {
             next[i as usize] += 1;
         }
         let mut graph = Self { first, list };
-        // Those with few neighbors come first, and so does the lower index: that is Cuthill and McKee's order.
+        // Those with few neighbors come first, and so does the lower index: that is the order of E. Cuthill and J. McKee.
         let degrees: Vec<usize> = (0..count as u32).map(|index| graph.neighbors(index).len()).collect();
         for index in 0..count {
             graph.list[graph.first[index]..graph.first[index + 1]].sort_by_key(|&j| (degrees[j as usize], j));
@@ -56,11 +56,13 @@ impl Graph {
                 }
             }
         }
-        visited.iter().for_each(|&index| level[index as usize] = FAR);
+        for &index in &visited {
+            level[index as usize] = FAR;
+        }
         (visited, depth)
     }
 
-    /// A component in the reverse order of Cuthill and McKee, from an end of it that is as far from the other as
+    /// A component in the reverse Cuthill–McKee order, from an end of it that is as far from the other as
     /// walking to and fro can find (A. George, J. W. H. Liu, ACM Trans. Math. Softw. 5 (1979) 284).
     fn reverse_cuthill_mckee(&self, start: u32, level: &mut [u32]) -> Vec<u32> {
         let (mut best, mut depth) = self.walk(start, level);
@@ -98,7 +100,9 @@ pub fn ordering(springs: &[Spring], count: usize) -> Option<Vec<u32>> {
             continue;
         }
         let (mut places, _) = graph.walk(start, &mut level);
-        places.iter().for_each(|&index| done[index as usize] = true);
+        for &index in &places {
+            done[index as usize] = true;
+        }
         let sum = |each: &dyn Fn(u32) -> usize| places.iter().map(|&index| each(index)).sum::<usize>();
         if sum(&|index| in_stencils[index as usize]) * 100 >= sum(&|index| graph.neighbors(index).len()) * STRUCTURED {
             continue;
@@ -107,7 +111,8 @@ pub fn ordering(springs: &[Spring], count: usize) -> Option<Vec<u32>> {
         let better = graph.reverse_cuthill_mckee(start, &mut level);
         better.iter().zip(&places).for_each(|(&old, &new)| place[old as usize] = new);
         let distance = |of: &dyn Fn(u32) -> u32| -> u64 {
-            let one = |&index: &u32| graph.neighbors(index).iter().map(|&next| u64::from(of(index).abs_diff(of(next)))).sum::<u64>();
+            let one =
+                |&index: &u32| graph.neighbors(index).iter().map(|&next| u64::from(of(index).abs_diff(of(next)))).sum::<u64>();
             places.iter().map(one).sum()
         };
         if distance(&|index| index) >= GAIN as u64 * distance(&|index| place[index as usize]) {

@@ -92,7 +92,10 @@ impl<T: Real, const ROWS: usize> Side<T, ROWS> {
     /// One row.
     #[inline(always)]
     fn row(&self, row: usize) -> Side<T, 1> {
-        Side { position: self.position.each_ref().map(|axis| [axis[row]]), velocity: self.velocity.each_ref().map(|axis| [axis[row]]) }
+        Side {
+            position: self.position.each_ref().map(|axis| [axis[row]]),
+            velocity: self.velocity.each_ref().map(|axis| [axis[row]]),
+        }
     }
 }
 

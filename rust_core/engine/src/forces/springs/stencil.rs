@@ -96,7 +96,8 @@ impl<T: Real> Stencil<T> {
             .collect();
         let tiles = present.chunks(TILE / LANES).filter(|tile| tile.iter().any(|&group| group != 0));
         let places = tiles.map(|tile| tile.len() * LANES).sum::<usize>();
-        let stencil = Self { offset: i.abs_diff(j) as usize, law: Law::of(&springs[kind[0]]), count: members.len(), first, present };
+        let stencil =
+            Self { offset: i.abs_diff(j) as usize, law: Law::of(&springs[kind[0]]), count: members.len(), first, present };
         (stencil.count * 100 >= DENSITY * places).then_some((stencil, members))
     }
 
@@ -115,7 +116,9 @@ impl<T: Real> Stencil<T> {
     /// Calls `each` with the ends of every spring whose lower end is in a range.
     pub fn for_each(&self, range: Range<usize>, mut each: impl FnMut(usize, usize, &Law<T>)) {
         for (start, present) in self.groups(range) {
-            (0..LANES).filter(|lane| present >> lane & 1 == 1).for_each(|lane| each(start + lane, start + lane + self.offset, &self.law));
+            (0..LANES)
+                .filter(|lane| present >> lane & 1 == 1)
+                .for_each(|lane| each(start + lane, start + lane + self.offset, &self.law));
         }
     }
 
@@ -131,7 +134,9 @@ impl<T: Real> Stencil<T> {
     ) {
         let halo = block.start.saturating_sub(self.offset) / LANES * LANES;
         let Range { start, end } = self.lower(tile.start.max(halo)..tile.end.min(block.end), at);
-        if start >= end || self.present[start / LANES - self.first..][..(end - start).div_ceil(LANES)].iter().all(|&group| group == 0) {
+        if start >= end
+            || self.present[start / LANES - self.first..][..(end - start).div_ceil(LANES)].iter().all(|&group| group == 0)
+        {
             return;
         }
         self.compute::<V, DAMPED>(&(start..end), at, scratch);
@@ -175,7 +180,7 @@ impl<T: Real> Stencil<T> {
         let (near, far) = (Run::new(at, range), Run::new(at, &(range.start + self.offset..range.end + self.offset)));
         let law = self.law;
         let length = range.len();
-        let mut force = scratch.force.each_mut().map(|axis| &mut axis[..length]);
+        let force = scratch.force.each_mut().map(|axis| &mut axis[..length]);
         let power = &mut scratch.power[..length];
         for index in 0..length {
             let (pull, dissipated) = law.force::<V, DAMPED>(near.get::<V, DAMPED>(index), far.get::<V, DAMPED>(index));

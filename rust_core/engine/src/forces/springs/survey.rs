@@ -26,7 +26,7 @@ impl Survey {
         self.energy[lane] += if counts { energy } else { 0.0 };
         // A division that does not depend on the spring's length, so that springs of one kind share it.
         let ratio = length * (1.0 / rest_length);
-        let shorter = counts & (rest_length > 0.0) & (ratio < self.shortest[lane]);
+        let shorter = counts && rest_length > 0.0 && ratio < self.shortest[lane];
         self.shortest[lane] = if shorter { ratio } else { self.shortest[lane] };
     }
 }

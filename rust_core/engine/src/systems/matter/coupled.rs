@@ -10,6 +10,7 @@ use crate::matter::{Blocks, CHANNELS, Columns, Matter, Span};
 use crate::parallel::{Crew, Split};
 use crate::simd::LANES;
 use crate::systems::matter::Interval;
+use crate::systems::matter::collisions::collide;
 use crate::systems::matter::kernels::{self, Action, Load};
 use crate::systems::matter::law::Law;
 
@@ -37,7 +38,13 @@ impl<V: Vector> Desk<V> {
 }
 
 /// Advances `matter` in place.
-pub fn advance<V: Vector, I: Integrator>(law: &mut Law<V>, matter: &mut Matter<V>, desk: &mut Desk<V>, interval: Interval, crew: &Crew) -> Result<()> {
+pub fn advance<V: Vector, I: Integrator>(
+    law: &mut Law<V>,
+    matter: &mut Matter<V>,
+    desk: &mut Desk<V>,
+    interval: Interval,
+    crew: &Crew,
+) -> Result<()> {
     let stages = I::NODES.len();
     for step in 0..interval.steps {
         if let Some([position, velocity]) = &mut desk.before {
@@ -47,6 +54,9 @@ pub fn advance<V: Vector, I: Integrator>(law: &mut Law<V>, matter: &mut Matter<V
         // Without contacts the sweep of the last stage moves on to the first stage of the next step.
         if step == 0 || desk.before.is_some() {
             sweep::<V, I>(law, matter, desk, interval, 0.0, Action::Point, crew)?;
+        }
+        if I::DRIFTS_FIRST {
+            collisions::<V, I>(law, matter, desk, interval.h, crew);
         }
         for stage in 0..stages {
             let next = if stage + 1 < stages {
@@ -65,7 +75,12 @@ pub fn advance<V: Vector, I: Integrator>(law: &mut Law<V>, matter: &mut Matter<V
 }
 
 /// Evaluates the law at the state and fills the carried memory.
-pub fn begin<V: Vector, I: Integrator>(law: &mut Law<V>, matter: &mut Matter<V>, desk: &mut Desk<V>, interval: Interval) -> Result<()> {
+pub fn begin<V: Vector, I: Integrator>(
+    law: &mut Law<V>,
+    matter: &mut Matter<V>,
+    desk: &mut Desk<V>,
+    interval: Interval,
+) -> Result<()> {
     sweep::<V, I>(law, matter, desk, interval, interval.time, Action::Begin, &Crew::alone())
 }
 
@@ -88,7 +103,7 @@ fn sweep<V: Vector, I: Integrator>(
     let ends_step = matches!(action, Action::Absorb(stage, _) if stage + 1 == I::NODES.len());
     let ends_run = ends_step && matches!(action, Action::Absorb(_, None));
     let at = law.moment(desk.position.view(), desk.velocity.view(), time);
-    let before = desk.before.as_ref().filter(|_| ends_step);
+    let before = desk.before.as_ref().filter(|_| ends_step && !I::DRIFTS_FIRST);
     let work = Work { blocks: matter.blocks(), force: desk.force.span() };
     crew.sweep(work, &|work: Work<'_, V>| {
         let Work { mut blocks, mut force } = work;
@@ -110,7 +125,19 @@ fn sweep<V: Vector, I: Integrator>(
     Ok(())
 }
 
-/// Blocks with their forces.
+/// Resolves all contacts within the drift.
+fn collisions<V: Vector, I: Integrator>(law: &Law<V>, matter: &mut Matter<V>, desk: &mut Desk<V>, h: f64, crew: &Crew) {
+    let (Some(contacts), Some([position, slope])) = (&law.contacts, &mut desk.before) else { return };
+    let position = &*position;
+    crew.sweep(Work { blocks: matter.blocks(), force: slope.span() }, &|work: Work<'_, V>| {
+        let Work { mut blocks, force: mut slope } = work;
+        let range = blocks.range();
+        let before = std::array::from_fn(|axis| position.view().slice(axis, range.clone()));
+        collide::<V, I>(law, contacts, &mut blocks, before, &mut slope, h);
+    });
+}
+
+/// Blocks with a vector for every particle: its force, as a rule.
 struct Work<'a, V: Vector> {
     blocks: Blocks<'a, V>,
     force: Span<'a, V>,

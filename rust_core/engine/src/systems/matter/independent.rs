@@ -7,18 +7,27 @@ use crate::math::{AXES, Real, Vector};
 use crate::matter::{Blocks, CHANNELS, Matter, Span};
 use crate::parallel::Crew;
 use crate::simd::LANES;
+use crate::systems::matter::Interval;
+use crate::systems::matter::collisions::collide;
 use crate::systems::matter::kernels::{self, Action, Load};
 use crate::systems::matter::law::Law;
-use crate::systems::matter::Interval;
 
 /// Advances `matter` from the state `from`: block by block, each through all steps.
-pub fn advance<V: Vector, I: Integrator>(law: &Law<V>, from: &Matter<V>, matter: &mut Matter<V>, interval: Interval, crew: &Crew) {
+pub fn advance<V: Vector, I: Integrator>(
+    law: &Law<V>,
+    from: &Matter<V>,
+    matter: &mut Matter<V>,
+    interval: Interval,
+    crew: &Crew,
+) {
     crew.sweep(matter.blocks(), &|mut block: Blocks<'_, V>| {
         copy::<V, I>(from, &mut block);
         if law.is_folded() && law.contacts.is_none() {
             kernels::steps::<V, I>(law, &mut block, interval.h, interval.steps);
         } else {
-            V::Scalar::with_scratch(3 * AXES * block.position.len(), |scratch| one_by_one::<V, I>(law, &mut block, interval, scratch));
+            V::Scalar::with_scratch(3 * AXES * block.position.len(), |scratch| {
+                one_by_one::<V, I>(law, &mut block, interval, scratch)
+            });
         }
         block.meters[0].agitation = kernels::agitation(law, &block);
     });
@@ -43,22 +52,37 @@ fn one_by_one<V: Vector, I: Integrator>(law: &Law<V>, block: &mut Blocks<'_, V>,
         if law.contacts.is_some() {
             remember(block, before);
         }
-        if law.is_folded() {
+        if law.is_folded() && (law.contacts.is_none() || !I::DRIFTS_FIRST) {
             kernels::steps::<V, I>(law, block, interval.h, 1);
         } else {
-            for stage in 0..I::NODES.len() {
-                let next = (stage + 1 < I::NODES.len()).then_some(stage + 1);
-                if stage == 0 {
-                    run_stage::<V, I>(law, block, &mut force, interval, 0.0, Action::Point);
-                }
-                let time = interval.time + (step as f64 + I::NODES[stage]) * interval.h;
-                run_stage::<V, I>(law, block, &mut force, interval, time, Action::Absorb(stage, next));
-            }
+            stages::<V, I>(law, block, interval, step, &mut force, before);
         }
-        if let Some(contacts) = &law.contacts {
-            let before = Before::of(before, length);
-            contacts.resolve(&before, block, &law.properties, interval.h);
+        if let (Some(contacts), false) = (&law.contacts, I::DRIFTS_FIRST) {
+            contacts.resolve(&Before::of(before, length), block, &law.properties, interval.h);
         }
+    }
+}
+
+/// One step, stage by stage.
+fn stages<V: Vector, I: Integrator>(
+    law: &Law<V>,
+    block: &mut Blocks<'_, V>,
+    interval: Interval,
+    step: u64,
+    force: &mut Span<'_, V>,
+    before: &mut [V::Scalar],
+) {
+    let length = block.position.len();
+    run_stage::<V, I>(law, block, force, interval, 0.0, Action::Point);
+    if let (Some(contacts), true) = (&law.contacts, I::DRIFTS_FIRST) {
+        let (position, slope) = before.split_at_mut(AXES * length);
+        let position = std::array::from_fn(|axis| &position[axis * length..][..length]);
+        collide::<V, I>(law, contacts, block, position, &mut Span::over(slope, length), interval.h);
+    }
+    for stage in 0..I::NODES.len() {
+        let next = (stage + 1 < I::NODES.len()).then_some(stage + 1);
+        let time = interval.time + (step as f64 + I::NODES[stage]) * interval.h;
+        run_stage::<V, I>(law, block, force, interval, time, Action::Absorb(stage, next));
     }
 }
 
@@ -70,7 +94,14 @@ fn remember<V: Vector>(block: &Blocks<'_, V>, before: &mut [V::Scalar]) {
     }
 }
 
-fn run_stage<V: Vector, I: Integrator>(law: &Law<V>, block: &mut Blocks<'_, V>, force: &mut Span<'_, V>, interval: Interval, time: f64, action: Action) {
+fn run_stage<V: Vector, I: Integrator>(
+    law: &Law<V>,
+    block: &mut Blocks<'_, V>,
+    force: &mut Span<'_, V>,
+    interval: Interval,
+    time: f64,
+    action: Action,
+) {
     let range = block.range();
     let mut power = [[0.0; LANES]; CHANNELS];
     if !matches!(action, Action::Point) {

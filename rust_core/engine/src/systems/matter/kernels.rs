@@ -199,7 +199,11 @@ impl<T: Real> Registers<T> {
     /// Reads positions, velocities and the first `used` memories.
     #[inline(always)]
     fn load(x: &Lanes<T>, v: &Lanes<T>, memory: &[&mut [Lanes<T>]; MEMORY], group: usize, used: usize) -> Self {
-        Self { x: *x, v: *v, memory: std::array::from_fn(|kept| if kept < used { memory[kept][group] } else { [T::ZERO; LANES] }) }
+        Self {
+            x: *x,
+            v: *v,
+            memory: std::array::from_fn(|kept| if kept < used { memory[kept][group] } else { [T::ZERO; LANES] }),
+        }
     }
 
     /// Writes the same.
@@ -299,7 +303,14 @@ struct Push<'a, T> {
 
 /// One stage of every lane along one axis.
 #[inline(always)]
-fn one_stage<T: Real, I: Integrator>(law: impl AxisForce<T>, push: Push<'_, T>, axis: &mut Axis<'_, T>, h: f64, action: Action, power: &mut Power) {
+fn one_stage<T: Real, I: Integrator>(
+    law: impl AxisForce<T>,
+    push: Push<'_, T>,
+    axis: &mut Axis<'_, T>,
+    h: f64,
+    action: Action,
+    power: &mut Power,
+) {
     let step = T::from_f64(h);
     let Axis { x, v, memory } = axis;
     let mut drag = [T::ZERO; LANES];

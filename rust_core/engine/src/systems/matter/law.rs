@@ -7,7 +7,7 @@ use crate::error::Result;
 use crate::forces::affine::{Affine, Fold};
 use crate::forces::{Force, Moment, Rates, Reach, VelocityDependence};
 use crate::math::{Real, Vector};
-use crate::matter::{Channel, Properties, View};
+use crate::matter::{Channel, Columns, Properties, View};
 use crate::simd::LANES;
 use crate::stability::Bound;
 
@@ -31,7 +31,7 @@ pub struct Law<V: Vector> {
 
 impl<V: Vector> Law<V> {
     /// Sorts the forces for blocks of `block` particles.
-    pub fn new(properties: Properties<V>, forces: Vec<Box<dyn Force<V>>>, contacts: Option<Contacts<V>>, block: usize, driven: bool) -> Self {
+    pub fn new(properties: Properties<V>, forces: Vec<Box<dyn Force<V>>>, contacts: Option<Contacts<V>>, block: usize) -> Self {
         let mut fold = Fold::new(properties.count());
         let (folded, others): (Vec<_>, Vec<_>) = forces.into_iter().partition(|force| force.fold(&properties, &mut fold));
         let (pointwise, together): (Vec<_>, Vec<_>) = others.into_iter().partition(|force| force.reach() == Reach::Pointwise);
@@ -39,7 +39,13 @@ impl<V: Vector> Law<V> {
         let count = folded.len();
         let passing = count + together.len();
         let forces = folded.into_iter().chain(together).chain(pointwise).collect();
-        Self { properties, affine, contacts, forces, folded: count, together: passing, driven }
+        Self { properties, affine, contacts, forces, folded: count, together: passing, driven: false }
+    }
+
+    /// Looks whether any fixed particle moves.
+    pub fn observe(&mut self, velocity: &Columns<V>) {
+        let mut fixed = (0..velocity.count()).filter(|&index| self.properties.is_fixed(index));
+        self.driven = fixed.any(|index| velocity.get(index) != V::default());
     }
 
     /// All forces.

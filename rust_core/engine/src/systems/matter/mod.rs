@@ -1,5 +1,6 @@
 //! Matter: particles and what acts on them, advanced by an integrator.
 
+mod collisions;
 mod coupled;
 mod independent;
 mod kernels;
@@ -26,8 +27,9 @@ pub struct Interval {
     pub steps: u64,
 }
 
-/// How long a chunk of steps should take [s]: long enough that keeping a copy of its start costs little.
-const CHUNK: f64 = 0.1;
+/// How long a chunk of steps should take [s]: long enough that keeping a copy of its start costs little, short enough to
+/// be abandoned when somebody interrupts it.
+const CHUNK: f64 = 0.05;
 /// The longest job that the calling thread does by itself, deaf to interrupts [s].
 const SHORT: f64 = 2e-3;
 /// The work that is worth sharing among threads [s].
@@ -63,8 +65,9 @@ impl<V: Vector> MatterSystem<V> {
         state.memory = vec![crate::matter::Columns::zeros(state.count()); I::MEMORY];
         let count = state.count() as f64;
         // Nanoseconds on a common core; only the sizes of chunks hang on them, never a bit of the result.
-        let per_particle = if law.is_folded() && law.contacts.is_none() { 1.0 } else { 5.0 };
-        let cost = 1e-9 * I::NODES.len() as f64 * (count * per_particle + 2.5 * interactions as f64) * V::DIMENSION as f64 / 3.0;
+        let per_particle = if law.is_folded() && law.contacts.is_none() { 1.0 } else { 8.0 };
+        let per_stage = 500.0 + count * per_particle + 6.0 * interactions as f64;
+        let cost = 1e-9 * I::NODES.len() as f64 * per_stage;
         let threads = if cost < WORTH_SHARING { 1 } else { threads };
         let desk = (!law.is_independent()).then(|| Desk::new(state.count(), law.contacts.is_some()));
         let kept = state.clone();
@@ -81,7 +84,7 @@ impl<V: Vector> MatterSystem<V> {
         &self.state
     }
 
-    /// The state, to change between runs; [`MatterSystem::begin`] must follow.
+    /// The state, to change between runs; [`MatterSystem::begin`] or [`MatterSystem::resume`] must follow.
     pub fn state_mut(&mut self) -> &mut Matter<V> {
         &mut self.state
     }
@@ -103,8 +106,14 @@ impl<V: Vector> MatterSystem<V> {
         self.law.bytes() + self.state.bytes() + self.kept.bytes() + desk + properties
     }
 
-    /// Evaluates the law at the present state, as every run must begin.
+    /// Goes on from a state that is complete with what the integrator carries.
+    pub fn resume(&mut self) {
+        self.law.observe(&self.state.velocity);
+    }
+
+    /// Begins anew from the positions and velocities: the integrator has nothing to carry on from.
     pub fn begin(&mut self, time: f64) -> Result<()> {
+        self.resume();
         self.stepper.begin(&mut self.law, &mut self.state, self.desk.as_mut(), Interval { time, h: 0.0, steps: 0 })
     }
 

@@ -1,0 +1,117 @@
+"""How everything here is measured.
+
+Opponents take turns in one process, because the speed of a machine wanders: only ratios within one race mean much. Each
+turn is timed by two clocks. The wall clock says how long somebody waits. The clock of CPU time, which all threads of the
+process add to, says what the work costs, and does not count the time in which other programs had the processor; so it
+is the better judge of work on one thread where the machine is not idle.
+"""
+
+from __future__ import annotations
+
+import os
+import platform
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from statistics import median
+
+REPETITIONS = 7
+SECONDS = 0.25
+"""How long one turn takes, about."""
+NOISE = 0.05
+"""Spread (median above minimum) from which a reading is marked as noisy."""
+
+
+@dataclass
+class Contender:
+    """One way to do the work, and how long its turns took."""
+
+    name: str
+    step: Callable[[int], object]
+    """Takes a number of steps, a multiple of `multiple`."""
+    threads: int = 1
+    multiple: int = 1
+    steps: int = 0
+    wall: list[float] = field(default_factory=list)
+    """Seconds per step of each turn."""
+    cpu: list[float] = field(default_factory=list)
+
+    def calibrate(self) -> None:
+        """Warm up (compilers, caches), and find how many steps make a turn."""
+        self.step(self.multiple)
+        steps, taken = self.multiple, 0.0
+        while taken < SECONDS / 5:
+            steps *= 2
+            taken = self._time(steps)[1]
+        self.steps = max(1, round(steps * SECONDS / taken / self.multiple)) * self.multiple
+
+    def turn(self) -> None:
+        """Take one turn."""
+        wall, cpu = self._time(self.steps)
+        self.wall.append(wall / self.steps)
+        self.cpu.append(cpu / self.steps)
+
+    def _time(self, steps: int) -> tuple[float, float]:
+        wall, cpu = time.perf_counter(), time.process_time()
+        self.step(steps)
+        return time.perf_counter() - wall, time.process_time() - cpu
+
+    @property
+    def noise(self) -> float:
+        """By how much the median turn took longer than the fastest, of the CPU's time."""
+        return median(self.cpu) / min(self.cpu) - 1.0
+
+
+def race(contenders: Sequence[Contender], repetitions: int = REPETITIONS) -> None:
+    """Let all take turns."""
+    for contender in contenders:
+        contender.calibrate()
+    for _ in range(repetitions):
+        for contender in contenders:
+            contender.turn()
+
+
+def fastest(variants: Sequence[Contender]) -> Contender:
+    """The best of several versions of the same opponent, found in a short race; its readings are discarded."""
+    race(variants, repetitions=3)
+    best = min(variants, key=lambda variant: min(variant.cpu))
+    return Contender(best.name, best.step, best.threads, best.multiple)
+
+
+def table(title: str, unit: str, work: float, contenders: Sequence[Contender]) -> None:
+    """Print the rates of a race: `work` units per step, in millions per second; the first line is physcore's."""
+    print(f"\n{title} [million {unit}/s]")
+    print(f"{'':<46}{'wall clock':^20}{'per CPU second':^20}{'physcore is':>12}")
+    print(f"{'':<36}{'threads':>10}{'median':>10}{'best':>10}{'median':>10}{'best':>10}{'(CPU)':>12}")
+    ours = {one.threads: median(one.cpu) for one in contenders if one.name.startswith("physcore")}
+    for one in contenders:
+        rates = [work / seconds / 1e6 for times in (one.wall, one.cpu) for seconds in (median(times), min(times))]
+        ratio = median(one.cpu) / ours[one.threads]
+        mark = f"  noisy: {one.noise:.0%}" if one.noise > NOISE else ""
+        figures = "".join(f"{rate:>10.{1 if rate < 100 else 0}f}" for rate in rates)
+        print(f"{one.name:<36}{one.threads:>10}{figures}{ratio:>11.2f}×{mark}", flush=True)
+
+
+def rate(contender: Contender, work: float) -> float:
+    """Units of work per CPU second, in billions: the median."""
+    return work / median(contender.cpu) / 1e9
+
+
+def speedup(contenders: Sequence[Contender]) -> float:
+    """physcore on two threads over physcore on one, from the fastest turns on the wall clock."""
+    best = {one.threads: min(one.wall) for one in contenders if one.name.startswith("physcore")}
+    return best[1] / best[2]
+
+
+def machine(simd: str) -> str:
+    """What this runs on."""
+    model = platform.processor() or platform.machine()
+    cpuinfo = Path("/proc/cpuinfo")
+    if cpuinfo.exists():
+        models = [line.partition(":")[2].strip() for line in cpuinfo.read_text().splitlines() if "model name" in line]
+        model = models[0] if models else model
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
+    load = os.getloadavg()[0]
+    busy = " (busy with other work: trust the CPU's time)" if load > 0.5 else ""
+    return f"{model}, {cores} cores, {simd}; load {load:.1f}{busy}"

@@ -1,0 +1,118 @@
+"""10⁶ independent particles in 3D beside NumPy and Numba: `python benches/particles.py`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+import physcore as pc
+from measure import Contender, fastest, race, rate, speedup, table
+from rivals.jit import with_threads
+from rivals.particles import NumpyFalling, NumpyOrbit, Swarm, numba_falling, numba_orbit
+
+COUNT = 1_000_000
+STEP = 1e-4
+GRAVITY, DRAG = -9.81, 0.1
+DTYPES = {"f64": np.float64, "f32": np.float32}
+
+Maker = Callable[[np.ndarray, np.ndarray, type, float], Swarm]
+
+
+def falling(count: int) -> pc.Scene:
+    """Dust under gravity and linear drag."""
+    generator = np.random.default_rng(1)
+    dust = pc.Particles(generator.uniform(size=(count, 3)), generator.normal(size=(count, 3)))
+    return pc.Scene(dust, pc.Gravity((0.0, 0.0, GRAVITY)), pc.Drag(linear=DRAG))
+
+
+def orbiting(count: int) -> pc.Scene:
+    """A belt around a center, at radii from 1 to 2."""
+    generator = np.random.default_rng(2)
+    angle, radius = generator.uniform(0.0, 2.0 * np.pi, count), generator.uniform(1.0, 2.0, count)
+    out = np.stack([np.cos(angle), np.sin(angle), generator.normal(0.0, 0.1, count)], axis=1)
+    along = np.stack([-np.sin(angle), np.cos(angle), np.zeros(count)], axis=1)
+    belt = pc.Particles(out * radius[:, None], along / np.sqrt(radius)[:, None])
+    return pc.Scene(belt, pc.CentralForce((0.0, 0.0, 0.0), strength=1.0, exponent=-2.0))
+
+
+def agree(scene: pc.Scene, integrator: pc.Integrator, precision: pc.numerics.Precision, make: Maker, steps: int) -> None:
+    """Refuse an opponent that does other work: after some steps all are in the same place, to rounding.
+
+    A step rounds x and v a dozen times, by half an ulp each at most.
+    """
+    body = scene.bodies[0]
+    simulation = pc.Simulation(scene, integrator, dt=STEP, precision=precision, threads=1)
+    simulation.step(steps)
+    rival = make(body.positions, body.velocities, DTYPES[precision], STEP)
+    rival.step(steps)  # type: ignore[attr-defined]
+    rounding = 12 * steps * np.finfo(DTYPES[precision]).eps * max(1.0, np.abs(simulation.positions).max())
+    np.testing.assert_allclose(rival.positions(), simulation.positions, rtol=0.0, atol=rounding)
+
+
+def compare(
+    title: str,
+    make_scene: Callable[[int], pc.Scene],
+    integrator: pc.Integrator,
+    precision: pc.numerics.Precision,
+    numpy_version: Maker,
+    numba_versions: dict[str, tuple[Maker, int]],
+) -> list[Contender]:
+    """Race all versions of one problem in one precision."""
+    small, scene = make_scene(3000), make_scene(COUNT)
+    for make, multiple in [(numpy_version, 1), *numba_versions.values()]:
+        agree(small, integrator, precision, make, 5 * multiple)
+    body, dtype = scene.bodies[0], DTYPES[precision]
+
+    def rival(make: Maker) -> Callable[[int], object]:
+        return make(body.positions, body.velocities, dtype, STEP).step  # type: ignore[attr-defined,no-any-return]
+
+    ours = [
+        Contender("physcore", pc.Simulation(scene, integrator, dt=STEP, precision=precision, threads=threads).step, threads)
+        for threads in (1, 2)
+    ]
+    compiled = fastest(
+        [
+            Contender(f"Numba, {name}", with_threads(1, rival(make)), 1, multiple)
+            for name, (make, multiple) in numba_versions.items()
+        ]
+    )
+    make, multiple = numba_versions[compiled.name.removeprefix("Numba, ")]
+    shared = Contender(compiled.name, with_threads(2, rival(make)), 2, multiple)
+    contenders = [*ours, compiled, shared, Contender("NumPy, blocks in the cache", rival(numpy_version))]
+    race(contenders)
+    table(f"{title}, {COUNT:.0e} particles, 3D, {precision}", "particle-steps", COUNT, contenders)
+    return contenders
+
+
+def main() -> dict[str, float]:
+    """Print the tables; give the figures that have targets."""
+    figures: dict[str, float] = {}
+    precisions: tuple[pc.numerics.Precision, ...] = ("f64", "f32")
+
+    def fall(make: type) -> Maker:
+        return lambda *state: make(*state, GRAVITY, DRAG)  # type: ignore[no-any-return]
+
+    for precision in precisions:
+        drops = {
+            f"{fused} steps fused{', fastmath' if fastmath else ''}": (fall(numba_falling(fastmath, fused)), fused)
+            for fastmath in (False, True)
+            for fused in (1, 4, 8)
+        }
+        contenders = compare(
+            "Velocity Verlet, gravity and drag", falling, pc.VelocityVerlet(), precision, fall(NumpyFalling), drops
+        )
+        figures[f"Verlet {precision}"] = rate(contenders[0], COUNT)
+        figures[f"two threads, Verlet {precision}"] = speedup(contenders)
+    for precision in precisions:
+        orbits: dict[str, tuple[Maker, int]] = {
+            "fastmath" if fastmath else "strict": (numba_orbit(fastmath), 1) for fastmath in (False, True)
+        }
+        contenders = compare("RK4, inverse-square field", orbiting, pc.RungeKutta4(), precision, NumpyOrbit, orbits)
+        figures[f"RK4 {precision}"] = rate(contenders[0], COUNT)
+        figures[f"two threads, RK4 {precision}"] = speedup(contenders)
+    return figures
+
+
+if __name__ == "__main__":
+    main()

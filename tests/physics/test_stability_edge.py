@@ -1,0 +1,134 @@
+"""The edge of stability: where theory puts it for each integrator, within 1 %, and inside of it what is certified."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from physics.laboratory import ALL, LONG, amplification, largest_step, name, networks, simulation
+
+import physcore as pc
+
+RATIOS = [0.0, 0.1, 1.0, 10.0]
+STEPS = 10_000
+START = 1e-6
+"""The first elongation [m] of a spring that is 1 m long: it may grow a thousandfold and the force stays linear in it."""
+
+
+def oscillator(ratio: float) -> pc.Scene:
+    """One spring along x with ω = 1/s and damping ratio ξ: x'' = −x − 2ξx' for the elongation x, exactly in 1D."""
+    spring = pc.SpringNetwork(
+        [[0.0, 0.0], [1.0 + START, 0.0]], [[0, 1]], stiffness=1.0, damping=2.0 * ratio, rest_length=1.0, fixed=[0]
+    )
+    return pc.Scene(spring)
+
+
+def elongation(run: pc.Simulation) -> float:
+    """Of the spring and its speed, as multiples of the first one."""
+    return float(np.hypot(run.positions[1, 0] - 1.0, run.velocities[1, 0])) / START
+
+
+def largest(ratio: float, integrator: pc.Integrator, dt: float, ceiling: float) -> float:
+    """The largest elongation in 1e4 steps, or the first one above `ceiling`."""
+    run = simulation(oscillator(ratio), integrator, dt, on_divergence="ignore")
+    peak = 1.0
+    while run.steps < STEPS and peak <= ceiling:
+        run.step(1)
+        peak = max(peak, elongation(run))
+    return peak
+
+
+@pytest.mark.parametrize("ratio", RATIOS)
+@pytest.mark.parametrize("integrator", ALL, ids=name)
+def test_a_step_just_below_the_limit_is_bounded_and_one_just_above_grows(integrator, ratio, record_property):
+    """At 0.99 of the theoretical limit nothing grows; at 1.01 the oscillation grows beyond that bound.
+
+    The largest that a stable one becomes: explicit Euler at ξ = 1 has the double factor g = 1 − 0.99·2 = −0.98, and so
+    reaches n·1.98·0.98ⁿ⁻¹ ≤ 38 in x and in v, 53 together. Undamped, Verlet's ellipse is elongated by
+    1/√(1 − 0.99²) = 7.1. Explicit Euler has the limit 0 at ξ = 0 and grows at any step: 0.01 stands for 1.01 · 0, where
+    its growth in 1e4 steps is (1 + 1e-4)^5000 = 1.6.
+    """
+    if isinstance(integrator, pc.ExplicitEuler) and ratio == 0.0:
+        run = simulation(oscillator(ratio), integrator, 0.01)
+        run.step(STEPS)
+        assert elongation(run) == pytest.approx((1.0 + 1e-4) ** (STEPS / 2), rel=1e-6)
+        assert pc.stability_limit(oscillator(ratio), integrator) == 0.0
+        return
+    limit = largest_step(integrator, ratio)
+    record_property("limit", f"ω dt = {limit:.6f}")
+    assert largest(ratio, integrator, 0.99 * limit, ceiling=54.0) <= 54.0
+    assert largest(ratio, integrator, 1.01 * limit, ceiling=100.0) > 100.0
+
+
+@pytest.mark.parametrize("integrator", ALL, ids=name)
+def test_without_damping_the_certified_limit_of_one_spring_is_the_theoretical_one(integrator):
+    """ω² ≤ k/m is exact for one spring on a wall, so that the certificate is the edge itself."""
+    certified = pc.stability_limit(oscillator(0.0), integrator)
+    if isinstance(integrator, pc.ExplicitEuler):
+        assert certified == 0.0
+    else:
+        assert certified == pytest.approx(largest_step(integrator), rel=1e-6)
+
+
+@pytest.mark.parametrize("ratio", RATIOS)
+@pytest.mark.parametrize("integrator", ALL, ids=name)
+def test_the_certified_limit_is_on_the_safe_side(integrator, ratio):
+    """It holds for all modes that the bounds on stiffness and on damping allow together, so it may be smaller."""
+    assert pc.stability_limit(oscillator(ratio), integrator) <= largest_step(integrator, ratio) * (1.0 + 1e-6)
+
+
+@pytest.mark.parametrize("ratio", RATIOS[1:])
+def test_drag_that_acts_in_every_direction_makes_explicit_euler_stable(ratio):
+    """With linear drag all modes are damped alike: its certified limit in a well is that of theory."""
+    well = pc.CentralForce((0.0, 0.0), 1.0, exponent=1.0)
+    scene = pc.Scene(pc.Particles([[1.0, 0.0]]), well, pc.Drag(linear=2.0 * ratio))
+    limit = largest_step(pc.ExplicitEuler(), ratio)
+    # The walk to the limit stops where |g| − 1 = 1e-6, and |g|² falls there with a slope of ξ or more.
+    assert pc.stability_limit(scene, pc.ExplicitEuler()) == pytest.approx(limit, rel=1e-4)
+    for factor, stable in ((0.99, True), (1.01, False)):
+        run = simulation(scene, pc.ExplicitEuler(), factor * limit, on_divergence="ignore")
+        run.step(STEPS)
+        assert (np.abs(run.positions).max() < 1.0) == stable
+
+
+@pytest.mark.parametrize("integrator", ALL[1:], ids=name)
+@given(net=networks())
+def test_any_network_is_stable_just_below_its_certified_limit(integrator, net):
+    """Strains of 1e-9 stay linear: their energy stays within what the fastest mode allows at 0.99 of its limit.
+
+    Half the swing of Verlet's energy at that step is 0.98 of it over 1 − 0.98: fifty times. RungeKutta4 only loses.
+    """
+    still = net.scene(rest_length=None, velocities=1e-9 * net.velocities)
+    run = simulation(still, integrator, 0.99 * pc.stability_limit(still, integrator), on_divergence="ignore")
+    before = run.energy().total
+    run.step(STEPS if LONG else 1000)
+    assert run.energy().total <= 100.0 * before
+
+
+@pytest.mark.parametrize("integrator", ALL[1:], ids=name)
+@given(net=networks(damping=10.0))
+def test_any_damped_network_is_stable_just_below_its_certified_limit(integrator, net):
+    """With damping nothing can grow for long; what a non-normal step does at first is within the same bound."""
+    still = net.scene(rest_length=None, velocities=1e-9 * net.velocities)
+    run = simulation(still, integrator, 0.99 * pc.stability_limit(still, integrator), on_divergence="ignore")
+    before = run.energy().total
+    run.step(STEPS if LONG else 1000)
+    assert run.energy().total <= 100.0 * before
+
+
+@pytest.mark.parametrize("integrator", ALL, ids=name)
+@pytest.mark.parametrize("ratio", RATIOS)
+def test_a_step_is_what_its_published_formula_says(integrator, ratio):
+    """Ten steps of a spring without a rest length, in 3D at once, against the matrix of the formulas.
+
+    The numbers are at most 1e3 for these steps, and each step rounds them a few times: 1e-12 relative to that.
+    """
+    dt = 0.3 / max(1.0, ratio)
+    start = np.array([[1.0, -0.5, 0.25]])
+    well, drag = pc.CentralForce((0.0, 0.0, 0.0), 1.0, exponent=1.0), pc.Drag(linear=2.0 * ratio)
+    run = simulation(pc.Scene(pc.Particles(start, 2.0 * start), well, drag), integrator, dt)
+    run.step(10)
+    first = np.array([1.0, 2.0, -1.0 - 2.0 * ratio * 2.0])
+    x, v, _ = np.linalg.matrix_power(amplification(integrator, dt, ratio), 10) @ first
+    np.testing.assert_allclose(run.positions, x * start, rtol=1e-12, atol=1e-12)
+    np.testing.assert_allclose(run.velocities, v * start, rtol=1e-12, atol=1e-12)
