@@ -28,12 +28,12 @@ def elongation(run: pc.Simulation) -> float:
     return float(np.hypot(run.positions[1, 0] - 1.0, run.velocities[1, 0])) / START
 
 
-def largest(ratio: float, integrator: pc.Integrator, dt: float, ceiling: float) -> float:
-    """The largest elongation in 1e4 steps, or the first one above `ceiling`."""
+def largest(ratio: float, integrator: pc.Integrator, dt: float, steps: int, ceiling: float) -> float:
+    """The largest elongation seen in so many steps, or the first one above `ceiling`; looked at every third step."""
     run = simulation(oscillator(ratio), integrator, dt, on_divergence="ignore")
     peak = 1.0
-    while run.steps < STEPS and peak <= ceiling:
-        run.step(1)
+    while run.steps < steps and peak <= ceiling:
+        run.step(3)
         peak = max(peak, elongation(run))
     return peak
 
@@ -45,8 +45,9 @@ def test_a_step_just_below_the_limit_is_bounded_and_one_just_above_grows(integra
 
     The largest that a stable one becomes: explicit Euler at ξ = 1 has the double factor g = 1 − 0.99·2 = −0.98, and so
     reaches n·1.98·0.98ⁿ⁻¹ ≤ 38 in x and in v, 53 together. Undamped, Verlet's ellipse is elongated by
-    1/√(1 − 0.99²) = 7.1. Explicit Euler has the limit 0 at ξ = 0 and grows at any step: 0.01 stands for 1.01 · 0, where
-    its growth in 1e4 steps is (1 + 1e-4)^5000 = 1.6.
+    1/√(1 − 0.99²) = 7.1. The slowest to grow is explicit Euler at ξ = 0.1, by |g|² = 1 + 2ξωdt·0.01 = 1.0004 per step:
+    a hundredfold takes 2.3e4 steps. At ξ = 0 its limit is 0 and it grows at any step: 0.01 stands for 1.01 · 0, where it
+    grows by (1 + 1e-4)^5000 = 1.6 in 1e4 steps.
     """
     if isinstance(integrator, pc.ExplicitEuler) and ratio == 0.0:
         run = simulation(oscillator(ratio), integrator, 0.01)
@@ -56,8 +57,8 @@ def test_a_step_just_below_the_limit_is_bounded_and_one_just_above_grows(integra
         return
     limit = largest_step(integrator, ratio)
     record_property("limit", f"ω dt = {limit:.6f}")
-    assert largest(ratio, integrator, 0.99 * limit, ceiling=54.0) <= 54.0
-    assert largest(ratio, integrator, 1.01 * limit, ceiling=100.0) > 100.0
+    assert largest(ratio, integrator, 0.99 * limit, STEPS, ceiling=54.0) <= 54.0
+    assert largest(ratio, integrator, 1.01 * limit, 3 * STEPS, ceiling=100.0) > 100.0
 
 
 @pytest.mark.parametrize("integrator", ALL, ids=name)
@@ -79,16 +80,16 @@ def test_the_certified_limit_is_on_the_safe_side(integrator, ratio):
 
 @pytest.mark.parametrize("ratio", RATIOS[1:])
 def test_drag_that_acts_in_every_direction_makes_explicit_euler_stable(ratio):
-    """With linear drag all modes are damped alike: its certified limit in a well is that of theory."""
+    """With linear drag all modes are damped alike; the certificate holds for slower modes too, for which 2/γ may be less."""
     well = pc.CentralForce((0.0, 0.0), 1.0, exponent=1.0)
     scene = pc.Scene(pc.Particles([[1.0, 0.0]]), well, pc.Drag(linear=2.0 * ratio))
     limit = largest_step(pc.ExplicitEuler(), ratio)
     # The walk to the limit stops where |g| − 1 = 1e-6, and |g|² falls there with a slope of ξ or more.
-    assert pc.stability_limit(scene, pc.ExplicitEuler()) == pytest.approx(limit, rel=1e-4)
-    for factor, stable in ((0.99, True), (1.01, False)):
-        run = simulation(scene, pc.ExplicitEuler(), factor * limit, on_divergence="ignore")
-        run.step(STEPS)
-        assert (np.abs(run.positions).max() < 1.0) == stable
+    certified = min(limit, 2.0 / (2.0 * ratio))
+    assert pc.stability_limit(scene, pc.ExplicitEuler()) == pytest.approx(certified, rel=1e-4)
+    run = simulation(scene, pc.ExplicitEuler(), 0.99 * certified)
+    run.step(STEPS)
+    assert np.abs(run.positions).max() < 1.0
 
 
 @pytest.mark.parametrize("integrator", ALL[1:], ids=name)

@@ -59,5 +59,6 @@ pub(crate) fn drawn_radius(radius: f32) -> (f32, f32) {
 
 /// Half the width to draw with and the factor of opacity, so that a line covers its width however thin it is.
 pub(crate) fn drawn_half_width(width: f32) -> (f32, f32) {
-    (0.5 * width.max(1.0), width.max(0.0).min(1.0))
+    let width = width.max(0.0); // and not a number becomes nothing
+    (0.5 * width.max(1.0), width.min(1.0))
 }

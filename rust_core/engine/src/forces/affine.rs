@@ -136,15 +136,6 @@ impl<V: Vector> Affine<V> {
         }
     }
 
-    /// The steady part a₀ of the acceleration of a particle along one axis [m/s²].
-    #[inline(always)]
-    pub fn steady(&self, axis: usize, index: usize) -> V::Scalar {
-        match self.uniform {
-            Some(same) if index < self.first => same[axis].a0,
-            _ => self.a0[axis][index - self.first],
-        }
-    }
-
     /// The memory that it takes [bytes].
     pub fn bytes(&self) -> usize {
         (V::DIMENSION + 3) * std::mem::size_of_val(self.b.as_slice())

@@ -59,17 +59,12 @@ pub trait Integrator: Send + Sync + 'static {
     /// The largest stable ω·h on x'' = −ω²x − 2ξωx' for the damping ratio ξ; 0 where no step is stable.
     fn limit(damping_ratio: f64) -> f64;
 
-    /// Whether the positions of the step's end stand when its only evaluation is asked for, after a drift at constant
-    /// velocity. Contacts are then resolved within the drift.
+    /// Whether the positions of the step's end stand when its only evaluation is asked for, on the parabola of the carried
+    /// acceleration. Contacts are then resolved on that parabola, before the evaluation.
     const DRIFTS_FIRST: bool = false;
 
-    /// The velocity of that drift.
-    fn drift<T: Real>(register: &Register<T>) -> T {
-        register.v
-    }
-
-    /// Goes on as if the drift had ended with this velocity.
-    fn redirect<T: Real>(_register: &mut Register<T>, _drift: T, _h: T) {}
+    /// Goes on from a velocity, at the end of that parabola, that a contact may have changed.
+    fn redirect<T: Real>(_register: &mut Register<T>, _h: T) {}
 
     /// Fills the carried memory from the acceleration `a` at the initial state.
     fn begin<T: Real>(_register: &mut Register<T>, _a: T) {}

@@ -38,14 +38,12 @@ impl Integrator for VelocityVerlet {
     }
 
     #[inline(always)]
-    fn drift<T: Real>(register: &Register<T>) -> T {
-        register.memory[HALF]
-    }
-
-    #[inline(always)]
-    fn redirect<T: Real>(register: &mut Register<T>, drift: T, h: T) {
-        register.memory[HALF] = drift;
-        register.v = drift + T::from_f64(0.5) * h * register.memory[ACCELERATION];
+    fn redirect<T: Real>(register: &mut Register<T>, h: T) {
+        let kick = T::from_f64(0.5) * h * register.memory[ACCELERATION];
+        // One that touched nothing keeps its bits.
+        if register.v != register.memory[HALF] + kick {
+            register.memory[HALF] = register.v - kick;
+        }
     }
 
     #[inline(always)]

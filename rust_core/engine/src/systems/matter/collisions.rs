@@ -1,46 +1,34 @@
 //! Contacts within the drift, for integrators whose positions stand before the step's only evaluation.
 //!
-//! Such a step is kick, drift, kick. Let the drift be the flight under the steady part g of the acceleration (gravity,
-//! the pull of a wind), which is a parabola that the contact stage resolves exactly, and let the kicks be all the rest:
-//! the step is still the same without contacts, and with them it is a symmetric splitting of order 2 into flows that each
-//! keep the energy that they should. Source: Y. A. Houndonougbo, B. B. Laird, B. J. Leimkuhler, Mol. Phys. 98 (2000) 309.
-//! Contacts after the step would leave the second kick with forces from where the particle never was.
+//! Velocity Verlet moves its positions along the parabola of the acceleration at the step's start. Contacts are resolved
+//! on that parabola, before the forces at its end are asked for; so the second kick comes from where the particle really
+//! is. Contacts after the step would leave it with forces from a place that the particle never reached: stiff bodies
+//! then gain energy at every bounce.
 
 use crate::contacts::{Before, Contacts};
 use crate::integrators::{Integrator, Register};
-use crate::math::{AXES, Real, Vector};
+use crate::math::{Real, Vector};
 use crate::matter::{Blocks, Span};
 use crate::systems::matter::law::Law;
 
-/// Resolves the contacts of a block that stands at its stage: `before` holds the positions at the step's start, and
-/// `slope` is memory for velocities.
+/// Resolves the contacts of a block that stands at its stage, since the state `before`.
 pub fn collide<V: Vector, I: Integrator>(
     law: &Law<V>,
     contacts: &Contacts<V>,
     block: &mut Blocks<'_, V>,
-    before: [&[V::Scalar]; AXES],
-    slope: &mut Span<'_, V>,
+    before: &Before<'_, V>,
     h: f64,
 ) {
-    let push = |axis: usize, index: usize| V::Scalar::from_f64(0.5 * h) * law.affine.steady(axis, index);
-    let (start, length) = (block.start, block.position.len());
+    contacts.resolve(before, block, &law.properties, h);
     for axis in 0..V::DIMENSION {
-        for index in 0..length {
-            let (drift, push) = (I::drift(&read(block, axis, index)), push(axis, start + index));
-            slope.axes[axis][index] = drift - push;
-            block.velocity.axes[axis][index] = drift + push;
-        }
-    }
-    let before = Before { position: before, velocity: slope.axes.each_ref().map(|axis| &**axis) };
-    contacts.resolve(&before, block, &law.properties, h);
-    for axis in 0..V::DIMENSION {
-        for index in 0..length {
+        for index in 0..block.position.len() {
             let mut register = read(block, axis, index);
-            let (drift, push) = (I::drift(&register), push(axis, start + index));
-            // One that touched nothing keeps its bits.
-            let drift = if register.v == drift + push { drift } else { register.v - push };
-            I::redirect(&mut register, drift, V::Scalar::from_f64(h));
-            write(block, axis, index, &register);
+            I::redirect(&mut register, V::Scalar::from_f64(h));
+            for (span, value) in block.memory.iter_mut().zip(register.memory) {
+                if let Some(slot) = span.axes[axis].get_mut(index) {
+                    *slot = value;
+                }
+            }
         }
     }
 }
@@ -49,14 +37,4 @@ pub fn collide<V: Vector, I: Integrator>(
 fn read<V: Vector>(block: &Blocks<'_, V>, axis: usize, index: usize) -> Register<V::Scalar> {
     let number = |span: &Span<'_, V>| span.axes[axis].get(index).copied().unwrap_or_default();
     Register { x: number(&block.position), v: number(&block.velocity), memory: block.memory.each_ref().map(number) }
-}
-
-#[inline(always)]
-fn write<V: Vector>(block: &mut Blocks<'_, V>, axis: usize, index: usize, register: &Register<V::Scalar>) {
-    block.velocity.axes[axis][index] = register.v;
-    for (span, value) in block.memory.iter_mut().zip(register.memory) {
-        if let Some(slot) = span.axes[axis].get_mut(index) {
-            *slot = value;
-        }
-    }
 }

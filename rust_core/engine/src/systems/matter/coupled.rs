@@ -126,18 +126,15 @@ fn sweep<V: Vector, I: Integrator>(
 }
 
 /// Resolves all contacts within the drift.
-fn collisions<V: Vector, I: Integrator>(law: &Law<V>, matter: &mut Matter<V>, desk: &mut Desk<V>, h: f64, crew: &Crew) {
-    let (Some(contacts), Some([position, slope])) = (&law.contacts, &mut desk.before) else { return };
-    let position = &*position;
-    crew.sweep(Work { blocks: matter.blocks(), force: slope.span() }, &|work: Work<'_, V>| {
-        let Work { mut blocks, force: mut slope } = work;
-        let range = blocks.range();
-        let before = std::array::from_fn(|axis| position.view().slice(axis, range.clone()));
-        collide::<V, I>(law, contacts, &mut blocks, before, &mut slope, h);
+fn collisions<V: Vector, I: Integrator>(law: &Law<V>, matter: &mut Matter<V>, desk: &Desk<V>, h: f64, crew: &Crew) {
+    let (Some(contacts), Some([position, velocity])) = (&law.contacts, &desk.before) else { return };
+    crew.sweep(matter.blocks(), &|mut block: Blocks<'_, V>| {
+        let before = Before::part(position, velocity, &block.range());
+        collide::<V, I>(law, contacts, &mut block, &before, h);
     });
 }
 
-/// Blocks with a vector for every particle: its force, as a rule.
+/// Blocks with their forces.
 struct Work<'a, V: Vector> {
     blocks: Blocks<'a, V>,
     force: Span<'a, V>,

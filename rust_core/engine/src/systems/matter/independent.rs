@@ -70,14 +70,12 @@ fn stages<V: Vector, I: Integrator>(
     interval: Interval,
     step: u64,
     force: &mut Span<'_, V>,
-    before: &mut [V::Scalar],
+    before: &[V::Scalar],
 ) {
     let length = block.position.len();
     run_stage::<V, I>(law, block, force, interval, 0.0, Action::Point);
     if let (Some(contacts), true) = (&law.contacts, I::DRIFTS_FIRST) {
-        let (position, slope) = before.split_at_mut(AXES * length);
-        let position = std::array::from_fn(|axis| &position[axis * length..][..length]);
-        collide::<V, I>(law, contacts, block, position, &mut Span::over(slope, length), interval.h);
+        collide::<V, I>(law, contacts, block, &Before::of(before, length), interval.h);
     }
     for stage in 0..I::NODES.len() {
         let next = (stage + 1 < I::NODES.len()).then_some(stage + 1);

@@ -1,0 +1,126 @@
+"""A damped cloth, as a grid and as a shuffled network, beside NumPy and Numba: `python benches/springs.py`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+import physcore as pc
+from measure import Contender, fastest, race, rate, speedup, table
+from rivals.jit import with_threads
+from rivals.springs import Bincount, Maker, Slices, numba_network
+
+STEP = 1e-4
+GRAVITY = -9.81
+DTYPES = {"f64": np.float64, "f32": np.float32}
+LARGE, SMALL = (316, 316), (15, 10)
+
+
+def grid(shape: tuple[int, int]) -> pc.SpringNetwork:
+    """Structural, shear and bend springs, about six for each particle; in motion."""
+    velocities = np.random.default_rng(3).normal(0.0, 0.01, (shape[0] * shape[1], 2))
+    velocities[-shape[0] :] = 0.0
+    return pc.cloth(
+        shape, spacing=0.01, stiffness=100.0, damping=0.01, mass=1e-3, pinned="top", velocities=velocities
+    )
+
+
+def shuffled(shape: tuple[int, int]) -> pc.SpringNetwork:
+    """The same with its particles and springs in random order."""
+    cloth, generator = grid(shape), np.random.default_rng(4)
+    particles, springs = generator.permutation(len(cloth)), generator.permutation(len(cloth.pairs))
+    return pc.SpringNetwork(
+        cloth.positions[particles],
+        np.argsort(particles)[cloth.pairs[springs]],
+        cloth.stiffness[springs],
+        cloth.damping[springs],
+        cloth.rest_length[springs],
+        mass=cloth.mass[particles],
+        fixed=cloth.fixed[particles],
+        velocities=cloth.velocities[particles],
+    )
+
+
+def agree(build: Callable[[tuple[int, int]], pc.SpringNetwork], makers: list[Maker], precision: str) -> None:
+    """Refuse an opponent that does other work: after some steps all are in the same place, to rounding.
+
+    A rounding of a length, ε·l, makes a force of k·ε·l, and moves its particle by k/m h² ε·l, at 12 springs, in a step;
+    the speed that it gives lasts, so n steps add up to n²/2 such moves.
+    """
+    steps, shape = 20, (40, 30)
+    body = build(shape)
+    simulation = pc.Simulation(
+        pc.Scene(body, pc.Gravity((0.0, GRAVITY))), pc.VelocityVerlet(), dt=STEP, precision=precision, threads=1  # type: ignore[arg-type]
+    )
+    simulation.step(steps)
+    epsilon = np.finfo(DTYPES[precision]).eps
+    rounding = 12 * epsilon * (steps + 100.0 / 1e-3 * STEP**2 * steps**2 / 2) * np.abs(body.positions).max()
+    for make in makers:
+        rival = make(body, shape, DTYPES[precision], STEP, GRAVITY)
+        rival.step(steps)  # type: ignore[attr-defined]
+        np.testing.assert_allclose(rival.positions(), simulation.positions, rtol=0.0, atol=rounding)
+
+
+def compare(
+    title: str,
+    build: Callable[[tuple[int, int]], pc.SpringNetwork],
+    shape: tuple[int, int],
+    precision: str,
+    numpy_versions: dict[str, Maker],
+    numba_versions: dict[str, Maker],
+) -> list[Contender]:
+    """Race all versions of one network in one precision."""
+    agree(build, [*numpy_versions.values(), *numba_versions.values()], precision)
+    body, dtype = build(shape), DTYPES[precision]
+    scene = pc.Scene(body, pc.Gravity((0.0, GRAVITY)))
+
+    def rival(make: Maker) -> Callable[[int], object]:
+        return make(body, shape, dtype, STEP, GRAVITY).step  # type: ignore[attr-defined,no-any-return]
+
+    ours = [
+        Contender(
+            "physcore",
+            pc.Simulation(scene, pc.VelocityVerlet(), dt=STEP, precision=precision, threads=threads).step,  # type: ignore[arg-type]
+            threads,
+        )
+        for threads in (1, 2)
+    ]
+    plain = fastest([Contender(f"NumPy, {name}", rival(make)) for name, make in numpy_versions.items()])
+    compiled = fastest(
+        [Contender(f"Numba, {name}", with_threads(1, rival(make))) for name, make in numba_versions.items()]
+    )
+    make = numba_versions[compiled.name.removeprefix("Numba, ")]
+    shared = Contender(compiled.name, with_threads(2, rival(make)), 2)
+    contenders = [*ours, compiled, shared, plain]
+    race(contenders)
+    springs = len(body.pairs)
+    table(f"{title}, {shape[0]}×{shape[1]}, {springs} springs, 2D, {precision}", "spring-updates", springs, contenders)
+    return contenders
+
+
+def main() -> dict[str, float]:
+    """Print the tables; give the figures that have targets."""
+    figures: dict[str, float] = {}
+    suffix = {False: "", True: ", fastmath"}
+    gathers = {f"gather{suffix[fast]}": numba_network(fast, grid=False) for fast in suffix}
+    shifts = {f"shifted rows{suffix[fast]}": numba_network(fast, grid=True) for fast in suffix}
+    springs = len(grid(LARGE).pairs)
+    for precision in DTYPES:
+        readings = compare(
+            "Cloth, regular", grid, LARGE, precision, {"slices": Slices, "bincount": Bincount}, gathers | shifts
+        )
+        figures[f"grid {precision}"] = rate(readings[0], springs)
+        figures[f"two threads, grid {precision}"] = speedup(readings)
+    for precision in DTYPES:
+        readings = compare("Cloth, shuffled", shuffled, LARGE, precision, {"bincount": Bincount}, gathers)
+        figures[f"network {precision}"] = rate(readings[0], springs)
+        figures[f"two threads, network {precision}"] = speedup(readings)
+    readings = compare("Cloth, small", grid, SMALL, "f32", {"slices": Slices, "bincount": Bincount}, gathers | shifts)
+    figures["small cloth f32"] = rate(readings[0], 1.0) * 1e9
+    print(f"steps per CPU second: physcore {figures['small cloth f32']:.0f}, Numba {rate(readings[2], 1.0) * 1e9:.0f}")
+    return figures
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,236 @@
+"""Extremes: ratios, offsets, degenerate geometry and numbers at the end of their range."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from physics.laboratory import ALL, EPSILON, LONG, SYMMETRIC, name, network, simulation, state
+
+import physcore as pc
+
+OSCILLATING = [integrator for integrator in ALL if not isinstance(integrator, pc.ExplicitEuler)]
+
+
+def chain(stiffness: list[float], masses: list[float], start: float = 0.0) -> pc.SpringNetwork:
+    """A chain along x with spacing 1 whose first particle is a wall, each other one shifted by 0.01 to the right."""
+    count = len(stiffness) + 1
+    x = np.arange(count, dtype=float)
+    positions = np.stack([start + x + 0.01 * (x > 0), np.zeros(count)], axis=1)
+    pairs = [[i, i + 1] for i in range(count - 1)]
+    return pc.SpringNetwork(positions, pairs, stiffness, rest_length=1.0, mass=[1.0, *masses], fixed=[0])
+
+
+def modes(stiffness: list[float], masses: list[float]) -> tuple[np.ndarray, np.ndarray]:
+    """Frequencies squared and mass-normalized shapes of the chain, from its own 1D matrix."""
+    k = np.array(stiffness)
+    matrix = np.diag(k + np.append(k[1:], 0.0)) - np.diag(k[1:], 1) - np.diag(k[1:], -1)
+    root = np.sqrt(masses)
+    squares, shapes = np.linalg.eigh(matrix / np.outer(root, root))
+    return squares, shapes / root[:, None]
+
+
+@pytest.mark.parametrize("integrator", OSCILLATING, ids=name)
+@pytest.mark.parametrize(
+    ("stiffness", "masses"),
+    [
+        pytest.param([1.0, 1e4], [1.0, 1.0], id="stiffness 1e4"),
+        pytest.param([1.0, 1e8], [1.0, 1.0], id="stiffness 1e8"),
+        pytest.param([1.0, 1.0], [1e6, 1.0], id="mass 1e6"),
+        pytest.param([1.0, 1.0], [1.0, 1e6], id="mass 1e-6"),
+    ],
+)
+def test_a_slow_mode_is_right_beside_a_fast_one(integrator, stiffness, masses):
+    """At half the limit the slow mode follows cos Ωt with its discrete frequency Ω, however fast the other one is.
+
+    Projected on the slow mode, the fast one drops out. Ωdt/ωdt = 1 + O((ω dt)²), so the error of the phase is
+    (ω dt)² ωt (order 1 and 2: /24; semi-implicit Euler moreover starts off by ω dt/2). The stiff spring rounds its force
+    by k ε L: 1e8 · 2e-16 N · 1 m on 1 kg, 2e-8 m/s² at random in every step.
+    """
+    squares, shapes = modes(stiffness, masses)
+    slow = np.sqrt(squares[0])
+    scene = pc.Scene(chain(stiffness, masses))
+    dt = 0.5 * pc.stability_limit(scene, integrator)
+    steps = min(int(1.0 / (slow * dt)), 200_000 if LONG else 20_000)
+    run = simulation(scene, integrator, dt)
+    weights = shapes[:, 0] * masses
+
+    def amplitude() -> float:
+        return float(weights @ (run.positions[1:, 0] - np.arange(1, len(masses) + 1)))
+
+    first = amplitude()
+    run.step(steps)
+    phase = slow * steps * dt
+    order = integrator.order
+    truncation = 0.5 * slow * dt if order == 1 else (slow * dt) ** 2 * phase
+    noise = 10.0 * max(stiffness) * EPSILON * steps**0.5 * dt * max(steps * dt, 1.0)
+    assert amplitude() == pytest.approx(first * np.cos(phase), abs=abs(first) * truncation * 2.0 + noise)
+    assert np.abs(run.positions[:, 1]).max() == 0.0
+
+
+@pytest.mark.parametrize("integrator", OSCILLATING, ids=name)
+def test_the_limit_follows_the_stiffest_spring_and_the_lightest_mass(integrator):
+    """ω² ≤ d_i/m_i + d_j/m_j, and the true largest frequency lies within a factor √2 of it for these chains."""
+    for stiffness, masses in (([1.0, 1e8], [1.0, 1.0]), ([1.0, 1.0], [1e6, 1.0]), ([1.0, 1.0], [1.0, 1e6])):
+        scene = pc.Scene(chain(stiffness, masses))
+        edge = pc.stability_limit(pc.Scene(chain([1.0], [1.0])), integrator)
+        exact = edge / np.sqrt(modes(stiffness, masses)[0][-1])
+        assert exact / np.sqrt(2.0) <= pc.stability_limit(scene, integrator) <= exact * (1.0 + 1e-12)
+
+
+@pytest.mark.parametrize("integrator", ALL, ids=name)
+def test_far_from_the_origin_double_precision_is_right(integrator):
+    """Offset by 1e7 m, positions are rounded to 1e-9 m: that times 20 N/m per kg, 300 steps of 5 ms, and nothing more.
+
+    An error of ε 1e7 per step in x grows at most linearly to 300 · 1.9e-9 m = 6e-7 m, and the same times ω ≤ 28/s in v.
+    """
+    net, offset = network(seed=5, dimension=2, count=9), 1e7
+    near = simulation(net.scene(positions=(net.positions + offset) - offset), integrator, 0.005)
+    far = simulation(net.scene(positions=net.positions + offset), integrator, 0.005)
+    near.step(300)
+    far.step(300)
+    assert np.abs(far.positions - offset - near.positions).max() < 6e-7
+    assert np.abs(far.velocities - near.velocities).max() < 28 * 6e-7
+
+
+def test_single_precision_is_relative_to_the_middle_of_the_scene():
+    """A small scene far away has the bits of f32 near the origin: rounded to 1e-9 m as input, and to ε of its size."""
+    net, offset = network(seed=5, dimension=2, count=9), 1e7
+    near = simulation(net.scene(), pc.VelocityVerlet(), 0.005, precision="f32")
+    far = simulation(net.scene(positions=net.positions + offset), pc.VelocityVerlet(), 0.005, precision="f32")
+    near.step(300)
+    far.step(300)
+    # f32 rounds 3 m to 2.4e-7 m in each of 300 steps.
+    assert np.abs(far.positions - offset - near.positions).max() < 300 * 2.4e-7
+
+
+def test_where_single_precision_is_too_coarse_it_is_refused_with_the_reason():
+    """Two small networks 1e7 m apart: f32 resolves 1 m there, and the springs are 1 m long."""
+    net = network(seed=5, dimension=2, count=4)
+    scene = pc.Scene(net.body(), net.body(positions=net.positions + 1e7))
+    with pytest.raises(pc.SceneError, match=r"precision: .*f64.*too far apart"):
+        pc.Simulation(scene, dt=0.005, precision="f32")
+    assert pc.Simulation(scene, dt=0.005).plan.precision == "f64"
+
+
+@pytest.mark.parametrize("precision", ["f64", "f32"])
+@pytest.mark.parametrize("integrator", ALL, ids=name)
+def test_coincident_particles_stay_finite_and_symmetric(integrator, precision):
+    """A hundred particles in one place, joined by springs: no direction, no force, wherever the spring's length is."""
+    count = 100
+    pairs = [[i, (i + 1) % count] for i in range(count)]
+    knot = pc.SpringNetwork(np.full((count, 3), 0.3), pairs, 10.0, damping=0.5, rest_length=1.0)
+    heap = pc.Particles(np.full((count, 3), 0.3))
+    run = simulation(pc.Scene(knot, heap, pc.CentralForce((0.3, 0.3, 0.3), 1.0)), integrator, 0.01, precision=precision)
+    run.step(100)
+    assert (run.positions == run.positions[0]).all()
+    assert (run.velocities == 0.0).all()
+    assert np.isfinite(run.energy().kinetic)
+
+
+@pytest.mark.parametrize("integrator", OSCILLATING, ids=name)
+def test_a_spring_without_a_rest_length_is_linear_through_the_middle(integrator):
+    """Two particles on such a spring swing through each other harmonically: ω² = 2k/m, x and y alike."""
+    spring = pc.SpringNetwork([[-1.0, 0.5], [1.0, -0.5]], [[0, 1]], 2.0, rest_length=0.0)
+    steps = {1: 40_000, 2: 4000, 4: 400}[integrator.order]
+    run = simulation(pc.Scene(spring), integrator, np.pi / 2.0 / steps)
+    run.step(steps)
+    # Half a turn at ω = 2/s. The errors: ω dt/2 = 4e-5 in v of order 1, (ω dt)² π/24 = 8e-8, (ω dt)⁴ π/120 = 2e-9.
+    tolerance = {1: 2e-4, 2: 4e-7, 4: 1e-8}[integrator.order]
+    np.testing.assert_allclose(run.positions, [[1.0, -0.5], [-1.0, 0.5]], atol=tolerance)
+    np.testing.assert_allclose(run.velocities, 0.0, atol=tolerance)
+
+
+@pytest.mark.parametrize("integrator", ALL, ids=name)
+@pytest.mark.parametrize("precision", ["f64", "f32"])
+def test_denormal_numbers_are_numbers(integrator, precision):
+    """Elongations, speeds and masses at the end of the range give no NaN and leave the rest of the scene alone."""
+    tiny = 1e-40 if precision == "f32" else 5e-324
+    rest = pc.SpringNetwork([[0.0, 0.0], [1.0, tiny]], [[0, 1]], 1.0, velocities=[[tiny, 0.0], [0.0, -tiny]])
+    point = pc.SpringNetwork([[0.0, 0.0], [tiny, tiny]], [[0, 1]], 1.0, rest_length=[tiny], damping=1.0)
+    slow = pc.Particles([[tiny, 0.0]], [[0.0, tiny]])
+    scene = pc.Scene(rest, point, slow, pc.Drag(tiny, tiny), pc.Gravity((0.0, -tiny)))
+    try:
+        run = simulation(scene, integrator, 0.01, precision=precision)
+    except pc.SceneError as error:
+        assert precision == "f32"
+        assert "precision" in str(error)  # a rest length of 1e-40 m is too short for f32
+        return
+    run.step(1000)
+    assert np.isfinite(state(run)).all()
+    assert np.abs(run[rest].positions - [[0.0, 0.0], [1.0, 0.0]]).max() < 1e-30
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+@pytest.mark.parametrize("precision", ["f64", "f32"])
+@pytest.mark.parametrize("integrator", ALL, ids=name)
+def test_nobody_in_the_scene_is_no_error(integrator, precision, dimension):
+    empty = pc.Particles(np.empty((0, dimension)))
+    springless = pc.SpringNetwork(np.empty((0, dimension)), np.empty((0, 2), dtype=int), 1.0)
+    down = tuple(-np.eye(dimension)[-1])
+    scene = pc.Scene(empty, springless, pc.Gravity(down), pc.Drag(1.0), pc.Floor(0.0))
+    run = pc.Simulation(scene, integrator, 0.1, precision)
+    run.step(10)
+    assert run.positions.shape == (0, dimension)
+    assert run.time == pytest.approx(1.0)
+    energy = run.energy()
+    assert (energy.total, energy.dissipated, energy.work) == (0.0, 0.0, 0.0)
+    assert len(pc.simulate(scene, 0.5, fps=10.0)) == 6
+    assert pc.stability_limit(scene, integrator) > 0.0
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+@pytest.mark.parametrize("precision", ["f64", "f32"])
+@pytest.mark.parametrize("integrator", ALL, ids=name)
+def test_one_particle_moves_freely_and_exactly(integrator, precision, dimension):
+    """A binary dt and speed: x = v t without a bit of error."""
+    velocity = [[0.5, -0.25, 0.125][:dimension]]
+    run = pc.Simulation(pc.Scene(pc.Particles(np.zeros((1, dimension)), velocity)), integrator, 1.0 / 64.0, precision)
+    run.step(640)
+    assert np.array_equal(run.positions, 10.0 * np.array(velocity))
+    assert np.array_equal(run.velocities, velocity)
+
+
+@pytest.mark.parametrize("integrator", SYMMETRIC, ids=name)
+def test_ten_million_steps_have_no_trend(integrator, record_property):
+    """The energy of an oscillator after up to 1e7 steps is off by the bounded error of its step and by rounding.
+
+    At the ends of whole turns of the discrete motion the bounded part is the same, so that rounding is left: an ε per
+    step with random signs, five standard deviations of it; a trend of one ε per step in 1e7 would be 2e-9.
+    """
+    steps = 10_000_000 if LONG else 1_000_000
+    well = pc.CentralForce((0.0, 0.0, 0.0), 1.0, exponent=1.0)
+    run = simulation(pc.Scene(pc.Particles([[1.0, 0.0, 0.0]]), well), integrator, 0.125)
+    half = 0.5
+
+    def discrete() -> float:
+        """The invariant of the discrete motion: −r x² + q v², scaled to 1 at the start."""
+        from physics.laboratory import amplification
+
+        matrix = amplification(integrator, 0.125)
+        x, v = run.positions[0, 0], run.velocities[0, 0]
+        return float(x**2 - matrix[0, 1] / matrix[1, 0] * v**2) * half / half
+
+    before = discrete()
+    run.step(steps)
+    error = abs(discrete() - before)
+    record_property("error", f"{error:.1e} in {steps} steps")
+    assert error <= 5.0 * 4.0 * np.sqrt(steps) * EPSILON
+
+
+@given(count=st.integers(1, 40), factor=st.sampled_from([0.99, 1.01]))
+def test_around_the_limit_of_a_chain_the_run_holds_or_says_that_it_does_not(count, factor):
+    """Above the limit the fastest mode grows until the run is stopped with the reason; below, it stays."""
+    scene = pc.Scene(chain([1.0] * count, [1.0] * count))
+    # The exact edge of this chain; the certificate is a little below it.
+    edge = 2.0 / np.sqrt(modes([1.0] * count, [1.0] * count)[0][-1])
+    assert edge / np.sqrt(2.0) - 1e-12 <= pc.stability_limit(scene, pc.VelocityVerlet()) <= edge * (1.0 + 1e-12)
+    run = simulation(scene, pc.VelocityVerlet(), factor * edge)
+    if factor < 1.0:
+        before = run.energy().total
+        run.step(2000)
+        assert run.energy().total <= 60.0 * before
+    else:
+        with pytest.raises(pc.SimulationDiverged, match="beyond the limit"):
+            run.step(20_000)
