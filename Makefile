@@ -57,8 +57,8 @@ format: $(VENV)/tools.stamp ## format the code, Rust and Python
 	$(BIN)/ruff check --fix
 	$(BIN)/ruff format
 
-bench: $(VENV)/bench.stamp ## measure the speed beside NumPy and Numba
-	$(BIN)/physcore bench
+bench: $(VENV)/bench.stamp ## measure the speed beside NumPy and Numba, in about five minutes
+	$(BIN)/python benches
 
 clean: ## remove everything that was built
 	rm -rf $(VENV) dist target $(OUT)

@@ -1,9 +1,9 @@
 """How everything here is measured.
 
-Opponents take turns in one process, because the speed of a machine wanders: only ratios within one race mean much. Each
-turn is timed by two clocks. The wall clock says how long somebody waits. The clock of CPU time, which all threads of the
-process add to, says what the work costs, and does not count the time in which other programs had the processor; so it
-is the better judge of work on one thread where the machine is not idle.
+Opponents take turns in one process, because the speed of a machine wanders: only ratios within one race mean much.
+Each turn is timed by two clocks. The wall clock says how long somebody waits. The clock of CPU time, which all threads
+of the process add to, says what the work costs, and does not count the time in which other programs had the processor;
+so it is the better judge of work on one thread where the machine is not idle.
 """
 
 from __future__ import annotations
@@ -13,12 +13,15 @@ import platform
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from math import nan
 from pathlib import Path
 from statistics import median
 
 REPETITIONS = 7
 SECONDS = 0.25
 """How long one turn takes, about."""
+BOTH = 1.7
+"""Processors that two threads must have had, on average, for their speed to mean anything."""
 NOISE = 0.05
 """Spread (median above minimum) from which a reading is marked as noisy."""
 
@@ -74,7 +77,10 @@ def race(contenders: Sequence[Contender], repetitions: int = REPETITIONS) -> Non
 
 def fastest(variants: Sequence[Contender]) -> Contender:
     """The best of several versions of the same opponent, found in a short race; its readings are discarded."""
-    race(variants, repetitions=3)
+    if len(variants) > 1:
+        race(variants, repetitions=3)
+    else:
+        return variants[0]
     best = min(variants, key=lambda variant: min(variant.cpu))
     return Contender(best.name, best.step, best.threads, best.multiple)
 
@@ -99,9 +105,13 @@ def rate(contender: Contender, work: float) -> float:
 
 
 def speedup(contenders: Sequence[Contender]) -> float:
-    """physcore on two threads over physcore on one, from the fastest turns on the wall clock."""
-    best = {one.threads: min(one.wall) for one in contenders if one.name.startswith("physcore")}
-    return best[1] / best[2]
+    """physcore on two threads over physcore on one, from the fastest turns on the wall clock.
+
+    Not a number where other programs left it less than most of two processors.
+    """
+    one, two = (next(c for c in contenders if c.name == "physcore" and c.threads == threads) for threads in (1, 2))
+    fastest_turn = min(range(len(two.wall)), key=two.wall.__getitem__)
+    return min(one.wall) / two.wall[fastest_turn] if two.cpu[fastest_turn] > BOTH * two.wall[fastest_turn] else nan
 
 
 def machine(simd: str) -> str:

@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
-
-import physcore as pc
 from measure import Contender, fastest, race, rate, speedup, table
 from rivals.jit import with_threads
 from rivals.particles import NumpyFalling, NumpyOrbit, Swarm, numba_falling, numba_orbit
 
+import physcore as pc
+from physcore.numerics import Precision
+
 COUNT = 1_000_000
 STEP = 1e-4
 GRAVITY, DRAG = -9.81, 0.1
-DTYPES = {"f64": np.float64, "f32": np.float32}
+DTYPES: dict[Precision, type[np.floating[Any]]] = {"f64": np.float64, "f32": np.float32}
 
 Maker = Callable[[np.ndarray, np.ndarray, type, float], Swarm]
 
@@ -36,7 +38,7 @@ def orbiting(count: int) -> pc.Scene:
     return pc.Scene(belt, pc.CentralForce((0.0, 0.0, 0.0), strength=1.0, exponent=-2.0))
 
 
-def agree(scene: pc.Scene, integrator: pc.Integrator, precision: pc.numerics.Precision, make: Maker, steps: int) -> None:
+def agree(scene: pc.Scene, integrator: pc.Integrator, precision: Precision, make: Maker, steps: int) -> None:
     """Refuse an opponent that does other work: after some steps all are in the same place, to rounding.
 
     A step rounds x and v a dozen times, by half an ulp each at most.
@@ -45,7 +47,7 @@ def agree(scene: pc.Scene, integrator: pc.Integrator, precision: pc.numerics.Pre
     simulation = pc.Simulation(scene, integrator, dt=STEP, precision=precision, threads=1)
     simulation.step(steps)
     rival = make(body.positions, body.velocities, DTYPES[precision], STEP)
-    rival.step(steps)  # type: ignore[attr-defined]
+    rival.step(steps)
     rounding = 12 * steps * np.finfo(DTYPES[precision]).eps * max(1.0, np.abs(simulation.positions).max())
     np.testing.assert_allclose(rival.positions(), simulation.positions, rtol=0.0, atol=rounding)
 
@@ -54,7 +56,7 @@ def compare(
     title: str,
     make_scene: Callable[[int], pc.Scene],
     integrator: pc.Integrator,
-    precision: pc.numerics.Precision,
+    precision: Precision,
     numpy_version: Maker,
     numba_versions: dict[str, tuple[Maker, int]],
 ) -> list[Contender]:
@@ -65,10 +67,12 @@ def compare(
     body, dtype = scene.bodies[0], DTYPES[precision]
 
     def rival(make: Maker) -> Callable[[int], object]:
-        return make(body.positions, body.velocities, dtype, STEP).step  # type: ignore[attr-defined,no-any-return]
+        return make(body.positions, body.velocities, dtype, STEP).step
 
     ours = [
-        Contender("physcore", pc.Simulation(scene, integrator, dt=STEP, precision=precision, threads=threads).step, threads)
+        Contender(
+            "physcore", pc.Simulation(scene, integrator, dt=STEP, precision=precision, threads=threads).step, threads
+        )
         for threads in (1, 2)
     ]
     compiled = fastest(
@@ -88,10 +92,10 @@ def compare(
 def main() -> dict[str, float]:
     """Print the tables; give the figures that have targets."""
     figures: dict[str, float] = {}
-    precisions: tuple[pc.numerics.Precision, ...] = ("f64", "f32")
+    precisions: tuple[Precision, ...] = ("f64", "f32")
 
     def fall(make: type) -> Maker:
-        return lambda *state: make(*state, GRAVITY, DRAG)  # type: ignore[no-any-return]
+        return lambda *state: make(*state, GRAVITY, DRAG)
 
     for precision in precisions:
         drops = {

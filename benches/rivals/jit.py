@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import os
+import time
 from collections.abc import Callable
 from typing import Any, TypeVar
 
-import numba  # type: ignore[import-untyped]
+# Threads of GNU OpenMP that wait for work by spinning take the processor from those that have some, ours and theirs.
+os.environ.setdefault("OMP_WAIT_POLICY", "passive")
+
+import numba
 import numpy as np
 from numpy.typing import NDArray
 
@@ -14,10 +19,13 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 
 def jit(fastmath: bool, parallel: bool = False) -> Callable[[Function], Function]:
     """Compile a function to machine code when it is first called."""
-    decorator: Callable[[Function], Function] = numba.njit(
-        fastmath=fastmath, parallel=parallel, error_model="numpy", nogil=True
-    )
-    return decorator
+    decorator: Any = numba.njit(fastmath=fastmath, parallel=parallel, error_model="numpy", nogil=True)
+
+    def compile_lazily(function: Function) -> Function:
+        compiled: Function = decorator(function)
+        return compiled
+
+    return compile_lazily
 
 
 def with_threads(threads: int, step: Callable[[int], object]) -> Callable[[int], object]:
@@ -32,7 +40,6 @@ def with_threads(threads: int, step: Callable[[int], object]) -> Callable[[int],
 
 def clock() -> float:
     """The frequency of the processor [GHz], about: a chain of multiplications, 4 cycles for each link on x86-64."""
-    import time
 
     @jit(fastmath=False)
     def chain(links: int, seed: int) -> int:

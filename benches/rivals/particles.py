@@ -6,11 +6,10 @@ versions take several steps per pass over the block, in registers. Masses are 1 
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numba import prange  # type: ignore[import-untyped]
+from numba import prange
 from numpy.typing import NDArray
 
 from rivals.jit import columns, jit
@@ -30,6 +29,10 @@ class Swarm:
         self.dtype = dtype
         self.h = dtype(h)
         self.half = dtype(0.5 * h)
+
+    def step(self, steps: int) -> None:
+        """Advance by a number of steps."""
+        raise NotImplementedError
 
     def positions(self) -> NDArray[Any]:
         """Positions [m], shape (N, 3)."""
@@ -53,7 +56,8 @@ class NumpyFalling(Falling):
 
     def step(self, steps: int) -> None:
         """Advance every block by all steps."""
-        kicks, scratch = (np.empty(NUMPY_BLOCK, self.dtype) for _ in range(2))
+        kicks: Any = np.empty(NUMPY_BLOCK, self.dtype)
+        scratch = np.empty_like(kicks)
         for start in range(0, len(self.x[0]), NUMPY_BLOCK):
             for x, v, a, g in zip(self.x, self.v, self.a, self.g, strict=True):
                 part = slice(start, start + NUMPY_BLOCK)
@@ -90,19 +94,18 @@ def numba_falling(fastmath: bool, fused: int) -> type[Falling]:
                 x[i], v[i], a[i] = xi, vi, ai
 
     @jit(fastmath, parallel=True)
-    def sweep(
-        x: Any, y: Any, z: Any, u: Any, v: Any, w: Any, a: Any, b: Any, c: Any,
-        gx: Any, gy: Any, gz: Any, rate: Any, h: Any, half: Any, passes: int,
-    ) -> None:  # fmt: skip
+    def sweep(position: Any, velocity: Any, acceleration: Any, g: Any, b: Any, h: Any, half: Any, passes: int) -> None:
+        (x, y, z), (u, v, w), (ax, ay, az) = position, velocity, acceleration
         for index in prange((x.size + NUMBA_BLOCK - 1) // NUMBA_BLOCK):
             i, j = index * NUMBA_BLOCK, min((index + 1) * NUMBA_BLOCK, x.size)
-            block(x[i:j], u[i:j], a[i:j], gx, rate, h, half, passes)
-            block(y[i:j], v[i:j], b[i:j], gy, rate, h, half, passes)
-            block(z[i:j], w[i:j], c[i:j], gz, rate, h, half, passes)
+            block(x[i:j], u[i:j], ax[i:j], g[0], b, h, half, passes)
+            block(y[i:j], v[i:j], ay[i:j], g[1], b, h, half, passes)
+            block(z[i:j], w[i:j], az[i:j], g[2], b, h, half, passes)
 
     class NumbaFalling(Falling):
         def step(self, steps: int) -> None:
-            sweep(*self.x, *self.v, *self.a, *self.g, self.b, self.h, self.half, steps // fused)
+            state = tuple(self.x), tuple(self.v), tuple(self.a)
+            sweep(*state, tuple(self.g), self.b, self.h, self.half, steps // fused)
 
     return NumbaFalling
 
@@ -125,7 +128,7 @@ class NumpyOrbit(Swarm):
         """One step of a block of shape (3, B)."""
         place, speed = x, v
         sum_x, sum_v = np.zeros_like(x), np.zeros_like(v)
-        for stage, (weight, reach) in enumerate(((1, self.half), (2, self.half), (2, self.h), (1, None))):
+        for weight, reach in ((1, self.half), (2, self.half), (2, self.h), (1, None)):
             square = place[0] * place[0]
             square += place[1] * place[1]
             square += place[2] * place[2]
@@ -140,7 +143,6 @@ class NumpyOrbit(Swarm):
                 place += x
                 speed = np.multiply(a, reach, out=a)
                 speed += v
-            assert stage < 4
         x += np.multiply(sum_x, sixth, out=sum_x)
         v += np.multiply(sum_v, sixth, out=sum_v)
 
@@ -181,18 +183,14 @@ def numba_orbit(fastmath: bool) -> type[Swarm]:
                 w[i] = w0 + sixth * (c1 + c + c + p * z4)
 
     @jit(fastmath, parallel=True)
-    def sweep(
-        x: Any, y: Any, z: Any, u: Any, v: Any, w: Any, h: Any, half: Any, sixth: Any, one: Any, n: int
-    ) -> None:
+    def sweep(position: Any, velocity: Any, h: Any, half: Any, sixth: Any, one: Any, n: int) -> None:
+        (x, y, z), (u, v, w) = position, velocity
         for k in prange((x.size + NUMBA_BLOCK - 1) // NUMBA_BLOCK):
             i, j = k * NUMBA_BLOCK, min((k + 1) * NUMBA_BLOCK, x.size)
             block(x[i:j], y[i:j], z[i:j], u[i:j], v[i:j], w[i:j], h, half, sixth, one, n)
 
     class NumbaOrbit(Swarm):
         def step(self, steps: int) -> None:
-            sweep(*self.x, *self.v, self.h, self.half, self.dtype(self.h / 6), self.dtype(1.0), steps)
+            sweep(tuple(self.x), tuple(self.v), self.h, self.half, self.dtype(self.h / 6), self.dtype(1.0), steps)
 
     return NumbaOrbit
-
-
-Maker = Callable[..., Swarm]

@@ -199,11 +199,17 @@ def largest_step(integrator: pc.Integrator, ratio: float = 0.0) -> float:
     return low
 
 
-def discrete_energy_error(integrator: pc.Integrator, step: float) -> float:
-    """By how much the energy of a mode swings at most under a symmetric method, relative to its potential energy.
+def discrete_stiffness(integrator: pc.Integrator, step: float) -> float:
+    """κ of the energy (v² + κ x²)/2 that a symmetric method keeps exactly on x'' = −x.
 
-    A symmetric step maps (x, v) by ((p, q), (r, p)) and so keeps −r x² + q v² exactly. What it should keep, x² + v²,
-    differs from (−r/q) x² + v² by (1 + r/q) x².
+    Its step maps (x, v) by ((p, q), (r, p)) and so keeps v² − (r/q) x².
     """
-    matrix = amplification(integrator, step)[:2, :2]
-    return abs(1.0 + matrix[1, 0] / matrix[0, 1])
+    matrix = amplification(integrator, step)
+    matrix = matrix[:2, :2] - np.outer(matrix[:2, 2], [1.0, 0.0])  # a = −x at the start of a step
+    return -float(matrix[1, 0] / matrix[0, 1])
+
+
+def discrete_energy_error(integrator: pc.Integrator, step: float) -> float:
+    """By how much the energy of a mode swings at most under a symmetric method, relative to its potential energy:
+    what should be kept, v² + x², differs from what is, v² + κ x², by (1 − κ) x²."""
+    return abs(1.0 - discrete_stiffness(integrator, step))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from physics.laboratory import (
     ALL,
     EPSILON,
@@ -37,6 +37,7 @@ def balances(run: pc.Simulation, steps: int, samples: int) -> Array:
 
 
 @pytest.mark.parametrize("integrator", SYMMETRIC, ids=name)
+@settings(max_examples=100 if LONG else 25)
 @given(net=networks())
 def test_the_energy_of_a_network_stays_within_what_the_discrete_modes_allow(integrator, net):
     """Its swing is bounded by the sum over modes of |1 + r/q| V ≤ the worst factor times all energy, for ever.

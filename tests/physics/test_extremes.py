@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from physics.laboratory import ALL, EPSILON, LONG, SYMMETRIC, name, network, simulation, state
+from physics.laboratory import ALL, EPSILON, LONG, SYMMETRIC, discrete_stiffness, name, network, simulation, state
 
 import physcore as pc
 
@@ -148,15 +148,10 @@ def test_denormal_numbers_are_numbers(integrator, precision):
     """Elongations, speeds and masses at the end of the range give no NaN and leave the rest of the scene alone."""
     tiny = 1e-40 if precision == "f32" else 5e-324
     rest = pc.SpringNetwork([[0.0, 0.0], [1.0, tiny]], [[0, 1]], 1.0, velocities=[[tiny, 0.0], [0.0, -tiny]])
-    point = pc.SpringNetwork([[0.0, 0.0], [tiny, tiny]], [[0, 1]], 1.0, rest_length=[tiny], damping=1.0)
+    point = pc.SpringNetwork([[0.0, 0.0], [tiny, tiny]], [[0, 1]], 1.0, rest_length=0.0, damping=1.0)
     slow = pc.Particles([[tiny, 0.0]], [[0.0, tiny]])
     scene = pc.Scene(rest, point, slow, pc.Drag(tiny, tiny), pc.Gravity((0.0, -tiny)))
-    try:
-        run = simulation(scene, integrator, 0.01, precision=precision)
-    except pc.SceneError as error:
-        assert precision == "f32"
-        assert "precision" in str(error)  # a rest length of 1e-40 m is too short for f32
-        return
+    run = simulation(scene, integrator, 0.01, precision=precision)
     run.step(1000)
     assert np.isfinite(state(run)).all()
     assert np.abs(run[rest].positions - [[0.0, 0.0], [1.0, 0.0]]).max() < 1e-30
@@ -184,37 +179,35 @@ def test_nobody_in_the_scene_is_no_error(integrator, precision, dimension):
 @pytest.mark.parametrize("precision", ["f64", "f32"])
 @pytest.mark.parametrize("integrator", ALL, ids=name)
 def test_one_particle_moves_freely_and_exactly(integrator, precision, dimension):
-    """A binary dt and speed: x = v t without a bit of error."""
-    velocity = [[0.5, -0.25, 0.125][:dimension]]
+    """With a binary dt and speed x = v t without a bit of error, but for weights that are no binary fractions: those of
+    PEFRL and of RungeKutta4 (1/6) round each of up to five additions a step by half an ε of 5 m."""
+    velocity = np.array([[0.5, -0.25, 0.125][:dimension]])
     run = pc.Simulation(pc.Scene(pc.Particles(np.zeros((1, dimension)), velocity)), integrator, 1.0 / 64.0, precision)
     run.step(640)
-    assert np.array_equal(run.positions, 10.0 * np.array(velocity))
+    rounding = (
+        0.0 if integrator.order < 4 else 640 * 5 * 0.5 * float(np.finfo(precision.replace("f", "float")).eps) * 5.0
+    )
+    assert np.abs(run.positions - 10.0 * velocity).max() <= rounding
     assert np.array_equal(run.velocities, velocity)
 
 
 @pytest.mark.parametrize("integrator", SYMMETRIC, ids=name)
 def test_ten_million_steps_have_no_trend(integrator, record_property):
-    """The energy of an oscillator after up to 1e7 steps is off by the bounded error of its step and by rounding.
-
-    At the ends of whole turns of the discrete motion the bounded part is the same, so that rounding is left: an ε per
-    step with random signs, five standard deviations of it; a trend of one ε per step in 1e7 would be 2e-9.
+    """The energy that the discrete motion of an oscillator keeps changes by rounding alone: an ε per stage with random
+    signs, and five standard deviations of it; a trend of one ε per step would be 2e-9 J in 1e7.
     """
     steps = 10_000_000 if LONG else 1_000_000
     well = pc.CentralForce((0.0, 0.0, 0.0), 1.0, exponent=1.0)
     run = simulation(pc.Scene(pc.Particles([[1.0, 0.0, 0.0]]), well), integrator, 0.125)
-    half = 0.5
 
-    def discrete() -> float:
-        """The invariant of the discrete motion: −r x² + q v², scaled to 1 at the start."""
-        from physics.laboratory import amplification
-
-        matrix = amplification(integrator, 0.125)
+    def kept() -> float:
+        """The energy that the discrete motion keeps exactly."""
         x, v = run.positions[0, 0], run.velocities[0, 0]
-        return float(x**2 - matrix[0, 1] / matrix[1, 0] * v**2) * half / half
+        return float(v**2 + discrete_stiffness(integrator, 0.125) * x**2) / 2.0
 
-    before = discrete()
+    before = kept()
     run.step(steps)
-    error = abs(discrete() - before)
+    error = abs(kept() - before)
     record_property("error", f"{error:.1e} in {steps} steps")
     assert error <= 5.0 * 4.0 * np.sqrt(steps) * EPSILON
 

@@ -233,7 +233,12 @@ def test_other_units_change_no_bit_of_a_bounce(precision, length, time, seed):
         body = pc.Particles(positions * m, velocities * (m / s), radius=0.05 * m)
         box = pc.Box((-m, -m), (m, m), restitution=0.7, friction=0.2)
         bowl = pc.Sphere((0.0, 0.0), 1.125 * m, inside=True, restitution=0.8, friction=0.1)
-        result = simulation(pc.Scene(body, pc.Gravity((0.0, -10.0 * m / s**2)), box, bowl), pc.VelocityVerlet(), 0.01 * s, precision=precision)
+        result = simulation(
+            pc.Scene(body, pc.Gravity((0.0, -10.0 * m / s**2)), box, bowl),
+            pc.VelocityVerlet(),
+            0.01 * s,
+            precision=precision,
+        )
         result.step(200)
         return result
 
@@ -250,7 +255,5 @@ def test_two_dimensions_are_three_with_one_left_out(integrator, orbit):
     """A motion in the plane z = 0 has the same bits in 2D and in 3D: a zero adds nothing."""
     flat = Orbit(orbit.exponent, orbit.softening, orbit.positions[:, :2], orbit.velocities[:, :2])
     zero = np.zeros((1, 1))
-    deep = Orbit(
-        orbit.exponent, orbit.softening, np.hstack([flat.positions, zero]), np.hstack([flat.velocities, zero])
-    )
+    deep = Orbit(orbit.exponent, orbit.softening, np.hstack([flat.positions, zero]), np.hstack([flat.velocities, zero]))
     assert np.array_equal(moved(deep.scene(), integrator)[..., :2], moved(flat.scene(), integrator))

@@ -106,16 +106,10 @@ pub struct Span<'a, V: Vector> {
     pub axes: [&'a mut [V::Scalar]; AXES],
 }
 
-impl<'a, V: Vector> Span<'a, V> {
+impl<V: Vector> Span<'_, V> {
     /// A span without particles.
     pub fn empty() -> Self {
         Self { axes: std::array::from_fn(|_| &mut [][..]) }
-    }
-
-    /// Scratch memory as a span of `length` particles.
-    pub fn over(memory: &'a mut [V::Scalar], length: usize) -> Self {
-        let mut columns = memory.chunks_exact_mut(length.max(1));
-        Self { axes: std::array::from_fn(|axis| if axis < V::DIMENSION { columns.next().unwrap_or_default() } else { &mut [] }) }
     }
 
     /// Its length along every axis, padding included.

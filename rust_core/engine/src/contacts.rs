@@ -13,7 +13,7 @@ use glam::DVec3;
 use crate::boundaries::{self, Boundary, Path, Wall};
 use crate::error::{Error, Result};
 use crate::math::{AXES, Real, Vector};
-use crate::matter::{Blocks, Channel, Columns, Properties};
+use crate::matter::{Blocks, Channel, Columns, Properties, Span};
 use crate::scene::{Scene, Term, Value};
 use crate::simd::{dispatch, padded};
 
@@ -77,10 +77,10 @@ pub struct Before<'a, V: Vector> {
 }
 
 impl<'a, V: Vector> Before<'a, V> {
-    /// The state in `memory`, which holds a column of `length` for every axis of the positions, then of the velocities.
-    pub fn of(memory: &'a [V::Scalar], length: usize) -> Self {
-        let column = |index: usize| &memory[index * length..][..length];
-        Self { position: std::array::from_fn(column), velocity: std::array::from_fn(|axis| column(AXES + axis)) }
+    /// The state in two spans, positions and velocities.
+    pub fn spans([position, velocity]: &'a [Span<'_, V>; 2]) -> Self {
+        let part = |span: &'a Span<'_, V>| span.axes.each_ref().map(|axis| &**axis);
+        Self { position: part(position), velocity: part(velocity) }
     }
 
     /// The state of the particles of `range`, padding included.

@@ -129,7 +129,19 @@ pub struct Blocks<'a, V: Vector> {
     pub meters: &'a mut [Meter],
 }
 
-impl<V: Vector> Blocks<'_, V> {
+impl<'a, V: Vector> Blocks<'a, V> {
+    /// One block of `count` particles that begins at `start`.
+    pub fn new(
+        start: usize,
+        count: usize,
+        position: Span<'a, V>,
+        velocity: Span<'a, V>,
+        memory: [Span<'a, V>; MEMORY],
+        meters: &'a mut [Meter],
+    ) -> Self {
+        Self { start, count, size: position.len(), position, velocity, memory, meters }
+    }
+
     /// The particles, padding included.
     #[inline(always)]
     pub fn range(&self) -> Range<usize> {

@@ -85,7 +85,8 @@ pub fn compile<V: Vector, I: Integrator>(scene: &Scene, threads: usize) -> Resul
     stages.push(I::NAME.to_owned());
     stages.extend(contacts.as_ref().map(|_| "contacts".to_owned()));
 
-    let mut state = state::<V>(scene, &properties, all.iter().all(|force| force.reach() == Reach::Pointwise));
+    let independent = all.iter().all(|force| force.reach() == Reach::Pointwise);
+    let mut state = state::<V>(scene, &properties, MatterSystem::<V>::block::<I>(independent));
     if let Some(contacts) = &contacts {
         let pushed = contacts.admit(&mut state.position, &properties)?;
         if pushed > 0 {
@@ -93,7 +94,7 @@ pub fn compile<V: Vector, I: Integrator>(scene: &Scene, threads: usize) -> Resul
         }
     }
     let left_out = left_out(&all, contacts.is_some());
-    let layout = if all.iter().all(|force| force.reach() == Reach::Pointwise) {
+    let layout = if independent {
         format!("blocks of {} independent particles, many steps while a block is in the cache", state.block)
     } else {
         format!("a sweep over blocks of {} particles per evaluation", state.block)
@@ -207,11 +208,11 @@ fn renumbered(springs: Vec<Spring>, order: &[u32]) -> Vec<Spring> {
 }
 
 /// The initial state in the engine's order.
-fn state<V: Vector>(scene: &Scene, properties: &Properties<V>, independent: bool) -> Matter<V> {
+fn state<V: Vector>(scene: &Scene, properties: &Properties<V>, block: usize) -> Matter<V> {
     let count = properties.count();
     let all = |of: fn(&crate::scene::Body) -> &Vec<DVec3>| -> Vec<DVec3> { scene.bodies.iter().flat_map(of).copied().collect() };
     let (positions, velocities) = (all(|body| &body.positions), all(|body| &body.velocities));
-    let mut state = Matter::zeros(count, 0, MatterSystem::<V>::block(independent));
+    let mut state = Matter::zeros(count, 0, block);
     state.position = Columns::from_fn(count, |index| V::narrow(positions[properties.caller[index] as usize] - properties.origin));
     state.velocity = Columns::from_fn(count, |index| V::narrow(velocities[properties.caller[index] as usize]));
     state

@@ -180,8 +180,10 @@ impl<V: Vector, P: Fn(V::Scalar) -> V::Scalar + Copy> PointLaw<V> for Law<V::Sca
             d[axis] = x[axis] - self.center[axis];
             q += d[axis] * d[axis];
         }
-        // At the very center the direction is undefined and the force is 0.
-        let pull = if q > V::Scalar::ZERO { member * self.strength * (self.power)(q) } else { V::Scalar::ZERO };
+        // At the very center the direction is undefined and the force is 0. The power is taken in any case: a choice
+        // between two values can be vectorised, a branch cannot.
+        let power = (self.power)(q);
+        let pull = if q > V::Scalar::ZERO { member * self.strength * power } else { V::Scalar::ZERO };
         PointRate { force: d.map(|d| -(pull * d)), dissipated: V::Scalar::ZERO, work: V::Scalar::ZERO }
     }
 }

@@ -64,7 +64,7 @@ impl<V: Vector, L: PointLaw<V>> Kernel for Loop<'_, V, L> {
             let (member, x, v) = (*member, read(&x), read(&v));
             let mut sum = [[V::Scalar::ZERO; LANES]; AXES];
             for lane in 0..LANES {
-                let rate = law.at(member[lane], x.map(|axis| axis[lane]), v.map(|axis| axis[lane]));
+                let rate = law.at(member[lane], pick(&x, lane), pick(&v, lane));
                 for axis in 0..V::DIMENSION {
                     sum[axis][lane] = rate.force[axis];
                 }
@@ -89,4 +89,9 @@ impl<V: Vector, L: PointLaw<V>> Kernel for Loop<'_, V, L> {
 #[inline(always)]
 fn lanes<T>(column: &[T]) -> &[Lanes<T>] {
     column.as_chunks::<LANES>().0
+}
+
+#[inline(always)]
+fn pick<T: Copy>(columns: &[Lanes<T>; AXES], lane: usize) -> [T; AXES] {
+    std::array::from_fn(|axis| columns[axis][lane])
 }

@@ -3,7 +3,7 @@
 use crate::contacts::Before;
 use crate::forces::Rates;
 use crate::integrators::Integrator;
-use crate::math::{AXES, Real, Vector};
+use crate::math::{Real, Vector};
 use crate::matter::{Blocks, CHANNELS, Matter, Span};
 use crate::parallel::Crew;
 use crate::simd::LANES;
@@ -20,86 +20,96 @@ pub fn advance<V: Vector, I: Integrator>(
     interval: Interval,
     crew: &Crew,
 ) {
-    crew.sweep(matter.blocks(), &|mut block: Blocks<'_, V>| {
-        copy::<V, I>(from, &mut block);
-        if law.is_folded() && law.contacts.is_none() {
-            kernels::steps::<V, I>(law, &mut block, interval.h, interval.steps);
-        } else {
-            V::Scalar::with_scratch(3 * AXES * block.position.len(), |scratch| {
-                one_by_one::<V, I>(law, &mut block, interval, scratch)
-            });
-        }
-        block.meters[0].agitation = kernels::agitation(law, &block);
+    crew.sweep(matter.blocks(), &|block: Blocks<'_, V>| {
+        on_bench::<V, I>(from, block, |bench| {
+            if law.is_folded() && law.contacts.is_none() {
+                kernels::steps::<V, I>(law, &mut bench.block, interval.h, interval.steps);
+            } else {
+                one_by_one::<V, I>(law, bench, interval);
+            }
+            bench.block.meters[0].agitation = kernels::agitation(law, &bench.block);
+        });
     });
 }
 
-fn copy<V: Vector, I: Integrator>(from: &Matter<V>, block: &mut Blocks<'_, V>) {
-    let start = block.start;
-    block.position.copy_from(&from.position.view(), start);
-    block.velocity.copy_from(&from.velocity.view(), start);
-    for (memory, from) in block.memory.iter_mut().zip(&from.memory).take(I::CARRIED) {
-        memory.copy_from(&from.view(), start);
-    }
+/// Evaluates the law at the state `from` and fills the carried memory of `matter`.
+pub fn begin<V: Vector, I: Integrator>(law: &Law<V>, from: &Matter<V>, matter: &mut Matter<V>, interval: Interval) {
+    Crew::alone().sweep(matter.blocks(), &|block: Blocks<'_, V>| {
+        on_bench::<V, I>(from, block, |bench| run_stage::<V, I>(law, bench, interval, interval.time, Action::Begin));
+    });
+}
+
+/// A block on the calling thread's scratch memory, with all that a step needs. Its columns lie close together but not at
+/// the same place in every page, where they would push each other out of the first-level cache.
+struct Bench<'a, V: Vector> {
+    block: Blocks<'a, V>,
+    force: Span<'a, V>,
+    before: [Span<'a, V>; 2],
+}
+
+/// Copies a block of `from` onto a bench, works on it there, and copies the result to `block`.
+fn on_bench<V: Vector, I: Integrator>(from: &Matter<V>, mut block: Blocks<'_, V>, work: impl FnOnce(&mut Bench<'_, V>)) {
+    let (start, length) = (block.start, block.position.len());
     block.meters[0] = from.meters[start / from.block];
+    let stride = length + LANES;
+    let vectors = 5 + I::MEMORY;
+    V::Scalar::with_scratch(vectors * V::DIMENSION * stride, |scratch| {
+        let mut columns = scratch.chunks_exact_mut(stride).map(|column| &mut column[..length]);
+        let mut span = || Span {
+            axes: std::array::from_fn(|axis| if axis < V::DIMENSION { columns.next().unwrap_or_default() } else { &mut [] }),
+        };
+        let (position, velocity, force, before) = (span(), span(), span(), [span(), span()]);
+        let memory = std::array::from_fn(|kept| if kept < I::MEMORY { span() } else { Span::empty() });
+        let mut bench =
+            Bench { block: Blocks::new(start, block.count, position, velocity, memory, &mut *block.meters), force, before };
+        bench.block.position.copy_from(&from.position.view(), start);
+        bench.block.velocity.copy_from(&from.velocity.view(), start);
+        for (memory, from) in bench.block.memory.iter_mut().zip(&from.memory).take(I::CARRIED) {
+            memory.copy_from(&from.view(), start);
+        }
+        work(&mut bench);
+        let Bench { block: done, .. } = bench;
+        block.position.copy_from(&done.position.view(0), 0);
+        block.velocity.copy_from(&done.velocity.view(0), 0);
+        for (memory, done) in block.memory.iter_mut().zip(&done.memory).take(I::CARRIED) {
+            memory.copy_from(&done.view(0), 0);
+        }
+    });
 }
 
 /// One step after the other, with a contact stage between them, or with forces that are not folded.
-fn one_by_one<V: Vector, I: Integrator>(law: &Law<V>, block: &mut Blocks<'_, V>, interval: Interval, scratch: &mut [V::Scalar]) {
-    let length = block.position.len();
-    let (forces, before) = scratch.split_at_mut(AXES * length);
-    let mut force = Span::over(forces, length);
+fn one_by_one<V: Vector, I: Integrator>(law: &Law<V>, bench: &mut Bench<'_, V>, interval: Interval) {
     for step in 0..interval.steps {
         if law.contacts.is_some() {
-            remember(block, before);
+            bench.before[0].copy_from(&bench.block.position.view(0), 0);
+            bench.before[1].copy_from(&bench.block.velocity.view(0), 0);
         }
         if law.is_folded() && (law.contacts.is_none() || !I::DRIFTS_FIRST) {
-            kernels::steps::<V, I>(law, block, interval.h, 1);
+            kernels::steps::<V, I>(law, &mut bench.block, interval.h, 1);
         } else {
-            stages::<V, I>(law, block, interval, step, &mut force, before);
+            stages::<V, I>(law, bench, interval, step);
         }
         if let (Some(contacts), false) = (&law.contacts, I::DRIFTS_FIRST) {
-            contacts.resolve(&Before::of(before, length), block, &law.properties, interval.h);
+            contacts.resolve(&Before::spans(&bench.before), &mut bench.block, &law.properties, interval.h);
         }
     }
 }
 
 /// One step, stage by stage.
-fn stages<V: Vector, I: Integrator>(
-    law: &Law<V>,
-    block: &mut Blocks<'_, V>,
-    interval: Interval,
-    step: u64,
-    force: &mut Span<'_, V>,
-    before: &[V::Scalar],
-) {
-    let length = block.position.len();
-    run_stage::<V, I>(law, block, force, interval, 0.0, Action::Point);
+fn stages<V: Vector, I: Integrator>(law: &Law<V>, bench: &mut Bench<'_, V>, interval: Interval, step: u64) {
+    run_stage::<V, I>(law, bench, interval, 0.0, Action::Point);
     if let (Some(contacts), true) = (&law.contacts, I::DRIFTS_FIRST) {
-        collide::<V, I>(law, contacts, block, &Before::of(before, length), interval.h);
+        collide::<V, I>(law, contacts, &mut bench.block, &Before::spans(&bench.before), interval.h);
     }
     for stage in 0..I::NODES.len() {
         let next = (stage + 1 < I::NODES.len()).then_some(stage + 1);
         let time = interval.time + (step as f64 + I::NODES[stage]) * interval.h;
-        run_stage::<V, I>(law, block, force, interval, time, Action::Absorb(stage, next));
+        run_stage::<V, I>(law, bench, interval, time, Action::Absorb(stage, next));
     }
 }
 
-fn remember<V: Vector>(block: &Blocks<'_, V>, before: &mut [V::Scalar]) {
-    let length = block.position.len();
-    let columns = block.position.axes.iter().chain(&block.velocity.axes);
-    for (kept, column) in before.chunks_exact_mut(length).zip(columns).filter(|(_, column)| !column.is_empty()) {
-        kept.copy_from_slice(column);
-    }
-}
-
-fn run_stage<V: Vector, I: Integrator>(
-    law: &Law<V>,
-    block: &mut Blocks<'_, V>,
-    force: &mut Span<'_, V>,
-    interval: Interval,
-    time: f64,
-    action: Action,
-) {
+fn run_stage<V: Vector, I: Integrator>(law: &Law<V>, bench: &mut Bench<'_, V>, interval: Interval, time: f64, action: Action) {
+    let Bench { block, force, .. } = bench;
     let range = block.range();
     let mut power = [[0.0; LANES]; CHANNELS];
     if !matches!(action, Action::Point) {
@@ -107,14 +117,4 @@ fn run_stage<V: Vector, I: Integrator>(
         law.accumulate(&range, &at, &mut Rates { force: force.reborrow(), power: &mut power });
     }
     kernels::stage::<V, I>(law, block, &Load { force: force.reborrow(), power }, interval.h, action);
-}
-
-/// Evaluates the law at the state and fills the carried memory.
-pub fn begin<V: Vector, I: Integrator>(law: &Law<V>, matter: &mut Matter<V>, interval: Interval) {
-    Crew::alone().sweep(matter.blocks(), &|mut block: Blocks<'_, V>| {
-        let length = block.position.len();
-        V::Scalar::with_scratch(AXES * length, |scratch| {
-            run_stage::<V, I>(law, &mut block, &mut Span::over(scratch, length), interval, interval.time, Action::Begin);
-        });
-    });
 }

@@ -188,45 +188,53 @@ fn whole_step<T: Real, I: Integrator>(law: impl AxisForce<T>, axis: &mut Axis<'_
     add_power(power, &drag, &work, law.unit());
 }
 
-/// The registers of one group of lanes.
+/// The registers of one group of lanes. One array for each: an array of arrays would be moved about in memory.
 struct Registers<T> {
     x: Lanes<T>,
     v: Lanes<T>,
-    memory: [Lanes<T>; MEMORY],
+    a: Lanes<T>,
+    b: Lanes<T>,
+    c: Lanes<T>,
+    d: Lanes<T>,
 }
 
 impl<T: Real> Registers<T> {
     /// Reads positions, velocities and the first `used` memories.
     #[inline(always)]
     fn load(x: &Lanes<T>, v: &Lanes<T>, memory: &[&mut [Lanes<T>]; MEMORY], group: usize, used: usize) -> Self {
-        Self {
-            x: *x,
-            v: *v,
-            memory: std::array::from_fn(|kept| if kept < used { memory[kept][group] } else { [T::ZERO; LANES] }),
-        }
+        let kept = |index: usize| if index < used { memory[index][group] } else { [T::ZERO; LANES] };
+        Self { x: *x, v: *v, a: kept(0), b: kept(1), c: kept(2), d: kept(3) }
     }
 
     /// Writes the same.
     #[inline(always)]
-    fn store(self, x: &mut Lanes<T>, v: &mut Lanes<T>, memory: &mut [&mut [Lanes<T>]; MEMORY], group: usize, used: usize) {
+    fn store(&self, x: &mut Lanes<T>, v: &mut Lanes<T>, memory: &mut [&mut [Lanes<T>]; MEMORY], group: usize, used: usize) {
         *x = self.x;
         *v = self.v;
-        for (column, values) in memory.iter_mut().zip(&self.memory).take(used) {
-            column[group] = *values;
+        for (index, values) in [&self.a, &self.b, &self.c, &self.d].into_iter().enumerate().take(used) {
+            memory[index][group] = *values;
         }
     }
 
     #[inline(always)]
     fn lane(&self, lane: usize) -> Register<T> {
-        Register { x: self.x[lane], v: self.v[lane], memory: std::array::from_fn(|kept| self.memory[kept][lane]) }
+        Register { x: self.x[lane], v: self.v[lane], memory: [self.a[lane], self.b[lane], self.c[lane], self.d[lane]] }
     }
 
     #[inline(always)]
     fn set(&mut self, lane: usize, register: &Register<T>) {
         self.x[lane] = register.x;
         self.v[lane] = register.v;
-        for kept in 0..MEMORY {
-            self.memory[kept][lane] = register.memory[kept];
+        [self.a[lane], self.b[lane], self.c[lane], self.d[lane]] = register.memory;
+    }
+
+    /// Changes every lane's register.
+    #[inline(always)]
+    fn each(&mut self, change: impl Fn(&mut Register<T>, usize)) {
+        for lane in 0..LANES {
+            let mut register = self.lane(lane);
+            change(&mut register, lane);
+            self.set(lane, &register);
         }
     }
 }
@@ -319,27 +327,47 @@ fn one_stage<T: Real, I: Integrator>(
         let coefficients = law.group(group);
         let (force, inverse_mass) = (push.force[group], push.inverse_mass[group]);
         let mut registers = Registers::<T>::load(x, v, memory, group, I::MEMORY);
+        let mut a = [T::ZERO; LANES];
         for lane in 0..LANES {
-            let mut register = registers.lane(lane);
+            let register = registers.lane(lane);
             let (dissipated, supplied) = law.power(&coefficients, lane, register.v);
             drag[lane] += dissipated;
             work[lane] += supplied;
-            let a = force[lane] * inverse_mass[lane] + law.acceleration(&coefficients, lane, register.x, register.v);
-            match action {
-                Action::Begin => I::begin(&mut register, a),
-                Action::Point => I::point(0, &mut register, step),
-                Action::Absorb(stage, next) => {
-                    I::absorb(stage, &mut register, a, step);
-                    if let Some(next) = next {
-                        I::point(next, &mut register, step);
-                    }
+            a[lane] = force[lane] * inverse_mass[lane] + law.acceleration(&coefficients, lane, register.x, register.v);
+        }
+        match action {
+            Action::Begin => registers.each(|register, lane| I::begin(register, a[lane])),
+            Action::Point => point::<T, I>(0, &mut registers, step),
+            Action::Absorb(stage, next) => {
+                absorb::<T, I>(stage, &mut registers, &a, step);
+                if let Some(next) = next {
+                    point::<T, I>(next, &mut registers, step);
                 }
             }
-            registers.set(lane, &register);
         }
         registers.store(x, v, memory, group, I::MEMORY);
     }
     add_power(power, &drag, &work, law.unit());
+}
+
+/// Moves a group to the point of a stage. The stage is a constant in each loop: only then can it be vectorised.
+#[inline(always)]
+fn point<T: Real, I: Integrator>(stage: usize, registers: &mut Registers<T>, h: T) {
+    for constant in 0..I::NODES.len() {
+        if stage == constant {
+            registers.each(|register, _| I::point(constant, register, h));
+        }
+    }
+}
+
+/// Lets a group take in the accelerations of a stage.
+#[inline(always)]
+fn absorb<T: Real, I: Integrator>(stage: usize, registers: &mut Registers<T>, a: &Lanes<T>, h: T) {
+    for constant in 0..I::NODES.len() {
+        if stage == constant {
+            registers.each(|register, lane| I::absorb(constant, register, a[lane], h));
+        }
+    }
 }
 
 #[inline(always)]

@@ -13,7 +13,7 @@ use coupled::Desk;
 use crate::error::Result;
 use crate::integrators::Integrator;
 use crate::math::Vector;
-use crate::matter::Matter;
+use crate::matter::{Columns, Matter};
 use crate::parallel::{Crew, Team};
 
 /// Equal steps to take.
@@ -27,8 +27,8 @@ pub struct Interval {
     pub steps: u64,
 }
 
-/// How long a chunk of steps should take [s]: long enough that keeping a copy of its start costs little, short enough to
-/// be abandoned when somebody interrupts it.
+/// How long a chunk of steps should take [s]: long enough that what is done once per chunk costs little, short enough that
+/// little is lost when somebody interrupts it.
 const CHUNK: f64 = 0.05;
 /// The longest job that the calling thread does by itself, deaf to interrupts [s].
 const SHORT: f64 = 2e-3;
@@ -56,13 +56,20 @@ pub struct MatterSystem<V: Vector> {
 
 impl<V: Vector> MatterSystem<V> {
     /// The number of particles in a block, for independent particles or others.
-    pub fn block(independent: bool) -> usize {
-        if independent { INDEPENDENT_BLOCK } else { COUPLED_BLOCK }
+    pub fn block<I: Integrator>(independent: bool) -> usize {
+        match (independent, I::MEMORY) {
+            (false, _) => COUPLED_BLOCK,
+            (true, 0..=2) => INDEPENDENT_BLOCK,
+            // More memory per particle, fewer particles in the same cache.
+            (true, _) => INDEPENDENT_BLOCK / 2,
+        }
     }
 
     /// A system at a given state. `interactions` counts the springs and other pairs.
     pub fn new<I: Integrator>(law: Law<V>, mut state: Matter<V>, interactions: usize, threads: usize) -> Self {
-        state.memory = vec![crate::matter::Columns::zeros(state.count()); I::MEMORY];
+        // What is only kept between the stages of a step need not outlive a block that runs through whole steps.
+        let kept = if law.is_independent() { I::CARRIED } else { I::MEMORY };
+        state.memory = vec![Columns::zeros(state.count()); kept];
         let count = state.count() as f64;
         // Nanoseconds on a common core; only the sizes of chunks hang on them, never a bit of the result.
         let per_particle = if law.is_folded() && law.contacts.is_none() { 1.0 } else { 8.0 };
@@ -94,9 +101,15 @@ impl<V: Vector> MatterSystem<V> {
         self.team.threads()
     }
 
-    /// The number of steps in a chunk.
+    /// The number of steps in a chunk: as many as fit into [`CHUNK`], but not so few that moving the state in and out of the
+    /// caches, or keeping a copy of it, takes longer than the steps. An interrupt abandons a chunk between two blocks.
     pub fn chunk(&self) -> u64 {
-        (CHUNK / self.cost.max(1e-9)).clamp(1.0, 1e6) as u64
+        let least = match &self.desk {
+            None if self.law.is_folded() => 100.0,
+            None => 25.0,
+            Some(_) => 5.0,
+        };
+        (CHUNK / self.cost).clamp(least, 1e6) as u64
     }
 
     /// The memory that it takes [bytes].
@@ -114,7 +127,9 @@ impl<V: Vector> MatterSystem<V> {
     /// Begins anew from the positions and velocities: the integrator has nothing to carry on from.
     pub fn begin(&mut self, time: f64) -> Result<()> {
         self.resume();
-        self.stepper.begin(&mut self.law, &mut self.state, self.desk.as_mut(), Interval { time, h: 0.0, steps: 0 })
+        let Self { law, state, kept, desk, stepper, .. } = self;
+        kept.copy_from(state);
+        stepper.begin(law, kept, state, desk.as_mut(), Interval { time, h: 0.0, steps: 0 })
     }
 
     /// Takes steps, or none of them if it fails.
@@ -153,7 +168,14 @@ impl<V: Vector> MatterSystem<V> {
 
 /// An integrator with its type erased, once for whole chunks.
 trait Stepper<V: Vector>: Send + Sync {
-    fn begin(&self, law: &mut Law<V>, state: &mut Matter<V>, desk: Option<&mut Desk<V>>, interval: Interval) -> Result<()>;
+    fn begin(
+        &self,
+        law: &mut Law<V>,
+        from: &Matter<V>,
+        state: &mut Matter<V>,
+        desk: Option<&mut Desk<V>>,
+        interval: Interval,
+    ) -> Result<()>;
 
     fn advance(
         &self,
@@ -169,11 +191,18 @@ trait Stepper<V: Vector>: Send + Sync {
 struct By<I>(std::marker::PhantomData<I>);
 
 impl<V: Vector, I: Integrator> Stepper<V> for By<I> {
-    fn begin(&self, law: &mut Law<V>, state: &mut Matter<V>, desk: Option<&mut Desk<V>>, interval: Interval) -> Result<()> {
+    fn begin(
+        &self,
+        law: &mut Law<V>,
+        from: &Matter<V>,
+        state: &mut Matter<V>,
+        desk: Option<&mut Desk<V>>,
+        interval: Interval,
+    ) -> Result<()> {
         match desk {
             Some(desk) => coupled::begin::<V, I>(law, state, desk, interval),
             None => {
-                independent::begin::<V, I>(law, state, interval);
+                independent::begin::<V, I>(law, from, state, interval);
                 Ok(())
             }
         }

@@ -1,0 +1,86 @@
+"""Every speed that physcore promises, measured beside NumPy and Numba in one run: `make bench`, or `python benches`."""
+
+from __future__ import annotations
+
+import os
+
+# One thread for each opponent that does not say otherwise; read when NumPy is loaded.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+from dataclasses import dataclass
+from importlib.metadata import version
+from math import isnan
+
+import film
+import numpy as np
+import overheads
+import particles
+import springs
+from measure import machine
+from rivals.jit import clock
+
+import physcore as pc
+
+
+@dataclass(frozen=True)
+class Target:
+    """A promise: at least, or at most, so much."""
+
+    figure: str
+    bound: float
+    unit: str
+    at_most: bool = False
+
+    def met_by(self, measured: float) -> bool:
+        """Whether a figure keeps it."""
+        return measured <= self.bound if self.at_most else measured >= self.bound
+
+
+TARGETS = (
+    Target("Verlet f64", 1.1, "G particle-steps/s"),
+    Target("Verlet f32", 2.2, "G particle-steps/s"),
+    Target("RK4 f64", 0.16, "G particle-steps/s"),
+    Target("RK4 f32", 0.38, "G particle-steps/s"),
+    Target("grid f64", 0.3, "G spring-updates/s"),
+    Target("grid f32", 0.6, "G spring-updates/s"),
+    Target("network f64", 0.13, "G spring-updates/s"),
+    Target("network f32", 0.24, "G spring-updates/s"),
+    Target("small cloth f32", 300_000, "steps/s"),
+    Target("two threads, Verlet f64", 1.8, "times one"),
+    Target("two threads, Verlet f32", 1.8, "times one"),
+    Target("two threads, RK4 f64", 1.8, "times one"),
+    Target("two threads, RK4 f32", 1.8, "times one"),
+    Target("two threads, grid f64", 1.8, "times one"),
+    Target("two threads, grid f32", 1.8, "times one"),
+    Target("two threads, network f64", 1.8, "times one"),
+    Target("two threads, network f32", 1.8, "times one"),
+    Target("import", 0.15, "s", at_most=True),
+)
+
+
+def main() -> None:
+    """Run everything, then hold it against the targets."""
+    simd = pc.Simulation(particles.falling(2), dt=1e-3).plan.simd
+    where = f"{machine(simd)}, {clock():.2f} GHz"
+    print(where)
+    print(f"physcore {pc.__version__}, NumPy {np.__version__}, Numba {version('numba')}")
+    print("physcore audits and watches for divergence in every run; its opponents do neither.")
+    figures = particles.main() | springs.main() | overheads.main()
+    print()
+    film.main()
+    print(f"\nTargets, as set on a Zen 4 core of about 3.6 GHz; measured here, not scaled: {where}")
+    print(
+        "Rates are medians per CPU second on one thread; two threads over one are the fastest turns on the wall clock."
+    )
+    print(f"{'':<28}{'target':>12}{'measured':>12}  {'':<20}verdict")
+    for target in TARGETS:
+        measured = figures[target.figure]
+        sign = "≤" if target.at_most else "≥"
+        verdict = "met" if target.met_by(measured) else f"missed: {measured / target.bound:.2f} of it"
+        if isnan(measured):
+            verdict = "not measured: the machine was too busy for two threads"
+        print(f"{target.figure:<28}{sign:>4}{target.bound:>8.6g}{measured:>12.4g}  {target.unit:<20}{verdict}")
+
+
+if __name__ == "__main__":
+    main()

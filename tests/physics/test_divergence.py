@@ -1,0 +1,180 @@
+"""Divergence: a run that blows up says so, where and why, and stands where it was good; nothing else raises an alarm."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from physics.laboratory import ALL, name, network, simulation, state
+
+import physcore as pc
+
+STABLE = [integrator for integrator in ALL if not isinstance(integrator, pc.ExplicitEuler)]
+NETWORK = network(seed=7, dimension=2, count=9)
+HANGING = pc.Scene(NETWORK.body(fixed=[0], damping=0.5), pc.Gravity((0.0, -1.0)))
+
+
+def unstable(integrator: pc.Integrator, factor: float = 1.3, **numerics) -> pc.Simulation:
+    return simulation(HANGING, integrator, factor * pc.stability_limit(HANGING, integrator), **numerics)
+
+
+@pytest.mark.parametrize("precision", ["f64", "f32"])
+@pytest.mark.parametrize("integrator", STABLE, ids=name)
+def test_a_run_above_the_limit_is_stopped_with_a_diagnosis(integrator, precision):
+    run = unstable(integrator, factor=2.0, precision=precision)
+    with pytest.raises(pc.SimulationDiverged) as caught:
+        run.step(100_000)
+    error = caught.value
+    assert 1 <= error.step < 100_000
+    assert error.time == pytest.approx(error.step * run.dt, rel=1e-12)
+    assert 0 <= error.particle < len(NETWORK.mass)
+    assert error.quantity in {"position", "velocity", "energy"}
+    assert error.cause
+    assert "would hold" in error.hint
+    for word in (str(error.step), error.cause, error.hint):
+        assert word in str(error)
+    assert run.steps == error.step - 1
+    assert np.isfinite(state(run)).all()
+    assert np.array_equal(error.last_good.positions, run.positions)
+    assert np.array_equal(error.last_good.velocities, run.velocities)
+    assert error.last_good.time == run.time
+
+
+@pytest.mark.parametrize("kind", ["well", "spring"])
+@pytest.mark.parametrize("integrator", STABLE, ids=name)
+def test_a_slow_growth_is_noticed_however_far_it_has_come(integrator, kind):
+    """In one long call the numbers may be close to overflow, and the energy beyond it, before anybody looks."""
+    start = [[1.0, 0.0]]
+    well = pc.Scene(pc.Particles(start), pc.CentralForce((0.0, 0.0), 1.0, exponent=1.0))
+    spring = pc.Scene(pc.SpringNetwork([[0.0, 0.0], *start], [[0, 1]], 1.0, rest_length=0.0, fixed=[0]))
+    scene = {"well": well, "spring": spring}[kind]
+    for factor in (1.001, 1.01, 1.1):
+        for steps in (2000, 10_000, 200_000):
+            run = simulation(scene, integrator, factor * pc.stability_limit(scene, integrator))
+            with pytest.raises(pc.SimulationDiverged):
+                run.step(steps)
+
+
+@pytest.mark.parametrize("integrator", STABLE, ids=name)
+def test_the_last_good_state_is_that_of_the_step_before_with_the_same_bits(integrator):
+    run = unstable(integrator, factor=2.0)
+    with pytest.raises(pc.SimulationDiverged) as caught:
+        run.step(100_000)
+    plain = unstable(integrator, factor=2.0)
+    plain.step(caught.value.step - 1)
+    assert plain.state_hash() == run.state_hash()
+    with pytest.raises(pc.SimulationDiverged) as again:
+        plain.step(1)
+    assert again.value.step == caught.value.step
+
+
+def test_the_hint_holds():
+    """The dt that the hint names does what it promises."""
+    run = unstable(pc.VelocityVerlet(), factor=2.0)
+    with pytest.raises(pc.SimulationDiverged) as caught:
+        run.step(100_000)
+    assert caught.value.hint.count("dt = ") == 2
+    dt = float(caught.value.hint.rsplit("dt = ", 1)[1].split()[0])
+    better = simulation(HANGING, pc.VelocityVerlet(), dt)
+    better.step(10_000)
+    assert np.isfinite(state(better)).all()
+
+
+@pytest.mark.parametrize("precision", ["f64", "f32"])
+def test_told_to_ignore_it_a_runaway_goes_on_to_the_first_value_that_is_not_finite(precision):
+    """A11: at 1.01 of the limit Verlet grows by 1.3266 per step, and x leaves the range after some 310 or 2500 steps.
+
+    ln(3.4e38)/ln(1.3266) = 314 and ln(1.8e308)/ln(1.3266) = 2511, less what v ≈ 2x and the sums in the step take: 1 %.
+    """
+    well = pc.Scene(pc.Particles([[1.0, 0.0]]), pc.CentralForce((0.0, 0.0), 1.0, exponent=1.0))
+    run = simulation(well, pc.VelocityVerlet(), 2.02, precision=precision, on_divergence="ignore")
+    with pytest.raises(pc.SimulationDiverged, match="not finite") as caught:
+        run.step(100_000)
+    expected = np.log(float(np.finfo(precision.replace("f", "float")).max)) / np.log(1.326584426950908)
+    assert caught.value.step == pytest.approx(expected, rel=0.02)
+    assert np.isfinite(state(run)).all()
+    strict = simulation(well, pc.VelocityVerlet(), 2.02, precision=precision)
+    with pytest.raises(pc.SimulationDiverged, match="run away") as early:
+        strict.step(100_000)
+    # Runaway: a rise by 1e6 times the largest energy, which follows the growth: about 25 to 60 steps.
+    assert early.value.step < 100
+
+
+def test_a_force_of_the_users_that_is_not_finite_is_named():
+    broken = pc.CustomForce(lambda time, x, v: np.full_like(x, np.nan if time > 0.5 else 0.0))
+    run = pc.Simulation(pc.Scene(pc.Particles([[0.0, 0.0]]), broken), dt=0.125)
+    with pytest.raises(pc.PhyscoreError, match=r"forces\[0\]\.function"):
+        run.step(10)
+
+
+@pytest.mark.parametrize("integrator", ALL, ids=name)
+def test_an_oscillation_does_not_alarm_however_its_energy_spirals(integrator):
+    """A01 run through, and on: explicit Euler multiplies its energy by 7.9e6 in 1024 steps, because it must."""
+    well = pc.Scene(pc.Particles([[1.0, 0.0]]), pc.CentralForce((0.0, 0.0), 1.0, exponent=1.0))
+    run = simulation(well, integrator, 0.125)
+    run.step(1024)
+    run.step(4096)
+    assert np.isfinite(state(run)).all()
+
+
+@pytest.mark.parametrize("integrator", ALL, ids=name)
+@pytest.mark.parametrize("dt", [1.0, 1000.0])
+def test_a_free_fall_of_a_million_seconds_is_no_divergence(integrator, dt):
+    run = simulation(pc.Scene(pc.Particles([[0.0, 0.0]]), pc.Gravity((0.0, -9.81))), integrator, dt)
+    run.run(1e6)
+    # v = g t; x = g t²/2, of which the methods of order 1 are off by g t dt/2.
+    assert run.velocities[0, 1] == pytest.approx(-9.81e6, rel=1e-9)
+    assert run.positions[0, 1] == pytest.approx(-9.81e12 / 2.0, rel=1e-9 if integrator.order > 1 else 1.1 * dt / 1e6)
+
+
+@pytest.mark.parametrize("integrator", STABLE, ids=name)
+def test_the_crack_of_a_whip_is_no_divergence(integrator):
+    """A tapering rope, swung by its handle: its tip's speed exceeds that of the handle manifold, and that is physics."""
+    count = 60
+    mass = np.linspace(0.02, 0.0005, count)
+    handle = np.zeros((count, 2))
+    handle[0] = (0.0, 6.0)
+    whip = pc.rope(count, 2.0, 2000.0, damping=0.02, mass=mass, pinned="start", velocities=handle)
+    scene = pc.Scene(whip, pc.Gravity((0.0, -9.81)))
+    run = simulation(scene, integrator, 0.4 * pc.stability_limit(scene, integrator))
+    run.run(0.3)
+    run.set(velocities=np.where(np.arange(count)[:, None] == 0, 0.0, run.velocities))
+    fastest = 0.0
+    for _ in range(100):
+        run.run(0.01)
+        fastest = max(fastest, float(np.linalg.norm(run.velocities, axis=1).max()))
+    assert fastest > 12.0
+
+
+@pytest.mark.parametrize("integrator", STABLE, ids=name)
+def test_a_scene_that_comes_to_rest_is_no_divergence(integrator):
+    """However long a single call: what is left of the motion at its end is not the scale of its energy."""
+    rope = pc.rope(10, 1.0, 100.0, damping=0.05, mass=0.01, pinned="start")
+    scene = pc.Scene(rope, pc.Gravity((0.0, -9.81)), pc.Drag(0.02))
+    for fraction in (0.1, 0.5, 0.9):
+        run = simulation(scene, integrator, fraction * pc.stability_limit(scene, integrator))
+        run.step(int(60.0 / run.dt))
+        # The pendulum's amplitude falls by exp(−t b/2m) = exp(−t/s): nothing but rounding is left.
+        assert run.energy().kinetic < 1e-20
+
+
+@pytest.mark.parametrize("integrator", ALL, ids=name)
+def test_a_particle_released_from_rest_is_no_divergence(integrator):
+    """Explicit Euler's balance rises in the very first step, by (a dt)²/2, before anything has moved."""
+    scene = pc.Scene(pc.Particles([[1.0, 0.0]]), pc.CentralForce((0.0, 0.0), 1.0, exponent=1.0), pc.Drag(0.5))
+    run = simulation(scene, integrator, 0.1)
+    for _ in range(10):
+        run.step(1)
+    run.step(10_000)
+    assert np.abs(run.positions).max() < 1e-6
+
+
+@pytest.mark.parametrize("integrator", ALL, ids=name)
+def test_a_fall_into_a_bare_center_is_finite_or_diagnosed(integrator):
+    """C03: nothing resolves r = 0. The particle comes out somewhere, or the run says that it ran away; never NaN."""
+    scene = pc.Scene(pc.Particles([[1.0, 0.0]]), pc.CentralForce((0.0, 0.0), 2.0))
+    run = simulation(scene, integrator, 1e-3)
+    try:
+        run.step(5000)
+    except pc.SimulationDiverged as error:
+        assert error.particle == 0
+    assert np.isfinite(state(run)).all()
