@@ -53,6 +53,29 @@ def state(run: pc.Simulation) -> Array:
     return np.stack([run.positions, run.velocities])
 
 
+def line(x: Array, dimension: int = 2) -> Array:
+    """Points along the x axis."""
+    return np.pad(np.asarray(x, dtype=float)[:, None], ((0, 0), (0, dimension - 1)))
+
+
+def membrane(
+    spacing: float, rest: float, stiffness: float, mass: float, sides: int, heights: Array | float = 0.0, **more
+):
+    """A square net of structural springs in the plane z = 0, held along its edges; listed row by row."""
+    grid = np.arange(sides * sides).reshape(sides, sides)
+    rows, columns = np.divmod(grid.ravel(), sides)
+    positions = np.stack([spacing * columns, spacing * rows, np.zeros(grid.size)], axis=1)
+    positions[:, 2] = np.broadcast_to(heights, (sides, sides)).ravel()
+    pairs = np.concatenate(
+        [
+            np.stack([grid[:, :-1].ravel(), grid[:, 1:].ravel()], axis=1),
+            np.stack([grid[:-1].ravel(), grid[1:].ravel()], axis=1),
+        ]
+    )
+    edge = (rows % (sides - 1) == 0) | (columns % (sides - 1) == 0)
+    return pc.SpringNetwork(positions, pairs, stiffness, rest_length=rest, mass=mass, fixed=edge, **more)
+
+
 @dataclass(frozen=True)
 class Network:
     """The numbers of a random spring network, free to be transformed before it becomes a body."""
@@ -75,7 +98,8 @@ class Network:
 
 def network(seed: int, dimension: int, count: int, damping: float = 0.0, motion: float = 0.1) -> Network:
     """Particles on a jittered lattice of spacing 1, each joined to its neighbors, with stiffness from 1 to 100 N/m,
-    masses from 0.5 to 2 kg, springs strained by up to 5 %, and velocities of `motion` m/s per axis."""
+    masses from 0.5 to 2 kg, springs strained by up to 5 %, and velocities of `motion` m/s per axis.
+    """
     rng = np.random.default_rng(seed)
     side = int(np.ceil(count ** (1.0 / dimension)))
     lattice = np.stack(np.meshgrid(*[np.arange(side)] * dimension, indexing="ij"), axis=-1).reshape(-1, dimension)
@@ -182,8 +206,8 @@ def largest_step(integrator: pc.Integrator, ratio: float = 0.0) -> float:
     """The largest ω dt such that no eigenvalue of a smaller step is outside of the unit circle.
 
     Found by walking up in steps of 0.1 % and bisecting. Where a symplectic method's pair of eigenvalues leaves the
-    circle, at 1 + δ of the limit, |g| − 1 = O(√δ): the margin of 1e-6 shifts the limit by 1e-12. Explicit Euler grows by
-    1 + (ω dt)²/2 without damping; its limit is 0, and the margin gives 1.4e-3.
+    circle, at 1 + δ of the limit, |g| − 1 = O(√δ): the margin of 1e-6 shifts the limit by 1e-12. Explicit Euler grows
+    by 1 + (ω dt)²/2 without damping; its limit is 0, and the margin gives 1.4e-3.
     """
 
     def unstable(step: float) -> bool:
@@ -211,5 +235,6 @@ def discrete_stiffness(integrator: pc.Integrator, step: float) -> float:
 
 def discrete_energy_error(integrator: pc.Integrator, step: float) -> float:
     """By how much the energy of a mode swings at most under a symmetric method, relative to its potential energy:
-    what should be kept, v² + x², differs from what is, v² + κ x², by (1 − κ) x²."""
+    what should be kept, v² + x², differs from what is, v² + κ x², by (1 − κ) x².
+    """
     return abs(1.0 - discrete_stiffness(integrator, step))

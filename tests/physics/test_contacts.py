@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from physics.laboratory import ALL, EPSILON, name, simulation, state
 
 import physcore as pc
+from physics.laboratory import ALL, EPSILON, name, simulation, state
 
 G = 9.81
 SECOND_ORDER = [integrator for integrator in ALL if integrator.order > 1]

@@ -12,9 +12,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from physics.laboratory import ALL, name, network, unwarned
 
 import physcore as pc
+from physics.laboratory import ALL, name, network, unwarned
 
 TESTS = Path(__file__).parent.parent
 ENVIRONMENT = {**os.environ, "PYTHONPATH": str(TESTS)}
@@ -27,7 +27,7 @@ def crowd(count: int, dimension: int) -> tuple[np.ndarray, np.ndarray]:
 
 @cache
 def scenes(large: bool) -> dict[str, pc.Scene]:
-    """Every kind of work: folded terms, central fields, contacts, springs of both layouts; large enough to be shared."""
+    """Every kind of work: folded terms, central fields, contacts, springs of both layouts; if large, worth sharing."""
     most, many, columns = (250_000, 50_000, 120) if large else (700, 700, 21)
     simple, deep = crowd(most, 3), crowd(many, 3)
     rng = np.random.default_rng(12)
@@ -123,7 +123,7 @@ def ready(scene: str, integrator: pc.Integrator, precision: str, dt: float | str
 @pytest.mark.parametrize("scene", small())
 @pytest.mark.parametrize("integrator", ALL, ids=name)
 def test_a_thousand_steps_are_one_call_or_a_thousand_or_a_recording(integrator, scene, precision):
-    """Looking at a run does not change it: step(1000), 1000 × step(1) with audits, and a film's frames between steps."""
+    """Looking at a run does not change it: step(1000), 1000 × step(1) with audits, and frames between the steps."""
     whole, single, recorded = (ready(scene, integrator, precision) for _ in range(3))
     whole.step(1000)
     for _ in range(1000):
@@ -179,7 +179,8 @@ print(steps, simulation.state_hash() == plain.state_hash())
 @pytest.mark.skipif(os.name != "posix", reason="sends SIGINT")
 def test_ctrl_c_is_answered_within_a_tenth_of_a_second_and_leaves_a_whole_step():
     """The monotonic clock is common to all processes. Python's own way to the except clause takes part of the time, and
-    a busy machine may keep both processes waiting: the best of three counts."""
+    a busy machine may keep both processes waiting: the best of three counts.
+    """
     delays = []
     for _ in range(3):
         process = subprocess.Popen(

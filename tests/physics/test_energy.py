@@ -5,6 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from hypothesis import given, settings
+
+import physcore as pc
+from physcore.forces import FORCES
 from physics.laboratory import (
     ALL,
     EPSILON,
@@ -19,9 +22,6 @@ from physics.laboratory import (
     orbits,
     simulation,
 )
-
-import physcore as pc
-from physcore.forces import FORCES
 
 STEPS = 100_000 if LONG else 10_000
 SAMPLES = 500

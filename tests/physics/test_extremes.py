@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from physics.laboratory import ALL, EPSILON, LONG, SYMMETRIC, discrete_stiffness, name, network, simulation, state
 
 import physcore as pc
+from physics.laboratory import ALL, EPSILON, LONG, SYMMETRIC, discrete_stiffness, name, network, simulation, state
 
 OSCILLATING = [integrator for integrator in ALL if not isinstance(integrator, pc.ExplicitEuler)]
 
@@ -45,8 +45,8 @@ def test_a_slow_mode_is_right_beside_a_fast_one(integrator, stiffness, masses):
     """At half the limit the slow mode follows cos Ωt with its discrete frequency Ω, however fast the other one is.
 
     Projected on the slow mode, the fast one drops out. Ωdt/ωdt = 1 + O((ω dt)²), so the error of the phase is
-    (ω dt)² ωt (order 1 and 2: /24; semi-implicit Euler moreover starts off by ω dt/2). The stiff spring rounds its force
-    by k ε L: 1e8 · 2e-16 N · 1 m on 1 kg, 2e-8 m/s² at random in every step.
+    (ω dt)² ωt (order 1 and 2: /24; semi-implicit Euler moreover starts off by ω dt/2). The stiff spring rounds its
+    force by k ε L: 1e8 · 2e-16 N · 1 m on 1 kg, 2e-8 m/s² at random in every step.
     """
     squares, shapes = modes(stiffness, masses)
     slow = np.sqrt(squares[0])
@@ -180,7 +180,8 @@ def test_nobody_in_the_scene_is_no_error(integrator, precision, dimension):
 @pytest.mark.parametrize("integrator", ALL, ids=name)
 def test_one_particle_moves_freely_and_exactly(integrator, precision, dimension):
     """With a binary dt and speed x = v t without a bit of error, but for weights that are no binary fractions: those of
-    PEFRL and of RungeKutta4 (1/6) round each of up to five additions a step by half an ε of 5 m."""
+    PEFRL and of RungeKutta4 (1/6) round each of up to five additions a step by half an ε of 5 m.
+    """
     velocity = np.array([[0.5, -0.25, 0.125][:dimension]])
     run = pc.Simulation(pc.Scene(pc.Particles(np.zeros((1, dimension)), velocity)), integrator, 1.0 / 64.0, precision)
     run.step(640)

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from physics.laboratory import ALL, Array, name, network, simulation, state
 
 import physcore as pc
+from physics.laboratory import ALL, Array, name, network, simulation, state
 
 NETWORK = network(seed=1, dimension=2, count=6)
 GRAVITY = pc.Gravity((0.3, -1.0))
@@ -41,7 +41,7 @@ def path(scene: str, integrator: pc.Integrator, steps: int) -> Array:
 @pytest.mark.parametrize("scene", SCENES)
 @pytest.mark.parametrize("integrator", ALL, ids=name)
 def test_the_error_at_fixed_times_shrinks_with_the_order_of_the_plan(integrator, scene, record_property):
-    """log₂ of the ratio of successive differences is p + O(dt): by the choice of steps within 0.1 of the plan's order."""
+    """log₂ of the ratio of successive differences is p + O(dt): for these steps within 0.1 of the plan's order."""
     order = order_of(SCENES[scene], integrator)
     steps = STEPS[order]
     coarse, middle, fine = (path(scene, integrator, steps * halving) for halving in (1, 2, 4))

@@ -5,14 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from hypothesis import given
-from physics.laboratory import ALL, LONG, amplification, largest_step, name, networks, simulation
 
 import physcore as pc
+from physics.laboratory import ALL, LONG, amplification, largest_step, name, networks, simulation
 
 RATIOS = [0.0, 0.1, 1.0, 10.0]
 STEPS = 10_000
 START = 1e-6
-"""The first elongation [m] of a spring that is 1 m long: it may grow a thousandfold and the force stays linear in it."""
+"""The first elongation [m] of a spring of 1 m: it may grow a thousandfold, and the force stays linear in it."""
 
 
 def oscillator(ratio: float) -> pc.Scene:
@@ -46,8 +46,8 @@ def test_a_step_just_below_the_limit_is_bounded_and_one_just_above_grows(integra
     The largest that a stable one becomes: explicit Euler at ξ = 1 has the double factor g = 1 − 0.99·2 = −0.98, and so
     reaches n·1.98·0.98ⁿ⁻¹ ≤ 38 in x and in v, 53 together. Undamped, Verlet's ellipse is elongated by
     1/√(1 − 0.99²) = 7.1. The slowest to grow is explicit Euler at ξ = 0.1, by |g|² = 1 + 2ξωdt·0.01 = 1.0004 per step:
-    a hundredfold takes 2.3e4 steps. At ξ = 0 its limit is 0 and it grows at any step: 0.01 stands for 1.01 · 0, where it
-    grows by (1 + 1e-4)^5000 = 1.6 in 1e4 steps.
+    a hundredfold takes 2.3e4 steps. At ξ = 0 its limit is 0 and it grows at any step: 0.01 stands for 1.01 · 0, where
+    it grows by (1 + 1e-4)^5000 = 1.6 in 1e4 steps.
     """
     if isinstance(integrator, pc.ExplicitEuler) and ratio == 0.0:
         run = simulation(oscillator(ratio), integrator, 0.01)
@@ -80,7 +80,7 @@ def test_the_certified_limit_is_on_the_safe_side(integrator, ratio):
 
 @pytest.mark.parametrize("ratio", RATIOS[1:])
 def test_drag_that_acts_in_every_direction_makes_explicit_euler_stable(ratio):
-    """With linear drag all modes are damped alike; the certificate holds for slower modes too, for which 2/γ may be less."""
+    """With linear drag all modes are damped alike. The certificate holds for slower ones too, where 2/γ may be less."""
     well = pc.CentralForce((0.0, 0.0), 1.0, exponent=1.0)
     scene = pc.Scene(pc.Particles([[1.0, 0.0]]), well, pc.Drag(linear=2.0 * ratio))
     limit = largest_step(pc.ExplicitEuler(), ratio)

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+
+import physcore as pc
 from physics.laboratory import (
     ALL,
     EPSILON,
@@ -20,8 +22,6 @@ from physics.laboratory import (
     simulation,
     state,
 )
-
-import physcore as pc
 
 STEPS = 300
 DT = 0.005
@@ -44,8 +44,8 @@ def growth(net: Network, integrator: pc.Integrator) -> float:
 def tolerance(net: Network, integrator: pc.Integrator, size: float = 10.0) -> float:
     """How far two runs may part that differ by rounding alone.
 
-    Every step rounds each number, of `size` at most, by an ε of it or a few, and what was rounded off grows as any other
-    small difference does. That was measured in one direction: a factor of 10 covers the others.
+    Every step rounds each number, of `size` at most, by an ε of it or a few, and what was rounded off grows as any
+    other small difference does. That was measured in one direction: a factor of 10 covers the others.
     """
     return 10.0 * growth(net, integrator) * STEPS * EPSILON * size
 
@@ -58,7 +58,7 @@ def rotation(seed: int, dimension: int) -> Array:
 @pytest.mark.parametrize("integrator", ALL, ids=name)
 @given(net=networks(damping=0.5))
 def test_internal_forces_keep_the_momentum(integrator, net):
-    """Newton's third law: the springs' forces cancel, so that only rounding is left: an ε of Σ m |v| per step and force.
+    """Newton's third law: the springs' forces cancel, and rounding is left: an ε of Σ m |v| per step and force.
 
     A particle has at most 12 springs in these networks, and a step up to four stages.
     """
@@ -74,7 +74,7 @@ def test_internal_forces_keep_the_momentum(integrator, net):
 @pytest.mark.parametrize("integrator", SYMPLECTIC, ids=name)
 @given(net=networks(damping=0.5))
 def test_internal_forces_keep_the_angular_momentum(integrator, net):
-    """A kick along a spring turns nothing, damped or not, and a drift leaves r × v; the rest is rounding, at r ≤ 5 m."""
+    """A kick along a spring turns nothing, damped or not; a drift leaves r × v; the rest is rounding, at r ≤ 5 m."""
     run = simulation(net.scene(), integrator, DT)
     before = run.angular_momentum()
     largest = 0.0
@@ -130,7 +130,7 @@ def test_a_mirror_along_an_axis_changes_signs_and_no_bit(integrator, net):
 @pytest.mark.parametrize("integrator", ALL, ids=name)
 @given(net=networks(damping=0.5), seed=st.integers(0, 2**32 - 1))
 def test_moving_a_network_moves_its_motion(integrator, net, seed):
-    """Galilei: neither where it is nor how fast all of it goes matters. At 100 m positions are rounded as numbers of 100."""
+    """Galilei: neither where it is nor how fast all of it goes matters. Positions are rounded as numbers of 100 m."""
     shift, boost = np.random.default_rng(seed).uniform(-50.0, 50.0, (2, net.positions.shape[1]))
     start = net.positions + shift
     there = moved(net.scene(positions=start, velocities=net.velocities + boost), integrator)

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from physics.laboratory import Array, simulation
 
 import physcore as pc
+from physics.laboratory import Array, simulation
 
 pytestmark = pytest.mark.validation
 
@@ -31,7 +31,8 @@ def bounces(radius: float) -> tuple[Array, Array, Array]:
 @pytest.mark.parametrize("radius", [0.0, 0.1])
 def test_l04_the_heights_of_a_bouncing_ball(radius, record_property):
     """Excellent: 0.5 %. The impact is found within its step, so the parabolas are exact: 1e-12 for the heights and the
-    first impact. A turning point lies between two steps, and follows from either: y + v²/2g."""
+    first impact. A turning point lies between two steps, and follows from either: y + v²/2g.
+    """
     times, heights, speeds = bounces(radius)
     turns = np.flatnonzero((speeds[:-1] > 0.0) & (speeds[1:] <= 0.0))[:5]
     found = heights[turns] + speeds[turns] ** 2 / (2.0 * 9.81)
@@ -46,7 +47,7 @@ def test_l04_the_heights_of_a_bouncing_ball(radius, record_property):
 
 @pytest.mark.parametrize("radius", [0.0, 0.1])
 def test_l04_the_ball_comes_to_rest_in_zenos_time(radius, record_property):
-    """Excellent: 1 %. When the time between two impacts falls below a step the ball comes to rest: within a step or two."""
+    """Excellent: 1 %. Where the time between two impacts falls below a step the ball comes to rest."""
     times, heights, speeds = bounces(radius)
     moving = np.flatnonzero((speeds != 0.0) | (heights > 1e-12))
     rest = times[moving[-1] + 1]

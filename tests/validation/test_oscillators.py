@@ -11,9 +11,9 @@ import math
 
 import numpy as np
 import pytest
-from physics.laboratory import Array, simulation, state
 
 import physcore as pc
+from physics.laboratory import Array, simulation, state
 
 pytestmark = pytest.mark.validation
 
@@ -289,7 +289,8 @@ LIMIT = {VERLET: 2.0, SEMI: 2.0, RK4: 2.828427124746190097603, EULER: 1.0}
 )
 def test_a11_the_growth_per_step(integrator, factor, record_property):
     """Excellent: 1e-9 relative. The slower mode of Verlet falls as the faster one grows: after 60 steps of 1.33 each it
-    is below 1.33^−120 = 1e-15 of it. RungeKutta4 and explicit Euler scale and turn (x, v), both modes alike."""
+    is below 1.33^−120 = 1e-15 of it. RungeKutta4 and explicit Euler scale and turn (x, v), both modes alike.
+    """
     run = simulation(OSCILLATORS["well"], integrator, factor * LIMIT[integrator], on_divergence="ignore")
     run.step(60 if factor < 10.0 else 20)
     before = np.linalg.norm(state(run)[:, -1])
@@ -317,7 +318,8 @@ def test_a11_bounded_below_and_growing_above(integrator):
 )
 def test_a11_the_limit_on_the_real_axis(integrator, limit, record_property):
     """x' = −λx as v' = −(b/m) v. Verlet takes the force at the predicted velocity, whose own limit is 1: λ dt ≤ 1,
-    because g² + (3c/2 − 1) g − c/2 = 0 for the velocity has a root at −1 for c = 1; there is no catalogue figure."""
+    because g² + (3c/2 − 1) g − c/2 = 0 for the velocity has a root at −1 for c = 1; there is no catalogue figure.
+    """
     limit = limit or 1.0
     scene = pc.Scene(pc.Particles([[0.0, 0.0]], [[1.0, 0.0]]), pc.Drag(linear=1.0))
     assert pc.stability_limit(scene, integrator) == pytest.approx(limit, rel=1e-9)

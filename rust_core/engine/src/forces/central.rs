@@ -46,6 +46,11 @@ impl<V: Vector> Central<V> {
         block.filter(|&index| self.members[index] != V::Scalar::ZERO)
     }
 
+    fn law<P>(&self, origin: DVec3, power: P) -> Law<V::Scalar, P> {
+        let [strength, square] = [self.strength, self.softening * self.softening].map(V::Scalar::from_f64);
+        Law { strength, square, center: (self.center - origin).to_array().map(V::Scalar::from_f64), power }
+    }
+
     fn potential_at(&self, q: f64) -> f64 {
         if self.strength == 0.0 {
             0.0
@@ -97,28 +102,25 @@ impl<V: Vector> Force<V> for Central<V> {
         true
     }
 
+    fn inverse_square(&self, properties: &Properties<V>) -> Option<InverseSquare<'_, V::Scalar>> {
+        (self.exponent == -2.0).then(|| {
+            let law = self.law(properties.origin, InverseCube);
+            InverseSquare { law, members: &self.members }
+        })
+    }
+
     fn accumulate(&self, block: Range<usize>, at: &Moment<'_, V>, rates: &mut Rates<'_, V>) {
-        let [strength, square] = [self.strength, self.softening * self.softening].map(V::Scalar::from_f64);
-        let center = (self.center - at.properties.origin).to_array().map(V::Scalar::from_f64);
         let half_power = 0.5 * (self.exponent - 1.0);
         macro_rules! run {
             ($power:expr) => {
-                pointwise::accumulate::<V>(Law { strength, square, center, power: $power }, &self.members, block, at, rates)
+                pointwise::accumulate::<V>(self.law(at.properties.origin, $power), &self.members, block, at, rates)
             };
         }
-        // The exponents of everyday physics cost a root and a division; any other costs a call of pow.
+        // The inverse square costs a root and a division; any other law costs a call of pow.
         if self.exponent == -2.0 {
-            run!(|q: V::Scalar| V::Scalar::ONE / (q * q.sqrt()));
-        } else if self.exponent == -1.0 {
-            run!(|q: V::Scalar| V::Scalar::ONE / q);
-        } else if self.exponent == 0.0 {
-            run!(|q: V::Scalar| V::Scalar::ONE / q.sqrt());
-        } else if self.exponent == 2.0 {
-            run!(|q: V::Scalar| q.sqrt());
-        } else if self.exponent == 3.0 {
-            run!(|q: V::Scalar| q);
+            run!(InverseCube);
         } else {
-            run!(|q: V::Scalar| V::Scalar::from_f64(libm::pow(q.to_f64(), half_power)));
+            run!(General(half_power));
         }
     }
 
@@ -163,15 +165,53 @@ fn half_power(q: f64, n: f64) -> f64 {
     if n < 0.0 { 1.0 / power } else { power }
 }
 
+/// q ↦ q^((p−1)/2).
+pub trait Power<T>: Copy {
+    /// The power of q.
+    fn of(self, q: T) -> T;
+}
+
+/// q^(−3/2), for p = −2.
+#[derive(Debug, Clone, Copy)]
+pub struct InverseCube;
+
+impl<T: Real> Power<T> for InverseCube {
+    #[inline(always)]
+    fn of(self, q: T) -> T {
+        T::ONE / (q * q.sqrt())
+    }
+}
+
+/// q to any power.
 #[derive(Clone, Copy)]
-struct Law<T, P> {
+struct General(f64);
+
+impl<T: Real> Power<T> for General {
+    #[inline(always)]
+    fn of(self, q: T) -> T {
+        T::from_f64(libm::pow(q.to_f64(), self.0))
+    }
+}
+
+/// An inverse-square law, with 1 for every particle that it acts on, else 0.
+#[derive(Debug, Clone, Copy)]
+pub struct InverseSquare<'a, T> {
+    /// The force.
+    pub law: Law<T, InverseCube>,
+    /// Which particles it acts on; padded.
+    pub members: &'a [T],
+}
+
+/// The force on one particle.
+#[derive(Debug, Clone, Copy)]
+pub struct Law<T, P> {
     strength: T,
     square: T,
     center: [T; AXES],
     power: P,
 }
 
-impl<V: Vector, P: Fn(V::Scalar) -> V::Scalar + Copy> PointLaw<V> for Law<V::Scalar, P> {
+impl<V: Vector, P: Power<V::Scalar>> PointLaw<V> for Law<V::Scalar, P> {
     #[inline(always)]
     fn at(&self, member: V::Scalar, x: [V::Scalar; AXES], _v: [V::Scalar; AXES]) -> PointRate<V::Scalar> {
         let mut d = [V::Scalar::ZERO; AXES];
@@ -182,7 +222,7 @@ impl<V: Vector, P: Fn(V::Scalar) -> V::Scalar + Copy> PointLaw<V> for Law<V::Sca
         }
         // At the very center the direction is undefined and the force is 0. The power is taken in any case: a choice
         // between two values can be vectorised, a branch cannot.
-        let power = (self.power)(q);
+        let power = self.power.of(q);
         let pull = if q > V::Scalar::ZERO { member * self.strength * power } else { V::Scalar::ZERO };
         PointRate { force: d.map(|d| -(pull * d)), dissipated: V::Scalar::ZERO, work: V::Scalar::ZERO }
     }

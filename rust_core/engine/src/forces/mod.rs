@@ -18,6 +18,8 @@ mod pointwise;
 pub mod springs;
 
 use affine::Fold;
+pub use central::InverseSquare;
+pub use pointwise::PointLaw;
 
 /// The matter at the moment when the forces are asked for.
 #[derive(Debug, Clone, Copy)]
@@ -84,6 +86,12 @@ pub trait Force<V: Vector>: Send + Sync {
 
     /// Adds the force on each particle of `block` and the power that it dissipates or supplies there.
     fn accumulate(&self, _block: Range<usize>, _at: &Moment<'_, V>, _rates: &mut Rates<'_, V>) {}
+
+    /// Itself as an inverse-square law, if it is one: of the forces that cannot be folded, this one is worth a kernel of its
+    /// own, in which independent particles run through whole steps.
+    fn inverse_square(&self, _properties: &Properties<V>) -> Option<InverseSquare<'_, V::Scalar>> {
+        None
+    }
 
     /// Whether it has a potential energy, which the audit then names.
     fn has_potential(&self) -> bool {

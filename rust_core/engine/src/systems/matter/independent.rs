@@ -24,6 +24,8 @@ pub fn advance<V: Vector, I: Integrator>(
         on_bench::<V, I>(from, block, |bench| {
             if law.is_folded() && law.contacts.is_none() {
                 kernels::steps::<V, I>(law, &mut bench.block, interval.h, interval.steps);
+            } else if let (Some(force), None) = (law.lone_inverse_square(), &law.contacts) {
+                kernels::steps_under::<V, I>(law, force, &mut bench.block, interval.h, interval.steps);
             } else {
                 one_by_one::<V, I>(law, bench, interval);
             }

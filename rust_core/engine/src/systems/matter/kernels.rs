@@ -2,10 +2,12 @@
 //!
 //! [`Steps`] runs whole steps of a folded law in registers. [`Stage`] runs one stage with forces that were accumulated
 //! before. Both evaluate the folded law the same way, so a scene pays for the general one only where it needs it.
+//! [`StepsUnder`] runs whole steps under one point law, as the field of a star or a nucleus.
 
 use std::marker::PhantomData;
 
 use crate::forces::affine::{AxisLaw, Coefficients, Varying};
+use crate::forces::{InverseSquare, PointLaw};
 use crate::integrators::{Integrator, Register};
 use crate::math::{AXES, Real, Vector};
 use crate::matter::{Blocks, CHANNELS, Channel, MEMORY, Meter, Power, Span};
@@ -235,6 +237,83 @@ impl<T: Real> Registers<T> {
             let mut register = self.lane(lane);
             change(&mut register, lane);
             self.set(lane, &register);
+        }
+    }
+}
+
+/// Whole steps of a block under a lone conservative point law.
+struct StepsUnder<'a, 'b, V: Vector, I, L> {
+    law: L,
+    members: &'a [Lanes<V::Scalar>],
+    inverse_mass: &'a [Lanes<V::Scalar>],
+    block: &'a mut Blocks<'b, V>,
+    h: f64,
+    steps: u64,
+    integrator: PhantomData<I>,
+}
+
+/// Advances one block by whole steps under an inverse-square law alone.
+pub fn steps_under<V: Vector, I: Integrator>(
+    law: &Law<V>,
+    InverseSquare { law: force, members }: InverseSquare<'_, V::Scalar>,
+    block: &mut Blocks<'_, V>,
+    h: f64,
+    steps: u64,
+) {
+    let members = members[block.range()].as_chunks().0;
+    let inverse_mass = law.properties.inverse_mass[block.range()].as_chunks().0;
+    dispatch(StepsUnder::<V, I, _> { law: force, members, inverse_mass, block, h, steps, integrator: PhantomData });
+}
+
+impl<V: Vector, I: Integrator, L: PointLaw<V>> Kernel for StepsUnder<'_, '_, V, I, L> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        const { assert!(I::CARRIED <= 1, "this kernel carries one memory from step to step") }
+        let Self { law, members, inverse_mass, block, h, steps, .. } = self;
+        let h = V::Scalar::from_f64(h);
+        let zero = [V::Scalar::ZERO; LANES];
+        for _ in 0..steps {
+            for (group, (members, inverse_mass)) in members.iter().zip(inverse_mass).enumerate() {
+                let (members, inverse_mass) = (*members, *inverse_mass);
+                let read = |span: &Span<'_, V>, axis: usize| {
+                    if axis < V::DIMENSION { span.axes[axis].as_chunks().0[group] } else { zero }
+                };
+                let mut x: [Lanes<V::Scalar>; AXES] = std::array::from_fn(|axis| read(&block.position, axis));
+                let mut v: [Lanes<V::Scalar>; AXES] = std::array::from_fn(|axis| read(&block.velocity, axis));
+                let mut a: [Lanes<V::Scalar>; AXES] =
+                    std::array::from_fn(|axis| if I::CARRIED > 0 { read(&block.memory[0], axis) } else { zero });
+                for lane in 0..LANES {
+                    let mut registers: [Register<V::Scalar>; AXES] = std::array::from_fn(|axis| Register {
+                        x: x[axis][lane],
+                        v: v[axis][lane],
+                        memory: [a[axis][lane], V::Scalar::ZERO, V::Scalar::ZERO, V::Scalar::ZERO],
+                    });
+                    for stage in 0..I::NODES.len() {
+                        for axis in 0..V::DIMENSION {
+                            I::point(stage, &mut registers[axis], h);
+                        }
+                        let at = |of: fn(&Register<V::Scalar>) -> V::Scalar| std::array::from_fn(|axis| of(&registers[axis]));
+                        let rate = law.at(members[lane], at(|register| register.x), at(|register| register.v));
+                        for axis in 0..V::DIMENSION {
+                            I::absorb(stage, &mut registers[axis], rate.force[axis] * inverse_mass[lane], h);
+                        }
+                    }
+                    for axis in 0..V::DIMENSION {
+                        x[axis][lane] = registers[axis].x;
+                        v[axis][lane] = registers[axis].v;
+                        a[axis][lane] = registers[axis].memory[0];
+                    }
+                }
+                for axis in 0..V::DIMENSION {
+                    block.position.axes[axis].as_chunks_mut().0[group] = x[axis];
+                    block.velocity.axes[axis].as_chunks_mut().0[group] = v[axis];
+                    if I::CARRIED > 0 {
+                        block.memory[0].axes[axis].as_chunks_mut().0[group] = a[axis];
+                    }
+                }
+            }
         }
     }
 }

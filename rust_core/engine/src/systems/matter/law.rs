@@ -5,7 +5,7 @@ use std::ops::Range;
 use crate::contacts::Contacts;
 use crate::error::Result;
 use crate::forces::affine::{Affine, Fold};
-use crate::forces::{Force, Moment, Rates, Reach, VelocityDependence};
+use crate::forces::{Force, InverseSquare, Moment, Rates, Reach, VelocityDependence};
 use crate::math::{Real, Vector};
 use crate::matter::{Channel, Columns, Properties, View};
 use crate::simd::LANES;
@@ -61,6 +61,14 @@ impl<V: Vector> Law<V> {
     /// Whether all forces are folded.
     pub fn is_folded(&self) -> bool {
         self.folded == self.forces.len()
+    }
+
+    /// The inverse-square law that alone acts here, if it is so.
+    pub fn lone_inverse_square(&self) -> Option<InverseSquare<'_, V::Scalar>> {
+        match self.forces.as_slice() {
+            [force] => force.inverse_square(&self.properties),
+            _ => None,
+        }
     }
 
     /// Whether any force depends on velocity.
