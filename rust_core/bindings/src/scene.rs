@@ -104,7 +104,7 @@ fn term(entry: &Bound<'_, PyDict>, path: String, dimension: usize) -> PyResult<T
 fn parameter(value: &Bound<'_, PyAny>, entry: &Bound<'_, PyDict>, dimension: usize) -> PyResult<Value> {
     if value.is_callable() {
         let potential = entry.get_item("potential")?.filter(|potential| !potential.is_none()).map(Bound::unbind);
-        return Ok(Value::Callback(Arc::new(Function { function: value.clone().unbind(), potential, dimension })));
+        return Ok(Value::Callback(Arc::new(Function { force: value.clone().unbind(), potential, dimension })));
     }
     if let Ok(flag) = value.cast::<PyBool>() {
         return Ok(Value::Flag(flag.is_true()));
@@ -117,7 +117,7 @@ fn parameter(value: &Bound<'_, PyAny>, entry: &Bound<'_, PyDict>, dimension: usi
 
 /// A Python function that gives forces, with the one that gives their potential.
 struct Function {
-    function: Py<PyAny>,
+    force: Py<PyAny>,
     potential: Option<Py<PyAny>>,
     dimension: usize,
 }
@@ -127,7 +127,7 @@ impl Callback for Function {
         Python::attach(|py| {
             let call = || {
                 let arguments = (time, array(py, positions, self.dimension)?, array(py, velocities, self.dimension)?);
-                vectors(&self.function.bind(py).call1(arguments)?)
+                vectors(&self.force.bind(py).call1(arguments)?)
             };
             call().map_err(|error| explain(py, &error))
         })

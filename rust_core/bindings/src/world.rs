@@ -18,7 +18,6 @@ use crate::scene;
 pub struct World {
     inner: Mutex<Box<dyn simulation::World>>,
     dimension: usize,
-    springs: Vec<([i64; 2], f64)>,
 }
 
 type Guard<'a> = MutexGuard<'a, Box<dyn simulation::World>>;
@@ -68,10 +67,9 @@ impl World {
     ) -> PyResult<Self> {
         let scene = scene::read(scene)?;
         let numerics = Numerics { integrator, precision, threads, runaway, ignore_runaway: on_divergence == "ignore" };
-        let springs = scene.springs().iter().map(|spring| (spring.ends.map(i64::from), spring.rest_length)).collect();
         let dimension = scene.dimension;
         let inner = without_gil(py, || simulation::build(&scene, &numerics))?;
-        Ok(Self { inner: Mutex::new(inner), dimension, springs })
+        Ok(Self { inner: Mutex::new(inner), dimension })
     }
 
     /// Takes n steps of dt seconds.
@@ -207,12 +205,6 @@ impl World {
 
     fn state_hash(&self) -> PyResult<String> {
         Ok(self.lock()?.state_hash())
-    }
-
-    fn springs<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyArray2<i64>>, Bound<'py, PyArray1<f64>>)> {
-        let ends: Vec<[i64; 2]> = self.springs.iter().map(|(ends, _)| *ends).collect();
-        let lengths: Vec<f64> = self.springs.iter().map(|(_, length)| *length).collect();
-        Ok((numpy::ndarray::arr2(&ends).to_pyarray(py), lengths.to_pyarray(py)))
     }
 }
 

@@ -43,7 +43,9 @@ fn hint_text(hint: &str) -> String {
 
 impl Error {
     /// A parameter at `path` should have been `expected` but was `found`.
-    pub fn parameter(path: impl Into<String>, expected: impl Into<String>, found: impl ToString) -> Self {
+    // Callers write what they have found, often a temporary; a reference would only add noise.
+    #[allow(clippy::needless_pass_by_value)]
+    pub fn parameter(path: impl Into<String>, expected: impl Into<String>, found: impl std::fmt::Display) -> Self {
         Self::Parameter { path: path.into(), expected: expected.into(), found: found.to_string(), hint: String::new() }
     }
 

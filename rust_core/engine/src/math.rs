@@ -42,12 +42,17 @@ pub trait Real:
     /// The same number in double precision.
     fn to_f64(self) -> f64;
     /// The correctly rounded square root.
+    #[must_use]
     fn sqrt(self) -> Self;
     /// Whether this is neither infinite nor NaN.
     fn is_finite(self) -> bool;
-    /// Lends the calling thread's scratch memory of at least `length` numbers, holding anything.
+    /// Lends the calling thread's scratch memory of `length` numbers, holding anything. It begins at a cache line: a vector
+    /// that straddles two costs twice.
     fn with_scratch<R>(length: usize, work: impl FnOnce(&mut [Self]) -> R) -> R;
 }
+
+/// The size of a cache line [bytes].
+const CACHE_LINE: usize = 64;
 
 macro_rules! real {
     ($number:ident, $scratch:ident) => {
@@ -86,10 +91,11 @@ macro_rules! real {
             fn with_scratch<R>(length: usize, work: impl FnOnce(&mut [Self]) -> R) -> R {
                 // Taken out while lent, so that a nested loan gets memory of its own instead of a panic.
                 let mut memory = $scratch.with(RefCell::take);
-                if memory.len() < length {
-                    memory.resize(length, 0.0);
+                if memory.len() < length + CACHE_LINE {
+                    memory.resize(length + CACHE_LINE, 0.0);
                 }
-                let result = work(&mut memory[..length]);
+                let start = memory.as_ptr().align_offset(CACHE_LINE).min(CACHE_LINE);
+                let result = work(&mut memory[start..start + length]);
                 $scratch.with(|slot| *slot.borrow_mut() = memory);
                 result
             }

@@ -3,8 +3,8 @@
 
 use glam::DVec3;
 use physcore_engine::contacts::{Before, Contacts};
-use physcore_engine::math::{AXES, Real, Vector};
-use physcore_engine::matter::{Channel, Matter, Properties};
+use physcore_engine::math::{Real, Vector};
+use physcore_engine::matter::{Channel, Columns, Matter, Properties};
 use physcore_engine::scene::{Body, Scene, Term, Value};
 use physcore_engine::simd::padded;
 
@@ -93,7 +93,7 @@ pub struct Laboratory<V: Vector> {
     pub properties: Properties<V>,
     pub matter: Matter<V>,
     pub gravity: DVec3,
-    before: Vec<V::Scalar>,
+    before: [Columns<V>; 2],
 }
 
 impl<V: Vector> Laboratory<V> {
@@ -107,24 +107,21 @@ impl<V: Vector> Laboratory<V> {
             matter.velocity.set(index, V::narrow(ball.velocity));
         }
         contacts.admit(&mut matter.position, &properties).expect("everybody inside");
-        let before = vec![V::Scalar::ZERO; 2 * AXES * padded(balls.len())];
+        let before = [Columns::zeros(balls.len()), Columns::zeros(balls.len())];
         Self { contacts, properties, matter, gravity, before }
     }
 
     /// x ← x + h v + h² g/2, v ← v + h g, and the contacts.
     pub fn step(&mut self, h: f64) {
-        let length = padded(self.matter.count());
-        for axis in 0..V::DIMENSION {
-            self.before[axis * length..][..length].copy_from_slice(self.matter.position.axis(axis));
-            self.before[(AXES + axis) * length..][..length].copy_from_slice(self.matter.velocity.axis(axis));
-        }
+        self.before[0].copy_from(&self.matter.position);
+        self.before[1].copy_from(&self.matter.velocity);
         for index in (0..self.matter.count()).filter(|&index| !self.properties.is_fixed(index)) {
             let kick = V::narrow(self.gravity * (0.5 * h));
             let middle = self.matter.velocity.get(index) + kick;
             self.matter.position.set(index, self.matter.position.get(index) + middle * V::Scalar::from_f64(h));
             self.matter.velocity.set(index, middle + kick);
         }
-        let before = Before::of(&self.before, length);
+        let before = Before::part(&self.before[0], &self.before[1], &(0..padded(self.matter.count())));
         self.contacts.resolve(&before, &mut self.matter.blocks(), &self.properties, h);
     }
 

@@ -88,14 +88,14 @@ struct Steps<'a, T, I> {
     meter: &'a mut Meter,
     dissipates: bool,
     h: f64,
-    steps: u64,
+    number: u64,
     integrator: PhantomData<I>,
 }
 
 /// Advances one block by whole steps under the folded law alone.
 pub fn steps<V: Vector, I: Integrator>(law: &Law<V>, blocks: &mut Blocks<'_, V>, h: f64, steps: u64) {
     let (axes, meter) = split(law, blocks);
-    dispatch(Steps::<V::Scalar, I> { axes, meter, dissipates: law.affine.dissipates, h, steps, integrator: PhantomData });
+    dispatch(Steps::<V::Scalar, I> { axes, meter, dissipates: law.affine.dissipates, h, number: steps, integrator: PhantomData });
 }
 
 impl<T: Real, I: Integrator> Kernel for Steps<'_, T, I> {
@@ -104,8 +104,8 @@ impl<T: Real, I: Integrator> Kernel for Steps<'_, T, I> {
     #[inline(always)]
     fn run(self) {
         const { assert!(I::LAST_WEIGHT == 0.0 || I::NODES.len() == 1, "only a method of one stage may reuse its last evaluation") }
-        let Self { mut axes, meter, dissipates, h, steps, .. } = self;
-        for _ in 0..steps {
+        let Self { mut axes, meter, dissipates, h, number, .. } = self;
+        for _ in 0..number {
             let mut power = [[0.0; LANES]; CHANNELS];
             for (axis, law) in axes.iter_mut().flatten() {
                 match *law {
@@ -116,23 +116,27 @@ impl<T: Real, I: Integrator> Kernel for Steps<'_, T, I> {
             }
             if dissipates {
                 let weight = if I::NODES.len() == 1 { I::WEIGHTS[0] } else { 1.0 };
-                integrate(meter, &power, h * weight, h * I::LAST_WEIGHT, true);
+                integrate(meter, &power, &[Channel::Drag, Channel::Work], h * weight, h * I::LAST_WEIGHT, true);
             }
         }
     }
 }
 
-/// Adds what passes through a meter during one stage: its power times `span`, and the power at the last stage of the
-/// step before times `last_span`. `keep` says that this is the last stage of its step.
+/// All channels.
+const ALL: [Channel; CHANNELS] = [Channel::Drag, Channel::Damping, Channel::Contact, Channel::Work];
+
+/// Adds what passes through some channels of a meter during one stage: the power times `span`, and the power at the last
+/// stage of the step before times `last_span`. `keep` says that this is the last stage of its step.
 #[inline(always)]
-fn integrate(meter: &mut Meter, power: &Power, span: f64, last_span: f64, keep: bool) {
-    for channel in 0..CHANNELS {
+fn integrate(meter: &mut Meter, power: &Power, channels: &[Channel], span: f64, last_span: f64, keep: bool) {
+    for channel in channels.iter().map(|&channel| channel as usize) {
+        let (now, last) = (power[channel], meter.last[channel]);
         for lane in 0..LANES {
-            meter.energy[channel][lane] += last_span * meter.last[channel][lane] + span * power[channel][lane];
+            meter.energy[channel][lane] += last_span * last[lane] + span * now[lane];
         }
-    }
-    if keep {
-        meter.last = *power;
+        if keep {
+            meter.last[channel] = now;
+        }
     }
 }
 
@@ -150,10 +154,10 @@ type Axes<'a, T> = [Option<(Axis<'a, T>, AxisLaw<'a, T>)>; AXES];
 /// The axes and the meter of a block.
 fn split<'a, V: Vector>(law: &'a Law<V>, blocks: &'a mut Blocks<'_, V>) -> (Axes<'a, V::Scalar>, &'a mut Meter) {
     let (start, length) = (blocks.start, blocks.position.len());
-    let mut x = blocks.position.axes.iter_mut();
-    let mut v = blocks.velocity.axes.iter_mut();
-    let mut memory = blocks.memory.each_mut().map(|span| span.axes.iter_mut());
-    let lanes = |column: Option<&'a mut &mut [V::Scalar]>| column.map_or(&mut [][..], |column| column.as_chunks_mut().0);
+    let mut x = blocks.position.axes.iter_mut().map(|axis| &mut **axis);
+    let mut v = blocks.velocity.axes.iter_mut().map(|axis| &mut **axis);
+    let mut memory = blocks.memory.each_mut().map(|span| span.axes.iter_mut().map(|axis| &mut **axis));
+    let lanes = |column: Option<&'a mut [V::Scalar]>| column.map_or(&mut [][..], |column| column.as_chunks_mut().0);
     let axes = std::array::from_fn(|axis| {
         let columns = Axis { x: lanes(x.next()), v: lanes(v.next()), memory: memory.each_mut().map(|axes| lanes(axes.next())) };
         (axis < V::DIMENSION).then(|| (columns, law.affine.axis(axis, start, length)))
@@ -248,7 +252,7 @@ struct StepsUnder<'a, 'b, V: Vector, I, L> {
     inverse_mass: &'a [Lanes<V::Scalar>],
     block: &'a mut Blocks<'b, V>,
     h: f64,
-    steps: u64,
+    number: u64,
     integrator: PhantomData<I>,
 }
 
@@ -262,7 +266,7 @@ pub fn steps_under<V: Vector, I: Integrator>(
 ) {
     let members = members[block.range()].as_chunks().0;
     let inverse_mass = law.properties.inverse_mass[block.range()].as_chunks().0;
-    dispatch(StepsUnder::<V, I, _> { law: force, members, inverse_mass, block, h, steps, integrator: PhantomData });
+    dispatch(StepsUnder::<V, I, _> { law: force, members, inverse_mass, block, h, number: steps, integrator: PhantomData });
 }
 
 impl<V: Vector, I: Integrator, L: PointLaw<V>> Kernel for StepsUnder<'_, '_, V, I, L> {
@@ -271,10 +275,10 @@ impl<V: Vector, I: Integrator, L: PointLaw<V>> Kernel for StepsUnder<'_, '_, V, 
     #[inline(always)]
     fn run(self) {
         const { assert!(I::CARRIED <= 1, "this kernel carries one memory from step to step") }
-        let Self { law, members, inverse_mass, block, h, steps, .. } = self;
+        let Self { law, members, inverse_mass, block, h, number, .. } = self;
         let h = V::Scalar::from_f64(h);
         let zero = [V::Scalar::ZERO; LANES];
-        for _ in 0..steps {
+        for _ in 0..number {
             for (group, (members, inverse_mass)) in members.iter().zip(inverse_mass).enumerate() {
                 let (members, inverse_mass) = (*members, *inverse_mass);
                 let read = |span: &Span<'_, V>, axis: usize| {
@@ -375,7 +379,7 @@ impl<T: Real, I: Integrator> Kernel for Stage<'_, T, I> {
             Action::Point => {}
             Action::Absorb(stage, _) => {
                 let last = if stage == 0 { h * I::LAST_WEIGHT } else { 0.0 };
-                integrate(meter, &power, h * I::WEIGHTS[stage], last, stage + 1 == I::NODES.len());
+                integrate(meter, &power, &ALL, h * I::WEIGHTS[stage], last, stage + 1 == I::NODES.len());
             }
         }
     }

@@ -199,13 +199,11 @@ impl<V: Vector, I: Integrator> Stepper<V> for By<I> {
         desk: Option<&mut Desk<V>>,
         interval: Interval,
     ) -> Result<()> {
-        match desk {
-            Some(desk) => coupled::begin::<V, I>(law, state, desk, interval),
-            None => {
-                independent::begin::<V, I>(law, from, state, interval);
-                Ok(())
-            }
+        if let Some(desk) = desk {
+            return coupled::begin::<V, I>(law, state, desk, interval);
         }
+        independent::begin::<V, I>(law, from, state, interval);
+        Ok(())
     }
 
     fn advance(
@@ -217,12 +215,10 @@ impl<V: Vector, I: Integrator> Stepper<V> for By<I> {
         interval: Interval,
         crew: &Crew,
     ) -> Result<()> {
-        match desk {
-            Some(desk) => coupled::advance::<V, I>(law, state, desk, interval, crew),
-            None => {
-                independent::advance::<V, I>(law, from, state, interval, crew);
-                Ok(())
-            }
+        if let Some(desk) = desk {
+            return coupled::advance::<V, I>(law, state, desk, interval, crew);
         }
+        independent::advance::<V, I>(law, from, state, interval, crew);
+        Ok(())
     }
 }
