@@ -29,6 +29,7 @@ class _PlanRecord(TypedDict):
     integrator: str
     order: int
     evaluations: int
+    limit_varies: bool
     memory: int
     threads: int
     simd: str

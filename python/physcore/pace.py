@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import sys
 from dataclasses import replace
 
 from physcore import engine
@@ -36,6 +37,7 @@ class Pace:
         self._numerics = numerics
         self._first_limit = engine.limit(world)
         self.limit = self._first_limit
+        self._varies = world.plan()["limit_varies"]
         if isinstance(numerics.dt, AutoStep):
             self._largest(FRAMES_PER_SECOND)  # A scene without any stable step is refused here, not at its first step.
 
@@ -91,11 +93,11 @@ class Pace:
         return largest_step(self.limit, rule, self._numerics.integrator, fps)
 
     def _until_watch(self) -> int:
-        return WATCH - self._world.steps % WATCH
+        return WATCH - self._world.steps % WATCH if self._varies else sys.maxsize
 
     def _watch(self) -> bool:
         """Look at the limit if it is time to; say whether the time step has to change."""
-        if self._world.steps == 0 or self._world.steps % WATCH != 0:
+        if not self._varies or self._world.steps == 0 or self._world.steps % WATCH != 0:
             return False
         present = engine.limit(self._world)
         lowered = self.limit != self._first_limit

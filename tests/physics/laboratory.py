@@ -7,6 +7,7 @@ import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from hypothesis import strategies as st
@@ -42,7 +43,7 @@ def unwarned() -> Iterator[None]:
         yield
 
 
-def simulation(scene: pc.Scene, integrator: pc.Integrator, dt: float, **numerics) -> pc.Simulation:
+def simulation(scene: pc.Scene, integrator: pc.Integrator, dt: float, **numerics: Any) -> pc.Simulation:
     """On one thread, and without a warning where dt is above the limit."""
     with unwarned():
         return pc.Simulation(scene, integrator, dt, threads=1, **numerics)
@@ -59,8 +60,8 @@ def line(x: Array, dimension: int = 2) -> Array:
 
 
 def membrane(
-    spacing: float, rest: float, stiffness: float, mass: float, sides: int, heights: Array | float = 0.0, **more
-):
+    spacing: float, rest: float, stiffness: float, mass: float, sides: int, heights: Array | float = 0.0, **more: Any
+) -> pc.SpringNetwork:
     """A square net of structural springs in the plane z = 0, held along its edges; listed row by row."""
     grid = np.arange(sides * sides).reshape(sides, sides)
     rows, columns = np.divmod(grid.ravel(), sides)
@@ -88,11 +89,11 @@ class Network:
     mass: Array
     damping: Array
 
-    def body(self, **changes: object) -> pc.SpringNetwork:
+    def body(self, **changes: Any) -> pc.SpringNetwork:
         values = {**vars(self), **changes}
         return pc.SpringNetwork(**values)
 
-    def scene(self, **changes: object) -> pc.Scene:
+    def scene(self, **changes: Any) -> pc.Scene:
         return pc.Scene(self.body(**changes))
 
 
@@ -137,7 +138,7 @@ class Orbit:
     positions: Array
     velocities: Array
 
-    def scene(self, **changes: object) -> pc.Scene:
+    def scene(self, **changes: Any) -> pc.Scene:
         values = {**vars(self), **changes}
         center = np.zeros(values["positions"].shape[1])
         return pc.Scene(
@@ -187,7 +188,7 @@ def amplification(integrator: pc.Integrator, step: float, ratio: float = 0.0) ->
             case pc.RungeKutta4():
                 matrix = np.array([[0.0, 1.0], [-1.0, -2.0 * ratio]]) * step
                 powers = [np.linalg.matrix_power(matrix, n) / factor for n, factor in enumerate((1, 1, 2, 6, 24))]
-                x, v = sum(powers) @ (x, v)
+                x, v = np.sum(powers, axis=0) @ (x, v)
                 return x, v, 0.0
             case pc.PEFRL():
                 xi, lam, chi = 0.1786178958448091, -0.2123418310626054, -0.06626458266981849

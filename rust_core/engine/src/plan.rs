@@ -28,6 +28,8 @@ pub struct Plan {
     pub order: u32,
     /// Evaluations of the forces per step.
     pub evaluations: usize,
+    /// Whether the limit of the time step changes as the matter moves, so that it has to be watched.
+    pub limit_varies: bool,
     /// The number of particles.
     pub particles: usize,
     /// The number of springs.
@@ -110,6 +112,7 @@ pub fn compile<V: Vector, I: Integrator>(scene: &Scene, threads: usize) -> Resul
         integrator: I::NAME,
         order,
         evaluations: I::NODES.len(),
+        limit_varies: system.law().forces().iter().any(|force| force.bound_varies()),
         particles: count,
         springs: springs.len(),
         threads: system.threads(),

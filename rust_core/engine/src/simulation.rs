@@ -228,6 +228,10 @@ impl<V: Vector> Simulation<V> {
             }
         }
         let energy = self.energy()?;
+        // Energies are squares: they leave the range of numbers long before the state does.
+        if !energy.balance().is_finite() && self.watch.runaway.is_finite() {
+            return Ok(Some(self.divergence(self.fastest(), "energy", "is not finite".to_owned())));
+        }
         let rise = self.watch.check(&energy, V::Scalar::EPSILON);
         Ok(rise.map(|rise| {
             let scale = self.watch.scale;
@@ -236,6 +240,12 @@ impl<V: Vector> Simulation<V> {
             );
             self.divergence(self.fastest(), "energy", cause)
         }))
+    }
+
+    /// The energy of the first kick from rest [J].
+    fn kick(&self, dt: f64) -> f64 {
+        let (law, state) = (self.system.law(), self.system.state());
+        law.kick(&law.moment(state.position.view(), state.velocity.view(), self.segment.time()), dt)
     }
 
     fn fastest(&self) -> usize {
@@ -303,6 +313,8 @@ impl<V: Vector> World for Simulation<V> {
         }
         if dt != self.segment.dt {
             self.segment = Segment { start: self.segment.time(), steps: 0, dt };
+            let kick = self.kick(dt);
+            self.watch.scale = if kick.is_finite() { self.watch.scale.max(kick) } else { self.watch.scale };
         }
         let mut left = steps;
         while left > 0 {

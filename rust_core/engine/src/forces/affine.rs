@@ -136,6 +136,17 @@ impl<V: Vector> Affine<V> {
         }
     }
 
+    /// The acceleration of one particle along one axis [m/s²], at a position relative to the origin and a velocity.
+    pub fn acceleration(&self, axis: usize, index: usize, x: V::Scalar, v: V::Scalar) -> V::Scalar {
+        match self.uniform {
+            Some(same) if index < self.first => same[axis].a0 + same[axis].b * v,
+            _ => {
+                let place = index - self.first;
+                self.a0[axis][place] + self.b[place] * v + self.c[place] * x
+            }
+        }
+    }
+
     /// The memory that it takes [bytes].
     pub fn bytes(&self) -> usize {
         (V::DIMENSION + 3) * std::mem::size_of_val(self.b.as_slice())

@@ -52,7 +52,8 @@ impl<V: Vector> Central<V> {
     }
 
     fn potential_at(&self, q: f64) -> f64 {
-        if self.strength == 0.0 {
+        // At the very center the force counts as 0, and so does the energy, which may have no limit there.
+        if self.strength == 0.0 || q == 0.0 {
             0.0
         } else if self.exponent == -1.0 {
             0.5 * self.strength * libm::log(q)

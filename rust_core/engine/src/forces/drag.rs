@@ -92,6 +92,10 @@ impl<V: Vector> Force<V> for Drag<V> {
         }
     }
 
+    fn bound_varies(&self) -> bool {
+        self.quadratic != 0.0
+    }
+
     fn bytes(&self) -> usize {
         std::mem::size_of_val(self.members.as_slice())
     }

@@ -109,6 +109,11 @@ pub trait Force<V: Vector>: Send + Sync {
     /// Adds its stiffness and damping, as they are at this moment, to the bound on the time step.
     fn bound(&self, at: &Moment<'_, V>, bound: &mut Bound);
 
+    /// Whether its part of that bound changes as the matter moves.
+    fn bound_varies(&self) -> bool {
+        false
+    }
+
     /// The memory that it takes [bytes].
     fn bytes(&self) -> usize {
         0

@@ -117,6 +117,10 @@ impl<V: Vector> Force<V> for Springs<V> {
         self.slices.iter().for_each(|slices| slices.for_each(0..self.count, &mut add));
     }
 
+    fn bound_varies(&self) -> bool {
+        true
+    }
+
     fn bytes(&self) -> usize {
         self.stencils.iter().map(Stencil::bytes).sum::<usize>() + self.slices.as_ref().map_or(0, Slices::bytes)
     }

@@ -7,8 +7,8 @@ use crate::error::Result;
 use crate::forces::affine::{Affine, Fold};
 use crate::forces::{Force, InverseSquare, Moment, Rates, Reach, VelocityDependence};
 use crate::math::{Real, Vector};
-use crate::matter::{Channel, Columns, Properties, View};
-use crate::simd::LANES;
+use crate::matter::{CHANNELS, Channel, Columns, Properties, View};
+use crate::simd::{LANES, padded};
 use crate::stability::Bound;
 
 /// The forces and contacts of a scene.
@@ -102,6 +102,24 @@ impl<V: Vector> Law<V> {
         for force in &self.forces[self.together..] {
             force.accumulate(block.clone(), at, rates);
         }
+    }
+
+    /// The kinetic energy that the accelerations of a moment give in `h` seconds from rest [J], ½ m |a|² h² summed up: the
+    /// smallest energy that steps of `h` can resolve.
+    pub fn kick(&self, at: &Moment<'_, V>, h: f64) -> f64 {
+        let count = self.properties.count();
+        let mut force = Columns::<V>::zeros(count);
+        let mut power = [[0.0; LANES]; CHANNELS];
+        self.accumulate(&(0..padded(count)), at, &mut Rates { force: force.span(), power: &mut power });
+        let energy = |index: usize| {
+            let inverse_mass = self.properties.inverse_mass[index];
+            let a = V::from_axes(|axis| {
+                let (x, v) = (at.position.axis(axis)[index], at.velocity.axis(axis)[index]);
+                force.axis(axis)[index] * inverse_mass + self.affine.acceleration(axis, index, x, v)
+            });
+            0.5 * self.properties.mass[index] * a.widen().length_squared() * h * h
+        };
+        (0..count).filter(|&index| !self.properties.is_fixed(index)).map(energy).sum()
     }
 
     /// What keeps a fixed particle on its way against the forces F of its partners does the work −F·v.
