@@ -17,6 +17,8 @@ use crate::systems::matter::law::Law;
 /// The folded law along one axis of a block. The loops below read everything that a group of lanes needs into local
 /// arrays first: only then can the compiler be sure that nothing overlaps, and vectorise them.
 trait AxisForce<T: Real>: Copy {
+    /// Whether power is supplied from outside, by wind.
+    const SUPPLIES: bool;
     /// The coefficients of a group.
     type Group: Copy;
     /// Reads the coefficients of a group.
@@ -34,6 +36,7 @@ trait AxisForce<T: Real>: Copy {
 struct Uniform<T, const DRAG: bool>(Coefficients<T>);
 
 impl<T: Real, const DRAG: bool> AxisForce<T> for Uniform<T, DRAG> {
+    const SUPPLIES: bool = false;
     type Group = ();
 
     #[inline(always)]
@@ -56,6 +59,7 @@ impl<T: Real, const DRAG: bool> AxisForce<T> for Uniform<T, DRAG> {
 }
 
 impl<T: Real> AxisForce<T> for Varying<'_, T> {
+    const SUPPLIES: bool = true;
     /// a₀, b, c and γ.
     type Group = [Lanes<T>; 4];
 
@@ -105,6 +109,8 @@ impl<T: Real, I: Integrator> Kernel for Steps<'_, T, I> {
     fn run(self) {
         const { assert!(I::LAST_WEIGHT == 0.0 || I::NODES.len() == 1, "only a method of one stage may reuse its last evaluation") }
         let Self { mut axes, meter, dissipates, h, number, .. } = self;
+        let uniform = axes.iter().flatten().all(|(_, law)| matches!(law, AxisLaw::Uniform(_)));
+        let channels = if uniform { &[Channel::Drag][..] } else { &[Channel::Drag, Channel::Work] };
         for _ in 0..number {
             let mut power = [[0.0; LANES]; CHANNELS];
             for (axis, law) in axes.iter_mut().flatten() {
@@ -116,7 +122,7 @@ impl<T: Real, I: Integrator> Kernel for Steps<'_, T, I> {
             }
             if dissipates {
                 let weight = if I::NODES.len() == 1 { I::WEIGHTS[0] } else { 1.0 };
-                integrate(meter, &power, &[Channel::Drag, Channel::Work], h * weight, h * I::LAST_WEIGHT, true);
+                integrate(meter, &power, channels, h * weight, h * I::LAST_WEIGHT, true);
             }
         }
     }
@@ -191,7 +197,10 @@ fn whole_step<T: Real, I: Integrator>(law: impl AxisForce<T>, axis: &mut Axis<'_
         }
         registers.store(x, v, memory, group, I::CARRIED);
     }
-    add_power(power, &drag, &work, law.unit());
+    add_power(&mut power[Channel::Drag as usize], &drag, law.unit());
+    if supplies(&law) {
+        add_power(&mut power[Channel::Work as usize], &work, law.unit());
+    }
 }
 
 /// The registers of one group of lanes. One array for each: an array of arrays would be moved about in memory.
@@ -430,7 +439,10 @@ fn one_stage<T: Real, I: Integrator>(
         }
         registers.store(x, v, memory, group, I::MEMORY);
     }
-    add_power(power, &drag, &work, law.unit());
+    add_power(&mut power[Channel::Drag as usize], &drag, law.unit());
+    if supplies(&law) {
+        add_power(&mut power[Channel::Work as usize], &work, law.unit());
+    }
 }
 
 /// Moves a group to the point of a stage. The stage is a constant in each loop: only then can it be vectorised.
@@ -454,11 +466,16 @@ fn absorb<T: Real, I: Integrator>(stage: usize, registers: &mut Registers<T>, a:
 }
 
 #[inline(always)]
-fn add_power<T: Real>(power: &mut Power, drag: &Lanes<T>, work: &Lanes<T>, unit: f64) {
+fn add_power<T: Real>(power: &mut Lanes<f64>, sums: &Lanes<T>, unit: f64) {
     for lane in 0..LANES {
-        power[Channel::Drag as usize][lane] += unit * drag[lane].to_f64();
-        power[Channel::Work as usize][lane] += unit * work[lane].to_f64();
+        power[lane] += unit * sums[lane].to_f64();
     }
+}
+
+/// Whether a law supplies power.
+#[inline(always)]
+fn supplies<T: Real, L: AxisForce<T>>(_law: &L) -> bool {
+    L::SUPPLIES
 }
 
 /// The kinetic energy of a block [J], Σ v²/2w with the inverse mass w, for noticing a blow-up: rough in single
