@@ -129,7 +129,8 @@ impl<V: Vector> MatterSystem<V> {
         self.resume();
         let Self { law, state, kept, desk, stepper, .. } = self;
         kept.copy_from(state);
-        stepper.begin(law, kept, state, desk.as_mut(), Interval { time, h: 0.0, steps: 0 })
+        let interval = Interval { time, h: 0.0, steps: 0 };
+        stepper.begin(Job { law, from: kept, state, desk: desk.as_mut(), interval })
     }
 
     /// Takes steps, or none of them if it fails.
@@ -141,7 +142,7 @@ impl<V: Vector> MatterSystem<V> {
             std::mem::swap(kept, state);
         }
         let mut outcome = Ok(());
-        let job = |crew: &Crew| outcome = stepper.advance(law, kept, state, desk.as_mut(), interval, crew);
+        let job = |crew: &Crew| outcome = stepper.advance(Job { law, from: kept, state, desk: desk.as_mut(), interval }, crew);
         let ended = if *cost * interval.steps as f64 <= SHORT {
             Team::run_here(job);
             Ok(())
@@ -166,39 +167,28 @@ impl<V: Vector> MatterSystem<V> {
     }
 }
 
+/// What a stepper works on.
+struct Job<'a, V: Vector> {
+    law: &'a mut Law<V>,
+    /// The state at the beginning, which stays as it is.
+    from: &'a Matter<V>,
+    state: &'a mut Matter<V>,
+    desk: Option<&'a mut Desk<V>>,
+    interval: Interval,
+}
+
 /// An integrator with its type erased, once for whole chunks.
 trait Stepper<V: Vector>: Send + Sync {
-    fn begin(
-        &self,
-        law: &mut Law<V>,
-        from: &Matter<V>,
-        state: &mut Matter<V>,
-        desk: Option<&mut Desk<V>>,
-        interval: Interval,
-    ) -> Result<()>;
-
-    fn advance(
-        &self,
-        law: &mut Law<V>,
-        from: &Matter<V>,
-        state: &mut Matter<V>,
-        desk: Option<&mut Desk<V>>,
-        interval: Interval,
-        crew: &Crew,
-    ) -> Result<()>;
+    /// Evaluates the law at the state and fills the carried memory.
+    fn begin(&self, job: Job<'_, V>) -> Result<()>;
+    /// Takes all steps of the interval.
+    fn advance(&self, job: Job<'_, V>, crew: &Crew) -> Result<()>;
 }
 
 struct By<I>(std::marker::PhantomData<I>);
 
 impl<V: Vector, I: Integrator> Stepper<V> for By<I> {
-    fn begin(
-        &self,
-        law: &mut Law<V>,
-        from: &Matter<V>,
-        state: &mut Matter<V>,
-        desk: Option<&mut Desk<V>>,
-        interval: Interval,
-    ) -> Result<()> {
+    fn begin(&self, Job { law, from, state, desk, interval }: Job<'_, V>) -> Result<()> {
         if let Some(desk) = desk {
             return coupled::begin::<V, I>(law, state, desk, interval);
         }
@@ -206,15 +196,7 @@ impl<V: Vector, I: Integrator> Stepper<V> for By<I> {
         Ok(())
     }
 
-    fn advance(
-        &self,
-        law: &mut Law<V>,
-        from: &Matter<V>,
-        state: &mut Matter<V>,
-        desk: Option<&mut Desk<V>>,
-        interval: Interval,
-        crew: &Crew,
-    ) -> Result<()> {
+    fn advance(&self, Job { law, from, state, desk, interval }: Job<'_, V>, crew: &Crew) -> Result<()> {
         if let Some(desk) = desk {
             return coupled::advance::<V, I>(law, state, desk, interval, crew);
         }
