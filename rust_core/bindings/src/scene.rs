@@ -127,7 +127,15 @@ impl Callback for Function {
         Python::attach(|py| {
             let call = || {
                 let arguments = (time, array(py, positions, self.dimension)?, array(py, velocities, self.dimension)?);
-                vectors(&self.force.bind(py).call1(arguments)?)
+                let given = self.force.bind(py).call1(arguments)?;
+                // Whatever NumPy takes for an array of numbers will do.
+                let given = py.import("numpy")?.call_method1("asarray", (given, "float64"))?;
+                let shape: Vec<usize> = given.getattr("shape")?.extract()?;
+                if shape != [positions.len(), self.dimension] {
+                    let expected = (positions.len(), self.dimension);
+                    return Err(SceneError::new_err(format!("must give forces of shape {expected:?}, gave shape {shape:?}")));
+                }
+                vectors(&given)
             };
             call().map_err(|error| explain(py, &error))
         })

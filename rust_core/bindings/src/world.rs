@@ -4,7 +4,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Mutex, MutexGuard, TryLockError};
 
 use numpy::{PyArray1, PyArray2, PyReadonlyArray1, ToPyArray};
-use physcore_engine::error::Result as EngineResult;
+use physcore_engine::error::{Error, Result as EngineResult};
 use physcore_engine::simulation::{self, Capture, Numerics, Segment};
 use physcore_engine::stability::Kind;
 use pyo3::prelude::*;
@@ -26,13 +26,26 @@ impl World {
     fn lock(&self) -> PyResult<Guard<'_>> {
         match self.inner.try_lock() {
             Ok(guard) => Ok(guard),
-            Err(TryLockError::WouldBlock) => {
-                Err(PhyscoreError::new_err("this simulation is running in another thread: wait until that has ended"))
-            }
+            Err(TryLockError::WouldBlock) => Err(PhyscoreError::new_err(
+                "this simulation is running, in another thread or around this call: wait until that has ended",
+            )),
             Err(TryLockError::Poisoned(_)) => {
                 Err(InternalError::new_err("this simulation was left in the middle of a step by an earlier internal error"))
             }
         }
+    }
+
+    /// Lets the engine change the world without the interpreter's lock. A panic becomes an exception, and poisons the world.
+    fn change<T: Send>(
+        &self,
+        py: Python<'_>,
+        work: impl FnOnce(&mut dyn simulation::World) -> EngineResult<T> + Send,
+    ) -> PyResult<T> {
+        drop(self.lock()?);
+        without_gil(py, || match self.inner.lock() {
+            Ok(mut guard) => work(guard.as_mut()),
+            Err(_) => Err(Error::State("it was lost by an internal error".to_owned())),
+        })
     }
 }
 
@@ -74,9 +87,7 @@ impl World {
 
     /// Takes n steps of dt seconds.
     fn step(&self, py: Python<'_>, n: u64, dt: f64) -> PyResult<()> {
-        let mut guard = self.lock()?;
-        let world = &mut *guard;
-        without_gil(py, || world.step(n, dt, &interrupted))
+        self.change(py, |world| world.step(n, dt, &interrupted))
     }
 
     #[getter]
@@ -105,9 +116,7 @@ impl World {
     fn set(&self, py: Python<'_>, positions: Option<&Bound<'_, PyAny>>, velocities: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
         let positions = positions.map(scene::vectors).transpose()?;
         let velocities = velocities.map(scene::vectors).transpose()?;
-        let mut guard = self.lock()?;
-        let world = &mut *guard;
-        without_gil(py, || world.set(positions.as_deref(), velocities.as_deref()))
+        self.change(py, |world| world.set(positions.as_deref(), velocities.as_deref()))
     }
 
     fn energy<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
@@ -199,9 +208,7 @@ impl World {
             meters: column(state, "meters")?,
             watch: numbers(state, "watch")?,
         };
-        let mut guard = self.lock()?;
-        let world = &mut *guard;
-        without_gil(py, || world.restore(&capture))
+        self.change(py, |world| world.restore(&capture))
     }
 
     fn state_hash(&self) -> PyResult<String> {

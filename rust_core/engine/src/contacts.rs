@@ -158,11 +158,6 @@ impl<V: Vector> Contacts<V> {
         Ok(())
     }
 
-    /// The kinds of the boundaries, in scene order: `["plane", "box"]`.
-    pub fn names(&self) -> &[&'static str] {
-        &self.names
-    }
-
     /// The memory that they take [bytes].
     pub fn bytes(&self) -> usize {
         let reach: usize = self.reach.iter().map(|column| std::mem::size_of_val(column.as_slice())).sum();

@@ -61,7 +61,7 @@ impl Error {
 
 /// Where and how a run diverged.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error("step {step} (t = {time} s): {quantity} of particle {particle} {cause}; {hint}")]
+#[error("step {step} (t = {time:.6e} s): {quantity} of particle {particle} {cause}; {hint}")]
 pub struct Divergence {
     /// The step that failed, counted from 1.
     pub step: u64,

@@ -116,7 +116,7 @@ impl Team {
             while !*guard {
                 let (next, wait) = bell.wait_timeout(guard, POLL).unwrap_or_else(PoisonError::into_inner);
                 guard = next;
-                if wait.timed_out() && !*guard && interrupted() {
+                if wait.timed_out() && !*guard && !crew.stopped() && interrupted() {
                     crew.stop.store(true, Ordering::Relaxed);
                 }
             }
@@ -124,8 +124,8 @@ impl Team {
         if crew.stopped() { Err(Error::Interrupted) } else { Ok(()) }
     }
 
-    /// The pool; built anew after a fork, whose child has none of its threads. The parent's is left alone there,
-    /// because dropping it would wait for them for ever. None where the system gives no threads.
+    /// The pool; built anew after a fork, whose child has none of its threads. The parent's is left alone there, because
+    /// one of its locks may have been held at the fork. None where the system gives no threads.
     fn pool(&mut self) -> Option<&rayon::ThreadPool> {
         if self.process != std::process::id() {
             std::mem::forget(self.pool.take());

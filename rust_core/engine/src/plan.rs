@@ -30,10 +30,6 @@ pub struct Plan {
     pub evaluations: usize,
     /// Whether the limit of the time step changes as the matter moves, so that it has to be watched.
     pub limit_varies: bool,
-    /// The number of particles.
-    pub particles: usize,
-    /// The number of springs.
-    pub springs: usize,
     /// The number of threads that it uses.
     pub threads: usize,
     /// How the work is laid out.
@@ -66,6 +62,7 @@ pub fn compile<V: Vector, I: Integrator>(scene: &Scene, threads: usize) -> Resul
     let order = springs::ordering(&springs, count).unwrap_or_else(|| (0..count as u32).collect());
     let properties = properties::<V>(scene, &order);
     refuse_coarse::<V>(scene, &springs, properties.origin)?;
+    refuse_tiny_masses(&properties)?;
     let springs = renumbered(springs, &order);
 
     let (mut all, mut stages): (Vec<Box<dyn Force<V>>>, Vec<String>) = (Vec::new(), Vec::new());
@@ -85,7 +82,10 @@ pub fn compile<V: Vector, I: Integrator>(scene: &Scene, threads: usize) -> Resul
         }
     }
     stages.push(I::NAME.to_owned());
-    stages.extend(contacts.as_ref().map(|_| "contacts".to_owned()));
+    if contacts.is_some() {
+        // Where the positions stand before the forces are asked for, contacts come first.
+        stages.insert(if I::DRIFTS_FIRST { 0 } else { stages.len() }, "contacts".to_owned());
+    }
 
     let independent = all.iter().all(|force| force.reach() == Reach::Pointwise);
     let mut state = state::<V>(scene, &properties, MatterSystem::<V>::block::<I>(independent));
@@ -96,6 +96,7 @@ pub fn compile<V: Vector, I: Integrator>(scene: &Scene, threads: usize) -> Resul
         }
     }
     let left_out = left_out(&all, contacts.is_some());
+    let bends = contacts.is_none() && all.iter().any(|force| force.name() != "gravity");
     let layout = if independent {
         format!("blocks of {} independent particles, many steps while a block is in the cache", state.block)
     } else {
@@ -103,7 +104,7 @@ pub fn compile<V: Vector, I: Integrator>(scene: &Scene, threads: usize) -> Resul
     };
     let law = Law::new(properties, all, contacts, state.block);
     let order = if law.is_dissipative() { I::ORDER_DISSIPATIVE } else { I::ORDER };
-    notes.extend(advice::<I>(law.is_dissipative()));
+    notes.extend(advice::<I>(law.is_dissipative(), bends));
     let system = MatterSystem::new::<I>(law, state, springs.len(), threads);
     let plan = Plan {
         stages,
@@ -113,8 +114,6 @@ pub fn compile<V: Vector, I: Integrator>(scene: &Scene, threads: usize) -> Resul
         order,
         evaluations: I::NODES.len(),
         limit_varies: system.law().forces().iter().any(|force| force.bound_varies()),
-        particles: count,
-        springs: springs.len(),
         threads: system.threads(),
         layout,
         simd: Level::current().name(),
@@ -125,8 +124,10 @@ pub fn compile<V: Vector, I: Integrator>(scene: &Scene, threads: usize) -> Resul
     Ok(Compiled { system, plan })
 }
 
-fn advice<I: Integrator>(dissipative: bool) -> Option<String> {
+/// What to take instead. Where nothing but gravity acts, or contacts break every step's order, there is nothing to gain.
+fn advice<I: Integrator>(dissipative: bool, bends: bool) -> Option<String> {
     match (I::ORDER, dissipative) {
+        _ if !bends => None,
         (1, _) => Some("order 1: VelocityVerlet costs the same and is of order 2".to_owned()),
         (2, false) => Some("nothing here depends on velocity: PEFRL keeps energy far better at equal cost".to_owned()),
         (_, false) if I::NAME == "RungeKutta4" => {
@@ -196,12 +197,20 @@ fn refuse_coarse<V: Vector>(scene: &Scene, springs: &[Spring], origin: DVec3) ->
     let positions = scene.bodies.iter().flat_map(|body| &body.positions);
     let extent = positions.map(|&position| (position - origin).abs().max_element()).fold(0.0, f64::max);
     let shortest = springs.iter().map(|spring| spring.rest_length).filter(|&length| length > 0.0).fold(f64::INFINITY, f64::min);
-    if V::Scalar::EPSILON * extent > COARSEST * shortest {
+    if V::Scalar::NAME == "f32" && V::Scalar::EPSILON * extent > COARSEST * shortest {
         let found = format!("{} for a scene that reaches {extent:.3e} m with a rest length of {shortest:.3e} m", V::Scalar::NAME);
         return Err(Error::parameter("precision", "f64", found)
             .with_hint("neighboring f32 positions are too far apart for these springs"));
     }
     Ok(())
+}
+
+fn refuse_tiny_masses<V: Vector>(properties: &Properties<V>) -> Result<()> {
+    let tiny = (0..properties.count()).find(|&index| !properties.inverse_mass[index].is_finite());
+    tiny.map_or(Ok(()), |index| {
+        let path = format!("bodies[{}].mass", properties.body[index]);
+        Err(Error::parameter(path, format!("masses whose inverse {} can hold", V::Scalar::NAME), properties.mass[index]))
+    })
 }
 
 fn renumbered(springs: Vec<Spring>, order: &[u32]) -> Vec<Spring> {

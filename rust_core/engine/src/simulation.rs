@@ -11,7 +11,7 @@ use crate::matter::{CHANNELS, Channel, Columns, Meter};
 use crate::parallel::Team;
 use crate::plan::{self, Compiled, Plan};
 use crate::scene::Scene;
-use crate::simd::LANES;
+use crate::simd::{LANES, Level};
 use crate::stability::{Bound, Limit};
 use crate::systems::matter::{Interval, MatterSystem};
 
@@ -95,6 +95,7 @@ pub trait World: Send + Sync {
 
 /// Compiles a scene.
 pub fn build(scene: &Scene, numerics: &Numerics) -> Result<Box<dyn World>> {
+    Level::check()?;
     match (scene.dimension, numerics.precision.as_str()) {
         (2, "f32") => build_for::<Vec2>(scene, numerics),
         (3, "f32") => build_for::<Vec3>(scene, numerics),
@@ -148,7 +149,8 @@ impl Watch {
         // numbers that the balance is the sum of; a few roundings per term, and a wide margin.
         let shown = energy.kinetic + (potential - self.lowest) + energy.dissipated() + energy.work.abs() - rise;
         self.scale = self.scale.max(shown).max(1e-3 * epsilon * energy.magnitude());
-        self.calm = 2.0 * self.scale.max(energy.kinetic);
+        let calm = if self.runaway.is_finite() { self.scale } else { self.scale.max(energy.kinetic) };
+        self.calm = (2.0 * calm).min(f64::MAX);
         (rise > self.runaway * self.scale).then_some(rise)
     }
 }
@@ -165,8 +167,8 @@ impl<V: Vector> Simulation<V> {
         let watch = Watch { runaway, scale: 0.0, lowest: f64::INFINITY, balance: 0.0, calm: 0.0 };
         let mut simulation =
             Self { system, plan, limit: Bound::limit::<I>, carried: I::CARRIED, segment: Segment::default(), steps: 0, watch };
-        // An integrator without a stable step here may gain energy as it likes: that is what it is shown for.
-        if simulation.limit().stability == 0.0 {
+        // An integrator that is stable on no oscillator may gain energy as it likes: that is what it is shown for.
+        if I::limit(0.0) == 0.0 {
             simulation.watch.runaway = f64::INFINITY;
         }
         simulation.begin()?;
@@ -207,7 +209,7 @@ impl<V: Vector> Simulation<V> {
     }
 
     fn advance(&mut self, steps: u64, interrupted: &dyn Fn() -> bool) -> Result<()> {
-        let interval = Interval { time: self.segment.time(), h: self.segment.dt, steps };
+        let interval = Interval { start: self.segment.start, first: self.segment.steps, h: self.segment.dt, steps };
         self.system.advance(interval, interrupted)?;
         self.segment.steps += steps;
         self.steps += steps;
@@ -270,20 +272,15 @@ impl<V: Vector> Simulation<V> {
     fn hint(&self) -> String {
         let (limit, dt) = (self.limit(), self.segment.dt);
         if limit.stability == 0.0 {
-            format!("no dt is stable with {} here: take VelocityVerlet", self.plan.integrator)
-        } else if dt > limit.dt() {
-            format!(
-                "dt = {dt:.3e} s is beyond the limit of {:.3e} s set by {}; dt = {:.3e} s would hold",
-                limit.dt(),
-                limit.term,
-                0.9 * limit.dt()
-            )
+            return format!("no dt is stable with {} here: take another integrator", self.plan.integrator);
+        }
+        let (most, term) = (limit.dt(), limit.term);
+        if dt > most {
+            format!("dt = {dt:.3e} s is beyond the limit of {most:.3e} s set by {term}; dt = {:.3e} s would hold", 0.9 * most)
+        } else if most.is_finite() {
+            format!("dt = {dt:.3e} s is within the limit of {most:.3e} s at the last good state; try dt = {:.3e} s", 0.25 * dt)
         } else {
-            format!(
-                "dt = {dt:.3e} s is within the limit of {:.3e} s at the last good state; try dt = {:.3e} s",
-                limit.dt(),
-                0.25 * dt
-            )
+            format!("nothing bounds dt at the last good state; try dt = {:.3e} s", 0.25 * dt)
         }
     }
 
@@ -361,14 +358,20 @@ impl<V: Vector> World for Simulation<V> {
         if let (Some(moved), Some(contacts)) = (&mut moved, &law.contacts) {
             contacts.admit(moved, properties)?;
         }
+        let kept = self.system.state().clone();
         let state = self.system.state_mut();
         state.position = moved.unwrap_or_else(|| std::mem::take(&mut state.position));
         state.velocity = accelerated.unwrap_or_else(|| std::mem::take(&mut state.velocity));
-        let work = self.energy()?.total() - before;
-        if let Some(meter) = self.system.state_mut().meters.first_mut() {
-            meter.add(Channel::Work, work);
+        let done = self.energy().and_then(|energy| {
+            if let Some(meter) = self.system.state_mut().meters.first_mut() {
+                meter.add(Channel::Work, energy.total() - before);
+            }
+            self.begin()
+        });
+        if done.is_err() {
+            *self.system.state_mut() = kept;
         }
-        self.begin()
+        done
     }
 
     fn energy(&self) -> Result<Energy> {

@@ -145,6 +145,9 @@ impl<V: Vector> Force<V> for Central<V> {
                 let from_center = properties.origin + at.position.get(index).widen() - self.center;
                 let closest = self.closest(mass, from_center, at.velocity.get(index).widen());
                 let q = closest * closest + self.softening * self.softening;
+                if q == 0.0 {
+                    continue;
+                }
                 let stiffness = self.strength.abs() * half_power(q, self.exponent - 1.0) * self.exponent.abs().max(1.0);
                 bound.accuracy("central", TAU * (mass / stiffness).sqrt() / STEPS_PER_TURN);
             }
@@ -224,7 +227,7 @@ impl<V: Vector, P: Power<V::Scalar>> PointLaw<V> for Law<V::Scalar, P> {
         // At the very center the direction is undefined and the force is 0. The power is taken in any case: a choice
         // between two values can be vectorised, a branch cannot.
         let power = self.power.of(q);
-        let pull = if q > V::Scalar::ZERO { member * self.strength * power } else { V::Scalar::ZERO };
+        let pull = if member * q > V::Scalar::ZERO { member * self.strength * power } else { V::Scalar::ZERO };
         PointRate { force: d.map(|d| -(pull * d)), dissipated: V::Scalar::ZERO, work: V::Scalar::ZERO }
     }
 }

@@ -53,6 +53,9 @@ impl<V: Vector> Force<V> for Custom<V> {
     }
 
     fn prepare(&mut self, at: &Moment<'_, V>) -> Result<()> {
+        if self.members.is_empty() {
+            return Ok(());
+        }
         let velocities: Vec<DVec3> = self.members.iter().map(|&index| at.velocity.get(index).widen()).collect();
         let forces =
             self.callback.forces(at.time, &self.positions(at), &velocities).map_err(|message| self.error("function", message))?;
@@ -60,8 +63,7 @@ impl<V: Vector> Force<V> for Custom<V> {
             return Err(self.error("function", format!("must give {} finite forces", self.members.len())));
         }
         for (&index, force) in self.members.iter().zip(forces) {
-            let mobile = !at.properties.is_fixed(index);
-            self.force.set(index, if mobile { V::narrow(force) } else { V::default() });
+            self.force.set(index, V::narrow(force));
         }
         Ok(())
     }

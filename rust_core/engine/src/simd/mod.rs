@@ -8,6 +8,8 @@
 
 use std::sync::OnceLock;
 
+use crate::error::{Error, Result};
+
 mod gather;
 
 pub use gather::Gather;
@@ -33,6 +35,9 @@ pub enum Level {
     /// AVX-512 F, VL, DQ and BW.
     Avx512,
 }
+
+/// All levels.
+const LEVELS: [Level; 3] = [Level::Scalar, Level::Avx2, Level::Avx512];
 
 impl Level {
     /// The name that `PHYSCORE_SIMD` and the plan use.
@@ -60,6 +65,19 @@ impl Level {
             }
         }
         Self::Scalar
+    }
+
+    /// Whether `PHYSCORE_SIMD` names a level, if it is set.
+    ///
+    /// # Errors
+    /// If it does not.
+    pub fn check() -> Result<()> {
+        match std::env::var("PHYSCORE_SIMD") {
+            Ok(name) if !LEVELS.iter().any(|level| level.name() == name) => {
+                Err(Error::parameter("PHYSCORE_SIMD", "scalar, avx2 or avx512", format!("{name:?}")))
+            }
+            _ => Ok(()),
+        }
     }
 
     /// The level in use: that of the CPU, or a lower one that the environment variable `PHYSCORE_SIMD` asks for.

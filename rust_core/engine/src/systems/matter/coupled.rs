@@ -64,7 +64,7 @@ pub fn advance<V: Vector, I: Integrator>(
             } else {
                 (step + 1 < interval.steps && desk.before.is_none()).then_some(0)
             };
-            let time = interval.time + (step as f64 + I::NODES[stage]) * interval.h;
+            let time = interval.time(step, I::NODES[stage]);
             sweep::<V, I>(law, matter, desk, interval, time, Action::Absorb(stage, next), crew)?;
         }
         if crew.stopped() {
@@ -81,7 +81,7 @@ pub fn begin<V: Vector, I: Integrator>(
     desk: &mut Desk<V>,
     interval: Interval,
 ) -> Result<()> {
-    sweep::<V, I>(law, matter, desk, interval, interval.time, Action::Begin, &Crew::alone())
+    sweep::<V, I>(law, matter, desk, interval, interval.start, Action::Begin, &Crew::alone())
 }
 
 fn sweep<V: Vector, I: Integrator>(

@@ -27,7 +27,7 @@ pub fn advance<V: Vector, I: Integrator>(
             } else if let (Some(force), None) = (law.lone_inverse_square(), &law.contacts) {
                 kernels::steps_under::<V, I>(law, force, &mut bench.block, interval.h, interval.steps);
             } else {
-                one_by_one::<V, I>(law, bench, interval);
+                one_by_one::<V, I>(law, bench, interval, crew);
             }
             bench.block.meters[0].agitation = kernels::agitation(law, &bench.block);
         });
@@ -37,7 +37,7 @@ pub fn advance<V: Vector, I: Integrator>(
 /// Evaluates the law at the state `from` and fills the carried memory of `matter`.
 pub fn begin<V: Vector, I: Integrator>(law: &Law<V>, from: &Matter<V>, matter: &mut Matter<V>, interval: Interval) {
     Crew::alone().sweep(matter.blocks(), &|block: Blocks<'_, V>| {
-        on_bench::<V, I>(from, block, |bench| run_stage::<V, I>(law, bench, interval, interval.time, Action::Begin));
+        on_bench::<V, I>(from, block, |bench| run_stage::<V, I>(law, bench, interval, interval.start, Action::Begin));
     });
 }
 
@@ -80,8 +80,11 @@ fn on_bench<V: Vector, I: Integrator>(from: &Matter<V>, mut block: Blocks<'_, V>
 }
 
 /// One step after the other, with a contact stage between them, or with forces that are not folded.
-fn one_by_one<V: Vector, I: Integrator>(law: &Law<V>, bench: &mut Bench<'_, V>, interval: Interval) {
+fn one_by_one<V: Vector, I: Integrator>(law: &Law<V>, bench: &mut Bench<'_, V>, interval: Interval, crew: &Crew) {
     for step in 0..interval.steps {
+        if crew.stopped() {
+            return;
+        }
         if law.contacts.is_some() {
             bench.before[0].copy_from(&bench.block.position.view(0), 0);
             bench.before[1].copy_from(&bench.block.velocity.view(0), 0);
@@ -105,7 +108,7 @@ fn stages<V: Vector, I: Integrator>(law: &Law<V>, bench: &mut Bench<'_, V>, inte
     }
     for stage in 0..I::NODES.len() {
         let next = (stage + 1 < I::NODES.len()).then_some(stage + 1);
-        let time = interval.time + (step as f64 + I::NODES[stage]) * interval.h;
+        let time = interval.time(step, I::NODES[stage]);
         run_stage::<V, I>(law, bench, interval, time, Action::Absorb(stage, next));
     }
 }

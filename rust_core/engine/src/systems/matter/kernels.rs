@@ -357,6 +357,7 @@ struct Stage<'a, T, I> {
     inverse_mass: &'a [Lanes<T>],
     power: Power,
     meter: &'a mut Meter,
+    dissipates: bool,
     h: f64,
     action: Action,
     integrator: PhantomData<I>,
@@ -367,7 +368,17 @@ pub fn stage<V: Vector, I: Integrator>(law: &Law<V>, blocks: &mut Blocks<'_, V>,
     let inverse_mass = law.properties.inverse_mass[blocks.range()].as_chunks().0;
     let force = load.force.axes.each_ref().map(|axis| axis.as_chunks().0);
     let (axes, meter) = split(law, blocks);
-    dispatch(Stage::<V::Scalar, I> { axes, force, inverse_mass, power: load.power, meter, h, action, integrator: PhantomData });
+    dispatch(Stage::<V::Scalar, I> {
+        axes,
+        force,
+        inverse_mass,
+        power: load.power,
+        meter,
+        dissipates: law.affine.dissipates,
+        h,
+        action,
+        integrator: PhantomData,
+    });
 }
 
 impl<T: Real, I: Integrator> Kernel for Stage<'_, T, I> {
@@ -375,11 +386,14 @@ impl<T: Real, I: Integrator> Kernel for Stage<'_, T, I> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { mut axes, force, inverse_mass, mut power, meter, h, action, .. } = self;
+        let Self { mut axes, force, inverse_mass, mut power, meter, dissipates, h, action, .. } = self;
         for ((axis, law), force) in axes.iter_mut().flatten().zip(force) {
             let push = Push { force, inverse_mass };
             match *law {
-                AxisLaw::Uniform(same) => one_stage::<_, I>(Uniform::<_, true>(same), push, axis, h, action, &mut power),
+                AxisLaw::Uniform(same) if dissipates => {
+                    one_stage::<_, I>(Uniform::<_, true>(same), push, axis, h, action, &mut power);
+                }
+                AxisLaw::Uniform(same) => one_stage::<_, I>(Uniform::<_, false>(same), push, axis, h, action, &mut power),
                 AxisLaw::Varying(varying) => one_stage::<_, I>(varying, push, axis, h, action, &mut power),
             }
         }

@@ -63,6 +63,11 @@ impl<V: Vector> Law<V> {
         self.folded == self.forces.len()
     }
 
+    /// How many of the forces are functions of the user's.
+    pub fn callbacks(&self) -> usize {
+        self.forces.iter().filter(|force| force.reach() == Reach::Whole).count()
+    }
+
     /// The inverse-square law that alone acts here, if it is so.
     pub fn lone_inverse_square(&self) -> Option<InverseSquare<'_, V::Scalar>> {
         match self.forces.as_slice() {

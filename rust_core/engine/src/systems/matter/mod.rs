@@ -19,12 +19,21 @@ use crate::parallel::{Crew, Team};
 /// Equal steps to take.
 #[derive(Debug, Clone, Copy)]
 pub struct Interval {
-    /// The time at their beginning [s].
-    pub time: f64,
+    /// When the clock's segment began [s].
+    pub start: f64,
+    /// The steps taken in that segment before these.
+    pub first: u64,
     /// The length of each [s].
     pub h: f64,
     /// Their number.
     pub steps: u64,
+}
+
+impl Interval {
+    /// The time at a fraction of one of the steps [s]: the same bits however the steps are cut into intervals.
+    pub fn time(&self, step: u64, node: f64) -> f64 {
+        self.start + ((self.first + step) as f64 + node) * self.h
+    }
 }
 
 /// How long a chunk of steps should take [s]: long enough that what is done once per chunk costs little, short enough that
@@ -32,6 +41,8 @@ pub struct Interval {
 const CHUNK: f64 = 0.05;
 /// The longest job that the calling thread does by itself, deaf to interrupts [s].
 const SHORT: f64 = 2e-3;
+/// What calling a function of the user's may cost [ns].
+const CALLBACK: f64 = 1e5;
 /// The work that is worth sharing among threads [s].
 const WORTH_SHARING: f64 = 2e-4;
 /// Particles in a block that runs many steps: position, velocity and memory in three dimensions fit into the first-level
@@ -73,7 +84,7 @@ impl<V: Vector> MatterSystem<V> {
         let count = state.count() as f64;
         // Nanoseconds on a common core; only the sizes of chunks hang on them, never a bit of the result.
         let per_particle = if law.is_folded() && law.contacts.is_none() { 1.0 } else { 8.0 };
-        let per_stage = 500.0 + count * per_particle + 6.0 * interactions as f64;
+        let per_stage = 500.0 + count * per_particle + 6.0 * interactions as f64 + CALLBACK * law.callbacks() as f64;
         let cost = 1e-9 * I::NODES.len() as f64 * per_stage;
         let threads = if cost < WORTH_SHARING { 1 } else { threads };
         let desk = (!law.is_independent()).then(|| Desk::new(state.count(), law.contacts.is_some()));
@@ -129,7 +140,7 @@ impl<V: Vector> MatterSystem<V> {
         self.resume();
         let Self { law, state, kept, desk, stepper, .. } = self;
         kept.copy_from(state);
-        let interval = Interval { time, h: 0.0, steps: 0 };
+        let interval = Interval { start: time, first: 0, h: 0.0, steps: 0 };
         stepper.begin(Job { law, from: kept, state, desk: desk.as_mut(), interval })
     }
 
@@ -141,9 +152,11 @@ impl<V: Vector> MatterSystem<V> {
         } else {
             std::mem::swap(kept, state);
         }
+        // A function of the user's is never called on the calling thread, where an interrupt would end it in the middle.
+        let short = *cost * interval.steps as f64 <= SHORT && law.callbacks() == 0;
         let mut outcome = Ok(());
         let job = |crew: &Crew| outcome = stepper.advance(Job { law, from: kept, state, desk: desk.as_mut(), interval }, crew);
-        let ended = if *cost * interval.steps as f64 <= SHORT {
+        let ended = if short {
             Team::run_here(job);
             Ok(())
         } else {
