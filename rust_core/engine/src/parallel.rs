@@ -90,11 +90,6 @@ impl Team {
         self.threads
     }
 
-    /// Runs a short job on the calling thread alone.
-    pub fn run_here(job: impl FnOnce(&Crew)) {
-        job(&Crew::alone());
-    }
-
     /// Runs a long job in the pool, asking `interrupted` every 20 ms whether to stop.
     ///
     /// # Errors

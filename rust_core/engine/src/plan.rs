@@ -95,7 +95,7 @@ pub fn compile<V: Vector, I: Integrator>(scene: &Scene, threads: usize) -> Resul
             notes.push(format!("contacts: {pushed} particles overlapped a boundary at the start and were moved to its surface"));
         }
     }
-    let left_out = left_out(&all, contacts.is_some());
+    let left_out = left_out(&all, independent, contacts.is_some());
     let bends = contacts.is_none() && all.iter().any(|force| force.name() != "gravity");
     let layout = if independent {
         format!("blocks of {} independent particles, many steps while a block is in the cache", state.block)
@@ -142,8 +142,7 @@ fn advice<I: Integrator>(dissipative: bool, bends: bool) -> Option<String> {
     }
 }
 
-fn left_out<V: Vector>(forces: &[Box<dyn Force<V>>], contacts: bool) -> Vec<&'static str> {
-    let independent = forces.iter().all(|force| force.reach() == Reach::Pointwise);
+fn left_out<V: Vector>(forces: &[Box<dyn Force<V>>], independent: bool, contacts: bool) -> Vec<&'static str> {
     let mut absent = vec!["neighbors"];
     if forces.iter().all(|force| force.name() != "springs") {
         absent.push("springs");

@@ -155,9 +155,10 @@ impl<V: Vector> MatterSystem<V> {
         // A function of the user's is never called on the calling thread, where an interrupt would end it in the middle.
         let short = *cost * interval.steps as f64 <= SHORT && law.callbacks() == 0;
         let mut outcome = Ok(());
-        let job = |crew: &Crew| outcome = stepper.advance(Job { law, from: kept, state, desk: desk.as_mut(), interval }, crew);
+        let mut job =
+            |crew: &Crew| outcome = stepper.advance(Job { law, from: kept, state, desk: desk.as_mut(), interval }, crew);
         let ended = if short {
-            Team::run_here(job);
+            job(&Crew::alone());
             Ok(())
         } else {
             team.run(interrupted, job)
