@@ -22,6 +22,7 @@ pub fn read(scene: &Bound<'_, PyDict>) -> PyResult<Scene> {
         bodies: list("bodies")?.iter().map(body).collect::<PyResult<_>>()?,
         forces: terms(&list("forces")?, "forces", dimension)?,
         boundaries: terms(&list("boundaries")?, "boundaries", dimension)?,
+        periodic: None,
     })
 }
 
@@ -42,6 +43,7 @@ fn body(entry: &Bound<'_, PyDict>) -> PyResult<Body> {
         springs: springs(entry, positions.len())?,
         positions,
         fixed,
+        fluid: None,
     })
 }
 

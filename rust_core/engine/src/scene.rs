@@ -19,6 +19,8 @@ pub struct Scene {
     pub forces: Vec<Term>,
     /// The boundaries.
     pub boundaries: Vec<Term>,
+    /// The periodic domain: its lower and its upper corner [m], infinite along an axis that is not periodic.
+    pub periodic: Option<[DVec3; 2]>,
 }
 
 /// Particles, and the springs between them.
@@ -38,6 +40,29 @@ pub struct Body {
     pub fixed: Vec<bool>,
     /// The springs between them.
     pub springs: Vec<Spring>,
+    /// What makes them a fluid, if they are one.
+    pub fluid: Option<Fluid>,
+}
+
+/// A weakly compressible fluid, whose particles are lumps of matter.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Fluid {
+    /// The distance between neighboring particles at rest Δ [m].
+    pub spacing: f64,
+    /// The density at rest ρ₀ [kg/m³].
+    pub density: f64,
+    /// The dynamic viscosity μ [Pa·s].
+    pub viscosity: f64,
+    /// The speed of sound c [m/s]; None where it is to be found from the scene.
+    pub sound_speed: Option<f64>,
+    /// The coefficient α of the artificial viscosity.
+    pub artificial_viscosity: f64,
+    /// The coefficient δ of the diffusion of density.
+    pub density_diffusion: f64,
+    /// The name of the smoothing kernel's class in Python.
+    pub kernel: String,
+    /// The smoothing length h over the spacing; the kernel reaches as far as 2h.
+    pub smoothing: f64,
 }
 
 /// A damped spring between two particles.

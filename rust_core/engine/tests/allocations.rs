@@ -22,6 +22,7 @@ fn rope(springs: bool) -> Body {
         radius: vec![0.01; count as usize],
         fixed: (0..count).map(|index| index == 0).collect(),
         springs: if springs { (0..count - 1).map(spring).collect() } else { Vec::new() },
+        ..Body::default()
     }
 }
 
@@ -36,8 +37,13 @@ fn steps_allocate_nothing() {
     let floor = term("boundaries[0]", "Plane", &[&material[..], &geometry[..]].concat());
     for springs in [true, false] {
         for integrator in ["ExplicitEuler", "SemiImplicitEuler", "VelocityVerlet", "RungeKutta4", "PEFRL"] {
-            let scene =
-                Scene { dimension: 3, bodies: vec![rope(springs)], forces: forces.clone(), boundaries: vec![floor.clone()] };
+            let scene = Scene {
+                dimension: 3,
+                bodies: vec![rope(springs)],
+                forces: forces.clone(),
+                boundaries: vec![floor.clone()],
+                ..Scene::default()
+            };
             let numerics = Numerics {
                 integrator: integrator.to_owned(),
                 precision: "f64".to_owned(),

@@ -62,7 +62,7 @@ pub fn scene(dimension: usize, balls: &[Ball], boundaries: Vec<Term>) -> Scene {
         springs: Vec::new(),
     };
     let named = boundaries.into_iter().enumerate().map(|(index, term)| Term { path: format!("boundaries[{index}]"), ..term });
-    Scene { dimension, bodies: vec![body], forces: Vec::new(), boundaries: named.collect() }
+    Scene { dimension, bodies: vec![body], forces: Vec::new(), boundaries: named.collect(), ..Scene::default() }
 }
 
 /// The properties of a scene's particles, in the caller's order.
