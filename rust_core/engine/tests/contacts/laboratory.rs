@@ -59,7 +59,7 @@ pub fn scene(dimension: usize, balls: &[Ball], boundaries: Vec<Term>) -> Scene {
         charge: vec![0.0; balls.len()],
         radius: balls.iter().map(|ball| ball.radius).collect(),
         fixed: balls.iter().map(|ball| ball.fixed).collect(),
-        springs: Vec::new(),
+        ..Body::default()
     };
     let named = boundaries.into_iter().enumerate().map(|(index, term)| Term { path: format!("boundaries[{index}]"), ..term });
     Scene { dimension, bodies: vec![body], forces: Vec::new(), boundaries: named.collect(), ..Scene::default() }

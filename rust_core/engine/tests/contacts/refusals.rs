@@ -59,7 +59,7 @@ fn admission() {
         charge: vec![0.0; 3],
         radius: vec![0.1; 3],
         fixed: vec![false; 3],
-        springs: Vec::new(),
+        ..Body::default()
     };
     scene.bodies.push(second);
     let admit = |scene: &Scene| {
