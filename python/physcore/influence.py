@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, fields
-from typing import TypeAlias
+from typing import ClassVar, TypeAlias
 
 import numpy as np
 
@@ -19,7 +19,10 @@ class Influence:
     """Something that acts on bodies; its fields are plain numbers, tuples of numbers for vectors, or None."""
 
     on: On = field(default=None, kw_only=True)
-    """The body or bodies that it acts on; None: all."""
+    """The body or bodies that it acts on; None: all, but for fluids where it spares them."""
+
+    spares_fluids: ClassVar[bool] = False
+    """Whether it acts on a fluid only where that is named."""
 
     def __post_init__(self) -> None:
         if self.on is None:
@@ -35,10 +38,17 @@ class Influence:
             object.__setattr__(self, name, value)
 
     def bodies(self) -> tuple[Body, ...] | None:
-        """The bodies that it acts on; None: all."""
+        """The bodies that it names, or None."""
         if self.on is None:
             return None
         return (self.on,) if isinstance(self.on, Body) else tuple(self.on)
+
+    def check(self, bodies: Sequence[Body], path: str) -> None:
+        """Look at the bodies that it acts on, once they are known; `path` says where it stands in the scene.
+
+        Raises:
+            SceneError: it cannot act on them.
+        """
 
     def parameters(self) -> dict[str, object]:
         """Every field but `on`, by name."""
