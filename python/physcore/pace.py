@@ -11,7 +11,7 @@ from physcore._core import World
 from physcore.checks import count, number
 from physcore.errors import SimulationDiverged
 from physcore.numerics import FRAMES_PER_SECOND, AutoStep, Limit, Numerics, divide, largest_step
-from physcore.state import Snapshot
+from physcore.scene import Scene
 
 WATCH = 256
 """With dt="auto", the limit of stability is looked at again whenever the number of steps is a multiple of this. Fixed
@@ -32,8 +32,9 @@ class Pace:
     has become unstable is replaced by a smaller one, and comes back when the reason has gone.
     """
 
-    def __init__(self, world: World, numerics: Numerics) -> None:
+    def __init__(self, world: World, scene: Scene, numerics: Numerics) -> None:
         self._world = world
+        self._scene = scene
         self._numerics = numerics
         self._first_limit = engine.limit(world)
         self.limit = self._first_limit
@@ -83,8 +84,8 @@ class Pace:
         try:
             self._world.step(steps, dt)
         except SimulationDiverged as error:
-            world = self._world
-            error.last_good = Snapshot(world.time, world.positions(), world.velocities())
+            state = engine.snapshot(self._world, self._scene)
+            error.last_good = replace(state, positions=engine.show(state.positions, self._scene))
             raise
 
     def _largest(self, fps: float) -> float:
