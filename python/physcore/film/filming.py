@@ -59,8 +59,8 @@ def film(
         recording: what to film; several are shown side by side, with one camera and one scale of colors.
         path: where to write, ending in .gif or .png.
         size: width and height of the picture [pixels].
-        style: one or several of `physcore.styles`; None: springs by strain, bodies without springs as points. A body
-            that no style draws is drawn as points.
+        style: one or several of `physcore.styles`; None: springs by strain, fluids by speed, other bodies as points. A
+            body that no style draws is drawn as points.
         camera: `physcore.film.Window` in 2D, `Orbit` in 3D; None: so that nothing leaves the picture.
         theme: "dark", "light" or a Theme.
         background: a color instead of the theme's, such as "#000000".

@@ -13,7 +13,7 @@ from physcore.errors import SceneError
 from physcore.film.camera import Camera, Face, Orbit, View, Window, fit
 from physcore.film.scenery import draw_among, draw_behind
 from physcore.film.sources import Moment, Source
-from physcore.film.styles import Painter, Points, Strain, Style
+from physcore.film.styles import Fluid, Painter, Points, Strain, Style
 from physcore.film.styles.base import Part
 from physcore.film.survey import Bounds, Survey, survey
 from physcore.film.themes import Color, Theme
@@ -159,7 +159,7 @@ class Stage:
         canvas.clear()
         for panel, moment in zip(self._panels, moments, strict=True):
             canvas.clip(*panel.area)
-            draw_among(canvas, panel.source.scene, panel.view, self._theme)
+            draw_among(canvas, panel.source.scene, panel.view, self._theme, panel.ground)
             for painter in panel.painters:
                 painter.paint(canvas, moment, panel.view, panel.pixels)
             canvas.paint()
@@ -190,6 +190,8 @@ def _painters(source: Source, style: Style | Sequence[Style] | None, theme: Them
     """What draws a source: the first style that draws a body gets it, and points what no style draws."""
     if style is None:
         styles: list[Style] = [Strain()]
+        if source.has("velocities"):
+            styles.append(Fluid())
     else:
         styles = list(style) if isinstance(style, (list, tuple)) else [style]  # type: ignore[list-item]
     for each in styles:
