@@ -38,7 +38,7 @@ test-python: $(VENV)/tools.stamp
 	$(BIN)/python -m pytest -m 'not long'
 
 test-long: $(VENV)/tools.stamp ## run every test with the full number of examples, and write docs/reports/test-long.md
-	PROPTEST_CASES=2000 cargo test --locked --workspace --release -- --include-ignored
+	PROPTEST_CASES=2000 PROPTEST_MAX_GLOBAL_REJECTS=100000 cargo test --locked --workspace --release -- --include-ignored
 	PHYSCORE_TESTS=long $(BIN)/python -m pytest --report docs/reports/test-long.md
 
 validate: $(VENV)/tools.stamp ## run the cases with reference figures from outside, and write docs/reports/validation.md

@@ -204,6 +204,7 @@ impl World {
         record.set_item("columns", capture.columns.to_pyarray(py))?;
         record.set_item("meters", capture.meters.to_pyarray(py))?;
         record.set_item("watch", capture.watch.to_pyarray(py))?;
+        record.set_item("forces", capture.forces.to_pyarray(py))?;
         Ok(record)
     }
 
@@ -216,6 +217,7 @@ impl World {
             columns: column(state, "columns")?,
             meters: column(state, "meters")?,
             watch: numbers(state, "watch")?,
+            forces: column(state, "forces")?,
         };
         self.change(py, |world| world.restore(&capture))
     }

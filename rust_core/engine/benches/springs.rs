@@ -71,7 +71,13 @@ fn bench<V: Vector>(criterion: &mut Criterion, columns: usize, rows: usize, shuf
         caller: place,
         origin: DVec3::ZERO,
     };
-    let at = Moment { position: position.view(), velocity: velocity.view(), properties: &properties, time: 0.0 };
+    let at = Moment {
+        position: position.view(),
+        velocity: velocity.view(),
+        residual: Default::default(),
+        properties: &properties,
+        time: 0.0,
+    };
     let force = Springs::<V>::new(&springs, count);
     let mut sum = Columns::<V>::zeros(count);
     let mut power = [[0.0; LANES]; CHANNELS];

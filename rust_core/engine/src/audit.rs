@@ -60,7 +60,7 @@ pub fn energy<V: Vector>(law: &Law<V>, matter: &Matter<V>, time: f64) -> Result<
         let square = matter.velocity.get(index).widen().length_squared();
         if properties.is_fixed(index) { 0.0 } else { 0.5 * properties.mass[index] * square }
     };
-    let at = law.moment(matter.position.view(), matter.velocity.view(), time);
+    let at = law.moment_of(matter, time);
     let mut potential: Vec<(&'static str, f64)> = Vec::new();
     for force in law.forces().iter().filter(|force| force.has_potential()) {
         let energy = blocks(matter).map(|block| force.potential(block, &at)).sum::<f64>() + force.potential_of_all(&at)?;

@@ -73,7 +73,7 @@ impl<V: Vector> Columns<V> {
 }
 
 /// Columns, or a range of them, to read. Particles keep their index in the whole.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub struct View<'a, V: Vector> {
     start: usize,
     axes: [&'a [V::Scalar]; AXES],

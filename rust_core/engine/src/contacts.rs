@@ -259,6 +259,9 @@ impl<V: Vector> Contacts<V> {
         let walls = Walls { surfaces: &self.surfaces, body, radius, rounding: V::Scalar::EPSILON };
         if let Some(end) = walls.fly(&path, v_old, h) {
             block.position.set(lane, self.inside(end.position, body, radius));
+            if !block.residual.is_empty() {
+                block.residual.set(lane, V::default());
+            }
             block.velocity.set(lane, V::narrow(end.velocity));
             block.meters[0].add(Channel::Contact, properties.mass[index] * end.lost);
         }

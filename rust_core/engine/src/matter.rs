@@ -49,6 +49,9 @@ pub struct Matter<V: Vector> {
     pub velocity: Columns<V>,
     /// What the integrator remembers from step to step or keeps between its stages.
     pub memory: Vec<Columns<V>>,
+    /// What the positions are short of the exact ones by rounding [m], where particles need to know how far apart they are
+    /// more exactly than that; elsewhere without particles.
+    pub residual: Columns<V>,
     /// The energy that has left and entered, one meter per block.
     pub meters: Vec<Meter>,
     /// The number of particles in a block.
@@ -62,6 +65,7 @@ impl<V: Vector> Matter<V> {
             position: Columns::zeros(count),
             velocity: Columns::zeros(count),
             memory: vec![Columns::zeros(count); memory],
+            residual: Columns::zeros(0),
             meters: vec![Meter::ZERO; count.div_ceil(block)],
             block,
         }
@@ -79,7 +83,23 @@ impl<V: Vector> Matter<V> {
         for (mine, theirs) in self.memory.iter_mut().zip(&other.memory) {
             mine.copy_from(theirs);
         }
+        self.residual.copy_from(&other.residual);
         self.meters.copy_from_slice(&other.meters);
+    }
+
+    /// The exact position of a particle relative to the origin [m].
+    pub fn place(&self, index: usize) -> DVec3 {
+        let residual = if self.residual.count() > 0 { self.residual.get(index).widen() } else { DVec3::ZERO };
+        self.position.get(index).widen() + residual
+    }
+
+    /// Moves a particle to a position relative to the origin [m], as exactly as the state can hold it.
+    pub fn set_place(&mut self, index: usize, place: DVec3) {
+        let position = V::narrow(place);
+        self.position.set(index, position);
+        if self.residual.count() > 0 {
+            self.residual.set(index, V::narrow(place - position.widen()));
+        }
     }
 
     /// The energy that has passed through one channel so far [J], summed block by block.
@@ -90,7 +110,11 @@ impl<V: Vector> Matter<V> {
     /// The memory that it takes [bytes].
     pub fn bytes(&self) -> usize {
         let memory: usize = self.memory.iter().map(Columns::bytes).sum();
-        self.position.bytes() + self.velocity.bytes() + memory + std::mem::size_of_val(self.meters.as_slice())
+        self.position.bytes()
+            + self.velocity.bytes()
+            + memory
+            + self.residual.bytes()
+            + std::mem::size_of_val(self.meters.as_slice())
     }
 
     /// All blocks, to write.
@@ -103,6 +127,7 @@ impl<V: Vector> Matter<V> {
             position: self.position.span(),
             velocity: self.velocity.span(),
             memory: std::array::from_fn(|_| memory.next().map_or_else(Span::empty, Columns::span)),
+            residual: self.residual.span(),
             meters: &mut self.meters,
         }
     }
@@ -125,6 +150,8 @@ pub struct Blocks<'a, V: Vector> {
     pub velocity: Span<'a, V>,
     /// What the integrator remembers.
     pub memory: [Span<'a, V>; MEMORY],
+    /// What the positions are short of by rounding [m]; empty where nobody needs it.
+    pub residual: Span<'a, V>,
     /// One meter per block.
     pub meters: &'a mut [Meter],
 }
@@ -139,7 +166,7 @@ impl<'a, V: Vector> Blocks<'a, V> {
         memory: [Span<'a, V>; MEMORY],
         meters: &'a mut [Meter],
     ) -> Self {
-        Self { start, count, size: position.len(), position, velocity, memory, meters }
+        Self { start, count, size: position.len(), position, velocity, memory, residual: Span::empty(), meters }
     }
 
     /// The particles, padding included.
@@ -159,6 +186,7 @@ impl<V: Vector> Split for Blocks<'_, V> {
         let count = length.min(self.count);
         let (position, other_position) = self.position.split_at(length);
         let (velocity, other_velocity) = self.velocity.split_at(length);
+        let (residual, other_residual) = self.residual.split_at(length);
         let (meters, other_meters) = self.meters.split_at_mut(blocks);
         let mut others: [Span<'_, V>; MEMORY] = std::array::from_fn(|_| Span::empty());
         let memory = {
@@ -171,7 +199,7 @@ impl<V: Vector> Split for Blocks<'_, V> {
                 first
             })
         };
-        let first = Self { start: self.start, count, size: self.size, position, velocity, memory, meters };
+        let first = Self { start: self.start, count, size: self.size, position, velocity, memory, residual, meters };
         let rest = Self {
             start: self.start + length,
             count: self.count - count,
@@ -179,6 +207,7 @@ impl<V: Vector> Split for Blocks<'_, V> {
             position: other_position,
             velocity: other_velocity,
             memory: others,
+            residual: other_residual,
             meters: other_meters,
         };
         (first, rest)

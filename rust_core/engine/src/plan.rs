@@ -68,15 +68,19 @@ pub fn compile<V: Vector, I: Integrator>(scene: &Scene, threads: usize) -> Resul
     let (mut all, mut stages): (Vec<Box<dyn Force<V>>>, Vec<String>) = (Vec::new(), Vec::new());
     let mut notes = Vec::new();
     if !springs.is_empty() {
-        let network = Springs::<V>::new(&springs, count);
-        notes.push(format!("springs: {}", network.layout()));
-        all.push(Box::new(network));
+        all.push(Box::new(Springs::<V>::new(&springs, count)));
     }
     for term in &scene.forces {
         all.extend(forces::build(scene, term, &properties)?);
     }
     let contacts = Contacts::build(scene, &properties)?;
     for force in &all {
+        if !force.layout().is_empty() {
+            notes.push(format!("{}: {}", force.name(), force.layout()));
+        }
+        if force.reach() == Reach::Pairs && stages.first().is_none_or(|stage| stage != "neighbors") {
+            stages.insert(0, "neighbors".to_owned());
+        }
         if !stages.iter().any(|stage| stage == force.name()) {
             stages.push(force.name().to_owned());
         }
@@ -88,7 +92,8 @@ pub fn compile<V: Vector, I: Integrator>(scene: &Scene, threads: usize) -> Resul
     }
 
     let independent = all.iter().all(|force| force.reach() == Reach::Pointwise);
-    let mut state = state::<V>(scene, &properties, MatterSystem::<V>::block::<I>(independent));
+    let pairs = all.iter().any(|force| force.reach() == Reach::Pairs);
+    let mut state = state::<V>(scene, &properties, MatterSystem::<V>::block::<I>(independent), pairs);
     if let Some(contacts) = &contacts {
         let pushed = contacts.admit(&mut state.position, &properties)?;
         if pushed > 0 {
@@ -105,7 +110,7 @@ pub fn compile<V: Vector, I: Integrator>(scene: &Scene, threads: usize) -> Resul
     let law = Law::new(properties, all, contacts, state.block);
     let order = if law.is_dissipative() { I::ORDER_DISSIPATIVE } else { I::ORDER };
     notes.extend(advice::<I>(law.is_dissipative(), bends));
-    let system = MatterSystem::new::<I>(law, state, springs.len(), threads);
+    let system = MatterSystem::new::<I>(law, state, threads);
     let plan = Plan {
         stages,
         dimension: V::DIMENSION,
@@ -143,7 +148,10 @@ fn advice<I: Integrator>(dissipative: bool, bends: bool) -> Option<String> {
 }
 
 fn left_out<V: Vector>(forces: &[Box<dyn Force<V>>], independent: bool, contacts: bool) -> Vec<&'static str> {
-    let mut absent = vec!["neighbors"];
+    let mut absent = Vec::new();
+    if forces.iter().all(|force| force.reach() != Reach::Pairs) {
+        absent.push("neighbors");
+    }
     if forces.iter().all(|force| force.name() != "springs") {
         absent.push("springs");
     }
@@ -218,13 +226,16 @@ fn renumbered(springs: Vec<Spring>, order: &[u32]) -> Vec<Spring> {
     springs.into_iter().map(|spring| Spring { ends: spring.ends.map(|end| place[end as usize]), ..spring }).collect()
 }
 
-/// The initial state in the engine's order.
-fn state<V: Vector>(scene: &Scene, properties: &Properties<V>, block: usize) -> Matter<V> {
+/// The initial state in the engine's order. `exact` asks for positions that are more exact than single precision.
+fn state<V: Vector>(scene: &Scene, properties: &Properties<V>, block: usize, exact: bool) -> Matter<V> {
     let count = properties.count();
     let all = |of: fn(&crate::scene::Body) -> &Vec<DVec3>| -> Vec<DVec3> { scene.bodies.iter().flat_map(of).copied().collect() };
     let (positions, velocities) = (all(|body| &body.positions), all(|body| &body.velocities));
     let mut state = Matter::zeros(count, 0, block);
-    state.position = Columns::from_fn(count, |index| V::narrow(positions[properties.caller[index] as usize] - properties.origin));
+    if exact && V::Scalar::NAME == "f32" {
+        state.residual = Columns::zeros(count);
+    }
+    (0..count).for_each(|index| state.set_place(index, positions[properties.caller[index] as usize] - properties.origin));
     state.velocity = Columns::from_fn(count, |index| V::narrow(velocities[properties.caller[index] as usize]));
     state
 }

@@ -61,6 +61,8 @@ pub struct Capture {
     pub meters: Vec<f64>,
     /// What the watch over divergence remembers.
     pub watch: [f64; 4],
+    /// What the forces keep from step to step.
+    pub forces: Vec<f64>,
 }
 
 /// A running scene, whatever its precision, dimension and integrator.
@@ -197,7 +199,7 @@ impl<V: Vector> Simulation<V> {
         if self.verdict()?.is_none() {
             return Ok(());
         }
-        self.system.undo();
+        self.system.undo()?;
         self.segment.steps -= steps;
         self.steps -= steps;
         for _ in 0..steps {
@@ -207,7 +209,7 @@ impl<V: Vector> Simulation<V> {
             if let Some(mut divergence) = self.verdict()? {
                 divergence.step = self.steps;
                 divergence.time = self.segment.time();
-                self.system.undo();
+                self.system.undo()?;
                 self.segment.steps -= 1;
                 self.steps -= 1;
                 return Err(Error::Diverged(Box::new(divergence)));
@@ -255,7 +257,7 @@ impl<V: Vector> Simulation<V> {
     /// The energy of the first kick from rest [J].
     fn kick(&self, dt: f64) -> f64 {
         let (law, state) = (self.system.law(), self.system.state());
-        law.kick(&law.moment(state.position.view(), state.velocity.view(), self.segment.time()), dt)
+        law.kick(&law.moment_of(state, self.segment.time()), dt)
     }
 
     fn fastest(&self) -> usize {
@@ -295,7 +297,7 @@ impl<V: Vector> Simulation<V> {
     /// The columns that make up the state, in a fixed order.
     fn columns(&self) -> impl Iterator<Item = &Columns<V>> {
         let state = self.system.state();
-        [&state.position, &state.velocity].into_iter().chain(state.memory.iter().take(self.carried))
+        [&state.position, &state.velocity, &state.residual].into_iter().chain(state.memory.iter().take(self.carried))
     }
 }
 
@@ -342,7 +344,7 @@ impl<V: Vector> World for Simulation<V> {
         let properties = &self.system.law().properties;
         let mut positions = vec![DVec3::ZERO; properties.count()];
         for (index, &caller) in properties.caller.iter().enumerate() {
-            positions[caller as usize] = properties.origin + self.system.state().position.get(index).widen();
+            positions[caller as usize] = properties.origin + self.system.state().place(index);
         }
         positions
     }
@@ -360,15 +362,20 @@ impl<V: Vector> World for Simulation<V> {
         let law = self.system.law();
         let (count, properties) = (law.properties.count(), &law.properties);
         let of = |index: usize, vectors: &[DVec3]| vectors[properties.caller[index] as usize];
-        let mut moved =
-            positions.map(|positions| Columns::<V>::from_fn(count, |index| V::narrow(of(index, positions) - properties.origin)));
+        let mut moved = positions.map(|positions| {
+            let mut moved = self.system.state().clone();
+            (0..count).for_each(|index| moved.set_place(index, of(index, positions) - properties.origin));
+            moved
+        });
         let accelerated = velocities.map(|velocities| Columns::<V>::from_fn(count, |index| V::narrow(of(index, velocities))));
         if let (Some(moved), Some(contacts)) = (&mut moved, &law.contacts) {
-            contacts.admit(moved, properties)?;
+            contacts.admit(&mut moved.position, properties)?;
         }
         let kept = self.system.state().clone();
         let state = self.system.state_mut();
-        state.position = moved.unwrap_or_else(|| std::mem::take(&mut state.position));
+        if let Some(moved) = moved {
+            (state.position, state.residual) = (moved.position, moved.residual);
+        }
         state.velocity = accelerated.unwrap_or_else(|| std::mem::take(&mut state.velocity));
         let done = self.energy().and_then(|energy| {
             if let Some(meter) = self.system.state_mut().meters.first_mut() {
@@ -392,7 +399,7 @@ impl<V: Vector> World for Simulation<V> {
 
     fn limit(&self) -> Limit {
         let (law, state) = (self.system.law(), self.system.state());
-        (self.limit)(&law.bound(&law.moment(state.position.view(), state.velocity.view(), self.segment.time())))
+        (self.limit)(&law.bound(&law.moment_of(state, self.segment.time())))
     }
 
     fn capture(&self) -> Capture {
@@ -405,6 +412,7 @@ impl<V: Vector> World for Simulation<V> {
             columns: columns.map(|number| number.to_f64()).collect(),
             meters: meters.copied().collect(),
             watch: [self.watch.scale, self.watch.lowest, self.watch.balance, self.watch.calm],
+            forces: self.system.recollection(),
         }
     }
 
@@ -412,13 +420,16 @@ impl<V: Vector> World for Simulation<V> {
         let state = self.system.state();
         let (count, blocks) = (state.count(), state.meters.len());
         let per_meter = 2 * CHANNELS * LANES;
-        if capture.columns.len() != (2 + self.carried) * V::DIMENSION * count || capture.meters.len() != blocks * per_meter {
+        let numbers = ((2 + self.carried) * count + state.residual.count()) * V::DIMENSION;
+        if capture.columns.len() != numbers || capture.meters.len() != blocks * per_meter {
             return Err(Error::State("it does not belong to this scene and these numerics".to_owned()));
         }
         let carried = self.carried;
         let state = self.system.state_mut();
         let mut numbers = capture.columns.iter();
-        for columns in [&mut state.position, &mut state.velocity].into_iter().chain(state.memory.iter_mut().take(carried)) {
+        let columns = [&mut state.position, &mut state.velocity, &mut state.residual];
+        for columns in columns.into_iter().chain(state.memory.iter_mut().take(carried)) {
+            let count = columns.count();
             for axis in columns.span().axes.iter_mut().take(V::DIMENSION) {
                 axis[..count].iter_mut().zip(&mut numbers).for_each(|(slot, &number)| *slot = V::Scalar::from_f64(number));
             }
@@ -432,13 +443,13 @@ impl<V: Vector> World for Simulation<V> {
         self.steps = capture.steps;
         [self.watch.scale, self.watch.lowest, self.watch.balance, self.watch.calm] = capture.watch;
         self.system.resume();
-        Ok(())
+        self.system.recollect(&capture.forces)
     }
 
     fn state_hash(&self) -> String {
         let mut hasher = blake3::Hasher::new();
         let capture = self.capture();
-        for number in capture.columns.iter().chain([&capture.segment.start, &capture.segment.dt]) {
+        for number in capture.columns.iter().chain(&capture.forces).chain([&capture.segment.start, &capture.segment.dt]) {
             hasher.update(&number.to_le_bytes());
         }
         hasher.update(&self.segment.steps.to_le_bytes());

@@ -9,6 +9,7 @@ use super::{Force, Moment, Rates, Reach, VelocityDependence};
 use crate::error::{Error, Result};
 use crate::math::{Real, Vector};
 use crate::matter::{Channel, Columns};
+use crate::parallel::Crew;
 use crate::scene::{Callback, Term};
 use crate::simd::LANES;
 use crate::stability::Bound;
@@ -52,7 +53,7 @@ impl<V: Vector> Force<V> for Custom<V> {
         VelocityDependence::Dissipative
     }
 
-    fn prepare(&mut self, at: &Moment<'_, V>) -> Result<()> {
+    fn prepare(&mut self, at: &Moment<'_, V>, _crew: &Crew) -> Result<()> {
         if self.members.is_empty() {
             return Ok(());
         }

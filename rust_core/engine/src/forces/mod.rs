@@ -5,6 +5,7 @@ use std::ops::Range;
 use crate::error::{Error, Result};
 use crate::math::{Real, Vector};
 use crate::matter::{Power, Properties, Span, View};
+use crate::parallel::Crew;
 use crate::scene::{Scene, Term};
 use crate::simd::padded;
 use crate::stability::Bound;
@@ -28,10 +29,21 @@ pub struct Moment<'a, V: Vector> {
     pub position: View<'a, V>,
     /// Velocities [m/s].
     pub velocity: View<'a, V>,
+    /// What the positions are short of by rounding [m]; without particles where nobody needs it.
+    pub residual: View<'a, V>,
     /// Mass and everything else that does not change.
     pub properties: &'a Properties<V>,
     /// The time [s].
     pub time: f64,
+}
+
+impl<V: Vector> Moment<'_, V> {
+    /// The exact position of a particle relative to the origin along one axis [m].
+    #[inline(always)]
+    pub fn place(&self, axis: usize, index: usize) -> f64 {
+        let residual = self.residual.axis(axis).get(index).map_or(0.0, |residual| residual.to_f64());
+        self.position.axis(axis)[index].to_f64() + residual
+    }
 }
 
 /// What the forces do to one block.
@@ -50,6 +62,8 @@ pub enum Reach {
     Pointwise,
     /// It depends on given partners.
     Network,
+    /// It depends on whoever is near.
+    Pairs,
     /// It depends on everything: asked for all at once, in [`Force::prepare`].
     Whole,
 }
@@ -75,7 +89,28 @@ pub trait Force<V: Vector>: Send + Sync {
     fn velocity(&self) -> VelocityDependence;
 
     /// Work that must be done for all particles before any block is asked for.
-    fn prepare(&mut self, _at: &Moment<'_, V>) -> Result<()> {
+    fn prepare(&mut self, _at: &Moment<'_, V>, _crew: &Crew) -> Result<()> {
+        Ok(())
+    }
+
+    /// Remembers, at the start of a chunk of steps, what it keeps from step to step.
+    fn keep(&mut self) {}
+
+    /// Goes back to what it last kept.
+    fn undo(&mut self) -> Result<()> {
+        Ok(())
+    }
+
+    /// What it keeps from step to step, as far as the bits of its forces depend on it.
+    fn capture(&self) -> Vec<f64> {
+        Vec::new()
+    }
+
+    /// Goes on from what it kept when it was captured; takes from the front of `numbers` as many as it gave.
+    ///
+    /// # Errors
+    /// If they are not of its making.
+    fn restore(&mut self, _numbers: &mut &[f64]) -> Result<()> {
         Ok(())
     }
 
@@ -112,6 +147,16 @@ pub trait Force<V: Vector>: Send + Sync {
     /// Whether its part of that bound changes as the matter moves.
     fn bound_varies(&self) -> bool {
         false
+    }
+
+    /// About how many springs or other pairs it consists of.
+    fn pairs(&self) -> usize {
+        0
+    }
+
+    /// How it is laid out, for the plan; empty if there is nothing to say.
+    fn layout(&self) -> String {
+        String::new()
     }
 
     /// The memory that it takes [bytes].

@@ -52,6 +52,8 @@ pub trait Integrator: Send + Sync + 'static {
     const MEMORY: usize = 0;
     /// How many of those it carries from one step to the next.
     const CARRIED: usize = 0;
+    /// Which of those holds a position, if one does.
+    const PLACE: Option<usize> = None;
     /// What remains of the limit where stiffness and damping couple the modes; 1 where it holds mode by mode, as
     /// [`crate::stability`] explains.
     const COUPLED: f64 = 1.0;

@@ -24,6 +24,7 @@ impl Integrator for RungeKutta4 {
     const NODES: &'static [f64] = &[0.0, 0.5, 0.5, 1.0];
     const WEIGHTS: &'static [f64] = &[1.0 / 6.0, 2.0 / 6.0, 2.0 / 6.0, 1.0 / 6.0];
     const MEMORY: usize = 4;
+    const PLACE: Option<usize> = Some(X0);
 
     /// The amplification factors are R(z) = 1 + z + z²/2 + z³/6 + z⁴/24 at z = ωh(−ξ ± √(ξ² − 1)). At ξ = 0,
     /// |R|² = 1 − y⁶/72 + y⁸/576 with y = ωh gives 2√2. For ξ ≥ 1 both z are real, R ≤ 1 as far as z = −2.785…, the real

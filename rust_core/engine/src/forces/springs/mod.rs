@@ -56,22 +56,6 @@ impl<V: Vector> Springs<V> {
         }
     }
 
-    /// How the plan describes them: `6 stencils of 597241 springs`,
-    /// `slices of 16 particles with 40 springs, 3 kinds`.
-    pub fn layout(&self) -> String {
-        let plural = |number: usize, noun: &str| if number == 1 { format!("1 {noun}") } else { format!("{number} {noun}s") };
-        let stencils = (!self.stencils.is_empty()).then(|| {
-            let springs: usize = self.stencils.iter().map(|stencil| stencil.count).sum();
-            format!("{} of {}", plural(self.stencils.len(), "stencil"), plural(springs, "spring"))
-        });
-        let slices = self.slices.as_ref().map(|slices| {
-            let kinds = slices.kinds().map_or_else(|| "each of its own kind".to_owned(), |kinds| plural(kinds, "kind"));
-            format!("slices of {LANES} particles with {}, {kinds}", plural(slices.count, "spring"))
-        });
-        let parts: Vec<String> = stencils.into_iter().chain(slices).collect();
-        if parts.is_empty() { "no springs".to_owned() } else { parts.join("; ") }
-    }
-
     /// The smallest r/L among springs with L > 0 whose lower end is in a block; infinite if there are none. Below ½ the
     /// bound on the time step must be made anew.
     pub fn shortest(&self, block: Range<usize>, at: &Moment<'_, V>) -> f64 {
@@ -119,6 +103,26 @@ impl<V: Vector> Force<V> for Springs<V> {
 
     fn bound_varies(&self) -> bool {
         true
+    }
+
+    fn pairs(&self) -> usize {
+        self.stencils.iter().map(|stencil| stencil.count).sum::<usize>() + self.slices.as_ref().map_or(0, |slices| slices.count)
+    }
+
+    /// How the plan describes them: `6 stencils of 597241 springs`,
+    /// `slices of 16 particles with 40 springs, 3 kinds`.
+    fn layout(&self) -> String {
+        let plural = |number: usize, noun: &str| if number == 1 { format!("1 {noun}") } else { format!("{number} {noun}s") };
+        let stencils = (!self.stencils.is_empty()).then(|| {
+            let springs: usize = self.stencils.iter().map(|stencil| stencil.count).sum();
+            format!("{} of {}", plural(self.stencils.len(), "stencil"), plural(springs, "spring"))
+        });
+        let slices = self.slices.as_ref().map(|slices| {
+            let kinds = slices.kinds().map_or_else(|| "each of its own kind".to_owned(), |kinds| plural(kinds, "kind"));
+            format!("slices of {LANES} particles with {}, {kinds}", plural(slices.count, "spring"))
+        });
+        let parts: Vec<String> = stencils.into_iter().chain(slices).collect();
+        if parts.is_empty() { "no springs".to_owned() } else { parts.join("; ") }
     }
 
     fn bytes(&self) -> usize {

@@ -53,7 +53,13 @@ impl Network {
             caller: (0..count as u32).collect(),
             origin: DVec3::ZERO,
         };
-        ask(&Moment { position: position.view(), velocity: velocity.view(), properties: &properties, time: 0.0 })
+        ask(&Moment {
+            position: position.view(),
+            velocity: velocity.view(),
+            residual: Default::default(),
+            properties: &properties,
+            time: 0.0,
+        })
     }
 
     /// The outcome in blocks of some size, at the best SIMD level or without SIMD.

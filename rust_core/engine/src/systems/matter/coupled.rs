@@ -95,7 +95,7 @@ fn sweep<V: Vector, I: Integrator>(
 ) -> Result<()> {
     let asks = !matches!(action, Action::Point);
     if asks {
-        law.prepare(matter.position.view(), matter.velocity.view(), time)?;
+        law.prepare(matter, time, crew)?;
     }
     std::mem::swap(&mut matter.position, &mut desk.position);
     std::mem::swap(&mut matter.velocity, &mut desk.velocity);

@@ -151,6 +151,8 @@ struct Axis<'a, T> {
     x: &'a mut [Lanes<T>],
     v: &'a mut [Lanes<T>],
     memory: [&'a mut [Lanes<T>]; MEMORY],
+    /// What x is short of by rounding; empty where nobody needs it.
+    residual: &'a mut [Lanes<T>],
 }
 
 /// The axes of a block with their laws, as many as it has dimensions. The loops see only these, so that one compiled
@@ -163,9 +165,11 @@ fn split<'a, V: Vector>(law: &'a Law<V>, blocks: &'a mut Blocks<'_, V>) -> (Axes
     let mut x = blocks.position.axes.iter_mut().map(|axis| &mut **axis);
     let mut v = blocks.velocity.axes.iter_mut().map(|axis| &mut **axis);
     let mut memory = blocks.memory.each_mut().map(|span| span.axes.iter_mut().map(|axis| &mut **axis));
+    let mut residual = blocks.residual.axes.iter_mut().map(|axis| &mut **axis);
     let lanes = |column: Option<&'a mut [V::Scalar]>| column.map_or(&mut [][..], |column| column.as_chunks_mut().0);
     let axes = std::array::from_fn(|axis| {
-        let columns = Axis { x: lanes(x.next()), v: lanes(v.next()), memory: memory.each_mut().map(|axes| lanes(axes.next())) };
+        let memory = memory.each_mut().map(|axes| lanes(axes.next()));
+        let columns = Axis { x: lanes(x.next()), v: lanes(v.next()), memory, residual: lanes(residual.next()) };
         (axis < V::DIMENSION).then(|| (columns, law.affine.axis(axis, start, length)))
     });
     (axes, &mut blocks.meters[0])
@@ -175,7 +179,7 @@ fn split<'a, V: Vector>(law: &'a Law<V>, blocks: &'a mut Blocks<'_, V>) -> (Axes
 #[inline(always)]
 fn whole_step<T: Real, I: Integrator>(law: impl AxisForce<T>, axis: &mut Axis<'_, T>, h: f64, power: &mut Power) {
     let step = T::from_f64(h);
-    let Axis { x, v, memory } = axis;
+    let Axis { x, v, memory, .. } = axis;
     let mut drag = [T::ZERO; LANES];
     let mut work = [T::ZERO; LANES];
     for (group, (x, v)) in x.iter_mut().zip(v.iter_mut()).enumerate() {
@@ -241,6 +245,24 @@ impl<T: Real> Registers<T> {
         self.x[lane] = register.x;
         self.v[lane] = register.v;
         [self.a[lane], self.b[lane], self.c[lane], self.d[lane]] = register.memory;
+    }
+
+    /// Turns positions that are relative to `x` into the nearest ones that there are, and into the residual. Their sum
+    /// keeps its value to the last bit (D. E. Knuth, The Art of Computer Programming 2, 4.2.2, theorem B).
+    #[inline(always)]
+    fn settle<I: Integrator>(&mut self, x: &Lanes<T>, residual: &mut Lanes<T>) {
+        for lane in 0..LANES {
+            let mut register = self.lane(lane);
+            let (from, by) = (x[lane], register.x);
+            let sum = from + by;
+            let moved = sum - from;
+            residual[lane] = (from - (sum - moved)) + (by - moved);
+            register.x = sum;
+            if let Some(place) = I::PLACE {
+                register.memory[place] = register.memory[place] - (by - residual[lane]);
+            }
+            self.set(lane, &register);
+        }
     }
 
     /// Changes every lane's register.
@@ -426,7 +448,7 @@ fn one_stage<T: Real, I: Integrator>(
     power: &mut Power,
 ) {
     let step = T::from_f64(h);
-    let Axis { x, v, memory } = axis;
+    let Axis { x, v, memory, residual } = axis;
     let mut drag = [T::ZERO; LANES];
     let mut work = [T::ZERO; LANES];
     for (group, (x, v)) in x.iter_mut().zip(v.iter_mut()).enumerate() {
@@ -441,6 +463,10 @@ fn one_stage<T: Real, I: Integrator>(
             work[lane] += supplied;
             a[lane] = force[lane] * inverse_mass[lane] + law.acceleration(&coefficients, lane, register.x, register.v);
         }
+        // Integrators only ever add to a position, so that they can as well move what it is short of.
+        if let Some(residual) = residual.get(group) {
+            registers.x = *residual;
+        }
         match action {
             Action::Begin => registers.each(|register, lane| I::begin(register, a[lane])),
             Action::Point => point::<T, I>(0, &mut registers, step),
@@ -450,6 +476,9 @@ fn one_stage<T: Real, I: Integrator>(
                     point::<T, I>(next, &mut registers, step);
                 }
             }
+        }
+        if let Some(residual) = residual.get_mut(group) {
+            registers.settle::<I>(x, residual);
         }
         registers.store(x, v, memory, group, I::MEMORY);
     }

@@ -7,7 +7,8 @@ use crate::error::Result;
 use crate::forces::affine::{Affine, Fold};
 use crate::forces::{Force, InverseSquare, Moment, Rates, Reach, VelocityDependence};
 use crate::math::{Real, Vector};
-use crate::matter::{CHANNELS, Channel, Columns, Properties, View};
+use crate::matter::{CHANNELS, Channel, Columns, Matter, Properties, View};
+use crate::parallel::Crew;
 use crate::simd::{LANES, padded};
 use crate::stability::Bound;
 
@@ -83,13 +84,25 @@ impl<V: Vector> Law<V> {
 
     /// The matter at a moment, for the forces to look at.
     pub fn moment<'a>(&'a self, position: View<'a, V>, velocity: View<'a, V>, time: f64) -> Moment<'a, V> {
-        Moment { position, velocity, properties: &self.properties, time }
+        Moment { position, velocity, residual: View::default(), properties: &self.properties, time }
+    }
+
+    /// All matter at a moment.
+    pub fn moment_of<'a>(&'a self, matter: &'a Matter<V>, time: f64) -> Moment<'a, V> {
+        Moment { residual: matter.residual.view(), ..self.moment(matter.position.view(), matter.velocity.view(), time) }
     }
 
     /// Lets every force do what must be done for all particles at once.
-    pub fn prepare(&mut self, position: View<'_, V>, velocity: View<'_, V>, time: f64) -> Result<()> {
-        let at = Moment { position, velocity, properties: &self.properties, time };
-        self.forces[self.folded..self.together].iter_mut().try_for_each(|force| force.prepare(&at))
+    pub fn prepare(&mut self, matter: &Matter<V>, time: f64, crew: &Crew) -> Result<()> {
+        let Self { properties, forces, folded, together, .. } = self;
+        let (position, velocity, residual) = (matter.position.view(), matter.velocity.view(), matter.residual.view());
+        let at = Moment { position, velocity, residual, properties, time };
+        forces[*folded..*together].iter_mut().try_for_each(|force| force.prepare(&at, crew))
+    }
+
+    /// The forces, to make them remember or go back.
+    pub fn forces_mut(&mut self) -> &mut [Box<dyn Force<V>>] {
+        &mut self.forces
     }
 
     /// Sets the forces and powers of one block to those of all terms that are not folded.
@@ -142,6 +155,11 @@ impl<V: Vector> Law<V> {
         let mut bound = Bound::new(&self.properties.mass, &self.properties.body);
         self.forces.iter().for_each(|force| force.bound(at, &mut bound));
         bound
+    }
+
+    /// About how many springs and other pairs there are.
+    pub fn pairs(&self) -> usize {
+        self.forces.iter().map(|force| force.pairs()).sum()
     }
 
     /// The memory that it takes [bytes].

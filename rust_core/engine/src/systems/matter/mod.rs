@@ -10,7 +10,7 @@ pub use law::Law;
 
 use coupled::Desk;
 
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::integrators::Integrator;
 use crate::math::Vector;
 use crate::matter::{Columns, Matter};
@@ -76,15 +76,15 @@ impl<V: Vector> MatterSystem<V> {
         }
     }
 
-    /// A system at a given state. `interactions` counts the springs and other pairs.
-    pub fn new<I: Integrator>(law: Law<V>, mut state: Matter<V>, interactions: usize, threads: usize) -> Self {
+    /// A system at a given state.
+    pub fn new<I: Integrator>(law: Law<V>, mut state: Matter<V>, threads: usize) -> Self {
         // What is only kept between the stages of a step need not outlive a block that runs through whole steps.
         let kept = if law.is_independent() { I::CARRIED } else { I::MEMORY };
         state.memory = vec![Columns::zeros(state.count()); kept];
         let count = state.count() as f64;
         // Nanoseconds on a common core; only the sizes of chunks hang on them, never a bit of the result.
         let per_particle = if law.is_folded() && law.contacts.is_none() { 1.0 } else { 8.0 };
-        let per_stage = 500.0 + count * per_particle + 6.0 * interactions as f64 + CALLBACK * law.callbacks() as f64;
+        let per_stage = 500.0 + count * per_particle + 6.0 * law.pairs() as f64 + CALLBACK * law.callbacks() as f64;
         let cost = 1e-9 * I::NODES.len() as f64 * per_stage;
         let threads = if cost < WORTH_SHARING { 1 } else { threads };
         let desk = (!law.is_independent()).then(|| Desk::new(state.count(), law.contacts.is_some()));
@@ -147,6 +147,7 @@ impl<V: Vector> MatterSystem<V> {
     /// Takes steps, or none of them if it fails.
     pub fn advance(&mut self, interval: Interval, interrupted: &dyn Fn() -> bool) -> Result<()> {
         let Self { law, state, kept, desk, stepper, team, cost } = self;
+        law.forces_mut().iter_mut().for_each(|force| force.keep());
         if desk.is_some() {
             kept.copy_from(state);
         } else {
@@ -165,14 +166,26 @@ impl<V: Vector> MatterSystem<V> {
         };
         let outcome = ended.and(outcome);
         if outcome.is_err() {
-            self.undo();
+            self.undo()?;
         }
         outcome
     }
 
     /// Goes back to the state before the last [`MatterSystem::advance`].
-    pub fn undo(&mut self) {
+    pub fn undo(&mut self) -> Result<()> {
         std::mem::swap(&mut self.kept, &mut self.state);
+        self.law.forces_mut().iter_mut().try_for_each(|force| force.undo())
+    }
+
+    /// What the forces keep from step to step.
+    pub fn recollection(&self) -> Vec<f64> {
+        self.law.forces().iter().flat_map(|force| force.capture()).collect()
+    }
+
+    /// Goes on from what the forces kept.
+    pub fn recollect(&mut self, mut numbers: &[f64]) -> Result<()> {
+        self.law.forces_mut().iter_mut().try_for_each(|force| force.restore(&mut numbers))?;
+        if numbers.is_empty() { Ok(()) } else { Err(Error::State("it holds more than the forces of this scene keep".to_owned())) }
     }
 
     /// A measure of the kinetic energy at the end of the last advance [J]; not finite if a velocity is not.
