@@ -12,10 +12,12 @@
 mod brute;
 mod grid;
 mod lists;
+mod ordering;
 mod sort;
 pub mod sums;
 
 pub use brute::brute;
+pub use ordering::ordering;
 
 use crate::error::{Error, Result};
 use crate::math::{AXES, Stored};
