@@ -1,7 +1,7 @@
 //! Lennard-Jones' model of noble gases: attraction by dispersion, repulsion by overlap.
 //!
-//! U(r) = 4ε[(σ/r)¹² − (σ/r)⁶], of J. E. Jones, Proc. R. Soc. Lond. A 106 (1924) 463, cut off at r_c so that neither energy nor
-//! force jumps there: F(r) − F(r_c) and U(r) − U(r_c) + (r − r_c) F(r_c), as in S. Toxvaerd, J. C. Dyre, J. Chem. Phys. 134
+//! U(r) = 4ε[(σ/r)¹² − (σ/r)⁶], of J. E. Jones, Proc. R. Soc. Lond. A 106 (1924) 463, cut off at R so that neither energy nor
+//! force jumps there: F(r) − F(R) and U(r) − U(R) + (r − R) F(R), as in S. Toxvaerd, J. C. Dyre, J. Chem. Phys. 134
 //! (2011) 081102.
 
 use super::pairs::{Interaction, SUMS};
@@ -25,9 +25,9 @@ pub struct LennardJones<T> {
     epsilon: f64,
     /// The distance at which the uncut energy is zero σ [m].
     sigma: f64,
-    /// The distance from which on there is nothing r_c [m].
+    /// The distance from which on there is nothing R [m].
     cutoff: f64,
-    /// σ² [m²], 24ε [J], r_c² [m²], and the uncut force at r_c [N].
+    /// σ² [m²], 24ε [J], R² [m²], and the uncut force at R [N].
     square_sigma: T,
     strength: T,
     square_cutoff: T,
