@@ -2,7 +2,7 @@
 //!
 //! [`scene::Scene`] says what there is → [`plan::Plan`] is what that requires → [`simulation::Simulation`] owns the state
 //! and the clock, and lets a [`systems::System`] advance it: [`systems`] drive an integrator ([`integrators`]) over
-//! [`matter`], asking the [`forces`] for accelerations and the [`boundaries`] for contacts, block by block, on the
+//! [`matter`], asking the [`forces`] for accelerations (those between pairs look in [`neighbors`]) and the [`boundaries`] for contacts, block by block, on the
 //! threads of [`parallel`] and at the SIMD level of [`simd`] → [`audit`] proves the energy, [`stability`] bounds the step.
 
 pub mod audit;
@@ -15,6 +15,7 @@ pub mod integrators;
 pub mod math;
 pub mod matter;
 pub mod meter;
+pub mod neighbors;
 pub mod parallel;
 pub mod plan;
 pub mod scene;

@@ -9,6 +9,10 @@ use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
 use glam::{DVec2, DVec3, Vec2, Vec3};
 
+mod places;
+
+pub use places::Stored;
+
 /// A floating-point number: f32 or f64.
 pub trait Real:
     Copy
@@ -27,11 +31,14 @@ pub trait Real:
     + AddAssign
     + SubAssign
     + MulAssign
+    + Stored
 {
     /// 0.
     const ZERO: Self;
     /// 1.
     const ONE: Self;
+    /// ∞.
+    const INFINITY: Self;
     /// The distance from 1 to the next number.
     const EPSILON: f64;
     /// The name that users know it by.
@@ -63,6 +70,7 @@ macro_rules! real {
         impl Real for $number {
             const ZERO: Self = 0.0;
             const ONE: Self = 1.0;
+            const INFINITY: Self = $number::INFINITY;
             const EPSILON: f64 = $number::EPSILON as f64;
             const NAME: &'static str = stringify!($number);
 

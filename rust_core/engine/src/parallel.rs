@@ -21,6 +21,46 @@ pub trait Split: Sized + Send {
     fn split_at(self, blocks: usize) -> (Self, Self);
 }
 
+impl<A: Split, B: Split> Split for (A, B) {
+    fn blocks(&self) -> usize {
+        self.0.blocks()
+    }
+
+    fn split_at(self, blocks: usize) -> (Self, Self) {
+        let (first, others) = (self.0.split_at(blocks), self.1.split_at(blocks));
+        ((first.0, others.0), (first.1, others.1))
+    }
+}
+
+/// Items to write, in blocks of one size.
+#[derive(Debug)]
+pub struct Chunks<'a, T> {
+    /// The index of the first item in the whole.
+    pub start: usize,
+    /// The items.
+    pub items: &'a mut [T],
+    size: usize,
+}
+
+impl<'a, T> Chunks<'a, T> {
+    /// All of `items`, in blocks of `size`, which must not be 0.
+    pub fn new(items: &'a mut [T], size: usize) -> Self {
+        Self { start: 0, items, size }
+    }
+}
+
+impl<T: Send> Split for Chunks<'_, T> {
+    fn blocks(&self) -> usize {
+        self.items.len().div_ceil(self.size)
+    }
+
+    fn split_at(self, blocks: usize) -> (Self, Self) {
+        let length = (blocks * self.size).min(self.items.len());
+        let (first, others) = self.items.split_at_mut(length);
+        (Self { items: first, ..self }, Self { start: self.start + length, items: others, size: self.size })
+    }
+}
+
 /// What a running job knows of its team.
 #[derive(Debug)]
 pub struct Crew {
@@ -32,6 +72,11 @@ impl Crew {
     /// A crew of the calling thread alone.
     pub fn alone() -> Self {
         Self { threads: 1, stop: AtomicBool::new(false) }
+    }
+
+    /// The number of threads that it can use.
+    pub fn threads(&self) -> usize {
+        self.threads
     }
 
     /// Whether the job was asked to end early; the state that it leaves behind is then thrown away.

@@ -9,6 +9,7 @@ use crate::forces::{self, Force, Reach};
 use crate::integrators::Integrator;
 use crate::math::{Real, Vector};
 use crate::matter::{Columns, Matter, Properties};
+use crate::neighbors;
 use crate::scene::{Scene, Spring};
 use crate::simd::{Level, padded};
 use crate::systems::matter::{Law, MatterSystem};
@@ -59,7 +60,7 @@ pub struct Compiled<V: Vector> {
 pub fn compile<V: Vector, I: Integrator>(scene: &Scene, threads: usize) -> Result<Compiled<V>> {
     let count = scene.count();
     let springs = scene.springs();
-    let order = springs::ordering(&springs, count).unwrap_or_else(|| (0..count as u32).collect());
+    let order = ordering(scene, &springs);
     let properties = properties::<V>(scene, &order);
     refuse_coarse::<V>(scene, &springs, properties.origin)?;
     refuse_tiny_masses(&properties)?;
@@ -162,6 +163,15 @@ fn left_out<V: Vector>(forces: &[Box<dyn Force<V>>], independent: bool, contacts
         absent.push("contacts");
     }
     absent
+}
+
+/// Place → particle in the caller's order: springs want partners near each other, and pairs want neighbors so.
+fn ordering(scene: &Scene, springs: &[Spring]) -> Vec<u32> {
+    if springs.is_empty() && forces::are_between_pairs(scene) {
+        let positions: Vec<DVec3> = scene.bodies.iter().flat_map(|body| &body.positions).copied().collect();
+        return neighbors::ordering(&positions, scene.dimension);
+    }
+    springs::ordering(springs, scene.count()).unwrap_or_else(|| (0..scene.count() as u32).collect())
 }
 
 /// Masses and the like in the engine's order, and the origin: the middle of all positions.

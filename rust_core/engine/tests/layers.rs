@@ -4,11 +4,12 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The rooms, in order. Rooms in one group may know each other.
-const LAYERS: [&[&str]; 13] = [
+const LAYERS: [&[&str]; 14] = [
     &["error", "math"],
     &["scene"],
     &["parallel", "simd"],
     &["columns", "meter"],
+    &["neighbors"],
     &["matter"],
     &["integrators"],
     &["stability"],

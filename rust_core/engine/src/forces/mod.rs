@@ -15,8 +15,12 @@ mod central;
 mod custom;
 mod drag;
 mod gravity;
+mod lennard_jones;
+mod pairs;
 mod pointwise;
+mod repulsion;
 pub mod springs;
+mod vicinity;
 
 use affine::Fold;
 pub use central::InverseSquare;
@@ -165,11 +169,18 @@ pub trait Force<V: Vector>: Send + Sync {
     }
 }
 
-/// The registry: the forces that a term of the scene declares. Pointwise forces don't act on fixed particles.
+/// Whether any force of a scene passes between all particles that are near each other.
+pub fn are_between_pairs(scene: &Scene) -> bool {
+    let of_fluids = scene.bodies.iter().any(|body| body.fluid.is_some());
+    of_fluids || scene.forces.iter().any(|term| ["Repulsion", "LennardJones"].contains(&term.kind.as_str()))
+}
+
+/// The registry: the forces that a term of the scene declares. Pointwise forces don't act on fixed
+/// particles; forces between pairs count with them.
 pub fn build<V: Vector>(scene: &Scene, term: &Term, properties: &Properties<V>) -> Result<Vec<Box<dyn Force<V>>>> {
     let in_scene = scene.members(term);
-    let members: Vec<bool> =
-        (0..properties.count()).map(|index| in_scene[properties.caller[index] as usize] && !properties.is_fixed(index)).collect();
+    let chosen: Vec<bool> = properties.caller.iter().map(|&caller| in_scene[caller as usize]).collect();
+    let members: Vec<bool> = chosen.iter().enumerate().map(|(index, &chosen)| chosen && !properties.is_fixed(index)).collect();
     let mut mask: Vec<V::Scalar> = members.iter().map(|&member| if member { V::Scalar::ONE } else { V::Scalar::ZERO }).collect();
     mask.resize(padded(members.len()), V::Scalar::ZERO);
     Ok(match term.kind.as_str() {
@@ -181,6 +192,11 @@ pub fn build<V: Vector>(scene: &Scene, term: &Term, properties: &Properties<V>) 
             properties.caller.iter().enumerate().for_each(|(index, &caller)| engine[caller as usize] = index);
             let all = (0..members.len()).filter(|&caller| in_scene[caller]).map(|caller| engine[caller]).collect();
             vec![Box::new(custom::Custom::<V>::new(term, all, members.len())?)]
+        }
+        "Repulsion" => vec![repulsion::force(scene, term, properties, &chosen)?],
+        "LennardJones" => {
+            let law = lennard_jones::LennardJones::<V::Scalar>::new(term)?;
+            vec![Box::new(pairs::Pairs::<V, _>::new(scene, properties, &chosen, law)?)]
         }
         other => return Err(Error::parameter(&term.path, "a force", other)),
     })

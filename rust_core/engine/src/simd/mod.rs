@@ -11,8 +11,12 @@ use std::sync::OnceLock;
 use crate::error::{Error, Result};
 
 mod gather;
+mod records;
+mod select;
 
 pub use gather::Gather;
+pub use records::{Record, WORDS, transpose};
+pub use select::select;
 
 /// The width of every fixed-lane loop: one AVX-512 register of f32, two of f64.
 pub const LANES: usize = 16;

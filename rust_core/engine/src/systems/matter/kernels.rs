@@ -259,7 +259,7 @@ impl<T: Real> Registers<T> {
             residual[lane] = (from - (sum - moved)) + (by - moved);
             register.x = sum;
             if let Some(place) = I::PLACE {
-                register.memory[place] = register.memory[place] - (by - residual[lane]);
+                register.memory[place] -= by - residual[lane];
             }
             self.set(lane, &register);
         }

@@ -1,0 +1,128 @@
+//! Lennard-Jones' model of noble gases: attraction by dispersion, repulsion by overlap.
+//!
+//! U(r) = 4ε[(σ/r)¹² − (σ/r)⁶], of J. E. Jones, Proc. R. Soc. Lond. A 106 (1924) 463, cut off at R so that neither energy nor
+//! force jumps there: F(r) − F(R) and U(r) − U(R) + (r − R) F(R), as in S. Toxvaerd, J. C. Dyre, J. Chem. Phys. 134
+//! (2011) 081102.
+
+use super::pairs::{Interaction, SUMS};
+use super::{Moment, VelocityDependence};
+use crate::error::Result;
+use crate::math::{AXES, Real, Vector};
+use crate::matter::Properties;
+use crate::neighbors::sums::PairLaw;
+use crate::scene::{Term, Value};
+use crate::simd::Record;
+use crate::stability::Bound;
+
+/// The largest accurate step in units of σ √(m/ε): twice the usual one (M. P. Allen, D. J. Tildesley, Computer Simulation of
+/// Liquids, 2nd ed. (2017), section 3.2), for the default safety halves it.
+const ACCURATE: f64 = 0.01;
+
+/// The law in the precision of the run.
+#[derive(Debug, Clone, Copy)]
+pub struct LennardJones<T> {
+    /// The depth of the well ε [J].
+    epsilon: f64,
+    /// The distance at which the uncut energy is zero σ [m].
+    sigma: f64,
+    /// The distance from which on there is nothing R [m].
+    cutoff: f64,
+    /// σ² [m²], 24ε [J], R² [m²], and the uncut force at R [N].
+    square_sigma: T,
+    strength: T,
+    square_cutoff: T,
+    shift: T,
+}
+
+/// The uncut energy [J], force [N] and stiffness [N/m] at a distance.
+fn uncut(epsilon: f64, sigma: f64, distance: f64) -> [f64; 3] {
+    let six = libm::pow(sigma / distance, 6.0);
+    let twelve = six * six;
+    [
+        4.0 * epsilon * (twelve - six),
+        24.0 * epsilon * (2.0 * twelve - six) / distance,
+        24.0 * epsilon * (26.0 * twelve - 7.0 * six) / (distance * distance),
+    ]
+}
+
+impl<T: Real> LennardJones<T> {
+    /// The law as declared.
+    pub fn new(term: &Term) -> Result<Self> {
+        let positive = |name: &str| match term.number(name)? {
+            number if number > 0.0 => Ok(number),
+            number => Err(term.wrong(name, "a number > 0", Some(&Value::Number(number)))),
+        };
+        let (epsilon, sigma, cutoff) = (positive("epsilon")?, positive("sigma")?, positive("cutoff")?);
+        let shift = uncut(epsilon, sigma, cutoff)[1];
+        Ok(Self {
+            epsilon,
+            sigma,
+            cutoff,
+            square_sigma: T::from_f64(sigma * sigma),
+            strength: T::from_f64(24.0 * epsilon),
+            square_cutoff: T::from_f64(cutoff * cutoff),
+            shift: T::from_f64(shift),
+        })
+    }
+}
+
+impl<V: Vector> PairLaw<V, SUMS> for LennardJones<V::Scalar> {
+    #[inline(always)]
+    fn terms(
+        &self,
+        _own: &Record<V::Scalar>,
+        _other: &Record<V::Scalar>,
+        apart: [V::Scalar; AXES],
+        square: V::Scalar,
+    ) -> [V::Scalar; SUMS] {
+        let inverse = V::Scalar::ONE / square;
+        let ratio = self.square_sigma * inverse;
+        let six = ratio * ratio * ratio;
+        let push = self.strength * (six * six + six * six - six) * inverse - self.shift * (square.sqrt() * inverse);
+        let push = if square < self.square_cutoff { push } else { V::Scalar::ZERO };
+        let mut terms = [V::Scalar::ZERO; SUMS];
+        for axis in 0..V::DIMENSION {
+            terms[axis] = push * apart[axis];
+        }
+        terms
+    }
+}
+
+impl<V: Vector> Interaction<V> for LennardJones<V::Scalar> {
+    const NAME: &'static str = "Lennard-Jones";
+
+    fn cutoff(&self) -> f64 {
+        self.cutoff
+    }
+
+    fn velocity(&self) -> VelocityDependence {
+        VelocityDependence::None
+    }
+
+    fn attribute(&self, _properties: &Properties<V>, _index: usize) -> f64 {
+        0.0
+    }
+
+    fn potential(&self, _attributes: [f64; 2], distance: f64) -> f64 {
+        if distance >= self.cutoff {
+            return 0.0;
+        }
+        let [edge, shift, _] = uncut(self.epsilon, self.sigma, self.cutoff);
+        uncut(self.epsilon, self.sigma, distance)[0] - edge + (distance - self.cutoff) * shift
+    }
+
+    /// Along the pair it is U'', across it −F/r.
+    fn stiffness(&self, _attributes: [f64; 2], distance: f64) -> [f64; 2] {
+        if distance >= self.cutoff {
+            return [0.0; 2];
+        }
+        let shift = uncut(self.epsilon, self.sigma, self.cutoff)[1];
+        let [_, force, stiffness] = uncut(self.epsilon, self.sigma, distance);
+        [stiffness.abs().max((force - shift).abs() / distance), 0.0]
+    }
+
+    fn bound(&self, at: &Moment<'_, V>, members: &[u32], bound: &mut Bound) {
+        let lightest = members.iter().map(|&index| at.properties.mass[index as usize]).fold(f64::INFINITY, f64::min);
+        bound.accuracy("Lennard-Jones", ACCURATE * self.sigma * (lightest / self.epsilon).sqrt());
+    }
+}

@@ -1,0 +1,174 @@
+//! Who is near whom among the members of a pair force, from step to step.
+//!
+//! The sums over lists depend on when the lists were made, by rounding. So the positions that they were made from are part of
+//! what a checkpoint holds, and of what is undone.
+
+use glam::DVec3;
+
+use super::Moment;
+use crate::error::{Error, Result};
+use crate::math::{AXES, Vector};
+use crate::matter::Properties;
+use crate::neighbors::{Domain, Neighbors};
+use crate::parallel::{Chunks, Crew};
+use crate::scene::Scene;
+
+/// The skin in units of the distance between particles. A list then lives some steps, and is not much longer than need be.
+const SKIN: f64 = 0.3;
+
+/// The cells in which particles are counted to find that distance, in units of the cutoff.
+const SAMPLE: f64 = 4.0;
+
+/// Particles whose positions are copied at a time.
+const BLOCK: usize = 1024;
+
+/// The positions of some particles, and lists of their neighbors.
+#[derive(Debug)]
+pub struct Vicinity {
+    neighbors: Neighbors,
+    /// Exact positions relative to the origin, one array per axis [m].
+    positions: [Vec<f64>; AXES],
+    /// What the lists were made from when the chunk began.
+    kept: [Vec<f64>; AXES],
+    /// Whether they have been made anew since.
+    renewed: bool,
+    skin: f64,
+}
+
+impl Vicinity {
+    /// The vicinity up to a cutoff [m] of the `members` of a scene.
+    ///
+    /// # Errors
+    /// If the cutoff makes no sense, or the periodic domain is too small for it.
+    pub fn new<V: Vector>(scene: &Scene, properties: &Properties<V>, members: &[u32], cutoff: f64) -> Result<Self> {
+        let domain = domain(scene, properties.origin);
+        let skin = skin::<V>(&places(scene, properties, members), &domain, cutoff);
+        let columns = || std::array::from_fn(|axis| vec![0.0; if axis < V::DIMENSION { members.len() } else { 0 }]);
+        let neighbors = Neighbors::new(members.len(), V::DIMENSION, &domain, cutoff, skin)?;
+        Ok(Self { neighbors, positions: columns(), kept: columns(), renewed: false, skin })
+    }
+
+    /// Brings positions and lists up to date for a moment.
+    ///
+    /// # Errors
+    /// If positions are too far away to tell distances.
+    pub fn update<V: Vector>(&mut self, at: &Moment<'_, V>, members: &[u32], crew: &Crew) -> Result<()> {
+        for (axis, column) in self.positions.iter_mut().enumerate().take(V::DIMENSION) {
+            crew.sweep(Chunks::new(column, BLOCK), &|mine| {
+                let members = &members[mine.start..];
+                mine.items.iter_mut().zip(members).for_each(|(to, &member)| *to = at.place(axis, member as usize));
+            });
+        }
+        // Said beforehand, because a failure leaves no lists behind.
+        let renewed = self.neighbors.update(self.positions.each_ref().map(Vec::as_slice), crew);
+        self.renewed |= *renewed.as_ref().unwrap_or(&true);
+        renewed.map(|_| ())
+    }
+
+    /// The lists.
+    pub fn neighbors(&self) -> &Neighbors {
+        &self.neighbors
+    }
+
+    /// The positions of all members relative to the origin [m].
+    pub fn positions(&self) -> [&[f64]; AXES] {
+        self.positions.each_ref().map(Vec::as_slice)
+    }
+
+    /// Remembers what the lists were made from.
+    pub fn keep(&mut self) {
+        if self.renewed {
+            self.kept.iter_mut().zip(self.neighbors.anchors()).for_each(|(kept, anchors)| kept.copy_from_slice(anchors));
+            self.renewed = false;
+        }
+    }
+
+    /// Makes the lists that were last kept.
+    pub fn undo(&mut self) -> Result<()> {
+        if self.renewed {
+            self.neighbors.restore(self.kept.each_ref().map(Vec::as_slice), &Crew::alone())?;
+            self.renewed = false;
+        }
+        Ok(())
+    }
+
+    /// What the lists were made from [m].
+    pub fn capture(&self) -> Vec<f64> {
+        self.neighbors.anchors().concat()
+    }
+
+    /// Makes the lists that were captured; takes its part from the front of `numbers`.
+    pub fn restore(&mut self, numbers: &mut &[f64]) -> Result<()> {
+        for column in &mut self.kept {
+            let (mine, rest) = numbers.split_at_checked(column.len()).ok_or_else(foreign)?;
+            column.copy_from_slice(mine);
+            *numbers = rest;
+        }
+        self.renewed = true;
+        self.undo()
+    }
+
+    /// About how many pairs are listed, as one of both counts them.
+    pub fn pairs(&self) -> usize {
+        TYPICAL * self.neighbors.count()
+    }
+
+    /// How the plan describes it.
+    pub fn layout(&self) -> String {
+        let reach = self.neighbors.support() - self.skin;
+        format!(
+            "neighbors within {reach:.3e} m, from lists that reach {:.3e} m further and serve until somebody has moved by half of that",
+            self.skin
+        )
+    }
+
+    /// The memory that it takes [bytes].
+    pub fn bytes(&self) -> usize {
+        let columns = self.positions.iter().chain(&self.kept).map(|column| std::mem::size_of_val(column.as_slice()));
+        self.neighbors.bytes() + columns.sum::<usize>()
+    }
+}
+
+/// The number of neighbors that a particle is taken to have where that only decides how long a chunk of steps is.
+const TYPICAL: usize = 20;
+
+fn foreign() -> Error {
+    Error::State("it does not belong to this scene".to_owned())
+}
+
+/// The space of a scene, relative to an origin.
+fn domain(scene: &Scene, origin: DVec3) -> Domain {
+    let Some([lower, upper]) = scene.periodic else { return Domain::default() };
+    let ends = |axis: usize| (lower[axis] - origin[axis], upper[axis] - origin[axis]);
+    let is_periodic = |axis: usize| axis < scene.dimension && lower[axis].is_finite() && upper[axis].is_finite();
+    Domain { period: std::array::from_fn(|axis| is_periodic(axis).then(|| ends(axis))) }
+}
+
+/// The vector from one particle to the nearest image of another [m].
+pub fn nearest(domain: &Domain, mut apart: DVec3) -> DVec3 {
+    for (axis, length) in domain.lengths().into_iter().enumerate() {
+        if let Some(length) = length {
+            apart[axis] -= length * (apart[axis] / length).round();
+        }
+    }
+    apart
+}
+
+/// Where the members are at the start, relative to the origin [m].
+fn places<V: Vector>(scene: &Scene, properties: &Properties<V>, members: &[u32]) -> Vec<DVec3> {
+    let positions: Vec<DVec3> = scene.bodies.iter().flat_map(|body| &body.positions).copied().collect();
+    let place = |&member: &u32| positions[properties.caller[member as usize] as usize] - properties.origin;
+    members.iter().map(place).collect()
+}
+
+/// The skin for particles at these places, from the space that there is for each where they are: in wide cells that hold any.
+fn skin<V: Vector>(places: &[DVec3], domain: &Domain, cutoff: f64) -> f64 {
+    let cell = SAMPLE * cutoff;
+    let mut cells: Vec<[i64; AXES]> = places.iter().map(|place| (*place / cell).floor().as_i64vec3().to_array()).collect();
+    cells.sort_unstable();
+    cells.dedup();
+    let space = cells.len() as f64 / places.len().max(1) as f64;
+    let distance = cell * libm::pow(space, 1.0 / V::DIMENSION as f64);
+    let room = domain.lengths().iter().flatten().map(|length| 0.5 * length - cutoff).fold(f64::INFINITY, f64::min);
+    (SKIN * distance).min(cutoff).min(0.999 * room).max(0.0)
+}

@@ -1,0 +1,161 @@
+//! Where particles are, in the records that pair sums read: so that a difference of two places is as good as the precision
+//! in which it is computed, however far from the origin both are.
+//!
+//! In f64 a place is the coordinate. In f32 it is a 32-bit fixed-point number modulo eight to sixteen supports, of which a
+//! periodic axis holds a whole number: the wrapping difference of two is exact, is that of the nearest images, and needs
+//! one multiplication to become a length. Its unit is below 4e-9 supports, so what is left is the rounding of the
+//! conversion, some 1e-7 of the length itself.
+
+use std::fmt::Debug;
+
+/// 2³², the number of different places along an axis in f32.
+const PLACES: f64 = 4_294_967_296.0;
+
+/// Added and taken away again, this rounds a number below 2⁵¹ to the nearest whole one, ties to even. Every level has
+/// vector instructions for it, and for `round_ties_even` only some.
+const WHOLE: f64 = 6_755_399_441_055_744.0;
+
+/// The nearest whole number to a value below 2⁵¹.
+#[inline(always)]
+fn nearest(value: f64) -> f64 {
+    (value + WHOLE) - WHOLE
+}
+
+/// Numbers of this precision in records that hold numbers and places side by side.
+pub trait Stored: Sized {
+    /// One number or one place.
+    type Word: Copy + Default + Debug + Send + Sync + 'static;
+    /// How places along one axis are measured.
+    type Ruler: Copy + Debug + Send + Sync + 'static;
+
+    /// The word for this number.
+    fn word(self) -> Self::Word;
+    /// The number in a word.
+    fn number(word: Self::Word) -> Self;
+    /// The ruler for an axis of a certain period, if it has one, between whose places differences up to `support` matter.
+    fn ruler(period: Option<f64>, support: f64) -> Self::Ruler;
+    /// The place of a coordinate.
+    fn place(coordinate: f64, ruler: Self::Ruler) -> Self::Word;
+    /// How far a place lies above another, or above its nearest image where the axis is periodic. `PERIODIC` says whether
+    /// any axis is.
+    fn apart<const PERIODIC: bool>(one: Self::Word, other: Self::Word, ruler: Self::Ruler) -> Self;
+}
+
+/// How places in f32 are measured.
+#[derive(Debug, Clone, Copy)]
+pub struct Fixed {
+    /// Units in a metre [1/m].
+    scale: f64,
+    /// The unit [m].
+    unit: f32,
+}
+
+impl Stored for f32 {
+    type Word = u32;
+    type Ruler = Fixed;
+
+    #[inline(always)]
+    fn word(self) -> u32 {
+        self.to_bits()
+    }
+
+    #[inline(always)]
+    fn number(word: u32) -> Self {
+        f32::from_bits(word)
+    }
+
+    fn ruler(period: Option<f64>, support: f64) -> Fixed {
+        // Without a period a power of two, whose multiplication with a coordinate is exact.
+        let modulus = period.map_or_else(
+            || libm::ldexp(1.0, libm::ilogb(support) + 4),
+            |period| period / (period / (8.0 * support)).floor().max(1.0),
+        );
+        Fixed { scale: PLACES / modulus, unit: (modulus / PLACES) as f32 }
+    }
+
+    #[inline(always)]
+    fn place(coordinate: f64, ruler: Fixed) -> u32 {
+        (coordinate * ruler.scale).round_ties_even() as i64 as u32
+    }
+
+    #[inline(always)]
+    fn apart<const PERIODIC: bool>(one: u32, other: u32, ruler: Fixed) -> f32 {
+        one.wrapping_sub(other).cast_signed() as f32 * ruler.unit
+    }
+}
+
+/// How far images are from each other in f64.
+#[derive(Debug, Clone, Copy)]
+pub struct Image {
+    /// The period [m], 0 for none.
+    period: f64,
+    /// Its inverse [1/m], 0 for none.
+    inverse: f64,
+}
+
+impl Stored for f64 {
+    type Word = f64;
+    type Ruler = Image;
+
+    #[inline(always)]
+    fn word(self) -> f64 {
+        self
+    }
+
+    #[inline(always)]
+    fn number(word: f64) -> Self {
+        word
+    }
+
+    fn ruler(period: Option<f64>, _support: f64) -> Image {
+        Image { period: period.unwrap_or(0.0), inverse: period.map_or(0.0, |period| 1.0 / period) }
+    }
+
+    #[inline(always)]
+    fn place(coordinate: f64, _ruler: Image) -> f64 {
+        coordinate
+    }
+
+    #[inline(always)]
+    fn apart<const PERIODIC: bool>(one: f64, other: f64, ruler: Image) -> f64 {
+        let difference = one - other;
+        if PERIODIC { difference - ruler.period * nearest(difference * ruler.inverse) } else { difference }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Rounding: half a unit for each place, and half an ulp each for the conversion, the unit and the product.
+    fn tolerance(apart: f64, support: f64) -> f64 {
+        8e-9 * support + 1.5 * f64::from(f32::EPSILON) * apart.abs()
+    }
+
+    #[test]
+    fn differences_are_good_to_1e_7_of_the_support_however_far_away() {
+        for (support, period) in [(1.0, None), (0.3, None), (7e-5, None), (1.0, Some(2.0)), (0.3, Some(2.7)), (0.1, Some(1e4))] {
+            let ruler = f32::ruler(period, support);
+            for start in [0.0, -1e5, 1e5, 123_456.7] {
+                for step in -50..50 {
+                    let (one, other) = (start * support, start * support + f64::from(step) * 0.02 * support);
+                    let apart = f32::apart::<true>(f32::place(one, ruler), f32::place(other, ruler), ruler);
+                    assert!((f64::from(apart) - (one - other)).abs() <= tolerance(one - other, support), "{apart} {one} {other}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_nearest_image_is_found_in_any_period() {
+        let (period, support) = (2.7, 0.3);
+        let (single, double) = (f32::ruler(Some(period), support), f64::ruler(Some(period), support));
+        for turns in -1000..1000 {
+            let (one, other) = (0.1, -0.15 + f64::from(turns) * period);
+            let apart = f32::apart::<true>(f32::place(one, single), f32::place(other, single), single);
+            assert!((f64::from(apart) - 0.25).abs() < tolerance(0.25, support), "{apart}");
+            // The coordinate itself is rounded at 2700 m, and its quotient by the period costs as much again.
+            assert!((f64::apart::<true>(one, other, double) - 0.25).abs() < 4.0 * 2700.0 * f64::EPSILON);
+        }
+    }
+}

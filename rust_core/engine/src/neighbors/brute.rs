@@ -1,0 +1,22 @@
+//! The reference: all pairs.
+
+use super::Domain;
+use crate::math::AXES;
+
+/// All neighbors of each of `count` particles within `support` [m], as sorted indices of particles.
+pub fn brute(count: usize, dimension: usize, domain: &Domain, support: f64, positions: [&[f64]; AXES]) -> Vec<Vec<u32>> {
+    let lengths = domain.lengths();
+    let is_near = &move |one: usize, other: usize| {
+        let mut square = 0.0;
+        for axis in 0..dimension {
+            let mut apart = positions[axis][one] - positions[axis][other];
+            if let Some(length) = lengths[axis] {
+                apart -= length * (apart * (1.0 / length)).round_ties_even();
+            }
+            square += apart * apart;
+        }
+        square <= support * support
+    };
+    let list = |one: usize| (0..count).filter(move |&other| other != one && is_near(one, other)).map(|other| other as u32);
+    (0..count).map(|one| list(one).collect()).collect()
+}

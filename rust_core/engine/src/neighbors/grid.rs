@@ -1,0 +1,233 @@
+//! The cells that candidates are looked for in.
+//!
+//! Space is cut into cells of one support, a fraction of it along x, and cells are dealt out to a table of buckets that
+//! goes round: along each axis, cell c is in bucket c modulo the number of buckets. Where the table spans all particles
+//! that is a plain grid; where it would take too much memory it goes round, and a bucket holds several cells, which are
+//! far from each other, so that the distance tells whom to leave out. The buckets of neighboring cells are neighbors and
+//! different either way, and a periodic axis is nothing special: its number of cells is a multiple of its buckets.
+
+use std::ops::Range;
+
+use crate::math::AXES;
+
+/// Cells are larger than the support by this much: more than the rounding of a coordinate can move it, see [`super`].
+const MARGIN: f64 = 1e-6;
+
+/// The cells of one support along x, where the table has room for them: the finer, the fewer candidates.
+const FINE: u32 = 4;
+
+/// The most buckets per particle.
+const BUCKETS: usize = 2;
+
+/// The most runs of candidates of a cell: 9 rows, each in two parts if it goes round the end of the table.
+const RUNS: usize = 18;
+
+/// The extent of the particles.
+#[derive(Debug, Clone, Copy)]
+pub struct Bounds {
+    /// The lowest coordinate along each axis [m].
+    pub low: [f64; AXES],
+    /// The highest [m].
+    pub high: [f64; AXES],
+}
+
+impl Bounds {
+    /// Nothing.
+    pub const EMPTY: Self = Self { low: [f64::INFINITY; AXES], high: [f64::NEG_INFINITY; AXES] };
+
+    /// Both.
+    #[must_use]
+    pub fn with(self, other: &Self) -> Self {
+        Self {
+            low: std::array::from_fn(|axis| self.low[axis].min(other.low[axis])),
+            high: std::array::from_fn(|axis| self.high[axis].max(other.high[axis])),
+        }
+    }
+}
+
+/// One axis of the table.
+#[derive(Debug, Clone, Copy)]
+struct Axis {
+    /// Where cell 0 begins [m].
+    low: f64,
+    /// Cells in a metre [1/m].
+    inverse: f64,
+    /// The number of buckets.
+    buckets: u32,
+    /// How many cells each way a neighbor can be.
+    reach: u32,
+}
+
+impl Axis {
+    /// An axis that is not there.
+    const NONE: Self = Self { low: 0.0, inverse: 0.0, buckets: 1, reach: 0 };
+
+    /// The bucket of a coordinate.
+    #[inline(always)]
+    fn bucket(&self, coordinate: f64) -> u32 {
+        let cell = ((coordinate - self.low) * self.inverse).floor();
+        // Exact: a quotient of whole numbers below 2⁵³ is never rounded up to a whole one.
+        let buckets = f64::from(self.buckets);
+        (cell - buckets * (cell / buckets).floor()) as u32
+    }
+
+    /// The buckets of all cells within reach of one, as the first of them and how many follow it round the table.
+    #[inline(always)]
+    fn around(&self, bucket: u32) -> (u32, u32) {
+        let number = (2 * self.reach + 1).min(self.buckets);
+        if number == self.buckets { (0, number) } else { ((bucket + self.buckets - self.reach) % self.buckets, number) }
+    }
+}
+
+/// The table of buckets.
+#[derive(Debug, Clone, Copy)]
+pub struct Grid {
+    axes: [Axis; AXES],
+}
+
+/// The runs of buckets, as runs of places, in which all neighbors of the particles of one bucket are.
+#[derive(Debug, Clone, Copy)]
+pub struct Runs {
+    runs: [(u32, u32); RUNS],
+    count: usize,
+}
+
+impl Runs {
+    /// No runs.
+    pub const NONE: Self = Self { runs: [(0, 0); RUNS], count: 0 };
+
+    /// Each run of places.
+    #[inline(always)]
+    pub fn iter(&self) -> impl Iterator<Item = Range<usize>> {
+        self.runs[..self.count].iter().map(|&(start, end)| start as usize..end as usize)
+    }
+
+    #[inline(always)]
+    fn push(&mut self, start: u32, end: u32) {
+        if start < end {
+            self.runs[self.count] = (start, end);
+            self.count += 1;
+        }
+    }
+}
+
+impl Grid {
+    /// A table without buckets.
+    pub const NONE: Self = Self { axes: [Axis::NONE; AXES] };
+
+    /// The table for `count` particles.
+    pub fn new(count: usize, dimension: usize, periods: &[Option<(f64, f64)>; AXES], support: f64, bounds: &Bounds) -> Self {
+        let room = (BUCKETS * count).max(64) as f64;
+        let size = support * (1.0 + MARGIN);
+        let wanted = |fine: u32| {
+            let mut wanted = [1.0; AXES];
+            for axis in 0..dimension {
+                let reach = if axis == 0 { fine } else { 1 };
+                let inverse = f64::from(reach) / size;
+                wanted[axis] = match periods[axis] {
+                    Some((lower, upper)) => ((upper - lower) * inverse).floor().max(1.0),
+                    // Empty cells at the end keep those at the beginning from being neighbors round the table.
+                    None => ((bounds.high[axis] - bounds.low[axis]).max(0.0) * inverse).floor() + 1.0 + f64::from(reach),
+                };
+            }
+            wanted
+        };
+        let mut fine = FINE;
+        if wanted(fine).iter().product::<f64>() > room {
+            fine = 1;
+        }
+        let cells = wanted(fine);
+        let buckets = fit(cells, room);
+        let axis = |axis: usize| {
+            let reach = if axis == 0 { fine } else { 1 };
+            let (low, inverse) = match periods[axis] {
+                Some((lower, upper)) => {
+                    let rounds = (cells[axis] / f64::from(buckets[axis])).floor();
+                    (lower, rounds * f64::from(buckets[axis]) / (upper - lower))
+                }
+                None => (bounds.low[axis], f64::from(reach) / size),
+            };
+            Axis { low, inverse, buckets: buckets[axis], reach }
+        };
+        Self { axes: std::array::from_fn(|index| if index < dimension { axis(index) } else { Axis::NONE }) }
+    }
+
+    /// The number of buckets.
+    pub fn buckets(&self) -> usize {
+        self.axes.iter().map(|axis| axis.buckets as usize).product()
+    }
+
+    /// The bucket of a point; one past the last for a point that is nowhere.
+    #[inline(always)]
+    pub fn bucket(&self, point: [f64; AXES]) -> u32 {
+        let [x, y, z] = self.axes;
+        if point.iter().all(|coordinate| coordinate.is_finite()) {
+            (z.bucket(point[2]) * y.buckets + y.bucket(point[1])) * x.buckets + x.bucket(point[0])
+        } else {
+            self.buckets() as u32
+        }
+    }
+
+    /// The runs of places around a point, where `starts` holds the first place of each bucket.
+    #[inline(always)]
+    pub fn runs(&self, bucket: u32, starts: &[u32]) -> Runs {
+        let [x, y, z] = self.axes;
+        let (row, column) = (bucket / x.buckets, bucket % x.buckets);
+        let (first_x, number_x) = x.around(column);
+        let (first_y, number_y) = y.around(row % y.buckets);
+        let (first_z, number_z) = z.around(row / y.buckets);
+        let mut runs = Runs::NONE;
+        for layer in 0..number_z {
+            let layer = (first_z + layer) % z.buckets * y.buckets;
+            for line in 0..number_y {
+                let row = (layer + (first_y + line) % y.buckets) * x.buckets;
+                let end = first_x + number_x;
+                let start = |column: u32| starts[(row + column) as usize];
+                runs.push(start(first_x), start(end.min(x.buckets)));
+                runs.push(start(0), start(end.saturating_sub(x.buckets)));
+            }
+        }
+        runs
+    }
+}
+
+/// As many buckets per axis as there are cells, or fewer on the longest axes, such that there is room for them all.
+fn fit(cells: [f64; AXES], mut room: f64) -> [u32; AXES] {
+    let mut axes: [usize; AXES] = std::array::from_fn(|axis| axis);
+    axes.sort_by(|&one, &other| cells[one].total_cmp(&cells[other]));
+    let mut buckets = [1; AXES];
+    for (done, axis) in axes.into_iter().enumerate() {
+        let share = libm::pow(room, 1.0 / (AXES - done) as f64).floor().max(1.0);
+        buckets[axis] = if cells[axis] <= share { cells[axis] as u32 } else { round_table(share as u32) };
+        room /= f64::from(buckets[axis]);
+    }
+    buckets
+}
+
+/// The largest number up to `most` that has no factor in common with 10: particles in a regular pattern would else often
+/// meet in a few buckets.
+fn round_table(most: u32) -> u32 {
+    (1..=most).rev().find(|number| number % 2 != 0 && number % 5 != 0).unwrap_or(1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_table_is_bounded_by_the_particles() {
+        for count in [0, 1, 10, 1000] {
+            for extent in [0.0, 1.0, 30.0, 1e4, 4e8] {
+                for shape in [[1.0, 1.0, 1.0], [1.0, 0.0, 1e-3], [1e-2, 1e-5, 1.0]] {
+                    for periods in [[None; AXES], [None, Some((0.0, 2.5)), Some((-1e5, 1e5))]] {
+                        let bounds = Bounds { low: [0.0; AXES], high: shape.map(|side| side * extent) };
+                        let grid = Grid::new(count, 3, &periods, 1.0, &bounds);
+                        assert!(grid.buckets() <= (BUCKETS * count).max(64), "{} for {count}", grid.buckets());
+                        let corners = [bounds.low, bounds.high].map(|corner| grid.bucket(corner) as usize);
+                        assert!(corners.iter().all(|&bucket| bucket < grid.buckets()));
+                    }
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,302 @@
+//! Who is near whom: for every particle the list of all others within a cutoff and a skin.
+//!
+//! The particles are sorted by the cell that they are in ([`Sort`], over the table of [`Grid`]), and lists are made from
+//! the runs of candidates around each ([`Lists`]); with a skin they serve until somebody has moved by half of it. A
+//! *place* is a particle's position in that order: lists hold places, and so do pair sums ([`sums`]), whose reads are then
+//! close together. Lists and their order depend on the positions alone, so they are the same for any number of threads.
+//!
+//! Exactness. A pair is listed if its distance, computed in f64, is at most cutoff + skin. A cell is larger than that by
+//! 1e-6, and positions are refused where f64 numbers are further apart than 1e-7 cutoffs; the number of the cell is then
+//! good to some 2e-7, so a pair that counts is never further apart than neighboring cells.
+
+mod brute;
+mod grid;
+mod lists;
+mod ordering;
+mod sort;
+pub mod sums;
+
+pub use brute::brute;
+pub use ordering::ordering;
+
+use crate::error::{Error, Result};
+use crate::math::{AXES, Stored};
+use crate::parallel::{Chunks, Crew};
+use crate::simd::LANES;
+use grid::{Bounds, Grid};
+use lists::{Candidates, Lists};
+use sort::Sort;
+
+/// The number of places in a block of lists and sums.
+pub(crate) const BLOCK: usize = 1024;
+
+/// Positions are refused where the spacing of f64 numbers is above this part of the cutoff.
+const COARSEST: f64 = 1e-7;
+
+/// The range of cutoffs [m] whose squares and inverses are far from the ends of f64.
+const CUTOFFS: std::ops::RangeInclusive<f64> = 1e-100..=1e100;
+
+/// The space that particles are in.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Domain {
+    /// The lower and upper end of each axis that is periodic [m]; None for an unbounded one.
+    pub period: [Option<(f64, f64)>; AXES],
+}
+
+impl Domain {
+    /// The length of each periodic axis [m].
+    pub fn lengths(&self) -> [Option<f64>; AXES] {
+        self.period.map(|period| period.map(|(lower, upper)| upper - lower))
+    }
+
+    /// Whether any axis is periodic.
+    pub fn is_periodic(&self) -> bool {
+        self.period.iter().any(Option::is_some)
+    }
+}
+
+/// What distances are measured with.
+#[derive(Debug, Clone, Copy)]
+struct Metric {
+    rulers: [<f64 as Stored>::Ruler; AXES],
+    periodic: bool,
+    /// The square of the largest distance that is listed [m²].
+    square: f64,
+}
+
+/// Positions of all particles.
+#[derive(Debug, Clone, Copy)]
+struct Positions<'a> {
+    axes: [&'a [f64]; AXES],
+    dimension: usize,
+}
+
+impl Positions<'_> {
+    /// The position of one particle; 0 along an axis that is not there.
+    #[inline(always)]
+    fn get(&self, particle: usize) -> [f64; AXES] {
+        std::array::from_fn(|axis| if axis < self.dimension { self.axes[axis][particle] } else { 0.0 })
+    }
+}
+
+/// The neighbors of every particle.
+#[derive(Debug)]
+pub struct Neighbors {
+    count: usize,
+    dimension: usize,
+    domain: Domain,
+    cutoff: f64,
+    skin: f64,
+    metric: Metric,
+    grid: Grid,
+    sort: Sort,
+    lists: Lists,
+    /// The positions that the lists were made from [m].
+    anchors: [Vec<f64>; AXES],
+    /// The same in the order of places, and zeros that are read past the end.
+    sorted: [Vec<f64>; AXES],
+    /// The extent of each block of particles.
+    bounds: Vec<Bounds>,
+    /// Whether somebody in each block has moved too far.
+    moved: Vec<bool>,
+    /// Whether there are lists.
+    built: bool,
+}
+
+impl Neighbors {
+    /// A search for `count` particles in some dimension, for pairs within `cutoff` [m], listed up to `skin` [m] further.
+    ///
+    /// # Errors
+    /// If the numbers make no sense, or a periodic axis is so short that a particle would meet two images of another.
+    pub fn new(count: usize, dimension: usize, domain: &Domain, cutoff: f64, skin: f64) -> Result<Self> {
+        if !CUTOFFS.contains(&cutoff) {
+            return Err(Error::parameter("cutoff", "a length between 1e-100 and 1e100 m", cutoff));
+        }
+        if !(skin >= 0.0 && skin <= *CUTOFFS.end()) {
+            return Err(Error::parameter("skin", "a length from 0 to 1e100 m", skin));
+        }
+        if i32::try_from(count).is_err() {
+            return Err(Error::parameter("particles", "fewer than 2³¹ of them", count));
+        }
+        let mut domain = *domain;
+        domain.period[dimension..].fill(None);
+        let support = cutoff + skin;
+        domain.period.iter().flatten().try_for_each(|&ends| check_period(ends, cutoff, support))?;
+        let columns = |length: usize| std::array::from_fn(|axis| vec![0.0; if axis < dimension { length } else { 0 }]);
+        let rulers = domain.lengths().map(|length| f64::ruler(length, support));
+        Ok(Self {
+            count,
+            dimension,
+            domain,
+            cutoff,
+            skin,
+            metric: Metric { rulers, periodic: domain.is_periodic(), square: support * support },
+            grid: Grid::NONE,
+            sort: Sort::new(count),
+            lists: Lists::new(count),
+            anchors: columns(count),
+            sorted: columns(count + LANES),
+            bounds: vec![Bounds::EMPTY; count.div_ceil(BLOCK)],
+            moved: vec![false; count.div_ceil(BLOCK)],
+            built: false,
+        })
+    }
+
+    /// Makes the lists anew if somebody has moved by more than half the skin since they were made, and says whether it
+    /// did. `positions` [m] are not wrapped into the domain.
+    ///
+    /// # Errors
+    /// If a position is so far away that its rounding is no longer small beside the cutoff. There are no lists then.
+    pub fn update(&mut self, positions: [&[f64]; AXES], crew: &Crew) -> Result<bool> {
+        let positions = Positions { axes: positions, dimension: self.dimension };
+        if self.built && self.skin > 0.0 && !self.has_moved(positions, crew) {
+            return Ok(false);
+        }
+        self.built = false;
+        for (anchor, axis) in self.anchors.iter_mut().zip(positions.axes).take(self.dimension) {
+            anchor.copy_from_slice(&axis[..self.count]);
+        }
+        self.build(crew)?;
+        Ok(true)
+    }
+
+    /// Makes the lists that were made from `anchors`: all later sums then have the bits that they had.
+    ///
+    /// # Errors
+    /// As [`Neighbors::update`].
+    pub fn restore(&mut self, anchors: [&[f64]; AXES], crew: &Crew) -> Result<()> {
+        self.built = false;
+        self.update(anchors, crew).map(|_| ())
+    }
+
+    /// Place → particle.
+    pub fn order(&self) -> &[u32] {
+        &self.sort.order
+    }
+
+    /// Particle → place.
+    pub fn places(&self) -> &[u32] {
+        &self.sort.places
+    }
+
+    /// The places of the neighbors of the particle at a place, always in the same order.
+    pub fn of(&self, place: usize) -> &[u32] {
+        self.lists.of(place)
+    }
+
+    /// The positions along each axis that the lists were made from [m], in the order of the particles.
+    pub fn anchors(&self) -> [&[f64]; AXES] {
+        self.anchors.each_ref().map(Vec::as_slice)
+    }
+
+    /// The number of particles.
+    pub fn count(&self) -> usize {
+        self.count
+    }
+
+    /// The number of dimensions.
+    pub fn dimension(&self) -> usize {
+        self.dimension
+    }
+
+    /// The space that they are in.
+    pub fn domain(&self) -> &Domain {
+        &self.domain
+    }
+
+    /// The distance up to which pairs are listed [m].
+    pub fn support(&self) -> f64 {
+        self.cutoff + self.skin
+    }
+
+    /// The memory that all of it takes [bytes].
+    pub fn bytes(&self) -> usize {
+        let columns = self.anchors.iter().chain(&self.sorted).map(|axis| std::mem::size_of_val(axis.as_slice())).sum::<usize>();
+        columns + std::mem::size_of_val(self.bounds.as_slice()) + self.moved.len() + self.sort.bytes() + self.lists.bytes()
+    }
+
+    /// Whether anybody is further from its anchor than half the skin, or nowhere.
+    fn has_moved(&mut self, positions: Positions<'_>, crew: &Crew) -> bool {
+        let anchors = Positions { axes: self.anchors.each_ref().map(Vec::as_slice), dimension: self.dimension };
+        let (count, limit) = (self.count, 0.25 * self.skin * self.skin);
+        crew.sweep(Chunks::new(&mut self.moved, 1), &|moved| {
+            let particles = moved.start * BLOCK..((moved.start + 1) * BLOCK).min(count);
+            let square = |particle: usize| {
+                let (now, then) = (positions.get(particle), anchors.get(particle));
+                (0..AXES).map(|axis| (now[axis] - then[axis]) * (now[axis] - then[axis])).sum::<f64>()
+            };
+            // A NaN is not within the limit.
+            moved.items[0] = !particles.fold(true, |all, particle| all & (square(particle) <= limit));
+        });
+        crew.stopped() || self.moved.contains(&true)
+    }
+
+    /// Makes the lists from the anchors.
+    fn build(&mut self, crew: &Crew) -> Result<()> {
+        let anchors = Positions { axes: self.anchors.each_ref().map(Vec::as_slice), dimension: self.dimension };
+        let count = self.count;
+        crew.sweep(Chunks::new(&mut self.bounds, 1), &|bounds| {
+            let particles = bounds.start * BLOCK..((bounds.start + 1) * BLOCK).min(count);
+            bounds.items[0] = particles.map(|particle| anchors.get(particle)).fold(Bounds::EMPTY, |bounds, point| {
+                let there = point.iter().all(|coordinate| coordinate.is_finite());
+                if there { bounds.with(&Bounds { low: point, high: point }) } else { bounds }
+            });
+        });
+        let bounds = self.bounds.iter().fold(Bounds::EMPTY, Bounds::with);
+        self.check_spacing(&bounds)?;
+        self.grid = Grid::new(count, self.dimension, &self.domain.period, self.support(), &bounds);
+        self.sort.sort(&self.grid, anchors, crew);
+        let order = &self.sort.order;
+        for (sorted, axis) in self.sorted.iter_mut().zip(anchors.axes).take(self.dimension) {
+            crew.sweep(Chunks::new(&mut sorted[..count], BLOCK), &|mine| {
+                mine.items.iter_mut().zip(&order[mine.start..]).for_each(|(to, &particle)| *to = axis[particle as usize]);
+            });
+        }
+        let columns = self.sorted.each_ref().map(Vec::as_slice);
+        let candidates = Candidates { grid: &self.grid, starts: &self.sort.starts, columns, metric: &self.metric };
+        self.lists.build(candidates, self.dimension, crew);
+        // Whoever was stopped half way has no lists.
+        self.built = !crew.stopped();
+        Ok(())
+    }
+
+    /// Refuses positions whose rounding is not small beside the cutoff.
+    fn check_spacing(&self, bounds: &Bounds) -> Result<()> {
+        let ends = bounds.low.iter().chain(&bounds.high).filter(|end| end.is_finite());
+        let farthest = ends.fold(0.0_f64, |most, end| most.max(end.abs()));
+        if is_coarse(farthest, self.cutoff) {
+            let expected = format!("all within {:.3e} m of 0, for a cutoff of {} m", farthest_exact(self.cutoff), self.cutoff);
+            return Err(Error::parameter("positions", expected, format!("one at {farthest:e} m"))
+                .with_hint("f64 numbers there are too far from each other to tell distances; has the run diverged?"));
+        }
+        Ok(())
+    }
+}
+
+/// Whether f64 numbers near a coordinate are too far from each other.
+fn is_coarse(coordinate: f64, cutoff: f64) -> bool {
+    coordinate > farthest_exact(cutoff)
+}
+
+/// How far from 0 a coordinate may be [m].
+fn farthest_exact(cutoff: f64) -> f64 {
+    cutoff * COARSEST / f64::EPSILON
+}
+
+/// Refuses an axis on which a particle would meet two images of another, or that is not one.
+fn check_period((lower, upper): (f64, f64), cutoff: f64, support: f64) -> Result<()> {
+    let found = format!("{lower} to {upper}");
+    if !(lower.is_finite() && upper.is_finite() && lower < upper) {
+        return Err(Error::parameter("periodic", "finite ends, the lower below the upper", found));
+    }
+    if is_coarse(lower.abs().max(upper.abs()), cutoff) {
+        let expected = format!("ends within {:.3e} m of 0, for a cutoff of {cutoff} m", farthest_exact(cutoff));
+        return Err(Error::parameter("periodic", expected, found));
+    }
+    if upper - lower < 2.0 * support {
+        let expected = format!("a length of at least {} m, twice the reach of the pair forces", 2.0 * support);
+        return Err(Error::parameter("periodic", expected, format!("{} m", upper - lower))
+            .with_hint("a particle would meet two images of another; enlarge the domain or shorten the cutoff"));
+    }
+    Ok(())
+}

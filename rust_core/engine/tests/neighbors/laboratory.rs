@@ -1,0 +1,58 @@
+//! What the tests share: particles in disorder, lists in a form to compare, and crews of any size.
+
+use physcore_engine::error::Result;
+use physcore_engine::math::AXES;
+use physcore_engine::neighbors::{Domain, Neighbors};
+use physcore_engine::parallel::{Crew, Team};
+
+/// Positions, one array per axis.
+pub type Points = [Vec<f64>; AXES];
+
+/// All axes, as slices.
+pub fn view(points: &Points) -> [&[f64]; AXES] {
+    points.each_ref().map(Vec::as_slice)
+}
+
+/// A generator of numbers from 0 to 1 in a fixed disorder.
+pub fn disorder(seed: u64) -> impl FnMut() -> f64 {
+    let mut state = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1;
+    move || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 11) as f64 / 9_007_199_254_740_992.0
+    }
+}
+
+/// `count` points in a box with the given sides.
+pub fn cloud(count: usize, sides: [f64; AXES], seed: u64) -> Points {
+    let mut number = disorder(seed);
+    sides.map(|side| (0..count).map(|_| side * number()).collect())
+}
+
+/// Runs `job` with some number of threads.
+pub fn with_threads<R: Send>(threads: usize, job: impl FnOnce(&Crew) -> R + Send) -> R {
+    let mut result = None;
+    Team::new(threads).run(&|| false, |crew| result = Some(job(crew))).expect("nobody interrupts");
+    result.expect("the job has run")
+}
+
+/// A search that has been updated once.
+pub fn search(points: &Points, dimension: usize, domain: &Domain, cutoff: f64, skin: f64) -> Result<Neighbors> {
+    let mut neighbors = Neighbors::new(points[0].len(), dimension, domain, cutoff, skin)?;
+    neighbors.update(view(points), &Crew::alone())?;
+    Ok(neighbors)
+}
+
+/// The lists in the order of the particles, as sorted particles.
+pub fn by_particle(neighbors: &Neighbors) -> Vec<Vec<u32>> {
+    let list = |&place: &u32| {
+        let mut list: Vec<u32> = neighbors.of(place as usize).iter().map(|&other| neighbors.order()[other as usize]).collect();
+        list.sort_unstable();
+        list
+    };
+    neighbors.places().iter().map(list).collect()
+}
+
+/// The lists as they stand, and the order of the places.
+pub fn raw(neighbors: &Neighbors) -> (Vec<u32>, Vec<Vec<u32>>) {
+    (neighbors.order().to_vec(), (0..neighbors.count()).map(|place| neighbors.of(place).to_vec()).collect())
+}

@@ -1,0 +1,92 @@
+//! How long lists live, that nothing but positions decides about them, and that they need no new memory.
+
+use physcore_engine::math::AXES;
+use physcore_engine::neighbors::{Domain, Neighbors, brute};
+use physcore_engine::parallel::Crew;
+
+use crate::laboratory::{by_particle, cloud, disorder, raw, search, view, with_threads};
+
+#[test]
+fn any_number_of_threads_makes_the_same_lists() {
+    for (side, period) in [(20.0, None), (20.0, Some((0.0, 20.0))), (1e5, None)] {
+        let points = cloud(20_000, [side; AXES], 9);
+        for dimension in [2, 3] {
+            let made = |threads| {
+                with_threads(threads, |crew| {
+                    let domain = Domain { period: [period; AXES] };
+                    let mut neighbors = Neighbors::new(20_000, dimension, &domain, 1.0, 0.1).unwrap();
+                    neighbors.update(view(&points), crew).unwrap();
+                    raw(&neighbors)
+                })
+            };
+            let alone = made(1);
+            assert!((2..=4).all(|threads| made(threads) == alone));
+        }
+    }
+}
+
+#[test]
+fn lists_hold_every_pair_within_the_cutoff_for_as_long_as_they_live() {
+    let (cutoff, skin) = (1.0, 0.3);
+    let domain = Domain { period: [Some((0.0, 7.0)), None, None] };
+    let mut points = cloud(300, [7.0; AXES], 11);
+    let mut neighbors = search(&points, 3, &domain, cutoff, skin).unwrap();
+    let mut number = disorder(12);
+    let (mut made, mut kept) = (0, 0);
+    for _ in 0..200 {
+        points.iter_mut().flatten().for_each(|coordinate| *coordinate += 0.1 * (number() - 0.5));
+        if neighbors.update(view(&points), &Crew::alone()).unwrap() {
+            made += 1;
+        } else {
+            kept += 1;
+        }
+        let lists = by_particle(&neighbors);
+        for (list, near) in lists.iter().zip(brute(300, 3, &domain, cutoff, view(&points))) {
+            assert!(near.iter().all(|other| list.binary_search(other).is_ok()));
+        }
+    }
+    assert!(made > 20 && kept > 20, "made {made} times, kept {kept} times");
+}
+
+#[test]
+fn lists_are_made_when_somebody_has_moved_by_more_than_half_the_skin() {
+    let mut points = cloud(5000, [20.0; AXES], 2);
+    let mut neighbors = search(&points, 3, &Domain::default(), 1.0, 0.25).unwrap();
+    let start = points[1][4000];
+    for (moved, made) in [(0.124, false), (0.126, true), (0.126, false), (f64::NAN, true)] {
+        points[1][4000] = start + moved;
+        assert_eq!(neighbors.update(view(&points), &Crew::alone()).unwrap(), made, "{moved}");
+    }
+    let mut always = search(&points, 3, &Domain::default(), 1.0, 0.0).unwrap();
+    assert!(always.update(view(&points), &Crew::alone()).unwrap());
+}
+
+#[test]
+fn lists_come_back_from_their_anchors() {
+    let points = cloud(3000, [8.0; AXES], 4);
+    let made = search(&points, 3, &Domain::default(), 1.0, 0.2).unwrap();
+    let moved = points.clone().map(|axis| axis.into_iter().map(|coordinate| coordinate * 1.5).collect());
+    let mut other = search(&moved, 3, &Domain::default(), 1.0, 0.2).unwrap();
+    assert_ne!(raw(&other), raw(&made));
+    other.restore(made.anchors(), &Crew::alone()).unwrap();
+    assert_eq!(raw(&other), raw(&made));
+    assert_eq!(other.anchors(), made.anchors());
+    assert!(!other.update(view(&points), &Crew::alone()).unwrap());
+}
+
+#[test]
+fn later_lists_allocate_nothing() {
+    let states: Vec<_> = (0..6).map(|seed| cloud(4000, [10.0; AXES], seed)).collect();
+    let mut neighbors = search(&states[0], 3, &Domain::default(), 1.0, 0.0).unwrap();
+    for state in &states[1..3] {
+        neighbors.update(view(state), &Crew::alone()).unwrap();
+    }
+    let bytes = neighbors.bytes();
+    let allocated = allocation_counter::measure(|| {
+        for state in &states[3..] {
+            neighbors.update(view(state), &Crew::alone()).unwrap();
+        }
+    });
+    assert_eq!(allocated.count_total, 0, "{allocated:?}");
+    assert_eq!(neighbors.bytes(), bytes);
+}
