@@ -43,6 +43,10 @@ def scenes(large: bool) -> dict[str, pc.Scene]:
         fixed=cloth.fixed[order],
     )
     down = pc.Gravity((0.0, 0.0, -9.81))
+    grid = 30 if large else 8
+    sites = pc.block((0.0,) * 3, (float(grid),) * 3, 1.0) + rng.uniform(-0.2, 0.2, (grid**3, 3))
+    motion, sizes = rng.uniform(-1.0, 1.0, sites.shape), rng.uniform(0.4, 0.6, grid**3)
+    domain = pc.Periodic((0.0, 0.0, -np.inf), (grid, grid, np.inf))
     return {
         "folded": pc.Scene(pc.Particles(*simple), down, pc.Drag(0.1)),
         "wind": pc.Scene(pc.Particles(*deep), down, pc.Drag(0.1, 0.2, wind=(1.0, 0.0, 0.5))),
@@ -52,6 +56,14 @@ def scenes(large: bool) -> dict[str, pc.Scene]:
         ),
         "cloth": pc.Scene(cloth, down, pc.Drag(1e-3), pc.Floor(-0.01)),
         "network": pc.Scene(shuffled, down),
+        "grains": pc.Scene(
+            pc.Particles(sites, motion, radius=sizes, mass=sizes**3),
+            pc.Repulsion(50.0, 0.2, 0.3, 0.1, exponent=1.5),
+            down,
+            domain,
+            pc.Floor(-1.0),
+        ),
+        "atoms": pc.Scene(pc.Particles(sites, motion), pc.LennardJones(1.0, 0.9)),
     }
 
 
@@ -107,10 +119,15 @@ def test_every_level_of_vector_instructions_gives_the_same_bits(level, present):
 def small() -> dict[str, pc.Scene]:
     net = network(seed=2, dimension=2, count=9, damping=0.5)
     orbit = pc.Particles([[1.0, 0.0], [0.0, 2.0]], [[0.0, 1.0], [0.5, 0.0]])
+    sites = pc.block((0.0, 0.0), (5.0, 5.0), 1.0)
+    motion = np.random.default_rng(3).uniform(-1.0, 1.0, sites.shape)
+    domain = pc.Periodic((0.0, -np.inf), (5.0, np.inf))
     return {
         "network": pc.Scene(net.body(), pc.Gravity((0.0, -1.0)), pc.Drag(0.1), pc.Floor(-2.0, restitution=0.5)),
         "orbit": pc.Scene(orbit, pc.CentralForce((0.0, 0.0), 1.0, softening=0.1)),
         "folded": pc.Scene(orbit, pc.CentralForce((0.0, 0.0), 1.0, exponent=1.0), pc.Drag(0.1)),
+        "grains": pc.Scene(pc.Particles(sites, motion, radius=0.45), pc.Repulsion(100.0, 0.2, 0.3), domain),
+        "atoms": pc.Scene(pc.Particles(sites, motion), pc.LennardJones(1.0, 0.9), domain),
     }
 
 

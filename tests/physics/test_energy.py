@@ -195,6 +195,9 @@ FIELDS = {
         for softening in (0.0, 0.2)
     ],
     pc.CustomForce: lambda d: [pc.CustomForce(lambda t, x, v: -4.0 * x**3, potential=lambda x: float((x**4).sum()))],
+    # The grains overlap by 0.15 m or more, or not at all; the atoms have a cutoff between them, and one beyond all.
+    pc.Repulsion: lambda d: [pc.Repulsion(10.0, exponent=exponent) for exponent in (1.0, 1.5)],
+    pc.LennardJones: lambda d: [pc.LennardJones(1.0, 0.6, cutoff) for cutoff in (None, 2.4)],
     pc.Drag: lambda d: [],
 }
 """Forces with a potential, for each registered kind; Drag has none."""
@@ -239,7 +242,7 @@ TOLERANCE = 1e-9
 def test_a_force_is_minus_the_gradient_of_its_potential(kind, dimension):
     spots = np.ascontiguousarray(SPOTS[:, :dimension])
     for field in FIELDS[kind](dimension):
-        scene = pc.Scene(pc.Particles(spots, mass=[0.5, 1.0, 2.0]), field)
+        scene = pc.Scene(pc.Particles(spots, mass=[0.5, 1.0, 2.0], radius=[0.9, 0.8, 0.7]), field)
         found = force(scene)
         expected = -gradient(simulation(scene, pc.ExplicitEuler(), 1.0), spots)
         np.testing.assert_allclose(found, expected, rtol=TOLERANCE, atol=TOLERANCE, err_msg=repr(field))

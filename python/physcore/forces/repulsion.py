@@ -41,7 +41,7 @@ class Repulsion(Force):
         SceneError: a value is out of range or not finite, there is friction without damping, or (when the scene is
             made) no particle that it acts on has a radius.
 
-    Source: P. A. Cundall, O. D. L. Strack, Géotechnique 29, 47 (1979); H. Hertz, J. reine angew. Math. 92, 156 (1882);
+    Source: P. A. Cundall, O. D. L. Strack, Géotechnique 29, 47 (1979); H. Hertz, J. reine angew. Math. 92, 156 (1881);
     the friction of P. K. Haff, B. T. Werner, Powder Technol. 48, 239 (1986).
     """
 
