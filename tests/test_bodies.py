@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import copy
 import dataclasses
+import pickle
 from fractions import Fraction
 
 import numpy as np
@@ -63,6 +65,14 @@ def test_a_message_is_short_however_much_was_passed():
     with pytest.raises(pc.SceneError) as caught:
         pc.Gravity(list(range(100_000)))
     assert len(str(caught.value)) < 200
+
+
+@pytest.mark.parametrize("twin", [copy.copy, copy.deepcopy, lambda body: pickle.loads(pickle.dumps(body))])
+def test_a_copied_body_is_read_only_too(twin):
+    body = twin(pc.SpringNetwork(TRIANGLE, SIDES, stiffness=1.0, name="triangle"))
+    assert (body.name, body.positions.tolist(), body.pairs.tolist()) == ("triangle", TRIANGLE, SIDES)
+    assert not body.positions.flags.writeable
+    assert not body.pairs.flags.writeable
 
 
 def test_bodies_are_keys_by_identity():

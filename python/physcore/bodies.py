@@ -53,6 +53,10 @@ class Body:
         label = f"{self.name!r}, " if self.name else ""
         return f"{type(self).__name__}({label}{len(self)} particles in {self.dimension}D)"
 
+    def __setstate__(self, state: dict[str, object]) -> None:
+        """A copy, or what comes out of a pickle, has read-only arrays too."""
+        self._set(**state)
+
     def _set(self, **values: object) -> None:
         """Fill in the fields; only for constructors, because the dataclass is frozen."""
         for field, value in values.items():

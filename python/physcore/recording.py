@@ -59,6 +59,10 @@ class Track:
     def __len__(self) -> int:
         return len(self.times)
 
+    def __repr__(self) -> str:
+        shapes = ", ".join(f"{name} {values.shape}" for name, values in self.channels.items())
+        return f"{type(self).__name__}({len(self)} frames: {shapes or 'nothing'})"
+
     def _channel(self, name: Channel) -> FloatArray:
         if name not in self.channels:
             raise SceneError(f"channels: {name} were not recorded; ask for them with channels=({name!r}, …)")

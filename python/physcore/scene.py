@@ -69,8 +69,8 @@ class Scene:
         number = int(key) if isinstance(key, (int, np.integer)) and not isinstance(key, bool) else len(self.bodies)
         if -len(self.bodies) <= number < len(self.bodies):
             return number % len(self.bodies)
-        names = ", ".join(repr(body.name) for body in self.bodies if body.name is not None) or "none has a name"
-        raise KeyError(f"no body {shown(key)} in this scene of {len(self.bodies)} (names: {names})")
+        names = ", ".join(repr(body.name) for body in self.bodies if body.name is not None) or "none"
+        raise KeyError(f"no body {shown(key)}: this scene has {len(self.bodies)}, and of names {names}")
 
     def slice(self, key: BodyKey) -> slice:
         """Where the particles of a body are in the results."""
