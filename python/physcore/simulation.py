@@ -6,7 +6,7 @@ import os
 import sys
 import warnings
 from collections.abc import Iterator, Mapping
-from typing import Literal, Unpack
+from typing import Literal, Unpack, cast
 
 from numpy.typing import ArrayLike
 
@@ -229,11 +229,25 @@ class Simulation:
     @classmethod
     def from_content(cls, content: dict[str, storage.Tree]) -> Simulation:
         """Rebuild a simulation from the content of its checkpoint."""
+        scene, options = unpack_scene(content["scene"]), unpack_numerics(content["numerics"])
+        return cls._resumed(scene, options, content["pace"], content["world"])
+
+    def __copy__(self) -> Simulation:
+        """A simulation of the same scene that goes on from the present state by itself, with the same bits."""
+        options = cast(Options, dict(vars(self._numerics)))
+        return self._resumed(self._scene, options, self._pace.capture(), self._world.capture())
+
+    def __deepcopy__(self, memo: dict[int, object]) -> Simulation:
+        return self.__copy__()  # A scene never changes, and its bodies stay keys into the copy.
+
+    @classmethod
+    def _resumed(cls, scene: Scene, options: Options, pace: storage.Tree, world: storage.Tree) -> Simulation:
+        """A simulation in a state that was captured."""
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", StabilityWarning)  # It was given when the run began.
-            simulation = cls(unpack_scene(content["scene"]), **unpack_numerics(content["numerics"]))
-        simulation._pace.restore(content["pace"])
-        simulation._world.restore(content["world"])
+            simulation = cls(scene, **options)
+        simulation._pace.restore(pace)
+        simulation._world.restore(world)
         return simulation
 
     def _whole(self, given: State, present: object, path: str) -> FloatArray | None:
