@@ -345,6 +345,12 @@ def test_the_time_shown_moves_with_every_frame(tmp_path: Path) -> None:
     assert (pictures[0] != pictures[1]).any()
 
 
+def test_a_trail_may_be_longer_than_the_film() -> None:
+    recording = recorded(SCENES["central"], shift)
+    whole, beyond = (gif_bytes(recording, size=SIZE, style=pc.styles.Points(trail=trail)) for trail in (7 / 30, 1e300))
+    assert whole == beyond
+
+
 def test_the_light_theme_is_light(tmp_path: Path) -> None:
     pc.film(recorded(SCENES["particles"], shift), tmp_path / "film.gif", size=SIZE, theme=LIGHT)
     np.testing.assert_array_equal(frames(tmp_path / "film.gif")[0][0][0, 0], LIGHT.background)
