@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Collection, Iterable
 from dataclasses import asdict, dataclass, fields
 from typing import Any, Literal, Self
 
@@ -20,6 +20,21 @@ from physcore.state import Frame
 
 Channel = Literal["positions", "velocities"]
 CHANNELS: tuple[Channel, ...] = ("positions", "velocities")
+
+SLOW = 5.0
+"""Frames per second below which a notebook plays a recording faster than real time: the orbit of a planet, say."""
+
+
+def check_channels(channels: object) -> tuple[Channel, ...]:
+    """The channels to record.
+
+    Raises:
+        SceneError: they are not some of CHANNELS.
+    """
+    if isinstance(channels, str) or not isinstance(channels, Collection) or any(c not in CHANNELS for c in channels):
+        hint = f'; write ("{channels}",)' if isinstance(channels, str) and channels in CHANNELS else ""
+        raise SceneError(f"channels: must be a tuple of {', '.join(map(repr, CHANNELS))}, got {channels!r}{hint}")
+    return tuple(channels)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -43,6 +58,10 @@ class Track:
 
     def __len__(self) -> int:
         return len(self.times)
+
+    def __repr__(self) -> str:
+        shapes = ", ".join(f"{name} {values.shape}" for name, values in self.channels.items())
+        return f"{type(self).__name__}({len(self)} frames: {shapes or 'nothing'})"
 
     def _channel(self, name: Channel) -> FloatArray:
         if name not in self.channels:
@@ -80,13 +99,17 @@ class Recording(Track):
             f"in {self.scene.dimension}D, energy drift {np.abs(self.energy.drift).max():.1e})"
         )
 
-    def _repr_html_(self) -> str:
-        """The GIF, for notebooks."""
+    def _repr_html_(self) -> str | None:
+        """The GIF, for notebooks: in real time, or as close to it as a GIF can be. None without positions."""
         import base64
 
         from physcore.film import gif_bytes
+        from physcore.film.filming import FASTEST
 
-        content = base64.b64encode(gif_bytes(self)).decode()
+        if "positions" not in self.channels:
+            return None
+        rate = min(max(self.fps, SLOW), FASTEST)
+        content = base64.b64encode(gif_bytes(self, speed=rate / self.fps)).decode()
         return f'<img alt="{self!r}" src="data:image/gif;base64,{content}">'
 
     def save(self, path: str | os.PathLike[str]) -> None:
