@@ -13,6 +13,7 @@ from physcore.audit import audit
 SERIES = pc.EnergySeries(
     kinetic=np.array([0.0, 3.0, 1.0]),
     by_term={"gravity": np.array([5.0, 1.0, 2.0]), "springs": np.array([0.0, 1.0, 0.5])},
+    internal=np.array([0.5, 0.0, 0.0]),
     dissipated=np.array([0.0, 0.5, 1.5]),
     dissipated_by={"drag": np.array([0.0, 0.5, 1.5])},
     work=np.array([0.0, 0.0, 1.0]),
@@ -22,13 +23,13 @@ SERIES = pc.EnergySeries(
 
 def test_total_and_balance_are_the_sums_that_they_say():
     assert SERIES.potential.tolist() == [5.0, 2.0, 2.5]
-    assert SERIES.total.tolist() == [5.0, 5.0, 3.5]
-    assert SERIES.balance.tolist() == [5.0, 5.5, 4.0]
+    assert SERIES.total.tolist() == [5.5, 5.0, 3.5]
+    assert SERIES.balance.tolist() == [5.5, 5.5, 4.0]
 
 
 def test_drift_is_relative_to_the_energy_in_motion():
-    # (balance − 5) / (largest kinetic 3 + range of the potential 3)
-    np.testing.assert_allclose(SERIES.drift, [0.0, 0.5 / 6.0, -1.0 / 6.0])
+    # (balance − 5.5) / (largest kinetic 3 + range of the potential 3 + range of the internal energy 0.5)
+    np.testing.assert_allclose(SERIES.drift, [0.0, 0.0, -1.5 / 6.5])
 
 
 def test_what_does_not_move_does_not_drift():
@@ -42,6 +43,7 @@ def test_the_plot_shows_each_term_and_the_balance():
     axes = SERIES.plot()
     labels = [line.get_label() for line in axes.get_lines()]
     assert labels[:3] == ["kinetic", "potential: gravity", "potential: springs"]
+    assert {"internal", "dissipated", "work"} <= set(labels)
     assert any("balance" in label for label in labels)
     assert SERIES.plot(axes) is axes
 

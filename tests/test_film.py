@@ -78,6 +78,13 @@ SCENES = {
     "3D": pc.Scene(
         net(3), dust(5, 3), pc.Floor(-0.1), pc.Sphere((0.2, 0.2, 0.1), 0.1), pc.Box((-1.0,) * 3, (2.0,) * 3)
     ),
+    "grains": pc.Scene(
+        pc.Particles(np.random.default_rng(1).uniform(size=(20, 2)), radius=0.05), pc.Periodic((0.0, 0.0), (1.0, 1.0))
+    ),
+    "strip": pc.Scene(dust(5), net(), pc.Periodic((0.0, -np.inf), (1.0, np.inf))),
+    "periodic 3D": pc.Scene(net(3), dust(5, 3), pc.Periodic((0.0, 0.0, -np.inf), (1.0, 1.0, np.inf))),
+    "water": pc.Scene(pc.Fluid(pc.block((0.0, 0.0), (1.0, 0.5), 0.1), 0.1), dust(5), pc.Box((0.0, 0.0), (2.0, 1.0))),
+    "water 3D": pc.Scene(pc.Fluid(pc.ball((0.0, 0.0, 1.0), 0.3, 0.1), 0.1), pc.Floor()),
     "bowl": pc.Scene(dust(30, 3), pc.Sphere((0.5, 0.5, 0.5), 1.0, inside=True)),
 }
 
@@ -98,7 +105,9 @@ def test_every_scene_gives_as_many_frames_as_were_recorded(name: str, theme: Any
 def test_every_style_draws_a_network_and_stays_inside_the_picture(
     kind: type[pc.styles.Style], dimension: int, tmp_path: Path
 ) -> None:
-    pc.film(recorded(pc.Scene(net(dimension)), shift), tmp_path / "film.gif", size=SIZE, style=kind())
+    corners = ((0.0,) * dimension, (0.5,) * dimension)
+    body = pc.Fluid(pc.block(*corners, 0.1), 0.1) if kind is pc.styles.Fluid else net(dimension)
+    pc.film(recorded(pc.Scene(body), shift), tmp_path / "film.gif", size=SIZE, style=kind())
     for picture in frames(tmp_path / "film.gif")[0]:
         drawn = ink(picture)
         assert drawn.sum() > 100
@@ -193,6 +202,48 @@ def test_strain_is_blue_when_compressed_and_red_when_stretched(tmp_path: Path) -
         assert color[strong] > color[weak] + 80
 
 
+def picture_of(recording: Any, path: Path, **options: Any) -> np.ndarray:
+    pc.film(recording, path, size=SIZE, **options)
+    with Image.open(path) as image:
+        return np.asarray(image).astype(int)
+
+
+def test_grains_have_their_true_size(tmp_path: Path) -> None:
+    """A disc of 0.25 m in a window of 1 m. Between all pixels that it covers and all that it touches: a rim of one."""
+    recording = recorded(pc.Scene(pc.Particles([[0.5, 0.5]], radius=0.25)), lambda start, time: start)
+    picture = picture_of(recording, tmp_path / "film.png", camera=Window((0.0, 0.0), (1.0, 1.0)))
+    drawn = ink(picture)[:, 30:130].sum()
+    radius = 0.25 * (120 - round(1.3 * 16))  # the line with the time stands below
+    assert np.pi * radius**2 <= drawn <= np.pi * (radius + 1.0) ** 2
+
+
+def test_a_fluid_is_colored_by_speed_pressure_or_density(tmp_path: Path) -> None:
+    """On two lumps: the scale goes from zero, or from the density at rest, and the one with more is lighter."""
+    scene = pc.Scene(pc.Fluid([[0.0, 0.0], [1.0, 0.0]], 1.0))
+    recording = recorded(scene, lambda start, time: start + time * start)
+    recording.channels["pressures"] = np.tile([0.0, 1e4], (7, 1))
+    recording.channels["densities"] = np.tile([990.0, 1010.0], (7, 1))
+    for color in ("speed", "pressure", "density"):
+        picture = picture_of(recording, tmp_path / "film.png", style=pc.styles.Fluid(color, "viridis"))
+        row = picture[:90].sum(axis=2).max(axis=0)
+        assert row[100:].max() > row[:60].max() + 100, color
+    del recording.channels["pressures"]
+    with pytest.raises(pc.SceneError, match=r"'pressure' needs pressures, which were not recorded; .*channels="):
+        picture_of(recording, tmp_path / "film.png", style=pc.styles.Fluid("pressure"))
+
+
+def test_a_spring_and_a_trail_across_a_face_do_not_cross_the_picture(tmp_path: Path) -> None:
+    domain = pc.Periodic((0.0, 0.0), (1.0, 1.0))
+    options = {"camera": Window((0.0, 0.0), (1.0, 1.0)), "background": "#000000"}
+    rope = pc.rope(2, length=0.2, stiffness=1.0, start=(0.9, 0.5))
+    recording = recorded(pc.Scene(rope, domain), lambda start, time: domain.wrap(start))
+    assert not ink(picture_of(recording, tmp_path / "rope.png", **options), (0, 0, 0))[20:80, 60:100].any()
+    ball = pc.Particles([[0.8, 0.5]])
+    recording = recorded(pc.Scene(ball, domain), lambda start, time: domain.wrap(start + np.array([2.0 * time, 0.0])))
+    style = pc.styles.Points(color="body", trail=1.0)
+    assert not ink(picture_of(recording, tmp_path / "ball.png", style=style, **options), (0, 0, 0))[20:80, 75:100].any()
+
+
 def test_springs_along_two_others_are_not_drawn() -> None:
     """In a 6 × 5 cloth those are exactly the bending springs: 4 in each of 5 rows and 3 in each of 6 columns."""
     cloth = net()
@@ -283,6 +334,7 @@ def test_a_file_that_cannot_be_written_is_a_file_error(tmp_path: Path) -> None:
         ({"speed": 1e-6}, "at most 655 s, got 33333.3 s; play it faster: speed=1"),
         ({"style": pc.styles.Strain(on=SCENES["particles"].bodies[0])}, "no springs"),
         ({"style": pc.styles.Points(on=dust(3))}, r"Points\.on: Particles\(3 .* is not in what is filmed"),
+        ({"style": pc.styles.Fluid(on=SCENES["particles"].bodies[0])}, "is no fluid"),
     ],
 )
 def test_what_cannot_be_filmed_is_refused(options: dict[str, Any], message: str, tmp_path: Path) -> None:

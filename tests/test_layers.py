@@ -12,7 +12,12 @@ PACKAGE = Path(__file__).parents[1] / "python" / "physcore"
 LAYERS = [
     "errors",
     "checks",
+    "overlaps",
+    "periodic",
+    "shapes",
+    "kernels",
     "bodies",
+    "fluid",
     "builders",
     "influence",
     "forces",

@@ -99,6 +99,15 @@ def test_only_the_channels_asked_for_are_kept():
         _ = recording.velocities
 
 
+def test_only_fluids_have_densities_and_pressures():
+    with pytest.raises(pc.SceneError, match=r"channels: .* only a Fluid has densities and pressures"):
+        pc.simulate(THROW, 0.5, channels=("positions", "densities"))
+    with pytest.raises(pc.SceneError, match="pressures: only a Fluid has them"):
+        _ = pc.Simulation(THROW)[BALL].pressures
+    with pytest.raises(pc.SceneError, match=r"densities were not recorded; .* only a Fluid has them"):
+        _ = pc.simulate(THROW, 0.5).densities
+
+
 def test_momentum_and_angular_momentum_are_recorded():
     recording = pc.simulate(THROW, 0.5, dt=0.01, fps=10.0)
     assert recording.momentum.shape == (6, 2)
@@ -133,7 +142,7 @@ def test_save_and_load_give_the_same_recording(tmp_path):
 
 
 def frame(x: float, v: float) -> Frame:
-    energy = Energy(kinetic=0.0, by_term={}, dissipated=0.0, dissipated_by={}, work=0.0, time=0.0)
+    energy = Energy(kinetic=0.0, by_term={}, internal=0.0, dissipated=0.0, dissipated_by={}, work=0.0, time=0.0)
     return Frame(0.0, np.array([[x]]), np.array([[v]]), energy, np.zeros(1), np.zeros(1))
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+import json
 import os
 import zipfile
 
@@ -12,6 +14,7 @@ from hypothesis import strategies as st
 
 import physcore as pc
 from physcore import storage
+from physcore.serial import pack_scene, unpack_scene
 
 WIND = pc.Drag(0.001, wind=(0.1, 0.0))
 BODIES = (
@@ -66,6 +69,36 @@ def test_a_checkpoint_keeps_scene_and_numerics(tmp_path):
         assert mine.name == theirs.name
         for name in ("positions", "velocities", "mass", "charge", "radius", "fixed"):
             assert (getattr(mine, name) == getattr(theirs, name)).all()
+
+
+def test_a_scene_of_pairs_and_fluids_comes_back_as_it_was():
+    """The tree is what a file holds: JSON and arrays."""
+    water = pc.Fluid(
+        pc.block((0.0, 0.0), (0.4, 0.2), 0.1),
+        0.1,
+        900.0,
+        0.01,
+        30.0,
+        pc.CubicSpline(1.3),
+        0.1,
+        0.05,
+        (1.0, 0.0),
+        "water",
+    )
+    oil = pc.Fluid(pc.block((0.4, 0.0), (0.8, 0.2), 0.1), 0.1)
+    grains = pc.Particles([[0.0, 0.5]], radius=0.01)
+    pairs = (pc.Repulsion(1.0, 0.1, 0.5, 0.2, 1.5), pc.LennardJones(1.0, 0.1, on=[grains, water]))
+    scene = pc.Scene(water, oil, grains, *pairs, pc.Periodic((-1.0, -np.inf), (1.0, np.inf)))
+    content = json.loads(json.dumps(pack_scene(scene), default=lambda values: values.tolist()))
+    loaded = unpack_scene(content)
+    assert loaded.periodic == scene.periodic
+    assert loaded.forces[0] == scene.forces[0]
+    assert loaded.forces[1].bodies() == (loaded.bodies[2], loaded.bodies[0])
+    for mine, theirs in zip(scene.bodies, loaded.bodies, strict=True):
+        assert type(mine) is type(theirs)
+        for field in dataclasses.fields(mine):
+            value, copy = getattr(mine, field.name), getattr(theirs, field.name)
+            assert (value == copy).all() if isinstance(value, np.ndarray) else value == copy
 
 
 def test_the_same_state_gives_the_same_file(tmp_path):

@@ -25,7 +25,8 @@ from physcore.errors import (
     StabilityWarning,
 )
 from physcore.film import film, styles
-from physcore.forces import CentralForce, CustomForce, Drag, Force, Gravity
+from physcore.fluid import Fluid
+from physcore.forces import CentralForce, CustomForce, Drag, Force, Gravity, LennardJones, Repulsion
 from physcore.integrators import (
     PEFRL,
     ExplicitEuler,
@@ -34,11 +35,14 @@ from physcore.integrators import (
     SemiImplicitEuler,
     VelocityVerlet,
 )
+from physcore.kernels import CubicSpline, Kernel, WendlandC2, WendlandC4
 from physcore.loading import load
 from physcore.numerics import AutoStep
+from physcore.periodic import Periodic
 from physcore.plan import Plan
 from physcore.recording import Recording
 from physcore.scene import Scene
+from physcore.shapes import ball, block, cylinder
 from physcore.simulation import Simulation, simulate, stability_limit
 from physcore.state import Frame, Snapshot
 
@@ -52,6 +56,7 @@ __all__ = [
     "Boundary",
     "Box",
     "CentralForce",
+    "CubicSpline",
     "CustomForce",
     "Drag",
     "Energy",
@@ -59,16 +64,21 @@ __all__ = [
     "ExplicitEuler",
     "FileError",
     "Floor",
+    "Fluid",
     "Force",
     "Frame",
     "Gravity",
     "Integrator",
     "InternalError",
+    "Kernel",
+    "LennardJones",
     "Particles",
+    "Periodic",
     "PhyscoreError",
     "Plan",
     "Plane",
     "Recording",
+    "Repulsion",
     "RungeKutta4",
     "Scene",
     "SceneError",
@@ -80,7 +90,12 @@ __all__ = [
     "SpringNetwork",
     "StabilityWarning",
     "VelocityVerlet",
+    "WendlandC2",
+    "WendlandC4",
+    "ball",
+    "block",
     "cloth",
+    "cylinder",
     "film",
     "load",
     "rope",

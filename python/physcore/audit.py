@@ -12,6 +12,7 @@ def audit(recording: Recording) -> str:
     rows = {
         "kinetic": energy.kinetic,
         **{f"potential: {term}": values for term, values in energy.by_term.items()},
+        **({"internal": energy.internal} if energy.internal.any() else {}),
         "total": energy.total,
         "+ dissipated": energy.dissipated,
         **{f"    by {name}": values for name, values in energy.dissipated_by.items() if values.any()},

@@ -25,10 +25,13 @@ class Budget(Generic[Amount]):
     """Of all particles that are not fixed."""
     by_term: Mapping[str, Amount]
     """Potential energy by the force that it belongs to, such as `by_term["springs"]`."""
+    internal: Amount
+    """Of the compression of fluids."""
     dissipated: Amount
-    """What drag, damping and contacts have taken since the start: the time integral of their own power."""
+    """What drag, damping, viscosity and contacts have taken since the start: the time integral of their own power."""
     dissipated_by: Mapping[str, Amount]
-    """The same by what took it: `dissipated_by["drag"]`, `["damping"]` (of springs) and `["contacts"]`."""
+    """The same by what took it: `dissipated_by["drag"]`, `["damping"]` (of springs and between grains), `["viscosity"]`
+    (of fluids) and `["contacts"]` (with boundaries)."""
     work: Amount
     """What drivers, wind and `Simulation.set` have put in since the start: the time integral of their own power."""
 
@@ -40,8 +43,8 @@ class Budget(Generic[Amount]):
 
     @property
     def total(self) -> Amount:
-        """Kinetic and potential energy."""
-        return self.kinetic + self.potential
+        """Kinetic, potential and internal energy."""
+        return self.kinetic + self.potential + self.internal
 
     @property
     def balance(self) -> Amount:
@@ -66,9 +69,12 @@ class EnergySeries(Budget[FloatArray]):
 
     @property
     def drift(self) -> FloatArray:
-        """(balance − balance[0]) / (largest kinetic energy + range of the potential energy); 0 where nothing moves."""
+        """(balance − balance[0]) / (largest kinetic energy + ranges of the potential and the internal energy).
+
+        0 where nothing moves.
+        """
         change = self.balance - self.balance[0]
-        scale = self.kinetic.max() + np.ptp(self.potential)
+        scale = self.kinetic.max() + np.ptp(self.potential) + np.ptp(self.internal)
         drift: FloatArray = change / scale if scale > 0 else change
         return drift
 
@@ -90,9 +96,9 @@ class EnergySeries(Budget[FloatArray]):
         curves = {"kinetic": self.kinetic, **{f"potential: {name}": values for name, values in self.by_term.items()}}
         for label, values in curves.items():
             axes.plot(self.times, values, label=label)
-        for label, values in {"dissipated": self.dissipated, "work": self.work}.items():
+        for label, values in {"internal": self.internal, "dissipated": self.dissipated, "work": self.work}.items():
             if np.any(values):
-                axes.plot(self.times, values, "--", label=label)
+                axes.plot(self.times, values, "-" if label == "internal" else "--", label=label)
         axes.plot(self.times, self.balance, color="black", label="balance = total + dissipated − work")
         axes.set(xlabel="time [s]", ylabel="energy [J]")
         axes.legend(frameon=False)

@@ -7,10 +7,12 @@ import numpy as np
 from physcore._core import World
 from physcore.bodies import Body, SpringNetwork
 from physcore.checks import FloatArray, IntArray
+from physcore.fluid import Fluid
 from physcore.influence import Influence
 from physcore.numerics import Limit, Numerics
 from physcore.plan import Plan
 from physcore.scene import Scene
+from physcore.state import Snapshot
 
 _NO_PAIRS: IntArray = np.empty((0, 2), dtype=np.int64)
 _NO_VALUES: FloatArray = np.empty(0)
@@ -39,7 +41,19 @@ def describe(scene: Scene) -> dict[str, object]:
         "bodies": [_body(body) for body in scene.bodies],
         "forces": [_influence(force, scene) for force in scene.forces],
         "boundaries": [_influence(boundary, scene) for boundary in scene.boundaries],
+        "periodic": None if scene.periodic is None else (scene.periodic.lower, scene.periodic.upper),
     }
+
+
+def snapshot(world: World, scene: Scene) -> Snapshot:
+    """The present state of all particles. Positions are where they have gone: `show` puts them into the domain."""
+    fields = {"densities": world.densities(), "pressures": world.pressures()} if scene.fluids else {}
+    return Snapshot(world.time, world.positions(), world.velocities(), fields=fields)
+
+
+def show(positions: FloatArray, scene: Scene) -> FloatArray:
+    """Positions as the user sees them: within the periodic domain, if there is one."""
+    return positions if scene.periodic is None else scene.periodic.wrap(positions)
 
 
 def limit(world: World) -> Limit:
@@ -84,11 +98,26 @@ def _body(body: Body) -> dict[str, object]:
         "stiffness": springs.stiffness if springs else _NO_VALUES,
         "damping": springs.damping if springs else _NO_VALUES,
         "rest_length": springs.rest_length if springs else _NO_VALUES,
+        "fluid": _fluid(body) if isinstance(body, Fluid) else None,
+    }
+
+
+def _fluid(fluid: Fluid) -> dict[str, object]:
+    """What makes a body a fluid; a speed of sound of None is the engine's to find."""
+    return {
+        "spacing": fluid.spacing,
+        "density": fluid.density,
+        "viscosity": fluid.viscosity,
+        "sound_speed": None if fluid.sound_speed == "auto" else fluid.sound_speed,
+        "artificial_viscosity": fluid.artificial_viscosity,
+        "density_diffusion": fluid.density_diffusion,
+        "kernel": type(fluid.kernel).__name__,
+        "smoothing": fluid.kernel.smoothing,
     }
 
 
 def _influence(influence: Influence, scene: Scene) -> dict[str, object]:
     """A force or boundary with its parameters and the indices of the bodies that it acts on."""
-    bodies = influence.bodies()
-    on = None if bodies is None else [scene.index(body) for body in bodies]
+    targets = scene.targets(influence)
+    on = None if targets == scene.bodies else [scene.index(body) for body in targets]
     return {**influence.describe(scene.dimension), "on": on}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, fields
-from typing import TypeAlias, cast
+from typing import ClassVar, TypeAlias, cast
 
 import numpy as np
 
@@ -30,7 +30,10 @@ class Influence:
     """Something that acts on bodies; its fields are plain numbers, tuples of numbers for vectors, or None."""
 
     on: On = field(default=None, kw_only=True)
-    """The body or bodies that it acts on; None: all."""
+    """The body or bodies that it acts on; None: all, but for fluids where it spares them."""
+
+    spares_fluids: ClassVar[bool] = False
+    """Whether it acts on a fluid only where that is named."""
 
     def __post_init__(self) -> None:
         self._set(on=chosen(self.on, f"{type(self).__name__}.on"))
@@ -41,8 +44,15 @@ class Influence:
             object.__setattr__(self, name, value)
 
     def bodies(self) -> tuple[Body, ...] | None:
-        """The bodies that it acts on; None: all."""
+        """The bodies that it names, or None."""
         return cast("tuple[Body, ...] | None", self.on)  # made so by __post_init__
+
+    def check(self, bodies: Sequence[Body], path: str) -> None:
+        """Look at the bodies that it acts on, once they are known; `path` says where it stands in the scene.
+
+        Raises:
+            SceneError: it cannot act on them.
+        """
 
     def parameters(self) -> dict[str, object]:
         """Every field but `on`, by name."""

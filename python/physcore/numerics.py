@@ -9,6 +9,7 @@ from typing import Literal, TypedDict
 from physcore.checks import MOST, count, number, shown
 from physcore.errors import SceneError
 from physcore.integrators import INTEGRATORS, Integrator, VelocityVerlet
+from physcore.scene import Scene
 
 DivergenceRule = Literal["raise", "ignore"]
 Precision = Literal["f32", "f64", "auto"]
@@ -65,8 +66,8 @@ class Numerics:
     on_divergence: DivergenceRule
 
 
-def check(options: Options) -> Numerics:
-    """Check numerical choices.
+def check(options: Options, scene: Scene) -> Numerics:
+    """Check numerical choices, and make those for a scene that were left open.
 
     Raises:
         SceneError: a choice is not valid; the message starts with its name.
@@ -75,7 +76,7 @@ def check(options: Options) -> Numerics:
     return Numerics(
         integrator=_integrator(options.get("integrator", "auto")),
         dt=_dt(options.get("dt", "auto")),
-        precision=_precision(options.get("precision", "auto")),
+        precision=_precision(options.get("precision", "auto"), scene),
         threads=None if threads is None else count(threads, "threads", least=1, most=MOST_THREADS),
         runaway=number(options.get("runaway", 1e6), "runaway", above=0.0),
         on_divergence=_on_divergence(options.get("on_divergence", "raise")),
@@ -102,12 +103,15 @@ def _dt(value: object) -> float | AutoStep:
     return number(value, "dt", above=0.0)
 
 
-def _precision(value: object) -> Literal["f32", "f64"]:
+def _precision(value: object, scene: Scene) -> Literal["f32", "f64"]:
+    """Double, but for fluids: what their particles do not resolve is far above the rounding of single precision."""
     match value:
         case "f32":
             return "f32"
-        case "f64" | "auto":
+        case "f64":
             return "f64"
+        case "auto":
+            return "f32" if scene.fluids else "f64"
     raise SceneError(f"precision: must be 'f32', 'f64' or 'auto', got {value!r}")
 
 

@@ -13,6 +13,7 @@ from physcore._core import World
 from physcore.checks import count, number
 from physcore.errors import PhyscoreError, SimulationDiverged
 from physcore.numerics import FRAMES_PER_SECOND, AutoStep, Limit, Numerics, divide, largest_step, steps_to
+from physcore.scene import Scene
 from physcore.state import Snapshot
 
 WATCH = 256
@@ -34,8 +35,9 @@ class Pace:
     has become unstable is replaced by a smaller one, and comes back when the reason has gone.
     """
 
-    def __init__(self, world: World, numerics: Numerics) -> None:
+    def __init__(self, world: World, scene: Scene, numerics: Numerics) -> None:
         self._world = world
+        self._scene = scene
         self._numerics = numerics
         self._first_limit = engine.limit(world)
         self.limit = self._first_limit
@@ -100,8 +102,8 @@ class Pace:
         try:
             self._world.step(steps, dt)
         except SimulationDiverged as error:
-            world = self._world
-            error.last_good = Snapshot(world.time, world.positions(), world.velocities())
+            state = engine.snapshot(self._world, self._scene)
+            error.last_good = replace(state, positions=engine.show(state.positions, self._scene))
             raise
 
     def _largest(self, fps: float) -> float:

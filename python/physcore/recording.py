@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Callable, Collection, Iterable
 from dataclasses import asdict, dataclass, fields
@@ -13,48 +14,69 @@ from physcore import storage
 from physcore.checks import FloatArray
 from physcore.energy import EnergySeries
 from physcore.errors import SceneError
+from physcore.fluid import Fluid
 from physcore.plan import Plan
 from physcore.scene import BodyKey, Scene
 from physcore.serial import pack_scene, unpack_scene
 from physcore.state import Frame
 
-Channel = Literal["positions", "velocities"]
+Channel = Literal["positions", "velocities", "densities", "pressures"]
 CHANNELS: tuple[Channel, ...] = ("positions", "velocities")
+"""What is recorded by default."""
+FLUID_CHANNELS: tuple[Channel, ...] = ("densities", "pressures")
+"""What can be recorded of fluids too."""
+AMOUNTS = ("kinetic", "internal", "dissipated", "work")
+"""The parts of the energy budget that are one number each."""
 
 SLOW = 5.0
 """Frames per second below which a notebook plays a recording faster than real time: the orbit of a planet, say."""
 
 
-def check_channels(channels: object) -> tuple[Channel, ...]:
-    """The channels to record.
+def check_channels(channels: object, *, fluids: bool) -> tuple[Channel, ...]:
+    """The channels to record; `fluids` says whether the scene has any.
 
     Raises:
-        SceneError: they are not some of CHANNELS.
+        SceneError: they are not some of CHANNELS, or of FLUID_CHANNELS where there are fluids.
     """
-    if isinstance(channels, str) or not isinstance(channels, Collection) or any(c not in CHANNELS for c in channels):
-        hint = f'; write ("{channels}",)' if isinstance(channels, str) and channels in CHANNELS else ""
-        raise SceneError(f"channels: must be a tuple of {', '.join(map(repr, CHANNELS))}, got {channels!r}{hint}")
+    known = (*CHANNELS, *FLUID_CHANNELS) if fluids else CHANNELS
+    if isinstance(channels, str) or not isinstance(channels, Collection) or any(c not in known for c in channels):
+        hint = ""
+        if isinstance(channels, str):
+            hint = f'; write ("{channels}",)' if channels in known else ""
+        elif isinstance(channels, Collection) and set(channels) & set(FLUID_CHANNELS) and not fluids:
+            hint = "; only a Fluid has densities and pressures"
+        raise SceneError(f"channels: must be a tuple of {', '.join(map(repr, known))}, got {channels!r}{hint}")
     return tuple(channels)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Track:
-    """Positions and velocities over time, of a whole scene or of one body."""
+    """Positions, velocities and what else was recorded over time, of a whole scene or of one body."""
 
     times: FloatArray
     """Time of each frame [s], shape (F,)."""
     channels: dict[Channel, FloatArray]
-    """What was recorded, each of shape (F, N, D)."""
+    """What was recorded, by name: vectors of shape (F, N, D), numbers of shape (F, N)."""
 
     @property
     def positions(self) -> FloatArray:
-        """[m], shape (F, N, D)."""
+        """[m], shape (F, N, D); within the periodic domain."""
         return self._channel("positions")
 
     @property
     def velocities(self) -> FloatArray:
         """[m/s], shape (F, N, D)."""
         return self._channel("velocities")
+
+    @property
+    def densities(self) -> FloatArray:
+        """[kg/m³], shape (F, N); not a number for particles that are not a fluid's."""
+        return self._channel("densities")
+
+    @property
+    def pressures(self) -> FloatArray:
+        """[Pa], shape (F, N); not a number for particles that are not a fluid's."""
+        return self._channel("pressures")
 
     def __len__(self) -> int:
         return len(self.times)
@@ -65,7 +87,8 @@ class Track:
 
     def _channel(self, name: Channel) -> FloatArray:
         if name not in self.channels:
-            raise SceneError(f"channels: {name} were not recorded; ask for them with channels=({name!r}, …)")
+            whose = "; only a Fluid has them" if name in FLUID_CHANNELS else ""
+            raise SceneError(f"channels: {name} were not recorded; ask for them with channels=({name!r}, …){whose}")
         return self.channels[name]
 
 
@@ -91,7 +114,9 @@ class Recording(Track):
 
     def __getitem__(self, body: BodyKey) -> Track:
         part = self.scene.slice(body)
-        return Track(self.times, {name: values[:, part] for name, values in self.channels.items()})
+        wet = isinstance(self.scene.bodies[self.scene.index(body)], Fluid)
+        mine = {name: values for name, values in self.channels.items() if wet or name not in FLUID_CHANNELS}
+        return Track(self.times, {name: values[:, part] for name, values in mine.items()})
 
     def __repr__(self) -> str:
         return (
@@ -164,13 +189,14 @@ def collect(
     Raises:
         SceneError: the recording would not fit into memory.
     """
-    shape = (count, scene.particles, scene.dimension)
-    _refuse_if_too_large(shape, channels)
-    data: dict[Channel, FloatArray] = {name: np.empty(shape) for name in channels}
+    numbers = (count, scene.particles)
+    shapes = {name: numbers if name in FLUID_CHANNELS else (*numbers, scene.dimension) for name in channels}
+    _refuse_if_too_large(count, scene.particles, 8 * sum(math.prod(shape) for shape in shapes.values()))
+    data: dict[Channel, FloatArray] = {name: np.empty(shape) for name, shape in shapes.items()}
     times = np.empty(count)
     momentum = np.empty((count, scene.dimension))
     angular_momentum = np.empty((count, 1 if scene.dimension == 2 else 3))
-    budget: dict[str, FloatArray] = {name: np.empty(count) for name in ("times", "kinetic", "dissipated", "work")}
+    budget: dict[str, FloatArray] = {name: np.empty(count) for name in ("times", *AMOUNTS)}
     by_term: dict[str, FloatArray] = {}
     dissipated_by: dict[str, FloatArray] = {}
     for index, frame in enumerate(frames):
@@ -179,7 +205,7 @@ def collect(
         times[index] = frame.time
         momentum[index], angular_momentum[index] = frame.momentum, frame.angular_momentum
         budget["times"][index] = frame.energy.time
-        for amount in ("kinetic", "dissipated", "work"):
+        for amount in AMOUNTS:
             budget[amount][index] = getattr(frame.energy, amount)
         for parts, series in ((frame.energy.by_term, by_term), (frame.energy.dissipated_by, dissipated_by)):
             for term, value in parts.items():
@@ -189,12 +215,11 @@ def collect(
     return Recording(times, data, energy, momentum, angular_momentum, fps, scene, plan())
 
 
-def _refuse_if_too_large(shape: tuple[int, int, int], channels: tuple[Channel, ...]) -> None:
-    needed = len(channels) * 8 * shape[0] * shape[1] * shape[2]
+def _refuse_if_too_large(frames: int, particles: int, needed: int) -> None:
     available = _available_memory()
     if available is not None and needed > available:
         raise SceneError(
-            f"duration: {shape[0]} frames of {shape[1]} particles take {needed / 1e9:.1f} GB, and "
+            f"duration: {frames} frames of {particles} particles take {needed / 1e9:.1f} GB, and "
             f"{available / 1e9:.1f} GB are free; lower fps, record fewer channels, or stream: physcore.film(scene, …)"
         )
 

@@ -10,8 +10,11 @@ from physcore.bodies import Body
 from physcore.boundaries import Boundary
 from physcore.checks import shown
 from physcore.errors import SceneError
+from physcore.fluid import CLOSEST, Fluid, describe_pair
 from physcore.forces import Force
 from physcore.influence import Influence
+from physcore.overlaps import closer_than
+from physcore.periodic import Periodic
 
 BodyKey = Body | int | str
 """How a body is asked for: by itself, by its index in the scene, or by its name."""
@@ -22,28 +25,33 @@ class Scene:
     """Bodies, forces and boundaries, in 2D or 3D. Immutable; the dimension follows from the positions.
 
     Args:
-        items: bodies (Particles, SpringNetwork), forces and boundaries in any order. Results list the particles body
-            by body in the order given here.
+        items: bodies (Particles, SpringNetwork, Fluid), forces, boundaries and at most one Periodic domain, in any
+            order. Results list the particles body by body in the order given here.
 
     Raises:
-        SceneError: there is no body, the dimensions differ, a body or a name is there twice, or a force acts on a body
-            that is not in the scene.
+        SceneError: there is no body, the dimensions differ, a body or a name is there twice, a force acts on a body
+            that is not in the scene or has nothing to act on, or fluids overlap.
     """
 
     bodies: tuple[Body, ...]
     forces: tuple[Force, ...]
     boundaries: tuple[Boundary, ...]
+    periodic: Periodic | None
+    """The domain that repeats itself, or None."""
 
-    def __init__(self, *items: Body | Force | Boundary) -> None:
+    def __init__(self, *items: Body | Force | Boundary | Periodic) -> None:
         for position, item in enumerate(items):
-            if not isinstance(item, (Body, Force, Boundary)):
+            if not isinstance(item, (Body, Force, Boundary, Periodic)):
                 raise SceneError(
-                    f"items[{position}]: must be a body, a force or a boundary, got {shown(item)}{_advice(item)}"
+                    f"items[{position}]: must be a body, a force, a boundary or a Periodic domain, "
+                    f"got {shown(item)}{_advice(item)}"
                 )
         kinds = {"bodies": Body, "forces": Force, "boundaries": Boundary}
         for field, kind in kinds.items():
             object.__setattr__(self, field, tuple(item for item in items if isinstance(item, kind)))
         self._check_bodies()
+        self._set_domain([item for item in items if isinstance(item, Periodic)])
+        self._check_fluids()
         self._check_influences("forces", self.forces)
         self._check_influences("boundaries", self.boundaries)
 
@@ -56,6 +64,18 @@ class Scene:
     def particles(self) -> int:
         """The number of particles in all bodies together."""
         return sum(len(body) for body in self.bodies)
+
+    @property
+    def fluids(self) -> tuple[Fluid, ...]:
+        """The bodies that are fluids."""
+        return tuple(body for body in self.bodies if isinstance(body, Fluid))
+
+    def targets(self, influence: Influence) -> tuple[Body, ...]:
+        """The bodies that a force or a boundary of this scene acts on."""
+        named = influence.bodies()
+        if named is not None:
+            return named
+        return tuple(body for body in self.bodies if not (influence.spares_fluids and isinstance(body, Fluid)))
 
     def index(self, key: BodyKey) -> int:
         """The position of a body among the bodies of this scene.
@@ -79,13 +99,14 @@ class Scene:
         return slice(start, start + len(self.bodies[index]))
 
     def __repr__(self) -> str:
-        parts = [repr(item) for item in (*self.bodies, *self.forces, *self.boundaries)]
+        domain = () if self.periodic is None else (self.periodic,)
+        parts = [repr(item) for item in (*self.bodies, *self.forces, *self.boundaries, *domain)]
         return f"Scene({', '.join(parts)})"
 
     def _check_bodies(self) -> None:
         """There is at least one body, each once, all of one dimension."""
         if not self.bodies:
-            raise SceneError("Scene: must have at least one body, such as Particles or SpringNetwork")
+            raise SceneError("Scene: must have at least one body, such as Particles, SpringNetwork or Fluid")
         names: set[str] = set()
         for position, body in enumerate(self.bodies):
             if body in self.bodies[:position]:
@@ -98,6 +119,36 @@ class Scene:
                 raise SceneError(
                     f"bodies[{position}].positions: {body.dimension}D, but the first body is {self.dimension}D"
                 )
+
+    def _set_domain(self, domains: list[Periodic]) -> None:
+        """There is at most one domain, of the scene's dimension."""
+        if len(domains) > 1:
+            raise SceneError(f"periodic: there must be at most one Periodic domain, got {len(domains)}")
+        if domains and domains[0].dimension != self.dimension:
+            raise SceneError(
+                f"periodic.lower: Periodic must have {self.dimension} components in this {self.dimension}D scene, "
+                f"got {domains[0].dimension}"
+            )
+        object.__setattr__(self, "periodic", domains[0] if domains else None)
+
+    def _check_fluids(self) -> None:
+        """No two particles of fluids are in the same place; each fluid has looked at its own."""
+        fluids = self.fluids
+        if not fluids or (len(fluids) == 1 and self.periodic is None):
+            return
+        spacing = min(fluid.spacing for fluid in fluids)
+        points = np.concatenate([fluid.positions for fluid in fluids])
+        origins = np.arange(len(points))
+        if self.periodic is not None:
+            points, origins = self.periodic.with_images(points, CLOSEST * spacing)
+        pair = closer_than(points, CLOSEST * spacing)
+        if pair is None:
+            return
+        starts = np.cumsum([0, *(len(fluid) for fluid in fluids)])
+        owners = [fluids[int(np.searchsorted(starts, origins[end], side="right")) - 1] for end in pair]
+        first, second = (f"bodies[{self.index(owner)}]" for owner in owners)
+        where = f"particles of {first} and {second}" if first != second else f"particles of {first}, across the domain"
+        raise SceneError(f"{second}.positions: overlapping bodies: {where}, {describe_pair(points, pair, spacing)}")
 
     def _check_influences(self, path: str, influences: tuple[Influence, ...]) -> None:
         """Vectors have the scene's dimension, and `on` names bodies of the scene."""
@@ -112,6 +163,13 @@ class Scene:
             for body in influence.bodies() or ():
                 if body not in self.bodies:
                     raise SceneError(f"{path}[{position}].on: {body!r} is not in the scene; add it as an item too")
+            targets = self.targets(influence)
+            if not targets and influence.on is None:
+                raise SceneError(
+                    f"{path}[{position}].on: {type(influence).__name__} acts on fluids only where they are named: "
+                    "on=fluid"
+                )
+            influence.check(targets, f"{path}[{position}]")
 
 
 def _advice(item: object) -> str:

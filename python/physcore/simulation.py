@@ -15,6 +15,7 @@ from physcore.bodies import Body
 from physcore.checks import FloatArray, broadcast, number, shown
 from physcore.energy import Energy
 from physcore.errors import SceneError, StabilityWarning
+from physcore.fluid import Fluid
 from physcore.integrators import Integrator
 from physcore.numerics import FRAMES_PER_SECOND, AutoStep, DivergenceRule, Options, Precision, check
 from physcore.pace import Pace
@@ -36,7 +37,8 @@ class Simulation:
         scene: what to simulate.
         integrator: how to step; "auto" is VelocityVerlet().
         dt: the time step [s]; "auto" is AutoStep(), which chooses it from the certified limit of the scene.
-        precision: "f64", or "f32": forces in single precision, energies in double; "auto" is "f64".
+        precision: "f64", or "f32": forces in single precision, energies in double; "auto" is "f32" for scenes with a
+            fluid and "f64" for all others.
         threads: how many threads may share the work; None: PHYSCORE_NUM_THREADS, or all that the process may use. The
             results have the same bits for any number.
         runaway: how many times the largest energy so far the energy balance may rise before it counts as diverged.
@@ -70,10 +72,11 @@ class Simulation:
                 threads=threads,
                 runaway=runaway,
                 on_divergence=on_divergence,
-            )
+            ),
+            scene,
         )
         self._world = engine.build(scene, self._numerics)
-        self._pace = Pace(self._world, self._numerics)
+        self._pace = Pace(self._world, scene, self._numerics)
         self._warn_if_unstable()
 
     @property
@@ -103,8 +106,8 @@ class Simulation:
 
     @property
     def positions(self) -> FloatArray:
-        """Positions of all particles, body by body [m], shape (N, D); a copy."""
-        return self._world.positions()
+        """Positions of all particles, body by body [m], shape (N, D), within the periodic domain; a copy."""
+        return engine.show(self._world.positions(), self._scene)
 
     @property
     def velocities(self) -> FloatArray:
@@ -117,9 +120,15 @@ class Simulation:
         return engine.plan(self._world, self._pace.limit, self.dt)
 
     def __getitem__(self, body: BodyKey) -> Snapshot:
-        """The present state of one body, given itself, its index or its name."""
-        part = self._scene.slice(body)
-        return Snapshot(self.time, self.positions[part], self.velocities[part])
+        """The present state of one body, given itself, its index or its name; a Fluid's has densities and pressures."""
+        part, whole = self._scene.slice(body), engine.snapshot(self._world, self._scene)
+        wet = isinstance(self._scene.bodies[self._scene.index(body)], Fluid)
+        return Snapshot(
+            whole.time,
+            engine.show(whole.positions[part], self._scene),
+            whole.velocities[part],
+            fields={name: values[part] for name, values in whole.fields.items()} if wet else {},
+        )
 
     def __repr__(self) -> str:
         return f"Simulation({self._scene!r}, {self.integrator!r}, time={self.time:g}, steps={self.steps})"
@@ -153,7 +162,7 @@ class Simulation:
             SimulationDiverged, KeyboardInterrupt: as for `step`.
         """
         interval, rate = number(duration, "duration", least=0.0), number(fps, "fps", above=0.0)
-        return sampling.frames(self._world, self._pace, interval, rate)
+        return sampling.frames(self._world, self._scene, self._pace, interval, rate)
 
     def record(
         self,
@@ -168,14 +177,15 @@ class Simulation:
         Args:
             duration: [s].
             fps: frames per second of simulated time.
-            channels: what to keep of each frame, "positions" and "velocities".
+            channels: what to keep of each frame: "positions" and "velocities", and with a Fluid "densities" and
+                "pressures".
             progress: whether to show a progress bar; None: on a terminal, when it takes longer than a second.
 
         Raises:
             SceneError: the recording would not fit into memory, or an argument is out of range.
             SimulationDiverged, KeyboardInterrupt: as for `step`.
         """
-        kept = check_channels(channels)
+        kept = check_channels(channels, fluids=bool(self._scene.fluids))
         frames = self.frames(duration, fps)
         count = sampling.frame_count(duration, fps)
         with Progress(count, "simulating", progress) as bar:
@@ -185,7 +195,8 @@ class Simulation:
         """Replace the state between two steps; the change of energy counts as work.
 
         Args:
-            positions: [m], an array that broadcasts to (N, D), or a mapping from bodies to arrays.
+            positions: [m], an array that broadcasts to (N, D), or a mapping from bodies to arrays. They may lie outside
+                of the periodic domain; springs are stretched from one to the other as they are given.
             velocities: [m/s], likewise.
 
         Raises:
@@ -292,7 +303,7 @@ def simulate(
         scene: what to simulate.
         duration: [s].
         fps: frames per second of simulated time.
-        channels: what to keep of each frame, "positions" and "velocities".
+        channels: what to keep of each frame: "positions" and "velocities", of a Fluid also "densities" and "pressures".
         progress: whether to show a progress bar; None: on a terminal, when it takes longer than a second.
         numerics: integrator, dt, precision, threads, runaway, on_divergence, as in Simulation.
 
@@ -311,7 +322,7 @@ def stability_limit(scene: Scene, integrator: Integrator) -> float:
         SceneError: an argument is not valid, or a particle starts outside a boundary.
     """
     _require_scene(scene)
-    numerics = check(Options(integrator=integrator, threads=1))
+    numerics = check(Options(integrator=integrator, threads=1), scene)
     return engine.limit(engine.build(scene, numerics)).stability
 
 

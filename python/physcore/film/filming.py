@@ -58,8 +58,8 @@ def film(
         recording: what to film; several are shown side by side, with one camera and one scale of colors.
         path: where to write, ending in .gif or .png.
         size: width and height of the picture [pixels].
-        style: one or several of `physcore.styles`; None: springs by strain, bodies without springs as points. A body
-            that no style draws is drawn as points.
+        style: one or several of `physcore.styles`; None: springs by strain, fluids by speed, other bodies as points. A
+            body that no style draws is drawn as points.
         camera: a Window in 2D, an Orbit in 3D (`from physcore.film import Orbit, Window`); None: so that nothing leaves
             the picture.
         theme: "dark", "light" or a `physcore.film.Theme`.

@@ -15,7 +15,7 @@ from physcore.errors import SceneError
 from physcore.film.camera import Camera, Face, Orbit, View, Window, fit
 from physcore.film.scenery import draw_among, draw_behind
 from physcore.film.sources import Moment, Source
-from physcore.film.styles import Painter, Points, Strain, Style
+from physcore.film.styles import Fluid, Painter, Points, Strain, Style
 from physcore.film.styles.base import Part
 from physcore.film.survey import Bounds, Survey, survey
 from physcore.film.themes import Color, Theme
@@ -165,7 +165,7 @@ class Stage:
         canvas.clear()
         for panel, moment in zip(self._panels, moments, strict=True):
             canvas.clip(*panel.area)
-            draw_among(canvas, panel.source.scene, panel.view, self._theme)
+            draw_among(canvas, panel.source.scene, panel.view, self._theme, panel.ground)
             for painter in panel.painters:
                 painter.paint(canvas, moment, panel.view, panel.pixels)
             canvas.paint()
@@ -196,7 +196,8 @@ def _titles(titles: Sequence[str] | None, panels: int) -> list[str]:
 def _styles(style: object, found: Sequence[Source]) -> list[Style]:
     """The styles that were asked for; each body that they name is in a source."""
     if style is None:
-        return [Strain()]
+        fluids = all(source.has("velocities") for source in found)
+        return [Strain(), Fluid()] if fluids else [Strain()]
     styles = []
     bodies = [body for source in found for body in source.scene.bodies]
     for each in style if isinstance(style, (list, tuple)) else [style]:

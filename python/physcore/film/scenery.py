@@ -1,4 +1,4 @@
-"""Boundaries and the centers of forces: what stands still."""
+"""Boundaries, the periodic domain and the centers of forces: what stands still."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from physcore._core import Canvas
 from physcore.checks import FloatArray
 from physcore.film.camera import PixelArray, View
 from physcore.film.themes import Color, Theme
+from physcore.periodic import Periodic
 from physcore.scene import Scene
 
 SHADING = 0.62
@@ -25,12 +26,16 @@ def landmarks(scene: Scene) -> Iterator[tuple[FloatArray, float]]:
             yield _corners(boundary["lower"], boundary["upper"]), 0.0
         elif kind == "Sphere":
             yield boundary["center"][np.newaxis], float(boundary["radius"])
+    if scene.periodic is not None and np.isfinite(scene.periodic.lengths).all():
+        yield _corners(np.array(scene.periodic.lower), np.array(scene.periodic.upper)), 0.0
     for center in _centers(scene):
         yield center[np.newaxis], 0.0
 
 
 def grounds(scene: Scene, lower: FloatArray, upper: FloatArray) -> FloatArray:
-    """Points (P, D) [m] of planes that are no farther from a box along the axes than the box is large."""
+    """Points (P, D) [m] of planes that are no farther from a box along the axes than the box is large, and of a domain
+    that is open along some of them.
+    """
     middle, size = (lower + upper) / 2, float(np.linalg.norm(upper - lower))
     points = [np.empty((0, scene.dimension))]
     for kind, boundary in _described(scene):
@@ -39,6 +44,8 @@ def grounds(scene: Scene, lower: FloatArray, upper: FloatArray) -> FloatArray:
             if height.min() <= size:
                 foot = middle - ((middle - boundary["point"]) @ boundary["normal"]) * boundary["normal"]
                 points.append(foot[np.newaxis])
+    if scene.periodic is not None:
+        points.append(_corners(*_finite(scene.periodic, lower, upper)))
     return np.concatenate(points)
 
 
@@ -51,20 +58,22 @@ def draw_behind(canvas: Canvas, scene: Scene, view: View, theme: Theme, size: fl
             _box(canvas, boundary, view, theme, front=False)
         elif kind == "Sphere" and (view.flat or boundary["inside"]):
             (_circle if view.flat else _bowl)(canvas, boundary, view, theme)
+    _domain(canvas, scene, view, theme, size, front=False)
     if view.flat:
         for center in _centers(scene):
             _disc(canvas, view, center, 0.0, theme.edge, extra=3.0)
     canvas.paint()
 
 
-def draw_among(canvas: Canvas, scene: Scene, view: View, theme: Theme) -> None:
-    """Add to the painting what hides things that move, and is hidden by them."""
+def draw_among(canvas: Canvas, scene: Scene, view: View, theme: Theme, size: float) -> None:
+    """Add to the painting what hides things that move, and is hidden by them; `size` as in `draw_behind`."""
     for kind, boundary in _described(scene):
         if kind == "Sphere" and not view.flat and not boundary["inside"]:
             _disc(canvas, view, boundary["center"], float(boundary["radius"]), theme.solid, shading=SHADING)
         elif kind == "Box" and not view.flat:
             _box(canvas, boundary, view, theme, front=True)
     if not view.flat:
+        _domain(canvas, scene, view, theme, size, front=True)
         for center in _centers(scene):
             _disc(canvas, view, center, 0.0, theme.edge, extra=3.0, shading=SHADING)
 
@@ -122,19 +131,47 @@ def _ground(canvas: Canvas, plane: dict[str, FloatArray], view: View, theme: The
     _lines(canvas, pixels, theme.edge, 1.0, alpha=80)
 
 
-def _box(canvas: Canvas, box: dict[str, FloatArray], view: View, theme: Theme, *, front: bool) -> None:
-    """The edges of a box. In 3D those that meet in the farthest corner are behind everything, the others in front."""
+def _domain(canvas: Canvas, scene: Scene, view: View, theme: Theme, size: float, *, front: bool) -> None:
+    """A thin frame around the periodic domain; along an axis that is not periodic, lines without an end."""
+    if scene.periodic is None:
+        return
+    middle = view.center if view.flat else view.axes.T @ view.center
+    lower, upper = _finite(scene.periodic, middle - size, middle + size)
+    open_axes = np.flatnonzero(np.isinf(scene.periodic.lengths)).tolist()
+    _box(canvas, {"lower": lower, "upper": upper}, view, theme, front=front, thin=True, along=open_axes or None)
+
+
+def _finite(domain: Periodic, lower: FloatArray, upper: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """The corners of a domain, with those of a box along the axes that are not periodic."""
+    low, high = np.array(domain.lower), np.array(domain.upper)
+    return np.where(np.isinf(low), lower, low), np.where(np.isinf(high), upper, high)
+
+
+def _box(
+    canvas: Canvas,
+    box: dict[str, FloatArray],
+    view: View,
+    theme: Theme,
+    *,
+    front: bool,
+    thin: bool = False,
+    along: list[int] | None = None,
+) -> None:
+    """The edges of a box, or only those along some axes. In 3D those that meet in the farthest corner are behind
+    everything, the others in front.
+    """
     corners = _corners(box["lower"], box["upper"])
     count, dimension = corners.shape
-    pairs = [(i, i | 1 << bit) for i in range(count) for bit in range(dimension) if not i & 1 << bit]
+    bits = range(dimension) if along is None else [dimension - 1 - axis for axis in along]
+    pairs = [(i, i | 1 << bit) for i in range(count) for bit in bits if not i & 1 << bit]
     pixels, depth, _ = view.project(corners)
     if depth is None:
-        _lines(canvas, pixels[np.array(pairs)], theme.edge, 2.0)
+        _lines(canvas, pixels[np.array(pairs)], theme.edge, 1.0 if thin else 2.0)
         return
     farthest = int(np.argmax(depth))
-    chosen = np.array([pair for pair in pairs if (farthest not in pair) == front])
+    chosen = np.array([pair for pair in pairs if (farthest not in pair) == front], dtype=int).reshape(-1, 2)
     depths = np.full(len(chosen), -np.inf if front else np.inf, dtype=np.float32)
-    _lines(canvas, pixels[chosen], theme.edge, 1.3, depths=depths)
+    _lines(canvas, pixels[chosen], theme.edge, 0.8 if thin else 1.3, depths=depths)
 
 
 def _circle(canvas: Canvas, sphere: dict[str, FloatArray], view: View, theme: Theme) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -23,8 +23,12 @@ class Moment:
     """[s]"""
     positions: FloatArray
     """[m], shape (N, D)."""
-    velocities: FloatArray | None
-    """[m/s], shape (N, D); None where they were not recorded."""
+    more: Mapping[str, FloatArray]
+    """Velocities [m/s], densities [kg/m³] and pressures [Pa] by name, as far as they were recorded."""
+
+    def channel(self, name: str) -> FloatArray:
+        """One of them, or the positions."""
+        return self.positions if name == "positions" else self.more[name]
 
 
 class Source(Protocol):
@@ -42,9 +46,8 @@ class Source(Protocol):
     def count(self) -> int:
         """How many frames there are."""
 
-    @property
-    def has_velocities(self) -> bool:
-        """Whether moments have velocities."""
+    def has(self, channel: str) -> bool:
+        """Whether moments have velocities, densities or pressures."""
 
     def moments(self) -> Iterator[Moment]:
         """All moments from the start."""
@@ -71,17 +74,18 @@ class Recorded:
         """How many frames there are."""
         return len(self.recording.times)
 
-    @property
-    def has_velocities(self) -> bool:
-        """Whether they were recorded."""
-        return "velocities" in self.recording.channels
+    def has(self, channel: str) -> bool:
+        """Whether something was recorded."""
+        return channel in self.recording.channels
 
     def moments(self) -> Iterator[Moment]:
         """The frames in order."""
-        recording = self.recording
-        positions, velocities = recording.positions, recording.velocities if self.has_velocities else None
-        for index, time in enumerate(recording.times):
-            yield Moment(float(time), positions[index], None if velocities is None else velocities[index])
+        positions, channels = self.recording.positions, self.recording.channels
+        for index, time in enumerate(self.recording.times):
+            more: dict[str, FloatArray] = {
+                name: values[index] for name, values in channels.items() if name != "positions"
+            }
+            yield Moment(float(time), positions[index], more)
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,15 +102,14 @@ class Running:
         """How many frames there are."""
         return frame_count(self.duration, self.fps)
 
-    @property
-    def has_velocities(self) -> bool:
-        """A simulation always has them."""
-        return True
+    def has(self, channel: str) -> bool:
+        """A simulation has all that there is."""
+        return channel in ("positions", "velocities") or bool(self.scene.fluids)
 
     def moments(self) -> Iterator[Moment]:
         """Simulate from the start."""
         for frame in Simulation(self.scene, **self.numerics).frames(self.duration, self.fps):
-            yield Moment(frame.time, frame.positions, frame.velocities)
+            yield Moment(frame.time, frame.positions, {"velocities": frame.velocities, **frame.fields})
 
 
 def sources(source: object, duration: float | None, fps: float | None, numerics: Options) -> list[Source]:

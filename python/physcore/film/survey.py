@@ -71,7 +71,8 @@ def survey(
         axes: the directions along which to find how far things go; the first must be those of the scene itself.
         tick: told how many moments have been seen.
     """
-    margin = max(float(body.radius.max(initial=0.0)) for body in source.scene.bodies)
+    radius = max(float(body.radius.max(initial=0.0)) for body in source.scene.bodies)
+    margin = max([radius, *(painter.margin for painter in painters)])
     bounds = [Bounds(each) for each in axes]
     kept = set(np.linspace(0, source.count - 1, SAMPLES).round().astype(int).tolist())
     samples = []

@@ -7,13 +7,17 @@ from physcore.forces.central import CentralForce
 from physcore.forces.custom import CustomForce
 from physcore.forces.drag import Drag
 from physcore.forces.gravity import Gravity
+from physcore.forces.lennard_jones import LennardJones
+from physcore.forces.repulsion import Repulsion
 
 FORCES: tuple[type[Force], ...] = (
     Gravity,
     Drag,
     CentralForce,
     CustomForce,
+    Repulsion,
+    LennardJones,
 )
 """Every force; what is registered here can be saved, and is tested."""
 
-__all__ = ["FORCES", "CentralForce", "CustomForce", "Drag", "Force", "Gravity"]
+__all__ = ["FORCES", "CentralForce", "CustomForce", "Drag", "Force", "Gravity", "LennardJones", "Repulsion"]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 from physcore.checks import Vector, number, vector
 from physcore.forces.base import Force
@@ -19,7 +20,7 @@ class Drag(Force):
         linear: b [N·s/m], at least zero.
         quadratic: c [N·s²/m²], at least zero.
         wind: velocity of the medium [m/s]; None: at rest.
-        on: the body or bodies that it acts on; all by default.
+        on: the body or bodies that it acts on; all but fluids by default.
 
     Raises:
         SceneError: a coefficient is negative, or a value is not finite.
@@ -30,6 +31,8 @@ class Drag(Force):
     linear: float = 0.0
     quadratic: float = 0.0
     wind: Vector | None = None
+
+    spares_fluids: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 use numpy::{PyArray2, PyReadonlyArray1, PyReadonlyArray2};
-use physcore_engine::scene::{Body, Callback, Scene, Spring, Term, Value};
+use physcore_engine::scene::{Body, Callback, Fluid, Scene, Spring, Term, Value};
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyList};
 
@@ -22,8 +22,20 @@ pub fn read(scene: &Bound<'_, PyDict>) -> PyResult<Scene> {
         bodies: list("bodies")?.iter().map(body).collect::<PyResult<_>>()?,
         forces: terms(&list("forces")?, "forces", dimension)?,
         boundaries: terms(&list("boundaries")?, "boundaries", dimension)?,
-        periodic: None,
+        periodic: periodic(&item(scene, "periodic")?)?,
     })
+}
+
+/// The corners of the periodic domain, or nothing. In 2D the third axis is not periodic.
+fn periodic(corners: &Bound<'_, PyAny>) -> PyResult<Option<[DVec3; 2]>> {
+    let corners: Option<[Vec<f64>; 2]> = corners.extract()?;
+    Ok(corners.map(|[lower, upper]| {
+        let mut ends = [DVec3::NEG_INFINITY, DVec3::INFINITY];
+        for (end, corner) in ends.iter_mut().zip([lower, upper]) {
+            (0..3).zip(corner).for_each(|(axis, component)| end[axis] = component);
+        }
+        ends
+    }))
 }
 
 fn item<'py>(dictionary: &Bound<'py, PyDict>, name: &str) -> PyResult<Bound<'py, PyAny>> {
@@ -43,8 +55,27 @@ fn body(entry: &Bound<'_, PyDict>) -> PyResult<Body> {
         springs: springs(entry, positions.len())?,
         positions,
         fixed,
-        fluid: None,
+        fluid: fluid(&item(entry, "fluid")?)?,
     })
+}
+
+/// What makes a body a fluid, or nothing.
+fn fluid(entry: &Bound<'_, PyAny>) -> PyResult<Option<Fluid>> {
+    if entry.is_none() {
+        return Ok(None);
+    }
+    let entry = entry.cast::<PyDict>()?;
+    let number = |name: &str| -> PyResult<f64> { item(entry, name)?.extract() };
+    Ok(Some(Fluid {
+        spacing: number("spacing")?,
+        density: number("density")?,
+        viscosity: number("viscosity")?,
+        sound_speed: item(entry, "sound_speed")?.extract()?,
+        artificial_viscosity: number("artificial_viscosity")?,
+        density_diffusion: number("density_diffusion")?,
+        kernel: item(entry, "kernel")?.extract()?,
+        smoothing: number("smoothing")?,
+    }))
 }
 
 fn springs(entry: &Bound<'_, PyDict>, count: usize) -> PyResult<Vec<Spring>> {

@@ -113,6 +113,14 @@ impl World {
         scene::array(py, &self.lock()?.velocities(), self.dimension)
     }
 
+    fn densities<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        Ok(self.lock()?.densities().to_pyarray(py))
+    }
+
+    fn pressures<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        Ok(self.lock()?.pressures().to_pyarray(py))
+    }
+
     fn set(&self, py: Python<'_>, positions: Option<&Bound<'_, PyAny>>, velocities: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
         let positions = positions.map(scene::vectors).transpose()?;
         let velocities = velocities.map(scene::vectors).transpose()?;
@@ -127,11 +135,12 @@ impl World {
         for (name, value) in &energy.potential {
             potential.set_item(name, value)?;
         }
-        for (name, value) in ["drag", "damping", "contacts"].iter().zip(energy.dissipated) {
+        for (name, value) in ["drag", "damping", "contacts", "viscosity"].iter().zip(energy.dissipated) {
             dissipated.set_item(name, value)?;
         }
         record.set_item("kinetic", energy.kinetic)?;
         record.set_item("potential", potential)?;
+        record.set_item("internal", energy.internal)?;
         record.set_item("dissipated", energy.dissipated())?;
         record.set_item("dissipated_by", dissipated)?;
         record.set_item("work", energy.work)?;

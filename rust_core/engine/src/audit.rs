@@ -17,6 +17,8 @@ pub struct Energy {
     pub kinetic: f64,
     /// Potential energy by the name of the force [J].
     pub potential: Vec<(&'static str, f64)>,
+    /// Energy of the compression of fluids [J].
+    pub internal: f64,
     /// What has been dissipated since the start [J], by what took it: drag, damping of springs, contacts.
     pub dissipated: [f64; 3],
     /// The work done since the start by drivers, wind, custom forces and fixed particles that move [J].
@@ -24,9 +26,9 @@ pub struct Energy {
 }
 
 impl Energy {
-    /// Kinetic and potential energy [J].
+    /// Kinetic, potential and internal energy [J].
     pub fn total(&self) -> f64 {
-        self.kinetic + self.potential.iter().map(|(_, energy)| energy).sum::<f64>()
+        self.kinetic + self.potential.iter().map(|(_, energy)| energy).sum::<f64>() + self.internal
     }
 
     /// All that has been dissipated [J].
@@ -42,7 +44,7 @@ impl Energy {
     /// The size of the numbers that the balance is the sum of [J].
     pub fn magnitude(&self) -> f64 {
         let potential: f64 = self.potential.iter().map(|(_, energy)| energy.abs()).sum();
-        self.kinetic + potential + self.dissipated() + self.work.abs()
+        self.kinetic + potential + self.internal.abs() + self.dissipated() + self.work.abs()
     }
 }
 
@@ -70,6 +72,7 @@ pub fn energy<V: Vector>(law: &Law<V>, matter: &Matter<V>, time: f64) -> Result<
     Ok(Energy {
         kinetic: blocks(matter).map(|block| block.map(kinetic).sum::<f64>()).sum(),
         potential,
+        internal: 0.0,
         dissipated: [Channel::Drag, Channel::Damping, Channel::Contact].map(|channel| matter.metered(channel)),
         work: matter.metered(Channel::Work),
     })

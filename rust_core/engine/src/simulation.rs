@@ -79,6 +79,14 @@ pub trait World: Send + Sync {
     fn positions(&self) -> Vec<DVec3>;
     /// Velocities [m/s].
     fn velocities(&self) -> Vec<DVec3>;
+    /// Densities [kg/m³]; not a number where a particle is no fluid's.
+    fn densities(&self) -> Vec<f64> {
+        Vec::new()
+    }
+    /// Pressures [Pa]; not a number where a particle is no fluid's.
+    fn pressures(&self) -> Vec<f64> {
+        Vec::new()
+    }
     /// Moves or accelerates particles; the change of energy counts as work.
     fn set(&mut self, positions: Option<&[DVec3]>, velocities: Option<&[DVec3]>) -> Result<()>;
     /// The energy now.

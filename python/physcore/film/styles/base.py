@@ -71,6 +71,11 @@ class Painter(ABC):
     def begin(self) -> None:  # noqa: B027 - most painters remember nothing
         """Forget earlier moments: the film starts."""
 
+    @property
+    def margin(self) -> float:
+        """How far what is drawn reaches beyond the particles' centers in the scene [m], beside their radii."""
+        return 0.0
+
     @abstractmethod
     def observe(self, moment: Moment) -> None:
         """Take a frame into account; called for each one before any is drawn."""

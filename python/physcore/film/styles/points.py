@@ -65,8 +65,8 @@ class Points(Style):
 
     def painter(self, source: Source, parts: list[Part], theme: Theme) -> Painter:
         """A painter with the color scale of one film."""
-        color = self.color or ("speed" if source.has_velocities else "body")
-        if color != "body" and not source.has_velocities:
+        color = self.color or ("speed" if source.has("velocities") else "body")
+        if color != "body" and not source.has("velocities"):
             raise SceneError(f"Points.color: {color!r} needs velocities, which were not recorded; use 'body'")
         return PointsPainter(self, color, source, parts, theme)
 
@@ -83,6 +83,7 @@ class PointsPainter(Painter):
         bodies = list(source.scene.bodies)
         each = [theme.bodies[bodies.index(part.body) % len(theme.bodies)] for part in parts]
         self._bodies = np.repeat(np.array(each, dtype=float), [len(part.body) for part in parts], axis=0)
+        self._domain = source.scene.periodic
         frames = source.count / 8 if len(self._where) <= FEW else 0.0
         if style.trail is not None:
             frames = min(style.trail * source.fps, source.count)
@@ -120,18 +121,22 @@ class PointsPainter(Painter):
         steps, count, dimension = len(past) - 1, past.shape[1], past.shape[2]
         pixels, depth, _ = view.project(past.reshape(-1, dimension))
         fresh = np.repeat(np.arange(1, steps + 1) / len(past), count)
+        # What has left the domain and come back on its other side has not crossed the picture.
+        jumps = np.zeros(steps * count, dtype=bool)
+        if self._domain is not None:
+            shift = np.diff(past, axis=0).reshape(-1, dimension)
+            jumps = (self._domain.nearest(shift) != shift).any(axis=1)
         # Faded by color, not by opacity: where two opaque lines meet, no joint shows.
         strength = (TRAIL * fresh)[:, np.newaxis]
         faded = np.tile(colors, (steps, 1)) * strength + np.array(self._theme.background) * (1.0 - strength)
         ink = inks(faded, self._theme, None)
         widths = np.maximum(1.0, width * fresh).astype(np.float32)
         ends = np.concatenate([pixels[:-count], pixels[count:]], axis=1)
-        canvas.lines(ends, widths, ink, None if depth is None else depth[count:])
+        canvas.lines(ends[~jumps], widths[~jumps], ink[~jumps], None if depth is None else depth[count:][~jumps])
 
     def _values(self, moment: Moment) -> FloatArray:
         """What the color shows, (N,)."""
-        assert moment.velocities is not None  # the style has made sure of it
-        velocities = moment.velocities[self._where]
+        velocities = moment.channel("velocities")[self._where]
         squares = np.einsum("nd,nd->n", velocities, velocities)
         values: FloatArray = np.sqrt(squares) if self._color == "speed" else 0.5 * self._mass * squares
         return values

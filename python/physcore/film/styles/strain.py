@@ -15,6 +15,7 @@ from physcore.film.colormaps import diverging, look_up
 from physcore.film.sources import Moment, Source
 from physcore.film.styles.base import Painter, Part, Style, inks, typical
 from physcore.film.themes import Theme
+from physcore.periodic import Periodic
 
 WIDTHS = (1.0, 3.4)
 """The thinnest and the thickest line that is chosen by itself [pixels]."""
@@ -63,14 +64,14 @@ class Strain(Style):
         for part in parts:
             if not self.can_draw(part.body):
                 raise SceneError(f"Strain.on: {part.body!r} has no springs; use Points(on=…) for it")
-        return StrainPainter(self, parts, theme)
+        return StrainPainter(self, source.scene.periodic, parts, theme)
 
 
 class StrainPainter(Painter):
     """Draws lines, and what is pinned."""
 
-    def __init__(self, style: Strain, parts: list[Part], theme: Theme) -> None:
-        self.style, self._style, self._theme = style, style, theme
+    def __init__(self, style: Strain, domain: Periodic | None, parts: list[Part], theme: Theme) -> None:
+        self.style, self._style, self._domain, self._theme = style, style, domain, theme
         self._table = diverging(theme.compressed, theme.relaxed, theme.stretched)
         pairs, rest, chain, brace, fixed = [], [], [], [], []
         for part in parts:
@@ -105,15 +106,17 @@ class StrainPainter(Painter):
         """Add lines, and pins above them."""
         points, depth, _ = view.project(moment.positions)
         first, second = self._pairs.T
-        between = None if depth is None else (depth[first] + depth[second]) / 2
+        ends, between = points[second], None if depth is None else (depth[first] + depth[second]) / 2
+        if self._domain is not None:  # A spring that crosses a face sticks out of it.
+            ends, there, _ = view.project(moment.positions[first] + self._apart(moment))
+            between = None if depth is None or there is None else (depth[first] + there) / 2
         farness = None if between is None else view.farness(between)
         strain = self._strain(moment) / self.top
         colors = look_up(self._table, 0.5 + 0.5 * np.sign(strain) * np.sqrt(np.abs(strain)))
         ink = inks(colors, self._theme, farness)
         ink[self._brace, 3] = round(255 * FAINT)
-        ends = np.concatenate([points[first], points[second]], axis=1)
         widths = self._widths(view)
-        canvas.lines(ends, widths, ink, between)
+        canvas.lines(np.concatenate([points[first], ends], axis=1), widths, ink, between)
         pins = np.tile(np.array([*self._theme.text, 255], dtype=np.uint8), (len(self._fixed), 1))
         radius = np.minimum(PIN, 0.6 + 0.7 * float(np.median(widths)))
         radii = np.full(len(self._fixed), radius, dtype=np.float32)
@@ -121,14 +124,19 @@ class StrainPainter(Painter):
 
     def _strain(self, moment: Moment) -> FloatArray:
         """Length over rest length less one, (M,). Where the rest length is 0, the mean length takes its place."""
-        first, second = self._pairs.T
-        apart = moment.positions[second] - moment.positions[first]
+        apart = self._apart(moment)
         length = np.sqrt(np.einsum("md,md->m", apart, apart))
         rest = self._rest
         if not (rest > 0.0).all():
             rest = np.where(rest > 0.0, rest, max(float(length.mean()), NEVER))
         strain: FloatArray = (length - self._rest) / rest
         return strain
+
+    def _apart(self, moment: Moment) -> FloatArray:
+        """From the first to the second end of each spring [m], (M, D); positions within a domain tear springs apart."""
+        first, second = self._pairs.T
+        apart = moment.positions[second] - moment.positions[first]
+        return apart if self._domain is None else self._domain.nearest(apart)
 
     def _widths(self, view: View) -> np.ndarray:
         """Widths (M,) [pixels]: a rope is thicker than the threads of a cloth."""

@@ -1,0 +1,125 @@
+"""Fluids as lumps of the size of their spacing, colored by speed, pressure or density."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from physcore import fluid
+from physcore._core import Canvas
+from physcore.bodies import Body
+from physcore.checks import FloatArray
+from physcore.errors import SceneError
+from physcore.film.camera import View
+from physcore.film.colormaps import ColormapName, look_up, sequential
+from physcore.film.sources import Moment, Source
+from physcore.film.styles.base import Painter, Part, Style, inks, typical
+from physcore.film.themes import Theme
+
+ColorBy = Literal["speed", "pressure", "density"]
+
+CHANNEL = {"speed": "velocities", "pressure": "pressures", "density": "densities"}
+"""What a film of each color needs."""
+FULL = 1.12
+"""A lump's diameter over its spacing: the discs of a square lattice overlap a little, so that still water is closed."""
+SMALLEST = 0.7
+"""The least radius of a lump [pixels]."""
+SHADING = 0.45
+NEVER = 1e-12
+"""Pressures [Pa] and compressions below this are rounding."""
+
+
+@dataclass(frozen=True)
+class Fluid(Style):
+    """Each particle of a fluid is a disc as wide as its spacing, and in 3D a lit ball.
+
+    Args:
+        color: by "speed" [m/s] or "pressure" [Pa], from zero to what is typical of the frame with the most, or by
+            "density", with the density at rest in the middle of the scale; a recording needs the channel
+            "velocities", "pressures" or "densities".
+        colormap: "viridis", "inferno", "plasma" or "magma".
+        on: as in Style; it must be a fluid.
+
+    Raises:
+        SceneError: a value is not valid, or what the color shows was not recorded.
+    """
+
+    color: ColorBy = "speed"
+    colormap: ColormapName = "viridis"
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.color not in CHANNEL:
+            raise SceneError(f"Fluid.color: must be one of {', '.join(map(repr, CHANNEL))}, got {self.color!r}")
+        sequential(self.colormap, (0.0, 1.0), "Fluid.colormap")
+
+    def can_draw(self, body: Body) -> bool:
+        """Whether it is a fluid."""
+        return isinstance(body, fluid.Fluid)
+
+    def painter(self, source: Source, parts: list[Part], theme: Theme) -> Painter:
+        """A painter with the color scale of one film."""
+        for part in parts:
+            if not self.can_draw(part.body):
+                raise SceneError(f"Fluid.on: {part.body!r} is no fluid; use Points(on=…) for it")
+        needed = CHANNEL[self.color]
+        if not source.has(needed):
+            raise SceneError(
+                f"Fluid.color: {self.color!r} needs {needed}, which were not recorded; record them with "
+                f"channels=(…, {needed!r}), or draw Points(color='body')"
+            )
+        return FluidPainter(self, parts, theme)
+
+
+class FluidPainter(Painter):
+    """Draws lumps."""
+
+    def __init__(self, style: Fluid, parts: list[Part], theme: Theme) -> None:
+        self.style, self._style, self._theme = style, style, theme
+        self._where = np.concatenate([np.arange(part.where.start, part.where.stop) for part in parts])
+        self._table = sequential(style.colormap, theme.part, "Fluid.colormap")
+        bodies = [part.body for part in parts if isinstance(part.body, fluid.Fluid)]
+        sizes = [len(body) for body in bodies]
+        self._radius = np.repeat([FULL / 2 * body.spacing for body in bodies], sizes).astype(np.float32)
+        self._rest = np.repeat([body.density for body in bodies], sizes)
+        self.top = NEVER
+
+    @property
+    def margin(self) -> float:
+        """The radius of the largest lump [m]."""
+        return float(self._radius.max(initial=0.0))
+
+    def observe(self, moment: Moment) -> None:
+        """Find the end of the color scale."""
+        self.top = max(self.top, typical(np.abs(self._values(moment))))
+
+    def inset(self, pixels: float) -> float:
+        """A rim: the radius is part of what the camera is fitted to."""
+        del pixels
+        return SMALLEST + 1.0
+
+    def paint(self, canvas: Canvas, moment: Moment, view: View, pixels: float) -> None:
+        """Add lumps."""
+        del pixels
+        centers, depth, scale = view.project(moment.positions[self._where])
+        fraction = self._values(moment) / self.top
+        if self._style.color == "density":
+            fraction = 0.5 + 0.5 * fraction
+        farness = None if depth is None else view.farness(depth)
+        ink = inks(look_up(self._table, fraction), self._theme, farness)
+        radii = np.maximum(scale * self._radius, np.float32(SMALLEST))
+        canvas.discs(centers, radii, ink, depth, 0.0 if view.flat else SHADING)
+
+    def _values(self, moment: Moment) -> FloatArray:
+        """What the color shows, (N,)."""
+        values: FloatArray = moment.channel(CHANNEL[self._style.color])[self._where]
+        match self._style.color:
+            case "speed":
+                speeds: FloatArray = np.sqrt(np.einsum("nd,nd->n", values, values))
+                return speeds
+            case "density":
+                compressions: FloatArray = values / self._rest - 1.0
+                return compressions
+        return values

@@ -1,0 +1,119 @@
+"""The periodic domain: what leaves on one side comes back on the other."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from physcore.checks import DIMENSIONS, FloatArray, IntArray, Vector
+from physcore.errors import SceneError
+
+
+@dataclass(frozen=True)
+class Periodic:
+    """The domain of a scene that repeats itself along some axes or all; at most one in a scene.
+
+    Pair forces and fluids act across its faces, each particle with the nearest image of each other one. Positions are
+    shown within the domain: those of a simulation, of recordings and of films. Springs, boundaries, central and custom
+    forces see particles where they have gone without being put back, and so does the angular momentum.
+
+    Args:
+        lower: the lower end along each axis [m]; −inf where an axis is not periodic.
+        upper: the upper end along each axis [m]; inf where an axis is not periodic.
+
+    Raises:
+        SceneError: `lower` is not below `upper`, an axis is infinite at one end only, or no axis is periodic.
+    """
+
+    lower: Vector
+    upper: Vector
+
+    def __post_init__(self) -> None:
+        lower, upper = _corner(self.lower, "Periodic.lower"), _corner(self.upper, "Periodic.upper")
+        if len(lower) != len(upper):
+            raise SceneError(
+                f"Periodic.upper: must have {len(lower)} components like the lower corner, got {len(upper)}"
+            )
+        for axis, (low, high) in enumerate(zip(lower, upper, strict=True)):
+            if not low < high:
+                raise SceneError(f"Periodic.upper[{axis}]: must be above the lower end {low:g}, got {high:g}")
+            if math.isinf(low) != math.isinf(high):
+                raise SceneError(
+                    f"Periodic.upper[{axis}]: an axis is periodic between two finite ends, or (−inf, inf) where it is "
+                    f"not; got ({low:g}, {high:g})"
+                )
+            if math.isfinite(low) and not math.isfinite(high - low):
+                raise SceneError(f"Periodic.upper[{axis}]: the length from {low:g} to {high:g} is not a finite number")
+        if not any(math.isfinite(low) for low in lower):
+            raise SceneError("Periodic.lower: no axis is periodic; leave Periodic out")
+        object.__setattr__(self, "lower", lower)
+        object.__setattr__(self, "upper", upper)
+
+    @property
+    def dimension(self) -> int:
+        """2 or 3."""
+        return len(self.lower)
+
+    @property
+    def lengths(self) -> FloatArray:
+        """The period along each axis [m], shape (D,); inf where an axis is not periodic."""
+        lengths: FloatArray = np.array(self.upper) - np.array(self.lower)
+        return lengths
+
+    def wrap(self, positions: FloatArray) -> FloatArray:
+        """The same points, within the domain: lower ≤ x < upper along each periodic axis; shape (…, D).
+
+        What is within already keeps its bits.
+        """
+        result = positions.copy()
+        for axis, length in enumerate(self.lengths.tolist()):
+            if math.isinf(length):
+                continue
+            low, high, x = self.lower[axis], self.upper[axis], positions[..., axis]
+            wrapped = x - length * np.floor((x - low) / length)
+            # Rounding can lead to just below, or to the upper end: both are the lower end.
+            result[..., axis] = np.where((x < low) | (x >= high), _within(wrapped, low, high), x)
+        return result
+
+    def nearest(self, displacements: FloatArray) -> FloatArray:
+        """Displacements to the nearest image [m], shape (…, D): at most half a period along each periodic axis."""
+        result = displacements.copy()
+        for axis, length in enumerate(self.lengths.tolist()):
+            if math.isfinite(length):
+                result[..., axis] -= length * np.rint(displacements[..., axis] / length)
+        return result
+
+    def with_images(self, positions: FloatArray, reach: float) -> tuple[FloatArray, IntArray]:
+        """Points (N, D) within the domain, followed by images of those that are within reach of a lower face [m].
+
+        Returns:
+            The points (M, D), and the index of the point that each is or is an image of (M,).
+        """
+        points = self.wrap(positions)
+        indices = np.arange(len(points))
+        for axis, length in enumerate(self.lengths.tolist()):
+            if math.isfinite(length):
+                near = points[:, axis] < self.lower[axis] + reach
+                images = points[near]
+                images[:, axis] += length
+                points, indices = np.concatenate([points, images]), np.concatenate([indices, indices[near]])
+        return points, indices
+
+
+def _within(x: FloatArray, low: float, high: float) -> FloatArray:
+    return np.where((x < low) | (x >= high), low, x)
+
+
+def _corner(value: object, path: str) -> tuple[float, ...]:
+    """Two or three numbers, which may be infinite."""
+    try:
+        corner = np.array(value, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise SceneError(f"{path}: must be 2 or 3 numbers, got {value!r}") from None
+    if corner.shape not in [(dimension,) for dimension in DIMENSIONS]:
+        raise SceneError(f"{path}: must be 2 or 3 numbers, got an array of shape {corner.shape}")
+    if np.isnan(corner).any():
+        raise SceneError(f"{path}: must be numbers, got {value!r}")
+    return tuple(corner.tolist())

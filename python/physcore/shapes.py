@@ -1,0 +1,102 @@
+"""Shapes filled with particles: the centers of the cells of a square or cubic lattice that are inside."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from physcore.checks import FloatArray, Vector, number, vector
+from physcore.errors import SceneError
+
+
+def block(lower: Vector, upper: Vector, spacing: float) -> FloatArray:
+    """A rectangle in 2D, a cuboid in 3D.
+
+    Args:
+        lower: the corner with the smallest coordinates [m].
+        upper: the corner with the largest coordinates [m].
+        spacing: the edge of a cell [m]. There are round(extent / spacing) cells along each axis, the first one in the
+            lower corner.
+
+    Returns:
+        The centers of all cells [m], shape (N, D), along x first.
+
+    Raises:
+        SceneError: the extent along an axis is less than one cell, or a value is not finite.
+    """
+    step = number(spacing, "block.spacing", above=0.0)
+    low, high = vector(lower, "block.lower"), vector(upper, "block.upper")
+    if len(low) != len(high):
+        raise SceneError(f"block.upper: must have {len(low)} components like the lower corner, got {len(high)}")
+    counts = []
+    for axis, (start, end) in enumerate(zip(low, high, strict=True)):
+        cells = round((end - start) / step)
+        if cells < 1:
+            raise SceneError(
+                f"block.upper[{axis}]: must be at least one spacing, {step:g} m, above the lower corner at "
+                f"{start:g} m, got {end:g} m"
+            )
+        counts.append(cells)
+    return np.array(low) + step * _centers(counts)
+
+
+def ball(center: Vector, radius: float, spacing: float) -> FloatArray:
+    """A disc in 2D, a ball in 3D.
+
+    Args:
+        center: [m].
+        radius: [m], above zero.
+        spacing: the edge of a cell [m].
+
+    Returns:
+        The centers of the cells that are inside [m], shape (N, D), along x first.
+
+    Raises:
+        SceneError: the shape has no room for a cell, or a value is not finite.
+    """
+    middle = vector(center, "ball.center")
+    return np.array(middle) + _round(number(radius, "ball.radius", above=0.0), spacing, len(middle), "ball")
+
+
+def cylinder(center: Vector, radius: float, height: float, spacing: float) -> FloatArray:
+    """An upright cylinder in 3D.
+
+    Args:
+        center: the middle of its base [m].
+        radius: [m], above zero.
+        height: along z [m], at least one spacing; there are round(height / spacing) layers, the first one on the base.
+        spacing: the edge of a cell [m].
+
+    Returns:
+        The centers of the cells that are inside [m], shape (N, 3), along x first.
+
+    Raises:
+        SceneError: the shape has no room for a cell, or a value is not finite.
+    """
+    base = vector(center, "cylinder.center")
+    if len(base) != 3:
+        raise SceneError(f"cylinder.center: must have 3 components, got {len(base)}; in 2D take a block")
+    disc = _round(number(radius, "cylinder.radius", above=0.0), spacing, 2, "cylinder")
+    layers = round(number(height, "cylinder.height", above=0.0) / spacing)
+    if layers < 1:
+        raise SceneError(f"cylinder.height: must be at least one spacing of {spacing:g} m, got {height:g} m")
+    heights = spacing * (np.arange(layers) + 0.5)
+    points: FloatArray = np.column_stack([np.tile(disc, (layers, 1)), np.repeat(heights, len(disc))])
+    points += np.array(base)
+    return points
+
+
+def _centers(counts: list[int]) -> FloatArray:
+    """The centers of cells of size 1 from the origin on, shape (N, D), the first axis fastest."""
+    indices = np.indices(counts[::-1], dtype=np.float64).reshape(len(counts), -1)[::-1].T
+    return np.ascontiguousarray(indices + 0.5)
+
+
+def _round(radius: float, spacing: float, dimension: int, path: str) -> FloatArray:
+    """The cells of a lattice around the origin whose centers are within a radius."""
+    step = number(spacing, f"{path}.spacing", above=0.0)
+    half = int(radius / step) + 1
+    points: FloatArray = step * (_centers([2 * half] * dimension) - half)
+    inside: FloatArray = points[np.einsum("nd,nd->n", points, points) <= radius**2]
+    if len(inside) == 0:
+        raise SceneError(f"{path}.radius: a radius of {radius:g} m has no room for a cell of {step:g} m")
+    return inside
