@@ -77,10 +77,9 @@ def race(contenders: Sequence[Contender], repetitions: int = REPETITIONS) -> Non
 
 def fastest(variants: Sequence[Contender]) -> Contender:
     """The best of several versions of the same opponent, found in a short race; its readings are discarded."""
-    if len(variants) > 1:
-        race(variants, repetitions=3)
-    else:
+    if len(variants) == 1:
         return variants[0]
+    race(variants, repetitions=3)
     best = min(variants, key=lambda variant: min(variant.cpu))
     return Contender(best.name, best.step, best.threads, best.multiple)
 

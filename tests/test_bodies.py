@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import copy
 import dataclasses
+import pickle
+from fractions import Fraction
 
 import numpy as np
 import pytest
@@ -41,6 +44,35 @@ def test_a_body_has_its_own_read_only_arrays():
                 value[:] = 0
     with pytest.raises(dataclasses.FrozenInstanceError):
         body.mass = np.ones(3)
+
+
+def test_any_real_numbers_in_any_layout_will_do():
+    """Integers, fractions, read-only and strided arrays, and masked ones without a masked entry."""
+    wanted = [[0.0, 1.0], [2.0, 3.0]]
+    strided = np.asfortranarray(np.arange(16.0).reshape(4, 4))[::2, :2] // 4 * 2 + [0, 1]
+    strided[1] = [2, 3]
+    strided.flags.writeable = False
+    for given in (
+        np.array(wanted, dtype=np.int8),
+        [[Fraction(0), 1], [2, Fraction(3)]],
+        strided.T.copy().T,
+        np.ma.array(wanted),
+    ):
+        assert pc.Particles(given).positions.tolist() == wanted
+
+
+def test_a_message_is_short_however_much_was_passed():
+    with pytest.raises(pc.SceneError) as caught:
+        pc.Gravity(list(range(100_000)))
+    assert len(str(caught.value)) < 200
+
+
+@pytest.mark.parametrize("twin", [copy.copy, copy.deepcopy, lambda body: pickle.loads(pickle.dumps(body))])
+def test_a_copied_body_is_read_only_too(twin):
+    body = twin(pc.SpringNetwork(TRIANGLE, SIDES, stiffness=1.0, name="triangle"))
+    assert (body.name, body.positions.tolist(), body.pairs.tolist()) == ("triangle", TRIANGLE, SIDES)
+    assert not body.positions.flags.writeable
+    assert not body.pairs.flags.writeable
 
 
 def test_bodies_are_keys_by_identity():
@@ -95,6 +127,20 @@ def test_springs_take_one_value_or_one_each():
         (lambda: pc.Particles([[0.0, 0.0], [0.0]]), "Particles.positions: must be a regular array"),
         (lambda: pc.Particles([["a", "b"]]), "Particles.positions: must be an array of real numbers"),
         (lambda: pc.Particles([[0.0, 1j]]), "Particles.positions: must be an array of real numbers"),
+        (
+            lambda: pc.Particles([*TRIANGLE, [0.0, None]]),
+            r"Particles.positions\[3, 1\]: must be a real number, got None",
+        ),
+        (
+            lambda: pc.Particles(np.ma.masked_greater(TRIANGLE, 3.5)),
+            "Particles.positions: must not have masked entries",
+        ),
+        (lambda: pc.Particles(TRIANGLE, fixed=[[0], [1, 2]]), "Particles.fixed: must be a regular array"),
+        (
+            lambda: pc.Particles(TRIANGLE, fixed=np.ma.array([0, 1], mask=[0, 1])),
+            "Particles.fixed: must not have masked entries",
+        ),
+        (lambda: pc.SpringNetwork(TRIANGLE, [[0], [1, 2]], 1.0), "SpringNetwork.pairs: must be a regular array"),
         (lambda: pc.Particles([[0.0, float("nan")]]), r"Particles.positions\[0, 1\]: must be finite, got nan"),
         (lambda: pc.Particles(TRIANGLE, velocities=[1, 2, 3]), r"Particles.velocities: must broadcast to .*\(3, 2\)"),
         (lambda: pc.Particles(TRIANGLE, velocities=float("inf")), "Particles.velocities: must be finite"),

@@ -70,6 +70,13 @@ def test_shear_and_bend_springs_have_their_own_strength_or_are_left_out():
     assert cloth.damping.tolist() == [0.5] * 12 + [0.1] * 6
 
 
+def test_springs_without_stiffness_stay_where_their_damping_was_asked_for():
+    cloth = pc.cloth((3, 3), 1.0, 5.0, damping=0.5, shear_stiffness=0.0, shear_damping=0.1, bend_stiffness=0.0)
+    assert cloth.stiffness.tolist() == [5.0] * 12 + [0.0] * 8
+    assert cloth.damping.tolist() == [0.5] * 12 + [0.1] * 8
+    assert pc.rope(3, 1.0, stiffness=0.0, damping=2.0).damping.tolist() == [2.0, 2.0]
+
+
 def test_axes_put_a_cloth_into_space():
     cloth = pc.cloth((2, 2), 2.0, 1.0, origin=(0.0, 0.0, 1.0), axes=((0.0, 3.0, 0.0), (0.0, 0.0, 0.5)))
     assert cloth.positions.tolist() == [[0.0, 0.0, 1.0], [0.0, 2.0, 1.0], [0.0, 0.0, 3.0], [0.0, 2.0, 3.0]]
@@ -131,7 +138,9 @@ def test_the_sides_of_a_soft_body_have_names():
         (lambda: pc.rope(3, 1.0, 1.0, start=(0, 0, 0), direction=(1, 0)), "rope.direction: must be 1 × 3 numbers"),
         (lambda: pc.rope(3, 1.0, 1.0, pinned="top"), "rope.pinned: must be one of 'start', 'end', 'both'"),
         (lambda: pc.cloth((1, 2), 1.0, 1.0), r"cloth.shape\[0\]: must be ≥ 2, got 1"),
-        (lambda: pc.cloth(3, 1.0, 1.0), "cloth.shape: must be 2 whole numbers, got 3"),
+        (lambda: pc.cloth(3, 1.0, 1.0), r"cloth.shape: must be 2 whole numbers, got 3; write \(columns, rows\)"),
+        (lambda: pc.cloth((2, 2), 1.0, 1.0, axes=1.0), "cloth.axes: must be 2 directions, got 1.0"),
+        (lambda: pc.cloth((2, 2), 1.0, 1.0, axes=(1, 0)), r"cloth.axes\[0\]: must be 2 or 3 numbers"),
         (lambda: pc.cloth((2, 2), 1.0, 1.0, bend_stiffness=-1.0), "cloth.bend_stiffness: must be ≥ 0"),
         (lambda: pc.cloth((2, 2), 1.0, 1.0, shear_damping=-1.0), "cloth.shear_damping: must be ≥ 0"),
         (lambda: pc.cloth((2, 2), 1.0, 1.0, axes=((1, 0), (1, 1))), "cloth.axes: must be perpendicular"),

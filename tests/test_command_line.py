@@ -41,10 +41,14 @@ def test_a_demo_writes_its_gif_shows_progress_and_prints_the_audit(capsys, tmp_p
 def test_bad_input_is_one_line_and_an_exit_code(capsys, tmp_path):
     assert main(["demo", "no-such-demo"]) == 2
     assert main(["demo", "rope", "-o", str(tmp_path / "missing" / "rope.gif")]) == 2
-    error = capsys.readouterr().err.splitlines()
+    assert main(["demo", "rope", "-o", str(tmp_path / "rope.mp4")]) == 2
+    output = capsys.readouterr()
+    assert output.out == ""  # nothing was simulated
+    error = output.err.splitlines()
     assert error[0].startswith("physcore: no demo 'no-such-demo'; there are")
     assert "no such folder" in error[1]
-    assert len(error) == 2
+    assert error[2].startswith("physcore: path: must end in .gif or .png")
+    assert len(error) == 3
     with pytest.raises(SystemExit) as stopped:
         main(["dance"])
     assert stopped.value.code == 2

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import io
 from collections.abc import Callable
 from pathlib import Path
@@ -301,9 +302,14 @@ def test_a_failure_leaves_the_old_file_and_nothing_else(tmp_path: Path) -> None:
 def test_a_file_that_cannot_be_written_is_a_file_error(tmp_path: Path) -> None:
     recording = recorded(SCENES["particles"], shift)
     for name in ("none/film.gif", "none/film.png"):
-        with pytest.raises(pc.FileError, match=name) as caught:
+        with pytest.raises(pc.FileError, match=f"{name}: cannot be written: no such folder"):
+            pc.film(recording, tmp_path / name, size=SIZE)
+    for name in ("folder.gif", "folder.png"):
+        (tmp_path / name).mkdir()
+        with pytest.raises(pc.FileError, match=f"{name}: cannot be written") as caught:
             pc.film(recording, tmp_path / name, size=SIZE)
         assert isinstance(caught.value.__cause__, OSError)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["folder.gif", "folder.png"]
 
 
 @pytest.mark.parametrize(
@@ -318,8 +324,16 @@ def test_a_file_that_cannot_be_written_is_a_file_error(tmp_path: Path) -> None:
         ({"camera": Orbit()}, "camera: must be a Window in 2D"),
         ({"titles": ["a", "b"]}, "titles: must be one for each"),
         ({"speed": 10.0}, "at most 50 frames per second, got 300"),
-        ({"duration": 1.0}, "duration: a recording already has it"),
+        ({"duration": 1.0}, "duration: is for a scene, and this is a recording"),
+        ({"dt": 0.1}, "dt: is for a scene, and this is a recording"),
+        ({"size": (100, 70_000)}, r"size\[1\]: must be ≤ 16384"),
+        ({"title": 3}, "title: must be a string"),
+        ({"title": "a", "titles": ["b"]}, "one title for all or titles for the panels"),
+        ({"theme": ["dark"]}, "theme: must be one of 'dark', 'light'"),
+        ({"speed": 2.5}, "slower: speed=50/30"),
+        ({"speed": 1e-6}, "at most 655 s, got 33333.3 s; play it faster: speed=1"),
         ({"style": pc.styles.Strain(on=SCENES["particles"].bodies[0])}, "no springs"),
+        ({"style": pc.styles.Points(on=dust(3))}, r"Points\.on: Particles\(3 .* is not in what is filmed"),
         ({"style": pc.styles.Fluid(on=SCENES["particles"].bodies[0])}, "is no fluid"),
     ],
 )
@@ -336,8 +350,57 @@ def test_a_scene_is_filmed_while_it_runs_like_its_recording(tmp_path: Path) -> N
     pc.film(scene, tmp_path / "streamed.gif", duration=0.5, fps=20, size=SIZE)
     pc.film(pc.simulate(scene, 0.5, fps=20), tmp_path / "recorded.gif", size=SIZE)
     assert (tmp_path / "streamed.gif").read_bytes() == (tmp_path / "recorded.gif").read_bytes()
-    with pytest.raises(pc.SceneError, match="duration"):
-        pc.film(scene, tmp_path / "film.gif")
+
+
+def test_a_scene_that_cannot_be_filmed_is_refused_before_it_is_simulated(tmp_path: Path) -> None:
+    def never(time: float, x: np.ndarray, v: np.ndarray) -> np.ndarray:
+        raise AssertionError("it was simulated")
+
+    scene, path = pc.Scene(dust(3), pc.CustomForce(never)), tmp_path / "film.gif"
+    for options, message in [
+        ({}, "duration: .*say how long"),
+        ({"duration": "2"}, "duration: must be a number"),
+        ({"duration": -1.0}, "duration: must be ≥ 0"),
+        ({"duration": 1.0, "fps": 0}, "fps: must be > 0"),
+        ({"duration": 1.0, "fps": 60}, "at most 50 frames per second"),
+    ]:
+        with pytest.raises(pc.SceneError, match=message):
+            pc.film(scene, path, **options)
+    with pytest.raises(pc.FileError, match="no such folder"):
+        pc.film(scene, tmp_path / "none" / "film.gif", duration=1.0)
+
+
+@pytest.mark.parametrize("item", [SCENES["particles"], "recording"])
+def test_an_unknown_argument_is_called_that(item: Any, tmp_path: Path) -> None:
+    item = recorded(SCENES["particles"], shift) if item == "recording" else item
+    with pytest.raises(TypeError, match="unexpected keyword argument 'colour'"):
+        pc.film(item, tmp_path / "film.gif", colour="red")
+
+
+@pytest.mark.parametrize(("fps", "delay"), [(30.0, 33.3), (75.0, 20.0), (400.0, 20.0), (1.0 / 86400.0, 200.0)])
+def test_a_notebook_plays_any_recording_as_near_to_real_time_as_a_gif_can(fps: float, delay: float) -> None:
+    recording = pc.simulate(pc.Scene(dust(2)), 6 / fps, fps)
+    html = recording._repr_html_()
+    assert html is not None
+    content = base64.b64decode(html.split("base64,")[1].split('"')[0])
+    assert np.mean(frames(content)[1]) == pytest.approx(delay, abs=10 / 7 / 2 + 0.1)  # half a hundredth in all
+
+
+def test_a_notebook_shows_text_where_there_is_nothing_to_draw() -> None:
+    assert pc.simulate(pc.Scene(dust(2)), 0.1, channels=("velocities",))._repr_html_() is None
+
+
+def test_the_time_shown_moves_with_every_frame(tmp_path: Path) -> None:
+    recording = recorded(SCENES["one particle at rest"], lambda start, time: start, 3, fps=1e6)
+    pc.film(recording, tmp_path / "film.gif", size=SIZE, speed=1e-6)
+    pictures = frames(tmp_path / "film.gif")[0]
+    assert (pictures[0] != pictures[1]).any()
+
+
+def test_a_trail_may_be_longer_than_the_film() -> None:
+    recording = recorded(SCENES["central"], shift)
+    whole, beyond = (gif_bytes(recording, size=SIZE, style=pc.styles.Points(trail=trail)) for trail in (7 / 30, 1e300))
+    assert whole == beyond
 
 
 def test_the_light_theme_is_light(tmp_path: Path) -> None:

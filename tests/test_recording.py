@@ -66,6 +66,16 @@ def test_a_recording_can_start_later():
     np.testing.assert_allclose(recording.positions[:, 0], parabola(recording.times), rtol=0, atol=1e-12)
 
 
+@pytest.mark.parametrize("dt", ["auto", 0.01])
+def test_who_steps_between_two_frames_is_told(dt):
+    simulation = pc.Simulation(THROW, dt=dt)
+    frames = simulation.frames(1.0)
+    next(frames)
+    simulation.step()
+    with pytest.raises(pc.PhyscoreError, match="took 1 steps between two of its frames"):
+        next(frames)
+
+
 def test_the_frames_of_automatic_steps_end_with_the_duration():
     simulation = pc.Simulation(THROW)
     simulation.record(0.99, fps=10.0)
@@ -78,6 +88,7 @@ def test_a_body_has_its_part():
     assert (recording[BALL].positions == recording.positions[:, 2:]).all()
     assert (recording["ball"].velocities == recording.velocities[:, 2:]).all()
     assert (recording[0].positions == still.positions).all()
+    assert repr(recording[0]) == "Track(16 frames: positions (16, 2, 2), velocities (16, 2, 2))"
     assert (recording[still].times == recording.times).all()
 
 

@@ -22,7 +22,7 @@ def test_the_dimension_follows_from_the_positions():
 
 def test_bodies_are_found_by_themselves_by_index_and_by_name():
     scene = pc.Scene(ONE, DOWN, TWO)
-    for key in (TWO, 1, -1, "two"):
+    for key in (TWO, 1, -1, np.int64(1), "two"):
         assert scene.index(key) == 1
         assert scene.slice(key) == slice(1, 3)
     assert scene.particles == 3
@@ -130,8 +130,18 @@ def test_every_integrator_names_its_order_and_its_source(kind):
         (lambda: pc.LennardJones(1.0, -1.0), "LennardJones.sigma: must be > 0"),
         (lambda: pc.LennardJones(1.0, 1.0, cutoff=0.0), "LennardJones.cutoff: must be > 0"),
         (lambda: pc.CustomForce(3), "CustomForce.function: must be a function"),
+        (
+            lambda: pc.CustomForce(lambda x: x),
+            r"CustomForce.function: must take \(time, positions, velocities\), .*\(x\)",
+        ),
+        (
+            lambda: pc.CustomForce(lambda t, x, v: x, lambda x, v: 0.0),
+            r"CustomForce.potential: must take \(positions\)",
+        ),
         (lambda: pc.Floor(restitution=1.5), "Floor.restitution: must be ≤ 1, got 1.5"),
         (lambda: pc.Floor(friction=-0.5), "Floor.friction: must be ≥ 0"),
+        (lambda: pc.Floor(np.complex128(1.0)), "Floor.height: must be a number, got np.complex128"),
+        (lambda: pc.Floor(np.ma.masked), "Floor.height: must be a number, got masked"),
         (lambda: pc.Plane((0, 0), (0, 0)), "Plane.normal: must not be zero"),
         (lambda: pc.Plane((0, 0), (0, 0, 1)), "Plane.normal: must have 2 components"),
         (lambda: pc.Box((0, 0), (1, 0)), "Box.upper: must be above the lower corner"),

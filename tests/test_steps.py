@@ -107,6 +107,7 @@ def test_explicit_euler_warns_once_and_has_no_automatic_step():
         ({"precision": "f16"}, "precision: must be 'f32', 'f64' or 'auto', got 'f16'"),
         ({"threads": 0}, "threads: must be ≥ 1, got 0"),
         ({"threads": 1.5}, "threads: must be a whole number"),
+        ({"threads": 10**6}, "threads: must be ≤ 1024"),
         ({"runaway": 0.0}, "runaway: must be > 0"),
         ({"on_divergence": "stop"}, "on_divergence: must be 'raise' or 'ignore'"),
     ],
@@ -122,10 +123,14 @@ def test_bad_numerics_are_refused_by_name(choice, message):
         (lambda simulation: simulation.step(-1), "step.n: must be ≥ 0, got -1"),
         (lambda simulation: simulation.step(1.0), "step.n: must be a whole number"),
         (lambda simulation: simulation.run(-1.0), "run.duration: must be ≥ 0"),
+        (lambda simulation: simulation.step(10**30), "step.n: must be ≤ "),
         (lambda simulation: simulation.run(math.inf), "run.duration: must be finite"),
+        (lambda simulation: simulation.run(1e300), "duration: 1e.300 s are .* steps of .* more than can be counted"),
+        (lambda simulation: simulation.record(1e300, fps=1e300), "duration: .* more frames than can be counted"),
+        (lambda simulation: simulation.record(1.0, channels=None), "channels: must be a tuple"),
         (lambda simulation: simulation.record(1.0, fps=0.0), "fps: must be > 0"),
         (lambda simulation: simulation.record(-1.0), "duration: must be ≥ 0"),
-        (lambda simulation: simulation.record(1.0, channels="positions"), "channels: must be a tuple"),
+        (lambda simulation: simulation.record(1.0, channels="positions"), r'channels: .*write \("positions",\)'),
         (lambda simulation: simulation.record(1.0, channels=("forces",)), "channels: must be a tuple"),
         (lambda simulation: simulation.set(positions=[1.0, 2.0, 3.0]), "set.positions: must broadcast"),
         (lambda simulation: simulation.set(velocities=math.nan), "set.velocities: must be finite"),
@@ -136,9 +141,10 @@ def test_bad_arguments_are_refused_by_name(act, message):
         act(pc.Simulation(FALLING))
 
 
-def test_a_scene_is_asked_for():
+@pytest.mark.parametrize("act", [pc.Simulation, lambda scene: pc.stability_limit(scene, pc.VelocityVerlet())])
+def test_a_scene_is_asked_for(act):
     with pytest.raises(pc.SceneError, match=r"scene: must be a Scene, .*write Scene\(Particles\(…\), …\)"):
-        pc.Simulation(FALLING.bodies[0])
+        act(FALLING.bodies[0])
 
 
 def test_safety_is_a_fraction():

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 import physcore as pc
+from physcore import engine
 
 CLOTH = pc.cloth((150, 120), spacing=0.01, stiffness=2000.0, damping=0.01, mass=1e-3, pinned="corners")
 HANGING = pc.Scene(CLOTH, pc.Gravity((0.0, -9.81)), pc.Drag(1e-4))
@@ -68,6 +69,22 @@ def test_a_second_thread_gets_a_clear_error_and_the_first_one_goes_on():
     assert "another thread" in refusals[0]
     plain.step(2000)
     assert simulation.state_hash() == plain.state_hash()
+
+
+def test_nobody_steps_between_two_chunks_of_a_run(monkeypatch):
+    """With dt="auto" springs run in chunks of 256 steps; between them the world is idle while its limit is found."""
+    simulation, tries = pc.Simulation(HANGING), []
+    look = engine.limit
+
+    def meddle(world):
+        with pytest.raises(pc.PhyscoreError, match="another thread") as caught:
+            simulation.step()
+        tries.append(caught.value)
+        return look(world)
+
+    monkeypatch.setattr(engine, "limit", meddle)
+    simulation.step(600)
+    assert (simulation.steps, len(tries)) == (600, 2)
 
 
 def test_other_python_threads_run_meanwhile():

@@ -39,7 +39,13 @@ def _parser() -> argparse.ArgumentParser:
     commands.add_parser("list", help="name the demos").set_defaults(run=_list)
     demo = commands.add_parser("demo", help="run a demo: write its GIF, print its audit")
     demo.add_argument("name", nargs="?", metavar="NAME", help="one of `physcore list` (default: the first)")
-    demo.add_argument("-o", "--output", type=Path, metavar="FILE", help="where to write the GIF (default: NAME.gif)")
+    demo.add_argument(
+        "-o",
+        "--output",
+        type=Path,
+        metavar="FILE",
+        help="the GIF, or the PNG of its last frame, to write (default: NAME.gif)",
+    )
     demo.set_defaults(run=_demo)
     bench = commands.add_parser("bench", help="measure the speed of this machine")
     bench.set_defaults(run=_bench)
@@ -57,20 +63,22 @@ def _list(options: argparse.Namespace) -> int:
 
 def _demo(options: argparse.Namespace) -> int:
     from physcore.audit import audit
+    from physcore.film.filming import check_target
     from physcore.gallery import DEMOS, caption, demo
 
     name = options.name or DEMOS[0]
     if name not in DEMOS:
         print(f"physcore: no demo {name!r}; there are {', '.join(DEMOS)}", file=sys.stderr)
         return 2
-    path: Path = options.output or Path(f"{name}.gif")
-    if not path.parent.is_dir():
-        print(f"physcore: {path.parent}: no such folder", file=sys.stderr)
+    try:
+        path = check_target(options.output or f"{name}.gif")
+    except PhyscoreError as error:
+        print(f"physcore: {error}", file=sys.stderr)
         return 2
     print(caption(name))
     for title, recording in demo(name).main(path, progress=True).items():
         print(f"\n{title}: {audit(recording)}")
-    print(f"\nThe GIF is {path.resolve()} ({path.stat().st_size / 1e6:.1f} MB).")
+    print(f"\nThe film is {path.resolve()} ({path.stat().st_size / 1e6:.1f} MB).")
     return 0
 
 

@@ -27,7 +27,7 @@ def main() -> None:
     fabric = cloth((316, 316), spacing=0.01, stiffness=100.0, damping=0.01, mass=1e-3, pinned="top")
     hanging = Scene(fabric, Gravity((0.0, -9.81)))
     cases = {
-        "10⁶ particles, gravity and drag, 3D": (falling, dust.positions.shape[0], "particle-steps"),
+        "10⁶ particles, gravity and drag, 3D": (falling, len(dust), "particle-steps"),
         "316×316 cloth, damped": (hanging, len(fabric.pairs), "spring-updates"),
     }
     for name, (scene, work, unit) in cases.items():

@@ -7,7 +7,18 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from physcore.checks import DIMENSIONS, BoolArray, FloatArray, IntArray, array, broadcast, frozen, mask, require
+from physcore.checks import (
+    DIMENSIONS,
+    BoolArray,
+    FloatArray,
+    IntArray,
+    array,
+    broadcast,
+    frozen,
+    mask,
+    regular,
+    require,
+)
 from physcore.errors import SceneError
 
 
@@ -41,6 +52,10 @@ class Body:
     def __repr__(self) -> str:
         label = f"{self.name!r}, " if self.name else ""
         return f"{type(self).__name__}({label}{len(self)} particles in {self.dimension}D)"
+
+    def __setstate__(self, state: dict[str, object]) -> None:
+        """A copy, or what comes out of a pickle, has read-only arrays too."""
+        self._set(**state)
 
     def _set(self, **values: object) -> None:
         """Fill in the fields; only for constructors, because the dataclass is frozen."""
@@ -171,7 +186,7 @@ class SpringNetwork(Body):
 def _pairs(value: ArrayLike, number: int) -> IntArray:
     """Checked spring indices of shape (M, 2); negative indices count from the end."""
     path = "SpringNetwork.pairs"
-    given = np.asarray(value)
+    given = regular(value, path)
     if given.size == 0:
         return np.empty((0, 2), dtype=np.int64)
     if given.dtype.kind not in "iu" or given.ndim != 2 or given.shape[1] != 2:
@@ -179,10 +194,7 @@ def _pairs(value: ArrayLike, number: int) -> IntArray:
     outside = (given < -number) | (given >= number)
     if outside.any():
         spring, end = np.argwhere(outside)[0]
-        raise SceneError(
-            f"{path}[{spring}, {end}]: index {given[spring, end]} is outside of the {number} particles "
-            f"(expected 0 to {number - 1})"
-        )
+        raise SceneError(f"{path}[{spring}, {end}]: index {given[spring, end]} is outside of the {number} particles")
     links = given.astype(np.int64)
     links[links < 0] += number
     loops = links[:, 0] == links[:, 1]

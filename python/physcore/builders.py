@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from physcore.bodies import SpringNetwork
-from physcore.checks import BoolArray, FloatArray, IntArray, Vector, count, mask, number, vector
+from physcore.checks import BoolArray, FloatArray, IntArray, Vector, count, mask, number, shown, vector
 from physcore.errors import SceneError
 
 Pinned: TypeAlias = str | tuple[str, ...] | ArrayLike | None
@@ -68,7 +68,7 @@ def rope(
     origin, (axis,) = _frame(start, None if direction is None else [direction], 1, "rope.start", "rope.direction")
     along = number(length, "rope.length") * np.arange(nodes) / (nodes - 1)
     edges = {"start": np.array([0]), "end": np.array([nodes - 1]), "both": np.array([0, nodes - 1])}
-    kind = _Kind(((1,),), spacing, *_strength(stiffness, damping, "rope"))
+    kind = _Kind(((1,),), spacing, *_strength(stiffness, damping, "rope."))
     return _lattice(
         (nodes,),
         origin + along[:, None] * axis,
@@ -112,7 +112,8 @@ def cloth(
         mass: per particle [kg], one or (columns · rows,).
         origin: of the lower left particle [m]; zero by default. Three numbers make the cloth 3D.
         axes: the directions of a row and of a column, perpendicular; +x and +y by default.
-        shear_stiffness, bend_stiffness: [N/m]; None: the same as `stiffness`; 0 leaves those springs out.
+        shear_stiffness, bend_stiffness: [N/m]; None: the same as `stiffness`; 0 leaves those springs out, unless their
+            damping is given.
         pinned: "top", "bottom", "left", "right", "corners", "top corners", "bottom corners", a tuple of these,
             a bool mask, or integer indices.
         shear_damping, bend_damping: [N·s/m]; None: the same as `damping`.
@@ -127,9 +128,9 @@ def cloth(
     columns, rows = _shape(shape, (2,), "cloth.shape")
     step = number(spacing, "cloth.spacing", above=0.0)
     corner, directions = _frame(origin, axes, 2, "cloth.origin", "cloth.axes")
-    structural = _strength(stiffness, damping, "cloth")
-    shear = _strength(shear_stiffness, shear_damping, "cloth.shear", structural)
-    bend = _strength(bend_stiffness, bend_damping, "cloth.bend", structural)
+    structural = _strength(stiffness, damping, "cloth.")
+    shear = _strength(shear_stiffness, shear_damping, "cloth.shear_", structural)
+    bend = _strength(bend_stiffness, bend_damping, "cloth.bend_", structural)
     kinds = [
         _Kind(((1, 0), (0, 1)), step, *structural),
         _Kind(((1, 1), (-1, 1)), step * math.sqrt(2.0), *shear),
@@ -183,7 +184,8 @@ def soft_body(
         damping: along each of them [N·s/m].
         mass: per particle [kg], one or (N,).
         origin: of the particle with the smallest coordinates [m]; zero by default.
-        shear_stiffness: of each diagonal [N/m]; None: the same as `stiffness`; 0 leaves the diagonals out.
+        shear_stiffness: of each diagonal [N/m]; None: the same as `stiffness`; 0 leaves the diagonals out, unless their
+            damping is given.
         pinned: "left" and "right" (along x), "bottom" and "top" (along the last axis), in 3D also "front" and "back"
             (along y), a tuple of these, a bool mask, or integer indices.
         shear_damping: along each diagonal [N·s/m]; None: the same as `damping`.
@@ -198,8 +200,8 @@ def soft_body(
     corner, directions = _frame(
         (0.0,) * dimension if origin is None else origin, None, dimension, "soft_body.origin", "soft_body.shape"
     )
-    axial = _strength(stiffness, damping, "soft_body")
-    shear = _strength(shear_stiffness, shear_damping, "soft_body.shear", axial)
+    axial = _strength(stiffness, damping, "soft_body.")
+    shear = _strength(shear_stiffness, shear_damping, "soft_body.shear_", axial)
     # The first half of all offsets, in the sense that the opposite of each is left out: no pair is listed twice.
     offsets = [
         offset[::-1]
@@ -274,7 +276,10 @@ def _frame(
 ) -> tuple[FloatArray, FloatArray]:
     """The origin (D,) and `rank` unit directions (rank, D); what is not given is zero, and +x, +y, +z."""
     start = None if origin is None else vector(origin, origin_path)
-    directions = None if axes is None else [vector(axis, axes_path) for axis in axes]
+    if axes is not None and not isinstance(axes, (Sequence, np.ndarray)):
+        raise SceneError(f"{axes_path}: must be {rank} directions, got {shown(axes)}")
+    paths = [axes_path] if rank == 1 else [f"{axes_path}[{index}]" for index in range(len(axes or ()))]
+    directions = None if axes is None else [vector(axis, path) for axis, path in zip(axes, paths, strict=True)]
     dimension = len(start) if start is not None else len(directions[0]) if directions else max(rank, 2)
     if dimension < rank:
         raise SceneError(f"{origin_path}: must have {rank} components, got {dimension}")
@@ -294,19 +299,21 @@ def _frame(
 
 def _shape(shape: object, ranks: tuple[int, ...], path: str) -> tuple[int, ...]:
     """Checked numbers of particles along each axis."""
-    if not isinstance(shape, Sequence) or len(shape) not in ranks:
-        raise SceneError(f"{path}: must be {' or '.join(str(rank) for rank in ranks)} whole numbers, got {shape!r}")
+    if not isinstance(shape, (Sequence, np.ndarray)) or len(shape) not in ranks:
+        names = " or ".join(f"({', '.join(('columns', 'rows', 'layers')[:rank])})" for rank in ranks)
+        numbers = " or ".join(str(rank) for rank in ranks)
+        raise SceneError(f"{path}: must be {numbers} whole numbers, got {shown(shape)}; write {names}")
     return tuple(count(size, f"{path}[{axis}]", least=2) for axis, size in enumerate(shape))
 
 
 def _strength(
-    stiffness: float | None, damping: float | None, path: str, default: tuple[float, float] = (0.0, 0.0)
+    stiffness: float | None, damping: float | None, prefix: str, default: tuple[float, float] = (0.0, 0.0)
 ) -> tuple[float, float]:
-    """Checked (stiffness, damping) of one kind of spring; a kind of stiffness 0 is left out with its damping."""
-    joint = "_" if "." in path else "."
-    k = default[0] if stiffness is None else number(stiffness, f"{path}{joint}stiffness", least=0.0)
-    c = default[1] if damping is None else number(damping, f"{path}{joint}damping", least=0.0)
-    return (k, c) if k > 0 or stiffness is None else (0.0, 0.0)
+    """Checked (stiffness, damping) of one kind of spring; one whose stiffness is set to 0 has no damping by default."""
+    k = default[0] if stiffness is None else number(stiffness, f"{prefix}stiffness", least=0.0)
+    if damping is None:
+        return k, (0.0 if stiffness is not None and k == 0.0 else default[1])
+    return k, number(damping, f"{prefix}damping", least=0.0)
 
 
 def _pins(pinned: Pinned, edges: Mapping[str, IntArray], nodes: int, path: str) -> BoolArray:

@@ -4,14 +4,25 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, fields
-from typing import ClassVar, TypeAlias
+from typing import ClassVar, TypeAlias, cast
 
 import numpy as np
 
 from physcore.bodies import Body
+from physcore.checks import shown
 from physcore.errors import SceneError
 
 On: TypeAlias = Body | Sequence[Body] | None
+
+
+def chosen(on: object, path: str) -> tuple[Body, ...] | None:
+    """The bodies that `on=` names, checked; None: all."""
+    if on is None:
+        return None
+    bodies = (on,) if isinstance(on, Body) else on
+    if not isinstance(bodies, Sequence) or not all(isinstance(body, Body) for body in bodies):
+        raise SceneError(f"{path}: must be a body or several ([one, two]), got {shown(on)}")
+    return tuple(bodies)
 
 
 @dataclass(frozen=True)
@@ -25,12 +36,7 @@ class Influence:
     """Whether it acts on a fluid only where that is named."""
 
     def __post_init__(self) -> None:
-        if self.on is None:
-            return
-        bodies: object = (self.on,) if isinstance(self.on, Body) else self.on
-        if not isinstance(bodies, Sequence) or not all(isinstance(body, Body) for body in bodies):
-            raise SceneError(f"{type(self).__name__}.on: must be a body or several, got {self.on!r}")
-        self._set(on=tuple(bodies))
+        self._set(on=chosen(self.on, f"{type(self).__name__}.on"))
 
     def _set(self, **values: object) -> None:
         """Replace what the user passed by its checked form; only for `__post_init__`."""
@@ -39,9 +45,7 @@ class Influence:
 
     def bodies(self) -> tuple[Body, ...] | None:
         """The bodies that it names, or None."""
-        if self.on is None:
-            return None
-        return (self.on,) if isinstance(self.on, Body) else tuple(self.on)
+        return cast("tuple[Body, ...] | None", self.on)  # made so by __post_init__
 
     def check(self, bodies: Sequence[Body], path: str) -> None:
         """Look at the bodies that it acts on, once they are known; `path` says where it stands in the scene.

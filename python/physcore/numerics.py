@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import Literal, TypedDict
 
-from physcore.checks import count, number
+from physcore.checks import MOST, count, number, shown
 from physcore.errors import SceneError
 from physcore.integrators import INTEGRATORS, Integrator, VelocityVerlet
 from physcore.scene import Scene
@@ -17,6 +17,9 @@ LimitKind = Literal["stability", "accuracy", "none"]
 
 FRAMES_PER_SECOND = 30.0
 """The frame rate where none is asked for."""
+
+MOST_THREADS = 1024
+"""More than any machine has; a larger number is a mistake, and would take the system's threads."""
 
 STEPS_PER_FREE_FRAME = 4
 """Steps per frame where nothing limits the time step."""
@@ -74,7 +77,7 @@ def check(options: Options, scene: Scene) -> Numerics:
         integrator=_integrator(options.get("integrator", "auto")),
         dt=_dt(options.get("dt", "auto")),
         precision=_precision(options.get("precision", "auto"), scene),
-        threads=None if threads is None else count(threads, "threads", least=1),
+        threads=None if threads is None else count(threads, "threads", least=1, most=MOST_THREADS),
         runaway=number(options.get("runaway", 1e6), "runaway", above=0.0),
         on_divergence=_on_divergence(options.get("on_divergence", "raise")),
     )
@@ -87,7 +90,7 @@ def _integrator(value: object) -> Integrator:
         return value
     known = ", ".join(f"{kind.__name__}()" for kind in INTEGRATORS)
     missing = f"; write {value.__name__}()" if isinstance(value, type) else ""
-    raise SceneError(f"integrator: must be one of {known} or 'auto', got {value!r}{missing}")
+    raise SceneError(f"integrator: must be one of {known} or 'auto', got {shown(value)}{missing}")
 
 
 def _dt(value: object) -> float | AutoStep:
@@ -153,7 +156,21 @@ def largest_step(limit: Limit, rule: AutoStep, integrator: Integrator, fps: floa
     return rule.safety * limit.dt
 
 
+def steps_to(interval: float, dt: float, slack: float) -> int:
+    """The fewest steps of dt [s] that fill an interval [s], up to a fraction `slack` of a step.
+
+    Raises:
+        SceneError: they are too many to count.
+    """
+    steps = interval / dt - slack
+    if steps > MOST:
+        raise SceneError(
+            f"duration: {interval:g} s are {steps:.1e} steps of {dt:g} s, which is more than can be counted"
+        )
+    return math.ceil(steps)
+
+
 def divide(interval: float, largest: float) -> tuple[int, float]:
     """The fewest equal steps of at most `largest` that fill an interval: (number, dt)."""
-    steps = max(1, math.ceil(interval / largest - 1e-9))
+    steps = max(1, steps_to(interval, largest, 1e-9))
     return steps, interval / steps

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-import math
 import sys
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 
 from physcore import engine
 from physcore._core import World
 from physcore.checks import count, number
-from physcore.errors import SimulationDiverged
-from physcore.numerics import FRAMES_PER_SECOND, AutoStep, Limit, Numerics, divide, largest_step
+from physcore.errors import PhyscoreError, SimulationDiverged
+from physcore.numerics import FRAMES_PER_SECOND, AutoStep, Limit, Numerics, divide, largest_step, steps_to
 from physcore.scene import Scene
+from physcore.state import Snapshot
 
 WATCH = 256
 """With dt="auto", the limit of stability is looked at again whenever the number of steps is a multiple of this. Fixed
@@ -39,6 +42,7 @@ class Pace:
         self._first_limit = engine.limit(world)
         self.limit = self._first_limit
         self._varies = world.plan()["limit_varies"]
+        self._stepping = threading.Lock()
         if isinstance(numerics.dt, AutoStep):
             self._largest(FRAMES_PER_SECOND)  # A scene without any stable step is refused here, not at its first step.
 
@@ -57,28 +61,42 @@ class Pace:
         left = count(steps, "step.n")
         if self.fixed is not None:
             return self._advance(left, self.fixed)
-        while left > 0:
-            self._watch()
-            chunk = min(left, self._until_watch())
-            self._advance(chunk, self._largest(FRAMES_PER_SECOND))
-            left -= chunk
+        with self._alone():
+            while left > 0:
+                self._watch()
+                chunk = min(left, self._until_watch())
+                self._advance(chunk, self._largest(FRAMES_PER_SECOND))
+                left -= chunk
         return None
 
     def run(self, duration: float, fps: float = FRAMES_PER_SECOND) -> None:
         """Advance by a duration [s]: to its end with dt="auto", to the first step at or after it with a given dt."""
         interval = number(duration, "run.duration", least=0.0)
         if self.fixed is not None:
-            return self._advance(max(0, math.ceil(interval / self.fixed - TOUCH)), self.fixed)
+            return self._advance(max(0, steps_to(interval, self.fixed, TOUCH)), self.fixed)
         if interval == 0.0:
             return None
-        steps, dt = divide(interval, self._largest(fps))
-        while steps > 0:
-            if self._watch():
-                steps, dt = divide(steps * dt, self._largest(fps))
-            chunk = min(steps, self._until_watch())
-            self._advance(chunk, dt)
-            steps -= chunk
+        with self._alone():
+            steps, dt = divide(interval, self._largest(fps))
+            while steps > 0:
+                if self._watch():
+                    steps, dt = divide(steps * dt, self._largest(fps))
+                chunk = min(steps, self._until_watch())
+                self._advance(chunk, dt)
+                steps -= chunk
         return None
+
+    @contextmanager
+    def _alone(self) -> Iterator[None]:
+        """Between two chunks of steps the world would let another thread in, and neither would end where it should."""
+        if not self._stepping.acquire(blocking=False):
+            raise PhyscoreError(
+                "this simulation is running, in another thread or around this call: wait until that has ended"
+            )
+        try:
+            yield
+        finally:
+            self._stepping.release()
 
     def _advance(self, steps: int, dt: float) -> None:
         try:

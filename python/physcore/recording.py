@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Collection, Iterable
 from dataclasses import asdict, dataclass, fields
 from typing import Any, Literal, Self
 
@@ -27,6 +27,26 @@ FLUID_CHANNELS: tuple[Channel, ...] = ("densities", "pressures")
 """What can be recorded of fluids too."""
 AMOUNTS = ("kinetic", "internal", "dissipated", "work")
 """The parts of the energy budget that are one number each."""
+
+SLOW = 5.0
+"""Frames per second below which a notebook plays a recording faster than real time: the orbit of a planet, say."""
+
+
+def check_channels(channels: object, *, fluids: bool) -> tuple[Channel, ...]:
+    """The channels to record; `fluids` says whether the scene has any.
+
+    Raises:
+        SceneError: they are not some of CHANNELS, or of FLUID_CHANNELS where there are fluids.
+    """
+    known = (*CHANNELS, *FLUID_CHANNELS) if fluids else CHANNELS
+    if isinstance(channels, str) or not isinstance(channels, Collection) or any(c not in known for c in channels):
+        hint = ""
+        if isinstance(channels, str):
+            hint = f'; write ("{channels}",)' if channels in known else ""
+        elif isinstance(channels, Collection) and set(channels) & set(FLUID_CHANNELS) and not fluids:
+            hint = "; only a Fluid has densities and pressures"
+        raise SceneError(f"channels: must be a tuple of {', '.join(map(repr, known))}, got {channels!r}{hint}")
+    return tuple(channels)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -60,6 +80,10 @@ class Track:
 
     def __len__(self) -> int:
         return len(self.times)
+
+    def __repr__(self) -> str:
+        shapes = ", ".join(f"{name} {values.shape}" for name, values in self.channels.items())
+        return f"{type(self).__name__}({len(self)} frames: {shapes or 'nothing'})"
 
     def _channel(self, name: Channel) -> FloatArray:
         if name not in self.channels:
@@ -100,13 +124,17 @@ class Recording(Track):
             f"in {self.scene.dimension}D, energy drift {np.abs(self.energy.drift).max():.1e})"
         )
 
-    def _repr_html_(self) -> str:
-        """The GIF, for notebooks."""
+    def _repr_html_(self) -> str | None:
+        """The GIF, for notebooks: in real time, or as close to it as a GIF can be. None without positions."""
         import base64
 
         from physcore.film import gif_bytes
+        from physcore.film.filming import FASTEST
 
-        content = base64.b64encode(gif_bytes(self)).decode()
+        if "positions" not in self.channels:
+            return None
+        rate = min(max(self.fps, SLOW), FASTEST)
+        content = base64.b64encode(gif_bytes(self, speed=rate / self.fps)).decode()
         return f'<img alt="{self!r}" src="data:image/gif;base64,{content}">'
 
     def save(self, path: str | os.PathLike[str]) -> None:

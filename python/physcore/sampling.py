@@ -8,7 +8,9 @@ from dataclasses import replace
 
 from physcore import engine
 from physcore._core import World
+from physcore.checks import MOST
 from physcore.energy import Energy
+from physcore.errors import PhyscoreError, SceneError
 from physcore.pace import TOUCH, Pace
 from physcore.scene import Scene
 from physcore.state import Frame, Snapshot
@@ -39,8 +41,15 @@ def frame(world: World, scene: Scene) -> Frame:
 
 
 def frame_count(duration: float, fps: float) -> int:
-    """How many frames a duration has, the first and the last one included."""
-    return math.floor(duration * fps + 1e-6) + 1
+    """How many frames a duration [s] has, the first and the last one included.
+
+    Raises:
+        SceneError: they are too many to count.
+    """
+    intervals = duration * fps + 1e-6
+    if intervals > MOST:
+        raise SceneError(f"duration: {duration:g} s at {fps:g} frames per second are more frames than can be counted")
+    return math.floor(intervals) + 1
 
 
 def frames(world: World, scene: Scene, pace: Pace, duration: float, fps: float) -> Iterator[Frame]:
@@ -49,12 +58,21 @@ def frames(world: World, scene: Scene, pace: Pace, duration: float, fps: float) 
     A given time step stays as it is, and a frame between two steps is a cubic Hermite interpolation of both; with
     dt="auto" every frame falls on a step. The steps taken are those of a run without frames. Positions are put into the
     periodic domain at the very end: between two of them on different sides there is nothing to interpolate.
+
+    Raises:
+        PhyscoreError: somebody else stepped the world between two frames.
     """
     start = world.time
     count = frame_count(duration, fps)
     sampled = _stepped if pace.fixed is None else _interpolated
     for index, sample in enumerate(sampled(world, scene, pace, count, fps)):
+        here = world.steps
         yield replace(sample, time=start + index / fps, positions=engine.show(sample.positions, scene))
+        if world.steps != here:
+            raise PhyscoreError(
+                f"this simulation took {world.steps - here} steps between two of its frames, which would no longer be "
+                "at their times: step it before or after, not meanwhile, and not from another thread"
+            )
     left = duration - (world.time - start)
     if left > TOUCH * pace.dt:
         pace.run(left, fps)

@@ -8,6 +8,7 @@ import numpy as np
 
 from physcore.bodies import Body
 from physcore.boundaries import Boundary
+from physcore.checks import shown
 from physcore.errors import SceneError
 from physcore.fluid import CLOSEST, Fluid, describe_pair
 from physcore.forces import Force
@@ -43,7 +44,7 @@ class Scene:
             if not isinstance(item, (Body, Force, Boundary, Periodic)):
                 raise SceneError(
                     f"items[{position}]: must be a body, a force, a boundary or a Periodic domain, "
-                    f"got {item!r}{_advice(item)}"
+                    f"got {shown(item)}{_advice(item)}"
                 )
         kinds = {"bodies": Body, "forces": Force, "boundaries": Boundary}
         for field, kind in kinds.items():
@@ -85,9 +86,11 @@ class Scene:
         for position, body in enumerate(self.bodies):
             if key is body or (isinstance(key, str) and key == body.name):
                 return position
-        if isinstance(key, int) and not isinstance(key, bool) and -len(self.bodies) <= key < len(self.bodies):
-            return key % len(self.bodies)
-        raise KeyError(f"no body {key!r} in {self!r}")
+        number = int(key) if isinstance(key, (int, np.integer)) and not isinstance(key, bool) else len(self.bodies)
+        if -len(self.bodies) <= number < len(self.bodies):
+            return number % len(self.bodies)
+        names = ", ".join(repr(body.name) for body in self.bodies if body.name is not None) or "none"
+        raise KeyError(f"no body {shown(key)}: this scene has {len(self.bodies)}, and of names {names}")
 
     def slice(self, key: BodyKey) -> slice:
         """Where the particles of a body are in the results."""

@@ -6,12 +6,13 @@ import os
 import sys
 import warnings
 from collections.abc import Iterator, Mapping
-from typing import Literal, Unpack
+from typing import Literal, Unpack, cast
 
 from numpy.typing import ArrayLike
 
 from physcore import engine, sampling, storage
-from physcore.checks import FloatArray, broadcast, number
+from physcore.bodies import Body
+from physcore.checks import FloatArray, broadcast, number, shown
 from physcore.energy import Energy
 from physcore.errors import SceneError, StabilityWarning
 from physcore.fluid import Fluid
@@ -20,7 +21,7 @@ from physcore.numerics import FRAMES_PER_SECOND, AutoStep, DivergenceRule, Optio
 from physcore.pace import Pace
 from physcore.plan import Plan
 from physcore.progress import Progress
-from physcore.recording import CHANNELS, FLUID_CHANNELS, Channel, Recording, collect
+from physcore.recording import CHANNELS, Channel, Recording, check_channels, collect
 from physcore.scene import BodyKey, Scene
 from physcore.serial import pack_numerics, pack_scene, unpack_numerics, unpack_scene
 from physcore.state import Frame, Snapshot
@@ -61,8 +62,7 @@ class Simulation:
         runaway: float = 1e6,
         on_divergence: DivergenceRule = "raise",
     ) -> None:
-        if not isinstance(scene, Scene):
-            raise SceneError(f"scene: must be a Scene, got {scene!r}; write Scene({type(scene).__name__}(…), …)")
+        _require_scene(scene)
         self._scene = scene
         self._numerics = check(
             Options(
@@ -154,6 +154,12 @@ class Simulation:
         """Advance by `duration` [s] and give `fps` frames per second on the way, in constant memory.
 
         The first frame is the present state. Frames between two steps of a given dt are cubic Hermite interpolations.
+        Who stops early finds the simulation at the last frame, or one step past it.
+
+        Raises:
+            SceneError: an argument is out of range.
+            PhyscoreError: the simulation was stepped between two frames.
+            SimulationDiverged, KeyboardInterrupt: as for `step`.
         """
         interval, rate = number(duration, "duration", least=0.0), number(fps, "fps", above=0.0)
         return sampling.frames(self._world, self._scene, self._pace, interval, rate)
@@ -179,15 +185,11 @@ class Simulation:
             SceneError: the recording would not fit into memory, or an argument is out of range.
             SimulationDiverged, KeyboardInterrupt: as for `step`.
         """
-        known = (*CHANNELS, *FLUID_CHANNELS) if self._scene.fluids else CHANNELS
-        unknown = [name for name in channels if name not in known]
-        if unknown or isinstance(channels, str):
-            hint = "; only a Fluid has densities and pressures" if set(unknown) & set(FLUID_CHANNELS) else ""
-            raise SceneError(f"channels: must be a tuple of {', '.join(map(repr, known))}, got {channels!r}{hint}")
+        kept = check_channels(channels, fluids=bool(self._scene.fluids))
         frames = self.frames(duration, fps)
         count = sampling.frame_count(duration, fps)
         with Progress(count, "simulating", progress) as bar:
-            return collect(frames, count, self._scene, float(fps), tuple(channels), lambda: self.plan, bar.update)
+            return collect(frames, count, self._scene, float(fps), kept, lambda: self.plan, bar.update)
 
     def set(self, positions: State = None, velocities: State = None) -> None:
         """Replace the state between two steps; the change of energy counts as work.
@@ -238,11 +240,25 @@ class Simulation:
     @classmethod
     def from_content(cls, content: dict[str, storage.Tree]) -> Simulation:
         """Rebuild a simulation from the content of its checkpoint."""
+        scene, options = unpack_scene(content["scene"]), unpack_numerics(content["numerics"])
+        return cls._resumed(scene, options, content["pace"], content["world"])
+
+    def __copy__(self) -> Simulation:
+        """A simulation of the same scene that goes on from the present state by itself, with the same bits."""
+        options = cast(Options, dict(vars(self._numerics)))
+        return self._resumed(self._scene, options, self._pace.capture(), self._world.capture())
+
+    def __deepcopy__(self, memo: dict[int, object]) -> Simulation:
+        return self.__copy__()  # A scene never changes, and its bodies stay keys into the copy.
+
+    @classmethod
+    def _resumed(cls, scene: Scene, options: Options, pace: storage.Tree, world: storage.Tree) -> Simulation:
+        """A simulation in a state that was captured."""
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", StabilityWarning)  # It was given when the run began.
-            simulation = cls(unpack_scene(content["scene"]), **unpack_numerics(content["numerics"]))
-        simulation._pace.restore(content["pace"])
-        simulation._world.restore(content["world"])
+            simulation = cls(scene, **options)
+        simulation._pace.restore(pace)
+        simulation._world.restore(world)
         return simulation
 
     def _whole(self, given: State, present: object, path: str) -> FloatArray | None:
@@ -301,9 +317,19 @@ def stability_limit(scene: Scene, integrator: Integrator) -> float:
     """The largest stable time step of a scene [s], from a certified bound; inf: any; 0.0: none.
 
     The bound holds while no spring is shorter than half its rest length.
+
+    Raises:
+        SceneError: an argument is not valid, or a particle starts outside a boundary.
     """
+    _require_scene(scene)
     numerics = check(Options(integrator=integrator, threads=1), scene)
     return engine.limit(engine.build(scene, numerics)).stability
+
+
+def _require_scene(scene: object) -> None:
+    if not isinstance(scene, Scene):
+        missing = f"; write Scene({type(scene).__name__}(…), …)" if isinstance(scene, Body) else ""
+        raise SceneError(f"scene: must be a Scene, got {shown(scene)}{missing}")
 
 
 def _outside() -> int:

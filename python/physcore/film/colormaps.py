@@ -40,13 +40,13 @@ COLORMAPS: dict[str, str] = {
 STEPS = 256
 
 
-def sequential(name: str, part: tuple[float, float], path: str) -> FloatArray:
+def sequential(name: object, part: tuple[float, float], path: str) -> FloatArray:
     """256 colors (256, 3) of the part of a map between two fractions of its length.
 
     Raises:
         SceneError: there is no such map.
     """
-    if name not in COLORMAPS:
+    if not isinstance(name, str) or name not in COLORMAPS:
         raise SceneError(f"{path}: must be one of {', '.join(map(repr, COLORMAPS))}, got {name!r}")
     return _between([tuple(bytes.fromhex(entry)) for entry in COLORMAPS[name].split()], part)
 

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Unpack
+from typing import Unpack
 
 from physcore._core import Gif
 from physcore.checks import number
@@ -19,12 +19,11 @@ from physcore.film.panels import Stage
 from physcore.film.sources import sources
 from physcore.film.styles import Style
 from physcore.film.themes import Color, Theme, ThemeName, color, resolve
+from physcore.numerics import FRAMES_PER_SECOND, Options
 from physcore.progress import Progress
-
-if TYPE_CHECKING:
-    from physcore.numerics import Options
-    from physcore.recording import Recording
-    from physcore.scene import Scene
+from physcore.recording import Recording
+from physcore.scene import Scene
+from physcore.storage import replacing
 
 FASTEST = 50.0
 """Frames per second that every viewer of GIFs shows; most slow shorter delays down to 100 ms."""
@@ -61,8 +60,9 @@ def film(
         size: width and height of the picture [pixels].
         style: one or several of `physcore.styles`; None: springs by strain, fluids by speed, other bodies as points. A
             body that no style draws is drawn as points.
-        camera: `physcore.film.Window` in 2D, `Orbit` in 3D; None: so that nothing leaves the picture.
-        theme: "dark", "light" or a Theme.
+        camera: a Window in 2D, an Orbit in 3D (`from physcore.film import Orbit, Window`); None: so that nothing leaves
+            the picture.
+        theme: "dark", "light" or a `physcore.film.Theme`.
         background: a color instead of the theme's, such as "#000000".
         title: a line above the picture.
         titles: a line above each panel.
@@ -77,23 +77,34 @@ def film(
         FileError: the file cannot be written.
         SimulationDiverged: the scene blew up while it was filmed.
     """
-    target = Path(path)
-    if target.suffix.lower() not in (".gif", ".png"):
-        raise SceneError(f"path: must end in .gif or .png, got {os.fspath(path)!r}")
-    still = target.suffix.lower() == ".png"
+    target = check_target(path)
     found = sources(recording, duration, fps, numerics)
-    if title is not None and titles is not None:
-        raise SceneError("titles: give one title for all or titles for the panels, not both")
-    stage = Stage(found, size, style, camera, _colors(theme, background), [title] if title else titles, progress)
+    rate = _rate(found[0].fps, speed) if target.suffix.lower() == ".gif" else None
+    stage = Stage(found, size, style, camera, _colors(theme, background), _titles(title, titles), progress)
     try:
-        if still:
+        if rate is None:
             _write_still(stage, target)
         else:
-            _write(stage, target, _rate(found[0].fps, speed), progress)
+            _write(stage, target, rate, progress)
     except FileError:
         raise
     except OSError as error:
         raise FileError(f"{target}: cannot be written: {error.strerror or error}") from error
+
+
+def check_target(path: str | os.PathLike[str]) -> Path:
+    """Where a film can be written; checked before it is drawn, which may take long.
+
+    Raises:
+        SceneError: the name does not end in .gif or .png.
+        FileError: the folder does not exist.
+    """
+    target = Path(path)
+    if target.suffix.lower() not in (".gif", ".png"):
+        raise SceneError(f"path: must end in .gif or .png, got {os.fspath(path)!r}")
+    if not target.parent.is_dir():
+        raise FileError(f"{target}: cannot be written: no such folder")
+    return target
 
 
 def gif_bytes(
@@ -106,8 +117,9 @@ def gif_bytes(
 ) -> bytes:
     """The bytes of the GIF that `film` would write, for a notebook or a server; the arguments are those of `film`."""
     found = sources(recording, None, None, {})
+    rate = _rate(found[0].fps, speed)
     stage = Stage(found, size, style, None, resolve(theme), None, False)
-    return _write(stage, None, _rate(found[0].fps, speed), False) or b""
+    return _write(stage, None, rate, False) or b""
 
 
 def delays(count: int, rate: float) -> list[int]:
@@ -128,29 +140,37 @@ def _write(stage: Stage, target: Path | None, rate: float, progress: bool | None
 
 
 def _write_still(stage: Stage, target: Path) -> None:
-    """Write the last frame, under a temporary name first."""
+    """Write the last frame."""
     from PIL import Image
 
     last = deque(stage.frames(), maxlen=1)[0]
-    temporary = target.with_name(f".{target.name}.{os.getpid()}.tmp")
-    try:
-        Image.fromarray(last.pixels()).save(temporary, format="PNG")
-        os.replace(temporary, target)
-    finally:
-        temporary.unlink(missing_ok=True)
+    with replacing(target) as file:
+        Image.fromarray(last.pixels()).save(file, format="PNG")
 
 
 def _rate(fps: float, speed: float) -> float:
     """Frames per second of the film."""
     rate = fps * number(speed, "speed", above=0.0)
-    if rate > FASTEST:
+    if rate > FASTEST * (1.0 + 1e-9):
         raise SceneError(
             f"fps: a GIF shows at most {FASTEST:g} frames per second, got {rate:g}; record fewer, "
-            f"or play it slower: speed={FASTEST / fps:.3g}"
+            f"or play it slower: speed={FASTEST:g}/{fps:g}"
         )
     if rate < SLOWEST:
-        raise SceneError(f"fps: a GIF shows a frame for at most 655 s, got {1 / rate:g} s; play it faster: speed=…")
+        raise SceneError(
+            f"fps: a GIF shows a frame for at most 655 s, got {1 / rate:g} s; "
+            f"play it faster: speed={FRAMES_PER_SECOND / fps:.3g}"
+        )
     return rate
+
+
+def _titles(title: str | None, titles: Sequence[str] | None) -> Sequence[str] | None:
+    """One title for all, or one for each panel."""
+    if title is not None and titles is not None:
+        raise SceneError("titles: give one title for all or titles for the panels, not both")
+    if title is not None and not isinstance(title, str):
+        raise SceneError(f"title: must be a string, got {title!r}")
+    return [title] if title else titles
 
 
 def _colors(theme: Theme | ThemeName, background: Color | str | None) -> Theme:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
@@ -9,6 +10,7 @@ import numpy as np
 
 from physcore._core import Canvas
 from physcore.checks import count as whole_number
+from physcore.checks import shown
 from physcore.errors import SceneError
 from physcore.film.camera import Camera, Face, Orbit, View, Window, fit
 from physcore.film.scenery import draw_among, draw_behind
@@ -23,6 +25,8 @@ MARGIN = 0.03
 """Free space around the motion, as a fraction of the picture's shorter side."""
 LOW, HIGH = Orbit(), Orbit(elevation=52.0)
 """From where a 3D scene is seen by itself: from above if it is flat."""
+LARGEST = 16384
+"""The longest side of a picture [pixels]; a square one takes a gigabyte."""
 FLAT = 0.25
 """A scene whose height is below this fraction of its width is flat."""
 
@@ -76,7 +80,9 @@ class Stage:
         self._titles = _titles(titles, len(found))
         self._text = int(np.clip(self._size[1] / 24, 16, 32))
         self.count = max(source.count for source in found)
-        painters = [_painters(source, style, theme) for source in found]
+        self._decimals = max(2, math.ceil(math.log10(found[0].fps) - 1e-9))  # so that the time moves with each frame
+        styles = _styles(style, found)
+        painters = [_painters(source, styles, theme) for source in found]
         cameras = _cameras(found, camera)
         surveys = []
         for source, mine in zip(found, painters, strict=True):
@@ -165,7 +171,7 @@ class Stage:
             canvas.paint()
         canvas.clip(0, 0, width, height)
         time = max(moment.time for moment in moments)
-        label = f"{time:.2f} s"
+        label = f"{time:.{self._decimals}f} s"
         canvas.text(label, self._text // 2, height - round(1.2 * self._text), self._text, (*self._theme.label, 255), -1)
         return canvas
 
@@ -173,7 +179,8 @@ class Stage:
 def _size(size: object) -> tuple[int, int]:
     if not isinstance(size, (tuple, list)) or len(size) != 2:
         raise SceneError(f"size: must be (width, height) in pixels, got {size!r}")
-    return whole_number(size[0], "size[0]", least=16), whole_number(size[1], "size[1]", least=16)
+    width, height = (whole_number(side, f"size[{axis}]", least=16, most=LARGEST) for axis, side in enumerate(size))
+    return width, height
 
 
 def _titles(titles: Sequence[str] | None, panels: int) -> list[str]:
@@ -186,18 +193,29 @@ def _titles(titles: Sequence[str] | None, panels: int) -> list[str]:
     return list(titles)
 
 
-def _painters(source: Source, style: Style | Sequence[Style] | None, theme: Theme) -> list[Painter]:
-    """What draws a source: the first style that draws a body gets it, and points what no style draws."""
+def _styles(style: object, found: Sequence[Source]) -> list[Style]:
+    """The styles that were asked for; each body that they name is in a source."""
     if style is None:
-        styles: list[Style] = [Strain()]
-        if source.has("velocities"):
-            styles.append(Fluid())
-    else:
-        styles = list(style) if isinstance(style, (list, tuple)) else [style]  # type: ignore[list-item]
-    for each in styles:
+        fluids = all(source.has("velocities") for source in found)
+        return [Strain(), Fluid()] if fluids else [Strain()]
+    styles = []
+    bodies = [body for source in found for body in source.scene.bodies]
+    for each in style if isinstance(style, (list, tuple)) else [style]:
         if not isinstance(each, Style):
             missing = f"; write {each.__name__}()" if isinstance(each, type) else ""
-            raise SceneError(f"style: must be one of physcore.styles, got {each!r}{missing}")
+            raise SceneError(f"style: must be one or a list of physcore.styles, got {shown(each)}{missing}")
+        for body in each.bodies() or ():
+            if body not in bodies:
+                raise SceneError(
+                    f"{type(each).__name__}.on: {body!r} is not in what is filmed; "
+                    "the bodies of a loaded recording are new ones: recording.scene.bodies"
+                )
+        styles.append(each)
+    return styles
+
+
+def _painters(source: Source, styles: list[Style], theme: Theme) -> list[Painter]:
+    """What draws a source: the first style that draws a body gets it, and points what no style draws."""
     left = [Part(body, source.scene.slice(body)) for body in source.scene.bodies]
     painters = []
     for each in (*styles, Points()):
@@ -228,7 +246,7 @@ def _cameras(found: Sequence[Source], camera: Camera | None) -> list[Camera]:
     if camera is None:
         return [Face()] if flat else [LOW, HIGH]
     if not isinstance(camera, Window if flat else Orbit):
-        raise SceneError(f"camera: must be {'a Window in 2D' if flat else 'an Orbit in 3D'}, got {camera!r}")
+        raise SceneError(f"camera: must be {'a Window in 2D' if flat else 'an Orbit in 3D'}, got {shown(camera)}")
     return [camera]
 
 

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
+from typing import Protocol
 
-from physcore.checks import FloatArray
+from physcore.checks import FloatArray, number, shown
 from physcore.errors import SceneError
+from physcore.numerics import FRAMES_PER_SECOND, Options
+from physcore.recording import Recording
+from physcore.sampling import frame_count
 from physcore.scene import Scene
-
-if TYPE_CHECKING:
-    from physcore.numerics import Options
-    from physcore.recording import Recording
+from physcore.simulation import Simulation
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,8 +100,6 @@ class Running:
     @property
     def count(self) -> int:
         """How many frames there are."""
-        from physcore.sampling import frame_count
-
         return frame_count(self.duration, self.fps)
 
     def has(self, channel: str) -> bool:
@@ -110,8 +108,6 @@ class Running:
 
     def moments(self) -> Iterator[Moment]:
         """Simulate from the start."""
-        from physcore.simulation import Simulation
-
         for frame in Simulation(self.scene, **self.numerics).frames(self.duration, self.fps):
             yield Moment(frame.time, frame.positions, {"velocities": frame.velocities, **frame.fields})
 
@@ -120,8 +116,12 @@ def sources(source: object, duration: float | None, fps: float | None, numerics:
     """One source for each panel.
 
     Raises:
-        SceneError: something is neither a recording nor a scene, or the rates differ.
+        SceneError: something is neither a recording nor a scene, an argument is out of range, or the rates differ.
+        TypeError: a keyword is no numerical choice.
     """
+    for name in numerics:
+        if name not in Options.__annotations__:
+            raise TypeError(f"film() got an unexpected keyword argument {name!r}")
     items = list(source) if isinstance(source, (list, tuple)) else [source]
     if not items:
         raise SceneError("recording: there must be at least one to film")
@@ -136,11 +136,12 @@ def _source(item: object, duration: float | None, fps: float | None, numerics: O
     if isinstance(item, Scene):
         if duration is None:
             raise SceneError("duration: a scene is filmed while it is simulated, so say how long: duration=… [s]")
-        return Running(item, duration, 30.0 if fps is None else fps, numerics)
+        rate = FRAMES_PER_SECOND if fps is None else number(fps, "fps", above=0.0)
+        return Running(item, number(duration, "duration", least=0.0), rate, numerics)
     if not all(hasattr(item, name) for name in ("scene", "times", "positions", "fps")):
-        raise SceneError(f"recording: must be a Recording, a Scene or a list of them, got {item!r}")
+        raise SceneError(f"recording: must be a Recording, a Scene or a list of them, got {shown(item)}")
     given = {"duration": duration, "fps": fps, **numerics}
     for name, value in given.items():
         if value is not None:
-            raise SceneError(f"{name}: a recording already has it; pass it to simulate(…), or film the scene")
+            raise SceneError(f"{name}: is for a scene, and this is a recording; pass it to simulate(…) instead")
     return Recorded(item)  # type: ignore[arg-type]

@@ -72,7 +72,7 @@ LIGHT = Theme(
 THEMES: dict[str, Theme] = {"dark": DARK, "light": LIGHT}
 
 
-def resolve(theme: Theme | ThemeName) -> Theme:
+def resolve(theme: object) -> Theme:
     """A theme, given itself or its name.
 
     Raises:
@@ -80,7 +80,7 @@ def resolve(theme: Theme | ThemeName) -> Theme:
     """
     if isinstance(theme, Theme):
         return theme
-    if theme in THEMES:
+    if isinstance(theme, str) and theme in THEMES:
         return THEMES[theme]
     raise SceneError(f"theme: must be one of {', '.join(map(repr, THEMES))} or a Theme, got {theme!r}")
 

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from physcore.checks import FloatArray
+from physcore.checks import FloatArray, shown
 from physcore.errors import SceneError
 from physcore.forces.base import Force
 
@@ -22,7 +23,7 @@ class CustomForce(Force):
         on: the body or bodies that it acts on; all by default.
 
     Raises:
-        SceneError: `function` or `potential` cannot be called.
+        SceneError: `function` or `potential` cannot be called with these arguments.
     """
 
     function: Callable[[float, FloatArray, FloatArray], FloatArray]
@@ -30,7 +31,22 @@ class CustomForce(Force):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if not callable(self.function):
-            raise SceneError(f"CustomForce.function: must be a function, got {self.function!r}")
-        if self.potential is not None and not callable(self.potential):
-            raise SceneError(f"CustomForce.potential: must be a function or None, got {self.potential!r}")
+        _check(self.function, "function", "time", "positions", "velocities")
+        if self.potential is not None:
+            _check(self.potential, "potential", "positions")
+
+
+def _check(function: object, field: str, *arguments: str) -> None:
+    """A function that can be called with so many arguments, as far as Python can tell beforehand."""
+    if not callable(function):
+        raise SceneError(f"CustomForce.{field}: must be a function, got {shown(function)}")
+    try:
+        signature = inspect.signature(function)
+    except (TypeError, ValueError):
+        return  # Some functions that are not written in Python do not say what they take.
+    try:
+        signature.bind(*arguments)
+    except TypeError as error:
+        raise SceneError(
+            f"CustomForce.{field}: must take ({', '.join(arguments)}), got a function of {signature} ({error})"
+        ) from None

@@ -187,8 +187,11 @@ impl Callback for Function {
     }
 }
 
-/// What a user's function raised, and where.
+/// What a user's function raised, and where; of our own complaints, the text.
 fn explain(py: Python<'_>, error: &PyErr) -> String {
-    let trace = error.traceback(py).and_then(|trace| trace.format().ok()).unwrap_or_default();
-    format!("{error}\n{trace}")
+    match error.traceback(py).and_then(|trace| trace.format().ok()) {
+        Some(trace) => format!("{error}\n{}", trace.trim_end()),
+        None if error.is_instance_of::<SceneError>(py) => error.value(py).to_string(),
+        None => error.to_string(),
+    }
 }

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,12 +12,10 @@ from numpy.typing import NDArray
 from physcore._core import Canvas
 from physcore.bodies import Body
 from physcore.checks import FloatArray
-from physcore.errors import SceneError
 from physcore.film.camera import PixelArray, View
 from physcore.film.sources import Moment, Source
 from physcore.film.themes import Theme
-
-On = Body | Sequence[Body] | None
+from physcore.influence import On, chosen
 
 FOG = 0.55
 """How much of its color the farthest thing in a 3D picture has lost to the background."""
@@ -41,16 +39,16 @@ class Style(ABC):
     """The body or bodies drawn in this style; None: all that it can draw."""
 
     def __post_init__(self) -> None:
-        bodies: object = () if self.on is None else (self.on,) if isinstance(self.on, Body) else self.on
-        if not isinstance(bodies, Sequence) or not all(isinstance(body, Body) for body in bodies):
-            raise SceneError(f"{type(self).__name__}.on: must be a body or several, got {self.on!r}")
+        object.__setattr__(self, "on", chosen(self.on, f"{type(self).__name__}.on"))
+
+    def bodies(self) -> tuple[Body, ...] | None:
+        """The bodies drawn in this style; None: all that it can draw."""
+        return cast("tuple[Body, ...] | None", self.on)  # made so by __post_init__
 
     def draws(self, body: Body) -> bool:
         """Whether a body is drawn in this style."""
-        if self.on is None:
-            return self.can_draw(body)
-        chosen = (self.on,) if isinstance(self.on, Body) else self.on
-        return any(body is each for each in chosen)
+        bodies = self.bodies()
+        return self.can_draw(body) if bodies is None else body in bodies
 
     def can_draw(self, body: Body) -> bool:
         """Whether a body has what this style shows."""

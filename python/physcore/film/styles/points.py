@@ -86,7 +86,7 @@ class PointsPainter(Painter):
         self._domain = source.scene.periodic
         frames = source.count / 8 if len(self._where) <= FEW else 0.0
         if style.trail is not None:
-            frames = style.trail * source.fps
+            frames = min(style.trail * source.fps, source.count)
         self._past: deque[FloatArray] = deque(maxlen=1 + round(frames))
 
     def begin(self) -> None:
