@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from hypothesis import strategies as st
 import physcore as pc
 from physcore import engine
 from physcore.kernels import KERNELS
+from physcore.numerics import check
 from physcore.overlaps import closer_than
 
 WATER = pc.block((0.0, 0.0), (1.0, 0.5), 0.1)
@@ -147,6 +149,74 @@ def test_fluids_must_not_overlap_each_other_nor_themselves_across_the_domain():
     pc.Scene(one, pc.Periodic((0.0, -math.inf), (1.0, math.inf)))
     with pytest.raises(pc.SceneError, match=r"overlapping bodies: particles of bodies\[0\], across the domain"):
         pc.Scene(one, pc.Periodic((0.0, 0.0), (1.0, 0.44)))
+
+
+class Rising:
+    """A world whose fluid gets denser by 1 kg/m³ in a second, with c = 10 m/s; all else is the engine's."""
+
+    def __init__(self, *arguments: Any) -> None:
+        self._world = engine_world(*arguments)
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._world, name)
+
+    def densities(self) -> np.ndarray:
+        return np.concatenate([[math.nan], np.full(len(WATER), 1000.0 + self._world.time)])
+
+    def pressures(self) -> np.ndarray:
+        return 100.0 * (self.densities() - 1000.0)
+
+
+engine_world = engine.World
+
+
+@pytest.fixture
+def pool(monkeypatch: pytest.MonkeyPatch) -> pc.Simulation:
+    """A stone and the fluid, which drift apart: with time steps that frames at 10 per second do not fall on."""
+    monkeypatch.setattr(engine, "World", Rising)
+    stone = pc.Particles([[5.0, 5.0]], velocities=1.0, name="stone")
+    return pc.Simulation(pc.Scene(stone, pc.Fluid(WATER, 0.1, name="water")), dt=0.03)
+
+
+def test_a_snapshot_of_a_fluid_has_densities_and_pressures(pool):
+    pool.step(10)
+    water = pool["water"]
+    assert water.densities.shape == water.pressures.shape == (50,)
+    np.testing.assert_allclose(water.densities, 1000.3)
+    np.testing.assert_allclose(water.pressures, 30.0)
+    for name in ("densities", "pressures"):
+        with pytest.raises(pc.SceneError, match=f"{name}: only a Fluid has them"):
+            getattr(pool["stone"], name)
+
+
+def test_densities_and_pressures_are_recorded_and_saved(pool, tmp_path):
+    """Between two steps they go straight from one to the other, which is exact here but for rounding."""
+    recording = pool.record(1.0, fps=10.0, channels=("positions", "densities", "pressures"))
+    recording.save(tmp_path / "pool.npz")
+    loaded = pc.load(tmp_path / "pool.npz")
+    assert isinstance(loaded, pc.Recording)
+    for each in (recording, loaded):
+        assert each.densities.shape == each.pressures.shape == (11, 51)
+        assert np.isnan(each.densities[:, 0]).all()
+        expected = np.tile(1000.0 + each.times[:, None], 50)
+        np.testing.assert_allclose(each["water"].densities, expected, rtol=1e-14)
+        np.testing.assert_allclose(each["water"].pressures, 100.0 * (expected - 1000.0), atol=1e-10)
+        with pytest.raises(pc.SceneError, match="densities were not recorded"):
+            _ = each["stone"].densities
+    with pytest.raises(pc.SceneError, match="velocities were not recorded"):
+        _ = recording.velocities
+
+
+def test_frames_show_them_too(pool):
+    frame = list(pool.frames(1.0, fps=10.0))[4]
+    np.testing.assert_allclose(frame.densities[1:], 1000.4, rtol=1e-14)
+    assert math.isnan(frame.pressures[0])
+
+
+def test_fluids_are_computed_in_single_precision_unless_asked_otherwise():
+    scene = pc.Scene(pc.Fluid(WATER, 0.1))
+    assert [check({"precision": choice}, scene).precision for choice in ("auto", "f32", "f64")] == ["f32", "f32", "f64"]
+    assert check({}, pc.Scene(pc.Particles([[0.0, 0.0]]))).precision == "f64"
 
 
 @pytest.mark.parametrize(
