@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import sys
 import threading
 from collections.abc import Iterator
@@ -120,7 +121,9 @@ class Pace:
         present = engine.limit(self._world)
         lowered = self.limit != self._first_limit
         if self._world.dt > present.stability:
-            self.limit = replace(present, dt=max(present.dt, self._first_limit.dt / SLOWEST))
+            # What nothing limited at the start, as grains at rest that do not touch, says nothing about how small.
+            least = self._first_limit.dt / SLOWEST if math.isfinite(self._first_limit.dt) else 0.0
+            self.limit = replace(present, dt=max(present.dt, least))
         elif lowered and present.stability >= self._first_limit.stability:
             self.limit = self._first_limit
         else:

@@ -353,6 +353,21 @@ def test_the_budget_of_damped_grains_closes(law, kind, record_property):
     assert after.dissipated == pytest.approx(before.total - after.total, rel=2e-3)
 
 
+def test_a_step_that_nothing_limited_becomes_smaller_before_grains_meet():
+    """Hertz's contact has no stiffness before it begins, and the speed of the impact is still to come.
+
+    From 30 m, after 2.5 s: the time step is looked at before. Verlet at half the limit swings by (ω dt)²/4 ~ 6 % of
+    the contact's energy while it lasts, and little of that is left when the grains part.
+    """
+    anvil, ball = pc.Particles([[0.0, 0.0]], radius=0.1, fixed=True), pc.Particles([[0.0, 30.0]], mass=0.1, radius=0.1)
+    scene = pc.Scene(anvil, ball, pc.Repulsion(1e6, exponent=1.5), pc.Gravity((0.0, -9.81)))
+    run = pc.Simulation(scene)
+    assert np.isinf(run.plan.dt_limit)
+    run.run(2.6)
+    assert run[ball].velocities[0, 1] > 20.0
+    assert run.energy().total == pytest.approx(0.1 * 9.81 * 30.0, rel=0.06)
+
+
 def test_a_gas_in_a_domain_smaller_than_its_speed_per_frame_is_shown_inside():
     people = crowd("linear", 2, "closed").changed(domain=domain("closed", 2))
     run = simulation(people.scene(velocities=people.velocities * 50.0), pc.VelocityVerlet(), 1e-3)
