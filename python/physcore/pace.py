@@ -14,7 +14,6 @@ from physcore.checks import count, number
 from physcore.errors import PhyscoreError, SimulationDiverged
 from physcore.numerics import FRAMES_PER_SECOND, AutoStep, Limit, Numerics, divide, largest_step, steps_to
 from physcore.scene import Scene
-from physcore.state import Snapshot
 
 WATCH = 256
 """With dt="auto", the limit of stability is looked at again whenever the number of steps is a multiple of this. Fixed
