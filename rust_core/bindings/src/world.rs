@@ -114,11 +114,11 @@ impl World {
     }
 
     fn densities<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        Ok(self.lock()?.densities().to_pyarray(py))
+        Ok(self.lock()?.fields().density.to_pyarray(py))
     }
 
     fn pressures<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        Ok(self.lock()?.pressures().to_pyarray(py))
+        Ok(self.lock()?.fields().pressure.to_pyarray(py))
     }
 
     fn set(&self, py: Python<'_>, positions: Option<&Bound<'_, PyAny>>, velocities: Option<&Bound<'_, PyAny>>) -> PyResult<()> {

@@ -17,10 +17,10 @@ pub struct Energy {
     pub kinetic: f64,
     /// Potential energy by the name of the force [J].
     pub potential: Vec<(&'static str, f64)>,
-    /// Energy of the compression of fluids [J].
+    /// Internal energy of fluids, by compression [J].
     pub internal: f64,
-    /// What has been dissipated since the start [J], by what took it: drag, damping of springs, contacts.
-    pub dissipated: [f64; 3],
+    /// What has been dissipated since the start [J], by what took it: drag, damping of springs, contacts, viscosity.
+    pub dissipated: [f64; 4],
     /// The work done since the start by drivers, wind, custom forces and fixed particles that move [J].
     pub work: f64,
 }
@@ -28,7 +28,7 @@ pub struct Energy {
 impl Energy {
     /// Kinetic, potential and internal energy [J].
     pub fn total(&self) -> f64 {
-        self.kinetic + self.potential.iter().map(|(_, energy)| energy).sum::<f64>() + self.internal
+        self.kinetic + self.internal + self.potential.iter().map(|(_, energy)| energy).sum::<f64>()
     }
 
     /// All that has been dissipated [J].
@@ -44,7 +44,7 @@ impl Energy {
     /// The size of the numbers that the balance is the sum of [J].
     pub fn magnitude(&self) -> f64 {
         let potential: f64 = self.potential.iter().map(|(_, energy)| energy.abs()).sum();
-        self.kinetic + potential + self.internal.abs() + self.dissipated() + self.work.abs()
+        self.kinetic + potential + self.internal + self.dissipated() + self.work.abs()
     }
 }
 
@@ -72,8 +72,8 @@ pub fn energy<V: Vector>(law: &Law<V>, matter: &Matter<V>, time: f64) -> Result<
     Ok(Energy {
         kinetic: blocks(matter).map(|block| block.map(kinetic).sum::<f64>()).sum(),
         potential,
-        internal: 0.0,
-        dissipated: [Channel::Drag, Channel::Damping, Channel::Contact].map(|channel| matter.metered(channel)),
+        internal: law.forces().iter().map(|force| force.internal()).sum(),
+        dissipated: [Channel::Drag, Channel::Damping, Channel::Contact, Channel::Viscosity].map(|channel| matter.metered(channel)),
         work: matter.metered(Channel::Work),
     })
 }

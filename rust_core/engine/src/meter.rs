@@ -11,12 +11,14 @@ pub enum Channel {
     Damping,
     /// Dissipated by contacts: restitution and friction.
     Contact,
+    /// Dissipated by the viscosity of fluids, and by the diffusion of their density.
+    Viscosity,
     /// Work done on the matter by drivers, wind and fixed particles that move.
     Work,
 }
 
 /// The number of channels.
-pub const CHANNELS: usize = 4;
+pub const CHANNELS: usize = 5;
 
 /// A power [W] for every channel and lane.
 pub type Power = [Lanes<f64>; CHANNELS];

@@ -71,6 +71,13 @@ pub fn compile<V: Vector, I: Integrator>(scene: &Scene, threads: usize) -> Resul
     if !springs.is_empty() {
         all.push(Box::new(Springs::<V>::new(&springs, count)));
     }
+    if let Some(fluid) = forces::sph::fluid(scene, &properties)? {
+        if I::DRIFT.is_none() {
+            return Err(Error::parameter("integrator", "VelocityVerlet() for a scene with a fluid", I::NAME)
+                .with_hint("density is advanced within the drift between two kicks"));
+        }
+        all.push(fluid);
+    }
     for term in &scene.forces {
         all.extend(forces::build(scene, term, &properties)?);
     }

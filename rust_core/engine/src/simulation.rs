@@ -5,6 +5,7 @@ use glam::{DVec2, DVec3, Vec2, Vec3};
 
 use crate::audit::{self, Energy};
 use crate::error::{Divergence, Error, Result};
+use crate::forces::Fields;
 use crate::integrators::{Integrator, with_integrator};
 use crate::math::{Real, Vector};
 use crate::matter::{CHANNELS, Channel, Columns, Meter};
@@ -79,16 +80,10 @@ pub trait World: Send + Sync {
     fn positions(&self) -> Vec<DVec3>;
     /// Velocities [m/s].
     fn velocities(&self) -> Vec<DVec3>;
-    /// Densities [kg/m³]; not a number where a particle is no fluid's.
-    fn densities(&self) -> Vec<f64> {
-        Vec::new()
-    }
-    /// Pressures [Pa]; not a number where a particle is no fluid's.
-    fn pressures(&self) -> Vec<f64> {
-        Vec::new()
-    }
     /// Moves or accelerates particles; the change of energy counts as work.
     fn set(&mut self, positions: Option<&[DVec3]>, velocities: Option<&[DVec3]>) -> Result<()>;
+    /// Density and pressure of every particle, NaN where there is no fluid.
+    fn fields(&self) -> Fields;
     /// The energy now.
     fn energy(&self) -> Result<Energy>;
     /// The momentum [kg·m/s] and the angular momentum about the origin of coordinates [kg·m²/s].
@@ -387,6 +382,20 @@ impl<V: Vector> World for Simulation<V> {
             *self.system.state_mut() = kept;
         }
         done
+    }
+
+    fn fields(&self) -> Fields {
+        let law = self.system.law();
+        let caller = &law.properties.caller;
+        let nothing = || vec![f64::NAN; caller.len()];
+        let mut fields = Fields { density: nothing(), pressure: nothing() };
+        law.forces().iter().for_each(|force| force.show(&mut fields));
+        let ordered = |values: &[f64]| {
+            let mut ordered = nothing();
+            caller.iter().zip(values).for_each(|(&caller, &value)| ordered[caller as usize] = value);
+            ordered
+        };
+        Fields { density: ordered(&fields.density), pressure: ordered(&fields.pressure) }
     }
 
     fn energy(&self) -> Result<Energy> {

@@ -19,6 +19,7 @@ mod lennard_jones;
 mod pairs;
 mod pointwise;
 mod repulsion;
+pub mod sph;
 pub mod springs;
 mod vicinity;
 
@@ -48,6 +49,34 @@ impl<V: Vector> Moment<'_, V> {
         let residual = self.residual.axis(axis).get(index).map_or(0.0, |residual| residual.to_f64());
         self.position.axis(axis)[index].to_f64() + residual
     }
+}
+
+/// The way of all particles through a drift: with constant velocity to where they are at its end.
+#[derive(Debug, Clone, Copy)]
+pub struct Drift<'a, V: Vector> {
+    /// The matter at its end.
+    pub end: Moment<'a, V>,
+    /// The velocity of the way [m/s].
+    pub velocity: View<'a, V>,
+    /// Its duration [s].
+    pub h: f64,
+}
+
+impl<V: Vector> Drift<'_, V> {
+    /// The position of a particle relative to the origin along one axis, in the middle of the way [m].
+    #[inline(always)]
+    pub fn middle(&self, axis: usize, index: usize) -> f64 {
+        self.end.place(axis, index) - 0.5 * self.h * self.velocity.axis(axis)[index].to_f64()
+    }
+}
+
+/// Density and pressure of the particles that are fluid, NaN for the others.
+#[derive(Debug, Clone, Default)]
+pub struct Fields {
+    /// Density [kg/m³].
+    pub density: Vec<f64>,
+    /// Pressure [Pa].
+    pub pressure: Vec<f64>,
 }
 
 /// What the forces do to one block.
@@ -91,6 +120,16 @@ pub trait Force<V: Vector>: Send + Sync {
 
     /// How it depends on velocity.
     fn velocity(&self) -> VelocityDependence;
+
+    /// Whether it has a field of its own that changes with the motion, such as the density of a fluid.
+    fn has_field(&self) -> bool {
+        false
+    }
+
+    /// Advances its field over a drift.
+    fn drift(&mut self, _drift: &Drift<'_, V>, _crew: &Crew) -> Result<()> {
+        Ok(())
+    }
 
     /// Work that must be done for all particles before any block is asked for.
     fn prepare(&mut self, _at: &Moment<'_, V>, _crew: &Crew) -> Result<()> {
@@ -144,6 +183,14 @@ pub trait Force<V: Vector>: Send + Sync {
     fn potential_of_all(&self, _at: &Moment<'_, V>) -> Result<f64> {
         Ok(0.0)
     }
+
+    /// The internal energy of its field [J].
+    fn internal(&self) -> f64 {
+        0.0
+    }
+
+    /// Writes its field, by the index of the particle.
+    fn show(&self, _fields: &mut Fields) {}
 
     /// Adds its stiffness and damping, as they are at this moment, to the bound on the time step.
     fn bound(&self, at: &Moment<'_, V>, bound: &mut Bound);

@@ -146,7 +146,7 @@ impl<V: Vector, L: Interaction<V>> Force<V> for Pairs<V, L> {
 
     fn prepare(&mut self, at: &Moment<'_, V>, crew: &Crew) -> Result<()> {
         let Self { law, members, attributes, vicinity, records, sums, .. } = self;
-        vicinity.update(at, members, crew)?;
+        vicinity.update(&|axis, index| at.place(axis, index), members, crew)?;
         records.fill(vicinity.neighbors(), vicinity.positions(), crew, &|member, record| {
             let index = members[member] as usize;
             for axis in 0..V::DIMENSION {

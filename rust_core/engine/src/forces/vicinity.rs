@@ -5,7 +5,6 @@
 
 use glam::DVec3;
 
-use super::Moment;
 use crate::error::{Error, Result};
 use crate::math::{AXES, Vector};
 use crate::matter::Properties;
@@ -48,21 +47,23 @@ impl Vicinity {
         Ok(Self { neighbors, positions: columns(), kept: columns(), renewed: false, skin })
     }
 
-    /// Brings positions and lists up to date for a moment.
+    /// Brings positions and lists up to date, and says whether the lists are new. `place` gives the position of a particle along
+    /// an axis, relative to the origin [m].
     ///
     /// # Errors
     /// If positions are too far away to tell distances.
-    pub fn update<V: Vector>(&mut self, at: &Moment<'_, V>, members: &[u32], crew: &Crew) -> Result<()> {
-        for (axis, column) in self.positions.iter_mut().enumerate().take(V::DIMENSION) {
+    pub fn update(&mut self, place: &(impl Fn(usize, usize) -> f64 + Sync), members: &[u32], crew: &Crew) -> Result<bool> {
+        let dimension = self.neighbors.dimension();
+        for (axis, column) in self.positions.iter_mut().enumerate().take(dimension) {
             crew.sweep(Chunks::new(column, BLOCK), &|mine| {
                 let members = &members[mine.start..];
-                mine.items.iter_mut().zip(members).for_each(|(to, &member)| *to = at.place(axis, member as usize));
+                mine.items.iter_mut().zip(members).for_each(|(to, &member)| *to = place(axis, member as usize));
             });
         }
         // Said beforehand, because a failure leaves no lists behind.
         let renewed = self.neighbors.update(self.positions.each_ref().map(Vec::as_slice), crew);
         self.renewed |= *renewed.as_ref().unwrap_or(&true);
-        renewed.map(|_| ())
+        renewed
     }
 
     /// The lists.
@@ -99,11 +100,7 @@ impl Vicinity {
 
     /// Makes the lists that were captured; takes its part from the front of `numbers`.
     pub fn restore(&mut self, numbers: &mut &[f64]) -> Result<()> {
-        for column in &mut self.kept {
-            let (mine, rest) = numbers.split_at_checked(column.len()).ok_or_else(foreign)?;
-            column.copy_from_slice(mine);
-            *numbers = rest;
-        }
+        self.kept.iter_mut().try_for_each(|column| take(numbers, column))?;
         self.renewed = true;
         self.undo()
     }
@@ -132,8 +129,16 @@ impl Vicinity {
 /// The number of neighbors that a particle is taken to have where that only decides how long a chunk of steps is.
 const TYPICAL: usize = 20;
 
-fn foreign() -> Error {
-    Error::State("it does not belong to this scene".to_owned())
+/// Fills a column from the front of captured numbers.
+///
+/// # Errors
+/// If there are too few.
+pub fn take(numbers: &mut &[f64], column: &mut [f64]) -> Result<()> {
+    let foreign = || Error::State("it does not belong to this scene".to_owned());
+    let (mine, rest) = numbers.split_at_checked(column.len()).ok_or_else(foreign)?;
+    column.copy_from_slice(mine);
+    *numbers = rest;
+    Ok(())
 }
 
 /// The space of a scene, relative to an origin.

@@ -54,6 +54,9 @@ pub trait Integrator: Send + Sync + 'static {
     const CARRIED: usize = 0;
     /// Which of those holds a position, if one does.
     const PLACE: Option<usize> = None;
+    /// Which of those holds, when a stage asks for the forces, the velocity of the drift that led there, if each step is one
+    /// drift between two kicks. A field that changes with the motion is then advanced over that drift.
+    const DRIFT: Option<usize> = None;
     /// What remains of the limit where stiffness and damping couple the modes; 1 where it holds mode by mode, as
     /// [`crate::stability`] explains.
     const COUPLED: f64 = 1.0;

@@ -26,6 +26,7 @@ impl Integrator for VelocityVerlet {
     const LAST_WEIGHT: f64 = 0.5;
     const MEMORY: usize = 2;
     const CARRIED: usize = 1;
+    const DRIFT: Option<usize> = Some(HALF);
     const DRIFTS_FIRST: bool = true;
 
     /// With y = ωh, c = 2ξy and a growth factor g per step, v = h/2 (g + 1)/(g − 1) a and x = h² g/(g − 1)² a, so that

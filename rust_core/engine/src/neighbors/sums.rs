@@ -93,6 +93,20 @@ impl<V: Vector> Records<V> {
             }
         });
     }
+
+    /// The sums of a law over the neighbors of the particle at one place, and over itself: what is mirrored in a wall.
+    pub fn sum_images<L: PairLaw<V, SUMS>, const SUMS: usize>(
+        &self,
+        neighbors: &Neighbors,
+        law: L,
+        place: usize,
+    ) -> [V::Scalar; SUMS] {
+        if self.periodic {
+            dispatch(Alone::<V, L, SUMS, true> { records: self, neighbors, law, place })
+        } else {
+            dispatch(Alone::<V, L, SUMS, false> { records: self, neighbors, law, place })
+        }
+    }
 }
 
 /// The sums of one block.
@@ -114,19 +128,54 @@ impl<V: Vector, L: PairLaw<V, SUMS>, const SUMS: usize, const PERIODIC: bool> Ke
     fn run(self) {
         let Sweep { records, neighbors, law, start, sums } = self.0;
         for (place, sum) in (start..).zip(sums) {
-            let (list, length) = neighbors.lists.with_rest(place);
-            let own = &records.words[place];
-            let numbers = own.map(V::Scalar::number);
-            let mut lanes = [[V::Scalar::ZERO; LANES]; SUMS];
-            for first in (0..length).step_by(LANES) {
-                let Some(group) = list[first..].first_chunk() else { break };
-                let others = transpose(&records.words, group);
-                let (apart, square) = distances::<V, PERIODIC>(own, &others, &records.rulers, length - first);
-                add(&law, &numbers, &others, &apart, &square, &mut lanes);
-            }
-            *sum = lanes.map(fold);
+            *sum = around::<V, L, SUMS, PERIODIC>(records, neighbors, law, place);
         }
     }
+}
+
+/// The sums of one particle and its images, with or without periods.
+struct Alone<'a, V: Vector, L, const SUMS: usize, const PERIODIC: bool> {
+    records: &'a Records<V>,
+    neighbors: &'a Neighbors,
+    law: L,
+    place: usize,
+}
+
+impl<V: Vector, L: PairLaw<V, SUMS>, const SUMS: usize, const PERIODIC: bool> Kernel for Alone<'_, V, L, SUMS, PERIODIC> {
+    type Output = [V::Scalar; SUMS];
+
+    #[inline(always)]
+    fn run(self) -> [V::Scalar; SUMS] {
+        let Self { records, neighbors, law, place } = self;
+        let mut sums = around::<V, L, SUMS, PERIODIC>(records, neighbors, law, place);
+        let own = records.words[place].map(V::Scalar::number);
+        let itself = law.terms(&own, &own, [V::Scalar::ZERO; AXES], V::Scalar::ZERO);
+        for sum in 0..SUMS {
+            sums[sum] += itself[sum];
+        }
+        sums
+    }
+}
+
+/// The sums of the particle at one place.
+#[inline(always)]
+fn around<V: Vector, L: PairLaw<V, SUMS>, const SUMS: usize, const PERIODIC: bool>(
+    records: &Records<V>,
+    neighbors: &Neighbors,
+    law: L,
+    place: usize,
+) -> [V::Scalar; SUMS] {
+    let (list, length) = neighbors.lists.with_rest(place);
+    let own = &records.words[place];
+    let numbers = own.map(V::Scalar::number);
+    let mut lanes = [[V::Scalar::ZERO; LANES]; SUMS];
+    for first in (0..length).step_by(LANES) {
+        let Some(group) = list[first..].first_chunk() else { break };
+        let others = transpose(&records.words, group);
+        let (apart, square) = distances::<V, PERIODIC>(own, &others, &records.rulers, length - first);
+        add(&law, &numbers, &others, &apart, &square, &mut lanes);
+    }
+    lanes.map(fold)
 }
 
 /// How far a particle is from each of a group of others, of whom the first `number` count: their vectors and squares.

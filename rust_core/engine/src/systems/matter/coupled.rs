@@ -58,6 +58,9 @@ pub fn advance<V: Vector, I: Integrator>(
         if I::DRIFTS_FIRST {
             collisions::<V, I>(law, matter, desk, interval.h, crew);
         }
+        if let Some(half) = I::DRIFT {
+            law.drift(matter, matter.memory[half].view(), interval.h, crew)?;
+        }
         for stage in 0..stages {
             let next = if stage + 1 < stages {
                 Some(stage + 1)

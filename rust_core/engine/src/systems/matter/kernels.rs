@@ -129,7 +129,7 @@ impl<T: Real, I: Integrator> Kernel for Steps<'_, T, I> {
 }
 
 /// All channels.
-const ALL: [Channel; CHANNELS] = [Channel::Drag, Channel::Damping, Channel::Contact, Channel::Work];
+const ALL: [Channel; CHANNELS] = [Channel::Drag, Channel::Damping, Channel::Contact, Channel::Viscosity, Channel::Work];
 
 /// Adds what passes through some channels of a meter during one stage: the power times `span`, and the power at the last
 /// stage of the step before times `last_span`. `keep` says that this is the last stage of its step.

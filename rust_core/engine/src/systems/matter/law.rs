@@ -5,7 +5,7 @@ use std::ops::Range;
 use crate::contacts::Contacts;
 use crate::error::Result;
 use crate::forces::affine::{Affine, Fold};
-use crate::forces::{Force, InverseSquare, Moment, Rates, Reach, VelocityDependence};
+use crate::forces::{Drift, Force, InverseSquare, Moment, Rates, Reach, VelocityDependence};
 use crate::math::{Real, Vector};
 use crate::matter::{CHANNELS, Channel, Columns, Matter, Properties, View};
 use crate::parallel::Crew;
@@ -98,6 +98,15 @@ impl<V: Vector> Law<V> {
         let (position, velocity, residual) = (matter.position.view(), matter.velocity.view(), matter.residual.view());
         let at = Moment { position, velocity, residual, properties, time };
         forces[*folded..*together].iter_mut().try_for_each(|force| force.prepare(&at, crew))
+    }
+
+    /// Advances the fields over the drift that led to a state.
+    pub fn drift(&mut self, matter: &Matter<V>, velocity: View<'_, V>, h: f64, crew: &Crew) -> Result<()> {
+        let Self { properties, forces, .. } = self;
+        let (position, residual) = (matter.position.view(), matter.residual.view());
+        let end = Moment { position, velocity: matter.velocity.view(), residual, properties, time: 0.0 };
+        let drift = Drift { end, velocity, h };
+        forces.iter_mut().filter(|force| force.has_field()).try_for_each(|force| force.drift(&drift, crew))
     }
 
     /// The forces, to make them remember or go back.

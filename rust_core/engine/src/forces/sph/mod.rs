@@ -1,0 +1,347 @@
+//! Weakly compressible fluids: smoothed particle hydrodynamics.
+//!
+//! Density is a field of its own, which changes with the motion. A step of kick–drift–kick has two sums over neighbors: in
+//! the middle of the drift density is advanced by the motion ([`Force::drift`]), and at its end the pressures push
+//! ([`Force::prepare`]). Density and velocity so take turns like position and velocity, and the step may be as long as that
+//! of a leapfrog: 2/ω for the fastest sound wave, twice as long as where both rates are taken at one moment.
+//!
+//! [`laws`] holds the sums, [`kernel`] what they weigh with, [`images`] the walls, [`start`] what the scene leaves open.
+
+use std::ops::Range;
+
+use glam::DVec3;
+
+use super::vicinity::Vicinity;
+use super::{Drift, Fields, Force, Moment, Rates, Reach, VelocityDependence};
+use crate::error::{Error, Result};
+use crate::math::{AXES, Real, Vector};
+use crate::matter::{Channel, Properties};
+use crate::neighbors::sums::{PairLaw, Records};
+use crate::parallel::{Chunks, Crew};
+use crate::scene::Scene;
+use crate::simd::LANES;
+use crate::stability::Bound;
+
+mod images;
+mod kernel;
+mod laws;
+mod start;
+
+use images::{Pressed, mirrored};
+use kernel::{CubicSpline, Kernel, Shape, WendlandC2, WendlandC4};
+use laws::{Continuity, Momentum};
+use start::{Material, Side};
+
+/// The sums of [`Momentum`].
+const FORCES: usize = AXES + 1;
+
+/// Places in a block of the passes over single particles.
+const BLOCK: usize = 1024;
+
+/// The most walls that a particle looks into.
+const CORNER: usize = 4;
+
+/// Stands for the slot of a particle that is no fluid.
+const NOBODY: u32 = u32::MAX;
+
+/// The fluid of a scene.
+///
+/// # Errors
+/// If its parameters make no sense together, or there is no kernel of that name.
+pub fn fluid<V: Vector>(scene: &Scene, properties: &Properties<V>) -> Result<Option<Box<dyn Force<V>>>> {
+    let Some(body) = scene.bodies.iter().position(|body| body.fluid.is_some()) else { return Ok(None) };
+    let name = scene.bodies[body].fluid.as_ref().map_or("", |fluid| fluid.kernel.as_str());
+    match name {
+        "WendlandC2" => Ok(Some(Box::new(Fluid::<V, WendlandC2>::new(scene, properties)?))),
+        "WendlandC4" => Ok(Some(Box::new(Fluid::<V, WendlandC4>::new(scene, properties)?))),
+        "CubicSpline" => Ok(Some(Box::new(Fluid::<V, CubicSpline>::new(scene, properties)?))),
+        other => Err(Error::parameter(format!("bodies[{body}].kernel"), "WendlandC2, WendlandC4 or CubicSpline", other)),
+    }
+}
+
+/// All fluid particles of a scene.
+struct Fluid<V: Vector, K> {
+    material: Material,
+    /// The fluid particles, by their index.
+    members: Vec<u32>,
+    /// The member that each particle is.
+    slots: Vec<u32>,
+    /// Density ρ of each member [kg/m³].
+    density: Vec<f64>,
+    /// Density when the chunk began.
+    kept: Vec<f64>,
+    vicinity: Vicinity,
+    records: Records<V>,
+    continuity: Continuity<V::Scalar, K>,
+    momentum: Momentum<V::Scalar, K>,
+    /// What [`Continuity`] gives, in the order of places.
+    rates: Vec<[V::Scalar; 2]>,
+    /// What [`Momentum`] gives, likewise.
+    forces: Vec<[V::Scalar; FORCES]>,
+    walls: Vec<Side>,
+    /// The places that are near a wall.
+    near: Vec<u32>,
+    /// The standard deviation of the kernel [m].
+    deviation: f64,
+    /// ∫ |F| dV of the kernel [1/m²].
+    roughness: f64,
+}
+
+impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>> Fluid<V, K> {
+    fn new(scene: &Scene, properties: &Properties<V>) -> Result<Self> {
+        let material = Material::of(scene)?;
+        let is_fluid = |index: &u32| scene.bodies[properties.body[*index as usize] as usize].fluid.is_some();
+        let members: Vec<u32> = (0..properties.count() as u32).filter(is_fluid).collect();
+        let mut slots = vec![NOBODY; properties.count()];
+        members.iter().zip(0..).for_each(|(&index, slot)| slots[index as usize] = slot);
+        let h = material.smoothing_length;
+        let vicinity = Vicinity::new(scene, properties, &members, 2.0 * h)?;
+        let walls = start::walls(scene, properties.origin)?;
+        let number = V::Scalar::from_f64;
+        let gravity = material.gravity.to_array();
+        let kernel = Kernel::new(h, V::DIMENSION);
+        let continuity = Continuity {
+            kernel,
+            diffusion: number(2.0 * material.density_diffusion * h * material.sound_speed),
+            stratification: gravity.map(|g| number(material.density * g / material.sound_speed.powi(2))),
+            compliance: number(material.sound_speed.powi(-2)),
+        };
+        let momentum = Momentum {
+            kernel,
+            viscosity: number(material.viscosity_of_pairs(V::DIMENSION)),
+            softening: number(0.01 * h * h),
+        };
+        let density = start::densities(scene, properties, &members, &material);
+        Ok(Self {
+            kept: density.clone(),
+            records: Records::new(vicinity.neighbors()),
+            rates: vec![[V::Scalar::ZERO; 2]; members.len()],
+            forces: vec![[V::Scalar::ZERO; FORCES]; members.len()],
+            near: Vec::new(),
+            deviation: kernel::deviation::<K>(V::DIMENSION) * h,
+            roughness: kernel::roughness::<K>(V::DIMENSION) / (h * h),
+            material,
+            members,
+            slots,
+            density,
+            vicinity,
+            continuity,
+            momentum,
+            walls,
+        })
+    }
+
+    /// Brings lists up to date, and with them who is near a wall.
+    fn search(&mut self, place: &(impl Fn(usize, usize) -> f64 + Sync), crew: &Crew) -> Result<()> {
+        if !self.vicinity.update(place, &self.members, crew)? {
+            return Ok(());
+        }
+        let neighbors = self.vicinity.neighbors();
+        let reach = neighbors.support();
+        let anchors = neighbors.anchors();
+        let touches = |&place: &u32| {
+            let member = neighbors.order()[place as usize] as usize;
+            let x = DVec3::from_array(anchors.map(|axis| axis.get(member).copied().unwrap_or(0.0)));
+            self.walls.iter().any(|side| side.wall.distance(x).0 < reach)
+        };
+        self.near = (0..neighbors.count() as u32).filter(touches).collect();
+        Ok(())
+    }
+
+    /// Adds the images of what is near a wall to some sums.
+    fn add_images<L: PairLaw<V, SUMS> + Pressed<V>, const SUMS: usize>(&self, law: L, sums: &mut [[V::Scalar; SUMS]], crew: &Crew) {
+        if self.near.is_empty() {
+            return;
+        }
+        crew.sweep(Chunks::new(sums, BLOCK), &|mine| {
+            let index = |place: usize| self.near.partition_point(|&near| (near as usize) < place);
+            for &place in &self.near[index(mine.start)..index(mine.start + mine.items.len())] {
+                let images = self.images(law, place as usize);
+                mine.items[place as usize - mine.start].iter_mut().zip(images).for_each(|(sum, image)| *sum += image);
+            }
+        });
+    }
+
+    /// The sums over the images that a particle meets: in each wall, and in the corners.
+    fn images<L: PairLaw<V, SUMS> + Pressed<V>, const SUMS: usize>(&self, law: L, place: usize) -> [V::Scalar; SUMS] {
+        let neighbors = self.vicinity.neighbors();
+        let member = neighbors.order()[place] as usize;
+        let positions = self.vicinity.positions();
+        let x = DVec3::from_array(positions.map(|axis| axis.get(member).copied().unwrap_or(0.0)));
+        let reach = 2.0 * self.material.smoothing_length;
+        let mut mirrors = self.walls.iter().filter_map(|side| side.mirror::<V>(x, reach, &self.material));
+        let mirrors: [_; CORNER] = std::array::from_fn(|_| mirrors.next());
+        let mut sums = [V::Scalar::ZERO; SUMS];
+        let mut add = |more: [V::Scalar; SUMS]| (0..SUMS).for_each(|sum| sums[sum] += more[sum]);
+        for (first, (normal, mirror)) in mirrors.iter().enumerate().filter_map(|(index, mirror)| Some((index, mirror.as_ref()?))) {
+            let once = mirrored(law, *mirror);
+            add(self.records.sum_images(neighbors, once, place));
+            for second in first + 1..CORNER {
+                let Some((other, mirror)) = mirrors[second].as_ref().filter(|(other, _)| start::meet(*normal, *other)) else { continue };
+                let twice = mirrored(once, *mirror);
+                add(self.records.sum_images(neighbors, twice, place));
+                let thirds = mirrors[second + 1..].iter().flatten();
+                for (_, mirror) in thirds.filter(|(third, _)| start::meet(*normal, *third) && start::meet(*other, *third)) {
+                    add(self.records.sum_images(neighbors, mirrored(twice, *mirror), place));
+                }
+            }
+        }
+        sums
+    }
+}
+
+impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>> Force<V> for Fluid<V, K> {
+    fn name(&self) -> &'static str {
+        "fluid"
+    }
+
+    fn reach(&self) -> Reach {
+        Reach::Pairs
+    }
+
+    fn velocity(&self) -> VelocityDependence {
+        VelocityDependence::Dissipative
+    }
+
+    fn has_field(&self) -> bool {
+        true
+    }
+
+    /// ρ ← ρ + h dρ/dt, in the middle of the way and at the velocity of the way.
+    fn drift(&mut self, drift: &Drift<'_, V>, crew: &Crew) -> Result<()> {
+        self.search(&|axis, index| drift.middle(axis, index), crew)?;
+        let Self { members, density, vicinity, records, continuity, rates, material, .. } = self;
+        let neighbors = vicinity.neighbors();
+        records.fill(neighbors, vicinity.positions(), crew, &|member, record| {
+            let index = members[member] as usize;
+            for axis in 0..V::DIMENSION {
+                record[V::DIMENSION + axis] = drift.velocity.axis(axis)[index];
+            }
+            record[2 * V::DIMENSION] = V::Scalar::from_f64(material.mass / density[member]);
+            record[2 * V::DIMENSION + 1] = V::Scalar::from_f64(density[member] - material.density);
+        });
+        records.sum(neighbors, *continuity, rates, crew);
+        let mut rates = std::mem::take(&mut self.rates);
+        self.add_images(self.continuity, &mut rates, crew);
+        self.rates = rates;
+        let Self { density, vicinity, rates, .. } = self;
+        let places = vicinity.neighbors().places();
+        crew.sweep(Chunks::new(density, BLOCK), &|mine| {
+            for (density, &place) in mine.items.iter_mut().zip(&places[mine.start..]) {
+                let [squeeze, diffusion] = rates[place as usize].map(Real::to_f64);
+                *density += drift.h * (*density * squeeze + diffusion);
+            }
+        });
+        Ok(())
+    }
+
+    fn prepare(&mut self, at: &Moment<'_, V>, crew: &Crew) -> Result<()> {
+        self.search(&|axis, index| at.place(axis, index), crew)?;
+        let Self { members, density, vicinity, records, momentum, forces, material, .. } = self;
+        let neighbors = vicinity.neighbors();
+        records.fill(neighbors, vicinity.positions(), crew, &|member, record| {
+            let index = members[member] as usize;
+            for axis in 0..V::DIMENSION {
+                record[V::DIMENSION + axis] = at.velocity.axis(axis)[index];
+            }
+            record[2 * V::DIMENSION] = V::Scalar::from_f64(material.mass / density[member]);
+            record[2 * V::DIMENSION + 1] = V::Scalar::from_f64(material.pressure(density[member]));
+        });
+        records.sum(neighbors, *momentum, forces, crew);
+        let mut forces = std::mem::take(&mut self.forces);
+        self.add_images(self.momentum, &mut forces, crew);
+        self.forces = forces;
+        Ok(())
+    }
+
+    fn keep(&mut self) {
+        self.vicinity.keep();
+        self.kept.copy_from_slice(&self.density);
+    }
+
+    fn undo(&mut self) -> Result<()> {
+        self.density.copy_from_slice(&self.kept);
+        self.vicinity.undo()
+    }
+
+    fn capture(&self) -> Vec<f64> {
+        [self.density.clone(), self.vicinity.capture()].concat()
+    }
+
+    fn restore(&mut self, numbers: &mut &[f64]) -> Result<()> {
+        super::vicinity::take(numbers, &mut self.density)?;
+        self.vicinity.restore(numbers)
+    }
+
+    fn accumulate(&self, block: Range<usize>, _at: &Moment<'_, V>, rates: &mut Rates<'_, V>) {
+        let places = self.vicinity.neighbors().places();
+        let viscous = &mut rates.power[Channel::Viscosity as usize];
+        for (index, &slot) in self.slots[block.start..block.end.min(self.slots.len())].iter().enumerate() {
+            if slot == NOBODY {
+                continue;
+            }
+            let (density, place) = (self.density[slot as usize], places[slot as usize] as usize);
+            let volume = self.material.mass / density;
+            for axis in 0..V::DIMENSION {
+                rates.force.axes[axis][index] += V::Scalar::from_f64(volume) * self.forces[place][axis];
+            }
+            // Of a pair's power each takes half. Diffusion moves density against pressure, at once.
+            let diffused = volume * self.material.pressure(density) / density * self.rates[place][1].to_f64();
+            viscous[index % LANES] += 0.5 * volume * self.forces[place][AXES].to_f64() - diffused;
+        }
+    }
+
+    fn has_potential(&self) -> bool {
+        false
+    }
+
+    fn potential(&self, _block: Range<usize>, _at: &Moment<'_, V>) -> f64 {
+        0.0
+    }
+
+    fn internal(&self) -> f64 {
+        self.density.iter().map(|&density| self.material.mass * self.material.energy(density)).sum()
+    }
+
+    /// Sound of the shortest wave that the kernel carries, ω = c e^−½/σ; and viscosity, whose rows Gershgorin's theorem bounds by
+    /// twice Σ Vⱼ |F| times the coefficient over density.
+    fn bound(&self, at: &Moment<'_, V>, bound: &mut Bound) {
+        let densest = self.density.iter().copied().fold(self.material.density, f64::max);
+        let frequency = self.material.sound_at(densest) * (-0.5_f64).exp() / self.deviation;
+        let damping = 2.0 * self.material.viscosity_of_pairs(V::DIMENSION) * self.roughness / self.material.density;
+        for &index in &self.members {
+            let mass = at.properties.mass[index as usize];
+            bound.point(index as usize, "sound", mass * frequency * frequency, 0.0);
+            bound.point(index as usize, "viscosity", 0.0, mass * damping);
+        }
+        let strongest = self.forces.iter().map(|force| force[..V::DIMENSION].iter().map(|f| f.to_f64().powi(2)).sum::<f64>());
+        let acceleration = strongest.fold(0.0, f64::max).sqrt() / self.material.density;
+        bound.accuracy("acceleration", (self.material.smoothing_length / acceleration).sqrt());
+    }
+
+    fn bound_varies(&self) -> bool {
+        true
+    }
+
+    fn show(&self, fields: &mut Fields) {
+        for (&index, &density) in self.members.iter().zip(&self.density) {
+            fields.density[index as usize] = density;
+            fields.pressure[index as usize] = self.material.pressure(density);
+        }
+    }
+
+    fn pairs(&self) -> usize {
+        2 * self.vicinity.pairs()
+    }
+
+    fn layout(&self) -> String {
+        format!("sound at {:.4} m/s; {}", self.material.sound_speed, self.vicinity.layout())
+    }
+
+    fn bytes(&self) -> usize {
+        let own = std::mem::size_of_val(self.rates.as_slice()) + std::mem::size_of_val(self.forces.as_slice());
+        let numbers = size_of::<f64>() * (self.density.len() + self.kept.len());
+        let indices = size_of::<u32>() * (self.members.len() + self.slots.len() + self.near.len());
+        self.vicinity.bytes() + self.records.bytes() + own + numbers + indices
+    }
+}
