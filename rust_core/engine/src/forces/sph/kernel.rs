@@ -14,8 +14,6 @@ use crate::math::Real;
 
 /// A kernel of unit height and unit smoothing length, as a function of u = r/2h from 0 to 1.
 pub trait Shape<T: Real>: Copy + Send + Sync + 'static {
-    /// The name of its class in Python.
-    const NAME: &'static str;
     /// W₀ h^D in 2D and 3D.
     const HEIGHT: [f64; 2];
     /// W/W₀.
@@ -29,7 +27,6 @@ pub trait Shape<T: Real>: Copy + Send + Sync + 'static {
 pub struct WendlandC2;
 
 impl<T: Real> Shape<T> for WendlandC2 {
-    const NAME: &'static str = "WendlandC2";
     const HEIGHT: [f64; 2] = [7.0 / (4.0 * PI), 21.0 / (16.0 * PI)];
 
     #[inline(always)]
@@ -51,7 +48,6 @@ impl<T: Real> Shape<T> for WendlandC2 {
 pub struct WendlandC4;
 
 impl<T: Real> Shape<T> for WendlandC4 {
-    const NAME: &'static str = "WendlandC4";
     const HEIGHT: [f64; 2] = [9.0 / (4.0 * PI), 495.0 / (256.0 * PI)];
 
     #[inline(always)]
@@ -74,7 +70,6 @@ impl<T: Real> Shape<T> for WendlandC4 {
 pub struct CubicSpline;
 
 impl<T: Real> Shape<T> for CubicSpline {
-    const NAME: &'static str = "CubicSpline";
     const HEIGHT: [f64; 2] = [10.0 / (7.0 * PI), 1.0 / PI];
 
     #[inline(always)]
@@ -109,11 +104,12 @@ pub struct Kernel<T, K> {
 impl<T: Real, K: Shape<T>> Kernel<T, K> {
     /// The kernel of smoothing length h [m].
     pub fn new(smoothing_length: f64, dimension: usize) -> Self {
-        let height = K::HEIGHT[dimension - 2] / smoothing_length.powi(dimension as i32);
+        let square = smoothing_length * smoothing_length;
+        let height = K::HEIGHT[dimension - 2] / if dimension == 2 { square } else { square * smoothing_length };
         Self {
             inverse_support: T::from_f64(0.5 / smoothing_length),
             height: T::from_f64(height),
-            steepness: T::from_f64(height / (smoothing_length * smoothing_length)),
+            steepness: T::from_f64(height / square),
             shape: std::marker::PhantomData,
         }
     }
@@ -169,12 +165,16 @@ mod tests {
     fn check<K: Shape<f64>>() {
         for dimension in [2, 3] {
             let kernel = Kernel::<f64, K>::new(1.0, dimension);
-            assert!((integral(dimension, |r| kernel.value(r)) - 1.0).abs() < 1e-6, "{} in {dimension}D", K::NAME);
+            assert!(
+                (integral(dimension, |r| kernel.value(r)) - 1.0).abs() < 1e-6,
+                "{} in {dimension}D",
+                std::any::type_name::<K>()
+            );
             for step in 1..400 {
                 let r = f64::from(step) * 0.005;
                 let difference = (kernel.value(r + 1e-5) - kernel.value(r - 1e-5)) / 2e-5;
                 // The third derivative is below 100 W₀ everywhere, so that the difference is good to 1e-10/6 of that.
-                assert!((kernel.slope(r) * r - difference).abs() < 1e-8 * kernel.height, "{} at {r}", K::NAME);
+                assert!((kernel.slope(r) * r - difference).abs() < 1e-8 * kernel.height, "{} at {r}", std::any::type_name::<K>());
             }
             assert_eq!((kernel.value(2.0), kernel.slope(2.0), kernel.slope(3.0)), (0.0, 0.0, 0.0));
         }

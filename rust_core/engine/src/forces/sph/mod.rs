@@ -106,11 +106,8 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>> Fluid<V, K> {
             stratification: gravity.map(|g| number(material.density * g / material.sound_speed.powi(2))),
             compliance: number(material.sound_speed.powi(-2)),
         };
-        let momentum = Momentum {
-            kernel,
-            viscosity: number(material.viscosity_of_pairs(V::DIMENSION)),
-            softening: number(0.01 * h * h),
-        };
+        let momentum =
+            Momentum { kernel, viscosity: number(material.viscosity_of_pairs(V::DIMENSION)), softening: number(0.01 * h * h) };
         let density = start::densities(scene, properties, &members, &material);
         Ok(Self {
             kept: density.clone(),
@@ -149,7 +146,12 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>> Fluid<V, K> {
     }
 
     /// Adds the images of what is near a wall to some sums.
-    fn add_images<L: PairLaw<V, SUMS> + Pressed<V>, const SUMS: usize>(&self, law: L, sums: &mut [[V::Scalar; SUMS]], crew: &Crew) {
+    fn add_images<L: PairLaw<V, SUMS> + Pressed<V>, const SUMS: usize>(
+        &self,
+        law: L,
+        sums: &mut [[V::Scalar; SUMS]],
+        crew: &Crew,
+    ) {
         if self.near.is_empty() {
             return;
         }
@@ -173,11 +175,14 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>> Fluid<V, K> {
         let mirrors: [_; CORNER] = std::array::from_fn(|_| mirrors.next());
         let mut sums = [V::Scalar::ZERO; SUMS];
         let mut add = |more: [V::Scalar; SUMS]| (0..SUMS).for_each(|sum| sums[sum] += more[sum]);
-        for (first, (normal, mirror)) in mirrors.iter().enumerate().filter_map(|(index, mirror)| Some((index, mirror.as_ref()?))) {
+        for (first, (normal, mirror)) in mirrors.iter().enumerate().filter_map(|(index, mirror)| Some((index, mirror.as_ref()?)))
+        {
             let once = mirrored(law, *mirror);
             add(self.records.sum_images(neighbors, once, place));
             for second in first + 1..CORNER {
-                let Some((other, mirror)) = mirrors[second].as_ref().filter(|(other, _)| start::meet(*normal, *other)) else { continue };
+                let Some((other, mirror)) = mirrors[second].as_ref().filter(|(other, _)| start::meet(*normal, *other)) else {
+                    continue;
+                };
                 let twice = mirrored(once, *mirror);
                 add(self.records.sum_images(neighbors, twice, place));
                 let thirds = mirrors[second + 1..].iter().flatten();
