@@ -70,7 +70,7 @@ class Fluid(Body):
         viscosity: float = 1e-3,
         sound_speed: float | Literal["auto"] = "auto",
         kernel: Kernel = WendlandC2(),  # noqa: B008 - it cannot change
-        artificial_viscosity: float = 0.02,
+        artificial_viscosity: float = 0.01,
         density_diffusion: float = 0.1,
         velocities: ArrayLike = 0.0,
         name: str | None = None,

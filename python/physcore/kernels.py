@@ -40,7 +40,7 @@ class WendlandC2(Kernel):
     Source: H. Wendland, Adv. Comput. Math. 4, 389 (1995); W. Dehnen, H. Aly, MNRAS 425, 1068 (2012).
     """
 
-    smoothing: float = 1.2
+    smoothing: float = 1.5
 
 
 @dataclass(frozen=True)
@@ -76,7 +76,7 @@ class CubicSpline(Kernel):
     Source: J. J. Monaghan, J. C. Lattanzio, Astron. Astrophys. 149, 135 (1985).
     """
 
-    smoothing: float = 1.2
+    smoothing: float = 1.5
 
 
 KERNELS: tuple[type[Kernel], ...] = (

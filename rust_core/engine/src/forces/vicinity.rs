@@ -76,6 +76,12 @@ impl Vicinity {
         self.positions.each_ref().map(Vec::as_slice)
     }
 
+    /// The position of the member at a place relative to the origin [m].
+    pub fn at(&self, place: usize) -> DVec3 {
+        let member = self.neighbors.order()[place] as usize;
+        DVec3::from_array(self.positions.each_ref().map(|axis| axis.get(member).copied().unwrap_or(0.0)))
+    }
+
     /// Remembers what the lists were made from.
     pub fn keep(&mut self) {
         if self.renewed {

@@ -9,14 +9,12 @@
 
 use std::ops::Range;
 
-use glam::DVec3;
-
 use super::vicinity::Vicinity;
 use super::{Drift, Fields, Force, Moment, Rates, Reach, VelocityDependence};
 use crate::error::{Error, Result};
-use crate::math::{AXES, Real, Vector};
+use crate::math::{Real, Vector};
 use crate::matter::{Channel, Properties};
-use crate::neighbors::sums::{PairLaw, Records};
+use crate::neighbors::sums::Records;
 use crate::parallel::{Chunks, Crew};
 use crate::scene::Scene;
 use crate::simd::LANES;
@@ -27,19 +25,13 @@ mod kernel;
 mod laws;
 mod start;
 
-use images::{Pressed, mirrored};
+use images::{View, Walls};
 use kernel::{CubicSpline, Kernel, Shape, Wave, WendlandC2, WendlandC4};
-use laws::{Continuity, Momentum};
-use start::{Material, Side};
-
-/// The sums of [`Momentum`].
-const FORCES: usize = AXES + 1;
+use laws::{Continuity, FORCES, LIFT, Momentum, VISCOUS};
+use start::Material;
 
 /// Places in a block of the passes over single particles.
 const BLOCK: usize = 1024;
-
-/// The most walls that a particle looks into.
-const CORNER: usize = 4;
 
 /// Stands for the slot of a particle that is no fluid.
 const NOBODY: u32 = u32::MAX;
@@ -78,9 +70,7 @@ struct Fluid<V: Vector, K> {
     rates: Vec<[V::Scalar; 2]>,
     /// What [`Momentum`] gives, likewise.
     forces: Vec<[V::Scalar; FORCES]>,
-    walls: Vec<Side>,
-    /// The places that are near a wall.
-    near: Vec<u32>,
+    walls: Walls,
     /// The waves that the kernel carries, for unit smoothing length.
     waves: Vec<Wave>,
 }
@@ -94,25 +84,27 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>> Fluid<V, K> {
         members.iter().zip(0..).for_each(|(&index, slot)| slots[index as usize] = slot);
         let h = material.smoothing_length;
         let vicinity = Vicinity::new(scene, properties, &members, 2.0 * h)?;
-        let walls = start::walls(scene, properties.origin)?;
+        let walls = Walls::new(start::walls(scene, properties.origin)?, 2.0 * h);
         let number = V::Scalar::from_f64;
         let gravity = material.gravity.to_array();
-        let kernel = Kernel::new(h, V::DIMENSION);
+        let kernel = Kernel::new(h, material.spacing, V::DIMENSION);
         let continuity = Continuity {
             kernel,
-            diffusion: number(2.0 * material.density_diffusion * h * material.sound_speed),
+            diffusion: number(material.diffusion()),
             stratification: gravity.map(|g| number(material.density * g / material.sound_speed.powi(2))),
-            compliance: number(material.sound_speed.powi(-2)),
         };
-        let momentum =
-            Momentum { kernel, viscosity: number(material.viscosity_of_pairs(V::DIMENSION)), softening: number(0.01 * h * h) };
+        let momentum = Momentum {
+            kernel,
+            artificial: number(material.artificial()),
+            laminar: number(2.0 * material.viscosity),
+            softening: number(0.01 * h * h),
+        };
         let density = start::densities(scene, properties, &members, &material);
         Ok(Self {
             kept: density.clone(),
             records: Records::new(vicinity.neighbors()),
             rates: vec![[V::Scalar::ZERO; 2]; members.len()],
             forces: vec![[V::Scalar::ZERO; FORCES]; members.len()],
-            near: Vec::new(),
             waves: kernel::waves::<K>(V::DIMENSION),
             material,
             members,
@@ -127,68 +119,10 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>> Fluid<V, K> {
 
     /// Brings lists up to date, and with them who is near a wall.
     fn search(&mut self, place: &(impl Fn(usize, usize) -> f64 + Sync), crew: &Crew) -> Result<()> {
-        if !self.vicinity.update(place, &self.members, crew)? {
-            return Ok(());
+        if self.vicinity.update(place, &self.members, crew)? {
+            self.walls.survey(&self.vicinity);
         }
-        let neighbors = self.vicinity.neighbors();
-        let reach = neighbors.support();
-        let anchors = neighbors.anchors();
-        let touches = |&place: &u32| {
-            let member = neighbors.order()[place as usize] as usize;
-            let x = DVec3::from_array(anchors.map(|axis| axis.get(member).copied().unwrap_or(0.0)));
-            self.walls.iter().any(|side| side.wall.distance(x).0 < reach)
-        };
-        self.near = (0..neighbors.count() as u32).filter(touches).collect();
         Ok(())
-    }
-
-    /// Adds the images of what is near a wall to some sums.
-    fn add_images<L: PairLaw<V, SUMS> + Pressed<V>, const SUMS: usize>(
-        &self,
-        law: L,
-        sums: &mut [[V::Scalar; SUMS]],
-        crew: &Crew,
-    ) {
-        if self.near.is_empty() {
-            return;
-        }
-        crew.sweep(Chunks::new(sums, BLOCK), &|mine| {
-            let index = |place: usize| self.near.partition_point(|&near| (near as usize) < place);
-            for &place in &self.near[index(mine.start)..index(mine.start + mine.items.len())] {
-                let images = self.images(law, place as usize);
-                mine.items[place as usize - mine.start].iter_mut().zip(images).for_each(|(sum, image)| *sum += image);
-            }
-        });
-    }
-
-    /// The sums over the images that a particle meets: in each wall, and in the corners.
-    fn images<L: PairLaw<V, SUMS> + Pressed<V>, const SUMS: usize>(&self, law: L, place: usize) -> [V::Scalar; SUMS] {
-        let neighbors = self.vicinity.neighbors();
-        let member = neighbors.order()[place] as usize;
-        let positions = self.vicinity.positions();
-        let x = DVec3::from_array(positions.map(|axis| axis.get(member).copied().unwrap_or(0.0)));
-        let reach = 2.0 * self.material.smoothing_length;
-        let mut mirrors = self.walls.iter().filter_map(|side| side.mirror::<V>(x, reach, &self.material));
-        let mirrors: [_; CORNER] = std::array::from_fn(|_| mirrors.next());
-        let mut sums = [V::Scalar::ZERO; SUMS];
-        let mut add = |more: [V::Scalar; SUMS]| (0..SUMS).for_each(|sum| sums[sum] += more[sum]);
-        for (first, (normal, mirror)) in mirrors.iter().enumerate().filter_map(|(index, mirror)| Some((index, mirror.as_ref()?)))
-        {
-            let once = mirrored(law, *mirror);
-            add(self.records.sum_images(neighbors, once, place));
-            for second in first + 1..CORNER {
-                let Some((other, mirror)) = mirrors[second].as_ref().filter(|(other, _)| start::meet(*normal, *other)) else {
-                    continue;
-                };
-                let twice = mirrored(once, *mirror);
-                add(self.records.sum_images(neighbors, twice, place));
-                let thirds = mirrors[second + 1..].iter().flatten();
-                for (_, mirror) in thirds.filter(|(third, _)| start::meet(*normal, *third) && start::meet(*other, *third)) {
-                    add(self.records.sum_images(neighbors, mirrored(twice, *mirror), place));
-                }
-            }
-        }
-        sums
     }
 }
 
@@ -212,7 +146,7 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>> Force<V> for Fluid<V, K> {
     /// ρ ← ρ + h dρ/dt, in the middle of the way and at the velocity of the way.
     fn drift(&mut self, drift: &Drift<'_, V>, crew: &Crew) -> Result<()> {
         self.search(&|axis, index| drift.middle(axis, index), crew)?;
-        let Self { members, density, vicinity, records, continuity, rates, material, .. } = self;
+        let Self { members, density, vicinity, records, continuity, rates, material, walls, .. } = self;
         let neighbors = vicinity.neighbors();
         records.fill(neighbors, vicinity.positions(), crew, &|member, record| {
             let index = members[member] as usize;
@@ -220,13 +154,11 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>> Force<V> for Fluid<V, K> {
                 record[V::DIMENSION + axis] = drift.velocity.axis(axis)[index];
             }
             record[2 * V::DIMENSION] = V::Scalar::from_f64(material.mass / density[member]);
-            record[2 * V::DIMENSION + 1] = V::Scalar::from_f64(density[member] - material.density);
+            record[2 * V::DIMENSION + 1] = V::Scalar::from_f64(material.enthalpy(density[member]));
         });
         records.sum(neighbors, *continuity, rates, crew);
-        let mut rates = std::mem::take(&mut self.rates);
-        self.add_images(self.continuity, &mut rates, crew);
-        self.rates = rates;
-        let Self { density, vicinity, rates, .. } = self;
+        let view = View { weight: material.density / material.sound_speed.powi(2) * material.gravity, sticks: false };
+        walls.add(*continuity, &view, (vicinity, records), rates, crew);
         let places = vicinity.neighbors().places();
         crew.sweep(Chunks::new(density, BLOCK), &|mine| {
             for (density, &place) in mine.items.iter_mut().zip(&places[mine.start..]) {
@@ -239,7 +171,7 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>> Force<V> for Fluid<V, K> {
 
     fn prepare(&mut self, at: &Moment<'_, V>, crew: &Crew) -> Result<()> {
         self.search(&|axis, index| at.place(axis, index), crew)?;
-        let Self { members, density, vicinity, records, momentum, forces, material, .. } = self;
+        let Self { members, density, vicinity, records, momentum, forces, material, walls, .. } = self;
         let neighbors = vicinity.neighbors();
         records.fill(neighbors, vicinity.positions(), crew, &|member, record| {
             let index = members[member] as usize;
@@ -250,9 +182,8 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>> Force<V> for Fluid<V, K> {
             record[2 * V::DIMENSION + 1] = V::Scalar::from_f64(material.pressure(density[member]));
         });
         records.sum(neighbors, *momentum, forces, crew);
-        let mut forces = std::mem::take(&mut self.forces);
-        self.add_images(self.momentum, &mut forces, crew);
-        self.forces = forces;
+        let view = View { weight: material.density * material.gravity, sticks: true };
+        walls.add(*momentum, &view, (vicinity, records), forces, crew);
         Ok(())
     }
 
@@ -277,19 +208,19 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>> Force<V> for Fluid<V, K> {
 
     fn accumulate(&self, block: Range<usize>, _at: &Moment<'_, V>, rates: &mut Rates<'_, V>) {
         let places = self.vicinity.neighbors().places();
-        let viscous = &mut rates.power[Channel::Viscosity as usize];
         for (index, &slot) in self.slots[block.start..block.end.min(self.slots.len())].iter().enumerate() {
             if slot == NOBODY {
                 continue;
             }
             let (density, place) = (self.density[slot as usize], places[slot as usize] as usize);
-            let volume = self.material.mass / density;
+            let (volume, force) = (self.material.mass / density, &self.forces[place]);
             for axis in 0..V::DIMENSION {
-                rates.force.axes[axis][index] += V::Scalar::from_f64(volume) * self.forces[place][axis];
+                rates.force.axes[axis][index] += V::Scalar::from_f64(volume) * force[axis];
             }
             // Of a pair's power each takes half. Diffusion moves density against pressure, at once.
             let diffused = volume * self.material.pressure(density) / density * self.rates[place][1].to_f64();
-            viscous[index % LANES] += 0.5 * volume * self.forces[place][AXES].to_f64() - diffused;
+            rates.power[Channel::Viscosity as usize][index % LANES] += 0.5 * volume * force[VISCOUS].to_f64() - diffused;
+            rates.power[Channel::Work as usize][index % LANES] += volume * force[LIFT].to_f64();
         }
     }
 
@@ -306,12 +237,13 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>> Force<V> for Fluid<V, K> {
     }
 
     /// Of all waves that the kernel carries, the one with the shortest step: for kick–drift–kick with the force at the predicted
-    /// velocity that is 2/(γ + √(γ² + ω²)).
+    /// velocity that is 2/(γ + √(γ² + ω²)), where diffusion counts with half its rate.
     fn bound(&self, at: &Moment<'_, V>, bound: &mut Bound) {
         let (material, h) = (&self.material, self.material.smoothing_length);
         let densest = self.density.iter().copied().fold(material.density, f64::max);
         let scaled = |wave: &Wave| {
-            let decay = material.viscosity_of_pairs(V::DIMENSION) / material.density * wave.decay / (h * h);
+            let viscous = (material.artificial() * wave.squeeze + 2.0 * material.viscosity * wave.decay) / material.density;
+            let decay = (viscous + 0.5 * material.diffusion() * wave.decay) / (h * h);
             (material.sound_at(densest) * wave.frequency / h, decay)
         };
         let haste = |&(frequency, decay): &(f64, f64)| decay + decay.hypot(frequency);
@@ -349,7 +281,7 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>> Force<V> for Fluid<V, K> {
     fn bytes(&self) -> usize {
         let own = std::mem::size_of_val(self.rates.as_slice()) + std::mem::size_of_val(self.forces.as_slice());
         let numbers = size_of::<f64>() * (self.density.len() + self.kept.len());
-        let indices = size_of::<u32>() * (self.members.len() + self.slots.len() + self.near.len());
-        self.vicinity.bytes() + self.records.bytes() + own + numbers + indices
+        let indices = size_of::<u32>() * (self.members.len() + self.slots.len());
+        self.vicinity.bytes() + self.records.bytes() + self.walls.bytes() + own + numbers + indices
     }
 }

@@ -2,10 +2,10 @@
 
 use glam::DVec3;
 
-use super::images::Mirror;
+use super::images::Side;
 use crate::boundaries::{self, Wall};
 use crate::error::{Error, Result};
-use crate::math::{Real, Vector};
+use crate::math::Vector;
 use crate::matter::Properties;
 use crate::scene::Scene;
 
@@ -59,15 +59,27 @@ impl Material {
         self.sound_speed.powi(2) / 7.0 * (sixth / 6.0 + 1.0 / ratio - 7.0 / 6.0)
     }
 
+    /// The enthalpy at a density in terms of density [kg/m³]: ρ₀w/c² with w = ∫ dp/ρ = c²/(γ−1) (s^(γ−1) − 1), s = ρ/ρ₀.
+    #[inline(always)]
+    pub fn enthalpy(&self, density: f64) -> f64 {
+        let ratio = density / self.density;
+        let cube = ratio * ratio * ratio;
+        self.density / f64::from(GAMMA - 1) * (cube * cube - 1.0)
+    }
+
     /// The speed of sound at a density [m/s].
     pub fn sound_at(&self, density: f64) -> f64 {
         self.sound_speed * (density / self.density).powi((GAMMA - 1) / 2)
     }
 
-    /// What multiplies v·d/(d² + 0.01h²) ∇W in a pair: 2(D+2) μ + αhcρ₀ [Pa·s].
-    pub fn viscosity_of_pairs(&self, dimension: usize) -> f64 {
-        let artificial = self.artificial_viscosity * self.smoothing_length * self.sound_speed * self.density;
-        2.0 * (dimension as f64 + 2.0) * self.viscosity + artificial
+    /// The artificial viscosity of a pair αhcρ₀ [Pa·s].
+    pub fn artificial(&self) -> f64 {
+        self.artificial_viscosity * self.smoothing_length * self.sound_speed * self.density
+    }
+
+    /// The rate at which differences of density between two particles even out, 2δhc [m²/s].
+    pub fn diffusion(&self) -> f64 {
+        2.0 * self.density_diffusion * self.smoothing_length * self.sound_speed
     }
 
     /// c²ρ₀/γ [Pa].
@@ -75,36 +87,6 @@ impl Material {
     fn stiffness(&self) -> f64 {
         self.sound_speed * self.sound_speed * self.density / f64::from(GAMMA)
     }
-}
-
-/// A wall, and whether the fluid sticks to it.
-#[derive(Debug, Clone)]
-pub struct Side {
-    pub wall: Wall,
-    pub sticks: bool,
-}
-
-impl Side {
-    /// The wall as a particle at `x` sees it within `reach`, and its normal.
-    pub fn mirror<V: Vector>(&self, x: DVec3, reach: f64, material: &Material) -> Option<(DVec3, Mirror<V::Scalar>)> {
-        let (distance, normal) = self.wall.distance(x);
-        let components = normal.to_array();
-        (distance < reach).then(|| {
-            let mirror = Mirror {
-                normal: components.map(V::Scalar::from_f64),
-                distance: V::Scalar::from_f64(distance),
-                weight: V::Scalar::from_f64(-material.density * material.gravity.dot(normal)),
-                sticks: if self.sticks { V::Scalar::ONE } else { V::Scalar::ZERO },
-            };
-            (normal, mirror)
-        })
-    }
-}
-
-/// Whether two walls with these normals meet in a corner, where images are mirrored again. Walls that face each other, or go
-/// on as one, do not.
-pub fn meet(one: DVec3, other: DVec3) -> bool {
-    one.dot(other).abs() < 0.5
 }
 
 /// The walls that hold the fluid, relative to an origin.
