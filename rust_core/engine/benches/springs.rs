@@ -7,7 +7,7 @@ use glam::{DVec2, DVec3, Vec2, Vec3};
 use physcore_engine::forces::springs::{Springs, ordering};
 use physcore_engine::forces::{Force, Moment, Rates};
 use physcore_engine::math::{Real, Vector};
-use physcore_engine::matter::{CHANNELS, Columns, Properties};
+use physcore_engine::matter::{CHANNELS, Columns, Properties, View};
 use physcore_engine::scene::Spring;
 use physcore_engine::simd::{LANES, padded};
 
@@ -74,7 +74,7 @@ fn bench<V: Vector>(criterion: &mut Criterion, columns: usize, rows: usize, shuf
     let at = Moment {
         position: position.view(),
         velocity: velocity.view(),
-        residual: Default::default(),
+        residual: View::default(),
         properties: &properties,
         time: 0.0,
     };

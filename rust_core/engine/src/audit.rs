@@ -73,7 +73,8 @@ pub fn energy<V: Vector>(law: &Law<V>, matter: &Matter<V>, time: f64) -> Result<
         kinetic: blocks(matter).map(|block| block.map(kinetic).sum::<f64>()).sum(),
         potential,
         internal: law.forces().iter().map(|force| force.internal()).sum(),
-        dissipated: [Channel::Drag, Channel::Damping, Channel::Contact, Channel::Viscosity].map(|channel| matter.metered(channel)),
+        dissipated: [Channel::Drag, Channel::Damping, Channel::Contact, Channel::Viscosity]
+            .map(|channel| matter.metered(channel)),
         work: matter.metered(Channel::Work),
     })
 }

@@ -41,7 +41,7 @@ fn approach<V: Vector>(own: &Record<V::Scalar>, other: &Record<V::Scalar>, apart
 }
 
 /// Continuity: Σ Vⱼ v·∇W, and what diffusion adds to the rate of density.
-#[derive(Debug)]
+#[derive(Debug, Clone, Copy)]
 pub struct Continuity<T, K> {
     pub kernel: Kernel<T, K>,
     /// 2δhc [m²/s].
@@ -53,7 +53,7 @@ pub struct Continuity<T, K> {
 }
 
 /// Momentum: the force over Vᵢ along each axis [N/m^D], and the power that viscosity takes, likewise.
-#[derive(Debug)]
+#[derive(Debug, Clone, Copy)]
 pub struct Momentum<T, K> {
     pub kernel: Kernel<T, K>,
     /// 2(D+2) μ + αhcρ₀ [Pa·s].
@@ -61,22 +61,6 @@ pub struct Momentum<T, K> {
     /// 0.01 h² [m²].
     pub softening: T,
 }
-
-impl<T: Copy, K: Copy> Clone for Continuity<T, K> {
-    fn clone(&self) -> Self {
-        *self
-    }
-}
-
-impl<T: Copy, K: Copy> Copy for Continuity<T, K> {}
-
-impl<T: Copy, K: Copy> Clone for Momentum<T, K> {
-    fn clone(&self) -> Self {
-        *self
-    }
-}
-
-impl<T: Copy, K: Copy> Copy for Momentum<T, K> {}
 
 impl<V: Vector, K: Shape<V::Scalar>> PairLaw<V, 2> for Continuity<V::Scalar, K> {
     #[inline(always)]

@@ -28,7 +28,7 @@ mod laws;
 mod start;
 
 use images::{Pressed, mirrored};
-use kernel::{CubicSpline, Kernel, Shape, WendlandC2, WendlandC4};
+use kernel::{CubicSpline, Kernel, Shape, Wave, WendlandC2, WendlandC4};
 use laws::{Continuity, Momentum};
 use start::{Material, Side};
 
@@ -81,10 +81,8 @@ struct Fluid<V: Vector, K> {
     walls: Vec<Side>,
     /// The places that are near a wall.
     near: Vec<u32>,
-    /// The standard deviation of the kernel [m].
-    deviation: f64,
-    /// ∫ |F| dV of the kernel [1/m²].
-    roughness: f64,
+    /// The waves that the kernel carries, for unit smoothing length.
+    waves: Vec<Wave>,
 }
 
 impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>> Fluid<V, K> {
@@ -106,11 +104,8 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>> Fluid<V, K> {
             stratification: gravity.map(|g| number(material.density * g / material.sound_speed.powi(2))),
             compliance: number(material.sound_speed.powi(-2)),
         };
-        let momentum = Momentum {
-            kernel,
-            viscosity: number(material.viscosity_of_pairs(V::DIMENSION)),
-            softening: number(0.01 * h * h),
-        };
+        let momentum =
+            Momentum { kernel, viscosity: number(material.viscosity_of_pairs(V::DIMENSION)), softening: number(0.01 * h * h) };
         let density = start::densities(scene, properties, &members, &material);
         Ok(Self {
             kept: density.clone(),
@@ -118,8 +113,7 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>> Fluid<V, K> {
             rates: vec![[V::Scalar::ZERO; 2]; members.len()],
             forces: vec![[V::Scalar::ZERO; FORCES]; members.len()],
             near: Vec::new(),
-            deviation: kernel::deviation::<K>(V::DIMENSION) * h,
-            roughness: kernel::roughness::<K>(V::DIMENSION) / (h * h),
+            waves: kernel::waves::<K>(V::DIMENSION),
             material,
             members,
             slots,
@@ -149,7 +143,12 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>> Fluid<V, K> {
     }
 
     /// Adds the images of what is near a wall to some sums.
-    fn add_images<L: PairLaw<V, SUMS> + Pressed<V>, const SUMS: usize>(&self, law: L, sums: &mut [[V::Scalar; SUMS]], crew: &Crew) {
+    fn add_images<L: PairLaw<V, SUMS> + Pressed<V>, const SUMS: usize>(
+        &self,
+        law: L,
+        sums: &mut [[V::Scalar; SUMS]],
+        crew: &Crew,
+    ) {
         if self.near.is_empty() {
             return;
         }
@@ -173,11 +172,14 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>> Fluid<V, K> {
         let mirrors: [_; CORNER] = std::array::from_fn(|_| mirrors.next());
         let mut sums = [V::Scalar::ZERO; SUMS];
         let mut add = |more: [V::Scalar; SUMS]| (0..SUMS).for_each(|sum| sums[sum] += more[sum]);
-        for (first, (normal, mirror)) in mirrors.iter().enumerate().filter_map(|(index, mirror)| Some((index, mirror.as_ref()?))) {
+        for (first, (normal, mirror)) in mirrors.iter().enumerate().filter_map(|(index, mirror)| Some((index, mirror.as_ref()?)))
+        {
             let once = mirrored(law, *mirror);
             add(self.records.sum_images(neighbors, once, place));
             for second in first + 1..CORNER {
-                let Some((other, mirror)) = mirrors[second].as_ref().filter(|(other, _)| start::meet(*normal, *other)) else { continue };
+                let Some((other, mirror)) = mirrors[second].as_ref().filter(|(other, _)| start::meet(*normal, *other)) else {
+                    continue;
+                };
                 let twice = mirrored(once, *mirror);
                 add(self.records.sum_images(neighbors, twice, place));
                 let thirds = mirrors[second + 1..].iter().flatten();
@@ -303,16 +305,22 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>> Force<V> for Fluid<V, K> {
         self.density.iter().map(|&density| self.material.mass * self.material.energy(density)).sum()
     }
 
-    /// Sound of the shortest wave that the kernel carries, ω = c e^−½/σ; and viscosity, whose rows Gershgorin's theorem bounds by
-    /// twice Σ Vⱼ |F| times the coefficient over density.
+    /// Of all waves that the kernel carries, the one with the shortest step: for kick–drift–kick with the force at the predicted
+    /// velocity that is 2/(γ + √(γ² + ω²)).
     fn bound(&self, at: &Moment<'_, V>, bound: &mut Bound) {
-        let densest = self.density.iter().copied().fold(self.material.density, f64::max);
-        let frequency = self.material.sound_at(densest) * (-0.5_f64).exp() / self.deviation;
-        let damping = 2.0 * self.material.viscosity_of_pairs(V::DIMENSION) * self.roughness / self.material.density;
+        let (material, h) = (&self.material, self.material.smoothing_length);
+        let densest = self.density.iter().copied().fold(material.density, f64::max);
+        let scaled = |wave: &Wave| {
+            let decay = material.viscosity_of_pairs(V::DIMENSION) / material.density * wave.decay / (h * h);
+            (material.sound_at(densest) * wave.frequency / h, decay)
+        };
+        let haste = |&(frequency, decay): &(f64, f64)| decay + decay.hypot(frequency);
+        let binding = self.waves.iter().map(scaled).max_by(|one, other| haste(one).total_cmp(&haste(other)));
+        let (frequency, decay) = binding.unwrap_or_default();
         for &index in &self.members {
             let mass = at.properties.mass[index as usize];
             bound.point(index as usize, "sound", mass * frequency * frequency, 0.0);
-            bound.point(index as usize, "viscosity", 0.0, mass * damping);
+            bound.point(index as usize, "viscosity", 0.0, mass * decay);
         }
         let strongest = self.forces.iter().map(|force| force[..V::DIMENSION].iter().map(|f| f.to_f64().powi(2)).sum::<f64>());
         let acceleration = strongest.fold(0.0, f64::max).sqrt() / self.material.density;

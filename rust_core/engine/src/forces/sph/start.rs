@@ -141,7 +141,7 @@ impl Material {
         let gravity = scene.forces.iter().filter(|term| term.kind == "Gravity" && term.acts_on(first));
         let gravity = gravity.map(|term| term.vector("acceleration")).sum::<Result<DVec3>>()?;
         let mut material = Self {
-            mass: fluid.density * fluid.spacing.powi(scene.dimension as i32),
+            mass: fluid.density * if scene.dimension == 2 { fluid.spacing.powi(2) } else { fluid.spacing.powi(3) },
             density: fluid.density,
             sound_speed: fluid.sound_speed.unwrap_or(0.0),
             smoothing_length: fluid.smoothing * fluid.spacing,

@@ -4,7 +4,7 @@ use glam::{DVec2, DVec3, Vec2, Vec3};
 use proptest::prelude::*;
 
 use super::*;
-use crate::matter::{CHANNELS, Channel, Columns, Properties};
+use crate::matter::{CHANNELS, Channel, Columns, Properties, View};
 use crate::simd::padded;
 
 /// Springs, and the places and velocities of their ends.
@@ -56,7 +56,7 @@ impl Network {
         ask(&Moment {
             position: position.view(),
             velocity: velocity.view(),
-            residual: Default::default(),
+            residual: View::default(),
             properties: &properties,
             time: 0.0,
         })
