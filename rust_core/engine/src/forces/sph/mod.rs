@@ -127,9 +127,14 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>> Fluid<V, K> {
 
     /// Brings lists up to date, and with them who is near a wall.
     fn search(&mut self, place: &(impl Fn(usize, usize) -> f64 + Sync), crew: &Crew) -> Result<()> {
-        if !self.vicinity.update(place, &self.members, crew)? {
-            return Ok(());
+        if self.vicinity.update(place, &self.members, crew)? {
+            self.look_for_walls();
         }
+        Ok(())
+    }
+
+    /// Finds who is near a wall where the lists were made; they and this belong together.
+    fn look_for_walls(&mut self) {
         let neighbors = self.vicinity.neighbors();
         let reach = neighbors.support();
         let anchors = neighbors.anchors();
@@ -139,7 +144,6 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>> Fluid<V, K> {
             self.walls.iter().any(|side| side.wall.distance(x).0 < reach)
         };
         self.near = (0..neighbors.count() as u32).filter(touches).collect();
-        Ok(())
     }
 
     /// Adds the images of what is near a wall to some sums.
@@ -263,7 +267,9 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>> Force<V> for Fluid<V, K> {
 
     fn undo(&mut self) -> Result<()> {
         self.density.copy_from_slice(&self.kept);
-        self.vicinity.undo()
+        self.vicinity.undo()?;
+        self.look_for_walls();
+        Ok(())
     }
 
     fn capture(&self) -> Vec<f64> {
@@ -272,7 +278,9 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>> Force<V> for Fluid<V, K> {
 
     fn restore(&mut self, numbers: &mut &[f64]) -> Result<()> {
         super::vicinity::take(numbers, &mut self.density)?;
-        self.vicinity.restore(numbers)
+        self.vicinity.restore(numbers)?;
+        self.look_for_walls();
+        Ok(())
     }
 
     fn accumulate(&self, block: Range<usize>, _at: &Moment<'_, V>, rates: &mut Rates<'_, V>) {
