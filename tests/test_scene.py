@@ -60,6 +60,15 @@ def test_pair_forces_fill_in_what_follows_from_the_rest():
     assert pc.LennardJones(1, 2, 3).describe(3) == {"type": "LennardJones", "epsilon": 1.0, "sigma": 2.0, "cutoff": 3.0}
 
 
+def test_a_floor_is_a_plane_with_all_that_it_says():
+    floor = pc.Floor(2.0, restitution=0.5, friction=0.1, no_slip=True)
+    plane = pc.Plane((0.0, 0.0, 2.0), (0.0, 0.0, 1.0), restitution=0.5, friction=0.1, no_slip=True)
+    described, expected = floor.describe(3), plane.describe(3)
+    assert described.keys() == expected.keys()
+    for name, value in expected.items():
+        np.testing.assert_array_equal(described[name], value)
+
+
 def test_one_radius_is_enough_for_repulsion():
     pc.Scene(ONE, pc.Particles([[1.0, 1.0]], radius=0.1), pc.Repulsion(1.0))
     pc.Scene(pc.Particles([[0.0, 0.0], [1.0, 0.0]], radius=[0.0, 0.1]), pc.Repulsion(1.0))
@@ -142,6 +151,7 @@ def test_every_integrator_names_its_order_and_its_source(kind):
         (lambda: pc.Floor(friction=-0.5), "Floor.friction: must be ≥ 0"),
         (lambda: pc.Floor(np.complex128(1.0)), "Floor.height: must be a number, got np.complex128"),
         (lambda: pc.Floor(np.ma.masked), "Floor.height: must be a number, got masked"),
+        (lambda: pc.Floor(no_slip=1), "Floor.no_slip: must be True or False, got 1"),
         (lambda: pc.Plane((0, 0), (0, 0)), "Plane.normal: must not be zero"),
         (lambda: pc.Plane((0, 0), (0, 0, 1)), "Plane.normal: must have 2 components"),
         (lambda: pc.Box((0, 0), (1, 0)), "Box.upper: must be above the lower corner"),

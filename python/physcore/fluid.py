@@ -23,9 +23,10 @@ class Fluid(Body):
     """A weakly compressible fluid, as smoothed particle hydrodynamics (SPH) sees it.
 
     Each particle is a lump of the mass density · spacing^D that moves with the flow; in 2D the mass is that of a meter
-    of depth. Pressure grows with density, p = c² (ρ − ρ₀), and c is far above the speed of the flow, so that the
-    density changes by a percent or so. Fluids meet boundaries with the centers of their particles (their radius is 0),
-    and slip freely along them unless the boundary has friction.
+    of depth. Pressure grows with density, p = c² ρ₀/7 ((ρ/ρ₀)⁷ − 1), and c is far above the speed of the flow, so that
+    the density changes by a percent or so. A fluid starts under the weight of what is above it, as at rest. It fills
+    the space up to boundaries, and slips freely along them unless they say no_slip. All fluids of a scene are of one
+    material, kernel and spacing.
 
     Args:
         positions: [m], shape (N, D) with D = 2 or 3; `block`, `ball` and `cylinder` make them.
@@ -43,8 +44,8 @@ class Fluid(Body):
         SceneError: a shape does not fit, a value is not finite or out of range, or two particles are closer together
             than half the spacing.
 
-    Source: J. J. Monaghan, J. Comput. Phys. 110, 399 (1994); the diffusion of density of M. Antuono, A. Colagrossi,
-    S. Marrone, Comput. Phys. Commun. 183, 2570 (2012).
+    Source: J. J. Monaghan, J. Comput. Phys. 110, 399 (1994), with the pressure of R. H. Cole, "Underwater Explosions",
+    1948; the diffusion of density after M. Antuono, A. Colagrossi, S. Marrone, Comput. Phys. Commun. 183, 2570 (2012).
     """
 
     spacing: float

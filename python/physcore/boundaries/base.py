@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from physcore.checks import number
+from physcore.errors import SceneError
 from physcore.influence import Influence
 
 
@@ -21,6 +22,8 @@ class Boundary(Influence):
     """Ratio of the normal speeds after and before a contact, from 0 (no bounce) to 1 (no loss)."""
     friction: float = field(default=0.0, kw_only=True)
     """Coulomb's coefficient of friction, at least zero."""
+    no_slip: bool = field(default=False, kw_only=True)
+    """Whether fluids stick to it; by default they slip along it freely."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -29,3 +32,5 @@ class Boundary(Influence):
             restitution=number(self.restitution, f"{kind}.restitution", least=0.0, most=1.0),
             friction=number(self.friction, f"{kind}.friction", least=0.0),
         )
+        if not isinstance(self.no_slip, bool):
+            raise SceneError(f"{kind}.no_slip: must be True or False, got {self.no_slip!r}")

@@ -16,7 +16,7 @@ class Box(Boundary):
     Args:
         lower: the corner with the smallest coordinates [m].
         upper: the corner with the largest coordinates [m].
-        restitution, friction, on: as in Boundary.
+        restitution, friction, no_slip, on: as in Boundary.
 
     Raises:
         SceneError: `lower` is not below `upper` in every component, or a value is not finite.

@@ -18,7 +18,7 @@ class Plane(Boundary):
     Args:
         point: any point of the plane [m].
         normal: its normal; the length does not matter.
-        restitution, friction, on: as in Boundary.
+        restitution, friction, no_slip, on: as in Boundary.
 
     Raises:
         SceneError: the normal is zero, the two vectors differ in size, or a value is not finite.
@@ -50,7 +50,7 @@ class Floor(Boundary):
 
     Args:
         height: of the floor along the last axis [m].
-        restitution, friction, on: as in Boundary.
+        restitution, friction, no_slip, on: as in Boundary.
 
     Raises:
         SceneError: a value is out of range or not finite.
@@ -65,5 +65,5 @@ class Floor(Boundary):
     def describe(self, dimension: int) -> dict[str, object]:
         """The engine reads a floor as a plane."""
         up = np.eye(dimension)[-1]
-        plane = Plane(self.height * up, up, restitution=self.restitution, friction=self.friction)
-        return plane.describe(dimension)
+        shared = {"restitution": self.restitution, "friction": self.friction, "no_slip": self.no_slip}
+        return {"type": "Plane", "point": self.height * up, "normal": up, **shared}

@@ -17,7 +17,7 @@ class Sphere(Boundary):
         center: [m], as many numbers as the scene has dimensions.
         radius: [m], above zero.
         inside: whether particles are kept inside the sphere.
-        restitution, friction, on: as in Boundary.
+        restitution, friction, no_slip, on: as in Boundary.
 
     Raises:
         SceneError: the radius is not above zero, or a value is not finite.

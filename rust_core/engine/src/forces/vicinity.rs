@@ -78,8 +78,17 @@ impl Vicinity {
 
     /// The position of the member at a place relative to the origin [m].
     pub fn at(&self, place: usize) -> DVec3 {
+        self.vector(self.positions(), place)
+    }
+
+    /// Where that member was when the lists were made [m].
+    pub fn anchor(&self, place: usize) -> DVec3 {
+        self.vector(self.neighbors.anchors(), place)
+    }
+
+    fn vector(&self, columns: [&[f64]; AXES], place: usize) -> DVec3 {
         let member = self.neighbors.order()[place] as usize;
-        DVec3::from_array(self.positions.each_ref().map(|axis| axis.get(member).copied().unwrap_or(0.0)))
+        DVec3::from_array(columns.map(|axis| axis.get(member).copied().unwrap_or(0.0)))
     }
 
     /// Remembers what the lists were made from.

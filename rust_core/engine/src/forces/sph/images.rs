@@ -88,12 +88,12 @@ impl Walls {
         Self { sides, reach, near: Vec::new() }
     }
 
-    /// Looks who is near, as lists of neighbors do that have just been made.
+    /// Looks who was near where lists of neighbors were made.
     pub fn survey(&mut self, vicinity: &Vicinity) {
         let neighbors = vicinity.neighbors();
         let Self { sides, near, .. } = self;
         let touches = |&place: &u32| {
-            let x = vicinity.at(place as usize);
+            let x = vicinity.anchor(place as usize);
             sides.iter().any(|side| side.wall.distance(x).0 < neighbors.support())
         };
         near.clear();

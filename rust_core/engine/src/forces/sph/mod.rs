@@ -194,7 +194,9 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>> Force<V> for Fluid<V, K> {
 
     fn undo(&mut self) -> Result<()> {
         self.density.copy_from_slice(&self.kept);
-        self.vicinity.undo()
+        self.vicinity.undo()?;
+        self.walls.survey(&self.vicinity);
+        Ok(())
     }
 
     fn capture(&self) -> Vec<f64> {
@@ -203,7 +205,9 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>> Force<V> for Fluid<V, K> {
 
     fn restore(&mut self, numbers: &mut &[f64]) -> Result<()> {
         super::vicinity::take(numbers, &mut self.density)?;
-        self.vicinity.restore(numbers)
+        self.vicinity.restore(numbers)?;
+        self.walls.survey(&self.vicinity);
+        Ok(())
     }
 
     fn accumulate(&self, block: Range<usize>, _at: &Moment<'_, V>, rates: &mut Rates<'_, V>) {

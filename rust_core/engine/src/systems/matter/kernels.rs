@@ -473,6 +473,11 @@ fn one_stage<T: Real, I: Integrator>(
             Action::Absorb(stage, next) => {
                 absorb::<T, I>(stage, &mut registers, &a, step);
                 if let Some(next) = next {
+                    // A step ends in the same bits, whether the next one follows in this sweep or in another chunk.
+                    if let (0, Some(residual)) = (next, residual.get_mut(group)) {
+                        registers.settle::<I>(x, residual);
+                        (*x, registers.x) = (registers.x, *residual);
+                    }
                     point::<T, I>(next, &mut registers, step);
                 }
             }

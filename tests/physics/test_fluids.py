@@ -1,0 +1,132 @@
+"""Fluids: the same bits however a run is asked for, no push from within, and a budget that closes."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import physcore as pc
+from physics.laboratory import EPSILON
+from physics.test_determinism import ENVIRONMENT
+
+SPACING = 0.05
+DT = 5e-4
+
+
+def tank(sides: float = 1.0, dimension: int = 2, **numerics: object) -> pc.Simulation:
+    """A column of water that falls over in a box; it names no precision, which makes it single."""
+    size = (0.5 * sides, *(0.3,) * (dimension - 2), sides)
+    water = pc.Fluid(pc.block((0.0,) * dimension, size, SPACING), SPACING, name="water")
+    box = pc.Box((0.0,) * dimension, (2.0 * sides, *(0.3,) * (dimension - 2), 2.0 * sides))
+    down = pc.Gravity((*(0.0,) * (dimension - 1), -9.81))
+    return pc.Simulation(pc.Scene(water, box, down), **{"dt": DT, **numerics})
+
+
+def hashes(threads: int) -> list[str]:
+    """Of states and meters of a flow that is worth sharing, in 2D and 3D and in both precisions."""
+    found = []
+    for dimension, sides in ((2, 4.0), (3, 1.5)):
+        for precision in ("f32", "f64"):
+            run = tank(sides, dimension, precision=precision, threads=threads)
+            run.step(20)
+            energy = run.energy()
+            found.append(f"{run.state_hash()} {energy.dissipated.hex()} {energy.internal.hex()}")
+    return found
+
+
+@pytest.fixture(scope="module")
+def alone() -> list[str]:
+    return hashes(1)
+
+
+def test_any_number_of_threads_gives_the_same_bits(alone):
+    for threads in (2, 3, 4):
+        assert hashes(threads) == alone
+
+
+@pytest.mark.parametrize("level", ["scalar", "avx2", "avx512"])
+def test_every_level_of_vector_instructions_gives_the_same_bits(level, alone):
+    program = "from physics.test_fluids import *; print(*hashes(1), sep='\\n')"
+    environment = {**ENVIRONMENT, "PHYSCORE_SIMD": level}
+    done = subprocess.run([sys.executable, "-c", program], env=environment, capture_output=True, text=True, check=False)
+    if done.returncode != 0 and "PHYSCORE_SIMD" in done.stderr:
+        pytest.skip(f"this machine has no {level}")
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.splitlines() == alone
+
+
+@pytest.mark.parametrize("precision", ["f32", "f64"])
+@pytest.mark.parametrize("dt", [DT, "auto"])
+def test_a_checkpoint_a_recording_and_single_steps_change_no_bit(dt, precision, tmp_path):
+    """The checkpoint is taken when the water has reached other walls than those that it started at."""
+    plain, single, first = (tank(dt=dt, precision=precision) for _ in range(3))
+    plain.step(400)
+    for _ in range(400):
+        single.step(1)
+        single.energy()
+    first.step(150)
+    first.save(tmp_path / "half.npz")
+    second = pc.load(tmp_path / "half.npz")
+    assert isinstance(second, pc.Simulation)
+    second.step(250)
+    for other in (single, second):
+        assert other.state_hash() == plain.state_hash()
+        assert other.energy().balance == plain.energy().balance
+        np.testing.assert_array_equal(other["water"].pressures, plain["water"].pressures)
+    if dt != "auto":
+        recorded = tank(dt=dt, precision=precision)
+        recorded.record(400 * DT, fps=37.0, channels=("positions", "densities"))
+        assert recorded.state_hash() == plain.state_hash()
+
+
+def test_water_pushes_and_rubs_in_pairs():
+    """In a periodic box without walls the momentum is kept: forces cancel, and 36 neighbors' rounding is left.
+
+    Each is at most c² ρ₀ (compression 1 %) over the spacing, per volume: ε times that per step, for every particle.
+    """
+    cells = pc.block((0.0, 0.0), (1.0, 1.0), SPACING)
+    swirl = 0.5 * np.stack([np.sin(2 * np.pi * cells[:, 1]), np.sin(2 * np.pi * cells[:, 0])], axis=1)
+    water = pc.Fluid(cells, SPACING, velocities=swirl + 0.1, sound_speed=10.0)
+    run = pc.Simulation(pc.Scene(water, pc.Periodic((0.0, 0.0), (1.0, 1.0))), dt=DT, precision="f64")
+    before = run.momentum()
+    run.step(1000)
+    force = 10.0**2 * 1000.0 * 0.01 * SPACING
+    motion = (water.mass[:, None] * np.abs(run.velocities)).sum()
+    assert np.abs(run.momentum() - before).max() <= 1000 * EPSILON * (36 * len(cells) * force * DT + motion)
+    assert run.energy().kinetic < 0.5 * (water.mass[:, None] * water.velocities**2).sum()
+
+
+@pytest.mark.parametrize(("diffusion", "order"), [(0.0, 2.0), (0.1, 1.0)])
+def test_the_budget_closes_as_the_step_becomes_small(diffusion, order):
+    """Kick-drift-kick is of order 2; the diffusion of density is metered where it was last evaluated: of order 1.
+
+    Over 0.2 s: later, small differences have grown, and no two runs are the same flow.
+    """
+    cells = pc.block((0.0, 0.0), (1.0, 1.0), SPACING)
+    swirl = 0.5 * np.stack([np.sin(2 * np.pi * cells[:, 1]), np.sin(2 * np.pi * cells[:, 0])], axis=1)
+    water = pc.Fluid(cells, SPACING, velocities=swirl, sound_speed=20.0, density_diffusion=diffusion)
+    holes = []
+    for dt in (1e-3, 2.5e-4):
+        run = pc.Simulation(pc.Scene(water, pc.Periodic((0.0, 0.0), (1.0, 1.0))), dt=dt, precision="f64")
+        before = run.energy()
+        run.run(0.2)
+        after = run.energy()
+        holes.append(abs(after.balance - before.balance))
+        assert {name for name, loss in after.dissipated_by.items() if loss != 0.0} == {"viscosity"}
+        assert after.internal >= 0.0
+    assert holes[0] < 1e-3 * after.dissipated
+    assert np.log2(holes[0] / holes[1]) / 2.0 > order - 0.2
+
+
+def test_a_tank_is_seen_with_its_fields():
+    run = tank()
+    assert run.plan.precision == "f32"
+    assert {"neighbors", "fluid"} <= set(run.plan.stages)
+    water = run["water"]
+    # It starts under the weight of what is above it: ρ g h, to the density's effect on itself, some percent.
+    depth = 1.0 - water.positions[:, 1]
+    np.testing.assert_allclose(water.pressures, 1000.0 * 9.81 * depth, rtol=0.03)
+    assert (np.diff(water.densities[np.argsort(depth)]) >= 0.0).all()
