@@ -171,8 +171,9 @@ fn half_power(q: f64, n: f64) -> f64 {
 
 /// q ↦ q^((p−1)/2).
 pub trait Power<T>: Copy {
-    /// The power of q.
-    fn of(self, q: T) -> T;
+    /// A factor times the power of q; 0 at q = 0 and for a factor of 0. The power is taken in any case: a choice between two
+    /// values can be vectorised, a branch cannot.
+    fn times(self, factor: T, q: T) -> T;
 }
 
 /// q^(−3/2), for p = −2.
@@ -181,8 +182,9 @@ pub struct InverseCube;
 
 impl<T: Real> Power<T> for InverseCube {
     #[inline(always)]
-    fn of(self, q: T) -> T {
-        T::ONE / (q * q.sqrt())
+    fn times(self, factor: T, q: T) -> T {
+        let cube = q * q.sqrt();
+        if cube > T::ZERO { factor / cube } else { T::ZERO }
     }
 }
 
@@ -192,8 +194,9 @@ struct General(f64);
 
 impl<T: Real> Power<T> for General {
     #[inline(always)]
-    fn of(self, q: T) -> T {
-        T::from_f64(libm::pow(q.to_f64(), self.0))
+    fn times(self, factor: T, q: T) -> T {
+        let power = T::from_f64(libm::pow(q.to_f64(), self.0));
+        if factor != T::ZERO && q > T::ZERO { factor * power } else { T::ZERO }
     }
 }
 
@@ -217,17 +220,15 @@ pub struct Law<T, P> {
 
 impl<V: Vector, P: Power<V::Scalar>> PointLaw<V> for Law<V::Scalar, P> {
     #[inline(always)]
-    fn at(&self, member: V::Scalar, x: [V::Scalar; AXES], _v: [V::Scalar; AXES]) -> PointRate<V::Scalar> {
+    fn at(&self, weight: V::Scalar, x: [V::Scalar; AXES], _v: [V::Scalar; AXES]) -> PointRate<V::Scalar> {
         let mut d = [V::Scalar::ZERO; AXES];
         let mut q = self.square;
         for axis in 0..V::DIMENSION {
             d[axis] = x[axis] - self.center[axis];
             q += d[axis] * d[axis];
         }
-        // At the very center the direction is undefined and the force is 0. The power is taken in any case: a choice
-        // between two values can be vectorised, a branch cannot.
-        let power = self.power.of(q);
-        let pull = if member * q > V::Scalar::ZERO { member * self.strength * power } else { V::Scalar::ZERO };
-        PointRate { force: d.map(|d| -(pull * d)), dissipated: V::Scalar::ZERO, work: V::Scalar::ZERO }
+        // At the very center the direction is undefined and the force is 0.
+        let push = self.power.times(-(weight * self.strength), q);
+        PointRate { force: d.map(|d| push * d), dissipated: V::Scalar::ZERO, work: V::Scalar::ZERO }
     }
 }

@@ -9,9 +9,9 @@ use crate::simd::{Kernel, LANES, Lanes, dispatch};
 
 /// A force on one particle as a function of where and how fast it is.
 pub trait PointLaw<V: Vector>: Copy {
-    /// The force [N] on a particle, and the powers [W] that it dissipates and supplies; all of it times `member`, which
-    /// is 1 for a particle that it acts on, else 0. Axes past the dimension are 0 and are ignored.
-    fn at(&self, member: V::Scalar, x: [V::Scalar; AXES], v: [V::Scalar; AXES]) -> PointRate<V::Scalar>;
+    /// The force [N] on a particle, and the powers [W] that it dissipates and supplies; all of it times `weight`, which is
+    /// 0 for a particle that it does not act on. Axes past the dimension are 0 and are ignored.
+    fn at(&self, weight: V::Scalar, x: [V::Scalar; AXES], v: [V::Scalar; AXES]) -> PointRate<V::Scalar>;
 }
 
 /// What a force does to one particle.

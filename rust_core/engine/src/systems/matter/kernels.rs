@@ -106,23 +106,41 @@ impl<T: Real, I: Integrator> Kernel for Steps<'_, T, I> {
     type Output = ();
 
     #[inline(always)]
-    fn run(self) {
+    fn run(mut self) {
         const { assert!(I::LAST_WEIGHT == 0.0 || I::NODES.len() == 1, "only a method of one stage may reuse its last evaluation") }
-        let Self { mut axes, meter, dissipates, h, number, .. } = self;
-        let uniform = axes.iter().flatten().all(|(_, law)| matches!(law, AxisLaw::Uniform(_)));
-        let channels = if uniform { &[Channel::Drag][..] } else { &[Channel::Drag, Channel::Work] };
-        for _ in 0..number {
-            let mut power = [[0.0; LANES]; CHANNELS];
-            for (axis, law) in axes.iter_mut().flatten() {
-                match *law {
-                    AxisLaw::Uniform(same) if dissipates => whole_step::<_, I>(Uniform::<_, true>(same), axis, h, &mut power),
-                    AxisLaw::Uniform(same) => whole_step::<_, I>(Uniform::<_, false>(same), axis, h, &mut power),
-                    AxisLaw::Varying(varying) => whole_step::<_, I>(varying, axis, h, &mut power),
+        // The stages of a longer method keep the registers busy enough.
+        let pairs = if I::NODES.len() == 1 { self.number / 2 } else { 0 };
+        for _ in 0..pairs {
+            self.pass::<true>();
+        }
+        for _ in 2 * pairs..self.number {
+            self.pass::<false>();
+        }
+    }
+}
+
+impl<T: Real, I: Integrator> Steps<'_, T, I> {
+    /// Takes one step, or two with the same bits in one pass over the columns.
+    #[inline(always)]
+    fn pass<const TWO: bool>(&mut self) {
+        let mut power = [[[0.0; LANES]; CHANNELS]; 2];
+        let mut channels = &[Channel::Drag][..];
+        for (axis, law) in self.axes.iter_mut().flatten() {
+            match *law {
+                AxisLaw::Uniform(same) if self.dissipates => {
+                    whole_steps::<_, I, TWO>(Uniform::<_, true>(same), axis, self.h, &mut power);
+                }
+                AxisLaw::Uniform(same) => whole_steps::<_, I, TWO>(Uniform::<_, false>(same), axis, self.h, &mut power),
+                AxisLaw::Varying(varying) => {
+                    whole_steps::<_, I, TWO>(varying, axis, self.h, &mut power);
+                    channels = &[Channel::Drag, Channel::Work];
                 }
             }
-            if dissipates {
-                let weight = if I::NODES.len() == 1 { I::WEIGHTS[0] } else { 1.0 };
-                integrate(meter, &power, channels, h * weight, h * I::LAST_WEIGHT, true);
+        }
+        if self.dissipates {
+            let weight = if I::NODES.len() == 1 { I::WEIGHTS[0] } else { 1.0 };
+            for power in power.iter().take(1 + usize::from(TWO)) {
+                integrate(self.meter, power, channels, self.h * weight, self.h * I::LAST_WEIGHT, true);
             }
         }
     }
@@ -146,88 +164,135 @@ fn integrate(meter: &mut Meter, power: &Power, channels: &[Channel], span: f64, 
     }
 }
 
-/// The columns of one axis of one block, as groups of lanes.
-struct Axis<'a, T> {
-    x: &'a mut [Lanes<T>],
-    v: &'a mut [Lanes<T>],
-    memory: [&'a mut [Lanes<T>]; MEMORY],
+/// The columns of one axis of one block, as groups of `W` lanes.
+struct Axis<'a, T, const W: usize = LANES> {
+    x: &'a mut [[T; W]],
+    v: &'a mut [[T; W]],
+    memory: [&'a mut [[T; W]]; MEMORY],
     /// What x is short of by rounding; empty where nobody needs it.
-    residual: &'a mut [Lanes<T>],
+    residual: &'a mut [[T; W]],
 }
 
 /// The axes of a block with their laws, as many as it has dimensions. The loops see only these, so that one compiled
 /// kernel serves two and three dimensions.
 type Axes<'a, T> = [Option<(Axis<'a, T>, AxisLaw<'a, T>)>; AXES];
 
-/// The axes and the meter of a block.
+/// The axes with their laws and the meter of a block.
 fn split<'a, V: Vector>(law: &'a Law<V>, blocks: &'a mut Blocks<'_, V>) -> (Axes<'a, V::Scalar>, &'a mut Meter) {
     let (start, length) = (blocks.start, blocks.position.len());
-    let mut x = blocks.position.axes.iter_mut().map(|axis| &mut **axis);
-    let mut v = blocks.velocity.axes.iter_mut().map(|axis| &mut **axis);
-    let mut memory = blocks.memory.each_mut().map(|span| span.axes.iter_mut().map(|axis| &mut **axis));
-    let mut residual = blocks.residual.axes.iter_mut().map(|axis| &mut **axis);
-    let lanes = |column: Option<&'a mut [V::Scalar]>| column.map_or(&mut [][..], |column| column.as_chunks_mut().0);
+    let mut columns = columns(&mut blocks.position, &mut blocks.velocity, &mut blocks.memory, &mut blocks.residual).into_iter();
     let axes = std::array::from_fn(|axis| {
-        let memory = memory.each_mut().map(|axes| lanes(axes.next()));
-        let columns = Axis { x: lanes(x.next()), v: lanes(v.next()), memory, residual: lanes(residual.next()) };
-        (axis < V::DIMENSION).then(|| (columns, law.affine.axis(axis, start, length)))
+        let columns = columns.next().filter(|_| axis < V::DIMENSION);
+        columns.map(|columns| (columns, law.affine.axis(axis, start, length)))
     });
     (axes, &mut blocks.meters[0])
 }
 
-/// One step of every lane along one axis. Only what is carried from step to step is read and written.
+/// The columns of every axis; those past the dimension are empty.
+fn columns<'a, V: Vector, const W: usize>(
+    position: &'a mut Span<'_, V>,
+    velocity: &'a mut Span<'_, V>,
+    memory: &'a mut [Span<'_, V>; MEMORY],
+    residual: &'a mut Span<'_, V>,
+) -> [Axis<'a, V::Scalar, W>; AXES] {
+    let mut x = position.axes.iter_mut().map(|axis| &mut **axis);
+    let mut v = velocity.axes.iter_mut().map(|axis| &mut **axis);
+    let mut memory = memory.each_mut().map(|span| span.axes.iter_mut().map(|axis| &mut **axis));
+    let mut residual = residual.axes.iter_mut().map(|axis| &mut **axis);
+    let lanes = |column: Option<&'a mut [V::Scalar]>| column.map_or(&mut [][..], |column| column.as_chunks_mut().0);
+    std::array::from_fn(|_| Axis {
+        x: lanes(x.next()),
+        v: lanes(v.next()),
+        memory: memory.each_mut().map(|axes| lanes(axes.next())),
+        residual: lanes(residual.next()),
+    })
+}
+
+/// One step of every lane along one axis, or two in one pass over the columns, with the power of each. Only what is carried
+/// from step to step is read and written.
 #[inline(always)]
-fn whole_step<T: Real, I: Integrator>(law: impl AxisForce<T>, axis: &mut Axis<'_, T>, h: f64, power: &mut Power) {
+fn whole_steps<T: Real, I: Integrator, const TWO: bool>(
+    law: impl AxisForce<T>,
+    axis: &mut Axis<'_, T>,
+    h: f64,
+    power: &mut [Power; 2],
+) {
     let step = T::from_f64(h);
     let Axis { x, v, memory, .. } = axis;
-    let mut drag = [T::ZERO; LANES];
-    let mut work = [T::ZERO; LANES];
+    let (mut drag, mut second_drag) = ([T::ZERO; LANES], [T::ZERO; LANES]);
+    let (mut work, mut second_work) = ([T::ZERO; LANES], [T::ZERO; LANES]);
     for (group, (x, v)) in x.iter_mut().zip(v.iter_mut()).enumerate() {
         let coefficients = law.group(group);
         let mut registers = Registers::<T>::load(x, v, memory, group, I::CARRIED);
         for lane in 0..LANES {
             let mut register = registers.lane(lane);
-            for stage in 0..I::NODES.len() {
-                I::point(stage, &mut register, step);
-                let (dissipated, supplied) = law.power(&coefficients, lane, register.v);
-                // A single stage's weight is left to `integrate`: it would cost a multiplication per lane.
-                let weigh = |power: T| if I::NODES.len() == 1 { power } else { T::from_f64(I::WEIGHTS[stage]) * power };
-                drag[lane] += weigh(dissipated);
-                work[lane] += weigh(supplied);
-                let a = law.acceleration(&coefficients, lane, register.x, register.v);
-                I::absorb(stage, &mut register, a, step);
+            let (dissipated, supplied) = one_step::<T, I, _>(&law, &coefficients, lane, &mut register, step);
+            drag[lane] += dissipated;
+            work[lane] += supplied;
+            if TWO {
+                let (dissipated, supplied) = one_step::<T, I, _>(&law, &coefficients, lane, &mut register, step);
+                second_drag[lane] += dissipated;
+                second_work[lane] += supplied;
             }
             registers.set(lane, &register);
         }
         registers.store(x, v, memory, group, I::CARRIED);
     }
-    add_power(&mut power[Channel::Drag as usize], &drag, law.unit());
-    if supplies(&law) {
-        add_power(&mut power[Channel::Work as usize], &work, law.unit());
+    for (power, [drag, work]) in power.iter_mut().zip([[&drag, &work], [&second_drag, &second_work]]) {
+        add_power(&mut power[Channel::Drag as usize], drag, law.unit());
+        if supplies(&law) {
+            add_power(&mut power[Channel::Work as usize], work, law.unit());
+        }
     }
 }
 
-/// The registers of one group of lanes. One array for each: an array of arrays would be moved about in memory.
-struct Registers<T> {
-    x: Lanes<T>,
-    v: Lanes<T>,
-    a: Lanes<T>,
-    b: Lanes<T>,
-    c: Lanes<T>,
-    d: Lanes<T>,
+/// One step of one lane; gives the power that was dissipated and the power that was supplied, weighted over the stages.
+#[inline(always)]
+fn one_step<T: Real, I: Integrator, L: AxisForce<T>>(
+    law: &L,
+    coefficients: &L::Group,
+    lane: usize,
+    register: &mut Register<T>,
+    h: T,
+) -> (T, T) {
+    let (mut drag, mut work) = (T::ZERO, T::ZERO);
+    for stage in 0..I::NODES.len() {
+        I::point(stage, register, h);
+        let (dissipated, supplied) = law.power(coefficients, lane, register.v);
+        // A single stage's weight is left to `integrate`: it would cost a multiplication per lane.
+        let weigh = |power: T| if I::NODES.len() == 1 { power } else { T::from_f64(I::WEIGHTS[stage]) * power };
+        drag = if stage == 0 { weigh(dissipated) } else { drag + weigh(dissipated) };
+        work = if stage == 0 { weigh(supplied) } else { work + weigh(supplied) };
+        let a = law.acceleration(coefficients, lane, register.x, register.v);
+        I::absorb(stage, register, a, h);
+    }
+    (drag, work)
 }
 
-impl<T: Real> Registers<T> {
+/// The registers of one group of lanes. One array for each: an array of arrays would be moved about in memory.
+struct Registers<T, const W: usize = LANES> {
+    x: [T; W],
+    v: [T; W],
+    a: [T; W],
+    b: [T; W],
+    c: [T; W],
+    d: [T; W],
+}
+
+impl<T: Real, const W: usize> Registers<T, W> {
+    const ZERO: Self =
+        Self { x: [T::ZERO; W], v: [T::ZERO; W], a: [T::ZERO; W], b: [T::ZERO; W], c: [T::ZERO; W], d: [T::ZERO; W] };
+
     /// Reads positions, velocities and the first `used` memories.
     #[inline(always)]
-    fn load(x: &Lanes<T>, v: &Lanes<T>, memory: &[&mut [Lanes<T>]; MEMORY], group: usize, used: usize) -> Self {
-        let kept = |index: usize| if index < used { memory[index][group] } else { [T::ZERO; LANES] };
+    fn load(x: &[T; W], v: &[T; W], memory: &[&mut [[T; W]]; MEMORY], group: usize, used: usize) -> Self {
+        let kept = |index: usize| if index < used { memory[index][group] } else { [T::ZERO; W] };
         Self { x: *x, v: *v, a: kept(0), b: kept(1), c: kept(2), d: kept(3) }
     }
 
     /// Writes the same.
     #[inline(always)]
-    fn store(&self, x: &mut Lanes<T>, v: &mut Lanes<T>, memory: &mut [&mut [Lanes<T>]; MEMORY], group: usize, used: usize) {
+    fn store(&self, x: &mut [T; W], v: &mut [T; W], memory: &mut [&mut [[T; W]]; MEMORY], group: usize, used: usize) {
         *x = self.x;
         *v = self.v;
         for (index, values) in [&self.a, &self.b, &self.c, &self.d].into_iter().enumerate().take(used) {
@@ -268,7 +333,7 @@ impl<T: Real> Registers<T> {
     /// Changes every lane's register.
     #[inline(always)]
     fn each(&mut self, change: impl Fn(&mut Register<T>, usize)) {
-        for lane in 0..LANES {
+        for lane in 0..W {
             let mut register = self.lane(lane);
             change(&mut register, lane);
             self.set(lane, &register);
@@ -279,8 +344,8 @@ impl<T: Real> Registers<T> {
 /// Whole steps of a block under a lone conservative point law.
 struct StepsUnder<'a, 'b, V: Vector, I, L> {
     law: L,
-    members: &'a [Lanes<V::Scalar>],
-    inverse_mass: &'a [Lanes<V::Scalar>],
+    members: &'a [V::Scalar],
+    inverse_mass: &'a [V::Scalar],
     block: &'a mut Blocks<'b, V>,
     h: f64,
     number: u64,
@@ -295,8 +360,8 @@ pub fn steps_under<V: Vector, I: Integrator>(
     h: f64,
     steps: u64,
 ) {
-    let members = members[block.range()].as_chunks().0;
-    let inverse_mass = law.properties.inverse_mass[block.range()].as_chunks().0;
+    let members = &members[block.range()];
+    let inverse_mass = &law.properties.inverse_mass[block.range()];
     dispatch(StepsUnder::<V, I, _> { law: force, members, inverse_mass, block, h, number: steps, integrator: PhantomData });
 }
 
@@ -305,48 +370,51 @@ impl<V: Vector, I: Integrator, L: PointLaw<V>> Kernel for StepsUnder<'_, '_, V, 
 
     #[inline(always)]
     fn run(self) {
-        const { assert!(I::CARRIED <= 1, "this kernel carries one memory from step to step") }
+        // The widest vector there is: a step needs so many temporaries that two of them would crowd the registers.
+        if size_of::<V::Scalar>() == size_of::<f32>() { self.steps::<16>() } else { self.steps::<8>() }
+    }
+}
+
+impl<V: Vector, I: Integrator, L: PointLaw<V>> StepsUnder<'_, '_, V, I, L> {
+    /// Takes all steps, `W` particles at a time.
+    #[inline(always)]
+    fn steps<const W: usize>(self) {
         let Self { law, members, inverse_mass, block, h, number, .. } = self;
-        let h = V::Scalar::from_f64(h);
-        let zero = [V::Scalar::ZERO; LANES];
+        let step = V::Scalar::from_f64(h);
+        let (members, inverse_mass) = (members.as_chunks::<W>().0, inverse_mass.as_chunks::<W>().0);
+        let [mut x, mut y, mut z] =
+            columns::<V, W>(&mut block.position, &mut block.velocity, &mut block.memory, &mut block.residual);
         for _ in 0..number {
             for (group, (members, inverse_mass)) in members.iter().zip(inverse_mass).enumerate() {
                 let (members, inverse_mass) = (*members, *inverse_mass);
-                let read = |span: &Span<'_, V>, axis: usize| {
-                    if axis < V::DIMENSION { span.axes[axis].as_chunks().0[group] } else { zero }
-                };
-                let mut x: [Lanes<V::Scalar>; AXES] = std::array::from_fn(|axis| read(&block.position, axis));
-                let mut v: [Lanes<V::Scalar>; AXES] = std::array::from_fn(|axis| read(&block.velocity, axis));
-                let mut a: [Lanes<V::Scalar>; AXES] =
-                    std::array::from_fn(|axis| if I::CARRIED > 0 { read(&block.memory[0], axis) } else { zero });
-                for lane in 0..LANES {
-                    let mut registers: [Register<V::Scalar>; AXES] = std::array::from_fn(|axis| Register {
-                        x: x[axis][lane],
-                        v: v[axis][lane],
-                        memory: [a[axis][lane], V::Scalar::ZERO, V::Scalar::ZERO, V::Scalar::ZERO],
-                    });
+                let mut first = Registers::load(&x.x[group], &x.v[group], &x.memory, group, I::CARRIED);
+                let mut second = Registers::load(&y.x[group], &y.v[group], &y.memory, group, I::CARRIED);
+                let mut third = Registers::ZERO;
+                if V::DIMENSION > 2 {
+                    third = Registers::load(&z.x[group], &z.v[group], &z.memory, group, I::CARRIED);
+                }
+                for lane in 0..W {
+                    // A force times an inverse mass is an acceleration.
+                    let weight = members[lane] * inverse_mass[lane];
+                    let mut registers = [first.lane(lane), second.lane(lane), third.lane(lane)];
                     for stage in 0..I::NODES.len() {
                         for axis in 0..V::DIMENSION {
-                            I::point(stage, &mut registers[axis], h);
+                            I::point(stage, &mut registers[axis], step);
                         }
                         let at = |of: fn(&Register<V::Scalar>) -> V::Scalar| std::array::from_fn(|axis| of(&registers[axis]));
-                        let rate = law.at(members[lane], at(|register| register.x), at(|register| register.v));
+                        let a = law.at(weight, at(|register| register.x), at(|register| register.v)).force;
                         for axis in 0..V::DIMENSION {
-                            I::absorb(stage, &mut registers[axis], rate.force[axis] * inverse_mass[lane], h);
+                            I::absorb(stage, &mut registers[axis], a[axis], step);
                         }
                     }
-                    for axis in 0..V::DIMENSION {
-                        x[axis][lane] = registers[axis].x;
-                        v[axis][lane] = registers[axis].v;
-                        a[axis][lane] = registers[axis].memory[0];
-                    }
+                    first.set(lane, &registers[0]);
+                    second.set(lane, &registers[1]);
+                    third.set(lane, &registers[2]);
                 }
-                for axis in 0..V::DIMENSION {
-                    block.position.axes[axis].as_chunks_mut().0[group] = x[axis];
-                    block.velocity.axes[axis].as_chunks_mut().0[group] = v[axis];
-                    if I::CARRIED > 0 {
-                        block.memory[0].axes[axis].as_chunks_mut().0[group] = a[axis];
-                    }
+                first.store(&mut x.x[group], &mut x.v[group], &mut x.memory, group, I::CARRIED);
+                second.store(&mut y.x[group], &mut y.v[group], &mut y.memory, group, I::CARRIED);
+                if V::DIMENSION > 2 {
+                    third.store(&mut z.x[group], &mut z.v[group], &mut z.memory, group, I::CARRIED);
                 }
             }
         }

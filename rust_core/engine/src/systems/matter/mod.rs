@@ -116,7 +116,7 @@ impl<V: Vector> MatterSystem<V> {
     /// caches, or keeping a copy of it, takes longer than the steps. An interrupt abandons a chunk between two blocks.
     pub fn chunk(&self) -> u64 {
         let least = match &self.desk {
-            None if self.law.is_folded() => 100.0,
+            None if self.law.is_folded() => 200.0,
             None => 25.0,
             Some(_) => 5.0,
         };
