@@ -164,7 +164,7 @@ impl<T: Real> Sheet<'_, T> {
 fn body(positions: Vec<DVec3>, velocities: Vec<DVec3>, mass: f64, springs: Vec<Spring>) -> Body {
     let count = positions.len();
     let (charge, radius, fixed) = (vec![0.0; count], vec![0.0; count], vec![false; count]);
-    Body { positions, velocities, mass: vec![mass; count], charge, radius, fixed, springs }
+    Body { positions, velocities, mass: vec![mass; count], charge, radius, fixed, springs, fluid: None }
 }
 
 fn term(kind: &str, values: &[(&str, Value)]) -> Term {
@@ -180,7 +180,7 @@ fn world(dimension: usize, precision: &str, body: Body, forces: Vec<Term>) -> Bo
         runaway: 1e6,
         ignore_runaway: false,
     };
-    build(&Scene { dimension, bodies: vec![body], forces, boundaries: Vec::new() }, &numerics).expect("the scene is sound")
+    build(&Scene { dimension, bodies: vec![body], forces, ..Scene::default() }, &numerics).expect("the scene is sound")
 }
 
 /// The CPU time that all threads of this process have taken [s].
