@@ -60,6 +60,8 @@ struct Fluid<V: Vector, K> {
     slots: Vec<u32>,
     /// Density ρ of each member [kg/m³].
     density: Vec<f64>,
+    /// The power that diffusion takes from each [W].
+    diffused: Vec<f64>,
     /// Density when the chunk began.
     kept: Vec<f64>,
     vicinity: Vicinity,
@@ -102,6 +104,7 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>> Fluid<V, K> {
         let density = start::densities(scene, properties, &members, &material);
         Ok(Self {
             kept: density.clone(),
+            diffused: vec![0.0; members.len()],
             records: Records::new(vicinity.neighbors()),
             rates: vec![[V::Scalar::ZERO; 2]; members.len()],
             forces: vec![[V::Scalar::ZERO; FORCES]; members.len()],
@@ -146,7 +149,7 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>> Force<V> for Fluid<V, K> {
     /// ρ ← ρ + h dρ/dt, in the middle of the way and at the velocity of the way.
     fn drift(&mut self, drift: &Drift<'_, V>, crew: &Crew) -> Result<()> {
         self.search(&|axis, index| drift.middle(axis, index), crew)?;
-        let Self { members, density, vicinity, records, continuity, rates, material, walls, .. } = self;
+        let Self { members, density, diffused, vicinity, records, continuity, rates, material, walls, .. } = self;
         let neighbors = vicinity.neighbors();
         records.fill(neighbors, vicinity.positions(), crew, &|member, record| {
             let index = members[member] as usize;
@@ -160,10 +163,15 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>> Force<V> for Fluid<V, K> {
         let view = View { weight: material.density / material.sound_speed.powi(2) * material.gravity, sticks: false };
         walls.add(*continuity, &view, (vicinity, records), rates, crew);
         let places = vicinity.neighbors().places();
-        crew.sweep(Chunks::new(density, BLOCK), &|mine| {
-            for (density, &place) in mine.items.iter_mut().zip(&places[mine.start..]) {
+        crew.sweep((Chunks::new(density, BLOCK), Chunks::new(diffused, BLOCK)), &|(densities, powers)| {
+            let places = &places[densities.start..];
+            for ((density, power), &place) in densities.items.iter_mut().zip(powers.items).zip(places) {
                 let [squeeze, diffusion] = rates[place as usize].map(Real::to_f64);
-                *density += drift.h * (*density * squeeze + diffusion);
+                let change = drift.h * (*density * squeeze + diffusion);
+                // What diffusion moves against pressure is gone at once.
+                let middle = *density + 0.5 * change;
+                *power = -material.mass * material.pressure(middle) / (middle * middle) * diffusion;
+                *density += change;
             }
         });
         Ok(())
@@ -221,9 +229,9 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>> Force<V> for Fluid<V, K> {
             for axis in 0..V::DIMENSION {
                 rates.force.axes[axis][index] += V::Scalar::from_f64(volume) * force[axis];
             }
-            // Of a pair's power each takes half. Diffusion moves density against pressure, at once.
-            let diffused = volume * self.material.pressure(density) / density * self.rates[place][1].to_f64();
-            rates.power[Channel::Viscosity as usize][index % LANES] += 0.5 * volume * force[VISCOUS].to_f64() - diffused;
+            // Of a pair's power each takes half.
+            let viscous = 0.5 * volume * force[VISCOUS].to_f64();
+            rates.power[Channel::Viscosity as usize][index % LANES] += viscous + self.diffused[slot as usize];
             rates.power[Channel::Work as usize][index % LANES] += volume * force[LIFT].to_f64();
         }
     }
@@ -284,7 +292,7 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>> Force<V> for Fluid<V, K> {
 
     fn bytes(&self) -> usize {
         let own = std::mem::size_of_val(self.rates.as_slice()) + std::mem::size_of_val(self.forces.as_slice());
-        let numbers = size_of::<f64>() * (self.density.len() + self.kept.len());
+        let numbers = 3 * size_of::<f64>() * self.density.len();
         let indices = size_of::<u32>() * (self.members.len() + self.slots.len());
         self.vicinity.bytes() + self.records.bytes() + self.walls.bytes() + own + numbers + indices
     }
