@@ -18,7 +18,7 @@ pub mod sums;
 pub use brute::brute;
 
 use crate::error::{Error, Result};
-use crate::math::{AXES, Stored};
+use crate::math::{AXES, Placed};
 use crate::parallel::{Chunks, Crew};
 use crate::simd::LANES;
 use grid::{Bounds, Grid};
@@ -56,7 +56,7 @@ impl Domain {
 /// What distances are measured with.
 #[derive(Debug, Clone, Copy)]
 struct Metric {
-    rulers: [<f64 as Stored>::Ruler; AXES],
+    rulers: [<f64 as Placed>::Ruler; AXES],
     periodic: bool,
     /// The square of the largest distance that is listed [m²].
     square: f64,
