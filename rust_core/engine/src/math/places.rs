@@ -21,24 +21,18 @@ fn nearest(value: f64) -> f64 {
     (value + WHOLE) - WHOLE
 }
 
-/// Numbers of this precision in records that hold numbers and places side by side.
-pub trait Stored: Sized {
-    /// One number or one place.
-    type Word: Copy + Default + Debug + Send + Sync + 'static;
+/// Numbers that can hold a place: records then hold numbers and places side by side.
+pub trait Placed: Sized {
     /// How places along one axis are measured.
     type Ruler: Copy + Debug + Send + Sync + 'static;
 
-    /// The word for this number.
-    fn word(self) -> Self::Word;
-    /// The number in a word.
-    fn number(word: Self::Word) -> Self;
     /// The ruler for an axis of a certain period, if it has one, between whose places differences up to `support` matter.
     fn ruler(period: Option<f64>, support: f64) -> Self::Ruler;
-    /// The place of a coordinate.
-    fn place(coordinate: f64, ruler: Self::Ruler) -> Self::Word;
+    /// The place of a coordinate. Its value as a number means nothing.
+    fn place(coordinate: f64, ruler: Self::Ruler) -> Self;
     /// How far a place lies above another, or above its nearest image where the axis is periodic. `PERIODIC` says whether
     /// any axis is.
-    fn apart<const PERIODIC: bool>(one: Self::Word, other: Self::Word, ruler: Self::Ruler) -> Self;
+    fn apart<const PERIODIC: bool>(one: Self, other: Self, ruler: Self::Ruler) -> Self;
 }
 
 /// How places in f32 are measured.
@@ -50,19 +44,8 @@ pub struct Fixed {
     unit: f32,
 }
 
-impl Stored for f32 {
-    type Word = u32;
+impl Placed for f32 {
     type Ruler = Fixed;
-
-    #[inline(always)]
-    fn word(self) -> u32 {
-        self.to_bits()
-    }
-
-    #[inline(always)]
-    fn number(word: u32) -> Self {
-        f32::from_bits(word)
-    }
 
     fn ruler(period: Option<f64>, support: f64) -> Fixed {
         // Without a period a power of two, whose multiplication with a coordinate is exact.
@@ -74,13 +57,13 @@ impl Stored for f32 {
     }
 
     #[inline(always)]
-    fn place(coordinate: f64, ruler: Fixed) -> u32 {
-        (coordinate * ruler.scale).round_ties_even() as i64 as u32
+    fn place(coordinate: f64, ruler: Fixed) -> f32 {
+        f32::from_bits((coordinate * ruler.scale).round_ties_even() as i64 as u32)
     }
 
     #[inline(always)]
-    fn apart<const PERIODIC: bool>(one: u32, other: u32, ruler: Fixed) -> f32 {
-        one.wrapping_sub(other).cast_signed() as f32 * ruler.unit
+    fn apart<const PERIODIC: bool>(one: f32, other: f32, ruler: Fixed) -> f32 {
+        one.to_bits().wrapping_sub(other.to_bits()).cast_signed() as f32 * ruler.unit
     }
 }
 
@@ -93,19 +76,8 @@ pub struct Image {
     inverse: f64,
 }
 
-impl Stored for f64 {
-    type Word = f64;
+impl Placed for f64 {
     type Ruler = Image;
-
-    #[inline(always)]
-    fn word(self) -> f64 {
-        self
-    }
-
-    #[inline(always)]
-    fn number(word: f64) -> Self {
-        word
-    }
 
     fn ruler(period: Option<f64>, _support: f64) -> Image {
         Image { period: period.unwrap_or(0.0), inverse: period.map_or(0.0, |period| 1.0 / period) }

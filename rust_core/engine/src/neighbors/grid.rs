@@ -19,8 +19,17 @@ const FINE: u32 = 4;
 /// The most buckets per particle.
 const BUCKETS: usize = 2;
 
-/// The most runs of candidates of a cell: 9 rows, each in two parts if it goes round the end of the table.
-const RUNS: usize = 18;
+/// The most rows of buckets around one.
+const ROWS: usize = 9;
+
+/// The most runs of candidates: a row is cut where it goes round the table, at its beginning or its end.
+const RUNS: usize = 2 * ROWS;
+
+/// The most buckets there ever are.
+const MOST: usize = 1 << 30;
+
+/// Rows are looked at this much further than the support reaches, for the rounding of the fractions of cells.
+const TRIM: f64 = 1e-5;
 
 /// The extent of the particles.
 #[derive(Debug, Clone, Copy)]
@@ -71,11 +80,29 @@ impl Axis {
         (cell - buckets * (cell / buckets).floor()) as u32
     }
 
+    /// How far into its cell a coordinate is, as a part of the cell.
+    #[inline(always)]
+    fn fraction(&self, coordinate: f64) -> f64 {
+        let cells = (coordinate - self.low) * self.inverse;
+        cells - cells.floor()
+    }
+
     /// The buckets of all cells within reach of one, as the first of them and how many follow it round the table.
     #[inline(always)]
     fn around(&self, bucket: u32) -> (u32, u32) {
         let number = (2 * self.reach + 1).min(self.buckets);
-        if number == self.buckets { (0, number) } else { ((bucket + self.buckets - self.reach) % self.buckets, number) }
+        if number < 2 * self.reach + 1 { (0, number) } else { ((bucket + self.buckets - self.reach) % self.buckets, number) }
+    }
+
+    /// The squares of the distances from a coordinate to the cells before, at and after its own [m²]; all 0 where the
+    /// table is so short that all cells are looked at.
+    #[inline(always)]
+    fn gaps(&self, coordinate: f64) -> [f64; 3] {
+        if self.buckets < 2 * self.reach + 1 || self.reach == 0 {
+            return [0.0; 3];
+        }
+        let fraction = self.fraction(coordinate);
+        [fraction, 0.0, 1.0 - fraction].map(|gap| (gap / self.inverse) * (gap / self.inverse))
     }
 }
 
@@ -85,9 +112,25 @@ pub struct Grid {
     axes: [Axis; AXES],
 }
 
-/// The runs of buckets, as runs of places, in which all neighbors of the particles of one bucket are.
+/// The rows of buckets in which all neighbors of the particles of one bucket are.
+#[derive(Debug, Clone, Copy)]
+pub struct Rows {
+    /// The first bucket of each row, and the numbers of its gaps along y and z.
+    rows: [(u32, usize, usize); ROWS],
+    count: usize,
+    /// The column of the bucket.
+    column: u32,
+}
+
+impl Rows {
+    /// No rows.
+    pub const NONE: Self = Self { rows: [(0, 0, 0); ROWS], count: 0, column: 0 };
+}
+
+/// Runs of places.
 #[derive(Debug, Clone, Copy)]
 pub struct Runs {
+    /// Where each begins and ends.
     runs: [(u32, u32); RUNS],
     count: usize,
 }
@@ -96,7 +139,7 @@ impl Runs {
     /// No runs.
     pub const NONE: Self = Self { runs: [(0, 0); RUNS], count: 0 };
 
-    /// Each run of places.
+    /// Each run.
     #[inline(always)]
     pub fn iter(&self) -> impl Iterator<Item = Range<usize>> {
         self.runs[..self.count].iter().map(|&(start, end)| start as usize..end as usize)
@@ -117,7 +160,7 @@ impl Grid {
 
     /// The table for `count` particles.
     pub fn new(count: usize, dimension: usize, periods: &[Option<(f64, f64)>; AXES], support: f64, bounds: &Bounds) -> Self {
-        let room = (BUCKETS * count).max(64) as f64;
+        let room = (BUCKETS * count).clamp(64, MOST) as f64;
         let size = support * (1.0 + MARGIN);
         let wanted = |fine: u32| {
             let mut wanted = [1.0; AXES];
@@ -168,26 +211,55 @@ impl Grid {
         }
     }
 
-    /// The runs of places around a point, where `starts` holds the first place of each bucket.
+    /// The rows around a bucket.
     #[inline(always)]
-    pub fn runs(&self, bucket: u32, starts: &[u32]) -> Runs {
+    pub fn rows(&self, bucket: u32) -> Rows {
         let [x, y, z] = self.axes;
-        let (row, column) = (bucket / x.buckets, bucket % x.buckets);
-        let (first_x, number_x) = x.around(column);
+        let row = bucket / x.buckets;
         let (first_y, number_y) = y.around(row % y.buckets);
         let (first_z, number_z) = z.around(row / y.buckets);
-        let mut runs = Runs::NONE;
+        let mut rows = Rows { column: bucket % x.buckets, ..Rows::NONE };
         for layer in 0..number_z {
-            let layer = (first_z + layer) % z.buckets * y.buckets;
             for line in 0..number_y {
-                let row = (layer + (first_y + line) % y.buckets) * x.buckets;
-                let end = first_x + number_x;
-                let start = |column: u32| starts[(row + column) as usize];
-                runs.push(start(first_x), start(end.min(x.buckets)));
-                runs.push(start(0), start(end.saturating_sub(x.buckets)));
+                let row = (first_z + layer) % z.buckets * y.buckets + (first_y + line) % y.buckets;
+                rows.rows[rows.count] = (row * x.buckets, line as usize, layer as usize);
+                rows.count += 1;
             }
         }
-        runs
+        rows
+    }
+
+    /// The runs of places in which all neighbors of a point within a distance of the given `square` [m²] are, where `starts`
+    /// holds the first place of each bucket.
+    #[inline(always)]
+    pub fn runs(&self, rows: &Rows, point: [f64; AXES], square: f64, starts: &[u32], runs: &mut Runs) {
+        runs.count = 0;
+        let [x, y, z] = self.axes;
+        let (gaps_y, gaps_z) = (y.gaps(point[1]), z.gaps(point[2]));
+        let fraction = x.fraction(point[0]);
+        let whole = 2 * x.reach + 1 >= x.buckets;
+        for &(row, line, layer) in &rows.rows[..rows.count] {
+            let left = square * (1.0 + 2.0 * TRIM) - gaps_y[line] - gaps_z[layer];
+            if left < 0.0 {
+                continue;
+            }
+            let half = left.sqrt() * x.inverse + TRIM;
+            // Both are at least 0, as columns of a table that begins one round earlier.
+            let column = f64::from(rows.column + x.buckets) + fraction;
+            let (first, last) =
+                if whole { (x.buckets, 2 * x.buckets - 1) } else { ((column - half) as u32, (column + half) as u32) };
+            let start = |column: u32| starts[(row + column) as usize];
+            // In the round before, in the table itself, and in the round after.
+            if first < x.buckets {
+                runs.push(start(first), start(x.buckets.min(last + 1)));
+            }
+            if last >= x.buckets {
+                runs.push(start(first.max(x.buckets) - x.buckets), start((last + 1).min(2 * x.buckets) - x.buckets));
+            }
+            if last >= 2 * x.buckets {
+                runs.push(start(0), start(last + 1 - 2 * x.buckets));
+            }
+        }
     }
 }
 

@@ -1,44 +1,18 @@
 //! The list of neighbors of every particle, one after the other in blocks of places.
 
-use super::grid::{Grid, Runs};
+use std::ops::Range;
+
+use super::grid::{Grid, Rows, Runs};
 use super::{BLOCK, Metric};
-use crate::math::{AXES, Stored};
+use crate::math::{AXES, Placed};
 use crate::parallel::{Chunks, Crew};
-use crate::simd::{Kernel, LANES, dispatch, select};
-
-/// The lists of the places of one block.
-#[derive(Debug, Default)]
-struct Segment {
-    /// Places, list after list; at least a group of lanes longer than what is used, so that groups are read whole.
-    entries: Vec<u32>,
-    used: usize,
-}
-
-impl Segment {
-    /// Makes room for `more` entries, and for what is read and written past them.
-    #[inline(always)]
-    fn reserve(&mut self, more: usize) {
-        if self.entries.len() < self.used + more + LANES {
-            self.grow(more);
-        }
-    }
-
-    /// Ends the last list: what is read past it has to be places too, and a few more neighbors next time find room.
-    fn close(&mut self) {
-        self.reserve(self.used / 8);
-        self.entries[self.used..self.used + LANES].fill(0);
-    }
-
-    #[cold]
-    fn grow(&mut self, more: usize) {
-        self.entries.resize((self.used + more + LANES) * 5 / 4, 0);
-    }
-}
+use crate::simd::{Isa, LANES, LevelKernel, Selection, dispatch_level};
 
 /// The lists of all places.
 #[derive(Debug, Default)]
 pub struct Lists {
-    segments: Vec<Segment>,
+    /// The lists of each block, one after the other.
+    segments: Vec<Selection>,
     /// Where the list of each place ends in the segment of its block.
     ends: Vec<usize>,
 }
@@ -59,28 +33,26 @@ pub struct Candidates<'a> {
 impl Lists {
     /// Empty lists for `count` places.
     pub fn new(count: usize) -> Self {
-        let empty = || Segment { entries: vec![0; LANES], used: 0 };
-        Self { segments: (0..count.div_ceil(BLOCK)).map(|_| empty()).collect(), ends: vec![0; count] }
+        Self { segments: (0..count.div_ceil(BLOCK)).map(|_| Selection::new(count + LANES)).collect(), ends: vec![0; count] }
     }
 
     /// The memory that they take [bytes].
     pub fn bytes(&self) -> usize {
-        let entries: usize = self.segments.iter().map(|segment| segment.entries.capacity() * size_of::<u32>()).sum();
-        entries + std::mem::size_of_val(self.ends.as_slice())
+        self.segments.iter().map(Selection::bytes).sum::<usize>() + std::mem::size_of_val(self.ends.as_slice())
     }
 
     /// The list of one place.
     #[inline(always)]
     pub fn of(&self, place: usize) -> &[u32] {
-        let (entries, length) = self.with_rest(place);
-        &entries[..length]
+        let (segment, range) = self.within(place);
+        segment.list(range.start, range.end)
     }
 
-    /// The list of one place with whatever follows it, at least a group of lanes, and its length.
+    /// What holds the list of one place, and where in it.
     #[inline(always)]
-    pub fn with_rest(&self, place: usize) -> (&[u32], usize) {
+    pub fn within(&self, place: usize) -> (&Selection, Range<usize>) {
         let start = if place.is_multiple_of(BLOCK) { 0 } else { self.ends[place - 1] };
-        (&self.segments[place / BLOCK].entries[start..], self.ends[place] - start)
+        (&self.segments[place / BLOCK], start..self.ends[place])
     }
 
     /// Makes all lists anew.
@@ -90,10 +62,10 @@ impl Lists {
             let Some(segment) = segments.items.first_mut() else { return };
             let search = Search { candidates, start: ends.start, ends: ends.items, segment };
             match (dimension, candidates.metric.periodic) {
-                (2, false) => dispatch(Flat::<2, false>(search)),
-                (2, true) => dispatch(Flat::<2, true>(search)),
-                (_, false) => dispatch(Flat::<3, false>(search)),
-                (_, true) => dispatch(Flat::<3, true>(search)),
+                (2, false) => dispatch_level(Flat::<2, false>(search)),
+                (2, true) => dispatch_level(Flat::<2, true>(search)),
+                (_, false) => dispatch_level(Flat::<3, false>(search)),
+                (_, true) => dispatch_level(Flat::<3, true>(search)),
             }
         });
     }
@@ -104,51 +76,52 @@ struct Search<'a> {
     candidates: Candidates<'a>,
     start: usize,
     ends: &'a mut [usize],
-    segment: &'a mut Segment,
+    segment: &'a mut Selection,
 }
 
 /// The search in some number of dimensions, with or without periods.
 struct Flat<'a, const DIMENSION: usize, const PERIODIC: bool>(Search<'a>);
 
-impl<const DIMENSION: usize, const PERIODIC: bool> Kernel for Flat<'_, DIMENSION, PERIODIC> {
+impl<const DIMENSION: usize, const PERIODIC: bool> LevelKernel for Flat<'_, DIMENSION, PERIODIC> {
     type Output = ();
 
     #[inline(always)]
-    fn run(self) {
+    fn run<I: Isa>(self, isa: I) {
         let Search { candidates, start, ends, segment } = self.0;
         let Candidates { grid, starts, columns, .. } = candidates;
         let nowhere = starts[starts.len() - 2] as usize;
-        segment.used = 0;
-        let (mut last, mut runs) = (u32::MAX, Runs::NONE);
+        segment.clear();
+        let (mut last, mut rows, mut runs) = (u32::MAX, Rows::NONE, Runs::NONE);
         for (place, end) in (start..).zip(ends) {
             if place < nowhere {
                 let point = std::array::from_fn(|axis| if axis < DIMENSION { columns[axis][place] } else { 0.0 });
                 let bucket = grid.bucket(point);
                 if bucket != last {
-                    (last, runs) = (bucket, grid.runs(bucket, starts));
+                    (last, rows) = (bucket, grid.rows(bucket));
                 }
+                grid.runs(&rows, point, candidates.metric.square, starts, &mut runs);
                 for run in runs.iter() {
-                    segment.reserve(run.len());
                     for first in run.clone().step_by(LANES) {
-                        look::<DIMENSION, PERIODIC>(&candidates, place, first, run.end, point, segment);
+                        look::<I, DIMENSION, PERIODIC>(isa, &candidates, place, first, run.end, point, segment);
                     }
                 }
             }
-            *end = segment.used;
+            *end = segment.len();
         }
-        segment.close();
+        segment.spare();
     }
 }
 
 /// Looks at one group of candidates.
 #[inline(always)]
-fn look<const DIMENSION: usize, const PERIODIC: bool>(
+fn look<I: Isa, const DIMENSION: usize, const PERIODIC: bool>(
+    isa: I,
     candidates: &Candidates<'_>,
     place: usize,
     first: usize,
     end: usize,
     point: [f64; AXES],
-    segment: &mut Segment,
+    segment: &mut Selection,
 ) {
     let Metric { rulers, square: limit, .. } = candidates.metric;
     let mut squares = [0.0; LANES];
@@ -159,12 +132,10 @@ fn look<const DIMENSION: usize, const PERIODIC: bool>(
             squares[lane] += apart * apart;
         }
     }
-    let accepted = std::array::from_fn(|lane| {
-        let other = first + lane;
-        squares[lane] <= *limit && other < end && other != place
-    });
-    let out = &mut segment.entries[segment.used..segment.used + LANES];
-    if let Some(out) = out.first_chunk_mut() {
-        segment.used += select(first as u32, &accepted, out);
+    // All lanes that are still in the run, but for the particle itself.
+    let mut valid = if end - first < LANES { (1 << (end - first)) - 1 } else { u16::MAX };
+    if let Some(own) = place.checked_sub(first).filter(|&own| own < LANES) {
+        valid &= !(1 << own);
     }
+    segment.add(isa, first, &squares, *limit, valid);
 }

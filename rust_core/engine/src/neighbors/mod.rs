@@ -20,7 +20,7 @@ pub use brute::brute;
 pub use ordering::ordering;
 
 use crate::error::{Error, Result};
-use crate::math::{AXES, Stored};
+use crate::math::{AXES, Placed};
 use crate::parallel::{Chunks, Crew};
 use crate::simd::LANES;
 use grid::{Bounds, Grid};
@@ -58,7 +58,7 @@ impl Domain {
 /// What distances are measured with.
 #[derive(Debug, Clone, Copy)]
 struct Metric {
-    rulers: [<f64 as Stored>::Ruler; AXES],
+    rulers: [<f64 as Placed>::Ruler; AXES],
     periodic: bool,
     /// The square of the largest distance that is listed [m²].
     square: f64,

@@ -6,9 +6,9 @@
 //! number of threads.
 
 use super::{BLOCK, Neighbors};
-use crate::math::{AXES, Real, Stored, Vector};
+use crate::math::{AXES, Placed, Real, Vector};
 use crate::parallel::{Chunks, Crew};
-use crate::simd::{Kernel, LANES, Lanes, Record, WORDS, dispatch, transpose};
+use crate::simd::{Isa, Kernel, LANES, Lanes, LevelKernel, Record, WORDS, dispatch, dispatch_level, transpose};
 
 /// What happens between two particles, as the first of them feels it.
 pub trait PairLaw<V: Vector, const SUMS: usize>: Copy + Sync {
@@ -30,8 +30,9 @@ pub trait PairLaw<V: Vector, const SUMS: usize>: Copy + Sync {
 /// The records of all particles, in the order of places.
 #[derive(Debug)]
 pub struct Records<V: Vector> {
-    words: Vec<Record<<V::Scalar as Stored>::Word>>,
-    rulers: [<V::Scalar as Stored>::Ruler; AXES],
+    /// One per place, and a group of lanes more.
+    words: Vec<Record<V::Scalar>>,
+    rulers: [<V::Scalar as Placed>::Ruler; AXES],
     periodic: bool,
 }
 
@@ -39,7 +40,7 @@ impl<V: Vector> Records<V> {
     /// Room for the particles of `neighbors`.
     pub fn new(neighbors: &Neighbors) -> Self {
         Self {
-            words: vec![Default::default(); neighbors.count()],
+            words: vec![[V::Scalar::ZERO; WORDS]; neighbors.count() + LANES],
             rulers: neighbors.domain().lengths().map(|length| V::Scalar::ruler(length, neighbors.support())),
             periodic: neighbors.domain().is_periodic(),
         }
@@ -60,15 +61,9 @@ impl<V: Vector> Records<V> {
         each: &(impl Fn(usize, &mut Record<V::Scalar>) + Sync),
     ) {
         let (order, rulers) = (neighbors.order(), self.rulers);
-        crew.sweep(Chunks::new(&mut self.words, BLOCK), &|mine| {
-            for (words, &particle) in mine.items.iter_mut().zip(&order[mine.start..]) {
-                let mut numbers = [V::Scalar::ZERO; WORDS];
-                each(particle as usize, &mut numbers);
-                *words = numbers.map(Stored::word);
-                for axis in 0..V::DIMENSION {
-                    words[axis] = V::Scalar::place(positions[axis][particle as usize], rulers[axis]);
-                }
-            }
+        crew.sweep(Chunks::new(&mut self.words[..neighbors.count()], BLOCK), &|mine| {
+            let order = &order[mine.start..];
+            dispatch(Fill::<V, _> { records: mine.items, order, positions, rulers, each });
         });
     }
 
@@ -83,13 +78,14 @@ impl<V: Vector> Records<V> {
         sums: &mut [[V::Scalar; SUMS]],
         crew: &Crew,
     ) {
-        assert!(self.words.len() == neighbors.count() && sums.len() == neighbors.count(), "one record and sum per particle");
+        let count = neighbors.count();
+        assert!(self.words.len() == count + LANES && sums.len() == count, "one record and sum per particle");
         crew.sweep(Chunks::new(sums, BLOCK), &|mine| {
             let sweep = Sweep { records: self, neighbors, law, start: mine.start, sums: mine.items };
             if self.periodic {
-                dispatch(Wrapped::<V, L, SUMS, true>(sweep));
+                dispatch_level(Wrapped::<V, L, SUMS, true>(sweep));
             } else {
-                dispatch(Wrapped::<V, L, SUMS, false>(sweep));
+                dispatch_level(Wrapped::<V, L, SUMS, false>(sweep));
             }
         });
     }
@@ -102,9 +98,33 @@ impl<V: Vector> Records<V> {
         place: usize,
     ) -> [V::Scalar; SUMS] {
         if self.periodic {
-            dispatch(Alone::<V, L, SUMS, true> { records: self, neighbors, law, place })
+            dispatch_level(Alone::<V, L, SUMS, true> { records: self, neighbors, law, place })
         } else {
-            dispatch(Alone::<V, L, SUMS, false> { records: self, neighbors, law, place })
+            dispatch_level(Alone::<V, L, SUMS, false> { records: self, neighbors, law, place })
+        }
+    }
+}
+
+/// The writing of the records of one block: at a level, because rounding is slow without.
+struct Fill<'a, V: Vector, F> {
+    records: &'a mut [Record<V::Scalar>],
+    order: &'a [u32],
+    positions: [&'a [f64]; AXES],
+    rulers: [<V::Scalar as Placed>::Ruler; AXES],
+    each: &'a F,
+}
+
+impl<V: Vector, F: Fn(usize, &mut Record<V::Scalar>)> Kernel for Fill<'_, V, F> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        for (words, &particle) in self.records.iter_mut().zip(self.order) {
+            *words = [V::Scalar::ZERO; WORDS];
+            (self.each)(particle as usize, words);
+            for axis in 0..V::DIMENSION {
+                words[axis] = V::Scalar::place(self.positions[axis][particle as usize], self.rulers[axis]);
+            }
         }
     }
 }
@@ -121,14 +141,14 @@ struct Sweep<'a, V: Vector, L, const SUMS: usize> {
 /// The sums of one block, with or without periods.
 struct Wrapped<'a, V: Vector, L, const SUMS: usize, const PERIODIC: bool>(Sweep<'a, V, L, SUMS>);
 
-impl<V: Vector, L: PairLaw<V, SUMS>, const SUMS: usize, const PERIODIC: bool> Kernel for Wrapped<'_, V, L, SUMS, PERIODIC> {
+impl<V: Vector, L: PairLaw<V, SUMS>, const SUMS: usize, const PERIODIC: bool> LevelKernel for Wrapped<'_, V, L, SUMS, PERIODIC> {
     type Output = ();
 
     #[inline(always)]
-    fn run(self) {
+    fn run<I: Isa>(self, isa: I) {
         let Sweep { records, neighbors, law, start, sums } = self.0;
         for (place, sum) in (start..).zip(sums) {
-            *sum = around::<V, L, SUMS, PERIODIC>(records, neighbors, law, place);
+            *sum = around::<V, L, SUMS, PERIODIC>(isa, records, neighbors, law, place);
         }
     }
 }
@@ -141,14 +161,14 @@ struct Alone<'a, V: Vector, L, const SUMS: usize, const PERIODIC: bool> {
     place: usize,
 }
 
-impl<V: Vector, L: PairLaw<V, SUMS>, const SUMS: usize, const PERIODIC: bool> Kernel for Alone<'_, V, L, SUMS, PERIODIC> {
+impl<V: Vector, L: PairLaw<V, SUMS>, const SUMS: usize, const PERIODIC: bool> LevelKernel for Alone<'_, V, L, SUMS, PERIODIC> {
     type Output = [V::Scalar; SUMS];
 
     #[inline(always)]
-    fn run(self) -> [V::Scalar; SUMS] {
+    fn run<I: Isa>(self, isa: I) -> [V::Scalar; SUMS] {
         let Self { records, neighbors, law, place } = self;
-        let mut sums = around::<V, L, SUMS, PERIODIC>(records, neighbors, law, place);
-        let own = records.words[place].map(V::Scalar::number);
+        let mut sums = around::<V, L, SUMS, PERIODIC>(isa, records, neighbors, law, place);
+        let own = records.words[place];
         let itself = law.terms(&own, &own, [V::Scalar::ZERO; AXES], V::Scalar::ZERO);
         for sum in 0..SUMS {
             sums[sum] += itself[sum];
@@ -160,20 +180,20 @@ impl<V: Vector, L: PairLaw<V, SUMS>, const SUMS: usize, const PERIODIC: bool> Ke
 /// The sums of the particle at one place.
 #[inline(always)]
 fn around<V: Vector, L: PairLaw<V, SUMS>, const SUMS: usize, const PERIODIC: bool>(
+    isa: impl Isa,
     records: &Records<V>,
     neighbors: &Neighbors,
     law: L,
     place: usize,
 ) -> [V::Scalar; SUMS] {
-    let (list, length) = neighbors.lists.with_rest(place);
-    let own = &records.words[place];
-    let numbers = own.map(V::Scalar::number);
+    let (segment, list) = neighbors.lists.within(place);
+    // A copy, because compilers do not see that nobody writes to the original meanwhile.
+    let own = records.words[place];
     let mut lanes = [[V::Scalar::ZERO; LANES]; SUMS];
-    for first in (0..length).step_by(LANES) {
-        let Some(group) = list[first..].first_chunk() else { break };
-        let others = transpose(&records.words, group);
-        let (apart, square) = distances::<V, PERIODIC>(own, &others, &records.rulers, length - first);
-        add(&law, &numbers, &others, &apart, &square, &mut lanes);
+    for first in list.clone().step_by(LANES) {
+        let others = transpose(isa, &records.words, segment.group(first));
+        let (apart, square) = distances::<V, PERIODIC>(&own, &others, &records.rulers, list.end - first);
+        add(&law, &own, &others, &apart, &square, &mut lanes);
     }
     lanes.map(fold)
 }
@@ -181,24 +201,45 @@ fn around<V: Vector, L: PairLaw<V, SUMS>, const SUMS: usize, const PERIODIC: boo
 /// How far a particle is from each of a group of others, of whom the first `number` count: their vectors and squares.
 #[inline(always)]
 fn distances<V: Vector, const PERIODIC: bool>(
-    own: &Record<<V::Scalar as Stored>::Word>,
-    others: &Record<Lanes<<V::Scalar as Stored>::Word>>,
-    rulers: &[<V::Scalar as Stored>::Ruler; AXES],
+    own: &Record<V::Scalar>,
+    others: &Record<Lanes<V::Scalar>>,
+    rulers: &[<V::Scalar as Placed>::Ruler; AXES],
     number: usize,
 ) -> ([Lanes<V::Scalar>; AXES], Lanes<V::Scalar>) {
-    let mut apart = [[V::Scalar::ZERO; LANES]; AXES];
+    // Axis by axis, without a loop: compilers would leave the lanes in memory and read them back in odd pieces.
+    let along = |axis: usize| line::<V::Scalar, PERIODIC>(own[axis], &others[axis], rulers[axis]);
+    let apart = [along(0), along(1), if V::DIMENSION == 3 { along(2) } else { [V::Scalar::ZERO; LANES] }];
     let mut square = [V::Scalar::ZERO; LANES];
-    for axis in 0..V::DIMENSION {
-        for lane in 0..LANES {
-            let distance = V::Scalar::apart::<PERIODIC>(own[axis], others[axis][lane], rulers[axis]);
-            apart[axis][lane] = distance;
-            square[lane] += distance * distance;
+    for lane in 0..LANES {
+        square[lane] = apart[0][lane] * apart[0][lane] + apart[1][lane] * apart[1][lane];
+        if V::DIMENSION == 3 {
+            square[lane] += apart[2][lane] * apart[2][lane];
         }
     }
+    // Added from a table, because compilers make branches of a comparison with the lane.
+    let table = Rest::<V::Scalar>::TABLE;
+    let rest = &table.as_flattened()[LANES - number.min(LANES)..][..LANES];
     for lane in 0..LANES {
-        square[lane] = if lane < number { square[lane] } else { V::Scalar::INFINITY };
+        square[lane] += rest[lane];
     }
     (apart, square)
+}
+
+/// How far a place is from each of a group of others along one axis.
+#[inline(always)]
+fn line<T: Real, const PERIODIC: bool>(own: T, others: &Lanes<T>, ruler: T::Ruler) -> Lanes<T> {
+    let mut apart = [T::ZERO; LANES];
+    for lane in 0..LANES {
+        apart[lane] = T::apart::<PERIODIC>(own, others[lane], ruler);
+    }
+    apart
+}
+
+/// What is added to the squares of the lanes: nothing as long as there are neighbors, then infinity.
+struct Rest<T>(T);
+
+impl<T: Real> Rest<T> {
+    const TABLE: [Lanes<T>; 2] = [[T::ZERO; LANES], [T::INFINITY; LANES]];
 }
 
 /// Adds the terms of every lane.
@@ -206,13 +247,13 @@ fn distances<V: Vector, const PERIODIC: bool>(
 fn add<V: Vector, L: PairLaw<V, SUMS>, const SUMS: usize>(
     law: &L,
     own: &Record<V::Scalar>,
-    others: &Record<Lanes<<V::Scalar as Stored>::Word>>,
+    others: &Record<Lanes<V::Scalar>>,
     apart: &[Lanes<V::Scalar>; AXES],
     square: &Lanes<V::Scalar>,
     sums: &mut [Lanes<V::Scalar>; SUMS],
 ) {
     for lane in 0..LANES {
-        let other = others.each_ref().map(|word| V::Scalar::number(word[lane]));
+        let other = others.each_ref().map(|word| word[lane]);
         let terms = law.terms(own, &other, apart.each_ref().map(|axis| axis[lane]), square[lane]);
         for sum in 0..SUMS {
             sums[sum][lane] += terms[sum];

@@ -3,7 +3,9 @@
 //! A kernel is a plain loop over fixed lanes. [`dispatch`] runs it inside a function compiled for the best level that
 //! this CPU has, so that the compiler vectorises the same source several times; scalar is one of the levels. No level
 //! changes the bits: nothing here reassociates, contracts or estimates. This folder is the only place where `unsafe`
-//! is allowed: for calling such a function after the CPU was asked, and for the gathers whose indices were checked once.
+//! is allowed: for calling such a function after the CPU was asked, for the gathers whose indices were checked once, and
+//! for the few movements of data that compilers make badly, written with the level's own instructions. Those ask for an
+//! [`Isa`], which a [`LevelKernel`] is given.
 #![allow(unsafe_code)]
 
 use std::sync::OnceLock;
@@ -12,11 +14,11 @@ use crate::error::{Error, Result};
 
 mod gather;
 mod records;
-mod select;
+mod selection;
 
 pub use gather::Gather;
 pub use records::{Record, WORDS, transpose};
-pub use select::select;
+pub use selection::{Group, Selection};
 
 /// The width of every fixed-lane loop: one AVX-512 register of f32, two of f64.
 pub const LANES: usize = 16;
@@ -34,7 +36,7 @@ pub const fn padded(count: usize) -> usize {
 pub enum Level {
     /// What every CPU of the target has.
     Scalar,
-    /// AVX2.
+    /// AVX2, and the bit operations that come with it.
     Avx2,
     /// AVX-512 F, VL, DQ and BW.
     Avx512,
@@ -57,14 +59,17 @@ impl Level {
     fn detect() -> Self {
         #[cfg(target_arch = "x86_64")]
         {
-            let avx512 = is_x86_feature_detected!("avx512f")
+            // Every CPU with AVX2 has these, but for some emulated ones.
+            let bits = is_x86_feature_detected!("popcnt") && is_x86_feature_detected!("bmi1") && is_x86_feature_detected!("bmi2");
+            let avx512 = bits
+                && is_x86_feature_detected!("avx512f")
                 && is_x86_feature_detected!("avx512vl")
                 && is_x86_feature_detected!("avx512dq")
                 && is_x86_feature_detected!("avx512bw");
             if avx512 {
                 return Self::Avx512;
             }
-            if is_x86_feature_detected!("avx2") {
+            if bits && is_x86_feature_detected!("avx2") {
                 return Self::Avx2;
             }
         }
@@ -106,8 +111,58 @@ pub trait Kernel {
     fn run(self) -> Self::Output;
 }
 
+/// A level as a type, of which there are values only where the CPU has it.
+pub trait Isa: Copy {
+    /// Its name as a value.
+    const LEVEL: Level;
+}
+
+/// A computation to run at the best level, that has to know which it is. `run` and all that it calls must be
+/// `#[inline(always)]`.
+pub trait LevelKernel {
+    /// What it gives.
+    type Output;
+    /// Computes it.
+    fn run<I: Isa>(self, isa: I) -> Self::Output;
+}
+
+macro_rules! level {
+    ($name:ident, $level:ident) => {
+        /// A level as a type.
+        #[derive(Debug, Clone, Copy)]
+        struct $name(());
+
+        impl Isa for $name {
+            const LEVEL: Level = Level::$level;
+        }
+    };
+}
+
+level!(Scalar, Scalar);
+#[cfg(target_arch = "x86_64")]
+level!(Avx2, Avx2);
+#[cfg(target_arch = "x86_64")]
+level!(Avx512, Avx512);
+
+/// A kernel that need not know its level.
+struct Any<K>(K);
+
+impl<K: Kernel> LevelKernel for Any<K> {
+    type Output = K::Output;
+
+    #[inline(always)]
+    fn run<I: Isa>(self, _isa: I) -> K::Output {
+        self.0.run()
+    }
+}
+
 /// Runs `kernel` at the current level.
 pub fn dispatch<K: Kernel>(kernel: K) -> K::Output {
+    dispatch_level(Any(kernel))
+}
+
+/// Runs `kernel` at the current level, and tells it which that is.
+pub fn dispatch_level<K: LevelKernel>(kernel: K) -> K::Output {
     #[cfg(target_arch = "x86_64")]
     // SAFETY: `Level::current` is never above what the CPU was found to have.
     match Level::current() {
@@ -115,17 +170,17 @@ pub fn dispatch<K: Kernel>(kernel: K) -> K::Output {
         Level::Avx2 => return unsafe { avx2(kernel) },
         Level::Scalar => {}
     }
-    kernel.run()
+    kernel.run(Scalar(()))
 }
 
 #[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx512f,avx512vl,avx512dq,avx512bw,avx2")]
-fn avx512<K: Kernel>(kernel: K) -> K::Output {
-    kernel.run()
+#[target_feature(enable = "avx512f,avx512vl,avx512dq,avx512bw,avx2,popcnt,bmi1,bmi2")]
+fn avx512<K: LevelKernel>(kernel: K) -> K::Output {
+    kernel.run(Avx512(()))
 }
 
 #[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2")]
-fn avx2<K: Kernel>(kernel: K) -> K::Output {
-    kernel.run()
+#[target_feature(enable = "avx2,popcnt,bmi1,bmi2")]
+fn avx2<K: LevelKernel>(kernel: K) -> K::Output {
+    kernel.run(Avx2(()))
 }

@@ -1,0 +1,145 @@
+//! The search for neighbors and the sums over them, per particle, for a fluid at rest: a lattice with some disorder.
+
+use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use glam::{DVec2, DVec3, Vec2, Vec3};
+use physcore_engine::math::{AXES, Real, Vector};
+use physcore_engine::neighbors::sums::{PairLaw, Records};
+use physcore_engine::neighbors::{Domain, Neighbors};
+use physcore_engine::parallel::Crew;
+use physcore_engine::simd::Record;
+
+/// The smoothing length, in spacings of the lattice; the support is twice that.
+const SMOOTHING: f64 = 1.2;
+
+/// How much further than the support pairs are listed, in spacings.
+const SKIN: f64 = 0.2;
+
+/// The gradient of Wendland's C2 kernel, ∇W = −k d (1 − q/2)³ with q = r/h, but for the factor k (H. Wendland, Adv. Comput.
+/// Math. 4 (1995) 389), and the numbers that the laws need.
+#[derive(Clone, Copy)]
+struct Fluid<T> {
+    half_inverse: T,
+    viscosity: T,
+    softening: T,
+}
+
+impl<T: Real> Fluid<T> {
+    fn new() -> Self {
+        Self {
+            half_inverse: T::from_f64(0.5 / SMOOTHING),
+            viscosity: T::from_f64(0.2),
+            softening: T::from_f64(0.01 * SMOOTHING * SMOOTHING),
+        }
+    }
+
+    #[inline(always)]
+    fn slope(&self, square: T) -> T {
+        let left = T::ONE - square.sqrt() * self.half_inverse;
+        let left = if left > T::ZERO { left } else { T::ZERO };
+        left * left * left
+    }
+}
+
+/// (vᵢ − vⱼ) · d.
+#[inline(always)]
+fn approach<V: Vector>(own: &Record<V::Scalar>, other: &Record<V::Scalar>, apart: [V::Scalar; AXES]) -> V::Scalar {
+    let mut sum = V::Scalar::ZERO;
+    for axis in 0..V::DIMENSION {
+        sum += (own[V::DIMENSION + axis] - other[V::DIMENSION + axis]) * apart[axis];
+    }
+    sum
+}
+
+/// The rate of density: Σ (vᵢ − vⱼ) · ∇W.
+#[derive(Clone, Copy)]
+struct Continuity<T>(Fluid<T>);
+
+impl<V: Vector> PairLaw<V, 1> for Continuity<V::Scalar> {
+    #[inline(always)]
+    fn terms(
+        &self,
+        own: &Record<V::Scalar>,
+        other: &Record<V::Scalar>,
+        apart: [V::Scalar; AXES],
+        square: V::Scalar,
+    ) -> [V::Scalar; 1] {
+        [approach::<V>(own, other, apart) * self.0.slope(square)]
+    }
+}
+
+/// The acceleration: pressure and artificial viscosity (J. J. Monaghan, Annu. Rev. Astron. Astrophys. 30 (1992) 543), with
+/// one division. The last two words are density and pressure over its square.
+#[derive(Clone, Copy)]
+struct Momentum<T>(Fluid<T>);
+
+impl<V: Vector> PairLaw<V, 3> for Momentum<V::Scalar> {
+    #[inline(always)]
+    fn terms(
+        &self,
+        own: &Record<V::Scalar>,
+        other: &Record<V::Scalar>,
+        apart: [V::Scalar; AXES],
+        square: V::Scalar,
+    ) -> [V::Scalar; 3] {
+        let approach = approach::<V>(own, other, apart);
+        let approach = if approach < V::Scalar::ZERO { approach } else { V::Scalar::ZERO };
+        let viscosity = self.0.viscosity * approach / ((square + self.0.softening) * (own[6] + other[6]));
+        let strength = (own[7] + other[7] - viscosity) * self.0.slope(square);
+        [strength * apart[0], strength * apart[1], if V::DIMENSION == 3 { strength * apart[2] } else { V::Scalar::ZERO }]
+    }
+}
+
+fn bench<V: Vector>(criterion: &mut Criterion, side: usize) {
+    let count = side.pow(V::DIMENSION as u32);
+    let mut state = 1_u64;
+    let mut number = || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 11) as f64 / 9_007_199_254_740_992.0
+    };
+    let positions: [Vec<f64>; AXES] = std::array::from_fn(|axis| {
+        let place = |particle: usize| (particle / side.pow(axis as u32) % side) as f64 + 0.2 * (number() - 0.5);
+        (0..count).map(place).collect()
+    });
+    let positions = positions.each_ref().map(Vec::as_slice);
+    let velocity: Vec<V::Scalar> = (0..count).map(|_| V::Scalar::from_f64(number() - 0.5)).collect();
+    let crew = Crew::alone();
+    let domain = Domain::default();
+    let mut neighbors = Neighbors::new(count, V::DIMENSION, &domain, 2.0 * SMOOTHING, SKIN).expect("a sensible search");
+    neighbors.update(positions, &crew).expect("positions near 0");
+    let mut records = Records::<V>::new(&neighbors);
+    let fill = |records: &mut Records<V>, neighbors: &Neighbors| {
+        records.fill(neighbors, positions, &crew, &|particle, record| {
+            (0..V::DIMENSION).for_each(|axis| record[V::DIMENSION + axis] = velocity[particle]);
+            record[6] = V::Scalar::ONE;
+            record[7] = velocity[particle];
+        });
+    };
+    fill(&mut records, &neighbors);
+    let mut rates = vec![[V::Scalar::ZERO; 1]; count];
+    let mut accelerations = vec![[V::Scalar::ZERO; 3]; count];
+
+    let mut group = criterion.benchmark_group(format!("{}D {}", V::DIMENSION, V::Scalar::NAME));
+    group.throughput(Throughput::Elements(count as u64));
+    group.bench_function("continuity", |bencher| {
+        bencher.iter(|| records.sum(&neighbors, Continuity(Fluid::new()), &mut rates, &crew));
+    });
+    group.bench_function("momentum", |bencher| {
+        bencher.iter(|| records.sum(&neighbors, Momentum(Fluid::new()), &mut accelerations, &crew));
+    });
+    group.bench_function("fill", |bencher| bencher.iter(|| fill(&mut records, &neighbors)));
+    group.bench_function("check", |bencher| bencher.iter(|| neighbors.update(positions, &crew).expect("positions near 0")));
+    // Without a skin every update makes the lists, as long as these are with one.
+    let mut always = Neighbors::new(count, V::DIMENSION, &domain, 2.0 * SMOOTHING + SKIN, 0.0).expect("a sensible search");
+    group.bench_function("build", |bencher| bencher.iter(|| always.update(positions, &crew).expect("positions near 0")));
+    group.finish();
+}
+
+fn neighbors(criterion: &mut Criterion) {
+    bench::<Vec3>(criterion, 46);
+    bench::<DVec3>(criterion, 46);
+    bench::<Vec2>(criterion, 316);
+    bench::<DVec2>(criterion, 316);
+}
+
+criterion_group!(benches, neighbors);
+criterion_main!(benches);

@@ -1,0 +1,195 @@
+//! Lists of the lanes that pass a test, as indices that need no check when they are read.
+
+use super::{Isa, LANES, Lanes};
+
+/// Indices below a bound, group after group. There is always a group of lanes more than what was selected, so that groups
+/// are read whole.
+#[derive(Debug)]
+pub struct Selection {
+    /// All of these are below the bound, those past the end too.
+    entries: Vec<u32>,
+    length: usize,
+    bound: usize,
+}
+
+/// A group of indices out of a [`Selection`].
+#[derive(Debug, Clone, Copy)]
+pub struct Group<'a> {
+    indices: &'a Lanes<u32>,
+    bound: usize,
+}
+
+impl Group<'_> {
+    /// The indices, all below the bound.
+    #[inline(always)]
+    pub fn indices(&self) -> &Lanes<u32> {
+        self.indices
+    }
+
+    /// What all indices are below.
+    #[inline(always)]
+    pub fn bound(&self) -> usize {
+        self.bound
+    }
+}
+
+impl Selection {
+    /// No indices, of things of which there are `bound`.
+    ///
+    /// # Panics
+    /// If the bound is less than a group of lanes.
+    pub fn new(bound: usize) -> Self {
+        assert!(bound >= LANES && u32::try_from(bound).is_ok(), "a bound that is too small or too large");
+        Self { entries: vec![0; LANES], length: 0, bound }
+    }
+
+    /// The memory that it takes [bytes].
+    pub fn bytes(&self) -> usize {
+        self.entries.capacity() * size_of::<u32>()
+    }
+
+    /// The number of indices.
+    #[inline(always)]
+    pub fn len(&self) -> usize {
+        self.length
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.length == 0
+    }
+
+    /// Begins anew.
+    pub fn clear(&mut self) {
+        self.length = 0;
+    }
+
+    /// Makes room for an eighth more than there is now, so that the next selection, if it is about as long, needs none.
+    pub fn spare(&mut self) {
+        if self.entries.len() < self.length + self.length / 8 + LANES {
+            self.grow();
+        }
+    }
+
+    /// The indices from `start` to `end`.
+    #[inline(always)]
+    pub fn list(&self, start: usize, end: usize) -> &[u32] {
+        &self.entries[start..end]
+    }
+
+    /// The group of indices from `start` on.
+    #[inline(always)]
+    pub fn group(&self, start: usize) -> Group<'_> {
+        let indices = self.entries[start..].first_chunk().expect("there is a group of lanes past the end");
+        Group { indices, bound: self.bound }
+    }
+
+    #[cold]
+    fn grow(&mut self) {
+        self.entries.resize((self.length + 4 * LANES) * 5 / 4, 0);
+    }
+
+    /// Adds `first` plus the number of each lane of `valid` (bit by bit) whose value is at most `limit`, in order.
+    ///
+    /// # Panics
+    /// If that could be more than the bound.
+    #[inline(always)]
+    pub fn add<I: Isa>(&mut self, isa: I, first: usize, values: &Lanes<f64>, limit: f64, valid: u16) {
+        assert!(first <= self.bound - LANES, "indices past the bound");
+        if self.entries.len() < self.length + LANES {
+            self.grow();
+        }
+        if let Some(out) = self.entries[self.length..].first_chunk_mut() {
+            self.length += select(isa, first as u32, values, limit, valid, out);
+        }
+    }
+}
+
+/// Writes the selected lanes to the beginning of `out`, and gives how many there are. What follows them is arbitrary, but
+/// 0 or the numbers of other lanes.
+#[inline(always)]
+fn select<I: Isa>(isa: I, first: u32, values: &Lanes<f64>, limit: f64, valid: u16, out: &mut Lanes<u32>) -> usize {
+    let _ = isa;
+    #[cfg(target_arch = "x86_64")]
+    // SAFETY: `isa` exists only where the CPU has these instructions.
+    unsafe {
+        use super::Level;
+        match I::LEVEL {
+            Level::Avx512 => return x86::avx512(first, values, limit, valid, out),
+            Level::Avx2 => return x86::avx2(first, values, limit, valid, out),
+            Level::Scalar => {}
+        }
+    }
+    let mut count = 0;
+    for lane in 0..LANES {
+        // At most as many were accepted as were looked at, so the mask changes nothing but spares a check.
+        out[count % LANES] = first + lane as u32;
+        count += usize::from(values[lane] <= limit && valid & (1 << lane) != 0);
+    }
+    count
+}
+
+#[cfg(target_arch = "x86_64")]
+mod x86 {
+    #[allow(clippy::wildcard_imports)]
+    use std::arch::x86_64::*;
+
+    use super::Lanes;
+
+    /// # Safety
+    /// The CPU has AVX-512 F.
+    #[inline(always)]
+    pub unsafe fn avx512(first: u32, values: &Lanes<f64>, limit: f64, valid: u16, out: &mut Lanes<u32>) -> usize {
+        unsafe {
+            let limit = _mm512_set1_pd(limit);
+            let near = |half: usize| _mm512_cmp_pd_mask::<_CMP_LE_OQ>(_mm512_loadu_pd(values[8 * half..].as_ptr()), limit);
+            let mask = (u16::from(near(0)) | u16::from(near(1)) << 8) & valid;
+            let lanes = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+            let lanes = _mm512_add_epi32(lanes, _mm512_set1_epi32(first.cast_signed()));
+            _mm512_storeu_si512(out.as_mut_ptr().cast(), _mm512_maskz_compress_epi32(mask, lanes));
+            mask.count_ones() as usize
+        }
+    }
+
+    /// The numbers of the bits that are set in each byte, a byte each, and zeros.
+    const BITS: [u64; 256] = {
+        let mut table = [0; 256];
+        let mut byte = 0;
+        while byte < 256 {
+            let (mut bit, mut place) = (0, 0);
+            while bit < 8 {
+                if byte & (1 << bit) != 0 {
+                    table[byte] |= bit << (8 * place);
+                    place += 1;
+                }
+                bit += 1;
+            }
+            byte += 1;
+        }
+        table
+    };
+
+    /// # Safety
+    /// The CPU has AVX2.
+    #[inline(always)]
+    pub unsafe fn avx2(first: u32, values: &Lanes<f64>, limit: f64, valid: u16, out: &mut Lanes<u32>) -> usize {
+        unsafe {
+            let limit = _mm256_set1_pd(limit);
+            let near = |quarter: usize| {
+                let values = _mm256_loadu_pd(values[4 * quarter..].as_ptr());
+                _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_LE_OQ>(values, limit)).cast_unsigned() << (4 * quarter)
+            };
+            let mask = (near(0) | near(1) | near(2) | near(3)) & u32::from(valid);
+            let mut count = 0;
+            for half in 0..2 {
+                let byte = (mask >> (8 * half)) as u8;
+                let lanes = _mm256_cvtepu8_epi32(_mm_cvtsi64_si128(BITS[usize::from(byte)].cast_signed()));
+                let lanes = _mm256_add_epi32(lanes, _mm256_set1_epi32((first + 8 * half).cast_signed()));
+                // The second half begins at most 8 past the beginning, so that it ends within `out`.
+                _mm256_storeu_si256(out.as_mut_ptr().add(count).cast(), lanes);
+                count += byte.count_ones() as usize;
+            }
+            count
+        }
+    }
+}
