@@ -105,7 +105,7 @@ def test_the_engine_is_told_what_makes_a_fluid():
         "density": 1000.0,
         "viscosity": 0.0,
         "sound_speed": 20.0,
-        "artificial_viscosity": 0.02,
+        "artificial_viscosity": 0.01,
         "density_diffusion": 0.1,
         "kernel": "CubicSpline",
         "smoothing": 1.3,
