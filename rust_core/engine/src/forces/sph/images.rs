@@ -231,7 +231,8 @@ pub trait Pressed<V: Vector, const SUMS: usize> {
     /// The density at rest of the other [kg/m³].
     fn density(&self, other: &Record<V::Scalar>) -> V::Scalar;
 
-    /// What a pressure `by` that is added to that of the other adds to the sums beside the force: its power.
+    /// What is different where the other is an image, whose pressure has been raised `by` so much: the powers, because it
+    /// belongs to a wall that takes none.
     fn lift(
         &self,
         own: &Record<V::Scalar>,
@@ -274,7 +275,7 @@ impl<V: Vector, L: PairLaw<V, SUMS> + Pressed<V, SUMS>, const SUMS: usize> PairL
         image[2 * V::DIMENSION + 1] += by;
         let mut counts = square < V::Scalar::INFINITY;
         for (normal, distance) in depths {
-            counts = counts & (dot::<V>(normal, &apart) + *distance > zero);
+            counts &= dot::<V>(normal, &apart) + *distance > zero;
         }
         let far = if counts { far } else { V::Scalar::INFINITY };
         let mut terms = self.law.terms(own, &image, from_image, far);

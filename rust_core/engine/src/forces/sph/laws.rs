@@ -5,7 +5,7 @@
 //!
 //! ```text
 //! dρᵢ/dt = ρᵢ Σ Vⱼ v·∇W − 2δhc ρ₀/c² Σ Vⱼ [wⱼ − wᵢ − g·(xⱼ − xᵢ)] F
-//!     Fᵢ = −Vᵢ Σ Vⱼ (pᵢ + pⱼ) ∇W + Vᵢ Σ Vⱼ αhcρ₀ v·d/(d² + 0.01h²) ∇W + Vᵢ Σ Vⱼ 2μ d²/(d² + 0.01h²) F v
+//!     Fᵢ = −Vᵢ Σ Vⱼ (pᵢ + pⱼ) ∇W + Vᵢ Σ Vⱼ αhcρ₀ v·d/(d² + 0.01h²) ∇W + Vᵢ Σ Vⱼ 2μ F v
 //! ```
 //!
 //! Diffusion evens out the enthalpy w beyond what gravity makes of it at rest, as that of density does in G. Fourtakas et al.,
@@ -164,18 +164,9 @@ impl<V: Vector, K: Shape<V::Scalar>, const MIXED: bool> PairLaw<V, FORCES> for M
         square: V::Scalar,
     ) -> [V::Scalar; FORCES] {
         let zero = V::Scalar::ZERO;
-        let (mine, theirs) = (volume::<V>(own), volume::<V>(other));
-        let mut weight = theirs * self.kernel.slope(square.sqrt());
-        if MIXED {
-            weight = weight * pick_pair::<_, MIXED>(mine, theirs, &self.contact);
-        }
-        let approach = approach::<V>(own, other, apart);
-        let inverse = V::Scalar::ONE / (square + self.softening);
-        let squeeze = pick_pair::<_, MIXED>(mine, theirs, &self.artificial) * approach * inverse;
-        // Of those who are nowhere, the square is infinite.
-        let near = if square < V::Scalar::INFINITY { square * inverse } else { zero };
-        let shear = pick_pair::<_, MIXED>(mine, theirs, &self.laminar) * near * weight;
-        let push = (squeeze - (content::<V>(own) + content::<V>(other))) * weight;
+        let weight = self.weight::<V>(own, other, square);
+        let Viscous { squeeze, shear, approach } = self.viscous::<V>(own, other, apart, square, weight);
+        let push = squeeze - (content::<V>(own) + content::<V>(other)) * weight;
         let mut terms = [zero; FORCES];
         let mut drag = zero;
         for axis in 0..V::DIMENSION {
@@ -183,8 +174,44 @@ impl<V: Vector, K: Shape<V::Scalar>, const MIXED: bool> PairLaw<V, FORCES> for M
             terms[axis] = push * apart[axis] + shear * velocity;
             drag += velocity * velocity;
         }
-        terms[VISCOUS] = zero - (squeeze * weight * approach + shear * drag);
+        terms[VISCOUS] = zero - (squeeze * approach + shear * drag);
         terms
+    }
+}
+
+/// What viscosity does between two particles.
+struct Viscous<T> {
+    /// The force along d, over d.
+    squeeze: T,
+    /// The force along v, over v.
+    shear: T,
+    /// v·d.
+    approach: T,
+}
+
+impl<T: Real, K: Shape<T>, const MIXED: bool> Momentum<T, K, MIXED> {
+    /// Vⱼ F, of those who push each other.
+    #[inline(always)]
+    fn weight<V: Vector<Scalar = T>>(&self, own: &Record<T>, other: &Record<T>, square: T) -> T {
+        let (mine, theirs) = (volume::<V>(own), volume::<V>(other));
+        let weight = theirs * self.kernel.slope(square.sqrt());
+        if MIXED { weight * pick_pair::<_, MIXED>(mine, theirs, &self.contact) } else { weight }
+    }
+
+    #[inline(always)]
+    fn viscous<V: Vector<Scalar = T>>(
+        &self,
+        own: &Record<T>,
+        other: &Record<T>,
+        apart: [T; AXES],
+        square: T,
+        weight: T,
+    ) -> Viscous<T> {
+        let (mine, theirs) = (volume::<V>(own), volume::<V>(other));
+        let approach = approach::<V>(own, other, apart);
+        let artificial = pick_pair::<_, MIXED>(mine, theirs, &self.artificial) * approach / (square + self.softening);
+        let laminar = pick_pair::<_, MIXED>(mine, theirs, &self.laminar);
+        Viscous { squeeze: artificial * weight, shear: laminar * weight, approach }
     }
 }
 
@@ -214,10 +241,17 @@ impl<V: Vector, K: Shape<V::Scalar>> Pressed<V, FORCES> for Momentum<V::Scalar, 
         square: V::Scalar,
         by: V::Scalar,
     ) -> [V::Scalar; FORCES] {
-        let push = by * volume::<V>(other) * self.kernel.slope(square.sqrt());
+        let weight = self.weight::<V>(own, other, square);
+        let Viscous { squeeze, shear, approach } = self.viscous::<V>(own, other, apart, square, weight);
+        let two = V::Scalar::from_f64(2.0);
         let mut terms = [V::Scalar::ZERO; FORCES];
+        // Of what a pair loses half is counted here: twice the particle's own loss instead of that of the pair.
+        terms[VISCOUS] = squeeze * approach;
         for axis in 0..V::DIMENSION {
-            terms[LIFT] = terms[LIFT] - push * apart[axis] * own[V::DIMENSION + axis];
+            let mine = own[V::DIMENSION + axis];
+            let relative = mine - other[V::DIMENSION + axis];
+            terms[LIFT] -= by * weight * apart[axis] * mine;
+            terms[VISCOUS] += shear * relative * relative - two * (squeeze * apart[axis] + shear * relative) * mine;
         }
         terms
     }

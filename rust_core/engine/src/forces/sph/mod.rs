@@ -46,9 +46,11 @@ pub fn fluid<V: Vector>(scene: &Scene, properties: &Properties<V>) -> Result<Opt
     let Some(body) = scene.bodies.iter().position(|body| body.fluid.is_some()) else { return Ok(None) };
     let kinds = Kinds::of(scene)?;
     match scene.bodies[body].fluid.as_ref().map_or("", |fluid| fluid.kernel.as_str()) {
-        "WendlandC2" => with_kernel::<V, WendlandC2>(scene, properties, kinds).map(Some),
-        "WendlandC4" => with_kernel::<V, WendlandC4>(scene, properties, kinds).map(Some),
-        "CubicSpline" => with_kernel::<V, CubicSpline>(scene, properties, kinds).map(Some),
+        "WendlandC2" if !kinds.are_mixed() => with::<V, WendlandC2, false>(scene, properties, kinds),
+        "WendlandC2" => with::<V, WendlandC2, true>(scene, properties, kinds),
+        // The other kernels are not worth compiling twice.
+        "WendlandC4" => with::<V, WendlandC4, true>(scene, properties, kinds),
+        "CubicSpline" => with::<V, CubicSpline, true>(scene, properties, kinds),
         other => Err(Error::parameter(format!("bodies[{body}].kernel"), "WendlandC2, WendlandC4 or CubicSpline", other)),
     }
 }
@@ -64,15 +66,15 @@ fn mean(one: f64, other: f64) -> f64 {
     if one + other > 0.0 { 2.0 * one * other / (one + other) } else { 0.0 }
 }
 
-fn with_kernel<V: Vector, K>(scene: &Scene, properties: &Properties<V>, kinds: Kinds) -> Result<Box<dyn Force<V>>>
+fn with<V: Vector, K, const MIXED: bool>(
+    scene: &Scene,
+    properties: &Properties<V>,
+    kinds: Kinds,
+) -> Result<Option<Box<dyn Force<V>>>>
 where
     K: Shape<V::Scalar> + Shape<f64>,
 {
-    Ok(if kinds.are_mixed() {
-        Box::new(Fluids::<V, K, true>::new(scene, properties, kinds)?)
-    } else {
-        Box::new(Fluids::<V, K, false>::new(scene, properties, kinds)?)
-    })
+    Ok(Some(Box::new(Fluids::<V, K, MIXED>::new(scene, properties, kinds)?)))
 }
 
 /// All particles of fluids, and of the obstacles that they meet.
@@ -398,7 +400,10 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>, const MIXED: bool> Force<V> fo
         let push = |force: &[V::Scalar; FORCES]| force[..V::DIMENSION].iter().map(|f| f.to_f64().powi(2)).sum::<f64>();
         let strongest = self.forces.iter().map(push).fold(0.0, f64::max).sqrt();
         let lightest = self.kinds.materials.iter().map(|fluid| fluid.density).fold(f64::INFINITY, f64::min);
-        bound.accuracy("acceleration", (h * lightest / strongest).sqrt());
+        // What has diverged has no scale left.
+        if strongest.is_finite() {
+            bound.accuracy("acceleration", (h * lightest / strongest).sqrt());
+        }
     }
 
     fn bound_varies(&self) -> bool {

@@ -34,7 +34,7 @@ pub struct Material {
     pub artificial_viscosity: f64,
     /// The coefficient δ of the diffusion of density.
     pub density_diffusion: f64,
-    /// Gravity g [m/s²].
+    /// Gravity g [m/s²], as far as it presses: not along a periodic axis.
     pub gravity: DVec3,
 }
 
@@ -183,7 +183,11 @@ impl Material {
     fn of(scene: &Scene, fluid: &Fluid) -> Result<Self> {
         let first = fluids(scene).next().unwrap_or(0);
         let gravity = scene.forces.iter().filter(|term| term.kind == "Gravity" && term.acts_on(first));
-        let gravity = gravity.map(|term| term.vector("acceleration")).sum::<Result<DVec3>>()?;
+        let mut gravity = gravity.map(|term| term.vector("acceleration")).sum::<Result<DVec3>>()?;
+        // Along a periodic axis nothing is below anything.
+        if let Some([lower, upper]) = scene.periodic {
+            (0..scene.dimension).filter(|&axis| (upper[axis] - lower[axis]).is_finite()).for_each(|axis| gravity[axis] = 0.0);
+        }
         let sound_speed = match fluid.sound_speed {
             Some(speed) => speed,
             None => SOUND * fastest(scene, first, gravity)?,
