@@ -238,13 +238,34 @@ def test_f09_a_rotating_square_keeps_its_spin_its_mass_and_its_symmetry(square, 
     assert hole(energy) <= widest_hole(energy)
 
 
-@pytest.mark.xfail(reason="where the pressure is negative, particles gather in strands, and voids open between them")
+@pytest.mark.xfail(
+    reason="where the pressure is negative, particles gather in strands: voids between them are 23 % of the area then"
+)
 def test_f09_a_rotating_square_stays_whole(square, record_property):
     """Good: 2 % of the area that discs around the particles cover, to ωt = 2."""
     _, seen, _, _ = square
     change = covered_area(seen[2.0].positions, 0.02) / covered_area(seen[0.0].positions, 0.02) - 1.0
     record_property("covered area", f"{change:+.1%}")
     assert abs(change) <= 0.02
+
+
+@pytest.mark.xfail(
+    reason="57 % of the spin is lost in a turn: the laminar viscosity is that of ∇²v, for which a surface is free "
+    "where ∂v/∂n = 0, and drags along v where a pair's torque would vanish along d alone"
+)
+def test_a_disc_that_turns_as_a_whole_goes_on(record_property):
+    """Nothing is sheared and nothing presses in a well of the frequency of the turning: no viscosity can show, ν = 0.01
+    m²/s. Excellent: angular momentum to 1e-4 in a turn, as in F09; kinetic energy to twice that.
+    """
+    cells = pc.ball((0.0, 0.0), 0.5, 0.025)
+    water = pc.Fluid(cells, 0.025, viscosity=10.0, velocities=np.stack([-cells[:, 1], cells[:, 0]], axis=1))
+    run = start(water, pc.CentralForce((0.0, 0.0), float(water.mass[0]), exponent=1.0))
+    spin, kinetic = run.angular_momentum()[0], run.energy().kinetic
+    run.run(2.0 * np.pi)
+    losses = run.angular_momentum()[0] / spin - 1.0, run.energy().kinetic / kinetic - 1.0
+    record_property("angular momentum, kinetic energy", f"{losses[0]:+.1e}, {losses[1]:+.1e}")
+    assert abs(losses[0]) <= 1e-4
+    assert abs(losses[1]) <= 2e-4
 
 
 # F10. Source: J. J. Monaghan, A. Rafiee, Int. J. Numer. Meth. Fluids 71, 537 (2013). R = Ω = 1, σ₀ = 0.5, ρ = 1000.
@@ -325,7 +346,7 @@ def test_f12_the_long_axis_of_a_free_drop(ellipse, record_property):
     assert hole(energy) <= widest_hole(energy)
 
 
-@pytest.mark.xfail(reason="4.7 % too long at the last time: particles stand in strands along the long axis by then")
+@pytest.mark.xfail(reason="4.6 % too long at the last time: particles stand in strands along the long axis by then")
 def test_f12_the_short_axis_of_a_free_drop(ellipse, record_property):
     """Good: 2 %."""
     error = ellipse[0][0.0076][0] / ELLIPSE[0.0076][0] - 1.0
