@@ -1,7 +1,9 @@
 """Color maps in which equal differences of a value look equally large, also to the color-blind and in print.
 
 Viridis, inferno, plasma and magma by Stéfan van der Walt, Nathaniel Smith and Eric Firing (2015), released under CC0;
-every eighth color of the original, between which a straight line stays within 3.1/255 of it.
+every eighth color of the original, between which a straight line stays within 3.1/255 of it. Water is physcore's own:
+from the deep over blue and cyan to foam, straight in the lightness of Oklab (B. Ottosson, "A perceptual color space for
+image processing", 2020).
 """
 
 from __future__ import annotations
@@ -13,7 +15,7 @@ import numpy as np
 from physcore.checks import FloatArray
 from physcore.errors import SceneError
 
-ColormapName = Literal["viridis", "inferno", "plasma", "magma"]
+ColormapName = Literal["viridis", "inferno", "plasma", "magma", "water"]
 
 COLORMAPS: dict[str, str] = {
     "viridis": (
@@ -35,6 +37,11 @@ COLORMAPS: dict[str, str] = {
         "000004 030312 0a0822 140e36 1e1149 2a115c 38106c 471078 54137d 601880 6d1d81 792282 "
         "882781 942c80 a1307e ae347b bd3977 ca3e72 d6456c e24d66 ec5860 f3655c f8745c fb835f "
         "fd9266 fea36f feb27a fec185 fecf92 fde0a1 fceeb0 fcfdbf"
+    ),
+    "water": (
+        "091443 0b1950 0c1e5c 0d2469 0d2976 0c2f83 093590 0a3d9a 0c45a2 0f4daa 1255b3 145dbb "
+        "0566c3 0070c8 007acc 0683cf 148cd2 2195d5 2d9ed8 3ba7da 4bafdb 5ab7dd 69bfdf 78c7e2 "
+        "88cee4 97d5e7 a6dcea b5e3ed c4e9f1 d3f0f5 e2f6f9 f1fdfe"
     ),
 }
 STEPS = 256

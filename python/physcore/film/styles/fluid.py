@@ -22,8 +22,10 @@ ColorBy = Literal["speed", "pressure", "density"]
 
 CHANNEL = {"speed": "velocities", "pressure": "pressures", "density": "densities"}
 """What a film of each color needs."""
-FULL = 1.12
-"""A lump's diameter over its spacing: the discs of a square lattice overlap a little, so that still water is closed."""
+FULL = 1.6
+"""A lump's diameter over its spacing: discs on a square lattice just cover the plane, √2, so that water is closed."""
+TYPICAL = 97.0
+"""The top of the color scale is this percentile of a frame: what is faster is spray, and as white as can be."""
 SMALLEST = 0.7
 """The least radius of a lump [pixels]."""
 SHADING = 0.45
@@ -39,7 +41,7 @@ class Fluid(Style):
         color: by "speed" [m/s] or "pressure" [Pa], from zero to what is typical of the frame with the most, or by
             "density", with the density at rest in the middle of the scale; a recording needs the channel
             "velocities", "pressures" or "densities".
-        colormap: "viridis", "inferno", "plasma" or "magma".
+        colormap: "water", "viridis", "inferno", "plasma" or "magma".
         on: as in Style; it must be a fluid.
 
     Raises:
@@ -47,7 +49,7 @@ class Fluid(Style):
     """
 
     color: ColorBy = "speed"
-    colormap: ColormapName = "viridis"
+    colormap: ColormapName = "water"
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -93,7 +95,7 @@ class FluidPainter(Painter):
 
     def observe(self, moment: Moment) -> None:
         """Find the end of the color scale."""
-        self.top = max(self.top, typical(np.abs(self._values(moment))))
+        self.top = max(self.top, typical(np.abs(self._values(moment)), TYPICAL))
 
     def inset(self, pixels: float) -> float:
         """A rim: the radius is part of what the camera is fitted to."""
