@@ -12,9 +12,9 @@ import physcore as pc
 
 def main(path: str | os.PathLike[str] = "dam_break.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
     """Take away the dam in front of a column twice as high as it is wide."""
-    spacing = 0.02
+    spacing = 1 / 55
     water = pc.Fluid(pc.block((0.0, 0.0), (1.0, 2.0), spacing), spacing)
     scene = pc.Scene(water, pc.Gravity((0.0, -9.81)), pc.Box((0.0, 0.0), (4.0, 3.0)))
-    recording = pc.simulate(scene, duration=4.0, fps=25, progress=progress)
-    pc.film(recording, path, size=(640, 500), style=pc.styles.Fluid(), progress=progress)
+    recording = pc.simulate(scene, duration=3.6, fps=25, progress=progress)
+    pc.film(recording, path, size=(640, 500), progress=progress)
     return {"water": recording}
