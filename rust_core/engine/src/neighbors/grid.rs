@@ -116,7 +116,7 @@ pub struct Grid {
 #[derive(Debug, Clone, Copy)]
 pub struct Rows {
     /// The first bucket of each row, and the numbers of its gaps along y and z.
-    rows: [(u32, usize, usize); ROWS],
+    starts: [(u32, usize, usize); ROWS],
     count: usize,
     /// The column of the bucket.
     column: u32,
@@ -124,31 +124,31 @@ pub struct Rows {
 
 impl Rows {
     /// No rows.
-    pub const NONE: Self = Self { rows: [(0, 0, 0); ROWS], count: 0, column: 0 };
+    pub const NONE: Self = Self { starts: [(0, 0, 0); ROWS], count: 0, column: 0 };
 }
 
 /// Runs of places.
 #[derive(Debug, Clone, Copy)]
 pub struct Runs {
     /// Where each begins and ends.
-    runs: [(u32, u32); RUNS],
+    ends: [(u32, u32); RUNS],
     count: usize,
 }
 
 impl Runs {
     /// No runs.
-    pub const NONE: Self = Self { runs: [(0, 0); RUNS], count: 0 };
+    pub const NONE: Self = Self { ends: [(0, 0); RUNS], count: 0 };
 
     /// Each run.
     #[inline(always)]
     pub fn iter(&self) -> impl Iterator<Item = Range<usize>> {
-        self.runs[..self.count].iter().map(|&(start, end)| start as usize..end as usize)
+        self.ends[..self.count].iter().map(|&(start, end)| start as usize..end as usize)
     }
 
     #[inline(always)]
     fn push(&mut self, start: u32, end: u32) {
         if start < end {
-            self.runs[self.count] = (start, end);
+            self.ends[self.count] = (start, end);
             self.count += 1;
         }
     }
@@ -222,7 +222,7 @@ impl Grid {
         for layer in 0..number_z {
             for line in 0..number_y {
                 let row = (first_z + layer) % z.buckets * y.buckets + (first_y + line) % y.buckets;
-                rows.rows[rows.count] = (row * x.buckets, line as usize, layer as usize);
+                rows.starts[rows.count] = (row * x.buckets, line as usize, layer as usize);
                 rows.count += 1;
             }
         }
@@ -238,7 +238,7 @@ impl Grid {
         let (gaps_y, gaps_z) = (y.gaps(point[1]), z.gaps(point[2]));
         let fraction = x.fraction(point[0]);
         let whole = 2 * x.reach + 1 >= x.buckets;
-        for &(row, line, layer) in &rows.rows[..rows.count] {
+        for &(row, line, layer) in &rows.starts[..rows.count] {
             let left = square * (1.0 + 2.0 * TRIM) - gaps_y[line] - gaps_z[layer];
             if left < 0.0 {
                 continue;

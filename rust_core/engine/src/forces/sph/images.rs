@@ -8,7 +8,7 @@
 //! Mirrored are position and velocity: where the fluid slips freely its velocity across the wall, where it sticks all of it.
 //! The pressure of an image is that of its original, and what gravity adds on the way: so a fluid at rest stays at rest.
 
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 
 use super::BLOCK;
 use crate::boundaries::Wall;
@@ -21,19 +21,6 @@ use crate::simd::Record;
 /// The most walls that a particle looks into.
 const CORNER: usize = 4;
 
-/// A wall as a particle near it sees it.
-#[derive(Debug, Clone, Copy)]
-struct Mirror<T> {
-    /// The unit normal n into the fluid.
-    normal: [T; AXES],
-    /// The distance of the particle from the wall [m].
-    distance: T,
-    /// What gravity adds to the pressure per metre behind the wall, −ρ₀ g·n [Pa/m], or to another content of the records.
-    weight: T,
-    /// Whether the fluid sticks to the wall: 1 or 0.
-    sticks: T,
-}
-
 /// A wall, and whether the fluid sticks to it.
 #[derive(Debug, Clone)]
 pub struct Side {
@@ -42,19 +29,19 @@ pub struct Side {
 }
 
 impl Side {
-    /// The wall as a particle at `x` sees it within `reach`, and its normal.
-    fn mirror<V: Vector>(&self, x: DVec3, reach: f64, view: &View) -> Option<(DVec3, Mirror<V::Scalar>)> {
+    /// The mirror that a particle at `x` looks into, if it is within `reach`.
+    fn mirror(&self, x: DVec3, reach: f64, view: &View) -> Option<Mirror> {
         let (distance, normal) = self.wall.distance(x);
-        (distance < reach).then(|| {
-            let mirror = Mirror {
-                normal: normal.to_array().map(V::Scalar::from_f64),
-                distance: V::Scalar::from_f64(distance),
-                weight: V::Scalar::from_f64(-view.weight.dot(normal)),
-                sticks: if self.sticks && view.sticks { V::Scalar::ONE } else { V::Scalar::ZERO },
-            };
-            (normal, mirror)
-        })
+        (distance < reach).then_some(Mirror { normal, distance, sticks: self.sticks && view.sticks })
     }
+}
+
+/// A wall as a particle near it sees it: its unit normal into the fluid, its distance [m], and whether the fluid sticks to it.
+#[derive(Debug, Clone, Copy)]
+struct Mirror {
+    normal: DVec3,
+    distance: f64,
+    sticks: bool,
 }
 
 /// Whether two walls with these normals meet in a corner, where images are mirrored again. Walls that face each other, or go
@@ -136,26 +123,107 @@ impl Walls {
         place: usize,
     ) -> [V::Scalar; SUMS] {
         let x = vicinity.at(place);
-        let mut seen = self.sides.iter().filter_map(|side| side.mirror::<V>(x, self.reach, view));
+        let mut seen = self.sides.iter().filter_map(|side| side.mirror(x, self.reach, view));
         let mirrors: [_; CORNER] = std::array::from_fn(|_| seen.next());
+        let mirrors = || mirrors.iter().flatten().enumerate();
         let mut sums = [V::Scalar::ZERO; SUMS];
-        let mut add = |more: [V::Scalar; SUMS]| (0..SUMS).for_each(|sum| sums[sum] += more[sum]);
-        let neighbors = vicinity.neighbors();
-        for (first, (normal, mirror)) in mirrors.iter().flatten().enumerate() {
-            let once = Mirrored { law, mirror: *mirror };
-            add(records.sum_images(neighbors, once, place));
-            let seconds = mirrors.iter().flatten().enumerate().skip(first + 1);
-            for (second, (other, mirror)) in seconds.filter(|(_, (other, _))| meet(*normal, *other)) {
-                let twice = Mirrored { law: once, mirror: *mirror };
-                add(records.sum_images(neighbors, twice, place));
-                let thirds = mirrors.iter().flatten().skip(second + 1);
-                for (_, mirror) in thirds.filter(|(third, _)| meet(*normal, *third) && meet(*other, *third)) {
-                    add(records.sum_images(neighbors, Mirrored { law: twice, mirror: *mirror }, place));
+        let mut add = |image: &Image| {
+            let law = Mirrored { law, reflection: Reflection::new(image, view) };
+            let more = records.sum_images(vicinity.neighbors(), law, place);
+            (0..SUMS).for_each(|sum| sums[sum] += more[sum]);
+        };
+        for (first, one) in mirrors() {
+            let once = Image::ITSELF.in_mirror(one);
+            add(&once);
+            for (second, other) in mirrors().skip(first + 1).filter(|(_, other)| meet(one.normal, other.normal)) {
+                let twice = once.in_mirror(other);
+                add(&twice);
+                let thirds = mirrors().skip(second + 1).map(|(_, third)| third);
+                for third in thirds.filter(|third| meet(one.normal, third.normal) && meet(other.normal, third.normal)) {
+                    add(&twice.in_mirror(third));
                 }
             }
         }
         sums
     }
+}
+
+/// Where the image of a neighbor is: with y the place of anything relative to the particle that looks, y ← Ay + b.
+#[derive(Debug, Clone, Copy)]
+struct Image {
+    /// A.
+    turn: DMat3,
+    /// b [m].
+    shift: DVec3,
+    /// What velocities are turned by.
+    velocity: DMat3,
+    /// The distance of the original, and of its images on the way here, from the mirrors: n and d of n·y + d for each, all
+    /// above zero if there is such an image.
+    depths: [(DVec3, f64); AXES],
+    /// The number of mirrors on the way.
+    mirrors: usize,
+}
+
+impl Image {
+    /// Where everything is.
+    const ITSELF: Self = Self {
+        turn: DMat3::IDENTITY,
+        shift: DVec3::ZERO,
+        velocity: DMat3::IDENTITY,
+        depths: [(DVec3::ZERO, 1.0); AXES],
+        mirrors: 0,
+    };
+
+    /// Its image in another mirror: y − 2 (d + n·y) n.
+    fn in_mirror(mut self, mirror: &Mirror) -> Self {
+        let Mirror { normal, distance, sticks } = *mirror;
+        let reflect = DMat3::IDENTITY - 2.0 * DMat3::from_cols(normal * normal.x, normal * normal.y, normal * normal.z);
+        self.depths[self.mirrors] = (self.turn.transpose() * normal, distance + normal.dot(self.shift));
+        self.mirrors += 1;
+        self.turn = reflect * self.turn;
+        self.shift = reflect * self.shift - 2.0 * distance * normal;
+        self.velocity = if sticks { -self.velocity } else { reflect * self.velocity };
+        self
+    }
+}
+
+/// A vector in the precision of the run.
+type Triple<T> = [T; AXES];
+
+/// An image in the precision of the run, as a function of the vector d from the original to the particle that looks.
+#[derive(Debug, Clone, Copy)]
+struct Reflection<T> {
+    /// The vector from the image: Ad − b.
+    turn: [Triple<T>; AXES],
+    shift: Triple<T>,
+    velocity: [Triple<T>; AXES],
+    /// What gravity adds on the way there.
+    rise: (Triple<T>, T),
+    depths: [(Triple<T>, T); AXES],
+}
+
+impl<T: Real> Reflection<T> {
+    fn new(image: &Image, view: &View) -> Self {
+        let triple = |vector: DVec3| vector.to_array().map(T::from_f64);
+        let rows = |matrix: DMat3| [matrix.row(0), matrix.row(1), matrix.row(2)].map(triple);
+        Self {
+            turn: rows(image.turn),
+            shift: triple(-image.shift),
+            velocity: rows(image.velocity),
+            rise: (triple(view.weight - image.turn.transpose() * view.weight), T::from_f64(view.weight.dot(image.shift))),
+            depths: image.depths.map(|(normal, distance)| (triple(-normal), T::from_f64(distance))),
+        }
+    }
+}
+
+/// n·d.
+#[inline(always)]
+fn dot<V: Vector>(one: &Triple<V::Scalar>, other: &Triple<V::Scalar>) -> V::Scalar {
+    let mut sum = V::Scalar::ZERO;
+    for axis in 0..V::DIMENSION {
+        sum += one[axis] * other[axis];
+    }
+    sum
 }
 
 /// A law that knows what a pressure in the records does.
@@ -175,46 +243,7 @@ pub trait Pressed<V: Vector, const SUMS: usize> {
 #[derive(Debug, Clone, Copy)]
 struct Mirrored<T, L> {
     law: L,
-    mirror: Mirror<T>,
-}
-
-/// The image of a particle.
-struct Image<V: Vector> {
-    record: Record<V::Scalar>,
-    apart: [V::Scalar; AXES],
-    square: V::Scalar,
-    /// What its pressure has been raised by.
-    by: V::Scalar,
-}
-
-impl<V: Vector> Image<V> {
-    #[inline(always)]
-    fn new(mirror: &Mirror<V::Scalar>, other: &Record<V::Scalar>, apart: [V::Scalar; AXES], square: V::Scalar) -> Self {
-        let Mirror { normal, distance, weight, sticks } = *mirror;
-        let zero = V::Scalar::ZERO;
-        let two = V::Scalar::from_f64(2.0);
-        let (mut across, mut speed) = (zero, zero);
-        for axis in 0..V::DIMENSION {
-            across += apart[axis] * normal[axis];
-            speed += other[V::DIMENSION + axis] * normal[axis];
-        }
-        // How far the original is from the wall. What stands behind it has no image in it.
-        let depth = distance - across;
-        let mut record = *other;
-        let mut from_image = [zero; AXES];
-        let mut far = zero;
-        for axis in 0..V::DIMENSION {
-            from_image[axis] = apart[axis] + two * depth * normal[axis];
-            far += from_image[axis] * from_image[axis];
-            let velocity = other[V::DIMENSION + axis];
-            let slipping = velocity - two * speed * normal[axis];
-            record[V::DIMENSION + axis] = slipping - sticks * (slipping + velocity);
-        }
-        let by = two * depth * weight;
-        record[2 * V::DIMENSION + 1] += by;
-        let counts = square < V::Scalar::INFINITY && depth > zero;
-        Self { record, apart: from_image, square: if counts { far } else { V::Scalar::INFINITY }, by }
-    }
+    reflection: Reflection<T>,
 }
 
 impl<V: Vector, L: PairLaw<V, SUMS> + Pressed<V, SUMS>, const SUMS: usize> PairLaw<V, SUMS> for Mirrored<V::Scalar, L> {
@@ -226,27 +255,30 @@ impl<V: Vector, L: PairLaw<V, SUMS> + Pressed<V, SUMS>, const SUMS: usize> PairL
         apart: [V::Scalar; AXES],
         square: V::Scalar,
     ) -> [V::Scalar; SUMS] {
-        let image = Image::<V>::new(&self.mirror, other, apart, square);
-        let mut terms = self.law.terms(own, &image.record, image.apart, image.square);
-        let lift = self.law.lift(own, &image.record, image.apart, image.square, image.by);
+        let Reflection { turn, shift, velocity, rise, depths } = &self.reflection;
+        let zero = V::Scalar::ZERO;
+        let mut image = *other;
+        let (mut from_image, mut far, mut before) = ([zero; AXES], zero, [zero; AXES]);
+        for axis in 0..V::DIMENSION {
+            from_image[axis] = dot::<V>(&turn[axis], &apart) + shift[axis];
+            far += from_image[axis] * from_image[axis];
+            before[axis] = other[V::DIMENSION + axis];
+        }
+        for axis in 0..V::DIMENSION {
+            image[V::DIMENSION + axis] = dot::<V>(&velocity[axis], &before);
+        }
+        let by = dot::<V>(&rise.0, &apart) + rise.1;
+        image[2 * V::DIMENSION + 1] += by;
+        let mut counts = square < V::Scalar::INFINITY;
+        for (normal, distance) in depths {
+            counts = counts & (dot::<V>(normal, &apart) + *distance > zero);
+        }
+        let far = if counts { far } else { V::Scalar::INFINITY };
+        let mut terms = self.law.terms(own, &image, from_image, far);
+        let lift = self.law.lift(own, &image, from_image, far, by);
         for sum in 0..SUMS {
             terms[sum] += lift[sum];
         }
         terms
-    }
-}
-
-impl<V: Vector, L: Pressed<V, SUMS>, const SUMS: usize> Pressed<V, SUMS> for Mirrored<V::Scalar, L> {
-    #[inline(always)]
-    fn lift(
-        &self,
-        own: &Record<V::Scalar>,
-        other: &Record<V::Scalar>,
-        apart: [V::Scalar; AXES],
-        square: V::Scalar,
-        by: V::Scalar,
-    ) -> [V::Scalar; SUMS] {
-        let image = Image::<V>::new(&self.mirror, other, apart, square);
-        self.law.lift(own, &image.record, image.apart, image.square, by)
     }
 }
