@@ -95,7 +95,7 @@ def test_a_crown_is_thrown_up_evenly(
     fall = float(abs(recording.momentum[0, 2]))
     sideways = float(abs(recording.momentum[recording.times < 0.15, :2]).max())
     record_property("sideways momentum", sideways / fall)
-    assert sideways < 1e-3 * fall
+    assert sideways < 1e-5 * fall  # the rounding of single precision, over hundreds of steps
     highest = recording.positions[..., 2].max(axis=1)
     assert highest[recording.times > 0.1].max() > 0.2  # the crown is more than twice as high as the pool is deep
 
@@ -134,6 +134,7 @@ def test_sand_runs_as_fast_at_the_end_as_at_the_start(
     assert off < 0.01
     deepest = np.array([overlap(positions, radii) for positions in recording.positions[::4]])
     record_property("overlap, typical and greatest", (float(np.median(deepest)), float(deepest.max())))
+    assert deepest[-1] < 0.05
     assert np.median(deepest) < 0.05
     assert abs(recording.energy.drift).max() < 1e-3
 

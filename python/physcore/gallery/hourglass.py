@@ -1,7 +1,7 @@
 """Layers of colored sand run through the neck of an hourglass, as fast at the end as at the start.
 
-The physics checked: the flow does not depend on how much sand is left, grains overlap by less than a twentieth of
-their radius, and every grain arrives.
+The physics checked: the flow does not depend on how much sand is left, grains at rest overlap by less than a twentieth
+of their radius, and every grain arrives.
 """
 
 from __future__ import annotations
@@ -25,8 +25,10 @@ def main(path: str | os.PathLike[str] = "hourglass.gif", progress: bool | None =
     centers = np.array([[-bend - NECK / 2, 0.0], [bend + NECK / 2, 0.0]])
     places = pc.block((-width, 0.0), (width, fill), 2 * LARGEST)
     apart = np.linalg.norm(places[:, np.newaxis] - centers, axis=2).min(axis=1)
-    places = places[apart > bend + LARGEST]
-    radii = LARGEST * np.random.default_rng(3).uniform(0.75, 1.0, len(places))
+    places = places[apart > bend + 1.2 * LARGEST]  # room to shake them
+    generator = np.random.default_rng(3)
+    radii = LARGEST * generator.uniform(0.75, 1.0, len(places))
+    places += (LARGEST - radii)[:, np.newaxis] * generator.uniform(-1.0, 1.0, places.shape)
     masses = 2000.0 * np.pi * radii**2
     layer = (places[:, 1] * layers / fill).astype(int)
     sand = [
@@ -36,12 +38,12 @@ def main(path: str | os.PathLike[str] = "hourglass.gif", progress: bool | None =
     scene = pc.Scene(
         *sand,
         pc.Gravity((0.0, -9.81)),
-        pc.Repulsion(stiffness=2e6, damping=300.0, friction=0.5),
+        pc.Repulsion(stiffness=2e6, damping=250.0, friction=0.5),
         pc.Drag(quadratic=0.5),  # so that no grain falls through the air with more than two meters per second
         *(pc.Sphere(tuple(center), bend, restitution=0.0, friction=0.3) for center in centers),
         pc.Floor(-height, restitution=0.0, friction=0.5),
     )
-    recording = pc.simulate(scene, duration=2.8, fps=50, dt=pc.AutoStep(safety=0.9), precision="f32", progress=progress)
+    recording = pc.simulate(scene, duration=2.6, fps=50, dt=pc.AutoStep(safety=0.9), precision="f32", progress=progress)
     pc.film(
         recording,
         path,
