@@ -113,6 +113,7 @@ def _fluid(fluid: Fluid) -> dict[str, object]:
         "density_diffusion": fluid.density_diffusion,
         "kernel": type(fluid.kernel).__name__,
         "smoothing": fluid.kernel.smoothing,
+        "obstacles": fluid.obstacles,
     }
 
 

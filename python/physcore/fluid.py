@@ -25,8 +25,12 @@ class Fluid(Body):
     Each particle is a lump of the mass density · spacing^D that moves with the flow; in 2D the mass is that of a meter
     of depth. Pressure grows with density, p = c² ρ₀/7 ((ρ/ρ₀)⁷ − 1), and c is far above the speed of the flow, so that
     the density changes by a percent or so. A fluid starts under the weight of what is above it, as at rest. It fills
-    the space up to boundaries, and slips freely along them unless they say no_slip. All fluids of a scene are of one
-    material, kernel and spacing.
+    the space up to boundaries, and slips freely along them unless they say no_slip. Fluids of one scene may differ in
+    density and viscosity, and have everything else in common.
+
+    A fluid and the particles of other bodies push each other: these are lumps of solid, whose pressure is that of the
+    fluid around them, and along which it is held by its viscosity. A wall of them is tight if they are no farther apart
+    than the fluid's particles.
 
     Args:
         positions: [m], shape (N, D) with D = 2 or 3; `block`, `ball` and `cylinder` make them.
@@ -37,6 +41,7 @@ class Fluid(Body):
         kernel: WendlandC2(), WendlandC4() or CubicSpline(), how particles are smoothed out.
         artificial_viscosity: the coefficient α, at least zero, which damps what the particles cannot resolve.
         density_diffusion: the coefficient δ, at least zero, which damps noise of the density.
+        obstacles: whether it meets the other bodies of the scene; if not, they pass through each other.
         velocities: [m/s], broadcast to (N, D).
         name: a name by which results can be asked for.
 
@@ -45,7 +50,8 @@ class Fluid(Body):
             than half the spacing.
 
     Source: J. J. Monaghan, J. Comput. Phys. 110, 399 (1994), with the pressure of R. H. Cole, "Underwater Explosions",
-    1948; the diffusion of density after M. Antuono, A. Colagrossi, S. Marrone, Comput. Phys. Commun. 183, 2570 (2012).
+    1948; the diffusion of density after G. Fourtakas et al., Comput. Fluids 190, 346 (2019); obstacles as in S. Adami,
+    X. Y. Hu, N. A. Adams, J. Comput. Phys. 231, 7057 (2012).
     """
 
     spacing: float
@@ -62,6 +68,8 @@ class Fluid(Body):
     """The coefficient α of the artificial viscosity."""
     density_diffusion: float
     """The coefficient δ of the diffusion of density."""
+    obstacles: bool
+    """Whether it meets the bodies that are no fluids."""
 
     def __init__(
         self,
@@ -73,6 +81,7 @@ class Fluid(Body):
         kernel: Kernel = WendlandC2(),  # noqa: B008 - it cannot change
         artificial_viscosity: float = 0.01,
         density_diffusion: float = 0.1,
+        obstacles: bool = True,
         velocities: ArrayLike = 0.0,
         name: str | None = None,
     ) -> None:
@@ -88,6 +97,7 @@ class Fluid(Body):
             kernel=_kernel(kernel),
             artificial_viscosity=number(artificial_viscosity, "Fluid.artificial_viscosity", least=0.0),
             density_diffusion=number(density_diffusion, "Fluid.density_diffusion", least=0.0),
+            obstacles=bool(obstacles),
         )
         pair = closer_than(self.positions, CLOSEST * step)
         if pair is not None:

@@ -75,6 +75,7 @@ fn fluid(entry: &Bound<'_, PyAny>) -> PyResult<Option<Fluid>> {
         density_diffusion: number("density_diffusion")?,
         kernel: item(entry, "kernel")?.extract()?,
         smoothing: number("smoothing")?,
+        obstacles: item(entry, "obstacles")?.extract()?,
     }))
 }
 

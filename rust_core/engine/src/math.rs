@@ -53,6 +53,11 @@ pub trait Real:
     fn sqrt(self) -> Self;
     /// Whether this is neither infinite nor NaN.
     fn is_finite(self) -> bool;
+    /// This number with one of four tags in its two lowest bits, where it is not missed.
+    #[must_use]
+    fn tagged(self, tag: u8) -> Self;
+    /// Whether it has this tag.
+    fn has_tag(self, tag: u8) -> bool;
     /// Lends the calling thread's scratch memory of `length` numbers, holding anything. It begins at a cache line: a vector
     /// that straddles two costs twice.
     fn with_scratch<R>(length: usize, work: impl FnOnce(&mut [Self]) -> R) -> R;
@@ -62,7 +67,7 @@ pub trait Real:
 const CACHE_LINE: usize = 64;
 
 macro_rules! real {
-    ($number:ident, $scratch:ident) => {
+    ($number:ident, $bits:ident, $scratch:ident) => {
         thread_local! {
             static $scratch: RefCell<Vec<$number>> = const { RefCell::new(Vec::new()) };
         }
@@ -96,6 +101,18 @@ macro_rules! real {
                 $number::is_finite(self)
             }
 
+            #[inline(always)]
+            #[allow(clippy::cast_lossless)]
+            fn tagged(self, tag: u8) -> Self {
+                Self::from_bits(self.to_bits() & !3 | tag as $bits)
+            }
+
+            #[inline(always)]
+            #[allow(clippy::cast_lossless)]
+            fn has_tag(self, tag: u8) -> bool {
+                self.to_bits() & 3 == tag as $bits
+            }
+
             fn with_scratch<R>(length: usize, work: impl FnOnce(&mut [Self]) -> R) -> R {
                 // Taken out while lent, so that a nested loan gets memory of its own instead of a panic.
                 let mut memory = $scratch.with(RefCell::take);
@@ -111,8 +128,8 @@ macro_rules! real {
     };
 }
 
-real!(f32, SCRATCH_F32);
-real!(f64, SCRATCH_F64);
+real!(f32, u32, SCRATCH_F32);
+real!(f64, u64, SCRATCH_F64);
 
 /// The most axes that a vector has. What is kept per axis is kept for this many; those past the dimension stay empty.
 pub const AXES: usize = 3;

@@ -63,6 +63,8 @@ pub struct Fluid {
     pub kernel: String,
     /// The smoothing length h over the spacing; the kernel reaches as far as 2h.
     pub smoothing: f64,
+    /// Whether it meets the bodies that are no fluids as obstacles.
+    pub obstacles: bool,
 }
 
 /// A damped spring between two particles.

@@ -23,6 +23,8 @@ fn nearest(value: f64) -> f64 {
 
 /// Numbers that can hold a place: records then hold numbers and places side by side.
 pub trait Placed: Sized {
+    /// Whether differences find the nearest image by themselves, so that nobody has to ask for it.
+    const WRAPS: bool;
     /// How places along one axis are measured.
     type Ruler: Copy + Debug + Send + Sync + 'static;
 
@@ -45,6 +47,7 @@ pub struct Fixed {
 }
 
 impl Placed for f32 {
+    const WRAPS: bool = true;
     type Ruler = Fixed;
 
     fn ruler(period: Option<f64>, support: f64) -> Fixed {
@@ -77,6 +80,7 @@ pub struct Image {
 }
 
 impl Placed for f64 {
+    const WRAPS: bool = false;
     type Ruler = Image;
 
     fn ruler(period: Option<f64>, _support: f64) -> Image {

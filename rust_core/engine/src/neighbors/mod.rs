@@ -10,6 +10,7 @@
 //! good to some 2e-7, so a pair that counts is never further apart than neighboring cells.
 
 mod brute;
+mod domain;
 mod grid;
 mod lists;
 mod ordering;
@@ -17,43 +18,20 @@ mod sort;
 pub mod sums;
 
 pub use brute::brute;
+pub use domain::Domain;
 pub use ordering::ordering;
 
 use crate::error::{Error, Result};
 use crate::math::{AXES, Placed};
 use crate::parallel::{Chunks, Crew};
 use crate::simd::LANES;
+use domain::{check_lengths, check_spacing};
 use grid::{Bounds, Grid};
 use lists::{Candidates, Lists};
 use sort::Sort;
 
 /// The number of places in a block of lists and sums.
 pub(crate) const BLOCK: usize = 1024;
-
-/// Positions are refused where the spacing of f64 numbers is above this part of the cutoff.
-const COARSEST: f64 = 1e-7;
-
-/// The range of cutoffs [m] whose squares and inverses are far from the ends of f64.
-const CUTOFFS: std::ops::RangeInclusive<f64> = 1e-100..=1e100;
-
-/// The space that particles are in.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Domain {
-    /// The lower and upper end of each axis that is periodic [m]; None for an unbounded one.
-    pub period: [Option<(f64, f64)>; AXES],
-}
-
-impl Domain {
-    /// The length of each periodic axis [m].
-    pub fn lengths(&self) -> [Option<f64>; AXES] {
-        self.period.map(|period| period.map(|(lower, upper)| upper - lower))
-    }
-
-    /// Whether any axis is periodic.
-    pub fn is_periodic(&self) -> bool {
-        self.period.iter().any(Option::is_some)
-    }
-}
 
 /// What distances are measured with.
 #[derive(Debug, Clone, Copy)]
@@ -109,19 +87,14 @@ impl Neighbors {
     /// # Errors
     /// If the numbers make no sense, or a periodic axis is so short that a particle would meet two images of another.
     pub fn new(count: usize, dimension: usize, domain: &Domain, cutoff: f64, skin: f64) -> Result<Self> {
-        if !CUTOFFS.contains(&cutoff) {
-            return Err(Error::parameter("cutoff", "a length between 1e-100 and 1e100 m", cutoff));
-        }
-        if !(skin >= 0.0 && skin <= *CUTOFFS.end()) {
-            return Err(Error::parameter("skin", "a length from 0 to 1e100 m", skin));
-        }
+        check_lengths(cutoff, skin)?;
         if i32::try_from(count).is_err() {
             return Err(Error::parameter("particles", "fewer than 2³¹ of them", count));
         }
         let mut domain = *domain;
         domain.period[dimension..].fill(None);
         let support = cutoff + skin;
-        domain.period.iter().flatten().try_for_each(|&ends| check_period(ends, cutoff, support))?;
+        domain.check(cutoff, support)?;
         let columns = |length: usize| std::array::from_fn(|axis| vec![0.0; if axis < dimension { length } else { 0 }]);
         let rulers = domain.lengths().map(|length| f64::ruler(length, support));
         Ok(Self {
@@ -243,7 +216,7 @@ impl Neighbors {
             });
         });
         let bounds = self.bounds.iter().fold(Bounds::EMPTY, Bounds::with);
-        self.check_spacing(&bounds)?;
+        check_spacing(bounds.low.iter().chain(&bounds.high), self.cutoff)?;
         self.grid = Grid::new(count, self.dimension, &self.domain.period, self.support(), &bounds);
         self.sort.sort(&self.grid, anchors, crew);
         let order = &self.sort.order;
@@ -259,44 +232,4 @@ impl Neighbors {
         self.built = !crew.stopped();
         Ok(())
     }
-
-    /// Refuses positions whose rounding is not small beside the cutoff.
-    fn check_spacing(&self, bounds: &Bounds) -> Result<()> {
-        let ends = bounds.low.iter().chain(&bounds.high).filter(|end| end.is_finite());
-        let farthest = ends.fold(0.0_f64, |most, end| most.max(end.abs()));
-        if is_coarse(farthest, self.cutoff) {
-            let expected = format!("all within {:.3e} m of 0, for a cutoff of {} m", farthest_exact(self.cutoff), self.cutoff);
-            return Err(Error::parameter("positions", expected, format!("one at {farthest:e} m"))
-                .with_hint("f64 numbers there are too far from each other to tell distances; has the run diverged?"));
-        }
-        Ok(())
-    }
-}
-
-/// Whether f64 numbers near a coordinate are too far from each other.
-fn is_coarse(coordinate: f64, cutoff: f64) -> bool {
-    coordinate > farthest_exact(cutoff)
-}
-
-/// How far from 0 a coordinate may be [m].
-fn farthest_exact(cutoff: f64) -> f64 {
-    cutoff * COARSEST / f64::EPSILON
-}
-
-/// Refuses an axis on which a particle would meet two images of another, or that is not one.
-fn check_period((lower, upper): (f64, f64), cutoff: f64, support: f64) -> Result<()> {
-    let found = format!("{lower} to {upper}");
-    if !(lower.is_finite() && upper.is_finite() && lower < upper) {
-        return Err(Error::parameter("periodic", "finite ends, the lower below the upper", found));
-    }
-    if is_coarse(lower.abs().max(upper.abs()), cutoff) {
-        let expected = format!("ends within {:.3e} m of 0, for a cutoff of {cutoff} m", farthest_exact(cutoff));
-        return Err(Error::parameter("periodic", expected, found));
-    }
-    if upper - lower < 2.0 * support {
-        let expected = format!("a length of at least {} m, twice the reach of the pair forces", 2.0 * support);
-        return Err(Error::parameter("periodic", expected, format!("{} m", upper - lower))
-            .with_hint("a particle would meet two images of another; enlarge the domain or shorten the cutoff"));
-    }
-    Ok(())
 }

@@ -67,6 +67,11 @@ impl<V: Vector> Records<V> {
         });
     }
 
+    /// Changes the record at one place, but for its position.
+    pub fn write(&mut self, place: usize, change: impl FnOnce(&mut [V::Scalar])) {
+        change(&mut self.words[place][V::DIMENSION..]);
+    }
+
     /// The sums of a law over the neighbors of each particle, into `sums`, in the order of places.
     ///
     /// # Panics
@@ -82,25 +87,25 @@ impl<V: Vector> Records<V> {
         assert!(self.words.len() == count + LANES && sums.len() == count, "one record and sum per particle");
         crew.sweep(Chunks::new(sums, BLOCK), &|mine| {
             let sweep = Sweep { records: self, neighbors, law, start: mine.start, sums: mine.items };
-            if self.periodic {
-                dispatch_level(Wrapped::<V, L, SUMS, true>(sweep));
-            } else {
+            if V::Scalar::WRAPS || !self.periodic {
                 dispatch_level(Wrapped::<V, L, SUMS, false>(sweep));
+            } else {
+                dispatch_level(Wrapped::<V, L, SUMS, true>(sweep));
             }
         });
     }
 
-    /// The sums of a law over the neighbors of the particle at one place, and over itself: what is mirrored in a wall.
-    pub fn sum_images<L: PairLaw<V, SUMS>, const SUMS: usize>(
+    /// The sums of a law over the neighbors of the particle at one place, and over itself.
+    pub fn sum_at<L: PairLaw<V, SUMS>, const SUMS: usize>(
         &self,
         neighbors: &Neighbors,
         law: L,
         place: usize,
     ) -> [V::Scalar; SUMS] {
-        if self.periodic {
-            dispatch_level(Alone::<V, L, SUMS, true> { records: self, neighbors, law, place })
-        } else {
+        if V::Scalar::WRAPS || !self.periodic {
             dispatch_level(Alone::<V, L, SUMS, false> { records: self, neighbors, law, place })
+        } else {
+            dispatch_level(Alone::<V, L, SUMS, true> { records: self, neighbors, law, place })
         }
     }
 }

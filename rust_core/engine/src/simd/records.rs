@@ -1,7 +1,7 @@
 //! Reading the records of several particles at once.
 //!
-//! Compilers make element-wise loads of the plain loop; loading quarters of vectors and interleaving them in registers is
-//! two to three times as fast (`benches/neighbors.rs`). Data is only moved, so all ways give the same bits.
+//! Compilers make loads and insertions of single words of the plain loop. Here quarters of vectors are loaded and interleaved
+//! in registers, which `benches/neighbors.rs` shows to be faster. Data is only moved, so all ways give the same bits.
 
 use std::any::TypeId;
 

@@ -21,6 +21,9 @@ fn coordinate() -> impl Strategy<Value = (f64, f64)> {
         8 => (-0.5..0.5).prop_map(|part| (part, 0.0)),
         2 => (-4..4_i32, -1..=1_i32).prop_map(move |(number, nudge)| (0.0, face(number, nudge, 1.0))),
         2 => (-16..16_i32, -1..=1_i32).prop_map(move |(number, nudge)| (0.0, face(number, nudge, 0.25 * (1.0 + 1e-6)))),
+        // A little below a face: were cells smaller than the support by 1e-6, whoever is a support further on would be two
+        // cells further on.
+        1 => (-4..4_i32, 0..4_i32).prop_map(|(number, nudge)| (0.0, f64::from(number) - (f64::from(nudge) + 0.5) * 1e-6)),
         1 => Just((0.0, 0.0)),
     ]
 }

@@ -53,7 +53,7 @@ fn meet(one: DVec3, other: DVec3) -> bool {
 /// What a law wants to see in a mirror.
 #[derive(Debug, Clone, Copy)]
 pub struct View {
-    /// What gravity adds to the second number of a record per metre.
+    /// What gravity adds to the second number of a record per metre and density.
     pub weight: DVec3,
     /// Whether a fluid that sticks to a wall is at rest there: only viscosity cares.
     pub sticks: bool,
@@ -129,7 +129,7 @@ impl Walls {
         let mut sums = [V::Scalar::ZERO; SUMS];
         let mut add = |image: &Image| {
             let law = Mirrored { law, reflection: Reflection::new(image, view) };
-            let more = records.sum_images(vicinity.neighbors(), law, place);
+            let more = records.sum_at(vicinity.neighbors(), law, place);
             (0..SUMS).for_each(|sum| sums[sum] += more[sum]);
         };
         for (first, one) in mirrors() {
@@ -228,7 +228,11 @@ fn dot<V: Vector>(one: &Triple<V::Scalar>, other: &Triple<V::Scalar>) -> V::Scal
 
 /// A law that knows what a pressure in the records does.
 pub trait Pressed<V: Vector, const SUMS: usize> {
-    /// What a pressure `by` that is added to that of the other adds to the sums beside the force: its power.
+    /// The density at rest of the other [kg/m³].
+    fn density(&self, other: &Record<V::Scalar>) -> V::Scalar;
+
+    /// What is different where the other is an image, whose pressure has been raised `by` so much: the powers, because it
+    /// belongs to a wall that takes none.
     fn lift(
         &self,
         own: &Record<V::Scalar>,
@@ -267,11 +271,11 @@ impl<V: Vector, L: PairLaw<V, SUMS> + Pressed<V, SUMS>, const SUMS: usize> PairL
         for axis in 0..V::DIMENSION {
             image[V::DIMENSION + axis] = dot::<V>(&velocity[axis], &before);
         }
-        let by = dot::<V>(&rise.0, &apart) + rise.1;
+        let by = self.law.density(other) * (dot::<V>(&rise.0, &apart) + rise.1);
         image[2 * V::DIMENSION + 1] += by;
         let mut counts = square < V::Scalar::INFINITY;
         for (normal, distance) in depths {
-            counts = counts & (dot::<V>(normal, &apart) + *distance > zero);
+            counts &= dot::<V>(normal, &apart) + *distance > zero;
         }
         let far = if counts { far } else { V::Scalar::INFINITY };
         let mut terms = self.law.terms(own, &image, from_image, far);

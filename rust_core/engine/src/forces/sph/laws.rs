@@ -1,23 +1,31 @@
-//! The two sums of a weakly compressible fluid: what changes density, and what changes velocity.
+//! The sums of a weakly compressible fluid: what changes density, and what changes velocity.
 //!
 //! With d = xᵢ − xⱼ, v = vᵢ − vⱼ, the volume V = m/ρ and ∇W = F d, in the form of S. Marrone et al., Comput. Methods Appl. Mech.
 //! Eng. 200 (2011) 1526 (δ-SPH), whose pressures take exactly as much energy from the motion as they give to compression:
 //!
 //! ```text
 //! dρᵢ/dt = ρᵢ Σ Vⱼ v·∇W − 2δhc ρ₀/c² Σ Vⱼ [wⱼ − wᵢ − g·(xⱼ − xᵢ)] F
-//!     Fᵢ = −Vᵢ Σ Vⱼ (pᵢ + pⱼ) ∇W + Vᵢ Σ Vⱼ αhcρ₀ v·d/(d² + 0.01h²) ∇W + Vᵢ Σ Vⱼ 2μ d²/(d² + 0.01h²) F v
+//!     Fᵢ = −Vᵢ Σ Vⱼ (pᵢ + pⱼ) ∇W + Vᵢ Σ Vⱼ αhcρ₀ v·d/(d² + 0.01h²) ∇W + Vᵢ Σ Vⱼ 2μ F v
 //! ```
 //!
 //! Diffusion evens out the enthalpy w beyond what gravity makes of it at rest, as that of density does in G. Fourtakas et al.,
 //! Comput. Fluids 190 (2019) 346, to first order in w/c²; in w it is exactly nothing in a fluid at rest. The artificial
 //! viscosity is J. J. Monaghan and R. A. Gingold's, J. Comput. Phys. 52 (1983) 374; the laminar one that of J. P. Morris, P. J.
 //! Fox and Y. Zhu, J. Comput. Phys. 136 (1997) 214, which is far more accurate in shear.
+//!
+//! Where several kinds of matter meet (`MIXED`), ρ₀, α and μ are those of the pair, nothing diffuses from kind to kind, and
+//! obstacles do not push each other. The kind of a particle is the tag of its volume.
 
 use super::images::Pressed;
 use super::kernel::{Kernel, Shape};
 use crate::math::{AXES, Real, Vector};
 use crate::neighbors::sums::PairLaw;
 use crate::simd::Record;
+
+/// The number of kinds of matter: fluids, and obstacles.
+pub const KINDS: usize = 4;
+/// The tag of obstacles.
+pub const OBSTACLE: u8 = 3;
 
 /// The sums of [`Momentum`]: the force along each axis, the power that viscosity takes, and that of walls against gravity.
 pub const FORCES: usize = AXES + 2;
@@ -46,29 +54,38 @@ fn approach<V: Vector>(own: &Record<V::Scalar>, other: &Record<V::Scalar>, apart
     sum
 }
 
+/// What belongs to the kind of a tagged number.
+#[inline(always)]
+fn pick<T: Real, const MIXED: bool>(tagged: T, values: &[T; KINDS]) -> T {
+    let mut value = values[0];
+    if MIXED {
+        for (kind, &other) in (0..KINDS as u8).zip(values).skip(1) {
+            value = if tagged.has_tag(kind) { other } else { value };
+        }
+    }
+    value
+}
+
+/// What belongs to the kinds of two tagged numbers.
+#[inline(always)]
+fn pick_pair<T: Real, const MIXED: bool>(own: T, other: T, table: &[[T; KINDS]; KINDS]) -> T {
+    let row = std::array::from_fn(|column| pick::<T, MIXED>(own, &table.map(|row| row[column])));
+    pick::<T, MIXED>(other, &row)
+}
+
 /// Continuity: Σ Vⱼ v·∇W, and what diffusion adds to the rate of density.
 #[derive(Debug, Clone, Copy)]
-pub struct Continuity<T, K> {
+pub struct Continuity<T, K, const MIXED: bool> {
     pub kernel: Kernel<T, K>,
-    /// 2δhc [m²/s].
-    pub diffusion: T,
-    /// ρ₀ g/c² [kg/m⁴], the enthalpy that gravity makes per metre, likewise.
+    /// 2δhc [m²/s] for two kinds.
+    pub diffusion: [[T; KINDS]; KINDS],
+    /// ρ₀ of each kind [kg/m³].
+    pub density: [T; KINDS],
+    /// g/c² [1/m], the enthalpy that gravity makes per metre, likewise.
     pub stratification: [T; AXES],
 }
 
-/// Momentum: the force over Vᵢ along each axis [N/m^D], and powers, likewise.
-#[derive(Debug, Clone, Copy)]
-pub struct Momentum<T, K> {
-    pub kernel: Kernel<T, K>,
-    /// αhcρ₀ [Pa·s].
-    pub artificial: T,
-    /// 2μ [Pa·s].
-    pub laminar: T,
-    /// 0.01 h² [m²].
-    pub softening: T,
-}
-
-impl<V: Vector, K: Shape<V::Scalar>> PairLaw<V, 2> for Continuity<V::Scalar, K> {
+impl<V: Vector, K: Shape<V::Scalar>, const MIXED: bool> PairLaw<V, 2> for Continuity<V::Scalar, K, MIXED> {
     #[inline(always)]
     fn terms(
         &self,
@@ -77,16 +94,36 @@ impl<V: Vector, K: Shape<V::Scalar>> PairLaw<V, 2> for Continuity<V::Scalar, K> 
         apart: [V::Scalar; AXES],
         square: V::Scalar,
     ) -> [V::Scalar; 2] {
-        let weight = volume::<V>(other) * self.kernel.slope(square.sqrt());
-        let mut excess = content::<V>(other) - content::<V>(own);
+        let (mine, theirs) = (volume::<V>(own), volume::<V>(other));
+        let weight = theirs * self.kernel.slope(square.sqrt());
+        let density = pick::<_, MIXED>(mine, &self.density);
+        let diffusion = pick_pair::<_, MIXED>(mine, theirs, &self.diffusion);
+        let mut fall = V::Scalar::ZERO;
         for axis in 0..V::DIMENSION {
-            excess += self.stratification[axis] * apart[axis];
+            fall += self.stratification[axis] * apart[axis];
         }
-        [approach::<V>(own, other, apart) * weight, V::Scalar::ZERO - self.diffusion * excess * weight]
+        let excess = content::<V>(other) - content::<V>(own) + density * fall;
+        [approach::<V>(own, other, apart) * weight, V::Scalar::ZERO - diffusion * excess * weight]
     }
 }
 
-impl<V: Vector, K: Shape<V::Scalar>> Pressed<V, 2> for Continuity<V::Scalar, K> {
+impl<T: Copy, K, const MIXED: bool> Continuity<T, K, MIXED> {
+    /// The same for any mixture.
+    pub fn of_mixture(&self) -> Continuity<T, K, true>
+    where
+        K: Copy,
+    {
+        let Self { kernel, diffusion, density, stratification } = *self;
+        Continuity { kernel, diffusion, density, stratification }
+    }
+}
+
+impl<V: Vector, K: Shape<V::Scalar>> Pressed<V, 2> for Continuity<V::Scalar, K, true> {
+    #[inline(always)]
+    fn density(&self, other: &Record<V::Scalar>) -> V::Scalar {
+        pick::<_, true>(volume::<V>(other), &self.density)
+    }
+
     /// Diffusion is not moved by what gravity makes of the density.
     #[inline(always)]
     fn lift(
@@ -101,7 +138,23 @@ impl<V: Vector, K: Shape<V::Scalar>> Pressed<V, 2> for Continuity<V::Scalar, K> 
     }
 }
 
-impl<V: Vector, K: Shape<V::Scalar>> PairLaw<V, FORCES> for Momentum<V::Scalar, K> {
+/// Momentum: the force over Vᵢ along each axis [N/m^D], and powers, likewise.
+#[derive(Debug, Clone, Copy)]
+pub struct Momentum<T, K, const MIXED: bool> {
+    pub kernel: Kernel<T, K>,
+    /// αhcρ₀ [Pa·s] for two kinds.
+    pub artificial: [[T; KINDS]; KINDS],
+    /// 2μ [Pa·s] for two kinds.
+    pub laminar: [[T; KINDS]; KINDS],
+    /// 1 for two kinds that push each other, 0 for obstacles.
+    pub contact: [[T; KINDS]; KINDS],
+    /// ρ₀ of each kind [kg/m³].
+    pub density: [T; KINDS],
+    /// 0.01 h² [m²].
+    pub softening: T,
+}
+
+impl<V: Vector, K: Shape<V::Scalar>, const MIXED: bool> PairLaw<V, FORCES> for Momentum<V::Scalar, K, MIXED> {
     #[inline(always)]
     fn terms(
         &self,
@@ -111,14 +164,9 @@ impl<V: Vector, K: Shape<V::Scalar>> PairLaw<V, FORCES> for Momentum<V::Scalar, 
         square: V::Scalar,
     ) -> [V::Scalar; FORCES] {
         let zero = V::Scalar::ZERO;
-        let weight = volume::<V>(other) * self.kernel.slope(square.sqrt());
-        let approach = approach::<V>(own, other, apart);
-        let inverse = V::Scalar::ONE / (square + self.softening);
-        let squeeze = self.artificial * approach * inverse;
-        // Of those who are nowhere, the square is infinite.
-        let near = if square < V::Scalar::INFINITY { square * inverse } else { zero };
-        let shear = self.laminar * near * weight;
-        let push = (squeeze - (content::<V>(own) + content::<V>(other))) * weight;
+        let weight = self.weight::<V>(own, other, square);
+        let Viscous { squeeze, shear, approach } = self.viscous::<V>(own, other, apart, square, weight);
+        let push = squeeze - (content::<V>(own) + content::<V>(other)) * weight;
         let mut terms = [zero; FORCES];
         let mut drag = zero;
         for axis in 0..V::DIMENSION {
@@ -126,12 +174,64 @@ impl<V: Vector, K: Shape<V::Scalar>> PairLaw<V, FORCES> for Momentum<V::Scalar, 
             terms[axis] = push * apart[axis] + shear * velocity;
             drag += velocity * velocity;
         }
-        terms[VISCOUS] = zero - (squeeze * weight * approach + shear * drag);
+        terms[VISCOUS] = zero - (squeeze * approach + shear * drag);
         terms
     }
 }
 
-impl<V: Vector, K: Shape<V::Scalar>> Pressed<V, FORCES> for Momentum<V::Scalar, K> {
+/// What viscosity does between two particles.
+struct Viscous<T> {
+    /// The force along d, over d.
+    squeeze: T,
+    /// The force along v, over v.
+    shear: T,
+    /// v·d.
+    approach: T,
+}
+
+impl<T: Real, K: Shape<T>, const MIXED: bool> Momentum<T, K, MIXED> {
+    /// Vⱼ F, of those who push each other.
+    #[inline(always)]
+    fn weight<V: Vector<Scalar = T>>(&self, own: &Record<T>, other: &Record<T>, square: T) -> T {
+        let (mine, theirs) = (volume::<V>(own), volume::<V>(other));
+        let weight = theirs * self.kernel.slope(square.sqrt());
+        if MIXED { weight * pick_pair::<_, MIXED>(mine, theirs, &self.contact) } else { weight }
+    }
+
+    #[inline(always)]
+    fn viscous<V: Vector<Scalar = T>>(
+        &self,
+        own: &Record<T>,
+        other: &Record<T>,
+        apart: [T; AXES],
+        square: T,
+        weight: T,
+    ) -> Viscous<T> {
+        let (mine, theirs) = (volume::<V>(own), volume::<V>(other));
+        let approach = approach::<V>(own, other, apart);
+        let artificial = pick_pair::<_, MIXED>(mine, theirs, &self.artificial) * approach / (square + self.softening);
+        let laminar = pick_pair::<_, MIXED>(mine, theirs, &self.laminar);
+        Viscous { squeeze: artificial * weight, shear: laminar * weight, approach }
+    }
+}
+
+impl<T: Copy, K, const MIXED: bool> Momentum<T, K, MIXED> {
+    /// The same for any mixture.
+    pub fn of_mixture(&self) -> Momentum<T, K, true>
+    where
+        K: Copy,
+    {
+        let Self { kernel, artificial, laminar, contact, density, softening } = *self;
+        Momentum { kernel, artificial, laminar, contact, density, softening }
+    }
+}
+
+impl<V: Vector, K: Shape<V::Scalar>> Pressed<V, FORCES> for Momentum<V::Scalar, K, true> {
+    #[inline(always)]
+    fn density(&self, other: &Record<V::Scalar>) -> V::Scalar {
+        pick::<_, true>(volume::<V>(other), &self.density)
+    }
+
     #[inline(always)]
     fn lift(
         &self,
@@ -141,11 +241,48 @@ impl<V: Vector, K: Shape<V::Scalar>> Pressed<V, FORCES> for Momentum<V::Scalar, 
         square: V::Scalar,
         by: V::Scalar,
     ) -> [V::Scalar; FORCES] {
-        let push = by * volume::<V>(other) * self.kernel.slope(square.sqrt());
+        let weight = self.weight::<V>(own, other, square);
+        let Viscous { squeeze, shear, approach } = self.viscous::<V>(own, other, apart, square, weight);
+        let two = V::Scalar::from_f64(2.0);
         let mut terms = [V::Scalar::ZERO; FORCES];
+        // Of what a pair loses half is counted here: twice the particle's own loss instead of that of the pair.
+        terms[VISCOUS] = squeeze * approach;
         for axis in 0..V::DIMENSION {
-            terms[LIFT] = terms[LIFT] - push * apart[axis] * own[V::DIMENSION + axis];
+            let mine = own[V::DIMENSION + axis];
+            let relative = mine - other[V::DIMENSION + axis];
+            terms[LIFT] -= by * weight * apart[axis] * mine;
+            terms[VISCOUS] += shear * relative * relative - two * (squeeze * apart[axis] + shear * relative) * mine;
         }
         terms
+    }
+}
+
+/// The pressure of an obstacle: that of the fluid around it, and what gravity adds on the way: Σ [pⱼ + ρ₀ g·d] W and Σ W, of S.
+/// Adami, X. Y. Hu and N. A. Adams, J. Comput. Phys. 231 (2012) 7057, for obstacles that are not themselves accelerated.
+#[derive(Debug, Clone, Copy)]
+pub struct Extrapolation<T, K> {
+    pub kernel: Kernel<T, K>,
+    /// ρ₀ of each kind [kg/m³], and 0 for obstacles.
+    pub density: [T; KINDS],
+    /// g [m/s²].
+    pub gravity: [T; AXES],
+}
+
+impl<V: Vector, K: Shape<V::Scalar>> PairLaw<V, 2> for Extrapolation<V::Scalar, K> {
+    #[inline(always)]
+    fn terms(
+        &self,
+        _own: &Record<V::Scalar>,
+        other: &Record<V::Scalar>,
+        apart: [V::Scalar; AXES],
+        square: V::Scalar,
+    ) -> [V::Scalar; 2] {
+        let fluid = !volume::<V>(other).has_tag(OBSTACLE);
+        let weight = if fluid { self.kernel.value(square.sqrt()) } else { V::Scalar::ZERO };
+        let mut rise = V::Scalar::ZERO;
+        for axis in 0..V::DIMENSION {
+            rise += self.gravity[axis] * apart[axis];
+        }
+        [(content::<V>(other) + pick::<_, true>(volume::<V>(other), &self.density) * rise) * weight, weight]
     }
 }

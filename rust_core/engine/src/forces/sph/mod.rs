@@ -9,6 +9,8 @@
 
 use std::ops::Range;
 
+use glam::DVec3;
+
 use super::vicinity::Vicinity;
 use super::{Drift, Fields, Force, Moment, Rates, Reach, VelocityDependence};
 use crate::error::{Error, Result};
@@ -27,8 +29,8 @@ mod start;
 
 use images::{View, Walls};
 use kernel::{CubicSpline, Kernel, Shape, Wave, WendlandC2, WendlandC4};
-use laws::{Continuity, FORCES, LIFT, Momentum, VISCOUS};
-use start::Material;
+use laws::{Continuity, Extrapolation, FORCES, LIFT, Momentum, OBSTACLE, VISCOUS};
+use start::{Kinds, Material};
 
 /// Places in a block of the passes over single particles.
 const BLOCK: usize = 1024;
@@ -36,38 +38,71 @@ const BLOCK: usize = 1024;
 /// Stands for the slot of a particle that is no fluid.
 const NOBODY: u32 = u32::MAX;
 
-/// The fluid of a scene.
+/// The fluids of a scene, and the obstacles that they meet.
 ///
 /// # Errors
-/// If its parameters make no sense together, or there is no kernel of that name.
+/// If their parameters make no sense together, or there is no kernel of that name.
 pub fn fluid<V: Vector>(scene: &Scene, properties: &Properties<V>) -> Result<Option<Box<dyn Force<V>>>> {
     let Some(body) = scene.bodies.iter().position(|body| body.fluid.is_some()) else { return Ok(None) };
-    let name = scene.bodies[body].fluid.as_ref().map_or("", |fluid| fluid.kernel.as_str());
-    match name {
-        "WendlandC2" => Ok(Some(Box::new(Fluid::<V, WendlandC2>::new(scene, properties)?))),
-        "WendlandC4" => Ok(Some(Box::new(Fluid::<V, WendlandC4>::new(scene, properties)?))),
-        "CubicSpline" => Ok(Some(Box::new(Fluid::<V, CubicSpline>::new(scene, properties)?))),
+    let kinds = Kinds::of(scene)?;
+    match scene.bodies[body].fluid.as_ref().map_or("", |fluid| fluid.kernel.as_str()) {
+        "WendlandC2" if !kinds.are_mixed() => with::<V, WendlandC2, false>(scene, properties, kinds),
+        "WendlandC2" => with::<V, WendlandC2, true>(scene, properties, kinds),
+        // The other kernels are not worth compiling twice.
+        "WendlandC4" => with::<V, WendlandC4, true>(scene, properties, kinds),
+        "CubicSpline" => with::<V, CubicSpline, true>(scene, properties, kinds),
         other => Err(Error::parameter(format!("bodies[{body}].kernel"), "WendlandC2, WendlandC4 or CubicSpline", other)),
     }
 }
 
-/// All fluid particles of a scene.
-struct Fluid<V: Vector, K> {
-    material: Material,
-    /// The fluid particles, by their index.
+/// The kernel of a fluid as a function of distance, in double precision.
+fn weight<K: Shape<f64>>(fluid: &Material, dimension: usize) -> impl Fn(f64) -> f64 {
+    let kernel = Kernel::<f64, K>::new(fluid.smoothing_length, fluid.spacing, dimension);
+    move |distance| kernel.value(distance)
+}
+
+/// The mean of two viscosities across which the stress is the same: the harmonic one.
+fn mean(one: f64, other: f64) -> f64 {
+    if one + other > 0.0 { 2.0 * one * other / (one + other) } else { 0.0 }
+}
+
+fn with<V: Vector, K, const MIXED: bool>(
+    scene: &Scene,
+    properties: &Properties<V>,
+    kinds: Kinds,
+) -> Result<Option<Box<dyn Force<V>>>>
+where
+    K: Shape<V::Scalar> + Shape<f64>,
+{
+    Ok(Some(Box::new(Fluids::<V, K, MIXED>::new(scene, properties, kinds)?)))
+}
+
+/// All particles of fluids, and of the obstacles that they meet.
+struct Fluids<V: Vector, K, const MIXED: bool> {
+    kinds: Kinds,
+    /// These particles, by their index.
     members: Vec<u32>,
     /// The member that each particle is.
     slots: Vec<u32>,
+    /// The kind of each member.
+    kind: Vec<u8>,
+    /// Mass of each member [kg]; of an obstacle, that of the fluid in its place.
+    mass: Vec<f64>,
     /// Density ρ of each member [kg/m³].
     density: Vec<f64>,
     /// The power that diffusion takes from each [W].
     diffused: Vec<f64>,
     /// Density when the chunk began.
     kept: Vec<f64>,
+    /// The members that are obstacles.
+    obstacles: Vec<u32>,
+    /// What [`Extrapolation`] gives for them.
+    met: Vec<[V::Scalar; 2]>,
     vicinity: Vicinity,
     records: Records<V>,
-    continuity: Continuity<V::Scalar, K>,
-    momentum: Momentum<V::Scalar, K>,
+    continuity: Continuity<V::Scalar, K, MIXED>,
+    momentum: Momentum<V::Scalar, K, MIXED>,
+    extrapolation: Extrapolation<V::Scalar, K>,
     /// What [`Continuity`] gives, in the order of places.
     rates: Vec<[V::Scalar; 2]>,
     /// What [`Momentum`] gives, likewise.
@@ -77,47 +112,120 @@ struct Fluid<V: Vector, K> {
     waves: Vec<Wave>,
 }
 
-impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>> Fluid<V, K> {
-    fn new(scene: &Scene, properties: &Properties<V>) -> Result<Self> {
-        let material = Material::of(scene)?;
-        let is_fluid = |index: &u32| scene.bodies[properties.body[*index as usize] as usize].fluid.is_some();
-        let members: Vec<u32> = (0..properties.count() as u32).filter(is_fluid).collect();
+impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>, const MIXED: bool> Fluids<V, K, MIXED> {
+    fn new(scene: &Scene, properties: &Properties<V>, kinds: Kinds) -> Result<Self> {
+        let kind_of = |index: u32| kinds.of_body[properties.body[index as usize] as usize];
+        let members: Vec<u32> = (0..properties.count() as u32).filter(|&index| kind_of(index).is_some()).collect();
+        let kind: Vec<u8> = members.iter().filter_map(|&index| kind_of(index)).collect();
         let mut slots = vec![NOBODY; properties.count()];
         members.iter().zip(0..).for_each(|(&index, slot)| slots[index as usize] = slot);
-        let h = material.smoothing_length;
+        let obstacles: Vec<u32> = (0..).zip(&kind).filter(|(_, kind)| **kind == OBSTACLE).map(|(member, _)| member).collect();
+        let common = kinds.first();
+        let h = common.smoothing_length;
         let vicinity = Vicinity::new(scene, properties, &members, 2.0 * h)?;
         let walls = Walls::new(start::walls(scene, properties.origin)?, 2.0 * h);
         let number = V::Scalar::from_f64;
-        let gravity = material.gravity.to_array();
-        let kernel = Kernel::new(h, material.spacing, V::DIMENSION);
+        let kernel = Kernel::new(h, common.spacing, V::DIMENSION);
+        let same = |one: &Material, other: &Material| one == other;
+        let mut diffusion = kinds.pairs(|one, other| if same(one, other) { one.diffusion() } else { 0.0 });
+        diffusion[usize::from(OBSTACLE)].fill(V::Scalar::ZERO);
+        diffusion.iter_mut().for_each(|row| row[usize::from(OBSTACLE)] = V::Scalar::ZERO);
         let continuity = Continuity {
             kernel,
-            diffusion: number(material.diffusion()),
-            stratification: gravity.map(|g| number(material.density * g / material.sound_speed.powi(2))),
+            diffusion,
+            density: kinds.each(|fluid| fluid.density, 0.0),
+            stratification: common.gravity.to_array().map(|g| number(g / common.sound_speed.powi(2))),
         };
         let momentum = Momentum {
             kernel,
-            artificial: number(material.artificial()),
-            laminar: number(2.0 * material.viscosity),
+            artificial: kinds.pairs(|one, other| mean(one.artificial(), other.artificial())),
+            laminar: kinds.pairs(|one, other| 2.0 * mean(one.viscosity, other.viscosity)),
+            contact: kinds.pairs(|_, _| 1.0),
+            density: kinds.each(|fluid| fluid.density, 0.0),
             softening: number(0.01 * h * h),
         };
-        let density = start::densities(scene, properties, &members, &material);
-        Ok(Self {
-            kept: density.clone(),
+        let extrapolation = Extrapolation {
+            kernel,
+            density: kinds.each(|fluid| fluid.density, 0.0),
+            gravity: common.gravity.to_array().map(number),
+        };
+        let mut fluids = Self {
+            mass: kind.iter().map(|&kind| kinds.materials.get(usize::from(kind)).unwrap_or(common).mass).collect(),
+            density: Vec::new(),
+            kept: Vec::new(),
             diffused: vec![0.0; members.len()],
+            met: vec![[V::Scalar::ZERO; 2]; obstacles.len()],
             records: Records::new(vicinity.neighbors()),
             rates: vec![[V::Scalar::ZERO; 2]; members.len()],
             forces: vec![[V::Scalar::ZERO; FORCES]; members.len()],
             waves: kernel::waves::<K>(V::DIMENSION),
-            material,
+            kinds,
             members,
             slots,
-            density,
+            kind,
+            obstacles,
             vicinity,
             continuity,
             momentum,
+            extrapolation,
             walls,
-        })
+        };
+        fluids.fill_space(scene, properties)?;
+        Ok(fluids)
+    }
+
+    /// Gives every fluid particle the density under the weight of what is above it, and every obstacle the volume that is left
+    /// to it by the others: 1/Σ W over obstacles, of N. Akinci et al., ACM Trans. Graph. 31 (2012) 62.
+    fn fill_space(&mut self, scene: &Scene, properties: &Properties<V>) -> Result<()> {
+        let positions: Vec<DVec3> = scene.bodies.iter().flat_map(|body| &body.positions).copied().collect();
+        let place = |member: usize| positions[properties.caller[self.members[member] as usize] as usize];
+        let common = self.kinds.first();
+        let down = common.gravity.normalize_or_zero();
+        let material = |member: usize| self.kinds.materials.get(usize::from(self.kind[member]));
+        let fluid: Vec<usize> = (0..self.members.len()).filter(|&member| material(member).is_some()).collect();
+        let heads: Vec<(f64, f64)> =
+            fluid.iter().map(|&member| (place(member).dot(down), material(member).map_or(0.0, |of| of.density))).collect();
+        let pressures = start::pressures(&heads, common.spacing, common.gravity.length());
+        self.density = vec![common.density; self.members.len()];
+        for (&member, pressure) in fluid.iter().zip(pressures) {
+            self.density[member] = material(member).map_or(common.density, |of| of.density_under(pressure));
+        }
+        self.kept.clone_from(&self.density);
+        if self.obstacles.is_empty() {
+            return Ok(());
+        }
+        let origin = properties.origin;
+        let at: Vec<DVec3> = (0..self.members.len()).map(|member| place(member) - origin).collect();
+        let index: Vec<usize> = self.members.iter().map(|&index| index as usize).collect();
+        let mut slot = vec![0; properties.count()];
+        index.iter().enumerate().for_each(|(member, &index)| slot[index] = member);
+        self.search(&|axis, index| at[slot[index]][axis], &Crew::alone())?;
+        let weight = weight::<K>(self.kinds.first(), V::DIMENSION);
+        let neighbors = self.vicinity.neighbors();
+        for &obstacle in &self.obstacles {
+            let place = neighbors.places()[obstacle as usize] as usize;
+            let others = neighbors.of(place).iter().map(|&other| neighbors.order()[other as usize] as usize);
+            let others = others.filter(|&other| self.kind[other] == OBSTACLE);
+            let near: f64 = others.map(|other| weight(at[other].distance(at[obstacle as usize]))).sum();
+            self.mass[obstacle as usize] = self.kinds.first().density / (near + weight(0.0));
+        }
+        Ok(())
+    }
+
+    /// Presses on the obstacles, in the records, what the fluid around them does.
+    fn press_obstacles(&mut self, crew: &Crew) {
+        let Self { obstacles, met, vicinity, records, extrapolation, .. } = self;
+        let (neighbors, before) = (vicinity.neighbors(), &*records);
+        crew.sweep(Chunks::new(met, BLOCK), &|mine| {
+            for (met, &obstacle) in mine.items.iter_mut().zip(&obstacles[mine.start..]) {
+                *met = before.sum_at(neighbors, *extrapolation, neighbors.places()[obstacle as usize] as usize);
+            }
+        });
+        for (&obstacle, &[pressed, weight]) in obstacles.iter().zip(&*met) {
+            // A fluid does not pull, and is not pulled.
+            let pressure = if weight > V::Scalar::ZERO && pressed > V::Scalar::ZERO { pressed / weight } else { V::Scalar::ZERO };
+            records.write(neighbors.places()[obstacle as usize] as usize, |words| words[V::DIMENSION + 1] = pressure);
+        }
     }
 
     /// Brings lists up to date, and with them who is near a wall.
@@ -129,7 +237,7 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>> Fluid<V, K> {
     }
 }
 
-impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>> Force<V> for Fluid<V, K> {
+impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>, const MIXED: bool> Force<V> for Fluids<V, K, MIXED> {
     fn name(&self) -> &'static str {
         "fluid"
     }
@@ -149,28 +257,31 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>> Force<V> for Fluid<V, K> {
     /// ρ ← ρ + h dρ/dt, in the middle of the way and at the velocity of the way.
     fn drift(&mut self, drift: &Drift<'_, V>, crew: &Crew) -> Result<()> {
         self.search(&|axis, index| drift.middle(axis, index), crew)?;
-        let Self { members, density, diffused, vicinity, records, continuity, rates, material, walls, .. } = self;
+        let Self { kinds, members, kind, mass, density, diffused, vicinity, records, continuity, rates, walls, .. } = self;
         let neighbors = vicinity.neighbors();
         records.fill(neighbors, vicinity.positions(), crew, &|member, record| {
             let index = members[member] as usize;
             for axis in 0..V::DIMENSION {
                 record[V::DIMENSION + axis] = drift.velocity.axis(axis)[index];
             }
-            record[2 * V::DIMENSION] = V::Scalar::from_f64(material.mass / density[member]);
-            record[2 * V::DIMENSION + 1] = V::Scalar::from_f64(material.enthalpy(density[member]));
+            record[2 * V::DIMENSION] = V::Scalar::from_f64(mass[member] / density[member]).tagged(kind[member]);
+            let enthalpy = kinds.materials.get(usize::from(kind[member])).map_or(0.0, |fluid| fluid.enthalpy(density[member]));
+            record[2 * V::DIMENSION + 1] = V::Scalar::from_f64(enthalpy);
         });
         records.sum(neighbors, *continuity, rates, crew);
-        let view = View { weight: material.density / material.sound_speed.powi(2) * material.gravity, sticks: false };
-        walls.add(*continuity, &view, (vicinity, records), rates, crew);
+        let common = kinds.first();
+        let view = View { weight: common.gravity / common.sound_speed.powi(2), sticks: false };
+        walls.add(continuity.of_mixture(), &view, (vicinity, records), rates, crew);
         let places = vicinity.neighbors().places();
         crew.sweep((Chunks::new(density, BLOCK), Chunks::new(diffused, BLOCK)), &|(densities, powers)| {
-            let places = &places[densities.start..];
-            for ((density, power), &place) in densities.items.iter_mut().zip(powers.items).zip(places) {
-                let [squeeze, diffusion] = rates[place as usize].map(Real::to_f64);
+            for (offset, (density, power)) in densities.items.iter_mut().zip(powers.items).enumerate() {
+                let member = densities.start + offset;
+                let Some(fluid) = kinds.materials.get(usize::from(kind[member])) else { continue };
+                let [squeeze, diffusion] = rates[places[member] as usize].map(Real::to_f64);
                 let change = drift.h * (*density * squeeze + diffusion);
                 // What diffusion moves against pressure is gone at once.
                 let middle = *density + 0.5 * change;
-                *power = -material.mass * material.pressure(middle) / (middle * middle) * diffusion;
+                *power = -fluid.mass * fluid.pressure(middle) / (middle * middle) * diffusion;
                 *density += change;
             }
         });
@@ -179,19 +290,21 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>> Force<V> for Fluid<V, K> {
 
     fn prepare(&mut self, at: &Moment<'_, V>, crew: &Crew) -> Result<()> {
         self.search(&|axis, index| at.place(axis, index), crew)?;
-        let Self { members, density, vicinity, records, momentum, forces, material, walls, .. } = self;
-        let neighbors = vicinity.neighbors();
-        records.fill(neighbors, vicinity.positions(), crew, &|member, record| {
+        let Self { kinds, members, kind, mass, density, vicinity, records, .. } = self;
+        records.fill(vicinity.neighbors(), vicinity.positions(), crew, &|member, record| {
             let index = members[member] as usize;
             for axis in 0..V::DIMENSION {
                 record[V::DIMENSION + axis] = at.velocity.axis(axis)[index];
             }
-            record[2 * V::DIMENSION] = V::Scalar::from_f64(material.mass / density[member]);
-            record[2 * V::DIMENSION + 1] = V::Scalar::from_f64(material.pressure(density[member]));
+            record[2 * V::DIMENSION] = V::Scalar::from_f64(mass[member] / density[member]).tagged(kind[member]);
+            let pressure = kinds.materials.get(usize::from(kind[member])).map_or(0.0, |fluid| fluid.pressure(density[member]));
+            record[2 * V::DIMENSION + 1] = V::Scalar::from_f64(pressure);
         });
-        records.sum(neighbors, *momentum, forces, crew);
-        let view = View { weight: material.density * material.gravity, sticks: true };
-        walls.add(*momentum, &view, (vicinity, records), forces, crew);
+        self.press_obstacles(crew);
+        let Self { kinds, vicinity, records, momentum, forces, walls, .. } = self;
+        records.sum(vicinity.neighbors(), *momentum, forces, crew);
+        let view = View { weight: kinds.first().gravity, sticks: true };
+        walls.add(momentum.of_mixture(), &view, (vicinity, records), forces, crew);
         Ok(())
     }
 
@@ -225,7 +338,7 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>> Force<V> for Fluid<V, K> {
                 continue;
             }
             let (density, place) = (self.density[slot as usize], places[slot as usize] as usize);
-            let (volume, force) = (self.material.mass / density, &self.forces[place]);
+            let (volume, force) = (self.mass[slot as usize] / density, &self.forces[place]);
             for axis in 0..V::DIMENSION {
                 rates.force.axes[axis][index] += V::Scalar::from_f64(volume) * force[axis];
             }
@@ -245,30 +358,52 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>> Force<V> for Fluid<V, K> {
     }
 
     fn internal(&self) -> f64 {
-        self.density.iter().map(|&density| self.material.mass * self.material.energy(density)).sum()
+        let energy = |member: usize| {
+            let fluid = self.kinds.materials.get(usize::from(self.kind[member]));
+            fluid.map_or(0.0, |fluid| fluid.mass * fluid.energy(self.density[member]))
+        };
+        (0..self.members.len()).map(energy).sum()
     }
 
     /// Of all waves that the kernel carries, the one with the shortest step: for kick–drift–kick with the force at the predicted
-    /// velocity that is 2/(γ + √(γ² + ω²)), where diffusion counts with half its rate.
-    fn bound(&self, at: &Moment<'_, V>, bound: &mut Bound) {
-        let (material, h) = (&self.material, self.material.smoothing_length);
-        let densest = self.density.iter().copied().fold(material.density, f64::max);
-        let scaled = |wave: &Wave| {
-            let viscous = (material.artificial() * wave.squeeze + 2.0 * material.viscosity * wave.decay) / material.density;
-            let decay = (viscous + 0.5 * material.diffusion() * wave.decay) / (h * h);
-            (material.sound_at(densest) * wave.frequency / h, decay)
-        };
-        let haste = |&(frequency, decay): &(f64, f64)| decay + decay.hypot(frequency);
-        let binding = self.waves.iter().map(scaled).max_by(|one, other| haste(one).total_cmp(&haste(other)));
-        let (frequency, decay) = binding.unwrap_or_default();
-        for &index in &self.members {
-            let mass = at.properties.mass[index as usize];
-            bound.point(index as usize, "sound", mass * frequency * frequency, 0.0);
-            bound.point(index as usize, "viscosity", 0.0, mass * decay);
+    /// velocity that is 2/(γ + √(γ² + ω²)), where diffusion counts with half its rate. An obstacle is pushed with the force on
+    /// the fluid in its place.
+    fn bound(&self, _at: &Moment<'_, V>, bound: &mut Bound) {
+        let h = self.kinds.first().smoothing_length;
+        let bounds: Vec<(f64, f64, f64)> = self
+            .kinds
+            .materials
+            .iter()
+            .zip(0..)
+            .map(|(fluid, kind)| {
+                let densities = self.density.iter().zip(&self.kind).filter(|(_, other)| **other == kind);
+                let densest = densities.map(|(density, _)| *density).fold(fluid.density, f64::max);
+                let scaled = |wave: &Wave| {
+                    let viscous = (fluid.artificial() * wave.squeeze + 2.0 * fluid.viscosity * wave.decay) / fluid.density;
+                    let decay = (viscous + 0.5 * fluid.diffusion() * wave.decay) / (h * h);
+                    (fluid.sound_at(densest) * wave.frequency / h, decay)
+                };
+                let haste = |&(frequency, decay): &(f64, f64)| decay + decay.hypot(frequency);
+                let binding = self.waves.iter().map(scaled).max_by(|one, other| haste(one).total_cmp(&haste(other)));
+                let (frequency, decay) = binding.unwrap_or_default();
+                (frequency * frequency, decay, fluid.density)
+            })
+            .collect();
+        let heaviest = |one: &&(f64, f64, f64), other: &&(f64, f64, f64)| (one.0 * one.2).total_cmp(&(other.0 * other.2));
+        let pressing = bounds.iter().max_by(heaviest).copied().unwrap_or_default();
+        for (member, &index) in self.members.iter().enumerate() {
+            let (stiffness, damping, density) = bounds.get(usize::from(self.kind[member])).copied().unwrap_or(pressing);
+            let mass = self.mass[member] / self.density[member] * density;
+            bound.point(index as usize, "sound", mass * stiffness, 0.0);
+            bound.point(index as usize, "viscosity", 0.0, mass * damping);
         }
-        let strongest = self.forces.iter().map(|force| force[..V::DIMENSION].iter().map(|f| f.to_f64().powi(2)).sum::<f64>());
-        let acceleration = strongest.fold(0.0, f64::max).sqrt() / self.material.density;
-        bound.accuracy("acceleration", (self.material.smoothing_length / acceleration).sqrt());
+        let push = |force: &[V::Scalar; FORCES]| force[..V::DIMENSION].iter().map(|f| f.to_f64().powi(2)).sum::<f64>();
+        let strongest = self.forces.iter().map(push).fold(0.0, f64::max).sqrt();
+        let lightest = self.kinds.materials.iter().map(|fluid| fluid.density).fold(f64::INFINITY, f64::min);
+        // What has diverged has no scale left.
+        if strongest.is_finite() {
+            bound.accuracy("acceleration", (h * lightest / strongest).sqrt());
+        }
     }
 
     fn bound_varies(&self) -> bool {
@@ -276,9 +411,11 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>> Force<V> for Fluid<V, K> {
     }
 
     fn show(&self, fields: &mut Fields) {
-        for (&index, &density) in self.members.iter().zip(&self.density) {
-            fields.density[index as usize] = density;
-            fields.pressure[index as usize] = self.material.pressure(density);
+        for (member, &index) in self.members.iter().enumerate() {
+            if let Some(fluid) = self.kinds.materials.get(usize::from(self.kind[member])) {
+                fields.density[index as usize] = self.density[member];
+                fields.pressure[index as usize] = fluid.pressure(self.density[member]);
+            }
         }
     }
 
@@ -287,13 +424,13 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>> Force<V> for Fluid<V, K> {
     }
 
     fn layout(&self) -> String {
-        format!("sound at {:.4} m/s; {}", self.material.sound_speed, self.vicinity.layout())
+        format!("sound at {:.4} m/s; {}", self.kinds.first().sound_speed, self.vicinity.layout())
     }
 
     fn bytes(&self) -> usize {
         let own = std::mem::size_of_val(self.rates.as_slice()) + std::mem::size_of_val(self.forces.as_slice());
-        let numbers = 3 * size_of::<f64>() * self.density.len();
-        let indices = size_of::<u32>() * (self.members.len() + self.slots.len());
+        let numbers = 4 * size_of::<f64>() * self.density.len();
+        let indices = size_of::<u32>() * (self.members.len() + self.slots.len() + self.obstacles.len()) + self.kind.len();
         self.vicinity.bytes() + self.records.bytes() + self.walls.bytes() + own + numbers + indices
     }
 }

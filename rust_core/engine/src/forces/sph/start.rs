@@ -3,11 +3,11 @@
 use glam::DVec3;
 
 use super::images::Side;
+use super::laws::{KINDS, OBSTACLE};
 use crate::boundaries::{self, Wall};
 use crate::error::{Error, Result};
-use crate::math::Vector;
-use crate::matter::Properties;
-use crate::scene::Scene;
+use crate::math::Real;
+use crate::scene::{Fluid, Scene};
 
 /// The exponent γ of the equation of state.
 const GAMMA: i32 = 7;
@@ -34,7 +34,7 @@ pub struct Material {
     pub artificial_viscosity: f64,
     /// The coefficient δ of the diffusion of density.
     pub density_diffusion: f64,
-    /// Gravity g [m/s²].
+    /// Gravity g [m/s²], as far as it presses: not along a periodic axis.
     pub gravity: DVec3,
 }
 
@@ -105,38 +105,104 @@ fn fluids(scene: &Scene) -> impl Iterator<Item = usize> {
     (0..scene.bodies.len()).filter(|&body| scene.bodies[body].fluid.is_some())
 }
 
-impl Material {
-    /// That of the fluids of a scene, which are all of one kind.
+/// The kinds of fluid in a scene, and which each body is.
+#[derive(Debug)]
+pub struct Kinds {
+    pub materials: Vec<Material>,
+    /// The kind of each body: a fluid, [`OBSTACLE`], or nothing that the fluid meets.
+    pub of_body: Vec<Option<u8>>,
+}
+
+impl Kinds {
+    /// The kinds in a scene.
     ///
     /// # Errors
-    /// If they are not, or the speed of sound can neither be found nor is given.
+    /// If they are too many or have different kernels, or the speed of sound can neither be found nor is given.
     pub fn of(scene: &Scene) -> Result<Self> {
-        let all: Vec<usize> = fluids(scene).collect();
-        let of = |body: usize| scene.bodies[body].fluid.as_ref();
-        let Some((&first, rest)) = all.split_first() else { return Err(Error::parameter("bodies", "a fluid", "none")) };
-        let Some(fluid) = of(first) else { return Err(Error::parameter("bodies", "a fluid", "none")) };
-        if let Some(&other) = rest.iter().find(|&&other| of(other) != Some(fluid)) {
-            let expected = format!("the same material, kernel and spacing as bodies[{first}]");
-            return Err(Error::parameter(format!("bodies[{other}]"), expected, "another")
-                .with_hint("all fluids of a scene are one kind of fluid"));
+        let mut kinds = Self { materials: Vec::new(), of_body: vec![None; scene.bodies.len()] };
+        let mut shared: Option<(usize, &Fluid)> = None;
+        for (body, fluid) in scene.bodies.iter().enumerate().filter_map(|(body, matter)| Some((body, matter.fluid.as_ref()?))) {
+            let (first, model) = *shared.get_or_insert((body, fluid));
+            let common = Fluid { density: model.density, viscosity: model.viscosity, ..fluid.clone() };
+            if common != *model {
+                return Err(Error::parameter(
+                    format!("bodies[{body}]"),
+                    format!("numerics as those of bodies[{first}]"),
+                    "others",
+                )
+                .with_hint("fluids of one scene may differ in density and viscosity alone"));
+            }
+            let material = Material::of(scene, fluid)?;
+            let known = kinds.materials.iter().position(|other| *other == material);
+            if known.is_none() && kinds.materials.len() == usize::from(OBSTACLE) {
+                return Err(Error::parameter(format!("bodies[{body}]"), "at most three kinds of fluid", "a fourth"));
+            }
+            kinds.of_body[body] = Some(known.unwrap_or(kinds.materials.len()) as u8);
+            kinds.materials.extend(known.is_none().then_some(material));
+            if fluid.obstacles {
+                let solids = kinds.of_body.iter_mut().zip(&scene.bodies).filter(|(_, matter)| matter.fluid.is_none());
+                solids.for_each(|(kind, _)| *kind = Some(OBSTACLE));
+            }
         }
+        Ok(kinds)
+    }
+
+    /// Whether there is more than one kind of matter.
+    pub fn are_mixed(&self) -> bool {
+        self.materials.len() > 1 || self.of_body.contains(&Some(OBSTACLE))
+    }
+
+    /// What the fluids have in common, and the first of them.
+    pub fn first(&self) -> &Material {
+        &self.materials[0]
+    }
+
+    /// A number of each kind, and another of obstacles.
+    pub fn each<T: Real>(&self, of: impl Fn(&Material) -> f64, of_obstacles: f64) -> [T; KINDS] {
+        std::array::from_fn(|kind| {
+            let obstacles = if kind == usize::from(OBSTACLE) { of_obstacles } else { 0.0 };
+            T::from_f64(self.materials.get(kind).map_or(obstacles, &of))
+        })
+    }
+
+    /// A number of each pair of kinds. Obstacles are as what they touch; to each other they are nothing.
+    pub fn pairs<T: Real>(&self, of: impl Fn(&Material, &Material) -> f64) -> [[T; KINDS]; KINDS] {
+        let pair = |one: Option<&Material>, other: Option<&Material>| match (one, other) {
+            (Some(one), Some(other)) => of(one, other),
+            (Some(fluid), None) | (None, Some(fluid)) => of(fluid, fluid),
+            (None, None) => 0.0,
+        };
+        std::array::from_fn(|one| {
+            std::array::from_fn(|other| T::from_f64(pair(self.materials.get(one), self.materials.get(other))))
+        })
+    }
+}
+
+impl Material {
+    /// That of a fluid of the scene.
+    fn of(scene: &Scene, fluid: &Fluid) -> Result<Self> {
+        let first = fluids(scene).next().unwrap_or(0);
         let gravity = scene.forces.iter().filter(|term| term.kind == "Gravity" && term.acts_on(first));
-        let gravity = gravity.map(|term| term.vector("acceleration")).sum::<Result<DVec3>>()?;
-        let mut material = Self {
+        let mut gravity = gravity.map(|term| term.vector("acceleration")).sum::<Result<DVec3>>()?;
+        // Along a periodic axis nothing is below anything.
+        if let Some([lower, upper]) = scene.periodic {
+            (0..scene.dimension).filter(|&axis| (upper[axis] - lower[axis]).is_finite()).for_each(|axis| gravity[axis] = 0.0);
+        }
+        let sound_speed = match fluid.sound_speed {
+            Some(speed) => speed,
+            None => SOUND * fastest(scene, first, gravity)?,
+        };
+        Ok(Self {
             mass: fluid.density * if scene.dimension == 2 { fluid.spacing.powi(2) } else { fluid.spacing.powi(3) },
             density: fluid.density,
-            sound_speed: fluid.sound_speed.unwrap_or(0.0),
+            sound_speed,
             smoothing_length: fluid.smoothing * fluid.spacing,
             spacing: fluid.spacing,
             viscosity: fluid.viscosity,
             artificial_viscosity: fluid.artificial_viscosity,
             density_diffusion: fluid.density_diffusion,
             gravity,
-        };
-        if fluid.sound_speed.is_none() {
-            material.sound_speed = SOUND * fastest(scene, first, gravity)?;
-        }
-        Ok(material)
+        })
     }
 }
 
@@ -177,11 +243,41 @@ fn hit(wall: &Wall, x: DVec3, direction: DVec3) -> Option<f64> {
     (distance > 0.0 && distance.is_finite()).then_some(distance)
 }
 
-/// The density that each member starts with: under the weight of what is above it.
-pub fn densities<V: Vector>(scene: &Scene, properties: &Properties<V>, members: &[u32], material: &Material) -> Vec<f64> {
-    let positions: Vec<DVec3> = scene.bodies.iter().flat_map(|body| &body.positions).copied().collect();
-    let weight = material.density * material.gravity;
-    let load = |&member: &u32| positions[properties.caller[member as usize] as usize].dot(weight);
-    let top = members.iter().map(load).fold(f64::INFINITY, f64::min) - 0.5 * material.spacing * weight.length();
-    members.iter().map(|member| material.density_under(load(member) - top)).collect()
+/// The pressure that each fluid particle at these heads starts with [Pa]: the weight of what is above it. A head is how far
+/// down something is [m]; it comes with the density there. What is empty on the way weighs nothing.
+pub fn pressures(heads: &[(f64, f64)], spacing: f64, gravity: f64) -> Vec<f64> {
+    let top = heads.iter().map(|&(head, _)| head).fold(f64::INFINITY, f64::min) - 0.5 * spacing;
+    let layer = |head: f64| ((head - top) / spacing) as usize;
+    let layers = heads.iter().map(|&(head, _)| layer(head) + 1).max().unwrap_or(0);
+    let mut sums = vec![(0.0, 0.0); layers];
+    for &(head, density) in heads {
+        let (sum, number) = &mut sums[layer(head)];
+        *sum += density;
+        *number += 1.0;
+    }
+    let mean = |layer: usize| if sums[layer].1 > 0.0 { sums[layer].0 / sums[layer].1 } else { 0.0 };
+    let mut above = vec![0.0; layers];
+    (1..layers).for_each(|layer| above[layer] = above[layer - 1] + mean(layer - 1) * spacing);
+    let pressure = |head: f64| {
+        let layer = layer(head);
+        gravity * (above[layer] + mean(layer) * (head - top - layer as f64 * spacing))
+    };
+    heads.iter().map(|&(head, _)| pressure(head)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_weight_above_is_that_of_all_layers() {
+        // Half a metre of oil on water: (800 · 0.5 + 1000 · x) g.
+        let heads: Vec<(f64, f64)> =
+            (0..20).map(|row| (0.05 + 0.1 * f64::from(row), if row < 5 { 800.0 } else { 1000.0 })).collect();
+        let found = pressures(&heads, 0.1, 10.0);
+        for (&(head, _), pressure) in heads.iter().zip(found) {
+            let expected = 10.0 * if head < 0.5 { 800.0 * head } else { 400.0 + 1000.0 * (head - 0.5) };
+            assert!((pressure - expected).abs() < 1e-9 * expected, "{head} {pressure} {expected}");
+        }
+    }
 }
