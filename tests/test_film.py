@@ -227,6 +227,13 @@ def test_a_fluid_is_colored_by_speed_pressure_or_density(tmp_path: Path) -> None
         picture = picture_of(recording, tmp_path / "film.png", style=pc.styles.Fluid(color, "viridis"))
         row = picture[:90].sum(axis=2).max(axis=0)
         assert row[100:].max() > row[:60].max() + 100, color
+    bright, dim = (
+        picture_of(recording, tmp_path / "film.png", style=pc.styles.Fluid("pressure", top=top))[:90].sum(axis=2).max()
+        for top in (1e4, 2e4)
+    )
+    assert bright > dim + 100
+    with pytest.raises(pc.SceneError, match=r"Fluid\.top"):
+        pc.styles.Fluid(top=0.0)
     del recording.channels["pressures"]
     with pytest.raises(pc.SceneError, match=r"'pressure' needs pressures, which were not recorded; .*channels="):
         picture_of(recording, tmp_path / "film.png", style=pc.styles.Fluid("pressure"))

@@ -1,7 +1,9 @@
 """Color maps in which equal differences of a value look equally large, also to the color-blind and in print.
 
 Viridis, inferno, plasma and magma by Stéfan van der Walt, Nathaniel Smith and Eric Firing (2015), released under CC0;
-every eighth color of the original, between which a straight line stays within 3.1/255 of it.
+every eighth color of the original, between which a straight line stays within 3.1/255 of it. Water (from the deep over
+blue to foam) and ember (from dark red over orange to a yellow glow) are physcore's own, straight in the lightness of
+Oklab (B. Ottosson, "A perceptual color space for image processing", 2020).
 """
 
 from __future__ import annotations
@@ -13,7 +15,7 @@ import numpy as np
 from physcore.checks import FloatArray
 from physcore.errors import SceneError
 
-ColormapName = Literal["viridis", "inferno", "plasma", "magma"]
+ColormapName = Literal["viridis", "inferno", "plasma", "magma", "water", "ember"]
 
 COLORMAPS: dict[str, str] = {
     "viridis": (
@@ -35,6 +37,16 @@ COLORMAPS: dict[str, str] = {
         "000004 030312 0a0822 140e36 1e1149 2a115c 38106c 471078 54137d 601880 6d1d81 792282 "
         "882781 942c80 a1307e ae347b bd3977 ca3e72 d6456c e24d66 ec5860 f3655c f8745c fb835f "
         "fd9266 fea36f feb27a fec185 fecf92 fde0a1 fceeb0 fcfdbf"
+    ),
+    "water": (
+        "0a2a81 0b3088 0c3790 0e3d98 0f44a0 114aa8 1251b0 1658b7 1a5fbe 1f66c4 236dcb 2774d1 "
+        "227cd7 2085da 238ddd 2895e0 2e9de2 36a5e4 3fade6 4ab5e8 58bce8 65c3e9 73c9ea 82d0eb "
+        "8fd6ed 9ddcee ace2f0 bae7f2 c8edf5 d6f2f7 e4f8fa f1fdfe"
+    ),
+    "ember": (
+        "4f0910 5a0911 640911 6f0811 7a0610 86040e 91020a 9a090a a4130b ad1b0c b6220d bf290c "
+        "c83100 d03b00 d64600 dc5000 e25a00 e86400 ed6e03 f3780b f98112 fe8a19 ff941d ff9f1d "
+        "ffaa20 ffb52b ffc245 ffce5b ffd96f ffe482 ffee95 fff7a8"
     ),
 }
 STEPS = 256

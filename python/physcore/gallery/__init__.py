@@ -13,7 +13,20 @@ from typing import Protocol, cast
 
 from physcore.recording import Recording
 
-DEMOS = ("cloth", "rope", "jelly", "orbits", "drape", "bowl")
+DEMOS = (
+    "cloth",
+    "rope",
+    "jelly",
+    "orbits",
+    "drape",
+    "bowl",
+    "dam_break",
+    "dam_break_3d",
+    "splash",
+    "lava",
+    "hourglass",
+    "crystal",
+)
 """Every demo; the first one is the default."""
 
 

@@ -89,12 +89,12 @@ class Painter(ABC):
         """Add the bodies to the painting of a panel of so many pixels."""
 
 
-def typical(values: FloatArray) -> float:
+def typical(values: FloatArray, percentile: float = TYPICAL) -> float:
     """The value below which nearly all lie; 0 if there are none."""
     finite = values[np.isfinite(values)]
     if len(finite) == 0:
         return 0.0
-    rank = min(int(len(finite) * TYPICAL / 100), len(finite) - 1)
+    rank = min(int(len(finite) * percentile / 100), len(finite) - 1)
     return float(np.partition(finite, rank)[rank])
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from physcore import fluid
 from physcore._core import Canvas
 from physcore.bodies import Body
-from physcore.checks import FloatArray
+from physcore.checks import FloatArray, number
 from physcore.errors import SceneError
 from physcore.film.camera import View
 from physcore.film.colormaps import ColormapName, look_up, sequential
@@ -22,8 +22,10 @@ ColorBy = Literal["speed", "pressure", "density"]
 
 CHANNEL = {"speed": "velocities", "pressure": "pressures", "density": "densities"}
 """What a film of each color needs."""
-FULL = 1.12
-"""A lump's diameter over its spacing: the discs of a square lattice overlap a little, so that still water is closed."""
+FULL = 1.6
+"""A lump's diameter over its spacing: discs on a square lattice just cover the plane, √2, so that water is closed."""
+TYPICAL = 95.0
+"""The top of the color scale is this percentile of a frame: what is faster is spray, and as white as can be."""
 SMALLEST = 0.7
 """The least radius of a lump [pixels]."""
 SHADING = 0.45
@@ -39,7 +41,9 @@ class Fluid(Style):
         color: by "speed" [m/s] or "pressure" [Pa], from zero to what is typical of the frame with the most, or by
             "density", with the density at rest in the middle of the scale; a recording needs the channel
             "velocities", "pressures" or "densities".
-        colormap: "viridis", "inferno", "plasma" or "magma".
+        colormap: "water", "ember", "viridis", "inferno", "plasma" or "magma".
+        top: the value at the end of the color scale, in the unit of what the color shows (for the density, relative
+            to that at rest), above zero; None: what is typical of the frame with the most.
         on: as in Style; it must be a fluid.
 
     Raises:
@@ -47,13 +51,16 @@ class Fluid(Style):
     """
 
     color: ColorBy = "speed"
-    colormap: ColormapName = "viridis"
+    colormap: ColormapName = "water"
+    top: float | None = None
 
     def __post_init__(self) -> None:
         super().__post_init__()
         if self.color not in CHANNEL:
             raise SceneError(f"Fluid.color: must be one of {', '.join(map(repr, CHANNEL))}, got {self.color!r}")
         sequential(self.colormap, (0.0, 1.0), "Fluid.colormap")
+        if self.top is not None:
+            number(self.top, "Fluid.top", above=0.0)
 
     def can_draw(self, body: Body) -> bool:
         """Whether it is a fluid."""
@@ -84,7 +91,7 @@ class FluidPainter(Painter):
         sizes = [len(body) for body in bodies]
         self._radius = np.repeat([FULL / 2 * body.spacing for body in bodies], sizes).astype(np.float32)
         self._rest = np.repeat([body.density for body in bodies], sizes)
-        self.top = NEVER
+        self.top = style.top or NEVER
 
     @property
     def margin(self) -> float:
@@ -93,7 +100,8 @@ class FluidPainter(Painter):
 
     def observe(self, moment: Moment) -> None:
         """Find the end of the color scale."""
-        self.top = max(self.top, typical(np.abs(self._values(moment))))
+        if self._style.top is None:
+            self.top = max(self.top, typical(np.abs(self._values(moment)), TYPICAL))
 
     def inset(self, pixels: float) -> float:
         """A rim: the radius is part of what the camera is fitted to."""

@@ -38,7 +38,7 @@ class Points(Style):
     Args:
         color: by "speed" [m/s], kinetic "energy" [J] or "body"; None: speed if it was recorded, otherwise body. Scales
             go from zero to what is typical of the fastest frame.
-        colormap: "viridis", "inferno", "plasma" or "magma".
+        colormap: "plasma", "viridis", "inferno", "magma", "water" or "ember".
         size: diameter [pixels]; None: as large as the particle if it has a radius, otherwise as fits their number.
         trail: for how long the path behind each particle is shown [s]; None: where there are only a few particles, an
             eighth of the film, otherwise not.
