@@ -189,27 +189,40 @@ impl<V: Vector> Simulation<V> {
 
     /// Takes one chunk of steps. If something in it goes wrong, takes it again step by step to find where.
     fn chunk(&mut self, steps: u64, interrupted: &dyn Fn() -> bool) -> Result<()> {
-        self.advance(steps, interrupted)?;
         let before = self.watch;
-        if self.verdict()?.is_none() {
-            return Ok(());
+        match self.advance(steps, interrupted) {
+            Err(error) if !is_scattered(&error) => return Err(error),
+            Err(_) => {}
+            Ok(()) if self.verdict()?.is_none() => return Ok(()),
+            Ok(()) => self.take_back(steps)?,
         }
-        self.system.undo()?;
-        self.segment.steps -= steps;
-        self.steps -= steps;
         for _ in 0..steps {
-            self.advance(1, interrupted)?;
+            match self.advance(1, interrupted) {
+                Err(error) if is_scattered(&error) => {
+                    let cause = "is so far away that it cannot be told who is near whom".to_owned();
+                    let divergence = self.divergence(self.fastest(), "position", cause);
+                    let time = self.segment.time() + self.segment.dt;
+                    return Err(Error::Diverged(Box::new(Divergence { step: self.steps + 1, time, ..divergence })));
+                }
+                outcome => outcome?,
+            }
             self.watch = before;
             self.watch.calm = -1.0;
             if let Some(mut divergence) = self.verdict()? {
                 divergence.step = self.steps;
                 divergence.time = self.segment.time();
-                self.system.undo()?;
-                self.segment.steps -= 1;
-                self.steps -= 1;
+                self.take_back(1)?;
                 return Err(Error::Diverged(Box::new(divergence)));
             }
         }
+        Ok(())
+    }
+
+    /// Goes back to before the last [`Simulation::advance`].
+    fn take_back(&mut self, steps: u64) -> Result<()> {
+        self.system.undo()?;
+        self.segment.steps -= steps;
+        self.steps -= steps;
         Ok(())
     }
 
@@ -294,6 +307,11 @@ impl<V: Vector> Simulation<V> {
         let state = self.system.state();
         [&state.position, &state.velocity, &state.residual].into_iter().chain(state.memory.iter().take(self.carried))
     }
+}
+
+/// Whether a step failed because particles are too far away to be searched: they diverge before their numbers do.
+fn is_scattered(error: &Error) -> bool {
+    matches!(error, Error::Parameter { path, .. } if path == "positions")
 }
 
 impl<V: Vector> World for Simulation<V> {

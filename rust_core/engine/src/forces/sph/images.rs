@@ -231,6 +231,9 @@ pub trait Pressed<V: Vector, const SUMS: usize> {
     /// The density at rest of the other [kg/m³].
     fn density(&self, other: &Record<V::Scalar>) -> V::Scalar;
 
+    /// The second number of a record, raised by what gravity adds on the way to an image.
+    fn raised(&self, content: V::Scalar, by: V::Scalar) -> V::Scalar;
+
     /// What is different where the other is an image, whose pressure has been raised `by` so much: the powers, because it
     /// belongs to a wall that takes none.
     fn lift(
@@ -271,15 +274,16 @@ impl<V: Vector, L: PairLaw<V, SUMS> + Pressed<V, SUMS>, const SUMS: usize> PairL
         for axis in 0..V::DIMENSION {
             image[V::DIMENSION + axis] = dot::<V>(&velocity[axis], &before);
         }
-        let by = self.law.density(other) * (dot::<V>(&rise.0, &apart) + rise.1);
-        image[2 * V::DIMENSION + 1] += by;
+        let content = other[2 * V::DIMENSION + 1];
+        let raised = self.law.raised(content, self.law.density(other) * (dot::<V>(&rise.0, &apart) + rise.1));
+        image[2 * V::DIMENSION + 1] = raised;
         let mut counts = square < V::Scalar::INFINITY;
         for (normal, distance) in depths {
             counts &= dot::<V>(normal, &apart) + *distance > zero;
         }
         let far = if counts { far } else { V::Scalar::INFINITY };
         let mut terms = self.law.terms(own, &image, from_image, far);
-        let lift = self.law.lift(own, &image, from_image, far, by);
+        let lift = self.law.lift(own, &image, from_image, far, raised - content);
         for sum in 0..SUMS {
             terms[sum] += lift[sum];
         }

@@ -59,8 +59,8 @@ fn approach<V: Vector>(own: &Record<V::Scalar>, other: &Record<V::Scalar>, apart
 fn pick<T: Real, const MIXED: bool>(tagged: T, values: &[T; KINDS]) -> T {
     let mut value = values[0];
     if MIXED {
-        for (kind, &other) in (0..KINDS as u8).zip(values).skip(1) {
-            value = if tagged.has_tag(kind) { other } else { value };
+        for kind in 1..KINDS {
+            value = if tagged.has_tag(kind as u8) { values[kind] } else { value };
         }
     }
     value
@@ -69,7 +69,15 @@ fn pick<T: Real, const MIXED: bool>(tagged: T, values: &[T; KINDS]) -> T {
 /// What belongs to the kinds of two tagged numbers.
 #[inline(always)]
 fn pick_pair<T: Real, const MIXED: bool>(own: T, other: T, table: &[[T; KINDS]; KINDS]) -> T {
-    let row = std::array::from_fn(|column| pick::<T, MIXED>(own, &table.map(|row| row[column])));
+    let mut row = table[0];
+    if MIXED {
+        for kind in 1..KINDS {
+            let mine = own.has_tag(kind as u8);
+            for column in 0..KINDS {
+                row[column] = if mine { table[kind][column] } else { row[column] };
+            }
+        }
+    }
     pick::<T, MIXED>(other, &row)
 }
 
@@ -107,21 +115,15 @@ impl<V: Vector, K: Shape<V::Scalar>, const MIXED: bool> PairLaw<V, 2> for Contin
     }
 }
 
-impl<T: Copy, K, const MIXED: bool> Continuity<T, K, MIXED> {
-    /// The same for any mixture.
-    pub fn of_mixture(&self) -> Continuity<T, K, true>
-    where
-        K: Copy,
-    {
-        let Self { kernel, diffusion, density, stratification } = *self;
-        Continuity { kernel, diffusion, density, stratification }
-    }
-}
-
-impl<V: Vector, K: Shape<V::Scalar>> Pressed<V, 2> for Continuity<V::Scalar, K, true> {
+impl<V: Vector, K: Shape<V::Scalar>, const MIXED: bool> Pressed<V, 2> for Continuity<V::Scalar, K, MIXED> {
     #[inline(always)]
     fn density(&self, other: &Record<V::Scalar>) -> V::Scalar {
-        pick::<_, true>(volume::<V>(other), &self.density)
+        pick::<_, MIXED>(volume::<V>(other), &self.density)
+    }
+
+    #[inline(always)]
+    fn raised(&self, content: V::Scalar, by: V::Scalar) -> V::Scalar {
+        content + by
     }
 
     /// Diffusion is not moved by what gravity makes of the density.
@@ -215,21 +217,18 @@ impl<T: Real, K: Shape<T>, const MIXED: bool> Momentum<T, K, MIXED> {
     }
 }
 
-impl<T: Copy, K, const MIXED: bool> Momentum<T, K, MIXED> {
-    /// The same for any mixture.
-    pub fn of_mixture(&self) -> Momentum<T, K, true>
-    where
-        K: Copy,
-    {
-        let Self { kernel, artificial, laminar, contact, density, softening } = *self;
-        Momentum { kernel, artificial, laminar, contact, density, softening }
-    }
-}
-
-impl<V: Vector, K: Shape<V::Scalar>> Pressed<V, FORCES> for Momentum<V::Scalar, K, true> {
+impl<V: Vector, K: Shape<V::Scalar>, const MIXED: bool> Pressed<V, FORCES> for Momentum<V::Scalar, K, MIXED> {
     #[inline(always)]
     fn density(&self, other: &Record<V::Scalar>) -> V::Scalar {
-        pick::<_, true>(volume::<V>(other), &self.density)
+        pick::<_, MIXED>(volume::<V>(other), &self.density)
+    }
+
+    /// A ceiling does not hold a drop by suction.
+    #[inline(always)]
+    fn raised(&self, content: V::Scalar, by: V::Scalar) -> V::Scalar {
+        let least = if content < V::Scalar::ZERO { content } else { V::Scalar::ZERO };
+        let raised = content + by;
+        if raised > least || by > V::Scalar::ZERO { raised } else { least }
     }
 
     #[inline(always)]

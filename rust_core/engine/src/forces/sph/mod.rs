@@ -271,7 +271,7 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>, const MIXED: bool> Force<V> fo
         records.sum(neighbors, *continuity, rates, crew);
         let common = kinds.first();
         let view = View { weight: common.gravity / common.sound_speed.powi(2), sticks: false };
-        walls.add(continuity.of_mixture(), &view, (vicinity, records), rates, crew);
+        walls.add(*continuity, &view, (vicinity, records), rates, crew);
         let places = vicinity.neighbors().places();
         crew.sweep((Chunks::new(density, BLOCK), Chunks::new(diffused, BLOCK)), &|(densities, powers)| {
             for (offset, (density, power)) in densities.items.iter_mut().zip(powers.items).enumerate() {
@@ -304,7 +304,7 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>, const MIXED: bool> Force<V> fo
         let Self { kinds, vicinity, records, momentum, forces, walls, .. } = self;
         records.sum(vicinity.neighbors(), *momentum, forces, crew);
         let view = View { weight: kinds.first().gravity, sticks: true };
-        walls.add(momentum.of_mixture(), &view, (vicinity, records), forces, crew);
+        walls.add(*momentum, &view, (vicinity, records), forces, crew);
         Ok(())
     }
 
