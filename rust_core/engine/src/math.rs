@@ -56,8 +56,10 @@ pub trait Real:
     /// This number with one of four tags in its two lowest bits, where it is not missed.
     #[must_use]
     fn tagged(self, tag: u8) -> Self;
-    /// Whether it has this tag.
-    fn has_tag(self, tag: u8) -> bool;
+    /// Its tag.
+    fn tag(self) -> u8;
+    /// Whether a bit of its tag is set, 0 or 1.
+    fn has_tag_bit(self, bit: u8) -> bool;
     /// Lends the calling thread's scratch memory of `length` numbers, holding anything. It begins at a cache line: a vector
     /// that straddles two costs twice.
     fn with_scratch<R>(length: usize, work: impl FnOnce(&mut [Self]) -> R) -> R;
@@ -108,9 +110,13 @@ macro_rules! real {
             }
 
             #[inline(always)]
-            #[allow(clippy::cast_lossless)]
-            fn has_tag(self, tag: u8) -> bool {
-                self.to_bits() & 3 == tag as $bits
+            fn tag(self) -> u8 {
+                (self.to_bits() & 3) as u8
+            }
+
+            #[inline(always)]
+            fn has_tag_bit(self, bit: u8) -> bool {
+                self.to_bits() & (1 << bit) != 0
             }
 
             fn with_scratch<R>(length: usize, work: impl FnOnce(&mut [Self]) -> R) -> R {

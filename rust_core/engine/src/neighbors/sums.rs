@@ -12,6 +12,13 @@ use crate::simd::{Isa, Kernel, LANES, Lanes, LevelKernel, Record, WORDS, dispatc
 
 /// What happens between two particles, as the first of them feels it.
 pub trait PairLaw<V: Vector, const SUMS: usize>: Copy + Sync {
+    /// The law as one particle sees it, for all of its pairs: what depends on that particle alone is settled here.
+    #[must_use]
+    #[inline(always)]
+    fn facing(self, _own: &Record<V::Scalar>) -> Self {
+        self
+    }
+
     /// The terms of one pair, which are added to the sums of the first particle.
     ///
     /// `own` and `other` are the records, whose first words (as many as there are axes) mean nothing here; `apart` is the
@@ -174,6 +181,7 @@ impl<V: Vector, L: PairLaw<V, SUMS>, const SUMS: usize, const PERIODIC: bool> Le
         let Self { records, neighbors, law, place } = self;
         let mut sums = around::<V, L, SUMS, PERIODIC>(isa, records, neighbors, law, place);
         let own = records.words[place];
+        let law = law.facing(&own);
         let itself = law.terms(&own, &own, [V::Scalar::ZERO; AXES], V::Scalar::ZERO);
         for sum in 0..SUMS {
             sums[sum] += itself[sum];
@@ -194,6 +202,7 @@ fn around<V: Vector, L: PairLaw<V, SUMS>, const SUMS: usize, const PERIODIC: boo
     let (segment, list) = neighbors.lists.within(place);
     // A copy, because compilers do not see that nobody writes to the original meanwhile.
     let own = records.words[place];
+    let law = law.facing(&own);
     let mut lanes = [[V::Scalar::ZERO; LANES]; SUMS];
     for first in list.clone().step_by(LANES) {
         let others = transpose(isa, &records.words, segment.group(first));

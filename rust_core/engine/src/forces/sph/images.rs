@@ -255,6 +255,11 @@ struct Mirrored<T, L> {
 
 impl<V: Vector, L: PairLaw<V, SUMS> + Pressed<V, SUMS>, const SUMS: usize> PairLaw<V, SUMS> for Mirrored<V::Scalar, L> {
     #[inline(always)]
+    fn facing(self, own: &Record<V::Scalar>) -> Self {
+        Self { law: self.law.facing(own), ..self }
+    }
+
+    #[inline(always)]
     fn terms(
         &self,
         own: &Record<V::Scalar>,

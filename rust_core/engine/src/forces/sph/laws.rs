@@ -57,43 +57,41 @@ fn approach<V: Vector>(own: &Record<V::Scalar>, other: &Record<V::Scalar>, apart
 /// What belongs to the kind of a tagged number.
 #[inline(always)]
 fn pick<T: Real, const MIXED: bool>(tagged: T, values: &[T; KINDS]) -> T {
-    let mut value = values[0];
-    if MIXED {
-        for kind in 1..KINDS {
-            value = if tagged.has_tag(kind as u8) { values[kind] } else { value };
-        }
+    if !MIXED {
+        return values[0];
     }
-    value
-}
-
-/// What belongs to the kinds of two tagged numbers.
-#[inline(always)]
-fn pick_pair<T: Real, const MIXED: bool>(own: T, other: T, table: &[[T; KINDS]; KINDS]) -> T {
-    let mut row = table[0];
-    if MIXED {
-        for kind in 1..KINDS {
-            let mine = own.has_tag(kind as u8);
-            for column in 0..KINDS {
-                row[column] = if mine { table[kind][column] } else { row[column] };
-            }
-        }
-    }
-    pick::<T, MIXED>(other, &row)
+    let even = if tagged.has_tag_bit(1) { values[2] } else { values[0] };
+    let odd = if tagged.has_tag_bit(1) { values[3] } else { values[1] };
+    if tagged.has_tag_bit(0) { odd } else { even }
 }
 
 /// Continuity: Σ Vⱼ v·∇W, and what diffusion adds to the rate of density.
 #[derive(Debug, Clone, Copy)]
 pub struct Continuity<T, K, const MIXED: bool> {
     pub kernel: Kernel<T, K>,
-    /// 2δhc [m²/s] for two kinds.
+    /// 2δhc [m²/s] of each pair of kinds, and those of the particle that is faced.
     pub diffusion: [[T; KINDS]; KINDS],
+    pub faced: [T; KINDS],
     /// ρ₀ of each kind [kg/m³].
     pub density: [T; KINDS],
-    /// g/c² [1/m], the enthalpy that gravity makes per metre, likewise.
-    pub stratification: [T; AXES],
+    /// g/c² [1/m], and times ρ₀ of the particle that is faced: the enthalpy that gravity makes per metre.
+    pub gravity: [T; AXES],
+    pub fall: [T; AXES],
 }
 
 impl<V: Vector, K: Shape<V::Scalar>, const MIXED: bool> PairLaw<V, 2> for Continuity<V::Scalar, K, MIXED> {
+    #[inline(always)]
+    fn facing(mut self, own: &Record<V::Scalar>) -> Self {
+        if MIXED {
+            let kind = usize::from(volume::<V>(own).tag());
+            self.faced = self.diffusion[kind];
+            for axis in 0..V::DIMENSION {
+                self.fall[axis] = self.density[kind] * self.gravity[axis];
+            }
+        }
+        self
+    }
+
     #[inline(always)]
     fn terms(
         &self,
@@ -102,15 +100,12 @@ impl<V: Vector, K: Shape<V::Scalar>, const MIXED: bool> PairLaw<V, 2> for Contin
         apart: [V::Scalar; AXES],
         square: V::Scalar,
     ) -> [V::Scalar; 2] {
-        let (mine, theirs) = (volume::<V>(own), volume::<V>(other));
-        let weight = theirs * self.kernel.slope(square.sqrt());
-        let density = pick::<_, MIXED>(mine, &self.density);
-        let diffusion = pick_pair::<_, MIXED>(mine, theirs, &self.diffusion);
-        let mut fall = V::Scalar::ZERO;
+        let weight = volume::<V>(other) * self.kernel.slope(square.sqrt());
+        let diffusion = pick::<_, MIXED>(volume::<V>(other), &self.faced);
+        let mut excess = content::<V>(other) - content::<V>(own);
         for axis in 0..V::DIMENSION {
-            fall += self.stratification[axis] * apart[axis];
+            excess += self.fall[axis] * apart[axis];
         }
-        let excess = content::<V>(other) - content::<V>(own) + density * fall;
         [approach::<V>(own, other, apart) * weight, V::Scalar::ZERO - diffusion * excess * weight]
     }
 }
@@ -140,16 +135,24 @@ impl<V: Vector, K: Shape<V::Scalar>, const MIXED: bool> Pressed<V, 2> for Contin
     }
 }
 
+/// What two kinds do to each other.
+#[derive(Debug, Clone, Copy)]
+pub struct Touch<T> {
+    /// αhcρ₀ [Pa·s].
+    pub artificial: [T; KINDS],
+    /// 2μ [Pa·s].
+    pub laminar: [T; KINDS],
+    /// 1 for those who push each other, 0 for obstacles.
+    pub contact: [T; KINDS],
+}
+
 /// Momentum: the force over Vᵢ along each axis [N/m^D], and powers, likewise.
 #[derive(Debug, Clone, Copy)]
 pub struct Momentum<T, K, const MIXED: bool> {
     pub kernel: Kernel<T, K>,
-    /// αhcρ₀ [Pa·s] for two kinds.
-    pub artificial: [[T; KINDS]; KINDS],
-    /// 2μ [Pa·s] for two kinds.
-    pub laminar: [[T; KINDS]; KINDS],
-    /// 1 for two kinds that push each other, 0 for obstacles.
-    pub contact: [[T; KINDS]; KINDS],
+    /// What each kind does to each other, and what that of the particle that is faced does.
+    pub touch: [Touch<T>; KINDS],
+    pub faced: Touch<T>,
     /// ρ₀ of each kind [kg/m³].
     pub density: [T; KINDS],
     /// 0.01 h² [m²].
@@ -157,6 +160,14 @@ pub struct Momentum<T, K, const MIXED: bool> {
 }
 
 impl<V: Vector, K: Shape<V::Scalar>, const MIXED: bool> PairLaw<V, FORCES> for Momentum<V::Scalar, K, MIXED> {
+    #[inline(always)]
+    fn facing(mut self, own: &Record<V::Scalar>) -> Self {
+        if MIXED {
+            self.faced = self.touch[usize::from(volume::<V>(own).tag())];
+        }
+        self
+    }
+
     #[inline(always)]
     fn terms(
         &self,
@@ -166,7 +177,7 @@ impl<V: Vector, K: Shape<V::Scalar>, const MIXED: bool> PairLaw<V, FORCES> for M
         square: V::Scalar,
     ) -> [V::Scalar; FORCES] {
         let zero = V::Scalar::ZERO;
-        let weight = self.weight::<V>(own, other, square);
+        let weight = self.weight::<V>(other, square);
         let Viscous { squeeze, shear, approach } = self.viscous::<V>(own, other, apart, square, weight);
         let push = squeeze - (content::<V>(own) + content::<V>(other)) * weight;
         let mut terms = [zero; FORCES];
@@ -194,10 +205,9 @@ struct Viscous<T> {
 impl<T: Real, K: Shape<T>, const MIXED: bool> Momentum<T, K, MIXED> {
     /// Vⱼ F, of those who push each other.
     #[inline(always)]
-    fn weight<V: Vector<Scalar = T>>(&self, own: &Record<T>, other: &Record<T>, square: T) -> T {
-        let (mine, theirs) = (volume::<V>(own), volume::<V>(other));
-        let weight = theirs * self.kernel.slope(square.sqrt());
-        if MIXED { weight * pick_pair::<_, MIXED>(mine, theirs, &self.contact) } else { weight }
+    fn weight<V: Vector<Scalar = T>>(&self, other: &Record<T>, square: T) -> T {
+        let weight = volume::<V>(other) * self.kernel.slope(square.sqrt());
+        if MIXED { weight * pick::<_, MIXED>(volume::<V>(other), &self.faced.contact) } else { weight }
     }
 
     #[inline(always)]
@@ -209,10 +219,9 @@ impl<T: Real, K: Shape<T>, const MIXED: bool> Momentum<T, K, MIXED> {
         square: T,
         weight: T,
     ) -> Viscous<T> {
-        let (mine, theirs) = (volume::<V>(own), volume::<V>(other));
         let approach = approach::<V>(own, other, apart);
-        let artificial = pick_pair::<_, MIXED>(mine, theirs, &self.artificial) * approach / (square + self.softening);
-        let laminar = pick_pair::<_, MIXED>(mine, theirs, &self.laminar);
+        let artificial = pick::<_, MIXED>(volume::<V>(other), &self.faced.artificial) * approach / (square + self.softening);
+        let laminar = pick::<_, MIXED>(volume::<V>(other), &self.faced.laminar);
         Viscous { squeeze: artificial * weight, shear: laminar * weight, approach }
     }
 }
@@ -240,7 +249,7 @@ impl<V: Vector, K: Shape<V::Scalar>, const MIXED: bool> Pressed<V, FORCES> for M
         square: V::Scalar,
         by: V::Scalar,
     ) -> [V::Scalar; FORCES] {
-        let weight = self.weight::<V>(own, other, square);
+        let weight = self.weight::<V>(other, square);
         let Viscous { squeeze, shear, approach } = self.viscous::<V>(own, other, apart, square, weight);
         let two = V::Scalar::from_f64(2.0);
         let mut terms = [V::Scalar::ZERO; FORCES];
@@ -276,7 +285,7 @@ impl<V: Vector, K: Shape<V::Scalar>> PairLaw<V, 2> for Extrapolation<V::Scalar, 
         apart: [V::Scalar; AXES],
         square: V::Scalar,
     ) -> [V::Scalar; 2] {
-        let fluid = !volume::<V>(other).has_tag(OBSTACLE);
+        let fluid = volume::<V>(other).tag() != OBSTACLE;
         let weight = if fluid { self.kernel.value(square.sqrt()) } else { V::Scalar::ZERO };
         let mut rise = V::Scalar::ZERO;
         for axis in 0..V::DIMENSION {

@@ -29,7 +29,7 @@ mod start;
 
 use images::{View, Walls};
 use kernel::{CubicSpline, Kernel, Shape, Wave, WendlandC2, WendlandC4};
-use laws::{Continuity, Extrapolation, FORCES, LIFT, Momentum, OBSTACLE, VISCOUS};
+use laws::{Continuity, Extrapolation, FORCES, KINDS, LIFT, Momentum, OBSTACLE, Touch, VISCOUS};
 use start::{Kinds, Material};
 
 /// Places in a block of the passes over single particles.
@@ -130,20 +130,16 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>, const MIXED: bool> Fluids<V, K
         let mut diffusion = kinds.pairs(|one, other| if same(one, other) { one.diffusion() } else { 0.0 });
         diffusion[usize::from(OBSTACLE)].fill(V::Scalar::ZERO);
         diffusion.iter_mut().for_each(|row| row[usize::from(OBSTACLE)] = V::Scalar::ZERO);
-        let continuity = Continuity {
-            kernel,
-            diffusion,
-            density: kinds.each(|fluid| fluid.density, 0.0),
-            stratification: common.gravity.to_array().map(|g| number(g / common.sound_speed.powi(2))),
-        };
-        let momentum = Momentum {
-            kernel,
-            artificial: kinds.pairs(|one, other| mean(one.artificial(), other.artificial())),
-            laminar: kinds.pairs(|one, other| 2.0 * mean(one.viscosity, other.viscosity)),
-            contact: kinds.pairs(|_, _| 1.0),
-            density: kinds.each(|fluid| fluid.density, 0.0),
-            softening: number(0.01 * h * h),
-        };
+        let gravity = common.gravity.to_array().map(|g| number(g / common.sound_speed.powi(2)));
+        let fall = common.gravity.to_array().map(|g| number(common.density * g / common.sound_speed.powi(2)));
+        let density = kinds.each(|fluid| fluid.density, 0.0);
+        let continuity = Continuity { kernel, diffusion, faced: diffusion[0], density, gravity, fall };
+        let artificial = kinds.pairs(|one, other| mean(one.artificial(), other.artificial()));
+        let laminar = kinds.pairs(|one, other| 2.0 * mean(one.viscosity, other.viscosity));
+        let contact = kinds.pairs(|_, _| 1.0);
+        let touch: [_; KINDS] =
+            std::array::from_fn(|kind| Touch { artificial: artificial[kind], laminar: laminar[kind], contact: contact[kind] });
+        let momentum = Momentum { kernel, touch, faced: touch[0], density, softening: number(0.01 * h * h) };
         let extrapolation = Extrapolation {
             kernel,
             density: kinds.each(|fluid| fluid.density, 0.0),
