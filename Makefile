@@ -57,7 +57,7 @@ format: $(VENV)/tools.stamp ## format the code, Rust and Python
 	$(BIN)/ruff check --fix
 	$(BIN)/ruff format
 
-bench: $(VENV)/bench.stamp ## measure the speed beside NumPy and Numba, in about five minutes
+bench: $(VENV)/bench.stamp ## measure the speed beside NumPy and Numba, in about seven minutes
 	$(BIN)/python benches
 
 clean: ## remove everything that was built

@@ -12,6 +12,7 @@ from importlib.metadata import version
 from math import isnan
 
 import film
+import fluids
 import numpy as np
 import overheads
 import particles
@@ -54,6 +55,15 @@ TARGETS = (
     Target("two threads, grid f32", 1.8, "times one"),
     Target("two threads, network f64", 1.8, "times one"),
     Target("two threads, network f32", 1.8, "times one"),
+    Target("fluid 3D, no walls", 5.0, "M particle-steps/s"),
+    Target("fluid 3D", 3.5, "M particle-steps/s"),
+    Target("fluid 2D", 10.0, "M particle-steps/s"),
+    Target("fluid 3D, f64 over f32", 0.45, "times f32"),
+    Target("fluid 2D, f64 over f32", 0.45, "times f32"),
+    Target("two threads, fluid 3D", 1.7, "times one"),
+    Target("two threads, fluid 2D", 1.7, "times one"),
+    Target("memory, fluid 3D", 500, "bytes per particle", at_most=True),
+    Target("memory, fluid 2D", 500, "bytes per particle", at_most=True),
     Target("import", 0.15, "s", at_most=True),
 )
 
@@ -65,7 +75,7 @@ def main() -> None:
     print(where)
     print(f"physcore {pc.__version__}, NumPy {np.__version__}, Numba {version('numba')}")
     print("physcore audits and watches for divergence in every run; its opponents do neither.")
-    figures = particles.main() | springs.main() | overheads.main()
+    figures = particles.main() | springs.main() | fluids.main() | overheads.main()
     print()
     film.main()
     print(f"\nTargets, as set on a Zen 4 core of about 3.6 GHz; measured here, not scaled: {where}")
