@@ -41,9 +41,9 @@ class Fluid(Body):
         kernel: WendlandC2(), WendlandC4() or CubicSpline(), how particles are smoothed out.
         artificial_viscosity: the coefficient α, at least zero, which damps what the particles cannot resolve.
         density_diffusion: the coefficient δ, at least zero, which damps noise of the density.
-        obstacles: whether it meets the other bodies of the scene; if not, they pass through each other.
         velocities: [m/s], broadcast to (N, D).
         name: a name by which results can be asked for.
+        obstacles: whether it meets the other bodies of the scene; if not, they pass through each other.
 
     Raises:
         SceneError: a shape does not fit, a value is not finite or out of range, or two particles are closer together
@@ -81,9 +81,9 @@ class Fluid(Body):
         kernel: Kernel = WendlandC2(),  # noqa: B008 - it cannot change
         artificial_viscosity: float = 0.01,
         density_diffusion: float = 0.1,
-        obstacles: bool = True,
         velocities: ArrayLike = 0.0,
         name: str | None = None,
+        obstacles: bool = True,
     ) -> None:
         step = number(spacing, "Fluid.spacing", above=0.0)
         rest = number(density, "Fluid.density", above=0.0)

@@ -93,10 +93,6 @@ def test_f04_the_steady_channel_flow(poiseuille, record_property):
     assert abs(error) <= 0.01
 
 
-@pytest.mark.xfail(
-    reason="the fluid starts under its weight although nothing holds it along a periodic axis: densities of 1054 to "
-    "1339 kg/m³ in the channel of F04, with a jump at the domain's face"
-)
 def test_f04_gravity_along_a_periodic_channel_presses_nowhere(record_property):
     """Gravity along a channel without ends is a body force: ρ₀ everywhere, to rounding."""
     water = channel_water()

@@ -144,6 +144,9 @@ pub struct Touch<T> {
     pub laminar: [T; KINDS],
     /// 1 for those who push each other, 0 for obstacles.
     pub contact: [T; KINDS],
+    /// 1 where the other is an obstacle and this is none, and the other way round.
+    pub met: [T; KINDS],
+    pub meets: [T; KINDS],
 }
 
 /// Momentum: the force over Vᵢ along each axis [N/m^D], and powers, likewise.
@@ -188,6 +191,12 @@ impl<V: Vector, K: Shape<V::Scalar>, const MIXED: bool> PairLaw<V, FORCES> for M
             drag += velocity * velocity;
         }
         terms[VISCOUS] = zero - (squeeze * approach + shear * drag);
+        if MIXED {
+            // What an obstacle's pressure takes is stored nowhere: no energy belongs to it.
+            let theirs = pick::<_, MIXED>(volume::<V>(other), &self.faced.met) * content::<V>(other);
+            let mine = pick::<_, MIXED>(volume::<V>(other), &self.faced.meets) * content::<V>(own);
+            terms[VISCOUS] += (theirs + mine) * weight * approach;
+        }
         terms
     }
 }

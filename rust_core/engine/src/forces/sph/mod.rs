@@ -137,8 +137,17 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>, const MIXED: bool> Fluids<V, K
         let artificial = kinds.pairs(|one, other| mean(one.artificial(), other.artificial()));
         let laminar = kinds.pairs(|one, other| 2.0 * mean(one.viscosity, other.viscosity));
         let contact = kinds.pairs(|_, _| 1.0);
-        let touch: [_; KINDS] =
-            std::array::from_fn(|kind| Touch { artificial: artificial[kind], laminar: laminar[kind], contact: contact[kind] });
+        let solid = usize::from(OBSTACLE);
+        let either = |is: &dyn Fn(usize) -> bool| -> [V::Scalar; KINDS] {
+            std::array::from_fn(|other| if is(other) { V::Scalar::ONE } else { V::Scalar::ZERO })
+        };
+        let touch: [_; KINDS] = std::array::from_fn(|kind| Touch {
+            artificial: artificial[kind],
+            laminar: laminar[kind],
+            contact: contact[kind],
+            met: either(&|other| kind != solid && other == solid),
+            meets: either(&|other| kind == solid && other != solid),
+        });
         let momentum = Momentum { kernel, touch, faced: touch[0], density, softening: number(0.01 * h * h) };
         let extrapolation = Extrapolation {
             kernel,
@@ -203,7 +212,9 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>, const MIXED: bool> Fluids<V, K
             let others = neighbors.of(place).iter().map(|&other| neighbors.order()[other as usize] as usize);
             let others = others.filter(|&other| self.kind[other] == OBSTACLE);
             let near: f64 = others.map(|other| weight(at[other].distance(at[obstacle as usize]))).sum();
-            self.mass[obstacle as usize] = self.kinds.first().density / (near + weight(0.0));
+            let common = self.kinds.first();
+            // A lone particle is not as large as the kernel.
+            self.mass[obstacle as usize] = (common.density / (near + weight(0.0))).min(2.0 * common.mass);
         }
         Ok(())
     }
