@@ -22,6 +22,8 @@ HEIGHT = 1.0
 SOUND = 10.0 * sqrt(2.0 * G * HEIGHT)
 """Ten times the speed of a fall from the top [m/s]."""
 KERNEL = pc.WendlandC2(smoothing=1.2)
+VISCOSITY = 0.1
+"""The artificial one, so much that the finest waves do not last."""
 FALL = {2: 0.04, 3: 0.08}
 """How long the dam has been open when the race begins [s], by dimension."""
 REPETITIONS = 4
@@ -65,7 +67,9 @@ def standing(dimension: int, rows: int, smoothing: float = KERNEL.smoothing) -> 
     spacing = HEIGHT / rows
     top = (HEIGHT, DEPTH, HEIGHT) if dimension == 3 else (WIDTH, HEIGHT)
     places = pc.block(tuple(0.0 for _ in top), top, spacing)
-    fluid = pc.Fluid(places, spacing, sound_speed=SOUND, kernel=pc.WendlandC2(smoothing))
+    fluid = pc.Fluid(
+        places, spacing, sound_speed=SOUND, kernel=pc.WendlandC2(smoothing), artificial_viscosity=VISCOSITY
+    )
     dam = Dam(fluid, np.empty(0), dt=1e-6)
     simulation = dam.simulation()
     return replace(dam, densities=simulation[fluid].densities, dt=0.5 * simulation.plan.dt_limit)
@@ -89,6 +93,7 @@ def _like(
         fluid.spacing,
         sound_speed=SOUND,
         kernel=fluid.kernel,
+        artificial_viscosity=VISCOSITY,
         density_diffusion=fluid.density_diffusion if diffusion is None else diffusion,
         velocities=velocities,
     )
