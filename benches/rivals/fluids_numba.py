@@ -1,8 +1,8 @@
 """A weakly compressible fluid in a box, by the equations and the steps of physcore: Numba.
 
-Each step sorts the particles by cells in its middle, by counting, and with them their images behind the walls: the sums
-then run over contiguous rows of cells, which are cut to what is near the particle, without a branch, so that they are
-vectorized. Both sums of the step use the same order; cells are larger than the support by what anybody moves meanwhile.
+Lists of neighbors serve until somebody has moved by half of their skin. Then the particles are sorted by cells, by
+counting, and with them their images behind the walls, which follow them until the next time. The sums run over the
+lists, and read one record of each neighbor.
 """
 
 from __future__ import annotations
@@ -21,19 +21,19 @@ from rivals.jit import jit
 
 Array = NDArray[Any]
 
-LANES, MORE, SHIFT = np.uint64(8), np.uint64(7), np.uint64(3)
-"""Numbers in a vector of the processor, one less, and the power of two."""
 BLOCK = 512
 """Particles that a thread takes at a time."""
 FINER = 4
-"""Cells in the length of a support along x."""
-SLACK = 0.1
-"""By how many spacings two particles may come closer in half a step."""
+"""Cells in the length of a row's width, along x."""
+SKIN = 0.3
+"""How much further than the support lists reach, in spacings."""
+MOST = 128
+"""The longest list."""
 
 STATE, ROWS = 7, 8
 """Rows of the state: x, y, z, u, v, w and density; the sums read volume and pressure, or enthalpy, in its place."""
 
-DT, SUPPORT, STEEPNESS, MASS, REST, SOUND, ARTIFICIAL, LAMINAR, DIFFUSION, SOFTENING, CELL, FALL = range(12)
+DT, SUPPORT, STEEPNESS, MASS, REST, SOUND, ARTIFICIAL, LAMINAR, DIFFUSION, SOFTENING, CELL, FALL, SLACK = range(13)
 LOWER, UPPER, GRAVITY, CORNER = range(4)
 ZERO, HALF, ONE, TWO, SIX, SEVEN, FINE = (np.float32(number) for number in (0, 0.5, 1, 2, 6, 7, FINER))
 
@@ -74,7 +74,7 @@ class NumbaFluid:
         down = np.zeros(3)
         down[self.dimension - 1] = -tank.gravity
         c, rest = tank.sound_speed, fluid.density
-        cell = support + SLACK * fluid.spacing
+        cell = support + SKIN * fluid.spacing
         lower, upper = np.zeros(3), np.zeros(3)
         lower[: self.dimension], upper[: self.dimension] = tank.lower, tank.upper
         self.shape = np.array(
@@ -98,10 +98,12 @@ class NumbaFluid:
             0.01 * length**2,
             cell,
             -rest * tank.gravity / c**2,
+            (0.5 * SKIN * fluid.spacing) ** 2,
         )
         self.numbers = np.array(numbers, dtype)
         self.space = np.array([lower, upper, down, corner], dtype)
         self.walls = tank.walls
+        self.anchors = np.full((3, len(fluid)), np.inf, dtype)
         self.advance = _compile(self.dimension == 3)
         self.advance(self, first=True)
 
@@ -140,41 +142,97 @@ def _compile(three: bool) -> Any:
 
 
 def _build(three: bool) -> Any:
-    drift, sort, finish = _drift(), _sort(), _finish()
-    mirror, show = _mirror(three), _show(three)
-    squeeze, push = _squeeze(three), _push(three)
+    mirror, sort, find = _mirror(three), _sort(), _find(three)
+    drift, has_moved, finish = _drift(), _has_moved(), _finish()
+    show, squeeze, push = _show(three), _squeeze(three), _push(three)
 
-    def advance(fluid: NumbaFluid, first: bool) -> None:
+    def look(fluid: Any) -> None:
+        """Make the lists anew if they have served."""
         numbers, space, shape = fluid.numbers, fluid.space, fluid.shape
-        h = np.float32(0.0) if first else numbers[DT]
-        drift(fluid.state, fluid.acceleration, h)
+        if not has_moved(fluid.state, fluid.anchors, numbers[SLACK]):
+            return
         parent, code, cells = mirror(fluid.state, numbers, space, shape, fluid.walls)
-        order, starts, rank, place = sort(parent, code, cells, np.prod(shape))
-        near = np.zeros((ROWS, order.size + int(LANES)), numbers.dtype)
-        show(near, fluid.state, fluid.acceleration, order, parent, code, numbers, space, h, False)
-        squeeze(near, order, parent, code, starts, shape, numbers, space, h, fluid.state)
-        show(near, fluid.state, fluid.acceleration, order, parent, code, numbers, space, h, True)
+        order, starts, place = sort(parent, code, cells, np.prod(shape))
+        fluid.state, fluid.acceleration = (np.take(rows, place, axis=1) for rows in (fluid.state, fluid.acceleration))
+        fluid.identity, fluid.anchors = fluid.identity[place], fluid.state[:3].copy()
+        at = np.empty(len(place), np.int32)
+        at[place] = np.arange(len(place), dtype=np.int32)
+        fluid.parent, fluid.code = at[parent[order]], code[order]
+        fluid.itself = np.flatnonzero(fluid.code == 0).astype(np.int32)
+        spots = np.zeros((3, len(order)), np.float32)
+        fluid.near = np.empty((len(order), ROWS), np.float32)
+        show(fluid.near, fluid.state, fluid.parent, fluid.code, numbers, space, False)
+        spots[:] = fluid.near[:, :3].T
+        fluid.lists, fluid.lengths = np.empty((len(place), MOST), np.uint32), np.empty(len(place), np.uint32)
+        find(spots, fluid.itself, starts, shape, numbers, space, fluid.lists, fluid.lengths)
+        if fluid.lengths.max() >= MOST:
+            raise ValueError("a list is too short")
+
+    def advance(fluid: Any, first: bool) -> None:
+        numbers, space = fluid.numbers, fluid.space
+        h = np.float32(0.0) if first else numbers[DT]
+        drift(fluid.state, fluid.acceleration, h, space, False, False)
+        look(fluid)
+        show(fluid.near, fluid.state, fluid.parent, fluid.code, numbers, space, False)
+        squeeze(fluid.near, fluid.itself, fluid.lists, fluid.lengths, numbers, h, fluid.state)
+        drift(fluid.state, fluid.acceleration, h, space, True, fluid.walls)
+        look(fluid)
+        show(fluid.near, fluid.state, fluid.parent, fluid.code, numbers, space, True)
         kick = np.empty_like(fluid.acceleration)
-        push(near, order, rank, code, starts, shape, numbers, space, kick)
-        state, identity = np.empty_like(fluid.state), np.empty_like(fluid.identity)
-        finish(fluid.state, fluid.identity, place, kick, space, fluid.walls, state, identity, h)
-        fluid.state, fluid.identity, fluid.acceleration = state, identity, kick
+        push(fluid.near, fluid.itself, fluid.lists, fluid.lengths, numbers, space, kick)
+        finish(fluid.state, fluid.acceleration, kick, h)
 
     return advance
 
 
+def _has_moved() -> Any:
+    """Whether anybody has moved too far."""
+
+    @jit(fastmath=False, parallel=True)
+    def has_moved(state: Any, anchors: Any, limit: Any) -> bool:
+        far = 0
+        for i in prange(state.shape[1]):
+            x, y, z = state[0, i] - anchors[0, i], state[1, i] - anchors[1, i], state[2, i] - anchors[2, i]
+            far += x * x + y * y + z * z > limit
+        return far > 0
+
+    return has_moved
+
+
 def _drift() -> Any:
-    """Half a kick, and half the way."""
+    """Half a kick and half the way; at the end of a step the way comes first, and walls throw back."""
 
     @jit(fastmath=True, parallel=True)
-    def drift(state: Any, acceleration: Any, h: Any) -> None:
+    def drift(state: Any, acceleration: Any, h: Any, space: Any, at_end: bool, walls: bool) -> None:
         half = h * HALF
         for i in prange(state.shape[1]):
             for axis in range(3):
-                state[3 + axis, i] += half * acceleration[axis, i]
-                state[axis, i] += half * state[3 + axis, i]
+                x, u, kick = state[axis, i], state[3 + axis, i], half * acceleration[axis, i]
+                if at_end:
+                    x += half * u
+                    beyond = max(space[LOWER, axis] - x, ZERO) + min(space[UPPER, axis] - x, ZERO)
+                    if walls and beyond != ZERO:
+                        x, u = x + TWO * beyond, -u
+                    u += kick
+                else:
+                    u += kick
+                    x += half * u
+                state[axis, i], state[3 + axis, i] = x, u
 
     return drift
+
+
+def _finish() -> Any:
+    """The other half of the kick, in place of the predicted one."""
+
+    @jit(fastmath=True, parallel=True)
+    def finish(state: Any, acceleration: Any, kick: Any, h: Any) -> None:
+        for i in prange(state.shape[1]):
+            for axis in range(3):
+                state[3 + axis, i] += HALF * h * (kick[axis, i] - acceleration[axis, i])
+                acceleration[axis, i] = kick[axis, i]
+
+    return finish
 
 
 def _mirror(three: bool) -> Any:
@@ -236,7 +294,7 @@ def _mirror(three: bool) -> Any:
 
 
 def _sort() -> Any:
-    """By counting: the entries in the order of cells, where each cell starts, and which of the particles each is."""
+    """By counting: the entries in the order of cells, where each cell starts, and the particles among them."""
 
     @jit(fastmath=True)
     def sort(parent: Any, code: Any, cells: Any, number: int) -> Any:
@@ -249,80 +307,69 @@ def _sort() -> Any:
         for i in range(cells.size):
             order[starts[cells[i] + 1]] = i
             starts[cells[i] + 1] += 1
-        rank, place = np.empty(cells.size, np.int32), np.empty(cells.size, np.int32)
+        place = np.empty(cells.size, np.int32)
         count = 0
         for i in range(order.size):
             if code[order[i]] == 0:
-                rank[i] = count
                 place[count] = order[i]
                 count += 1
-        return order, starts, rank, place[:count]
+        return order, starts, place[:count]
 
     return sort
 
 
 def _show(three: bool) -> Any:
-    """What the sums read: in the middle of the step, or at its end."""
+    """What the sums read, of particles and images: in the middle of a step, or at its end."""
     axes = 3 if three else 2
 
-    @jit(fastmath=True, parallel=True)
-    def show(
-        near: Any,
-        state: Any,
-        acceleration: Any,
-        order: Any,
-        parent: Any,
-        code: Any,
-        numbers: Any,
-        space: Any,
-        h: Any,
-        at_end: bool,
-    ) -> None:
+    @jit(fastmath=True)
+    def show_one(k: int, near: Any, state: Any, parent: Any, code: Any, numbers: Any, space: Any, at_end: bool) -> None:
         rest, sound = numbers[REST], numbers[SOUND]
-        for k in prange(order.size):
-            i, digits = parent[order[k]], code[order[k]]
-            density = state[6, i]
-            ratio = density / rest
-            cube = ratio * ratio * ratio
-            content = rest / SIX * (cube * cube - ONE)
-            gravity = rest / (sound * sound)
-            if at_end:
-                content = sound * sound * rest / SEVEN * (cube * cube * ratio - ONE)
-                gravity = rest
-            for axis in range(axes):
-                x, u, digit = state[axis, i], state[3 + axis, i], digits % 3
-                if at_end:
-                    x += HALF * h * u
-                    u += HALF * h * acceleration[axis, i]
-                if digit > 0:
-                    image = TWO * space[LOWER if digit == 1 else UPPER, axis] - x
-                    content += gravity * space[GRAVITY, axis] * (image - x)
-                    x, u = image, -u
-                near[axis, k], near[3 + axis, k] = x, u
-                digits //= 3
-            near[6, k], near[7, k] = numbers[MASS] / density, content
+        i, digits = parent[k], code[k]
+        density = state[6, i]
+        ratio = density / rest
+        cube = ratio * ratio * ratio
+        content = rest / SIX * (cube * cube - ONE)
+        gravity = rest / (sound * sound)
+        if at_end:
+            content = sound * sound * rest / SEVEN * (cube * cube * ratio - ONE)
+            gravity = rest
+        near[k, 2], near[k, 5] = ZERO, ZERO
+        for axis in range(axes):
+            x, u, digit = state[axis, i], state[3 + axis, i], digits % 3
+            if digit > 0:
+                image = TWO * space[LOWER if digit == 1 else UPPER, axis] - x
+                content += gravity * space[GRAVITY, axis] * (image - x)
+                x, u = image, -u
+            near[k, axis], near[k, 3 + axis] = x, u
+            digits //= 3
+        near[k, 6], near[k, 7] = numbers[MASS] / density, content
+
+    @jit(fastmath=True, parallel=True)
+    def show(near: Any, state: Any, parent: Any, code: Any, numbers: Any, space: Any, at_end: bool) -> None:
+        for k in prange(parent.size):
+            show_one(k, near, state, parent, code, numbers, space, at_end)
 
     return show
 
 
-def _around(three: bool, law: Any) -> Any:
-    """The sums of a law over all who may be near a particle, row of cells by row of cells."""
-    ends = (-1, 2) if three else (0, 1)
-    first, last = ends
+def _find(three: bool) -> Any:
+    """The lists: all who are near a particle, row of cells by row of cells."""
+    first, last = (-1, 2) if three else (0, 1)
 
     @jit(fastmath=True)
-    def around(i: int, near: Any, starts: Any, shape: Any, numbers: Any, space: Any) -> Any:
+    def neighbors(i: int, spots: Any, starts: Any, shape: Any, numbers: Any, space: Any, found: Any) -> int:
         cell = numbers[CELL]
         inverse = ONE / cell
-        x, y = near[0, i] - space[CORNER, 0], near[1, i] - space[CORNER, 1]
+        x, y = spots[0, i] - space[CORNER, 0], spots[1, i] - space[CORNER, 1]
         row = min(max(int(y * inverse), 1), shape[1] - 2)
         y -= np.float32(row) * cell
         layer, z = 0, cell
         if three:
-            z = near[2, i] - space[CORNER, 2]
+            z = spots[2, i] - space[CORNER, 2]
             layer = min(max(int(z * inverse), 1), shape[2] - 2)
             z -= np.float32(layer) * cell
-        a, b, c = ZERO, ZERO, ZERO
+        count, most = np.uint64(0), np.uint64(found.size - 1)
         for up in range(first, last):
             height = z if up < 0 else (cell - z if up > 0 else ZERO)
             for aside in range(-1, 2):
@@ -333,63 +380,56 @@ def _around(three: bool, law: Any) -> Any:
                     low = max(int((x - reach) * FINE * inverse), 0)
                     high = min(int((x + reach) * FINE * inverse), shape[0] - 1)
                     base = shape[0] * (row + aside + shape[1] * (layer + up))
-                    begin, end = np.uint64(starts[base + low]), np.uint64(starts[base + high + 1])
-                    da, db, dc = law(i, begin, end, near, numbers)
-                    a += da
-                    b += db
-                    c += dc
-        return a, b, c
+                    for j in range(np.uint64(starts[base + low]), np.uint64(starts[base + high + 1])):
+                        dx, dy, dz = spots[0, i] - spots[0, j], spots[1, i] - spots[1, j], spots[2, i] - spots[2, j]
+                        # Without a branch: the next one overwrites who is too far away.
+                        found[count] = j
+                        near = dx * dx + dy * dy + dz * dz < cell * cell
+                        count = min(count + np.uint64(near), most)
+        return count
 
-    return around
+    @jit(fastmath=True, parallel=True)
+    def find(
+        spots: Any, itself: Any, starts: Any, shape: Any, numbers: Any, space: Any, lists: Any, lengths: Any
+    ) -> None:
+        for block in prange((itself.size + BLOCK - 1) // BLOCK):
+            for i in range(block * BLOCK, min((block + 1) * BLOCK, itself.size)):
+                lengths[i] = neighbors(itself[i], spots, starts, shape, numbers, space, lists[i])
+
+    return find
 
 
 def _squeeze(three: bool) -> Any:
     """Continuity, and diffusion."""
 
     @jit(fastmath=True)
-    def law(i: int, begin: Any, end: Any, near: Any, numbers: Any) -> Any:
-        x, y, z, u, v, w = near[0, i], near[1, i], near[2, i], near[3, i], near[4, i], near[5, i]
-        inverse, content, fall = ONE / numbers[SUPPORT], near[7, i], numbers[FALL]
+    def law(i: int, found: Any, near: Any, numbers: Any) -> Any:
+        x, y, z, u, v, w = near[i, 0], near[i, 1], near[i, 2], near[i, 3], near[i, 4], near[i, 5]
+        inverse, content, fall = ONE / numbers[SUPPORT], near[i, 7], numbers[FALL]
         squeeze, diffusion = ZERO, ZERO
-        # Whole vectors; what is behind the end weighs nothing.
-        for group in range(np.uint64(0), ((end - begin + MORE) >> SHIFT) << SHIFT):
-            j = begin + group
-            dx, dy = x - near[0, j], y - near[1, j]
-            square, approach = dx * dx + dy * dy, (u - near[3, j]) * dx + (v - near[4, j]) * dy
+        for n in range(found.size):
+            j = np.uint64(found[n])
+            dx, dy = x - near[j, 0], y - near[j, 1]
+            square, approach = dx * dx + dy * dy, (u - near[j, 3]) * dx + (v - near[j, 4]) * dy
             depth = dy
             if three:
-                dz = z - near[2, j]
+                dz = z - near[j, 2]
                 square += dz * dz
-                approach += (w - near[5, j]) * dz
+                approach += (w - near[j, 5]) * dz
                 depth = dz
             rest = ONE - min(np.sqrt(square) * inverse, ONE)
-            weight = (near[6, j] if j < end else ZERO) * (rest * rest * rest)
+            weight = near[j, 6] * (rest * rest * rest)
             squeeze += approach * weight
-            diffusion += (near[7, j] - content + fall * depth) * weight
-        return squeeze, diffusion, ZERO
-
-    around = _around(three, law)
+            diffusion += (near[j, 7] - content + fall * depth) * weight
+        return squeeze, diffusion
 
     @jit(fastmath=True, parallel=True)
-    def sweep(
-        near: Any,
-        order: Any,
-        parent: Any,
-        code: Any,
-        starts: Any,
-        shape: Any,
-        numbers: Any,
-        space: Any,
-        h: Any,
-        state: Any,
-    ) -> None:
-        for block in prange((order.size + BLOCK - 1) // BLOCK):
-            for k in range(block * BLOCK, min((block + 1) * BLOCK, order.size)):
-                if code[order[k]] == 0:
-                    squeeze, diffusion, _ = around(k, near, starts, shape, numbers, space)
-                    i = parent[order[k]]
-                    change = state[6, i] * squeeze - numbers[DIFFUSION] * diffusion
-                    state[6, i] += h * numbers[STEEPNESS] * change
+    def sweep(near: Any, itself: Any, lists: Any, lengths: Any, numbers: Any, h: Any, state: Any) -> None:
+        for block in prange((itself.size + BLOCK - 1) // BLOCK):
+            for i in range(block * BLOCK, min((block + 1) * BLOCK, itself.size)):
+                squeeze, diffusion = law(itself[i], lists[i, : lengths[i]], near, numbers)
+                change = state[6, i] * squeeze - numbers[DIFFUSION] * diffusion
+                state[6, i] += h * numbers[STEEPNESS] * change
 
     return sweep
 
@@ -398,25 +438,24 @@ def _push(three: bool) -> Any:
     """Pressure and viscosity."""
 
     @jit(fastmath=True)
-    def law(i: int, begin: Any, end: Any, near: Any, numbers: Any) -> Any:
-        x, y, z, u, v, w = near[0, i], near[1, i], near[2, i], near[3, i], near[4, i], near[5, i]
-        inverse, pressure = ONE / numbers[SUPPORT], near[7, i]
+    def law(i: int, found: Any, near: Any, numbers: Any) -> Any:
+        x, y, z, u, v, w = near[i, 0], near[i, 1], near[i, 2], near[i, 3], near[i, 4], near[i, 5]
+        inverse, pressure = ONE / numbers[SUPPORT], near[i, 7]
         artificial, laminar, softening = numbers[ARTIFICIAL], numbers[LAMINAR], numbers[SOFTENING]
         fx, fy, fz = ZERO, ZERO, ZERO
-        # Whole vectors; what is behind the end weighs nothing.
-        for group in range(np.uint64(0), ((end - begin + MORE) >> SHIFT) << SHIFT):
-            j = begin + group
-            dx, dy, du, dv = x - near[0, j], y - near[1, j], u - near[3, j], v - near[4, j]
+        for n in range(found.size):
+            j = np.uint64(found[n])
+            dx, dy, du, dv = x - near[j, 0], y - near[j, 1], u - near[j, 3], v - near[j, 4]
             square, approach = dx * dx + dy * dy, du * dx + dv * dy
             dz, dw = ZERO, ZERO
             if three:
-                dz, dw = z - near[2, j], w - near[5, j]
+                dz, dw = z - near[j, 2], w - near[j, 5]
                 square += dz * dz
                 approach += dw * dz
             rest = ONE - min(np.sqrt(square) * inverse, ONE)
-            weight = (near[6, j] if j < end else ZERO) * (rest * rest * rest)
+            weight = near[j, 6] * (rest * rest * rest)
             share = ONE / (square + softening)
-            along = (artificial * approach * share - (pressure + near[7, j])) * weight
+            along = (artificial * approach * share - (pressure + near[j, 7])) * weight
             shear = laminar * square * share * weight
             fx += along * dx + shear * du
             fy += along * dy + shear * dv
@@ -424,41 +463,14 @@ def _push(three: bool) -> Any:
                 fz += along * dz + shear * dw
         return fx, fy, fz
 
-    around = _around(three, law)
-
     @jit(fastmath=True, parallel=True)
-    def sweep(
-        near: Any, order: Any, rank: Any, code: Any, starts: Any, shape: Any, numbers: Any, space: Any, kick: Any
-    ) -> None:
-        for block in prange((order.size + BLOCK - 1) // BLOCK):
-            for k in range(block * BLOCK, min((block + 1) * BLOCK, order.size)):
-                if code[order[k]] == 0:
-                    fx, fy, fz = around(k, near, starts, shape, numbers, space)
-                    scale = numbers[STEEPNESS] * near[6, k] / numbers[MASS]
-                    kick[0, rank[k]] = scale * fx + space[GRAVITY, 0]
-                    kick[1, rank[k]] = scale * fy + space[GRAVITY, 1]
-                    kick[2, rank[k]] = scale * fz + space[GRAVITY, 2]
+    def sweep(near: Any, itself: Any, lists: Any, lengths: Any, numbers: Any, space: Any, kick: Any) -> None:
+        for block in prange((itself.size + BLOCK - 1) // BLOCK):
+            for i in range(block * BLOCK, min((block + 1) * BLOCK, itself.size)):
+                fx, fy, fz = law(itself[i], lists[i, : lengths[i]], near, numbers)
+                scale = numbers[STEEPNESS] * near[itself[i], 6] / numbers[MASS]
+                kick[0, i] = scale * fx + space[GRAVITY, 0]
+                kick[1, i] = scale * fy + space[GRAVITY, 1]
+                kick[2, i] = scale * fz + space[GRAVITY, 2]
 
     return sweep
-
-
-def _finish() -> Any:
-    """The other half of the way and of the kick, into the order of this step."""
-
-    @jit(fastmath=True, parallel=True)
-    def finish(
-        state: Any, identity: Any, place: Any, kick: Any, space: Any, walls: bool, new: Any, new_identity: Any, h: Any
-    ) -> None:
-        half = HALF * h
-        for k in prange(place.size):
-            i = place[k]
-            for axis in range(3):
-                x, u = state[axis, i] + half * state[3 + axis, i], state[3 + axis, i] + half * kick[axis, k]
-                beyond = max(space[LOWER, axis] - x, ZERO) + min(space[UPPER, axis] - x, ZERO)
-                if walls and beyond != ZERO:
-                    x, u = x + TWO * beyond, -u
-                new[axis, k], new[3 + axis, k] = x, u
-            new[6, k] = state[6, i]
-            new_identity[k] = identity[i]
-
-    return finish
