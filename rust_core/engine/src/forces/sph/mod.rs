@@ -5,11 +5,10 @@
 //! ([`Force::prepare`]). Density and velocity so take turns like position and velocity, and the step may be as long as that
 //! of a leapfrog: 2/ω for the fastest sound wave, twice as long as where both rates are taken at one moment.
 //!
-//! [`laws`] holds the sums, [`kernel`] what they weigh with, [`images`] the walls, [`start`] what the scene leaves open.
+//! [`laws`] holds the sums, [`kernel`] what they weigh with, [`images`] the walls; [`start`] finds what the scene
+//! leaves open, and [`assembly`] puts the parts together.
 
 use std::ops::Range;
-
-use glam::DVec3;
 
 use super::vicinity::Vicinity;
 use super::{Drift, Fields, Force, Moment, Rates, Reach, VelocityDependence};
@@ -22,15 +21,16 @@ use crate::scene::Scene;
 use crate::simd::LANES;
 use crate::stability::Bound;
 
+mod assembly;
 mod images;
 mod kernel;
 mod laws;
 mod start;
 
 use images::{View, Walls};
-use kernel::{CubicSpline, Kernel, Shape, Wave, WendlandC2, WendlandC4};
-use laws::{Continuity, Extrapolation, FORCES, KINDS, LIFT, Momentum, OBSTACLE, Touch, VISCOUS};
-use start::{Kinds, Material};
+use kernel::{CubicSpline, Shape, Wave, WendlandC2, WendlandC4};
+use laws::{Continuity, Extrapolation, FORCES, LIFT, Momentum, VISCOUS};
+use start::Kinds;
 
 /// Places in a block of the passes over single particles.
 const BLOCK: usize = 1024;
@@ -53,17 +53,6 @@ pub fn fluid<V: Vector>(scene: &Scene, properties: &Properties<V>) -> Result<Opt
         "CubicSpline" => with::<V, CubicSpline, true>(scene, properties, kinds),
         other => Err(Error::parameter(format!("bodies[{body}].kernel"), "WendlandC2, WendlandC4 or CubicSpline", other)),
     }
-}
-
-/// The kernel of a fluid as a function of distance, in double precision.
-fn weight<K: Shape<f64>>(fluid: &Material, dimension: usize) -> impl Fn(f64) -> f64 {
-    let kernel = Kernel::<f64, K>::new(fluid.smoothing_length, fluid.spacing, dimension);
-    move |distance| kernel.value(distance)
-}
-
-/// The mean of two viscosities across which the stress is the same: the harmonic one.
-fn mean(one: f64, other: f64) -> f64 {
-    if one + other > 0.0 { 2.0 * one * other / (one + other) } else { 0.0 }
 }
 
 fn with<V: Vector, K, const MIXED: bool>(
@@ -113,112 +102,6 @@ struct Fluids<V: Vector, K, const MIXED: bool> {
 }
 
 impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>, const MIXED: bool> Fluids<V, K, MIXED> {
-    fn new(scene: &Scene, properties: &Properties<V>, kinds: Kinds) -> Result<Self> {
-        let kind_of = |index: u32| kinds.of_body[properties.body[index as usize] as usize];
-        let members: Vec<u32> = (0..properties.count() as u32).filter(|&index| kind_of(index).is_some()).collect();
-        let kind: Vec<u8> = members.iter().filter_map(|&index| kind_of(index)).collect();
-        let mut slots = vec![NOBODY; properties.count()];
-        members.iter().zip(0..).for_each(|(&index, slot)| slots[index as usize] = slot);
-        let obstacles: Vec<u32> = (0..).zip(&kind).filter(|(_, kind)| **kind == OBSTACLE).map(|(member, _)| member).collect();
-        let common = kinds.first();
-        let h = common.smoothing_length;
-        let vicinity = Vicinity::new(scene, properties, &members, 2.0 * h)?;
-        let walls = Walls::new(start::walls(scene, properties.origin)?, 2.0 * h);
-        let number = V::Scalar::from_f64;
-        let kernel = Kernel::new(h, common.spacing, V::DIMENSION);
-        let same = |one: &Material, other: &Material| one == other;
-        let mut diffusion = kinds.pairs(|one, other| if same(one, other) { one.diffusion() } else { 0.0 });
-        diffusion[usize::from(OBSTACLE)].fill(V::Scalar::ZERO);
-        diffusion.iter_mut().for_each(|row| row[usize::from(OBSTACLE)] = V::Scalar::ZERO);
-        let gravity = common.gravity.to_array().map(|g| number(g / common.sound_speed.powi(2)));
-        let fall = common.gravity.to_array().map(|g| number(common.density * g / common.sound_speed.powi(2)));
-        let density = kinds.each(|fluid| fluid.density, 0.0);
-        let continuity = Continuity { kernel, diffusion, faced: diffusion[0], density, gravity, fall };
-        let artificial = kinds.pairs(|one, other| mean(one.artificial(), other.artificial()));
-        let laminar = kinds.pairs(|one, other| 2.0 * mean(one.viscosity, other.viscosity));
-        let contact = kinds.pairs(|_, _| 1.0);
-        let solid = usize::from(OBSTACLE);
-        let either = |is: &dyn Fn(usize) -> bool| -> [V::Scalar; KINDS] {
-            std::array::from_fn(|other| if is(other) { V::Scalar::ONE } else { V::Scalar::ZERO })
-        };
-        let touch: [_; KINDS] = std::array::from_fn(|kind| Touch {
-            artificial: artificial[kind],
-            laminar: laminar[kind],
-            contact: contact[kind],
-            met: either(&|other| kind != solid && other == solid),
-            meets: either(&|other| kind == solid && other != solid),
-        });
-        let momentum = Momentum { kernel, touch, faced: touch[0], density, softening: number(0.01 * h * h) };
-        let extrapolation = Extrapolation {
-            kernel,
-            density: kinds.each(|fluid| fluid.density, 0.0),
-            gravity: common.gravity.to_array().map(number),
-        };
-        let mut fluids = Self {
-            mass: kind.iter().map(|&kind| kinds.materials.get(usize::from(kind)).unwrap_or(common).mass).collect(),
-            density: Vec::new(),
-            kept: Vec::new(),
-            diffused: vec![0.0; members.len()],
-            met: vec![[V::Scalar::ZERO; 2]; obstacles.len()],
-            records: Records::new(vicinity.neighbors()),
-            rates: vec![[V::Scalar::ZERO; 2]; members.len()],
-            forces: vec![[V::Scalar::ZERO; FORCES]; members.len()],
-            waves: kernel::waves::<K>(V::DIMENSION),
-            kinds,
-            members,
-            slots,
-            kind,
-            obstacles,
-            vicinity,
-            continuity,
-            momentum,
-            extrapolation,
-            walls,
-        };
-        fluids.fill_space(scene, properties)?;
-        Ok(fluids)
-    }
-
-    /// Gives every fluid particle the density under the weight of what is above it, and every obstacle the volume that is left
-    /// to it by the others: 1/Σ W over obstacles, of N. Akinci et al., ACM Trans. Graph. 31 (2012) 62.
-    fn fill_space(&mut self, scene: &Scene, properties: &Properties<V>) -> Result<()> {
-        let positions: Vec<DVec3> = scene.bodies.iter().flat_map(|body| &body.positions).copied().collect();
-        let place = |member: usize| positions[properties.caller[self.members[member] as usize] as usize];
-        let common = self.kinds.first();
-        let down = common.gravity.normalize_or_zero();
-        let material = |member: usize| self.kinds.materials.get(usize::from(self.kind[member]));
-        let fluid: Vec<usize> = (0..self.members.len()).filter(|&member| material(member).is_some()).collect();
-        let heads: Vec<(f64, f64)> =
-            fluid.iter().map(|&member| (place(member).dot(down), material(member).map_or(0.0, |of| of.density))).collect();
-        let pressures = start::pressures(&heads, common.spacing, common.gravity.length());
-        self.density = vec![common.density; self.members.len()];
-        for (&member, pressure) in fluid.iter().zip(pressures) {
-            self.density[member] = material(member).map_or(common.density, |of| of.density_under(pressure));
-        }
-        self.kept.clone_from(&self.density);
-        if self.obstacles.is_empty() {
-            return Ok(());
-        }
-        let origin = properties.origin;
-        let at: Vec<DVec3> = (0..self.members.len()).map(|member| place(member) - origin).collect();
-        let index: Vec<usize> = self.members.iter().map(|&index| index as usize).collect();
-        let mut slot = vec![0; properties.count()];
-        index.iter().enumerate().for_each(|(member, &index)| slot[index] = member);
-        self.search(&|axis, index| at[slot[index]][axis], &Crew::alone())?;
-        let weight = weight::<K>(self.kinds.first(), V::DIMENSION);
-        let neighbors = self.vicinity.neighbors();
-        for &obstacle in &self.obstacles {
-            let place = neighbors.places()[obstacle as usize] as usize;
-            let others = neighbors.of(place).iter().map(|&other| neighbors.order()[other as usize] as usize);
-            let others = others.filter(|&other| self.kind[other] == OBSTACLE);
-            let near: f64 = others.map(|other| weight(at[other].distance(at[obstacle as usize]))).sum();
-            let common = self.kinds.first();
-            // A lone particle is not as large as the kernel.
-            self.mass[obstacle as usize] = (common.density / (near + weight(0.0))).min(2.0 * common.mass);
-        }
-        Ok(())
-    }
-
     /// Presses on the obstacles, in the records, what the fluid around them does.
     fn press_obstacles(&mut self, crew: &Crew) {
         let Self { obstacles, met, vicinity, records, extrapolation, .. } = self;
