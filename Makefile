@@ -39,10 +39,10 @@ test-python: $(VENV)/tools.stamp
 
 test-long: $(VENV)/tools.stamp ## run every test with the full number of examples, and write docs/reports/test-long.md
 	PROPTEST_CASES=2000 PROPTEST_MAX_GLOBAL_REJECTS=100000 cargo test --locked --workspace --release -- --include-ignored
-	PHYSCORE_TESTS=long $(BIN)/python -m pytest --report docs/reports/test-long.md
+	PHYSCORE_TESTS=long $(BIN)/python -m pytest --report=docs/reports/test-long.md
 
 validate: $(VENV)/tools.stamp ## run the cases with reference figures from outside, and write docs/reports/validation.md
-	$(BIN)/python -m pytest -m validation --report docs/reports/validation.md
+	$(BIN)/python -m pytest -m validation --report=docs/reports/validation.md
 
 lint: $(VENV)/tools.stamp ## check format, style and types, Rust and Python
 	cargo fmt --all --check

@@ -81,10 +81,6 @@ def test_f04_the_start_of_a_channel_flow(poiseuille, record_property):
 
 
 @pytest.mark.long
-@pytest.mark.xfail(
-    reason="1.3 % too fast: the 0.01 h² beside d² in the laminar viscosity takes Σ F x² 0.01 h²/(d² + 0.01 h²) = 1.3 % "
-    "of it on a lattice with h = 1.5 Δ"
-)
 def test_f04_the_steady_channel_flow(poiseuille, record_property):
     """Good: 1 % relative."""
     found, exact = poiseuille[1.0]
