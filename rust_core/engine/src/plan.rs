@@ -175,8 +175,7 @@ fn left_out<V: Vector>(forces: &[Box<dyn Force<V>>], independent: bool, contacts
 /// Place → particle in the caller's order: springs want partners near each other, and pairs want neighbors so.
 fn ordering(scene: &Scene, springs: &[Spring]) -> Vec<u32> {
     if springs.is_empty() && forces::are_between_pairs(scene) {
-        let positions: Vec<DVec3> = scene.bodies.iter().flat_map(|body| &body.positions).copied().collect();
-        return neighbors::ordering(&positions, scene.dimension);
+        return neighbors::ordering(&scene.positions(), scene.dimension);
     }
     springs::ordering(springs, scene.count()).unwrap_or_else(|| (0..scene.count() as u32).collect())
 }
@@ -246,8 +245,8 @@ fn renumbered(springs: Vec<Spring>, order: &[u32]) -> Vec<Spring> {
 /// The initial state in the engine's order. `exact` asks for positions that are more exact than single precision.
 fn state<V: Vector>(scene: &Scene, properties: &Properties<V>, block: usize, exact: bool) -> Matter<V> {
     let count = properties.count();
-    let all = |of: fn(&crate::scene::Body) -> &Vec<DVec3>| -> Vec<DVec3> { scene.bodies.iter().flat_map(of).copied().collect() };
-    let (positions, velocities) = (all(|body| &body.positions), all(|body| &body.velocities));
+    let positions = scene.positions();
+    let velocities: Vec<DVec3> = scene.bodies.iter().flat_map(|body| &body.velocities).copied().collect();
     let mut state = Matter::zeros(count, 0, block);
     if exact && V::Scalar::NAME == "f32" {
         state.residual = Columns::zeros(count);

@@ -86,6 +86,11 @@ impl Scene {
         self.bodies.iter().map(|body| body.positions.len()).sum()
     }
 
+    /// The positions of all particles, body by body [m].
+    pub fn positions(&self) -> Vec<DVec3> {
+        self.bodies.iter().flat_map(|body| &body.positions).copied().collect()
+    }
+
     /// The springs of all bodies, with indices into the whole scene.
     pub fn springs(&self) -> Vec<Spring> {
         let mut first = 0;

@@ -9,10 +9,10 @@ use std::ops::Range;
 
 use glam::DVec3;
 
-use super::vicinity::{Vicinity, nearest};
+use super::vicinity::Vicinity;
 use super::{Force, Moment, Rates, Reach, VelocityDependence};
 use crate::error::Result;
-use crate::math::{AXES, Real, Vector};
+use crate::math::{AXES, Placed, Real, Vector};
 use crate::matter::{Channel, Properties};
 use crate::neighbors::Neighbors;
 use crate::neighbors::sums::{PairLaw, Records};
@@ -70,16 +70,9 @@ pub fn relative_velocity<V: Vector>(own: &Record<V::Scalar>, other: &Record<V::S
     relative
 }
 
-/// Stands for the slot of a particle that is no member.
-const NOBODY: u32 = u32::MAX;
-
 /// A law between all pairs of some particles that are near each other.
 pub struct Pairs<V: Vector, L> {
     law: L,
-    /// The particles that it acts on, by their index.
-    members: Vec<u32>,
-    /// The member that each particle is.
-    slots: Vec<u32>,
     /// What the law reads of each member.
     attributes: Vec<f64>,
     vicinity: Vicinity,
@@ -95,37 +88,36 @@ impl<V: Vector, L: Interaction<V>> Pairs<V, L> {
     /// If the periodic domain is too small for its cutoff.
     pub fn new(scene: &Scene, properties: &Properties<V>, chosen: &[bool], law: L) -> Result<Self> {
         let members: Vec<u32> = (0..properties.count() as u32).filter(|&index| chosen[index as usize]).collect();
-        let mut slots = vec![NOBODY; properties.count()];
-        members.iter().zip(0..).for_each(|(&index, slot)| slots[index as usize] = slot);
-        let vicinity = Vicinity::new(scene, properties, &members, law.cutoff())?;
-        let records = Records::new(vicinity.neighbors());
-        let attributes = members.iter().map(|&index| law.attribute(properties, index as usize)).collect();
+        let attributes: Vec<f64> = members.iter().map(|&index| law.attribute(properties, index as usize)).collect();
         let sums = vec![[V::Scalar::ZERO; SUMS]; members.len()];
-        Ok(Self { law, members, slots, attributes, vicinity, records, sums })
+        let vicinity = Vicinity::new(scene, properties, members, law.cutoff())?;
+        let records = Records::new(vicinity.neighbors());
+        Ok(Self { law, attributes, vicinity, records, sums })
     }
 
     /// Calls `each` with the members of every pair that is near, once, and their distance [m].
     fn for_each(neighbors: &Neighbors, positions: &[Vec<f64>; AXES], mut each: impl FnMut([usize; 2], f64)) {
         let order = neighbors.order();
+        let rulers = neighbors.domain().lengths().map(|length| f64::ruler(length, neighbors.support()));
         for place in 0..neighbors.count() {
             let one = order[place] as usize;
             for &other in neighbors.of(place).iter().filter(|&&other| other as usize > place) {
                 let other = order[other as usize] as usize;
                 let mut apart = DVec3::ZERO;
                 for axis in 0..V::DIMENSION {
-                    apart[axis] = positions[axis][one] - positions[axis][other];
+                    apart[axis] = f64::apart::<true>(positions[axis][one], positions[axis][other], rulers[axis]);
                 }
-                each([one, other], nearest(neighbors.domain(), apart).length());
+                each([one, other], apart.length());
             }
         }
     }
 
     /// The lists that belong to a moment, whatever those in use are.
     fn around(&self, at: &Moment<'_, V>) -> Result<(Neighbors, [Vec<f64>; AXES])> {
-        let place = |axis: usize| self.members.iter().map(|&member| at.place(axis, member as usize)).collect();
+        let place = |axis: usize| self.vicinity.members().iter().map(|&member| at.place(axis, member as usize)).collect();
         let positions = std::array::from_fn(|axis| if axis < V::DIMENSION { place(axis) } else { Vec::new() });
         let domain = self.vicinity.neighbors().domain();
-        let mut neighbors = Neighbors::new(self.members.len(), V::DIMENSION, domain, self.law.cutoff(), 0.0)?;
+        let mut neighbors = Neighbors::new(self.attributes.len(), V::DIMENSION, domain, self.law.cutoff(), 0.0)?;
         neighbors.update(positions.each_ref().map(Vec::as_slice), &Crew::alone())?;
         Ok((neighbors, positions))
     }
@@ -145,8 +137,9 @@ impl<V: Vector, L: Interaction<V>> Force<V> for Pairs<V, L> {
     }
 
     fn prepare(&mut self, at: &Moment<'_, V>, crew: &Crew) -> Result<()> {
-        let Self { law, members, attributes, vicinity, records, sums, .. } = self;
-        vicinity.update(&|axis, index| at.place(axis, index), members, crew)?;
+        let Self { law, attributes, vicinity, records, sums } = self;
+        vicinity.update(&|axis, index| at.place(axis, index), crew)?;
+        let members = vicinity.members();
         records.fill(vicinity.neighbors(), vicinity.positions(), crew, &|member, record| {
             let index = members[member] as usize;
             for axis in 0..V::DIMENSION {
@@ -175,16 +168,13 @@ impl<V: Vector, L: Interaction<V>> Force<V> for Pairs<V, L> {
     }
 
     fn accumulate(&self, block: Range<usize>, _at: &Moment<'_, V>, rates: &mut Rates<'_, V>) {
-        let places = self.vicinity.neighbors().places();
-        let half = 0.5;
-        for (index, &slot) in self.slots[block.start..block.end.min(self.slots.len())].iter().enumerate() {
-            if slot != NOBODY {
-                let sums = &self.sums[places[slot as usize] as usize];
-                for axis in 0..V::DIMENSION {
-                    rates.force.axes[axis][index] += sums[axis];
-                }
-                rates.power[Channel::Damping as usize][index % LANES] += half * sums[AXES].to_f64();
+        for (index, _, place) in self.vicinity.in_block(block) {
+            let sums = &self.sums[place];
+            for axis in 0..V::DIMENSION {
+                rates.force.axes[axis][index] += sums[axis];
             }
+            // Of a pair's power each takes half.
+            rates.power[Channel::Damping as usize][index % LANES] += 0.5 * sums[AXES].to_f64();
         }
     }
 
@@ -206,18 +196,19 @@ impl<V: Vector, L: Interaction<V>> Force<V> for Pairs<V, L> {
     fn bound(&self, at: &Moment<'_, V>, bound: &mut Bound) {
         // Positions that cannot be searched are reported by the step that meets them.
         let Ok((neighbors, positions)) = self.around(at) else { return };
-        let mut rows = vec![[0.0; 2]; self.members.len()];
+        let mut rows = vec![[0.0; 2]; self.attributes.len()];
         Self::for_each(&neighbors, &positions, |pair, distance| {
             let values = self.law.stiffness(pair.map(|member| self.attributes[member]), distance);
             for member in pair {
                 rows[member] = std::array::from_fn(|row| rows[member][row] + 2.0 * values[row]);
             }
         });
-        let expected = self.law.expected(at, &self.members);
-        for (&index, row) in self.members.iter().zip(rows) {
+        let members = self.vicinity.members();
+        let expected = self.law.expected(at, members);
+        for (&index, row) in members.iter().zip(rows) {
             bound.point(index as usize, L::NAME, row[0].max(expected[0]), row[1].max(expected[1]));
         }
-        self.law.bound(at, &self.members, bound);
+        self.law.bound(at, members, bound);
     }
 
     fn bound_varies(&self) -> bool {
@@ -237,6 +228,5 @@ impl<V: Vector, L: Interaction<V>> Force<V> for Pairs<V, L> {
             + self.records.bytes()
             + std::mem::size_of_val(self.sums.as_slice())
             + std::mem::size_of_val(self.attributes.as_slice())
-            + size_of::<u32>() * (self.members.len() + self.slots.len())
     }
 }

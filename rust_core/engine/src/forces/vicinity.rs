@@ -3,6 +3,8 @@
 //! The sums over lists depend on when the lists were made, by rounding. So the positions that they were made from are part of
 //! what a checkpoint holds, and of what is undone.
 
+use std::ops::Range;
+
 use glam::DVec3;
 
 use crate::error::{Error, Result};
@@ -21,9 +23,16 @@ const SAMPLE: f64 = 4.0;
 /// Particles whose positions are copied at a time.
 const BLOCK: usize = 1024;
 
+/// Stands for the slot of a particle that is no member.
+const NOBODY: u32 = u32::MAX;
+
 /// The positions of some particles, and lists of their neighbors.
 #[derive(Debug)]
 pub struct Vicinity {
+    /// These particles, by their index.
+    members: Vec<u32>,
+    /// The member that each particle is.
+    slots: Vec<u32>,
     neighbors: Neighbors,
     /// Exact positions relative to the origin, one array per axis [m].
     positions: [Vec<f64>; AXES],
@@ -35,16 +44,19 @@ pub struct Vicinity {
 }
 
 impl Vicinity {
-    /// The vicinity up to a cutoff [m] of the `members` of a scene.
+    /// The vicinity up to a cutoff [m] of the `members` of a scene, which are given by their index.
     ///
     /// # Errors
     /// If the cutoff makes no sense, or the periodic domain is too small for it.
-    pub fn new<V: Vector>(scene: &Scene, properties: &Properties<V>, members: &[u32], cutoff: f64) -> Result<Self> {
+    pub fn new<V: Vector>(scene: &Scene, properties: &Properties<V>, members: Vec<u32>, cutoff: f64) -> Result<Self> {
         let domain = domain(scene, properties.origin);
-        let skin = skin::<V>(&places(scene, properties, members), &domain, cutoff);
+        let skin = skin::<V>(&places(scene, properties, &members), &domain, cutoff);
         let columns = || std::array::from_fn(|axis| vec![0.0; if axis < V::DIMENSION { members.len() } else { 0 }]);
         let neighbors = Neighbors::new(members.len(), V::DIMENSION, &domain, cutoff, skin)?;
-        Ok(Self { neighbors, positions: columns(), kept: columns(), renewed: false, skin })
+        let mut slots = vec![NOBODY; properties.count()];
+        members.iter().zip(0..).for_each(|(&index, slot)| slots[index as usize] = slot);
+        let (positions, kept) = (columns(), columns());
+        Ok(Self { members, slots, neighbors, positions, kept, renewed: false, skin })
     }
 
     /// Brings positions and lists up to date, and says whether the lists are new. `place` gives the position of a particle along
@@ -52,8 +64,8 @@ impl Vicinity {
     ///
     /// # Errors
     /// If positions are too far away to tell distances.
-    pub fn update(&mut self, place: &(impl Fn(usize, usize) -> f64 + Sync), members: &[u32], crew: &Crew) -> Result<bool> {
-        let dimension = self.neighbors.dimension();
+    pub fn update(&mut self, place: &(impl Fn(usize, usize) -> f64 + Sync), crew: &Crew) -> Result<bool> {
+        let (dimension, members) = (self.neighbors.dimension(), &self.members);
         for (axis, column) in self.positions.iter_mut().enumerate().take(dimension) {
             crew.sweep(Chunks::new(column, BLOCK), &|mine| {
                 let members = &members[mine.start..];
@@ -64,6 +76,19 @@ impl Vicinity {
         let renewed = self.neighbors.update(self.positions.each_ref().map(Vec::as_slice), crew);
         self.renewed |= *renewed.as_ref().unwrap_or(&true);
         renewed
+    }
+
+    /// The members, by their index.
+    pub fn members(&self) -> &[u32] {
+        &self.members
+    }
+
+    /// The members in a block: their number in it, which member each is, and its place.
+    pub fn in_block(&self, block: Range<usize>) -> impl Iterator<Item = (usize, usize, usize)> {
+        let slots = self.slots[block.start..block.end.min(self.slots.len())].iter().enumerate();
+        let places = self.neighbors.places();
+        let members = slots.filter(|(_, slot)| **slot != NOBODY);
+        members.map(|(index, &slot)| (index, slot as usize, places[slot as usize] as usize))
     }
 
     /// The lists.
@@ -137,7 +162,7 @@ impl Vicinity {
     /// The memory that it takes [bytes].
     pub fn bytes(&self) -> usize {
         let columns = self.positions.iter().chain(&self.kept).map(|column| std::mem::size_of_val(column.as_slice()));
-        self.neighbors.bytes() + columns.sum::<usize>()
+        self.neighbors.bytes() + columns.sum::<usize>() + size_of::<u32>() * (self.members.len() + self.slots.len())
     }
 }
 
@@ -164,19 +189,9 @@ fn domain(scene: &Scene, origin: DVec3) -> Domain {
     Domain { period: std::array::from_fn(|axis| is_periodic(axis).then(|| ends(axis))) }
 }
 
-/// The vector from one particle to the nearest image of another [m].
-pub fn nearest(domain: &Domain, mut apart: DVec3) -> DVec3 {
-    for (axis, length) in domain.lengths().into_iter().enumerate() {
-        if let Some(length) = length {
-            apart[axis] -= length * (apart[axis] / length).round();
-        }
-    }
-    apart
-}
-
 /// Where the members are at the start, relative to the origin [m].
 fn places<V: Vector>(scene: &Scene, properties: &Properties<V>, members: &[u32]) -> Vec<DVec3> {
-    let positions: Vec<DVec3> = scene.bodies.iter().flat_map(|body| &body.positions).copied().collect();
+    let positions = scene.positions();
     let place = |&member: &u32| positions[properties.caller[member as usize] as usize] - properties.origin;
     members.iter().map(place).collect()
 }

@@ -2,11 +2,11 @@
 
 use glam::DVec3;
 
+use super::Fluids;
 use super::images::Walls;
 use super::kernel::{self, Kernel, Shape};
 use super::laws::{Continuity, Extrapolation, FORCES, KINDS, Momentum, OBSTACLE, Touch};
 use super::start::{self, Kinds, Material};
-use super::{Fluids, NOBODY};
 use crate::error::Result;
 use crate::forces::vicinity::Vicinity;
 use crate::math::{Real, Vector};
@@ -21,12 +21,10 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>, const MIXED: bool> Fluids<V, K
         let kind_of = |index: u32| kinds.of_body[properties.body[index as usize] as usize];
         let members: Vec<u32> = (0..properties.count() as u32).filter(|&index| kind_of(index).is_some()).collect();
         let kind: Vec<u8> = members.iter().filter_map(|&index| kind_of(index)).collect();
-        let mut slots = vec![NOBODY; properties.count()];
-        members.iter().zip(0..).for_each(|(&index, slot)| slots[index as usize] = slot);
         let obstacles: Vec<u32> = (0..).zip(&kind).filter(|(_, kind)| **kind == OBSTACLE).map(|(member, _)| member).collect();
         let common = kinds.first();
         let h = common.smoothing_length;
-        let vicinity = Vicinity::new(scene, properties, &members, 2.0 * h)?;
+        let vicinity = Vicinity::new(scene, properties, members, 2.0 * h)?;
         let walls = Walls::new(start::walls(scene, properties.origin)?, 2.0 * h);
         let number = V::Scalar::from_f64;
         let kernel = Kernel::new(h, common.spacing, V::DIMENSION);
@@ -36,7 +34,7 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>, const MIXED: bool> Fluids<V, K
         diffusion.iter_mut().for_each(|row| row[usize::from(OBSTACLE)] = V::Scalar::ZERO);
         let gravity = common.gravity.to_array().map(|g| number(g / common.sound_speed.powi(2)));
         let fall = common.gravity.to_array().map(|g| number(common.density * g / common.sound_speed.powi(2)));
-        let density = kinds.each(|fluid| fluid.density, 0.0);
+        let density = kinds.each(|fluid| fluid.density);
         let continuity = Continuity { kernel, diffusion, faced: diffusion[0], density, gravity, fall };
         let artificial = kinds.pairs(|one, other| mean(one.artificial(), other.artificial()));
         let laminar = kinds.pairs(|one, other| 2.0 * mean(one.viscosity, other.viscosity));
@@ -53,24 +51,19 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>, const MIXED: bool> Fluids<V, K
             meets: either(&|other| kind == solid && other != solid),
         });
         let momentum = Momentum { kernel, touch, faced: touch[0], density, softening: number(0.01 * h * h) };
-        let extrapolation = Extrapolation {
-            kernel,
-            density: kinds.each(|fluid| fluid.density, 0.0),
-            gravity: common.gravity.to_array().map(number),
-        };
+        let extrapolation =
+            Extrapolation { kernel, density: kinds.each(|fluid| fluid.density), gravity: common.gravity.to_array().map(number) };
         let mut fluids = Self {
             mass: kind.iter().map(|&kind| kinds.materials.get(usize::from(kind)).unwrap_or(common).mass).collect(),
             density: Vec::new(),
             kept: Vec::new(),
-            diffused: vec![0.0; members.len()],
+            diffused: vec![0.0; kind.len()],
             met: vec![[V::Scalar::ZERO; 2]; obstacles.len()],
             records: Records::new(vicinity.neighbors()),
-            rates: vec![[V::Scalar::ZERO; 2]; members.len()],
-            forces: vec![[V::Scalar::ZERO; FORCES]; members.len()],
+            rates: vec![[V::Scalar::ZERO; 2]; kind.len()],
+            forces: vec![[V::Scalar::ZERO; FORCES]; kind.len()],
             waves: kernel::waves::<K>(V::DIMENSION),
             kinds,
-            members,
-            slots,
             kind,
             obstacles,
             vicinity,
@@ -86,16 +79,18 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>, const MIXED: bool> Fluids<V, K
     /// Gives every fluid particle the density under the weight of what is above it, and every obstacle the volume that is left
     /// to it by the others: 1/Σ W over obstacles, of N. Akinci et al., ACM Trans. Graph. 31 (2012) 62.
     fn fill_space(&mut self, scene: &Scene, properties: &Properties<V>) -> Result<()> {
-        let positions: Vec<DVec3> = scene.bodies.iter().flat_map(|body| &body.positions).copied().collect();
-        let place = |member: usize| positions[properties.caller[self.members[member] as usize] as usize];
+        let positions = scene.positions();
+        // By the index of the particle, relative to the origin.
+        let at: Vec<DVec3> = properties.caller.iter().map(|&caller| positions[caller as usize] - properties.origin).collect();
+        let members: Vec<usize> = self.vicinity.members().iter().map(|&index| index as usize).collect();
         let common = self.kinds.first();
         let down = common.gravity.normalize_or_zero();
         let material = |member: usize| self.kinds.materials.get(usize::from(self.kind[member]));
-        let fluid: Vec<usize> = (0..self.members.len()).filter(|&member| material(member).is_some()).collect();
+        let fluid: Vec<usize> = (0..members.len()).filter(|&member| material(member).is_some()).collect();
         let heads: Vec<(f64, f64)> =
-            fluid.iter().map(|&member| (place(member).dot(down), material(member).map_or(0.0, |of| of.density))).collect();
+            fluid.iter().map(|&member| (at[members[member]].dot(down), material(member).map_or(0.0, |of| of.density))).collect();
         let pressures = start::pressures(&heads, common.spacing, common.gravity.length());
-        self.density = vec![common.density; self.members.len()];
+        self.density = vec![common.density; members.len()];
         for (&member, pressure) in fluid.iter().zip(pressures) {
             self.density[member] = material(member).map_or(common.density, |of| of.density_under(pressure));
         }
@@ -103,19 +98,14 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>, const MIXED: bool> Fluids<V, K
         if self.obstacles.is_empty() {
             return Ok(());
         }
-        let origin = properties.origin;
-        let at: Vec<DVec3> = (0..self.members.len()).map(|member| place(member) - origin).collect();
-        let index: Vec<usize> = self.members.iter().map(|&index| index as usize).collect();
-        let mut slot = vec![0; properties.count()];
-        index.iter().enumerate().for_each(|(member, &index)| slot[index] = member);
-        self.search(&|axis, index| at[slot[index]][axis], &Crew::alone())?;
+        self.search(&|axis, index| at[index][axis], &Crew::alone())?;
         let weight = weight::<K>(self.kinds.first(), V::DIMENSION);
         let neighbors = self.vicinity.neighbors();
         for &obstacle in &self.obstacles {
             let place = neighbors.places()[obstacle as usize] as usize;
             let others = neighbors.of(place).iter().map(|&other| neighbors.order()[other as usize] as usize);
             let others = others.filter(|&other| self.kind[other] == OBSTACLE);
-            let near: f64 = others.map(|other| weight(at[other].distance(at[obstacle as usize]))).sum();
+            let near: f64 = others.map(|other| weight(at[members[other]].distance(at[members[obstacle as usize]]))).sum();
             let common = self.kinds.first();
             // A lone particle is not as large as the kernel.
             self.mass[obstacle as usize] = (common.density / (near + weight(0.0))).min(2.0 * common.mass);

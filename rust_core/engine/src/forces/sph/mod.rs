@@ -35,9 +35,6 @@ use start::Kinds;
 /// Places in a block of the passes over single particles.
 const BLOCK: usize = 1024;
 
-/// Stands for the slot of a particle that is no fluid.
-const NOBODY: u32 = u32::MAX;
-
 /// The fluids of a scene, and the obstacles that they meet.
 ///
 /// # Errors
@@ -69,10 +66,6 @@ where
 /// All particles of fluids, and of the obstacles that they meet.
 struct Fluids<V: Vector, K, const MIXED: bool> {
     kinds: Kinds,
-    /// These particles, by their index.
-    members: Vec<u32>,
-    /// The member that each particle is.
-    slots: Vec<u32>,
     /// The kind of each member.
     kind: Vec<u8>,
     /// Mass of each member [kg]; of an obstacle, that of the fluid in its place.
@@ -120,7 +113,7 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>, const MIXED: bool> Fluids<V, K
 
     /// Brings lists up to date, and with them who is near a wall.
     fn search(&mut self, place: &(impl Fn(usize, usize) -> f64 + Sync), crew: &Crew) -> Result<()> {
-        if self.vicinity.update(place, &self.members, crew)? {
+        if self.vicinity.update(place, crew)? {
             self.walls.survey(&self.vicinity);
         }
         Ok(())
@@ -147,8 +140,8 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>, const MIXED: bool> Force<V> fo
     /// ρ ← ρ + h dρ/dt, in the middle of the way and at the velocity of the way.
     fn drift(&mut self, drift: &Drift<'_, V>, crew: &Crew) -> Result<()> {
         self.search(&|axis, index| drift.middle(axis, index), crew)?;
-        let Self { kinds, members, kind, mass, density, diffused, vicinity, records, continuity, rates, walls, .. } = self;
-        let neighbors = vicinity.neighbors();
+        let Self { kinds, kind, mass, density, diffused, vicinity, records, continuity, rates, walls, .. } = self;
+        let (neighbors, members) = (vicinity.neighbors(), vicinity.members());
         records.fill(neighbors, vicinity.positions(), crew, &|member, record| {
             let index = members[member] as usize;
             for axis in 0..V::DIMENSION {
@@ -180,7 +173,8 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>, const MIXED: bool> Force<V> fo
 
     fn prepare(&mut self, at: &Moment<'_, V>, crew: &Crew) -> Result<()> {
         self.search(&|axis, index| at.place(axis, index), crew)?;
-        let Self { kinds, members, kind, mass, density, vicinity, records, .. } = self;
+        let Self { kinds, kind, mass, density, vicinity, records, .. } = self;
+        let members = vicinity.members();
         records.fill(vicinity.neighbors(), vicinity.positions(), crew, &|member, record| {
             let index = members[member] as usize;
             for axis in 0..V::DIMENSION {
@@ -222,19 +216,14 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>, const MIXED: bool> Force<V> fo
     }
 
     fn accumulate(&self, block: Range<usize>, _at: &Moment<'_, V>, rates: &mut Rates<'_, V>) {
-        let places = self.vicinity.neighbors().places();
-        for (index, &slot) in self.slots[block.start..block.end.min(self.slots.len())].iter().enumerate() {
-            if slot == NOBODY {
-                continue;
-            }
-            let (density, place) = (self.density[slot as usize], places[slot as usize] as usize);
-            let (volume, force) = (self.mass[slot as usize] / density, &self.forces[place]);
+        for (index, member, place) in self.vicinity.in_block(block) {
+            let (volume, force) = (self.mass[member] / self.density[member], &self.forces[place]);
             for axis in 0..V::DIMENSION {
                 rates.force.axes[axis][index] += V::Scalar::from_f64(volume) * force[axis];
             }
             // Of a pair's power each takes half.
             let viscous = 0.5 * volume * force[VISCOUS].to_f64();
-            rates.power[Channel::Viscosity as usize][index % LANES] += viscous + self.diffused[slot as usize];
+            rates.power[Channel::Viscosity as usize][index % LANES] += viscous + self.diffused[member];
             rates.power[Channel::Work as usize][index % LANES] += volume * force[LIFT].to_f64();
         }
     }
@@ -252,7 +241,7 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>, const MIXED: bool> Force<V> fo
             let fluid = self.kinds.materials.get(usize::from(self.kind[member]));
             fluid.map_or(0.0, |fluid| fluid.mass * fluid.energy(self.density[member]))
         };
-        (0..self.members.len()).map(energy).sum()
+        (0..self.kind.len()).map(energy).sum()
     }
 
     /// Of all waves that the kernel carries, the one with the shortest step: for kick–drift–kick with the force at the predicted
@@ -281,7 +270,7 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>, const MIXED: bool> Force<V> fo
             .collect();
         let heaviest = |one: &&(f64, f64, f64), other: &&(f64, f64, f64)| (one.0 * one.2).total_cmp(&(other.0 * other.2));
         let pressing = bounds.iter().max_by(heaviest).copied().unwrap_or_default();
-        for (member, &index) in self.members.iter().enumerate() {
+        for (member, &index) in self.vicinity.members().iter().enumerate() {
             let (stiffness, damping, density) = bounds.get(usize::from(self.kind[member])).copied().unwrap_or(pressing);
             let mass = self.mass[member] / self.density[member] * density;
             bound.point(index as usize, "sound", mass * stiffness, 0.0);
@@ -301,7 +290,7 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>, const MIXED: bool> Force<V> fo
     }
 
     fn show(&self, fields: &mut Fields) {
-        for (member, &index) in self.members.iter().enumerate() {
+        for (member, &index) in self.vicinity.members().iter().enumerate() {
             if let Some(fluid) = self.kinds.materials.get(usize::from(self.kind[member])) {
                 fields.density[index as usize] = self.density[member];
                 fields.pressure[index as usize] = fluid.pressure(self.density[member]);
@@ -320,7 +309,7 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>, const MIXED: bool> Force<V> fo
     fn bytes(&self) -> usize {
         let own = std::mem::size_of_val(self.rates.as_slice()) + std::mem::size_of_val(self.forces.as_slice());
         let numbers = 4 * size_of::<f64>() * self.density.len();
-        let indices = size_of::<u32>() * (self.members.len() + self.slots.len() + self.obstacles.len()) + self.kind.len();
+        let indices = size_of::<u32>() * self.obstacles.len() + self.kind.len();
         self.vicinity.bytes() + self.records.bytes() + self.walls.bytes() + own + numbers + indices
     }
 }

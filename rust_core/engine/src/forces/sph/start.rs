@@ -157,12 +157,9 @@ impl Kinds {
         &self.materials[0]
     }
 
-    /// A number of each kind, and another of obstacles.
-    pub fn each<T: Real>(&self, of: impl Fn(&Material) -> f64, of_obstacles: f64) -> [T; KINDS] {
-        std::array::from_fn(|kind| {
-            let obstacles = if kind == usize::from(OBSTACLE) { of_obstacles } else { 0.0 };
-            T::from_f64(self.materials.get(kind).map_or(obstacles, &of))
-        })
+    /// A number of each kind of fluid, 0 for obstacles.
+    pub fn each<T: Real>(&self, of: impl Fn(&Material) -> f64) -> [T; KINDS] {
+        std::array::from_fn(|kind| T::from_f64(self.materials.get(kind).map_or(0.0, &of)))
     }
 
     /// A number of each pair of kinds. Obstacles are as what they touch; to each other they are nothing.
