@@ -156,7 +156,7 @@ impl<V: Vector, L: Interaction<V>> Force<V> for Pairs<V, L> {
     }
 
     fn undo(&mut self) -> Result<()> {
-        self.vicinity.undo()
+        self.vicinity.undo().map(|_| ())
     }
 
     fn capture(&self) -> Vec<f64> {

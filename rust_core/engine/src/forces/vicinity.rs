@@ -96,6 +96,11 @@ impl Vicinity {
         &self.neighbors
     }
 
+    /// How much further than the cutoff the lists reach [m].
+    pub fn skin(&self) -> f64 {
+        self.skin
+    }
+
     /// The positions of all members relative to the origin [m].
     pub fn positions(&self) -> [&[f64]; AXES] {
         self.positions.each_ref().map(Vec::as_slice)
@@ -124,13 +129,13 @@ impl Vicinity {
         }
     }
 
-    /// Makes the lists that were last kept.
-    pub fn undo(&mut self) -> Result<()> {
-        if self.renewed {
+    /// Makes the lists that were last kept, and says whether there were others.
+    pub fn undo(&mut self) -> Result<bool> {
+        let renewed = std::mem::take(&mut self.renewed);
+        if renewed {
             self.neighbors.restore(self.kept.each_ref().map(Vec::as_slice), &Crew::alone())?;
-            self.renewed = false;
         }
-        Ok(())
+        Ok(renewed)
     }
 
     /// What the lists were made from [m].
@@ -142,7 +147,7 @@ impl Vicinity {
     pub fn restore(&mut self, numbers: &mut &[f64]) -> Result<()> {
         self.kept.iter_mut().try_for_each(|column| take(numbers, column))?;
         self.renewed = true;
-        self.undo()
+        self.undo().map(|_| ())
     }
 
     /// About how many pairs are listed, as one of both counts them.

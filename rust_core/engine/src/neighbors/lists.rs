@@ -8,6 +8,15 @@ use crate::math::{AXES, Placed};
 use crate::parallel::{Chunks, Crew};
 use crate::simd::{Isa, LANES, LevelKernel, Selection, dispatch_level};
 
+/// Some neighbors of one particle, as places.
+#[derive(Debug, Clone)]
+pub struct List<'a> {
+    /// What holds them.
+    pub segment: &'a Selection,
+    /// Where in it.
+    pub range: Range<usize>,
+}
+
 /// The lists of all places.
 #[derive(Debug, Default)]
 pub struct Lists {
@@ -44,15 +53,15 @@ impl Lists {
     /// The list of one place.
     #[inline(always)]
     pub fn of(&self, place: usize) -> &[u32] {
-        let (segment, range) = self.within(place);
+        let List { segment, range } = self.at(place);
         segment.list(range.start, range.end)
     }
 
-    /// What holds the list of one place, and where in it.
+    /// The same, to sum over.
     #[inline(always)]
-    pub fn within(&self, place: usize) -> (&Selection, Range<usize>) {
+    pub fn at(&self, place: usize) -> List<'_> {
         let start = if place.is_multiple_of(BLOCK) { 0 } else { self.ends[place - 1] };
-        (&self.segments[place / BLOCK], start..self.ends[place])
+        List { segment: &self.segments[place / BLOCK], range: start..self.ends[place] }
     }
 
     /// Makes all lists anew.

@@ -19,12 +19,15 @@ pub mod sums;
 
 pub use brute::brute;
 pub use domain::Domain;
+pub use lists::List;
 pub use ordering::ordering;
+
+use glam::DVec3;
 
 use crate::error::{Error, Result};
 use crate::math::{AXES, Placed};
 use crate::parallel::{Chunks, Crew};
-use crate::simd::LANES;
+use crate::simd::{LANES, Selection};
 use domain::{check_lengths, check_spacing};
 use grid::{Bounds, Grid};
 use lists::{Candidates, Lists};
@@ -155,6 +158,26 @@ impl Neighbors {
     /// The places of the neighbors of the particle at a place, always in the same order.
     pub fn of(&self, place: usize) -> &[u32] {
         self.lists.of(place)
+    }
+
+    /// The same, to sum over.
+    pub fn list(&self, place: usize) -> List<'_> {
+        self.lists.at(place)
+    }
+
+    /// An empty selection of places, to be filled with those that shall be summed over.
+    pub fn selection(&self) -> Selection {
+        Selection::new(self.count + LANES)
+    }
+
+    /// The vectors to the particle at a place from all its neighbors, or their nearest images, when the lists were made [m].
+    pub fn apart(&self, place: usize) -> impl Iterator<Item = DVec3> {
+        let point = |place: usize| std::array::from_fn(|axis| self.sorted[axis].get(place).copied().unwrap_or(0.0));
+        let (own, rulers): ([f64; AXES], _) = (point(place), self.metric.rulers);
+        self.of(place).iter().map(move |&other| {
+            let other = point(other as usize);
+            DVec3::from_array(std::array::from_fn(|axis| f64::apart::<true>(own[axis], other[axis], rulers[axis])))
+        })
     }
 
     /// The positions along each axis that the lists were made from [m], in the order of the particles.

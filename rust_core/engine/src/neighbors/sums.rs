@@ -5,7 +5,7 @@
 //! its own. At the end the lanes are folded in one tree, so that the bits are the same at every SIMD level and for any
 //! number of threads.
 
-use super::{BLOCK, Neighbors};
+use super::{BLOCK, List, Neighbors};
 use crate::math::{AXES, Placed, Real, Vector};
 use crate::parallel::{Chunks, Crew};
 use crate::simd::{Isa, Kernel, LANES, Lanes, LevelKernel, Record, WORDS, dispatch, dispatch_level, transpose};
@@ -102,17 +102,12 @@ impl<V: Vector> Records<V> {
         });
     }
 
-    /// The sums of a law over the neighbors of the particle at one place, and over itself.
-    pub fn sum_at<L: PairLaw<V, SUMS>, const SUMS: usize>(
-        &self,
-        neighbors: &Neighbors,
-        law: L,
-        place: usize,
-    ) -> [V::Scalar; SUMS] {
+    /// The sums of a law over a list of neighbors of the particle at one place.
+    pub fn sum_at<L: PairLaw<V, SUMS>, const SUMS: usize>(&self, list: List<'_>, law: &L, place: usize) -> [V::Scalar; SUMS] {
         if V::Scalar::WRAPS || !self.periodic {
-            dispatch_level(Alone::<V, L, SUMS, false> { records: self, neighbors, law, place })
+            dispatch_level(Alone::<V, L, SUMS, false> { records: self, list, law, place })
         } else {
-            dispatch_level(Alone::<V, L, SUMS, true> { records: self, neighbors, law, place })
+            dispatch_level(Alone::<V, L, SUMS, true> { records: self, list, law, place })
         }
     }
 }
@@ -160,16 +155,16 @@ impl<V: Vector, L: PairLaw<V, SUMS>, const SUMS: usize, const PERIODIC: bool> Le
     fn run<I: Isa>(self, isa: I) {
         let Sweep { records, neighbors, law, start, sums } = self.0;
         for (place, sum) in (start..).zip(sums) {
-            *sum = around::<V, L, SUMS, PERIODIC>(isa, records, neighbors, law, place);
+            *sum = around::<V, L, SUMS, PERIODIC>(isa, records, neighbors.list(place), &law, place);
         }
     }
 }
 
-/// The sums of one particle and its images, with or without periods.
+/// The sums of one particle, with or without periods.
 struct Alone<'a, V: Vector, L, const SUMS: usize, const PERIODIC: bool> {
     records: &'a Records<V>,
-    neighbors: &'a Neighbors,
-    law: L,
+    list: List<'a>,
+    law: &'a L,
     place: usize,
 }
 
@@ -178,35 +173,26 @@ impl<V: Vector, L: PairLaw<V, SUMS>, const SUMS: usize, const PERIODIC: bool> Le
 
     #[inline(always)]
     fn run<I: Isa>(self, isa: I) -> [V::Scalar; SUMS] {
-        let Self { records, neighbors, law, place } = self;
-        let mut sums = around::<V, L, SUMS, PERIODIC>(isa, records, neighbors, law, place);
-        let own = records.words[place];
-        let law = law.facing(&own);
-        let itself = law.terms(&own, &own, [V::Scalar::ZERO; AXES], V::Scalar::ZERO);
-        for sum in 0..SUMS {
-            sums[sum] += itself[sum];
-        }
-        sums
+        around::<V, L, SUMS, PERIODIC>(isa, self.records, self.list, self.law, self.place)
     }
 }
 
-/// The sums of the particle at one place.
+/// The sums of the particle at one place over a list.
 #[inline(always)]
 fn around<V: Vector, L: PairLaw<V, SUMS>, const SUMS: usize, const PERIODIC: bool>(
     isa: impl Isa,
     records: &Records<V>,
-    neighbors: &Neighbors,
-    law: L,
+    List { segment, range }: List<'_>,
+    law: &L,
     place: usize,
 ) -> [V::Scalar; SUMS] {
-    let (segment, list) = neighbors.lists.within(place);
     // A copy, because compilers do not see that nobody writes to the original meanwhile.
     let own = records.words[place];
     let law = law.facing(&own);
     let mut lanes = [[V::Scalar::ZERO; LANES]; SUMS];
-    for first in list.clone().step_by(LANES) {
+    for first in range.clone().step_by(LANES) {
         let others = transpose(isa, &records.words, segment.group(first));
-        let (apart, square) = distances::<V, PERIODIC>(&own, &others, &records.rulers, list.end - first);
+        let (apart, square) = distances::<V, PERIODIC>(&own, &others, &records.rulers, range.end - first);
         add(&law, &own, &others, &apart, &square, &mut lanes);
     }
     lanes.map(fold)

@@ -4,6 +4,7 @@
 //! in registers, which `benches/neighbors.rs` shows to be faster. Data is only moved, so all ways give the same bits.
 
 use std::any::TypeId;
+use std::mem::MaybeUninit;
 
 use super::{Group, Isa, LANES, Lanes};
 
@@ -25,42 +26,45 @@ struct Aligned<T>(T);
 pub fn transpose<I: Isa, W: Copy + Default + 'static>(isa: I, records: &[Record<W>], group: Group<'_>) -> Record<Lanes<W>> {
     assert!(records.len() >= group.bound(), "records that are not there");
     let indices = group.indices();
-    let mut words = Aligned([[W::default(); LANES]; WORDS]);
     let _ = isa;
     #[cfg(target_arch = "x86_64")]
     {
         use super::Level;
         let (single, double) = (TypeId::of::<W>() == TypeId::of::<f32>(), TypeId::of::<W>() == TypeId::of::<f64>());
-        let (from, to) = (records.as_ptr(), words.0.as_mut_ptr());
+        let mut words = MaybeUninit::<Aligned<Record<Lanes<W>>>>::uninit();
+        let (from, to) = (records.as_ptr(), words.as_mut_ptr());
         // SAFETY: W is the type that the function is for; all indices are below the number of records; `to` has room for
-        // all lanes of all words; and `isa` exists only where the CPU has these instructions.
+        // all lanes of all words, and each function writes them all; and `isa` exists only where the CPU has these
+        // instructions.
         unsafe {
             match I::LEVEL {
                 Level::Avx512 if single => x86::single_avx512(from.cast(), indices, to.cast()),
                 Level::Avx512 if double => x86::double_avx512(from.cast(), indices, to.cast()),
                 Level::Avx2 if single => x86::single_avx2(from.cast(), indices, to.cast()),
                 Level::Avx2 if double => x86::double_avx2(from.cast(), indices, to.cast()),
-                _ => plain(records, indices, &mut words.0),
+                _ => return plain(records, indices),
             }
             // No instruction, but compilers have to suppose that it changes the words: knowing where they come from, they
             // would put together some of them from pieces, which is slow.
             std::arch::asm!("/* {0} */", in(reg) to, options(nostack, preserves_flags));
+            words.assume_init().0
         }
     }
     #[cfg(not(target_arch = "x86_64"))]
-    plain(records, indices, &mut words.0);
-    words.0
+    plain(records, indices)
 }
 
 /// The reference, and the way of all other levels.
 #[inline(always)]
-fn plain<W: Copy>(records: &[Record<W>], indices: &Lanes<u32>, words: &mut Record<Lanes<W>>) {
+fn plain<W: Copy + Default>(records: &[Record<W>], indices: &Lanes<u32>) -> Record<Lanes<W>> {
+    let mut words = [[W::default(); LANES]; WORDS];
     for lane in 0..LANES {
         let record = &records[indices[lane] as usize];
         for word in 0..WORDS {
             words[word][lane] = record[word];
         }
     }
+    words
 }
 
 #[cfg(target_arch = "x86_64")]
@@ -83,26 +87,31 @@ mod x86 {
     #[inline(always)]
     pub unsafe fn single_avx512(records: *const f32, indices: &Lanes<u32>, words: *mut f32) {
         unsafe {
-            let zero = _mm512_setzero_ps();
-            let (mut first, mut second) = ([zero; 4], [zero; 4]);
-            for row in 0..4 {
-                let [a, b, c, d] = [row, row + 4, row + 8, row + 12].map(|lane| records.add(index(indices, lane) * WORDS));
-                let quarters = |word: usize| {
-                    let vector = _mm512_castps128_ps512(_mm_loadu_ps(a.add(word)));
-                    let vector = _mm512_insertf32x4::<1>(vector, _mm_loadu_ps(b.add(word)));
-                    let vector = _mm512_insertf32x4::<2>(vector, _mm_loadu_ps(c.add(word)));
-                    _mm512_insertf32x4::<3>(vector, _mm_loadu_ps(d.add(word)))
-                };
-                (first[row], second[row]) = (quarters(0), quarters(4));
+            let mut rows = [_mm512_setzero_ps(); WORDS];
+            for row in 0..WORDS {
+                // One record in each half.
+                let [low, high] = [row, row + 8].map(|lane| _mm256_loadu_ps(records.add(index(indices, lane) * WORDS)));
+                rows[row] = _mm512_insertf32x8::<1>(_mm512_castps256_ps512(low), high);
             }
-            for (half, [a, b, c, d]) in [first, second].into_iter().enumerate() {
-                let low = (_mm512_castps_pd(_mm512_unpacklo_ps(a, b)), _mm512_castps_pd(_mm512_unpacklo_ps(c, d)));
-                let high = (_mm512_castps_pd(_mm512_unpackhi_ps(a, b)), _mm512_castps_pd(_mm512_unpackhi_ps(c, d)));
-                let to = words.add(half * WORDS / 2 * LANES);
-                _mm512_storeu_ps(to, _mm512_castpd_ps(_mm512_unpacklo_pd(low.0, low.1)));
-                _mm512_storeu_ps(to.add(LANES), _mm512_castpd_ps(_mm512_unpackhi_pd(low.0, low.1)));
-                _mm512_storeu_ps(to.add(2 * LANES), _mm512_castpd_ps(_mm512_unpacklo_pd(high.0, high.1)));
-                _mm512_storeu_ps(to.add(3 * LANES), _mm512_castpd_ps(_mm512_unpackhi_pd(high.0, high.1)));
+            let [a, b, c, d, e, f, g, h] = rows;
+            // Words 0, 1 and 4, 5 of four records, then of all eight; and likewise the others.
+            let pairs = |one: __m512, other: __m512| {
+                (_mm512_castps_pd(_mm512_unpacklo_ps(one, other)), _mm512_castps_pd(_mm512_unpackhi_ps(one, other)))
+            };
+            let (ab, cd, ef, gh) = (pairs(a, b), pairs(c, d), pairs(e, f), pairs(g, h));
+            let fours = [
+                (_mm512_unpacklo_pd(ab.0, cd.0), _mm512_unpacklo_pd(ef.0, gh.0)),
+                (_mm512_unpackhi_pd(ab.0, cd.0), _mm512_unpackhi_pd(ef.0, gh.0)),
+                (_mm512_unpacklo_pd(ab.1, cd.1), _mm512_unpacklo_pd(ef.1, gh.1)),
+                (_mm512_unpackhi_pd(ab.1, cd.1), _mm512_unpackhi_pd(ef.1, gh.1)),
+            ];
+            // Quarters in the order 0, 0, 2, 2 and 1, 1, 3, 3 of both.
+            let low = _mm512_setr_epi64(0, 1, 8, 9, 4, 5, 12, 13);
+            let high = _mm512_setr_epi64(2, 3, 10, 11, 6, 7, 14, 15);
+            for (word, (first, second)) in fours.into_iter().enumerate() {
+                let store = |word: usize, lanes: __m512d| _mm512_storeu_ps(words.add(word * LANES), _mm512_castpd_ps(lanes));
+                store(word, _mm512_permutex2var_pd(first, low, second));
+                store(word + WORDS / 2, _mm512_permutex2var_pd(first, high, second));
             }
         }
     }

@@ -89,6 +89,21 @@ impl Selection {
         self.entries.resize((self.length + 4 * LANES) * 5 / 4, 0);
     }
 
+    /// Adds an index, if it counts.
+    ///
+    /// # Panics
+    /// If it is not below the bound.
+    #[inline(always)]
+    pub fn push(&mut self, index: u32, counts: bool) {
+        assert!((index as usize) < self.bound, "an index past the bound");
+        if self.entries.len() <= self.length + LANES {
+            self.grow();
+        }
+        // Written in any case: whether it counts is hard to foresee.
+        self.entries[self.length] = index;
+        self.length += usize::from(counts);
+    }
+
     /// Adds `first` plus the number of each lane of `valid` (bit by bit) whose value is at most `limit`, in order.
     ///
     /// # Panics

@@ -3,10 +3,10 @@
 use glam::DVec3;
 
 use super::Fluids;
-use super::images::Walls;
 use super::kernel::{self, Kernel, Shape};
 use super::laws::{Continuity, Extrapolation, FORCES, KINDS, Momentum, OBSTACLE, Touch};
 use super::start::{self, Kinds, Material};
+use super::walls::Walls;
 use crate::error::Result;
 use crate::forces::vicinity::Vicinity;
 use crate::math::{Real, Vector};
@@ -25,7 +25,7 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>, const MIXED: bool> Fluids<V, K
         let common = kinds.first();
         let h = common.smoothing_length;
         let vicinity = Vicinity::new(scene, properties, members, 2.0 * h)?;
-        let walls = Walls::new(start::walls(scene, properties.origin)?, 2.0 * h);
+        let walls = Walls::new(start::walls(scene, properties.origin)?, &vicinity);
         let number = V::Scalar::from_f64;
         let kernel = Kernel::new(h, common.spacing, V::DIMENSION);
         let same = |one: &Material, other: &Material| one == other;

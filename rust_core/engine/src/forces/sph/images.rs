@@ -1,53 +1,20 @@
-//! Walls of a fluid, as mirrors.
-//!
-//! A particle near a wall meets the images of its neighbors, and its own, behind that wall: as many as the wall cuts off from
-//! its support, so that density and pressure are as smooth there as inside. An image is never nearer than its original, so
-//! the originals are all in the particle's list already, and nothing has to be stored. In a corner there are images of
-//! images. A curved wall is met as its tangent plane.
+//! The images of a particle's neighbors in mirrors, and what a law makes of them.
 //!
 //! Mirrored are position and velocity: where the fluid slips freely its velocity across the wall, where it sticks all of it.
 //! The pressure of an image is that of its original, and what gravity adds on the way: so a fluid at rest stays at rest.
 
 use glam::{DMat3, DVec3};
 
-use super::BLOCK;
-use crate::boundaries::Wall;
-use crate::forces::vicinity::Vicinity;
 use crate::math::{AXES, Real, Vector};
-use crate::neighbors::sums::{PairLaw, Records};
-use crate::parallel::{Chunks, Crew};
+use crate::neighbors::sums::PairLaw;
 use crate::simd::Record;
-
-/// The most walls that a particle looks into.
-const CORNER: usize = 4;
-
-/// A wall, and whether the fluid sticks to it.
-#[derive(Debug, Clone)]
-pub struct Side {
-    pub wall: Wall,
-    pub sticks: bool,
-}
-
-impl Side {
-    /// The mirror that a particle at `x` looks into, if it is within `reach`.
-    fn mirror(&self, x: DVec3, reach: f64, view: &View) -> Option<Mirror> {
-        let (distance, normal) = self.wall.distance(x);
-        (distance < reach).then_some(Mirror { normal, distance, sticks: self.sticks && view.sticks })
-    }
-}
 
 /// A wall as a particle near it sees it: its unit normal into the fluid, its distance [m], and whether the fluid sticks to it.
 #[derive(Debug, Clone, Copy)]
-struct Mirror {
-    normal: DVec3,
-    distance: f64,
-    sticks: bool,
-}
-
-/// Whether two walls with these normals meet in a corner, where images are mirrored again. Walls that face each other, or go
-/// on as one, do not.
-fn meet(one: DVec3, other: DVec3) -> bool {
-    one.dot(other).abs() < 0.5
+pub struct Mirror {
+    pub normal: DVec3,
+    pub distance: f64,
+    pub sticks: bool,
 }
 
 /// What a law wants to see in a mirror.
@@ -59,98 +26,9 @@ pub struct View {
     pub sticks: bool,
 }
 
-/// The walls of a fluid, and who is near them.
-#[derive(Debug)]
-pub struct Walls {
-    sides: Vec<Side>,
-    /// The distance within which a wall matters [m].
-    reach: f64,
-    /// The places that are near a wall.
-    near: Vec<u32>,
-}
-
-impl Walls {
-    /// Walls that matter within `reach` [m].
-    pub fn new(sides: Vec<Side>, reach: f64) -> Self {
-        Self { sides, reach, near: Vec::new() }
-    }
-
-    /// Looks who was near where lists of neighbors were made.
-    pub fn survey(&mut self, vicinity: &Vicinity) {
-        let neighbors = vicinity.neighbors();
-        let Self { sides, near, .. } = self;
-        let touches = |&place: &u32| {
-            let x = vicinity.anchor(place as usize);
-            sides.iter().any(|side| side.wall.distance(x).0 < neighbors.support())
-        };
-        near.clear();
-        near.extend((0..neighbors.count() as u32).filter(touches));
-    }
-
-    /// The memory that they take [bytes].
-    pub fn bytes(&self) -> usize {
-        std::mem::size_of_val(self.sides.as_slice()) + std::mem::size_of_val(self.near.as_slice())
-    }
-
-    /// Adds to a law's sums what it meets in the walls.
-    pub fn add<V: Vector, L: PairLaw<V, SUMS> + Pressed<V, SUMS>, const SUMS: usize>(
-        &self,
-        law: L,
-        view: &View,
-        (vicinity, records): (&Vicinity, &Records<V>),
-        sums: &mut [[V::Scalar; SUMS]],
-        crew: &Crew,
-    ) {
-        if self.near.is_empty() {
-            return;
-        }
-        crew.sweep(Chunks::new(sums, BLOCK), &|mine| {
-            let index = |place: usize| self.near.partition_point(|&near| (near as usize) < place);
-            for &place in &self.near[index(mine.start)..index(mine.start + mine.items.len())] {
-                let images = self.images(law, view, vicinity, records, place as usize);
-                mine.items[place as usize - mine.start].iter_mut().zip(images).for_each(|(sum, image)| *sum += image);
-            }
-        });
-    }
-
-    /// The sums over the images that a particle meets: in each wall, and in the corners.
-    fn images<V: Vector, L: PairLaw<V, SUMS> + Pressed<V, SUMS>, const SUMS: usize>(
-        &self,
-        law: L,
-        view: &View,
-        vicinity: &Vicinity,
-        records: &Records<V>,
-        place: usize,
-    ) -> [V::Scalar; SUMS] {
-        let x = vicinity.at(place);
-        let mut seen = self.sides.iter().filter_map(|side| side.mirror(x, self.reach, view));
-        let mirrors: [_; CORNER] = std::array::from_fn(|_| seen.next());
-        let mirrors = || mirrors.iter().flatten().enumerate();
-        let mut sums = [V::Scalar::ZERO; SUMS];
-        let mut add = |image: &Image| {
-            let law = Mirrored { law, reflection: Reflection::new(image, view) };
-            let more = records.sum_at(vicinity.neighbors(), law, place);
-            (0..SUMS).for_each(|sum| sums[sum] += more[sum]);
-        };
-        for (first, one) in mirrors() {
-            let once = Image::ITSELF.in_mirror(one);
-            add(&once);
-            for (second, other) in mirrors().skip(first + 1).filter(|(_, other)| meet(one.normal, other.normal)) {
-                let twice = once.in_mirror(other);
-                add(&twice);
-                let thirds = mirrors().skip(second + 1).map(|(_, third)| third);
-                for third in thirds.filter(|third| meet(one.normal, third.normal) && meet(other.normal, third.normal)) {
-                    add(&twice.in_mirror(third));
-                }
-            }
-        }
-        sums
-    }
-}
-
 /// Where the image of a neighbor is: with y the place of anything relative to the particle that looks, y ← Ay + b.
 #[derive(Debug, Clone, Copy)]
-struct Image {
+pub struct Image {
     /// A.
     turn: DMat3,
     /// b [m].
@@ -166,7 +44,7 @@ struct Image {
 
 impl Image {
     /// Where everything is.
-    const ITSELF: Self = Self {
+    pub const ITSELF: Self = Self {
         turn: DMat3::IDENTITY,
         shift: DVec3::ZERO,
         velocity: DMat3::IDENTITY,
@@ -174,17 +52,30 @@ impl Image {
         mirrors: 0,
     };
 
-    /// Its image in another mirror: y − 2 (d + n·y) n.
-    fn in_mirror(mut self, mirror: &Mirror) -> Self {
-        let Mirror { normal, distance, sticks } = *mirror;
-        let reflect = DMat3::IDENTITY - 2.0 * DMat3::from_cols(normal * normal.x, normal * normal.y, normal * normal.z);
-        self.depths[self.mirrors] = (self.turn.transpose() * normal, distance + normal.dot(self.shift));
+    /// Mirrors it once more: y ← y − 2 (d + n·y) n. In place, because it is large.
+    pub fn reflect(&mut self, &Mirror { normal, distance, sticks }: &Mirror) {
+        let along = self.turn.transpose() * normal;
+        let depth = distance + normal.dot(self.shift);
+        self.depths[self.mirrors] = (along, depth);
         self.mirrors += 1;
-        self.turn = reflect * self.turn;
-        self.shift = reflect * self.shift - 2.0 * distance * normal;
-        self.velocity = if sticks { -self.velocity } else { reflect * self.velocity };
-        self
+        self.turn -= outer(2.0 * normal, along);
+        self.shift -= 2.0 * depth * normal;
+        if sticks {
+            self.velocity *= -1.0;
+        } else {
+            self.velocity -= outer(2.0 * normal, self.velocity.transpose() * normal);
+        }
     }
+
+    /// The square of the distance from the image of somebody who is `apart` from its original [m²].
+    pub fn square(&self, apart: DVec3) -> f64 {
+        (self.turn * apart - self.shift).length_squared()
+    }
+}
+
+/// The matrix a bᵀ.
+fn outer(a: DVec3, b: DVec3) -> DMat3 {
+    DMat3::from_cols(a * b.x, a * b.y, a * b.z)
 }
 
 /// A vector in the precision of the run.
@@ -248,9 +139,21 @@ pub trait Pressed<V: Vector, const SUMS: usize> {
 
 /// A law between a particle and the images of others.
 #[derive(Debug, Clone, Copy)]
-struct Mirrored<T, L> {
+pub struct Mirrored<T, L> {
     law: L,
     reflection: Reflection<T>,
+}
+
+impl<T: Real, L> Mirrored<T, L> {
+    /// What a law makes of an image.
+    pub fn new(law: L, image: &Image, view: &View) -> Self {
+        Self { law, reflection: Reflection::new(image, view) }
+    }
+
+    /// What it makes of another.
+    pub fn turn(&mut self, image: &Image, view: &View) {
+        self.reflection = Reflection::new(image, view);
+    }
 }
 
 impl<V: Vector, L: PairLaw<V, SUMS> + Pressed<V, SUMS>, const SUMS: usize> PairLaw<V, SUMS> for Mirrored<V::Scalar, L> {

@@ -39,7 +39,7 @@ impl<T: Real> Shape<T> for WendlandC2 {
     #[inline(always)]
     fn slope(u: T) -> T {
         let y = T::ONE - u;
-        T::from_f64(-5.0) * (y * y * y)
+        (T::from_f64(-5.0) * y) * (y * y)
     }
 }
 
@@ -126,10 +126,11 @@ impl<T: Real, K: Shape<T>> Kernel<T, K> {
         self.height * K::value(self.reach(distance))
     }
 
-    /// F at a distance [m].
+    /// V F for a volume V at a distance [m].
     #[inline(always)]
-    pub fn slope(&self, distance: T) -> T {
-        self.steepness * K::slope(self.reach(distance))
+    pub fn slope(&self, volume: T, distance: T) -> T {
+        // In this order, what does not have to wait for the distance does not.
+        (self.steepness * volume) * K::slope(self.reach(distance))
     }
 
     /// u, and 1 beyond the support.
@@ -225,9 +226,13 @@ mod tests {
                 let difference = (kernel.value(r + 1e-5) - kernel.value(r - 1e-5)) / 2e-5;
                 // The third derivative is below 100 W₀ everywhere, and the difference good to 1e-8 W₀; the lattice's moment is
                 // that of the integral, 1, to some 1e-6.
-                assert!((kernel.slope(r) * r - difference).abs() < 1e-5 * kernel.height, "{} at {r}", std::any::type_name::<K>());
+                assert!(
+                    (kernel.slope(1.0, r) * r - difference).abs() < 1e-5 * kernel.height,
+                    "{} at {r}",
+                    std::any::type_name::<K>()
+                );
             }
-            assert_eq!((kernel.value(2.0), kernel.slope(2.0), kernel.slope(3.0)), (0.0, 0.0, 0.0));
+            assert_eq!((kernel.value(2.0), kernel.slope(1.0, 2.0), kernel.slope(1.0, 3.0)), (0.0, 0.0, 0.0));
         }
     }
 

@@ -100,7 +100,7 @@ impl<V: Vector, K: Shape<V::Scalar>, const MIXED: bool> PairLaw<V, 2> for Contin
         apart: [V::Scalar; AXES],
         square: V::Scalar,
     ) -> [V::Scalar; 2] {
-        let weight = volume::<V>(other) * self.kernel.slope(square.sqrt());
+        let weight = self.kernel.slope(volume::<V>(other), square.sqrt());
         let diffusion = pick::<_, MIXED>(volume::<V>(other), &self.faced);
         let mut excess = content::<V>(other) - content::<V>(own);
         for axis in 0..V::DIMENSION {
@@ -215,7 +215,7 @@ impl<T: Real, K: Shape<T>, const MIXED: bool> Momentum<T, K, MIXED> {
     /// Vⱼ F, of those who push each other.
     #[inline(always)]
     fn weight<V: Vector<Scalar = T>>(&self, other: &Record<T>, square: T) -> T {
-        let weight = volume::<V>(other) * self.kernel.slope(square.sqrt());
+        let weight = self.kernel.slope(volume::<V>(other), square.sqrt());
         if MIXED { weight * pick::<_, MIXED>(volume::<V>(other), &self.faced.contact) } else { weight }
     }
 

@@ -5,7 +5,7 @@
 //! ([`Force::prepare`]). Density and velocity so take turns like position and velocity, and the step may be as long as that
 //! of a leapfrog: 2/ω for the fastest sound wave, twice as long as where both rates are taken at one moment.
 //!
-//! [`laws`] holds the sums, [`kernel`] what they weigh with, [`images`] the walls; [`start`] finds what the scene
+//! [`laws`] holds the sums, [`kernel`] what they weigh with, [`walls`] their images behind walls; [`start`] finds what the scene
 //! leaves open, and [`assembly`] puts the parts together.
 
 use std::ops::Range;
@@ -26,11 +26,13 @@ mod images;
 mod kernel;
 mod laws;
 mod start;
+mod walls;
 
-use images::{View, Walls};
+use images::View;
 use kernel::{CubicSpline, Shape, Wave, WendlandC2, WendlandC4};
 use laws::{Continuity, Extrapolation, FORCES, LIFT, Momentum, VISCOUS};
 use start::Kinds;
+use walls::Walls;
 
 /// Places in a block of the passes over single particles.
 const BLOCK: usize = 1024;
@@ -101,7 +103,8 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>, const MIXED: bool> Fluids<V, K
         let (neighbors, before) = (vicinity.neighbors(), &*records);
         crew.sweep(Chunks::new(met, BLOCK), &|mine| {
             for (met, &obstacle) in mine.items.iter_mut().zip(&obstacles[mine.start..]) {
-                *met = before.sum_at(neighbors, *extrapolation, neighbors.places()[obstacle as usize] as usize);
+                let place = neighbors.places()[obstacle as usize] as usize;
+                *met = before.sum_at(neighbors.list(place), extrapolation, place);
             }
         });
         for (&obstacle, &[pressed, weight]) in obstacles.iter().zip(&*met) {
@@ -114,7 +117,7 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>, const MIXED: bool> Fluids<V, K
     /// Brings lists up to date, and with them who is near a wall.
     fn search(&mut self, place: &(impl Fn(usize, usize) -> f64 + Sync), crew: &Crew) -> Result<()> {
         if self.vicinity.update(place, crew)? {
-            self.walls.survey(&self.vicinity);
+            self.walls.survey(&self.vicinity, crew);
         }
         Ok(())
     }
@@ -199,8 +202,9 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>, const MIXED: bool> Force<V> fo
 
     fn undo(&mut self) -> Result<()> {
         self.density.copy_from_slice(&self.kept);
-        self.vicinity.undo()?;
-        self.walls.survey(&self.vicinity);
+        if self.vicinity.undo()? {
+            self.walls.survey(&self.vicinity, &Crew::alone());
+        }
         Ok(())
     }
 
@@ -211,7 +215,7 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>, const MIXED: bool> Force<V> fo
     fn restore(&mut self, numbers: &mut &[f64]) -> Result<()> {
         super::vicinity::take(numbers, &mut self.density)?;
         self.vicinity.restore(numbers)?;
-        self.walls.survey(&self.vicinity);
+        self.walls.survey(&self.vicinity, &Crew::alone());
         Ok(())
     }
 

@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 
-use super::images::Side;
 use super::laws::{KINDS, OBSTACLE};
+use super::walls::Side;
 use crate::boundaries::{self, Wall};
 use crate::error::{Error, Result};
 use crate::math::Real;
