@@ -41,6 +41,10 @@ class Fluid(Body):
         kernel: WendlandC2(), WendlandC4() or CubicSpline(), how particles are smoothed out.
         artificial_viscosity: the coefficient α, at least zero, which damps what the particles cannot resolve.
         density_diffusion: the coefficient δ, at least zero, which damps noise of the density.
+        density_from: "continuity": density is carried along and changes with the flow; "summation": it is counted from
+            where the particles are, so that it never drifts and energy is that of the particles' places. That is for
+            fluids that fill a closed or periodic space, because at a free surface there is nothing to count; it has no
+            noise for δ to damp.
         velocities: [m/s], broadcast to (N, D).
         name: a name by which results can be asked for.
         obstacles: whether it meets the other bodies of the scene; if not, they pass through each other.
@@ -68,6 +72,8 @@ class Fluid(Body):
     """The coefficient α of the artificial viscosity."""
     density_diffusion: float
     """The coefficient δ of the diffusion of density."""
+    density_from: Literal["continuity", "summation"]
+    """How density is found."""
     obstacles: bool
     """Whether it meets the bodies that are no fluids."""
 
@@ -81,6 +87,7 @@ class Fluid(Body):
         kernel: Kernel = WendlandC2(),  # noqa: B008 - it cannot change
         artificial_viscosity: float = 0.01,
         density_diffusion: float = 0.1,
+        density_from: Literal["continuity", "summation"] = "continuity",
         velocities: ArrayLike = 0.0,
         name: str | None = None,
         obstacles: bool = True,
@@ -97,6 +104,7 @@ class Fluid(Body):
             kernel=_kernel(kernel),
             artificial_viscosity=number(artificial_viscosity, "Fluid.artificial_viscosity", least=0.0),
             density_diffusion=number(density_diffusion, "Fluid.density_diffusion", least=0.0),
+            density_from=_density_from(density_from),
             obstacles=bool(obstacles),
         )
         pair = closer_than(self.positions, CLOSEST * step)
@@ -109,6 +117,14 @@ def describe_pair(points: FloatArray, pair: tuple[int, int], spacing: float) -> 
     one, other = pair
     apart = float(np.linalg.norm(points[one] - points[other]))
     return f"{one} and {other} are {apart:.3g} m apart, which is less than half the spacing of {spacing:g} m"
+
+
+def _density_from(value: object) -> Literal["continuity", "summation"]:
+    if value == "continuity":
+        return "continuity"
+    if value == "summation":
+        return "summation"
+    raise SceneError(f"Fluid.density_from: must be 'continuity' or 'summation', got {value!r}")
 
 
 def _sound_speed(value: object) -> float | Literal["auto"]:

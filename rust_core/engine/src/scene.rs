@@ -59,6 +59,8 @@ pub struct Fluid {
     pub artificial_viscosity: f64,
     /// The coefficient δ of the diffusion of density.
     pub density_diffusion: f64,
+    /// Whether density is counted from where the particles are, instead of carried along with them.
+    pub summation: bool,
     /// The name of the smoothing kernel's class in Python.
     pub kernel: String,
     /// The smoothing length h over the spacing; the kernel reaches as far as 2h.

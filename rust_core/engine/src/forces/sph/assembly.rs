@@ -6,6 +6,7 @@ use super::Fluids;
 use super::kernel::{self, Kernel, Shape};
 use super::laws::{Continuity, Extrapolation, FORCES, KINDS, Momentum, OBSTACLE, Touch};
 use super::start::{self, Kinds, Material};
+use super::summation::Summation;
 use super::walls::Walls;
 use crate::error::Result;
 use crate::forces::vicinity::Vicinity;
@@ -63,6 +64,7 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>, const MIXED: bool> Fluids<V, K
             rates: vec![[V::Scalar::ZERO; 2]; kind.len()],
             forces: vec![[V::Scalar::ZERO; FORCES]; kind.len()],
             waves: kernel::waves::<K>(V::DIMENSION),
+            summation: kinds.summation.then(|| Summation::new(kernel, &kinds, kind.len())),
             kinds,
             kind,
             obstacles,

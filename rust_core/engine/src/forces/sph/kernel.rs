@@ -146,6 +146,18 @@ const STEPS: usize = 200;
 
 /// −Σ Δ^D F x² over a lattice of spacing Δ, for unit smoothing length.
 fn moment<K: Shape<f64>>(spacing: f64, dimension: usize) -> f64 {
+    over_lattice(spacing, dimension, |x, r| -K::HEIGHT[dimension - 2] * K::slope(0.5 * r) * x * x)
+}
+
+/// Σ Δ^D W over the neighbors of a particle on a lattice of spacing Δ, and the number by which differences from that are
+/// multiplied so that a small compression of the lattice is exact, both for unit smoothing length.
+pub fn crowd<K: Shape<f64>>(spacing: f64, dimension: usize) -> (f64, f64) {
+    let sum = over_lattice(spacing, dimension, |_, r| K::HEIGHT[dimension - 2] * K::value(0.5 * r));
+    (sum, 1.0 / moment::<K>(spacing, dimension))
+}
+
+/// Σ Δ^D f(x, r) over the neighbors on a lattice of spacing Δ within two units.
+fn over_lattice(spacing: f64, dimension: usize, of: impl Fn(f64, f64) -> f64) -> f64 {
     let most = (2.0 / spacing).floor() as i32;
     let across = if dimension == 2 { 0..=0 } else { -most..=most };
     let mut sum = 0.0;
@@ -153,7 +165,7 @@ fn moment<K: Shape<f64>>(spacing: f64, dimension: usize) -> f64 {
         for (y, x) in (-most..=most).flat_map(|y| (-most..=most).map(move |x| (y, x))) {
             let square = f64::from(x * x + y * y + z * z) * spacing * spacing;
             if square > 0.0 && square < 4.0 {
-                sum -= K::HEIGHT[dimension - 2] * K::slope(0.5 * square.sqrt()) * f64::from(x * x) * spacing * spacing;
+                sum += of(f64::from(x) * spacing, square.sqrt());
             }
         }
     }

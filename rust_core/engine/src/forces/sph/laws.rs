@@ -274,6 +274,50 @@ impl<V: Vector, K: Shape<V::Scalar>, const MIXED: bool> Pressed<V, FORCES> for M
     }
 }
 
+/// Crowding: Σ Vⱼ W, by which density is counted.
+#[derive(Debug, Clone, Copy)]
+pub struct Crowding<T, K> {
+    pub kernel: Kernel<T, K>,
+}
+
+impl<V: Vector, K: Shape<V::Scalar>> PairLaw<V, 1> for Crowding<V::Scalar, K> {
+    #[inline(always)]
+    fn terms(
+        &self,
+        _own: &Record<V::Scalar>,
+        other: &Record<V::Scalar>,
+        _apart: [V::Scalar; AXES],
+        square: V::Scalar,
+    ) -> [V::Scalar; 1] {
+        [volume::<V>(other) * self.kernel.value(square.sqrt())]
+    }
+}
+
+/// Gravity presses no one, and takes no power.
+impl<V: Vector, K: Shape<V::Scalar>> Pressed<V, 1> for Crowding<V::Scalar, K> {
+    #[inline(always)]
+    fn density(&self, _other: &Record<V::Scalar>) -> V::Scalar {
+        V::Scalar::ZERO
+    }
+
+    #[inline(always)]
+    fn raised(&self, content: V::Scalar, _by: V::Scalar) -> V::Scalar {
+        content
+    }
+
+    #[inline(always)]
+    fn lift(
+        &self,
+        _own: &Record<V::Scalar>,
+        _other: &Record<V::Scalar>,
+        _apart: [V::Scalar; AXES],
+        _square: V::Scalar,
+        _by: V::Scalar,
+    ) -> [V::Scalar; 1] {
+        [V::Scalar::ZERO]
+    }
+}
+
 /// The pressure of an obstacle: that of the fluid around it, and what gravity adds on the way: Σ [pⱼ + ρ₀ g·d] W and Σ W, of S.
 /// Adami, X. Y. Hu and N. A. Adams, J. Comput. Phys. 231 (2012) 7057, for obstacles that are not themselves accelerated.
 #[derive(Debug, Clone, Copy)]

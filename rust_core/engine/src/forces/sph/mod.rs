@@ -5,6 +5,8 @@
 //! ([`Force::prepare`]). Density and velocity so take turns like position and velocity, and the step may be as long as that
 //! of a leapfrog: 2/ω for the fastest sound wave, twice as long as where both rates are taken at one moment.
 //!
+//! Where density is counted from places ([`summation`]) both sums are at the end.
+//!
 //! [`laws`] holds the sums, [`kernel`] what they weigh with, [`walls`] their images behind walls; [`start`] finds what the scene
 //! leaves open, and [`assembly`] puts the parts together.
 
@@ -14,7 +16,7 @@ use super::vicinity::Vicinity;
 use super::{Drift, Fields, Force, Moment, Rates, Reach, VelocityDependence};
 use crate::error::{Error, Result};
 use crate::math::{Real, Vector};
-use crate::matter::{Channel, Properties};
+use crate::matter::{self, Channel, Properties};
 use crate::neighbors::sums::Records;
 use crate::parallel::{Chunks, Crew};
 use crate::scene::Scene;
@@ -26,12 +28,14 @@ mod images;
 mod kernel;
 mod laws;
 mod start;
+mod summation;
 mod walls;
 
 use images::View;
 use kernel::{CubicSpline, Shape, Wave, WendlandC2, WendlandC4};
 use laws::{Continuity, Extrapolation, FORCES, LIFT, Momentum, VISCOUS};
-use start::Kinds;
+use start::{Kinds, Material};
+use summation::Summation;
 use walls::Walls;
 
 /// Places in a block of the passes over single particles.
@@ -65,6 +69,26 @@ where
     Ok(Some(Box::new(Fluids::<V, K, MIXED>::new(scene, properties, kinds)?)))
 }
 
+/// Writes what the laws read of every particle: velocity, and the volume and content that `each` gives for a member.
+fn fill<V: Vector>(
+    records: &mut Records<V>,
+    (vicinity, kind): (&Vicinity, &[u8]),
+    velocity: &matter::View<'_, V>,
+    each: &(impl Fn(usize) -> [f64; 2] + Sync),
+    crew: &Crew,
+) {
+    let members = vicinity.members();
+    records.fill(vicinity.neighbors(), vicinity.positions(), crew, &|member, record| {
+        let index = members[member] as usize;
+        for axis in 0..V::DIMENSION {
+            record[V::DIMENSION + axis] = velocity.axis(axis)[index];
+        }
+        let [volume, content] = each(member);
+        record[2 * V::DIMENSION] = V::Scalar::from_f64(volume).tagged(kind[member]);
+        record[2 * V::DIMENSION + 1] = V::Scalar::from_f64(content);
+    });
+}
+
 /// All particles of fluids, and of the obstacles that they meet.
 struct Fluids<V: Vector, K, const MIXED: bool> {
     kinds: Kinds,
@@ -87,6 +111,8 @@ struct Fluids<V: Vector, K, const MIXED: bool> {
     continuity: Continuity<V::Scalar, K, MIXED>,
     momentum: Momentum<V::Scalar, K, MIXED>,
     extrapolation: Extrapolation<V::Scalar, K>,
+    /// Where density is counted instead of carried along.
+    summation: Option<Summation<V, K>>,
     /// What [`Continuity`] gives, in the order of places.
     rates: Vec<[V::Scalar; 2]>,
     /// What [`Momentum`] gives, likewise.
@@ -112,6 +138,12 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>, const MIXED: bool> Fluids<V, K
             let pressure = if weight > V::Scalar::ZERO && pressed > V::Scalar::ZERO { pressed / weight } else { V::Scalar::ZERO };
             records.write(neighbors.places()[obstacle as usize] as usize, |words| words[V::DIMENSION + 1] = pressure);
         }
+    }
+
+    /// The volume of a member [m^D]: that at rest where density is counted.
+    fn volume(&self, member: usize) -> f64 {
+        let rest = || self.kinds.materials.get(usize::from(self.kind[member])).unwrap_or(self.kinds.first()).density;
+        self.mass[member] / if self.summation.is_some() { rest() } else { self.density[member] }
     }
 
     /// Brings lists up to date, and with them who is near a wall.
@@ -142,18 +174,17 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>, const MIXED: bool> Force<V> fo
 
     /// ρ ← ρ + h dρ/dt, in the middle of the way and at the velocity of the way.
     fn drift(&mut self, drift: &Drift<'_, V>, crew: &Crew) -> Result<()> {
+        if self.summation.is_some() {
+            return Ok(());
+        }
         self.search(&|axis, index| drift.middle(axis, index), crew)?;
         let Self { kinds, kind, mass, density, diffused, vicinity, records, continuity, rates, walls, .. } = self;
-        let (neighbors, members) = (vicinity.neighbors(), vicinity.members());
-        records.fill(neighbors, vicinity.positions(), crew, &|member, record| {
-            let index = members[member] as usize;
-            for axis in 0..V::DIMENSION {
-                record[V::DIMENSION + axis] = drift.velocity.axis(axis)[index];
-            }
-            record[2 * V::DIMENSION] = V::Scalar::from_f64(mass[member] / density[member]).tagged(kind[member]);
+        let each = |member: usize| {
             let enthalpy = kinds.materials.get(usize::from(kind[member])).map_or(0.0, |fluid| fluid.enthalpy(density[member]));
-            record[2 * V::DIMENSION + 1] = V::Scalar::from_f64(enthalpy);
-        });
+            [mass[member] / density[member], enthalpy]
+        };
+        fill(records, (vicinity, kind), &drift.velocity, &each, crew);
+        let neighbors = vicinity.neighbors();
         records.sum(neighbors, *continuity, rates, crew);
         let common = kinds.first();
         let view = View { weight: common.gravity / common.sound_speed.powi(2), sticks: false };
@@ -176,17 +207,21 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>, const MIXED: bool> Force<V> fo
 
     fn prepare(&mut self, at: &Moment<'_, V>, crew: &Crew) -> Result<()> {
         self.search(&|axis, index| at.place(axis, index), crew)?;
-        let Self { kinds, kind, mass, density, vicinity, records, .. } = self;
-        let members = vicinity.members();
-        records.fill(vicinity.neighbors(), vicinity.positions(), crew, &|member, record| {
-            let index = members[member] as usize;
-            for axis in 0..V::DIMENSION {
-                record[V::DIMENSION + axis] = at.velocity.axis(axis)[index];
-            }
-            record[2 * V::DIMENSION] = V::Scalar::from_f64(mass[member] / density[member]).tagged(kind[member]);
-            let pressure = kinds.materials.get(usize::from(kind[member])).map_or(0.0, |fluid| fluid.pressure(density[member]));
-            record[2 * V::DIMENSION + 1] = V::Scalar::from_f64(pressure);
-        });
+        let Self { summation, vicinity, records, walls, kinds, kind, mass, density, .. } = self;
+        let material = |member: usize| kinds.materials.get(usize::from(kind[member]));
+        if let Some(summation) = summation {
+            let rest = |member: usize| mass[member] / material(member).unwrap_or(kinds.first()).density;
+            fill(records, (vicinity, kind), &at.velocity, &|member| [rest(member), 0.0], crew);
+            summation.count((vicinity, records), walls, (kinds, kind), density, crew)?;
+            let each = |member: usize| {
+                let pressure = |fluid: &Material| fluid.pressure(density[member]) * (fluid.density / density[member]).powi(2);
+                [rest(member), material(member).map_or(0.0, pressure)]
+            };
+            fill(records, (vicinity, kind), &at.velocity, &each, crew);
+        } else {
+            let pressure = |member: usize| material(member).map_or(0.0, |fluid| fluid.pressure(density[member]));
+            fill(records, (vicinity, kind), &at.velocity, &|member| [mass[member] / density[member], pressure(member)], crew);
+        }
         self.press_obstacles(crew);
         let Self { kinds, vicinity, records, momentum, forces, walls, .. } = self;
         records.sum(vicinity.neighbors(), *momentum, forces, crew);
@@ -221,7 +256,7 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>, const MIXED: bool> Force<V> fo
 
     fn accumulate(&self, block: Range<usize>, _at: &Moment<'_, V>, rates: &mut Rates<'_, V>) {
         for (index, member, place) in self.vicinity.in_block(block) {
-            let (volume, force) = (self.mass[member] / self.density[member], &self.forces[place]);
+            let (volume, force) = (self.volume(member), &self.forces[place]);
             for axis in 0..V::DIMENSION {
                 rates.force.axes[axis][index] += V::Scalar::from_f64(volume) * force[axis];
             }
@@ -314,6 +349,7 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>, const MIXED: bool> Force<V> fo
         let own = std::mem::size_of_val(self.rates.as_slice()) + std::mem::size_of_val(self.forces.as_slice());
         let numbers = 4 * size_of::<f64>() * self.density.len();
         let indices = size_of::<u32>() * self.obstacles.len() + self.kind.len();
-        self.vicinity.bytes() + self.records.bytes() + self.walls.bytes() + own + numbers + indices
+        let counts = self.summation.as_ref().map_or(0, Summation::bytes);
+        counts + self.vicinity.bytes() + self.records.bytes() + self.walls.bytes() + own + numbers + indices
     }
 }

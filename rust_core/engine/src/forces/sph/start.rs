@@ -111,6 +111,8 @@ pub struct Kinds {
     pub materials: Vec<Material>,
     /// The kind of each body: a fluid, [`OBSTACLE`], or nothing that the fluid meets.
     pub of_body: Vec<Option<u8>>,
+    /// Whether density is counted from places.
+    pub summation: bool,
 }
 
 impl Kinds {
@@ -119,7 +121,7 @@ impl Kinds {
     /// # Errors
     /// If they are too many or have different kernels, or the speed of sound can neither be found nor is given.
     pub fn of(scene: &Scene) -> Result<Self> {
-        let mut kinds = Self { materials: Vec::new(), of_body: vec![None; scene.bodies.len()] };
+        let mut kinds = Self { materials: Vec::new(), of_body: vec![None; scene.bodies.len()], summation: false };
         let mut shared: Option<(usize, &Fluid)> = None;
         for (body, fluid) in scene.bodies.iter().enumerate().filter_map(|(body, matter)| Some((body, matter.fluid.as_ref()?))) {
             let (first, model) = *shared.get_or_insert((body, fluid));
@@ -132,6 +134,7 @@ impl Kinds {
                 )
                 .with_hint("fluids of one scene may differ in density and viscosity alone"));
             }
+            kinds.summation = fluid.summation;
             let material = Material::of(scene, fluid)?;
             let known = kinds.materials.iter().position(|other| *other == material);
             if known.is_none() && kinds.materials.len() == usize::from(OBSTACLE) {
