@@ -39,7 +39,8 @@ class Fluid(Body):
         viscosity: the dynamic viscosity μ [Pa·s], at least zero; 1e-3 is water.
         sound_speed: c [m/s], above zero; "auto": ten times the greatest speed to be expected from the scene.
         kernel: WendlandC2(), WendlandC4() or CubicSpline(), how particles are smoothed out.
-        artificial_viscosity: the coefficient α, at least zero, which damps what the particles cannot resolve.
+        artificial_viscosity: the coefficient α, at least zero, which damps what the particles cannot resolve. With 0.01
+            waves last longer, but violent flows can fail.
         density_diffusion: the coefficient δ, at least zero, which damps noise of the density.
         density_from: "continuity": density is carried along and changes with the flow; "summation": it is counted from
             where the particles are, so that it never drifts and energy is that of the particles' places. That is for
@@ -85,7 +86,7 @@ class Fluid(Body):
         viscosity: float = 1e-3,
         sound_speed: float | Literal["auto"] = "auto",
         kernel: Kernel = WendlandC2(),  # noqa: B008 - it cannot change
-        artificial_viscosity: float = 0.01,
+        artificial_viscosity: float = 0.02,
         density_diffusion: float = 0.1,
         density_from: Literal["continuity", "summation"] = "continuity",
         velocities: ArrayLike = 0.0,
