@@ -12,7 +12,7 @@ from dataclasses import replace
 from physcore import engine
 from physcore._core import World
 from physcore.checks import count, number
-from physcore.errors import PhyscoreError, SimulationDiverged
+from physcore.errors import MachWarning, PhyscoreError, SimulationDiverged, warn
 from physcore.numerics import FRAMES_PER_SECOND, AutoStep, Limit, Numerics, divide, largest_step, steps_to
 from physcore.scene import Scene
 
@@ -23,6 +23,9 @@ multiples, so that the bits do not depend on how the steps were asked for."""
 SLOWEST = 64
 """How many times smaller than at the start a watched time step becomes at most: a spring that is pressed to nothing has
 no direction, and no time step resolves it."""
+
+MACH = 0.15
+"""The Mach number from which on a fluid warns: its density is then off by about the square of it, two percent."""
 
 TOUCH = 1e-6
 """Times closer together than this fraction of a step are the same time."""
@@ -43,6 +46,7 @@ class Pace:
         self.limit = self._first_limit
         self._varies = world.plan()["limit_varies"]
         self._stepping = threading.Lock()
+        self._hasty = False
         if isinstance(numerics.dt, AutoStep):
             self._largest(FRAMES_PER_SECOND)  # A scene without any stable step is refused here, not at its first step.
 
@@ -105,6 +109,20 @@ class Pace:
             state = engine.snapshot(self._world, self._scene)
             error.last_good = replace(state, positions=engine.show(state.positions, self._scene))
             raise
+        self._warn_if_hasty()
+
+    def _warn_if_hasty(self) -> None:
+        speed, sound = self._world.flow or (0.0, 1.0)
+        if self._hasty or speed <= MACH * sound:
+            return
+        self._hasty = True
+        mach = speed / sound
+        message = (
+            f"a fluid's fastest particle flows at {speed:.3g} m/s, Mach {mach:.2f} where sound has {sound:.3g} m/s: "
+            f"its density is off by about Mach squared, {mach**2:.1%}, where one percent is meant; a sound_speed of "
+            f"{10.0 * speed:.2g} m/s brings it back to that"
+        )
+        warn(message, MachWarning)
 
     def _largest(self, fps: float) -> float:
         rule = self._numerics.dt

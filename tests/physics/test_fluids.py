@@ -58,6 +58,8 @@ def test_every_level_of_vector_instructions_gives_the_same_bits(level, alone):
     assert done.stdout.splitlines() == alone
 
 
+# Where the water meets the far wall, single particles are faster than any fall.
+@pytest.mark.filterwarnings("ignore::physcore.MachWarning")
 @pytest.mark.parametrize("precision", ["f32", "f64"])
 @pytest.mark.parametrize("dt", [DT, "auto"])
 def test_a_checkpoint_a_recording_and_single_steps_change_no_bit(dt, precision, tmp_path):
@@ -119,6 +121,28 @@ def test_the_budget_closes_as_the_step_becomes_small(diffusion, order):
         assert after.internal >= 0.0
     assert holes[0] < 1e-3 * after.dissipated
     assert np.log2(holes[0] / holes[1]) / 2.0 > order - 0.2
+
+
+def stream(speed: float) -> pc.Simulation:
+    """Water that flows as a whole, where sound has 10 m/s."""
+    water = pc.Fluid(pc.block((0.0, 0.0), (1.0, 1.0), SPACING), SPACING, velocities=(speed, 0.0), sound_speed=10.0)
+    return pc.Simulation(pc.Scene(water, pc.Periodic((0.0, 0.0), (1.0, 1.0))))
+
+
+def test_a_flow_that_is_fast_beside_sound_warns_once():
+    """Any warning but the expected one is an error here, and so is a second one."""
+    stream(1.49).step(20)
+    run = stream(2.0)
+    with pytest.warns(
+        pc.MachWarning, match=r"Mach 0\.20 .* about Mach squared, 4\.0%, .* a sound_speed of 20 m/s"
+    ) as caught:
+        run.step(20)
+    assert len(caught) == 1
+    assert caught[0].filename == __file__
+    run.step(20)
+    run.run(0.01)
+    with pytest.warns(pc.MachWarning):
+        pc.simulate(run.scene, duration=0.01)
 
 
 def test_a_tank_is_seen_with_its_fields():

@@ -121,6 +121,12 @@ impl World {
         Ok(self.lock()?.fields().pressure.to_pyarray(py))
     }
 
+    /// The speed of the fastest flow seen so far and that of sound [m/s], or nothing without a fluid.
+    #[getter]
+    fn flow(&self) -> PyResult<Option<(f64, f64)>> {
+        Ok(self.lock()?.flow().map(|flow| (flow.speed, flow.sound)))
+    }
+
     fn set(&self, py: Python<'_>, positions: Option<&Bound<'_, PyAny>>, velocities: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
         let positions = positions.map(scene::vectors).transpose()?;
         let velocities = velocities.map(scene::vectors).transpose()?;

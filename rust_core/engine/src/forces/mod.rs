@@ -79,6 +79,15 @@ pub struct Fields {
     pub pressure: Vec<f64>,
 }
 
+/// How fast a fluid flows.
+#[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
+pub struct Flow {
+    /// The speed of its fastest particle [m/s].
+    pub speed: f64,
+    /// The speed of sound [m/s].
+    pub sound: f64,
+}
+
 /// What the forces do to one block.
 #[derive(Debug)]
 pub struct Rates<'a, V: Vector> {
@@ -191,6 +200,11 @@ pub trait Force<V: Vector>: Send + Sync {
 
     /// Writes its field, by the index of the particle.
     fn show(&self, _fields: &mut Fields) {}
+
+    /// How fast its fluid flows at these velocities, if it is one.
+    fn flow(&self, _velocity: View<'_, V>) -> Option<Flow> {
+        None
+    }
 
     /// Adds its stiffness and damping, as they are at this moment, to the bound on the time step.
     fn bound(&self, at: &Moment<'_, V>, bound: &mut Bound);

@@ -11,10 +11,10 @@
 use std::ops::Range;
 
 use super::vicinity::Vicinity;
-use super::{Drift, Fields, Force, Moment, Rates, Reach, VelocityDependence};
+use super::{Drift, Fields, Flow, Force, Moment, Rates, Reach, VelocityDependence};
 use crate::error::{Error, Result};
 use crate::math::{Real, Vector};
-use crate::matter::{Channel, Properties};
+use crate::matter::{self, Channel, Properties};
 use crate::neighbors::sums::Records;
 use crate::parallel::{Chunks, Crew};
 use crate::scene::Scene;
@@ -29,7 +29,7 @@ mod start;
 
 use images::{View, Walls};
 use kernel::{CubicSpline, Shape, Wave, WendlandC2, WendlandC4};
-use laws::{Continuity, Extrapolation, FORCES, LIFT, Momentum, VISCOUS};
+use laws::{Continuity, Extrapolation, FORCES, LIFT, Momentum, OBSTACLE, VISCOUS};
 use start::Kinds;
 
 /// Places in a block of the passes over single particles.
@@ -242,6 +242,14 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>, const MIXED: bool> Force<V> fo
             fluid.map_or(0.0, |fluid| fluid.mass * fluid.energy(self.density[member]))
         };
         (0..self.kind.len()).map(energy).sum()
+    }
+
+    fn flow(&self, velocity: matter::View<'_, V>) -> Option<Flow> {
+        let members = self.vicinity.members().iter().zip(&self.kind).filter(|(_, kind)| **kind != OBSTACLE);
+        let square = |(&index, _): (&u32, &u8)| {
+            (0..V::DIMENSION).map(|axis| velocity.axis(axis)[index as usize].to_f64().powi(2)).sum::<f64>()
+        };
+        Some(Flow { speed: members.map(square).fold(0.0, f64::max).sqrt(), sound: self.kinds.first().sound_speed })
     }
 
     /// Of all waves that the kernel carries, the one with the shortest step: for kick–drift–kick with the force at the predicted
