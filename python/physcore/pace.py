@@ -24,8 +24,8 @@ SLOWEST = 64
 """How many times smaller than at the start a watched time step becomes at most: a spring that is pressed to nothing has
 no direction, and no time step resolves it."""
 
-MACH = 0.15
-"""The Mach number from which on a fluid warns: its density is then off by about the square of it, two percent."""
+SPRAY = 1e-3
+"""The share of a fluid that may be too fast for its sound: drops that are shot out by others, however fast sound is."""
 
 TOUCH = 1e-6
 """Times closer together than this fraction of a step are the same time."""
@@ -112,15 +112,13 @@ class Pace:
         self._warn_if_hasty()
 
     def _warn_if_hasty(self) -> None:
-        speed, sound = self._world.flow or (0.0, 1.0)
-        if self._hasty or speed <= MACH * sound:
+        mach, share, sound = self._world.flow or (0.0, 0.0, 0.0)
+        if self._hasty or share <= SPRAY:
             return
         self._hasty = True
-        mach = speed / sound
         message = (
-            f"a fluid's fastest particle flows at {speed:.3g} m/s, Mach {mach:.2f} where sound has {sound:.3g} m/s: "
-            f"its density is off by about Mach squared, {mach**2:.1%}, where one percent is meant; a sound_speed of "
-            f"{10.0 * speed:.2g} m/s brings it back to that"
+            f"{share:.1%} of a fluid's particles are faster than Mach {mach} where sound has {sound:.3g} m/s: there "
+            f"density is off by about Mach squared, {mach**2:.1%} and more, and one percent is meant; raise sound_speed"
         )
         warn(message, MachWarning)
 

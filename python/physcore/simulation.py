@@ -48,7 +48,7 @@ class Simulation:
 
     Warns:
         StabilityWarning: `dt` is above the limit of stability.
-        MachWarning: a fluid flows faster than 0.15 of its speed of sound; said once, when it is first seen in a run.
+        MachWarning: a thousandth of a fluid flows faster than 0.15 of its speed of sound; said once in a run.
     """
 
     def __init__(

@@ -79,13 +79,18 @@ pub struct Fields {
     pub pressure: Vec<f64>,
 }
 
-/// How fast a fluid flows.
+/// How fast a fluid flows beside its sound.
 #[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
 pub struct Flow {
-    /// The speed of its fastest particle [m/s].
-    pub speed: f64,
+    /// The share of its particles that are faster than [`Flow::FAST`].
+    pub fast: f64,
     /// The speed of sound [m/s].
     pub sound: f64,
+}
+
+impl Flow {
+    /// The Mach number from which on it is fast: density is then off by about the square of it, two percent.
+    pub const FAST: f64 = 0.15;
 }
 
 /// What the forces do to one block.

@@ -245,11 +245,14 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>, const MIXED: bool> Force<V> fo
     }
 
     fn flow(&self, velocity: matter::View<'_, V>) -> Option<Flow> {
-        let members = self.vicinity.members().iter().zip(&self.kind).filter(|(_, kind)| **kind != OBSTACLE);
-        let square = |(&index, _): (&u32, &u8)| {
-            (0..V::DIMENSION).map(|axis| velocity.axis(axis)[index as usize].to_f64().powi(2)).sum::<f64>()
-        };
-        Some(Flow { speed: members.map(square).fold(0.0, f64::max).sqrt(), sound: self.kinds.first().sound_speed })
+        let sound = self.kinds.first().sound_speed;
+        let square = |index: u32| (0..V::DIMENSION).map(|axis| velocity.axis(axis)[index as usize].to_f64().powi(2)).sum::<f64>();
+        let (mut fast, mut all) = (0.0, 0.0);
+        for (&index, _) in self.vicinity.members().iter().zip(&self.kind).filter(|(_, kind)| **kind != OBSTACLE) {
+            all += 1.0;
+            fast += if square(index) > (Flow::FAST * sound).powi(2) { 1.0 } else { 0.0 };
+        }
+        Some(Flow { fast: fast / all, sound })
     }
 
     /// Of all waves that the kernel carries, the one with the shortest step: for kick–drift–kick with the force at the predicted
