@@ -19,6 +19,7 @@ from physcore.energy import Energy, EnergySeries
 from physcore.errors import (
     FileError,
     InternalError,
+    MachWarning,
     PhyscoreError,
     SceneError,
     SimulationDiverged,
@@ -72,6 +73,7 @@ __all__ = [
     "InternalError",
     "Kernel",
     "LennardJones",
+    "MachWarning",
     "Particles",
     "Periodic",
     "PhyscoreError",

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import sys
+import warnings
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -69,3 +71,16 @@ def _rebuild_divergence(message: str, attributes: dict[str, object]) -> Simulati
 
 class StabilityWarning(UserWarning):
     """The time step that was asked for is above the limit of stability."""
+
+
+class MachWarning(UserWarning):
+    """A fluid flows too fast for its speed of sound to pass for weakly compressible."""
+
+
+def warn(message: str, category: type[Warning]) -> None:
+    """Warn the first caller that is not physcore's own."""
+    package = __name__.partition(".")[0]
+    level, frame = 1, sys._getframe(1)
+    while frame.f_back is not None and frame.f_globals.get("__name__", "").partition(".")[0] == package:
+        frame, level = frame.f_back, level + 1
+    warnings.warn(message, category, stacklevel=level + 1)

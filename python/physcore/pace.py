@@ -12,7 +12,7 @@ from dataclasses import replace
 from physcore import engine
 from physcore._core import World
 from physcore.checks import count, number
-from physcore.errors import PhyscoreError, SimulationDiverged
+from physcore.errors import MachWarning, PhyscoreError, SimulationDiverged, warn
 from physcore.numerics import FRAMES_PER_SECOND, AutoStep, Limit, Numerics, divide, largest_step, steps_to
 from physcore.scene import Scene
 
@@ -23,6 +23,9 @@ multiples, so that the bits do not depend on how the steps were asked for."""
 SLOWEST = 64
 """How many times smaller than at the start a watched time step becomes at most: a spring that is pressed to nothing has
 no direction, and no time step resolves it."""
+
+SPRAY = 1e-3
+"""The share of a fluid that may be too fast for its sound: drops that are shot out by others, however fast sound is."""
 
 TOUCH = 1e-6
 """Times closer together than this fraction of a step are the same time."""
@@ -43,6 +46,7 @@ class Pace:
         self.limit = self._first_limit
         self._varies = world.plan()["limit_varies"]
         self._stepping = threading.Lock()
+        self._hasty = False
         if isinstance(numerics.dt, AutoStep):
             self._largest(FRAMES_PER_SECOND)  # A scene without any stable step is refused here, not at its first step.
 
@@ -105,6 +109,18 @@ class Pace:
             state = engine.snapshot(self._world, self._scene)
             error.last_good = replace(state, positions=engine.show(state.positions, self._scene))
             raise
+        self._warn_if_hasty()
+
+    def _warn_if_hasty(self) -> None:
+        mach, share, sound = self._world.flow or (0.0, 0.0, 0.0)
+        if self._hasty or share <= SPRAY:
+            return
+        self._hasty = True
+        message = (
+            f"{share:.1%} of a fluid's particles are faster than Mach {mach} where sound has {sound:.3g} m/s: there "
+            f"density is off by about Mach squared, {mach**2:.1%} and more, and one percent is meant; raise sound_speed"
+        )
+        warn(message, MachWarning)
 
     def _largest(self, fps: float) -> float:
         rule = self._numerics.dt

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import sys
 import warnings
 from collections.abc import Iterator, Mapping
 from typing import Literal, Unpack, cast
@@ -14,7 +13,7 @@ from physcore import engine, sampling, storage
 from physcore.bodies import Body
 from physcore.checks import FloatArray, broadcast, number, shown
 from physcore.energy import Energy
-from physcore.errors import SceneError, StabilityWarning
+from physcore.errors import SceneError, StabilityWarning, warn
 from physcore.fluid import Fluid
 from physcore.integrators import Integrator
 from physcore.numerics import FRAMES_PER_SECOND, AutoStep, DivergenceRule, Options, Precision, check
@@ -49,6 +48,7 @@ class Simulation:
 
     Warns:
         StabilityWarning: `dt` is above the limit of stability.
+        MachWarning: a thousandth of a fluid flows faster than 0.15 of its speed of sound; said once in a run.
     """
 
     def __init__(
@@ -285,7 +285,7 @@ class Simulation:
             if limit.stability > 0.0
             else f"{name} is not stable at any time step in this scene ({limit.term}): its energy grows without end"
         )
-        warnings.warn(message, StabilityWarning, stacklevel=_outside())
+        warn(message, StabilityWarning)
 
 
 def simulate(
@@ -330,12 +330,3 @@ def _require_scene(scene: object) -> None:
     if not isinstance(scene, Scene):
         missing = f"; write Scene({type(scene).__name__}(…), …)" if isinstance(scene, Body) else ""
         raise SceneError(f"scene: must be a Scene, got {shown(scene)}{missing}")
-
-
-def _outside() -> int:
-    """The stack level, for warnings, of the first caller that is not physcore's own."""
-    package = __name__.partition(".")[0]
-    level, frame = 1, sys._getframe(1)
-    while frame.f_back is not None and frame.f_globals.get("__name__", "").partition(".")[0] == package:
-        frame, level = frame.f_back, level + 1
-    return level

@@ -16,7 +16,10 @@ import physcore as pc
 from physics.laboratory import Array
 from validation.flows import GRAVITY, damped_wave, hole, start, widest_hole
 
-pytestmark = [pytest.mark.validation, pytest.mark.long]
+# A dam that breaks with the defaults throws up drops that are faster than its fall.
+HASTE = pytest.mark.filterwarnings("ignore::physcore.MachWarning")
+
+pytestmark = [pytest.mark.validation, pytest.mark.long, HASTE]
 
 # F14. Source: J. C. Martin, W. J. Moyce, Phil. Trans. R. Soc. A 244, 312 (1952), tables 2 and 6 for n² = 2, a = 57.15
 # mm: front x/a by t √(2g/a), up to 3, and height at the wall over 2a by t √(g/a), until it is less than half.

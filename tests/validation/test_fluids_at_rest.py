@@ -6,6 +6,7 @@ of `pc.Fluid` unless a case is about another value.
 
 from __future__ import annotations
 
+import warnings
 from itertools import pairwise
 
 import numpy as np
@@ -61,7 +62,9 @@ def slopes(kernel: pc.Kernel, distances: Array, precision: str = "f64") -> Array
         kernel=kernel,
     )
     run = simulation(pc.Scene(water), pc.VelocityVerlet(), 1.0, precision=precision, on_divergence="ignore")
-    run.step(1)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", pc.MachWarning)
+        run.step(1)
     change: Array = run[water].densities[: len(distances)] / 1000.0 - 1.0
     return change / (approach * distances)
 

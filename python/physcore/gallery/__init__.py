@@ -24,6 +24,7 @@ DEMOS = (
     "dam_break_3d",
     "splash",
     "lava",
+    "rayleigh_taylor",
     "hourglass",
     "crystal",
 )

@@ -5,6 +5,7 @@ use std::sync::{Mutex, MutexGuard, TryLockError};
 
 use numpy::{PyArray1, PyArray2, PyReadonlyArray1, ToPyArray};
 use physcore_engine::error::{Error, Result as EngineResult};
+use physcore_engine::forces::Flow;
 use physcore_engine::simulation::{self, Capture, Numerics, Segment};
 use physcore_engine::stability::Kind;
 use pyo3::prelude::*;
@@ -119,6 +120,13 @@ impl World {
 
     fn pressures<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
         Ok(self.lock()?.fields().pressure.to_pyarray(py))
+    }
+
+    /// The Mach number from which on a flow is fast, the largest share of a fluid that was seen to be, and the speed of sound
+    /// [m/s]; nothing without a fluid.
+    #[getter]
+    fn flow(&self) -> PyResult<Option<(f64, f64, f64)>> {
+        Ok(self.lock()?.flow().map(|flow| (Flow::FAST, flow.fast, flow.sound)))
     }
 
     fn set(&self, py: Python<'_>, positions: Option<&Bound<'_, PyAny>>, velocities: Option<&Bound<'_, PyAny>>) -> PyResult<()> {

@@ -5,7 +5,7 @@ use glam::{DVec2, DVec3, Vec2, Vec3};
 
 use crate::audit::{self, Energy};
 use crate::error::{Divergence, Error, Result};
-use crate::forces::Fields;
+use crate::forces::{Fields, Flow};
 use crate::integrators::{Integrator, with_integrator};
 use crate::math::{Real, Vector};
 use crate::matter::{CHANNELS, Channel, Columns, Meter};
@@ -84,6 +84,8 @@ pub trait World: Send + Sync {
     fn set(&mut self, positions: Option<&[DVec3]>, velocities: Option<&[DVec3]>) -> Result<()>;
     /// Density and pressure of every particle, NaN where there is no fluid.
     fn fields(&self) -> Fields;
+    /// The fastest flow of a fluid that was seen where the watch looked, if there is a fluid.
+    fn flow(&self) -> Option<Flow>;
     /// The energy now.
     fn energy(&self) -> Result<Energy>;
     /// The momentum [kg·m/s] and the angular momentum about the origin of coordinates [kg·m²/s].
@@ -127,6 +129,7 @@ struct Simulation<V: Vector> {
     segment: Segment,
     steps: u64,
     watch: Watch,
+    flow: Option<Flow>,
 }
 
 /// What the watch over divergence remembers.
@@ -170,8 +173,16 @@ impl<V: Vector> Simulation<V> {
         let Compiled { system, plan } = plan::compile::<V, I>(scene, threads)?;
         let runaway = if numerics.ignore_runaway { f64::INFINITY } else { numerics.runaway };
         let watch = Watch { runaway, scale: 0.0, lowest: f64::INFINITY, balance: 0.0, calm: 0.0 };
-        let mut simulation =
-            Self { system, plan, limit: Bound::limit::<I>, carried: I::CARRIED, segment: Segment::default(), steps: 0, watch };
+        let mut simulation = Self {
+            system,
+            plan,
+            limit: Bound::limit::<I>,
+            carried: I::CARRIED,
+            segment: Segment::default(),
+            steps: 0,
+            watch,
+            flow: None,
+        };
         // An integrator that is stable on no oscillator may gain energy as it likes: that is what it is shown for.
         if I::limit(0.0) == 0.0 {
             simulation.watch.runaway = f64::INFINITY;
@@ -193,7 +204,13 @@ impl<V: Vector> Simulation<V> {
         match self.advance(steps, interrupted) {
             Err(error) if !is_scattered(&error) => return Err(error),
             Err(_) => {}
-            Ok(()) if self.verdict()?.is_none() => return Ok(()),
+            Ok(()) if self.verdict()?.is_none() => {
+                let flow = self.fastest_flow();
+                if flow > self.flow {
+                    self.flow = flow;
+                }
+                return Ok(());
+            }
             Ok(()) => self.take_back(steps)?,
         }
         for _ in 0..steps {
@@ -273,6 +290,12 @@ impl<V: Vector> Simulation<V> {
         let kinetic = |index: usize| law.properties.mass[index] * state.velocity.get(index).widen().length_squared();
         let mobile = (0..state.count()).filter(|&index| !law.properties.is_fixed(index));
         mobile.max_by(|&one, &other| kinetic(one).total_cmp(&kinetic(other))).unwrap_or(0)
+    }
+
+    /// The fastest flow of the present state.
+    fn fastest_flow(&self) -> Option<Flow> {
+        let velocity = self.system.state().velocity.view();
+        self.system.law().forces().iter().find_map(|force| force.flow(velocity))
     }
 
     fn divergence(&self, index: usize, quantity: &'static str, cause: String) -> Divergence {
@@ -414,6 +437,10 @@ impl<V: Vector> World for Simulation<V> {
             ordered
         };
         Fields { density: ordered(&fields.density), pressure: ordered(&fields.pressure) }
+    }
+
+    fn flow(&self) -> Option<Flow> {
+        self.flow
     }
 
     fn energy(&self) -> Result<Energy> {

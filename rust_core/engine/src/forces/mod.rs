@@ -79,6 +79,20 @@ pub struct Fields {
     pub pressure: Vec<f64>,
 }
 
+/// How fast a fluid flows beside its sound.
+#[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
+pub struct Flow {
+    /// The share of its particles that are faster than [`Flow::FAST`].
+    pub fast: f64,
+    /// The speed of sound [m/s].
+    pub sound: f64,
+}
+
+impl Flow {
+    /// The Mach number from which on it is fast: density is then off by about the square of it, two percent.
+    pub const FAST: f64 = 0.15;
+}
+
 /// What the forces do to one block.
 #[derive(Debug)]
 pub struct Rates<'a, V: Vector> {
@@ -191,6 +205,11 @@ pub trait Force<V: Vector>: Send + Sync {
 
     /// Writes its field, by the index of the particle.
     fn show(&self, _fields: &mut Fields) {}
+
+    /// How fast its fluid flows at these velocities, if it is one.
+    fn flow(&self, _velocity: View<'_, V>) -> Option<Flow> {
+        None
+    }
 
     /// Adds its stiffness and damping, as they are at this moment, to the bound on the time step.
     fn bound(&self, at: &Moment<'_, V>, bound: &mut Bound);

@@ -13,7 +13,7 @@
 use std::ops::Range;
 
 use super::vicinity::Vicinity;
-use super::{Drift, Fields, Force, Moment, Rates, Reach, VelocityDependence};
+use super::{Drift, Fields, Flow, Force, Moment, Rates, Reach, VelocityDependence};
 use crate::error::{Error, Result};
 use crate::math::{Real, Vector};
 use crate::matter::{self, Channel, Properties};
@@ -33,7 +33,7 @@ mod walls;
 
 use images::View;
 use kernel::{CubicSpline, Shape, Wave, WendlandC2, WendlandC4};
-use laws::{Continuity, Extrapolation, FORCES, LIFT, Momentum, VISCOUS};
+use laws::{Continuity, Extrapolation, FORCES, LIFT, Momentum, OBSTACLE, VISCOUS};
 use start::{Kinds, Material};
 use summation::Summation;
 use walls::Walls;
@@ -281,6 +281,17 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>, const MIXED: bool> Force<V> fo
             fluid.map_or(0.0, |fluid| fluid.mass * fluid.energy(self.density[member]))
         };
         (0..self.kind.len()).map(energy).sum()
+    }
+
+    fn flow(&self, velocity: matter::View<'_, V>) -> Option<Flow> {
+        let sound = self.kinds.first().sound_speed;
+        let square = |index: u32| (0..V::DIMENSION).map(|axis| velocity.axis(axis)[index as usize].to_f64().powi(2)).sum::<f64>();
+        let (mut fast, mut all) = (0.0, 0.0);
+        for (&index, _) in self.vicinity.members().iter().zip(&self.kind).filter(|(_, kind)| **kind != OBSTACLE) {
+            all += 1.0;
+            fast += if square(index) > (Flow::FAST * sound).powi(2) { 1.0 } else { 0.0 };
+        }
+        Some(Flow { fast: fast / all, sound })
     }
 
     /// Of all waves that the kernel carries, the one with the shortest step: for kick–drift–kick with the force at the predicted
