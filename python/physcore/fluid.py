@@ -42,13 +42,13 @@ class Fluid(Body):
         artificial_viscosity: the coefficient α, at least zero, which damps what the particles cannot resolve. With 0.01
             waves last longer, but violent flows can fail.
         density_diffusion: the coefficient δ, at least zero, which damps noise of the density.
+        velocities: [m/s], broadcast to (N, D).
+        name: a name by which results can be asked for.
+        obstacles: whether it meets the other bodies of the scene; if not, they pass through each other.
         density_from: "continuity": density is carried along and changes with the flow; "summation": it is counted from
             where the particles are, so that it never drifts and energy is that of the particles' places. That is for
             fluids that fill a closed or periodic space, because at a free surface there is nothing to count; it has no
             noise for δ to damp.
-        velocities: [m/s], broadcast to (N, D).
-        name: a name by which results can be asked for.
-        obstacles: whether it meets the other bodies of the scene; if not, they pass through each other.
 
     Raises:
         SceneError: a shape does not fit, a value is not finite or out of range, or two particles are closer together
@@ -73,10 +73,10 @@ class Fluid(Body):
     """The coefficient α of the artificial viscosity."""
     density_diffusion: float
     """The coefficient δ of the diffusion of density."""
-    density_from: Literal["continuity", "summation"]
-    """How density is found."""
     obstacles: bool
     """Whether it meets the bodies that are no fluids."""
+    density_from: Literal["continuity", "summation"]
+    """How density is found."""
 
     def __init__(
         self,
@@ -88,10 +88,10 @@ class Fluid(Body):
         kernel: Kernel = WendlandC2(),  # noqa: B008 - it cannot change
         artificial_viscosity: float = 0.02,
         density_diffusion: float = 0.1,
-        density_from: Literal["continuity", "summation"] = "continuity",
         velocities: ArrayLike = 0.0,
         name: str | None = None,
         obstacles: bool = True,
+        density_from: Literal["continuity", "summation"] = "continuity",
     ) -> None:
         step = number(spacing, "Fluid.spacing", above=0.0)
         rest = number(density, "Fluid.density", above=0.0)

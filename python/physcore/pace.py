@@ -104,15 +104,14 @@ class Pace:
 
     def _advance(self, steps: int, dt: float) -> None:
         try:
-            self._world.step(steps, dt)
+            flow = self._world.step(steps, dt)
         except SimulationDiverged as error:
             state = engine.snapshot(self._world, self._scene)
             error.last_good = replace(state, positions=engine.show(state.positions, self._scene))
             raise
-        self._warn_if_hasty()
+        self._warn_if_hasty(*flow or (0.0, 0.0, 0.0))
 
-    def _warn_if_hasty(self) -> None:
-        mach, share, sound = self._world.flow or (0.0, 0.0, 0.0)
+    def _warn_if_hasty(self, mach: float, share: float, sound: float) -> None:
         if self._hasty or share <= SPRAY:
             return
         self._hasty = True

@@ -87,8 +87,11 @@ impl World {
     }
 
     /// Takes n steps of dt seconds.
-    fn step(&self, py: Python<'_>, n: u64, dt: f64) -> PyResult<()> {
-        self.change(py, |world| world.step(n, dt, &interrupted))
+    /// Advances, and gives the Mach number from which on a flow is fast, the largest share of a fluid that was ever seen to be,
+    /// and its speed of sound [m/s]; nothing without a fluid.
+    fn step(&self, py: Python<'_>, n: u64, dt: f64) -> PyResult<Option<(f64, f64, f64)>> {
+        let flow = self.change(py, |world| world.step(n, dt, &interrupted).map(|()| world.flow()))?;
+        Ok(flow.map(|flow| (Flow::FAST, flow.fast, flow.sound)))
     }
 
     #[getter]
@@ -120,13 +123,6 @@ impl World {
 
     fn pressures<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
         Ok(self.lock()?.fields().pressure.to_pyarray(py))
-    }
-
-    /// The Mach number from which on a flow is fast, the largest share of a fluid that was seen to be, and the speed of sound
-    /// [m/s]; nothing without a fluid.
-    #[getter]
-    fn flow(&self) -> PyResult<Option<(f64, f64, f64)>> {
-        Ok(self.lock()?.flow().map(|flow| (Flow::FAST, flow.fast, flow.sound)))
     }
 
     fn set(&self, py: Python<'_>, positions: Option<&Bound<'_, PyAny>>, velocities: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
