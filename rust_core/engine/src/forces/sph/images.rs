@@ -117,24 +117,33 @@ fn dot<V: Vector>(one: &Triple<V::Scalar>, other: &Triple<V::Scalar>) -> V::Scal
     sum
 }
 
-/// A law that knows what a pressure in the records does.
+/// A law that knows what a pressure in the records does; as it stands here, of one that reads none.
 pub trait Pressed<V: Vector, const SUMS: usize> {
     /// The density at rest of the other [kg/m³].
-    fn density(&self, other: &Record<V::Scalar>) -> V::Scalar;
+    #[inline(always)]
+    fn density(&self, _other: &Record<V::Scalar>) -> V::Scalar {
+        V::Scalar::ZERO
+    }
 
     /// The second number of a record, raised by what gravity adds on the way to an image.
-    fn raised(&self, content: V::Scalar, by: V::Scalar) -> V::Scalar;
+    #[inline(always)]
+    fn raised(&self, content: V::Scalar, by: V::Scalar) -> V::Scalar {
+        content + by
+    }
 
     /// What is different where the other is an image, whose pressure has been raised `by` so much: the powers, because it
     /// belongs to a wall that takes none.
+    #[inline(always)]
     fn lift(
         &self,
-        own: &Record<V::Scalar>,
-        other: &Record<V::Scalar>,
-        apart: [V::Scalar; AXES],
-        square: V::Scalar,
-        by: V::Scalar,
-    ) -> [V::Scalar; SUMS];
+        _own: &Record<V::Scalar>,
+        _other: &Record<V::Scalar>,
+        _apart: [V::Scalar; AXES],
+        _square: V::Scalar,
+        _by: V::Scalar,
+    ) -> [V::Scalar; SUMS] {
+        [V::Scalar::ZERO; SUMS]
+    }
 }
 
 /// A law between a particle and the images of others.

@@ -110,28 +110,11 @@ impl<V: Vector, K: Shape<V::Scalar>, const MIXED: bool> PairLaw<V, 2> for Contin
     }
 }
 
+/// Diffusion is not moved by what gravity makes of the density.
 impl<V: Vector, K: Shape<V::Scalar>, const MIXED: bool> Pressed<V, 2> for Continuity<V::Scalar, K, MIXED> {
     #[inline(always)]
     fn density(&self, other: &Record<V::Scalar>) -> V::Scalar {
         pick::<_, MIXED>(volume::<V>(other), &self.density)
-    }
-
-    #[inline(always)]
-    fn raised(&self, content: V::Scalar, by: V::Scalar) -> V::Scalar {
-        content + by
-    }
-
-    /// Diffusion is not moved by what gravity makes of the density.
-    #[inline(always)]
-    fn lift(
-        &self,
-        _own: &Record<V::Scalar>,
-        _other: &Record<V::Scalar>,
-        _apart: [V::Scalar; AXES],
-        _square: V::Scalar,
-        _by: V::Scalar,
-    ) -> [V::Scalar; 2] {
-        [V::Scalar::ZERO; 2]
     }
 }
 
@@ -293,30 +276,7 @@ impl<V: Vector, K: Shape<V::Scalar>> PairLaw<V, 1> for Crowding<V::Scalar, K> {
     }
 }
 
-/// Gravity presses no one, and takes no power.
-impl<V: Vector, K: Shape<V::Scalar>> Pressed<V, 1> for Crowding<V::Scalar, K> {
-    #[inline(always)]
-    fn density(&self, _other: &Record<V::Scalar>) -> V::Scalar {
-        V::Scalar::ZERO
-    }
-
-    #[inline(always)]
-    fn raised(&self, content: V::Scalar, _by: V::Scalar) -> V::Scalar {
-        content
-    }
-
-    #[inline(always)]
-    fn lift(
-        &self,
-        _own: &Record<V::Scalar>,
-        _other: &Record<V::Scalar>,
-        _apart: [V::Scalar; AXES],
-        _square: V::Scalar,
-        _by: V::Scalar,
-    ) -> [V::Scalar; 1] {
-        [V::Scalar::ZERO]
-    }
-}
+impl<V: Vector, K: Shape<V::Scalar>> Pressed<V, 1> for Crowding<V::Scalar, K> {}
 
 /// The pressure of an obstacle: that of the fluid around it, and what gravity adds on the way: Σ [pⱼ + ρ₀ g·d] W and Σ W, of S.
 /// Adami, X. Y. Hu and N. A. Adams, J. Comput. Phys. 231 (2012) 7057, for obstacles that are not themselves accelerated.
