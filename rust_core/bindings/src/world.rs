@@ -86,9 +86,8 @@ impl World {
         Ok(Self { inner: Mutex::new(inner), dimension })
     }
 
-    /// Takes n steps of dt seconds.
-    /// Advances, and gives the Mach number from which on a flow is fast, the largest share of a fluid that was ever seen to be,
-    /// and its speed of sound [m/s]; nothing without a fluid.
+    /// Takes n steps of dt seconds, and gives the Mach number from which on a flow is fast, the largest share of a fluid that
+    /// was ever seen to be, and its speed of sound [m/s]; nothing without a fluid.
     fn step(&self, py: Python<'_>, n: u64, dt: f64) -> PyResult<Option<(f64, f64, f64)>> {
         let flow = self.change(py, |world| world.step(n, dt, &interrupted).map(|()| world.flow()))?;
         Ok(flow.map(|flow| (Flow::FAST, flow.fast, flow.sound)))

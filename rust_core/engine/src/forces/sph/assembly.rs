@@ -52,10 +52,9 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>, const MIXED: bool> Fluids<V, K
             meets: either(&|other| kind == solid && other != solid),
         });
         let momentum = Momentum { kernel, touch, faced: touch[0], density, softening: number(0.01 * h * h) };
-        let extrapolation =
-            Extrapolation { kernel, density: kinds.each(|fluid| fluid.density), gravity: common.gravity.to_array().map(number) };
+        let extrapolation = Extrapolation { kernel, density, gravity: common.gravity.to_array().map(number) };
         let mut fluids = Self {
-            mass: kind.iter().map(|&kind| kinds.materials.get(usize::from(kind)).unwrap_or(common).mass).collect(),
+            mass: kind.iter().map(|&kind| kinds.fluid(kind).unwrap_or(common).mass).collect(),
             density: Vec::new(),
             kept: Vec::new(),
             diffused: vec![0.0; kind.len()],
@@ -87,7 +86,7 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>, const MIXED: bool> Fluids<V, K
         let members: Vec<usize> = self.vicinity.members().iter().map(|&index| index as usize).collect();
         let common = self.kinds.first();
         let down = common.gravity.normalize_or_zero();
-        let material = |member: usize| self.kinds.materials.get(usize::from(self.kind[member]));
+        let material = |member: usize| self.kinds.fluid(self.kind[member]);
         let fluid: Vec<usize> = (0..members.len()).filter(|&member| material(member).is_some()).collect();
         let heads: Vec<(f64, f64)> =
             fluid.iter().map(|&member| (at[members[member]].dot(down), material(member).map_or(0.0, |of| of.density))).collect();

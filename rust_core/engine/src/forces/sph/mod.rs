@@ -34,7 +34,7 @@ mod walls;
 use images::View;
 use kernel::{CubicSpline, Shape, Wave, WendlandC2, WendlandC4};
 use laws::{Continuity, Extrapolation, FORCES, LIFT, Momentum, OBSTACLE, VISCOUS};
-use start::{Kinds, Material};
+use start::Kinds;
 use summation::Summation;
 use walls::Walls;
 
@@ -142,8 +142,8 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>, const MIXED: bool> Fluids<V, K
 
     /// The volume of a member [m^D]: that at rest where density is counted.
     fn volume(&self, member: usize) -> f64 {
-        let rest = || self.kinds.materials.get(usize::from(self.kind[member])).unwrap_or(self.kinds.first()).density;
-        self.mass[member] / if self.summation.is_some() { rest() } else { self.density[member] }
+        let counted = self.summation.is_some();
+        self.mass[member] / if counted { self.kinds.rest_density(self.kind[member]) } else { self.density[member] }
     }
 
     /// Brings lists up to date, and with them who is near a wall.
@@ -180,7 +180,7 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>, const MIXED: bool> Force<V> fo
         self.search(&|axis, index| drift.middle(axis, index), crew)?;
         let Self { kinds, kind, mass, density, diffused, vicinity, records, continuity, rates, walls, .. } = self;
         let each = |member: usize| {
-            let enthalpy = kinds.materials.get(usize::from(kind[member])).map_or(0.0, |fluid| fluid.enthalpy(density[member]));
+            let enthalpy = kinds.fluid(kind[member]).map_or(0.0, |fluid| fluid.enthalpy(density[member]));
             [mass[member] / density[member], enthalpy]
         };
         fill(records, (vicinity, kind), &drift.velocity, &each, crew);
@@ -189,11 +189,11 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>, const MIXED: bool> Force<V> fo
         let common = kinds.first();
         let view = View { weight: common.gravity / common.sound_speed.powi(2), sticks: false };
         walls.add(*continuity, &view, (vicinity, records), rates, crew);
-        let places = vicinity.neighbors().places();
+        let places = neighbors.places();
         crew.sweep((Chunks::new(density, BLOCK), Chunks::new(diffused, BLOCK)), &|(densities, powers)| {
             for (offset, (density, power)) in densities.items.iter_mut().zip(powers.items).enumerate() {
                 let member = densities.start + offset;
-                let Some(fluid) = kinds.materials.get(usize::from(kind[member])) else { continue };
+                let Some(fluid) = kinds.fluid(kind[member]) else { continue };
                 let [squeeze, diffusion] = rates[places[member] as usize].map(Real::to_f64);
                 let change = drift.h * (*density * squeeze + diffusion);
                 // What diffusion moves against pressure is gone at once.
@@ -208,20 +208,18 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>, const MIXED: bool> Force<V> fo
     fn prepare(&mut self, at: &Moment<'_, V>, crew: &Crew) -> Result<()> {
         self.search(&|axis, index| at.place(axis, index), crew)?;
         let Self { summation, vicinity, records, walls, kinds, kind, mass, density, .. } = self;
-        let material = |member: usize| kinds.materials.get(usize::from(kind[member]));
         if let Some(summation) = summation {
-            let rest = |member: usize| mass[member] / material(member).unwrap_or(kinds.first()).density;
-            fill(records, (vicinity, kind), &at.velocity, &|member| [rest(member), 0.0], crew);
+            let rest = |member: usize| [mass[member] / kinds.rest_density(kind[member]), 0.0];
+            fill(records, (vicinity, kind), &at.velocity, &rest, crew);
             summation.count((vicinity, records), walls, (kinds, kind), density, crew)?;
-            let each = |member: usize| {
-                let pressure = |fluid: &Material| fluid.pressure(density[member]) * (fluid.density / density[member]).powi(2);
-                [rest(member), material(member).map_or(0.0, pressure)]
-            };
-            fill(records, (vicinity, kind), &at.velocity, &each, crew);
-        } else {
-            let pressure = |member: usize| material(member).map_or(0.0, |fluid| fluid.pressure(density[member]));
-            fill(records, (vicinity, kind), &at.velocity, &|member| [mass[member] / density[member], pressure(member)], crew);
         }
+        let counted = summation.is_some();
+        let each = |member: usize| {
+            let (density, rest) = (density[member], kinds.rest_density(kind[member]));
+            let pressure = kinds.fluid(kind[member]).map_or(0.0, |fluid| fluid.pressure(density));
+            if counted { [mass[member] / rest, pressure * (rest / density).powi(2)] } else { [mass[member] / density, pressure] }
+        };
+        fill(records, (vicinity, kind), &at.velocity, &each, crew);
         self.press_obstacles(crew);
         let Self { kinds, vicinity, records, momentum, forces, walls, .. } = self;
         records.sum(vicinity.neighbors(), *momentum, forces, crew);
@@ -277,7 +275,7 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>, const MIXED: bool> Force<V> fo
 
     fn internal(&self) -> f64 {
         let energy = |member: usize| {
-            let fluid = self.kinds.materials.get(usize::from(self.kind[member]));
+            let fluid = self.kinds.fluid(self.kind[member]);
             fluid.map_or(0.0, |fluid| fluid.mass * fluid.energy(self.density[member]))
         };
         (0..self.kind.len()).map(energy).sum()
@@ -341,7 +339,7 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>, const MIXED: bool> Force<V> fo
 
     fn show(&self, fields: &mut Fields) {
         for (member, &index) in self.vicinity.members().iter().enumerate() {
-            if let Some(fluid) = self.kinds.materials.get(usize::from(self.kind[member])) {
+            if let Some(fluid) = self.kinds.fluid(self.kind[member]) {
                 fields.density[index as usize] = self.density[member];
                 fields.pressure[index as usize] = fluid.pressure(self.density[member]);
             }

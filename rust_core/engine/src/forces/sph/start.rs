@@ -160,6 +160,17 @@ impl Kinds {
         &self.materials[0]
     }
 
+    /// The fluid of a kind; none for obstacles.
+    #[inline(always)]
+    pub fn fluid(&self, kind: u8) -> Option<&Material> {
+        self.materials.get(usize::from(kind))
+    }
+
+    /// The density at rest of a kind [kg/m³]; for obstacles that of the first fluid.
+    pub fn rest_density(&self, kind: u8) -> f64 {
+        self.fluid(kind).unwrap_or(self.first()).density
+    }
+
     /// A number of each kind of fluid, 0 for obstacles.
     pub fn each<T: Real>(&self, of: impl Fn(&Material) -> f64) -> [T; KINDS] {
         std::array::from_fn(|kind| T::from_f64(self.materials.get(kind).map_or(0.0, &of)))

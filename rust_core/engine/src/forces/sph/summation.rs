@@ -68,14 +68,13 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>> Summation<V, K> {
         let places = vicinity.neighbors().places();
         crew.sweep(Chunks::new(density, BLOCK), &|densities| {
             for (member, density) in (densities.start..).zip(densities.items) {
-                let Some(fluid) = kinds.materials.get(usize::from(kind[member])) else { continue };
+                let Some(fluid) = kinds.fluid(kind[member]) else { continue };
                 *density = fluid.density * (1.0 + *scale * (counts[places[member] as usize][0].to_f64() - *rest));
             }
         });
         if !*is_checked && !crew.stopped() {
             *is_checked = true;
-            let part =
-                |(kind, density): (&u8, &f64)| kinds.materials.get(usize::from(*kind)).map(|fluid| density / fluid.density);
+            let part = |(kind, density): (&u8, &f64)| kinds.fluid(*kind).map(|fluid| density / fluid.density);
             let least = kind.iter().zip(&*density).filter_map(part).fold(f64::INFINITY, f64::min);
             if least < LEAST {
                 let body = kinds.of_body.iter().position(|of| *of == Some(0)).unwrap_or(0);
