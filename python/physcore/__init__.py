@@ -12,11 +12,13 @@ and clock; a Recording is arrays and the audit; `film` draws them.
 
 from __future__ import annotations
 
+from physcore.accuracy import simulate
 from physcore.bodies import Body, Particles, SpringNetwork
 from physcore.boundaries import Boundary, Box, Floor, Plane, Sphere
 from physcore.builders import cloth, rope, soft_body
 from physcore.energy import Energy, EnergySeries
 from physcore.errors import (
+    AccuracyError,
     FileError,
     InternalError,
     MachWarning,
@@ -44,14 +46,17 @@ from physcore.plan import Plan
 from physcore.recording import Recording
 from physcore.scene import Scene
 from physcore.shapes import ball, block, cylinder
-from physcore.simulation import Simulation, simulate, stability_limit
+from physcore.simulation import Simulation
+from physcore.stability import MeasuredLimit, stability_limit
 from physcore.state import Frame, Snapshot
+from physcore.tradeoff import Tradeoff, tradeoff
 
 __version__: str
 """The version of the installed package."""
 
 __all__ = [
     "PEFRL",
+    "AccuracyError",
     "AutoStep",
     "Body",
     "Boundary",
@@ -74,6 +79,7 @@ __all__ = [
     "Kernel",
     "LennardJones",
     "MachWarning",
+    "MeasuredLimit",
     "Particles",
     "Periodic",
     "PhyscoreError",
@@ -91,6 +97,7 @@ __all__ = [
     "Sphere",
     "SpringNetwork",
     "StabilityWarning",
+    "Tradeoff",
     "VelocityVerlet",
     "WendlandC2",
     "WendlandC4",
@@ -105,6 +112,7 @@ __all__ = [
     "soft_body",
     "stability_limit",
     "styles",
+    "tradeoff",
 ]
 
 

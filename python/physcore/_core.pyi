@@ -30,6 +30,7 @@ class _PlanRecord(TypedDict):
     integrator: str
     order: int
     evaluations: int
+    pairs: int
     limit_varies: bool
     memory: int
     threads: int

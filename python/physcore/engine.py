@@ -71,6 +71,7 @@ def plan(world: World, bound: Limit, dt: float) -> Plan:
         integrator=facts["integrator"],
         order=facts["order"],
         evaluations=facts["evaluations"],
+        pairs=facts["pairs"],
         dt=dt,
         dt_limit=bound.dt,
         limit_kind=bound.kind,

@@ -65,6 +65,28 @@ class SimulationDiverged(PhyscoreError, ArithmeticError):
         return _rebuild_divergence, (str(self), dict(self.__dict__))
 
 
+class AccuracyError(PhyscoreError, ArithmeticError):
+    """No method computes a scene as accurately as was asked for.
+
+    Attributes:
+        error: the smallest error that was reached [m]; inf where everything diverged.
+        energy_drift: the drift of the energy balance of that run.
+    """
+
+    def __init__(self, message: str, *, error: float, energy_drift: float) -> None:
+        super().__init__(message)
+        self.error = error
+        self.energy_drift = energy_drift
+
+    def __reduce__(self) -> tuple[object, ...]:
+        """Pickle with the attributes."""
+        return _rebuild_inaccuracy, (str(self), self.error, self.energy_drift)
+
+
+def _rebuild_inaccuracy(message: str, error: float, energy_drift: float) -> AccuracyError:
+    return AccuracyError(message, error=error, energy_drift=energy_drift)
+
+
 def _rebuild_divergence(message: str, attributes: dict[str, object]) -> SimulationDiverged:
     return SimulationDiverged(message, **attributes)  # type: ignore[arg-type]
 

@@ -24,6 +24,8 @@ class Plan:
     """The order that holds in this scene."""
     evaluations: int
     """Force evaluations per step."""
+    pairs: int
+    """About how many springs and pairs of neighbors each of them goes through, at the start."""
     dt: float
     """The time step [s]."""
     dt_limit: float

@@ -191,7 +191,7 @@ def collect(
     """
     numbers = (count, scene.particles)
     shapes = {name: numbers if name in FLUID_CHANNELS else (*numbers, scene.dimension) for name in channels}
-    _refuse_if_too_large(count, scene.particles, 8 * sum(math.prod(shape) for shape in shapes.values()))
+    refuse_if_too_large(count, scene.particles, 8 * sum(math.prod(shape) for shape in shapes.values()))
     data: dict[Channel, FloatArray] = {name: np.empty(shape) for name, shape in shapes.items()}
     times = np.empty(count)
     momentum = np.empty((count, scene.dimension))
@@ -215,7 +215,12 @@ def collect(
     return Recording(times, data, energy, momentum, angular_momentum, fps, scene, plan())
 
 
-def _refuse_if_too_large(frames: int, particles: int, needed: int) -> None:
+def refuse_if_too_large(frames: int, particles: int, needed: int) -> None:
+    """Refuse to begin what needs more bytes than are free.
+
+    Raises:
+        SceneError: it does.
+    """
     available = _available_memory()
     if available is not None and needed > available:
         raise SceneError(

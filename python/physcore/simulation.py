@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import warnings
 from collections.abc import Iterator, Mapping
-from typing import Literal, Unpack, cast
+from typing import Literal, cast
 
 from numpy.typing import ArrayLike
 
@@ -62,7 +62,7 @@ class Simulation:
         runaway: float = 1e6,
         on_divergence: DivergenceRule = "raise",
     ) -> None:
-        _require_scene(scene)
+        require_scene(scene)
         self._scene = scene
         self._numerics = check(
             Options(
@@ -288,45 +288,12 @@ class Simulation:
         warn(message, StabilityWarning)
 
 
-def simulate(
-    scene: Scene,
-    duration: float,
-    fps: float = FRAMES_PER_SECOND,
-    *,
-    channels: tuple[Channel, ...] = CHANNELS,
-    progress: bool | None = None,
-    **numerics: Unpack[Options],
-) -> Recording:
-    """Simulate a scene from its start and record it.
-
-    Args:
-        scene: what to simulate.
-        duration: [s].
-        fps: frames per second of simulated time.
-        channels: what to keep of each frame: "positions" and "velocities", of a Fluid also "densities" and "pressures".
-        progress: whether to show a progress bar; None: on a terminal, when it takes longer than a second.
-        numerics: integrator, dt, precision, threads, runaway, on_divergence, as in Simulation.
+def require_scene(scene: object) -> None:
+    """Refuse what is no Scene.
 
     Raises:
-        SceneError, SimulationDiverged: as for Simulation.
+        SceneError: it is none.
     """
-    return Simulation(scene, **numerics).record(duration, fps, channels, progress=progress)
-
-
-def stability_limit(scene: Scene, integrator: Integrator) -> float:
-    """The largest stable time step of a scene [s], from a certified bound; inf: any; 0.0: none.
-
-    The bound holds while no spring is shorter than half its rest length.
-
-    Raises:
-        SceneError: an argument is not valid, or a particle starts outside a boundary.
-    """
-    _require_scene(scene)
-    numerics = check(Options(integrator=integrator, threads=1), scene)
-    return engine.limit(engine.build(scene, numerics)).stability
-
-
-def _require_scene(scene: object) -> None:
     if not isinstance(scene, Scene):
         missing = f"; write Scene({type(scene).__name__}(…), …)" if isinstance(scene, Body) else ""
         raise SceneError(f"scene: must be a Scene, got {shown(scene)}{missing}")

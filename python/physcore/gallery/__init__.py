@@ -1,7 +1,8 @@
 """Demos: each is one short file to read as an example. Run one with `physcore demo NAME`.
 
-A demo is a module with a docstring, whose first line is its caption, and a function `main(path, progress)` that writes
-a GIF and gives the recordings it is made of, by title. To add one: a file here and a line in `DEMOS`.
+A demo is a module with a docstring, whose first line is its caption, a function `scene()` that builds it, its
+`DURATION`, and a function `main(path, progress)` that writes a GIF and gives the recordings it is made of, by title. To
+add one: a file here and a line in `DEMOS`.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ from importlib import import_module
 from typing import Protocol, cast
 
 from physcore.recording import Recording
+from physcore.scene import Scene
 
 DEMOS = (
     "cloth",
@@ -35,6 +37,11 @@ class Demo(Protocol):
     """What a module in this folder has."""
 
     __doc__: str | None
+    DURATION: float
+    """[s]"""
+
+    def scene(self) -> Scene:
+        """What is simulated."""
 
     def main(self, path: str | os.PathLike[str], progress: bool | None = None) -> Mapping[str, Recording]:
         """Write a GIF to `path`; give the recordings that it shows, by title."""

@@ -11,13 +11,20 @@ import numpy as np
 
 import physcore as pc
 
+DURATION = 4.0
+"""[s]"""
 
-def main(path: str | os.PathLike[str] = "bowl.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
+
+def scene() -> pc.Scene:
     """Drop a cube of dust into a bowl."""
     generator = np.random.default_rng(1)
     dust = pc.Particles(generator.uniform((-0.35, -0.35, 0.1), (0.35, 0.35, 0.7), size=(100_000, 3)), mass=1e-6)
     bowl = pc.Sphere((0.0, 0.0, 0.0), radius=1.0, inside=True, restitution=0.85)
-    scene = pc.Scene(dust, pc.Gravity((0.0, 0.0, -9.81)), bowl)
-    recording = pc.simulate(scene, duration=4.0, fps=25, dt=1e-3, progress=progress)
+    return pc.Scene(dust, pc.Gravity((0.0, 0.0, -9.81)), bowl)
+
+
+def main(path: str | os.PathLike[str] = "bowl.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
+    """Simulate it and draw it."""
+    recording = pc.simulate(scene(), duration=DURATION, fps=25, dt=1e-3, progress=progress)
     pc.film(recording, path, size=(640, 480), style=pc.styles.Points(color="speed"), progress=progress)
     return {"dust": recording}

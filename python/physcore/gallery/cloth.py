@@ -9,8 +9,11 @@ import os
 
 import physcore as pc
 
+DURATION = 3.0
+"""[s]"""
 
-def main(path: str | os.PathLike[str] = "cloth.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
+
+def scene() -> pc.Scene:
     """Hang the cloth by its upper left corner and a point in its upper edge."""
     columns, rows = 32, 22
     corner = (rows - 1) * columns
@@ -24,7 +27,11 @@ def main(path: str | os.PathLike[str] = "cloth.gif", progress: bool | None = Non
         bend_stiffness=20.0,
         pinned=[corner, corner + 21],
     )
-    scene = pc.Scene(cloth, pc.Gravity((0.0, -9.81)), pc.Drag(linear=1e-3))
-    recording = pc.simulate(scene, duration=3.0, fps=25, progress=progress)
+    return pc.Scene(cloth, pc.Gravity((0.0, -9.81)), pc.Drag(linear=1e-3))
+
+
+def main(path: str | os.PathLike[str] = "cloth.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
+    """Simulate it and draw it."""
+    recording = pc.simulate(scene(), duration=DURATION, fps=25, progress=progress)
     pc.film(recording, path, size=(640, 480), style=pc.styles.Strain(), progress=progress)
     return {"cloth": recording}

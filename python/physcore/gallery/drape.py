@@ -9,8 +9,11 @@ import os
 
 import physcore as pc
 
+DURATION = 3.0
+"""[s]"""
 
-def main(path: str | os.PathLike[str] = "drape.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
+
+def scene() -> pc.Scene:
     """Drop a square cloth onto a sphere."""
     cloth = pc.cloth(
         (48, 48),
@@ -24,7 +27,11 @@ def main(path: str | os.PathLike[str] = "drape.gif", progress: bool | None = Non
     )
     ball = pc.Sphere((0.0, 0.0, 0.0), radius=0.35, restitution=0.0, friction=0.5)
     floor = pc.Floor(-0.5, restitution=0.0, friction=0.8)
-    scene = pc.Scene(cloth, pc.Gravity((0.0, 0.0, -9.81)), pc.Drag(linear=5e-4), ball, floor)
-    recording = pc.simulate(scene, duration=3.0, fps=30, progress=progress)
+    return pc.Scene(cloth, pc.Gravity((0.0, 0.0, -9.81)), pc.Drag(linear=5e-4), ball, floor)
+
+
+def main(path: str | os.PathLike[str] = "drape.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
+    """Simulate it and draw it."""
+    recording = pc.simulate(scene(), duration=DURATION, fps=30, progress=progress)
     pc.film(recording, path, size=(640, 480), progress=progress)
     return {"cloth": recording}

@@ -17,13 +17,18 @@ LARGEST = 0.0065
 """The radius of the largest grain [m]; the smallest has three quarters of it, so that they do not form a lattice."""
 NECK = 0.26
 """The width of the neck [m]."""
+WIDTH, HEIGHT = 1.08, 1.75
+"""Half the width of the glass, and how far the floor is below the neck [m]."""
+
+DURATION = 2.6
+"""[s]"""
 
 
-def main(path: str | os.PathLike[str] = "hourglass.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
+def scene() -> pc.Scene:
     """Let grains of a centimeter run through the neck between two great circles."""
-    bend, width, height, fill, layers = 2.1, 1.08, 1.75, 1.5, 6
+    bend, fill, layers = 2.1, 1.5, 6
     centers = np.array([[-bend - NECK / 2, 0.0], [bend + NECK / 2, 0.0]])
-    places = pc.block((-width, 0.0), (width, fill), 2 * LARGEST)
+    places = pc.block((-WIDTH, 0.0), (WIDTH, fill), 2 * LARGEST)
     apart = np.linalg.norm(places[:, np.newaxis] - centers, axis=2).min(axis=1)
     places = places[apart > bend + 1.2 * LARGEST]  # room to shake them
     generator = np.random.default_rng(3)
@@ -35,21 +40,27 @@ def main(path: str | os.PathLike[str] = "hourglass.gif", progress: bool | None =
         pc.Particles(places[layer == k], mass=masses[layer == k], radius=radii[layer == k], name=f"layer {k}")
         for k in range(layers)
     ]
-    scene = pc.Scene(
+    return pc.Scene(
         *sand,
         pc.Gravity((0.0, -9.81)),
         pc.Repulsion(stiffness=2e6, damping=250.0, friction=0.5),
         pc.Drag(quadratic=0.5),  # so that no grain falls through the air with more than two meters per second
         *(pc.Sphere(tuple(center), bend, restitution=0.0, friction=0.3) for center in centers),
-        pc.Floor(-height, restitution=0.0, friction=0.5),
+        pc.Floor(-HEIGHT, restitution=0.0, friction=0.5),
     )
-    recording = pc.simulate(scene, duration=2.6, fps=50, dt=pc.AutoStep(safety=0.9), precision="f32", progress=progress)
+
+
+def main(path: str | os.PathLike[str] = "hourglass.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
+    """Simulate it and draw it."""
+    recording = pc.simulate(
+        scene(), duration=DURATION, fps=50, dt=pc.AutoStep(safety=0.9), precision="f32", progress=progress
+    )
     pc.film(
         recording,
         path,
         size=(480, 800),
         style=pc.styles.Points(color="body"),
-        camera=Window((-width, -height - 0.02), (width, height - 0.15)),
+        camera=Window((-WIDTH, -HEIGHT - 0.02), (WIDTH, HEIGHT - 0.15)),
         speed=0.5,
         progress=progress,
     )

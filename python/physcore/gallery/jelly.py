@@ -11,8 +11,11 @@ import numpy as np
 
 import physcore as pc
 
+DURATION = 4.0
+"""[s]"""
 
-def main(path: str | os.PathLike[str] = "jelly.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
+
+def scene() -> pc.Scene:
     """Throw the jelly at the right wall with six radians per second."""
     nodes, spacing, corner = 14, 0.03, (-0.6, 0.2)
     x, y = np.meshgrid(np.arange(nodes) - (nodes - 1) / 2, np.arange(nodes) - (nodes - 1) / 2)
@@ -27,8 +30,12 @@ def main(path: str | os.PathLike[str] = "jelly.gif", progress: bool | None = Non
         velocities=np.array([3.0, 2.0]) + spin,
     )
     box = pc.Box((-0.8, -0.6), (0.8, 0.8), restitution=0.6, friction=0.1)
-    scene = pc.Scene(jelly, pc.Gravity((0.0, -9.81)), box)
+    return pc.Scene(jelly, pc.Gravity((0.0, -9.81)), box)
+
+
+def main(path: str | os.PathLike[str] = "jelly.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
+    """Simulate it and draw it."""
     # Every impact rings at frequencies close to the limit of stability: a quarter of it resolves them.
-    recording = pc.simulate(scene, duration=4.0, fps=30, dt=pc.AutoStep(safety=0.25), progress=progress)
+    recording = pc.simulate(scene(), duration=DURATION, fps=30, dt=pc.AutoStep(safety=0.25), progress=progress)
     pc.film(recording, path, size=(640, 560), style=pc.styles.Strain(), progress=progress)
     return {"jelly": recording}

@@ -11,8 +11,11 @@ import os
 import physcore as pc
 from physcore.film import Orbit
 
+DURATION = 5.0
+"""[s]"""
 
-def main(path: str | os.PathLike[str] = "lava.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
+
+def scene() -> pc.Scene:
     """Let go of a ton and a half of lava on a slope of fifteen degrees."""
     spacing, slope = 0.05, math.radians(15.0)
     up = (math.sin(slope), 0.0, math.cos(slope))
@@ -29,8 +32,12 @@ def main(path: str | os.PathLike[str] = "lava.gif", progress: bool | None = None
         pc.Sphere((x, y, -x * math.tan(slope)), radius, no_slip=True)
         for x, y, radius in ((0.1, 0.4, 0.25), (0.35, -0.3, 0.3))
     ]
-    scene = pc.Scene(lava, pc.Gravity((0.0, 0.0, -9.81)), ground, *boulders)
-    recording = pc.simulate(scene, duration=5.0, fps=20, progress=progress)
+    return pc.Scene(lava, pc.Gravity((0.0, 0.0, -9.81)), ground, *boulders)
+
+
+def main(path: str | os.PathLike[str] = "lava.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
+    """Simulate it and draw it."""
+    recording = pc.simulate(scene(), duration=DURATION, fps=20, progress=progress)
     camera = Orbit(azimuth=-40.0, elevation=28.0, target=(-0.05, 0.0, 0.15), extent=2.5)
     style = pc.styles.Fluid(colormap="ember", top=0.6)
     pc.film(recording, path, size=(640, 440), style=style, camera=camera, progress=progress)

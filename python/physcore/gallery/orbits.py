@@ -11,17 +11,25 @@ import os
 import physcore as pc
 from physcore.film import Window
 
+PERIOD = 2.0 * math.pi
+"""Of one orbit [s]."""
+DURATION = 4.0 * PERIOD
+"""[s]"""
 
-def main(path: str | os.PathLike[str] = "orbits.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
-    """Four orbits of eccentricity 0.6 with 500 steps each, from perihelion, with G M = a = 1; one takes two seconds."""
+
+def scene() -> pc.Scene:
+    """An orbit of eccentricity 0.6, from perihelion, with G M = a = 1."""
     planet = pc.Particles([[0.4, 0.0]], velocities=[[0.0, 2.0]])
     sun = pc.CentralForce(center=(0.0, 0.0), strength=1.0, exponent=-2.0)
-    scene = pc.Scene(planet, sun)
-    period = 2.0 * math.pi
+    return pc.Scene(planet, sun)
+
+
+def main(path: str | os.PathLike[str] = "orbits.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
+    """Simulate four orbits with 500 steps each, and draw them; one takes two seconds."""
     integrators = [pc.ExplicitEuler(), pc.VelocityVerlet(), pc.RungeKutta4()]
     recordings = {
         type(integrator).__name__: pc.simulate(
-            scene, 4 * period, fps=50 / period, integrator=integrator, dt=period / 500, progress=progress
+            scene(), DURATION, fps=50 / PERIOD, integrator=integrator, dt=PERIOD / 500, progress=progress
         )
         for integrator in integrators
     }
@@ -30,9 +38,9 @@ def main(path: str | os.PathLike[str] = "orbits.gif", progress: bool | None = No
         path,
         titles=list(recordings),
         size=(960, 360),
-        style=pc.styles.Points(size=10.0, trail=2 * period),
+        style=pc.styles.Points(size=10.0, trail=2 * PERIOD),
         camera=Window((-2.4, -1.5), (0.8, 1.5)),
-        speed=period / 2.0,
+        speed=PERIOD / 2.0,
         progress=progress,
     )
     return recordings

@@ -17,8 +17,11 @@ DENSITIES = (1.0, 1.8)
 RIPPLE = 0.04
 """The amplitude that the surface between them begins with [m]; its wavelength is the width of the tank, one meter."""
 
+DURATION = 6.0
+"""[s]"""
 
-def main(path: str | os.PathLike[str] = "rayleigh_taylor.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
+
+def scene() -> pc.Scene:
     """Fill a tank of two square meters, where gravity is one meter per second squared."""
     spacing, upper = 1 / 64, (1.0, 2.0)
     cells = pc.block((0.0, 0.0), upper, spacing)
@@ -27,8 +30,13 @@ def main(path: str | os.PathLike[str] = "rayleigh_taylor.gif", progress: bool | 
         pc.Fluid(cells[part], spacing, density, name=name)
         for part, density, name in zip((~above, above), DENSITIES, ("light", "heavy"), strict=True)
     )
-    scene = pc.Scene(light, heavy, pc.Gravity((0.0, -1.0)), pc.Box((0.0, 0.0), upper))
-    recording = pc.simulate(scene, duration=6.0, fps=15, progress=progress)
+    return pc.Scene(light, heavy, pc.Gravity((0.0, -1.0)), pc.Box((0.0, 0.0), upper))
+
+
+def main(path: str | os.PathLike[str] = "rayleigh_taylor.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
+    """Simulate it and draw it."""
+    recording = pc.simulate(scene(), duration=DURATION, fps=15, progress=progress)
+    light, heavy = recording.scene.bodies
     styles = [
         pc.styles.Fluid(on=light, colormap="water", top=1.2),
         pc.styles.Fluid(on=heavy, colormap="ember", top=1.2),

@@ -9,12 +9,19 @@ import os
 
 import physcore as pc
 
+DURATION = 5.0
+"""[s]"""
 
-def main(path: str | os.PathLike[str] = "rope.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
+
+def scene() -> pc.Scene:
     """Let go of a horizontal rope that hangs by one end."""
     rope = pc.rope(80, length=1.0, stiffness=8000.0, damping=0.3, mass=0.004, pinned="start")
-    scene = pc.Scene(rope, pc.Gravity((0.0, -9.81)), pc.Drag(linear=5e-4))
+    return pc.Scene(rope, pc.Gravity((0.0, -9.81)), pc.Drag(linear=5e-4))
+
+
+def main(path: str | os.PathLike[str] = "rope.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
+    """Simulate it and draw it."""
     # The tip cracks with frequencies close to the limit of stability: a fifth of it keeps the budget closed there too.
-    recording = pc.simulate(scene, duration=5.0, fps=30, dt=pc.AutoStep(safety=0.2), progress=progress)
+    recording = pc.simulate(scene(), duration=DURATION, fps=30, dt=pc.AutoStep(safety=0.2), progress=progress)
     pc.film(recording, path, size=(640, 480), style=pc.styles.Strain(width=4.0), progress=progress)
     return {"rope": recording}

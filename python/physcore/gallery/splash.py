@@ -10,8 +10,11 @@ import os
 import physcore as pc
 from physcore.film import Orbit
 
+DURATION = 0.55
+"""[s]"""
 
-def main(path: str | os.PathLike[str] = "splash.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
+
+def scene() -> pc.Scene:
     """Let a drop hit a pool half as deep as the drop is wide."""
     spacing, kernel = 1 / 60, pc.WendlandC2(smoothing=1.25)
     pool = pc.Fluid(pc.block((-0.5, -0.5, 0.0), (0.5, 0.5, 5 * spacing), spacing), spacing, kernel=kernel, name="pool")
@@ -19,7 +22,11 @@ def main(path: str | os.PathLike[str] = "splash.gif", progress: bool | None = No
         pc.ball((0.0, 0.0, 0.19), 0.09, spacing), spacing, velocities=(0.0, 0.0, -5.0), kernel=kernel, name="drop"
     )
     tank = pc.Box((-0.5, -0.5, 0.0), (0.5, 0.5, 0.42))
-    scene = pc.Scene(pool, drop, pc.Gravity((0.0, 0.0, -9.81)), tank)
-    recording = pc.simulate(scene, duration=0.55, fps=200, progress=progress)
+    return pc.Scene(pool, drop, pc.Gravity((0.0, 0.0, -9.81)), tank)
+
+
+def main(path: str | os.PathLike[str] = "splash.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
+    """Simulate it and draw it."""
+    recording = pc.simulate(scene(), duration=DURATION, fps=200, progress=progress)
     pc.film(recording, path, size=(640, 440), camera=Orbit(elevation=24.0), speed=0.125, progress=progress)
     return {"splash": recording}

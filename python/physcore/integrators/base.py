@@ -15,3 +15,5 @@ class Integrator:
 
     order: ClassVar[int]
     """Nominal order: the error at a fixed time shrinks like dt^order. `plan.order` is what holds in a scene."""
+    symplectic: ClassVar[bool]
+    """Whether it keeps the area in phase space: without dissipation its energy error then stays bounded."""

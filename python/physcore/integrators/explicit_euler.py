@@ -22,3 +22,4 @@ class ExplicitEuler(Integrator):
     """
 
     order: ClassVar[int] = 1
+    symplectic: ClassVar[bool] = False

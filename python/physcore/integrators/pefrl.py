@@ -27,3 +27,4 @@ class PEFRL(Integrator):
     """
 
     order: ClassVar[int] = 4
+    symplectic: ClassVar[bool] = True

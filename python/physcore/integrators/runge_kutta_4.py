@@ -24,3 +24,4 @@ class RungeKutta4(Integrator):
     """
 
     order: ClassVar[int] = 4
+    symplectic: ClassVar[bool] = False

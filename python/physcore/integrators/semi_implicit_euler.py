@@ -20,3 +20,4 @@ class SemiImplicitEuler(Integrator):
     """
 
     order: ClassVar[int] = 1
+    symplectic: ClassVar[bool] = True

@@ -21,3 +21,4 @@ class VelocityVerlet(Integrator):
     """
 
     order: ClassVar[int] = 2
+    symplectic: ClassVar[bool] = True

@@ -189,6 +189,7 @@ impl World {
         record.set_item("integrator", plan.integrator)?;
         record.set_item("order", plan.order)?;
         record.set_item("evaluations", plan.evaluations)?;
+        record.set_item("pairs", plan.pairs)?;
         record.set_item("limit_varies", plan.limit_varies)?;
         record.set_item("memory", plan.memory)?;
         record.set_item("threads", plan.threads)?;

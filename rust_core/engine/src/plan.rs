@@ -29,6 +29,8 @@ pub struct Plan {
     pub order: u32,
     /// Evaluations of the forces per step.
     pub evaluations: usize,
+    /// About how many springs and pairs of neighbors an evaluation goes through.
+    pub pairs: usize,
     /// Whether the limit of the time step changes as the matter moves, so that it has to be watched.
     pub limit_varies: bool,
     /// The number of threads that it uses.
@@ -130,6 +132,7 @@ pub fn compile<V: Vector, I: Integrator>(scene: &Scene, threads: usize) -> Resul
         threads: system.threads(),
         layout,
         simd: Level::current().name(),
+        pairs: system.law().pairs(),
         memory: system.bytes(),
         left_out,
         notes,

@@ -188,6 +188,8 @@ impl<V: Vector> Simulation<V> {
             simulation.watch.runaway = f64::INFINITY;
         }
         simulation.begin()?;
+        // Who is near whom is known only now.
+        simulation.plan.pairs = simulation.system.law().pairs();
         let energy = simulation.energy()?;
         simulation.watch.balance = energy.balance();
         simulation.watch.check(&energy, V::Scalar::EPSILON);

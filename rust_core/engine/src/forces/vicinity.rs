@@ -150,9 +150,11 @@ impl Vicinity {
         self.undo().map(|_| ())
     }
 
-    /// About how many pairs are listed, as one of both counts them.
+    /// How many neighbors are listed, of all particles together; a guess while there are no lists.
     pub fn pairs(&self) -> usize {
-        TYPICAL * self.neighbors.count()
+        let count = self.neighbors.count();
+        let listed = (0..count).map(|place| self.neighbors.of(place).len()).sum();
+        if listed == 0 { TYPICAL * count } else { listed }
     }
 
     /// How the plan describes it.

@@ -1,0 +1,16 @@
+"""What speed costs in accuracy: measured, on the user's own scene.
+
+    trade = pc.tradeoff(scene, duration=10.0)
+    print(trade)                          # every row: integrator, time step, precision, seconds, error
+    simulation = pc.Simulation(scene, **trade.best(error=1e-4).numerics)
+
+`measuring` is the recipe; `experiment` runs a choice, `reference` and `chaos` say what it can be compared with,
+`restarts` what to compare where trajectories are lost, `search` spends the budget, and `result` is what comes out.
+"""
+
+from __future__ import annotations
+
+from physcore.tradeoff.measuring import tradeoff
+from physcore.tradeoff.result import Prediction, Row, Tradeoff
+
+__all__ = ["Prediction", "Row", "Tradeoff", "tradeoff"]

@@ -1,0 +1,348 @@
+"""The search for the front: ladders of time steps, from the limit of stability downward, within a budget of seconds."""
+
+from __future__ import annotations
+
+import contextlib
+import math
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Literal
+
+import numpy as np
+
+from physcore.errors import PhyscoreError, SceneError, SimulationDiverged
+from physcore.integrators import Integrator
+from physcore.tradeoff import reference, restarts
+from physcore.tradeoff.budget import Budget
+from physcore.tradeoff.chaos import Chaos, twin
+from physcore.tradeoff.experiment import Choice, Experiment
+from physcore.tradeoff.reference import Method, Reference
+from physcore.tradeoff.restarts import Bias, Windows
+from physcore.tradeoff.result import CERTAIN, Measure, Prediction, Row, Status
+
+SAFETY = 0.95
+"""The first step of a ladder, as a fraction of its limit."""
+REPEATS = 5
+"""How often each row is timed."""
+REFERENCE_SHARE = 0.3
+"""How much of the budget the reference may take."""
+LEAST = 3
+"""Rows of a ladder that are run whatever the budget says: fewer have no slope."""
+ENOUGH = 8
+"""Rows after which a ladder goes on only where the next one may get onto the front."""
+LOWEST = 24
+"""Rows of a ladder at most."""
+HELD_OUT = 8
+"""Rows between two others that are predicted before they are run, at most."""
+LEVEL = 0.8
+"""A ladder whose error shrinks less than this, twice, where it was small already, has reached its floor."""
+SMALL = 1e-2
+"""What is small, as a fraction of the largest error seen: where errors are large, they often do not shrink either."""
+
+
+@dataclass
+class Entry:
+    """A row in the making."""
+
+    choice: Choice
+    error: float
+    energy_drift: float
+    evaluations: int
+    status: Status
+    cost: float
+    """What running it once takes [s], with its building."""
+    bias: Bias | None = None
+    held_out: bool = False
+    times: list[float] = field(default_factory=list)
+
+
+@dataclass
+class Ladder:
+    """The rows of one integrator in one precision, by falling time step."""
+
+    integrator: Integrator
+    precision: Literal["f32", "f64"]
+    pairs: int
+    memory: int
+    choices: list[Choice]
+    """Yet to run, the coarsest first."""
+    entries: list[Entry] = field(default_factory=list)
+    open_ended: bool = True
+    """Whether a finer one follows the last of them."""
+
+    def next(self) -> Choice | None:
+        """What to run now."""
+        if self.choices:
+            return self.choices[0]
+        if not self.open_ended or len(self.entries) >= LOWEST:
+            return None
+        return self.entries[-1].choice.finer()
+
+    def cost(self) -> float:
+        """What that will take, with its timing [s]; 0 where nobody knows yet."""
+        choice = self.next()
+        if not self.entries or choice is None:
+            return 0.0
+        last = self.entries[-1]
+        return (1 + REPEATS) * last.cost * choice.steps / last.choice.steps
+
+    def exhausted(self, uncertainty: float) -> bool:
+        """Whether finer steps have stopped to help, or the reference can no longer tell."""
+        errors = [entry.error for entry in self.entries]
+        if len(errors) < LEAST:
+            return False
+        if errors[-1] < CERTAIN * uncertainty:
+            return True
+        finite = [error for error in errors if math.isfinite(error)]
+        small = bool(finite) and errors[-1] < SMALL * max(finite)
+        return small and errors[-1] > LEVEL * errors[-2] and errors[-2] > LEVEL * errors[-3]
+
+
+class Study:
+    """Measures one scene; `run` finds the rows, `time` how long each of them takes, `rows` gives them."""
+
+    def __init__(
+        self,
+        experiment: Experiment,
+        integrators: Sequence[Integrator],
+        precisions: Sequence[Literal["f32", "f64"]],
+        dts: Sequence[float] | None,
+        seed: int,
+        tick: Callable[[], None],
+    ) -> None:
+        self.experiment = experiment
+        self.notes: list[str] = []
+        self._seed = seed
+        self._tick = tick
+        self.simd = ""
+        self._methods = reference.methods(experiment)
+        self._ladders = [
+            ladder
+            for integrator in integrators
+            for precision in precisions
+            if (ladder := self._ladder(integrator, precision, dts)) is not None
+        ]
+        self.chaos: Chaos
+        self.truth: Reference | Windows
+        self.measure: Measure = "trajectory"
+
+    def find(self, budget: Budget) -> None:
+        """Look for chaos and for a reference, and run every ladder as far as the budget reaches.
+
+        Raises:
+            PhyscoreError: no choice can compute the scene, or every run of the reference diverged.
+        """
+        if not self._ladders:
+            raise PhyscoreError("; ".join(self.notes) or "tradeoff: there is nothing to compare")
+        self._judge(budget.share(REFERENCE_SHARE))
+        while ladders := [ladder for ladder in self._ladders if ladder.next() is not None]:
+            ladder = min(ladders, key=Ladder.cost)
+            if len(ladder.entries) >= LEAST and ladder.cost() > budget.left() - self._timing():
+                break
+            self._run(ladder)
+            if ladder.open_ended and (ladder.exhausted(self.truth.uncertainty) or self._left_behind(ladder)):
+                ladder.open_ended = False
+        self._refine(budget)
+
+    def time(self) -> None:
+        """Run everything again, five times, each time in another order, and take the times.
+
+        Whole runs in one call, from a simulation that is built anew and not timed; the run that found the error has
+        warmed everything up.
+        """
+        generator = np.random.default_rng(self._seed)
+        entries = [entry for ladder in self._ladders for entry in ladder.entries]
+        for _ in range(REPEATS):
+            for index in generator.permutation(len(entries)):
+                entry = entries[index]
+                simulation = self.experiment.start(entry.choice)
+                begin = time.perf_counter()
+                with contextlib.suppress(SimulationDiverged):
+                    simulation.run(self.experiment.duration)
+                entry.times.append(time.perf_counter() - begin)
+                self._tick()
+
+    def until(self) -> int:
+        """How many of the samples can be compared."""
+        return max(2, int(np.sum(self.chaos.times <= self.chaos.horizon)))
+
+    def rows(self, resolution: float | None = None, discretization_error: float = 0.0) -> list[Row]:
+        """What was found; `time` comes first."""
+        return [
+            Row(
+                integrator=ladder.integrator,
+                dt=self.experiment.dt(entry.choice),
+                precision=ladder.precision,
+                threads=self.experiment.threads,
+                seconds=float(np.median(entry.times)),
+                least_seconds=min(entry.times),
+                evaluations=entry.evaluations,
+                pair_interactions=entry.evaluations * ladder.pairs,
+                bytes_swept=entry.evaluations * ladder.memory,
+                error=entry.error,
+                error_uncertainty=self.truth.uncertainty,
+                energy_drift=entry.energy_drift,
+                status=entry.status,
+                resolution=resolution,
+                discretization_error=discretization_error,
+                bias=entry.bias,
+                prediction=_prediction(ladder, entry) if entry.held_out else None,
+            )
+            for ladder in self._ladders
+            for entry in ladder.entries
+        ]
+
+    def _ladder(
+        self, integrator: Integrator, precision: Literal["f32", "f64"], dts: Sequence[float] | None
+    ) -> Ladder | None:
+        """A ladder that begins at its limit, or has the steps that were asked for."""
+        try:
+            plan = self.experiment.start(Choice(integrator, precision, 1)).plan
+        except SceneError as error:
+            self.notes.append(f"{type(integrator).__name__} in {precision} was left out: {error}.")
+            return None
+        self.simd = plan.simd
+        limit = reference.largest_step(Method(integrator, plan.order, plan.dt_limit, plan.evaluations), self._methods)
+        largest = [SAFETY * limit] if dts is None else sorted(dts, reverse=True)
+        steps = dict.fromkeys(self.experiment.steps_of(dt) for dt in largest)
+        choices = [Choice(integrator, precision, number) for number in steps]
+        return Ladder(integrator, precision, plan.pairs, plan.memory, choices, open_ended=dts is None)
+
+    def _judge(self, budget: Budget) -> None:
+        """Find out whether trajectories can be compared, and what with."""
+        best = self._methods[0]
+        steps = self.experiment.steps_of(reference.START * reference.largest_step(best, self._methods))
+        self.chaos = self._twin(Choice(best.integrator, "f64", steps))
+        if not self.chaos.chaotic:
+            self.truth = reference.find(self.experiment, budget)
+        elif self.experiment.scene.fluids or self.experiment.observer is not None:
+            # The state of a fluid is more than places and velocities, and an observer may look at the past.
+            self.measure = "until the horizon"
+            self.truth = reference.find(self.experiment, budget, self.until())
+        else:
+            self.measure = "restart"
+            self.truth = restarts.windows(self.experiment, best.integrator, steps, self.chaos, self._seed, budget)
+            for ladder in self._ladders:
+                ladder.choices = [
+                    replace(choice, steps=-(-choice.steps // self.truth.parts) * self.truth.parts)
+                    for choice in ladder.choices
+                ]
+
+    def _twin(self, choice: Choice) -> Chaos:
+        """Run the twin with steps that hold: the limit may fall while the scene moves."""
+        for _ in range(reference.DEEPEST):
+            try:
+                return twin(self.experiment, choice, self._seed)
+            except SimulationDiverged:
+                choice = choice.finer()
+        raise PhyscoreError(f"tradeoff: {type(choice.integrator).__name__} diverged at every step")
+
+    def _run(self, ladder: Ladder) -> None:
+        choice = ladder.next()
+        assert choice is not None
+        if ladder.choices:
+            ladder.choices.pop(0)
+        ladder.entries.append(self._try(choice))
+
+    def _try(self, choice: Choice) -> Entry:
+        """Run a choice once, and judge it."""
+        begin = time.perf_counter()
+        trial = self.experiment.attempt(choice)
+        cost = time.perf_counter() - begin
+        entry = Entry(choice, math.inf, trial.energy_drift, trial.evaluations, "diverged", cost)
+        if trial.complete:
+            entry.status = "ok"
+            if isinstance(self.truth, Reference):
+                until = self.until()
+                apart = self.experiment.distances(trial.samples[:until], self.truth.samples[:until])
+                entry.error = float(apart.max())
+            else:
+                self._compare_statistics(entry, self.truth)
+        self._tick()
+        return entry
+
+    def _compare_statistics(self, entry: Entry, truth: Windows) -> None:
+        """The error over short windows, and the averages over an ensemble."""
+        entry.error = restarts.error(self.experiment, entry.choice, truth)
+        try:
+            found = restarts.ensemble(self.experiment, entry.choice, truth.nudge, self._seed)
+        except SimulationDiverged:
+            entry.status = "diverged"
+            return
+        entry.bias = restarts.bias(found, truth.averages)
+        entry.status = "biased" if entry.bias.found else "ok"
+
+    def _left_behind(self, ladder: Ladder) -> bool:
+        """Whether a ladder has shown its slope, and what it would reach next is had for less elsewhere."""
+        if len(ladder.entries) < ENOUGH:
+            return False
+        before, last = ladder.entries[-2:]
+        return self._beaten(last.error * last.error / before.error if before.error > 0.0 else 0.0, 2.0 * last.cost)
+
+    def _beaten(self, error: float, cost: float) -> bool:
+        """Whether some row has both a smaller error and a lower cost."""
+        entries = (entry for ladder in self._ladders for entry in ladder.entries if entry.status == "ok")
+        return any(entry.error <= error and entry.cost <= cost for entry in entries)
+
+    def _timing(self) -> float:
+        """What the timing of all rows so far will take [s]."""
+        return REPEATS * sum(entry.cost for ladder in self._ladders for entry in ladder.entries)
+
+    def _refine(self, budget: Budget) -> None:
+        """Spend what is left halfway between two rows of a ladder, where the front has its widest gap; one at least."""
+        for _ in range(HELD_OUT):
+            gaps = [
+                (not self._beaten(*_between(ladder, index)), _gap(ladder, index), position, index)
+                for position, ladder in enumerate(self._ladders)
+                for index in range(len(ladder.entries) - 1)
+                if _divisible(ladder, index, self.truth)
+            ]
+            if not gaps:
+                return
+            on_front, _, position, index = max(gaps)
+            ladder = self._ladders[position]
+            coarse, fine = ladder.entries[index : index + 2]
+            held_out = any(entry.held_out for ladder in self._ladders for entry in ladder.entries)
+            dear = not on_front or (1 + REPEATS) * fine.cost > budget.left() - self._timing()
+            if held_out and dear:
+                return
+            parts = self.truth.parts if isinstance(self.truth, Windows) else 1
+            middle = round(math.sqrt(coarse.choice.steps * fine.choice.steps) / parts) * parts
+            entry = self._try(replace(coarse.choice, steps=middle))
+            entry.held_out = True
+            ladder.entries.insert(index + 1, entry)
+
+
+def _divisible(ladder: Ladder, index: int, truth: Reference | Windows) -> bool:
+    """Whether there is room for a row between one and the next, both of which came to an end that counts."""
+    coarse, fine = ladder.entries[index : index + 2]
+    parts = truth.parts if isinstance(truth, Windows) else 1
+    room = fine.choice.steps >= 2 * coarse.choice.steps and fine.choice.steps - coarse.choice.steps >= 2 * parts
+    # A row that was held out is not what another one is predicted from.
+    fresh = not (coarse.held_out or fine.held_out)
+    return room and fresh and math.isfinite(coarse.error) and fine.error >= CERTAIN * truth.uncertainty
+
+
+def _gap(ladder: Ladder, index: int) -> float:
+    """By which factor the error falls from one row to the next; 0 where it does not."""
+    coarse, fine = ladder.entries[index : index + 2]
+    return coarse.error / fine.error if coarse.error > fine.error > 0.0 else 0.0
+
+
+def _between(ladder: Ladder, index: int) -> tuple[float, float]:
+    """Error and cost that are expected halfway from one row to the next, both logarithmic."""
+    coarse, fine = ladder.entries[index : index + 2]
+    return math.sqrt(coarse.error * fine.error), math.sqrt(coarse.cost * fine.cost)
+
+
+def _prediction(ladder: Ladder, held_out: Entry) -> Prediction:
+    """Error and time by straight lines, both logarithmic, through the rows on both sides that were not held out."""
+    others = [entry for entry in ladder.entries if not entry.held_out and math.isfinite(entry.error)]
+    finer = next(entry for entry in others if entry.choice.steps > held_out.choice.steps)
+    coarser = next(entry for entry in reversed(others) if entry.choice.steps < held_out.choice.steps)
+    ends = np.log([coarser.choice.steps, finer.choice.steps])
+    at = float(np.log(held_out.choice.steps))
+    errors = np.log([max(entry.error, np.finfo(float).tiny) for entry in (coarser, finer)])
+    seconds = np.log([np.median(entry.times) for entry in (coarser, finer)])
+    return Prediction(float(np.exp(np.interp(at, ends, errors))), float(np.exp(np.interp(at, ends, seconds))))
