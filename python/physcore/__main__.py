@@ -1,4 +1,4 @@
-"""The command line: `physcore list`, `physcore demo`, `physcore bench`."""
+"""The command line: `physcore list`, `physcore demo`, `physcore tradeoff`, `physcore bench`."""
 
 from __future__ import annotations
 
@@ -47,6 +47,15 @@ def _parser() -> argparse.ArgumentParser:
         help="the GIF, or the PNG of its last frame, to write (default: NAME.gif)",
     )
     demo.set_defaults(run=_demo)
+    trade = commands.add_parser("tradeoff", help="measure what speed costs in accuracy in a demo")
+    trade.add_argument("name", metavar="NAME", help="one of `physcore list`")
+    trade.add_argument("-o", "--output", type=Path, metavar="FILE", help="a figure to write, such as trade.png")
+    trade.add_argument("--json", type=Path, metavar="FILE", help="where to write all that was measured")
+    trade.add_argument(
+        "--budget", type=float, default=60.0, metavar="SECONDS", help="how long to measure (default: 60)"
+    )
+    trade.add_argument("--duration", type=float, metavar="SECONDS", help="how long to simulate (default: as the demo)")
+    trade.set_defaults(run=_tradeoff)
     bench = commands.add_parser("bench", help="measure the speed of this machine")
     bench.set_defaults(run=_bench)
     return parser
@@ -67,8 +76,7 @@ def _demo(options: argparse.Namespace) -> int:
     from physcore.gallery import DEMOS, caption, demo
 
     name = options.name or DEMOS[0]
-    if name not in DEMOS:
-        print(f"physcore: no demo {name!r}; there are {', '.join(DEMOS)}", file=sys.stderr)
+    if not _exists(name):
         return 2
     try:
         path = check_target(options.output or f"{name}.gif")
@@ -80,6 +88,34 @@ def _demo(options: argparse.Namespace) -> int:
         print(f"\n{title}: {audit(recording)}")
     print(f"\nThe film is {path.resolve()} ({path.stat().st_size / 1e6:.1f} MB).")
     return 0
+
+
+def _tradeoff(options: argparse.Namespace) -> int:
+    from physcore.gallery import caption, demo
+
+    if not _exists(options.name):
+        return 2
+    print(caption(options.name))
+    chosen = demo(options.name)
+    duration = chosen.DURATION if options.duration is None else options.duration
+    trade = physcore.tradeoff(chosen.scene(), duration, budget=options.budget, progress=True)
+    print(f"\n{trade}\n\n{trade.explain()}")
+    if options.output is not None:
+        trade.plot(options.output)
+        print(f"\nThe figure is {options.output.resolve()}.")
+    if options.json is not None:
+        trade.save(options.json)
+    return 0
+
+
+def _exists(name: str) -> bool:
+    """Whether there is such a demo; if not, say which ones there are."""
+    from physcore.gallery import DEMOS
+
+    if name in DEMOS:
+        return True
+    print(f"physcore: no demo {name!r}; there are {', '.join(DEMOS)}", file=sys.stderr)
+    return False
 
 
 def _bench(options: argparse.Namespace) -> int:

@@ -27,6 +27,9 @@ FLAT = 0.7
 rounding; of a method of first order it halves."""
 SMALL = 1e-3
 """What is small, as a fraction of how far anything moves."""
+PATIENCE = 10.0
+"""Once a method has reached its floor, another is not tried that would take this many times as long as all so far: it
+would take more steps, and rounding adds up with them."""
 STUCK = 6
 """As often as this a difference that is not small may refuse to shrink: else it is chaos, or nothing converges."""
 
@@ -180,7 +183,7 @@ class Runner:
 
     @property
     def given_up(self) -> bool:
-        """Whether finer steps have stopped to help."""
+        """Whether finer steps have stopped to help: at the floor of rounding, or because nothing converges."""
         if self.failed + len(self.changes) > DEEPEST:
             return True
         flat = [later > FLAT * earlier for earlier, later in zip(self.changes, self.changes[1:], strict=False)]
@@ -218,10 +221,13 @@ def _race(runners: list[Runner], wish: Wish) -> tuple[Recording, str]:
     """The run that proves the first choice to do what was asked for, and what it proved."""
     best: Runner | None = None
     closest = (math.inf, math.inf)
-    left = list(runners)
+    left, spent, floored = list(runners), 0.0, False
     while left:
         runner = min(left, key=lambda each: each.expected(wish))
+        if floored and runner.expected(wish) > PATIENCE * spent:
+            break
         runner.advance()
+        spent += runner.seconds
         if runner.keeps(wish):
             recording = runner.runs[-1]
             return replace(recording, channels={name: recording.channels[name] for name in runner.channels}), _proof(
@@ -232,6 +238,7 @@ def _race(runners: list[Runner], wish: Wish) -> tuple[Recording, str]:
         if runner.given_up:
             left.remove(runner)
             runner.runs.clear()
+            floored = True
     asked = [f"within {wish.accuracy:g} m"] * math.isfinite(wish.accuracy)
     asked += [f"energy drift {wish.drift:g}"] * math.isfinite(wish.drift)
     reached = (

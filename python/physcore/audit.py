@@ -8,7 +8,7 @@ from physcore.recording import Recording
 
 def audit(recording: Recording) -> str:
     """The energy budget at the start and at the end, its drift, and the momenta, as a table."""
-    energy = recording.energy
+    energy, plan = recording.energy, recording.plan
     rows = {
         "kinetic": energy.kinetic,
         **{f"potential: {term}": values for term, values in energy.by_term.items()},
@@ -21,10 +21,11 @@ def audit(recording: Recording) -> str:
     }
     width = max(len(name) for name in rows)
     lines = [
-        f"{recording.scene.particles} particles, {recording.plan.integrator}, {recording.plan.precision}, "
-        f"dt = {recording.plan.dt:.3g} s, {recording.times[-1] - recording.times[0]:.3g} s simulated",
+        f"{recording.scene.particles} particles, {plan.integrator}, {plan.precision}, dt = {plan.dt:.3g} s, "
+        f"{recording.times[-1] - recording.times[0]:.3g} s simulated",
         f"  {'energy [J]':<{width}}  {'start':>12}  {'end':>12}",
         *(f"  {name:<{width}}  {values[0]:>12.6g}  {values[-1]:>12.6g}" for name, values in rows.items()),
+        *([f"  substeps: {plan.substeps} steps failed and were taken again in parts"] if plan.substeps else []),
         f"  drift: at most {abs(energy.drift).max():.1e} of the energy in motion",
         f"  momentum [kg·m/s]: {_vector(recording.momentum[0])} → {_vector(recording.momentum[-1])}",
         f"  angular momentum [kg·m²/s]: {_vector(recording.angular_momentum[0])} → "

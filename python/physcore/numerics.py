@@ -11,9 +11,13 @@ from physcore.errors import SceneError
 from physcore.integrators import INTEGRATORS, Integrator, VelocityVerlet
 from physcore.scene import Scene
 
-DivergenceRule = Literal["raise", "ignore"]
+DivergenceRule = Literal["raise", "ignore", "substep"]
 Precision = Literal["f32", "f64", "auto"]
 LimitKind = Literal["stability", "accuracy", "none"]
+
+RUNAWAY = {"raise": 1e6, "ignore": 1e6, "substep": 1.0}
+"""How many times the largest energy so far the energy balance may rise, where nothing is said. A step that is to be
+taken again in parts has to be noticed before it has spoilt the state."""
 
 FRAMES_PER_SECOND = 30.0
 """The frame rate where none is asked for."""
@@ -50,7 +54,7 @@ class Options(TypedDict, total=False):
     dt: float | AutoStep | Literal["auto"]
     precision: Precision
     threads: int | None
-    runaway: float
+    runaway: float | None
     on_divergence: DivergenceRule
 
 
@@ -73,13 +77,15 @@ def check(options: Options, scene: Scene) -> Numerics:
         SceneError: a choice is not valid; the message starts with its name.
     """
     threads = options.get("threads")
+    rule = _on_divergence(options.get("on_divergence", "raise"))
+    runaway = options.get("runaway")
     return Numerics(
         integrator=_integrator(options.get("integrator", "auto")),
         dt=_dt(options.get("dt", "auto")),
         precision=_precision(options.get("precision", "auto"), scene),
         threads=None if threads is None else count(threads, "threads", least=1, most=MOST_THREADS),
-        runaway=number(options.get("runaway", 1e6), "runaway", above=0.0),
-        on_divergence=_on_divergence(options.get("on_divergence", "raise")),
+        runaway=RUNAWAY[rule] if runaway is None else number(runaway, "runaway", above=0.0),
+        on_divergence=rule,
     )
 
 
@@ -121,7 +127,9 @@ def _on_divergence(value: object) -> DivergenceRule:
             return "raise"
         case "ignore":
             return "ignore"
-    raise SceneError(f"on_divergence: must be 'raise' or 'ignore', got {value!r}")
+        case "substep":
+            return "substep"
+    raise SceneError(f"on_divergence: must be 'raise', 'substep' or 'ignore', got {value!r}")
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from dataclasses import replace
 from physcore import engine
 from physcore._core import World
 from physcore.checks import count, number
-from physcore.errors import MachWarning, PhyscoreError, SimulationDiverged, warn
+from physcore.errors import MachWarning, PhyscoreError, SimulationDiverged, StabilityWarning, warn
 from physcore.numerics import FRAMES_PER_SECOND, AutoStep, Limit, Numerics, divide, largest_step, steps_to
 from physcore.scene import Scene
 
@@ -26,6 +26,9 @@ no direction, and no time step resolves it."""
 
 SPRAY = 1e-3
 """The share of a fluid that may be too fast for its sound: drops that are shot out by others, however fast sound is."""
+
+HALVINGS = 10
+"""How often a step that fails is halved at most."""
 
 TOUCH = 1e-6
 """Times closer together than this fraction of a step are the same time."""
@@ -47,6 +50,7 @@ class Pace:
         self._varies = world.plan()["limit_varies"]
         self._stepping = threading.Lock()
         self._hasty = False
+        self.rescued = 0
         if isinstance(numerics.dt, AutoStep):
             self._largest(FRAMES_PER_SECOND)  # A scene without any stable step is refused here, not at its first step.
 
@@ -64,20 +68,19 @@ class Pace:
         """Advance by a number of steps."""
         left = count(steps, "step.n")
         if self.fixed is not None:
-            return self._advance(left, self.fixed)
+            return self._advance_by(left, self.fixed)
         with self._alone():
             while left > 0:
                 self._watch()
                 chunk = min(left, self._until_watch())
-                self._advance(chunk, self._largest(FRAMES_PER_SECOND))
-                left -= chunk
+                left -= self._advance(chunk, self._largest(FRAMES_PER_SECOND))
         return None
 
     def run(self, duration: float, fps: float = FRAMES_PER_SECOND) -> None:
         """Advance by a duration [s]: to its end with dt="auto", to the first step at or after it with a given dt."""
         interval = number(duration, "run.duration", least=0.0)
         if self.fixed is not None:
-            return self._advance(max(0, steps_to(interval, self.fixed, TOUCH)), self.fixed)
+            return self._advance_by(max(0, steps_to(interval, self.fixed, TOUCH)), self.fixed)
         if interval == 0.0:
             return None
         with self._alone():
@@ -86,9 +89,15 @@ class Pace:
                 if self._watch():
                     steps, dt = divide(steps * dt, self._largest(fps))
                 chunk = min(steps, self._until_watch())
-                self._advance(chunk, dt)
-                steps -= chunk
+                steps -= self._advance(chunk, dt)
         return None
+
+    def _advance_by(self, steps: int, dt: float) -> None:
+        """Take all of some steps."""
+        while True:
+            steps -= self._advance(steps, dt)
+            if steps == 0:
+                return
 
     @contextmanager
     def _alone(self) -> Iterator[None]:
@@ -102,14 +111,51 @@ class Pace:
         finally:
             self._stepping.release()
 
-    def _advance(self, steps: int, dt: float) -> None:
+    def _advance(self, steps: int, dt: float) -> int:
+        """Take steps, and give how many: up to the first that had to be taken in parts, and that one."""
+        before = self._world.steps
         try:
             flow = self._world.step(steps, dt)
         except SimulationDiverged as error:
-            state = engine.snapshot(self._world, self._scene)
-            error.last_good = replace(state, positions=engine.show(state.positions, self._scene))
-            raise
+            if self._numerics.on_divergence != "substep":
+                self._complete(error)
+                raise
+            taken = self._world.steps - before + 1
+            self._rescue(error, dt)
+            return taken
         self._warn_if_hasty(*flow or (0.0, 0.0, 0.0))
+        return steps
+
+    def _rescue(self, error: SimulationDiverged, dt: float) -> None:
+        """Take a step that failed again in parts, halving what is left of it whenever one of them fails.
+
+        Raises:
+            SimulationDiverged: it fails in the smallest parts as well.
+        """
+        message = (
+            f"a step failed ({error.cause}) and is taken again in parts; take a smaller dt where this happens often"
+        )
+        if self.rescued == 0:
+            warn(f"at {error.time:.4g} s {message}", StabilityWarning)
+        self.rescued += 1
+        left, parts = 1, 1
+        for _ in range(HALVINGS):
+            left, parts = 2 * left, 2 * parts
+            before = self._world.steps
+            try:
+                self._world.step(left, dt / parts)
+            except SimulationDiverged as failed:
+                left -= self._world.steps - before
+                error = failed
+            else:
+                return
+        self._complete(error)
+        raise error
+
+    def _complete(self, error: SimulationDiverged) -> None:
+        """Put the last good state into a divergence."""
+        state = engine.snapshot(self._world, self._scene)
+        error.last_good = replace(state, positions=engine.show(state.positions, self._scene))
 
     def _warn_if_hasty(self, mach: float, share: float, sound: float) -> None:
         if self._hasty or share <= SPRAY:
@@ -146,9 +192,10 @@ class Pace:
         return True
 
     def capture(self) -> dict[str, float | str]:
-        """What the choice of later time steps depends on, beside the world."""
-        return dict(vars(self.limit))
+        """What the choice of later time steps depends on, beside the world, and what was counted."""
+        return {**vars(self.limit), "rescued": self.rescued}
 
     def restore(self, state: dict[str, float | str]) -> None:
         """Go on as the pace that was captured."""
-        self.limit = Limit(**state)  # type: ignore[arg-type]
+        self.rescued = int(state["rescued"])
+        self.limit = Limit(**{name: value for name, value in state.items() if name != "rescued"})  # type: ignore[arg-type]

@@ -46,6 +46,8 @@ class Plan:
     """What this scene does not need."""
     notes: tuple[str, ...]
     """Advice."""
+    substeps: int = 0
+    """How many steps failed and were taken again in parts."""
 
     @property
     def margin(self) -> float:
@@ -63,6 +65,7 @@ class Plan:
             "memory": _bytes(self.memory),
             "threads": f"{self.threads}, {self.simd}",
             "layout": self.layout,
+            "substeps": f"{self.substeps} steps failed and were taken again in parts" if self.substeps else "",
             "left out": ", ".join(self.left_out) or "nothing",
         }
         lines = [f"  {name:<11}{text}" for name, text in rows.items() if text]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import warnings
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from typing import Literal, cast
 
 from numpy.typing import ArrayLike
@@ -40,14 +41,16 @@ class Simulation:
             fluid and "f64" for all others.
         threads: how many threads may share the work; None: PHYSCORE_NUM_THREADS, or all that the process may use. The
             results have the same bits for any number.
-        runaway: how many times the largest energy so far the energy balance may rise before it counts as diverged.
-        on_divergence: "raise", or "ignore": go on until a value is not finite.
+        runaway: how many times the largest energy so far the energy balance may rise before it counts as diverged;
+            None: 1e6, and 1 with on_divergence="substep".
+        on_divergence: "raise"; "substep": take a step that fails again in halves, quarters and so on, down to 1/1024 of
+            it, and warn; or "ignore": go on until a value is not finite.
 
     Raises:
         SceneError: a choice is not valid, dt="auto" finds no stable step, or a particle starts outside a boundary.
 
     Warns:
-        StabilityWarning: `dt` is above the limit of stability.
+        StabilityWarning: `dt` is above the limit of stability, or a step had to be taken in parts; said once in a run.
         MachWarning: a thousandth of a fluid flows faster than 0.15 of its speed of sound; said once in a run.
     """
 
@@ -59,7 +62,7 @@ class Simulation:
         precision: Precision = "auto",
         threads: int | None = None,
         *,
-        runaway: float = 1e6,
+        runaway: float | None = None,
         on_divergence: DivergenceRule = "raise",
     ) -> None:
         require_scene(scene)
@@ -96,8 +99,13 @@ class Simulation:
 
     @property
     def steps(self) -> int:
-        """How many steps have been taken."""
+        """How many steps have been taken; one that was taken in parts counts as those."""
         return self._world.steps
+
+    @property
+    def substeps(self) -> int:
+        """How many steps failed and were taken again in parts, with on_divergence="substep"."""
+        return self._pace.rescued
 
     @property
     def dt(self) -> float:
@@ -117,7 +125,8 @@ class Simulation:
     @property
     def plan(self) -> Plan:
         """What one step does, and what was chosen."""
-        return engine.plan(self._world, self._pace.limit, self.dt)
+        plan = engine.plan(self._world, self._pace.limit, self.dt)
+        return replace(plan, substeps=self.substeps)
 
     def __getitem__(self, body: BodyKey) -> Snapshot:
         """The present state of one body, given itself, its index or its name; a Fluid's has densities and pressures."""

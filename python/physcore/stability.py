@@ -27,6 +27,8 @@ RESOLUTION = 1e-3
 """How well the limit is found, as a fraction of itself."""
 FARTHEST = 64.0
 """How many times the limit of theory is tried at most."""
+STRIDE = 1.1
+"""How the search goes up: in strides that do not step over an edge into an island of stability beyond it."""
 
 
 @dataclass(frozen=True)
@@ -98,12 +100,12 @@ def _bisect(scene: Scene, integrator: Integrator, theory: float) -> float:
         if holds < theory / FARTHEST:
             return 0.0
     while math.isinf(fails):
-        if 2.0 * holds > FARTHEST * theory:
+        if holds > FARTHEST * theory:
             return holds
-        if _stable(scene, integrator, 2.0 * holds, theory):
-            holds *= 2.0
+        if _stable(scene, integrator, STRIDE * holds, theory):
+            holds *= STRIDE
         else:
-            fails = 2.0 * holds
+            fails = STRIDE * holds
     while fails > holds * (1.0 + RESOLUTION):
         middle = 0.5 * (holds + fails)
         if _stable(scene, integrator, middle, theory):

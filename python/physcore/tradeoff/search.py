@@ -37,6 +37,8 @@ HELD_OUT = 8
 """Rows between two others that are predicted before they are run, at most."""
 LEVEL = 0.8
 """A ladder whose error shrinks less than this, twice, where it was small already, has reached its floor."""
+WRONG = 10.0
+"""An error of this many times the largest way in the reference is a blow-up, whatever the watch says."""
 SMALL = 1e-2
 """What is small, as a fraction of the largest error seen: where errors are large, they often do not shrink either."""
 
@@ -257,6 +259,9 @@ class Study:
                 until = self.until()
                 apart = self.experiment.distances(trial.samples[:until], self.truth.samples[:until])
                 entry.error = float(apart.max())
+                way = self.experiment.distances(self.truth.samples, self.truth.samples[:1]).max()
+                if entry.error > WRONG * way + CERTAIN * self.truth.uncertainty:
+                    entry.status, entry.error = "diverged", math.inf
             else:
                 self._compare_statistics(entry, self.truth)
         self._tick()

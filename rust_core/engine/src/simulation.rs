@@ -218,10 +218,8 @@ impl<V: Vector> Simulation<V> {
         for _ in 0..steps {
             match self.advance(1, interrupted) {
                 Err(error) if is_scattered(&error) => {
-                    let cause = "is so far away that it cannot be told who is near whom".to_owned();
-                    let divergence = self.divergence(self.fastest(), "position", cause);
                     let time = self.segment.time() + self.segment.dt;
-                    return Err(Error::Diverged(Box::new(Divergence { step: self.steps + 1, time, ..divergence })));
+                    return Err(Error::Diverged(Box::new(Divergence { step: self.steps + 1, time, ..self.scatter() })));
                 }
                 outcome => outcome?,
             }
@@ -266,7 +264,10 @@ impl<V: Vector> Simulation<V> {
                 return Ok(Some(self.divergence(index, quantity, "is not finite".to_owned())));
             }
         }
-        let energy = self.energy()?;
+        let energy = match self.energy() {
+            Err(error) if is_scattered(&error) => return Ok(Some(self.scatter())),
+            outcome => outcome?,
+        };
         // Energies are squares: they leave the range of numbers long before the state does.
         if !energy.balance().is_finite() && self.watch.runaway.is_finite() {
             return Ok(Some(self.divergence(self.fastest(), "energy", "is not finite".to_owned())));
@@ -298,6 +299,11 @@ impl<V: Vector> Simulation<V> {
     fn fastest_flow(&self) -> Option<Flow> {
         let velocity = self.system.state().velocity.view();
         self.system.law().forces().iter().find_map(|force| force.flow(velocity))
+    }
+
+    /// What is wrong where neighbors can no longer be searched.
+    fn scatter(&self) -> Divergence {
+        self.divergence(self.fastest(), "position", "is so far away that it cannot be told who is near whom".to_owned())
     }
 
     fn divergence(&self, index: usize, quantity: &'static str, cause: String) -> Divergence {
