@@ -30,8 +30,11 @@ from physcore.fluid import Fluid
 from physcore.forces import CentralForce, CustomForce, Drag, Force, Gravity, LennardJones, Repulsion
 from physcore.integrators import (
     PEFRL,
+    BlanesMoan4,
+    BlanesMoan6,
     ExplicitEuler,
     Integrator,
+    McLachlan2,
     RungeKutta4,
     SemiImplicitEuler,
     VelocityVerlet,
@@ -53,6 +56,8 @@ __version__: str
 __all__ = [
     "PEFRL",
     "AutoStep",
+    "BlanesMoan4",
+    "BlanesMoan6",
     "Body",
     "Boundary",
     "Box",
@@ -74,6 +79,7 @@ __all__ = [
     "Kernel",
     "LennardJones",
     "MachWarning",
+    "McLachlan2",
     "Particles",
     "Periodic",
     "PhyscoreError",
