@@ -32,8 +32,11 @@ from physcore.fluid import Fluid
 from physcore.forces import CentralForce, CustomForce, Drag, Force, Gravity, LennardJones, Repulsion
 from physcore.integrators import (
     PEFRL,
+    BlanesMoan4,
+    BlanesMoan6,
     ExplicitEuler,
     Integrator,
+    McLachlan2,
     RungeKutta4,
     SemiImplicitEuler,
     VelocityVerlet,
@@ -58,6 +61,8 @@ __all__ = [
     "PEFRL",
     "AccuracyError",
     "AutoStep",
+    "BlanesMoan4",
+    "BlanesMoan6",
     "Body",
     "Boundary",
     "Box",
@@ -79,6 +84,7 @@ __all__ = [
     "Kernel",
     "LennardJones",
     "MachWarning",
+    "McLachlan2",
     "MeasuredLimit",
     "Particles",
     "Periodic",

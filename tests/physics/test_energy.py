@@ -44,13 +44,20 @@ def test_the_energy_of_a_network_stays_within_what_the_discrete_modes_allow(inte
 
     The worst factor belongs to the fastest mode that the certified limit allows. A factor of 2 is left for what the
     strains of 5 % and their turning add to harmonic modes: relative changes of the stiffness by a few strains, with
-    the transverse stiffness of a strained spring. No drift: the means of the first and last quarter differ by less than
+    the transverse stiffness of a strained spring.
+
+    McLachlan2's error is dt² (α v·V''v + β |∇V|²) with α = (1 − 6λ + 6λ²)/12 and β = (1 − 6λ)/24. In a harmonic mode
+    one nearly cancels the other, and in one that turns it does not: there both count, by 2(|α| + |β|) (ω dt)² at most.
+
+    No drift: the means of the first and last quarter differ by less than
     the bound, and the bound holds to the end of the run, however long.
     """
     limit = pc.stability_limit(net.scene(), integrator)
     fraction = 0.25
     run = simulation(net.scene(), integrator, fraction * limit)
     swing = discrete_energy_error(integrator, fraction * largest_step(integrator))
+    if isinstance(integrator, pc.McLachlan2):
+        swing = 2.0 * (0.00540 + 0.00663) * (fraction * largest_step(integrator)) ** 2
     bound = 2.0 * swing * run.energy().total + rounding(run, STEPS)
     error = balances(run, STEPS, SAMPLES)
     error -= error[0]
@@ -99,10 +106,12 @@ def test_the_energy_of_an_orbit_has_no_drift_over_many_turns(integrator):
     """Symplectic: the mean energy over ten turns is the same at the end of the run as at its start.
 
     The error repeats from turn to turn, up to where the steps fall on the orbit: a tenth of its largest value, twice.
+    At order 6 it is below rounding for steps of 0.01, 3e-14, and 1e-9 for those of 0.05.
     """
+    dt = 0.05 if integrator.order == 6 else 0.01
     orbit = pc.Scene(pc.Particles([[0.4, 0.0]], [[0.0, 2.0]]), pc.CentralForce((0.0, 0.0), 1.0))
-    run = simulation(orbit, integrator, 0.01)
-    window = 6283
+    run = simulation(orbit, integrator, dt)
+    window = round(20.0 * np.pi / dt)
 
     def errors() -> Array:
         return np.abs(balances(run, window, window) + 0.5)

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 from physcore.integrators.base import Integrator
+from physcore.integrators.blanes_moan_4 import BlanesMoan4
+from physcore.integrators.blanes_moan_6 import BlanesMoan6
 from physcore.integrators.explicit_euler import ExplicitEuler
+from physcore.integrators.mclachlan_2 import McLachlan2
 from physcore.integrators.pefrl import PEFRL
 from physcore.integrators.runge_kutta_4 import RungeKutta4
 from physcore.integrators.semi_implicit_euler import SemiImplicitEuler
@@ -13,16 +16,22 @@ INTEGRATORS: tuple[type[Integrator], ...] = (
     ExplicitEuler,
     SemiImplicitEuler,
     VelocityVerlet,
+    McLachlan2,
     RungeKutta4,
     PEFRL,
+    BlanesMoan4,
+    BlanesMoan6,
 )
 """Every integrator; what is registered here can be saved, and is tested for its order."""
 
 __all__ = [
     "INTEGRATORS",
     "PEFRL",
+    "BlanesMoan4",
+    "BlanesMoan6",
     "ExplicitEuler",
     "Integrator",
+    "McLachlan2",
     "RungeKutta4",
     "SemiImplicitEuler",
     "VelocityVerlet",

@@ -6,8 +6,8 @@
 //!    scalar map with ω² = u*Ku/u*Mu and γ = u*Cu/u*Mu: Runge–Kutta methods, because they are functions of the
 //!    Jacobian, whose eigenvalues obey λ² + γλ + ω² = 0; semi-implicit Euler and Verlet, because the matrices of their
 //!    characteristic equations are linear in K and C. Both quotients lie below the largest eigenvalues of M⁻¹K and
-//!    M⁻¹C. PEFRL multiplies K by C, and so reduces only where they commute: without damping, or with the same γ for all.
-//!    Elsewhere its bound is measured, not proved, and has the margin [`Integrator::COUPLED`].
+//!    M⁻¹C. Splittings of several stages multiply K by C, and so reduce only where they commute: without damping, or with
+//!    the same γ for all. Elsewhere their bound is measured, not proved, and has the margin [`Integrator::COUPLED`].
 //! 2. **Rows bound the eigenvalues**: see [`rows`]. Bodies share no spring, so each has a bound of its own. A negative ω²
 //!    (a buckling spring) grows in truth as well, and limits no step.
 //! 3. **The box of modes.** All modes of a body have ω ≤ Ω and Γ₀ ≤ γ ≤ Γ. Along a ray of constant ξ = γ/2ω the limit
@@ -174,8 +174,9 @@ struct Modes {
 /// The damping ratio that stands for pure damping: there 2ξL(ξ) has come within 1e-12 of its limit for ξ → ∞.
 const PURE_DAMPING: f64 = 1e6;
 /// Rays tried on each of the two outer edges. The lowest is then refined between its neighbors, so it only has to lie in
-/// the right valley of L. The narrowest is PEFRL's, 0.28 < ξ < 0.32, which counts while the corner of the box lies
-/// between that and ξ = 0.5, and then holds four rays.
+/// the right valley of L. The narrowest are PEFRL's, 0.28 < ξ < 0.32, which counts while the corner of the box lies
+/// between that and ξ = 0.5, and then holds four rays; and `BlanesMoan4`'s, 0.10 < ξ < 0.14, which counts up to 0.31 and then
+/// holds eight. Against 20,000 rays, no corner of any integrator's box finds a smaller limit than these.
 const RAYS: usize = 64;
 
 impl Modes {

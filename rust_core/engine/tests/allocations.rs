@@ -36,7 +36,16 @@ fn steps_allocate_nothing() {
     let geometry = [("point", Value::Vector(DVec3::ZERO)), ("normal", Value::Vector(DVec3::Z))];
     let floor = term("boundaries[0]", "Plane", &[&material[..], &geometry[..]].concat());
     for springs in [true, false] {
-        for integrator in ["ExplicitEuler", "SemiImplicitEuler", "VelocityVerlet", "RungeKutta4", "PEFRL"] {
+        for integrator in [
+            "ExplicitEuler",
+            "SemiImplicitEuler",
+            "VelocityVerlet",
+            "McLachlan2",
+            "RungeKutta4",
+            "PEFRL",
+            "BlanesMoan4",
+            "BlanesMoan6",
+        ] {
             let scene = Scene {
                 dimension: 3,
                 bodies: vec![rope(springs)],

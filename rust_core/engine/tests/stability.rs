@@ -3,7 +3,10 @@
 //! The truth is dense linear algebra: the largest eigenvalue of M⁻¹K by Jacobi's rotations, and the spectral radius of a
 //! whole network's step, as the integrator's own code makes it.
 
-use physcore_engine::integrators::{ExplicitEuler, Integrator, Pefrl, Register, RungeKutta4, SemiImplicitEuler, VelocityVerlet};
+use physcore_engine::integrators::{
+    BlanesMoan4, BlanesMoan6, ExplicitEuler, Integrator, McLachlan2, Pefrl, Register, RungeKutta4, SemiImplicitEuler,
+    VelocityVerlet,
+};
 use physcore_engine::stability::{Bound, Kind, Limit};
 use proptest::prelude::*;
 
@@ -234,6 +237,9 @@ proptest! {
         assert_stable::<VelocityVerlet>(&network);
         assert_stable::<RungeKutta4>(&network);
         assert_stable::<Pefrl>(&network);
+        assert_stable::<McLachlan2>(&network);
+        assert_stable::<BlanesMoan4>(&network);
+        assert_stable::<BlanesMoan6>(&network);
     }
 
     /// For one oscillator whose damping is at most that of a box, the bound is the least limit in the box: none within is

@@ -1,7 +1,8 @@
 //! Each registered integrator is stable just below the limit that it claims, and grows just above, as its code steps.
 
 use super::{
-    ExplicitEuler, Integrator, Pefrl, Register, RungeKutta4, SemiImplicitEuler, VelocityVerlet, amplification, with_integrator,
+    BlanesMoan4, BlanesMoan6, ExplicitEuler, Integrator, McLachlan2, Pefrl, Register, RungeKutta4, SemiImplicitEuler,
+    VelocityVerlet, amplification, with_integrator,
 };
 
 const RATIOS: [f64; 4] = [0.0, 0.1, 1.0, 10.0];
@@ -45,6 +46,17 @@ fn growth<I: Integrator>(h: f64, ratio: f64) -> f64 {
     factor
 }
 
+/// How far the eigenvalues of a step are inside the unit circle.
+fn margin<I: Integrator>(step: f64, ratio: f64) -> f64 {
+    amplification::margin(amplification::conditions(&amplification::matrix::<I>(step, ratio)))
+}
+
+/// The step that grows most, of those up to 1 % above the limit: a resonance may be narrower than that.
+fn beyond<I: Integrator>(limit: f64, ratio: f64) -> f64 {
+    let steps = (1..=10_000).map(|part| limit.max(0.99) * (f64::from(limit > 0.0) + 1e-6 * f64::from(part)));
+    steps.min_by(|&one, &other| margin::<I>(one, ratio).total_cmp(&margin::<I>(other, ratio))).unwrap()
+}
+
 fn assert_edge<I: Integrator>() {
     for ratio in RATIOS {
         let limit = I::limit(ratio);
@@ -56,7 +68,7 @@ fn assert_edge<I: Integrator>() {
         // The slowest to settle is explicit Euler at ξ = 1, with the double factor g = 1 − 0.99·2 = −0.98: x and v reach
         // 1.98 n 0.98ⁿ⁻¹ ≤ 37.5. Undamped, Verlet's invariant ellipse is elongated by 1/√(1 − 0.99²) = 7.1.
         assert!(largest <= 37.5 * 2.0_f64.sqrt(), "{} at ξ = {ratio}: |x| reaches {largest}", I::NAME);
-        let beyond = if limit > 0.0 { 1.01 * limit } else { 0.01 };
+        let beyond = beyond::<I>(limit, ratio);
         let mut above = oscillator::<I>();
         let steps = (0..100_000).find(|_| {
             step::<I>(&mut above, beyond, ratio);
@@ -76,10 +88,10 @@ fn assert_interval<I: Integrator>() {
         let limit = I::limit(ratio);
         assert!(limit.is_finite() && limit >= 0.0, "{} at ξ = {ratio}: {limit}", I::NAME);
         for part in 1..=1000 {
-            let margin = amplification::margin(&amplification::matrix::<I>(limit * f64::from(part) / 1000.0, ratio));
+            let margin = margin::<I>(limit * f64::from(part) / 1000.0, ratio);
             assert!(margin > -1e-11, "{} at ξ = {ratio} is unstable at {part} ‰ of the limit: {margin}", I::NAME);
         }
-        let beyond = amplification::margin(&amplification::matrix::<I>((1.0 + 1e-6) * limit + 1e-6 / (1.0 + ratio), ratio));
+        let beyond = margin::<I>((1.0 + 1e-6) * limit + 1e-6 / (1.0 + ratio), ratio);
         assert!(beyond < 0.0, "{} at ξ = {ratio} is stable beyond the limit: {beyond}", I::NAME);
     }
 }
@@ -115,6 +127,24 @@ fn limits_agree_with_theory() {
     assert_close(Pefrl::limit(1.0), 1.798_660_190_035_581, 1e-11);
     assert_close(Pefrl::limit(10.0), 0.200_208_824_556_853_8, 1e-11);
     assert_close(2e6 * Pefrl::limit(1e6), 4.009_232_277_519_366, 1e-11);
+    assert_close(McLachlan2::limit(0.0), 2.553_145_233_832_033, 1e-11);
+    assert_close(McLachlan2::limit(0.02), 2.529_911_744_341_857, 1e-11);
+    assert_close(McLachlan2::limit(0.1), 3.349_640_891_092_636, 1e-11);
+    assert_close(McLachlan2::limit(1.0), 0.946_860_155_303_924_2, 1e-11);
+    assert_close(McLachlan2::limit(10.0), 0.099_940_798_293_411_76, 1e-11);
+    // At their resonances the condition at −1 has the slopes 2e-3 and 4e-4 only: four times the depth over the width.
+    assert_close(BlanesMoan4::limit(0.0), 3.163_465_066_558_187, 1e-9);
+    assert_close(BlanesMoan4::limit(0.02), 5.156_049_291_968_845, 1e-11);
+    assert_close(BlanesMoan4::limit(0.1), 5.779_061_127_837_485, 1e-11);
+    assert_close(BlanesMoan4::limit(1.0), 2.287_936_246_629_605, 1e-11);
+    assert_close(BlanesMoan4::limit(10.0), 0.243_888_043_400_921_8, 1e-10);
+    assert_close(2e6 * BlanesMoan4::limit(1e6), 4.876_767_321_180_255, 1e-11);
+    assert_close(BlanesMoan6::limit(0.0), 3.141_431_087_752_808, 1e-9);
+    assert_close(BlanesMoan6::limit(0.02), 9.525_480_235_844_17, 1e-11);
+    assert_close(BlanesMoan6::limit(0.1), 8.036_708_320_563_81, 1e-11);
+    assert_close(BlanesMoan6::limit(1.0), 3.918_135_332_822_706, 1e-11);
+    assert_close(BlanesMoan6::limit(10.0), 0.487_596_026_180_962_8, 1e-11);
+    assert_close(2e6 * BlanesMoan6::limit(1e6), 9.719_561_608_945_57, 1e-11);
     for ratio in [0.0, 0.1, 0.7, 1.0, 10.0, 100.0] {
         assert_close(amplification::limit::<SemiImplicitEuler>(ratio).min(2.0), SemiImplicitEuler::limit(ratio), 1e-9);
         assert_close(amplification::limit::<VelocityVerlet>(ratio).min(2.0), VelocityVerlet::limit(ratio), 1e-9);
@@ -132,5 +162,6 @@ fn growth_beyond_the_limit_agrees_with_theory() {
     assert_close(growth::<RungeKutta4>(1.01 * RungeKutta4::limit(0.0), 0.0), 1.073_185_265_238_907, 1e-9);
     assert_close(growth::<RungeKutta4>(10.0 * RungeKutta4::limit(0.0), 0.0), 26_532.998_341_687_66, 1e-9);
     assert_close(growth::<Pefrl>(1.01 * Pefrl::limit(0.0), 0.0), 1.112_300_126_070_269, 1e-9);
+    assert_close(growth::<McLachlan2>(1.01 * McLachlan2::limit(0.0), 0.0), 1.184_574_966_736_737, 1e-9);
     assert_close(growth::<ExplicitEuler>(0.5, 0.0), 1.25_f64.sqrt(), 1e-9);
 }

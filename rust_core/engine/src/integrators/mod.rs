@@ -1,4 +1,5 @@
-//! Integrators, one file each. To add one: write its file, and add its line to [`with_integrator`].
+//! Integrators, one file each. To add one: write its file, and add its line to [`with_integrator`]. Drifts and kicks in turn
+//! are a [`Splitting`], which needs nothing but its coefficients.
 //!
 //! An integrator treats every component of every particle alike, so it is written for one number x with its velocity v.
 //! A step is a sequence of stages: [`Integrator::point`] moves x and v to where the forces are wanted, and
@@ -9,18 +10,26 @@ use crate::math::Real;
 use crate::matter::MEMORY;
 
 pub(crate) mod amplification;
+mod blanes_moan_4;
+mod blanes_moan_6;
 mod explicit_euler;
 #[cfg(test)]
 mod limits;
+mod mclachlan_2;
 mod pefrl;
 mod runge_kutta_4;
 mod semi_implicit_euler;
+mod splitting;
 mod velocity_verlet;
 
+pub use blanes_moan_4::BlanesMoan4;
+pub use blanes_moan_6::BlanesMoan6;
 pub use explicit_euler::ExplicitEuler;
+pub use mclachlan_2::McLachlan2;
 pub use pefrl::Pefrl;
 pub use runge_kutta_4::RungeKutta4;
 pub use semi_implicit_euler::SemiImplicitEuler;
+pub use splitting::Splitting;
 pub use velocity_verlet::VelocityVerlet;
 
 /// One component of one particle, on its way through a step.
@@ -85,7 +94,8 @@ pub trait Integrator: Send + Sync + 'static {
 /// evaluates `$body` for each.
 macro_rules! with_integrator {
     (@registered $($then:tt)*) => {
-        $crate::integrators::with_integrator!($($then)*; ExplicitEuler, SemiImplicitEuler, VelocityVerlet, RungeKutta4, Pefrl)
+        $crate::integrators::with_integrator!($($then)*;
+            ExplicitEuler, SemiImplicitEuler, VelocityVerlet, McLachlan2, RungeKutta4, Pefrl, BlanesMoan4, BlanesMoan6)
     };
     (@named $name:expr, $I:ident, $body:expr, $otherwise:expr; $($integrator:ident),+) => {
         match $name {

@@ -107,7 +107,6 @@ impl<T: Real, I: Integrator> Kernel for Steps<'_, T, I> {
 
     #[inline(always)]
     fn run(mut self) {
-        const { assert!(I::LAST_WEIGHT == 0.0 || I::NODES.len() == 1, "only a method of one stage may reuse its last evaluation") }
         // The stages of a longer method keep the registers busy enough.
         let pairs = if I::NODES.len() == 1 { self.number / 2 } else { 0 };
         for _ in 0..pairs {
@@ -141,6 +140,9 @@ impl<T: Real, I: Integrator> Steps<'_, T, I> {
             let weight = if I::NODES.len() == 1 { I::WEIGHTS[0] } else { 1.0 };
             for power in power.iter().take(1 + usize::from(TWO)) {
                 integrate(self.meter, power, channels, self.h * weight, self.h * I::LAST_WEIGHT, true);
+            }
+            if reuses_one_of_many::<I>() {
+                self.meter.last = power[1];
             }
         }
     }
@@ -208,6 +210,13 @@ fn columns<'a, V: Vector, const W: usize>(
     })
 }
 
+/// Whether a method of several stages begins with the evaluation that ended the step before. The power of that one is then
+/// kept apart from the weighted sum of all, where two steps in one pass would have that of the second.
+#[inline(always)]
+const fn reuses_one_of_many<I: Integrator>() -> bool {
+    I::LAST_WEIGHT != 0.0 && I::NODES.len() > 1
+}
+
 /// One step of every lane along one axis, or two in one pass over the columns, with the power of each. Only what is carried
 /// from step to step is read and written.
 #[inline(always)]
@@ -226,13 +235,16 @@ fn whole_steps<T: Real, I: Integrator, const TWO: bool>(
         let mut registers = Registers::<T>::load(x, v, memory, group, I::CARRIED);
         for lane in 0..LANES {
             let mut register = registers.lane(lane);
-            let (dissipated, supplied) = one_step::<T, I, _>(&law, &coefficients, lane, &mut register, step);
-            drag[lane] += dissipated;
-            work[lane] += supplied;
+            let (passed, last) = one_step::<T, I, _>(&law, &coefficients, lane, &mut register, step);
+            drag[lane] += passed.0;
+            work[lane] += passed.1;
             if TWO {
-                let (dissipated, supplied) = one_step::<T, I, _>(&law, &coefficients, lane, &mut register, step);
-                second_drag[lane] += dissipated;
-                second_work[lane] += supplied;
+                let (passed, _) = one_step::<T, I, _>(&law, &coefficients, lane, &mut register, step);
+                second_drag[lane] += passed.0;
+                second_work[lane] += passed.1;
+            } else if reuses_one_of_many::<I>() {
+                second_drag[lane] += last.0;
+                second_work[lane] += last.1;
             }
             registers.set(lane, &register);
         }
@@ -246,7 +258,8 @@ fn whole_steps<T: Real, I: Integrator, const TWO: bool>(
     }
 }
 
-/// One step of one lane; gives the power that was dissipated and the power that was supplied, weighted over the stages.
+/// One step of one lane; gives the power that was dissipated and the power that was supplied, weighted over the stages, and
+/// those of the last stage.
 #[inline(always)]
 fn one_step<T: Real, I: Integrator, L: AxisForce<T>>(
     law: &L,
@@ -254,8 +267,9 @@ fn one_step<T: Real, I: Integrator, L: AxisForce<T>>(
     lane: usize,
     register: &mut Register<T>,
     h: T,
-) -> (T, T) {
+) -> ((T, T), (T, T)) {
     let (mut drag, mut work) = (T::ZERO, T::ZERO);
+    let mut last = (T::ZERO, T::ZERO);
     for stage in 0..I::NODES.len() {
         I::point(stage, register, h);
         let (dissipated, supplied) = law.power(coefficients, lane, register.v);
@@ -263,10 +277,11 @@ fn one_step<T: Real, I: Integrator, L: AxisForce<T>>(
         let weigh = |power: T| if I::NODES.len() == 1 { power } else { T::from_f64(I::WEIGHTS[stage]) * power };
         drag = if stage == 0 { weigh(dissipated) } else { drag + weigh(dissipated) };
         work = if stage == 0 { weigh(supplied) } else { work + weigh(supplied) };
+        last = (dissipated, supplied);
         let a = law.acceleration(coefficients, lane, register.x, register.v);
         I::absorb(stage, register, a, h);
     }
-    (drag, work)
+    ((drag, work), last)
 }
 
 /// The registers of one group of lanes. One array for each: an array of arrays would be moved about in memory.
