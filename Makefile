@@ -15,7 +15,7 @@ WHEEL := $$(echo dist/physcore-*.whl)
 CARGO_TEST := $(if $(shell command -v cargo-nextest),cargo nextest run,cargo test)
 
 .DEFAULT_GOAL := help
-.PHONY: help check install demo test test-rust test-python test-long validate lint format bench clean
+.PHONY: help check install demo test test-rust test-python test-long validate tradeoff lint format bench clean
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-12s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -43,6 +43,9 @@ test-long: $(VENV)/tools.stamp ## run every test with the full number of example
 
 validate: $(VENV)/tools.stamp ## run the cases with reference figures from outside, and write docs/reports/validation.md
 	$(BIN)/python -m pytest -m validation --report=docs/reports/validation.md
+
+tradeoff: $(VENV)/tools.stamp ## measure error against time on five scenes and at the extremes, and write docs/tradeoff.md
+	$(BIN)/python benches/tradeoff.py
 
 lint: $(VENV)/tools.stamp ## check format, style and types, Rust and Python
 	cargo fmt --all --check
