@@ -13,6 +13,7 @@ import numpy as np
 
 from physcore.errors import PhyscoreError, SceneError, SimulationDiverged
 from physcore.integrators import Integrator
+from physcore.stability import stability_limit
 from physcore.tradeoff import reference, restarts
 from physcore.tradeoff.budget import Budget
 from physcore.tradeoff.chaos import Chaos, twin
@@ -23,12 +24,15 @@ from physcore.tradeoff.result import CERTAIN, Measure, Prediction, Row, Status
 
 SAFETY = 0.95
 """The first step of a ladder, as a fraction of its limit."""
+ACCURATE = 16.0
+"""How far beyond a limit of accuracy a ladder begins."""
 REPEATS = 5
 """How often each row is timed."""
 REFERENCE_SHARE = 0.3
 """How much of the budget the reference may take."""
 LEAST = 3
-"""Rows of a ladder that are run whatever the budget says: fewer have no slope."""
+"""Rows of a ladder that come to an end and are run, unless one of them would take the whole budget: fewer have no
+slope."""
 ENOUGH = 8
 """Rows after which a ladder goes on only where the next one may get onto the front."""
 LOWEST = 24
@@ -54,6 +58,8 @@ class Entry:
     status: Status
     cost: float
     """What running it once takes [s], with its building."""
+    judging: float
+    """What finding its error took beside that [s]."""
     bias: Bias | None = None
     held_out: bool = False
     times: list[float] = field(default_factory=list)
@@ -87,7 +93,7 @@ class Ladder:
         if not self.entries or choice is None:
             return 0.0
         last = self.entries[-1]
-        return (1 + REPEATS) * last.cost * choice.steps / last.choice.steps
+        return ((1 + REPEATS) * last.cost + last.judging) * choice.steps / last.choice.steps
 
     def exhausted(self, uncertainty: float) -> bool:
         """Whether finer steps have stopped to help, or the reference can no longer tell."""
@@ -140,7 +146,9 @@ class Study:
         self._judge(budget.share(REFERENCE_SHARE))
         while ladders := [ladder for ladder in self._ladders if ladder.next() is not None]:
             ladder = min(ladders, key=Ladder.cost)
-            if len(ladder.entries) >= LEAST and ladder.cost() > budget.left() - self._timing():
+            held = sum(entry.status != "diverged" for entry in ladder.entries)
+            dear = held >= LEAST or ladder.cost() > budget.seconds
+            if dear and ladder.cost() > budget.left() - self._timing():
                 break
             self._run(ladder)
             if ladder.open_ended and (ladder.exhausted(self.truth.uncertainty) or self._left_behind(ladder)):
@@ -205,8 +213,10 @@ class Study:
             self.notes.append(f"{type(integrator).__name__} in {precision} was left out: {error}.")
             return None
         self.simd = plan.simd
-        limit = reference.largest_step(Method(integrator, plan.order, plan.dt_limit, plan.evaluations), self._methods)
-        largest = [SAFETY * limit] if dts is None else sorted(dts, reverse=True)
+        # What limits accuracy alone is no reason not to try: some methods are accurate where others are lost.
+        farthest = min(stability_limit(self.experiment.scene, integrator), ACCURATE * plan.dt_limit)
+        method = Method(integrator, plan.order, farthest, plan.evaluations)
+        largest = [SAFETY * reference.largest_step(method, self._methods)] if dts is None else sorted(dts, reverse=True)
         steps = dict.fromkeys(self.experiment.steps_of(dt) for dt in largest)
         choices = [Choice(integrator, precision, number) for number in steps]
         return Ladder(integrator, precision, plan.pairs, plan.memory, choices, open_ended=dts is None)
@@ -224,7 +234,8 @@ class Study:
             self.truth = reference.find(self.experiment, budget, self.until())
         else:
             self.measure = "restart"
-            self.truth = restarts.windows(self.experiment, best.integrator, steps, self.chaos, self._seed, budget)
+            others = reference.other_family(best, self._methods)
+            self.truth = restarts.windows(self.experiment, best, others, steps, self.chaos, self._seed, budget)
             for ladder in self._ladders:
                 ladder.choices = [
                     replace(choice, steps=-(-choice.steps // self.truth.parts) * self.truth.parts)
@@ -252,7 +263,7 @@ class Study:
         begin = time.perf_counter()
         trial = self.experiment.attempt(choice)
         cost = time.perf_counter() - begin
-        entry = Entry(choice, math.inf, trial.energy_drift, trial.evaluations, "diverged", cost)
+        entry = Entry(choice, math.inf, trial.energy_drift, trial.evaluations, "diverged", cost, 0.0)
         if trial.complete:
             entry.status = "ok"
             if isinstance(self.truth, Reference):
@@ -264,6 +275,7 @@ class Study:
                     entry.status, entry.error = "diverged", math.inf
             else:
                 self._compare_statistics(entry, self.truth)
+        entry.judging = time.perf_counter() - begin - cost
         self._tick()
         return entry
 
