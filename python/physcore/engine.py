@@ -58,7 +58,12 @@ def show(positions: FloatArray, scene: Scene) -> FloatArray:
 
 def limit(world: World) -> Limit:
     """The limit of the time step in the world's present state."""
-    return Limit(**world.limit())
+    return Limit(**world.limit(certified=False), certified=certified(world))
+
+
+def certified(world: World) -> float:
+    """The limit of stability [s] that holds wherever springs turn, while none is shorter than half its rest length."""
+    return world.limit(certified=True)["stability"]
 
 
 def plan(world: World, bound: Limit, dt: float) -> Plan:

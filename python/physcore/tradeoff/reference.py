@@ -17,6 +17,8 @@ START = 0.5
 """The first step is at most this fraction of its limit."""
 LEVELS = 3
 """Runs that an extrapolation takes: at dt, dt/2 and dt/4."""
+HOPELESS = 1e-2
+"""A limit below this fraction of the best one is none that anybody would keep: explicit Euler's in a damped net."""
 DEEPEST = 24
 """Halvings after which a run that still diverges is given up."""
 AGREEMENT = 3.0
@@ -84,10 +86,9 @@ def other_family(method: Method, candidates: list[Method]) -> list[Method]:
 
 
 def largest_step(method: Method, candidates: list[Method]) -> float:
-    """The limit of a method [s]; where no step is stable, that of the others: it shows how it fails as it should."""
-    if method.limit > 0.0:
-        return method.limit
-    return max((other.limit for other in candidates if other.limit > 0.0), default=math.inf)
+    """The limit of a method [s]; where no step worth taking is stable, that of the others: it shows how it fails."""
+    others = max((other.limit for other in candidates if other.limit > 0.0), default=math.inf)
+    return others if method.limit < HOPELESS * others and method.limit < others else method.limit
 
 
 def find(experiment: Experiment, budget: Budget, until: int = SAMPLES + 1) -> Reference:

@@ -161,10 +161,10 @@ impl World {
         Ok(if self.dimension == 2 { components[2..].to_pyarray(py) } else { components.to_pyarray(py) })
     }
 
-    fn limit<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+    fn limit<'py>(&self, py: Python<'py>, certified: bool) -> PyResult<Bound<'py, PyDict>> {
         let guard = self.lock()?;
         let world = &*guard;
-        let limit = without_gil(py, || Ok(world.limit()))?;
+        let limit = without_gil(py, || Ok(world.limit(certified)))?;
         let record = PyDict::new(py);
         let kind = match limit.kind {
             Kind::Stability => "stability",

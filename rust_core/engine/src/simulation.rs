@@ -90,8 +90,9 @@ pub trait World: Send + Sync {
     fn energy(&self) -> Result<Energy>;
     /// The momentum [kg·m/s] and the angular momentum about the origin of coordinates [kg·m²/s].
     fn momenta(&self) -> (DVec3, DVec3);
-    /// The largest time step as matters stand.
-    fn limit(&self) -> Limit;
+    /// The largest time step as matters stand, or a certified one, which holds while no spring is shorter than half its
+    /// rest length, wherever it turns.
+    fn limit(&self, certified: bool) -> Limit;
     /// Everything that the next step's bits depend on.
     fn capture(&self) -> Capture;
     /// Goes on from a captured state.
@@ -319,7 +320,7 @@ impl<V: Vector> Simulation<V> {
 
     /// What to do about a divergence; asked for at the last good state.
     fn hint(&self) -> String {
-        let (limit, dt) = (self.limit(), self.segment.dt);
+        let (limit, dt) = (self.limit(false), self.segment.dt);
         if limit.stability == 0.0 {
             return format!("no dt is stable with {} here: take another integrator", self.plan.integrator);
         }
@@ -459,9 +460,10 @@ impl<V: Vector> World for Simulation<V> {
         audit::momenta(self.system.law(), self.system.state())
     }
 
-    fn limit(&self) -> Limit {
+    fn limit(&self, certified: bool) -> Limit {
         let (law, state) = (self.system.law(), self.system.state());
-        (self.limit)(&law.bound(&law.moment_of(state, self.segment.time())))
+        let bound = law.bound(&law.moment_of(state, self.segment.time()), !certified);
+        (self.limit)(&if certified { bound } else { bound.sharpened() })
     }
 
     fn capture(&self) -> Capture {

@@ -159,9 +159,10 @@ impl<V: Vector> Law<V> {
         }
     }
 
-    /// The bound on the time step at a moment.
-    pub fn bound(&self, at: &Moment<'_, V>) -> Bound {
-        let mut bound = Bound::new(&self.properties.mass, &self.properties.body);
+    /// The bound on the time step at a moment, with the springs' directions or without.
+    pub fn bound(&self, at: &Moment<'_, V>, directed: bool) -> Bound {
+        let Properties { mass, body, .. } = &self.properties;
+        let mut bound = if directed { Bound::directed(mass, body) } else { Bound::new(mass, body) };
         self.forces.iter().for_each(|force| force.bound(at, &mut bound));
         bound
     }
