@@ -87,8 +87,9 @@ def other_family(method: Method, candidates: list[Method]) -> list[Method]:
 
 def largest_step(method: Method, candidates: list[Method]) -> float:
     """The limit of a method [s]; where no step worth taking is stable, that of the others: it shows how it fails."""
-    others = max((other.limit for other in candidates if other.limit > 0.0), default=math.inf)
-    return others if method.limit < HOPELESS * others and method.limit < others else method.limit
+    best = max((other.limit for other in candidates if 0.0 < other.limit < math.inf), default=math.inf)
+    hopeless = method.limit == 0.0 or method.limit < HOPELESS * best < math.inf
+    return best if hopeless else method.limit
 
 
 def find(experiment: Experiment, budget: Budget, until: int = SAMPLES + 1) -> Reference:
