@@ -20,9 +20,7 @@ KINDS = {
 
 def machine(simd: str) -> dict[str, Any]:
     """Where this runs, and with what."""
-    import numpy as np
-
-    from physcore import __version__
+    from importlib.metadata import version
 
     return {
         "processor": _processor(),
@@ -30,8 +28,8 @@ def machine(simd: str) -> dict[str, Any]:
         "vector instructions": simd,
         "system": platform.platform(),
         "python": platform.python_version(),
-        "numpy": np.__version__,
-        "physcore": __version__,
+        "numpy": version("numpy"),
+        "physcore": version("physcore"),
     }
 
 
