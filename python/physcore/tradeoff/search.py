@@ -47,7 +47,8 @@ class Study:
         tick: Callable[[], None],
     ) -> None:
         self.experiment = experiment
-        self.notes: list[str] = []
+        self.refused: dict[str, list[str]] = {}
+        """Who cannot compute the scene, by the reason."""
         self._seed = seed
         self._tick = tick
         self.simd = ""
@@ -69,7 +70,7 @@ class Study:
             PhyscoreError: no choice can compute the scene, or every run of the reference diverged.
         """
         if not self._ladders:
-            raise PhyscoreError("; ".join(self.notes) or "tradeoff: there is nothing to compare")
+            raise PhyscoreError(" ".join(self.notes) or "tradeoff: there is nothing to compare")
         self._judge(budget.share(REFERENCE_SHARE))
         while ladders := [ladder for ladder in self._ladders if ladder.next() is not None]:
             ladder = min(ladders, key=Ladder.cost)
@@ -99,6 +100,11 @@ class Study:
                     simulation.run(self.experiment.duration)
                 entry.times.append(time.perf_counter() - begin)
                 self._tick()
+
+    @property
+    def notes(self) -> list[str]:
+        """What was left out, and why."""
+        return [f"Left out: {', '.join(names)} ({reason})." for reason, names in self.refused.items()]
 
     def until(self) -> int:
         """How many of the samples can be compared."""
@@ -137,7 +143,9 @@ class Study:
         try:
             plan = self.experiment.start(Choice(integrator, precision, 1)).plan
         except SceneError as error:
-            self.notes.append(f"{type(integrator).__name__} in {precision} was left out: {error}.")
+            name = type(integrator).__name__
+            reason = str(error).replace(f", got {name}", "")
+            self.refused.setdefault(reason, []).append(f"{name} {precision}")
             return None
         self.simd = plan.simd
         method = next(method for method in self._methods if method.integrator == integrator)
