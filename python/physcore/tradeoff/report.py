@@ -187,8 +187,8 @@ def _on_prediction(trade: Tradeoff) -> str:
     if not misses:
         return ""
     return (
-        f"{len(misses)} of the rows {'was' if len(misses) == 1 else 'were'} predicted from those around before being run; "
-        f"the errors were missed by a factor of {max(misses):.2f} at most."
+        f"{len(misses)} of the rows {'was' if len(misses) == 1 else 'were'} predicted from those around before being "
+        f"run; the errors were missed by a factor of {max(misses):.2f} at most."
     )
 
 
