@@ -56,9 +56,9 @@ def show(positions: FloatArray, scene: Scene) -> FloatArray:
     return positions if scene.periodic is None else scene.periodic.wrap(positions)
 
 
-def limit(world: World) -> Limit:
-    """The limit of the time step in the world's present state."""
-    return Limit(**world.limit())
+def limit(world: World, *, present: bool = False) -> Limit:
+    """The limit of the time step as matters stand; `present`: of one step, whatever is ahead."""
+    return Limit(**world.limit(present))
 
 
 def plan(world: World, bound: Limit, dt: float) -> Plan:

@@ -1,6 +1,11 @@
 //! The simulation: a compiled scene with a clock. Everything that it gives and takes is in double precision and in the
 //! caller's order; precision, dimension and integrator are erased here, once.
 
+mod adaptive;
+mod controlled;
+
+pub use adaptive::{Adaptation, Rule};
+
 use glam::{DVec2, DVec3, Vec2, Vec3};
 
 use crate::audit::{self, Energy};
@@ -31,12 +36,12 @@ pub struct Numerics {
     pub ignore_runaway: bool,
 }
 
-/// Equal steps since a time.
+/// The clock: equal steps since a time.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Segment {
     /// When it began [s].
     pub start: f64,
-    /// The steps taken in it.
+    /// How many steps of `dt` it is since then.
     pub steps: u64,
     /// Their length [s].
     pub dt: f64,
@@ -62,6 +67,8 @@ pub struct Capture {
     pub meters: Vec<f64>,
     /// What the watch over divergence remembers.
     pub watch: [f64; 4],
+    /// What adaptive steps remember.
+    pub adaptation: Adaptation,
     /// What the forces keep from step to step.
     pub forces: Vec<f64>,
 }
@@ -76,6 +83,10 @@ pub trait World: Send + Sync {
     fn steps(&self) -> u64;
     /// Takes `steps` steps of `dt` seconds, asking now and then whether it was interrupted.
     fn step(&mut self, steps: u64, dt: f64, interrupted: &dyn Fn() -> bool) -> Result<()>;
+    /// Advances by `interval` seconds in steps that a rule chooses; the last one ends exactly there.
+    fn advance(&mut self, interval: f64, rule: &Rule, interrupted: &dyn Fn() -> bool) -> Result<()>;
+    /// What adaptive steps remember.
+    fn adaptation(&self) -> Adaptation;
     /// Positions [m].
     fn positions(&self) -> Vec<DVec3>;
     /// Velocities [m/s].
@@ -92,6 +103,8 @@ pub trait World: Send + Sync {
     fn momenta(&self) -> (DVec3, DVec3);
     /// The largest time step as matters stand.
     fn limit(&self) -> Limit;
+    /// The largest step from the present state, whatever is ahead.
+    fn present_limit(&self) -> Limit;
     /// Everything that the next step's bits depend on.
     fn capture(&self) -> Capture;
     /// Goes on from a captured state.
@@ -126,6 +139,10 @@ struct Simulation<V: Vector> {
     plan: Plan,
     limit: fn(&Bound) -> Limit,
     carried: usize,
+    /// The integrator's order, and where it keeps the estimates of its errors, if it has any.
+    order: u32,
+    error: Option<[usize; 2]>,
+    adaptation: Adaptation,
     segment: Segment,
     steps: u64,
     watch: Watch,
@@ -178,6 +195,9 @@ impl<V: Vector> Simulation<V> {
             plan,
             limit: Bound::limit::<I>,
             carried: I::CARRIED,
+            order: I::ORDER,
+            error: I::ERROR,
+            adaptation: Adaptation::default(),
             segment: Segment::default(),
             steps: 0,
             watch,
@@ -282,6 +302,12 @@ impl<V: Vector> Simulation<V> {
         }))
     }
 
+    /// Takes in what a step of `dt` seconds cannot resolve, before the first one of them.
+    fn expect(&mut self, dt: f64) {
+        let kick = self.kick(dt);
+        self.watch.scale = if kick.is_finite() { self.watch.scale.max(kick) } else { self.watch.scale };
+    }
+
     /// The energy of the first kick from rest [J].
     fn kick(&self, dt: f64) -> f64 {
         let (law, state) = (self.system.law(), self.system.state());
@@ -314,6 +340,14 @@ impl<V: Vector> Simulation<V> {
             quantity,
             cause,
             hint: String::new(),
+        }
+    }
+
+    /// Adds to a divergence what to do about it.
+    fn with_hint(&self, error: Error) -> Error {
+        match error {
+            Error::Diverged(divergence) => Error::Diverged(Box::new(Divergence { hint: self.hint(), ..*divergence })),
+            other => other,
         }
     }
 
@@ -364,24 +398,26 @@ impl<V: Vector> World for Simulation<V> {
         }
         if dt != self.segment.dt {
             self.segment = Segment { start: self.segment.time(), steps: 0, dt };
-            let kick = self.kick(dt);
-            self.watch.scale = if kick.is_finite() { self.watch.scale.max(kick) } else { self.watch.scale };
+            self.expect(dt);
         }
         let mut left = steps;
         while left > 0 {
             let chunk = left.min(self.system.chunk());
-            if let Err(error) = self.chunk(chunk, interrupted) {
-                return Err(match error {
-                    Error::Diverged(divergence) => Error::Diverged(Box::new(Divergence { hint: self.hint(), ..*divergence })),
-                    other => other,
-                });
-            }
+            self.chunk(chunk, interrupted).map_err(|error| self.with_hint(error))?;
             left -= chunk;
             if left > 0 && interrupted() {
                 return Err(Error::Interrupted);
             }
         }
         Ok(())
+    }
+
+    fn advance(&mut self, interval: f64, rule: &Rule, interrupted: &dyn Fn() -> bool) -> Result<()> {
+        self.advance_adaptively(interval, rule, interrupted)
+    }
+
+    fn adaptation(&self) -> Adaptation {
+        self.adaptation
     }
 
     fn positions(&self) -> Vec<DVec3> {
@@ -464,6 +500,11 @@ impl<V: Vector> World for Simulation<V> {
         (self.limit)(&law.bound(&law.moment_of(state, self.segment.time())))
     }
 
+    fn present_limit(&self) -> Limit {
+        let (law, state) = (self.system.law(), self.system.state());
+        (self.limit)(&law.bound_at_present(&law.moment_of(state, self.segment.time())))
+    }
+
     fn capture(&self) -> Capture {
         let columns =
             self.columns().flat_map(|columns| (0..V::DIMENSION).flat_map(|axis| &columns.axis(axis)[..columns.count()]));
@@ -474,6 +515,7 @@ impl<V: Vector> World for Simulation<V> {
             columns: columns.map(|number| number.to_f64()).collect(),
             meters: meters.copied().collect(),
             watch: [self.watch.scale, self.watch.lowest, self.watch.balance, self.watch.calm],
+            adaptation: self.adaptation,
             forces: self.system.recollection(),
         }
     }
@@ -504,6 +546,7 @@ impl<V: Vector> World for Simulation<V> {
         self.segment = capture.segment;
         self.steps = capture.steps;
         [self.watch.scale, self.watch.lowest, self.watch.balance, self.watch.calm] = capture.watch;
+        self.adaptation = capture.adaptation;
         self.system.resume();
         self.system.recollect(&capture.forces)
     }
@@ -511,7 +554,13 @@ impl<V: Vector> World for Simulation<V> {
     fn state_hash(&self) -> String {
         let mut hasher = blake3::Hasher::new();
         let capture = self.capture();
-        for number in capture.columns.iter().chain(&capture.forces).chain([&capture.segment.start, &capture.segment.dt]) {
+        for number in capture
+            .columns
+            .iter()
+            .chain(&capture.forces)
+            .chain([&capture.segment.start, &capture.segment.dt])
+            .chain(&capture.adaptation.control)
+        {
             hasher.update(&number.to_le_bytes());
         }
         hasher.update(&self.segment.steps.to_le_bytes());

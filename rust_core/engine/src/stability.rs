@@ -62,6 +62,7 @@ pub struct Bound {
     /// What of the damping acts on each particle in every direction and at any speed [N·s/m]; empty if nowhere.
     least_damping: Vec<f64>,
     accuracy: Option<(&'static str, f64)>,
+    present: bool,
 }
 
 impl Bound {
@@ -74,7 +75,19 @@ impl Bound {
             damping: Rows::new("spring damping"),
             least_damping: Vec::new(),
             accuracy: None,
+            present: false,
         }
+    }
+
+    /// The same for one step from the present state, not for all of the motion ahead.
+    #[must_use]
+    pub fn at_present(self) -> Self {
+        Self { present: true, ..self }
+    }
+
+    /// Whether it is for one step from the present state.
+    pub fn is_present(&self) -> bool {
+        self.present
     }
 
     /// A spring between two particles of one body: its stiffness [N/m] and damping [N·s/m].
