@@ -74,7 +74,7 @@ def test_a_second_thread_gets_a_clear_error_and_the_first_one_goes_on():
 def test_nobody_steps_between_two_chunks_of_a_run(monkeypatch):
     """With dt="auto" springs run in chunks of 256 steps; between them the world is idle while its limit is found."""
     simulation, tries = pc.Simulation(HANGING), []
-    look = engine.limit
+    look = engine.certified
 
     def meddle(world):
         with pytest.raises(pc.PhyscoreError, match="another thread") as caught:
@@ -82,7 +82,7 @@ def test_nobody_steps_between_two_chunks_of_a_run(monkeypatch):
         tries.append(caught.value)
         return look(world)
 
-    monkeypatch.setattr(engine, "limit", meddle)
+    monkeypatch.setattr(engine, "certified", meddle)
     simulation.step(600)
     assert (simulation.steps, len(tries)) == (600, 2)
 

@@ -119,7 +119,7 @@ def test_an_observer_says_what_counts():
 def test_methods_that_make_no_error_are_said_to_make_none():
     """Verlet's parabola is exact: what is left is rounding."""
     trade = pc.tradeoff(DUST, 2.0, integrators=[pc.VelocityVerlet()], precisions=["f64"], budget=0.5)
-    assert max(row.error for row in trade.rows) < 1e-14
+    assert max(row.error for row in trade.rows) < 1e-13
     assert not any(row.certain for row in trade.rows)
     assert trade.best(error=1e-9) in trade.rows
 

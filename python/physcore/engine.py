@@ -56,9 +56,20 @@ def show(positions: FloatArray, scene: Scene) -> FloatArray:
     return positions if scene.periodic is None else scene.periodic.wrap(positions)
 
 
-def limit(world: World, *, present: bool = False) -> Limit:
-    """The limit of the time step as matters stand; `present`: of one step, whatever is ahead."""
-    return Limit(**world.limit(present))
+def limit(world: World) -> Limit:
+    """The limit of the time step in the world's present state."""
+    return Limit(**world.limit(certified=False), certified=certified(world))
+
+
+def certified(world: World) -> float:
+    """The limit of stability [s] that holds wherever springs turn, while none is shorter than half its rest length."""
+    return world.limit(certified=True)["stability"]
+
+
+def present_limit(world: World) -> Limit:
+    """The limit of one step from the world's present state [s], whatever is ahead; a certified one."""
+    record = world.present_limit()
+    return Limit(**record, certified=record["stability"])
 
 
 def plan(world: World, bound: Limit, dt: float) -> Plan:

@@ -47,8 +47,9 @@ TOUCH = 1e-6
 class Pace:
     """Steps a world with a time step that is given, or chosen from the limit of stability.
 
-    The limit holds while no spring is shorter than half its rest length. With dt="auto" it is watched: a time step that
-    has become unstable is replaced by a smaller one, and comes back when the reason has gone.
+    The limit is that of the springs as they stand. The certified one, which is lower and which no time step exceeds,
+    holds wherever they turn, while none is shorter than half its rest length. With dt="auto" it is watched: a time step
+    that is no longer certified is replaced by a smaller one, and comes back when the reason has gone.
     """
 
     def __init__(self, world: World, scene: Scene, numerics: Numerics) -> None:
@@ -73,7 +74,7 @@ class Pace:
     @property
     def limit(self) -> Limit:
         """The limit that the time step keeps to: of the present state where it follows that."""
-        return self._limit if self._adaptive is None else engine.limit(self._world, present=True)
+        return self._limit if self._adaptive is None else engine.present_limit(self._world)
 
     @property
     def rescued(self) -> int:
@@ -140,7 +141,7 @@ class Pace:
     def _adapt(self, interval: float, fps: float, rule: AdaptiveStep) -> None:
         """Advance by an interval [s] in steps that follow the motion."""
         try:
-            flow = self._world.advance(interval, rule.safety, free_step(fps), rule.tolerance)
+            flow = self._world.run(interval, rule.safety, free_step(fps), rule.tolerance)
         except SimulationDiverged as error:
             self._complete(error)
             raise
@@ -233,13 +234,13 @@ class Pace:
         """Look at the limit if it is time to; say whether the time step has to change."""
         if not self._varies or self._world.steps == 0 or self._world.steps % WATCH != 0:
             return False
-        present = engine.limit(self._world)
-        lowered = self._limit != self._first_limit
-        if self._world.dt > present.stability:
+        certified = engine.certified(self._world)
+        if self._world.dt > certified:
+            present = engine.limit(self._world)
             # What nothing limited at the start, as grains at rest that do not touch, says nothing about how small.
             least = self._first_limit.dt / SLOWEST if math.isfinite(self._first_limit.dt) else 0.0
-            self._limit = replace(present, dt=max(present.dt, least))
-        elif lowered and present.stability >= self._first_limit.stability:
+            self._limit = replace(present, dt=max(present.dt, least), certified=max(present.certified, least))
+        elif self._limit != self._first_limit and certified >= self._first_limit.certified:
             self._limit = self._first_limit
         else:
             return False

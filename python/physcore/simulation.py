@@ -36,7 +36,7 @@ class Simulation:
     Args:
         scene: what to simulate.
         integrator: how to step; "auto" is VelocityVerlet().
-        dt: the time step [s]; "auto" is AutoStep(), which chooses it from the certified limit of the scene;
+        dt: the time step [s]; "auto" is AutoStep(), which chooses it from the limit of stability of the scene;
             AdaptiveStep() lets it follow the motion.
         precision: "f64", or "f32": forces in single precision, energies in double; "auto" is "f32" for scenes with a
             fluid and "f64" for all others.

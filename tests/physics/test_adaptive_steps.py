@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import os
+import signal
 from pathlib import Path
 
 import numpy as np
@@ -241,10 +243,10 @@ def test_values_out_of_range_are_refused():
 
 
 def test_a_divergence_is_named_and_leaves_the_last_good_state():
-    """A force that is not a number from some place on: no step is small enough to get there."""
+    """A force so strong from some place on that no energy can hold what it does in the smallest step."""
 
     def wall(time: float, positions: Array, velocities: Array) -> Array:
-        return np.where(positions > 0.5, np.nan, 0.0)
+        return np.where(positions > 0.5, 1e308, 0.0)
 
     scene = pc.Scene(pc.Particles([[0.0, 0.0]], [[1.0, 0.0]]), pc.CustomForce(wall))
     run = pc.Simulation(scene, dt=ADAPTIVE)
@@ -257,6 +259,29 @@ def test_a_divergence_is_named_and_leaves_the_last_good_state():
     assert np.isfinite(state(run)).all()
     # Steps of 1/128 s were tried, and halved ten times.
     assert 0.5 - 1.0 / 128.0 / 1024.0 <= run.positions[0, 0] <= 0.5
+
+
+@pytest.mark.skipif(os.name != "posix", reason="sends SIGALRM")
+def test_an_interrupt_leaves_a_whole_step_from_which_it_goes_on():
+    """An interval without end in sight: it stops soon, and at a time that is a block's end."""
+
+    def interrupt(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    run = pc.Simulation(kepler(), dt=ADAPTIVE, threads=1)
+    energy = run.energy().total
+    before = signal.signal(signal.SIGALRM, interrupt)
+    try:
+        signal.setitimer(signal.ITIMER_REAL, 0.2)
+        with pytest.raises(KeyboardInterrupt):
+            run.run(1e7)
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        signal.signal(signal.SIGALRM, before)
+    assert run.steps > 0
+    assert (run.time / run.dt).is_integer()
+    run.run(1.0)
+    assert run.energy().total == pytest.approx(energy, rel=0.01)
 
 
 @pytest.mark.skipif(not LONG, reason="takes a minute")

@@ -5,7 +5,8 @@
     simulation = pc.Simulation(scene, **trade.best(error=1e-4).numerics)
 
 `measuring` is the recipe; `experiment` runs a choice, `reference` and `chaos` say what it can be compared with,
-`restarts` what to compare where trajectories are lost, `search` spends the budget, and `result` is what comes out.
+`restarts` what to compare where trajectories are lost, `search` spends the budget on each `ladder` of time steps, and
+`result` is what comes out.
 """
 
 from __future__ import annotations

@@ -121,7 +121,8 @@ def _on_reference(trade: Tradeoff) -> str:
     experiment, reference = trade.experiments[-1], trade.references[-1]
     name = f"{type(reference.choice.integrator).__name__} with dt = {experiment.dt(reference.choice):.3g} s"
     if not isinstance(reference, Reference):
-        return f"The reference windows are those of {name}, uncertain by {reference.uncertainty:.1e} m."
+        doubt = "" if reference.agrees else ", because a method of another family is that far from them"
+        return f"The reference windows are those of {name}, uncertain by {reference.uncertainty:.1e} m{doubt}."
     order = f"observed order {reference.order:.2f}" if math.isfinite(reference.order) else "no order to be seen"
     how = "extrapolated" if reference.extrapolated else "not extrapolated, because its errors do not follow its order"
     text = f"The reference is {name} ({order}, {how}), uncertain by {reference.uncertainty:.1e} m"

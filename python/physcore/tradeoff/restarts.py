@@ -9,10 +9,10 @@ import numpy as np
 
 from physcore.checks import FloatArray
 from physcore.errors import SceneError, SimulationDiverged
-from physcore.integrators import Integrator
 from physcore.tradeoff.budget import Budget
 from physcore.tradeoff.chaos import Chaos, nudged
 from physcore.tradeoff.experiment import SAMPLES, Choice, Experiment
+from physcore.tradeoff.reference import AGREEMENT, Method
 
 WINDOW_GROWTH = 100.0
 """By how much errors may grow within a window."""
@@ -41,6 +41,8 @@ class Windows:
     """How the reference was computed."""
     uncertainty: float
     """How far its windows may be from the truth [m], or in the unit of what is observed."""
+    agrees: bool
+    """Whether windows of a method of another family are where their uncertainties let them be, if there is one."""
     nudge: float
     """How far apart the members of an ensemble start [m/s]."""
     averages: FloatArray
@@ -65,12 +67,18 @@ class Bias:
 
 
 def windows(
-    experiment: Experiment, integrator: Integrator, coarsest: int, chaos: Chaos, seed: int, budget: Budget
+    experiment: Experiment,
+    best: Method,
+    others: list[Method],
+    coarsest: int,
+    chaos: Chaos,
+    seed: int,
+    budget: Budget,
 ) -> Windows:
     """A long run for the starts, and from each of them windows at ever finer steps as far as the budget reaches."""
     growth = chaos.exponent * experiment.interval / math.log(WINDOW_GROWTH)
     parts = 1 << max(0, math.ceil(math.log2(growth))) if growth > 1.0 else 1
-    choice = Choice(integrator, "f64", -(-coarsest // parts) * parts)
+    choice = Choice(best.integrator, "f64", -(-coarsest // parts) * parts)
     simulation = experiment.start(choice)
     starts = []
     for _ in range(SAMPLES):
@@ -78,18 +86,32 @@ def windows(
         simulation.step(choice.steps)
     nudge = SCATTER * max(float(np.abs(velocities).max()) for _, velocities in starts)
     averages = ensemble(experiment, choice, nudge, seed)
+    choice, ends, uncertainty = _converge(experiment, choice, starts, parts, budget.share(0.5 if others else 1.0))
+    agrees = True
+    if others:
+        other = Choice(others[0].integrator, "f64", -(-coarsest // parts) * parts)
+        _, check, doubt = _converge(experiment, other, starts, parts, budget)
+        apart = float(experiment.distances(check, ends).max())
+        agrees = apart <= AGREEMENT * (uncertainty + doubt)
+        uncertainty = uncertainty if agrees else apart
+    return Windows(starts, ends, parts, choice, uncertainty, agrees, nudge, averages)
+
+
+def _converge(
+    experiment: Experiment, choice: Choice, starts: list[tuple[FloatArray, FloatArray]], parts: int, budget: Budget
+) -> tuple[Choice, FloatArray, float]:
+    """The ends of all windows, with the steps that changed them least when halved, and by how much they did."""
     ends = _ends(experiment, choice, starts, parts)
     uncertainty = math.inf
     while True:
-        finer = choice.finer()
-        begin = budget.left()
+        finer, before = choice.finer(), budget.left()
         better = _ends(experiment, finer, starts, parts)
         change = float(experiment.distances(better, ends).max())
         improved = change < 0.5 * uncertainty
         if change <= uncertainty:
             choice, ends, uncertainty = finer, better, change
-        if not improved or 2.0 * (begin - budget.left()) > budget.left():
-            return Windows(starts, ends, parts, choice, max(uncertainty, _rounding(ends)), nudge, averages)
+        if not improved or 2.0 * (before - budget.left()) > budget.left():
+            return choice, ends, max(uncertainty, float(np.spacing(np.abs(ends).max())))
 
 
 def error(experiment: Experiment, choice: Choice, reference: Windows) -> float:
@@ -152,7 +174,3 @@ def _ends(
         ends.append(experiment.observe(simulation))
         simulation.step(choice.steps - choice.steps // parts)
     return np.stack(ends)
-
-
-def _rounding(values: FloatArray) -> float:
-    return float(np.spacing(np.abs(values).max()))

@@ -6,99 +6,35 @@ import contextlib
 import math
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from typing import Literal
 
 import numpy as np
 
 from physcore.errors import PhyscoreError, SceneError, SimulationDiverged
 from physcore.integrators import Integrator
+from physcore.stability import stability_limit
 from physcore.tradeoff import reference, restarts
 from physcore.tradeoff.budget import Budget
 from physcore.tradeoff.chaos import Chaos, twin
 from physcore.tradeoff.experiment import Choice, Experiment
+from physcore.tradeoff.ladder import LEAST, REPEATS, Entry, Ladder
 from physcore.tradeoff.reference import Method, Reference
-from physcore.tradeoff.restarts import Bias, Windows
-from physcore.tradeoff.result import CERTAIN, Measure, Prediction, Row, Status
+from physcore.tradeoff.restarts import Windows
+from physcore.tradeoff.result import CERTAIN, Measure, Row
 
 SAFETY = 0.95
 """The first step of a ladder, as a fraction of its limit."""
-REPEATS = 5
-"""How often each row is timed."""
+ACCURATE = 16.0
+"""How far beyond a limit of accuracy a ladder begins."""
 REFERENCE_SHARE = 0.3
 """How much of the budget the reference may take."""
-LEAST = 3
-"""Rows of a ladder that are run whatever the budget says: fewer have no slope."""
 ENOUGH = 8
 """Rows after which a ladder goes on only where the next one may get onto the front."""
-LOWEST = 24
-"""Rows of a ladder at most."""
 HELD_OUT = 8
 """Rows between two others that are predicted before they are run, at most."""
-LEVEL = 0.8
-"""A ladder whose error shrinks less than this, twice, where it was small already, has reached its floor."""
 WRONG = 10.0
 """An error of this many times the largest way in the reference is a blow-up, whatever the watch says."""
-SMALL = 1e-2
-"""What is small, as a fraction of the largest error seen: where errors are large, they often do not shrink either."""
-
-
-@dataclass
-class Entry:
-    """A row in the making."""
-
-    choice: Choice
-    error: float
-    energy_drift: float
-    evaluations: int
-    status: Status
-    cost: float
-    """What running it once takes [s], with its building."""
-    bias: Bias | None = None
-    held_out: bool = False
-    times: list[float] = field(default_factory=list)
-
-
-@dataclass
-class Ladder:
-    """The rows of one integrator in one precision, by falling time step."""
-
-    integrator: Integrator
-    precision: Literal["f32", "f64"]
-    pairs: int
-    memory: int
-    choices: list[Choice]
-    """Yet to run, the coarsest first."""
-    entries: list[Entry] = field(default_factory=list)
-    open_ended: bool = True
-    """Whether a finer one follows the last of them."""
-
-    def next(self) -> Choice | None:
-        """What to run now."""
-        if self.choices:
-            return self.choices[0]
-        if not self.open_ended or len(self.entries) >= LOWEST:
-            return None
-        return self.entries[-1].choice.finer()
-
-    def cost(self) -> float:
-        """What that will take, with its timing [s]; 0 where nobody knows yet."""
-        choice = self.next()
-        if not self.entries or choice is None:
-            return 0.0
-        last = self.entries[-1]
-        return (1 + REPEATS) * last.cost * choice.steps / last.choice.steps
-
-    def exhausted(self, uncertainty: float) -> bool:
-        """Whether finer steps have stopped to help, or the reference can no longer tell."""
-        errors = [entry.error for entry in self.entries]
-        if len(errors) < LEAST:
-            return False
-        if errors[-1] < CERTAIN * uncertainty:
-            return True
-        finite = [error for error in errors if math.isfinite(error)]
-        small = bool(finite) and errors[-1] < SMALL * max(finite)
-        return small and errors[-1] > LEVEL * errors[-2] and errors[-2] > LEVEL * errors[-3]
 
 
 class Study:
@@ -140,7 +76,9 @@ class Study:
         self._judge(budget.share(REFERENCE_SHARE))
         while ladders := [ladder for ladder in self._ladders if ladder.next() is not None]:
             ladder = min(ladders, key=Ladder.cost)
-            if len(ladder.entries) >= LEAST and ladder.cost() > budget.left() - self._timing():
+            held = sum(entry.status != "diverged" for entry in ladder.entries)
+            dear = held >= LEAST or ladder.cost() > budget.seconds
+            if dear and ladder.cost() > budget.left() - self._timing():
                 break
             self._run(ladder)
             if ladder.open_ended and (ladder.exhausted(self.truth.uncertainty) or self._left_behind(ladder)):
@@ -189,7 +127,7 @@ class Study:
                 resolution=resolution,
                 discretization_error=discretization_error,
                 bias=entry.bias,
-                prediction=_prediction(ladder, entry) if entry.held_out else None,
+                prediction=ladder.prediction(entry) if entry.held_out else None,
             )
             for ladder in self._ladders
             for entry in ladder.entries
@@ -205,8 +143,10 @@ class Study:
             self.notes.append(f"{type(integrator).__name__} in {precision} was left out: {error}.")
             return None
         self.simd = plan.simd
-        limit = reference.largest_step(Method(integrator, plan.order, plan.dt_limit, plan.evaluations), self._methods)
-        largest = [SAFETY * limit] if dts is None else sorted(dts, reverse=True)
+        # What limits accuracy alone is no reason not to try: some methods are accurate where others are lost.
+        farthest = min(stability_limit(self.experiment.scene, integrator), ACCURATE * plan.dt_limit)
+        method = Method(integrator, plan.order, farthest, plan.evaluations)
+        largest = [SAFETY * reference.largest_step(method, self._methods)] if dts is None else sorted(dts, reverse=True)
         steps = dict.fromkeys(self.experiment.steps_of(dt) for dt in largest)
         choices = [Choice(integrator, precision, number) for number in steps]
         return Ladder(integrator, precision, plan.pairs, plan.memory, choices, open_ended=dts is None)
@@ -224,7 +164,8 @@ class Study:
             self.truth = reference.find(self.experiment, budget, self.until())
         else:
             self.measure = "restart"
-            self.truth = restarts.windows(self.experiment, best.integrator, steps, self.chaos, self._seed, budget)
+            others = reference.other_family(best, self._methods)
+            self.truth = restarts.windows(self.experiment, best, others, steps, self.chaos, self._seed, budget)
             for ladder in self._ladders:
                 ladder.choices = [
                     replace(choice, steps=-(-choice.steps // self.truth.parts) * self.truth.parts)
@@ -252,7 +193,7 @@ class Study:
         begin = time.perf_counter()
         trial = self.experiment.attempt(choice)
         cost = time.perf_counter() - begin
-        entry = Entry(choice, math.inf, trial.energy_drift, trial.evaluations, "diverged", cost)
+        entry = Entry(choice, math.inf, trial.energy_drift, trial.evaluations, "diverged", cost, 0.0)
         if trial.complete:
             entry.status = "ok"
             if isinstance(self.truth, Reference):
@@ -264,6 +205,7 @@ class Study:
                     entry.status, entry.error = "diverged", math.inf
             else:
                 self._compare_statistics(entry, self.truth)
+        entry.judging = time.perf_counter() - begin - cost
         self._tick()
         return entry
 
@@ -296,12 +238,13 @@ class Study:
 
     def _refine(self, budget: Budget) -> None:
         """Spend what is left halfway between two rows of a ladder, where the front has its widest gap; one at least."""
+        parts = self.truth.parts if isinstance(self.truth, Windows) else 1
         for _ in range(HELD_OUT):
             gaps = [
-                (not self._beaten(*_between(ladder, index)), _gap(ladder, index), position, index)
+                (not self._beaten(*ladder.between(index)), ladder.gap(index), position, index)
                 for position, ladder in enumerate(self._ladders)
                 for index in range(len(ladder.entries) - 1)
-                if _divisible(ladder, index, self.truth)
+                if ladder.has_room(index, parts, self.truth.uncertainty)
             ]
             if not gaps:
                 return
@@ -312,42 +255,7 @@ class Study:
             dear = not on_front or (1 + REPEATS) * fine.cost > budget.left() - self._timing()
             if held_out and dear:
                 return
-            parts = self.truth.parts if isinstance(self.truth, Windows) else 1
             middle = round(math.sqrt(coarse.choice.steps * fine.choice.steps) / parts) * parts
             entry = self._try(replace(coarse.choice, steps=middle))
             entry.held_out = True
             ladder.entries.insert(index + 1, entry)
-
-
-def _divisible(ladder: Ladder, index: int, truth: Reference | Windows) -> bool:
-    """Whether there is room for a row between one and the next, both of which came to an end that counts."""
-    coarse, fine = ladder.entries[index : index + 2]
-    parts = truth.parts if isinstance(truth, Windows) else 1
-    room = fine.choice.steps >= 2 * coarse.choice.steps and fine.choice.steps - coarse.choice.steps >= 2 * parts
-    # A row that was held out is not what another one is predicted from.
-    fresh = not (coarse.held_out or fine.held_out)
-    return room and fresh and math.isfinite(coarse.error) and fine.error >= CERTAIN * truth.uncertainty
-
-
-def _gap(ladder: Ladder, index: int) -> float:
-    """By which factor the error falls from one row to the next; 0 where it does not."""
-    coarse, fine = ladder.entries[index : index + 2]
-    return coarse.error / fine.error if coarse.error > fine.error > 0.0 else 0.0
-
-
-def _between(ladder: Ladder, index: int) -> tuple[float, float]:
-    """Error and cost that are expected halfway from one row to the next, both logarithmic."""
-    coarse, fine = ladder.entries[index : index + 2]
-    return math.sqrt(coarse.error * fine.error), math.sqrt(coarse.cost * fine.cost)
-
-
-def _prediction(ladder: Ladder, held_out: Entry) -> Prediction:
-    """Error and time by straight lines, both logarithmic, through the rows on both sides that were not held out."""
-    others = [entry for entry in ladder.entries if not entry.held_out and math.isfinite(entry.error)]
-    finer = next(entry for entry in others if entry.choice.steps > held_out.choice.steps)
-    coarser = next(entry for entry in reversed(others) if entry.choice.steps < held_out.choice.steps)
-    ends = np.log([coarser.choice.steps, finer.choice.steps])
-    at = float(np.log(held_out.choice.steps))
-    errors = np.log([max(entry.error, np.finfo(float).tiny) for entry in (coarser, finer)])
-    seconds = np.log([np.median(entry.times) for entry in (coarser, finer)])
-    return Prediction(float(np.exp(np.interp(at, ends, errors))), float(np.exp(np.interp(at, ends, seconds))))

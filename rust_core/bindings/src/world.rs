@@ -7,7 +7,7 @@ use numpy::{PyArray1, PyArray2, PyReadonlyArray1, ToPyArray};
 use physcore_engine::error::{Error, Result as EngineResult};
 use physcore_engine::forces::Flow;
 use physcore_engine::simulation::{self, Adaptation, Capture, Numerics, Rule, Segment};
-use physcore_engine::stability::Kind;
+use physcore_engine::stability::{Kind, Limit};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -94,7 +94,7 @@ impl World {
     }
 
     /// Advances by an interval [s] in adaptive steps, and gives the same as `step`.
-    fn advance(
+    fn run(
         &self,
         py: Python<'_>,
         interval: f64,
@@ -103,7 +103,7 @@ impl World {
         tolerance: Option<f64>,
     ) -> PyResult<Option<(f64, f64, f64)>> {
         let rule = Rule { safety, free, tolerance };
-        let flow = self.change(py, |world| world.advance(interval, &rule, &interrupted).map(|()| world.flow()))?;
+        let flow = self.change(py, |world| world.run(interval, &rule, &interrupted).map(|()| world.flow()))?;
         Ok(flow.map(|flow| (Flow::FAST, flow.fast, flow.sound)))
     }
 
@@ -181,22 +181,16 @@ impl World {
         Ok(if self.dimension == 2 { components[2..].to_pyarray(py) } else { components.to_pyarray(py) })
     }
 
-    fn limit<'py>(&self, py: Python<'py>, present: bool) -> PyResult<Bound<'py, PyDict>> {
+    fn limit<'py>(&self, py: Python<'py>, certified: bool) -> PyResult<Bound<'py, PyDict>> {
         let guard = self.lock()?;
         let world = &*guard;
-        let limit = without_gil(py, || Ok(if present { world.present_limit() } else { world.limit() }))?;
-        let record = PyDict::new(py);
-        let kind = match limit.kind {
-            Kind::Stability => "stability",
-            Kind::Accuracy => "accuracy",
-            Kind::None => "none",
-        };
-        record.set_item("dt", limit.dt())?;
-        record.set_item("kind", kind)?;
-        record.set_item("term", limit.term)?;
-        record.set_item("stability", limit.stability)?;
-        record.set_item("accuracy", limit.accuracy)?;
-        Ok(record)
+        limit_record(py, without_gil(py, || Ok(world.limit(certified)))?)
+    }
+
+    fn present_limit<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let guard = self.lock()?;
+        let world = &*guard;
+        limit_record(py, without_gil(py, || Ok(world.present_limit()))?)
     }
 
     fn plan<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
@@ -255,6 +249,21 @@ impl World {
     fn state_hash(&self) -> PyResult<String> {
         Ok(self.lock()?.state_hash())
     }
+}
+
+fn limit_record(py: Python<'_>, limit: Limit) -> PyResult<Bound<'_, PyDict>> {
+    let record = PyDict::new(py);
+    let kind = match limit.kind {
+        Kind::Stability => "stability",
+        Kind::Accuracy => "accuracy",
+        Kind::None => "none",
+    };
+    record.set_item("dt", limit.dt())?;
+    record.set_item("kind", kind)?;
+    record.set_item("term", limit.term)?;
+    record.set_item("stability", limit.stability)?;
+    record.set_item("accuracy", limit.accuracy)?;
+    Ok(record)
 }
 
 fn column<T: numpy::Element + Clone>(state: &Bound<'_, PyDict>, name: &str) -> PyResult<Vec<T>> {

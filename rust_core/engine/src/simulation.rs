@@ -18,7 +18,7 @@ use crate::parallel::Team;
 use crate::plan::{self, Compiled, Plan};
 use crate::scene::Scene;
 use crate::simd::{LANES, Level};
-use crate::stability::{Bound, Limit};
+use crate::stability::{Bound, Limit, Memo};
 use crate::systems::matter::{Interval, MatterSystem};
 
 /// How to compute.
@@ -84,7 +84,7 @@ pub trait World: Send + Sync {
     /// Takes `steps` steps of `dt` seconds, asking now and then whether it was interrupted.
     fn step(&mut self, steps: u64, dt: f64, interrupted: &dyn Fn() -> bool) -> Result<()>;
     /// Advances by `interval` seconds in steps that a rule chooses; the last one ends exactly there.
-    fn advance(&mut self, interval: f64, rule: &Rule, interrupted: &dyn Fn() -> bool) -> Result<()>;
+    fn run(&mut self, interval: f64, rule: &Rule, interrupted: &dyn Fn() -> bool) -> Result<()>;
     /// What adaptive steps remember.
     fn adaptation(&self) -> Adaptation;
     /// Positions [m].
@@ -101,9 +101,10 @@ pub trait World: Send + Sync {
     fn energy(&self) -> Result<Energy>;
     /// The momentum [kg·m/s] and the angular momentum about the origin of coordinates [kg·m²/s].
     fn momenta(&self) -> (DVec3, DVec3);
-    /// The largest time step as matters stand.
-    fn limit(&self) -> Limit;
-    /// The largest step from the present state, whatever is ahead.
+    /// The largest time step as matters stand, or a certified one, which holds while no spring is shorter than half its
+    /// rest length, wherever it turns.
+    fn limit(&self, certified: bool) -> Limit;
+    /// The largest certified step from the present state, whatever is ahead.
     fn present_limit(&self) -> Limit;
     /// Everything that the next step's bits depend on.
     fn capture(&self) -> Capture;
@@ -137,7 +138,8 @@ fn build_for<V: Vector>(scene: &Scene, numerics: &Numerics) -> Result<Box<dyn Wo
 struct Simulation<V: Vector> {
     system: MatterSystem<V>,
     plan: Plan,
-    limit: fn(&Bound) -> Limit,
+    limit: fn(&Bound, &mut Memo) -> Limit,
+    memo: Memo,
     carried: usize,
     /// The integrator's order, and where it keeps the estimates of its errors, if it has any.
     order: u32,
@@ -193,7 +195,8 @@ impl<V: Vector> Simulation<V> {
         let mut simulation = Self {
             system,
             plan,
-            limit: Bound::limit::<I>,
+            limit: Bound::limit_after::<I>,
+            memo: Memo::default(),
             carried: I::CARRIED,
             order: I::ORDER,
             error: I::ERROR,
@@ -302,6 +305,12 @@ impl<V: Vector> Simulation<V> {
         }))
     }
 
+    /// The bound on one step from the present state.
+    fn present_bound(&self) -> Bound {
+        let (law, state) = (self.system.law(), self.system.state());
+        law.bound(&law.moment_of(state, self.segment.time()), Bound::at_present)
+    }
+
     /// Takes in what a step of `dt` seconds cannot resolve, before the first one of them.
     fn expect(&mut self, dt: f64) {
         let kick = self.kick(dt);
@@ -353,7 +362,7 @@ impl<V: Vector> Simulation<V> {
 
     /// What to do about a divergence; asked for at the last good state.
     fn hint(&self) -> String {
-        let (limit, dt) = (self.limit(), self.segment.dt);
+        let (limit, dt) = (self.limit(false), self.segment.dt);
         if limit.stability == 0.0 {
             return format!("no dt is stable with {} here: take another integrator", self.plan.integrator);
         }
@@ -412,7 +421,7 @@ impl<V: Vector> World for Simulation<V> {
         Ok(())
     }
 
-    fn advance(&mut self, interval: f64, rule: &Rule, interrupted: &dyn Fn() -> bool) -> Result<()> {
+    fn run(&mut self, interval: f64, rule: &Rule, interrupted: &dyn Fn() -> bool) -> Result<()> {
         self.advance_adaptively(interval, rule, interrupted)
     }
 
@@ -495,14 +504,15 @@ impl<V: Vector> World for Simulation<V> {
         audit::momenta(self.system.law(), self.system.state())
     }
 
-    fn limit(&self) -> Limit {
+    fn limit(&self, certified: bool) -> Limit {
         let (law, state) = (self.system.law(), self.system.state());
-        (self.limit)(&law.bound(&law.moment_of(state, self.segment.time())))
+        let at = law.moment_of(state, self.segment.time());
+        let bound = if certified { law.bound(&at, Bound::new) } else { law.bound(&at, Bound::directed).sharpened() };
+        (self.limit)(&bound, &mut Memo::default())
     }
 
     fn present_limit(&self) -> Limit {
-        let (law, state) = (self.system.law(), self.system.state());
-        (self.limit)(&law.bound_at_present(&law.moment_of(state, self.segment.time())))
+        (self.limit)(&self.present_bound(), &mut Memo::default())
     }
 
     fn capture(&self) -> Capture {

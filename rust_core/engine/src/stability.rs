@@ -1,4 +1,4 @@
-//! The largest time step: a certified bound from the stiffness and damping of all terms.
+//! The largest time step: a certified bound from the stiffness and damping of all terms, and a sharper one as they stand.
 //!
 //! Linearized about any state, a scene obeys M x'' + C x' + K x = 0 with symmetric K and C. Three facts make a bound:
 //!
@@ -9,15 +9,20 @@
 //!    M⁻¹C. Splittings of several stages multiply K by C, and so reduce only where they commute: without damping, or with
 //!    the same γ for all. Elsewhere their bound is measured, not proved, and has the margin [`Integrator::COUPLED`].
 //! 2. **Rows bound the eigenvalues**: see [`rows`]. Bodies share no spring, so each has a bound of its own. A negative ω²
-//!    (a buckling spring) grows in truth as well, and limits no step.
+//!    (a buckling spring) grows in truth as well, and limits no step. Rows know no directions, so that they hold while the
+//!    springs turn; as the springs stand, the eigenvalues may be half of that, and [`Bound::sharpened`] finds them ([`lanczos`]).
 //! 3. **The box of modes.** All modes of a body have ω ≤ Ω and Γ₀ ≤ γ ≤ Γ. Along a ray of constant ξ = γ/2ω the limit
 //!    is L(ξ)/ω, so it is smallest where the ray leaves the box, at ω = min(Ω, Γ/2ξ). That leaves one minimum over ξ.
 
+mod lanczos;
 mod rows;
 
 use std::f64::consts::FRAC_PI_2;
 
+use glam::DVec3;
+
 use crate::integrators::{Integrator, amplification};
+use lanczos::Edge;
 use rows::{Row, Rows};
 
 /// What sets the largest time step.
@@ -51,6 +56,19 @@ impl Limit {
     }
 }
 
+/// A spring as it stands.
+#[derive(Debug, Clone, Copy)]
+pub struct Link {
+    /// From one end to the other [m].
+    pub offset: DVec3,
+    /// l₀ [m].
+    pub rest_length: f64,
+    /// k [N/m].
+    pub stiffness: f64,
+    /// c, along the spring [N·s/m].
+    pub damping: f64,
+}
+
 /// What the terms of a scene contribute to the bound.
 #[derive(Debug, Clone)]
 pub struct Bound {
@@ -59,6 +77,12 @@ pub struct Bound {
     body: Vec<u32>,
     stiffness: Rows,
     damping: Rows,
+    /// Whether the springs' directions are noted, which takes longer than the rest.
+    directed: bool,
+    stiffness_edges: Vec<Edge>,
+    damping_edges: Vec<Edge>,
+    /// About the largest ω² and γ of each body; empty before they are looked for.
+    largest: [Vec<f64>; 2],
     /// What of the damping acts on each particle in every direction and at any speed [N·s/m]; empty if nowhere.
     least_damping: Vec<f64>,
     accuracy: Option<(&'static str, f64)>,
@@ -73,16 +97,24 @@ impl Bound {
             body: body.to_vec(),
             stiffness: Rows::new("springs"),
             damping: Rows::new("spring damping"),
+            directed: false,
+            stiffness_edges: Vec::new(),
+            damping_edges: Vec::new(),
+            largest: [const { Vec::new() }; 2],
             least_damping: Vec::new(),
             accuracy: None,
             present: false,
         }
     }
 
+    /// The same, which can be [`Bound::sharpened`].
+    pub fn directed(mass: &[f64], body: &[u32]) -> Self {
+        Self { directed: true, ..Self::new(mass, body) }
+    }
+
     /// The same for one step from the present state, not for all of the motion ahead.
-    #[must_use]
-    pub fn at_present(self) -> Self {
-        Self { present: true, ..self }
+    pub fn at_present(mass: &[f64], body: &[u32]) -> Self {
+        Self { present: true, ..Self::new(mass, body) }
     }
 
     /// Whether it is for one step from the present state.
@@ -90,15 +122,69 @@ impl Bound {
         self.present
     }
 
-    /// A spring between two particles of one body: its stiffness [N/m] and damping [N·s/m].
+    /// A spring between two particles of one body.
     ///
-    /// The stiffness across a spring of length l is k (1 − l₀/l), which −k and k enclose while l ≥ l₀/2. For a shorter
-    /// one, give k (l₀/l − 1).
-    pub fn spring(&mut self, i: usize, j: usize, stiffness: f64, damping: f64) {
-        if self.inverse_mass[i] > 0.0 || self.inverse_mass[j] > 0.0 {
-            self.stiffness.join(self.inverse_mass.len(), i, j, stiffness);
-            self.damping.join(self.inverse_mass.len(), i, j, damping);
+    /// Its stiffness across is k (1 − l₀/l) at the length l. That lies between −k and k while l ≥ l₀/2; the row of a shorter
+    /// one takes k (l₀/l − 1). Without a length it has no direction, and the matrix takes k, and c, in all.
+    pub fn spring(&mut self, i: usize, j: usize, link: &Link) {
+        if self.inverse_mass[i] == 0.0 && self.inverse_mass[j] == 0.0 {
+            return;
         }
+        let Link { offset, rest_length, stiffness, damping } = *link;
+        let (count, length, ends) = (self.inverse_mass.len(), offset.length(), [i as u32, j as u32]);
+        let compression = if length > 0.0 { rest_length / length - 1.0 } else { -1.0 };
+        self.stiffness.join(count, i, j, stiffness * compression.max(1.0));
+        self.damping.join(count, i, j, damping);
+        if self.directed {
+            let (direction, damping_across) = if length > 0.0 { (offset / length, 0.0) } else { (DVec3::X, damping) };
+            self.stiffness_edges.push(Edge { ends, direction, along: stiffness, across: -stiffness * compression });
+            if damping != 0.0 {
+                self.damping_edges.push(Edge { ends, direction, along: damping, across: damping_across });
+            }
+        }
+    }
+
+    /// The same with the largest eigenvalues as the springs stand, where they are below the rows.
+    #[must_use]
+    pub fn sharpened(mut self) -> Self {
+        self.largest = [self.spectrum(&self.stiffness, &self.stiffness_edges), self.spectrum(&self.damping, &self.damping_edges)];
+        self
+    }
+
+    /// About the largest eigenvalue of each body with springs, infinite for the others.
+    fn spectrum(&self, rows: &Rows, edges: &[Edge]) -> Vec<f64> {
+        let bodies = self.bodies();
+        let around = rows.around(&self.inverse_mass);
+        let alone = rows.points(&self.inverse_mass);
+        let mut members = vec![Vec::new(); bodies];
+        let mut place = Vec::with_capacity(self.body.len());
+        for (index, &body) in self.body.iter().enumerate() {
+            place.push(members[body as usize].len() as u32);
+            members[body as usize].push(index);
+        }
+        let mut own = vec![Vec::new(); bodies];
+        for edge in edges {
+            let ends = edge.ends.map(|end| place[end as usize]);
+            own[self.body[edge.ends[0] as usize] as usize].push(Edge { ends, ..*edge });
+        }
+        let of =
+            |members: &[usize], value: &dyn Fn(usize) -> f64| members.iter().map(|&index| value(index)).collect::<Vec<f64>>();
+        let parts = own.iter().zip(&members);
+        let largest = parts.map(|(edges, members)| {
+            if edges.is_empty() {
+                return f64::INFINITY;
+            }
+            // In units of a power of two, so that other units of mass change no bit of the roots.
+            let unit = power_of_two(members.iter().map(|&index| self.inverse_mass[index]).fold(0.0, f64::max));
+            let root = of(members, &|index| (self.inverse_mass[index] / unit).sqrt());
+            let alone = of(members, &|index| alone(index) / unit);
+            unit * lanczos::largest(edges, &alone, &root, &of(members, &|index| around[index] / unit))
+        });
+        largest.collect()
+    }
+
+    fn bodies(&self) -> usize {
+        self.body.iter().max().map_or(0, |&last| last as usize + 1)
     }
 
     /// A term that acts on one particle: the largest |eigenvalue| of its force's gradient by position [N/m] and by
@@ -126,21 +212,23 @@ impl Bound {
 
     /// The limit for one integrator.
     pub fn limit<I: Integrator>(&self) -> Limit {
-        self.limit_with(I::limit, I::COUPLED)
+        self.limit_after::<I>(&mut Memo::default())
+    }
+
+    /// The same, for one bound after the other.
+    pub fn limit_after<I: Integrator>(&self, memo: &mut Memo) -> Limit {
+        self.limit_with(I::limit, I::COUPLED, memo)
     }
 
     /// The limit for an integrator whose largest stable ωh is `largest` of the damping ratio, mode by mode.
     pub fn limit_of(&self, largest: fn(f64) -> f64) -> Limit {
-        self.limit_with(largest, 1.0)
+        self.limit_with(largest, 1.0, &mut Memo::default())
     }
 
-    fn limit_with(&self, largest: fn(f64) -> f64, coupled: f64) -> Limit {
-        let (stability, binding) = self
-            .modes()
-            .iter()
-            .map(|modes| modes.limit(largest, coupled))
-            .min_by(|one, other| one.0.total_cmp(&other.0))
-            .unwrap_or((f64::INFINITY, ""));
+    fn limit_with(&self, largest: fn(f64) -> f64, coupled: f64, memo: &mut Memo) -> Limit {
+        memo.recall(&self.modes(), |modes| modes.limit(largest, coupled));
+        let (stability, binding) =
+            memo.0.iter().map(|&(_, limit)| limit).min_by(|one, other| one.0.total_cmp(&other.0)).unwrap_or((f64::INFINITY, ""));
         let (slowest, accuracy) = self.accuracy.unwrap_or(("", f64::INFINITY));
         let (term, kind) = match stability.min(accuracy) {
             f64::INFINITY => ("", Kind::None),
@@ -152,9 +240,14 @@ impl Bound {
 
     /// The box of modes of each body, without those that another box encloses.
     fn modes(&self) -> Vec<Modes> {
-        let bodies = self.body.iter().max().map_or(0, |&last| last as usize + 1);
-        let stiffness = self.stiffness.largest(&self.inverse_mass, &self.body, bodies);
-        let damping = self.damping.largest(&self.inverse_mass, &self.body, bodies);
+        let bodies = self.bodies();
+        let rows = |rows: &Rows, sharper: &[f64]| {
+            let mut rows = rows.largest(&self.inverse_mass, &self.body, bodies);
+            rows.iter_mut().zip(sharper).for_each(|(row, &sharper)| row.rate = row.rate.min(sharper));
+            rows
+        };
+        let stiffness = rows(&self.stiffness, &self.largest[0]);
+        let damping = rows(&self.damping, &self.largest[1]);
         let mut least = vec![if self.least_damping.is_empty() { 0.0 } else { f64::INFINITY }; bodies];
         for ((&damping, &inverse_mass), &body) in self.least_damping.iter().zip(&self.inverse_mass).zip(&self.body) {
             if inverse_mass > 0.0 {
@@ -176,8 +269,28 @@ impl Bound {
     }
 }
 
+/// The largest power of two that is not above a positive number.
+fn power_of_two(number: f64) -> f64 {
+    const EXPONENT: u64 = 0x7ff0_0000_0000_0000;
+    f64::from_bits(number.to_bits() & EXPONENT).max(f64::MIN_POSITIVE)
+}
+
+/// The limits that an integrator had for the boxes of modes of the bound before. Most of them stay the same from step to
+/// step, and a box with damping takes thousands of trial steps.
+#[derive(Debug, Default)]
+pub struct Memo(Vec<(Modes, (f64, &'static str))>);
+
+impl Memo {
+    /// Becomes that of these boxes; finds the limits of those that are new.
+    fn recall(&mut self, boxes: &[Modes], limit: impl Fn(&Modes) -> (f64, &'static str)) {
+        let known = std::mem::take(&mut self.0);
+        let of = |modes: &Modes| known.iter().find(|(other, _)| other == modes).map_or_else(|| limit(modes), |&(_, found)| found);
+        self.0 = boxes.iter().map(|modes| (*modes, of(modes))).collect();
+    }
+}
+
 /// What encloses the modes of a body: ω² up to one row [1/s²], γ up to another and from a least value [1/s].
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 struct Modes {
     stiffness: Row,
     damping: Row,

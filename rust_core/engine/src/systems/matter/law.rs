@@ -159,17 +159,10 @@ impl<V: Vector> Law<V> {
         }
     }
 
-    /// The bound on the time step from a moment on.
-    pub fn bound(&self, at: &Moment<'_, V>) -> Bound {
-        self.fill(Bound::new(&self.properties.mass, &self.properties.body), at)
-    }
-
-    /// The bound on one step from a moment.
-    pub fn bound_at_present(&self, at: &Moment<'_, V>) -> Bound {
-        self.fill(Bound::new(&self.properties.mass, &self.properties.body).at_present(), at)
-    }
-
-    fn fill(&self, mut bound: Bound, at: &Moment<'_, V>) -> Bound {
+    /// The bound on the time step at a moment, from one without terms: `Bound::new`, `Bound::directed` or
+    /// `Bound::at_present`.
+    pub fn bound(&self, at: &Moment<'_, V>, empty: fn(&[f64], &[u32]) -> Bound) -> Bound {
+        let mut bound = empty(&self.properties.mass, &self.properties.body);
         self.forces.iter().for_each(|force| force.bound(at, &mut bound));
         bound
     }
