@@ -60,13 +60,13 @@ def cloth() -> Study:
 
 
 def gas() -> Study:
-    corner = (6.0, 6.0, 6.0)
-    places = pc.block((0.0, 0.0, 0.0), corner, 1.2)
+    corner = (8.0, 8.0)
+    places = pc.block((0.0, 0.0), corner, 4 / 3)
     velocities = np.random.default_rng(1).normal(size=places.shape)
     atoms = pc.Particles(places, velocities - velocities.mean(axis=0))
-    scene = pc.Scene(atoms, pc.LennardJones(epsilon=1.0, sigma=1.0), pc.Periodic((0.0, 0.0, 0.0), corner))
-    about = "125 Lennard-Jones atoms in a periodic cube, at about the density of the liquid's critical point: chaos."
-    return Study("Lennard-Jones gas", about, scene, 10.0, 1.0, share=2.0)
+    scene = pc.Scene(atoms, pc.LennardJones(epsilon=1.0, sigma=1.0), pc.Periodic((0.0, 0.0), corner))
+    about = "36 Lennard-Jones atoms in a periodic square: a hot, dense gas, and chaos."
+    return Study("Lennard-Jones gas", about, scene, 10.0, 1.0, share=4.0)
 
 
 def dam() -> Study:

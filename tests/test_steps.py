@@ -109,7 +109,7 @@ def test_explicit_euler_warns_once_and_has_no_automatic_step():
         ({"threads": 1.5}, "threads: must be a whole number"),
         ({"threads": 10**6}, "threads: must be ≤ 1024"),
         ({"runaway": 0.0}, "runaway: must be > 0"),
-        ({"on_divergence": "stop"}, "on_divergence: must be 'raise' or 'ignore'"),
+        ({"on_divergence": "stop"}, "on_divergence: must be 'raise', 'substep' or 'ignore'"),
     ],
 )
 def test_bad_numerics_are_refused_by_name(choice, message):

@@ -101,9 +101,11 @@ def test_what_cannot_be_computed_is_left_out_and_said():
     tank = pc.Scene(water, pc.Gravity((0.0, -1.0)), pc.Box((0.0, 0.0), (0.8, 0.4)))
     trade = pc.tradeoff(tank, 0.1, precisions=["f32"], budget=1.0)
     assert {type(row.integrator) for row in trade.rows} == {pc.VelocityVerlet}
-    assert any(note.startswith("RungeKutta4 in f32 was left out: integrator: ") for note in trade.notes)
+    (note,) = trade.notes
+    assert note.startswith("Left out: ExplicitEuler f32, SemiImplicitEuler f32, ")
+    assert "(integrator: expected VelocityVerlet() for a scene with a fluid" in note
     assert "nothing has checked it" in trade.explain()
-    with pytest.raises(pc.PhyscoreError, match="RungeKutta4 in f32 was left out"):
+    with pytest.raises(pc.PhyscoreError, match="Left out: RungeKutta4 f32"):
         pc.tradeoff(tank, 0.1, integrators=[pc.RungeKutta4()], precisions=["f32"], budget=1.0)
 
 

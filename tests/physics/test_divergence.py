@@ -60,7 +60,7 @@ def test_a_slow_growth_is_noticed_however_far_it_has_come(integrator, kind):
             dt = factor * edge(scene, integrator)
             growth = np.abs(np.linalg.eigvals(amplification(integrator, dt))).max()
             if steps * math.log(growth) < math.log(1e4):
-                continue  # what has not grown by far more than a thousandfold, its energy by a million, need not be seen
+                continue  # less than a thousandfold, in energy a million, need not be seen
             run = simulation(scene, integrator, dt)
             with pytest.raises(pc.SimulationDiverged):
                 run.step(steps)

@@ -136,7 +136,7 @@ def twins(case: Case) -> Chaos:
     """What `tradeoff` does to tell chaos."""
     experiment = Experiment(*case, threads=1)
     methods = reference.methods(experiment)
-    steps = experiment.steps_of(reference.START * reference.largest_step(methods[0], methods))
+    steps = experiment.steps_of(reference.START * methods[0].accurate)
     return twin(experiment, Choice(methods[0].integrator, "f64", steps), seed=0)
 
 

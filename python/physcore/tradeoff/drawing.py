@@ -60,6 +60,7 @@ def plot(trade: Tradeoff, path: str | os.PathLike[str] | None, axes: Axes | None
             color = f"C{names.index(type(row.integrator).__name__)}"
             axes.plot([row.seconds], [highest], "x", color=color, markersize=8, markeredgewidth=2, clip_on=False)
     axes.set_ylim(lowest, highest)
+    axes.tick_params(which="minor", labelsize="xx-small")
     axes.grid(alpha=0.25)
     axes.legend(frameon=False, fontsize="small", loc="center left", bbox_to_anchor=(1.0, 0.5))
     if path is not None:

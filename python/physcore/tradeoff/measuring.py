@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from itertools import pairwise
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -16,13 +16,14 @@ from physcore.progress import Progress
 from physcore.recording import refuse_if_too_large
 from physcore.scene import Scene
 from physcore.simulation import Simulation
-from physcore.tradeoff.budget import Budget
 from physcore.tradeoff.experiment import SAMPLES, Experiment, Observer
-from physcore.tradeoff.reference import Reference
-from physcore.tradeoff.report import machine
 from physcore.tradeoff.result import Row, Tradeoff
-from physcore.tradeoff.search import Study
 
+if TYPE_CHECKING:
+    from physcore.tradeoff.search import Study
+
+TICKS = 10
+"""How often in a second the progress bar may move."""
 PRECISIONS: tuple[Literal["f64", "f32"], ...] = ("f64", "f32")
 COPIES = 6
 """Arrays of samples that are in memory at once: three runs of a reference, the reference, its check and a row."""
@@ -73,6 +74,8 @@ def tradeoff(
         SceneError: an argument is not valid, or the samples would not fit into memory.
         PhyscoreError: no choice can compute the scene, or every one diverged.
     """
+    from physcore.tradeoff.report import machine  # What only this needs, `import physcore` need not wait for.
+
     scenes = _scenes(scene, resolutions)
     span, patience = number(duration, "duration", above=0.0), number(budget, "budget", above=0.0)
     chosen = [kind() for kind in INTEGRATORS] if integrators is None else _integrators(integrators)
@@ -84,23 +87,13 @@ def tradeoff(
         raise SceneError(f"{'precisions' if steps is None else 'dts'}: must not be empty")
     observer = observe or (None if resolutions is None else _centers)
     random = count(seed, "seed")
-    whole = Budget(patience)
-    ticks = round(10 * patience)
-    with Progress(ticks, "measuring", progress) as bar:
-        studies = []
-        for index, each in enumerate(scenes):
-            if observer is None:
-                size = 8 * COPIES * (SAMPLES + 1) * each.particles * each.dimension
-                refuse_if_too_large(SAMPLES + 1, each.particles, size)
-            experiment = Experiment(each, span, threads, observer)
-            study = Study(
-                experiment, chosen, precisions, steps, random, lambda: bar.update(min(round(10 * whole.spent()), ticks))
-            )
-            study.find(whole.share(1.0 / (len(scenes) - index)))
-            studies.append(study)
-        for study in studies:
-            study.time()
-        bar.update(ticks)
+    for each in scenes:
+        if observer is None:
+            size = 8 * COPIES * (SAMPLES + 1) * each.particles * each.dimension
+            refuse_if_too_large(SAMPLES + 1, each.particles, size)
+    experiments = [Experiment(each, span, threads, observer) for each in scenes]
+    with Progress(round(TICKS * patience), "measuring", progress) as bar:
+        studies = _studies(experiments, chosen, precisions, steps, random, patience, bar)
     rows: list[Row] = []
     for study, resolution, error in zip(
         studies, resolutions or (None,), _discretization(studies, resolutions), strict=True
@@ -117,6 +110,33 @@ def tradeoff(
         notes=tuple(notes),
         machine=machine(studies[0].simd),
     )
+
+
+def _studies(
+    experiments: list[Experiment],
+    integrators: list[Integrator],
+    precisions: Sequence[Literal["f32", "f64"]],
+    dts: list[float] | None,
+    seed: int,
+    patience: float,
+    bar: Progress,
+) -> list[Study]:
+    """Study each experiment with an equal share of the time that is left, then time all of them."""
+    from physcore.tradeoff.budget import Budget
+    from physcore.tradeoff.search import Study
+
+    whole, ticks = Budget(patience), round(TICKS * patience)
+
+    def tick() -> None:
+        bar.update(min(round(TICKS * whole.spent()), ticks))
+
+    studies = [Study(experiment, integrators, precisions, dts, seed, tick) for experiment in experiments]
+    for index, study in enumerate(studies):
+        study.find(whole.share(1.0 / (len(studies) - index)))
+    for study in studies:
+        study.time()
+    bar.update(ticks)
+    return studies
 
 
 def _scenes(scene: Scene | Callable[[float], Scene], resolutions: Sequence[float] | None) -> list[Scene]:
@@ -159,6 +179,8 @@ def _discretization(studies: list[Study], resolutions: Sequence[float] | None) -
     The finest one is off by what it changed from the one before, divided by rᵖ − 1, with r the ratio of the two and p
     the order seen in the last three, at least 1 and 1 if there are two only; the others by that and their distance.
     """
+    from physcore.tradeoff.reference import Reference
+
     truths = [study.truth for study in studies]
     if resolutions is None:
         return [0.0]

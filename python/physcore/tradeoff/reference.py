@@ -10,6 +10,7 @@ import numpy as np
 from physcore.checks import FloatArray
 from physcore.errors import PhyscoreError, SceneError
 from physcore.integrators import INTEGRATORS, Integrator
+from physcore.stability import stability_limit
 from physcore.tradeoff.budget import Budget
 from physcore.tradeoff.experiment import SAMPLES, Choice, Experiment, Trial
 
@@ -17,6 +18,8 @@ START = 0.5
 """The first step is at most this fraction of its limit."""
 LEVELS = 3
 """Runs that an extrapolation takes: at dt, dt/2 and dt/4."""
+BEYOND = 16.0
+"""How far beyond a limit of accuracy steps are worth trying."""
 HOPELESS = 1e-2
 """A limit below this fraction of the best one is none that anybody would keep: explicit Euler's in a damped net."""
 DEEPEST = 24
@@ -33,7 +36,10 @@ class Method:
     order: int
     """The order that holds there."""
     limit: float
-    """Its largest step [s]: inf where nothing limits it, 0 where none is stable."""
+    """The largest step worth trying [s]: inf where nothing limits it, 0 where none is stable. A limit of accuracy alone
+    is no reason not to: some methods are accurate where others are lost."""
+    accurate: float
+    """Its largest step by the plan [s]."""
     evaluations: int
     """Evaluations of the forces per step."""
 
@@ -73,7 +79,8 @@ def methods(experiment: Experiment) -> list[Method]:
         except SceneError as error:
             refusal = error
             continue
-        found.append(Method(kind(), plan.order, plan.dt_limit, plan.evaluations))
+        limit = min(stability_limit(experiment.scene, kind()), BEYOND * plan.dt_limit)
+        found.append(Method(kind(), plan.order, limit, plan.dt_limit, plan.evaluations))
     if not found:
         raise refusal
     reach = {method: min(method.limit, experiment.interval) / method.evaluations for method in found}

@@ -20,9 +20,7 @@ KINDS = {
 
 def machine(simd: str) -> dict[str, Any]:
     """Where this runs, and with what."""
-    import numpy as np
-
-    from physcore import __version__
+    from importlib.metadata import version
 
     return {
         "processor": _processor(),
@@ -30,8 +28,8 @@ def machine(simd: str) -> dict[str, Any]:
         "vector instructions": simd,
         "system": platform.platform(),
         "python": platform.python_version(),
-        "numpy": np.__version__,
-        "physcore": __version__,
+        "numpy": version("numpy"),
+        "physcore": version("physcore"),
     }
 
 
@@ -151,7 +149,8 @@ def _on_divergence(trade: Tradeoff) -> str:
     biased = [row for row in trade.rows if row.status == "biased" and row.bias is not None]
     parts = []
     if blown:
-        parts.append("Blew up: " + "; ".join(f"{_name(row)} at dt = {row.dt:.3g} s" for row in blown) + ".")
+        least = {_name(row): min(other.dt for other in blown if _name(other) == _name(row)) for row in blown}
+        parts.append("Blew up: " + "; ".join(f"{name} down to dt = {dt:.3g} s" for name, dt in least.items()) + ".")
     if biased:
         listed = "; ".join(
             f"{_name(row)} at dt = {row.dt:.3g} s, whose {row.bias.quantity} is off by {row.bias.relative:+.1%} "
@@ -188,8 +187,8 @@ def _on_prediction(trade: Tradeoff) -> str:
     if not misses:
         return ""
     return (
-        f"{len(misses)} rows were predicted from their neighbors before they were run: their errors were missed by a "
-        f"factor of {max(misses):.2f} at most."
+        f"{len(misses)} of the rows {'was' if len(misses) == 1 else 'were'} predicted from those around before being "
+        f"run; the errors were missed by a factor of {max(misses):.2f} at most."
     )
 
 

@@ -13,13 +13,14 @@ from physcore.integrators import Integrator
 from physcore.numerics import Options
 from physcore.scene import Scene
 from physcore.storage import replacing
-from physcore.tradeoff.chaos import Chaos
-from physcore.tradeoff.experiment import Experiment
-from physcore.tradeoff.reference import Reference
-from physcore.tradeoff.restarts import Bias, Windows
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+
+    from physcore.tradeoff.chaos import Chaos
+    from physcore.tradeoff.experiment import Experiment
+    from physcore.tradeoff.reference import Reference
+    from physcore.tradeoff.restarts import Bias, Windows
 
 Status = Literal["ok", "diverged", "biased"]
 Measure = Literal["trajectory", "restart", "until the horizon"]

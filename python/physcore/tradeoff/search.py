@@ -13,20 +13,17 @@ import numpy as np
 
 from physcore.errors import PhyscoreError, SceneError, SimulationDiverged
 from physcore.integrators import Integrator
-from physcore.stability import stability_limit
 from physcore.tradeoff import reference, restarts
 from physcore.tradeoff.budget import Budget
 from physcore.tradeoff.chaos import Chaos, twin
 from physcore.tradeoff.experiment import Choice, Experiment
 from physcore.tradeoff.ladder import LEAST, REPEATS, Entry, Ladder
-from physcore.tradeoff.reference import Method, Reference
+from physcore.tradeoff.reference import Reference
 from physcore.tradeoff.restarts import Windows
 from physcore.tradeoff.result import CERTAIN, Measure, Row
 
 SAFETY = 0.95
 """The first step of a ladder, as a fraction of its limit."""
-ACCURATE = 16.0
-"""How far beyond a limit of accuracy a ladder begins."""
 REFERENCE_SHARE = 0.3
 """How much of the budget the reference may take."""
 ENOUGH = 8
@@ -50,7 +47,8 @@ class Study:
         tick: Callable[[], None],
     ) -> None:
         self.experiment = experiment
-        self.notes: list[str] = []
+        self.refused: dict[str, list[str]] = {}
+        """Who cannot compute the scene, by the reason."""
         self._seed = seed
         self._tick = tick
         self.simd = ""
@@ -72,7 +70,7 @@ class Study:
             PhyscoreError: no choice can compute the scene, or every run of the reference diverged.
         """
         if not self._ladders:
-            raise PhyscoreError("; ".join(self.notes) or "tradeoff: there is nothing to compare")
+            raise PhyscoreError(" ".join(self.notes) or "tradeoff: there is nothing to compare")
         self._judge(budget.share(REFERENCE_SHARE))
         while ladders := [ladder for ladder in self._ladders if ladder.next() is not None]:
             ladder = min(ladders, key=Ladder.cost)
@@ -102,6 +100,11 @@ class Study:
                     simulation.run(self.experiment.duration)
                 entry.times.append(time.perf_counter() - begin)
                 self._tick()
+
+    @property
+    def notes(self) -> list[str]:
+        """What was left out, and why."""
+        return [f"Left out: {', '.join(names)} ({reason})." for reason, names in self.refused.items()]
 
     def until(self) -> int:
         """How many of the samples can be compared."""
@@ -140,12 +143,12 @@ class Study:
         try:
             plan = self.experiment.start(Choice(integrator, precision, 1)).plan
         except SceneError as error:
-            self.notes.append(f"{type(integrator).__name__} in {precision} was left out: {error}.")
+            name = type(integrator).__name__
+            reason = str(error).replace(f", got {name}", "")
+            self.refused.setdefault(reason, []).append(f"{name} {precision}")
             return None
         self.simd = plan.simd
-        # What limits accuracy alone is no reason not to try: some methods are accurate where others are lost.
-        farthest = min(stability_limit(self.experiment.scene, integrator), ACCURATE * plan.dt_limit)
-        method = Method(integrator, plan.order, farthest, plan.evaluations)
+        method = next(method for method in self._methods if method.integrator == integrator)
         largest = [SAFETY * reference.largest_step(method, self._methods)] if dts is None else sorted(dts, reverse=True)
         steps = dict.fromkeys(self.experiment.steps_of(dt) for dt in largest)
         choices = [Choice(integrator, precision, number) for number in steps]
@@ -154,7 +157,7 @@ class Study:
     def _judge(self, budget: Budget) -> None:
         """Find out whether trajectories can be compared, and what with."""
         best = self._methods[0]
-        steps = self.experiment.steps_of(reference.START * reference.largest_step(best, self._methods))
+        steps = self.experiment.steps_of(reference.START * best.accurate)
         self.chaos = self._twin(Choice(best.integrator, "f64", steps))
         if not self.chaos.chaotic:
             self.truth = reference.find(self.experiment, budget)
