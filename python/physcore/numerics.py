@@ -62,7 +62,7 @@ class AdaptiveStep:
     for which BogackiShampine3() is made. A step whose error is larger than the tolerance is taken back.
 
     All particles share the step. Each step looks at the limits of all particles, on one thread, which for springs and
-    pairs takes as long as about eight evaluations of their forces: there it pays where the step changes by more than
+    pairs takes as long as about ten evaluations of their forces: there it pays where the step changes by more than
     that in a run. A step that diverges is halved up to ten times before that is an error.
 
     Args:
