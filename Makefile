@@ -44,7 +44,7 @@ test-long: $(VENV)/tools.stamp ## run every test with the full number of example
 validate: $(VENV)/tools.stamp ## run the cases with reference figures from outside, and write docs/reports/validation.md
 	$(BIN)/python -m pytest -m validation --report=docs/reports/validation.md
 
-tradeoff: $(VENV)/tools.stamp ## measure error against time on five scenes and at the extremes, and write docs/tradeoff.md
+tradeoff: $(VENV)/tools.stamp ## measure error against time and the extremes, and write docs/tradeoff.md, in ten minutes
 	$(BIN)/python benches/tradeoff.py
 
 lint: $(VENV)/tools.stamp ## check format, style and types, Rust and Python

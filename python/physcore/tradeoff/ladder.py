@@ -16,8 +16,7 @@ from physcore.tradeoff.result import CERTAIN, Prediction, Status
 REPEATS = 5
 """How often each row is timed."""
 LEAST = 3
-"""Rows of a ladder that come to an end and are run, unless one of them would take the whole budget: fewer have no
-slope."""
+"""Rows of a ladder that come to an end and may take the budget once more: fewer have no slope."""
 LOWEST = 24
 """Rows of a ladder at most."""
 LEVEL = 0.8

@@ -64,8 +64,8 @@ def tradeoff(
             much of the error is the resolution's: it is added to that of the time steps.
         observe: what to compare, as a function of the simulation that gives an array of numbers; None: the positions of
             all particles [m], and the centers of the bodies where there are resolutions.
-        budget: how long all this may take [s], about; three rows of everything are run, unless one alone would take
-            as long.
+        budget: how long all this may take [s], about. The first three rows of each integrator may take as long again,
+            and the very first are always run.
         threads: as in Simulation.
         seed: of the twin, the ensembles and the order of the timing.
         progress: whether to show a progress bar; None: on a terminal.

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from physcore.checks import FloatArray
-from physcore.errors import SceneError, SimulationDiverged
+from physcore.errors import PhyscoreError, SceneError, SimulationDiverged
 from physcore.tradeoff.budget import Budget
 from physcore.tradeoff.chaos import Chaos, nudged
 from physcore.tradeoff.experiment import SAMPLES, Choice, Experiment
-from physcore.tradeoff.reference import AGREEMENT, Method
+from physcore.tradeoff.reference import AGREEMENT, DEEPEST, START, Method
 
 WINDOW_GROWTH = 100.0
 """By how much errors may grow within a window."""
@@ -47,6 +47,8 @@ class Windows:
     """How far apart the members of an ensemble start [m/s]."""
     averages: FloatArray
     """Of each member of its ensemble, shape (8, 3)."""
+    doubts: FloatArray
+    """How far these may be off: what halving the time step has changed in their means, shape (3,)."""
 
 
 @dataclass(frozen=True)
@@ -68,40 +70,64 @@ class Bias:
 
 def windows(
     experiment: Experiment,
-    best: Method,
+    choice: Choice,
     others: list[Method],
-    coarsest: int,
     chaos: Chaos,
     seed: int,
     budget: Budget,
 ) -> Windows:
-    """A long run for the starts, and from each of them windows at ever finer steps as far as the budget reaches."""
+    """A long run of a choice for the starts, and from each of them windows at ever finer steps as far as the budget
+    reaches; the best of the other methods checks them.
+    """
     growth = chaos.exponent * experiment.interval / math.log(WINDOW_GROWTH)
     parts = 1 << max(0, math.ceil(math.log2(growth))) if growth > 1.0 else 1
-    choice = Choice(best.integrator, "f64", -(-coarsest // parts) * parts)
+    choice = replace(choice, steps=multiple(choice.steps, parts))
     simulation = experiment.start(choice)
     starts = []
     for _ in range(SAMPLES):
         starts.append((simulation.positions, simulation.velocities))
         simulation.step(choice.steps)
     nudge = SCATTER * max(float(np.abs(velocities).max()) for _, velocities in starts)
-    averages = ensemble(experiment, choice, nudge, seed)
+    averages, doubts = _settle(experiment, choice, nudge, seed, budget.share(0.4))
     choice, ends, uncertainty = _converge(experiment, choice, starts, parts, budget.share(0.5 if others else 1.0))
     agrees = True
     if others:
-        other = Choice(others[0].integrator, "f64", -(-coarsest // parts) * parts)
+        steps = experiment.steps_of(START * others[0].accurate)
+        other = Choice(others[0].integrator, "f64", multiple(steps, parts))
         _, check, doubt = _converge(experiment, other, starts, parts, budget)
         apart = float(experiment.distances(check, ends).max())
         agrees = apart <= AGREEMENT * (uncertainty + doubt)
         uncertainty = uncertainty if agrees else apart
-    return Windows(starts, ends, parts, choice, uncertainty, agrees, nudge, averages)
+    return Windows(starts, ends, parts, choice, uncertainty, agrees, nudge, averages, doubts)
+
+
+def _settle(
+    experiment: Experiment, choice: Choice, nudge: float, seed: int, budget: Budget
+) -> tuple[FloatArray, FloatArray]:
+    """The averages of ensembles with ever finer steps, until the means stay, or the budget ends; and what remains."""
+    averages = ensemble(experiment, choice, nudge, seed)
+    while True:
+        choice, before = choice.finer(), budget.left()
+        finer = ensemble(experiment, choice, nudge, seed)
+        changes: FloatArray = np.abs(finer.mean(axis=0) - averages.mean(axis=0))
+        moved = bias(finer, averages, np.zeros_like(changes)).found
+        averages = finer
+        if not moved or 2.0 * (before - budget.left()) > budget.left():
+            return averages, changes if moved else np.zeros_like(changes)
 
 
 def _converge(
     experiment: Experiment, choice: Choice, starts: list[tuple[FloatArray, FloatArray]], parts: int, budget: Budget
 ) -> tuple[Choice, FloatArray, float]:
     """The ends of all windows, with the steps that changed them least when halved, and by how much they did."""
-    ends = _ends(experiment, choice, starts, parts)
+    for _ in range(DEEPEST):
+        try:
+            ends = _ends(experiment, choice, starts, parts)
+            break
+        except SimulationDiverged:
+            choice = choice.finer()
+    else:
+        raise PhyscoreError(f"tradeoff: {type(choice.integrator).__name__} diverged at every step")
     uncertainty = math.inf
     while True:
         finer, before = choice.finer(), budget.left()
@@ -112,6 +138,11 @@ def _converge(
             choice, ends, uncertainty = finer, better, change
         if not improved or 2.0 * (before - budget.left()) > budget.left():
             return choice, ends, max(uncertainty, float(np.spacing(np.abs(ends).max())))
+
+
+def multiple(steps: int, parts: int) -> int:
+    """The least multiple of `parts` that is not below `steps`."""
+    return -(-steps // parts) * parts
 
 
 def error(experiment: Experiment, choice: Choice, reference: Windows) -> float:
@@ -132,14 +163,15 @@ def ensemble(experiment: Experiment, choice: Choice, nudge: float, seed: int) ->
     return np.array([_averages(experiment, choice, nudge, seed + member) for member in range(MEMBERS)])
 
 
-def bias(found: FloatArray, reference: FloatArray) -> Bias:
-    """Welch's comparison of two ensembles, average by average; the worst of them.
+def bias(found: FloatArray, reference: FloatArray, doubts: FloatArray) -> Bias:
+    """Welch's comparison of two ensembles, average by average; the worst of them. Doubts widen the intervals.
 
     Source: B. L. Welch, Biometrika 34, 28 (1947).
     """
     scale = np.abs(reference.mean(axis=0)) + np.finfo(float).tiny
     difference = (found.mean(axis=0) - reference.mean(axis=0)) / scale
-    spread = QUANTILE * np.sqrt((found.var(axis=0, ddof=1) + reference.var(axis=0, ddof=1)) / MEMBERS) / scale
+    spread = QUANTILE * np.sqrt((found.var(axis=0, ddof=1) + reference.var(axis=0, ddof=1)) / MEMBERS)
+    spread = (spread + doubts) / scale
     worst = int(np.argmax(np.abs(difference) - spread))
     return Bias(AVERAGES[worst], float(difference[worst]), float(spread[worst]))
 

@@ -31,7 +31,8 @@ ENOUGH = 8
 HELD_OUT = 8
 """Rows between two others that are predicted before they are run, at most."""
 WRONG = 10.0
-"""An error of this many times the largest way in the reference is a blow-up, whatever the watch says."""
+"""An error of this many times the largest way in the reference, or an average off by this many times itself, is a
+blow-up, whatever the watch says."""
 
 
 class Study:
@@ -75,8 +76,8 @@ class Study:
         while ladders := [ladder for ladder in self._ladders if ladder.next() is not None]:
             ladder = min(ladders, key=Ladder.cost)
             held = sum(entry.status != "diverged" for entry in ladder.entries)
-            dear = held >= LEAST or ladder.cost() > budget.seconds
-            if dear and ladder.cost() > budget.left() - self._timing():
+            left = budget.left() - self._timing() + (budget.seconds if held < LEAST else 0.0)
+            if ladder.entries and ladder.cost() > left:
                 break
             self._run(ladder)
             if ladder.open_ended and (ladder.exhausted(self.truth.uncertainty) or self._left_behind(ladder)):
@@ -158,7 +159,7 @@ class Study:
         """Find out whether trajectories can be compared, and what with."""
         best = self._methods[0]
         steps = self.experiment.steps_of(reference.START * best.accurate)
-        self.chaos = self._twin(Choice(best.integrator, "f64", steps))
+        choice, self.chaos = self._twin(Choice(best.integrator, "f64", steps))
         if not self.chaos.chaotic:
             self.truth = reference.find(self.experiment, budget)
         elif self.experiment.scene.fluids or self.experiment.observer is not None:
@@ -168,18 +169,18 @@ class Study:
         else:
             self.measure = "restart"
             others = reference.other_family(best, self._methods)
-            self.truth = restarts.windows(self.experiment, best, others, steps, self.chaos, self._seed, budget)
+            self.truth = restarts.windows(self.experiment, choice, others, self.chaos, self._seed, budget)
             for ladder in self._ladders:
                 ladder.choices = [
-                    replace(choice, steps=-(-choice.steps // self.truth.parts) * self.truth.parts)
+                    replace(choice, steps=restarts.multiple(choice.steps, self.truth.parts))
                     for choice in ladder.choices
                 ]
 
-    def _twin(self, choice: Choice) -> Chaos:
-        """Run the twin with steps that hold: the limit may fall while the scene moves."""
+    def _twin(self, choice: Choice) -> tuple[Choice, Chaos]:
+        """Run the twin with steps that hold, and give those too: the limit may fall while the scene moves."""
         for _ in range(reference.DEEPEST):
             try:
-                return twin(self.experiment, choice, self._seed)
+                return choice, twin(self.experiment, choice, self._seed)
             except SimulationDiverged:
                 choice = choice.finer()
         raise PhyscoreError(f"tradeoff: {type(choice.integrator).__name__} diverged at every step")
@@ -220,8 +221,10 @@ class Study:
         except SimulationDiverged:
             entry.status = "diverged"
             return
-        entry.bias = restarts.bias(found, truth.averages)
+        entry.bias = restarts.bias(found, truth.averages, truth.doubts)
         entry.status = "biased" if entry.bias.found else "ok"
+        if abs(entry.bias.relative) > WRONG:
+            entry.status, entry.error = "diverged", math.inf
 
     def _left_behind(self, ladder: Ladder) -> bool:
         """Whether a ladder has shown its slope, and what it would reach next is had for less elsewhere."""
