@@ -34,6 +34,7 @@ from physcore.integrators import (
     PEFRL,
     BlanesMoan4,
     BlanesMoan6,
+    BogackiShampine3,
     ExplicitEuler,
     Integrator,
     McLachlan2,
@@ -43,7 +44,7 @@ from physcore.integrators import (
 )
 from physcore.kernels import CubicSpline, Kernel, WendlandC2, WendlandC4
 from physcore.loading import load
-from physcore.numerics import AutoStep
+from physcore.numerics import AdaptiveStep, AutoStep
 from physcore.periodic import Periodic
 from physcore.plan import Plan
 from physcore.recording import Recording
@@ -60,10 +61,12 @@ __version__: str
 __all__ = [
     "PEFRL",
     "AccuracyError",
+    "AdaptiveStep",
     "AutoStep",
     "BlanesMoan4",
     "BlanesMoan6",
     "Body",
+    "BogackiShampine3",
     "Boundary",
     "Box",
     "CentralForce",

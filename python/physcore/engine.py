@@ -66,6 +66,12 @@ def certified(world: World) -> float:
     return world.limit(certified=True)["stability"]
 
 
+def present_limit(world: World) -> Limit:
+    """The limit of one step from the world's present state [s], whatever is ahead; a certified one."""
+    record = world.present_limit()
+    return Limit(**record, certified=record["stability"])
+
+
 def plan(world: World, bound: Limit, dt: float) -> Plan:
     """The plan of a world, with the time step and its limit."""
     facts = world.plan()

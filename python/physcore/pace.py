@@ -12,8 +12,18 @@ from dataclasses import replace
 from physcore import engine
 from physcore._core import World
 from physcore.checks import count, number
-from physcore.errors import MachWarning, PhyscoreError, SimulationDiverged, StabilityWarning, warn
-from physcore.numerics import FRAMES_PER_SECOND, AutoStep, Limit, Numerics, divide, largest_step, steps_to
+from physcore.errors import MachWarning, PhyscoreError, SceneError, SimulationDiverged, StabilityWarning, warn
+from physcore.numerics import (
+    FRAMES_PER_SECOND,
+    AdaptiveStep,
+    Limit,
+    Numerics,
+    StepRule,
+    divide,
+    free_step,
+    largest_step,
+    steps_to,
+)
 from physcore.scene import Scene
 
 WATCH = 256
@@ -46,19 +56,30 @@ class Pace:
         self._world = world
         self._scene = scene
         self._numerics = numerics
+        self._adaptive = numerics.dt if isinstance(numerics.dt, AdaptiveStep) else None
         self._first_limit = engine.limit(world)
-        self.limit = self._first_limit
+        self._limit = self._first_limit
         self._varies = world.plan()["limit_varies"]
         self._stepping = threading.Lock()
         self._hasty = False
-        self.rescued = 0
-        if isinstance(numerics.dt, AutoStep):
+        self._rescued = 0
+        if self.fixed is None:
             self._largest(FRAMES_PER_SECOND)  # A scene without any stable step is refused here, not at its first step.
 
     @property
     def fixed(self) -> float | None:
         """The time step that was given [s], or None."""
-        return None if isinstance(self._numerics.dt, AutoStep) else self._numerics.dt
+        return None if isinstance(self._numerics.dt, StepRule) else self._numerics.dt
+
+    @property
+    def limit(self) -> Limit:
+        """The limit that the time step keeps to: of the present state where it follows that."""
+        return self._limit if self._adaptive is None else engine.present_limit(self._world)
+
+    @property
+    def rescued(self) -> int:
+        """How many steps failed and were taken again in parts."""
+        return self._rescued if self._adaptive is None else self._world.adaptation()[1]
 
     @property
     def dt(self) -> float:
@@ -68,6 +89,11 @@ class Pace:
     def step(self, steps: int) -> None:
         """Advance by a number of steps."""
         left = count(steps, "step.n")
+        if self._adaptive is not None:
+            raise SceneError(
+                "dt: adaptive steps are not equal, and end where an interval ends: use run(duration), record or "
+                "frames; or give dt a number, or AutoStep()"
+            )
         if self.fixed is not None:
             return self._advance_by(left, self.fixed)
         with self._alone():
@@ -84,6 +110,8 @@ class Pace:
             return self._advance_by(max(0, steps_to(interval, self.fixed, TOUCH)), self.fixed)
         if interval == 0.0:
             return None
+        if self._adaptive is not None:
+            return self._adapt(interval, fps, self._adaptive)
         with self._alone():
             steps, dt = divide(interval, self._largest(fps))
             while steps > 0:
@@ -92,6 +120,32 @@ class Pace:
                 chunk = min(steps, self._until_watch())
                 steps -= self._advance(chunk, dt)
         return None
+
+    def notes(self) -> list[str]:
+        """What the plan says about steps that are not all equal."""
+        if self._adaptive is None:
+            return []
+        by = (
+            f"keep their error within {self._adaptive.tolerance:g} m"
+            if self._adaptive.tolerance is not None
+            else f"keep to {self._adaptive.safety:.0%} of the limit at both of their ends, in blocks of halves"
+        )
+        rejected, _, smallest, largest = self._world.adaptation()
+        taken = (
+            f"{self._world.steps} taken, from {smallest:.3g} s to {largest:.3g} s, {rejected} tried and taken back"
+            if self._world.steps
+            else "none taken so far"
+        )
+        return [f"adaptive steps {by}: {taken}"]
+
+    def _adapt(self, interval: float, fps: float, rule: AdaptiveStep) -> None:
+        """Advance by an interval [s] in steps that follow the motion."""
+        try:
+            flow = self._world.run(interval, rule.safety, free_step(fps), rule.tolerance)
+        except SimulationDiverged as error:
+            self._complete(error)
+            raise
+        self._warn_if_hasty(*flow or (0.0, 0.0, 0.0))
 
     def _advance_by(self, steps: int, dt: float) -> None:
         """Take all of some steps."""
@@ -136,9 +190,9 @@ class Pace:
         message = (
             f"a step failed ({error.cause}) and is taken again in parts; take a smaller dt where this happens often"
         )
-        if self.rescued == 0:
+        if self._rescued == 0:
             warn(f"at {error.time:.4g} s {message}", StabilityWarning)
-        self.rescued += 1
+        self._rescued += 1
         left, parts = 1, 1
         for _ in range(HALVINGS):
             left, parts = 2 * left, 2 * parts
@@ -170,7 +224,7 @@ class Pace:
 
     def _largest(self, fps: float) -> float:
         rule = self._numerics.dt
-        assert isinstance(rule, AutoStep)
+        assert isinstance(rule, StepRule)
         return largest_step(self.limit, rule, self._numerics.integrator, fps)
 
     def _until_watch(self) -> int:
@@ -185,18 +239,18 @@ class Pace:
             present = engine.limit(self._world)
             # What nothing limited at the start, as grains at rest that do not touch, says nothing about how small.
             least = self._first_limit.dt / SLOWEST if math.isfinite(self._first_limit.dt) else 0.0
-            self.limit = replace(present, dt=max(present.dt, least), certified=max(present.certified, least))
-        elif self.limit != self._first_limit and certified >= self._first_limit.certified:
-            self.limit = self._first_limit
+            self._limit = replace(present, dt=max(present.dt, least), certified=max(present.certified, least))
+        elif self._limit != self._first_limit and certified >= self._first_limit.certified:
+            self._limit = self._first_limit
         else:
             return False
         return True
 
     def capture(self) -> dict[str, float | str]:
         """What the choice of later time steps depends on, beside the world, and what was counted."""
-        return {**vars(self.limit), "rescued": self.rescued}
+        return {**vars(self._limit), "rescued": self._rescued}
 
     def restore(self, state: dict[str, float | str]) -> None:
         """Go on as the pace that was captured."""
-        self.rescued = int(state["rescued"])
-        self.limit = Limit(**{name: value for name, value in state.items() if name != "rescued"})  # type: ignore[arg-type]
+        self._rescued = int(state["rescued"])
+        self._limit = Limit(**{name: value for name, value in state.items() if name != "rescued"})  # type: ignore[arg-type]

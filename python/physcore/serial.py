@@ -14,14 +14,15 @@ from physcore.forces import FORCES, CustomForce
 from physcore.influence import Influence
 from physcore.integrators import INTEGRATORS
 from physcore.kernels import KERNELS
-from physcore.numerics import AutoStep, Numerics, Options
+from physcore.numerics import AdaptiveStep, AutoStep, Numerics, Options
 from physcore.periodic import Periodic
 from physcore.scene import Scene
 from physcore.storage import Tree
 
 _BODIES = (Particles, SpringNetwork, Fluid)
 _KINDS: dict[str, type[Any]] = {
-    kind.__name__: kind for kind in (*_BODIES, *KERNELS, *FORCES, *BOUNDARIES, Periodic, *INTEGRATORS, AutoStep)
+    kind.__name__: kind
+    for kind in (*_BODIES, *KERNELS, *FORCES, *BOUNDARIES, Periodic, *INTEGRATORS, AutoStep, AdaptiveStep)
 }
 
 

@@ -17,7 +17,7 @@ from physcore.energy import Energy
 from physcore.errors import SceneError, StabilityWarning, warn
 from physcore.fluid import Fluid
 from physcore.integrators import Integrator
-from physcore.numerics import FRAMES_PER_SECOND, AutoStep, DivergenceRule, Options, Precision, check
+from physcore.numerics import FRAMES_PER_SECOND, DivergenceRule, Options, Precision, StepRule, check
 from physcore.pace import Pace
 from physcore.plan import Plan
 from physcore.progress import Progress
@@ -36,7 +36,8 @@ class Simulation:
     Args:
         scene: what to simulate.
         integrator: how to step; "auto" is VelocityVerlet().
-        dt: the time step [s]; "auto" is AutoStep(), which chooses it from the limit of stability of the scene.
+        dt: the time step [s]; "auto" is AutoStep(), which chooses it from the limit of stability of the scene;
+            AdaptiveStep() lets it follow the motion.
         precision: "f64", or "f32": forces in single precision, energies in double; "auto" is "f32" for scenes with a
             fluid and "f64" for all others.
         threads: how many threads may share the work; None: PHYSCORE_NUM_THREADS, or all that the process may use. The
@@ -58,7 +59,7 @@ class Simulation:
         self,
         scene: Scene,
         integrator: Integrator | Literal["auto"] = "auto",
-        dt: float | AutoStep | Literal["auto"] = "auto",
+        dt: float | StepRule | Literal["auto"] = "auto",
         precision: Precision = "auto",
         threads: int | None = None,
         *,
@@ -104,7 +105,7 @@ class Simulation:
 
     @property
     def substeps(self) -> int:
-        """How many steps failed and were taken again in parts, with on_divergence="substep"."""
+        """How many steps failed and were taken again in parts, with on_divergence="substep" or adaptive steps."""
         return self._pace.rescued
 
     @property
@@ -126,7 +127,7 @@ class Simulation:
     def plan(self) -> Plan:
         """What one step does, and what was chosen."""
         plan = engine.plan(self._world, self._pace.limit, self.dt)
-        return replace(plan, substeps=self.substeps)
+        return replace(plan, substeps=self.substeps, notes=(*plan.notes, *self._pace.notes()))
 
     def __getitem__(self, body: BodyKey) -> Snapshot:
         """The present state of one body, given itself, its index or its name; a Fluid's has densities and pressures."""
@@ -146,13 +147,15 @@ class Simulation:
         """Take n equal steps.
 
         Raises:
+            SceneError: steps are adaptive, and so not equal: use `run`.
             SimulationDiverged: the state blew up; the simulation stands at the last good step.
             KeyboardInterrupt: Ctrl-C; the simulation stands at a whole step and can go on.
         """
         self._pace.step(n)
 
     def run(self, duration: float) -> None:
-        """Advance by `duration` [s]: ⌈duration/dt⌉ steps; with dt="auto" the last one ends exactly there.
+        """Advance by `duration` [s]: ⌈duration/dt⌉ steps; with dt="auto" or adaptive steps the last one ends exactly
+        there.
 
         Raises:
             SimulationDiverged, KeyboardInterrupt: as for `step`.

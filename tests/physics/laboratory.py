@@ -217,6 +217,14 @@ def amplification(integrator: pc.Integrator, step: float | Array, ratio: float =
                     slope = at[1], acceleration(*at)
                     sums = [total + weight * step * rise for total, rise in zip(sums, slope, strict=True)]
                 return sums[0], sums[1], 0.0
+            case pc.BogackiShampine3():
+                slopes: list[tuple[Any, Any]] = [(v, acceleration(x, v))]
+                for part in (1 / 2, 3 / 4):
+                    at = [start + part * step * rise for start, rise in zip((x, v), slopes[-1], strict=True)]
+                    slopes.append((at[1], acceleration(*at)))
+                weights = (2 / 9, 1 / 3, 4 / 9)
+                rises = [sum(w * s for w, s in zip(weights, which, strict=True)) for which in zip(*slopes, strict=True)]
+                return x + step * rises[0], v + step * rises[1], 0.0
         coefficients = splitting(integrator)
         assert coefficients, f"describe one step of {integrator} here, so that its limit is tested"
         drifts, kicks = coefficients

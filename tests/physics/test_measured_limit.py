@@ -19,11 +19,16 @@ WELL = pc.Scene(pc.Particles([[1.0, 0.0]]), pc.CentralForce((0.0, 0.0), 1.0, exp
 
 @pytest.mark.parametrize("integrator", STABLE, ids=name)
 def test_a_lone_oscillator_has_the_limit_of_theory(integrator):
-    """Within the resolution of the bisection: a thousandth above the limit the growth in 2000 steps is e^178."""
+    """Within the resolution of the bisection: a thousandth above the limit the growth in 2000 steps is e^178.
+
+    That of BogackiShampine3 is slow: |g| = 1 + 3δ/4 at 1 + δ of the limit, so that it gains the energy of a factor of
+    1000 in 2000 steps at δ = 2.3e-3.
+    """
     found = pc.stability_limit(WELL, integrator, measured=True)
     assert found.theory == pc.stability_limit(WELL, integrator)
-    assert found.margin >= -2e-3
-    assert name(integrator) in RESONANT or found.margin <= 2e-3
+    resolution = 4e-3 if isinstance(integrator, pc.BogackiShampine3) else 2e-3
+    assert found.margin >= -resolution
+    assert name(integrator) in RESONANT or found.margin <= resolution
     assert f"{found.theory:.4g} s" in str(found)
 
 

@@ -69,7 +69,8 @@ def test_without_damping_the_certified_limit_of_one_spring_is_the_theoretical_on
     if isinstance(integrator, pc.ExplicitEuler):
         assert certified == 0.0
     else:
-        assert certified == pytest.approx(largest_step(integrator), rel=1e-6)
+        # The margin of 1e-6 in |g| over its slope, which is least for BogackiShampine3: 3/4 per fraction of the limit.
+        assert certified == pytest.approx(largest_step(integrator), rel=1.5e-6)
 
 
 @pytest.mark.parametrize("ratio", RATIOS)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from physcore.integrators.base import Integrator
 from physcore.integrators.blanes_moan_4 import BlanesMoan4
 from physcore.integrators.blanes_moan_6 import BlanesMoan6
+from physcore.integrators.bogacki_shampine_3 import BogackiShampine3
 from physcore.integrators.explicit_euler import ExplicitEuler
 from physcore.integrators.mclachlan_2 import McLachlan2
 from physcore.integrators.pefrl import PEFRL
@@ -21,6 +22,7 @@ INTEGRATORS: tuple[type[Integrator], ...] = (
     PEFRL,
     BlanesMoan4,
     BlanesMoan6,
+    BogackiShampine3,
 )
 """Every integrator; what is registered here can be saved, and is tested for its order."""
 
@@ -29,6 +31,7 @@ __all__ = [
     "PEFRL",
     "BlanesMoan4",
     "BlanesMoan6",
+    "BogackiShampine3",
     "ExplicitEuler",
     "Integrator",
     "McLachlan2",

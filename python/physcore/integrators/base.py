@@ -17,3 +17,5 @@ class Integrator:
     """Nominal order: the error at a fixed time shrinks like dt^order. `plan.order` is what holds in a scene."""
     symplectic: ClassVar[bool]
     """Whether it keeps the area in phase space: without dissipation its energy error then stays bounded."""
+    embedded: ClassVar[bool] = False
+    """Whether it estimates the error of each step, from a method of the order below that is embedded in it."""

@@ -6,8 +6,8 @@ use std::sync::{Mutex, MutexGuard, TryLockError};
 use numpy::{PyArray1, PyArray2, PyReadonlyArray1, ToPyArray};
 use physcore_engine::error::{Error, Result as EngineResult};
 use physcore_engine::forces::Flow;
-use physcore_engine::simulation::{self, Capture, Numerics, Segment};
-use physcore_engine::stability::Kind;
+use physcore_engine::simulation::{self, Adaptation, Capture, Numerics, Rule, Segment};
+use physcore_engine::stability::{Kind, Limit};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -93,6 +93,26 @@ impl World {
         Ok(flow.map(|flow| (Flow::FAST, flow.fast, flow.sound)))
     }
 
+    /// Advances by an interval [s] in adaptive steps, and gives the same as `step`.
+    fn run(
+        &self,
+        py: Python<'_>,
+        interval: f64,
+        safety: f64,
+        free: f64,
+        tolerance: Option<f64>,
+    ) -> PyResult<Option<(f64, f64, f64)>> {
+        let rule = Rule { safety, free, tolerance };
+        let flow = self.change(py, |world| world.run(interval, &rule, &interrupted).map(|()| world.flow()))?;
+        Ok(flow.map(|flow| (Flow::FAST, flow.fast, flow.sound)))
+    }
+
+    /// Of the adaptive steps so far: how many were taken back, how many diverged, and the smallest and the largest [s].
+    fn adaptation(&self) -> PyResult<(u64, u64, f64, f64)> {
+        let Adaptation { rejected, failed, range: [smallest, largest], .. } = self.lock()?.adaptation();
+        Ok((rejected, failed, smallest, largest))
+    }
+
     #[getter]
     fn time(&self) -> PyResult<f64> {
         Ok(self.lock()?.segment().time())
@@ -164,19 +184,13 @@ impl World {
     fn limit<'py>(&self, py: Python<'py>, certified: bool) -> PyResult<Bound<'py, PyDict>> {
         let guard = self.lock()?;
         let world = &*guard;
-        let limit = without_gil(py, || Ok(world.limit(certified)))?;
-        let record = PyDict::new(py);
-        let kind = match limit.kind {
-            Kind::Stability => "stability",
-            Kind::Accuracy => "accuracy",
-            Kind::None => "none",
-        };
-        record.set_item("dt", limit.dt())?;
-        record.set_item("kind", kind)?;
-        record.set_item("term", limit.term)?;
-        record.set_item("stability", limit.stability)?;
-        record.set_item("accuracy", limit.accuracy)?;
-        Ok(record)
+        limit_record(py, without_gil(py, || Ok(world.limit(certified)))?)
+    }
+
+    fn present_limit<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let guard = self.lock()?;
+        let world = &*guard;
+        limit_record(py, without_gil(py, || Ok(world.present_limit()))?)
     }
 
     fn plan<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
@@ -209,18 +223,24 @@ impl World {
         record.set_item("meters", capture.meters.to_pyarray(py))?;
         record.set_item("watch", capture.watch.to_pyarray(py))?;
         record.set_item("forces", capture.forces.to_pyarray(py))?;
+        let Adaptation { rejected, failed, range, control } = capture.adaptation;
+        record.set_item("adaptation", [range, control].as_flattened().to_pyarray(py))?;
+        record.set_item("taken_back", [rejected, failed].to_pyarray(py))?;
         Ok(record)
     }
 
     fn restore(&self, py: Python<'_>, state: &Bound<'_, PyDict>) -> PyResult<()> {
         let [start, dt] = numbers(state, "clock")?;
         let [segment, steps] = numbers(state, "steps")?;
+        let [smallest, largest, wanted, last] = numbers(state, "adaptation")?;
+        let [rejected, failed] = numbers(state, "taken_back")?;
         let capture = Capture {
             segment: Segment { start, steps: segment, dt },
             steps,
             columns: column(state, "columns")?,
             meters: column(state, "meters")?,
             watch: numbers(state, "watch")?,
+            adaptation: Adaptation { rejected, failed, range: [smallest, largest], control: [wanted, last] },
             forces: column(state, "forces")?,
         };
         self.change(py, |world| world.restore(&capture))
@@ -229,6 +249,21 @@ impl World {
     fn state_hash(&self) -> PyResult<String> {
         Ok(self.lock()?.state_hash())
     }
+}
+
+fn limit_record(py: Python<'_>, limit: Limit) -> PyResult<Bound<'_, PyDict>> {
+    let record = PyDict::new(py);
+    let kind = match limit.kind {
+        Kind::Stability => "stability",
+        Kind::Accuracy => "accuracy",
+        Kind::None => "none",
+    };
+    record.set_item("dt", limit.dt())?;
+    record.set_item("kind", kind)?;
+    record.set_item("term", limit.term)?;
+    record.set_item("stability", limit.stability)?;
+    record.set_item("accuracy", limit.accuracy)?;
+    Ok(record)
 }
 
 fn column<T: numpy::Element + Clone>(state: &Bound<'_, PyDict>, name: &str) -> PyResult<Vec<T>> {

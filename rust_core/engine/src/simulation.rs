@@ -1,6 +1,11 @@
 //! The simulation: a compiled scene with a clock. Everything that it gives and takes is in double precision and in the
 //! caller's order; precision, dimension and integrator are erased here, once.
 
+mod adaptive;
+mod controlled;
+
+pub use adaptive::{Adaptation, Rule};
+
 use glam::{DVec2, DVec3, Vec2, Vec3};
 
 use crate::audit::{self, Energy};
@@ -13,7 +18,7 @@ use crate::parallel::Team;
 use crate::plan::{self, Compiled, Plan};
 use crate::scene::Scene;
 use crate::simd::{LANES, Level};
-use crate::stability::{Bound, Limit};
+use crate::stability::{Bound, Limit, Memo};
 use crate::systems::matter::{Interval, MatterSystem};
 
 /// How to compute.
@@ -31,12 +36,12 @@ pub struct Numerics {
     pub ignore_runaway: bool,
 }
 
-/// Equal steps since a time.
+/// The clock: equal steps since a time.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Segment {
     /// When it began [s].
     pub start: f64,
-    /// The steps taken in it.
+    /// How many steps of `dt` it is since then.
     pub steps: u64,
     /// Their length [s].
     pub dt: f64,
@@ -62,6 +67,8 @@ pub struct Capture {
     pub meters: Vec<f64>,
     /// What the watch over divergence remembers.
     pub watch: [f64; 4],
+    /// What adaptive steps remember.
+    pub adaptation: Adaptation,
     /// What the forces keep from step to step.
     pub forces: Vec<f64>,
 }
@@ -76,6 +83,10 @@ pub trait World: Send + Sync {
     fn steps(&self) -> u64;
     /// Takes `steps` steps of `dt` seconds, asking now and then whether it was interrupted.
     fn step(&mut self, steps: u64, dt: f64, interrupted: &dyn Fn() -> bool) -> Result<()>;
+    /// Advances by `interval` seconds in steps that a rule chooses; the last one ends exactly there.
+    fn run(&mut self, interval: f64, rule: &Rule, interrupted: &dyn Fn() -> bool) -> Result<()>;
+    /// What adaptive steps remember.
+    fn adaptation(&self) -> Adaptation;
     /// Positions [m].
     fn positions(&self) -> Vec<DVec3>;
     /// Velocities [m/s].
@@ -93,6 +104,8 @@ pub trait World: Send + Sync {
     /// The largest time step as matters stand, or a certified one, which holds while no spring is shorter than half its
     /// rest length, wherever it turns.
     fn limit(&self, certified: bool) -> Limit;
+    /// The largest certified step from the present state, whatever is ahead.
+    fn present_limit(&self) -> Limit;
     /// Everything that the next step's bits depend on.
     fn capture(&self) -> Capture;
     /// Goes on from a captured state.
@@ -125,8 +138,13 @@ fn build_for<V: Vector>(scene: &Scene, numerics: &Numerics) -> Result<Box<dyn Wo
 struct Simulation<V: Vector> {
     system: MatterSystem<V>,
     plan: Plan,
-    limit: fn(&Bound) -> Limit,
+    limit: fn(&Bound, &mut Memo) -> Limit,
+    memo: Memo,
     carried: usize,
+    /// The integrator's order, and where it keeps the estimates of its errors, if it has any.
+    order: u32,
+    error: Option<[usize; 2]>,
+    adaptation: Adaptation,
     segment: Segment,
     steps: u64,
     watch: Watch,
@@ -177,8 +195,12 @@ impl<V: Vector> Simulation<V> {
         let mut simulation = Self {
             system,
             plan,
-            limit: Bound::limit::<I>,
+            limit: Bound::limit_after::<I>,
+            memo: Memo::default(),
             carried: I::CARRIED,
+            order: I::ORDER,
+            error: I::ERROR,
+            adaptation: Adaptation::default(),
             segment: Segment::default(),
             steps: 0,
             watch,
@@ -283,6 +305,18 @@ impl<V: Vector> Simulation<V> {
         }))
     }
 
+    /// The bound on one step from the present state.
+    fn present_bound(&self) -> Bound {
+        let (law, state) = (self.system.law(), self.system.state());
+        law.bound(&law.moment_of(state, self.segment.time()), Bound::at_present)
+    }
+
+    /// Takes in what a step of `dt` seconds cannot resolve, before the first one of them.
+    fn expect(&mut self, dt: f64) {
+        let kick = self.kick(dt);
+        self.watch.scale = if kick.is_finite() { self.watch.scale.max(kick) } else { self.watch.scale };
+    }
+
     /// The energy of the first kick from rest [J].
     fn kick(&self, dt: f64) -> f64 {
         let (law, state) = (self.system.law(), self.system.state());
@@ -315,6 +349,14 @@ impl<V: Vector> Simulation<V> {
             quantity,
             cause,
             hint: String::new(),
+        }
+    }
+
+    /// Adds to a divergence what to do about it.
+    fn with_hint(&self, error: Error) -> Error {
+        match error {
+            Error::Diverged(divergence) => Error::Diverged(Box::new(Divergence { hint: self.hint(), ..*divergence })),
+            other => other,
         }
     }
 
@@ -365,24 +407,26 @@ impl<V: Vector> World for Simulation<V> {
         }
         if dt != self.segment.dt {
             self.segment = Segment { start: self.segment.time(), steps: 0, dt };
-            let kick = self.kick(dt);
-            self.watch.scale = if kick.is_finite() { self.watch.scale.max(kick) } else { self.watch.scale };
+            self.expect(dt);
         }
         let mut left = steps;
         while left > 0 {
             let chunk = left.min(self.system.chunk());
-            if let Err(error) = self.chunk(chunk, interrupted) {
-                return Err(match error {
-                    Error::Diverged(divergence) => Error::Diverged(Box::new(Divergence { hint: self.hint(), ..*divergence })),
-                    other => other,
-                });
-            }
+            self.chunk(chunk, interrupted).map_err(|error| self.with_hint(error))?;
             left -= chunk;
             if left > 0 && interrupted() {
                 return Err(Error::Interrupted);
             }
         }
         Ok(())
+    }
+
+    fn run(&mut self, interval: f64, rule: &Rule, interrupted: &dyn Fn() -> bool) -> Result<()> {
+        self.advance_adaptively(interval, rule, interrupted)
+    }
+
+    fn adaptation(&self) -> Adaptation {
+        self.adaptation
     }
 
     fn positions(&self) -> Vec<DVec3> {
@@ -462,8 +506,13 @@ impl<V: Vector> World for Simulation<V> {
 
     fn limit(&self, certified: bool) -> Limit {
         let (law, state) = (self.system.law(), self.system.state());
-        let bound = law.bound(&law.moment_of(state, self.segment.time()), !certified);
-        (self.limit)(&if certified { bound } else { bound.sharpened() })
+        let at = law.moment_of(state, self.segment.time());
+        let bound = if certified { law.bound(&at, Bound::new) } else { law.bound(&at, Bound::directed).sharpened() };
+        (self.limit)(&bound, &mut Memo::default())
+    }
+
+    fn present_limit(&self) -> Limit {
+        (self.limit)(&self.present_bound(), &mut Memo::default())
     }
 
     fn capture(&self) -> Capture {
@@ -476,6 +525,7 @@ impl<V: Vector> World for Simulation<V> {
             columns: columns.map(|number| number.to_f64()).collect(),
             meters: meters.copied().collect(),
             watch: [self.watch.scale, self.watch.lowest, self.watch.balance, self.watch.calm],
+            adaptation: self.adaptation,
             forces: self.system.recollection(),
         }
     }
@@ -506,6 +556,7 @@ impl<V: Vector> World for Simulation<V> {
         self.segment = capture.segment;
         self.steps = capture.steps;
         [self.watch.scale, self.watch.lowest, self.watch.balance, self.watch.calm] = capture.watch;
+        self.adaptation = capture.adaptation;
         self.system.resume();
         self.system.recollect(&capture.forces)
     }
@@ -513,7 +564,13 @@ impl<V: Vector> World for Simulation<V> {
     fn state_hash(&self) -> String {
         let mut hasher = blake3::Hasher::new();
         let capture = self.capture();
-        for number in capture.columns.iter().chain(&capture.forces).chain([&capture.segment.start, &capture.segment.dt]) {
+        for number in capture
+            .columns
+            .iter()
+            .chain(&capture.forces)
+            .chain([&capture.segment.start, &capture.segment.dt])
+            .chain(&capture.adaptation.control)
+        {
             hasher.update(&number.to_le_bytes());
         }
         hasher.update(&self.segment.steps.to_le_bytes());

@@ -86,6 +86,7 @@ pub struct Bound {
     /// What of the damping acts on each particle in every direction and at any speed [N·s/m]; empty if nowhere.
     least_damping: Vec<f64>,
     accuracy: Option<(&'static str, f64)>,
+    present: bool,
 }
 
 impl Bound {
@@ -102,12 +103,23 @@ impl Bound {
             largest: [const { Vec::new() }; 2],
             least_damping: Vec::new(),
             accuracy: None,
+            present: false,
         }
     }
 
     /// The same, which can be [`Bound::sharpened`].
     pub fn directed(mass: &[f64], body: &[u32]) -> Self {
         Self { directed: true, ..Self::new(mass, body) }
+    }
+
+    /// The same for one step from the present state, not for all of the motion ahead.
+    pub fn at_present(mass: &[f64], body: &[u32]) -> Self {
+        Self { present: true, ..Self::new(mass, body) }
+    }
+
+    /// Whether it is for one step from the present state.
+    pub fn is_present(&self) -> bool {
+        self.present
     }
 
     /// A spring between two particles of one body.
@@ -200,21 +212,23 @@ impl Bound {
 
     /// The limit for one integrator.
     pub fn limit<I: Integrator>(&self) -> Limit {
-        self.limit_with(I::limit, I::COUPLED)
+        self.limit_after::<I>(&mut Memo::default())
+    }
+
+    /// The same, for one bound after the other.
+    pub fn limit_after<I: Integrator>(&self, memo: &mut Memo) -> Limit {
+        self.limit_with(I::limit, I::COUPLED, memo)
     }
 
     /// The limit for an integrator whose largest stable ωh is `largest` of the damping ratio, mode by mode.
     pub fn limit_of(&self, largest: fn(f64) -> f64) -> Limit {
-        self.limit_with(largest, 1.0)
+        self.limit_with(largest, 1.0, &mut Memo::default())
     }
 
-    fn limit_with(&self, largest: fn(f64) -> f64, coupled: f64) -> Limit {
-        let (stability, binding) = self
-            .modes()
-            .iter()
-            .map(|modes| modes.limit(largest, coupled))
-            .min_by(|one, other| one.0.total_cmp(&other.0))
-            .unwrap_or((f64::INFINITY, ""));
+    fn limit_with(&self, largest: fn(f64) -> f64, coupled: f64, memo: &mut Memo) -> Limit {
+        memo.recall(&self.modes(), |modes| modes.limit(largest, coupled));
+        let (stability, binding) =
+            memo.0.iter().map(|&(_, limit)| limit).min_by(|one, other| one.0.total_cmp(&other.0)).unwrap_or((f64::INFINITY, ""));
         let (slowest, accuracy) = self.accuracy.unwrap_or(("", f64::INFINITY));
         let (term, kind) = match stability.min(accuracy) {
             f64::INFINITY => ("", Kind::None),
@@ -261,8 +275,22 @@ fn power_of_two(number: f64) -> f64 {
     f64::from_bits(number.to_bits() & EXPONENT).max(f64::MIN_POSITIVE)
 }
 
+/// The limits that an integrator had for the boxes of modes of the bound before. Most of them stay the same from step to
+/// step, and a box with damping takes thousands of trial steps.
+#[derive(Debug, Default)]
+pub struct Memo(Vec<(Modes, (f64, &'static str))>);
+
+impl Memo {
+    /// Becomes that of these boxes; finds the limits of those that are new.
+    fn recall(&mut self, boxes: &[Modes], limit: impl Fn(&Modes) -> (f64, &'static str)) {
+        let known = std::mem::take(&mut self.0);
+        let of = |modes: &Modes| known.iter().find(|(other, _)| other == modes).map_or_else(|| limit(modes), |&(_, found)| found);
+        self.0 = boxes.iter().map(|modes| (*modes, of(modes))).collect();
+    }
+}
+
 /// What encloses the modes of a body: ω² up to one row [1/s²], γ up to another and from a least value [1/s].
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 struct Modes {
     stiffness: Row,
     damping: Row,

@@ -45,6 +45,7 @@ fn steps_allocate_nothing() {
             "PEFRL",
             "BlanesMoan4",
             "BlanesMoan6",
+            "BogackiShampine3",
         ] {
             let scene = Scene {
                 dimension: 3,

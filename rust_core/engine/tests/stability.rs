@@ -5,8 +5,8 @@
 
 use glam::DVec3;
 use physcore_engine::integrators::{
-    BlanesMoan4, BlanesMoan6, ExplicitEuler, Integrator, McLachlan2, Pefrl, Register, RungeKutta4, SemiImplicitEuler,
-    VelocityVerlet,
+    BlanesMoan4, BlanesMoan6, BogackiShampine3, ExplicitEuler, Integrator, McLachlan2, Pefrl, Register, RungeKutta4,
+    SemiImplicitEuler, VelocityVerlet,
 };
 use physcore_engine::stability::{Bound, Kind, Limit, Link};
 use proptest::prelude::*;
@@ -261,6 +261,7 @@ proptest! {
         assert_stable::<McLachlan2>(&network);
         assert_stable::<BlanesMoan4>(&network);
         assert_stable::<BlanesMoan6>(&network);
+        assert_stable::<BogackiShampine3>(&network);
     }
 
     /// For one oscillator whose damping is at most that of a box, the bound is the least limit in the box: none within is

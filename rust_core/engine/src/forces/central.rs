@@ -134,7 +134,7 @@ impl<V: Vector> Force<V> for Central<V> {
     }
 
     /// A harmonic center limits the stability. Any other one has no greatest stiffness, so it limits the accuracy: a
-    /// hundred steps for a turn at the frequency of the closest approach.
+    /// hundred steps for a turn at the frequency of the closest approach, or of the present distance.
     fn bound(&self, at: &Moment<'_, V>, bound: &mut Bound) {
         let properties = at.properties;
         for index in self.members(0..properties.count()) {
@@ -143,8 +143,12 @@ impl<V: Vector> Force<V> for Central<V> {
                 bound.point(index, "central", self.strength.max(0.0), 0.0);
             } else if self.strength != 0.0 {
                 let from_center = properties.origin + at.position.get(index).widen() - self.center;
-                let closest = self.closest(mass, from_center, at.velocity.get(index).widen());
-                let q = closest * closest + self.softening * self.softening;
+                let distance = if bound.is_present() {
+                    from_center.length()
+                } else {
+                    self.closest(mass, from_center, at.velocity.get(index).widen())
+                };
+                let q = distance * distance + self.softening * self.softening;
                 if q == 0.0 {
                     continue;
                 }
@@ -152,6 +156,10 @@ impl<V: Vector> Force<V> for Central<V> {
                 bound.accuracy("central", TAU * (mass / stiffness).sqrt() / STEPS_PER_TURN);
             }
         }
+    }
+
+    fn present_bound_varies(&self) -> bool {
+        self.exponent != 1.0
     }
 
     fn bytes(&self) -> usize {

@@ -211,12 +211,18 @@ pub trait Force<V: Vector>: Send + Sync {
         None
     }
 
-    /// Adds its stiffness and damping, as they are at this moment, to the bound on the time step.
+    /// Adds its stiffness and damping, as they are at this moment, to the bound on the time step. Where it knows what is
+    /// ahead it counts that too, but not if [`Bound::is_present`].
     fn bound(&self, at: &Moment<'_, V>, bound: &mut Bound);
 
     /// Whether its part of that bound changes as the matter moves.
     fn bound_varies(&self) -> bool {
         false
+    }
+
+    /// Whether its part of the bound on one step, which does not look ahead, changes as the matter moves.
+    fn present_bound_varies(&self) -> bool {
+        self.bound_varies()
     }
 
     /// About how many springs or other pairs it consists of.

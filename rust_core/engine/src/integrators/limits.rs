@@ -1,8 +1,8 @@
 //! Each registered integrator is stable just below the limit that it claims, and grows just above, as its code steps.
 
 use super::{
-    BlanesMoan4, BlanesMoan6, ExplicitEuler, Integrator, McLachlan2, Pefrl, Register, RungeKutta4, SemiImplicitEuler,
-    VelocityVerlet, amplification, with_integrator,
+    BlanesMoan4, BlanesMoan6, BogackiShampine3, ExplicitEuler, Integrator, McLachlan2, Pefrl, Register, RungeKutta4,
+    SemiImplicitEuler, VelocityVerlet, amplification, with_integrator,
 };
 
 const RATIOS: [f64; 4] = [0.0, 0.1, 1.0, 10.0];
@@ -121,6 +121,8 @@ fn limits_agree_with_theory() {
     assert_close(RungeKutta4::limit(0.54), 2.615_590_857_673_826, 1e-11);
     assert_close(RungeKutta4::limit(0.9), 2.852_372_537_790_133, 1e-11);
     assert_close(RungeKutta4::limit(1.0), 2.785_293_563_405_282, 1e-15);
+    assert_close(BogackiShampine3::limit(0.0), 3.0_f64.sqrt(), 1e-11);
+    assert_close(BogackiShampine3::limit(1.0), 2.512_745_326_618_329, 1e-15);
     assert_close(Pefrl::limit(0.0), 2.989_449_545_906_729, 1e-11);
     assert_close(Pefrl::limit(0.02), 3.028_185_685_946_139, 1e-11);
     assert_close(Pefrl::limit(0.1), 4.264_029_366_689_525, 1e-11);

@@ -12,6 +12,7 @@ use crate::matter::MEMORY;
 pub(crate) mod amplification;
 mod blanes_moan_4;
 mod blanes_moan_6;
+mod bogacki_shampine_3;
 mod explicit_euler;
 #[cfg(test)]
 mod limits;
@@ -24,6 +25,7 @@ mod velocity_verlet;
 
 pub use blanes_moan_4::BlanesMoan4;
 pub use blanes_moan_6::BlanesMoan6;
+pub use bogacki_shampine_3::BogackiShampine3;
 pub use explicit_euler::ExplicitEuler;
 pub use mclachlan_2::McLachlan2;
 pub use pefrl::Pefrl;
@@ -66,6 +68,10 @@ pub trait Integrator: Send + Sync + 'static {
     /// Which of those holds, when a stage asks for the forces, the velocity of the drift that led there, if each step is one
     /// drift between two kicks. A field that changes with the motion is then advanced over that drift.
     const DRIFT: Option<usize> = None;
+    /// How many of those can be read after a step: what it carries, and after that what it estimates.
+    const KEPT: usize = Self::CARRIED;
+    /// Which of those hold the estimated errors of x and v, where a method of the order below is embedded in it.
+    const ERROR: Option<[usize; 2]> = None;
     /// What remains of the limit where stiffness and damping couple the modes; 1 where it holds mode by mode, as
     /// [`crate::stability`] explains.
     const COUPLED: f64 = 1.0;
@@ -95,7 +101,8 @@ pub trait Integrator: Send + Sync + 'static {
 macro_rules! with_integrator {
     (@registered $($then:tt)*) => {
         $crate::integrators::with_integrator!($($then)*;
-            ExplicitEuler, SemiImplicitEuler, VelocityVerlet, McLachlan2, RungeKutta4, Pefrl, BlanesMoan4, BlanesMoan6)
+            ExplicitEuler, SemiImplicitEuler, VelocityVerlet, McLachlan2, RungeKutta4, Pefrl, BlanesMoan4, BlanesMoan6,
+            BogackiShampine3)
     };
     (@named $name:expr, $I:ident, $body:expr, $otherwise:expr; $($integrator:ident),+) => {
         match $name {

@@ -73,7 +73,7 @@ fn on_bench<V: Vector, I: Integrator>(from: &Matter<V>, mut block: Blocks<'_, V>
         let Bench { block: done, .. } = bench;
         block.position.copy_from(&done.position.view(0), 0);
         block.velocity.copy_from(&done.velocity.view(0), 0);
-        for (memory, done) in block.memory.iter_mut().zip(&done.memory).take(I::CARRIED) {
+        for (memory, done) in block.memory.iter_mut().zip(&done.memory).take(I::KEPT) {
             memory.copy_from(&done.view(0), 0);
         }
     });

@@ -218,7 +218,7 @@ const fn reuses_one_of_many<I: Integrator>() -> bool {
 }
 
 /// One step of every lane along one axis, or two in one pass over the columns, with the power of each. Only what is carried
-/// from step to step is read and written.
+/// from step to step is read, and only what is kept is written.
 #[inline(always)]
 fn whole_steps<T: Real, I: Integrator, const TWO: bool>(
     law: impl AxisForce<T>,
@@ -248,7 +248,7 @@ fn whole_steps<T: Real, I: Integrator, const TWO: bool>(
             }
             registers.set(lane, &register);
         }
-        registers.store(x, v, memory, group, I::CARRIED);
+        registers.store(x, v, memory, group, I::KEPT);
     }
     for (power, [drag, work]) in power.iter_mut().zip([[&drag, &work], [&second_drag, &second_work]]) {
         add_power(&mut power[Channel::Drag as usize], drag, law.unit());
@@ -426,10 +426,10 @@ impl<V: Vector, I: Integrator, L: PointLaw<V>> StepsUnder<'_, '_, V, I, L> {
                     second.set(lane, &registers[1]);
                     third.set(lane, &registers[2]);
                 }
-                first.store(&mut x.x[group], &mut x.v[group], &mut x.memory, group, I::CARRIED);
-                second.store(&mut y.x[group], &mut y.v[group], &mut y.memory, group, I::CARRIED);
+                first.store(&mut x.x[group], &mut x.v[group], &mut x.memory, group, I::KEPT);
+                second.store(&mut y.x[group], &mut y.v[group], &mut y.memory, group, I::KEPT);
                 if V::DIMENSION > 2 {
-                    third.store(&mut z.x[group], &mut z.v[group], &mut z.memory, group, I::CARRIED);
+                    third.store(&mut z.x[group], &mut z.v[group], &mut z.memory, group, I::KEPT);
                 }
             }
         }

@@ -159,10 +159,10 @@ impl<V: Vector> Law<V> {
         }
     }
 
-    /// The bound on the time step at a moment, with the springs' directions or without.
-    pub fn bound(&self, at: &Moment<'_, V>, directed: bool) -> Bound {
-        let Properties { mass, body, .. } = &self.properties;
-        let mut bound = if directed { Bound::directed(mass, body) } else { Bound::new(mass, body) };
+    /// The bound on the time step at a moment, from one without terms: `Bound::new`, `Bound::directed` or
+    /// `Bound::at_present`.
+    pub fn bound(&self, at: &Moment<'_, V>, empty: fn(&[f64], &[u32]) -> Bound) -> Bound {
+        let mut bound = empty(&self.properties.mass, &self.properties.body);
         self.forces.iter().for_each(|force| force.bound(at, &mut bound));
         bound
     }

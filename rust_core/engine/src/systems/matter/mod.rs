@@ -79,7 +79,7 @@ impl<V: Vector> MatterSystem<V> {
     /// A system at a given state.
     pub fn new<I: Integrator>(law: Law<V>, mut state: Matter<V>, threads: usize) -> Self {
         // What is only kept between the stages of a step need not outlive a block that runs through whole steps.
-        let kept = if law.is_independent() { I::CARRIED } else { I::MEMORY };
+        let kept = if law.is_independent() { I::KEPT } else { I::MEMORY };
         state.memory = vec![Columns::zeros(state.count()); kept];
         let count = state.count() as f64;
         // Nanoseconds on a common core; only the sizes of chunks hang on them, never a bit of the result.

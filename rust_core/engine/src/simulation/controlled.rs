@@ -1,0 +1,107 @@
+//! Steps that follow the estimate of their own error.
+//!
+//! An embedded pair gives the difference between its result and one of the order below, which shrinks like hᵏ with the order
+//! k of the better one. The next step is 0.9 h (1/e)^(0.7/k) (e₀/1)^(0.4/k), with the errors e of this step and e₀ of the one
+//! before in units of the tolerance: a controller that is proportional and integral, which does not swing where stability
+//! limits the step.
+//!
+//! Sources: E. Hairer, S. P. Nørsett, G. Wanner, Solving Ordinary Differential Equations I, 2nd ed. (1993), II.4; K.
+//! Gustafsson, ACM Trans. Math. Softw. 17 (1991) 533; G. Söderlind, Numer. Algorithms 31 (2002) 281.
+
+use super::adaptive::{FINEST, Trial};
+use super::{Rule, Segment, Simulation};
+use crate::error::Result;
+use crate::math::Vector;
+
+/// What is aimed at, as a fraction of the step that would just do.
+const SAFETY: f64 = 0.9;
+/// How much smaller or larger the next step may be.
+const SHRINK: f64 = 0.2;
+const GROW: f64 = 5.0;
+/// The smallest and the largest error that count, in units of the tolerance: beyond them the step changes as fast as it may.
+const COUNT: [f64; 2] = [1e-4, 1e4];
+
+impl<V: Vector> Simulation<V> {
+    /// Steps whose estimated error is at most `tolerance` [m], kept in the memories `error`.
+    pub(super) fn advance_by_errors(
+        &mut self,
+        interval: f64,
+        rule: &Rule,
+        (tolerance, error): (f64, [usize; 2]),
+        interrupted: &dyn Fn() -> bool,
+    ) -> Result<()> {
+        let end = self.segment.time() + interval;
+        // Not below what the clock can tell apart.
+        let finest = (interval / FINEST as f64).max(4.0 * f64::EPSILON * end);
+        if self.adaptation.control[0] == 0.0 {
+            let first = self.allowed(rule);
+            self.adaptation.control = [if first > 0.0 { first } else { rule.free }, 1.0];
+        }
+        self.expect(self.adaptation.control[0].min(interval));
+        let order = f64::from(self.order);
+        let power = |error: f64, exponent: f64| libm::pow(error, exponent / order);
+        let (mut failures, mut since) = (0, 0);
+        loop {
+            let time = self.segment.time();
+            let left = end - time;
+            if left <= finest {
+                return Ok(());
+            }
+            let [wanted, last] = self.adaptation.control;
+            let (h, ends) = fit(wanted.max(finest), left);
+            let before = (self.segment, self.watch, self.flow);
+            self.segment = Segment { start: time, steps: 0, dt: h };
+            match self.attempt(before.0, interrupted)? {
+                Trial::Taken => {
+                    let found = (self.estimate(error, h) / tolerance).clamp(COUNT[0], COUNT[1]);
+                    if found <= 1.0 || h <= finest {
+                        self.count(h);
+                        let next = h * change(power(found, -0.7) * power(last, 0.4));
+                        // A step that was cut short for the end of the interval says little about a longer one.
+                        self.adaptation.control = [if h < wanted { next.max(wanted) } else { next }, found];
+                        if ends {
+                            self.segment = Segment { start: end, steps: 0, dt: h };
+                        }
+                        failures = 0;
+                    } else {
+                        self.take_back(1)?;
+                        self.adaptation.rejected += 1;
+                        (self.segment, self.watch, self.flow) = before;
+                        self.adaptation.control[0] = h * change(power(found, -1.0)).min(SAFETY);
+                    }
+                }
+                Trial::Diverged(error) => {
+                    self.fail(&mut failures, h <= finest, error)?;
+                    (self.segment, self.watch, self.flow) = before;
+                    self.adaptation.control[0] = 0.5 * h;
+                }
+            }
+            self.poll(&mut since, true, interrupted)?;
+        }
+    }
+
+    /// The largest error of any particle [m]: of its position, or of its velocity times the step.
+    fn estimate(&self, [x, v]: [usize; 2], h: f64) -> f64 {
+        let state = self.system.state();
+        let length = |memory: usize, index: usize| state.memory[memory].get(index).widen().length();
+        let error = |index: usize| length(x, index).max(h * length(v, index));
+        (0..state.count()).map(error).fold(0.0, f64::max)
+    }
+}
+
+/// The step to take where `left` seconds are left, and whether it is the last one. The last two are equal, rather than a long
+/// one and a rest.
+fn fit(wanted: f64, left: f64) -> (f64, bool) {
+    if wanted >= left {
+        (left, true)
+    } else if 2.0 * wanted > left {
+        (0.5 * left, false)
+    } else {
+        (wanted, false)
+    }
+}
+
+/// By how much to change a step, from the factor that would just do.
+fn change(factor: f64) -> f64 {
+    (SAFETY * factor).clamp(SHRINK, GROW)
+}
