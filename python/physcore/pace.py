@@ -140,11 +140,14 @@ class Pace:
 
     def _adapt(self, interval: float, fps: float, rule: AdaptiveStep) -> None:
         """Advance by an interval [s] in steps that follow the motion."""
+        before = self.rescued
         try:
             flow = self._world.run(interval, rule.safety, free_step(fps), rule.tolerance)
         except SimulationDiverged as error:
             self._complete(error)
             raise
+        if before == 0 < self.rescued:
+            warn("a step that follows the motion diverged and was halved: take a smaller safety", StabilityWarning)
         self._warn_if_hasty(*flow or (0.0, 0.0, 0.0))
 
     def _advance_by(self, steps: int, dt: float) -> None:
