@@ -236,7 +236,8 @@ fn refuse_tiny_masses<V: Vector>(properties: &Properties<V>) -> Result<()> {
     let tiny = (0..properties.count()).find(|&index| !properties.inverse_mass[index].is_finite());
     tiny.map_or(Ok(()), |index| {
         let path = format!("bodies[{}].mass", properties.body[index]);
-        Err(Error::parameter(path, format!("masses whose inverse {} can hold", V::Scalar::NAME), properties.mass[index]))
+        let found = format!("{:e} kg", properties.mass[index]);
+        Err(Error::parameter(path, format!("masses whose inverse {} can hold", V::Scalar::NAME), found))
     })
 }
 
