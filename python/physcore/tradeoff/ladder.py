@@ -15,6 +15,10 @@ from physcore.tradeoff.result import CERTAIN, Prediction, Status
 
 REPEATS = 5
 """How often each row is timed."""
+SHORTEST = 2e-3
+"""What is timed takes as long as this [s]: of shorter runs several in a row, whose mean is taken."""
+MOST_RUNS = 20
+"""Runs in a row at most."""
 LEAST = 3
 """Rows of a ladder that come to an end and may take the budget once more: fewer have no slope."""
 LOWEST = 24
@@ -34,6 +38,8 @@ class Entry:
     energy_drift: float
     evaluations: int
     status: Status
+    seconds: float
+    """Spent in stepping, in the run that found the error."""
     cost: float
     """What running it once takes [s], with its building."""
     judging: float
@@ -41,6 +47,11 @@ class Entry:
     bias: Bias | None = None
     held_out: bool = False
     times: list[float] = field(default_factory=list)
+
+    @property
+    def runs(self) -> int:
+        """How many runs make one time."""
+        return max(1, min(MOST_RUNS, math.ceil(SHORTEST / max(self.seconds, SHORTEST / MOST_RUNS))))
 
 
 @dataclass

@@ -88,18 +88,14 @@ class Study:
         """Run everything again, five times, each time in another order, and take the times.
 
         Whole runs in one call, from a simulation that is built anew and not timed; the run that found the error has
-        warmed everything up.
+        warmed everything up. Runs that are too short for a clock are timed several in a row.
         """
         generator = np.random.default_rng(self._seed)
         entries = [entry for ladder in self._ladders for entry in ladder.entries]
         for _ in range(REPEATS):
             for index in generator.permutation(len(entries)):
                 entry = entries[index]
-                simulation = self.experiment.start(entry.choice)
-                begin = time.perf_counter()
-                with contextlib.suppress(SimulationDiverged):
-                    simulation.run(self.experiment.duration)
-                entry.times.append(time.perf_counter() - begin)
+                entry.times.append(sum(self._time_once(entry.choice) for _ in range(entry.runs)) / entry.runs)
                 self._tick()
 
     @property
@@ -136,6 +132,14 @@ class Study:
             for ladder in self._ladders
             for entry in ladder.entries
         ]
+
+    def _time_once(self, choice: Choice) -> float:
+        """How long a whole run takes [s], or until it diverges."""
+        simulation = self.experiment.start(choice)
+        begin = time.perf_counter()
+        with contextlib.suppress(SimulationDiverged):
+            simulation.run(self.experiment.duration)
+        return time.perf_counter() - begin
 
     def _ladder(
         self, integrator: Integrator, precision: Literal["f32", "f64"], dts: Sequence[float] | None
@@ -197,7 +201,7 @@ class Study:
         begin = time.perf_counter()
         trial = self.experiment.attempt(choice)
         cost = time.perf_counter() - begin
-        entry = Entry(choice, math.inf, trial.energy_drift, trial.evaluations, "diverged", cost, 0.0)
+        entry = Entry(choice, math.inf, trial.energy_drift, trial.evaluations, "diverged", trial.seconds, cost, 0.0)
         if trial.complete:
             entry.status = "ok"
             if isinstance(self.truth, Reference):
@@ -240,7 +244,7 @@ class Study:
 
     def _timing(self) -> float:
         """What the timing of all rows so far will take [s]."""
-        return REPEATS * sum(entry.cost for ladder in self._ladders for entry in ladder.entries)
+        return REPEATS * sum(entry.runs * entry.cost for ladder in self._ladders for entry in ladder.entries)
 
     def _refine(self, budget: Budget) -> None:
         """Spend what is left halfway between two rows of a ladder, where the front has its widest gap; one at least."""
