@@ -59,7 +59,8 @@ def tradeoff(
         duration: how long to simulate it [s].
         integrators: what to compare; None: all that can compute the scene.
         precisions: "f64", "f32" or both.
-        dts: the largest time steps to try [s], each made a whole fraction of a 32nd of the duration; None: the search.
+        dts: the time steps to try [s], each made a whole fraction of a 32nd of the duration by rounding it down, all of
+            them whatever the budget; None: the search.
         resolutions: what to call `scene` with, from the coarsest to the finest. The references at all of them say how
             much of the error is the resolution's: it is added to that of the time steps.
         observe: what to compare, as a function of the simulation that gives an array of numbers; None: the positions of

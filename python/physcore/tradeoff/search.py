@@ -52,6 +52,7 @@ class Study:
         """Who cannot compute the scene, by the reason."""
         self._seed = seed
         self._tick = tick
+        self._searching = dts is None
         self.simd = ""
         self._methods = reference.methods(experiment)
         self._ladders = [
@@ -77,12 +78,13 @@ class Study:
             ladder = min(ladders, key=Ladder.cost)
             held = sum(entry.status != "diverged" for entry in ladder.entries)
             left = budget.left() - self._timing() + (budget.seconds if held < LEAST else 0.0)
-            if ladder.entries and ladder.cost() > left:
+            if ladder.entries and not ladder.choices and ladder.cost() > left:
                 break
             self._run(ladder)
             if ladder.open_ended and (ladder.exhausted(self.truth.uncertainty) or self._left_behind(ladder)):
                 ladder.open_ended = False
-        self._refine(budget)
+        if self._searching:
+            self._refine(budget)
 
     def time(self) -> None:
         """Run everything again, five times, each time in another order, and take the times.
