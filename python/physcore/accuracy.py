@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import time
-import warnings
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from typing import Unpack
@@ -12,13 +11,13 @@ from typing import Unpack
 import numpy as np
 
 from physcore.checks import number
-from physcore.errors import AccuracyError, SceneError, SimulationDiverged, StabilityWarning
+from physcore.errors import AccuracyError, SceneError, SimulationDiverged
 from physcore.integrators import INTEGRATORS, Integrator
 from physcore.numerics import FRAMES_PER_SECOND, Options
 from physcore.recording import CHANNELS, Channel, Recording, check_channels
 from physcore.sampling import frame_count
 from physcore.scene import Scene
-from physcore.simulation import Simulation, require_scene
+from physcore.simulation import Simulation, require_scene, unwarned
 
 DEEPEST = 30
 """Halvings of the time step after which a method is given up."""
@@ -129,8 +128,7 @@ class Runner:
         self.steps *= 2
         channels = tuple(dict.fromkeys(("positions", *self.channels)))
         try:
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore", StabilityWarning)
+            with unwarned():
                 self.options["dt"] = dt
                 simulation = Simulation(self.scene, **self.options)
             run = simulation.record(self.duration, self.fps, channels, progress=False)
@@ -204,8 +202,7 @@ def _runners(
     for integrator in candidates:
         mine: Options = {**options, "integrator": integrator, "dt": 1.0 / fps}
         try:
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore", StabilityWarning)
+            with unwarned():
                 plan = Simulation(scene, **mine).plan
         except SceneError as error:
             refusal = error

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import warnings
 from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import replace
 from typing import Literal, cast
 
@@ -266,8 +267,7 @@ class Simulation:
     @classmethod
     def _resumed(cls, scene: Scene, options: Options, pace: storage.Tree, world: storage.Tree) -> Simulation:
         """A simulation in a state that was captured."""
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", StabilityWarning)  # It was given when the run began.
+        with unwarned():  # It was given when the run began.
             simulation = cls(scene, **options)
         simulation._pace.restore(pace)
         simulation._world.restore(world)
@@ -298,6 +298,14 @@ class Simulation:
             else f"{name} is not stable at any time step in this scene ({limit.term}): its energy grows without end"
         )
         warn(message, StabilityWarning)
+
+
+@contextmanager
+def unwarned() -> Iterator[None]:
+    """For building simulations whose time step is meant to be above the limit, or was warned of before."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", StabilityWarning)
+        yield
 
 
 def require_scene(scene: object) -> None:

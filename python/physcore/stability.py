@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 import math
-import warnings
 from dataclasses import dataclass
 from typing import Literal, overload
 
 import numpy as np
 
 from physcore import engine
-from physcore.errors import SimulationDiverged, StabilityWarning
+from physcore.checks import FloatArray
+from physcore.errors import SimulationDiverged
 from physcore.integrators import Integrator
 from physcore.numerics import check
 from physcore.scene import Scene
-from physcore.simulation import Simulation, require_scene
+from physcore.simulation import Simulation, require_scene, unwarned
 
 STEPS = 2000
 """Steps of a trial: a thousandth above the limit, an undamped oscillation grows by a factor of 1.09 in each of them."""
@@ -120,17 +120,20 @@ def _bisect(scene: Scene, integrator: Integrator, theory: float) -> float:
 
 def _stable(scene: Scene, integrator: Integrator, dt: float, theory: float) -> bool:
     """Whether a run holds for 2000 steps."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", StabilityWarning)
+    with unwarned():
         run = Simulation(scene, integrator, dt, "f64", runaway=RUNAWAY)
     extent = float(np.ptp(run.positions, axis=0).max()) or 1.0
-    free = np.concatenate([~body.fixed for body in scene.bodies])
-    velocities = run.velocities
-    noise = np.random.default_rng(0).normal(size=velocities[free].shape)
-    velocities[free] += NUDGE * extent / theory * noise
-    run.set(velocities=velocities)
+    run.set(velocities=nudged(run, NUDGE * extent / theory, seed=0))
     try:
         run.step(STEPS)
     except SimulationDiverged:
         return False
     return True
+
+
+def nudged(simulation: Simulation, size: float, seed: int) -> FloatArray:
+    """The velocities of a simulation with one normal deviate of `size` [m/s] added to each, where nothing is fixed."""
+    velocities = simulation.velocities
+    free = np.concatenate([~body.fixed for body in simulation.scene.bodies])
+    velocities[free] += size * np.random.default_rng(seed).normal(size=velocities[free].shape)
+    return velocities

@@ -192,7 +192,7 @@ def test_the_reference_of_an_orbit_is_keplers():
     """After whole revolutions the planet is where it began, and it is uncertain by what it says."""
     case = orbit(0.6)
     experiment = Experiment(*case, threads=1)
-    found = reference.find(experiment, Budget(2.0))
+    found = reference.find(experiment, reference.methods(experiment), Budget(2.0))
     assert found.agrees
     assert found.uncertainty < 1e-10
     off = np.linalg.norm(found.samples[-1] - found.samples[0])
@@ -209,7 +209,7 @@ def test_a_bad_reference_is_found_out(monkeypatch):
         return honest(self, simulation) + shift * simulation.time
 
     monkeypatch.setattr(Experiment, "observe", crooked)
-    found = reference.find(experiment, Budget(1.0))
+    found = reference.find(experiment, reference.methods(experiment), Budget(1.0))
     assert not found.agrees
     # Both coordinates are off by 1e-5 of ten seconds.
     assert found.uncertainty == pytest.approx(math.sqrt(2.0) * 1e-4, rel=1e-3)

@@ -10,6 +10,7 @@ import numpy as np
 
 from physcore.checks import FloatArray
 from physcore.simulation import Simulation
+from physcore.stability import nudged
 from physcore.tradeoff.experiment import SAMPLES, Choice, Experiment
 
 NUDGE = 1e-10
@@ -52,7 +53,7 @@ def twin(experiment: Experiment, choice: Choice, seed: int) -> Chaos:
     first, other = experiment.start(choice), experiment.start(choice)
     states = list(_states(experiment, first, choice))
     speed = max(float(np.abs(velocities).max()) for velocities, _ in states) or 1.0
-    other.set(velocities=nudged(experiment, other, NUDGE * speed, seed))
+    other.set(velocities=nudged(other, NUDGE * speed, seed))
     scales = [max(float(np.abs(state[part] - states[0][part]).max()) for state in states) for part in (0, 1)]
     parts = [(0, max(speed, scales[0])), (1, scales[1])] if experiment.observer is None else [(1, scales[1])]
     distances = [
@@ -84,14 +85,6 @@ def judge(times: FloatArray, growth: FloatArray, saturated: float) -> Chaos:
     ends = slice(last // 4, last + 1) if last > 1 else slice(0, int(lost[0]) + 1)
     exponent = float(np.polyfit(times[ends], np.log(growth[ends]), 1)[0])
     return Chaos(times, growth, True, exponent, float(times[int(lost[0]) - 1]))
-
-
-def nudged(experiment: Experiment, simulation: Simulation, size: float, seed: int) -> FloatArray:
-    """The velocities of a simulation with one normal deviate of `size` [m/s] added to each, where nothing is fixed."""
-    velocities = simulation.velocities
-    free = np.concatenate([~body.fixed for body in experiment.scene.bodies])
-    velocities[free] += size * np.random.default_rng(seed).normal(size=velocities[free].shape)
-    return velocities
 
 
 def _states(experiment: Experiment, simulation: Simulation, choice: Choice) -> Iterator[tuple[FloatArray, FloatArray]]:

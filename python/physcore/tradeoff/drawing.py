@@ -82,8 +82,7 @@ def _series(trade: Tradeoff) -> dict[tuple[str, str, float | None], list[Row]]:
 
 def film(trade: Tradeoff, path: str | os.PathLike[str], row: Row, fps: float, options: dict[str, Any]) -> None:
     """What was chosen beside the reference; see `Tradeoff.film`."""
-    index = -1 if row.resolution is None else [each.resolution for each in trade.rows].index(row.resolution)
-    position = 0 if index < 0 else list(dict.fromkeys(each.resolution for each in trade.rows)).index(row.resolution)
+    position = list(dict.fromkeys(each.resolution for each in trade.rows)).index(row.resolution)
     experiment, reference = trade.experiments[position], trade.references[position]
     chosen = simulate(experiment.scene, trade.duration, fps, **row.numerics)
     truth = simulate(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
@@ -13,10 +12,10 @@ from numpy.typing import ArrayLike
 
 from physcore.checks import FloatArray, array
 from physcore.energy import Energy, EnergySeries
-from physcore.errors import SceneError, SimulationDiverged, StabilityWarning
+from physcore.errors import SceneError, SimulationDiverged
 from physcore.integrators import Integrator
 from physcore.scene import Scene
-from physcore.simulation import Simulation
+from physcore.simulation import Simulation, unwarned
 
 SAMPLES = 32
 """Equal intervals of the duration, at whose ends every run is looked at. Every time step divides them."""
@@ -90,8 +89,7 @@ class Experiment:
         Raises:
             SceneError: the scene cannot be computed so.
         """
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", StabilityWarning)  # Whoever measures where it ends goes beyond.
+        with unwarned():  # Whoever measures where it ends goes beyond.
             return Simulation(self.scene, choice.integrator, self.dt(choice), choice.precision, self.threads)
 
     def observe(self, simulation: Simulation) -> FloatArray:

@@ -51,7 +51,7 @@ class Entry:
     @property
     def runs(self) -> int:
         """How many runs make one time."""
-        return max(1, min(MOST_RUNS, math.ceil(SHORTEST / max(self.seconds, SHORTEST / MOST_RUNS))))
+        return math.ceil(min(MOST_RUNS, SHORTEST / max(self.seconds, SHORTEST / MOST_RUNS)))
 
 
 @dataclass

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -79,7 +79,9 @@ def methods(experiment: Experiment) -> list[Method]:
         except SceneError as error:
             refusal = error
             continue
-        limit = min(stability_limit(experiment.scene, kind()), BEYOND * plan.dt_limit)
+        limit = plan.dt_limit
+        if plan.limit_kind == "accuracy":
+            limit = min(stability_limit(experiment.scene, kind()), BEYOND * limit)
         found.append(Method(kind(), plan.order, limit, plan.dt_limit, plan.evaluations))
     if not found:
         raise refusal
@@ -99,15 +101,14 @@ def largest_step(method: Method, candidates: list[Method]) -> float:
     return best if hopeless else method.limit
 
 
-def find(experiment: Experiment, budget: Budget, until: int = SAMPLES + 1) -> Reference:
-    """The best reference that a budget allows, of the first `until` samples.
+def find(experiment: Experiment, candidates: list[Method], budget: Budget, until: int = SAMPLES + 1) -> Reference:
+    """The best reference that some methods, the most accurate first, and a budget allow, of the first `until` samples.
 
     Source of the extrapolation: L. F. Richardson, Phil. Trans. R. Soc. A 226, 299 (1927).
 
     Raises:
         PhyscoreError: every run diverged.
     """
-    candidates = methods(experiment)
     best = candidates[0]
     others = other_family(best, candidates)
     # Half for each: a check that is worse than what it checks still finds what is wrong.
@@ -117,16 +118,8 @@ def find(experiment: Experiment, budget: Budget, until: int = SAMPLES + 1) -> Re
     check = _converge(experiment, others[0], candidates, budget, until)
     apart = float(experiment.distances(check.samples, reference.samples).max())
     agrees = apart <= AGREEMENT * (reference.uncertainty + check.uncertainty)
-    return Reference(
-        reference.samples,
-        reference.uncertainty if agrees else apart,
-        reference.choice,
-        reference.order,
-        reference.extrapolated,
-        check.choice,
-        apart,
-        agrees,
-    )
+    uncertainty = reference.uncertainty if agrees else apart
+    return replace(reference, uncertainty=uncertainty, check=check.choice, disagreement=apart, agrees=agrees)
 
 
 def _converge(

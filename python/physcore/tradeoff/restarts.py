@@ -9,8 +9,9 @@ import numpy as np
 
 from physcore.checks import FloatArray
 from physcore.errors import PhyscoreError, SceneError, SimulationDiverged
+from physcore.stability import nudged
 from physcore.tradeoff.budget import Budget
-from physcore.tradeoff.chaos import Chaos, nudged
+from physcore.tradeoff.chaos import Chaos
 from physcore.tradeoff.experiment import SAMPLES, Choice, Experiment
 from physcore.tradeoff.reference import AGREEMENT, DEEPEST, START, Method
 
@@ -80,7 +81,7 @@ def windows(
     reaches; the best of the other methods checks them.
     """
     growth = chaos.exponent * experiment.interval / math.log(WINDOW_GROWTH)
-    parts = 1 << max(0, math.ceil(math.log2(growth))) if growth > 1.0 else 1
+    parts = 1 << math.ceil(math.log2(growth)) if growth > 1.0 else 1
     choice = replace(choice, steps=multiple(choice.steps, parts))
     simulation = experiment.start(choice)
     starts = []
@@ -179,7 +180,7 @@ def bias(found: FloatArray, reference: FloatArray, doubts: FloatArray) -> Bias:
 def _averages(experiment: Experiment, choice: Choice, size: float, seed: int) -> FloatArray:
     """Kinetic energy, potential energy above that at the start, and the root mean square distance from the middle."""
     simulation = experiment.start(choice)
-    simulation.set(velocities=nudged(experiment, simulation, size, seed))
+    simulation.set(velocities=nudged(simulation, size, seed))
     begin = simulation.energy()
     sums = np.zeros(len(AVERAGES))
     for sample in range(SAMPLES):

@@ -36,7 +36,7 @@ blow-up, whatever the watch says."""
 
 
 class Study:
-    """Measures one scene; `run` finds the rows, `time` how long each of them takes, `rows` gives them."""
+    """Measures one scene; `find` looks for the rows, `time` how long each of them takes, `rows` gives them."""
 
     def __init__(
         self,
@@ -167,11 +167,11 @@ class Study:
         steps = self.experiment.steps_of(reference.START * best.accurate)
         choice, self.chaos = self._twin(Choice(best.integrator, "f64", steps))
         if not self.chaos.chaotic:
-            self.truth = reference.find(self.experiment, budget)
+            self.truth = reference.find(self.experiment, self._methods, budget)
         elif self.experiment.scene.fluids or self.experiment.observer is not None:
             # The state of a fluid is more than places and velocities, and an observer may look at the past.
             self.measure = "until the horizon"
-            self.truth = reference.find(self.experiment, budget, self.until())
+            self.truth = reference.find(self.experiment, self._methods, budget, self.until())
         else:
             self.measure = "restart"
             others = reference.other_family(best, self._methods)
