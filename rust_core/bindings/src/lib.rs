@@ -4,6 +4,7 @@ use pyo3::prelude::*;
 
 mod canvas;
 mod errors;
+mod gif;
 mod scene;
 mod world;
 
@@ -11,7 +12,9 @@ mod world;
 #[pymodule(gil_used = false)]
 mod _core {
     #[pymodule_export]
-    use super::canvas::{Canvas, Gif};
+    use super::canvas::Canvas;
+    #[pymodule_export]
+    use super::gif::Gif;
     #[pymodule_export]
     use super::world::World;
 }

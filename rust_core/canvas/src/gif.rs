@@ -81,6 +81,16 @@ impl<W: Write> Gif<W> {
         Ok(self.out.write_all(&self.bytes)?)
     }
 
+    /// Appends a text that viewers do not show, in UTF-8.
+    pub fn comment(&mut self, text: &str) -> Result<(), Error> {
+        self.out.write_all(b"\x21\xFE")?;
+        for block in text.as_bytes().chunks(255) {
+            self.out.write_all(&[block.len() as u8])?;
+            self.out.write_all(block)?;
+        }
+        Ok(self.out.write_all(&[0])?)
+    }
+
     /// Ends the film and gives back what it was written to.
     pub fn finish(mut self) -> Result<W, Error> {
         self.out.write_all(&[0x3B])?;

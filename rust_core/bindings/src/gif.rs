@@ -1,0 +1,120 @@
+//! The GIF for Python: canvases in, a file or bytes out, with the interpreter free meanwhile.
+
+use std::io::{self, Write};
+use std::path::PathBuf;
+
+use physcore_canvas::{Error, Histogram, NewFile, Palette, Rgb};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use pyo3::types::PyBytes;
+
+use crate::canvas::{Canvas, python_error};
+
+/// A GIF in the making: first some frames are observed, then all are added.
+#[pyclass(module = "physcore._core")]
+pub struct Gif {
+    histogram: Histogram,
+    reserved: Vec<Rgb>,
+    state: State,
+}
+
+enum State {
+    Observing(Sink),
+    Writing(Box<physcore_canvas::Gif<Sink>>),
+    Closed,
+}
+
+/// Where the bytes go.
+enum Sink {
+    File(NewFile),
+    Memory(Vec<u8>),
+}
+
+#[pymethods]
+impl Gif {
+    /// `reserved` are colors that the palette holds exactly. Without a path the bytes stay in memory.
+    #[new]
+    fn new(path: Option<PathBuf>, reserved: Vec<Rgb>) -> PyResult<Self> {
+        let sink = match path {
+            Some(path) => Sink::File(NewFile::create(&path)?),
+            None => Sink::Memory(Vec::new()),
+        };
+        Ok(Self { histogram: Histogram::default(), reserved, state: State::Observing(sink) })
+    }
+
+    /// Let a frame's colors count for the palette.
+    fn observe(&mut self, py: Python<'_>, canvas: &Canvas) {
+        let histogram = &mut self.histogram;
+        py.detach(|| histogram.observe(&canvas.picture));
+    }
+
+    /// Append a frame that is shown for `delay` hundredths of a second; the first one fixes the palette.
+    fn frame(&mut self, py: Python<'_>, canvas: &Canvas, delay: u16) -> PyResult<()> {
+        let (picture, Self { histogram, reserved, state }) = (&canvas.picture, self);
+        let written = py.detach(|| {
+            if let State::Observing(_) = state {
+                let State::Observing(sink) = std::mem::replace(state, State::Closed) else {
+                    return Ok(());
+                };
+                let palette = Palette::new(histogram, reserved);
+                let gif = physcore_canvas::Gif::new(sink, picture, palette)?;
+                *state = State::Writing(Box::new(gif));
+            }
+            match state {
+                State::Writing(gif) => gif.frame(picture, delay),
+                _ => Err(Error::Write(io::Error::other("the film is closed"))),
+            }
+        });
+        written.map_err(python_error)
+    }
+
+    /// Put a text into the file that viewers do not show; only after a frame.
+    fn comment(&mut self, text: &str) -> PyResult<()> {
+        match &mut self.state {
+            State::Writing(gif) => gif.comment(text).map_err(python_error),
+            _ => Err(PyValueError::new_err("a film must have a frame")),
+        }
+    }
+
+    /// End the film: put the file under its name, or give the bytes.
+    fn finish<'py>(&mut self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyBytes>>> {
+        let State::Writing(gif) = std::mem::replace(&mut self.state, State::Closed) else {
+            return Err(PyValueError::new_err("a film must have a frame"));
+        };
+        let sink = py.detach(|| -> Result<Sink, Error> {
+            let sink = gif.finish()?;
+            Ok(match sink {
+                Sink::File(file) => {
+                    file.commit()?;
+                    Sink::Memory(Vec::new())
+                }
+                memory @ Sink::Memory(_) => memory,
+            })
+        });
+        match sink.map_err(python_error)? {
+            Sink::Memory(bytes) if !bytes.is_empty() => Ok(Some(PyBytes::new(py, &bytes))),
+            _ => Ok(None),
+        }
+    }
+
+    /// Give up: the file under the name stays as it was. Does nothing after `finish`.
+    fn close(&mut self) {
+        self.state = State::Closed;
+    }
+}
+
+impl Write for Sink {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        match self {
+            Self::File(file) => file.write(bytes),
+            Self::Memory(memory) => memory.write(bytes),
+        }
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        match self {
+            Self::File(file) => file.flush(),
+            Self::Memory(_) => Ok(()),
+        }
+    }
+}
