@@ -215,12 +215,14 @@ def _styles(style: object, found: Sequence[Source]) -> list[Style]:
 
 
 def _painters(source: Source, styles: list[Style], theme: Theme) -> list[Painter]:
-    """What draws a source: the first style that draws a body gets it, and points what no style draws."""
-    left = [Part(body, source.scene.slice(body)) for body in source.scene.bodies]
+    """What draws a source: the first style that draws a body gets it, and points what no style draws; overlays add."""
+    parts = [Part(body, source.scene.slice(body)) for body in source.scene.bodies]
+    left = list(parts)
     painters = []
     for each in (*styles, Points()):
-        mine = [part for part in left if each.draws(part.body)]
-        left = [part for part in left if part not in mine]
+        mine = [part for part in (parts if each.overlay else left) if each.draws(part.body)]
+        if not each.overlay:
+            left = [part for part in left if part not in mine]
         if mine:
             painters.append(each.painter(source, mine, theme))
     return painters

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
-from typing import cast
+from typing import ClassVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,9 +31,26 @@ class Part:
     where: slice
 
 
+@dataclass(frozen=True, eq=False)
+class Scale:
+    """What colors mean: a quantity, and the values at the ends of a table of colors."""
+
+    quantity: str
+    """A word or two, such as "speed"."""
+    unit: str
+    """In the usual symbols; empty for a ratio."""
+    ends: tuple[float, float]
+    """The values at the first and the last color."""
+    table: FloatArray
+    """Colors, shape (K, 3), as far apart as the values are."""
+
+
 @dataclass(frozen=True)
 class Style(ABC):
     """How some bodies look. To add one: a file here, and a line in `STYLES`."""
+
+    overlay: ClassVar[bool] = False
+    """Whether it adds something to bodies that are drawn in another style too, instead of being how they look."""
 
     on: On = field(default=None, kw_only=True)
     """The body or bodies drawn in this style; None: all that it can draw."""
@@ -67,6 +84,16 @@ class Painter(ABC):
     """What it draws by."""
     top: float = 0.0
     """The value at the end of the color scale. Panels with equal styles share it, so that a color means one thing."""
+
+    @property
+    def scale(self) -> Scale | None:
+        """What its colors mean, once the film has been seen; None if they mean no quantity."""
+        return None
+
+    @property
+    def settled(self) -> bool:
+        """Whether it knows what to draw without having seen the film first."""
+        return True
 
     def begin(self) -> None:  # noqa: B027 - most painters remember nothing
         """Forget earlier moments: the film starts."""

@@ -15,13 +15,14 @@ from physcore.errors import SceneError
 from physcore.film.camera import View
 from physcore.film.colormaps import ColormapName, look_up, sequential
 from physcore.film.sources import Moment, Source
-from physcore.film.styles.base import Painter, Part, Style, inks, typical
+from physcore.film.styles.base import Painter, Part, Scale, Style, inks, typical
 from physcore.film.themes import Theme
 
 ColorBy = Literal["speed", "pressure", "density"]
 
 CHANNEL = {"speed": "velocities", "pressure": "pressures", "density": "densities"}
 """What a film of each color needs."""
+UNITS = {"speed": "m/s", "pressure": "Pa"}
 FULL = 1.6
 """A lump's diameter over its spacing: discs on a square lattice just cover the plane, √2, so that water is closed."""
 TYPICAL = 95.0
@@ -92,6 +93,18 @@ class FluidPainter(Painter):
         self._radius = np.repeat([FULL / 2 * body.spacing for body in bodies], sizes).astype(np.float32)
         self._rest = np.repeat([body.density for body in bodies], sizes)
         self.top = style.top or NEVER
+
+    @property
+    def scale(self) -> Scale:
+        """What the colors mean."""
+        if self._style.color == "density":
+            return Scale("density / at rest", "", (1.0 - self.top, 1.0 + self.top), self._table)
+        return Scale(self._style.color, UNITS[self._style.color], (0.0, self.top), self._table)
+
+    @property
+    def settled(self) -> bool:
+        """Whether the end of the color scale was given."""
+        return self._style.top is not None
 
     @property
     def margin(self) -> float:

@@ -15,11 +15,12 @@ from physcore.errors import SceneError
 from physcore.film.camera import PixelArray, View
 from physcore.film.colormaps import ColormapName, look_up, sequential
 from physcore.film.sources import Moment, Source
-from physcore.film.styles.base import Painter, Part, Style, inks, typical
+from physcore.film.styles.base import Painter, Part, Scale, Style, inks, typical
 from physcore.film.themes import Theme
 
 ColorBy = Literal["speed", "energy", "body"]
 
+UNITS = {"speed": "m/s", "energy": "J"}
 SPACING = 0.3
 """A disc's radius as a fraction of the mean distance that the particles would have if they filled the panel."""
 RADII = (1.0, 5.5)
@@ -37,11 +38,12 @@ class Points(Style):
 
     Args:
         color: by "speed" [m/s], kinetic "energy" [J] or "body"; None: speed if it was recorded, otherwise body. Scales
-            go from zero to what is typical of the fastest frame.
+            begin at zero.
         colormap: "plasma", "viridis", "inferno", "magma", "water" or "ember".
         size: diameter [pixels]; None: as large as the particle if it has a radius, otherwise as fits their number.
         trail: for how long the path behind each particle is shown [s]; None: where there are only a few particles, an
             eighth of the film, otherwise not.
+        top: the value at the end of the color scale [m/s or J], above zero; None: what is typical of the fastest frame.
         on: as in Style.
 
     Raises:
@@ -52,6 +54,7 @@ class Points(Style):
     colormap: ColormapName = "plasma"
     size: float | None = None
     trail: float | None = None
+    top: float | None = None
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -60,8 +63,9 @@ class Points(Style):
         sequential(self.colormap, (0.0, 1.0), "Points.colormap")
         if self.trail is not None:
             number(self.trail, "Points.trail", least=0.0)
-        if self.size is not None:
-            number(self.size, "Points.size", above=0.0)
+        for name in ("size", "top"):
+            if getattr(self, name) is not None:
+                number(getattr(self, name), f"Points.{name}", above=0.0)
 
     def painter(self, source: Source, parts: list[Part], theme: Theme) -> Painter:
         """A painter with the color scale of one film."""
@@ -84,10 +88,21 @@ class PointsPainter(Painter):
         each = [theme.bodies[bodies.index(part.body) % len(theme.bodies)] for part in parts]
         self._bodies = np.repeat(np.array(each, dtype=float), [len(part.body) for part in parts], axis=0)
         self._domain = source.scene.periodic
+        self.top = style.top or 0.0
         frames = source.count / 8 if len(self._where) <= FEW else 0.0
         if style.trail is not None:
             frames = min(style.trail * source.fps, source.count)
         self._past: deque[FloatArray] = deque(maxlen=1 + round(frames))
+
+    @property
+    def scale(self) -> Scale | None:
+        """What the colors mean."""
+        return None if self._color == "body" else Scale(self._color, UNITS[self._color], (0.0, self.top), self._table)
+
+    @property
+    def settled(self) -> bool:
+        """Whether the end of the color scale was given, or there is none."""
+        return self._color == "body" or self._style.top is not None
 
     def begin(self) -> None:
         """Forget the paths."""
@@ -95,7 +110,7 @@ class PointsPainter(Painter):
 
     def observe(self, moment: Moment) -> None:
         """Find the top of the color scale."""
-        if self._color != "body":
+        if not self.settled:
             self.top = max(self.top, typical(self._values(moment)))
 
     def inset(self, pixels: float) -> float:

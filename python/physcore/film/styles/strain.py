@@ -13,7 +13,7 @@ from physcore.errors import SceneError
 from physcore.film.camera import View
 from physcore.film.colormaps import diverging, look_up
 from physcore.film.sources import Moment, Source
-from physcore.film.styles.base import Painter, Part, Style, inks, typical
+from physcore.film.styles.base import Painter, Part, Scale, Style, inks, typical
 from physcore.film.themes import Theme
 from physcore.periodic import Periodic
 
@@ -91,6 +91,18 @@ class StrainPainter(Painter):
         self._chain: BoolArray = np.concatenate(chain)[order]
         self._fixed: IntArray = np.concatenate(fixed)
         self.top = style.range or NEVER
+
+    @property
+    def settled(self) -> bool:
+        """Whether the end of the color scale was given."""
+        return self._style.range is not None
+
+    @property
+    def scale(self) -> Scale:
+        """What the colors mean: the table goes with the root of the strain, the scale with the strain."""
+        strain = np.linspace(-1.0, 1.0, len(self._table))
+        table = look_up(self._table, 0.5 + 0.5 * np.sign(strain) * np.sqrt(np.abs(strain)))
+        return Scale("strain", "", (-self.top, self.top), table)
 
     def observe(self, moment: Moment) -> None:
         """Find the end of the color scale."""
