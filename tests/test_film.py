@@ -100,8 +100,7 @@ def test_every_scene_gives_as_many_frames_as_were_recorded(name: str, theme: Any
     assert set(times) <= {30, 40}
 
 
-@pytest.mark.parametrize("kind", pc.styles.STYLES)
-@pytest.mark.parametrize("dimension", [2, 3])
+@pytest.mark.parametrize(("kind", "dimension"), [(kind, d) for kind in pc.styles.STYLES for d in kind.dimensions])
 def test_every_style_draws_a_network_and_stays_inside_the_picture(
     kind: type[pc.styles.Style], dimension: int, tmp_path: Path
 ) -> None:

@@ -100,10 +100,72 @@ class Canvas:
         colors: NDArray[np.uint8],
         depths: NDArray[np.float32] | None = None,
     ) -> None: ...
+    def triangles(
+        self,
+        corners: NDArray[np.float32],
+        colors: NDArray[np.uint8],
+        depths: NDArray[np.float32] | None = None,
+        texture: Texture | None = None,
+        places: NDArray[np.float32] | None = None,
+    ) -> None: ...
+    def halos(
+        self,
+        centers: NDArray[np.float32],
+        radii: NDArray[np.float32],
+        colors: NDArray[np.uint8],
+        depths: NDArray[np.float32] | None = None,
+        shadow: bool = False,
+    ) -> None: ...
+    def liquid(
+        self,
+        centers: NDArray[np.float32],
+        radii: NDArray[np.float32],
+        colors: NDArray[np.uint8],
+        sky: _Rgb,
+        depths: NDArray[np.float32] | None = None,
+        scale: float = 0.0,
+    ) -> None: ...
+    def trails(
+        self,
+        past: NDArray[np.float32],
+        widths: NDArray[np.float32],
+        colors: NDArray[np.uint8],
+        fade: tuple[_Rgb, float] | None = None,
+        gaps: NDArray[np.bool_] | None = None,
+        depths: NDArray[np.float32] | None = None,
+    ) -> None: ...
+    def lens(self, blur: float, distance: float) -> None: ...
     def paint(self) -> None: ...
     def polygon(self, corners: NDArray[np.float32], color: _Ink) -> None: ...
     def text(self, text: str, x: int, y: int, height: int, color: _Ink, align: int) -> None: ...
     def pixels(self) -> NDArray[np.uint8]: ...
+
+@final
+class Texture:
+    def __new__(cls, pixels: NDArray[np.uint8]) -> Texture: ...
+
+@final
+class Projection:
+    def __new__(
+        cls,
+        axes: list[list[float]],
+        center: list[float],
+        scale: float,
+        middle: tuple[float, float],
+        distance: float,
+    ) -> Projection: ...
+    def project(
+        self, points: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.float32]]: ...
+
+def tint(
+    values: NDArray[np.float64],
+    ends: tuple[float, float],
+    table: NDArray[np.float64],
+    background: _Rgb,
+    depths: NDArray[np.float32] | None = None,
+    fog: tuple[float, float] = (1.0, 0.0),
+) -> NDArray[np.uint8]: ...
 
 @final
 class Gif:

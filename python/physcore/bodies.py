@@ -142,6 +142,8 @@ class SpringNetwork(Body):
         damping: c of each spring, along the spring [N·s/m], broadcast to (M,), at least zero.
         rest_length: l₀ of each spring [m], broadcast to (M,); None: the lengths that the springs have in `positions`.
         mass, fixed, velocities, charge, radius, name: as in Particles.
+        faces: indices of the three corners of each triangle of a surface, shape (T, 3); None: it has none. They say
+            how it can be drawn (`physcore.styles.Surface`), and have no part in the motion.
 
     Raises:
         SceneError: a shape does not fit, an index points outside, or a value is not finite or out of range.
@@ -155,6 +157,8 @@ class SpringNetwork(Body):
     """Damping along each spring [N·s/m], shape (M,)."""
     rest_length: FloatArray
     """Rest length of each spring [m], shape (M,)."""
+    faces: IntArray
+    """Indices of the corners of each triangle of its surface, shape (T, 3)."""
 
     def __init__(
         self,
@@ -169,9 +173,11 @@ class SpringNetwork(Body):
         charge: ArrayLike = 0.0,
         radius: ArrayLike = 0.0,
         name: str | None = None,
+        faces: ArrayLike | None = None,
     ) -> None:
         self._set_particles(positions, velocities, mass, charge, radius, fixed, name)
-        links = _pairs(pairs, len(self))
+        links = _indices(pairs, 2, len(self), "SpringNetwork.pairs")
+        self._set(faces=_indices([] if faces is None else faces, 3, len(self), "SpringNetwork.faces"))
         if rest_length is None:
             rest_length = np.linalg.norm(self.positions[links[:, 1]] - self.positions[links[:, 0]], axis=1)
         springs = {"stiffness": stiffness, "damping": damping, "rest_length": rest_length}
@@ -183,22 +189,22 @@ class SpringNetwork(Body):
             self._set(**{field: values})
 
 
-def _pairs(value: ArrayLike, number: int) -> IntArray:
-    """Checked spring indices of shape (M, 2); negative indices count from the end."""
-    path = "SpringNetwork.pairs"
+def _indices(value: ArrayLike, width: int, number: int, path: str) -> IntArray:
+    """Checked indices of particles that belong together, shape (M, width); negative indices count from the end."""
     given = regular(value, path)
     if given.size == 0:
-        return np.empty((0, 2), dtype=np.int64)
-    if given.dtype.kind not in "iu" or given.ndim != 2 or given.shape[1] != 2:
-        raise SceneError(f"{path}: must be integers of shape (M, 2), got {given.dtype} of shape {given.shape}")
+        return np.empty((0, width), dtype=np.int64)
+    if given.dtype.kind not in "iu" or given.ndim != 2 or given.shape[1] != width:
+        raise SceneError(f"{path}: must be integers of shape (M, {width}), got {given.dtype} of shape {given.shape}")
     outside = (given < -number) | (given >= number)
     if outside.any():
-        spring, end = np.argwhere(outside)[0]
-        raise SceneError(f"{path}[{spring}, {end}]: index {given[spring, end]} is outside of the {number} particles")
-    links = given.astype(np.int64)
-    links[links < 0] += number
-    loops = links[:, 0] == links[:, 1]
-    if loops.any():
-        spring = int(np.argmax(loops))
-        raise SceneError(f"{path}[{spring}]: connects particle {links[spring, 0]} with itself")
-    return np.ascontiguousarray(links)
+        row, column = np.argwhere(outside)[0]
+        raise SceneError(f"{path}[{row}, {column}]: index {given[row, column]} is outside of the {number} particles")
+    indices = given.astype(np.int64)
+    indices[indices < 0] += number
+    twice = np.diff(np.sort(indices, axis=1), axis=1).min(axis=1) == 0
+    if twice.any():
+        row = int(np.argmax(twice))
+        one = int(np.sort(indices[row])[:-1][np.diff(np.sort(indices[row])) == 0][0])
+        raise SceneError(f"{path}[{row}]: connects particle {one} with itself")
+    return np.ascontiguousarray(indices)

@@ -150,6 +150,7 @@ def cloth(
         (columns, rows),
         corner + _grid((columns, rows), step) @ directions,
         kinds,
+        faces=_faces(grid),
         mass=mass,
         fixed=_pins(pinned, edges, columns * rows, "cloth.pinned"),
         velocities=velocities,
@@ -214,12 +215,18 @@ def soft_body(
     ]
     grid = np.arange(math.prod(nodes)).reshape(nodes[::-1])
     edges = {"left": grid[..., 0], "right": grid[..., -1], "bottom": grid[0], "top": grid[-1]}
-    if dimension == 3:
+    if dimension == 2:
+        faces = _faces(grid)
+    else:
         edges |= {"front": grid[:, 0], "back": grid[:, -1]}
+        # Columns times rows point outward on the right, at the front and on top; the opposite sides are turned over.
+        outward = ("right", "front", "top")
+        faces = np.concatenate([_faces(side if name in outward else side.T) for name, side in edges.items()])
     return _lattice(
         nodes,
         corner + _grid(nodes, step) @ directions,
         kinds,
+        faces=faces,
         mass=mass,
         fixed=_pins(pinned, edges, grid.size, "soft_body.pinned"),
         velocities=velocities,
@@ -233,6 +240,7 @@ def _lattice(
     positions: FloatArray,
     kinds: Sequence[_Kind],
     *,
+    faces: IntArray | None = None,
     mass: ArrayLike,
     fixed: BoolArray,
     velocities: ArrayLike,
@@ -254,7 +262,21 @@ def _lattice(
         velocities=velocities,
         radius=radius,
         name=name,
+        faces=faces,
     )
+
+
+def _faces(grid: IntArray) -> IntArray:
+    """Two triangles (T, 3) for each cell of a grid of particles (rows, columns), going round to the left; the diagonals
+    of neighboring cells alternate, so that a surface bends alike both ways.
+    """
+    first, second, third, fourth = (
+        part.ravel() for part in (grid[:-1, :-1], grid[:-1, 1:], grid[1:, 1:], grid[1:, :-1])
+    )
+    even = (np.indices((len(grid) - 1, len(grid[0]) - 1)).sum(axis=0) % 2 == 0).ravel()
+    one = np.where(even[:, None], np.stack([first, second, third], axis=1), np.stack([first, second, fourth], axis=1))
+    other = np.where(even[:, None], np.stack([first, third, fourth], axis=1), np.stack([second, third, fourth], axis=1))
+    return np.concatenate([one, other])
 
 
 def _links(shape: tuple[int, ...], offset: Offset) -> IntArray:

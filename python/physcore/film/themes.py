@@ -85,6 +85,12 @@ def resolve(theme: object) -> Theme:
     raise SceneError(f"theme: must be one of {', '.join(map(repr, THEMES))} or a Theme, got {theme!r}")
 
 
+def mixed(one: Color, other: Color, share: float) -> Color:
+    """A color between two others, with such a share of the second."""
+    red, green, blue = (round(p + (q - p) * share) for p, q in zip(one, other, strict=True))
+    return (red, green, blue)
+
+
 def color(value: object, path: str) -> Color:
     """A color from three numbers 0–255 or a string like "#10c0ff".
 

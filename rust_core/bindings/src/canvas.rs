@@ -2,10 +2,14 @@
 
 #![expect(clippy::needless_pass_by_value, reason = "PyO3 hands arguments over by value")]
 
-use numpy::{PyArray3, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
-use physcore_canvas::{Align, Disc, Error, Ink, Line, Painting, Rgb};
+use std::sync::Arc;
+
+use numpy::{PyArray3, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3, PyUntypedArrayMethods};
+use physcore_canvas::{Align, Disc, Drop, Error, Halo, Ink, Lens, Line, Painting, Rgb, Trails, Triangle};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
+
+use crate::arrays::{column, depth, plane, rows};
 
 /// Pixels that are drawn on.
 #[pyclass(module = "physcore._core")]
@@ -52,7 +56,7 @@ impl Canvas {
         let colors = rows::<u8, 4>(&colors, count, "colors")?;
         let (radii, depths) = (column(&radii, count, "radii")?, depth(depths.as_ref(), count)?);
         for (index, ((&center, &radius), &color)) in centers.iter().zip(radii).zip(colors).enumerate() {
-            let disc = Disc { center, radius, color, shading };
+            let disc = Disc { center, radius, color, shading, softness: 1.0 };
             self.painting.disc(disc, depths.map_or(0.0, |depths| depths[index]));
         }
         Ok(())
@@ -72,10 +76,106 @@ impl Canvas {
         let colors = rows::<u8, 4>(&colors, count, "colors")?;
         let (widths, depths) = (column(&widths, count, "widths")?, depth(depths.as_ref(), count)?);
         for (index, ((&[x0, y0, x1, y1], &width), &color)) in ends.iter().zip(widths).zip(colors).enumerate() {
-            let line = Line { from: [x0, y0], to: [x1, y1], width, color };
+            let line = Line { from: [x0, y0], to: [x1, y1], width, color, softness: 1.0 };
             self.painting.line(line, depths.map_or(0.0, |depths| depths[index]));
         }
         Ok(())
+    }
+
+    /// Add triangles with corners (T, 3, 2), a color at each corner (T, 3, 4) and, with a texture, a place on it for each corner.
+    #[pyo3(signature = (corners, colors, depths=None, texture=None, places=None))]
+    fn triangles(
+        &mut self,
+        corners: PyReadonlyArray2<'_, f32>,
+        colors: PyReadonlyArray2<'_, u8>,
+        depths: Option<PyReadonlyArray1<'_, f32>>,
+        texture: Option<PyRef<'_, Texture>>,
+        places: Option<PyReadonlyArray2<'_, f32>>,
+    ) -> PyResult<()> {
+        let count = corners.shape()[0];
+        let corners = rows::<f32, 6>(&corners, count, "corners")?;
+        let colors = rows::<u8, 12>(&colors, count, "colors")?;
+        let places = places.as_ref().map(|places| rows::<f32, 6>(places, count, "places")).transpose()?;
+        let depths = depth(depths.as_ref(), count)?;
+        let texture = texture.map(|texture| self.painting.texture(Arc::clone(&texture.texture)));
+        for (index, (corners, colors)) in corners.iter().zip(colors).enumerate() {
+            let places = places.map_or([[0.0; 2]; 3], |places| thirds(&places[index]));
+            let triangle = Triangle { corners: thirds(corners), colors: thirds(colors), places };
+            self.painting.triangle(triangle, texture, depths.map_or(0.0, |depths| depths[index]));
+        }
+        Ok(())
+    }
+
+    /// Add halos of light, or of colored shadow.
+    #[pyo3(signature = (centers, radii, colors, depths=None, shadow=false))]
+    fn halos(
+        &mut self,
+        centers: PyReadonlyArray2<'_, f32>,
+        radii: PyReadonlyArray1<'_, f32>,
+        colors: PyReadonlyArray2<'_, u8>,
+        depths: Option<PyReadonlyArray1<'_, f32>>,
+        shadow: bool,
+    ) -> PyResult<()> {
+        let count = centers.shape()[0];
+        let centers = rows::<f32, 2>(&centers, count, "centers")?;
+        let colors = rows::<u8, 4>(&colors, count, "colors")?;
+        let (radii, depths) = (column(&radii, count, "radii")?, depth(depths.as_ref(), count)?);
+        for (index, ((&center, &radius), &color)) in centers.iter().zip(radii).zip(colors).enumerate() {
+            self.painting.halo(Halo { center, radius, color, shadow }, depths.map_or(0.0, |depths| depths[index]));
+        }
+        Ok(())
+    }
+
+    /// Add particles of a liquid that flow together; `scale` is pixels per meter of depth.
+    #[pyo3(signature = (centers, radii, colors, sky, depths=None, scale=0.0))]
+    fn liquid(
+        &mut self,
+        centers: PyReadonlyArray2<'_, f32>,
+        radii: PyReadonlyArray1<'_, f32>,
+        colors: PyReadonlyArray2<'_, u8>,
+        sky: Rgb,
+        depths: Option<PyReadonlyArray1<'_, f32>>,
+        scale: f32,
+    ) -> PyResult<()> {
+        let count = centers.shape()[0];
+        let centers = rows::<f32, 2>(&centers, count, "centers")?;
+        let colors = rows::<u8, 4>(&colors, count, "colors")?;
+        let (radii, depths) = (column(&radii, count, "radii")?, depth(depths.as_ref(), count)?);
+        self.painting.begin_liquid(if depths.is_some() { scale } else { 0.0 }, sky);
+        for (index, ((&center, &radius), &color)) in centers.iter().zip(radii).zip(colors).enumerate() {
+            self.painting.drop(Drop { center, radius, color, depth: depths.map_or(0.0, |depths| depths[index]) });
+        }
+        Ok(())
+    }
+
+    /// Add the last positions (K, N, 2) of things, the oldest first, as lines that grow thinner with age; with `fade`, a background
+    /// and how much of the color is left of the freshest, they fade into that.
+    #[pyo3(signature = (past, widths, colors, fade=None, gaps=None, depths=None))]
+    fn trails(
+        &mut self,
+        past: PyReadonlyArray3<'_, f32>,
+        widths: PyReadonlyArray1<'_, f32>,
+        colors: PyReadonlyArray2<'_, u8>,
+        fade: Option<(Rgb, f32)>,
+        gaps: Option<PyReadonlyArray2<'_, bool>>,
+        depths: Option<PyReadonlyArray2<'_, f32>>,
+    ) -> PyResult<()> {
+        let [moments, count] = [past.shape()[0], past.shape()[1]];
+        let (past, rest) = past.as_slice().map_err(|_| PyValueError::new_err("past: must be C-contiguous"))?.as_chunks::<2>();
+        let (widths, colors) = (column(&widths, count, "widths")?, rows::<u8, 4>(&colors, count, "colors")?);
+        let gaps = gaps.as_ref().map(|gaps| plane(gaps, [moments.saturating_sub(1), count], "gaps")).transpose()?;
+        let depths = depths.as_ref().map(|depths| plane(depths, [moments, count], "depths")).transpose()?;
+        if !rest.is_empty() || past.len() != moments * count {
+            return Err(PyValueError::new_err("past: must have the shape (K, N, 2)"));
+        }
+        let trails = Trails { past, widths, colors, fade, gaps, depths };
+        trails.lines().for_each(|(line, depth)| self.painting.line(line, depth));
+        Ok(())
+    }
+
+    /// Look through a lens at all that is added from now on: pixels of blur per meter from the focus, and the eye's distance [m].
+    fn lens(&mut self, blur: f32, distance: f32) {
+        self.painting.look_through(Lens { blur, distance });
     }
 
     /// Paint all that was added, from the far to the near.
@@ -108,35 +208,34 @@ impl Canvas {
     }
 }
 
+/// A picture to cover surfaces with.
+#[pyclass(module = "physcore._core", frozen)]
+pub struct Texture {
+    texture: Arc<physcore_canvas::Texture>,
+}
+
+#[pymethods]
+impl Texture {
+    /// A texture from pixels (height, width, 3).
+    #[new]
+    fn new(pixels: PyReadonlyArray3<'_, u8>) -> PyResult<Self> {
+        let texels = pixels.as_slice().map_err(|_| PyValueError::new_err("pixels: must be C-contiguous"))?.as_chunks::<3>().0;
+        if pixels.shape()[2] != 3 {
+            return Err(PyValueError::new_err(format!("pixels: must have the shape (H, W, 3), got {:?}", pixels.shape())));
+        }
+        let texture = physcore_canvas::Texture::new(pixels.shape()[1], texels.to_vec()).map_err(python_error)?;
+        Ok(Self { texture: Arc::new(texture) })
+    }
+}
+
+/// Three equal parts of a row.
+fn thirds<T: Copy, const N: usize, const W: usize>(row: &[T; W]) -> [[T; N]; 3] {
+    std::array::from_fn(|corner| std::array::from_fn(|index| row[corner * N + index]))
+}
+
 pub(crate) fn python_error(error: Error) -> PyErr {
     match error {
         Error::Write(cause) => cause.into(),
         other => PyValueError::new_err(other.to_string()),
     }
-}
-
-/// An (N, W) array as N rows of W values.
-fn rows<'a, T: numpy::Element, const W: usize>(
-    array: &'a PyReadonlyArray2<'_, T>,
-    count: usize,
-    name: &str,
-) -> PyResult<&'a [[T; W]]> {
-    let values = array.as_slice().map_err(|_| PyValueError::new_err(format!("{name}: must be C-contiguous")))?;
-    let (rows, rest) = values.as_chunks::<W>();
-    if array.shape() != [count, W] || !rest.is_empty() {
-        return Err(PyValueError::new_err(format!("{name}: must have the shape ({count}, {W}), got {:?}", array.shape())));
-    }
-    Ok(rows)
-}
-
-fn column<'a>(array: &'a PyReadonlyArray1<'_, f32>, count: usize, name: &str) -> PyResult<&'a [f32]> {
-    let values = array.as_slice().map_err(|_| PyValueError::new_err(format!("{name}: must be C-contiguous")))?;
-    if values.len() != count {
-        return Err(PyValueError::new_err(format!("{name}: must have the shape ({count},), got ({},)", values.len())));
-    }
-    Ok(values)
-}
-
-fn depth<'a>(depths: Option<&'a PyReadonlyArray1<'_, f32>>, count: usize) -> PyResult<Option<&'a [f32]>> {
-    depths.map(|depths| column(depths, count, "depths")).transpose()
 }

@@ -2,19 +2,23 @@
 
 use pyo3::prelude::*;
 
+mod arrays;
 mod canvas;
 mod errors;
 mod gif;
 mod scene;
+mod view;
 mod world;
 
 /// What `import physcore._core` gives.
 #[pymodule(gil_used = false)]
 mod _core {
     #[pymodule_export]
-    use super::canvas::Canvas;
+    use super::canvas::{Canvas, Texture};
     #[pymodule_export]
     use super::gif::Gif;
+    #[pymodule_export]
+    use super::view::{Projection, tint};
     #[pymodule_export]
     use super::world::World;
 }

@@ -20,7 +20,7 @@ fn picture(canvas: &mut Canvas, frame: usize) {
         let (u, v, w) = ((seed * 0.754_877_7).fract(), (seed * 0.569_840_3).fract(), (seed * 0.618_034).fract());
         let center = [bounce(u, 6.0 * (v - 0.5), 640.0), bounce(v, 6.0 * (w - 0.5), 480.0)];
         let color = [(60.0 + 190.0 * w) as u8, (80.0 + 150.0 * u) as u8, (250.0 - 180.0 * w) as u8, 255];
-        canvas.disc(Disc { center, radius: 3.0, color, shading: 0.0 });
+        canvas.disc(Disc { center, radius: 3.0, color, shading: 0.0, softness: 1.0 });
     }
 }
 
@@ -47,7 +47,7 @@ fn frames(criterion: &mut Criterion) {
             canvas.clear();
             for index in 0..20_000_u16 {
                 let (x, y) = (f32::from(index % 200) * 3.2, f32::from(index / 200) * 4.8);
-                let line = Line { from: [x, y], to: [x + 5.0, y + 3.0], width: 1.5, color: [200, 90, 40, 255] };
+                let line = Line { from: [x, y], to: [x + 5.0, y + 3.0], width: 1.5, color: [200, 90, 40, 255], softness: 1.0 };
                 painting.line(line, 0.0);
             }
             painting.paint(&mut canvas);

@@ -4,7 +4,8 @@
 
 use crate::color::{Ink, Rgb};
 use crate::error::Error;
-use crate::shapes::{Disc, Line, drawn_half_width, drawn_radius, ramp};
+use crate::shapes::{Disc, Halo, Line, Triangle, drawn_half_width, drawn_radius, ramp};
+use crate::texture::Texture;
 
 /// A picture in sRGB. Shapes are blended in the order in which they are drawn; whatever lies outside is cut off.
 #[derive(Clone, Debug)]
@@ -72,8 +73,8 @@ impl Canvas {
 
     /// Draws a disc.
     pub fn disc(&mut self, disc: Disc) {
-        let (radius, opacity) = drawn_radius(disc.radius);
-        let reach = radius + 0.5;
+        let (radius, opacity) = drawn_radius(disc.radius, disc.softness);
+        let (reach, sharpness) = (radius + 0.5 * disc.softness, 1.0 / disc.softness);
         let [x, y] = disc.center;
         let Some(area) = self.visible([x - reach, y - reach], [x + reach, y + reach]) else {
             return;
@@ -86,7 +87,7 @@ impl Canvas {
             let (pixels, offset) = self.span(area, row, x - outer, x + outer);
             for (pixel, column) in pixels.iter_mut().zip(0_u16..) {
                 let dx = offset - x + f32::from(column);
-                let edge = ramp((dx * dx + dy * dy).sqrt() - radius);
+                let edge = ramp(((dx * dx + dy * dy).sqrt() - radius) * sharpness);
                 let color = shade.as_ref().map_or(paint.color, |shade| shade.lit(disc.color, dx, dy));
                 Paint { color, ..paint }.blend(pixel, edge);
             }
@@ -95,8 +96,8 @@ impl Canvas {
 
     /// Draws a line.
     pub fn line(&mut self, line: Line) {
-        let (half, opacity) = drawn_half_width(line.width);
-        let reach = half + 0.5;
+        let (half, opacity) = drawn_half_width(line.width, line.softness);
+        let (reach, sharpness) = (half + 0.5 * line.softness, 1.0 / line.softness);
         let ([x0, y0], [x1, y1]) = (line.from, line.to);
         let low = [x0.min(x1) - reach, y0.min(y1) - reach];
         let high = [x0.max(x1) + reach, y0.max(y1) + reach];
@@ -118,7 +119,62 @@ impl Canvas {
                 let dx = offset - x0 + f32::from(column);
                 let along = ((dx * ux + dy * uy) * per_square).clamp(0.0, 1.0);
                 let (ex, ey) = (dx - along * ux, dy - along * uy);
-                paint.blend(pixel, ramp((ex * ex + ey * ey).sqrt() - half));
+                paint.blend(pixel, ramp(((ex * ex + ey * ey).sqrt() - half) * sharpness));
+            }
+        }
+    }
+
+    /// Draws a triangle, half a pixel larger than it is.
+    pub fn triangle(&mut self, triangle: &Triangle, texture: Option<&Texture>) {
+        const MORE: f32 = 0.5;
+        let [a, b, c] = triangle.corners;
+        let low = [a[0].min(b[0]).min(c[0]) - MORE - 0.5, a[1].min(b[1]).min(c[1]) - MORE - 0.5];
+        let high = [a[0].max(b[0]).max(c[0]) + MORE + 0.5, a[1].max(b[1]).max(c[1]) + MORE + 0.5];
+        let doubled = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+        let Some(area) = self.visible(low, high).filter(|_| doubled != 0.0) else {
+            return;
+        };
+        let edges = edges(&triangle.corners);
+        let inks = triangle.colors.map(|ink| ink.map(f32::from));
+        for row in area.top..area.bottom {
+            let (pixels, offset) = self.span(area, row, f32::MIN, f32::MAX);
+            for (pixel, column) in pixels.iter_mut().zip(0_u16..) {
+                let (x, y) = (offset + f32::from(column), row as f32 + 0.5);
+                let distance = edges.iter().fold(f32::MIN, |most, [nx, ny, c]| most.max(nx * x + ny * y - c));
+                let coverage = ramp(distance - MORE);
+                if coverage > 0.0 {
+                    let weights = barycentric(&triangle.corners, doubled, x, y);
+                    let [red, green, blue, alpha] = mean(&inks, weights);
+                    let texel = texture.map_or([255.0; 3], |texture| texture.at(mean(&triangle.places, weights)));
+                    let lit = |channel: f32, texel: f32| (channel * texel * (1.0 / 255.0) + 0.5) as u8;
+                    let color = [lit(red, texel[0]), lit(green, texel[1]), lit(blue, texel[2]), (alpha + 0.5) as u8];
+                    Paint::new(color, 1.0).blend(pixel, coverage);
+                }
+            }
+        }
+    }
+
+    /// Draws a halo: light that falls like (1 − d²/r²)² with the distance d from its center, added as two lights on a screen,
+    /// 1 − (1 − a)(1 − b), so that much of it ends in white and never beyond; a shadow is the same for what is missing to white.
+    pub fn halo(&mut self, halo: Halo) {
+        let (radius, [x, y]) = (halo.radius, halo.center);
+        let Some(area) = self.visible([x - radius, y - radius], [x + radius, y + radius]).filter(|_| radius > 0.0) else {
+            return;
+        };
+        let ([red, green, blue, alpha], per_square) = (halo.color, 1.0 / (radius * radius));
+        let flip = if halo.shadow { 0xFF } else { 0 };
+        for row in area.top..area.bottom {
+            let dy = row as f32 + 0.5 - y;
+            let outer = (radius * radius - dy * dy).max(0.0).sqrt();
+            let (pixels, offset) = self.span(area, row, x - outer, x + outer);
+            for (pixel, column) in pixels.iter_mut().zip(0_u16..) {
+                let dx = offset - x + f32::from(column);
+                let inside = (1.0 - (dx * dx + dy * dy) * per_square).max(0.0);
+                let amount = (inside * inside * f32::from(alpha) * (256.0 / 255.0) + 0.5) as u32;
+                for (channel, light) in pixel.iter_mut().zip([red, green, blue]) {
+                    let (below, light) = (*channel ^ flip, light ^ flip);
+                    *channel = (below + ((u32::from(255 - below) * u32::from(light) * amount + 0x7F80) / 0xFF00) as u8) ^ flip;
+                }
             }
         }
     }
@@ -219,6 +275,23 @@ fn edges(corners: &[[f32; 2]]) -> Vec<[f32; 3]> {
         (length > 0.0).then_some([nx, ny, nx * from[0] + ny * from[1]])
     })
     .collect()
+}
+
+/// How near a point is to each corner of a triangle whose doubled, signed area is known; outside, the nearest there is.
+#[inline(always)]
+fn barycentric([a, b, c]: &[[f32; 2]; 3], doubled: f32, x: f32, y: f32) -> [f32; 3] {
+    let (scale, x, y) = (1.0 / doubled, x - a[0], y - a[1]);
+    let within = |value: f32, most: f32| value.max(0.0).min(most); // not `clamp`, which leaves what is not a number as it is
+    let second = within((x * (c[1] - a[1]) - y * (c[0] - a[0])) * scale, 1.0);
+    let third = within((y * (b[0] - a[0]) - x * (b[1] - a[1])) * scale, 1.0 - second);
+    [1.0 - second - third, second, third]
+}
+
+/// The weighted mean of what three corners have.
+#[inline(always)]
+fn mean<const N: usize>(corners: &[[f32; N]; 3], weights: [f32; 3]) -> [f32; N] {
+    let [a, b, c] = corners;
+    std::array::from_fn(|index| weights[0] * a[index] + weights[1] * b[index] + weights[2] * c[index])
 }
 
 /// Light on a ball: Lambert's cosine from a lamp above the viewer's left shoulder, and a soft highlight.

@@ -1,15 +1,50 @@
 //! Many shapes at once, painted from the far to the near.
 
-use crate::canvas::Canvas;
-use crate::shapes::{Disc, Line};
+use std::sync::Arc;
 
-/// Shapes that wait to be painted together. Those with greater depth come first, and of equal depth those that were added first.
+use crate::canvas::Canvas;
+use crate::color::Rgb;
+use crate::liquid::{Drop, Liquid};
+use crate::shapes::{Disc, Halo, Line, Triangle};
+use crate::texture::Texture;
+
+/// Shapes that wait to be painted together. Those with greater depth come first, and of equal depth those that were added first; a
+/// liquid hides what is behind its front.
 #[derive(Debug, Default)]
 pub struct Painting {
     discs: Vec<Disc>,
     lines: Vec<Line>,
+    triangles: Vec<(Triangle, Option<u16>)>,
+    halos: Vec<Halo>,
+    textures: Vec<Arc<Texture>>,
+    liquid: Liquid,
     order: Vec<Entry>,
     has_depth: bool,
+    lens: Lens,
+}
+
+/// What makes things look blurred that are nearer or farther than the focus, at depth 0; by default nothing does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lens {
+    /// The radius of the disc that a point becomes, per unit of its distance from the focus, close to the focus [pixels].
+    pub blur: f32,
+    /// How far the eye is from the focus, in the unit of depths.
+    pub distance: f32,
+}
+
+impl Default for Lens {
+    fn default() -> Self {
+        Self { blur: 0.0, distance: f32::INFINITY }
+    }
+}
+
+impl Lens {
+    /// The radius of the disc that a point at some depth becomes [pixels]: c = b |z| / (1 + z / d), the circle of confusion of a
+    /// thin lens (M. Potmesil and I. Chakravarty, "A lens and aperture camera model for synthetic image generation", 1981).
+    fn confusion(self, depth: f32) -> f32 {
+        const NEAREST: f32 = 0.05;
+        self.blur * depth.abs() / (1.0 + depth / self.distance).max(NEAREST)
+    }
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -22,19 +57,59 @@ struct Entry {
 enum Shape {
     Disc(u32),
     Line(u32),
+    Triangle(u32),
+    Halo(u32),
 }
 
 impl Painting {
-    /// Adds a disc; `depth` is its distance from the viewer, in any unit.
+    /// Looks through a lens at all that is added from now on.
+    pub fn look_through(&mut self, lens: Lens) {
+        self.lens = lens;
+    }
+
+    /// Makes room for more shapes.
+    pub fn reserve(&mut self, shapes: usize) {
+        self.order.reserve(shapes);
+    }
+
+    /// Adds a disc; `depth` is its distance from the viewer beyond the focus, in any unit.
     pub fn disc(&mut self, disc: Disc, depth: f32) {
         self.add(depth, Shape::Disc(self.discs.len() as u32));
-        self.discs.push(disc);
+        self.discs.push(if self.lens.blur > 0.0 { disc.blurred(self.lens.confusion(depth)) } else { disc });
     }
 
     /// Adds a line; `depth` as for [`Painting::disc`].
     pub fn line(&mut self, line: Line, depth: f32) {
         self.add(depth, Shape::Line(self.lines.len() as u32));
-        self.lines.push(line);
+        self.lines.push(if self.lens.blur > 0.0 { line.blurred(self.lens.confusion(depth)) } else { line });
+    }
+
+    /// Adds a triangle; `depth` as for [`Painting::disc`], `texture` as [`Painting::texture`] gave it.
+    pub fn triangle(&mut self, triangle: Triangle, texture: Option<u16>, depth: f32) {
+        self.add(depth, Shape::Triangle(self.triangles.len() as u32));
+        self.triangles.push((triangle, texture));
+    }
+
+    /// Adds a halo; `depth` as for [`Painting::disc`].
+    pub fn halo(&mut self, halo: Halo, depth: f32) {
+        self.add(depth, Shape::Halo(self.halos.len() as u32));
+        self.halos.push(halo);
+    }
+
+    /// Lets triangles use a texture until the painting is painted.
+    pub fn texture(&mut self, texture: Arc<Texture>) -> u16 {
+        self.textures.push(texture);
+        (self.textures.len() - 1) as u16
+    }
+
+    /// Before any drop is added: how many pixels a unit of depth is (0 in 2D), and what a liquid mirrors.
+    pub fn begin_liquid(&mut self, scale: f32, sky: Rgb) {
+        self.liquid.begin(scale, sky);
+    }
+
+    /// Adds a particle of a liquid.
+    pub fn drop(&mut self, drop: Drop) {
+        self.liquid.drop(drop);
     }
 
     /// Paints everything that was added and forgets it; the memory is kept for the next frame.
@@ -42,16 +117,51 @@ impl Painting {
         if self.has_depth {
             self.order.sort_by(|p, q| q.depth.total_cmp(&p.depth));
         }
-        for entry in &self.order {
-            match entry.shape {
-                Shape::Disc(index) => canvas.disc(self.discs[index as usize]),
-                Shape::Line(index) => canvas.line(self.lines[index as usize]),
-            }
+        if self.liquid.is_empty() {
+            self.order.iter().for_each(|entry| self.draw(entry, canvas));
+        } else {
+            self.liquid.settle(canvas.width(), canvas.height());
+            let in_front = |entry: &&Entry| self.liquid.leaves_in_front(self.anchor(entry), entry.depth);
+            self.order.iter().filter(|entry| !in_front(entry)).for_each(|entry| self.draw(entry, canvas));
+            self.liquid.paint(canvas);
+            self.order.iter().filter(in_front).for_each(|entry| self.draw(entry, canvas));
+            self.liquid.clear();
         }
         self.discs.clear();
         self.lines.clear();
+        self.triangles.clear();
+        self.halos.clear();
+        self.textures.clear();
         self.order.clear();
         self.has_depth = false;
+    }
+
+    fn draw(&self, entry: &Entry, canvas: &mut Canvas) {
+        match entry.shape {
+            Shape::Disc(index) => canvas.disc(self.discs[index as usize]),
+            Shape::Line(index) => canvas.line(self.lines[index as usize]),
+            Shape::Halo(index) => canvas.halo(self.halos[index as usize]),
+            Shape::Triangle(index) => {
+                let (triangle, texture) = &self.triangles[index as usize];
+                canvas.triangle(triangle, texture.map(|texture| &*self.textures[usize::from(texture)]));
+            }
+        }
+    }
+
+    /// The middle of a shape [pixels].
+    fn anchor(&self, entry: &Entry) -> [f32; 2] {
+        match entry.shape {
+            Shape::Disc(index) => self.discs[index as usize].center,
+            Shape::Halo(index) => self.halos[index as usize].center,
+            Shape::Line(index) => {
+                let Line { from, to, .. } = self.lines[index as usize];
+                [0.5 * (from[0] + to[0]), 0.5 * (from[1] + to[1])]
+            }
+            Shape::Triangle(index) => {
+                let [a, b, c] = self.triangles[index as usize].0.corners;
+                [(a[0] + b[0] + c[0]) / 3.0, (a[1] + b[1] + c[1]) / 3.0]
+            }
+        }
     }
 
     fn add(&mut self, depth: f32, shape: Shape) {

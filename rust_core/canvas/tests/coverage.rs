@@ -28,7 +28,7 @@ proptest! {
     #[test]
     fn a_disc_covers_its_area(x in 20.0..40.0_f32, y in 20.0..40.0_f32, radius in 0.05..15.0_f32) {
         let mut canvas = black();
-        canvas.disc(Disc { center: [x, y], radius, color: WHITE, shading: 0.0 });
+        canvas.disc(Disc { center: [x, y], radius, color: WHITE, shading: 0.0, softness: 1.0 });
         let (r, pi) = (f64::from(radius), std::f64::consts::PI);
         let error = (covered(&canvas) - pi * r * r).abs();
         prop_assert!(error < sampling_error(2.0 * pi * r).min(0.35 * pi * r * r + 0.05), "{error}");
@@ -39,7 +39,7 @@ proptest! {
         from in [15.0..45.0_f32, 15.0..45.0_f32], to in [15.0..45.0_f32, 15.0..45.0_f32], width in 0.1..8.0_f32,
     ) {
         let mut canvas = black();
-        canvas.line(Line { from, to, width, color: WHITE });
+        canvas.line(Line { from, to, width, color: WHITE, softness: 1.0 });
         let length = f64::from((to[0] - from[0]).hypot(to[1] - from[1]));
         // The two round ends make a disc of the drawn half width h, of which the ramp gives π(h² + 1/12).
         let (w, half) = (f64::from(width), f64::from(width.max(1.0)) / 2.0);
@@ -68,8 +68,8 @@ proptest! {
         let mut canvas = black();
         canvas.clip(10, 20, 30, 40);
         let ends = ([values[0], values[1]], [values[2], values[3]]);
-        canvas.line(Line { from: ends.0, to: ends.1, width: values[4], color: WHITE });
-        canvas.disc(Disc { center: ends.0, radius: values[4].abs().min(1e4), color: WHITE, shading: values[5] });
+        canvas.line(Line { from: ends.0, to: ends.1, width: values[4], color: WHITE, softness: 1.0 });
+        canvas.disc(Disc { center: ends.0, radius: values[4].abs().min(1e4), color: WHITE, shading: values[5], softness: 1.0 });
         canvas.polygon(&[ends.0, ends.1, [values[4], values[5]]], WHITE);
         for (index, pixel) in canvas.pixels().iter().enumerate() {
             let inside = (10..30).contains(&(index % SIDE)) && (20..40).contains(&(index / SIDE));
@@ -87,7 +87,7 @@ fn a_disc_covers_exactly_its_area_on_average() {
         for (i, j) in (0..16_u8).flat_map(|i| (0..16_u8).map(move |j| (i, j))) {
             let mut canvas = black();
             let center = [32.0 + f32::from(i) / 16.0, 32.0 + f32::from(j) / 16.0];
-            canvas.disc(Disc { center, radius, color: WHITE, shading: 0.0 });
+            canvas.disc(Disc { center, radius, color: WHITE, shading: 0.0, softness: 1.0 });
             sum += covered(&canvas);
         }
         let (r, pi) = (f64::from(radius), std::f64::consts::PI);
@@ -99,7 +99,7 @@ fn a_disc_covers_exactly_its_area_on_average() {
 #[test]
 fn a_disc_is_the_same_in_all_eight_orientations() {
     let mut canvas = black();
-    canvas.disc(Disc { center: [32.0, 32.0], radius: 9.3, color: WHITE, shading: 0.0 });
+    canvas.disc(Disc { center: [32.0, 32.0], radius: 9.3, color: WHITE, shading: 0.0, softness: 1.0 });
     let at = |x: usize, y: usize| canvas.pixels()[y * SIDE + x][0];
     for x in 0..SIDE {
         for y in 0..SIDE {
@@ -111,7 +111,7 @@ fn a_disc_is_the_same_in_all_eight_orientations() {
 
 #[test]
 fn the_near_hides_the_far_whatever_was_added_first() {
-    let disc = |color| Disc { center: [32.0, 32.0], radius: 5.0, color, shading: 0.0 };
+    let disc = |color| Disc { center: [32.0, 32.0], radius: 5.0, color, shading: 0.0, softness: 1.0 };
     let (red, green) = ([255, 0, 0, 255], [0, 255, 0, 255]);
     for (first, second, front) in [(1.0, 2.0, red), (2.0, 1.0, green), (1.0, 1.0, green)] {
         let (mut painting, mut canvas) = (Painting::default(), black());
@@ -128,7 +128,7 @@ fn a_canvas_goes_back_to_what_was_kept() {
     canvas.polygon(&[[0.0, 40.0], [64.0, 40.0], [64.0, 64.0], [0.0, 64.0]], [90, 90, 90, 255]);
     canvas.keep();
     let kept = canvas.pixels().to_vec();
-    canvas.disc(Disc { center: [32.0, 40.0], radius: 8.0, color: WHITE, shading: 0.5 });
+    canvas.disc(Disc { center: [32.0, 40.0], radius: 8.0, color: WHITE, shading: 0.5, softness: 1.0 });
     assert_ne!(canvas.pixels(), kept);
     canvas.clear();
     assert_eq!(canvas.pixels(), kept);

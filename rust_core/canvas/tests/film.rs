@@ -71,7 +71,7 @@ proptest! {
             if index % 3 == 2 {
                 frame.clear();
             }
-            frame.disc(Disc { center: [x, y], radius, color, shading: 0.5 });
+            frame.disc(Disc { center: [x, y], radius, color, shading: 0.5, softness: 1.0 });
             frames.push((frame.clone(), 3 + index as u16));
             frames.push((frame.clone(), 4)); // a picture that rests is a frame all the same
         }
@@ -128,7 +128,7 @@ fn what_rests_costs_almost_nothing() {
     let mut frame = canvas(320, 240);
     (0..200_u8).for_each(|index| {
         let center = [f32::from(index) * 1.6, f32::from(index.wrapping_mul(83)) * 0.9];
-        frame.disc(Disc { center, radius: 6.0, color: [index, 200, 90, 255], shading: 0.4 });
+        frame.disc(Disc { center, radius: 6.0, color: [index, 200, 90, 255], shading: 0.4, softness: 1.0 });
     });
     let palette = palette_of(&[(frame.clone(), 3)]);
     let length = |frames: &[(Canvas, u16)]| film(frames, &palette).len();

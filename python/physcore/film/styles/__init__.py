@@ -1,17 +1,25 @@
-"""How bodies look, one file each."""
+"""How bodies look, one file each; overlays add something to bodies that another style draws."""
 
 from __future__ import annotations
 
+from physcore.film.styles.arrows import Arrows
 from physcore.film.styles.base import Painter, Style
 from physcore.film.styles.fluid import Fluid
+from physcore.film.styles.paths import Paths
 from physcore.film.styles.points import Points
 from physcore.film.styles.strain import Strain
+from physcore.film.styles.streamlines import Streamlines
+from physcore.film.styles.surface import Surface
 
 STYLES: tuple[type[Style], ...] = (
     Points,
     Strain,
+    Surface,
     Fluid,
+    Paths,
+    Arrows,
+    Streamlines,
 )
 """Every style; what is registered here is tested."""
 
-__all__ = ["STYLES", "Fluid", "Painter", "Points", "Strain", "Style"]
+__all__ = ["STYLES", "Arrows", "Fluid", "Painter", "Paths", "Points", "Strain", "Streamlines", "Style", "Surface"]

@@ -13,9 +13,13 @@ from physcore._core import Canvas
 from physcore.bodies import Body
 from physcore.checks import FloatArray
 from physcore.film.camera import PixelArray, View
+from physcore.film.colormaps import ColormapName, sequential
 from physcore.film.sources import Moment, Source
 from physcore.film.themes import Theme
 from physcore.influence import On, chosen
+
+InkArray = NDArray[np.uint8]
+"""Red, green, blue and opacity, 0–255, shape (N, 4)."""
 
 FOG = 0.55
 """How much of its color the farthest thing in a 3D picture has lost to the background."""
@@ -51,6 +55,9 @@ class Style(ABC):
 
     overlay: ClassVar[bool] = False
     """Whether it adds something to bodies that are drawn in another style too, instead of being how they look."""
+
+    dimensions: ClassVar[tuple[int, ...]] = (2, 3)
+    """In how many dimensions it draws."""
 
     on: On = field(default=None, kw_only=True)
     """The body or bodies drawn in this style; None: all that it can draw."""
@@ -125,7 +132,12 @@ def typical(values: FloatArray, percentile: float = TYPICAL) -> float:
     return float(np.partition(finite, rank)[rank])
 
 
-def inks(colors: FloatArray, theme: Theme, farness: PixelArray | None) -> NDArray[np.uint8]:
+def table(colormap: ColormapName | None, theme: Theme, path: str) -> FloatArray:
+    """The colors (K, 3) of a map that stand out against the background, or the one of text."""
+    return np.array([theme.text], dtype=float) if colormap is None else sequential(colormap, theme.part, path)
+
+
+def inks(colors: FloatArray, theme: Theme, farness: PixelArray | None) -> InkArray:
     """Opaque inks (N, 4) of colors (N, 3); what is far away fades into the background."""
     result = np.full((len(colors), 4), 255, dtype=np.uint8)
     if farness is not None:

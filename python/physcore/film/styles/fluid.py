@@ -8,15 +8,15 @@ from typing import Literal
 import numpy as np
 
 from physcore import fluid
-from physcore._core import Canvas
+from physcore._core import Canvas, tint
 from physcore.bodies import Body
 from physcore.checks import FloatArray, number
 from physcore.errors import SceneError
 from physcore.film.camera import View
-from physcore.film.colormaps import ColormapName, look_up, sequential
+from physcore.film.colormaps import ColormapName, sequential
 from physcore.film.sources import Moment, Source
-from physcore.film.styles.base import Painter, Part, Scale, Style, inks, typical
-from physcore.film.themes import Theme
+from physcore.film.styles.base import FOG, Painter, Part, Scale, Style, typical
+from physcore.film.themes import Theme, mixed
 
 ColorBy = Literal["speed", "pressure", "density"]
 
@@ -30,13 +30,17 @@ TYPICAL = 95.0
 SMALLEST = 0.7
 """The least radius of a lump [pixels]."""
 SHADING = 0.45
+FLAT_REACH, DEEP_REACH = 1.7, 1.15
+"""How far a particle of a smooth surface reaches, in 2D and in 3D, over the spacing."""
+SKY = (235, 240, 245)
+"""The color that, mixed with the background, is mirrored by a surface."""
 NEVER = 1e-12
 """Pressures [Pa] and compressions below this are rounding."""
 
 
 @dataclass(frozen=True)
 class Fluid(Style):
-    """Each particle of a fluid is a disc as wide as its spacing, and in 3D a lit ball.
+    """Each particle of a fluid is a disc as wide as its spacing, and in 3D a lit ball; or they flow together.
 
     Args:
         color: by "speed" [m/s] or "pressure" [Pa], from zero to what is typical of the frame with the most, or by
@@ -45,6 +49,8 @@ class Fluid(Style):
         colormap: "water", "ember", "viridis", "inferno", "plasma" or "magma".
         top: the value at the end of the color scale, in the unit of what the color shows (for the density, relative
             to that at rest), above zero; None: what is typical of the frame with the most.
+        surface: whether particles flow together into a smooth surface, in 3D a lit one that is clear where it is thin,
+            instead of being drawn each by itself.
         on: as in Style; it must be a fluid.
 
     Raises:
@@ -54,6 +60,7 @@ class Fluid(Style):
     color: ColorBy = "speed"
     colormap: ColormapName = "water"
     top: float | None = None
+    surface: bool = False
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -88,6 +95,7 @@ class FluidPainter(Painter):
         self.style, self._style, self._theme = style, style, theme
         self._where = np.concatenate([np.arange(part.where.start, part.where.stop) for part in parts])
         self._table = sequential(style.colormap, theme.part, "Fluid.colormap")
+        self._sky = mixed(theme.background, SKY, 0.5)
         bodies = [part.body for part in parts if isinstance(part.body, fluid.Fluid)]
         sizes = [len(body) for body in bodies]
         self._radius = np.repeat([FULL / 2 * body.spacing for body in bodies], sizes).astype(np.float32)
@@ -125,12 +133,14 @@ class FluidPainter(Painter):
         """Add lumps."""
         del pixels
         centers, depth, scale = view.project(moment.positions[self._where])
-        fraction = self._values(moment) / self.top
-        if self._style.color == "density":
-            fraction = 0.5 + 0.5 * fraction
-        farness = None if depth is None else view.farness(depth)
-        ink = inks(look_up(self._table, fraction), self._theme, farness)
+        least = -self.top if self._style.color == "density" else 0.0
+        ends = (least, self.top)
+        ink = tint(self._values(moment), ends, self._table, self._theme.background, depth, (view.reach, FOG))
         radii = np.maximum(scale * self._radius, np.float32(SMALLEST))
+        if self._style.surface:
+            reach = (FLAT_REACH if view.flat else DEEP_REACH) * 2.0 / FULL * radii
+            canvas.liquid(centers, np.maximum(reach, 2.0), ink, self._sky, depth, view.scale)
+            return
         canvas.discs(centers, radii, ink, depth, 0.0 if view.flat else SHADING)
 
     def _values(self, moment: Moment) -> FloatArray:

@@ -9,13 +9,13 @@ from typing import Literal
 
 import numpy as np
 
-from physcore._core import Canvas
+from physcore._core import Canvas, tint
 from physcore.checks import FloatArray, number
 from physcore.errors import SceneError
 from physcore.film.camera import PixelArray, View
-from physcore.film.colormaps import ColormapName, look_up, sequential
+from physcore.film.colormaps import ColormapName, sequential
 from physcore.film.sources import Moment, Source
-from physcore.film.styles.base import Painter, Part, Scale, Style, inks, typical
+from physcore.film.styles.base import FOG, InkArray, Painter, Part, Scale, Style, inks, typical
 from physcore.film.themes import Theme
 
 ColorBy = Literal["speed", "energy", "body"]
@@ -28,6 +28,12 @@ RADII = (1.0, 5.5)
 SHADING = 0.45
 TRAIL = 0.7
 """How much of its color the freshest part of a trail has, beside the background's."""
+HALO = 4.0
+"""Radius of a halo over that of its disc."""
+GLOW = 0.55
+"""How bright the brightest halo is at its center, beside its disc."""
+BRIGHT = 384
+"""A ground whose red, green and blue add up to more is light."""
 FEW = 16
 """Up to so many particles get a trail by themselves."""
 
@@ -43,6 +49,10 @@ class Points(Style):
         size: diameter [pixels]; None: as large as the particle if it has a radius, otherwise as fits their number.
         trail: for how long the path behind each particle is shown [s]; None: where there are only a few particles, an
             eighth of the film, otherwise not.
+        glow: how brightly what is at the top of the color scale shines, 0 to 1; by body, everything shines. On a light
+            ground it is a shadow of its color.
+        blur: the part of the time between two frames for which the shutter is open, 0 to 1: discs are drawn out along
+            their velocities. 0.5 is what film cameras have.
         top: the value at the end of the color scale [m/s or J], above zero; None: what is typical of the fastest frame.
         on: as in Style.
 
@@ -54,6 +64,8 @@ class Points(Style):
     colormap: ColormapName = "plasma"
     size: float | None = None
     trail: float | None = None
+    glow: float = 0.0
+    blur: float = 0.0
     top: float | None = None
 
     def __post_init__(self) -> None:
@@ -63,6 +75,8 @@ class Points(Style):
         sequential(self.colormap, (0.0, 1.0), "Points.colormap")
         if self.trail is not None:
             number(self.trail, "Points.trail", least=0.0)
+        number(self.glow, "Points.glow", least=0.0, most=1.0)
+        number(self.blur, "Points.blur", least=0.0, most=1.0)
         for name in ("size", "top"):
             if getattr(self, name) is not None:
                 number(getattr(self, name), f"Points.{name}", above=0.0)
@@ -70,13 +84,15 @@ class Points(Style):
     def painter(self, source: Source, parts: list[Part], theme: Theme) -> Painter:
         """A painter with the color scale of one film."""
         color = self.color or ("speed" if source.has("velocities") else "body")
+        if self.blur > 0.0 and not source.has("velocities"):
+            raise SceneError("Points.blur: needs velocities, which were not recorded; record them, or leave it out")
         if color != "body" and not source.has("velocities"):
             raise SceneError(f"Points.color: {color!r} needs velocities, which were not recorded; use 'body'")
         return PointsPainter(self, color, source, parts, theme)
 
 
 class PointsPainter(Painter):
-    """Draws discs, and the paths behind them."""
+    """Draws discs, the trails behind them and the light around them."""
 
     def __init__(self, style: Points, color: ColorBy, source: Source, parts: list[Part], theme: Theme) -> None:
         self.style, self._style, self._color, self._theme = style, style, color, theme
@@ -84,6 +100,7 @@ class PointsPainter(Painter):
         self._mass = np.concatenate([part.body.mass for part in parts])
         self._radius = np.concatenate([part.body.radius for part in parts])
         self._table = sequential(style.colormap, theme.part, "Points.colormap")
+        self._fps = source.fps
         bodies = list(source.scene.bodies)
         each = [theme.bodies[bodies.index(part.body) % len(theme.bodies)] for part in parts]
         self._bodies = np.repeat(np.array(each, dtype=float), [len(part.body) for part in parts], axis=0)
@@ -118,36 +135,75 @@ class PointsPainter(Painter):
         return self._chosen(pixels) + 1.0
 
     def paint(self, canvas: Canvas, moment: Moment, view: View, pixels: float) -> None:
-        """Add discs."""
+        """Add trails, then halos, then discs."""
         positions = moment.positions[self._where]
         centers, depth, scale = view.project(positions)
-        colors = self._colors(moment)
-        farness = None if depth is None else view.farness(depth)
+        fraction = None if self._color == "body" else self._values(moment) / (self.top or 1.0)
+        ink = self._inks(fraction, depth, view)
+        radii = self._radii(scale, view, pixels)
         if self._past.maxlen != 1:
             self._past.append(positions)
-            self._paint_trail(canvas, view, colors, 0.7 * self._chosen(pixels))
-        radii = self._radii(scale, view, pixels)
+            self._paint_trails(canvas, view, self._inks(fraction, None, view), 0.7 * self._chosen(pixels))
+        if self._style.glow > 0.0:
+            self._paint_halos(canvas, centers, radii, ink, depth, fraction)
+        if self._style.blur > 0.0:
+            self._paint_streaks(canvas, moment, view, radii, ink)
+            return
         shading = 0.0 if view.flat or radii.max(initial=0.0) < 2.0 else SHADING
-        canvas.discs(centers, radii, inks(colors, self._theme, farness), depth, shading)
+        canvas.discs(centers, radii, ink, depth, shading)
 
-    def _paint_trail(self, canvas: Canvas, view: View, colors: FloatArray, width: float) -> None:
-        """Lines along the last positions that fade with age, the oldest first."""
+    def _paint_trails(self, canvas: Canvas, view: View, ink: InkArray, width: float) -> None:
+        """Lines along the last positions that fade with age."""
         past = np.stack(self._past)
-        steps, count, dimension = len(past) - 1, past.shape[1], past.shape[2]
+        moments, count, dimension = past.shape
         pixels, depth, _ = view.project(past.reshape(-1, dimension))
-        fresh = np.repeat(np.arange(1, steps + 1) / len(past), count)
-        # What has left the domain and come back on its other side has not crossed the picture.
-        jumps = np.zeros(steps * count, dtype=bool)
-        if self._domain is not None:
-            shift = np.diff(past, axis=0).reshape(-1, dimension)
-            jumps = (self._domain.nearest(shift) != shift).any(axis=1)
-        # Faded by color, not by opacity: where two opaque lines meet, no joint shows.
-        strength = (TRAIL * fresh)[:, np.newaxis]
-        faded = np.tile(colors, (steps, 1)) * strength + np.array(self._theme.background) * (1.0 - strength)
-        ink = inks(faded, self._theme, None)
-        widths = np.maximum(1.0, width * fresh).astype(np.float32)
-        ends = np.concatenate([pixels[:-count], pixels[count:]], axis=1)
-        canvas.lines(ends[~jumps], widths[~jumps], ink[~jumps], None if depth is None else depth[count:][~jumps])
+        gaps = None
+        if (
+            self._domain is not None
+        ):  # What has left the domain and come back on its other side has not crossed the picture.
+            steps = np.diff(past, axis=0)
+            gaps = (self._domain.nearest(steps.reshape(-1, dimension)).reshape(steps.shape) != steps).any(axis=2)
+        canvas.trails(
+            pixels.reshape(moments, count, 2),
+            np.full(count, width, dtype=np.float32),
+            ink,
+            (self._theme.background, TRAIL),
+            gaps,
+            None if depth is None else depth.reshape(moments, count),
+        )
+
+    def _paint_halos(
+        self,
+        canvas: Canvas,
+        centers: PixelArray,
+        radii: PixelArray,
+        ink: InkArray,
+        depth: PixelArray | None,
+        fraction: FloatArray | None,
+    ) -> None:
+        """Light around what is at the top of the scale; it goes with the square of the value, as energy does."""
+        strength = np.ones(len(ink)) if fraction is None else np.clip(fraction, 0.0, 1.0) ** 2
+        light = ink.copy()
+        light[:, 3] = np.round(255.0 * self._style.glow * GLOW * strength)
+        shining = light[:, 3] > 0
+        canvas.halos(
+            centers[shining],
+            HALO * radii[shining],
+            light[shining],
+            None if depth is None else depth[shining],
+            sum(self._theme.background) > BRIGHT,
+        )
+
+    def _paint_streaks(self, canvas: Canvas, moment: Moment, view: View, radii: PixelArray, ink: InkArray) -> None:
+        """Discs drawn out along their velocities, with the opacity that leaves their light the same."""
+        half = 0.5 * self._style.blur / self._fps * moment.channel("velocities")[self._where]
+        positions = moment.positions[self._where]
+        (tails, before, _), (tips, after, _) = view.project(positions - half), view.project(positions + half)
+        length = np.sqrt(np.einsum("nd,nd->n", tips - tails, tips - tails))
+        faint = ink.copy()
+        faint[:, 3] = np.round(255.0 * np.pi * radii / (np.pi * radii + 2.0 * length))
+        depth = None if before is None or after is None else 0.5 * (before + after)
+        canvas.lines(np.concatenate([tails, tips], axis=1), 2.0 * radii, faint, depth)
 
     def _values(self, moment: Moment) -> FloatArray:
         """What the color shows, (N,)."""
@@ -156,10 +212,11 @@ class PointsPainter(Painter):
         values: FloatArray = np.sqrt(squares) if self._color == "speed" else 0.5 * self._mass * squares
         return values
 
-    def _colors(self, moment: Moment) -> FloatArray:
-        if self._color == "body":
-            return self._bodies
-        return look_up(self._table, self._values(moment) / (self.top or 1.0))
+    def _inks(self, fraction: FloatArray | None, depth: PixelArray | None, view: View) -> InkArray:
+        """The color of each particle (N, 4), of its body or by the fraction of the scale that it has reached."""
+        if fraction is None:
+            return inks(self._bodies, self._theme, None if depth is None else view.farness(depth))
+        return tint(fraction, (0.0, 1.0), self._table, self._theme.background, depth, (view.reach, FOG))
 
     def _chosen(self, pixels: float) -> float:
         """The radius of a particle that has none [pixels]."""

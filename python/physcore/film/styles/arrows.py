@@ -1,0 +1,126 @@
+"""Arrows of a velocity or force field, over what moves."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from physcore._core import Canvas, tint
+from physcore.checks import number
+from physcore.film.camera import PixelArray, View
+from physcore.film.colormaps import ColormapName, sequential
+from physcore.film.fields import UNITS, Field, Of, field
+from physcore.film.sources import Moment, Source
+from physcore.film.styles.base import Painter, Part, Scale, Style, table, typical
+from physcore.film.themes import Theme
+
+HEAD = 0.34
+"""Length of an arrow's head over that of the longest arrow."""
+WIDTH = 0.075
+"""Width of a shaft over the length of the longest arrow."""
+LEAST = 0.12
+"""Arrows shorter than this fraction of the longest are not drawn: they have no direction to speak of."""
+
+
+@dataclass(frozen=True)
+class Arrows(Style):
+    """Arrows on a regular pattern, as long as what they show is large, and colored by it.
+
+    They are drawn in addition to how the bodies look: `style=[Points(), Arrows()]`.
+
+    Args:
+        of: "velocities" [m/s], the mean of the particles around each arrow; "acceleration" [m/s²], what one kilogram
+            and one coulomb at rest would feel of gravity, wind and centers of force; or a function of the time [s] and
+            positions (N, D) [m] that gives vectors (N, D).
+        spacing: between arrows [pixels].
+        colormap: as in Points; None: all in the color of text.
+        top: the value of the longest arrow, above zero; None: what is typical of the frame with the most.
+        on: as in Style: whose velocities are shown.
+
+    Raises:
+        SceneError: a value is not valid, or velocities are needed and were not recorded.
+    """
+
+    overlay: ClassVar[bool] = True
+
+    of: Of = "velocities"
+    spacing: float = 26.0
+    colormap: ColormapName | None = None
+    top: float | None = None
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        number(self.spacing, "Arrows.spacing", least=6.0)
+        if self.colormap is not None:
+            sequential(self.colormap, (0.0, 1.0), "Arrows.colormap")
+        if self.top is not None:
+            number(self.top, "Arrows.top", above=0.0)
+
+    def painter(self, source: Source, parts: list[Part], theme: Theme) -> Painter:
+        """A painter with the scale of one film."""
+        return ArrowsPainter(self, field(self.of, source, parts, "Arrows.of"), theme)
+
+
+class ArrowsPainter(Painter):
+    """Draws shafts and heads."""
+
+    def __init__(self, style: Arrows, shown: Field, theme: Theme) -> None:
+        self.style, self._style, self._field, self._theme = style, style, shown, theme
+        self._table = table(style.colormap, theme, "Arrows.colormap")
+        self.top = style.top or 0.0
+
+    @property
+    def settled(self) -> bool:
+        """Whether the longest arrow's value was given."""
+        return self._style.top is not None
+
+    @property
+    def scale(self) -> Scale | None:
+        """What the colors mean, where there is more than one."""
+        quantity, unit = UNITS.get(str(self._style.of), ("field", ""))
+        return None if self._style.colormap is None else Scale(quantity, unit, (0.0, self.top), self._table)
+
+    def observe(self, moment: Moment) -> None:
+        """Find the value of the longest arrow, among the particles themselves: there is no picture yet."""
+        if not self.settled:
+            vectors = self._field.known(moment)
+            self.top = max(self.top, typical(np.sqrt(np.einsum("nd,nd->n", vectors, vectors))))
+
+    def inset(self, pixels: float) -> float:
+        """Half an arrow."""
+        del pixels
+        return self._style.spacing / 2
+
+    def paint(self, canvas: Canvas, moment: Moment, view: View, pixels: float) -> None:
+        """Add arrows, above what is at the same place."""
+        del pixels
+        places, vectors = self._field.samples(moment, view, self._style.spacing)
+        values = np.sqrt(np.einsum("nd,nd->n", vectors, vectors))
+        shown = np.isfinite(values) & (values > LEAST * self.top)
+        places, vectors, values = places[shown], vectors[shown], values[shown]
+        if len(places) == 0:
+            return
+        # Drawn across its place, so that a pattern of arrows is centered on what it shows.
+        length = 0.9 * self._style.spacing / view.scale
+        half = 0.5 * length * np.minimum(1.0, self.top / values)[:, np.newaxis] * vectors / self.top
+        tails, depth, _ = view.project(places - half)
+        tips, _, _ = view.project(places + half)
+        ink = tint(values, (0.0, self.top), self._table, self._theme.background)
+        longest = np.float32(0.9 * self._style.spacing)
+        widths = np.full(len(tips), max(WIDTH * longest, 1.2), dtype=np.float32)
+        corners = heads(tails, tips, longest)
+        canvas.lines(np.concatenate([tails, corners.mean(axis=1)], axis=1), widths, ink, depth)
+        inks = np.repeat(ink[:, np.newaxis], 3, axis=1).reshape(-1, 12)
+        canvas.triangles(corners.reshape(-1, 6), inks, depth)
+
+
+def heads(tails: PixelArray, tips: PixelArray, longest: np.float32) -> PixelArray:
+    """The corners (N, 3, 2) of the heads of arrows [pixels]; a head is at most three fifths of its arrow."""
+    along = tips - tails
+    length = np.maximum(np.sqrt(np.einsum("nd,nd->n", along, along)), np.float32(1e-6))[:, np.newaxis]
+    along = along / length
+    size = np.minimum(np.float32(HEAD) * longest, np.float32(0.6) * length)
+    back, aside = tips - size * along, 0.5 * size * along[:, ::-1] * np.array([1.0, -1.0], dtype=np.float32)
+    return np.ascontiguousarray(np.stack([tips, back + aside, back - aside], axis=1))

@@ -1,0 +1,109 @@
+"""The whole way of chosen particles."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from physcore._core import Canvas
+from physcore.bodies import Body
+from physcore.checks import FloatArray, IntArray, number, regular
+from physcore.errors import SceneError
+from physcore.film.camera import View
+from physcore.film.sources import Moment, Source
+from physcore.film.styles.base import Painter, Part, Style, inks
+from physcore.film.themes import Theme
+
+FRESH = 0.85
+"""How much of its body's color a path has, beside the background's."""
+
+
+@dataclass(frozen=True)
+class Paths(Style):
+    """The way that chosen particles have come since the film began, as lines in the colors of their bodies.
+
+    It is drawn in addition to how the bodies look: `style=[Paths([0, 5]), Points()]`.
+
+    Args:
+        particles: indices within each body, shape (K,); negative ones count from the end. None: all.
+        width: of the lines [pixels].
+        on: as in Style.
+
+    Raises:
+        SceneError: a value is not valid, or an index is outside of a body.
+    """
+
+    overlay: ClassVar[bool] = True
+
+    particles: ArrayLike | None = None
+    width: float = 1.4
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        number(self.width, "Paths.width", above=0.0)
+        if self.particles is not None:
+            given = np.atleast_1d(regular(self.particles, "Paths.particles"))
+            if given.ndim != 1 or given.size == 0 or given.dtype.kind not in "iu":
+                raise SceneError(f"Paths.particles: must be a list of indices, got {self.particles!r}")
+            object.__setattr__(self, "particles", tuple(given.tolist()))
+
+    def can_draw(self, body: Body) -> bool:
+        """Whether it has as many particles."""
+        chosen = self.particles if isinstance(self.particles, tuple) else (0,)
+        return all(-len(body) <= index < len(body) for index in chosen)
+
+    def painter(self, source: Source, parts: list[Part], theme: Theme) -> Painter:
+        """A painter of one source."""
+        for part in parts:
+            if not self.can_draw(part.body):
+                raise SceneError(f"Paths.particles: must be particles of {part.body!r}, got {self.particles}")
+        return PathsPainter(self, source, parts, theme)
+
+
+class PathsPainter(Painter):
+    """Draws lines along all that was seen."""
+
+    def __init__(self, style: Paths, source: Source, parts: list[Part], theme: Theme) -> None:
+        self.style, self._width, self._domain, self._theme = style, style.width, source.scene.periodic, theme
+        where, colors = [], []
+        bodies = list(source.scene.bodies)
+        for part in parts:
+            every = np.arange(part.where.start, part.where.stop)
+            mine = every if style.particles is None else every[list(np.asarray(style.particles))]
+            where.append(mine)
+            colors.append(np.tile(np.array(theme.bodies[bodies.index(part.body) % len(theme.bodies)]), (len(mine), 1)))
+        self._where: IntArray = np.concatenate(where)
+        self._colors = FRESH * np.concatenate(colors) + (1.0 - FRESH) * np.array(theme.background)
+        self._past: list[FloatArray] = []
+
+    def begin(self) -> None:
+        """Forget the ways."""
+        self._past = []
+
+    def observe(self, moment: Moment) -> None:
+        """Nothing depends on the film."""
+
+    def inset(self, pixels: float) -> float:
+        """Half a line."""
+        del pixels
+        return self._width / 2 + 0.5
+
+    def paint(self, canvas: Canvas, moment: Moment, view: View, pixels: float) -> None:
+        """Add lines."""
+        del pixels
+        self._past.append(moment.positions[self._where])
+        past = np.stack(self._past)
+        moments, count, dimension = past.shape
+        points, depth, _ = view.project(past.reshape(-1, dimension))
+        whole = np.ones((moments - 1) * count, dtype=bool)
+        if self._domain is not None:  # What has left the domain and come back has not crossed the picture.
+            steps = np.diff(past, axis=0).reshape(-1, dimension)
+            whole = (self._domain.nearest(steps) == steps).all(axis=1)
+        farness = None if depth is None else view.farness(depth[count:])
+        ink = inks(np.tile(self._colors, (moments - 1, 1)), self._theme, farness)
+        ends = np.concatenate([points[:-count], points[count:]], axis=1)[whole]
+        widths = np.full(len(ends), self._width, dtype=np.float32)
+        canvas.lines(ends, widths, ink[whole], None if depth is None else depth[count:][whole])

@@ -1,0 +1,127 @@
+"""Streamlines of a velocity or force field in the plane."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from physcore._core import Canvas, tint
+from physcore.checks import number
+from physcore.errors import SceneError
+from physcore.film.camera import View
+from physcore.film.colormaps import ColormapName, sequential
+from physcore.film.fields import UNITS, Field, Of, field, pattern
+from physcore.film.sources import Moment, Source
+from physcore.film.styles.base import Painter, Part, Scale, Style, table, typical
+from physcore.film.themes import Theme
+
+STEP = 3.0
+"""Length of a step along a streamline [pixels]."""
+LEAST = 0.02
+"""Where the field is below this fraction of its top, lines end: it has no direction to speak of."""
+
+
+@dataclass(frozen=True)
+class Streamlines(Style):
+    """Short streamlines on a regular pattern, growing thinner toward where they come from; for 2D scenes.
+
+    They are drawn in addition to how the bodies look: `style=[Fluid(), Streamlines()]`. A line is followed by the
+    midpoint rule in steps of three pixels.
+
+    Args:
+        of: as in Arrows.
+        spacing: between the ends of lines [pixels].
+        length: of a line [pixels].
+        width: at a line's end [pixels].
+        colormap: as in Points; None: all in the color of text.
+        top: the value at the end of the color scale, above zero; None: what is typical of the frame with the most.
+        on: as in Style: whose velocities are shown.
+
+    Raises:
+        SceneError: a value is not valid, the scene is in 3D, or velocities are needed and were not recorded.
+    """
+
+    overlay: ClassVar[bool] = True
+    dimensions: ClassVar[tuple[int, ...]] = (2,)
+
+    of: Of = "velocities"
+    spacing: float = 22.0
+    length: float = 60.0
+    width: float = 2.0
+    colormap: ColormapName | None = None
+    top: float | None = None
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        number(self.spacing, "Streamlines.spacing", least=6.0)
+        number(self.length, "Streamlines.length", least=2.0 * STEP)
+        number(self.width, "Streamlines.width", above=0.0)
+        if self.colormap is not None:
+            sequential(self.colormap, (0.0, 1.0), "Streamlines.colormap")
+        if self.top is not None:
+            number(self.top, "Streamlines.top", above=0.0)
+
+    def painter(self, source: Source, parts: list[Part], theme: Theme) -> Painter:
+        """A painter with the scale of one film."""
+        if source.scene.dimension not in self.dimensions:
+            raise SceneError("Streamlines: show the plane, and this scene is in 3D; Arrows() shows space")
+        return StreamlinesPainter(self, field(self.of, source, parts, "Streamlines.of"), theme)
+
+
+class StreamlinesPainter(Painter):
+    """Follows lines and draws them."""
+
+    def __init__(self, style: Streamlines, shown: Field, theme: Theme) -> None:
+        self.style, self._style, self._field, self._theme = style, style, shown, theme
+        self._table = table(style.colormap, theme, "Streamlines.colormap")
+        self.top = style.top or 0.0
+
+    @property
+    def settled(self) -> bool:
+        """Whether the end of the color scale was given."""
+        return self._style.top is not None
+
+    @property
+    def scale(self) -> Scale | None:
+        """What the colors mean, where there is more than one."""
+        quantity, unit = UNITS.get(str(self._style.of), ("field", ""))
+        return None if self._style.colormap is None else Scale(quantity, unit, (0.0, self.top), self._table)
+
+    def observe(self, moment: Moment) -> None:
+        """Find the end of the color scale, among the particles themselves: there is no picture yet."""
+        if not self.settled:
+            vectors = self._field.known(moment)
+            self.top = max(self.top, typical(np.sqrt(np.einsum("nd,nd->n", vectors, vectors))))
+
+    def inset(self, pixels: float) -> float:
+        """Half a line's width."""
+        del pixels
+        return self._style.width / 2 + 0.5
+
+    def paint(self, canvas: Canvas, moment: Moment, view: View, pixels: float) -> None:
+        """Add lines that end on the pattern."""
+        del pixels
+        at, step = self._field.around(moment, view, 0.5 * self._style.spacing), STEP / view.scale
+        places = pattern(view, self._style.spacing)
+        values = np.linalg.norm(at(places), axis=1)
+        places, values = places[values > LEAST * self.top], values[values > LEAST * self.top]
+        line = [places]
+        for _ in range(round(self._style.length / STEP)):
+            # Backward, so that the fresh end stands on the pattern; a line stays where it finds no direction.
+            middle = places - 0.5 * step * self._direction(at(places))
+            places = places - step * self._direction(at(middle))
+            line.append(places)
+        if len(places) == 0:
+            return
+        past = np.stack([view.project(points)[0] for points in reversed(line)])
+        ink = tint(values, (0.0, self.top or 1.0), self._table, self._theme.background)
+        widths = np.full(len(places), self._style.width, dtype=np.float32)
+        canvas.trails(past, widths, ink)
+
+    def _direction(self, vectors: np.ndarray) -> np.ndarray:
+        """Unit vectors, or zero where there is next to nothing."""
+        length = np.linalg.norm(vectors, axis=1)[:, np.newaxis]
+        with np.errstate(invalid="ignore", divide="ignore"):
+            return np.where(length > LEAST * self.top, vectors / length, 0.0)

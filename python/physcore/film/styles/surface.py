@@ -1,0 +1,229 @@
+"""Cloths and soft bodies as lit surfaces, plain, textured or colored by strain."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from physcore._core import Canvas, Texture, tint
+from physcore.bodies import Body, SpringNetwork
+from physcore.checks import BoolArray, FloatArray, IntArray, number
+from physcore.errors import FileError, SceneError
+from physcore.film.camera import Orbit, View
+from physcore.film.colormaps import diverging
+from physcore.film.sources import Moment, Source
+from physcore.film.styles.base import Painter, Part, Scale, Style, inks, typical
+from physcore.film.themes import Color, Theme, color
+from physcore.periodic import Periodic
+
+LAMP = np.array([-0.408, 0.577, 0.707])
+"""Direction to the lamp: left, up, toward the eye; where that of balls stands too."""
+AMBIENT = 0.38
+"""How much of its light a surface has that is turned away from the lamp."""
+BACK = 0.8
+"""The light of the back of a surface, beside that of its front."""
+NEVER = 1e-9
+"""Strains below this are rounding, and stay neutral [1]."""
+UPWARD = ((0.0, 0.0, 1.0), (0.0, 1.0, 0.0))
+"""Which way a texture is upright: along z, or along y on what lies flat."""
+LARGEST = 4096
+"""The longest side of a texture [pixels]."""
+
+
+@dataclass(frozen=True)
+class Surface(Style):
+    """The triangles of a spring network's `faces`, filled; in 3D with Lambert's light and smooth normals.
+
+    Args:
+        color: "body", "strain", or a color such as "#10c0ff"; by strain each particle has the color of its
+            springs' mean, blue when compressed, red when stretched.
+        texture: a picture that is laid on the body as it was at the start, seen along its thinnest side: a path, or
+            an array (H, W, 3) of bytes; None: none.
+        range: the strain at which colors end [1]; None: what is typical of the worst frame.
+        on: as in Style; it must have faces.
+
+    Raises:
+        SceneError: a value is not valid.
+        FileError: the picture cannot be read.
+    """
+
+    color: Literal["body", "strain"] | str | Color = "body"
+    texture: str | os.PathLike[str] | NDArray[np.uint8] | Texture | None = None
+    range: float | None = None
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.color not in ("body", "strain"):
+            color(self.color, "Surface.color")
+        if self.range is not None:
+            number(self.range, "Surface.range", above=0.0)
+        if self.texture is not None and not isinstance(self.texture, Texture):
+            object.__setattr__(self, "texture", Texture(_picture(self.texture)))
+
+    def can_draw(self, body: Body) -> bool:
+        """Whether it has a surface."""
+        return isinstance(body, SpringNetwork) and len(body.faces) > 0
+
+    def painter(self, source: Source, parts: list[Part], theme: Theme) -> Painter:
+        """A painter with the color scale of one film."""
+        for part in parts:
+            if not self.can_draw(part.body):
+                raise SceneError(f"Surface.on: {part.body!r} has no faces; give SpringNetwork faces=, or use Strain()")
+        return SurfacePainter(self, source, parts, theme)
+
+
+class SurfacePainter(Painter):
+    """Draws triangles."""
+
+    def __init__(self, style: Surface, source: Source, parts: list[Part], theme: Theme) -> None:
+        self.style, self._style, self._theme = style, style, theme
+        self._domain: Periodic | None = source.scene.periodic
+        faces, pairs, rest, places = [], [], [], []
+        for part in parts:
+            body = part.body
+            assert isinstance(body, SpringNetwork)  # the style has made sure of it
+            faces.append(body.faces + part.where.start)
+            pairs.append(body.pairs + part.where.start)
+            rest.append(body.rest_length)
+            places.append(spread(body.positions))
+        self._faces: IntArray = np.concatenate(faces)
+        self._pairs: IntArray = np.concatenate(pairs)
+        self._rest: FloatArray = np.concatenate(rest)
+        self._where = np.concatenate([np.arange(part.where.start, part.where.stop) for part in parts])
+        count = source.scene.particles
+        self._degree = np.maximum(np.bincount(self._pairs.ravel(), minlength=count), 1)
+        self._table = diverging(theme.compressed, theme.relaxed, theme.stretched)
+        self._plain = np.zeros((count, 3))
+        bodies = list(source.scene.bodies)
+        for part in parts:
+            own = theme.bodies[bodies.index(part.body) % len(theme.bodies)]
+            self._plain[part.where] = own if style.color in ("body", "strain") else color(style.color, "Surface.color")
+        self._texture = style.texture if isinstance(style.texture, Texture) else None
+        if self._texture is not None and style.color == "body":
+            self._plain[:] = 255.0
+        everywhere = np.zeros((count, 2), dtype=np.float32)
+        everywhere[self._where] = np.concatenate(places)
+        self._places = everywhere[self._faces].reshape(-1, 6)
+        self.top = style.range or NEVER
+
+    @property
+    def settled(self) -> bool:
+        """Whether the end of the color scale was given, or there is none."""
+        return self._style.color != "strain" or self._style.range is not None
+
+    @property
+    def scale(self) -> Scale | None:
+        """What the colors mean."""
+        return Scale("strain", "", (-self.top, self.top), self._table) if self._style.color == "strain" else None
+
+    def observe(self, moment: Moment) -> None:
+        """Find the end of the color scale."""
+        if not self.settled:
+            self.top = max(self.top, typical(np.abs(self._strain(moment.positions))[self._where]))
+
+    def inset(self, pixels: float) -> float:
+        """A rim."""
+        del pixels
+        return 1.5
+
+    def paint(self, canvas: Canvas, moment: Moment, view: View, pixels: float) -> None:
+        """Add triangles."""
+        del pixels
+        corners, depth, _ = view.project(moment.positions)
+        light = np.ones(len(corners)) if view.flat else self._light(moment.positions, view)
+        colors = self._colors(moment.positions)[:, :3] * light[:, np.newaxis]
+        ink = inks(np.clip(colors, 0.0, 255.0), self._theme, None if depth is None else view.farness(depth))
+        faces, places = self._faces, self._places
+        if self._domain is not None:
+            whole = self._whole(moment.positions)
+            faces, places = faces[whole], places[whole]
+        canvas.triangles(
+            np.ascontiguousarray(corners[faces].reshape(-1, 6)),
+            np.ascontiguousarray(ink[faces].reshape(-1, 12)),
+            None if depth is None else depth[faces].mean(axis=1, dtype=np.float32),
+            self._texture,
+            places,
+        )
+
+    def _whole(self, positions: FloatArray) -> BoolArray:
+        """Which triangles (T,) do not reach across a face of the domain, and so across the picture."""
+        assert self._domain is not None
+        sides = np.diff(positions[self._faces[:, [0, 1, 2, 0]]], axis=1)
+        flat = sides.reshape(-1, positions.shape[1])
+        whole: BoolArray = (self._domain.nearest(flat).reshape(sides.shape) == sides).all(axis=(1, 2))
+        return whole
+
+    def _colors(self, positions: FloatArray) -> FloatArray:
+        if self._style.color != "strain":
+            return self._plain
+        strain = self._strain(positions) / self.top
+        spread_out = np.sign(strain) * np.sqrt(np.abs(strain))
+        return tint(spread_out, (-1.0, 1.0), self._table, self._theme.background).astype(float)
+
+    def _strain(self, positions: FloatArray) -> FloatArray:
+        """The mean strain of each particle's springs (N,)."""
+        apart = positions[self._pairs[:, 1]] - positions[self._pairs[:, 0]]
+        if self._domain is not None:
+            apart = self._domain.nearest(apart)
+        rest = np.maximum(self._rest, NEVER)
+        strain = np.sqrt(np.einsum("md,md->m", apart, apart)) / rest - 1.0
+        sums = np.bincount(self._pairs.ravel(), weights=np.repeat(strain, 2), minlength=len(positions))
+        mean: FloatArray = sums / self._degree
+        return mean
+
+    def _light(self, positions: FloatArray, view: View) -> FloatArray:
+        """The light on each particle (N,): Lambert's cosine with the mean normal of its faces, turned to the eye."""
+        first, second, third = (positions[self._faces[:, corner]] for corner in (0, 1, 2))
+        flat = np.cross(second - first, third - first)
+        index = self._faces.ravel()
+        normals = np.stack(
+            [np.bincount(index, weights=np.repeat(flat[:, axis], 3), minlength=len(positions)) for axis in range(3)],
+            axis=1,
+        )
+        local = normals @ view.axes.T
+        length = np.maximum(np.sqrt(np.einsum("nd,nd->n", local, local)), 1e-300)
+        away = local[:, 2] < 0.0
+        cosine = np.where(away, -1.0, 1.0) * (local @ LAMP) / length
+        light: FloatArray = (AMBIENT + (1.0 - AMBIENT) * np.maximum(cosine, 0.0)) * np.where(away, BACK, 1.0)
+        return light
+
+
+def spread(positions: FloatArray) -> NDArray[np.float32]:
+    """Where particles lie on a picture (N, 2), 0–1 to the right and up: seen along their thinnest direction, upright,
+    from the side of the usual camera.
+    """
+    centered = positions - positions.mean(axis=0)
+    if positions.shape[1] == 3:
+        normal = np.linalg.svd(centered, full_matrices=False)[2][-1] if len(positions) > 2 else np.array(UPWARD[0])
+        normal = normal if normal @ Orbit().axes[2] > 0.0 else -normal
+        upward = np.array(UPWARD[int(abs(normal[2]) > 0.9)])
+        upward = upward - (upward @ normal) * normal
+        upward /= np.linalg.norm(upward)
+        centered = np.stack([centered @ np.cross(upward, normal), centered @ upward], axis=1)
+    low, high = centered.min(axis=0), centered.max(axis=0)
+    places: NDArray[np.float32] = ((centered - low) / np.maximum(high - low, 1e-300)).astype(np.float32)
+    return places
+
+
+def _picture(given: Any) -> NDArray[np.uint8]:
+    """The pixels of a texture (H, W, 3)."""
+    if isinstance(given, (str, os.PathLike)):
+        from PIL import Image, UnidentifiedImageError
+
+        try:
+            with Image.open(Path(given)) as image:
+                image.thumbnail((LARGEST, LARGEST))
+                return np.ascontiguousarray(np.asarray(image.convert("RGB")))
+        except (OSError, UnidentifiedImageError) as error:
+            raise FileError(f"Surface.texture: {os.fspath(given)} cannot be read: {error}") from error
+    pixels = np.asarray(given)
+    if pixels.ndim != 3 or pixels.shape[2] != 3 or pixels.dtype != np.uint8 or 0 in pixels.shape:
+        raise SceneError(
+            f"Surface.texture: must be a path or bytes of shape (H, W, 3), got {pixels.dtype} of shape {pixels.shape}"
+        )
+    return np.ascontiguousarray(pixels)
