@@ -16,15 +16,18 @@
 //! # Ok::<(), physcore_canvas::Error>(())
 //! ```
 //!
-//! The way of the data: `view` finds pixels and inks, `shapes` says how much of a pixel a shape covers, `canvas` blends that into pixels, `painting` puts many
+//! The way of the data: `view` finds pixels and inks, `shapes` says how much of a pixel a shape covers, `band` finds those pixels on
+//! some rows of the `canvas`, `ink` mixes colors into them, `painting` puts many
 //! shapes in order of depth, `texture` covers surfaces, `liquid` lets drops flow together, `palette` reduces millions of colors to 255, `lzw` packs the indices, `gif` writes the container,
 //! and `file` makes sure that a file is either the whole new film or what it was before.
 
+mod band;
 mod canvas;
 mod color;
 mod error;
 mod file;
 mod gif;
+mod ink;
 mod liquid;
 mod lzw;
 mod painting;

@@ -8,7 +8,7 @@
 
 #![expect(clippy::cast_possible_wrap, reason = "no side is longer than 65535 pixels")]
 
-use crate::canvas::Canvas;
+use crate::band::Band;
 use crate::color::{Ink, Rgb};
 use crate::view::opaque;
 
@@ -108,14 +108,14 @@ impl Liquid {
         self.scale == 0.0 || !inside || depth * self.scale <= self.front[row * self.width + column]
     }
 
-    /// Paints the liquid.
-    pub(crate) fn paint(&self, canvas: &mut Canvas) {
-        for row in 0..self.amount.len().checked_div(self.width).unwrap_or(0) {
+    /// Paints the liquid on some rows.
+    pub(crate) fn paint(&self, band: &mut Band<'_>) {
+        for row in band.rows() {
             for column in 0..self.width {
                 let place = row * self.width + column;
                 if self.amount[place] > 0.0 {
                     let (color, coverage) = if self.scale > 0.0 { self.lit(row, column) } else { self.rimmed(row, column) };
-                    canvas.dot(column as i32, row as i32, color, coverage);
+                    band.dot(column as i32, row as i32, color, coverage);
                 }
             }
         }

@@ -1,7 +1,9 @@
 //! Many shapes at once, painted from the far to the near.
 
 use std::sync::Arc;
+use std::thread::available_parallelism;
 
+use crate::band::Band;
 use crate::canvas::Canvas;
 use crate::color::Rgb;
 use crate::liquid::{Drop, Liquid};
@@ -46,6 +48,9 @@ impl Lens {
         self.blur * depth.abs() / (1.0 + depth / self.distance).max(NEAREST)
     }
 }
+
+/// So many shapes are drawn sooner by one thread than others are woken.
+const FEW: usize = 1000;
 
 #[derive(Clone, Copy, Debug)]
 struct Entry {
@@ -117,16 +122,21 @@ impl Painting {
         if self.has_depth {
             self.order.sort_by(|p, q| q.depth.total_cmp(&p.depth));
         }
-        if self.liquid.is_empty() {
-            self.order.iter().for_each(|entry| self.draw(entry, canvas));
-        } else {
+        if !self.liquid.is_empty() {
             self.liquid.settle(canvas.width(), canvas.height());
-            let in_front = |entry: &&Entry| self.liquid.leaves_in_front(self.anchor(entry), entry.depth);
-            self.order.iter().filter(|entry| !in_front(entry)).for_each(|entry| self.draw(entry, canvas));
-            self.liquid.paint(canvas);
-            self.order.iter().filter(in_front).for_each(|entry| self.draw(entry, canvas));
-            self.liquid.clear();
         }
+        let threads =
+            if self.order.len() < FEW && self.liquid.is_empty() { 1 } else { available_parallelism().map_or(1, usize::from) };
+        std::thread::scope(|scope| {
+            let mut bands = canvas.bands(threads);
+            let mine = bands.next();
+            for mut band in bands {
+                let this = &*self;
+                scope.spawn(move || this.draw_on(&mut band));
+            }
+            mine.into_iter().for_each(|mut band| self.draw_on(&mut band));
+        });
+        self.liquid.clear();
         self.discs.clear();
         self.lines.clear();
         self.triangles.clear();
@@ -136,14 +146,26 @@ impl Painting {
         self.has_depth = false;
     }
 
-    fn draw(&self, entry: &Entry, canvas: &mut Canvas) {
+    /// Draws all shapes on some rows.
+    fn draw_on(&self, band: &mut Band<'_>) {
+        if self.liquid.is_empty() {
+            self.order.iter().for_each(|entry| self.draw(entry, band));
+            return;
+        }
+        let in_front = |entry: &&Entry| self.liquid.leaves_in_front(self.anchor(entry), entry.depth);
+        self.order.iter().filter(|entry| !in_front(entry)).for_each(|entry| self.draw(entry, band));
+        self.liquid.paint(band);
+        self.order.iter().filter(in_front).for_each(|entry| self.draw(entry, band));
+    }
+
+    fn draw(&self, entry: &Entry, band: &mut Band<'_>) {
         match entry.shape {
-            Shape::Disc(index) => canvas.disc(self.discs[index as usize]),
-            Shape::Line(index) => canvas.line(self.lines[index as usize]),
-            Shape::Halo(index) => canvas.halo(self.halos[index as usize]),
+            Shape::Disc(index) => band.disc(self.discs[index as usize]),
+            Shape::Line(index) => band.line(self.lines[index as usize]),
+            Shape::Halo(index) => band.halo(self.halos[index as usize]),
             Shape::Triangle(index) => {
                 let (triangle, texture) = &self.triangles[index as usize];
-                canvas.triangle(triangle, texture.map(|texture| &*self.textures[usize::from(texture)]));
+                band.triangle(triangle, texture.map(|texture| &*self.textures[usize::from(texture)]));
             }
         }
     }

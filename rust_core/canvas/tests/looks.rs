@@ -90,6 +90,26 @@ proptest! {
         }
     }
 
+    /// Many shapes are painted by as many threads as there are, one by one they are drawn by this one.
+    #[test]
+    fn threads_do_not_show(seeds in prop::collection::vec([-20.0..120.0_f32, -20.0..120.0_f32, 0.1..6.0_f32], 1000..1200)) {
+        let (mut painting, mut canvas, mut alone) = (Painting::default(), plain(20), plain(20));
+        for (index, &[x, y, size]) in seeds.iter().enumerate() {
+            let color = [(index * 37) as u8, (index * 91) as u8, (index * 13) as u8, 100 + (index % 150) as u8];
+            let disc = Disc { center: [x, y], radius: size, color, shading: 0.4, softness: 1.0 };
+            let line = Line { from: [x, y], to: [y, x], width: size, color, softness: 1.0 };
+            let halo = Halo { center: [y, x], radius: 2.0 * size, color, shadow: index % 2 == 0 };
+            alone.disc(disc);
+            painting.disc(disc, 0.0);
+            alone.line(line);
+            painting.line(line, 0.0);
+            alone.halo(halo);
+            painting.halo(halo, 0.0);
+        }
+        painting.paint(&mut canvas);
+        prop_assert!(canvas.pixels() == alone.pixels());
+    }
+
     #[test]
     fn nothing_panics_and_nothing_leaves_the_clip(values in prop::collection::vec(prop::num::f32::ANY, 8), deep: bool) {
         let (mut painting, mut canvas) = (Painting::default(), plain(0));

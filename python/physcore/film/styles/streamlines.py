@@ -8,6 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 from physcore._core import Canvas, tint
+from physcore.bodies import Body
 from physcore.checks import number
 from physcore.errors import SceneError
 from physcore.film.camera import View
@@ -62,6 +63,10 @@ class Streamlines(Style):
             sequential(self.colormap, (0.0, 1.0), "Streamlines.colormap")
         if self.top is not None:
             number(self.top, "Streamlines.top", above=0.0)
+
+    def can_draw(self, body: Body) -> bool:
+        """Whether it lies in the plane."""
+        return body.dimension in self.dimensions
 
     def painter(self, source: Source, parts: list[Part], theme: Theme) -> Painter:
         """A painter with the scale of one film."""

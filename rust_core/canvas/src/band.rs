@@ -1,0 +1,231 @@
+//! Some rows of a canvas, and how shapes are drawn on them. Bands are drawn on at the same time by several threads, each of which
+//! blends all shapes in the same order: the pixels do not depend on how many there are.
+
+use crate::color::Ink;
+use crate::ink::{Paint, Shade};
+use crate::shapes::{Disc, Halo, Line, Triangle, drawn_half_width, drawn_radius, ramp};
+use crate::texture::Texture;
+
+/// Columns and rows from `left`, `top` up to, not including, `right`, `bottom`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Rectangle {
+    pub(crate) left: i32,
+    pub(crate) top: i32,
+    pub(crate) right: i32,
+    pub(crate) bottom: i32,
+}
+
+/// Whole rows of a picture.
+pub(crate) struct Band<'a> {
+    pub(crate) pixels: &'a mut [[u8; 4]],
+    /// Width of the picture [pixels].
+    pub(crate) width: usize,
+    /// The first row.
+    pub(crate) top: i32,
+    /// The part of the band that is drawn on.
+    pub(crate) clip: Rectangle,
+}
+
+impl Band<'_> {
+    /// The rows.
+    pub(crate) fn rows(&self) -> std::ops::Range<usize> {
+        let first = self.top as usize;
+        first..first + self.pixels.len() / self.width
+    }
+
+    /// Draws a disc.
+    pub(crate) fn disc(&mut self, disc: Disc) {
+        let (radius, opacity) = drawn_radius(disc.radius, disc.softness);
+        let (reach, sharpness) = (radius + 0.5 * disc.softness, 1.0 / disc.softness);
+        let [x, y] = disc.center;
+        let Some(area) = self.visible([x - reach, y - reach], [x + reach, y + reach]) else {
+            return;
+        };
+        let paint = Paint::new(disc.color, opacity);
+        let shade = (disc.shading > 0.0).then(|| Shade { strength: disc.shading, per_radius: 1.0 / radius });
+        for row in area.top..area.bottom {
+            let dy = row as f32 + 0.5 - y;
+            let outer = (reach * reach - dy * dy).max(0.0).sqrt();
+            let (pixels, offset) = self.span(area, row, x - outer, x + outer);
+            for (pixel, column) in pixels.iter_mut().zip(0_u16..) {
+                let dx = offset - x + f32::from(column);
+                let edge = ramp(((dx * dx + dy * dy).sqrt() - radius) * sharpness);
+                let paint = shade.as_ref().map_or(paint, |shade| paint.with(shade.lit(disc.color, dx, dy)));
+                paint.blend(pixel, edge);
+            }
+        }
+    }
+
+    /// Draws a line.
+    pub(crate) fn line(&mut self, line: Line) {
+        let (half, opacity) = drawn_half_width(line.width, line.softness);
+        let (reach, sharpness) = (half + 0.5 * line.softness, 1.0 / line.softness);
+        let ([x0, y0], [x1, y1]) = (line.from, line.to);
+        let low = [x0.min(x1) - reach, y0.min(y1) - reach];
+        let high = [x0.max(x1) + reach, y0.max(y1) + reach];
+        let Some(area) = self.visible(low, high) else {
+            return;
+        };
+        let (ux, uy) = (x1 - x0, y1 - y0);
+        let length = (ux * ux + uy * uy).sqrt();
+        let per_square = if length > 0.0 { 1.0 / (length * length) } else { 0.0 };
+        // Along a row the band around the line is this wide; a level line's band is the whole row.
+        let (slope, spread) = if uy == 0.0 { (0.0, f32::INFINITY) } else { (ux / uy, reach * length / uy.abs()) };
+        let paint = Paint::new(line.color, opacity);
+        for row in area.top..area.bottom {
+            let dy = row as f32 + 0.5 - y0;
+            let middle = x0 + dy * slope;
+            // Beyond an end the cap reaches as far as the end itself does, which the sides of the box bound.
+            let (pixels, offset) = self.span(area, row, middle - spread, middle + spread);
+            for (pixel, column) in pixels.iter_mut().zip(0_u16..) {
+                let dx = offset - x0 + f32::from(column);
+                let along = ((dx * ux + dy * uy) * per_square).clamp(0.0, 1.0);
+                let (ex, ey) = (dx - along * ux, dy - along * uy);
+                paint.blend(pixel, ramp(((ex * ex + ey * ey).sqrt() - half) * sharpness));
+            }
+        }
+    }
+
+    /// Draws a triangle, half a pixel larger than it is.
+    pub(crate) fn triangle(&mut self, triangle: &Triangle, texture: Option<&Texture>) {
+        const MORE: f32 = 0.5;
+        let [a, b, c] = triangle.corners;
+        let low = [a[0].min(b[0]).min(c[0]) - MORE - 0.5, a[1].min(b[1]).min(c[1]) - MORE - 0.5];
+        let high = [a[0].max(b[0]).max(c[0]) + MORE + 0.5, a[1].max(b[1]).max(c[1]) + MORE + 0.5];
+        let doubled = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+        let Some(area) = self.visible(low, high).filter(|_| doubled != 0.0) else {
+            return;
+        };
+        let edges = edges(&triangle.corners);
+        let inks = triangle.colors.map(|ink| ink.map(f32::from));
+        for row in area.top..area.bottom {
+            let (pixels, offset) = self.span(area, row, f32::MIN, f32::MAX);
+            for (pixel, column) in pixels.iter_mut().zip(0_u16..) {
+                let (x, y) = (offset + f32::from(column), row as f32 + 0.5);
+                let distance = edges.iter().fold(f32::MIN, |most, [nx, ny, c]| most.max(nx * x + ny * y - c));
+                let coverage = ramp(distance - MORE);
+                if coverage > 0.0 {
+                    let weights = barycentric(&triangle.corners, doubled, x, y);
+                    let [red, green, blue, alpha] = mean(&inks, weights);
+                    let texel = texture.map_or([255.0; 3], |texture| texture.at(mean(&triangle.places, weights)));
+                    let lit = |channel: f32, texel: f32| (channel * texel * (1.0 / 255.0) + 0.5) as u8;
+                    let color = [lit(red, texel[0]), lit(green, texel[1]), lit(blue, texel[2]), (alpha + 0.5) as u8];
+                    Paint::new(color, 1.0).blend(pixel, coverage);
+                }
+            }
+        }
+    }
+
+    /// Draws a halo: light that falls like (1 − d²/r²)² with the distance d from its center, added as two lights on a screen,
+    /// 1 − (1 − a)(1 − b), so that much of it ends in white and never beyond; a shadow is the same for what is missing to white.
+    pub(crate) fn halo(&mut self, halo: Halo) {
+        let (radius, [x, y]) = (halo.radius, halo.center);
+        let Some(area) = self.visible([x - radius, y - radius], [x + radius, y + radius]).filter(|_| radius > 0.0) else {
+            return;
+        };
+        let ([red, green, blue, alpha], per_square) = (halo.color, 1.0 / (radius * radius));
+        let flip = if halo.shadow { 0xFF } else { 0 };
+        for row in area.top..area.bottom {
+            let dy = row as f32 + 0.5 - y;
+            let outer = (radius * radius - dy * dy).max(0.0).sqrt();
+            let (pixels, offset) = self.span(area, row, x - outer, x + outer);
+            for (pixel, column) in pixels.iter_mut().zip(0_u16..) {
+                let dx = offset - x + f32::from(column);
+                let inside = (1.0 - (dx * dx + dy * dy) * per_square).max(0.0);
+                let amount = (inside * inside * f32::from(alpha) * (256.0 / 255.0) + 0.5) as u32;
+                for (channel, light) in pixel.iter_mut().zip([red, green, blue]) {
+                    let (below, light) = (*channel ^ flip, light ^ flip);
+                    *channel = (below + ((u32::from(255 - below) * u32::from(light) * amount + 0x7F80) / 0xFF00) as u8) ^ flip;
+                }
+            }
+        }
+    }
+
+    /// Fills a convex polygon, whose corners may go round either way.
+    pub(crate) fn polygon(&mut self, corners: &[[f32; 2]], color: Ink) {
+        let low = corners.iter().fold([f32::MAX; 2], |low, c| [low[0].min(c[0]), low[1].min(c[1])]);
+        let high = corners.iter().fold([f32::MIN; 2], |high, c| [high[0].max(c[0]), high[1].max(c[1])]);
+        let Some(area) = self.visible([low[0] - 0.5, low[1] - 0.5], [high[0] + 0.5, high[1] + 0.5]) else {
+            return;
+        };
+        let (edges, paint) = (edges(corners), Paint::new(color, 1.0));
+        for row in area.top..area.bottom {
+            let (pixels, offset) = self.span(area, row, f32::MIN, f32::MAX);
+            for (pixel, column) in pixels.iter_mut().zip(0_u16..) {
+                let (x, y) = (offset + f32::from(column), row as f32 + 0.5);
+                let distance = edges.iter().fold(f32::MIN, |most, [nx, ny, c]| most.max(nx * x + ny * y - c));
+                paint.blend(pixel, ramp(distance));
+            }
+        }
+    }
+
+    /// Blends `color` into one pixel with a coverage of 0–1; outside the picture nothing happens.
+    pub(crate) fn dot(&mut self, x: i32, y: i32, color: Ink, coverage: f32) {
+        let Rectangle { left, top, right, bottom } = self.clip;
+        if (left..right).contains(&x) && (top..bottom).contains(&y) {
+            Paint::new(color, 1.0).blend(&mut self.pixels[(y - self.top) as usize * self.width + x as usize], coverage);
+        }
+    }
+
+    /// The pixels whose centers lie between two corners and inside the clip; none for coordinates that are not numbers.
+    fn visible(&self, low: [f32; 2], high: [f32; 2]) -> Option<Rectangle> {
+        let Rectangle { left, top, right, bottom } = self.clip;
+        let area = Rectangle {
+            left: nearest_edge(low[0]).max(left),
+            top: nearest_edge(low[1]).max(top),
+            right: nearest_edge(high[0]).min(right),
+            bottom: nearest_edge(high[1]).min(bottom),
+        };
+        let finite = low.iter().chain(&high).all(|value| value.is_finite());
+        (finite && area.left < area.right && area.top < area.bottom).then_some(area)
+    }
+
+    /// The pixels of a row whose centers lie from `low` to `high`, within `area`, and the center of the first.
+    #[inline(always)]
+    fn span(&mut self, area: Rectangle, row: i32, low: f32, high: f32) -> (&mut [[u8; 4]], f32) {
+        let start = nearest_edge(low).clamp(area.left, area.right);
+        let end = nearest_edge(high).clamp(start, area.right);
+        let first = (row - self.top) as usize * self.width;
+        (&mut self.pixels[first + start as usize..first + end as usize], start as f32 + 0.5)
+    }
+}
+
+/// The edge between pixels that is nearest to a coordinate: centers to its right are the first beyond. Coordinates left of the
+/// picture may be rounded the wrong way, which the clip makes harmless. (`f32::floor` is a call on the oldest x86-64.)
+#[inline(always)]
+fn nearest_edge(coordinate: f32) -> i32 {
+    (coordinate + 0.5) as i32
+}
+
+/// Outward unit normals n and offsets c of a convex polygon's sides: outside is where n·x > c.
+fn edges(corners: &[[f32; 2]]) -> Vec<[f32; 3]> {
+    let count = corners.len() as f32;
+    let middle = corners.iter().fold([0.0; 2], |sum, c| [sum[0] + c[0] / count, sum[1] + c[1] / count]);
+    let ends = corners.iter().zip(corners.iter().cycle().skip(1));
+    ends.filter_map(|(from, to)| {
+        let (dx, dy) = (to[0] - from[0], to[1] - from[1]);
+        let length = (dx * dx + dy * dy).sqrt();
+        let inward = dy * (middle[0] - from[0]) - dx * (middle[1] - from[1]) > 0.0;
+        let scale = if inward { -1.0 } else { 1.0 } / length;
+        let (nx, ny) = (dy * scale, -dx * scale);
+        (length > 0.0).then_some([nx, ny, nx * from[0] + ny * from[1]])
+    })
+    .collect()
+}
+
+/// How near a point is to each corner of a triangle whose doubled, signed area is known; outside, the nearest there is.
+#[inline(always)]
+fn barycentric([a, b, c]: &[[f32; 2]; 3], doubled: f32, x: f32, y: f32) -> [f32; 3] {
+    let (scale, x, y) = (1.0 / doubled, x - a[0], y - a[1]);
+    let within = |value: f32, most: f32| value.max(0.0).min(most); // not `clamp`, which leaves what is not a number as it is
+    let second = within((x * (c[1] - a[1]) - y * (c[0] - a[0])) * scale, 1.0);
+    let third = within((y * (b[0] - a[0]) - x * (b[1] - a[1])) * scale, 1.0 - second);
+    [1.0 - second - third, second, third]
+}
+
+/// The weighted mean of what three corners have.
+#[inline(always)]
+fn mean<const N: usize>(corners: &[[f32; N]; 3], weights: [f32; 3]) -> [f32; N] {
+    let [a, b, c] = corners;
+    std::array::from_fn(|index| weights[0] * a[index] + weights[1] * b[index] + weights[2] * c[index])
+}

@@ -1,0 +1,57 @@
+//! How colors mix into pixels, and how light falls on balls.
+
+use crate::color::Ink;
+
+/// A color, its alpha replaced by a factor that turns coverage into 256ths of opacity.
+#[derive(Clone, Copy)]
+pub(crate) struct Paint {
+    color: u32,
+    full: f32,
+}
+
+impl Paint {
+    pub(crate) fn new([red, green, blue, alpha]: Ink, opacity: f32) -> Self {
+        Self { color: u32::from_le_bytes([red, green, blue, 0]), full: opacity * f32::from(alpha) * (256.0 / 255.0) }
+    }
+
+    /// The same opacity in another color.
+    pub(crate) fn with(self, color: u32) -> Self {
+        Self { color, ..self }
+    }
+
+    /// Mixes into a pixel, two channels in one multiplication.
+    #[inline(always)]
+    pub(crate) fn blend(self, pixel: &mut [u8; 4], coverage: f32) {
+        const PAIR: u32 = 0x00FF_00FF;
+        const HALVES: u32 = 0x0080_0080;
+        // Added to 2²³ a small number stands, rounded, in the last bits: several times cheaper than `as`, which minds NaN.
+        let amount = (coverage * self.full + 8_388_608.0).to_bits() & 0x1FF;
+        let (below, keep) = (u32::from_le_bytes(*pixel), 256 - amount);
+        let red_blue = (below & PAIR) * keep + (self.color & PAIR) * amount + HALVES;
+        let green = ((below >> 8) & PAIR) * keep + ((self.color >> 8) & PAIR) * amount + HALVES;
+        *pixel = ((red_blue >> 8) & PAIR | green & !PAIR).to_le_bytes();
+    }
+}
+
+/// Light on a ball: Lambert's cosine from a lamp above the viewer's left shoulder, and a soft highlight.
+pub(crate) struct Shade {
+    pub(crate) strength: f32,
+    pub(crate) per_radius: f32,
+}
+
+impl Shade {
+    /// Direction to the lamp: left, up, toward the viewer; a unit vector.
+    const LAMP: [f32; 3] = [-0.408, -0.577, 0.707];
+
+    #[inline(always)]
+    pub(crate) fn lit(&self, color: Ink, dx: f32, dy: f32) -> u32 {
+        let (nx, ny) = (dx * self.per_radius, dy * self.per_radius);
+        let nz = (1.0 - nx * nx - ny * ny).max(0.0).sqrt();
+        let light = (nx * Self::LAMP[0] + ny * Self::LAMP[1] + nz * Self::LAMP[2]).max(0.0);
+        let square = light * light;
+        let highlight = 46.0 * self.strength * (square * square) * (square * square);
+        let factor = 1.0 - self.strength * (1.0 - light);
+        let channel = |value: u8| (f32::from(value) * factor + highlight).min(255.0) as u8;
+        u32::from_le_bytes([channel(color[0]), channel(color[1]), channel(color[2]), 0])
+    }
+}

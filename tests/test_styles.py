@@ -1,0 +1,317 @@
+"""What styles draw is where, as large and as bright as what it shows."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from PIL import Image
+
+import physcore as pc
+from physcore.film import DARK, Orbit, Window, fields
+from physcore.film.camera import Face, View, fit
+from physcore.film.sources import Moment, Recorded, sources
+from physcore.film.styles.base import Part
+
+SIZE = (240, 180)
+
+
+def still(scene: pc.Scene, path: Path, velocities: np.ndarray | None = None, **options: Any) -> np.ndarray:
+    """One frame of a scene as it begins, as a picture (H, W, 3)."""
+    positions = np.concatenate([body.positions for body in scene.bodies])[np.newaxis]
+    moving = np.zeros_like(positions) if velocities is None else velocities[np.newaxis]
+    channels = {"positions": positions, "velocities": moving}
+    recording: Any = SimpleNamespace(
+        scene=scene, times=np.zeros(1), positions=positions, velocities=moving, fps=30.0, channels=channels
+    )
+    pc.film(recording, path / "still.png", **{"size": SIZE, **options})
+    with Image.open(path / "still.png") as image:
+        return np.asarray(image.convert("RGB")).astype(float)
+
+
+def part(scene: pc.Scene) -> list[Part]:
+    """Every body of a scene."""
+    return [Part(body, scene.slice(body)) for body in scene.bodies]
+
+
+def view(lower: tuple[float, float], upper: tuple[float, float]) -> View:
+    """A view of a part of the plane."""
+    return fit(Window(lower, upper), np.array(lower), np.array(upper), (0, 0, *SIZE), 0.0)
+
+
+def moment(positions: np.ndarray, velocities: np.ndarray) -> Moment:
+    """One time of a recording."""
+    recording: Any = SimpleNamespace(
+        scene=None, times=np.zeros(1), positions=positions[np.newaxis], fps=30.0,
+        channels={"positions": positions[np.newaxis], "velocities": velocities[np.newaxis]},
+    )  # fmt: skip
+    return next(Recorded(recording).moments())
+
+
+class Sheet:
+    """A canvas that remembers what it was told to draw."""
+
+    def __init__(self) -> None:
+        self.drawn: dict[str, tuple[Any, ...]] = {}
+
+    def __getattr__(self, name: str) -> Any:
+        return lambda *arguments: self.drawn.__setitem__(name, arguments)
+
+
+def brightness(picture: np.ndarray) -> float:
+    """How much brighter a picture is than its background, summed over all pixels."""
+    return float((picture - np.array(DARK.background)).sum())
+
+
+@pytest.mark.parametrize("shape", [(4, 5, 6), (2, 2, 2), (3, 2, 4)])
+def test_the_faces_of_a_block_close_it_and_look_outward(shape: tuple[int, int, int]) -> None:
+    """Each edge belongs to two triangles, in opposite directions, and the signed volume (Gauss's theorem) is that of
+    the block: six times it is a sum of integers times the cube of the spacing, exact but for the rounding of 0.5.
+    """
+    block = pc.soft_body(shape, 0.5, 100.0, origin=(1.0, -2.0, 3.0))
+    edges = np.concatenate([block.faces[:, [i, (i + 1) % 3]] for i in range(3)])
+    there = {tuple(edge) for edge in edges.tolist()}
+    assert len(there) == len(edges)
+    assert all((second, first) in there for first, second in there)
+    a, b, c = (block.positions[block.faces[:, corner]] for corner in range(3))
+    volume = np.einsum("td,td->", a, np.cross(b, c)) / 6.0
+    assert volume == pytest.approx(0.125 * np.prod(np.array(shape) - 1), rel=1e-12)
+
+
+def test_the_faces_of_a_cloth_cover_it_once() -> None:
+    cloth = pc.cloth((7, 5), 0.25, 100.0)
+    a, b, c = (cloth.positions[cloth.faces[:, corner]] for corner in range(3))
+    (ux, uy), (vx, vy) = (b - a).T, (c - a).T
+    areas = 0.5 * (ux * vy - uy * vx)
+    assert (areas == 0.5 * 0.25**2).all()
+    assert len(areas) == 2 * 6 * 4
+
+
+@pytest.mark.parametrize(
+    ("faces", "message"),
+    [
+        ([[0, 1]], "SpringNetwork.faces: must be integers of shape (M, 3)"),
+        ([[0, 1, 9]], "SpringNetwork.faces[0, 2]: index 9 is outside of the 4 particles"),
+        ([[0, 1, 2], [1, 3, 1]], "SpringNetwork.faces[1]: connects particle 1 with itself"),
+    ],
+)
+def test_faces_that_make_no_sense_are_refused(faces: list[list[int]], message: str) -> None:
+    with pytest.raises(pc.SceneError, match=r"SpringNetwork\.faces") as caught:
+        pc.SpringNetwork(np.random.default_rng(1).uniform(size=(4, 2)), [[0, 1]], 1.0, faces=faces)
+    assert message in str(caught.value)
+
+
+def test_faces_are_saved_with_the_scene(tmp_path: Path) -> None:
+    cloth = pc.cloth((3, 4), 0.1, 1.0)
+    pc.Simulation(pc.Scene(cloth), dt=1e-3).save(tmp_path / "cloth.npz")
+    loaded = pc.load(tmp_path / "cloth.npz").scene.bodies[0]
+    assert (loaded.faces == cloth.faces).all()
+
+
+def test_a_surface_covers_its_area(tmp_path: Path) -> None:
+    """A cloth of 2 m × 1 m in a window 4 m × 3 m, 60 pixels per meter: 120 × 60 pixels, and at most half a pixel more
+    along its rim, because triangles are drawn half a pixel larger than they are.
+    """
+    scene = pc.Scene(pc.cloth((9, 5), 0.25, 1.0, origin=(1.0, 1.0)))
+    plain = {"camera": Window((0.0, 0.0), (4.0, 3.0)), "labels": (), "color_bar": False}
+    picture = still(scene, tmp_path, style=pc.styles.Surface(color="#ffffff"), **plain)
+    covered = brightness(picture) / float((255.0 - np.array(DARK.background)).sum())
+    assert 120 * 60 <= covered <= 121.1 * 61.1
+
+
+def test_a_texture_lies_on_its_body_upright(tmp_path: Path) -> None:
+    """Seen from the front and from above, the picture's upper left is where it is in the picture."""
+    texture = np.zeros((2, 2, 3), dtype=np.uint8)
+    texture[0, 0], texture[0, 1], texture[1, 0], texture[1, 1] = (255, 0, 0), (0, 255, 0), (0, 0, 255), (255, 255, 0)
+    bodies = {
+        "flat": (pc.cloth((9, 9), 0.1, 1.0), None),
+        "upright": (pc.cloth((9, 9), 0.1, 1.0, axes=((1, 0, 0), (0, 0, 1))), Orbit(azimuth=-90.0, elevation=0.0)),
+        "lying": (pc.cloth((9, 9), 0.1, 1.0, axes=((1, 0, 0), (0, 1, 0))), Orbit(azimuth=-90.0, elevation=89.0)),
+    }
+    for body, camera in bodies.values():
+        picture = still(pc.Scene(body), tmp_path, style=pc.styles.Surface(texture=texture), camera=camera, labels=())
+        inked = np.argwhere(np.abs(picture - np.array(DARK.background)).max(axis=2) > 30)
+        (top, left), (bottom, right) = inked.min(axis=0), inked.max(axis=0)
+        assert picture[top + 8, left + 8].argmax() == 0
+        assert picture[top + 8, right - 8].argmax() == 1
+        assert picture[bottom - 8, left + 8].argmax() == 2
+        red, green, blue = picture[bottom - 8, right - 8]
+        assert min(red, green) > 2 * blue
+
+
+@pytest.mark.parametrize("texture", [np.zeros((4, 4)), np.zeros((4, 4, 3)), np.zeros((0, 4, 3), dtype=np.uint8)])
+def test_a_texture_is_bytes_of_three_colors(texture: np.ndarray) -> None:
+    with pytest.raises(pc.SceneError, match=r"Surface\.texture: must be a path or bytes of shape \(H, W, 3\)"):
+        pc.styles.Surface(texture=texture)
+
+
+def test_a_texture_that_cannot_be_read_is_named(tmp_path: Path) -> None:
+    (tmp_path / "text.png").write_text("no picture")
+    for name in ("text.png", "missing.png"):
+        with pytest.raises(pc.FileError, match=rf"Surface\.texture: .*{name} cannot be read"):
+            pc.styles.Surface(texture=tmp_path / name)
+
+
+def test_what_has_no_surface_is_refused_as_one(tmp_path: Path) -> None:
+    rope = pc.rope(5, 1.0, 10.0)
+    with pytest.raises(pc.SceneError, match=r"Surface\.on: .* has no faces"):
+        still(pc.Scene(rope), tmp_path, style=pc.styles.Surface(on=rope))
+
+
+def test_light_comes_from_the_upper_left_and_the_back_is_darker(tmp_path: Path) -> None:
+    """A square of cloth turned about the vertical: brightest where it faces the lamp on the left."""
+    seen = {}
+    for turn in (-50.0, 0.0, 50.0, 180.0):
+        angle = np.radians(turn)
+        axes = ((np.cos(angle), np.sin(angle), 0.0), (0.0, 0.0, 1.0))
+        cloth = pc.cloth((5, 5), 0.1, 1.0, axes=axes)
+        camera = Orbit(azimuth=-90.0, elevation=0.0, field_of_view=0.0)
+        seen[turn] = still(pc.Scene(cloth), tmp_path, style=pc.styles.Surface(), camera=camera, labels=()).max()
+    assert seen[-50.0] > seen[0.0] > seen[50.0]
+    assert seen[180.0] == pytest.approx(0.8 * seen[0.0], abs=1.0)
+
+
+def test_a_smooth_fluid_covers_its_volume(tmp_path: Path) -> None:
+    """A block of 1 m × 0.8 m, whose surface may lie up to 0.6 spacings outside of its outermost particles, which are
+    half a spacing inside of the block: 0.1 spacings beyond it at most, and no less than it but for the two outermost
+    pixels' fading.
+    """
+    spacing = 0.05
+    block = pc.Fluid(pc.block((1.0, 1.0), (2.0, 1.8), spacing), spacing, density=1000.0)
+    scene = pc.Scene(block, pc.Box((0.0, 0.0), (4.0, 3.0)))
+    empty = still(pc.Scene(pc.Particles(np.empty((0, 2))), pc.Box((0.0, 0.0), (4.0, 3.0))), tmp_path,
+                  camera=Window((0.0, 0.0), (4.0, 3.0)), labels=())  # fmt: skip
+    picture = still(scene, tmp_path, style=pc.styles.Fluid(surface=True, top=1.0), color_bar=False, labels=(),
+                    camera=Window((0.0, 0.0), (4.0, 3.0)))  # fmt: skip
+    covered = (np.abs(picture - empty).max(axis=2) > 40).sum() / 60.0**2
+    assert 1.0 * 0.8 - 2.0 * 3.6 / 60.0 * 0.5 <= covered <= (1.0 + 0.2 * spacing) * (0.8 + 0.2 * spacing) + 3.6 / 60.0
+
+
+def test_motion_blur_keeps_the_light(tmp_path: Path) -> None:
+    """Discs of the same size and color, at rest and drawn out over 0.5 s / 30 of their way, 12 pixels: rounding of the
+    opacity to 1/255 and of each pixel to 1/256 of its share errs by 1 % at a third of full opacity.
+    """
+    generator = np.random.default_rng(3)
+    positions = np.stack(np.meshgrid(np.linspace(0.5, 3.5, 6), np.linspace(0.5, 2.5, 5)), axis=-1).reshape(-1, 2)
+    velocities = 12.0 * generator.choice([-1.0, 1.0], size=positions.shape)
+    scene, window = pc.Scene(pc.Particles(positions)), Window((0.0, 0.0), (4.0, 3.0))
+    light = [
+        brightness(still(scene, tmp_path, velocities, style=style, camera=window, labels=(), color_bar=False))
+        for style in (pc.styles.Points(color="body", size=7.0), pc.styles.Points(color="body", size=7.0, blur=0.5))
+    ]
+    assert light[1] == pytest.approx(light[0], rel=0.02)
+
+
+def test_only_what_is_fast_glows(tmp_path: Path) -> None:
+    scene, window = pc.Scene(pc.Particles([[1.0, 1.5], [3.0, 1.5]])), Window((0.0, 0.0), (4.0, 3.0))
+    velocities = np.array([[0.1, 0.0], [1.0, 0.0]])
+    options: dict[str, Any] = {"camera": window, "labels": (), "color_bar": False}
+    for theme, sign in (("dark", 1.0), ("light", -1.0)):
+        dull, glowing = (
+            still(scene, tmp_path, velocities, style=pc.styles.Points(size=8.0, glow=glow, top=1.0), theme=theme, **options)
+            for glow in (0.0, 1.0)
+        )
+        change = sign * (glowing - dull).sum(axis=2)
+        assert change.min() >= -1.0
+        slow, fast = change[:, :120].sum(), change[:, 120:].sum()
+        assert fast > 50.0 * max(slow, 1.0)
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_mean_velocities_are_those_of_a_rigid_rotation(dimension: int) -> None:
+    """The field is linear, so that the mean velocity of a square is exactly that at its mean position."""
+    positions = np.random.default_rng(1).uniform(-1.0, 1.0, size=(500, dimension))
+    spin = np.array([[0.0, -2.0, 0.5], [2.0, 0.0, 1.0], [-0.5, -1.0, 0.0]])[:dimension, :dimension]
+    velocities = positions @ spin.T
+    box = np.full(dimension, -1.0), np.full(dimension, 1.0)
+    seen = fit(Face() if dimension == 2 else Orbit(), *box, (0, 0, *SIZE), 0.0)
+    shown = fields.Motion(np.arange(len(positions)))
+    places, vectors = shown.samples(moment(positions, velocities), seen, 20.0)
+    assert 10 < len(places) < 200
+    np.testing.assert_allclose(vectors, places @ spin.T, atol=1e-13)
+
+
+def test_a_smoothed_uniform_flow_is_uniform_and_ends_where_nothing_is() -> None:
+    positions = np.random.default_rng(1).uniform(0.5, 1.5, size=(400, 2))
+    shown = fields.Motion(np.arange(len(positions)))
+    at = shown.around(moment(positions, np.tile([0.3, -0.4], (400, 1))), view((0.0, 0.0), (4.0, 3.0)), 10.0)
+    inside = np.random.default_rng(2).uniform(0.6, 1.4, size=(50, 2))
+    np.testing.assert_allclose(at(inside), np.tile([0.3, -0.4], (50, 1)), atol=1e-14)
+    assert np.isnan(at(np.array([[3.5, 2.5], [-40.0, 0.0]]))).all()
+
+
+def test_the_acceleration_is_that_of_the_scenes_forces() -> None:
+    """Gravity and an inverse-square attraction, felt from rest; the kick is a power of two, so that nothing is lost."""
+    scene = pc.Scene(
+        pc.cloth((3, 3), 0.1, 50.0), pc.Gravity((0.0, -9.81)), pc.CentralForce((0.0, 0.0), strength=2.0, exponent=-2.0)
+    )
+    source = sources(pc.simulate(scene, 0.01, progress=False), None, None, {})[0]
+    shown = fields.field("acceleration", source, part(scene), "of")
+    places = np.random.default_rng(1).uniform(0.5, 2.0, size=(20, 2))
+    radius = np.linalg.norm(places, axis=1)[:, np.newaxis]
+    assert isinstance(shown, fields.Space)
+    np.testing.assert_allclose(shown.at(0.0, places), [0.0, -9.81] - 2.0 * places / radius**3, rtol=1e-14)
+
+
+def test_arrows_point_along_the_field_and_are_as_long_as_it_is_large() -> None:
+    """A field along (3, 4) that grows to the right; an arrow of the top value is 0.9 of the spacing long."""
+    scene = pc.Scene(pc.Particles([[1.0, 1.0], [2.0, 1.0]]))
+    source = sources(pc.simulate(scene, 0.1, progress=False), None, None, {})[0]
+    style = pc.styles.Arrows(lambda time, x: x[:, :1] * np.array([0.6, 0.8]), spacing=30.0, top=4.0)
+    painter, sheet = style.painter(source, part(scene), DARK), Sheet()
+    painter.paint(sheet, moment(np.zeros((2, 2)), np.zeros((2, 2))), view((0.0, 0.0), (4.0, 3.0)), 1.0)  # type: ignore[arg-type]
+    corners = sheet.drawn["triangles"][0].reshape(-1, 3, 2)
+    tails, tips = sheet.drawn["lines"][0][:, :2], corners[:, 0]
+    along = (tips - tails) * np.array([1.0, -1.0])
+    length = np.linalg.norm(along, axis=1)
+    expected = 27.0 * np.minimum(0.5 * (tails + tips)[:, 0] / 60.0 / 4.0, 1.0)
+    np.testing.assert_allclose(along / length[:, np.newaxis], np.tile([0.6, 0.8], (len(along), 1)), atol=1e-4)
+    np.testing.assert_allclose(length, expected, atol=1e-3)
+
+
+def test_streamlines_of_a_rotation_are_circles() -> None:
+    """The midpoint rule in steps of h goes out by h⁴/(8r³) per step at the radius r [pixels]: 20 steps of 3 pixels at
+    r ≥ 20 by less than 0.03; pixels are rounded to f32.
+    """
+    scene = pc.Scene(pc.Particles([[0.0, 0.0], [1.0, 1.0]]))
+    source = sources(pc.simulate(scene, 0.1, progress=False), None, None, {})[0]
+    style = pc.styles.Streamlines(lambda time, x: np.stack([-x[:, 1], x[:, 0]], axis=1), top=2.0)
+    painter, sheet = style.painter(source, part(scene), DARK), Sheet()
+    painter.paint(sheet, moment(np.zeros((2, 2)), np.zeros((2, 2))), view((-2.0, -1.5), (2.0, 1.5)), 1.0)  # type: ignore[arg-type]
+    past = sheet.drawn["trails"][0].astype(float) - np.array([SIZE[0] / 2, SIZE[1] / 2])
+    radius = np.linalg.norm(past, axis=2)
+    outer = radius[-1] > 20.0
+    assert outer.sum() > 50
+    assert np.abs(radius[:, outer] - radius[-1, outer]).max() < 0.03 + 1e-4
+    angle = np.unwrap(np.arctan2(-past[..., 1], past[..., 0]), axis=0)
+    assert (np.diff(angle[:, outer], axis=0) > 0.0).all()
+
+
+def test_a_path_is_the_whole_way_of_the_chosen(tmp_path: Path) -> None:
+    """Two particles fly 3 m at 60 pixels per meter; the path of one is shown: 180 pixels long, 4 wide."""
+    scene = pc.Scene(pc.Particles([[0.5, 1.0], [0.5, 2.0]], velocities=(3.0, 0.0)))
+    recording = pc.simulate(scene, 1.0, fps=10, progress=False)
+    options: dict[str, Any] = {"camera": Window((0.0, 0.0), (4.0, 3.0)), "labels": (), "color_bar": False, "size": SIZE}
+    styles = [pc.styles.Paths([-1], width=4.0), pc.styles.Points(color="body", size=1.0, trail=0.0)]
+    pc.film(recording, tmp_path / "way.png", style=styles, **options)
+    with Image.open(tmp_path / "way.png") as image:
+        inked = np.abs(np.asarray(image.convert("RGB")).astype(float) - np.array(DARK.background)).max(axis=2) > 20
+    assert 178 * 4 <= inked[40:80].sum() <= 186 * 5
+    assert inked[100:140].sum() < 20
+
+
+def test_paths_of_particles_that_are_not_there_are_refused(tmp_path: Path) -> None:
+    dust = pc.Particles(np.zeros((3, 2)))
+    with pytest.raises(pc.SceneError, match=r"Paths\.particles: must be particles of .*, got \(3,\)"):
+        still(pc.Scene(dust), tmp_path, style=pc.styles.Paths([3], on=dust))
+    with pytest.raises(pc.SceneError, match=r"Paths\.particles: must be a list of indices"):
+        pc.styles.Paths([0.5])
+
+
+def test_space_has_no_streamlines(tmp_path: Path) -> None:
+    dust = pc.Particles(np.zeros((3, 3)))
+    with pytest.raises(pc.SceneError, match=r"Streamlines: show the plane"):
+        still(pc.Scene(dust), tmp_path, style=pc.styles.Streamlines(on=dust))
