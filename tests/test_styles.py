@@ -211,7 +211,14 @@ def test_only_what_is_fast_glows(tmp_path: Path) -> None:
     options: dict[str, Any] = {"camera": window, "labels": (), "color_bar": False}
     for theme, sign in (("dark", 1.0), ("light", -1.0)):
         dull, glowing = (
-            still(scene, tmp_path, velocities, style=pc.styles.Points(size=8.0, glow=glow, top=1.0), theme=theme, **options)
+            still(
+                scene,
+                tmp_path,
+                velocities,
+                style=pc.styles.Points(size=8.0, glow=glow, top=1.0),
+                theme=theme,
+                **options,
+            )
             for glow in (0.0, 1.0)
         )
         change = sign * (glowing - dull).sum(axis=2)

@@ -158,6 +158,7 @@ class Projection:
         self, points: NDArray[np.float64]
     ) -> tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.float32]]: ...
 
+def norms(vectors: NDArray[np.float64]) -> NDArray[np.float64]: ...
 def tint(
     values: NDArray[np.float64],
     ends: tuple[float, float],

@@ -10,11 +10,11 @@ from typing import Literal, Protocol, TypeAlias
 import numpy as np
 
 from physcore.bodies import Particles
-from physcore.checks import FloatArray, shown
+from physcore.checks import FloatArray, IntArray, shown
 from physcore.errors import PhyscoreError, SceneError
 from physcore.film.camera import View
 from physcore.film.sources import Moment, Source
-from physcore.film.styles.base import Part
+from physcore.film.styles.base import Part, places
 from physcore.forces import CustomForce, LennardJones, Repulsion
 from physcore.integrators import SemiImplicitEuler
 from physcore.scene import Scene
@@ -57,7 +57,7 @@ def field(of: object, source: Source, parts: list[Part], path: str) -> Field:
     if of == "velocities":
         if not source.has("velocities"):
             raise SceneError(f"{path}: 'velocities' were not recorded; record them, or give a function")
-        return Motion(np.concatenate([np.arange(part.where.start, part.where.stop) for part in parts]))
+        return Motion(places(parts))
     if of == "acceleration":
         return Space(_acceleration(source.scene))
     if callable(of):
@@ -69,7 +69,7 @@ def field(of: object, source: Source, parts: list[Part], path: str) -> Field:
 class Motion:
     """The mean velocity of the particles in each square of the picture."""
 
-    where: np.ndarray
+    where: slice | IntArray
     """Which particles count."""
 
     def samples(self, moment: Moment, view: View, spacing: float) -> tuple[FloatArray, FloatArray]:

@@ -18,7 +18,7 @@ mod _core {
     #[pymodule_export]
     use super::gif::Gif;
     #[pymodule_export]
-    use super::view::{Projection, tint};
+    use super::view::{Projection, norms, tint};
     #[pymodule_export]
     use super::world::World;
 }

@@ -73,6 +73,15 @@ fn projected<'py, const D: usize>(
     Ok((pixels, PyArray1::from_vec(py, depths), PyArray1::from_vec(py, scales)))
 }
 
+/// The lengths (N,) of vectors (N, D).
+#[pyfunction]
+pub fn norms<'py>(py: Python<'py>, vectors: PyReadonlyArray2<'py, f64>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    let values = vectors.as_slice().map_err(|_| PyValueError::new_err("vectors: must be C-contiguous"))?;
+    let (length, dimension) = (|vector: &[f64]| vector.iter().map(|x| x * x).sum::<f64>().sqrt(), vectors.shape()[1].max(1));
+    let lengths = py.detach(|| values.chunks_exact(dimension).map(length).collect());
+    Ok(PyArray1::from_vec(py, lengths))
+}
+
 /// The opaque inks (N, 4) of values (N,): the part of the way from `low` to `high` is looked up in a table of colors (K, 3), and what
 /// is far away fades into the background: `fog` is half the depth of all that is seen, and how much the farthest thing fades.
 #[pyfunction]

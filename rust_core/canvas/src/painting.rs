@@ -120,7 +120,7 @@ impl Painting {
     /// Paints everything that was added and forgets it; the memory is kept for the next frame.
     pub fn paint(&mut self, canvas: &mut Canvas) {
         if self.has_depth {
-            self.order.sort_by(|p, q| q.depth.total_cmp(&p.depth));
+            radsort::sort_by_key(&mut self.order, |entry| -entry.depth); // stable, and ten times faster for millions
         }
         if !self.liquid.is_empty() {
             self.liquid.settle(canvas.width(), canvas.height());

@@ -8,14 +8,14 @@ from typing import Literal
 import numpy as np
 
 from physcore import fluid
-from physcore._core import Canvas, tint
+from physcore._core import Canvas, norms, tint
 from physcore.bodies import Body
 from physcore.checks import FloatArray, number
 from physcore.errors import SceneError
 from physcore.film.camera import View
 from physcore.film.colormaps import ColormapName, sequential
 from physcore.film.sources import Moment, Source
-from physcore.film.styles.base import FOG, Painter, Part, Scale, Style, typical
+from physcore.film.styles.base import FOG, Painter, Part, Scale, Style, places, typical
 from physcore.film.themes import Theme, mixed
 
 ColorBy = Literal["speed", "pressure", "density"]
@@ -93,7 +93,7 @@ class FluidPainter(Painter):
 
     def __init__(self, style: Fluid, parts: list[Part], theme: Theme) -> None:
         self.style, self._style, self._theme = style, style, theme
-        self._where = np.concatenate([np.arange(part.where.start, part.where.stop) for part in parts])
+        self._where = places(parts)
         self._table = sequential(style.colormap, theme.part, "Fluid.colormap")
         self._sky = mixed(theme.background, SKY, 0.5)
         bodies = [part.body for part in parts if isinstance(part.body, fluid.Fluid)]
@@ -148,8 +148,7 @@ class FluidPainter(Painter):
         values: FloatArray = moment.channel(CHANNEL[self._style.color])[self._where]
         match self._style.color:
             case "speed":
-                speeds: FloatArray = np.sqrt(np.einsum("nd,nd->n", values, values))
-                return speeds
+                return norms(values)
             case "density":
                 compressions: FloatArray = values / self._rest - 1.0
                 return compressions

@@ -9,13 +9,13 @@ from typing import Literal
 
 import numpy as np
 
-from physcore._core import Canvas, tint
+from physcore._core import Canvas, norms, tint
 from physcore.checks import FloatArray, number
 from physcore.errors import SceneError
 from physcore.film.camera import PixelArray, View
 from physcore.film.colormaps import ColormapName, sequential
 from physcore.film.sources import Moment, Source
-from physcore.film.styles.base import FOG, InkArray, Painter, Part, Scale, Style, inks, typical
+from physcore.film.styles.base import FOG, InkArray, Painter, Part, Scale, Style, inks, places, typical
 from physcore.film.themes import Theme
 
 ColorBy = Literal["speed", "energy", "body"]
@@ -23,7 +23,7 @@ ColorBy = Literal["speed", "energy", "body"]
 UNITS = {"speed": "m/s", "energy": "J"}
 SPACING = 0.3
 """A disc's radius as a fraction of the mean distance that the particles would have if they filled the panel."""
-RADII = (1.0, 5.5)
+RADII = (0.5, 5.5)
 """The smallest and the largest radius that is chosen by itself [pixels]."""
 SHADING = 0.45
 TRAIL = 0.7
@@ -96,9 +96,10 @@ class PointsPainter(Painter):
 
     def __init__(self, style: Points, color: ColorBy, source: Source, parts: list[Part], theme: Theme) -> None:
         self.style, self._style, self._color, self._theme = style, style, color, theme
-        self._where = np.concatenate([np.arange(part.where.start, part.where.stop) for part in parts])
+        self._where = places(parts)
         self._mass = np.concatenate([part.body.mass for part in parts])
         self._radius = np.concatenate([part.body.radius for part in parts])
+        self._sized = bool((self._radius > 0.0).any())
         self._table = sequential(style.colormap, theme.part, "Points.colormap")
         self._fps = source.fps
         bodies = list(source.scene.bodies)
@@ -106,7 +107,7 @@ class PointsPainter(Painter):
         self._bodies = np.repeat(np.array(each, dtype=float), [len(part.body) for part in parts], axis=0)
         self._domain = source.scene.periodic
         self.top = style.top or 0.0
-        frames = source.count / 8 if len(self._where) <= FEW else 0.0
+        frames = source.count / 8 if len(self._mass) <= FEW else 0.0
         if style.trail is not None:
             frames = min(style.trail * source.fps, source.count)
         self._past: deque[FloatArray] = deque(maxlen=1 + round(frames))
@@ -208,9 +209,8 @@ class PointsPainter(Painter):
     def _values(self, moment: Moment) -> FloatArray:
         """What the color shows, (N,)."""
         velocities = moment.channel("velocities")[self._where]
-        squares = np.einsum("nd,nd->n", velocities, velocities)
-        values: FloatArray = np.sqrt(squares) if self._color == "speed" else 0.5 * self._mass * squares
-        return values
+        speeds = norms(velocities)
+        return speeds if self._color == "speed" else 0.5 * self._mass * speeds**2
 
     def _inks(self, fraction: FloatArray | None, depth: PixelArray | None, view: View) -> InkArray:
         """The color of each particle (N, 4), of its body or by the fraction of the scale that it has reached."""
@@ -223,12 +223,15 @@ class PointsPainter(Painter):
         if self._style.size is not None:
             return self._style.size / 2
         least, most = RADII
-        return float(np.clip(SPACING * math.sqrt(pixels / max(len(self._where), 1)), least, most))
+        return float(np.clip(SPACING * math.sqrt(pixels / max(len(self._mass), 1)), least, most))
 
     def _radii(self, scale: PixelArray, view: View, pixels: float) -> PixelArray:
         chosen = np.float32(self._chosen(pixels))
         perspective = scale / np.float32(view.scale)
         if self._style.size is not None:
             return chosen * perspective
+        if not self._sized:
+            shown: PixelArray = np.maximum(chosen * perspective, np.float32(RADII[0]))
+            return shown
         own = scale * self._radius.astype(np.float32)
         return np.where(self._radius > 0.0, np.maximum(own, RADII[0]), chosen * perspective).astype(np.float32)

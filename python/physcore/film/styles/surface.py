@@ -17,7 +17,7 @@ from physcore.errors import FileError, SceneError
 from physcore.film.camera import Orbit, View
 from physcore.film.colormaps import diverging
 from physcore.film.sources import Moment, Source
-from physcore.film.styles.base import Painter, Part, Scale, Style, inks, typical
+from physcore.film.styles.base import Painter, Part, Scale, Style, inks, places, typical
 from physcore.film.themes import Color, Theme, color
 from physcore.periodic import Periodic
 
@@ -83,18 +83,18 @@ class SurfacePainter(Painter):
     def __init__(self, style: Surface, source: Source, parts: list[Part], theme: Theme) -> None:
         self.style, self._style, self._theme = style, style, theme
         self._domain: Periodic | None = source.scene.periodic
-        faces, pairs, rest, places = [], [], [], []
+        faces, pairs, rest, spots = [], [], [], []
         for part in parts:
             body = part.body
             assert isinstance(body, SpringNetwork)  # the style has made sure of it
             faces.append(body.faces + part.where.start)
             pairs.append(body.pairs + part.where.start)
             rest.append(body.rest_length)
-            places.append(spread(body.positions))
+            spots.append(spread(body.positions))
         self._faces: IntArray = np.concatenate(faces)
         self._pairs: IntArray = np.concatenate(pairs)
         self._rest: FloatArray = np.concatenate(rest)
-        self._where = np.concatenate([np.arange(part.where.start, part.where.stop) for part in parts])
+        self._where = places(parts)
         count = source.scene.particles
         self._degree = np.maximum(np.bincount(self._pairs.ravel(), minlength=count), 1)
         self._table = diverging(theme.compressed, theme.relaxed, theme.stretched)
@@ -107,8 +107,8 @@ class SurfacePainter(Painter):
         if self._texture is not None and style.color == "body":
             self._plain[:] = 255.0
         everywhere = np.zeros((count, 2), dtype=np.float32)
-        everywhere[self._where] = np.concatenate(places)
-        self._places = everywhere[self._faces].reshape(-1, 6)
+        everywhere[self._where] = np.concatenate(spots)
+        self._spots = everywhere[self._faces].reshape(-1, 6)
         self.top = style.range or NEVER
 
     @property
@@ -138,16 +138,16 @@ class SurfacePainter(Painter):
         light = np.ones(len(corners)) if view.flat else self._light(moment.positions, view)
         colors = self._colors(moment.positions)[:, :3] * light[:, np.newaxis]
         ink = inks(np.clip(colors, 0.0, 255.0), self._theme, None if depth is None else view.farness(depth))
-        faces, places = self._faces, self._places
+        faces, spots = self._faces, self._spots
         if self._domain is not None:
             whole = self._whole(moment.positions)
-            faces, places = faces[whole], places[whole]
+            faces, spots = faces[whole], spots[whole]
         canvas.triangles(
             np.ascontiguousarray(corners[faces].reshape(-1, 6)),
             np.ascontiguousarray(ink[faces].reshape(-1, 12)),
             None if depth is None else depth[faces].mean(axis=1, dtype=np.float32),
             self._texture,
-            places,
+            spots,
         )
 
     def _whole(self, positions: FloatArray) -> BoolArray:
