@@ -343,7 +343,7 @@ fn the_bound_of_a_lattice_is_of_the_right_size() {
 #[test]
 fn nothing_limits_what_feels_nothing() {
     let nothing =
-        Limit { stability: f64::INFINITY, accuracy: f64::INFINITY, term: "", kind: Kind::None };
+        Limit { stability: f64::INFINITY, accuracy: f64::INFINITY, term: "", kind: Kind::None, certified: f64::INFINITY };
     assert_eq!(Bound::new(&[], &[]).limit::<VelocityVerlet>(), nothing);
     assert_eq!(Bound::new(&[1.0, 2.0], &[0, 0]).limit::<ExplicitEuler>(), nothing);
     let mut fixed = Bound::new(&[f64::INFINITY; 2], &[0, 0]);
