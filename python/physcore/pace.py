@@ -168,7 +168,8 @@ class Pace:
             self._complete(error)
             raise
         if before == 0 < self.rescued:
-            warn("a step that follows the motion diverged and was halved: take a smaller safety", StabilityWarning)
+            cause = "safety" if rule.tolerance is None else "tolerance"
+            warn(f"a step that follows the motion diverged and was halved: take a smaller {cause}", StabilityWarning)
         self._warn_if_hasty(*flow or (0.0, 0.0, 0.0))
 
     def _advance_by(self, steps: int, dt: float) -> None:
