@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 import pytest
 
 import physcore as pc
+from physcore import engine
 
 FALLING = pc.Scene(pc.Particles([[0.0, 0.0]]), pc.Gravity((0.0, -9.81)))
 
@@ -81,6 +83,49 @@ def test_a_step_above_the_limit_warns_where_the_user_wrote_it():
     with pytest.warns(pc.StabilityWarning) as caught:
         pc.simulate(scene, duration=0.0, dt=1.01 * limit)
     assert caught[0].filename == __file__
+
+
+def test_the_limit_is_looked_for_where_it_is_needed_and_once(monkeypatch, tmp_path):
+    """The sharp one, which takes as long as many steps: not where a step is certified, and not for what goes on."""
+    looks = []
+    find = engine.limit
+    monkeypatch.setattr(engine, "limit", lambda world: looks.append(world) or find(world))
+
+    def looked(make):
+        looks.clear()
+        made = make()
+        return made, len(looks)
+
+    scene = pc.Scene(pc.cloth((6, 6), 0.1, 100.0, bend_stiffness=0.0))
+    limit = pc.stability_limit(scene, pc.VelocityVerlet())
+    with pytest.warns(pc.StabilityWarning):
+        above, found = looked(lambda: pc.Simulation(scene, dt=1.1 * limit))
+    assert found == 1
+    auto, found = looked(lambda: pc.Simulation(scene))
+    assert found == 1
+    given, found = looked(lambda: pc.Simulation(scene, dt=0.2 * limit))
+    assert found == 0
+    for simulation in (above, auto, given):
+        simulation.save(tmp_path / "half")
+        assert looked(lambda: pc.load(tmp_path / "half"))[1] == 0
+        assert looked(simulation.__copy__)[1] == 0
+    assert given.plan.dt_limit == above.plan.dt_limit == limit
+
+
+def test_the_certified_limit_is_remembered_while_no_spring_is_shorter_than_half():
+    """Where one is, it is that of a simulation that starts there; and when it is gone, what it was."""
+    scene = pc.Scene(pc.rope(4, 1.0, 100.0))
+    run = pc.Simulation(scene)
+    start, world = run.positions, run._world
+    first = world.certified()
+    pressed = start * np.array([0.2, 1.0])
+    run.set(positions=pressed)
+    found = world.certified()
+    fresh = pc.Simulation(scene)
+    fresh.set(positions=pressed)
+    assert found == fresh._world.certified() < 0.9 * first
+    run.set(positions=1.3 * start)
+    assert world.certified() == first
 
 
 def test_explicit_euler_warns_once_and_has_no_automatic_step():

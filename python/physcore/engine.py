@@ -58,18 +58,12 @@ def show(positions: FloatArray, scene: Scene) -> FloatArray:
 
 def limit(world: World) -> Limit:
     """The limit of the time step in the world's present state."""
-    return Limit(**world.limit(certified=False), certified=certified(world))
-
-
-def certified(world: World) -> float:
-    """The limit of stability [s] that holds wherever springs turn, while none is shorter than half its rest length."""
-    return world.limit(certified=True)["stability"]
+    return Limit(**world.limit())
 
 
 def present_limit(world: World) -> Limit:
     """The limit of one step from the world's present state [s], whatever is ahead; a certified one."""
-    record = world.present_limit()
-    return Limit(**record, certified=record["stability"])
+    return Limit(**world.present_limit())
 
 
 def plan(world: World, bound: Limit, dt: float) -> Plan:

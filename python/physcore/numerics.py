@@ -59,7 +59,8 @@ class AdaptiveStep:
     but for rare steps, so that with a symplectic integrator the energy has no drift of one sign.
 
     With a tolerance, for scenes with friction or drag: the step follows the integrator's own estimate of its error,
-    for which BogackiShampine3() is made. A step whose error is larger than the tolerance is taken back.
+    for which there are two: DormandPrince5(), and BogackiShampine3() for errors of a hundredth, or where stability
+    limits the step. One whose error is larger than the tolerance is taken back.
 
     All particles share the step. Each step looks at the limits of all particles, on one thread, which for springs and
     pairs takes as long as about ten evaluations of their forces: there it pays where the step changes by more than

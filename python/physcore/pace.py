@@ -8,6 +8,7 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
+from typing import Any, TypedDict
 
 from physcore import engine
 from physcore._core import World
@@ -44,6 +45,13 @@ TOUCH = 1e-6
 """Times closer together than this fraction of a step are the same time."""
 
 
+class Captured(TypedDict):
+    """What of a pace is saved."""
+
+    rescued: int
+    limits: list[dict[str, Any]]
+
+
 class Pace:
     """Steps a world with a time step that is given, or chosen from the limit of stability.
 
@@ -57,14 +65,25 @@ class Pace:
         self._scene = scene
         self._numerics = numerics
         self._adaptive = numerics.dt if isinstance(numerics.dt, AdaptiveStep) else None
-        self._first_limit = engine.limit(world)
-        self._limit = self._first_limit
+        self._limits: tuple[Limit, Limit] | None = None
+        """With dt="auto" the limit at the start, and the one that the time step keeps to."""
         self._varies = world.plan()["limit_varies"]
         self._stepping = threading.Lock()
         self._hasty = False
         self._rescued = 0
-        if self.fixed is None:
-            self._largest(FRAMES_PER_SECOND)  # A scene without any stable step is refused here, not at its first step.
+
+    def begin(self) -> None:
+        """Look at the limits before the first step; one of a pace that was captured goes on with `restore`.
+
+        Raises:
+            SceneError: no time step is stable.
+        """
+        if self.fixed is not None:
+            self._warn_if_unstable(self.fixed)
+            return
+        if self._adaptive is None:
+            self._limits = (engine.limit(self._world),) * 2
+        self._largest(FRAMES_PER_SECOND)  # A scene without any stable step is refused here, not at its first step.
 
     @property
     def fixed(self) -> float | None:
@@ -73,8 +92,10 @@ class Pace:
 
     @property
     def limit(self) -> Limit:
-        """The limit that the time step keeps to: of the present state where it follows that."""
-        return self._limit if self._adaptive is None else engine.present_limit(self._world)
+        """The limit that the time step keeps to; of the present state where it follows that, or was given."""
+        if self._adaptive is not None:
+            return engine.present_limit(self._world)
+        return self._limits[1] if self._limits else engine.limit(self._world)
 
     @property
     def rescued(self) -> int:
@@ -147,7 +168,8 @@ class Pace:
             self._complete(error)
             raise
         if before == 0 < self.rescued:
-            warn("a step that follows the motion diverged and was halved: take a smaller safety", StabilityWarning)
+            cause = "safety" if rule.tolerance is None else "tolerance"
+            warn(f"a step that follows the motion diverged and was halved: take a smaller {cause}", StabilityWarning)
         self._warn_if_hasty(*flow or (0.0, 0.0, 0.0))
 
     def _advance_by(self, steps: int, dt: float) -> None:
@@ -237,23 +259,44 @@ class Pace:
         """Look at the limit if it is time to; say whether the time step has to change."""
         if not self._varies or self._world.steps == 0 or self._world.steps % WATCH != 0:
             return False
-        certified = engine.certified(self._world)
+        assert self._limits
+        first, kept = self._limits
+        certified = self._world.certified()
         if self._world.dt > certified:
             present = engine.limit(self._world)
             # What nothing limited at the start, as grains at rest that do not touch, says nothing about how small.
-            least = self._first_limit.dt / SLOWEST if math.isfinite(self._first_limit.dt) else 0.0
-            self._limit = replace(present, dt=max(present.dt, least), certified=max(present.certified, least))
-        elif self._limit != self._first_limit and certified >= self._first_limit.certified:
-            self._limit = self._first_limit
+            least = first.dt / SLOWEST if math.isfinite(first.dt) else 0.0
+            kept = replace(present, dt=max(present.dt, least), certified=max(present.certified, least))
+        elif kept != first and certified >= first.certified:
+            kept = first
         else:
             return False
+        self._limits = first, kept
         return True
 
-    def capture(self) -> dict[str, float | str]:
-        """What the choice of later time steps depends on, beside the world, and what was counted."""
-        return {**vars(self._limit), "rescued": self._rescued}
+    def _warn_if_unstable(self, dt: float) -> None:
+        # The certified limit is the smaller one, and found in a fraction of the time.
+        if dt <= self._world.certified():
+            return
+        limit = engine.limit(self._world)
+        if dt <= limit.stability:
+            return
+        name = type(self._numerics.integrator).__name__
+        message = (
+            f"dt = {dt:g} s is above the limit of stability of {name} in this scene, {limit.stability:g} s "
+            f"({limit.term}): the simulation will blow up"
+            if limit.stability > 0.0
+            else f"{name} is not stable at any time step in this scene ({limit.term}): its energy grows without end"
+        )
+        warn(message, StabilityWarning)
 
-    def restore(self, state: dict[str, float | str]) -> None:
+    def capture(self) -> Captured:
+        """What the choice of later time steps depends on, beside the world, and what was counted."""
+        return {"rescued": self._rescued, "limits": [vars(limit) for limit in self._limits or ()]}
+
+    def restore(self, state: Captured) -> None:
         """Go on as the pace that was captured."""
-        self._rescued = int(state["rescued"])
-        self._limit = Limit(**{name: value for name, value in state.items() if name != "rescued"})  # type: ignore[arg-type]
+        self._rescued = state["rescued"]
+        if state["limits"]:
+            first, kept = (Limit(**limit) for limit in state["limits"])
+            self._limits = first, kept

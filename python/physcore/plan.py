@@ -29,7 +29,9 @@ class Plan:
     dt: float
     """The time step [s]."""
     dt_limit: float
-    """The largest time step that this scene allows [s]; inf where nothing limits it, 0.0 where no step is stable."""
+    """The largest time step that this scene allows [s], as it stands now where dt was given or follows the motion; inf
+    where nothing limits it, 0.0 where no step is stable.
+    """
     limit_kind: LimitKind
     """Whether stability or accuracy limits the time step."""
     limit_term: str

@@ -7,7 +7,7 @@ import warnings
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
-from typing import Literal, cast
+from typing import Literal
 
 from numpy.typing import ArrayLike
 
@@ -15,10 +15,10 @@ from physcore import engine, sampling, storage
 from physcore.bodies import Body
 from physcore.checks import FloatArray, broadcast, number, shown
 from physcore.energy import Energy
-from physcore.errors import SceneError, StabilityWarning, warn
+from physcore.errors import SceneError, StabilityWarning
 from physcore.fluid import Fluid
 from physcore.integrators import Integrator
-from physcore.numerics import FRAMES_PER_SECOND, DivergenceRule, Options, Precision, StepRule, check
+from physcore.numerics import FRAMES_PER_SECOND, DivergenceRule, Numerics, Options, Precision, StepRule, check
 from physcore.pace import Pace
 from physcore.plan import Plan
 from physcore.progress import Progress
@@ -68,21 +68,22 @@ class Simulation:
         on_divergence: DivergenceRule = "raise",
     ) -> None:
         require_scene(scene)
-        self._scene = scene
-        self._numerics = check(
-            Options(
-                integrator=integrator,
-                dt=dt,
-                precision=precision,
-                threads=threads,
-                runaway=runaway,
-                on_divergence=on_divergence,
-            ),
-            scene,
+        options = Options(
+            integrator=integrator,
+            dt=dt,
+            precision=precision,
+            threads=threads,
+            runaway=runaway,
+            on_divergence=on_divergence,
         )
-        self._world = engine.build(scene, self._numerics)
-        self._pace = Pace(self._world, scene, self._numerics)
-        self._warn_if_unstable()
+        self._build(scene, check(options, scene))
+        self._pace.begin()
+
+    def _build(self, scene: Scene, numerics: Numerics) -> None:
+        self._scene = scene
+        self._numerics = numerics
+        self._world = engine.build(scene, numerics)
+        self._pace = Pace(self._world, scene, numerics)
 
     @property
     def scene(self) -> Scene:
@@ -253,22 +254,22 @@ class Simulation:
     @classmethod
     def from_content(cls, content: dict[str, storage.Tree]) -> Simulation:
         """Rebuild a simulation from the content of its checkpoint."""
-        scene, options = unpack_scene(content["scene"]), unpack_numerics(content["numerics"])
-        return cls._resumed(scene, options, content["pace"], content["world"])
+        scene = unpack_scene(content["scene"])
+        numerics = check(unpack_numerics(content["numerics"]), scene)
+        return cls._resumed(scene, numerics, content["pace"], content["world"])
 
     def __copy__(self) -> Simulation:
         """A simulation of the same scene that goes on from the present state by itself, with the same bits."""
-        options = cast(Options, dict(vars(self._numerics)))
-        return self._resumed(self._scene, options, self._pace.capture(), self._world.capture())
+        return self._resumed(self._scene, self._numerics, self._pace.capture(), self._world.capture())
 
     def __deepcopy__(self, memo: dict[int, object]) -> Simulation:
         return self.__copy__()  # A scene never changes, and its bodies stay keys into the copy.
 
     @classmethod
-    def _resumed(cls, scene: Scene, options: Options, pace: storage.Tree, world: storage.Tree) -> Simulation:
-        """A simulation in a state that was captured."""
-        with unwarned():  # It was given when the run began.
-            simulation = cls(scene, **options)
+    def _resumed(cls, scene: Scene, numerics: Numerics, pace: storage.Tree, world: storage.Tree) -> Simulation:
+        """A simulation in a state that was captured. Its limits were looked at when the run began."""
+        simulation = cls.__new__(cls)
+        simulation._build(scene, numerics)
         simulation._pace.restore(pace)
         simulation._world.restore(world)
         return simulation
@@ -285,19 +286,6 @@ class Simulation:
             where = self._scene.slice(key)
             values[where] = broadcast(part, values[where].shape, f"{path}[{key!r}]")
         return values
-
-    def _warn_if_unstable(self) -> None:
-        limit, dt = self._pace.limit, self._pace.fixed
-        if dt is None or dt <= limit.stability:
-            return
-        name = type(self.integrator).__name__
-        message = (
-            f"dt = {dt:g} s is above the limit of stability of {name} in this scene, {limit.stability:g} s "
-            f"({limit.term}): the simulation will blow up"
-            if limit.stability > 0.0
-            else f"{name} is not stable at any time step in this scene ({limit.term}): its energy grows without end"
-        )
-        warn(message, StabilityWarning)
 
 
 @contextmanager

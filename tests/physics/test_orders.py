@@ -22,9 +22,9 @@ SCENES = {
     "folded": pc.Scene(ORBIT, pc.CentralForce((0.1, 0.0), 4.0, exponent=1.0), GRAVITY),
     "folded with drag": pc.Scene(ORBIT, pc.CentralForce((0.1, 0.0), 4.0, exponent=1.0), GRAVITY, pc.Drag(0.4)),
 }
-STEPS = {1: 2000, 2: 400, 3: 300, 4: 200, 6: 20}
+STEPS = {1: 2000, 2: 400, 3: 300, 4: 200, 5: 100, 6: 20}
 """Enough for the leading term: springs of 100 N/m on 0.5 kg have ω ≤ 20/s and run for 0.5 s, the others ω ≈ 2/s and run
-for 2 s, so that ω dt is 0.005, 0.025, 0.033, 0.05 and 0.5."""
+for 2 s, so that ω dt is 0.005, 0.025, 0.033, 0.05, 0.1 and 0.5."""
 
 
 def path(scene: str, integrator: pc.Integrator, steps: int) -> Array:
@@ -62,4 +62,4 @@ def test_a_conservative_scene_has_the_nominal_order(integrator):
 
 def test_dissipation_brings_a_splitting_down_to_order_two_and_leaves_the_others():
     orders = [order_of(SCENES["springs in wind"], integrator) for integrator in ALL]
-    assert orders == [1, 1, 2, 2, 4, 2, 2, 2, 3]
+    assert orders == [1, 1, 2, 2, 4, 2, 2, 2, 3, 5]

@@ -43,6 +43,31 @@ def test_a_collision_that_is_too_fast_for_the_step_is_taken_in_parts():
     assert "taken again in parts" in str(simulation.plan)
 
 
+@pytest.mark.parametrize(
+    ("integrator", "dt", "cause"),
+    [
+        (pc.VelocityVerlet(), pc.AdaptiveStep(), "safety"),
+        (pc.BogackiShampine3(), pc.AdaptiveStep(tolerance=0.1), "tolerance"),
+    ],
+    ids=["safety", "tolerance"],
+)
+def test_a_step_that_follows_the_motion_into_a_collision_is_halved_and_says_so_once(integrator, dt, cause):
+    """At 100 m/s the atoms are within each other before the step's ends can tell that they are near."""
+    simulation = run(meeting(100.0), integrator=integrator, dt=dt)
+    start, energy = (simulation.positions, simulation.velocities), simulation.energy().total
+    with pytest.warns(pc.StabilityWarning, match=f"diverged and was halved: take a smaller {cause}") as warned:
+        simulation.run(0.1)
+    assert len(warned) == 1
+    assert simulation.substeps == simulation.plan.substeps >= 1
+    assert simulation.time == pytest.approx(0.1, rel=1e-12)
+    assert simulation.energy().total < 2.0 * energy
+    once = simulation.substeps
+    simulation.set(*start)
+    simulation.run(0.1)
+    # The controller of errors remembers the collision, and comes to the next one with smaller steps.
+    assert simulation.substeps > once or cause == "tolerance"
+
+
 @pytest.mark.filterwarnings("ignore::physcore.StabilityWarning")
 @pytest.mark.parametrize("dt", [DT, pc.AutoStep(safety=1.0)])
 def test_the_bits_do_not_depend_on_how_the_steps_were_asked_for(dt, tmp_path: Path):

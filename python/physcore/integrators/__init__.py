@@ -6,6 +6,7 @@ from physcore.integrators.base import Integrator
 from physcore.integrators.blanes_moan_4 import BlanesMoan4
 from physcore.integrators.blanes_moan_6 import BlanesMoan6
 from physcore.integrators.bogacki_shampine_3 import BogackiShampine3
+from physcore.integrators.dormand_prince_5 import DormandPrince5
 from physcore.integrators.explicit_euler import ExplicitEuler
 from physcore.integrators.mclachlan_2 import McLachlan2
 from physcore.integrators.pefrl import PEFRL
@@ -23,6 +24,7 @@ INTEGRATORS: tuple[type[Integrator], ...] = (
     BlanesMoan4,
     BlanesMoan6,
     BogackiShampine3,
+    DormandPrince5,
 )
 """Every integrator; what is registered here can be saved, and is tested for its order."""
 
@@ -32,6 +34,7 @@ __all__ = [
     "BlanesMoan4",
     "BlanesMoan6",
     "BogackiShampine3",
+    "DormandPrince5",
     "ExplicitEuler",
     "Integrator",
     "McLachlan2",

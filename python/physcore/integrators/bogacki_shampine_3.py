@@ -16,8 +16,9 @@ class BogackiShampine3(Integrator):
         error = (−5 k₁ + 6 k₂ + 8 k₃ − 9 k₄) dt/72
 
     k₄ is the k₁ of the next step. For motion that friction or drag brings to rest: with AdaptiveStep(tolerance=…) the
-    time step follows the error. It keeps order 3 with forces that depend on velocity. Not symplectic: it loses energy
-    slowly and for ever. Stable for ω dt < √3 without damping, and for λ dt < 2.512 on pure decay.
+    time step follows the error. For errors below a hundredth DormandPrince5 takes fewer evaluations. It keeps order 3
+    with forces that depend on velocity. Not symplectic: it loses energy slowly and for ever. Stable for ω dt < √3
+    without damping, and for λ dt < 2.512 on pure decay.
 
     Source: P. Bogacki, L. F. Shampine, Appl. Math. Lett. 2, 321 (1989).
     """

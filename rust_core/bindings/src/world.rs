@@ -181,10 +181,14 @@ impl World {
         Ok(if self.dimension == 2 { components[2..].to_pyarray(py) } else { components.to_pyarray(py) })
     }
 
-    fn limit<'py>(&self, py: Python<'py>, certified: bool) -> PyResult<Bound<'py, PyDict>> {
+    fn limit<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let guard = self.lock()?;
         let world = &*guard;
-        limit_record(py, without_gil(py, || Ok(world.limit(certified)))?)
+        limit_record(py, without_gil(py, || Ok(world.limit()))?)
+    }
+
+    fn certified(&self, py: Python<'_>) -> PyResult<f64> {
+        self.change(py, |world| Ok(world.certified()))
     }
 
     fn present_limit<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
@@ -263,6 +267,7 @@ fn limit_record(py: Python<'_>, limit: Limit) -> PyResult<Bound<'_, PyDict>> {
     record.set_item("term", limit.term)?;
     record.set_item("stability", limit.stability)?;
     record.set_item("accuracy", limit.accuracy)?;
+    record.set_item("certified", limit.certified)?;
     Ok(record)
 }
 

@@ -133,8 +133,8 @@ impl<V: Vector> Matter<V> {
     }
 }
 
-/// The most vectors per particle that an integrator may remember.
-pub const MEMORY: usize = 4;
+/// The most vectors per particle that an integrator may remember. Each has as many as it asks for; the others are empty.
+pub const MEMORY: usize = 6;
 
 /// Consecutive blocks of matter, to write.
 #[derive(Debug)]

@@ -6,7 +6,7 @@ use crate::contacts::Contacts;
 use crate::error::{Error, Result};
 use crate::forces::springs::{self, Springs};
 use crate::forces::{self, Force, Reach};
-use crate::integrators::Integrator;
+use crate::integrators::{BlanesMoan4, BlanesMoan6, Integrator};
 use crate::math::{Real, Vector};
 use crate::matter::{Columns, Matter, Properties};
 use crate::neighbors;
@@ -145,10 +145,11 @@ fn advice<I: Integrator>(dissipative: bool, bends: bool) -> Option<String> {
     match (I::ORDER, dissipative) {
         _ if !bends => None,
         (1, _) => Some("order 1: VelocityVerlet costs the same and is of order 2".to_owned()),
-        (2, false) => Some("nothing here depends on velocity: PEFRL keeps energy far better at equal cost".to_owned()),
-        (_, false) if I::NAME == "RungeKutta4" => {
-            Some("nothing here depends on velocity: PEFRL costs the same and its energy error does not grow".to_owned())
-        }
+        (_, false) if ![BlanesMoan4::NAME, BlanesMoan6::NAME].contains(&I::NAME) => Some(format!(
+            "nothing here depends on velocity: with dt below {:.0}% of the stability limit {} keeps energy better at equal cost, and its energy error does not grow",
+            100.0 * worth::<I, BlanesMoan4>().min(1.0),
+            BlanesMoan4::NAME
+        )),
         (_, true) if I::ORDER_DISSIPATIVE < I::ORDER => Some(format!(
             "forces depend on velocity: {} is only of order {} here; RungeKutta4 keeps order 4, VelocityVerlet gives order 2 with one evaluation instead of {}",
             I::NAME,
@@ -157,6 +158,13 @@ fn advice<I: Integrator>(dissipative: bool, bends: bool) -> Option<String> {
         )),
         _ => None,
     }
+}
+
+/// The fraction of the limit of one integrator below which another one, at as many evaluations per second, takes steps of no
+/// more than half of its own limit.
+fn worth<I: Integrator, Other: Integrator>() -> f64 {
+    let reach = |limit: f64, evaluations: usize| limit / evaluations as f64;
+    0.5 * reach(Other::limit(0.0), Other::NODES.len()) / reach(I::limit(0.0), I::NODES.len())
 }
 
 fn left_out<V: Vector>(forces: &[Box<dyn Force<V>>], independent: bool, contacts: bool) -> Vec<&'static str> {

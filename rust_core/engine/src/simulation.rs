@@ -101,9 +101,11 @@ pub trait World: Send + Sync {
     fn energy(&self) -> Result<Energy>;
     /// The momentum [kg·m/s] and the angular momentum about the origin of coordinates [kg·m²/s].
     fn momenta(&self) -> (DVec3, DVec3);
-    /// The largest time step as matters stand, or a certified one, which holds while no spring is shorter than half its
-    /// rest length, wherever it turns.
-    fn limit(&self, certified: bool) -> Limit;
+    /// The largest time step as matters stand.
+    fn limit(&self) -> Limit;
+    /// The largest certified step [s], which is stable while no spring is shorter than half its rest length, wherever it
+    /// turns.
+    fn certified(&mut self) -> f64;
     /// The largest certified step from the present state, whatever is ahead.
     fn present_limit(&self) -> Limit;
     /// Everything that the next step's bits depend on.
@@ -139,7 +141,10 @@ struct Simulation<V: Vector> {
     system: MatterSystem<V>,
     plan: Plan,
     limit: fn(&Bound, &mut Memo) -> Limit,
+    sharp_limit: fn(Bound) -> Limit,
     memo: Memo,
+    /// The certified limit while it stands [s], once it was asked for.
+    certified: Option<f64>,
     carried: usize,
     /// The integrator's order, and where it keeps the estimates of its errors, if it has any.
     order: u32,
@@ -196,7 +201,9 @@ impl<V: Vector> Simulation<V> {
             system,
             plan,
             limit: Bound::limit_after::<I>,
+            sharp_limit: Bound::sharp_limit::<I>,
             memo: Memo::default(),
+            certified: None,
             carried: I::CARRIED,
             order: I::ORDER,
             error: I::ERROR,
@@ -305,10 +312,17 @@ impl<V: Vector> Simulation<V> {
         }))
     }
 
-    /// The bound on one step from the present state.
-    fn present_bound(&self) -> Bound {
+    /// Whether the certified limit is the one that it is whenever this holds.
+    fn stands(&self) -> bool {
         let (law, state) = (self.system.law(), self.system.state());
-        law.bound(&law.moment_of(state, self.segment.time()), Bound::at_present)
+        let at = law.moment_of(state, self.segment.time());
+        law.forces().iter().all(|force| force.bound_stands(&at))
+    }
+
+    /// What the terms contribute to a bound of some kind in the present state.
+    fn bound(&self, empty: fn(&[f64], &[u32]) -> Bound) -> Bound {
+        let (law, state) = (self.system.law(), self.system.state());
+        law.bound(&law.moment_of(state, self.segment.time()), empty)
     }
 
     /// Takes in what a step of `dt` seconds cannot resolve, before the first one of them.
@@ -362,7 +376,7 @@ impl<V: Vector> Simulation<V> {
 
     /// What to do about a divergence; asked for at the last good state.
     fn hint(&self) -> String {
-        let (limit, dt) = (self.limit(false), self.segment.dt);
+        let (limit, dt) = (self.limit(), self.segment.dt);
         if limit.stability == 0.0 {
             return format!("no dt is stable with {} here: take another integrator", self.plan.integrator);
         }
@@ -504,15 +518,24 @@ impl<V: Vector> World for Simulation<V> {
         audit::momenta(self.system.law(), self.system.state())
     }
 
-    fn limit(&self, certified: bool) -> Limit {
-        let (law, state) = (self.system.law(), self.system.state());
-        let at = law.moment_of(state, self.segment.time());
-        let bound = if certified { law.bound(&at, Bound::new) } else { law.bound(&at, Bound::directed).sharpened() };
-        (self.limit)(&bound, &mut Memo::default())
+    fn limit(&self) -> Limit {
+        (self.sharp_limit)(self.bound(Bound::directed))
+    }
+
+    fn certified(&mut self) -> f64 {
+        let stands = self.stands();
+        if let (true, Some(known)) = (stands, self.certified) {
+            return known;
+        }
+        let found = (self.limit)(&self.bound(Bound::new), &mut Memo::default()).stability;
+        if stands {
+            self.certified = Some(found);
+        }
+        found
     }
 
     fn present_limit(&self) -> Limit {
-        (self.limit)(&self.present_bound(), &mut Memo::default())
+        (self.limit)(&self.bound(Bound::at_present), &mut Memo::default())
     }
 
     fn capture(&self) -> Capture {

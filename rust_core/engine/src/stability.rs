@@ -47,6 +47,8 @@ pub struct Limit {
     pub term: &'static str,
     /// Which of the two binds.
     pub kind: Kind,
+    /// The largest step that is stable wherever the springs turn [s]; smaller than the other where that was sharpened.
+    pub certified: f64,
 }
 
 impl Limit {
@@ -215,7 +217,13 @@ impl Bound {
         self.limit_after::<I>(&mut Memo::default())
     }
 
-    /// The same, for one bound after the other.
+    /// The limit as the springs stand, with that which holds wherever they turn: both out of one bound.
+    pub fn sharp_limit<I: Integrator>(self) -> Limit {
+        let certified = self.limit::<I>().stability;
+        Limit { certified, ..self.sharpened().limit::<I>() }
+    }
+
+    /// The same as [`Bound::limit`], for one bound after the other.
     pub fn limit_after<I: Integrator>(&self, memo: &mut Memo) -> Limit {
         self.limit_with(I::limit, I::COUPLED, memo)
     }
@@ -235,7 +243,7 @@ impl Bound {
             dt if dt == stability => (binding, Kind::Stability),
             _ => (slowest, Kind::Accuracy),
         };
-        Limit { stability, accuracy, term, kind }
+        Limit { stability, accuracy, term, kind, certified: stability }
     }
 
     /// The box of modes of each body, without those that another box encloses.

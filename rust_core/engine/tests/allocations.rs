@@ -46,6 +46,7 @@ fn steps_allocate_nothing() {
             "BlanesMoan4",
             "BlanesMoan6",
             "BogackiShampine3",
+            "DormandPrince5",
         ] {
             let scene = Scene {
                 dimension: 3,

@@ -5,8 +5,8 @@
 
 use glam::DVec3;
 use physcore_engine::integrators::{
-    BlanesMoan4, BlanesMoan6, BogackiShampine3, ExplicitEuler, Integrator, McLachlan2, Pefrl, Register, RungeKutta4,
-    SemiImplicitEuler, VelocityVerlet,
+    BlanesMoan4, BlanesMoan6, BogackiShampine3, DormandPrince5, ExplicitEuler, Integrator, McLachlan2, Pefrl, Register,
+    RungeKutta4, SemiImplicitEuler, VelocityVerlet,
 };
 use physcore_engine::stability::{Bound, Kind, Limit, Link};
 use proptest::prelude::*;
@@ -136,9 +136,8 @@ fn amplification<I: Integrator>(stiffness: &Matrix, damping: &Matrix, h: f64) ->
     let mut columns = vec![vec![0.0; total]; total];
     for (index, column) in columns.iter_mut().enumerate() {
         let unit = |kind: usize, place: usize| if index == kind * size + place { 1.0 } else { 0.0 };
-        let mut registers: Vec<Register<f64>> = (0..size)
-            .map(|place| Register { x: unit(0, place), v: unit(1, place), memory: [unit(2, place), 0.0, 0.0, 0.0] })
-            .collect();
+        let mut registers: Vec<Register<f64>> =
+            (0..size).map(|place| Register::new(unit(0, place), unit(1, place), unit(2, place))).collect();
         for stage in 0..I::NODES.len() {
             for register in &mut registers {
                 I::point(stage, register, 1.0);
@@ -262,6 +261,7 @@ proptest! {
         assert_stable::<BlanesMoan4>(&network);
         assert_stable::<BlanesMoan6>(&network);
         assert_stable::<BogackiShampine3>(&network);
+        assert_stable::<DormandPrince5>(&network);
     }
 
     /// For one oscillator whose damping is at most that of a box, the bound is the least limit in the box: none within is
@@ -342,7 +342,8 @@ fn the_bound_of_a_lattice_is_of_the_right_size() {
 
 #[test]
 fn nothing_limits_what_feels_nothing() {
-    let nothing = Limit { stability: f64::INFINITY, accuracy: f64::INFINITY, term: "", kind: Kind::None };
+    let nothing =
+        Limit { stability: f64::INFINITY, accuracy: f64::INFINITY, term: "", kind: Kind::None, certified: f64::INFINITY };
     assert_eq!(Bound::new(&[], &[]).limit::<VelocityVerlet>(), nothing);
     assert_eq!(Bound::new(&[1.0, 2.0], &[0, 0]).limit::<ExplicitEuler>(), nothing);
     let mut fixed = Bound::new(&[f64::INFINITY; 2], &[0, 0]);

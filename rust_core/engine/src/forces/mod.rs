@@ -220,6 +220,11 @@ pub trait Force<V: Vector>: Send + Sync {
         false
     }
 
+    /// Whether its part of that bound is the one that it is at every moment at which this holds.
+    fn bound_stands(&self, _at: &Moment<'_, V>) -> bool {
+        !self.bound_varies()
+    }
+
     /// Whether its part of the bound on one step, which does not look ahead, changes as the matter moves.
     fn present_bound_varies(&self) -> bool {
         self.bound_varies()

@@ -17,7 +17,7 @@ pub fn matrix<I: Integrator>(step: f64, damping_ratio: f64) -> [[f64; 3]; 3] {
     for column in 0..2 + I::CARRIED {
         let mut unit = [0.0; 3];
         unit[column] = 1.0;
-        let mut register = Register { x: unit[0], v: unit[1], memory: [unit[2], 0.0, 0.0, 0.0] };
+        let mut register = Register::new(unit[0], unit[1], unit[2]);
         for stage in 0..I::NODES.len() {
             I::point(stage, &mut register, 1.0);
             let a = -stiffness * register.x - damping * register.v;

@@ -65,7 +65,7 @@ impl Integrator for BogackiShampine3 {
         // The later stages stand where `absorb` has left them.
         if stage == 0 {
             let (x, v, a) = (register.x, register.v, register.memory[ACCELERATION]);
-            register.memory = [a, T::ZERO, v, x];
+            register.memory[..Self::MEMORY].copy_from_slice(&[a, T::ZERO, v, x]);
             let half = T::from_f64(0.5) * h;
             register.x = x + half * v;
             register.v = v + half * a;

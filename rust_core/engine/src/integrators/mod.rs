@@ -13,6 +13,7 @@ pub(crate) mod amplification;
 mod blanes_moan_4;
 mod blanes_moan_6;
 mod bogacki_shampine_3;
+mod dormand_prince_5;
 mod explicit_euler;
 #[cfg(test)]
 mod limits;
@@ -26,6 +27,7 @@ mod velocity_verlet;
 pub use blanes_moan_4::BlanesMoan4;
 pub use blanes_moan_6::BlanesMoan6;
 pub use bogacki_shampine_3::BogackiShampine3;
+pub use dormand_prince_5::DormandPrince5;
 pub use explicit_euler::ExplicitEuler;
 pub use mclachlan_2::McLachlan2;
 pub use pefrl::Pefrl;
@@ -43,6 +45,15 @@ pub struct Register<T> {
     pub v: T,
     /// What is kept between the stages and, the first [`Integrator::CARRIED`] of them, from step to step.
     pub memory: [T; MEMORY],
+}
+
+impl<T: Real> Register<T> {
+    /// At a step's start, with the first of what is carried.
+    pub fn new(x: T, v: T, carried: T) -> Self {
+        let mut memory = [T::ZERO; MEMORY];
+        memory[0] = carried;
+        Self { x, v, memory }
+    }
 }
 
 /// A way to advance x'' = a(x, v, t) by steps of h.
@@ -102,7 +113,7 @@ macro_rules! with_integrator {
     (@registered $($then:tt)*) => {
         $crate::integrators::with_integrator!($($then)*;
             ExplicitEuler, SemiImplicitEuler, VelocityVerlet, McLachlan2, RungeKutta4, Pefrl, BlanesMoan4, BlanesMoan6,
-            BogackiShampine3)
+            BogackiShampine3, DormandPrince5)
     };
     (@named $name:expr, $I:ident, $body:expr, $otherwise:expr; $($integrator:ident),+) => {
         match $name {

@@ -43,7 +43,7 @@ impl Integrator for RungeKutta4 {
     fn point<T: Real>(stage: usize, register: &mut Register<T>, _h: T) {
         // The later stages stand where `absorb` has left them.
         if stage == 0 {
-            register.memory = [register.x, register.v, T::ZERO, T::ZERO];
+            register.memory[..Self::MEMORY].copy_from_slice(&[register.x, register.v, T::ZERO, T::ZERO]);
         }
     }
 

@@ -20,6 +20,7 @@
 use super::{Segment, Simulation};
 use crate::error::{Error, Result};
 use crate::math::Vector;
+use crate::stability::Bound;
 
 /// How to choose the steps.
 #[derive(Debug, Clone, Copy)]
@@ -121,7 +122,7 @@ impl<V: Vector> Simulation<V> {
 
     /// The largest step that the rule allows in the present state [s].
     pub(super) fn allowed(&mut self, rule: &Rule) -> f64 {
-        let bound = self.present_bound();
+        let bound = self.bound(Bound::at_present);
         let limit = (self.limit)(&bound, &mut self.memo).dt();
         if limit.is_infinite() { rule.free } else { rule.safety * limit }
     }

@@ -24,7 +24,7 @@ pub fn collide<V: Vector, I: Integrator>(
         for index in 0..block.position.len() {
             let mut register = read(block, axis, index);
             I::redirect(&mut register, V::Scalar::from_f64(h));
-            for (span, value) in block.memory.iter_mut().zip(register.memory) {
+            for (span, value) in block.memory.iter_mut().zip(register.memory).take(I::MEMORY) {
                 if let Some(slot) = span.axes[axis].get_mut(index) {
                     *slot = value;
                 }

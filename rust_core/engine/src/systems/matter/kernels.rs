@@ -292,17 +292,21 @@ struct Registers<T, const W: usize = LANES> {
     b: [T; W],
     c: [T; W],
     d: [T; W],
+    e: [T; W],
+    f: [T; W],
 }
 
 impl<T: Real, const W: usize> Registers<T, W> {
-    const ZERO: Self =
-        Self { x: [T::ZERO; W], v: [T::ZERO; W], a: [T::ZERO; W], b: [T::ZERO; W], c: [T::ZERO; W], d: [T::ZERO; W] };
+    const ZERO: Self = {
+        let zero = [T::ZERO; W];
+        Self { x: zero, v: zero, a: zero, b: zero, c: zero, d: zero, e: zero, f: zero }
+    };
 
     /// Reads positions, velocities and the first `used` memories.
     #[inline(always)]
     fn load(x: &[T; W], v: &[T; W], memory: &[&mut [[T; W]]; MEMORY], group: usize, used: usize) -> Self {
         let kept = |index: usize| if index < used { memory[index][group] } else { [T::ZERO; W] };
-        Self { x: *x, v: *v, a: kept(0), b: kept(1), c: kept(2), d: kept(3) }
+        Self { x: *x, v: *v, a: kept(0), b: kept(1), c: kept(2), d: kept(3), e: kept(4), f: kept(5) }
     }
 
     /// Writes the same.
@@ -310,21 +314,22 @@ impl<T: Real, const W: usize> Registers<T, W> {
     fn store(&self, x: &mut [T; W], v: &mut [T; W], memory: &mut [&mut [[T; W]]; MEMORY], group: usize, used: usize) {
         *x = self.x;
         *v = self.v;
-        for (index, values) in [&self.a, &self.b, &self.c, &self.d].into_iter().enumerate().take(used) {
+        for (index, values) in [&self.a, &self.b, &self.c, &self.d, &self.e, &self.f].into_iter().enumerate().take(used) {
             memory[index][group] = *values;
         }
     }
 
     #[inline(always)]
     fn lane(&self, lane: usize) -> Register<T> {
-        Register { x: self.x[lane], v: self.v[lane], memory: [self.a[lane], self.b[lane], self.c[lane], self.d[lane]] }
+        let memory = [self.a[lane], self.b[lane], self.c[lane], self.d[lane], self.e[lane], self.f[lane]];
+        Register { x: self.x[lane], v: self.v[lane], memory }
     }
 
     #[inline(always)]
     fn set(&mut self, lane: usize, register: &Register<T>) {
         self.x[lane] = register.x;
         self.v[lane] = register.v;
-        [self.a[lane], self.b[lane], self.c[lane], self.d[lane]] = register.memory;
+        [self.a[lane], self.b[lane], self.c[lane], self.d[lane], self.e[lane], self.f[lane]] = register.memory;
     }
 
     /// Turns positions that are relative to `x` into the nearest ones that there are, and into the residual. Their sum
