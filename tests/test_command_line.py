@@ -41,13 +41,13 @@ def test_a_demo_writes_its_gif_shows_progress_and_prints_the_audit(capsys, tmp_p
 def test_bad_input_is_one_line_and_an_exit_code(capsys, tmp_path):
     assert main(["demo", "no-such-demo"]) == 2
     assert main(["demo", "rope", "-o", str(tmp_path / "missing" / "rope.gif")]) == 2
-    assert main(["demo", "rope", "-o", str(tmp_path / "rope.mp4")]) == 2
+    assert main(["demo", "rope", "-o", str(tmp_path / "rope.avi")]) == 2
     output = capsys.readouterr()
     assert output.out == ""  # nothing was simulated
     error = output.err.splitlines()
     assert error[0].startswith("physcore: no demo 'no-such-demo'; there are")
     assert "no such folder" in error[1]
-    assert error[2].startswith("physcore: path: must end in .gif or .png")
+    assert error[2].startswith("physcore: path: must end in .gif, .webp, .apng, .mp4 or .png")
     assert len(error) == 3
     with pytest.raises(SystemExit) as stopped:
         main(["dance"])
