@@ -42,6 +42,7 @@ LAYERS = [
     "accuracy",
     "loading",
     "evidence",
+    "formats",
     "film",
     "output",
     "tradeoff",

@@ -24,8 +24,8 @@ from physcore.film.writers import WRITERS, delays
 from physcore.serial import unpack_numerics
 
 SIZE = (160, 120)
-MOVING = [kind.suffix for kind in WRITERS if kind.suffix != ".png"]
-ALL = [kind.suffix for kind in WRITERS]
+MOVING = [kind.suffixes[0] for kind in WRITERS if kind.suffixes != (".png",)]
+ALL = [kind.suffixes[0] for kind in WRITERS]
 TICKS = {".gif": 100, ".webp": 1000, ".apng": 1000}
 """How many units of a delay make a second."""
 

@@ -72,7 +72,8 @@ def _list(options: argparse.Namespace) -> int:
 
 def _demo(options: argparse.Namespace) -> int:
     from physcore.audit import audit
-    from physcore.film.writers import writer_for
+    from physcore.film.writers import WRITERS
+    from physcore.formats import writable
     from physcore.gallery import DEMOS, caption, demo
 
     name = options.name or DEMOS[0]
@@ -80,7 +81,7 @@ def _demo(options: argparse.Namespace) -> int:
         return 2
     try:
         path = Path(options.output or f"{name}.gif")
-        writer_for(path)
+        writable(path, WRITERS)
     except PhyscoreError as error:
         print(f"physcore: {error}", file=sys.stderr)
         return 2

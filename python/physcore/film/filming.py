@@ -15,7 +15,8 @@ from physcore.film.proof import proof, write_sidecar
 from physcore.film.sources import sources
 from physcore.film.styles import Style
 from physcore.film.themes import Color, Theme, ThemeName, color, resolve
-from physcore.film.writers import GifWriter, Reel, writer_for
+from physcore.film.writers import WRITERS, GifWriter, Reel
+from physcore.formats import writable
 from physcore.numerics import Options
 from physcore.recording import Recording
 from physcore.scene import Scene
@@ -76,7 +77,7 @@ def film(
         PhyscoreError: what the format needs is not installed.
         SimulationDiverged: the scene blew up while it was filmed.
     """
-    target, writer = Path(path), writer_for(path)
+    target, writer = Path(path), writable(path, WRITERS)
     found = sources(recording, duration, fps, numerics)
     rate = writer.rate(found[0].fps, speed)
     stage = Stage(found, size, style, camera, _colors(theme, background), _titles(title, titles), progress)

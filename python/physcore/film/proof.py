@@ -10,7 +10,8 @@ from pathlib import Path
 from physcore.errors import FileError
 from physcore.evidence import Evidence
 from physcore.film.sources import Source
-from physcore.film.writers import format_of
+from physcore.film.writers import WRITERS
+from physcore.formats import format_of
 from physcore.storage import replacing
 
 SIDECAR = ".json"
@@ -46,7 +47,7 @@ def evidence(path: str | os.PathLike[str]) -> list[Evidence]:
     """
     target = Path(path)
     try:
-        text = target.read_text("utf-8") if target.suffix == SIDECAR else format_of(target).evidence(target)
+        text = target.read_text("utf-8") if target.suffix == SIDECAR else format_of(target, WRITERS).evidence(target)
         if text is None:
             raise ValueError("says nothing of how it came about")
         panels: list[Evidence] = json.loads(text)

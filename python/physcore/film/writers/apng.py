@@ -30,7 +30,7 @@ STAY, REPLACE = 0, 0
 class ApngWriter(Writer):
     """Every pixel as it was drawn, for viewers of animated PNG: all browsers."""
 
-    suffix: ClassVar = ".apng"
+    suffixes: ClassVar = (".apng",)
     name: ClassVar = "an animated PNG"
     fastest: ClassVar = 90.0  # Browsers slow delays of 10 ms and less down to 100 ms.
     longest: ClassVar = 65535 / TICKS

@@ -13,6 +13,7 @@ from physcore._core import Canvas
 from physcore.checks import number
 from physcore.errors import SceneError
 from physcore.film.panels import Stage
+from physcore.formats import Format
 from physcore.progress import Progress
 
 
@@ -37,22 +38,15 @@ class Reel:
                 bar.update(index + 1)
 
 
-class Writer(ABC):
+class Writer(Format, ABC):
     """A format of films."""
 
-    suffix: ClassVar[str]
-    """How the names of its files end."""
     name: ClassVar[str]
     """What it is called in a sentence."""
     fastest: ClassVar[float] = math.inf
     """Frames per second that every viewer shows."""
     longest: ClassVar[float] = math.inf
     """How long it can show one frame [s]."""
-
-    @classmethod
-    def missing(cls) -> str | None:
-        """What has to be installed first, as a sentence; None if nothing."""
-        return None
 
     @classmethod
     def rate(cls, fps: float, speed: float) -> float:

@@ -16,7 +16,7 @@ TICKS = 100
 class GifWriter(Writer):
     """The format that moves wherever a picture can be shown, in 255 colors."""
 
-    suffix: ClassVar = ".gif"
+    suffixes: ClassVar = (".gif",)
     name: ClassVar = "a GIF"
     fastest: ClassVar = 50.0  # Most viewers slow shorter delays down to 100 ms.
     longest: ClassVar = 65535 / TICKS

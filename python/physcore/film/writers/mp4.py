@@ -35,7 +35,7 @@ COMMENT = (b"moov", b"udta", b"meta", b"ilst", b"\xa9cmt", b"data")
 class Mp4Writer(Writer):
     """Video for slides, talks and the web; far smaller than any other format for long films. Needs physcore[video]."""
 
-    suffix: ClassVar = ".mp4"
+    suffixes: ClassVar = (".mp4",)
     name: ClassVar = "an MP4"
     fastest: ClassVar = 240.0
     longest: ClassVar = 3600.0

@@ -25,7 +25,7 @@ def text_of(path: Path) -> str | None:
 class PngWriter(Writer):
     """A still picture."""
 
-    suffix: ClassVar = ".png"
+    suffixes: ClassVar = (".png",)
     name: ClassVar = "a PNG"
 
     def write(self, reel: Reel, target: Path) -> None:

@@ -34,7 +34,7 @@ DESCRIPTION = 0x010E
 class WebpWriter(Writer):
     """All colors, in fewer bytes than a GIF; all browsers show it."""
 
-    suffix: ClassVar = ".webp"
+    suffixes: ClassVar = (".webp",)
     name: ClassVar = "a WebP"
     fastest: ClassVar = 90.0  # Browsers slow delays of 10 ms and less down to 100 ms.
     longest: ClassVar = (2**24 - 1) / TICKS
