@@ -8,6 +8,8 @@ import sys
 import pytest
 
 from physcore.__main__ import main
+from physcore.film import evidence
+from physcore.film.writers import WRITERS
 from physcore.gallery import DEMOS, caption, demo
 from physcore.progress import Progress
 
@@ -36,6 +38,15 @@ def test_a_demo_writes_its_gif_shows_progress_and_prints_the_audit(capsys, tmp_p
     for word in ("kinetic", "dissipated", "work", "drift", "momentum"):
         assert word in output.out
     assert "100 %" in output.err
+
+
+@pytest.mark.parametrize("kind", WRITERS)
+def test_a_demo_is_filmed_in_any_format(kind, capsys, tmp_path):
+    path = tmp_path / f"rope{kind.suffixes[0]}"
+    assert main(["demo", "rope", "-o", str(path)]) == 0
+    (panel,) = evidence(path)
+    assert panel["scene"] == demo("rope").scene().hash()
+    assert str(path) in capsys.readouterr().out
 
 
 def test_bad_input_is_one_line_and_an_exit_code(capsys, tmp_path):

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO, ClassVar
 
 import numpy as np
 
+from physcore.checks import FloatArray
 from physcore.output.base import Sample, Trajectory, TrajectoryWriter
 from physcore.periodic import Periodic
 from physcore.provenance import version
@@ -17,8 +17,12 @@ from physcore.storage import replacing
 if TYPE_CHECKING:
     import h5py
 
-UNITS = {"position": "m", "velocity": "m s-1", "density": "kg m-3", "pressure": "Pa"}
-CONSTANT_UNITS = {"mass": "kg", "radius": "m", "charge": "C"}
+UNITS = {
+    **{"time": "s", "position": "m", "velocity": "m s-1", "density": "kg m-3", "pressure": "Pa"},
+    **{"mass": "kg", "radius": "m", "charge": "C", "energy": "J"},
+}
+"""They stand in `parameters/units`, and not at each element, as a module of H5MD has it: MDAnalysis opens no file whose
+lengths have a unit that it does not know, and meters are one."""
 ENERGIES = ("kinetic", "potential", "internal", "total", "dissipated", "work")
 """The parts of the budget, each an observable."""
 
@@ -26,7 +30,8 @@ ENERGIES = ("kinetic", "potential", "internal", "total", "dissipated", "work")
 class H5mdWriter(TrajectoryWriter):
     """`particles/all` has position and velocity, of fluids density and pressure, over time, and mass, radius, charge,
     and `species`, the index of the body; `observables` has the energies [J] at the times of their steps. `step`
-    counts frames. Lengths of the box along axes that are not periodic mean nothing, and are 1.
+    counts frames. Lengths of the box along axes that are not periodic mean nothing, and are 1. Units are in
+    `parameters/units`; MDAnalysis needs `convert_units=False`.
     """
 
     suffixes: ClassVar = (".h5md",)
@@ -34,6 +39,8 @@ class H5mdWriter(TrajectoryWriter):
     @classmethod
     def missing(cls) -> str | None:
         """The library, if it is not there."""
+        from importlib.util import find_spec
+
         return None if find_spec("h5py") else "H5MD needs h5py: pip install 'physcore[hdf5]'; a .xyz needs nothing"
 
     def write(self, trajectory: Trajectory, target: Path) -> None:
@@ -44,7 +51,7 @@ class H5mdWriter(TrajectoryWriter):
             disk = _Disk(temporary)
             with h5py.File(disk, "w", libver="v110") as file:
                 _describe(file, trajectory)
-                series = _Series(file, trajectory.count)
+                series = _Series(file, trajectory.count, _edges(trajectory.domain))
                 for sample in trajectory.samples():
                     series.put(sample)
                     disk.check()
@@ -92,62 +99,65 @@ def _describe(file: h5py.File, trajectory: Trajectory) -> None:
     """All that does not change."""
     head = file.create_group("h5md")
     head.attrs["version"] = np.array([1, 1], dtype=np.int32)
-    head.create_group("author").attrs["name"] = np.bytes_("physcore")
+    head.create_group("author").attrs["name"] = "physcore"
     creator = head.create_group("creator")
-    creator.attrs["name"], creator.attrs["version"] = np.bytes_("physcore"), np.bytes_(version())
-    units = head.create_group("modules/units")
-    units.attrs["version"], units.attrs["system"] = np.array([1, 0], dtype=np.int32), np.bytes_("SI")
+    creator.attrs["name"], creator.attrs["version"] = "physcore", version()
+    file.create_group("parameters/units").attrs.update(UNITS)
     group = file.create_group("particles/all")
-    _box(group.create_group("box"), trajectory.domain)
+    edges, box = _edges(trajectory.domain), group.create_group("box")
+    box.attrs["dimension"] = np.int32(3)
+    box.attrs["boundary"] = ["periodic" if np.isfinite(length) else "none" for length in edges]
     for name, values in trajectory.constants.items():
-        group.create_dataset(name, data=values).attrs["unit"] = np.bytes_(CONSTANT_UNITS[name])
+        group.create_dataset(name, data=values)
     group.create_dataset("species", data=trajectory.body)
     file.create_group("observables")
 
 
-def _box(box: h5py.Group, domain: Periodic | None) -> None:
-    """The periodic domain."""
+def _edges(domain: Periodic | None) -> FloatArray:
+    """The period along each axis [m], shape (3,); inf where an axis is not periodic."""
     lengths = np.full(3, np.inf)
     if domain is not None:
         lengths[: domain.dimension] = domain.lengths
-    periodic = np.isfinite(lengths)
-    box.attrs["dimension"] = np.int32(3)
-    box.attrs["boundary"] = np.where(periodic, b"periodic", b"none")
-    if periodic.any():
-        box.create_dataset("edges", data=np.where(periodic, lengths, 1.0)).attrs["unit"] = np.bytes_("m")
+    return lengths
 
 
 class _Series:
     """What changes with time; the place for all frames is laid out with the first of them, and filled one by one."""
 
-    def __init__(self, file: h5py.File, count: int) -> None:
+    def __init__(self, file: h5py.File, count: int, edges: FloatArray) -> None:
         self._file, self._count = file, count
+        # With each frame, though they stay as they are: MDAnalysis reads no others.
+        self._edges = np.where(np.isfinite(edges), edges, 1.0) if np.isfinite(edges).any() else None
         self._values: dict[str, Any] = {}
 
     def put(self, sample: Sample) -> None:
         """Add a frame."""
-        arrays = {"position": sample.positions, "velocity": sample.velocities, **sample.fields}
+        arrays = {
+            "position": sample.positions,
+            "velocity": sample.velocities,
+            **sample.fields,
+            "box/edges": self._edges,
+        }
         for name, array in arrays.items():
             if array is not None:
-                self._store(f"particles/all/{name}", sample.index, sample.time, array, UNITS[name])
+                self._store(f"particles/all/{name}", sample.index, sample.time, array)
         for name in ENERGIES:
             path, energy = f"observables/{name}_energy", sample.energy
-            self._store(path, sample.index, energy.time, np.float64(getattr(energy, name)), "J")
+            self._store(path, sample.index, energy.time, np.float64(getattr(energy, name)))
 
-    def _store(self, path: str, index: int, time: float, value: Any, unit: str) -> None:
+    def _store(self, path: str, index: int, time: float, value: Any) -> None:
         if path not in self._values:
-            self._begin(path, np.shape(value), unit)
+            self._begin(path, np.shape(value))
         self._values[path][index] = value
         self._file[path]["time"][index] = time
 
-    def _begin(self, path: str, shape: tuple[int, ...], unit: str) -> None:
+    def _begin(self, path: str, shape: tuple[int, ...]) -> None:
         """Lay out an element: step and time are one data set for all that are taken together."""
         group, room = self._file.create_group(path), path.partition("/")[0]
         self._values[path] = group.create_dataset("value", (self._count, *shape), dtype="<f8")
-        self._values[path].attrs["unit"] = np.bytes_(unit)
         first = next(name for name in self._values if name.startswith(room))
         if first == path:
             group.create_dataset("step", data=np.arange(self._count))
-            group.create_dataset("time", (self._count,), dtype="<f8").attrs["unit"] = np.bytes_("s")
+            group.create_dataset("time", (self._count,), dtype="<f8")
         else:
             group["step"], group["time"] = self._file[first]["step"], self._file[first]["time"]

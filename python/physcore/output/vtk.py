@@ -6,8 +6,6 @@ Source: Kitware, "VTK File Formats", https://docs.vtk.org/en/latest/design_docum
 from __future__ import annotations
 
 import re
-import secrets
-import shutil
 from pathlib import Path
 from typing import ClassVar
 
@@ -35,6 +33,9 @@ class VtkWriter(TrajectoryWriter):
 
     def write(self, trajectory: Trajectory, target: Path) -> None:
         """Write all frames, and then the list of them."""
+        import secrets
+        import shutil
+
         home = target.with_suffix("")
         new = home / f".{secrets.token_hex(4)}.tmp"
         try:

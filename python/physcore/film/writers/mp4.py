@@ -3,21 +3,22 @@
 from __future__ import annotations
 
 import re
-import signal
 import struct
-import subprocess
-import tempfile
 from collections.abc import Iterable, Iterator
-from fractions import Fraction
 from itertools import chain
 from pathlib import Path
-from typing import IO, ClassVar
+from typing import IO, TYPE_CHECKING, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from physcore.film.writers.base import Reel, Writer
 from physcore.storage import replacing
+
+# What runs another program is imported where it is used: it takes as long as half of physcore.
+if TYPE_CHECKING:
+    import subprocess
+    from fractions import Fraction
 
 THREADS = 4
 """Of the encoder, on any machine: its bytes depend on how many they are."""
@@ -47,6 +48,9 @@ class Mp4Writer(Writer):
 
     def write(self, reel: Reel, target: Path) -> None:
         """Write a film; a side of odd length gets one more row or column, because colors have half the resolution."""
+        import subprocess
+        import tempfile
+
         frames = (_even(canvas.pixels()) for canvas in reel.frames())
         first = next(frames)
         with (
@@ -97,6 +101,8 @@ def _command(shape: tuple[int, ...], rate: float, notes: str, target: str) -> li
 
 def exact(rate: float) -> Fraction:
     """A rate as the ratio that was meant."""
+    from fractions import Fraction
+
     return Fraction(rate).limit_denominator(1_000_000)
 
 
@@ -118,6 +124,8 @@ def _feed(encoder: subprocess.Popen[bytes], frames: Iterable[NDArray[np.uint8]])
 
 def _cause(code: int, complaints: IO[bytes]) -> str:
     """Why the encoder ended, in one line."""
+    import signal
+
     complaints.seek(0)
     ended = (signal.strsignal(-code) if code < 0 else None) or f"FFmpeg ended with {code}"
     lines = complaints.read().decode(errors="replace").strip().split("\n")
