@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import io
 import re
 import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from itertools import count
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -277,6 +279,10 @@ def test_what_cannot_be_exported_is_refused_before_it_is_simulated(suffix: str, 
         pc.export([scene], path, duration=1.0)  # type: ignore[arg-type]
     with pytest.raises(pc.SceneError, match="dt: is for a scene, and this is a recording"):
         pc.export(simulated("3D"), path, dt=0.1)
+    with pytest.raises(pc.SceneError, match="must give 2 finite forces"):  # in the middle of it
+        pc.export(
+            pc.Scene(GRAINS, pc.CustomForce(lambda t, x, v: x * (np.nan if t > 0.5 else 1.0))), path, duration=1.0
+        )
     with pytest.raises(pc.SceneError, match="positions were not recorded"):
         pc.export(pc.simulate(SCENES["3D"], 0.1, channels=("velocities",)), path)
     assert not list(tmp_path.iterdir())
@@ -324,6 +330,27 @@ def test_a_full_disk_leaves_the_old_file(suffix: str, tmp_path: Path) -> None:
         assert re.search(rf"run{re.escape(suffix)}: cannot be written: .*File too large", error), error
         assert content(tmp_path) == before
         assert not list(tmp_path.rglob("*.tmp"))
+
+
+def test_a_failure_that_hdf5_does_not_mention_is_noticed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """One write in the middle fails, as on a disk where somebody else makes room in time."""
+
+    class Flaky(io.BytesIO):
+        writes = 0
+
+        def write(self, content: Any) -> int:
+            self.writes += 1
+            if self.writes == 20:
+                raise OSError(28, "No space left on device")
+            return super().write(content)
+
+    @contextmanager
+    def replacing(path: Path) -> Iterator[Flaky]:
+        yield Flaky()
+
+    monkeypatch.setattr("physcore.output.h5md.replacing", replacing)
+    with pytest.raises(OSError, match="No space left on device"):
+        pc.export(simulated("springs"), tmp_path / "run.h5md")
 
 
 @pytest.mark.parametrize("suffix", SUFFIXES)

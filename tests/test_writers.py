@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import os
 import re
@@ -19,6 +20,7 @@ import pytest
 from PIL import Image
 
 import physcore as pc
+from physcore.evidence import Drift
 from physcore.film import evidence, gif_bytes
 from physcore.film.writers import WRITERS, delays
 from physcore.serial import unpack_numerics
@@ -304,6 +306,22 @@ def test_the_evidence_is_enough_to_do_it_again(scene: pc.Scene, numerics: Any, s
         simulation = again
     assert simulation is not None
     assert simulation.state_hash() == panel["state"]
+
+
+def test_the_drift_is_the_same_from_one_budget_at_a_time() -> None:
+    """To the bit: the formula of `EnergySeries.drift`, with every part of the budget in motion."""
+    random = np.random.default_rng(3)
+    parts = {name: random.normal(size=50) for name in ("kinetic", "internal", "dissipated", "work", "times")}
+    by_term = {name: random.normal(size=50) for name in ("springs", "gravity")}
+    series = pc.EnergySeries(by_term=by_term, dissipated_by={}, **{**parts, "kinetic": abs(parts["kinetic"])})
+    for frames in (1, 2, 50):
+        some = {entry.name: getattr(series, entry.name) for entry in dataclasses.fields(series)}
+        some = {name: value[:frames] for name, value in some.items() if isinstance(value, np.ndarray)}
+        part = pc.EnergySeries(by_term={k: v[:frames] for k, v in by_term.items()}, dissipated_by={}, **some)
+        drift = Drift()
+        for index in range(frames):
+            drift.add(part.at(index))
+        assert drift.largest == np.abs(part.drift).max()
 
 
 def test_each_panel_has_its_evidence(tmp_path: Path) -> None:

@@ -6,6 +6,7 @@ Source: Kitware, "VTK File Formats", https://docs.vtk.org/en/latest/design_docum
 from __future__ import annotations
 
 import re
+from contextlib import suppress
 from pathlib import Path
 from typing import ClassVar
 
@@ -52,6 +53,8 @@ class VtkWriter(TrajectoryWriter):
             raise FileError(f"{target}: cannot be written: {error.strerror or error}") from error
         finally:
             shutil.rmtree(new, ignore_errors=True)
+            with suppress(OSError):  # It has the frames, or it was made for nothing.
+                home.rmdir()
 
 
 def _write_frames(trajectory: Trajectory, new: Path, home: Path) -> tuple[list[float], str]:
