@@ -367,7 +367,6 @@ def test_equal_scenes_have_one_hash_and_others_another() -> None:
         return pc.Scene(rope, pc.Gravity((0.0, gravity)), pc.Drag(linear=1e-3))
 
     assert build().hash() == build().hash() == SCENE.hash()
-    # The hash is part of what is on disk: it must not change from one version to the next without notice.
     assert len({build().hash(), build(101.0).hash(), build(gravity=-9.80).hash(), fluid().hash()}) == 4
     script = (
         "import physcore as pc; rope = pc.rope(10, length=1.0, stiffness=100.0, mass=0.01, pinned='start');"

@@ -101,6 +101,8 @@ class Scene:
     def hash(self) -> str:
         """A hash of everything that was said of the scene: the same for equal scenes, in every process and machine.
 
+        A version of physcore whose classes have further arguments gives another one.
+
         Raises:
             FileError: the scene has a CustomForce, whose function is code.
         """

@@ -1,6 +1,7 @@
 """Animated PNG: every color as it was drawn; Pillow compresses each frame, and nothing else is kept in memory.
 
-Pillow's own way to write one holds all frames until the last is there, and drops those that are like the one before.
+Pillow's own way to write one takes no generator, holds all frames until the last is there, and merges those that are
+like the one before.
 Source: W3C, "Portable Network Graphics (PNG) Specification (Third Edition)", 2025, section 11.3.6.
 """
 
