@@ -118,10 +118,10 @@ def sources(source: object, duration: float | None, fps: float | None, numerics:
     """
     for name in numerics:
         if name not in Options.__annotations__:
-            raise TypeError(f"film() got an unexpected keyword argument {name!r}")
+            raise TypeError(f"got an unexpected keyword argument {name!r}")
     items = list(source) if isinstance(source, (list, tuple)) else [source]
     if not items:
-        raise SceneError("recording: there must be at least one to film")
+        raise SceneError("recording: there must be at least one")
     found = [_source(item, duration, fps, numerics) for item in items]
     rates = sorted({each.fps for each in found})
     if len(rates) > 1:
@@ -132,7 +132,7 @@ def sources(source: object, duration: float | None, fps: float | None, numerics:
 def _source(item: object, duration: float | None, fps: float | None, numerics: Options) -> Source:
     if isinstance(item, Scene):
         if duration is None:
-            raise SceneError("duration: a scene is filmed while it is simulated, so say how long: duration=… [s]")
+            raise SceneError("duration: a scene is shown while it is simulated, so say how long: duration=… [s]")
         rate = FRAMES_PER_SECOND if fps is None else number(fps, "fps", above=0.0)
         return Running(item, number(duration, "duration", least=0.0), rate, numerics)
     if not all(hasattr(item, name) for name in ("scene", "times", "positions", "fps")):
