@@ -275,6 +275,8 @@ def test_what_cannot_be_exported_is_refused_before_it_is_simulated(suffix: str, 
         pc.export(scene, tmp_path / "none" / path.name, duration=1.0)
     with pytest.raises(pc.SceneError, match="duration: "):
         pc.export(scene, path)
+    with pytest.raises(TypeError, match="unexpected keyword argument 'colour'"):
+        pc.export(scene, path, duration=1.0, colour="red")  # type: ignore[call-arg]
     with pytest.raises(pc.SceneError, match="recording: must be a Recording"):
         pc.export([scene], path, duration=1.0)  # type: ignore[arg-type]
     with pytest.raises(pc.SceneError, match="dt: is for a scene, and this is a recording"):
