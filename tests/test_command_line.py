@@ -8,6 +8,8 @@ import sys
 import pytest
 
 from physcore.__main__ import main
+from physcore.film import evidence
+from physcore.film.writers import WRITERS
 from physcore.gallery import DEMOS, caption, demo
 from physcore.progress import Progress
 
@@ -38,16 +40,25 @@ def test_a_demo_writes_its_gif_shows_progress_and_prints_the_audit(capsys, tmp_p
     assert "100 %" in output.err
 
 
+@pytest.mark.parametrize("kind", WRITERS)
+def test_a_demo_is_filmed_in_any_format(kind, capsys, tmp_path):
+    path = tmp_path / f"rope{kind.suffixes[0]}"
+    assert main(["demo", "rope", "-o", str(path)]) == 0
+    (panel,) = evidence(path)
+    assert panel["scene"] == demo("rope").scene().hash()
+    assert str(path) in capsys.readouterr().out
+
+
 def test_bad_input_is_one_line_and_an_exit_code(capsys, tmp_path):
     assert main(["demo", "no-such-demo"]) == 2
     assert main(["demo", "rope", "-o", str(tmp_path / "missing" / "rope.gif")]) == 2
-    assert main(["demo", "rope", "-o", str(tmp_path / "rope.mp4")]) == 2
+    assert main(["demo", "rope", "-o", str(tmp_path / "rope.avi")]) == 2
     output = capsys.readouterr()
     assert output.out == ""  # nothing was simulated
     error = output.err.splitlines()
     assert error[0].startswith("physcore: no demo 'no-such-demo'; there are")
     assert "no such folder" in error[1]
-    assert error[2].startswith("physcore: path: must end in .gif or .png")
+    assert error[2].startswith("physcore: path: must end in .gif, .webp, .apng, .mp4 or .png")
     assert len(error) == 3
     with pytest.raises(SystemExit) as stopped:
         main(["dance"])

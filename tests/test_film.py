@@ -18,8 +18,8 @@ from physcore._core import Canvas, Gif
 from physcore.film import DARK, LIGHT, Orbit, Window, gif_bytes
 from physcore.film.camera import fit
 from physcore.film.colormaps import COLORMAPS, look_up, sequential
-from physcore.film.filming import delays
 from physcore.film.styles.strain import covered
+from physcore.film.writers import delays
 
 SIZE = (160, 120)
 
@@ -151,7 +151,7 @@ def _paste(canvas: Canvas, picture: np.ndarray) -> None:
 @pytest.mark.parametrize("rate", [1.0, 7.3, 12.5, 24.0, 25.0, 29.97, 30.0, 48.0, 50.0])
 def test_delays_keep_real_time(rate: float) -> None:
     """Each frame ends within half a hundredth of a second of its time, so the sum of 1000 does too."""
-    found = delays(1000, rate)
+    found = delays(1000, rate, 100)
     late = np.cumsum(found) / 100 - np.arange(1, 1001) / rate
     assert np.abs(late).max() <= 0.005 + 1e-9
     assert max(found) - min(found) <= 1
@@ -321,7 +321,7 @@ def test_a_file_that_cannot_be_written_is_a_file_error(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"path": "film.mp4"}, r"path: must end in \.gif or \.png"),
+        ({"path": "film.avi"}, r"path: must end in \.gif, \.webp, \.apng, \.mp4 or \.png"),
         ({"size": (10, 10)}, r"size\[0\]"),
         ({"size": 640}, "size: must be"),
         ({"style": pc.styles.Points}, r"write Points\(\)"),

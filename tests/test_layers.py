@@ -33,6 +33,7 @@ LAYERS = [
     "progress",
     "storage",
     "serial",
+    "provenance",
     "pace",
     "sampling",
     "recording",
@@ -40,7 +41,10 @@ LAYERS = [
     "stability",
     "accuracy",
     "loading",
+    "evidence",
+    "formats",
     "film",
+    "output",
     "tradeoff",
     "audit",
     "benchmark",
@@ -50,6 +54,8 @@ LAYERS = [
 
 # What has to look to its right, and why.
 EXCEPTIONS = {
+    ("scene", "serial"),  # when its hash is asked for, and not before
+    ("scene", "storage"),  # likewise
     ("errors", "state"),  # for the type checker alone: the type of SimulationDiverged.last_good
     ("recording", "film"),  # when a notebook shows a recording, and not before
 }

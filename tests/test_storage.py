@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 
 import physcore as pc
 from physcore import storage
+from physcore.film import evidence
 from physcore.serial import pack_scene, unpack_scene
 
 WIND = pc.Drag(0.001, wind=(0.1, 0.0))
@@ -133,6 +134,50 @@ def test_a_file_of_another_version_says_so(tmp_path, monkeypatch):
     monkeypatch.undo()
     with pytest.raises(pc.FileError, match="format version '2'; this physcore reads version 1"):
         pc.load(path)
+
+
+def test_a_file_of_before_the_history_was_kept_still_loads(tmp_path):
+    """What it does not have is None, and a run that goes on from it does not know how it began."""
+    simulation, path = pc.Simulation(SCENE, dt=1e-3), tmp_path / "state"
+    simulation.step(10)
+    simulation.save(path)
+    kind, content = storage.read(path)
+    assert content["pace"].pop("segments") == [{"start": 0.0, "steps": 10, "dt": 1e-3}]
+    storage.write(path, kind, content)
+    loaded = pc.load(path)
+    assert isinstance(loaded, pc.Simulation)
+    loaded.step(10)
+    simulation.step(10)
+    assert loaded.state_hash() == simulation.state_hash()
+    assert loaded.provenance.segments is None
+
+    pc.simulate(SCENE, 0.1).save(path)
+    kind, content = storage.read(path)
+    del content["provenance"]
+    storage.write(path, kind, content)
+    recording = pc.load(path)
+    assert isinstance(recording, pc.Recording)
+    assert recording.provenance is None
+    pc.film(recording, tmp_path / "film.gif", size=(64, 48))
+    (panel,) = evidence(tmp_path / "film.gif")
+    assert panel["scene"] == SCENE.hash()
+    assert panel["state"] is panel["segments"] is panel["numerics"] is None
+
+
+def test_the_history_goes_on_where_a_checkpoint_was_loaded(tmp_path):
+    straight, first = pc.Simulation(SCENE, dt=1e-3), pc.Simulation(SCENE, dt=1e-3)
+    straight.step(30)
+    first.step(20)
+    first.save(tmp_path / "state")
+    second = pc.load(tmp_path / "state")
+    assert isinstance(second, pc.Simulation)
+    second.step(10)
+    assert second.provenance == straight.provenance
+    recording = second.record(0.1)
+    recording.save(tmp_path / "run")
+    loaded = pc.load(tmp_path / "run")
+    assert isinstance(loaded, pc.Recording)
+    assert loaded.provenance == recording.provenance == second.provenance
 
 
 @pytest.mark.parametrize(

@@ -46,6 +46,7 @@ from physcore.integrators import (
 from physcore.kernels import CubicSpline, Kernel, WendlandC2, WendlandC4
 from physcore.loading import load
 from physcore.numerics import AdaptiveStep, AutoStep
+from physcore.output import export
 from physcore.periodic import Periodic
 from physcore.plan import Plan
 from physcore.recording import Recording
@@ -116,6 +117,7 @@ __all__ = [
     "block",
     "cloth",
     "cylinder",
+    "export",
     "film",
     "load",
     "rope",

@@ -37,14 +37,14 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--version", action="version", version=f"physcore {physcore.__version__}")
     commands = parser.add_subparsers(title="commands", required=True, metavar="COMMAND")
     commands.add_parser("list", help="name the demos").set_defaults(run=_list)
-    demo = commands.add_parser("demo", help="run a demo: write its GIF, print its audit")
+    demo = commands.add_parser("demo", help="run a demo: write its film, print its audit")
     demo.add_argument("name", nargs="?", metavar="NAME", help="one of `physcore list` (default: the first)")
     demo.add_argument(
         "-o",
         "--output",
         type=Path,
         metavar="FILE",
-        help="the GIF, or the PNG of its last frame, to write (default: NAME.gif)",
+        help="the film to write: .gif, .webp, .apng, .mp4, or .png for its last frame (default: NAME.gif)",
     )
     demo.set_defaults(run=_demo)
     trade = commands.add_parser("tradeoff", help="measure what speed costs in accuracy in a demo")
@@ -72,14 +72,16 @@ def _list(options: argparse.Namespace) -> int:
 
 def _demo(options: argparse.Namespace) -> int:
     from physcore.audit import audit
-    from physcore.film.filming import check_target
+    from physcore.film.writers import WRITERS
+    from physcore.formats import writable
     from physcore.gallery import DEMOS, caption, demo
 
     name = options.name or DEMOS[0]
     if not _exists(name):
         return 2
     try:
-        path = check_target(options.output or f"{name}.gif")
+        path = Path(options.output or f"{name}.gif")
+        writable(path, WRITERS)
     except PhyscoreError as error:
         print(f"physcore: {error}", file=sys.stderr)
         return 2

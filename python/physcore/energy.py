@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Generic, TypeVar
 
 import numpy as np
@@ -77,6 +77,17 @@ class EnergySeries(Budget[FloatArray]):
         scale = self.kinetic.max() + np.ptp(self.potential) + np.ptp(self.internal)
         drift: FloatArray = change / scale if scale > 0 else change
         return drift
+
+    def at(self, index: int) -> Energy:
+        """The budget of one frame."""
+        values = {entry.name: getattr(self, entry.name) for entry in fields(self)}
+        parts = {
+            name: {term: float(series[index]) for term, series in value.items()}
+            for name, value in values.items()
+            if isinstance(value, Mapping)
+        }
+        whole = {name: float(value[index]) for name, value in values.items() if name not in parts and name != "times"}
+        return Energy(**whole, **parts, time=float(self.times[index]))  # type: ignore[arg-type]
 
     def plot(self, axes: Axes | None = None) -> Axes:
         """Draw the budget over time with Matplotlib (`pip install "physcore[plot]"`).

@@ -7,7 +7,7 @@ import sys
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import replace
+from dataclasses import asdict, replace
 from typing import Any, TypedDict
 
 from physcore import engine
@@ -25,6 +25,7 @@ from physcore.numerics import (
     largest_step,
     steps_to,
 )
+from physcore.provenance import Segment, segments_from
 from physcore.scene import Scene
 
 WATCH = 256
@@ -50,6 +51,7 @@ class Captured(TypedDict):
 
     rescued: int
     limits: list[dict[str, Any]]
+    segments: list[dict[str, Any]] | None
 
 
 class Pace:
@@ -71,6 +73,7 @@ class Pace:
         self._stepping = threading.Lock()
         self._hasty = False
         self._rescued = 0
+        self._segments: list[Segment] | None = []
 
     def begin(self) -> None:
         """Look at the limits before the first step; one of a pace that was captured goes on with `restore`.
@@ -106,6 +109,14 @@ class Pace:
     def dt(self) -> float:
         """The time step in use [s]: of the last step, and before the first one that of the next."""
         return self.fixed or self._world.dt or self._largest(FRAMES_PER_SECOND)
+
+    @property
+    def segments(self) -> tuple[Segment, ...] | None:
+        """The steps that were taken since the scene's start; None where a checkpoint did not tell."""
+        if self._adaptive is None:
+            return None if self._segments is None else tuple(self._segments)
+        _, _, smallest, largest = self._world.adaptation()
+        return (Segment(0.0, self._world.steps, (smallest, largest)),) if self._world.steps else ()
 
     def step(self, steps: int) -> None:
         """Advance by a number of steps."""
@@ -195,7 +206,7 @@ class Pace:
         """Take steps, and give how many: up to the first that had to be taken in parts, and that one."""
         before = self._world.steps
         try:
-            flow = self._world.step(steps, dt)
+            flow = self._take(steps, dt)
         except SimulationDiverged as error:
             if self._numerics.on_divergence != "substep":
                 self._complete(error)
@@ -205,6 +216,27 @@ class Pace:
             return taken
         self._warn_if_hasty(*flow or (0.0, 0.0, 0.0))
         return steps
+
+    def _take(self, steps: int, dt: float) -> tuple[float, float, float] | None:
+        """Let the world take steps, and note those that it took."""
+        start, before = self._world.time, self._world.steps
+        try:
+            flow = self._world.step(steps, dt)
+        except BaseException:
+            self._note(Segment(start, self._world.steps - before, dt))
+            raise
+        self._note(Segment(start, steps, dt))
+        return flow
+
+    def _note(self, new: Segment) -> None:
+        """Add steps to the history; like the engine's clock, a segment ends only where the size of the step changes."""
+        if self._segments is None or new.steps == 0:
+            return
+        last = self._segments[-1] if self._segments else None
+        if last is not None and last.dt == new.dt:
+            self._segments[-1] = replace(last, steps=last.steps + new.steps)
+        else:
+            self._segments.append(new)
 
     def _rescue(self, error: SimulationDiverged, dt: float) -> None:
         """Take a step that failed again in parts, halving what is left of it whenever one of them fails.
@@ -223,7 +255,7 @@ class Pace:
             left, parts = 2 * left, 2 * parts
             before = self._world.steps
             try:
-                self._world.step(left, dt / parts)
+                self._take(left, dt / parts)
             except SimulationDiverged as failed:
                 left -= self._world.steps - before
                 error = failed
@@ -292,11 +324,15 @@ class Pace:
 
     def capture(self) -> Captured:
         """What the choice of later time steps depends on, beside the world, and what was counted."""
-        return {"rescued": self._rescued, "limits": [vars(limit) for limit in self._limits or ()]}
+        segments = None if self._segments is None else [asdict(segment) for segment in self._segments]
+        limits = [vars(limit) for limit in self._limits or ()]
+        return {"rescued": self._rescued, "limits": limits, "segments": segments}
 
     def restore(self, state: Captured) -> None:
         """Go on as the pace that was captured."""
         self._rescued = state["rescued"]
+        segments = segments_from(state.get("segments"))
+        self._segments = None if segments is None else list(segments)
         if state["limits"]:
             first, kept = (Limit(**limit) for limit in state["limits"])
             self._limits = first, kept

@@ -16,6 +16,7 @@ from physcore.energy import EnergySeries
 from physcore.errors import SceneError
 from physcore.fluid import Fluid
 from physcore.plan import Plan
+from physcore.provenance import Provenance
 from physcore.scene import BodyKey, Scene
 from physcore.serial import pack_scene, unpack_scene
 from physcore.state import Frame
@@ -111,6 +112,8 @@ class Recording(Track):
     """What was simulated."""
     plan: Plan
     """How it was simulated."""
+    provenance: Provenance | None = None
+    """The steps that were taken, and the hash of the state at the end; None in files of an earlier physcore."""
 
     def __getitem__(self, body: BodyKey) -> Track:
         part = self.scene.slice(body)
@@ -129,11 +132,11 @@ class Recording(Track):
         import base64
 
         from physcore.film import gif_bytes
-        from physcore.film.filming import FASTEST
+        from physcore.film.writers.gif import GifWriter
 
         if "positions" not in self.channels:
             return None
-        rate = min(max(self.fps, SLOW), FASTEST)
+        rate = min(max(self.fps, SLOW), GifWriter.fastest)
         content = base64.b64encode(gif_bytes(self, speed=rate / self.fps)).decode()
         return f'<img alt="{self!r}" src="data:image/gif;base64,{content}">'
 
@@ -154,6 +157,7 @@ class Recording(Track):
             "fps": self.fps,
             "scene": pack_scene(self.scene),
             "plan": asdict(self.plan),
+            "provenance": None if self.provenance is None else self.provenance.content(),
         }
         storage.write(path, "recording", content)
 
@@ -163,6 +167,7 @@ class Recording(Track):
         plan: Any = {
             name: tuple(value) if isinstance(value, list) else value for name, value in content["plan"].items()
         }
+        provenance = content.get("provenance")
         return cls(
             times=content["times"],
             channels={name: content[name] for name in content["channels"]},
@@ -172,6 +177,7 @@ class Recording(Track):
             fps=content["fps"],
             scene=unpack_scene(content["scene"]),
             plan=Plan(**plan),
+            provenance=Provenance.from_content(provenance) if provenance is not None else None,
         )
 
 
@@ -181,10 +187,10 @@ def collect(
     scene: Scene,
     fps: float,
     channels: tuple[Channel, ...],
-    plan: Callable[[], Plan],
+    end: Callable[[], tuple[Plan, Provenance]],
     tick: Callable[[int], None],
 ) -> Recording:
-    """Gather `count` frames into a recording; `tick` is told how many there are so far, `plan` is asked at the end.
+    """Gather `count` frames into a recording; `tick` is told how many there are so far, `end` is asked at the end.
 
     Raises:
         SceneError: the recording would not fit into memory.
@@ -212,7 +218,7 @@ def collect(
                 series.setdefault(term, np.empty(count))[index] = value
         tick(index + 1)
     energy = EnergySeries(by_term=by_term, dissipated_by=dissipated_by, **budget)
-    return Recording(times, data, energy, momentum, angular_momentum, fps, scene, plan())
+    return Recording(times, data, energy, momentum, angular_momentum, fps, scene, *end())
 
 
 def refuse_if_too_large(frames: int, particles: int, needed: int) -> None:

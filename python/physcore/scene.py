@@ -98,6 +98,19 @@ class Scene:
         start = sum(len(body) for body in self.bodies[:index])
         return slice(start, start + len(self.bodies[index]))
 
+    def hash(self) -> str:
+        """A hash of everything that was said of the scene: the same for equal scenes, in every process and machine.
+
+        A version of physcore whose classes have further arguments gives another one.
+
+        Raises:
+            FileError: the scene has a CustomForce, whose function is code.
+        """
+        from physcore.serial import pack_scene
+        from physcore.storage import digest
+
+        return digest(pack_scene(self))
+
     def __repr__(self) -> str:
         domain = () if self.periodic is None else (self.periodic,)
         parts = [repr(item) for item in (*self.bodies, *self.forces, *self.boundaries, *domain)]

@@ -22,6 +22,7 @@ from physcore.numerics import FRAMES_PER_SECOND, DivergenceRule, Numerics, Optio
 from physcore.pace import Pace
 from physcore.plan import Plan
 from physcore.progress import Progress
+from physcore.provenance import Provenance, version
 from physcore.recording import CHANNELS, Channel, Recording, check_channels, collect
 from physcore.scene import BodyKey, Scene
 from physcore.serial import pack_numerics, pack_scene, unpack_numerics, unpack_scene
@@ -131,6 +132,11 @@ class Simulation:
         plan = engine.plan(self._world, self._pace.limit, self.dt)
         return replace(plan, substeps=self.substeps, notes=(*plan.notes, *self._pace.notes()))
 
+    @property
+    def provenance(self) -> Provenance:
+        """What it takes, beside the scene, to compute the present state again."""
+        return Provenance(version(), pack_numerics(self._numerics), self._pace.segments, self.state_hash())
+
     def __getitem__(self, body: BodyKey) -> Snapshot:
         """The present state of one body, given itself, its index or its name; a Fluid's has densities and pressures."""
         part, whole = self._scene.slice(body), engine.snapshot(self._world, self._scene)
@@ -203,7 +209,7 @@ class Simulation:
         frames = self.frames(duration, fps)
         count = sampling.frame_count(duration, fps)
         with Progress(count, "simulating", progress) as bar:
-            return collect(frames, count, self._scene, float(fps), kept, lambda: self.plan, bar.update)
+            return collect(frames, count, self._scene, float(fps), kept, self._end, bar.update)
 
     def set(self, positions: State = None, velocities: State = None) -> None:
         """Replace the state between two steps; the change of energy counts as work.
@@ -273,6 +279,10 @@ class Simulation:
         simulation._pace.restore(pace)
         simulation._world.restore(world)
         return simulation
+
+    def _end(self) -> tuple[Plan, Provenance]:
+        """What a recording says of how it came about."""
+        return self.plan, self.provenance
 
     def _whole(self, given: State, present: object, path: str) -> FloatArray | None:
         """New values (N, D) for all particles, or None."""

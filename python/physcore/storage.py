@@ -7,6 +7,7 @@ Nothing is ever pickled. A file appears under its name only when it is complete.
 
 from __future__ import annotations
 
+import errno
 import json
 import os
 from collections.abc import Iterator
@@ -73,19 +74,35 @@ def read(path: str | os.PathLike[str]) -> tuple[str, dict[str, Tree]]:
         raise FileError(f"{os.fspath(path)}: cannot be read: {error.strerror or error}") from error
 
 
+def digest(tree: Tree) -> str:
+    """A hash of a tree of values: BLAKE2 over its JSON and its arrays, the same on every machine."""
+    import hashlib
+
+    arrays: dict[str, np.ndarray] = {}
+    result = hashlib.blake2b(json.dumps(_pack(tree, "", arrays), sort_keys=True).encode(), digest_size=16)
+    for name, values in arrays.items():
+        result.update(f"{name} {values.dtype.str} {values.shape}".encode())
+        result.update(values.tobytes())
+    return result.hexdigest()
+
+
 @contextmanager
 def replacing(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
     """A file to write and read that takes the place of `path` when the block ends well, and vanishes when it does not.
+
+    A link is followed, so that it stays a link; what is no file, such as a device, is not replaced.
 
     Raises:
         FileError: the file cannot be written.
     """
     import secrets
 
-    target = Path(path)
+    target = Path(os.path.realpath(path))
     temporary = target.with_name(f".{target.name}.{secrets.token_hex(4)}.tmp")
     try:
         try:
+            if target.exists() and not target.is_file():
+                raise OSError(errno.EINVAL, "not a regular file")
             with open(temporary, "x+b") as file:
                 yield file
                 file.flush()
@@ -96,7 +113,7 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
     except FileError:
         raise
     except OSError as error:
-        raise FileError(f"{target}: cannot be written: {error.strerror or error}") from error
+        raise FileError(f"{os.fspath(path)}: cannot be written: {error.strerror or error}") from error
 
 
 def _trailer(digest: str) -> bytes:

@@ -1,7 +1,8 @@
-"""Films: what a recording or a running simulation looks like, as a GIF or a still picture.
+"""Films: what a recording or a running simulation looks like, as a GIF, WebP, APNG or MP4, or a still picture.
 
 `film` is the recipe; a style says how bodies look (`styles`), a camera from where they are seen (`camera`), a theme in
-which colors (`themes`). To add a style: one file in `styles/` and one line there.
+which colors (`themes`), a writer in which format (`writers`). To add a style or a format: one file in `styles/` or
+`writers/` and one line there.
 """
 
 from __future__ import annotations
@@ -9,6 +10,7 @@ from __future__ import annotations
 from physcore.film import styles
 from physcore.film.camera import Orbit, Window
 from physcore.film.filming import film, gif_bytes
+from physcore.film.proof import evidence
 from physcore.film.themes import DARK, LIGHT, Theme
 
-__all__ = ["DARK", "LIGHT", "Orbit", "Theme", "Window", "film", "gif_bytes", "styles"]
+__all__ = ["DARK", "LIGHT", "Orbit", "Theme", "Window", "evidence", "film", "gif_bytes", "styles"]

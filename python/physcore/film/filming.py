@@ -1,34 +1,25 @@
-"""The recipe of a film: look at everything once, choose camera and colors, then draw frame by frame."""
+"""The recipe of a film: find what to show, look at all of it once, then draw it frame by frame into a file."""
 
 from __future__ import annotations
 
-import math
 import os
-from collections import deque
 from collections.abc import Sequence
-from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
 from typing import Unpack
 
-from physcore._core import Gif
-from physcore.checks import number
 from physcore.errors import FileError, SceneError
 from physcore.film.camera import Camera
 from physcore.film.panels import Stage
+from physcore.film.proof import proof, write_sidecar
 from physcore.film.sources import sources
 from physcore.film.styles import Style
 from physcore.film.themes import Color, Theme, ThemeName, color, resolve
-from physcore.numerics import FRAMES_PER_SECOND, Options
-from physcore.progress import Progress
+from physcore.film.writers import WRITERS, GifWriter, Reel
+from physcore.formats import writable
+from physcore.numerics import Options
 from physcore.recording import Recording
 from physcore.scene import Scene
-from physcore.storage import replacing
-
-FASTEST = 50.0
-"""Frames per second that every viewer of GIFs shows; most slow shorter delays down to 100 ms."""
-SLOWEST = 100 / 65535
-"""Frames per second below which a delay does not fit into a GIF."""
 
 
 def film(
@@ -45,18 +36,24 @@ def film(
     speed: float = 1.0,
     duration: float | None = None,
     fps: float | None = None,
+    sidecar: bool = True,
     progress: bool | None = None,
     **numerics: Unpack[Options],
 ) -> None:
-    """Draw a recording, or a scene while it is simulated, as a GIF; as a PNG, the last frame.
+    """Draw a recording, or a scene while it is simulated, as a film; as a PNG, its last frame.
 
     A scene is simulated twice, with the same bits: once to find the framing and the range of the colors, and once to
     draw; only one frame is in memory at a time. The file appears under its name when it is whole; until then, and on
-    any failure, what was there stays.
+    any failure, what was there stays. It carries the evidence of how it came about, which `physcore.film.evidence`
+    reads: a hash of the scene, the numerics, the steps taken, the drift of the energy and the hash of the last state.
+
+    All formats keep real time and show every frame. A .gif, of 255 colors and at most 50 frames per second, is shown
+    everywhere; a .webp has all colors in fewer bytes, an .apng every pixel as it was drawn, both at up to 90 frames per
+    second and for browsers; an .mp4 (H.264), at up to 240, needs `pip install 'physcore[video]'`.
 
     Args:
         recording: what to film; several are shown side by side, with one camera and one scale of colors.
-        path: where to write, ending in .gif or .png.
+        path: where to write, ending in .gif, .webp, .apng, .mp4 or .png.
         size: width and height of the picture [pixels].
         style: one or several of `physcore.styles`; None: springs by strain, fluids by speed, other bodies as points. A
             body that no style draws is drawn as points.
@@ -69,42 +66,29 @@ def film(
         speed: seconds of the simulation that pass in one second of the film.
         duration: how long to simulate a scene [s].
         fps: frames per second of simulated time at which to film a scene; None: 30.
+        sidecar: whether to write the evidence into a file beside the film too, such as film.gif.json; there it has the
+            number of threads as well, which the film itself does not depend on.
         progress: whether to show a progress bar; None: on a terminal, when it takes longer than a second.
         numerics: for a scene: integrator, dt, precision, threads, … as in Simulation.
 
     Raises:
         SceneError: an argument is not valid.
         FileError: the file cannot be written.
+        PhyscoreError: what the format needs is not installed.
         SimulationDiverged: the scene blew up while it was filmed.
     """
-    target = check_target(path)
+    target, writer = Path(path), writable(path, WRITERS)
     found = sources(recording, duration, fps, numerics)
-    rate = _rate(found[0].fps, speed) if target.suffix.lower() == ".gif" else None
+    rate = writer.rate(found[0].fps, speed)
     stage = Stage(found, size, style, camera, _colors(theme, background), _titles(title, titles), progress)
     try:
-        if rate is None:
-            _write_still(stage, target)
-        else:
-            _write(stage, target, rate, progress)
+        writer.write(Reel(stage, rate, proof(found), progress), target)
     except FileError:
         raise
     except OSError as error:
         raise FileError(f"{target}: cannot be written: {error.strerror or error}") from error
-
-
-def check_target(path: str | os.PathLike[str]) -> Path:
-    """Where a film can be written; checked before it is drawn, which may take long.
-
-    Raises:
-        SceneError: the name does not end in .gif or .png.
-        FileError: the folder does not exist.
-    """
-    target = Path(path)
-    if target.suffix.lower() not in (".gif", ".png"):
-        raise SceneError(f"path: must end in .gif or .png, got {os.fspath(path)!r}")
-    if not target.parent.is_dir():
-        raise FileError(f"{target}: cannot be written: no such folder")
-    return target
+    if sidecar:
+        write_sidecar(found, target)
 
 
 def gif_bytes(
@@ -117,51 +101,9 @@ def gif_bytes(
 ) -> bytes:
     """The bytes of the GIF that `film` would write, for a notebook or a server; the arguments are those of `film`."""
     found = sources(recording, None, None, {})
-    rate = _rate(found[0].fps, speed)
+    rate = GifWriter.rate(found[0].fps, speed)
     stage = Stage(found, size, style, None, resolve(theme), None, False)
-    return _write(stage, None, rate, False) or b""
-
-
-def delays(count: int, rate: float) -> list[int]:
-    """How long each of `count` frames is shown [hundredths of a second], so that no frame is late by more than 5 ms."""
-    ends = [math.floor(100 * (index + 1) / rate + 0.5) for index in range(count)]
-    return [end - start for start, end in zip([0, *ends], ends, strict=False)]
-
-
-def _write(stage: Stage, target: Path | None, rate: float, progress: bool | None) -> bytes | None:
-    """Write all frames, and give their bytes if there is no file to put them into."""
-    with closing(Gif(target, stage.reserved)) as gif, Progress(stage.count, "drawing", progress) as bar:
-        for canvas in stage.samples():
-            gif.observe(canvas)
-        for index, (canvas, delay) in enumerate(zip(stage.frames(), delays(stage.count, rate), strict=True)):
-            gif.frame(canvas, delay)
-            bar.update(index + 1)
-        return gif.finish()
-
-
-def _write_still(stage: Stage, target: Path) -> None:
-    """Write the last frame."""
-    from PIL import Image
-
-    last = deque(stage.frames(), maxlen=1)[0]
-    with replacing(target) as file:
-        Image.fromarray(last.pixels()).save(file, format="PNG")
-
-
-def _rate(fps: float, speed: float) -> float:
-    """Frames per second of the film."""
-    rate = fps * number(speed, "speed", above=0.0)
-    if rate > FASTEST * (1.0 + 1e-9):
-        raise SceneError(
-            f"fps: a GIF shows at most {FASTEST:g} frames per second, got {rate:g}; record fewer, "
-            f"or play it slower: speed={FASTEST:g}/{fps:g}"
-        )
-    if rate < SLOWEST:
-        raise SceneError(
-            f"fps: a GIF shows a frame for at most 655 s, got {1 / rate:g} s; "
-            f"play it faster: speed={FRAMES_PER_SECOND / fps:.3g}"
-        )
-    return rate
+    return GifWriter.content(Reel(stage, rate, proof(found), False))
 
 
 def _titles(title: str | None, titles: Sequence[str] | None) -> Sequence[str] | None:

@@ -8,11 +8,10 @@ from typing import Protocol
 
 from physcore.checks import FloatArray, number, shown
 from physcore.errors import SceneError
+from physcore.evidence import Evidence, Run, evidence
 from physcore.numerics import FRAMES_PER_SECOND, Options
 from physcore.recording import Recording
-from physcore.sampling import frame_count
 from physcore.scene import Scene
-from physcore.simulation import Simulation
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,6 +48,10 @@ class Source(Protocol):
     def has(self, channel: str) -> bool:
         """Whether moments have velocities, densities or pressures."""
 
+    @property
+    def evidence(self) -> Evidence:
+        """What is known of how it came about."""
+
     def moments(self) -> Iterator[Moment]:
         """All moments from the start."""
 
@@ -74,6 +77,11 @@ class Recorded:
         """How many frames there are."""
         return len(self.recording.times)
 
+    @property
+    def evidence(self) -> Evidence:
+        """What the recording says of how it came about."""
+        return evidence(self.recording)
+
     def has(self, channel: str) -> bool:
         """Whether something was recorded."""
         return channel in self.recording.channels
@@ -88,19 +96,8 @@ class Recorded:
             yield Moment(float(time), positions[index], more)
 
 
-@dataclass(frozen=True, eq=False)
-class Running:
-    """A simulation that is run anew for each pass, always with the same bits; only one frame is in memory."""
-
-    scene: Scene
-    duration: float
-    fps: float
-    numerics: Options
-
-    @property
-    def count(self) -> int:
-        """How many frames there are."""
-        return frame_count(self.duration, self.fps)
+class Running(Run):
+    """A simulation that is run anew for each pass."""
 
     def has(self, channel: str) -> bool:
         """A simulation has all that there is."""
@@ -108,7 +105,7 @@ class Running:
 
     def moments(self) -> Iterator[Moment]:
         """Simulate from the start."""
-        for frame in Simulation(self.scene, **self.numerics).frames(self.duration, self.fps):
+        for frame in self.frames():
             yield Moment(frame.time, frame.positions, {"velocities": frame.velocities, **frame.fields})
 
 
@@ -121,10 +118,10 @@ def sources(source: object, duration: float | None, fps: float | None, numerics:
     """
     for name in numerics:
         if name not in Options.__annotations__:
-            raise TypeError(f"film() got an unexpected keyword argument {name!r}")
+            raise TypeError(f"got an unexpected keyword argument {name!r}")
     items = list(source) if isinstance(source, (list, tuple)) else [source]
     if not items:
-        raise SceneError("recording: there must be at least one to film")
+        raise SceneError("recording: there must be at least one")
     found = [_source(item, duration, fps, numerics) for item in items]
     rates = sorted({each.fps for each in found})
     if len(rates) > 1:
@@ -135,7 +132,7 @@ def sources(source: object, duration: float | None, fps: float | None, numerics:
 def _source(item: object, duration: float | None, fps: float | None, numerics: Options) -> Source:
     if isinstance(item, Scene):
         if duration is None:
-            raise SceneError("duration: a scene is filmed while it is simulated, so say how long: duration=… [s]")
+            raise SceneError("duration: a scene is shown while it is simulated, so say how long: duration=… [s]")
         rate = FRAMES_PER_SECOND if fps is None else number(fps, "fps", above=0.0)
         return Running(item, number(duration, "duration", least=0.0), rate, numerics)
     if not all(hasattr(item, name) for name in ("scene", "times", "positions", "fps")):

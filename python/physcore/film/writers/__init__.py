@@ -1,0 +1,15 @@
+"""The formats of films, one file each. To add one: a file here and a line in WRITERS."""
+
+from __future__ import annotations
+
+from physcore.film.writers.apng import ApngWriter
+from physcore.film.writers.base import Reel, Writer, delays
+from physcore.film.writers.gif import GifWriter
+from physcore.film.writers.mp4 import Mp4Writer
+from physcore.film.writers.png import PngWriter
+from physcore.film.writers.webp import WebpWriter
+
+WRITERS: tuple[type[Writer], ...] = (GifWriter, WebpWriter, ApngWriter, Mp4Writer, PngWriter)
+"""Every format that a film can have."""
+
+__all__ = ["WRITERS", "GifWriter", "Reel", "Writer", "delays"]

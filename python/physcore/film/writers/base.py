@@ -1,0 +1,92 @@
+"""What all formats of films have in common: what they get, and how long each frame is shown."""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import ClassVar
+
+from physcore._core import Canvas
+from physcore.checks import number
+from physcore.errors import SceneError
+from physcore.film.panels import Stage
+from physcore.formats import Format
+from physcore.progress import Progress
+
+
+@dataclass(frozen=True, eq=False)
+class Reel:
+    """A film to be written, one frame at a time."""
+
+    stage: Stage
+    """What draws it."""
+    rate: float
+    """Frames per second."""
+    evidence: str
+    """What it says of how it came about, in ASCII."""
+    progress: bool | None
+    """Whether to show a progress bar, as in `film`."""
+
+    def frames(self) -> Iterator[Canvas]:
+        """Every frame; each canvas is valid until the next is asked for."""
+        with Progress(self.stage.count, "drawing", self.progress) as bar:
+            for index, canvas in enumerate(self.stage.frames()):
+                yield canvas
+                bar.update(index + 1)
+
+
+class Writer(Format, ABC):
+    """A format of films."""
+
+    name: ClassVar[str]
+    """What it is called in a sentence."""
+    fastest: ClassVar[float] = math.inf
+    """Frames per second that every viewer shows."""
+    longest: ClassVar[float] = math.inf
+    """How long it can show one frame [s]."""
+
+    @classmethod
+    def rate(cls, fps: float, speed: float) -> float:
+        """Frames per second of a film that shows `fps` frames of each simulated second.
+
+        Raises:
+            SceneError: the format cannot show them in real time.
+        """
+        rate = fps * number(speed, "speed", above=0.0)
+        if rate > cls.fastest * (1.0 + 1e-9):
+            raise SceneError(
+                f"fps: {cls.name} shows at most {cls.fastest:g} frames per second, got {rate:g}; record fewer, "
+                f"or play it slower: speed={cls.fastest:g}/{fps:g}"
+            )
+        if rate * cls.longest < 1.0:
+            raise SceneError(
+                f"fps: {cls.name} shows a frame for at most {cls.longest:.0f} s, got {1 / rate:g} s; "
+                f"play it faster: speed={30.0 / fps:.3g}"
+            )
+        return rate
+
+    @abstractmethod
+    def write(self, reel: Reel, target: Path) -> None:
+        """Write a film; it appears under its name when it is whole, and until then what was there stays.
+
+        Raises:
+            OSError: the file cannot be written.
+        """
+
+    @staticmethod
+    @abstractmethod
+    def evidence(path: Path) -> str | None:
+        """What a file says of how it came about; None if it says nothing.
+
+        Raises:
+            OSError, ValueError: the file cannot be read.
+        """
+
+
+def delays(count: int, rate: float, ticks: int) -> list[int]:
+    """How long each of `count` frames is shown, in units of 1/ticks s, none of them late by more than half a unit."""
+    ends = [math.floor(ticks * (index + 1) / rate + 0.5) for index in range(count)]
+    return [end - start for start, end in zip([0, *ends], ends, strict=False)]

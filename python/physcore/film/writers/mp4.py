@@ -1,0 +1,158 @@
+"""MP4: H.264 video, through the FFmpeg that imageio-ffmpeg brings along."""
+
+from __future__ import annotations
+
+import re
+import struct
+from collections.abc import Iterable, Iterator
+from itertools import chain
+from pathlib import Path
+from typing import IO, TYPE_CHECKING, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from physcore.film.writers.base import Reel, Writer
+from physcore.storage import replacing
+
+# What runs another program is imported where it is used: it takes as long as half of physcore.
+if TYPE_CHECKING:
+    import subprocess
+    from fractions import Fraction
+
+THREADS = 4
+"""Of the encoder, on any machine: its bytes depend on how many they are."""
+ENCODER = (
+    *("-c:v", "libx264", "-preset", "medium", "-crf", "16", "-tune", "animation", "-threads", str(THREADS)),
+    *("-vf", "scale=out_color_matrix=bt709:flags=accurate_rnd+full_chroma_int,format=yuv420p"),
+    *("-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc", "bt709"),
+    *("-fflags", "+bitexact", "-flags:v", "+bitexact", "-movflags", "+faststart"),
+)
+"""What every player shows, and a film can begin before it has been loaded to its end."""
+COMMENT = (b"moov", b"udta", b"meta", b"ilst", b"\xa9cmt", b"data")
+"""Where in the boxes of a file the comment is."""
+
+
+class Mp4Writer(Writer):
+    """Video for slides, talks and the web; far smaller than any other format for long films. Needs physcore[video]."""
+
+    suffixes: ClassVar = (".mp4",)
+    name: ClassVar = "an MP4"
+    fastest: ClassVar = 240.0
+    longest: ClassVar = 3600.0
+
+    @classmethod
+    def missing(cls) -> str | None:
+        """FFmpeg, if it is not there."""
+        return None if _ffmpeg() else "an MP4 needs FFmpeg: pip install 'physcore[video]'; a .webp needs nothing"
+
+    def write(self, reel: Reel, target: Path) -> None:
+        """Write a film; a side of odd length gets one more row or column, because colors have half the resolution."""
+        import subprocess
+        import tempfile
+
+        frames = (_even(canvas.pixels()) for canvas in reel.frames())
+        first = next(frames)
+        with (
+            replacing(target) as file,
+            tempfile.NamedTemporaryFile() as notes,
+            tempfile.TemporaryFile() as complaints,
+        ):
+            notes.write(b";FFMETADATA1\ncomment=" + _escaped(reel.evidence).encode() + b"\n")
+            notes.flush()
+            command = _command(first.shape[:2], reel.rate, notes.name, file.name)
+            with subprocess.Popen(command, stdin=subprocess.PIPE, stderr=complaints, bufsize=0) as encoder:
+                _feed(encoder, chain([first], frames))
+            if encoder.returncode != 0:
+                raise OSError(_cause(encoder.returncode, complaints))
+
+    @staticmethod
+    def evidence(path: Path) -> str | None:
+        """The comment. Source: Apple, "QuickTime File Format", metadata; every box has a length and a kind."""
+        content = path.read_bytes()
+        start, end = 0, len(content)
+        for wanted in COMMENT:
+            for kind, first, last in _boxes(content, start, end):
+                if kind == wanted:
+                    start, end = first + (4 if kind == b"meta" else 0), last
+                    break
+            else:
+                return None
+        return content[start + 8 : end].decode()
+
+
+def _ffmpeg() -> str:
+    """The program, or nothing."""
+    try:
+        import imageio_ffmpeg
+
+        return str(imageio_ffmpeg.get_ffmpeg_exe())
+    except (ImportError, RuntimeError):
+        return ""
+
+
+def _command(shape: tuple[int, ...], rate: float, notes: str, target: str) -> list[str]:
+    """What makes a film of the frames that come in."""
+    height, width = shape
+    frames = ("-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{width}x{height}", "-framerate", str(exact(rate)))
+    inputs = ("-f", "ffmetadata", "-i", notes, *frames, "-i", "pipe:0", "-map", "1:v", "-map_metadata", "0")
+    return [_ffmpeg(), "-y", "-v", "error", *inputs, *ENCODER, "-f", "mp4", f"file:{target}"]
+
+
+def exact(rate: float) -> Fraction:
+    """A rate as the ratio that was meant."""
+    from fractions import Fraction
+
+    return Fraction(rate).limit_denominator(1_000_000)
+
+
+def _feed(encoder: subprocess.Popen[bytes], frames: Iterable[NDArray[np.uint8]]) -> None:
+    """Hand over all frames; if that fails, the encoder is ended too."""
+    assert encoder.stdin is not None
+    try:
+        for pixels in frames:
+            rest = pixels.reshape(-1).data
+            while rest:  # A pipe may take less than it is given.
+                rest = rest[encoder.stdin.write(rest) :]
+        encoder.stdin.close()
+    except BrokenPipeError:
+        pass  # It has ended by itself, and says why.
+    except BaseException:
+        encoder.kill()
+        raise
+
+
+def _cause(code: int, complaints: IO[bytes]) -> str:
+    """Why the encoder ended, in one line."""
+    import signal
+
+    complaints.seek(0)
+    ended = (signal.strsignal(-code) if code < 0 else None) or f"FFmpeg ended with {code}"
+    lines = complaints.read().decode(errors="replace").strip().split("\n")
+    return re.sub(r"^(\[.*?\] )*", "", lines[0].strip()) or ended
+
+
+def _escaped(text: str) -> str:
+    """As FFmpeg's files of metadata want it."""
+    return "".join(f"\\{letter}" if letter in "=;#\\\n" else letter for letter in text)
+
+
+def _even(pixels: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """The same picture with even sides, the last row and column twice where need be."""
+    height, width, _ = pixels.shape
+    if height % 2 == width % 2 == 0:
+        return pixels
+    return np.pad(pixels, ((0, height % 2), (0, width % 2), (0, 0)), mode="edge")
+
+
+def _boxes(content: bytes, start: int, end: int) -> Iterator[tuple[bytes, int, int]]:
+    """Kind, first and last byte of each box."""
+    while start + 8 <= end:
+        length, kind = struct.unpack_from(">I4s", content, start)
+        head = 8
+        if length == 1:  # longer than four gigabytes
+            length, head = struct.unpack_from(">Q", content, start + 8)[0], 16
+        if length < head:
+            return
+        yield kind, start + head, start + length
+        start += length

@@ -1,0 +1,66 @@
+"""Trajectories for the tools of the field: `export` is the recipe, and each format is a file.
+
+To add a format: a file here and a line in FORMATS.
+"""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Unpack
+
+from physcore.film.sources import sources
+from physcore.formats import writable
+from physcore.numerics import Options
+from physcore.output.base import Trajectory, TrajectoryWriter
+from physcore.output.extended_xyz import ExtendedXyzWriter
+from physcore.output.h5md import H5mdWriter
+from physcore.output.vtk import VtkWriter
+from physcore.recording import Recording
+from physcore.scene import Scene
+
+FORMATS: tuple[type[TrajectoryWriter], ...] = (ExtendedXyzWriter, VtkWriter, H5mdWriter)
+"""Every format that a trajectory can be exported to."""
+
+__all__ = ["FORMATS", "export"]
+
+
+def export(
+    recording: Recording | Scene,
+    path: str | os.PathLike[str],
+    *,
+    duration: float | None = None,
+    fps: float | None = None,
+    progress: bool | None = None,
+    **numerics: Unpack[Options],
+) -> None:
+    """Write a recording, or a scene while it is simulated, to a file that other tools read.
+
+    The end of the name says which format:
+
+        .xyz, .extxyz   extended XYZ: text, for OVITO, ASE and many others
+        .pvd            one .vtp for each frame, in a folder beside it: for ParaView, with springs and their strain
+        .h5md           H5MD 1.1, for MDAnalysis, OVITO and VMD, with the energies; needs `pip install 'physcore[hdf5]'`
+
+    Everything is in SI units, as always in physcore: meters, seconds, kilograms. Readers made for atoms, such as ASE,
+    take lengths for Å and do not convert them. What is 2D is written with z = 0. Positions are those of the recording,
+    within the periodic domain, with all their digits. Only one frame of a scene is in memory at a time. The file
+    appears under its name when it is whole; until then, and on any failure, what was there stays.
+
+    Args:
+        recording: what to write.
+        path: where to.
+        duration: how long to simulate a scene [s].
+        fps: frames per second of simulated time; None: 30.
+        progress: whether to show a progress bar; None: on a terminal, when it takes longer than a second.
+        numerics: for a scene: integrator, dt, precision, threads, … as in Simulation.
+
+    Raises:
+        SceneError: an argument is not valid, or the recording has no positions.
+        FileError: the file cannot be written.
+        PhyscoreError: what the format needs is not installed.
+        SimulationDiverged: the scene blew up.
+    """
+    target, writer = Path(path), writable(path, FORMATS)
+    (source,) = sources([recording], duration, fps, numerics)
+    writer.write(Trajectory(source, progress), target)

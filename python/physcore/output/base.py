@@ -1,0 +1,154 @@
+"""What all formats of trajectories have in common: what they get, in three dimensions, one frame at a time."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import cast
+
+import numpy as np
+
+from physcore.bodies import Body, SpringNetwork
+from physcore.checks import FloatArray, IntArray
+from physcore.energy import Energy
+from physcore.film.sources import Recorded, Running, Source
+from physcore.formats import Format
+from physcore.periodic import Periodic
+from physcore.progress import Progress
+
+FIELDS = {"densities": "density", "pressures": "pressure"}
+"""What one of them is called, where a column or an array is named after what a particle has."""
+
+
+@dataclass(frozen=True, eq=False)
+class Sample:
+    """All particles at one time."""
+
+    index: int
+    """Of the frame, from 0."""
+    time: float
+    """[s]"""
+    positions: FloatArray
+    """[m], shape (N, 3)."""
+    velocities: FloatArray | None
+    """[m/s], shape (N, 3), if they were recorded."""
+    fields: Mapping[str, FloatArray]
+    """Density [kg/m³] and pressure [Pa], each of shape (N,), as far as there are any."""
+    energy: Energy
+    """The energy budget of the last step at or before."""
+
+
+@dataclass(frozen=True, eq=False)
+class Springs:
+    """The springs of all bodies."""
+
+    pairs: IntArray
+    """The two particles that each connects, shape (M, 2)."""
+    rest_length: FloatArray
+    """[m], shape (M,)."""
+    domain: Periodic | None
+
+    def strain(self, positions: FloatArray) -> FloatArray:
+        """Length over rest length less one, (M,); not a number where the rest length is zero."""
+        first, second = self.pairs.T
+        apart = positions[second] - positions[first]
+        if self.domain is not None:  # Positions within a domain tear springs apart.
+            apart[:, : self.domain.dimension] = self.domain.nearest(apart[:, : self.domain.dimension])
+        rest = np.where(self.rest_length > 0.0, self.rest_length, np.nan)
+        strain: FloatArray = np.linalg.norm(apart, axis=1) / rest - 1.0
+        return strain
+
+
+class Trajectory:
+    """What a writer gets: what does not change, and the frames."""
+
+    def __init__(self, source: Source, progress: bool | None) -> None:
+        self._source = cast(Recorded | Running, source)
+        self._progress = progress
+
+    @property
+    def count(self) -> int:
+        """How many frames there are."""
+        return self._source.count
+
+    @property
+    def particles(self) -> int:
+        """N."""
+        return self._source.scene.particles
+
+    @property
+    def domain(self) -> Periodic | None:
+        """The periodic domain."""
+        return self._source.scene.periodic
+
+    @property
+    def moving(self) -> bool:
+        """Whether frames have velocities."""
+        return self._source.has("velocities")
+
+    @cached_property
+    def constants(self) -> dict[str, FloatArray]:
+        """What each particle keeps, by name, each of shape (N,): mass [kg], and radius [m] and charge [C] if any."""
+        every = {name: self._gather(name) for name in ("mass", "radius", "charge")}
+        return {name: values for name, values in every.items() if name == "mass" or values.any()}
+
+    @cached_property
+    def body(self) -> IntArray:
+        """The index of the body that each particle belongs to, shape (N,)."""
+        return np.repeat(np.arange(len(self._bodies)), [len(body) for body in self._bodies])
+
+    @cached_property
+    def springs(self) -> Springs:
+        """Those of all bodies together."""
+        starts = np.cumsum([0, *(len(body) for body in self._bodies)])
+        pairs, rest = [np.empty((0, 2), dtype=np.int64)], [np.empty(0)]
+        for body, start in zip(self._bodies, starts, strict=False):
+            if isinstance(body, SpringNetwork):
+                pairs.append(body.pairs + start)
+                rest.append(body.rest_length)
+        return Springs(np.concatenate(pairs), np.concatenate(rest), self.domain)
+
+    def samples(self) -> Iterator[Sample]:
+        """All frames from the start, counted on the progress bar."""
+        with Progress(self.count, "exporting", self._progress) as bar:
+            for index, (time, positions, more, energy) in enumerate(self._frames()):
+                velocities = _in_space(more["velocities"]) if "velocities" in more else None
+                fields = {name: more[channel] for channel, name in FIELDS.items() if channel in more}
+                yield Sample(index, time, _in_space(positions), velocities, fields, energy)
+                bar.update(index + 1)
+
+    def _frames(self) -> Iterator[tuple[float, FloatArray, Mapping[str, FloatArray], Energy]]:
+        """Time, positions, what there is beside them, and the energy budget, of each frame."""
+        if isinstance(self._source, Recorded):
+            for index, moment in enumerate(self._source.moments()):
+                yield moment.time, moment.positions, moment.more, self._source.recording.energy.at(index)
+        else:
+            for frame in self._source.frames():
+                yield frame.time, frame.positions, {"velocities": frame.velocities, **frame.fields}, frame.energy
+
+    @property
+    def _bodies(self) -> tuple[Body, ...]:
+        return self._source.scene.bodies
+
+    def _gather(self, name: str) -> FloatArray:
+        return np.concatenate([getattr(body, name) for body in self._bodies])
+
+
+class TrajectoryWriter(Format, ABC):
+    """A format of trajectories."""
+
+    @abstractmethod
+    def write(self, trajectory: Trajectory, target: Path) -> None:
+        """Write all frames; the file appears under its name when it is whole, and until then what was there stays.
+
+        Raises:
+            FileError: it cannot be written.
+        """
+
+
+def _in_space(vectors: FloatArray) -> FloatArray:
+    """The same vectors in three dimensions."""
+    return vectors if vectors.shape[1] == 3 else np.pad(vectors, ((0, 0), (0, 1)))

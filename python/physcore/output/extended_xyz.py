@@ -1,0 +1,65 @@
+"""Extended XYZ: text, one block of lines for each frame, with named columns.
+
+Source: https://github.com/libAtoms/extxyz, the specification; the keys of OVITO and ASE where they name more.
+"""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import ClassVar
+
+import numpy as np
+
+from physcore.output.base import Sample, Trajectory, TrajectoryWriter
+from physcore.periodic import Periodic
+from physcore.storage import replacing
+
+SPECIES = "X"
+"""What readers know as an atom of no element; bodies are told apart by the column `body`."""
+
+
+class ExtendedXyzWriter(TrajectoryWriter):
+    """Columns: species (always X), position [m], velocity [m/s], mass [kg], radius [m] and charge [C] where there are
+    any, density [kg/m³] and pressure [Pa] of fluids, and the index of the body. The line above them has the time [s]
+    and the energies [J]. Numbers have all their digits.
+    """
+
+    suffixes: ClassVar = (".xyz", ".extxyz")
+
+    def write(self, trajectory: Trajectory, target: Path) -> None:
+        """Write all frames."""
+        cell = _cell(trajectory.domain)
+        with replacing(target) as file:
+            for sample in trajectory.samples():
+                columns, names = _columns(trajectory, sample)
+                energy = {name: getattr(sample.energy, name) for name in ("kinetic", "potential", "internal", "total")}
+                values = {"Time": sample.time, **energy}
+                head = f"{cell} Properties={names} " + " ".join(f"{name}={value!r}" for name, value in values.items())
+                rows = (f"{SPECIES} {' '.join(map(repr, row))}" for row in zip(*columns, strict=True))
+                file.write("\n".join([str(trajectory.particles), head, *rows, ""]).encode())
+
+
+def _columns(trajectory: Trajectory, sample: Sample) -> tuple[list[list[float]], str]:
+    """What stands behind the species, column by column, and the names of all."""
+    vectors = {"pos": sample.positions}
+    if sample.velocities is not None:
+        vectors["velo"] = sample.velocities
+    numbers = {**trajectory.constants, **sample.fields}
+    names = [f"{name}:R:3" for name in vectors] + [f"{name}:R:1" for name in numbers]
+    values = [column.tolist() for array in vectors.values() for column in array.T]
+    values += [array.tolist() for array in numbers.values()]
+    return [*values, trajectory.body.tolist()], ":".join(["species:S:1", *names, "body:I:1"])
+
+
+def _cell(domain: Periodic | None) -> str:
+    """Which axes are periodic, and the domain; the length along an axis that is not means nothing, and is 1."""
+    if domain is None:
+        return 'pbc="F F F"'
+    lower, lengths = np.zeros(3), np.full(3, math.inf)
+    lower[: domain.dimension], lengths[: domain.dimension] = domain.lower, domain.lengths
+    periodic = np.isfinite(lengths)
+    edges = np.diag(np.where(periodic, lengths, 1.0)).ravel().tolist()
+    origin = np.where(periodic, lower, 0.0).tolist()
+    flags = " ".join("T" if each else "F" for each in periodic)
+    return f'Lattice="{" ".join(map(repr, edges))}" Origin="{" ".join(map(repr, origin))}" pbc="{flags}"'

@@ -1,0 +1,163 @@
+"""H5MD 1.1: HDF5 files for molecular data. Source: https://www.nongnu.org/h5md/h5md.html."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, BinaryIO, ClassVar
+
+import numpy as np
+
+from physcore.checks import FloatArray
+from physcore.output.base import Sample, Trajectory, TrajectoryWriter
+from physcore.periodic import Periodic
+from physcore.provenance import version
+from physcore.storage import replacing
+
+if TYPE_CHECKING:
+    import h5py
+
+UNITS = {
+    **{"time": "s", "position": "m", "velocity": "m s-1", "density": "kg m-3", "pressure": "Pa"},
+    **{"mass": "kg", "radius": "m", "charge": "C", "energy": "J"},
+}
+"""They stand in `parameters/units`, and not at each element, as a module of H5MD has it: MDAnalysis opens no file whose
+lengths have a unit that it does not know, and meters are one."""
+ENERGIES = ("kinetic", "potential", "internal", "total", "dissipated", "work")
+"""The parts of the budget, each an observable."""
+
+
+class H5mdWriter(TrajectoryWriter):
+    """`particles/all` has position and velocity, of fluids density and pressure, over time, and mass, radius, charge,
+    and `species`, the index of the body; `observables` has the energies [J] at the times of their steps. `step`
+    counts frames. Lengths of the box along axes that are not periodic mean nothing, and are 1. Units are in
+    `parameters/units`; MDAnalysis needs `convert_units=False`.
+    """
+
+    suffixes: ClassVar = (".h5md",)
+
+    @classmethod
+    def missing(cls) -> str | None:
+        """The library, if it is not there."""
+        from importlib.util import find_spec
+
+        return None if find_spec("h5py") else "H5MD needs h5py: pip install 'physcore[hdf5]'; a .xyz needs nothing"
+
+    def write(self, trajectory: Trajectory, target: Path) -> None:
+        """Write all frames."""
+        import h5py
+
+        with replacing(target) as temporary:
+            disk = _Disk(temporary)
+            with h5py.File(disk, "w", libver="v110") as file:
+                _describe(file, trajectory)
+                series = _Series(file, trajectory.count, _edges(trajectory.domain))
+                for sample in trajectory.samples():
+                    series.put(sample)
+                    disk.check()
+            disk.check()
+
+
+class _Disk:
+    """A file that keeps its failures to itself: HDF5 would print some of them and lose others, as those at its end.
+
+    Who writes asks for them.
+    """
+
+    def __init__(self, file: BinaryIO) -> None:
+        self._file = file
+        self._failure: OSError | None = None
+        self.read, self.seek, self.tell = file.read, file.seek, file.tell
+
+    def check(self) -> None:
+        """Raise the first failure, if there was one."""
+        if self._failure is not None:
+            raise self._failure
+
+    def write(self, content: bytes) -> int:
+        """Write, or fail in silence."""
+        self._try(self._file.write, content)
+        return len(content)
+
+    def truncate(self, size: int | None = None) -> int:
+        """Cut or lengthen the file, or fail in silence."""
+        self._try(self._file.truncate, size)
+        return size or 0
+
+    def flush(self) -> None:
+        """Hand everything to the system, or fail in silence."""
+        self._try(self._file.flush)
+
+    def _try(self, action: Callable[..., object], *arguments: object) -> None:
+        try:
+            action(*arguments)
+        except OSError as error:
+            self._failure = self._failure or error
+
+
+def _describe(file: h5py.File, trajectory: Trajectory) -> None:
+    """All that does not change."""
+    head = file.create_group("h5md")
+    head.attrs["version"] = np.array([1, 1], dtype=np.int32)
+    head.create_group("author").attrs["name"] = "physcore"
+    creator = head.create_group("creator")
+    creator.attrs["name"], creator.attrs["version"] = "physcore", version()
+    file.create_group("parameters/units").attrs.update(UNITS)
+    group = file.create_group("particles/all")
+    edges, box = _edges(trajectory.domain), group.create_group("box")
+    box.attrs["dimension"] = np.int32(3)
+    box.attrs["boundary"] = ["periodic" if np.isfinite(length) else "none" for length in edges]
+    for name, values in trajectory.constants.items():
+        group.create_dataset(name, data=values)
+    group.create_dataset("species", data=trajectory.body)
+    file.create_group("observables")
+
+
+def _edges(domain: Periodic | None) -> FloatArray:
+    """The period along each axis [m], shape (3,); inf where an axis is not periodic."""
+    lengths = np.full(3, np.inf)
+    if domain is not None:
+        lengths[: domain.dimension] = domain.lengths
+    return lengths
+
+
+class _Series:
+    """What changes with time; the place for all frames is laid out with the first of them, and filled one by one."""
+
+    def __init__(self, file: h5py.File, count: int, edges: FloatArray) -> None:
+        self._file, self._count = file, count
+        # With each frame, though they stay as they are: MDAnalysis reads no others.
+        self._edges = np.where(np.isfinite(edges), edges, 1.0) if np.isfinite(edges).any() else None
+        self._values: dict[str, Any] = {}
+
+    def put(self, sample: Sample) -> None:
+        """Add a frame."""
+        arrays = {
+            "position": sample.positions,
+            "velocity": sample.velocities,
+            **sample.fields,
+            "box/edges": self._edges,
+        }
+        for name, array in arrays.items():
+            if array is not None:
+                self._store(f"particles/all/{name}", sample.index, sample.time, array)
+        for name in ENERGIES:
+            path, energy = f"observables/{name}_energy", sample.energy
+            self._store(path, sample.index, energy.time, np.float64(getattr(energy, name)))
+
+    def _store(self, path: str, index: int, time: float, value: Any) -> None:
+        if path not in self._values:
+            self._begin(path, np.shape(value))
+        self._values[path][index] = value
+        self._file[path]["time"][index] = time
+
+    def _begin(self, path: str, shape: tuple[int, ...]) -> None:
+        """Lay out an element: step and time are one data set for all that are taken together."""
+        group, room = self._file.create_group(path), path.partition("/")[0]
+        self._values[path] = group.create_dataset("value", (self._count, *shape), dtype="<f8")
+        first = next(name for name in self._values if name.startswith(room))
+        if first == path:
+            group.create_dataset("step", data=np.arange(self._count))
+            group.create_dataset("time", (self._count,), dtype="<f8")
+        else:
+            group["step"], group["time"] = self._file[first]["step"], self._file[first]["time"]

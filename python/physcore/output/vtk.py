@@ -1,0 +1,150 @@
+"""VTK: a list of frames (.pvd), and each frame as points and lines (.vtp), for ParaView.
+
+Source: Kitware, "VTK File Formats", https://docs.vtk.org/en/latest/design_documents/VTKFileFormats.html.
+"""
+
+from __future__ import annotations
+
+import re
+from contextlib import suppress
+from pathlib import Path
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from physcore.errors import FileError
+from physcore.output.base import Sample, Trajectory, TrajectoryWriter
+from physcore.storage import replacing
+
+TYPES = {np.dtype("float64"): "Float64", np.dtype("int64"): "Int64"}
+"""What VTK calls them."""
+
+
+class VtkWriter(TrajectoryWriter):
+    """Points with velocity [m/s], mass [kg], radius [m], charge [C], density [kg/m³], pressure [Pa] and index of the
+    body, and the springs as lines with their strain; each point is a cell too, so that it is seen.
+
+    The frames of film.pvd are in film/ and there in a folder that is named by what is in them. The .pvd is written when
+    all of them are there, and only then those of its predecessor are removed: at every moment it lists frames that
+    exist. Springs across a face of the periodic domain are drawn across; their strain is right.
+    """
+
+    suffixes: ClassVar = (".pvd",)
+
+    def write(self, trajectory: Trajectory, target: Path) -> None:
+        """Write all frames, and then the list of them."""
+        import secrets
+        import shutil
+
+        home = target.with_suffix("")
+        new = home / f".{secrets.token_hex(4)}.tmp"
+        try:
+            new.mkdir(parents=True)
+            times, folder = _write_frames(trajectory, new, home)
+            old = _listed(target)
+            with replacing(target) as file:
+                file.write(_collection(f"{home.name}/{folder}", times))
+            if old not in (None, folder):
+                shutil.rmtree(home / str(old), ignore_errors=True)
+        except OSError as error:
+            if isinstance(error, FileError) and str(target) in str(error):
+                raise
+            raise FileError(f"{target}: cannot be written: {error.strerror or error}") from error
+        finally:
+            shutil.rmtree(new, ignore_errors=True)
+            with suppress(OSError):  # It has the frames, or it was made for nothing.
+                home.rmdir()
+
+
+def _write_frames(trajectory: Trajectory, new: Path, home: Path) -> tuple[list[float], str]:
+    """Write the frames into a new folder and give it its name; their times [s], and that name."""
+    import hashlib
+
+    digest, times = hashlib.blake2b(digest_size=8), []
+    for sample in trajectory.samples():
+        content = _poly_data(trajectory, sample)
+        digest.update(content)
+        with replacing(new / _name(sample.index)) as file:
+            file.write(content)
+        times.append(sample.time)
+    folder = home / digest.hexdigest()
+    if not folder.exists():  # If it does, it is the same.
+        new.rename(folder)
+    return times, folder.name
+
+
+def _name(index: int) -> str:
+    return f"{index:06}.vtp"
+
+
+def _listed(target: Path) -> str | None:
+    """The folder whose frames a list has that is there already, if it was written here."""
+    try:
+        text = target.read_text("utf-8", errors="replace")
+    except OSError:
+        return None
+    found = re.search(rf'file="{re.escape(target.stem)}/([0-9a-f]{{16}})/', text)
+    return found[1] if found else None
+
+
+def _collection(folder: str, times: list[float]) -> bytes:
+    """The list of frames."""
+    from xml.sax.saxutils import quoteattr
+
+    rows = [
+        f'    <DataSet timestep="{time!r}" file={quoteattr(f"{folder}/{_name(index)}")}/>'
+        for index, time in enumerate(times)
+    ]
+    head = '<?xml version="1.0"?>\n<VTKFile type="Collection" version="1.0" byte_order="LittleEndian">\n  <Collection>'
+    return "\n".join([head, *rows, "  </Collection>", "</VTKFile>", ""]).encode()
+
+
+class _Appended:
+    """Arrays behind the text of a file, each after its length."""
+
+    def __init__(self) -> None:
+        self.blocks: list[bytes] = []
+        self.size = 0
+
+    def add(self, name: str, values: NDArray[np.float64] | NDArray[np.int64], components: int = 1) -> str:
+        """Take an array in; the element that says where it is."""
+        kind = f'type="{TYPES[values.dtype]}" Name="{name}" NumberOfComponents="{components}"'
+        element = f'<DataArray {kind} format="appended" offset="{self.size}"/>'
+        content = np.ascontiguousarray(values, dtype=values.dtype.newbyteorder("<")).tobytes()
+        self.blocks += [len(content).to_bytes(8, "little"), content]
+        self.size += 8 + len(content)
+        return element
+
+
+def _poly_data(trajectory: Trajectory, sample: Sample) -> bytes:
+    """One frame."""
+    count, springs, data = trajectory.particles, trajectory.springs, _Appended()
+    points = {**trajectory.constants, **sample.fields}
+    on_points = [data.add(name, values) for name, values in points.items()] + [data.add("body", trajectory.body)]
+    if sample.velocities is not None:
+        on_points.append(data.add("velocity", sample.velocities, 3))
+    strain = np.concatenate([np.full(count, np.nan), springs.strain(sample.positions)])
+    lines = [
+        '<?xml version="1.0"?>',
+        '<VTKFile type="PolyData" version="1.0" byte_order="LittleEndian" header_type="UInt64">',
+        "<PolyData>",
+        f'<FieldData><DataArray type="Float64" Name="TimeValue" NumberOfTuples="1" format="ascii">{sample.time!r}',
+        "</DataArray></FieldData>",
+        f'<Piece NumberOfPoints="{count}" NumberOfVerts="{count}" NumberOfLines="{len(springs.pairs)}" '
+        'NumberOfStrips="0" NumberOfPolys="0">',
+        f"<Points>{data.add('position', sample.positions, 3)}</Points>",
+        f"<PointData>{''.join(on_points)}</PointData>",
+        f"<CellData>{data.add('strain', strain)}</CellData>",
+        f"<Verts>{_cells(data, np.arange(count), 1)}</Verts>",
+        f"<Lines>{_cells(data, springs.pairs.ravel(), 2)}</Lines>",
+        "</Piece></PolyData>",
+        '<AppendedData encoding="raw">',
+    ]
+    return b"".join(["\n".join(lines).encode(), b"\n_", *data.blocks, b"\n</AppendedData></VTKFile>\n"])
+
+
+def _cells(data: _Appended, connectivity: NDArray[np.int64], each: int) -> str:
+    """Cells of so many points each."""
+    ends = np.arange(each, len(connectivity) + 1, each, dtype=np.int64)
+    return data.add("connectivity", connectivity) + data.add("offsets", ends)
