@@ -1,7 +1,7 @@
 //! One palette for a whole film: up to 255 colors chosen from a few of its frames.
 //!
-//! Colors are compared as bytes of sRGB, which look about equally spaced to the eye. Measured on three films, Oklab gave 0.3 to
-//! 1.7 dB less there, and roots and powers whose last bit depends on the machine.
+//! Colors are compared as bytes of sRGB, which look about equally spaced to the eye. Oklab keeps less of a film by that measure,
+//! and its roots and powers depend in their last bit on the machine.
 
 use crate::canvas::Canvas;
 use crate::color::Rgb;
