@@ -20,7 +20,7 @@ pub enum Quality {
 impl Quality {
     /// Bits per channel of the histogram that the palette is found from.
     ///
-    /// On `benches/film.py` a bit more gives 0.3 dB and takes four times as long, 10 ms more for a film.
+    /// On `benches/film.py` a bit more gives 0.3 dB and takes four times as long, once for a film.
     pub(crate) fn histogram_bits(self) -> u32 {
         match self {
             Self::Fast => 5,
