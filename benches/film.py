@@ -1,30 +1,44 @@
-"""The film of 5000 discs beside other ways to write a GIF, all in one run: `python benches/film.py [frames]`.
+"""The film of 5000 discs with trails beside other ways to write a GIF, all in one run: `python benches/film.py`.
 
-Ours is `physcore.film` from the recording to the file: survey, palette, drawing and encoding. The others get the same
-positions. Pillow draws with ImageDraw, without anti-aliasing, and encodes with its defaults (a palette for each frame)
-or with one palette for all; its drawing and its encoding are listed apart. Matplotlib, where it is installed, draws a
-scatter plot in FuncAnimation, a tenth as many frames.
+Ours is `physcore.film` from the recording to the file: survey, palette, drawing and encoding; then drawing alone, and
+encoding alone in each quality, one frame after the other. ffmpeg, where imageio-ffmpeg is installed, encodes our
+frames, with those of its statistics and dithering that keep them best. Pillow draws the same positions with ImageDraw,
+without anti-aliasing and trails, and encodes them with its defaults (a palette for each frame) or with one palette for
+all. Matplotlib, where it is installed, draws a scatter plot in FuncAnimation without trails, a tenth as many frames.
+
+The last column is the peak signal-to-noise ratio of what Pillow decodes against the frames as they were drawn, the mean
+over the frames [dB].
 """
 
 from __future__ import annotations
 
 import importlib.util
+import subprocess
 import sys
 import tempfile
 import time
 from collections.abc import Callable
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
 import physcore as pc
+from physcore._core import Gif
+from physcore.film.filming import delays
+from physcore.film.panels import Stage
+from physcore.film.sources import sources
+from physcore.film.themes import resolve
 
 SIZE = (640, 480)
 DISCS = 5000
 FPS = 30.0
 DIAMETER = 5.0
+TRAIL = 0.25
 GROUND = (15, 18, 24)
+STYLE = pc.styles.Points(size=DIAMETER, trail=TRAIL)
 
 
 def bouncing(frames: int) -> pc.Recording:
@@ -82,6 +96,62 @@ def matplotlib_animation(recording: pc.Recording, frames: int, path: Path) -> No
     pyplot.close(figure)
 
 
+def stage_of(recording: pc.Recording) -> Stage:
+    """What `physcore.film` draws."""
+    return Stage(sources(recording, None, None, {}), SIZE, STYLE, None, resolve("dark"), None, False)
+
+
+def encode(recording: pc.Recording, path: Path, quality: Literal["fast", "high"]) -> float:
+    """Wall time per frame of palette and encoding, one frame after the other, without drawing [ms]."""
+    stage = stage_of(recording)
+    gif = Gif(path, stage.reserved, quality=quality)
+    spent = 0.0
+    for canvas in stage.samples():
+        start = time.perf_counter()
+        gif.observe(canvas)
+        spent += time.perf_counter() - start
+    for canvas, delay in zip(stage.frames(), delays(stage.count, FPS), strict=True):
+        start = time.perf_counter()
+        gif.frame(canvas, delay)
+        gif.written()  # waits for the other thread
+        spent += time.perf_counter() - start
+    gif.finish()
+    return 1000.0 * spent / stage.count
+
+
+def ffmpeg(frames: NDArray[np.uint8], path: Path, statistics: str, dither: str) -> None:
+    """One palette for all frames."""
+    from imageio_ffmpeg import get_ffmpeg_exe
+
+    size = "x".join(map(str, SIZE))
+    raw = f"-v error -y -f rawvideo -pix_fmt rgb24 -s {size} -r {FPS:g} -i -".split()
+    graph = f"split[a][b];[a]palettegen=stats_mode={statistics}[p];[b][p]paletteuse=dither={dither}"
+    subprocess.run([get_ffmpeg_exe(), *raw, "-filter_complex", graph, path], input=frames.tobytes(), check=True)
+
+
+def best_ffmpeg(frames: NDArray[np.uint8], path: Path) -> tuple[str, float]:
+    """The settings that keep the frames best, left under `path`, and their time per frame [ms]."""
+    found = []
+    for statistics in ("full", "diff"):
+        for dither in ("none", "bayer:bayer_scale=5", "sierra2_4a"):
+            spent = milliseconds(lambda s=statistics, d=dither: ffmpeg(frames, path, s, d), len(frames), 1)  # type: ignore[misc]
+            found.append((fidelity(frames, path), spent, statistics, dither))
+    _, spent, statistics, dither = max(found)
+    ffmpeg(frames, path, statistics, dither)
+    return f"ffmpeg, encoding alone: stats_mode={statistics}, dither={dither}", spent
+
+
+def fidelity(frames: NDArray[np.uint8], path: Path) -> float:
+    """Peak signal-to-noise ratio of a GIF against the frames that it was made from, the mean over the frames [dB]."""
+    ratios = []
+    with Image.open(path) as film:
+        for index, frame in enumerate(frames):
+            film.seek(index)
+            error = np.asarray(film.convert("RGB"), dtype=np.float32) - frame
+            ratios.append(10.0 * np.log10(255.0**2 / float(np.mean(error**2))))
+    return float(np.mean(ratios))
+
+
 def milliseconds(work: Callable[[], object], frames: int, repetitions: int) -> float:
     """Wall time per frame, the best of some repetitions [ms]."""
     best = float("inf")
@@ -95,26 +165,35 @@ def milliseconds(work: Callable[[], object], frames: int, repetitions: int) -> f
 def main(frames: int = 120) -> None:
     """Print a line for each way."""
     recording = bouncing(frames)
-    rows: list[tuple[str, float, Path]] = []
+    drawn = np.array([canvas.pixels() for canvas in stage_of(recording).frames()])[..., :3]
+    print(f"{DISCS} discs with trails, {SIZE[0]}×{SIZE[1]}, {frames} frames: from positions to a GIF")
     with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "ours.gif"
-        style = pc.styles.Points(size=DIAMETER)
-        rows.append(("physcore.film", milliseconds(lambda: pc.film(recording, path, style=style), frames, 3), path))
+
+        def row(name: str, spent: float, path: Path | None = None, *, ours: bool = True) -> None:
+            size = f"{path.stat().st_size / 1e6:7.2f} MB" if path else ""
+            quality = f"{fidelity(drawn, path):7.2f} dB" if path and ours else ""
+            print(f"{name:<64} {spent:7.2f} ms per frame {size} {quality}", flush=True)
+
+        path = Path(folder) / "film.gif"
+        row("physcore.film", milliseconds(lambda: pc.film(recording, path, style=STYLE), frames, 3), path)
+        row("  drawing alone", milliseconds(lambda: sum(1 for _ in stage_of(recording).frames()), frames, 3))
+        qualities: tuple[Literal["fast", "high"], ...] = ("fast", "high")
+        for quality in qualities:
+            spent = min(encode(recording, path, quality) for _ in range(3))
+            row(f"  encoding alone, quality={quality!r}", spent, path)
+        if importlib.util.find_spec("imageio_ffmpeg"):
+            name, spent = best_ffmpeg(drawn, path)
+            row(name, spent, path)
         start = time.perf_counter()
         pictures = pillow_pictures(recording)
         drawing = 1000.0 * (time.perf_counter() - start) / frames
         for name, write in (("Pillow, defaults", pillow_defaults), ("Pillow, one palette", pillow_one_palette)):
-            target = Path(folder) / f"{write.__name__}.gif"
-            spent = milliseconds(lambda write=write, target=target: write(pictures, target), frames, 1)  # type: ignore[misc]
-            rows.append((f"{name}: {drawing:.1f} drawing + {spent:.1f} encoding", drawing + spent, target))
+            spent = milliseconds(lambda write=write: write(pictures, path), frames, 1)  # type: ignore[misc]
+            row(f"{name}: {drawing:.1f} drawing + {spent:.1f} encoding", drawing + spent, path, ours=False)
         if importlib.util.find_spec("matplotlib"):
             few = max(frames // 10, 2)
-            target = Path(folder) / "matplotlib.gif"
-            spent = milliseconds(lambda: matplotlib_animation(recording, few, target), few, 1)
-            rows.append(("Matplotlib, FuncAnimation", spent, target))
-        print(f"{DISCS} discs, {SIZE[0]}×{SIZE[1]}, {frames} frames: from positions to a GIF")
-        for name, spent, target in rows:
-            print(f"{name:<56} {spent:7.2f} ms per frame {target.stat().st_size / 1e6:7.2f} MB", flush=True)
+            spent = milliseconds(lambda: matplotlib_animation(recording, few, path), few, 1)
+            row("Matplotlib, FuncAnimation, a tenth of the frames", spent, path, ours=False)
 
 
 if __name__ == "__main__":

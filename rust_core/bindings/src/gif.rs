@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 use std::path::PathBuf;
 
-use physcore_canvas::{Error, Histogram, NewFile, Palette, Rgb};
+use physcore_canvas::{Background, Error, Histogram, NewFile, Palette, Rgb};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
@@ -15,12 +15,13 @@ use crate::canvas::{Canvas, python_error};
 pub struct Gif {
     histogram: Histogram,
     reserved: Vec<Rgb>,
+    colors: u8,
     state: State,
 }
 
 enum State {
     Observing(Sink),
-    Writing(Box<physcore_canvas::Gif<Sink>>),
+    Writing(Box<Background<Sink>>),
     Closed,
 }
 
@@ -32,14 +33,21 @@ enum Sink {
 
 #[pymethods]
 impl Gif {
-    /// `reserved` are colors that the palette holds exactly. Without a path the bytes stay in memory.
+    /// `reserved` are colors that the palette holds exactly, among `colors` from 2 to 255; `quality` is "fast" or "high". Without
+    /// a path the bytes stay in memory.
     #[new]
-    fn new(path: Option<PathBuf>, reserved: Vec<Rgb>) -> PyResult<Self> {
+    #[pyo3(signature = (path, reserved, *, quality = "fast", colors = 255))]
+    fn new(path: Option<PathBuf>, reserved: Vec<Rgb>, quality: &str, colors: i64) -> PyResult<Self> {
+        let quality = quality.parse().map_err(python_error)?;
+        let colors = match u8::try_from(colors) {
+            Ok(count) if count >= 2 => count,
+            _ => return Err(PyValueError::new_err(format!("colors: must be from 2 to 255, got {colors}"))),
+        };
         let sink = match path {
             Some(path) => Sink::File(NewFile::create(&path)?),
             None => Sink::Memory(Vec::new()),
         };
-        Ok(Self { histogram: Histogram::default(), reserved, state: State::Observing(sink) })
+        Ok(Self { histogram: Histogram::new(quality), reserved, colors, state: State::Observing(sink) })
     }
 
     /// Let a frame's colors count for the palette.
@@ -48,17 +56,18 @@ impl Gif {
         py.detach(|| histogram.observe(&canvas.picture));
     }
 
-    /// Append a frame that is shown for `delay` hundredths of a second; the first one fixes the palette.
+    /// Append a frame that is shown for `delay` hundredths of a second; the first one fixes the palette. The frame is copied and
+    /// encoded while the next one is drawn, so the canvas is free at once, and a failure may be reported by a later call.
     fn frame(&mut self, py: Python<'_>, canvas: &Canvas, delay: u16) -> PyResult<()> {
-        let (picture, Self { histogram, reserved, state }) = (&canvas.picture, self);
+        let (picture, Self { histogram, reserved, colors, state }) = (&canvas.picture, self);
         let written = py.detach(|| {
             if let State::Observing(_) = state {
                 let State::Observing(sink) = std::mem::replace(state, State::Closed) else {
                     return Ok(());
                 };
-                let palette = Palette::new(histogram, reserved);
+                let palette = Palette::new(histogram, reserved, *colors);
                 let gif = physcore_canvas::Gif::new(sink, picture, palette)?;
-                *state = State::Writing(Box::new(gif));
+                *state = State::Writing(Box::new(Background::new(gif)?));
             }
             match state {
                 State::Writing(gif) => gif.frame(picture, delay),
@@ -73,6 +82,14 @@ impl Gif {
         match &mut self.state {
             State::Writing(gif) => gif.comment(text).map_err(python_error),
             _ => Err(PyValueError::new_err("a film must have a frame")),
+        }
+    }
+
+    /// How many bytes the frames so far take, waiting until they are encoded; 0 before the first.
+    fn written(&mut self, py: Python<'_>) -> PyResult<u64> {
+        match &mut self.state {
+            State::Writing(gif) => py.detach(|| gif.written()).map_err(python_error),
+            _ => Ok(0),
         }
     }
 
@@ -98,8 +115,8 @@ impl Gif {
     }
 
     /// Give up: the file under the name stays as it was. Does nothing after `finish`.
-    fn close(&mut self) {
-        self.state = State::Closed;
+    fn close(&mut self, py: Python<'_>) {
+        py.detach(|| self.state = State::Closed);
     }
 }
 

@@ -21,6 +21,12 @@ pub enum Error {
         /// Width and height of the frame [pixels].
         got: (usize, usize),
     },
+    /// There are two qualities.
+    #[error("quality: must be \"fast\" or \"high\", got {got:?}")]
+    Quality {
+        /// What was asked for.
+        got: String,
+    },
     /// The operating system could not write.
     #[error(transparent)]
     Write(#[from] io::Error),

@@ -6,17 +6,16 @@
 use std::io::Write;
 
 use crate::canvas::Canvas;
+use crate::difference::Patch;
 use crate::error::Error;
 use crate::lzw::{Encoder, TRANSPARENT};
 use crate::palette::Palette;
-
-/// Runs of unchanged pixels at least this long become transparent. Shorter ones would break the strings that repeat around
-/// them: on `benches/frames.rs` the file grows by 8 % when every unchanged pixel is transparent, and by 1 % with 32.
-const SHORTEST_RUN: usize = 32;
+use crate::quality::Quality;
 
 /// Writes frames as they come; its memory does not grow with their number, and equal frames give equal bytes.
 pub struct Gif<W> {
     out: W,
+    written: u64,
     width: usize,
     height: usize,
     palette: Palette,
@@ -27,14 +26,8 @@ pub struct Gif<W> {
     indices: Vec<u8>,
     symbols: Vec<u8>,
     bytes: Vec<u8>,
-}
-
-/// Upper left corner and size of what a frame stores [pixels].
-struct Patch {
-    left: usize,
-    top: usize,
-    width: usize,
-    height: usize,
+    /// The same frame stored in another way.
+    rival: Vec<u8>,
 }
 
 impl<W: Write> Gif<W> {
@@ -43,110 +36,107 @@ impl<W: Write> Gif<W> {
         let (width, height) = (canvas.width(), canvas.height());
         // A table holds 2^bits colors, of which the first is what "transparent" would look like.
         let bits = (palette.colors().len() + 1).next_power_of_two().ilog2().max(1);
-        let mut bytes = b"GIF89a".to_vec();
-        bytes.extend(short(width));
-        bytes.extend(short(height));
-        bytes.extend([0xF0 | (bits - 1) as u8, 0, 0]);
+        let mut header = b"GIF89a".to_vec();
+        header.extend(short(width));
+        header.extend(short(height));
+        header.extend([0xF0 | (bits - 1) as u8, 0, 0]);
         let table = [[0; 3]].iter().chain(palette.colors()).chain(std::iter::repeat(&[0; 3]));
-        bytes.extend(table.take(1 << bits).flatten());
-        bytes.extend(b"\x21\xFF\x0BNETSCAPE2.0\x03\x01\0\0\0");
+        header.extend(table.take(1 << bits).flatten());
+        header.extend(b"\x21\xFF\x0BNETSCAPE2.0\x03\x01\0\0\0");
         let (encoder, empty) = (Encoder::new(), Vec::new);
-        let mut gif =
-            Self { out, width, height, palette, bits, encoder, bytes, shown: empty(), indices: empty(), symbols: empty() };
-        gif.out.write_all(&gif.bytes)?;
+        let (shown, indices, symbols, bytes, rival) = (empty(), empty(), empty(), empty(), empty());
+        let written = 0;
+        let mut gif = Self { out, written, width, height, palette, bits, encoder, shown, indices, symbols, bytes, rival };
+        gif.write(&header)?;
         Ok(gif)
     }
 
     /// Appends a frame and shows it for `delay` hundredths of a second.
     pub fn frame(&mut self, canvas: &Canvas, delay: u16) -> Result<(), Error> {
-        let (expected, got) = ((self.width, self.height), (canvas.width(), canvas.height()));
+        let (expected, got) = (self.size(), (canvas.width(), canvas.height()));
         if expected != got {
             return Err(Error::FrameSize { expected, got });
         }
-        self.palette.indices(canvas, &mut self.indices);
-        let patch = self.changed();
-        let transparent = self.compose(&patch);
-
-        self.bytes.clear();
-        // Graphic control: leave the frame in place (disposal 1); its lowest bit says whether one index is transparent.
-        self.bytes.extend([0x21, 0xF9, 4, 0b100 | u8::from(transparent)]);
-        self.bytes.extend(delay.to_le_bytes());
-        self.bytes.extend([TRANSPARENT, 0, 0x2C]);
-        for value in [patch.left, patch.top, patch.width, patch.height] {
-            self.bytes.extend(short(value));
-        }
-        self.bytes.push(0);
-        self.encoder.encode(&self.symbols, self.bits, &mut self.bytes);
-        std::mem::swap(&mut self.shown, &mut self.indices);
-        Ok(self.out.write_all(&self.bytes)?)
+        self.append(canvas.pixels(), delay)
     }
 
     /// Appends a text that viewers do not show, in UTF-8.
     pub fn comment(&mut self, text: &str) -> Result<(), Error> {
-        self.out.write_all(b"\x21\xFE")?;
+        let mut bytes = b"\x21\xFE".to_vec();
         for block in text.as_bytes().chunks(255) {
-            self.out.write_all(&[block.len() as u8])?;
-            self.out.write_all(block)?;
+            bytes.push(block.len() as u8);
+            bytes.extend_from_slice(block);
         }
-        Ok(self.out.write_all(&[0])?)
+        bytes.push(0);
+        self.write(&bytes)
+    }
+
+    /// How much has been written so far [bytes]; [`Gif::finish`] adds one.
+    pub fn written(&self) -> u64 {
+        self.written
     }
 
     /// Ends the film and gives back what it was written to.
     pub fn finish(mut self) -> Result<W, Error> {
-        self.out.write_all(&[0x3B])?;
+        self.write(&[0x3B])?;
         self.out.flush()?;
         Ok(self.out)
     }
 
-    /// The smallest patch outside which nothing has changed; one pixel if nothing has, everything for the first frame.
-    fn changed(&self) -> Patch {
-        let (width, height) = (self.width, self.height);
-        if self.shown.is_empty() {
-            return Patch { left: 0, top: 0, width, height };
-        }
-        let rows = || self.indices.chunks_exact(width).zip(self.shown.chunks_exact(width));
-        let Some(top) = rows().position(|(now, before)| now != before) else {
-            return Patch { left: 0, top: 0, width: 1, height: 1 };
-        };
-        let bottom = height - rows().rev().position(|(now, before)| now != before).unwrap_or(0);
-        let (mut left, mut right) = (width, 0);
-        for (now, before) in rows().take(bottom).skip(top) {
-            let differs = |(p, q): (&u8, &u8)| p != q;
-            left = now[..left].iter().zip(&before[..left]).position(differs).unwrap_or(left);
-            let beyond = now[right..].iter().zip(&before[right..]).rposition(differs);
-            right = beyond.map_or(right, |offset| right + offset + 1);
-        }
-        Patch { left, top, width: right - left, height: bottom - top }
+    /// Width and height [pixels].
+    pub fn size(&self) -> (usize, usize) {
+        (self.width, self.height)
     }
 
-    /// The patch as it is stored, into `symbols`; returns whether any of it is transparent.
-    fn compose(&mut self, patch: &Patch) -> bool {
-        self.symbols.clear();
-        let columns = patch.left..patch.left + patch.width;
-        for row in patch.top..patch.top + patch.height {
-            let start = row * self.width;
-            self.symbols.extend_from_slice(&self.indices[start + columns.start..start + columns.end]);
-        }
-        if self.shown.is_empty() {
-            return false;
-        }
-        let mut transparent = false;
-        for row in 0..patch.height {
-            let start = (row + patch.top) * self.width;
-            let before = &self.shown[start + columns.start..start + columns.end];
-            let now = &mut self.symbols[row * patch.width..][..patch.width];
-            let mut column = 0;
-            while column < patch.width {
-                let rest = now[column..].iter().zip(&before[column..]);
-                let run = rest.take_while(|(now, before)| now == before).count();
-                if run >= SHORTEST_RUN {
-                    now[column..column + run].fill(TRANSPARENT);
-                    transparent = true;
-                }
-                column += run + 1;
+    /// Appends a frame of the film's size.
+    pub(crate) fn append(&mut self, pixels: &[[u8; 4]], delay: u16) -> Result<(), Error> {
+        self.palette.indices(pixels, &mut self.indices);
+        let (patch, cleared) = self.compose();
+        let mut bytes = std::mem::take(&mut self.bytes);
+        self.store(patch, cleared > 0, delay, &mut bytes);
+        // Where most of a patch has changed, it can be smaller without any transparent pixel.
+        if self.palette.quality() == Quality::High && cleared > 0 && 2 * cleared < patch.width * patch.height {
+            patch.cut(&self.indices, self.width, &mut self.symbols);
+            let mut rival = std::mem::take(&mut self.rival);
+            self.store(patch, false, delay, &mut rival);
+            if rival.len() < bytes.len() {
+                std::mem::swap(&mut rival, &mut bytes);
             }
+            self.rival = rival;
         }
-        transparent
+        std::mem::swap(&mut self.shown, &mut self.indices);
+        let result = self.write(&bytes);
+        self.bytes = bytes;
+        result
+    }
+
+    /// What has changed, into `symbols`; its place, and how many of its pixels are transparent.
+    fn compose(&mut self) -> (Patch, usize) {
+        let whole = Patch { left: 0, top: 0, width: self.width, height: self.height };
+        let first = self.shown.is_empty();
+        let patch = if first { whole } else { Patch::between(&self.shown, &self.indices, self.width) };
+        patch.cut(&self.indices, self.width, &mut self.symbols);
+        let cleared = if first { 0 } else { patch.clear_unchanged(&self.shown, self.width, &mut self.symbols) };
+        (patch, cleared)
+    }
+
+    /// The blocks of a frame that shows `symbols`, into `bytes`.
+    fn store(&mut self, patch: Patch, transparent: bool, delay: u16, bytes: &mut Vec<u8>) {
+        bytes.clear();
+        // Graphic control: leave the frame in place (disposal 1); its lowest bit says whether one index is transparent.
+        bytes.extend([0x21, 0xF9, 4, 0b100 | u8::from(transparent)]);
+        bytes.extend(delay.to_le_bytes());
+        bytes.extend([TRANSPARENT, 0, 0x2C]);
+        for value in [patch.left, patch.top, patch.width, patch.height] {
+            bytes.extend(short(value));
+        }
+        bytes.push(0);
+        self.encoder.encode(&self.symbols, self.bits, bytes);
+    }
+
+    fn write(&mut self, bytes: &[u8]) -> Result<(), Error> {
+        self.written += bytes.len() as u64;
+        Ok(self.out.write_all(bytes)?)
     }
 }
 

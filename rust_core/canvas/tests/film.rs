@@ -3,7 +3,7 @@
 use std::fs;
 use std::io::Write;
 
-use physcore_canvas::{Canvas, Disc, Gif, Histogram, NewFile, Palette};
+use physcore_canvas::{Background, Canvas, Disc, Error, Gif, Histogram, NewFile, Palette, Quality};
 use proptest::prelude::*;
 
 const BACKGROUND: [u8; 3] = [16, 19, 24];
@@ -18,6 +18,19 @@ fn film(frames: &[(Canvas, u16)], palette: &Palette) -> Vec<u8> {
         gif.frame(frame, *delay).expect("a vector takes all");
     }
     gif.finish().expect("a vector takes all")
+}
+
+/// The same film, encoded on a thread of its own.
+fn film_in_background(frames: &[(Canvas, u16)], palette: &Palette) -> Vec<u8> {
+    let gif = Gif::new(Vec::new(), &frames[0].0, palette.clone()).expect("a vector takes all");
+    let mut background = Background::new(gif).expect("a thread");
+    for (frame, delay) in frames {
+        background.frame(frame, *delay).expect("a vector takes all");
+    }
+    let written = background.written().expect("a vector takes all");
+    let bytes = background.finish().expect("a vector takes all");
+    assert_eq!(written + 1, bytes.len() as u64, "all but the trailer");
+    bytes
 }
 
 /// The colors on the screen after each frame, as the format says that a viewer shall compose them, and the delays.
@@ -45,16 +58,20 @@ fn shown(bytes: &[u8]) -> (Vec<Vec<[u8; 3]>>, Vec<u16>) {
 /// The colors that the palette gives each pixel.
 fn reduced(canvas: &Canvas, palette: &mut Palette) -> Vec<[u8; 3]> {
     let mut indices = Vec::new();
-    palette.indices(canvas, &mut indices);
+    palette.indices(canvas.pixels(), &mut indices);
     indices.iter().map(|&index| palette.colors()[usize::from(index) - 1]).collect()
 }
 
 fn palette_of(frames: &[(Canvas, u16)]) -> Palette {
-    let mut histogram = Histogram::default();
+    palette_with(frames, Quality::Fast, 255)
+}
+
+fn palette_with(frames: &[(Canvas, u16)], quality: Quality, most: u8) -> Palette {
+    let mut histogram = Histogram::new(quality);
     for (frame, _) in frames {
         histogram.observe(frame);
     }
-    Palette::new(&histogram, &[BACKGROUND])
+    Palette::new(&histogram, &[BACKGROUND], most)
 }
 
 proptest! {
@@ -64,6 +81,7 @@ proptest! {
     fn a_film_shows_the_frames_that_were_drawn(
         width in 1..80_usize, height in 1..60_usize,
         discs in prop::collection::vec((0.0..80.0_f32, 0.0..60.0_f32, 0.3..30.0_f32, any::<[u8; 4]>()), 1..12),
+        quality in prop_oneof![Just(Quality::Fast), Just(Quality::High)], most in 2..=255_u8,
     ) {
         let mut frame = canvas(width, height);
         let mut frames = vec![(frame.clone(), 3)];
@@ -75,7 +93,8 @@ proptest! {
             frames.push((frame.clone(), 3 + index as u16));
             frames.push((frame.clone(), 4)); // a picture that rests is a frame all the same
         }
-        let mut palette = palette_of(&frames);
+        let mut palette = palette_with(&frames, quality, most);
+        prop_assert!(palette.colors().len() <= usize::from(most));
         let bytes = film(&frames, &palette);
         let (screens, delays) = shown(&bytes);
         prop_assert_eq!(screens.len(), frames.len());
@@ -83,8 +102,140 @@ proptest! {
             prop_assert_eq!(delay, *asked);
             prop_assert_eq!(screen, &reduced(frame, &mut palette));
         }
-        prop_assert_eq!(bytes, film(&frames, &palette), "the same frames give the same bytes");
+        for ((before, now), pair) in screens.iter().zip(&screens[1..]).zip(frames.windows(2)) {
+            for ((p, q), (drawn, then)) in before.iter().zip(now).zip(pair[0].0.pixels().iter().zip(pair[1].0.pixels())) {
+                prop_assert!(p == q || drawn != then, "what rests does not flicker");
+            }
+        }
+        prop_assert_eq!(&bytes, &film(&frames, &palette), "the same frames give the same bytes");
+        prop_assert_eq!(&bytes, &film_in_background(&frames, &palette), "on any thread");
     }
+
+    /// Every color of a cell gets the color q that is nearest to the cell's middle m, or one of the palette inside the cell. With b
+    /// the nearest to the color p itself and r half the cell's diagonal, |p − q| ≤ |m − q| + r ≤ |m − b| + r ≤ |p − b| + 2r; and
+    /// in the other case |p − q| ≤ 2r.
+    #[test]
+    fn a_pixel_gets_almost_the_nearest_color(
+        colors in prop::collection::vec(any::<[u8; 3]>(), 300..900), most in 2..=255_u8,
+        (quality, side) in prop_oneof![Just((Quality::Fast, 4.0_f64)), Just((Quality::High, 2.0))],
+    ) {
+        let frame = mosaic(&colors);
+        let mut palette = palette_with(&[(frame.clone(), 3)], quality, most);
+        let distance = |p: [u8; 3], q: [u8; 3]| (0..3).map(|c| f64::from(p[c].abs_diff(q[c])).powi(2)).sum::<f64>().sqrt();
+        let diagonal = (side - 1.0) * 3.0_f64.sqrt();
+        let shown = reduced(&frame, &mut palette);
+        for (&drawn, shown) in colors.iter().zip(shown) {
+            let least = palette.colors().iter().map(|&color| distance(drawn, color)).fold(f64::INFINITY, f64::min);
+            prop_assert!(distance(drawn, shown) <= least + diagonal + 1e-9);
+        }
+    }
+}
+
+/// A row of pixels in these colors.
+fn mosaic(colors: &[[u8; 3]]) -> Canvas {
+    let mut frame = canvas(colors.len(), 1);
+    for (&[red, green, blue], x) in colors.iter().zip(0_u16..) {
+        let (left, right) = (f32::from(x), f32::from(x) + 1.0);
+        frame.polygon(&[[left, 0.0], [right, 0.0], [right, 1.0], [left, 1.0]], [red, green, blue, 255]);
+    }
+    frame
+}
+
+/// The mean square of what the palette changes in a channel.
+fn mean_square_error(colors: &[[u8; 3]], quality: Quality, most: u8) -> f64 {
+    let frame = mosaic(colors);
+    let shown = reduced(&frame, &mut palette_with(&[(frame.clone(), 3)], quality, most));
+    let channels = colors.as_flattened().iter().zip(shown.as_flattened());
+    channels.map(|(&drawn, &shown)| f64::from(drawn.abs_diff(shown)).powi(2)).sum::<f64>() / (3 * colors.len()) as f64
+}
+
+/// A ramp is cut in halves of halves: 2^k colors stand for equal parts of L = 256 / 2^k levels, and k-means leaves them there. The
+/// mean of the levels of a part lies between two of them and is rounded to one: the mean square of −(L/2 − 1) … L/2 is
+/// (L² − 1) / 12 + 1/4. One color more is reserved for the background.
+#[test]
+fn a_gray_ramp_is_as_good_as_equal_steps() {
+    let ramp: Vec<[u8; 3]> = (0..=255).map(|level| [level; 3]).collect();
+    for (quality, parts) in [(Quality::Fast, 8), (Quality::Fast, 16), (Quality::High, 16), (Quality::High, 32)] {
+        let levels = 256.0 / f64::from(parts);
+        let expected = (levels * levels - 1.0) / 12.0 + 0.25;
+        let got = mean_square_error(&ramp, quality, parts + 1);
+        assert!(got <= expected + 1e-9, "{quality:?} with {parts} colors: {got} > {expected}");
+    }
+}
+
+/// A square of two channels with 250 colors is cut at least seven times everywhere, into parts of 16 × 32 levels: per channel a
+/// mean square of at most (16² + 32²) / 12 / 3 and 1/4 for rounding, to which cells of the look-up of side s add (s² − 1) / 12,
+/// as their middle is another place to measure from.
+#[test]
+fn a_square_of_colors_is_as_good_as_equal_parts() {
+    let square: Vec<[u8; 3]> =
+        (0..=255).step_by(3).flat_map(|red| (0..=255).step_by(3).map(move |green| [red, green, 90])).collect();
+    for (quality, side) in [(Quality::Fast, 4.0), (Quality::High, 2.0)] {
+        let expected = (16.0 * 16.0 + 32.0 * 32.0) / 12.0 / 3.0 + 0.25 + (side * side - 1.0) / 12.0;
+        let got = mean_square_error(&square, quality, 250);
+        assert!(got <= expected, "{quality:?}: {got} > {expected}");
+    }
+}
+
+#[test]
+fn fewer_colors_make_a_smaller_table() {
+    let many: Vec<[u8; 3]> =
+        (0..1000_u32).map(|n| n.wrapping_mul(0x9E37_79B1).to_be_bytes()).map(|[r, g, b, _]| [r, g, b]).collect();
+    let frames = [(mosaic(&many), 3)];
+    for (most, entries) in [(2, 4), (3, 4), (31, 32), (32, 64), (255, 256)] {
+        let bytes = film(&frames, &palette_with(&frames, Quality::Fast, most));
+        let decoder = gif::DecodeOptions::new().read_info(&bytes[..]).expect("a valid header");
+        let table = decoder.global_palette().expect("one palette");
+        assert_eq!(table.len(), 3 * entries, "{most} colors and the transparent one");
+    }
+}
+
+/// High quality stores a frame in the smaller of two ways, so with the same indices no film grows.
+#[test]
+fn high_quality_takes_the_smaller_way_to_store_a_frame() {
+    // What rests is of the same color as what has changed: one long run, unless transparent pieces interrupt it.
+    let stripes: Vec<[u8; 3]> = (0..4000).map(|x| [if x % 100 < 40 { 9 } else { 200 }, 0, 0]).collect();
+    let frames = [(mosaic(&stripes), 3), (mosaic(&[[9, 0, 0]; 4000]), 3)];
+    let length = |quality| film(&frames, &palette_with(&frames, quality, 255)).len();
+    assert!(length(Quality::High) < length(Quality::Fast));
+}
+
+#[test]
+fn there_are_two_qualities() {
+    assert!(matches!("fast".parse(), Ok(Quality::Fast)));
+    assert!(matches!("high".parse(), Ok(Quality::High)));
+    let message = "best".parse::<Quality>().expect_err("no quality").to_string();
+    assert_eq!(message, "quality: must be \"fast\" or \"high\", got \"best\"");
+}
+
+/// Takes so many bytes and then none.
+struct Full(usize);
+
+impl Write for Full {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        self.0 = self.0.checked_sub(bytes.len()).ok_or(std::io::ErrorKind::StorageFull)?;
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        Ok(())
+    }
+}
+
+#[test]
+fn a_full_disk_is_reported_from_the_other_thread_too() {
+    let frame = mosaic(&[[1, 2, 3], [200, 100, 50]]);
+    let palette = palette_of(&[(frame.clone(), 3)]);
+    let gif = || Gif::new(Full(100), &frame, palette.clone()).expect("room for the header");
+    let mut film = Background::new(gif()).expect("a thread");
+    let failure = (0..100).find_map(|_| film.frame(&frame, 3).err()).expect("a full disk");
+    assert!(matches!(failure, Error::Write(cause) if cause.kind() == std::io::ErrorKind::StorageFull));
+    assert!(film.frame(&frame, 3).is_err() && film.written().is_err(), "a failed film takes no more");
+    assert!(film.finish().is_err());
+
+    let mut last = Background::new(gif()).expect("a thread");
+    (0..3).for_each(|_| last.frame(&frame, 3).expect("handed over before the disk is full"));
+    assert!(last.written().is_err() || last.finish().is_err(), "no failure is lost at the end");
 }
 
 /// Noise fills the dictionary of 4096 strings again and again; with every change of its width, off by one would show here.

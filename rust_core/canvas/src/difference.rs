@@ -1,0 +1,79 @@
+//! What has changed from one picture of indices to the next.
+
+use std::ops::Range;
+
+use crate::lzw::TRANSPARENT;
+
+/// Runs of unchanged pixels at least this long become transparent. Shorter ones would break the strings that repeat around
+/// them: on `benches/film.py` the file grows by 2 % when every unchanged pixel is transparent.
+const SHORTEST_RUN: usize = 32;
+
+/// Pixels that are compared at once. A run of twice as many, less one, holds such a group at a multiple of its length.
+const GROUP: usize = 16;
+const _: () = assert!(SHORTEST_RUN >= 2 * GROUP - 1);
+
+/// Upper left corner and size of what a frame stores [pixels].
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Patch {
+    pub(crate) left: usize,
+    pub(crate) top: usize,
+    pub(crate) width: usize,
+    pub(crate) height: usize,
+}
+
+impl Patch {
+    /// The smallest patch outside which nothing has changed; one pixel if nothing has.
+    pub(crate) fn between(before: &[u8], now: &[u8], width: usize) -> Self {
+        let rows = || now.chunks_exact(width).zip(before.chunks_exact(width));
+        let Some(top) = rows().position(|(now, before)| now != before) else {
+            return Self { left: 0, top: 0, width: 1, height: 1 };
+        };
+        let bottom = rows().rposition(|(now, before)| now != before).map_or(top, |row| row + 1);
+        let (mut left, mut right) = (width, 0);
+        for (now, before) in rows().take(bottom).skip(top) {
+            let differs = |(p, q): (&u8, &u8)| p != q;
+            left = now[..left].iter().zip(&before[..left]).position(differs).unwrap_or(left);
+            let beyond = now[right..].iter().zip(&before[right..]).rposition(differs);
+            right = beyond.map_or(right, |offset| right + offset + 1);
+        }
+        Self { left, top, width: right - left, height: bottom - top }
+    }
+
+    /// The part of a picture `width` pixels wide, into `out`.
+    pub(crate) fn cut(&self, picture: &[u8], width: usize, out: &mut Vec<u8>) {
+        out.clear();
+        for row in picture.chunks_exact(width).skip(self.top).take(self.height) {
+            out.extend_from_slice(&row[self.left..][..self.width]);
+        }
+    }
+
+    /// Makes long runs that are as `before` transparent in what was cut; returns how many pixels that are.
+    pub(crate) fn clear_unchanged(&self, before: &[u8], width: usize, symbols: &mut [u8]) -> usize {
+        let rows = before.chunks_exact(width).skip(self.top).map(|row| &row[self.left..][..self.width]);
+        let mut cleared = 0;
+        for (now, before) in symbols.chunks_exact_mut(self.width).zip(rows) {
+            let mut column = 0;
+            while let Some(run) = next_run(now, before, column) {
+                column = run.end;
+                if run.len() >= SHORTEST_RUN {
+                    cleared += run.len();
+                    now[run].fill(TRANSPARENT);
+                }
+            }
+        }
+        cleared
+    }
+}
+
+/// The first run of equal pixels from `start` on that holds a whole group, as every long one does.
+fn next_run(now: &[u8], before: &[u8], start: usize) -> Option<Range<usize>> {
+    let group = start.div_ceil(GROUP);
+    let ((groups, _), (others, _)) = (now.as_chunks::<GROUP>(), before.as_chunks::<GROUP>());
+    let equal = (group..groups.len()).find(|&group| groups[group] == others[group])?;
+    let inside = equal * GROUP;
+    let differs = |(p, q): (&u8, &u8)| p != q;
+    let back = now[start..inside].iter().zip(&before[start..inside]).rposition(differs);
+    let same = |(p, q): &(&u8, &u8)| p == q;
+    let onward = now[inside..].iter().zip(&before[inside..]).take_while(same).count();
+    Some(back.map_or(start, |offset| start + offset + 1)..inside + onward)
+}

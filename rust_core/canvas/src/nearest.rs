@@ -1,0 +1,99 @@
+//! The nearest of a palette's colors, for every pixel.
+
+use crate::color::Rgb;
+
+/// Colors as one array per channel, so that the distances to all of them are found at once.
+#[derive(Clone, Debug)]
+pub(crate) struct Centers {
+    channels: [Vec<f32>; 3],
+    distances: Vec<f32>,
+}
+
+impl Centers {
+    pub(crate) fn new(colors: &[[f32; 3]]) -> Self {
+        let channels = [0, 1, 2].map(|channel| colors.iter().map(|color| color[channel]).collect());
+        Self { channels, distances: vec![0.0; colors.len()] }
+    }
+
+    /// The position of the nearest color, of equally near ones the first.
+    pub(crate) fn nearest(&mut self, color: [f32; 3]) -> usize {
+        let [x, y, z] = &self.channels;
+        for (((distance, x), y), z) in self.distances.iter_mut().zip(x).zip(y).zip(z) {
+            let (dx, dy, dz) = (x - color[0], y - color[1], z - color[2]);
+            *distance = dx * dx + dy * dy + dz * dz;
+        }
+        // Eight minima side by side; comparing, not `min`, because only that is one instruction.
+        let mut lanes = [f32::INFINITY; 8];
+        let (chunks, rest) = self.distances.as_chunks::<8>();
+        for chunk in chunks {
+            for (lane, &distance) in lanes.iter_mut().zip(chunk) {
+                *lane = if distance < *lane { distance } else { *lane };
+            }
+        }
+        let least = lanes.iter().chain(rest).copied().fold(f32::INFINITY, f32::min);
+        self.distances.iter().position(|&distance| distance == least).unwrap_or(0)
+    }
+}
+
+/// The number of the nearest color for each cell of colors that share their upper bits, found when one is first seen.
+#[derive(Clone, Debug)]
+pub(crate) struct Table {
+    bits: u32,
+    centers: Centers,
+    /// Numbers count from 1; 0 is not yet known.
+    numbers: Vec<u8>,
+}
+
+/// Pixels that are looked up together, so that their cells are found by vector instructions.
+const GROUP: usize = 16;
+
+impl Table {
+    /// A table that tells 2^`bits` levels of each channel apart.
+    pub(crate) fn new(colors: &[Rgb], bits: u32) -> Self {
+        let mut numbers = vec![0; 1 << (3 * bits)];
+        for (&[red, green, blue], number) in colors.iter().zip(1..=u8::MAX) {
+            let place = &mut numbers[cell([red, green, blue, 0], bits) as usize];
+            *place = if *place == 0 { number } else { *place }; // a color of the palette stays what it is, those reserved first
+        }
+        let centers: Vec<[f32; 3]> = colors.iter().map(|color| color.map(f32::from)).collect();
+        Self { bits, centers: Centers::new(&centers), numbers }
+    }
+
+    /// The number of each pixel's color, into `out`, which is as long.
+    pub(crate) fn look_up(&mut self, pixels: &[[u8; 4]], out: &mut [u8]) {
+        let (groups, rest) = pixels.as_chunks::<GROUP>();
+        let (targets, tail) = out.as_chunks_mut::<GROUP>();
+        for (group, target) in groups.iter().zip(targets) {
+            let cells = group.map(|pixel| cell(pixel, self.bits));
+            *target = cells.map(|cell| self.numbers[cell as usize]);
+            if target.contains(&0) {
+                *target = group.map(|pixel| self.number(pixel));
+            }
+        }
+        for (&pixel, target) in rest.iter().zip(tail) {
+            *target = self.number(pixel);
+        }
+    }
+
+    fn number(&mut self, pixel: [u8; 4]) -> u8 {
+        let place = cell(pixel, self.bits) as usize;
+        if self.numbers[place] == 0 {
+            let [red, green, blue, _] = pixel.map(|channel| middle(channel, self.bits));
+            self.numbers[place] = self.centers.nearest([red, green, blue]) as u8 + 1;
+        }
+        self.numbers[place]
+    }
+}
+
+/// The cell that a color lies in: the upper `bits` bits of each channel.
+#[inline(always)]
+pub(crate) fn cell([red, green, blue, _]: [u8; 4], bits: u32) -> u32 {
+    let [red, green, blue] = [red, green, blue].map(|channel| u32::from(channel) >> (8 - bits));
+    red << (2 * bits) | green << bits | blue
+}
+
+/// The middle of the values that share the upper `bits` bits of a channel.
+fn middle(channel: u8, bits: u32) -> f32 {
+    let below = 0xFF >> bits;
+    f32::from(channel & !below) + f32::from(below) / 2.0
+}

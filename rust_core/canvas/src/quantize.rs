@@ -1,0 +1,90 @@
+//! Few colors that stand for many: a variance cut (split the box with the greatest spread at its mean; after Wu 1991), improved
+//! by a few rounds of k-means (Lloyd 1982).
+
+use crate::color::Rgb;
+use crate::nearest::Centers;
+
+/// On the film of `benches/film.py` three rounds gain 0.3 dB, and seven more 0.04.
+const ROUNDS: usize = 3;
+
+type Color = [f32; 3];
+
+/// A color that was seen and how much it counts.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Sample {
+    color: Color,
+    weight: f32,
+}
+
+impl Sample {
+    /// Weighed by the area to the power of ¾: least squares would take the area itself, but then a small thing in a bright color
+    /// is nothing beside a large dark surface. On `benches/film.py` this costs 0.3 dB, the root 1.6.
+    pub(crate) fn new(color: Rgb, count: u64) -> Self {
+        let root = (count as f32).sqrt();
+        Self { color: color.map(f32::from), weight: root * root.sqrt() }
+    }
+}
+
+/// At most `count` colors near which the samples lie.
+pub(crate) fn quantize(mut samples: Vec<Sample>, count: usize) -> Vec<Rgb> {
+    let mut centers = variance_cut(&mut samples, count);
+    for _ in 0..ROUNDS {
+        let mut sums = vec![([0.0; 3], 0.0); centers.len()];
+        let mut search = Centers::new(&centers);
+        for sample in &samples {
+            let (sum, weight) = &mut sums[search.nearest(sample.color)];
+            (0..3).for_each(|channel| sum[channel] += sample.weight * sample.color[channel]);
+            *weight += sample.weight;
+        }
+        for (center, (sum, weight)) in centers.iter_mut().zip(sums) {
+            if weight > 0.0 {
+                *center = sum.map(|value: f32| value / weight);
+            }
+        }
+    }
+    centers.into_iter().map(|center| center.map(|channel| channel.round() as u8)).collect()
+}
+
+/// Cuts the samples into parts, always the one with the greatest spread, at the mean of its widest channel; gives the parts' means.
+fn variance_cut(samples: &mut [Sample], count: usize) -> Vec<Color> {
+    if count == 0 {
+        return Vec::new();
+    }
+    let whole = Part::of(samples, 0);
+    let mut parts = vec![whole];
+    while parts.len() < count {
+        let widest = (0..parts.len()).max_by(|&p, &q| parts[p].spread.total_cmp(&parts[q].spread).then(q.cmp(&p)));
+        let Some(index) = widest.filter(|&index| parts[index].spread > 0.0) else {
+            break;
+        };
+        let Part { start, length, channel, mean, .. } = parts.swap_remove(index);
+        let part = &mut samples[start..start + length];
+        part.sort_unstable_by(|p, q| p.color[channel].total_cmp(&q.color[channel]));
+        let below = part.partition_point(|sample| sample.color[channel] < mean[channel]).clamp(1, length - 1);
+        let (low, high) = part.split_at(below);
+        parts.extend([Part::of(low, start), Part::of(high, start + below)]);
+    }
+    parts.iter().map(|part| part.mean).collect()
+}
+
+/// A range of the samples, the mean of its colors and how far they lie from it.
+struct Part {
+    start: usize,
+    length: usize,
+    mean: Color,
+    channel: usize,
+    /// Weighted sum of squares along the widest channel.
+    spread: f32,
+}
+
+impl Part {
+    fn of(samples: &[Sample], start: usize) -> Self {
+        let total: f32 = samples.iter().map(|sample| sample.weight).sum();
+        let mean = [0, 1, 2].map(|channel| samples.iter().map(|s| s.weight * s.color[channel]).sum::<f32>() / total);
+        let square = |channel: usize| samples.iter().map(|s| s.weight * (s.color[channel] - mean[channel]).powi(2)).sum::<f32>();
+        let squares = [square(0), square(1), square(2)];
+        let channel = (0..3).max_by(|&p, &q| squares[p].total_cmp(&squares[q])).unwrap_or(0);
+        let spread = if samples.len() > 1 { squares[channel] } else { 0.0 };
+        Self { start, length: samples.len(), mean, channel, spread }
+    }
+}
