@@ -14,11 +14,13 @@ from typing import Unpack
 from physcore._core import Gif
 from physcore.checks import number
 from physcore.errors import FileError, SceneError
-from physcore.film.camera import Camera
+from physcore.film.foot import Label
+from physcore.film.inset import Inset
+from physcore.film.moving import Camera, Follow
 from physcore.film.panels import Stage
 from physcore.film.sources import sources
 from physcore.film.styles import Style
-from physcore.film.themes import Color, Theme, ThemeName, color, resolve
+from physcore.film.themes import Color, Theme, ThemeName, color, legible, resolve
 from physcore.numerics import FRAMES_PER_SECOND, Options
 from physcore.progress import Progress
 from physcore.recording import Recording
@@ -35,13 +37,16 @@ def film(
     recording: Recording | Scene | Sequence[Recording | Scene],
     path: str | os.PathLike[str],
     *,
-    size: tuple[int, int] = (640, 480),
+    size: tuple[int, int] | None = None,
     style: Style | Sequence[Style] | None = None,
-    camera: Camera | None = None,
+    camera: Camera | Follow | None = None,
     theme: Theme | ThemeName = "dark",
     background: Color | str | None = None,
     title: str | None = None,
     titles: Sequence[str] | None = None,
+    labels: Sequence[Label] = ("time",),
+    color_bar: bool = True,
+    inset: Inset | None = None,
     speed: float = 1.0,
     duration: float | None = None,
     fps: float | None = None,
@@ -50,22 +55,31 @@ def film(
 ) -> None:
     """Draw a recording, or a scene while it is simulated, as a GIF; as a PNG, the last frame.
 
-    A scene is simulated twice, with the same bits: once to find the framing and the range of the colors, and once to
-    draw; only one frame is in memory at a time. The file appears under its name when it is whole; until then, and on
-    any failure, what was there stays.
+    Of a scene only one frame is in memory at a time. In a first pass the framing and the ranges of the colors are
+    found, and the second one draws. Between them frames wait in a temporary file without a name, of at most a quarter
+    of the free disk, unless simulating again, which gives the same bits, takes less time than writing and reading. One
+    pass is enough where nothing depends on the whole film: with a Window, or Orbits with target and extent, styles
+    whose ends of the color scale are given (`top`, `range`), no inset and no label "dt". The file appears under its
+    name when it is whole; until then, and on any failure, what was there stays.
 
     Args:
         recording: what to film; several are shown side by side, with one camera and one scale of colors.
         path: where to write, ending in .gif or .png.
-        size: width and height of the picture [pixels].
+        size: width and height of the picture [pixels]; None: 640 × 480, or a format of about that area in which the
+            motion is shown clearly larger, and for several panels up to 1280 pixels wide.
         style: one or several of `physcore.styles`; None: springs by strain, fluids by speed, other bodies as points. A
             body that no style draws is drawn as points.
-        camera: a Window in 2D, an Orbit in 3D (`from physcore.film import Orbit, Window`); None: so that nothing leaves
-            the picture.
+        camera: a Window in 2D, an Orbit in 3D; Keyframes between some of these, a function that gives one for a time
+            [s] (`lambda time: Orbit(azimuth=10 * time)`), or Follow a body; all are in `physcore.film`. None: so that
+            nothing leaves the picture.
         theme: "dark", "light" or a `physcore.film.Theme`.
         background: a color instead of the theme's, such as "#000000".
         title: a line above the picture.
         titles: a line above each panel.
+        labels: what stands below the picture, some of "time", "dt", "integrator" and "energy" (the energy error so
+            far); those of several panels each below its own.
+        color_bar: whether to show at the lower right what colors mean, as far as there is room.
+        inset: "energy": a diagram of kinetic, potential, internal and total energy in the emptiest corner of a panel.
         speed: seconds of the simulation that pass in one second of the film.
         duration: how long to simulate a scene [s].
         fps: frames per second of simulated time at which to film a scene; None: 30.
@@ -80,12 +94,14 @@ def film(
     target = check_target(path)
     found = sources(recording, duration, fps, numerics)
     rate = _rate(found[0].fps, speed) if target.suffix.lower() == ".gif" else None
-    stage = Stage(found, size, style, camera, _colors(theme, background), _titles(title, titles), progress)
+    colors, heads = _colors(theme, background), _titles(title, titles)
+    stage = Stage(found, size, style, camera, colors, heads, progress, labels=labels, color_bar=color_bar, inset=inset)
     try:
-        if rate is None:
-            _write_still(stage, target)
-        else:
-            _write(stage, target, rate, progress)
+        with stage:
+            if rate is None:
+                _write_still(stage, target)
+            else:
+                _write(stage, target, rate, progress)
     except FileError:
         raise
     except OSError as error:
@@ -110,7 +126,7 @@ def check_target(path: str | os.PathLike[str]) -> Path:
 def gif_bytes(
     recording: Recording | Sequence[Recording],
     *,
-    size: tuple[int, int] = (640, 480),
+    size: tuple[int, int] | None = None,
     style: Style | Sequence[Style] | None = None,
     theme: Theme | ThemeName = "dark",
     speed: float = 1.0,
@@ -118,8 +134,8 @@ def gif_bytes(
     """The bytes of the GIF that `film` would write, for a notebook or a server; the arguments are those of `film`."""
     found = sources(recording, None, None, {})
     rate = _rate(found[0].fps, speed)
-    stage = Stage(found, size, style, None, resolve(theme), None, False)
-    return _write(stage, None, rate, False) or b""
+    with Stage(found, size, style, None, resolve(theme), None, False) as stage:
+        return _write(stage, None, rate, False) or b""
 
 
 def delays(count: int, rate: float) -> list[int]:
@@ -175,4 +191,4 @@ def _titles(title: str | None, titles: Sequence[str] | None) -> Sequence[str] | 
 
 def _colors(theme: Theme | ThemeName, background: Color | str | None) -> Theme:
     chosen = resolve(theme)
-    return chosen if background is None else replace(chosen, background=color(background, "background"))
+    return chosen if background is None else legible(replace(chosen, background=color(background, "background")))
