@@ -34,6 +34,7 @@ def frame(world: World, scene: Scene) -> Frame:
     """The present step as a frame; its positions are where the particles have gone."""
     return Frame(
         **vars(engine.snapshot(world, scene)),
+        dt=world.dt,
         energy=energy(world),
         momentum=world.momentum(),
         angular_momentum=world.angular_momentum(),
@@ -67,7 +68,7 @@ def frames(world: World, scene: Scene, pace: Pace, duration: float, fps: float) 
     sampled = _stepped if pace.fixed is None else _interpolated
     for index, sample in enumerate(sampled(world, scene, pace, count, fps)):
         here = world.steps
-        yield replace(sample, time=start + index / fps, positions=engine.show(sample.positions, scene))
+        yield replace(sample, time=start + index / fps, dt=pace.dt, positions=engine.show(sample.positions, scene))
         if world.steps != here:
             raise PhyscoreError(
                 f"this simulation took {world.steps - here} steps between two of its frames, which would no longer be "

@@ -42,6 +42,8 @@ class Snapshot:
 class Frame(Snapshot):
     """A snapshot at a frame's time, with the audit of the last step at or before it."""
 
+    dt: float
+    """The time step in use [s]."""
     energy: Energy
     """The energy budget; `energy.time` is the time of its step."""
     momentum: FloatArray

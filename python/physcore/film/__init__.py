@@ -10,7 +10,20 @@ from __future__ import annotations
 from physcore.film import styles
 from physcore.film.camera import Orbit, Window
 from physcore.film.filming import film, gif_bytes
+from physcore.film.moving import Follow, Keyframes
 from physcore.film.proof import evidence
 from physcore.film.themes import DARK, LIGHT, Theme
 
-__all__ = ["DARK", "LIGHT", "Orbit", "Theme", "Window", "evidence", "film", "gif_bytes", "styles"]
+__all__ = [
+    "DARK",
+    "LIGHT",
+    "Follow",
+    "Keyframes",
+    "Orbit",
+    "Theme",
+    "Window",
+    "evidence",
+    "film",
+    "gif_bytes",
+    "styles",
+]

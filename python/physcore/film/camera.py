@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -60,6 +61,9 @@ class Orbit:
         field_of_view: the angle that the picture spans [degrees], below 120; 0 is an orthographic view from infinity.
         target: the point looked at [m]; None: the middle of all that happens.
         extent: how many meters across the picture's shorter side shows at the target; None: so that everything fits.
+        aperture: the diameter of the lens as a fraction of the eye's distance from the target, which is in focus: what
+            is twice as far away is blurred into discs of half that fraction of the distance; 0: all is sharp. It has no
+            effect without perspective.
 
     Raises:
         SceneError: an angle or a length is out of range.
@@ -70,11 +74,13 @@ class Orbit:
     field_of_view: float = 28.0
     target: tuple[float, float, float] | None = None
     extent: float | None = None
+    aperture: float = 0.0
 
     def __post_init__(self) -> None:
         number(self.azimuth, "Orbit.azimuth")
         number(self.elevation, "Orbit.elevation", least=-90.0, most=90.0)
         number(self.field_of_view, "Orbit.field_of_view", least=0.0, most=119.0)
+        number(self.aperture, "Orbit.aperture", least=0.0, most=1.0)
         if self.extent is not None:
             number(self.extent, "Orbit.extent", above=0.0)
         if self.target is not None:
@@ -92,7 +98,10 @@ class Orbit:
         return np.array([right, np.cross(toward, right), toward])
 
 
-Camera = Face | Orbit
+Still = Face | Orbit
+"""A camera at one time."""
+Area = tuple[float, float, float, float]
+"""Left, top, right and bottom of a rectangle [pixels]."""
 
 
 @dataclass(frozen=True)
@@ -110,6 +119,8 @@ class View:
     """From the eye to the center [m]; inf for an orthographic view and in 2D."""
     reach: float
     """Half the depth of all that happens [m]."""
+    lens: float = 0.0
+    """The diameter of the lens [m]."""
 
     @property
     def flat(self) -> bool:
@@ -136,39 +147,114 @@ class View:
         fractions: PixelArray = np.clip(0.5 + 0.5 * depth / np.float32(self.reach), 0.0, 1.0)
         return fractions
 
+    def blur(self, depth: PixelArray) -> PixelArray:
+        """Diameters (N,) [pixels] of the circles of confusion of points at some depths (N,) behind the center [m].
 
-def fit(
-    camera: Camera, lower: FloatArray, upper: FloatArray, area: tuple[float, float, float, float], inset: float
-) -> View:
+        A thin lens of diameter A that is focused at the distance D sees a point at D + d as a disc that in the plane of
+        focus has the diameter A |d| / (D + d).
+
+        Source: M. Potmesil, I. Chakravarty, "A lens and aperture camera model for synthetic image generation",
+        Computer Graphics 15 (3), 297 (1981).
+        """
+        if self.lens == 0.0 or not math.isfinite(self.distance):
+            return np.zeros(len(depth), dtype=np.float32)
+        away = np.maximum(self.distance + depth.astype(np.float64), NEAREST * self.distance)
+        circles: PixelArray = (self.scale * self.lens * np.abs(depth) / away).astype(np.float32)
+        return circles
+
+
+@dataclass(frozen=True)
+class Framing:
+    """What cameras leave open, found so that everything fits; one for a whole film."""
+
+    scale: float
+    """Pixels per meter at the center."""
+    size: float
+    """Half the diagonal of all that happens, as seen from the centers [m]."""
+    reach: float
+    """Half its depth [m]."""
+
+
+def frame(
+    cameras: Sequence[Still], shown: FloatArray, area: Area, inset: float, seen: FloatArray | None = None
+) -> Framing:
+    """The framing in which each camera shows all of a box around what it looks at.
+
+    Args:
+        cameras: one for each box.
+        shown: half the sizes of the boxes, along each camera's axes [m], shape (F, D).
+        area: the rectangle that a box has to stay in.
+        inset: how far from the rectangle's edge it has to stay [pixels].
+        seen: half the sizes of all that there is beside what has to be shown, likewise; None: the same.
+    """
+    left, top, right, bottom = area
+    width, height = max(right - left - 2 * inset, 1.0), max(bottom - top - 2 * inset, 1.0)
+    if shown.max() <= 0.0:
+        shown = np.full_like(shown, 0.5)  # one particle at rest: show a meter around it
+    seen = shown if seen is None else np.maximum(seen, shown)
+    smallest = 1e-6 * shown.max()
+    across, along = np.maximum(shown[:, 0], smallest), np.maximum(shown[:, 1], smallest)
+    scales = np.minimum(width / across, height / along) / 2
+    if shown.shape[1] == 2:
+        return Framing(float(scales.min()), float(np.linalg.norm(seen, axis=1).max()), 1.0)
+    extents = np.array([camera.extent or 0.0 for camera in cameras if isinstance(camera, Orbit)])
+    reach = max(float(seen[:, 2].max()), float(extents.max()) / 2, smallest)
+    size = max(float(np.linalg.norm(seen, axis=1).max()), float(extents.max()) / 2 * math.sqrt(3.0))
+    for index, camera in enumerate(cameras):
+        distance = _distance(camera, size, reach)
+        if math.isfinite(distance):
+            # The front of the box looks larger than its middle.
+            scales[index] *= (distance - shown[index, 2]) / distance
+    return Framing(float(scales.min()), size, reach)
+
+
+def aim(camera: Still, center: FloatArray, framing: Framing, area: Area) -> View:
+    """The view of a camera in a rectangle.
+
+    Args:
+        camera: where to look from, and perhaps how much at.
+        center: what to look at, along the camera's axes [m], shape (D,).
+        framing: what the camera leaves open.
+        area: the rectangle.
+    """
+    left, top, right, bottom = area
+    width, height, middle = max(right - left, 1.0), max(bottom - top, 1.0), ((left + right) / 2, (top + bottom) / 2)
+    if isinstance(camera, Window):
+        across, along = np.array(camera.upper) - np.array(camera.lower)
+        return View(camera.axes, center, float(min(width / across, height / along)), middle, math.inf, 1.0)
+    if not isinstance(camera, Orbit):
+        return View(camera.axes, center, framing.scale, middle, math.inf, 1.0)
+    scale = framing.scale if camera.extent is None else min(width, height) / camera.extent
+    distance = _distance(camera, framing.size, framing.reach)
+    lens = camera.aperture * distance if math.isfinite(distance) else 0.0
+    return View(camera.axes, center, scale, middle, distance, framing.reach, lens)
+
+
+def look_at(camera: Still) -> FloatArray | None:
+    """The point (D,) in the scene that a camera looks at by itself [m]."""
+    if isinstance(camera, Window):
+        middle: FloatArray = (np.array(camera.lower) + np.array(camera.upper)) / 2
+        return middle
+    return None if not isinstance(camera, Orbit) or camera.target is None else np.array(camera.target)
+
+
+def fit(camera: Still, lower: FloatArray, upper: FloatArray, area: Area, inset: float) -> View:
     """The view in which a box along the camera's axes just fits into a rectangle.
 
     Args:
         camera: where to look from, and perhaps what at.
         lower, upper: corners of the box, along the camera's axes [m], shape (D,).
-        area: left, top, right and bottom of the rectangle [pixels].
+        area: the rectangle.
         inset: how far from the rectangle's edge the box has to stay [pixels].
     """
-    left, top, right, bottom = area
-    if isinstance(camera, Window):
-        lower, upper, inset = np.array(camera.lower), np.array(camera.upper), 0.0
-    width, height = max(right - left - 2 * inset, 1.0), max(bottom - top - 2 * inset, 1.0)
-    center, half = (lower + upper) / 2, (upper - lower) / 2
-    if isinstance(camera, Orbit) and camera.target is not None:
-        target = camera.axes @ np.array(camera.target)
-        center, half = target, np.maximum(upper - target, target - lower)
-    if half.max() <= 0.0:
-        half = np.full_like(half, 0.5)  # one particle at rest: show a meter around it
-    smallest = 1e-6 * half.max()
-    across, along = max(half[0], smallest), max(half[1], smallest)
-    scale = min(width / across, height / along) / 2
-    distance, reach = math.inf, float(half[-1]) if len(half) == 3 else 1.0
-    if isinstance(camera, Orbit):
-        if camera.field_of_view > 0.0:
-            distance = float(np.linalg.norm(half)) / math.tan(math.radians(camera.field_of_view) / 2)
-            distance = max(distance, 1.2 * reach)
-            scale *= (distance - reach) / distance  # the front of the box looks larger than its middle
-        if camera.extent is not None:
-            scale = min(width, height) / camera.extent
-    return View(
-        camera.axes, center, float(scale), ((left + right) / 2, (top + bottom) / 2), distance, max(reach, smallest)
-    )
+    target = look_at(camera)
+    center = (lower + upper) / 2 if target is None else camera.axes @ target
+    half = np.maximum(upper - center, center - lower)
+    return aim(camera, center, frame([camera], half[np.newaxis], area, inset), area)
+
+
+def _distance(camera: Still, size: float, reach: float) -> float:
+    """From the eye to the center [m]: so far that the picture's angle spans all that happens, and outside of it."""
+    if not isinstance(camera, Orbit) or camera.field_of_view == 0.0:
+        return math.inf
+    return max(size / math.tan(math.radians(camera.field_of_view) / 2), 1.2 * reach)

@@ -1,21 +1,26 @@
 """Color maps in which equal differences of a value look equally large, also to the color-blind and in print.
 
 Viridis, inferno, plasma and magma by Stéfan van der Walt, Nathaniel Smith and Eric Firing (2015), released under CC0;
-every eighth color of the original, between which a straight line stays within 3.1/255 of it. Water (from the deep over
-blue to foam) and ember (from dark red over orange to a yellow glow) are physcore's own, straight in the lightness of
-Oklab (B. Ottosson, "A perceptual color space for image processing", 2020).
+every eighth color of the original, between which a straight line stays within 3.1/255 of it. So too, within 5.6/255,
+cividis by Jamie Nuñez, Christopher Anderton and Ryan Renslow (PLoS ONE 13 (7), e0199239, 2018), which looks nearly
+the same to the color-blind. Water (from the deep over blue to foam) and ember (from dark red over orange to a yellow
+glow) are physcore's own, straight in the lightness of Oklab (B. Ottosson, "A perceptual color space for image
+processing", 2020).
 """
 
 from __future__ import annotations
 
-from typing import Literal
+from collections.abc import Sequence
+from typing import Literal, TypeAlias
 
 import numpy as np
 
-from physcore.checks import FloatArray
+from physcore.checks import FloatArray, shown
 from physcore.errors import SceneError
 
-ColormapName = Literal["viridis", "inferno", "plasma", "magma", "water", "ember"]
+ColormapName: TypeAlias = Literal["viridis", "inferno", "plasma", "magma", "cividis", "water", "ember"] | str
+"""One of physcore's own, or the name of any other one that Matplotlib has, where that is installed: "coolwarm" and
+"RdBu_r" go from one color over a neutral one to another, "twilight" comes back to where it began."""
 
 COLORMAPS: dict[str, str] = {
     "viridis": (
@@ -38,6 +43,11 @@ COLORMAPS: dict[str, str] = {
         "882781 942c80 a1307e ae347b bd3977 ca3e72 d6456c e24d66 ec5860 f3655c f8745c fb835f "
         "fd9266 fea36f feb27a fec185 fecf92 fde0a1 fceeb0 fcfdbf"
     ),
+    "cividis": (
+        "00224e 00285b 002e6a 083370 1c396f 293f6e 33446d 3d4a6c 45506c 4d556c 555b6d 5c616e "
+        "646770 6b6d72 727274 787877 807f78 888578 908b78 979177 a09875 a89e73 b0a571 b9ab6d "
+        "c1b26a cbb965 d3c05f dcc859 e5cf52 efd748 f8df3c fee838"
+    ),
     "water": (
         "0a2a81 0b3088 0c3790 0e3d98 0f44a0 114aa8 1251b0 1658b7 1a5fbe 1f66c4 236dcb 2774d1 "
         "227cd7 2085da 238ddd 2895e0 2e9de2 36a5e4 3fade6 4ab5e8 58bce8 65c3e9 73c9ea 82d0eb "
@@ -50,17 +60,43 @@ COLORMAPS: dict[str, str] = {
     ),
 }
 STEPS = 256
+LUMA = np.array([0.2126, 0.7152, 0.0722])
+"""How much red, green and blue add to lightness."""
+STRAY = 0.5
+"""A change of lightness between two of 256 colors that is none to the eye, out of 255."""
 
 
 def sequential(name: object, part: tuple[float, float], path: str) -> FloatArray:
-    """256 colors (256, 3) of the part of a map between two fractions of its length.
+    """256 colors (256, 3) of the part of a map between two fractions of its way from dark to light.
+
+    Maps that do not go from dark to light or back, those with two sides and those that go round, are given whole.
 
     Raises:
-        SceneError: there is no such map.
+        SceneError: there is no such map, or it is Matplotlib's and that is not installed.
     """
-    if not isinstance(name, str) or name not in COLORMAPS:
-        raise SceneError(f"{path}: must be one of {', '.join(map(repr, COLORMAPS))}, got {name!r}")
-    return _between([tuple(bytes.fromhex(entry)) for entry in COLORMAPS[name].split()], part)
+    if isinstance(name, str) and name in COLORMAPS:
+        return _between([tuple(bytes.fromhex(entry)) for entry in COLORMAPS[name].split()], part)
+    colors = _of_matplotlib(name, path)
+    change = np.diff(colors @ LUMA)
+    if (change > -STRAY).all():
+        return _between(colors, part)
+    return _between(colors, (1.0 - part[1], 1.0 - part[0]) if (change < STRAY).all() else (0.0, 1.0))
+
+
+def _of_matplotlib(name: object, path: str) -> list[tuple[float, ...]]:
+    """256 colors of one of Matplotlib's maps."""
+    own = ", ".join(map(repr, COLORMAPS))
+    try:
+        import matplotlib
+    except ImportError:
+        raise SceneError(
+            f"{path}: must be one of {own}, got {shown(name)}; for the names that Matplotlib knows: "
+            "pip install 'physcore[plot]'"
+        ) from None
+    if not isinstance(name, str) or name not in matplotlib.colormaps:
+        raise SceneError(f"{path}: must be one of {own}, or a name that Matplotlib knows, got {shown(name)}")
+    colors = 255.0 * matplotlib.colormaps[name](np.linspace(0.0, 1.0, STEPS))[:, :3]
+    return [tuple(color) for color in colors.tolist()]
 
 
 def diverging(low: tuple[int, int, int], middle: tuple[int, int, int], high: tuple[int, int, int]) -> FloatArray:
@@ -68,7 +104,7 @@ def diverging(low: tuple[int, int, int], middle: tuple[int, int, int], high: tup
     return _between([low, middle, high], (0.0, 1.0))
 
 
-def _between(colors: list[tuple[int, ...]], part: tuple[float, float]) -> FloatArray:
+def _between(colors: Sequence[tuple[float, ...]], part: tuple[float, float]) -> FloatArray:
     points = np.linspace(*part, STEPS) * (len(colors) - 1)
     known = np.array(colors, dtype=float)
     return np.stack([np.interp(points, np.arange(len(colors)), channel) for channel in known.T], axis=1)

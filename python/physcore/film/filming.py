@@ -9,12 +9,14 @@ from pathlib import Path
 from typing import Unpack
 
 from physcore.errors import FileError, SceneError
-from physcore.film.camera import Camera
+from physcore.film.foot import Label
+from physcore.film.inset import Inset
+from physcore.film.moving import Camera, Follow
 from physcore.film.panels import Stage
 from physcore.film.proof import proof, write_sidecar
 from physcore.film.sources import sources
 from physcore.film.styles import Style
-from physcore.film.themes import Color, Theme, ThemeName, color, resolve
+from physcore.film.themes import Color, Theme, ThemeName, color, legible, resolve
 from physcore.film.writers import WRITERS, GifWriter, Reel
 from physcore.formats import writable
 from physcore.numerics import Options
@@ -26,13 +28,16 @@ def film(
     recording: Recording | Scene | Sequence[Recording | Scene],
     path: str | os.PathLike[str],
     *,
-    size: tuple[int, int] = (640, 480),
+    size: tuple[int, int] | None = None,
     style: Style | Sequence[Style] | None = None,
-    camera: Camera | None = None,
+    camera: Camera | Follow | None = None,
     theme: Theme | ThemeName = "dark",
     background: Color | str | None = None,
     title: str | None = None,
     titles: Sequence[str] | None = None,
+    labels: Sequence[Label] = ("time",),
+    color_bar: bool = True,
+    inset: Inset | None = None,
     speed: float = 1.0,
     duration: float | None = None,
     fps: float | None = None,
@@ -42,10 +47,14 @@ def film(
 ) -> None:
     """Draw a recording, or a scene while it is simulated, as a film; as a PNG, its last frame.
 
-    A scene is simulated twice, with the same bits: once to find the framing and the range of the colors, and once to
-    draw; only one frame is in memory at a time. The file appears under its name when it is whole; until then, and on
-    any failure, what was there stays. It carries the evidence of how it came about, which `physcore.film.evidence`
-    reads: a hash of the scene, the numerics, the steps taken, the drift of the energy and the hash of the last state.
+    Of a scene only one frame is in memory at a time. In a first pass the framing and the ranges of the colors are
+    found, and the second one draws. Between them frames wait in a temporary file without a name, of at most a quarter
+    of the free disk, unless simulating again, which gives the same bits, takes less time than writing and reading. One
+    pass is enough where nothing depends on the whole film: with a Window, or Orbits with target and extent, styles
+    whose ends of the color scale are given (`top`, `range`), no inset and no label "dt". The file appears under its
+    name when it is whole; until then, and on any failure, what was there stays. It carries the evidence of how it came
+    about, which `physcore.film.evidence` reads: a hash of the scene, the numerics, the steps taken, the drift of the
+    energy and the hash of the last state.
 
     All formats keep real time and show every frame. A .gif, of 255 colors and at most 50 frames per second, is shown
     everywhere; a .webp has all colors in fewer bytes, an .apng every pixel as it was drawn, both at up to 90 frames per
@@ -54,15 +63,21 @@ def film(
     Args:
         recording: what to film; several are shown side by side, with one camera and one scale of colors.
         path: where to write, ending in .gif, .webp, .apng, .mp4 or .png.
-        size: width and height of the picture [pixels].
+        size: width and height of the picture [pixels]; None: 640 × 480, or a format of about that area in which the
+            motion is shown clearly larger, and for several panels up to 1280 pixels wide.
         style: one or several of `physcore.styles`; None: springs by strain, fluids by speed, other bodies as points. A
             body that no style draws is drawn as points.
-        camera: a Window in 2D, an Orbit in 3D (`from physcore.film import Orbit, Window`); None: so that nothing leaves
-            the picture.
+        camera: a Window in 2D, an Orbit in 3D; Keyframes between some of these, a function that gives one for a time
+            [s] (`lambda time: Orbit(azimuth=10 * time)`), or Follow a body; all are in `physcore.film`. None: so that
+            nothing leaves the picture.
         theme: "dark", "light" or a `physcore.film.Theme`.
         background: a color instead of the theme's, such as "#000000".
         title: a line above the picture.
         titles: a line above each panel.
+        labels: what stands below the picture, some of "time", "dt", "integrator" and "energy" (the energy error so
+            far); those of several panels each below its own.
+        color_bar: whether to show at the lower right what colors mean, as far as there is room.
+        inset: "energy": a diagram of kinetic, potential, internal and total energy in the emptiest corner of a panel.
         speed: seconds of the simulation that pass in one second of the film.
         duration: how long to simulate a scene [s].
         fps: frames per second of simulated time at which to film a scene; None: 30.
@@ -80,9 +95,11 @@ def film(
     target, writer = Path(path), writable(path, WRITERS)
     found = sources(recording, duration, fps, numerics)
     rate = writer.rate(found[0].fps, speed)
-    stage = Stage(found, size, style, camera, _colors(theme, background), _titles(title, titles), progress)
+    colors, heads = _colors(theme, background), _titles(title, titles)
+    stage = Stage(found, size, style, camera, colors, heads, progress, labels=labels, color_bar=color_bar, inset=inset)
     try:
-        writer.write(Reel(stage, rate, proof(found), progress), target)
+        with stage:
+            writer.write(Reel(stage, rate, lambda: proof(found), progress), target)
     except FileError:
         raise
     except OSError as error:
@@ -94,7 +111,7 @@ def film(
 def gif_bytes(
     recording: Recording | Sequence[Recording],
     *,
-    size: tuple[int, int] = (640, 480),
+    size: tuple[int, int] | None = None,
     style: Style | Sequence[Style] | None = None,
     theme: Theme | ThemeName = "dark",
     speed: float = 1.0,
@@ -102,8 +119,8 @@ def gif_bytes(
     """The bytes of the GIF that `film` would write, for a notebook or a server; the arguments are those of `film`."""
     found = sources(recording, None, None, {})
     rate = GifWriter.rate(found[0].fps, speed)
-    stage = Stage(found, size, style, None, resolve(theme), None, False)
-    return GifWriter.content(Reel(stage, rate, proof(found), False))
+    with Stage(found, size, style, None, resolve(theme), None, False) as stage:
+        return GifWriter.content(Reel(stage, rate, lambda: proof(found), False))
 
 
 def _titles(title: str | None, titles: Sequence[str] | None) -> Sequence[str] | None:
@@ -117,4 +134,4 @@ def _titles(title: str | None, titles: Sequence[str] | None) -> Sequence[str] | 
 
 def _colors(theme: Theme | ThemeName, background: Color | str | None) -> Theme:
     chosen = resolve(theme)
-    return chosen if background is None else replace(chosen, background=color(background, "background"))
+    return chosen if background is None else legible(replace(chosen, background=color(background, "background")))

@@ -2,33 +2,31 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from itertools import chain
+from types import TracebackType
+from typing import Self
 
 import numpy as np
 
 from physcore._core import Canvas
-from physcore.checks import count as whole_number
-from physcore.checks import shown
-from physcore.errors import SceneError
-from physcore.film.camera import Camera, Face, Orbit, View, Window, fit
+from physcore.checks import FloatArray
+from physcore.film import casting
+from physcore.film.foot import Bar, Foot, Label, bars, check_labels
+from physcore.film.framing import Scope, Shots, Sight, scopes, shots
+from physcore.film.inset import Diagram, History, Inset, check_inset
+from physcore.film.layout import Layout, best, check_size, check_titles
+from physcore.film.lettering import text_height
+from physcore.film.moving import Camera, Follow
 from physcore.film.scenery import draw_among, draw_behind
-from physcore.film.sources import Moment, Source
-from physcore.film.styles import Fluid, Painter, Points, Strain, Style
-from physcore.film.styles.base import Part
-from physcore.film.survey import Bounds, Survey, survey
+from physcore.film.sources import Moment, Running, Source
+from physcore.film.spool import Spool
+from physcore.film.styles import Painter, Style
+from physcore.film.survey import Survey, survey
+from physcore.film.swatches import swatches
 from physcore.film.themes import Color, Theme
 from physcore.progress import Progress
-
-MARGIN = 0.03
-"""Free space around the motion, as a fraction of the picture's shorter side."""
-LOW, HIGH = Orbit(), Orbit(elevation=52.0)
-"""From where a 3D scene is seen by itself: from above if it is flat."""
-LARGEST = 16384
-"""The longest side of a picture [pixels]; a square one takes a gigabyte."""
-FLAT = 0.25
-"""A scene whose height is below this fraction of its width is flat."""
 
 
 @dataclass(eq=False)
@@ -37,30 +35,31 @@ class Panel:
 
     source: Source
     painters: list[Painter]
-    area: tuple[int, int, int, int]
+    rectangle: tuple[int, int, int, int]
     """Left, top, right and bottom [pixels]."""
-    view: View
-    ground: float
-    """Half the width of the ground in 3D [m]."""
-    samples: list[Moment]
-
-    @property
-    def pixels(self) -> float:
-        """The size of the rectangle."""
-        left, top, right, bottom = self.area
-        return float((right - left) * (bottom - top))
+    free: tuple[int, int, int, int]
+    """The part of it that is not for text; what moves stays in it, however near the camera goes."""
+    pixels: float
+    """The size of the rectangle."""
+    sight: Sight
+    samples: list[tuple[int, Moment]]
+    diagram: Diagram | None = None
 
 
 class Stage:
-    """The canvas with its panels; the whole film is surveyed when it is made.
+    """The canvas with its panels.
+
+    What depends on the whole film is found when it is made, in a first pass. Where nothing does, because the camera
+    says where it is and how much it shows, and each painter knows its colors, there is only one pass. Close it at the
+    end: it may have put frames aside.
 
     Args:
         found: the sources, one for each panel.
-        size: width and height [pixels].
+        size: width and height [pixels]; None: as suits the motion.
         style, camera: as in `film`.
         theme: the colors.
         titles: of the panels, or one over all.
-        progress: as in `film`.
+        progress, labels, color_bar, inset: as in `film`.
 
     Raises:
         SceneError: an argument is not valid.
@@ -69,29 +68,59 @@ class Stage:
     def __init__(
         self,
         found: Sequence[Source],
-        size: tuple[int, int],
+        size: tuple[int, int] | None,
         style: Style | Sequence[Style] | None,
-        camera: Camera | None,
+        camera: Camera | Follow | None,
         theme: Theme,
         titles: Sequence[str] | None,
         progress: bool | None,
+        *,
+        labels: Sequence[Label] = ("time",),
+        color_bar: bool = True,
+        inset: Inset | None = None,
     ) -> None:
-        self._size, self._theme = _size(size), theme
-        self._titles = _titles(titles, len(found))
-        self._text = int(np.clip(self._size[1] / 24, 16, 32))
+        self._theme, self._found, asked = theme, found, check_size(size)
+        self._titles, self._labels = check_titles(titles, len(found)), check_labels(labels, found)
+        diagram = check_inset(inset, found)
+        styles = casting.asked(style, found)
+        self._cast = [casting.painters(source, styles, theme) for source in found]
         self.count = max(source.count for source in found)
-        self._decimals = max(2, math.ceil(math.log10(found[0].fps) - 1e-9))  # so that the time moves with each frame
-        styles = _styles(style, found)
-        painters = [_painters(source, styles, theme) for source in found]
-        cameras = _cameras(found, camera)
-        surveys = []
-        for source, mine in zip(found, painters, strict=True):
-            with Progress(source.count, "surveying", progress) as bar:
-                axes = [np.eye(source.scene.dimension), *(each.axes for each in cameras if isinstance(each, Orbit))]
-                surveys.append(survey(source, mine, axes, bar.update))
-        _share_scales(painters)
-        self._panels = self._lay_out(found, painters, surveys, cameras)
-        self._canvas = self._prepared()
+        self._clock = _clock(found, self.count)
+        plan = shots(camera, found, self._clock)
+        self._once = plan.closed and diagram is None and "dt" not in self._labels and self._settled
+        self._spools: list[Spool | None] = [None] * len(found)
+        self._opened: list[Iterator[Moment]] = []
+        try:
+            surveys = self._look(plan, progress)
+            casting.share_scales(self._cast)
+            self._foot = self._footer(surveys, color_bar)
+            self._panels = self._lay_out(asked, scopes(plan, surveys, found), surveys)
+            if diagram is not None:
+                self._add_diagrams(surveys)
+            self._moving = plan.moving
+            self._canvas = self._prepared()
+        except BaseException:
+            self.close()
+            raise
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Give back the disk that frames were put aside on."""
+        for spool in self._spools:
+            if spool is not None:
+                spool.close()
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """Width and height of the picture [pixels]."""
+        return self._layout.size
 
     @property
     def reserved(self) -> list[Color]:
@@ -101,160 +130,151 @@ class Stage:
     def samples(self) -> Iterator[Canvas]:
         """Some frames of the film, to choose its palette from; each canvas is valid until the next is asked for."""
         for index in range(max(len(panel.samples) for panel in self._panels)):
-            yield self._draw([panel.samples[min(index, len(panel.samples) - 1)] for panel in self._panels])
+            chosen = [panel.samples[min(index, len(panel.samples) - 1)] for panel in self._panels]
+            yield self._draw([frame for frame, _ in chosen], [moment for _, moment in chosen])
+        if self._once:
+            for source, cast in zip(self._found, self._cast, strict=True):
+                yield swatches(cast, len(source.scene.bodies), self._theme, flat=source.scene.dimension == 2)
 
     def frames(self) -> Iterator[Canvas]:
         """Every frame; each canvas is valid until the next is asked for. A panel that ends early keeps its last."""
-        for panel in self._panels:
-            for painter in panel.painters:
-                painter.begin()
-        running = [panel.source.moments() for panel in self._panels]
+        for painter in chain.from_iterable(self._cast):
+            painter.begin()
+        self._foot.begin()
+        running, self._opened = self._opened or [self._again(index) for index in range(len(self._found))], []
         moments = [next(each) for each in running]
-        for _ in range(self.count):
-            yield self._draw(moments)
+        for frame in range(self.count):
+            yield self._draw([frame] * len(moments), moments)
             moments = [next(each, moment) for each, moment in zip(running, moments, strict=True)]
 
-    def _lay_out(
-        self, found: Sequence[Source], painters: list[list[Painter]], surveys: list[Survey], cameras: list[Camera]
-    ) -> list[Panel]:
+    @property
+    def _settled(self) -> bool:
+        """Whether each painter knows its colors already."""
+        return all(painter.settled for painter in chain.from_iterable(self._cast))
+
+    def _look(self, plan: Shots, progress: bool | None) -> list[Survey]:
+        """See the whole film, or only its first frame if that is enough."""
+        surveys = []
+        for index, (source, cast) in enumerate(zip(self._found, self._cast, strict=True)):
+            with Progress(source.count, "surveying", False if self._once else progress) as bar:
+                moments = self._first(index)
+                surveys.append(survey(source, moments, self.count, cast, plan.axes, plan.follow, bar.update))
+        return surveys
+
+    def _first(self, index: int) -> Iterable[Moment]:
+        """What is looked at before anything is drawn."""
+        source = self._found[index]
+        if self._once:
+            moments = source.moments()
+            first = next(moments)
+            self._opened.append(chain([first], moments))
+            return [first]
+        if not isinstance(source, Running):
+            return source.moments()
+        spool = self._spools[index] = Spool(source)
+        return spool.first()
+
+    def _again(self, index: int) -> Iterator[Moment]:
+        """All moments of a source once more."""
+        spool = self._spools[index]
+        return self._found[index].moments() if spool is None else spool.again()
+
+    def _footer(self, surveys: Sequence[Survey], color_bar: bool) -> Foot:
+        """The lines below the picture."""
+        facts = [
+            (source.integrator if "integrator" in self._labels else None, seen.dt)
+            for source, seen in zip(self._found, surveys, strict=True)
+        ]
+        scales: list[Bar] = bars([each.scale for each in chain.from_iterable(self._cast)]) if color_bar else []
+        return Foot(self._labels, self._clock, self._found[0].fps, facts, scales)
+
+    def _layout_of(self, size: tuple[int, int]) -> Layout:
+        foot = self._foot.height(text_height(size[1]), size[0])
+        return Layout(size, len(self._found), bool(self._titles), foot)
+
+    def _inset(self, layout: Layout, index: int) -> float:
+        """How far from a panel's edge the motion stays [pixels]."""
+        pixels = layout.pixels(index)
+        return layout.margin(index) + max(painter.inset(pixels) for painter in self._cast[index])
+
+    def _lay_out(self, size: tuple[int, int] | None, found: list[Scope], surveys: Sequence[Survey]) -> list[Panel]:
         """Divide the picture and fit the camera, which all panels share."""
-        merged = [Bounds(bounds.axes) for bounds in surveys[0].bounds]
-        for seen in surveys:
-            for box, other in zip(merged, seen.bounds, strict=True):
-                box.merge(other)
-        chosen = _choice(merged[0], len(cameras))
-        box = merged[min(1 + chosen, len(merged) - 1)]
-        extent = merged[0].upper - merged[0].lower
-        ground = 0.54 * float(max(extent[0], extent[1])) if len(extent) == 3 else float(np.linalg.norm(extent))
-        width, height = self._size
-        head = round(1.5 * self._text) if self._titles else 0
+
+        def magnification(candidate: tuple[int, int]) -> float:
+            layout = self._layout_of(candidate)
+            return min(
+                scope.magnification(layout.area(index), self._inset(layout, index)) for index, scope in enumerate(found)
+            )
+
+        if size is None:
+            size = best(len(found), magnification, fixed=any(scope.given for scope in found))
+        self._layout = layout = self._layout_of(size)
         panels = []
-        for index, (source, each, seen) in enumerate(zip(found, painters, surveys, strict=True)):
-            left, right = width * index // len(found), width * (index + 1) // len(found)
-            pixels = float((right - left) * height)
-            inset = MARGIN * min(right - left, height) + max(painter.inset(pixels) for painter in each)
-            view = fit(cameras[chosen], box.lower, box.upper, (left, head, right, height - self._foot), inset)
-            size = max(ground, float(width + height) / view.scale) if view.flat else ground
-            panels.append(Panel(source, each, (left, 0, right, height), view, size, seen.samples))
+        for index, (source, cast, scope, seen) in enumerate(zip(self._found, self._cast, found, surveys, strict=True)):
+            sight = Sight(scope, layout.area(index), self._inset(layout, index))
+            free = layout.area(index)
+            panels.append(Panel(source, cast, layout.panel(index), free, layout.pixels(index), sight, seen.samples))
         return panels
 
-    @property
-    def _foot(self) -> int:
-        """Height of the line with the time [pixels]."""
-        return round(1.3 * self._text)
+    def _add_diagrams(self, surveys: Sequence[Survey]) -> None:
+        """Give each panel its inset."""
+        history = History([seen.energies for seen in surveys], float(self._clock[-1] - self._clock[0]))
+        for index, panel in enumerate(self._panels):
+            crowd = [np.empty((0, 2), dtype=np.float32)]
+            for frame, moment in panel.samples:
+                view = panel.sight.view(frame)
+                crowd.append(view.project(panel.sight.moment(moment, view).positions)[0])
+            area, text = self._layout.area(index), self._layout.text
+            panel.diagram = Diagram(history, index, area, text, self._theme, np.concatenate(crowd))
 
     def _prepared(self) -> Canvas:
         """A canvas with all that does not move."""
-        width, height = self._size
-        theme = self._theme
-        canvas = Canvas(width, height, theme.background)
+        canvas = Canvas(*self.size, self._theme.background)
+        if not self._moving:
+            self._draw_scenery(canvas, 0)
+            self._write_titles(canvas)
+            canvas.keep()
+        return canvas
+
+    def _draw_scenery(self, canvas: Canvas, frame: int) -> None:
+        """Draw what is behind everything."""
         for panel in self._panels:
-            canvas.clip(*panel.area)
-            draw_behind(canvas, panel.source.scene, panel.view, theme, panel.ground)
-        canvas.clip(0, 0, width, height)
-        shared = len(self._titles) == 1
+            canvas.clip(*panel.rectangle)
+            view = panel.sight.view(frame)
+            draw_behind(canvas, panel.source.scene, view, self._theme, panel.sight.setting(view))
+        canvas.clip(0, 0, *self.size)
+
+    def _write_titles(self, canvas: Canvas) -> None:
+        shared, text = len(self._titles) == 1, self._layout.text
         for panel, title in zip(self._panels, self._titles, strict=False):
-            left, _, right, _ = (0, 0, width, 0) if shared else panel.area
-            canvas.text(title, (left + right) // 2, self._text // 3, self._text, (*theme.text, 255), 0)
-        canvas.keep()
-        return canvas
+            left, _, right, _ = (0, 0, self.size[0], 0) if shared else panel.rectangle
+            canvas.text(title, (left + right) // 2, text // 3, text, (*self._theme.text, 255), 0)
 
-    def _draw(self, moments: Sequence[Moment]) -> Canvas:
-        """One frame."""
-        canvas, (width, height) = self._canvas, self._size
+    def _draw(self, frames: Sequence[int], moments: Sequence[Moment]) -> Canvas:
+        """One frame; `frames` are the numbers of each panel's moment."""
+        canvas, clock = self._canvas, max(frames)
         canvas.clear()
-        for panel, moment in zip(self._panels, moments, strict=True):
-            canvas.clip(*panel.area)
-            draw_among(canvas, panel.source.scene, panel.view, self._theme, panel.ground)
+        if self._moving:
+            self._draw_scenery(canvas, clock)
+        for panel, frame, moment in zip(self._panels, frames, moments, strict=True):
+            view = panel.sight.view(clock)
+            shown = panel.sight.moment(moment, view)
+            canvas.clip(*panel.free)
+            draw_among(canvas, panel.source.scene, view, self._theme, panel.sight.setting(view))
             for painter in panel.painters:
-                painter.paint(canvas, moment, panel.view, panel.pixels)
+                painter.paint(canvas, shown, view, panel.pixels)
             canvas.paint()
-        canvas.clip(0, 0, width, height)
-        time = max(moment.time for moment in moments)
-        label = f"{time:.{self._decimals}f} s"
-        canvas.text(label, self._text // 2, height - round(1.2 * self._text), self._text, (*self._theme.label, 255), -1)
+            if panel.diagram is not None:
+                panel.diagram.draw(canvas, frame)
+        canvas.clip(0, 0, *self.size)
+        if self._moving:
+            self._write_titles(canvas)
+        self._foot.draw(canvas, self.size, self._layout.text, self._theme, clock, [each.energy for each in moments])
         return canvas
 
 
-def _size(size: object) -> tuple[int, int]:
-    if not isinstance(size, (tuple, list)) or len(size) != 2:
-        raise SceneError(f"size: must be (width, height) in pixels, got {size!r}")
-    width, height = (whole_number(side, f"size[{axis}]", least=16, most=LARGEST) for axis, side in enumerate(size))
-    return width, height
-
-
-def _titles(titles: Sequence[str] | None, panels: int) -> list[str]:
-    if titles is None:
-        return []
-    if isinstance(titles, str) or not all(isinstance(title, str) for title in titles):
-        raise SceneError(f"titles: must be a list of strings, got {titles!r}")
-    if len(titles) not in (1, panels):
-        raise SceneError(f"titles: must be one for each of the {panels} panels, got {len(titles)}")
-    return list(titles)
-
-
-def _styles(style: object, found: Sequence[Source]) -> list[Style]:
-    """The styles that were asked for; each body that they name is in a source."""
-    if style is None:
-        fluids = all(source.has("velocities") for source in found)
-        return [Strain(), Fluid()] if fluids else [Strain()]
-    styles = []
-    bodies = [body for source in found for body in source.scene.bodies]
-    for each in style if isinstance(style, (list, tuple)) else [style]:
-        if not isinstance(each, Style):
-            missing = f"; write {each.__name__}()" if isinstance(each, type) else ""
-            raise SceneError(f"style: must be one or a list of physcore.styles, got {shown(each)}{missing}")
-        for body in each.bodies() or ():
-            if body not in bodies:
-                raise SceneError(
-                    f"{type(each).__name__}.on: {body!r} is not in what is filmed; "
-                    "the bodies of a loaded recording are new ones: recording.scene.bodies"
-                )
-        styles.append(each)
-    return styles
-
-
-def _painters(source: Source, styles: list[Style], theme: Theme) -> list[Painter]:
-    """What draws a source: the first style that draws a body gets it, and points what no style draws; overlays add."""
-    parts = [Part(body, source.scene.slice(body)) for body in source.scene.bodies]
-    left = list(parts)
-    painters = []
-    for each in (*styles, Points()):
-        mine = [part for part in (parts if each.overlay else left) if each.draws(part.body)]
-        if not each.overlay:
-            left = [part for part in left if part not in mine]
-        if mine:
-            painters.append(each.painter(source, mine, theme))
-    return painters
-
-
-def _share_scales(painters: list[list[Painter]]) -> None:
-    """Let painters of equal styles, in all panels, agree on what a color means."""
-    for each in (painter for panel in painters for painter in panel):
-        each.top = max(
-            other.top
-            for panel in painters
-            for other in panel
-            if type(other) is type(each) and other.style == each.style
-        )
-
-
-def _cameras(found: Sequence[Source], camera: Camera | None) -> list[Camera]:
-    """The cameras to choose from."""
-    dimensions = {source.scene.dimension for source in found}
-    if len(dimensions) > 1:
-        raise SceneError("recording: panels must all be in 2D or all in 3D")
-    flat = dimensions == {2}
-    if camera is None:
-        return [Face()] if flat else [LOW, HIGH]
-    if not isinstance(camera, Window if flat else Orbit):
-        raise SceneError(f"camera: must be {'a Window in 2D' if flat else 'an Orbit in 3D'}, got {shown(camera)}")
-    return [camera]
-
-
-def _choice(whole: Bounds, cameras: int) -> int:
-    """Which camera suits the shape of what happens."""
-    if cameras == 1:
-        return 0
-    width, depth, height = whole.upper - whole.lower
-    return int(height < FLAT * max(width, depth))
+def _clock(found: Sequence[Source], count: int) -> FloatArray:
+    """The time of each frame of the film [s]; a panel that ends early stays at its last."""
+    each = [source.times[np.minimum(np.arange(count), source.count - 1)] for source in found]
+    clock: FloatArray = np.max(each, axis=0)
+    return clock

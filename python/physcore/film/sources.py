@@ -6,10 +6,13 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Protocol
 
+import numpy as np
+
 from physcore.checks import FloatArray, number, shown
+from physcore.energy import Energy, EnergySeries
 from physcore.errors import SceneError
 from physcore.evidence import Evidence, Run, evidence
-from physcore.numerics import FRAMES_PER_SECOND, Options
+from physcore.numerics import FRAMES_PER_SECOND, Options, check
 from physcore.recording import Recording
 from physcore.scene import Scene
 
@@ -24,6 +27,10 @@ class Moment:
     """[m], shape (N, D)."""
     more: Mapping[str, FloatArray]
     """Velocities [m/s], densities [kg/m³] and pressures [Pa] by name, as far as they were recorded."""
+    energy: Energy | None = None
+    """The energy budget, where it is known."""
+    dt: float | None = None
+    """The time step [s], likewise."""
 
     def channel(self, name: str) -> FloatArray:
         """One of them, or the positions."""
@@ -42,8 +49,20 @@ class Source(Protocol):
         """Frames per second of simulated time."""
 
     @property
+    def times(self) -> FloatArray:
+        """When the frames are [s], shape (F,)."""
+
+    @property
     def count(self) -> int:
         """How many frames there are."""
+
+    @property
+    def integrator(self) -> str | None:
+        """The integrator's name, where it is known."""
+
+    @property
+    def audited(self) -> bool:
+        """Whether moments have energies and time steps."""
 
     def has(self, channel: str) -> bool:
         """Whether moments have velocities, densities or pressures."""
@@ -73,6 +92,11 @@ class Recorded:
         return self.recording.fps
 
     @property
+    def times(self) -> FloatArray:
+        """When the frames are [s]."""
+        return self.recording.times
+
+    @property
     def count(self) -> int:
         """How many frames there are."""
         return len(self.recording.times)
@@ -82,6 +106,16 @@ class Recorded:
         """What the recording says of how it came about."""
         return evidence(self.recording)
 
+    @property
+    def integrator(self) -> str | None:
+        """The integrator's name."""
+        return self.recording.plan.integrator if self.audited else None
+
+    @property
+    def audited(self) -> bool:
+        """Whether it is a whole recording, and not only positions."""
+        return hasattr(self.recording, "energy") and hasattr(self.recording, "plan")
+
     def has(self, channel: str) -> bool:
         """Whether something was recorded."""
         return channel in self.recording.channels
@@ -89,15 +123,33 @@ class Recorded:
     def moments(self) -> Iterator[Moment]:
         """The frames in order."""
         positions, channels = self.recording.positions, self.recording.channels
+        dt = self.recording.plan.dt if self.audited else None
         for index, time in enumerate(self.recording.times):
             more: dict[str, FloatArray] = {
                 name: values[index] for name, values in channels.items() if name != "positions"
             }
-            yield Moment(float(time), positions[index], more)
+            energy = _budget(self.recording.energy, index) if self.audited else None
+            yield Moment(float(time), positions[index], more, energy, dt)
 
 
 class Running(Run):
     """A simulation that is run anew for each pass."""
+
+    @property
+    def times(self) -> FloatArray:
+        """When the frames are [s]."""
+        times: FloatArray = np.arange(self.count) / self.fps
+        return times
+
+    @property
+    def integrator(self) -> str:
+        """The integrator's name."""
+        return type(check(self.numerics, self.scene).integrator).__name__
+
+    @property
+    def audited(self) -> bool:
+        """A simulation knows its energy."""
+        return True
 
     def has(self, channel: str) -> bool:
         """A simulation has all that there is."""
@@ -106,7 +158,21 @@ class Running(Run):
     def moments(self) -> Iterator[Moment]:
         """Simulate from the start."""
         for frame in self.frames():
-            yield Moment(frame.time, frame.positions, {"velocities": frame.velocities, **frame.fields})
+            more = {"velocities": frame.velocities, **frame.fields}
+            yield Moment(frame.time, frame.positions, more, frame.energy, frame.dt)
+
+
+def _budget(series: EnergySeries, index: int) -> Energy:
+    """The energy budget at one frame of a recording."""
+    return Energy(
+        kinetic=float(series.kinetic[index]),
+        by_term={name: float(values[index]) for name, values in series.by_term.items()},
+        internal=float(series.internal[index]),
+        dissipated=float(series.dissipated[index]),
+        dissipated_by={name: float(values[index]) for name, values in series.dissipated_by.items()},
+        work=float(series.work[index]),
+        time=float(series.times[index]),
+    )
 
 
 def sources(source: object, duration: float | None, fps: float | None, numerics: Options) -> list[Source]:

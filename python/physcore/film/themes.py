@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal, TypeAlias
 
 from physcore.errors import SceneError
@@ -11,6 +11,9 @@ Color: TypeAlias = tuple[int, int, int]
 """Red, green and blue in sRGB, each from 0 to 255."""
 
 ThemeName = Literal["dark", "light"]
+
+LEGIBLE = 4.5
+"""The least contrast of text and its ground that the Web Content Accessibility Guidelines ask for, on level AA."""
 
 
 @dataclass(frozen=True)
@@ -89,6 +92,40 @@ def mixed(one: Color, other: Color, share: float) -> Color:
     """A color between two others, with such a share of the second."""
     red, green, blue = (round(p + (q - p) * share) for p, q in zip(one, other, strict=True))
     return (red, green, blue)
+
+
+def contrast(first: Color, second: Color) -> float:
+    """How well two colors are told apart, from 1 to 21: the ratio of their luminances.
+
+    Source: Web Content Accessibility Guidelines 2.2 (W3C, 2023), "contrast ratio" and "relative luminance".
+    """
+    lighter, darker = sorted((_luminance(first), _luminance(second)), reverse=True)
+    return (lighter + 0.05) / (darker + 0.05)
+
+
+def legible(theme: Theme) -> Theme:
+    """The theme with text and label moved toward white or black as far as they need to stand out from its background.
+
+    A contrast of LEGIBLE is always reached: against any color one of the two has at least √21 = 4.58.
+    """
+    ends: tuple[Color, Color] = ((255, 255, 255), (0, 0, 0))
+    toward = max(ends, key=lambda end: contrast(end, theme.background))
+    return replace(theme, text=_moved(theme.text, toward, theme), label=_moved(theme.label, toward, theme))
+
+
+def _moved(color: Color, toward: Color, theme: Theme) -> Color:
+    """The nearest color on the way to another one that is legible."""
+    for step in range(17):
+        moved = mixed(color, toward, step / 16)
+        if contrast(moved, theme.background) >= LEGIBLE:
+            break
+    return moved
+
+
+def _luminance(color: Color) -> float:
+    """Relative luminance, from 0 to 1."""
+    linear = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in (value / 255 for value in color)]
+    return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
 
 
 def color(value: object, path: str) -> Color:

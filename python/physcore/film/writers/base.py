@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar
@@ -25,10 +25,15 @@ class Reel:
     """What draws it."""
     rate: float
     """Frames per second."""
-    evidence: str
-    """What it says of how it came about, in ASCII."""
+    tell: Callable[[], str]
+    """Gives what the film says of how it came about, in ASCII; a scene that was not simulated yet is, so ask late."""
     progress: bool | None
     """Whether to show a progress bar, as in `film`."""
+
+    @property
+    def evidence(self) -> str:
+        """What it says of how it came about."""
+        return self.tell()
 
     def frames(self) -> Iterator[Canvas]:
         """Every frame; each canvas is valid until the next is asked for."""
