@@ -171,7 +171,8 @@ def test_light_comes_from_the_upper_left_and_the_back_is_darker(tmp_path: Path) 
         camera = Orbit(azimuth=-90.0, elevation=0.0, field_of_view=0.0)
         seen[turn] = still(pc.Scene(cloth), tmp_path, style=pc.styles.Surface(), camera=camera, labels=()).max()
     assert seen[-50.0] > seen[0.0] > seen[50.0]
-    assert seen[180.0] == pytest.approx(0.8 * seen[0.0], abs=1.0)
+    # Fog adds up to 0.55 of the background, whose brightest channel is 24, on both sides; and both are rounded.
+    assert 0.8 * seen[0.0] - 1.0 <= seen[180.0] <= 0.8 * seen[0.0] + 0.2 * 0.55 * 24.0 + 1.0
 
 
 def test_a_smooth_fluid_covers_its_volume(tmp_path: Path) -> None:
@@ -253,7 +254,9 @@ def test_a_smoothed_uniform_flow_is_uniform_and_ends_where_nothing_is() -> None:
 def test_the_acceleration_is_that_of_the_scenes_forces() -> None:
     """Gravity and an inverse-square attraction, felt from rest; the kick is a power of two, so that nothing is lost."""
     scene = pc.Scene(
-        pc.cloth((3, 3), 0.1, 50.0), pc.Gravity((0.0, -9.81)), pc.CentralForce((0.0, 0.0), strength=2.0, exponent=-2.0)
+        pc.cloth((3, 3), 0.1, 50.0, origin=(3.0, 3.0)),
+        pc.Gravity((0.0, -9.81)),
+        pc.CentralForce((0.0, 0.0), strength=2.0, exponent=-2.0),
     )
     source = sources(pc.simulate(scene, 0.01, progress=False), None, None, {})[0]
     shown = fields.field("acceleration", source, part(scene), "of")

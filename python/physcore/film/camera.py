@@ -5,17 +5,16 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
+from physcore._core import Projection
 from physcore.checks import FloatArray, number, vector
 from physcore.errors import SceneError
 
 PixelArray = NDArray[np.float32]
-
-NEAREST = 0.05
-"""Nothing is drawn nearer to the eye than this fraction of the camera's distance."""
 
 
 @dataclass(frozen=True)
@@ -129,38 +128,29 @@ class View:
 
     def project(self, points: FloatArray) -> tuple[PixelArray, PixelArray | None, PixelArray]:
         """Pixels (N, 2), distances from the eye (N,) [m] (None in 2D), and pixels per meter (N,)."""
-        local = (points if self.flat else points @ self.axes.T) - self.center
-        magnification = np.full(len(points), self.scale)
-        depth: PixelArray | None = None
-        if not self.flat:
-            toward = local[:, 2]
-            if math.isfinite(self.distance):
-                magnification *= self.distance / np.maximum(self.distance - toward, NEAREST * self.distance)
-            depth = (-toward).astype(np.float32)
-        pixels = np.empty((len(points), 2), dtype=np.float32)
-        pixels[:, 0] = self.middle[0] + magnification * local[:, 0]
-        pixels[:, 1] = self.middle[1] - magnification * local[:, 1]
-        return pixels, depth, magnification.astype(np.float32)
+        pixels, depth, magnification = self._projection.project(np.ascontiguousarray(points))
+        return pixels, None if self.flat else depth, magnification
+
+    @cached_property
+    def _projection(self) -> Projection:
+        return Projection(self.axes.tolist(), self.center.tolist(), self.scale, self.middle, self.distance)
 
     def farness(self, depth: PixelArray) -> PixelArray:
         """Depths as fractions: 0 at the nearest of all that happens, 1 at the farthest."""
         fractions: PixelArray = np.clip(0.5 + 0.5 * depth / np.float32(self.reach), 0.0, 1.0)
         return fractions
 
-    def blur(self, depth: PixelArray) -> PixelArray:
-        """Diameters (N,) [pixels] of the circles of confusion of points at some depths (N,) behind the center [m].
+    @property
+    def blur(self) -> float:
+        """How fast the circles of confusion grow at the focus: their radius per distance from it [pixels/m].
 
         A thin lens of diameter A that is focused at the distance D sees a point at D + d as a disc that in the plane of
-        focus has the diameter A |d| / (D + d).
+        focus has the diameter A |d| / (D + d), so that this is A / 2D. The canvas does the rest.
 
         Source: M. Potmesil, I. Chakravarty, "A lens and aperture camera model for synthetic image generation",
         Computer Graphics 15 (3), 297 (1981).
         """
-        if self.lens == 0.0 or not math.isfinite(self.distance):
-            return np.zeros(len(depth), dtype=np.float32)
-        away = np.maximum(self.distance + depth.astype(np.float64), NEAREST * self.distance)
-        circles: PixelArray = (self.scale * self.lens * np.abs(depth) / away).astype(np.float32)
-        return circles
+        return 0.5 * self.scale * self.lens / self.distance
 
 
 @dataclass(frozen=True)

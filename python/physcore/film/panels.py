@@ -130,6 +130,8 @@ class Stage:
     def samples(self) -> Iterator[Canvas]:
         """Some frames of the film, to choose its palette from; each canvas is valid until the next is asked for."""
         for index in range(max(len(panel.samples) for panel in self._panels)):
+            for painter in chain.from_iterable(self._cast):
+                painter.begin()  # samples are far apart: no trail joins them
             chosen = [panel.samples[min(index, len(panel.samples) - 1)] for panel in self._panels]
             yield self._draw([frame for frame, _ in chosen], [moment for _, moment in chosen])
         if self._once:
@@ -260,6 +262,7 @@ class Stage:
             view = panel.sight.view(clock)
             shown = panel.sight.moment(moment, view)
             canvas.clip(*panel.free)
+            canvas.lens(view.blur, view.distance)
             draw_among(canvas, panel.source.scene, view, self._theme, panel.sight.setting(view))
             for painter in panel.painters:
                 painter.paint(canvas, shown, view, panel.pixels)
