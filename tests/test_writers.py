@@ -403,3 +403,74 @@ def test_delays_are_whole_units_that_add_up() -> None:
 def test_a_sidecar_is_json_that_others_read(tmp_path: Path) -> None:
     pc.film(SCENE, tmp_path / "film.gif", duration=0.1, size=SIZE)
     assert json.loads((tmp_path / "film.gif.json").read_text())[0]["fps"] == 30.0
+
+
+def busy() -> pc.Recording:
+    """Two hundred colored discs that fly about for a second."""
+    generator = np.random.default_rng(1)
+    discs = pc.Particles(generator.uniform(size=(200, 2)), generator.normal(size=(200, 2)))
+    return pc.simulate(pc.Scene(discs, pc.Box((0.0, 0.0), (1.0, 1.0))), 1.0, fps=40, progress=False)
+
+
+def test_a_film_fits_into_the_bytes_that_it_may_have(tmp_path: Path) -> None:
+    """What is given up comes in its order: the width to a half, then frames, then colors, then the width again."""
+    recording, path = busy(), tmp_path / "film.gif"
+    whole = pc.film(recording, path, size=(320, 240))
+    assert (whole.size, whole.frames, whole.rate, whole.colors) == ((320, 240), 41, 40.0, 255)
+    assert whole.bytes == path.stat().st_size
+    assert pc.film(recording, path, size=(320, 240), max_bytes=2 * whole.bytes) == whole
+    last = whole
+    for share in (0.8, 0.4, 0.15, 0.07, 0.04):
+        film = pc.film(recording, path, size=(320, 240), max_bytes=int(share * whole.bytes))
+        assert film.bytes == path.stat().st_size <= share * whole.bytes
+        assert film.size <= last.size
+        assert film.frames <= last.frames
+        assert (film.frames == 41) or film.size[0] <= 160
+        assert (film.colors == 255) or film.rate == 10.0
+        with Image.open(path) as image:
+            assert (image.size, image.n_frames) == (film.size, film.frames)
+            times = []
+            for index in range(image.n_frames):
+                image.seek(index)
+                times.append(image.info["duration"])
+        assert sum(times) == pytest.approx(1000.0 * film.frames / film.rate, abs=10)  # it stays in real time
+        last = film
+    with pytest.raises(pc.SceneError, match=r"max_bytes: 9000 are too few: at a quarter of the width, 10 frames"):
+        pc.film(recording, tmp_path / "none.gif", size=(320, 240), max_bytes=9000)
+    assert not (tmp_path / "none.gif").exists()
+
+
+def test_a_cut_film_of_a_scene_is_that_of_its_recording(tmp_path: Path) -> None:
+    recording = busy()
+    one = pc.film(recording, tmp_path / "one.gif", size=(200, 150), max_bytes=60_000)
+    pc.film(recording.scene, tmp_path / "two.gif", duration=1.0, fps=40, size=(200, 150), max_bytes=60_000)
+    assert one.size < (200, 150)
+    pictures = []
+    for name in ("one.gif", "two.gif"):
+        with Image.open(tmp_path / name) as image:
+            image.seek(image.n_frames - 1)
+            pictures.append(np.asarray(image.convert("RGB")))
+    assert (pictures[0] == pictures[1]).all()
+
+
+@pytest.mark.parametrize(
+    ("name", "options", "message"),
+    [
+        ("film.gif", {"quality": "best"}, r"quality: must be one of 'fast', 'high', got 'best'"),
+        ("film.gif", {"max_bytes": 0}, r"max_bytes: must be ≥ 1"),
+        ("film.gif", {"max_bytes": 1e6}, r"max_bytes: must be a whole number"),
+        ("film.png", {"max_bytes": 1000}, r"max_bytes: is for GIFs, and this is"),
+    ],
+)
+def test_a_budget_that_makes_no_sense_is_refused(
+    name: str, options: dict[str, Any], message: str, tmp_path: Path
+) -> None:
+    with pytest.raises(pc.SceneError, match=message):
+        pc.film(busy(), tmp_path / name, **options)
+
+
+def test_a_film_says_what_was_written(tmp_path: Path) -> None:
+    film = pc.film(busy(), tmp_path / "film.gif", size=(64, 48), quality="high")
+    assert repr(film).startswith(f"{tmp_path / 'film.gif'}: 64×48, 41 frames, 40 per second, 255 colors, 0.")
+    still = pc.film(busy(), tmp_path / "still.png", size=(64, 48))
+    assert repr(still) == f"{tmp_path / 'still.png'}: 64×48, {still.bytes / 1e6:.2f} MB"

@@ -8,6 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Unpack
 
+from physcore.checks import count as whole_number
 from physcore.errors import FileError, SceneError
 from physcore.film.foot import Label
 from physcore.film.inset import Inset
@@ -17,7 +18,7 @@ from physcore.film.proof import proof, write_sidecar
 from physcore.film.sources import sources
 from physcore.film.styles import Style
 from physcore.film.themes import Color, Theme, ThemeName, color, legible, resolve
-from physcore.film.writers import WRITERS, GifWriter, Reel
+from physcore.film.writers import QUALITIES, WRITERS, Film, GifWriter, Quality, Reel, Writer
 from physcore.formats import writable
 from physcore.numerics import Options
 from physcore.recording import Recording
@@ -41,10 +42,12 @@ def film(
     speed: float = 1.0,
     duration: float | None = None,
     fps: float | None = None,
+    quality: Quality = "fast",
+    max_bytes: int | None = None,
     sidecar: bool = True,
     progress: bool | None = None,
     **numerics: Unpack[Options],
-) -> None:
+) -> Film:
     """Draw a recording, or a scene while it is simulated, as a film; as a PNG, its last frame.
 
     Of a scene only one frame is in memory at a time. In a first pass the framing and the ranges of the colors are
@@ -81,13 +84,20 @@ def film(
         speed: seconds of the simulation that pass in one second of the film.
         duration: how long to simulate a scene [s].
         fps: frames per second of simulated time at which to film a scene; None: 30.
+        quality: "fast", or "high" for a GIF whose colors are chosen with more care, in about twice the time.
+        max_bytes: how large a GIF may become. Where it would be larger, it is made again, and first the picture becomes
+            smaller, down to half as wide; then every second frame is left out, as long as ten a second are left; then
+            half of the colors, down to 32; and at last the picture shrinks to a quarter.
         sidecar: whether to write the evidence into a file beside the film too, such as film.gif.json; there it has the
             number of threads as well, which the film itself does not depend on.
         progress: whether to show a progress bar; None: on a terminal, when it takes longer than a second.
         numerics: for a scene: integrator, dt, precision, threads, … as in Simulation.
 
+    Returns:
+        What was written: path, bytes, size, frames, rate and colors.
+
     Raises:
-        SceneError: an argument is not valid.
+        SceneError: an argument is not valid, or a film of `max_bytes` could not be seen.
         FileError: the file cannot be written.
         PhyscoreError: what the format needs is not installed.
         SimulationDiverged: the scene blew up while it was filmed.
@@ -95,17 +105,19 @@ def film(
     target, writer = Path(path), writable(path, WRITERS)
     found = sources(recording, duration, fps, numerics)
     rate = writer.rate(found[0].fps, speed)
+    _check_bytes(quality, max_bytes, writer)
     colors, heads = _colors(theme, background), _titles(title, titles)
     stage = Stage(found, size, style, camera, colors, heads, progress, labels=labels, color_bar=color_bar, inset=inset)
     try:
         with stage:
-            writer.write(Reel(stage, rate, lambda: proof(found), progress), target)
+            written = writer.write(Reel(stage, rate, quality, max_bytes, lambda: proof(found), progress), target)
     except FileError:
         raise
     except OSError as error:
         raise FileError(f"{target}: cannot be written: {error.strerror or error}") from error
     if sidecar:
         write_sidecar(found, target)
+    return written
 
 
 def gif_bytes(
@@ -120,7 +132,7 @@ def gif_bytes(
     found = sources(recording, None, None, {})
     rate = GifWriter.rate(found[0].fps, speed)
     with Stage(found, size, style, None, resolve(theme), None, False) as stage:
-        return GifWriter.content(Reel(stage, rate, lambda: proof(found), False))
+        return GifWriter.content(Reel(stage, rate, "fast", None, lambda: proof(found), False))
 
 
 def _titles(title: str | None, titles: Sequence[str] | None) -> Sequence[str] | None:
@@ -130,6 +142,20 @@ def _titles(title: str | None, titles: Sequence[str] | None) -> Sequence[str] | 
     if title is not None and not isinstance(title, str):
         raise SceneError(f"title: must be a string, got {title!r}")
     return [title] if title else titles
+
+
+def _check_bytes(quality: object, max_bytes: object, writer: Writer) -> None:
+    """What was asked for of the file's size can be had.
+
+    Raises:
+        SceneError: it cannot.
+    """
+    if quality not in QUALITIES:
+        raise SceneError(f"quality: must be one of {', '.join(map(repr, QUALITIES))}, got {quality!r}")
+    if max_bytes is not None:
+        whole_number(max_bytes, "max_bytes", least=1)
+        if not writer.budgeted:
+            raise SceneError(f"max_bytes: is for GIFs, and this is {writer.name}; give it a smaller size= or fps=")
 
 
 def _colors(theme: Theme | ThemeName, background: Color | str | None) -> Theme:

@@ -94,11 +94,9 @@ class Stage:
             surveys = self._look(plan, progress)
             casting.share_scales(self._cast)
             self._foot = self._footer(surveys, color_bar)
-            self._panels = self._lay_out(asked, scopes(plan, surveys, found), surveys)
-            if diagram is not None:
-                self._add_diagrams(surveys)
-            self._moving = plan.moving
-            self._canvas = self._prepared()
+            self._surveys, self._scopes = surveys, scopes(plan, surveys, found)
+            self._diagrammed, self._moving = diagram is not None, plan.moving
+            self.resize(asked)
         except BaseException:
             self.close()
             raise
@@ -116,6 +114,13 @@ class Stage:
         for spool in self._spools:
             if spool is not None:
                 spool.close()
+
+    def resize(self, size: tuple[int, int] | None) -> None:
+        """Draw everything in another size [pixels] from now on; None: as suits the motion."""
+        self._panels = self._lay_out(size, self._scopes, self._surveys)
+        if self._diagrammed:
+            self._add_diagrams(self._surveys)
+        self._canvas = self._prepared()
 
     @property
     def size(self) -> tuple[int, int]:

@@ -41,10 +41,11 @@ impl Canvas {
         self.picture.clip(left, top, right, bottom);
     }
 
-    /// Add discs to the painting.
+    /// Add discs to the painting; without depths they are painted at once, over all that was added.
     #[pyo3(signature = (centers, radii, colors, depths=None, shading=0.0))]
     fn discs(
         &mut self,
+        py: Python<'_>,
         centers: PyReadonlyArray2<'_, f32>,
         radii: PyReadonlyArray1<'_, f32>,
         colors: PyReadonlyArray2<'_, u8>,
@@ -55,9 +56,12 @@ impl Canvas {
         let centers = rows::<f32, 2>(&centers, count, "centers")?;
         let colors = rows::<u8, 4>(&colors, count, "colors")?;
         let (radii, depths) = (column(&radii, count, "radii")?, depth(depths.as_ref(), count)?);
-        for (index, ((&center, &radius), &color)) in centers.iter().zip(radii).zip(colors).enumerate() {
-            let disc = Disc { center, radius, color, shading, softness: 1.0 };
-            self.painting.disc(disc, depths.map_or(0.0, |depths| depths[index]));
+        let shapes = centers.iter().zip(radii).zip(colors);
+        let discs = shapes.map(|((&center, &radius), &color)| Disc { center, radius, color, shading, softness: 1.0 });
+        let Self { picture, painting } = self;
+        match depths {
+            Some(depths) => discs.zip(depths).for_each(|(disc, &depth)| painting.disc(disc, depth)),
+            None => py.detach(|| painting.paint_discs(picture, &discs)),
         }
         Ok(())
     }

@@ -3,7 +3,7 @@
 #![expect(clippy::needless_pass_by_value, reason = "PyO3 hands arguments over by value")]
 
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
-use physcore_canvas::{Fog, Rgb, look_up, opaque};
+use physcore_canvas::{Fog, Ink, Rgb, look_up, opaque};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
@@ -105,10 +105,17 @@ pub fn tint<'py>(
     }
     let ([low, high], fog) = (ends, Fog { reach: fog.0, strength: fog.1, background });
     let mut inks = vec![[0; 4]; count];
-    py.detach(|| {
-        for (index, (value, ink)) in values.iter().zip(&mut inks).enumerate() {
-            let color = look_up(&table, (value - low) / (high - low));
-            *ink = opaque(depths.map_or(color, |depths| fog.seen(color, depths[index])));
+    let (plain, per_value): (Vec<Ink>, f64) = (table.iter().copied().map(opaque).collect(), 1.0 / (high - low));
+    py.detach(|| match depths {
+        Some(depths) => {
+            for ((value, &depth), ink) in values.iter().zip(depths).zip(&mut inks) {
+                *ink = opaque(fog.seen(*look_up(&table, (value - low) * per_value), depth));
+            }
+        }
+        None => {
+            for (value, ink) in values.iter().zip(&mut inks) {
+                *ink = *look_up(&plain, (value - low) * per_value);
+            }
         }
     });
     PyArray1::from_vec(py, inks.into_flattened()).reshape([count, 4])

@@ -69,11 +69,17 @@ impl Band<'_> {
         }
         let paint = Paint::new(color, opacity);
         let (column, row) = ((x + 0.5) as i32 - 1, (y + 0.5) as i32 - 1); // of the upper left of the four
-        for row in row.max(top)..(row + 2).min(bottom) {
-            for column in column.max(left)..(column + 2).min(right) {
-                let (dx, dy) = (column as f32 + 0.5 - x, row as f32 + 0.5 - y);
-                let pixel = &mut self.pixels[(row - self.top) as usize * self.width + column as usize];
-                paint.blend(pixel, ramp((dx * dx + dy * dy).sqrt() - 0.5));
+        let (dx, dy) = (column as f32 + 0.5 - x, row as f32 + 0.5 - y);
+        let mut amounts = [0; 4];
+        for (corner, amount) in amounts.iter_mut().enumerate() {
+            let (dx, dy) = (dx + (corner & 1) as f32, dy + (corner >> 1) as f32);
+            *amount = paint.amount(ramp((dx * dx + dy * dy).sqrt() - 0.5));
+        }
+        for (amount, corner) in amounts.into_iter().zip(0..) {
+            let (column, row) = (column + (corner & 1), row + (corner >> 1));
+            if column >= left && column < right && row >= top && row < bottom {
+                let place = (row - self.top) as usize * self.width + column as usize;
+                paint.mix(&mut self.pixels[place], amount);
             }
         }
     }

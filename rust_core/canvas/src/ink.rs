@@ -19,13 +19,24 @@ impl Paint {
         Self { color, ..self }
     }
 
-    /// Mixes into a pixel, two channels in one multiplication.
+    /// Mixes into a pixel.
     #[inline(always)]
     pub(crate) fn blend(self, pixel: &mut [u8; 4], coverage: f32) {
+        self.mix(pixel, self.amount(coverage));
+    }
+
+    /// The opacity of a coverage of 0–1, in 256ths.
+    #[inline(always)]
+    pub(crate) fn amount(self, coverage: f32) -> u32 {
+        // Added to 2²³ a small number stands, rounded, in the last bits: several times cheaper than `as`, which minds NaN.
+        (coverage * self.full + 8_388_608.0).to_bits() & 0x1FF
+    }
+
+    /// Mixes into a pixel, two channels in one multiplication.
+    #[inline(always)]
+    pub(crate) fn mix(self, pixel: &mut [u8; 4], amount: u32) {
         const PAIR: u32 = 0x00FF_00FF;
         const HALVES: u32 = 0x0080_0080;
-        // Added to 2²³ a small number stands, rounded, in the last bits: several times cheaper than `as`, which minds NaN.
-        let amount = (coverage * self.full + 8_388_608.0).to_bits() & 0x1FF;
         let (below, keep) = (u32::from_le_bytes(*pixel), 256 - amount);
         let red_blue = (below & PAIR) * keep + (self.color & PAIR) * amount + HALVES;
         let green = ((below >> 8) & PAIR) * keep + ((self.color >> 8) & PAIR) * amount + HALVES;

@@ -83,6 +83,13 @@ impl Painting {
         self.discs.push(if self.lens.blur > 0.0 { disc.blurred(self.lens.confusion(depth)) } else { disc });
     }
 
+    /// Paints everything that was added, and then discs without depth, which are not kept: a million of them need no memory.
+    pub fn paint_discs(&mut self, canvas: &mut Canvas, discs: &(impl Iterator<Item = Disc> + Clone + Sync)) {
+        self.paint(canvas);
+        let draw = |band: &mut Band<'_>| discs.clone().for_each(|disc| band.disc(disc));
+        in_bands(canvas, threads(discs.size_hint().0), &draw);
+    }
+
     /// Adds a line; `depth` as for [`Painting::disc`].
     pub fn line(&mut self, line: Line, depth: f32) {
         self.add(depth, Shape::Line(self.lines.len() as u32));
@@ -125,17 +132,8 @@ impl Painting {
         if !self.liquid.is_empty() {
             self.liquid.settle(canvas.width(), canvas.height());
         }
-        let threads =
-            if self.order.len() < FEW && self.liquid.is_empty() { 1 } else { available_parallelism().map_or(1, usize::from) };
-        std::thread::scope(|scope| {
-            let mut bands = canvas.bands(threads);
-            let mine = bands.next();
-            for mut band in bands {
-                let this = &*self;
-                scope.spawn(move || this.draw_on(&mut band));
-            }
-            mine.into_iter().for_each(|mut band| self.draw_on(&mut band));
-        });
+        let threads = if self.liquid.is_empty() { threads(self.order.len()) } else { threads(FEW) };
+        in_bands(canvas, threads, &|band: &mut Band<'_>| self.draw_on(band));
         self.liquid.clear();
         self.discs.clear();
         self.lines.clear();
@@ -190,4 +188,21 @@ impl Painting {
         self.has_depth |= depth != 0.0;
         self.order.push(Entry { depth, shape });
     }
+}
+
+/// How many threads are worth waking for so many shapes.
+fn threads(shapes: usize) -> usize {
+    if shapes < FEW { 1 } else { available_parallelism().map_or(1, usize::from) }
+}
+
+/// Does the same on all rows, divided among threads.
+fn in_bands(canvas: &mut Canvas, threads: usize, draw: &(impl Fn(&mut Band<'_>) + Sync)) {
+    std::thread::scope(|scope| {
+        let mut bands = canvas.bands(threads);
+        let mine = bands.next();
+        for mut band in bands {
+            scope.spawn(move || draw(&mut band));
+        }
+        mine.into_iter().for_each(|mut band| draw(&mut band));
+    });
 }

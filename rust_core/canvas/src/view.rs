@@ -61,11 +61,11 @@ impl Fog {
     }
 }
 
-/// The opaque ink of a fraction of a table's length; beyond its ends, and for what is not a number, the ends.
+/// The entry at a fraction of a table's length; beyond its ends, and for what is not a number, the ends.
 #[inline(always)]
-pub fn look_up(table: &[[f32; 3]], fraction: f64) -> [f32; 3] {
+pub fn look_up<T>(table: &[T], fraction: f64) -> &T {
     let last = table.len() - 1;
-    table[((fraction * table.len() as f64) as usize).min(last)]
+    &table[((fraction * table.len() as f64) as usize).min(last)]
 }
 
 /// An opaque ink.

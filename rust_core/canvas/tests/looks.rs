@@ -210,15 +210,32 @@ fn balls_flow_together_into_a_smooth_surface_that_hides_what_is_behind() {
 
 #[test]
 fn trails_join_the_times_of_each_thing_and_fade_with_age() {
-    let past = [[0.0, 0.0], [0.0, 9.0], [1.0, 0.0], [1.0, 9.0], [2.0, 0.0], [2.0, 9.0]];
+    let past = [[0.0, 0.0], [0.0, 9.0], [10.0, 0.0], [10.0, 9.0], [20.0, 0.0], [20.0, 9.0]];
     let gaps = [false, false, true, false];
     let (widths, colors) = ([6.0, 3.0], [[200, 100, 50, 255]; 2]);
     let trails =
         Trails { past: &past, widths: &widths, colors: &colors, fade: Some(([0; 3], 0.9)), gaps: Some(&gaps), depths: None };
     let lines: Vec<Line> = trails.lines().map(|(line, _)| line).collect();
     assert_eq!(lines.len(), 3);
-    assert_eq!((lines[0].from, lines[0].to, lines[0].width), ([0.0, 0.0], [1.0, 0.0], 2.0));
-    assert_eq!((lines[2].from, lines[2].to, lines[2].width), ([1.0, 9.0], [2.0, 9.0], 2.0));
+    assert_eq!((lines[0].from, lines[0].to, lines[0].width), ([0.0, 0.0], [10.0, 0.0], 2.0));
+    assert_eq!((lines[2].from, lines[2].to, lines[2].width), ([10.0, 9.0], [20.0, 9.0], 2.0));
     assert_eq!(lines[0].color, [60, 30, 15, 255]); // 0.9 · 1/3 of the color
     assert_eq!(lines[2].color, [120, 60, 30, 255]);
+}
+
+proptest! {
+    /// Pieces too short to be seen are joined: what is left begins and ends where the trail does, without a hole.
+    #[test]
+    fn trails_have_no_holes(steps in prop::collection::vec([-4.0..4.0_f32, -4.0..4.0_f32], 1..300)) {
+        let mut past = vec![[0.0, 0.0]];
+        for [dx, dy] in steps {
+            let [x, y] = past[past.len() - 1];
+            past.push([x + dx, y + dy]);
+        }
+        let trails = Trails { past: &past, widths: &[2.0], colors: &[WHITE], fade: None, gaps: None, depths: None };
+        let lines: Vec<Line> = trails.lines().map(|(line, _)| line).collect();
+        prop_assert_eq!(lines[0].from, past[0]);
+        prop_assert_eq!(lines[lines.len() - 1].to, past[past.len() - 1]);
+        prop_assert!(lines.windows(2).all(|pair| pair[0].to == pair[1].from && pair[0].width < pair[1].width));
+    }
 }

@@ -17,7 +17,7 @@ from typing import BinaryIO, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from physcore.film.writers.base import Reel, Writer, delays
+from physcore.film.writers.base import Film, Reel, Writer, delays
 from physcore.film.writers.patches import patches
 from physcore.film.writers.png import KEYWORD, text_of
 from physcore.storage import replacing
@@ -36,7 +36,7 @@ class ApngWriter(Writer):
     fastest: ClassVar = 90.0  # Browsers slow delays of 10 ms and less down to 100 ms.
     longest: ClassVar = 65535 / TICKS
 
-    def write(self, reel: Reel, target: Path) -> None:
+    def write(self, reel: Reel, target: Path) -> Film:
         """Write a film."""
         count, order = reel.stage.count, 0
         with replacing(target) as file:
@@ -48,7 +48,6 @@ class ApngWriter(Writer):
                     file.write(b"\x89PNG\r\n\x1a\n")
                     _chunk(file, b"IHDR", header)
                     _chunk(file, b"acTL", struct.pack(">II", count, 0))
-                    _chunk(file, b"tEXt", KEYWORD.encode() + b"\0" + reel.evidence.encode())
                 place = (order, width, height, patch.left, patch.top, delay, TICKS, STAY, REPLACE)
                 _chunk(file, b"fcTL", struct.pack(">IIIIIHHBB", *place))
                 order += 1
@@ -58,7 +57,9 @@ class ApngWriter(Writer):
                     else:
                         _chunk(file, b"fdAT", struct.pack(">I", order) + part)
                         order += 1
+            _chunk(file, b"tEXt", KEYWORD.encode() + b"\0" + reel.evidence.encode())
             _chunk(file, b"IEND", b"")
+        return self.written(reel, target)
 
     evidence = staticmethod(text_of)
 

@@ -7,7 +7,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import ClassVar
+from typing import ClassVar, Literal, get_args
 
 from physcore._core import Canvas
 from physcore.checks import number
@@ -15,6 +15,32 @@ from physcore.errors import SceneError
 from physcore.film.panels import Stage
 from physcore.formats import Format
 from physcore.progress import Progress
+
+Quality = Literal["fast", "high"]
+QUALITIES: tuple[Quality, ...] = get_args(Quality)
+
+
+@dataclass(frozen=True)
+class Film:
+    """A film that was written."""
+
+    path: Path
+    """Where it is."""
+    bytes: int
+    """How large it is."""
+    size: tuple[int, int]
+    """Width and height [pixels]."""
+    frames: int
+    """How many it shows."""
+    rate: float
+    """How many of them in a second."""
+    colors: int | None = None
+    """How many it has at most; None: all that there are."""
+
+    def __repr__(self) -> str:
+        moving = f", {self.frames} frames, {self.rate:.4g} per second" if self.frames > 1 else ""
+        colors = "" if self.colors is None else f", {self.colors} colors"
+        return f"{self.path}: {self.size[0]}×{self.size[1]}{moving}{colors}, {self.bytes / 1e6:.2f} MB"
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,6 +51,10 @@ class Reel:
     """What draws it."""
     rate: float
     """Frames per second."""
+    quality: Quality
+    """How much care is taken of colors, where a format has few."""
+    max_bytes: int | None
+    """How large the file may become, where a format can be made smaller."""
     tell: Callable[[], str]
     """Gives what the film says of how it came about, in ASCII; a scene that was not simulated yet is, so ask late."""
     progress: bool | None
@@ -35,11 +65,12 @@ class Reel:
         """What it says of how it came about."""
         return self.tell()
 
-    def frames(self) -> Iterator[Canvas]:
-        """Every frame; each canvas is valid until the next is asked for."""
+    def frames(self, stride: int = 1) -> Iterator[Canvas]:
+        """Every frame, or every second, third, …; each canvas is valid until the next is asked for."""
         with Progress(self.stage.count, "drawing", self.progress) as bar:
             for index, canvas in enumerate(self.stage.frames()):
-                yield canvas
+                if index % stride == 0:
+                    yield canvas
                 bar.update(index + 1)
 
 
@@ -73,13 +104,21 @@ class Writer(Format, ABC):
             )
         return rate
 
+    budgeted: ClassVar[bool] = False
+    """Whether it can be made to fit into a number of bytes."""
+
     @abstractmethod
-    def write(self, reel: Reel, target: Path) -> None:
+    def write(self, reel: Reel, target: Path) -> Film:
         """Write a film; it appears under its name when it is whole, and until then what was there stays.
 
         Raises:
             OSError: the file cannot be written.
         """
+
+    @classmethod
+    def written(cls, reel: Reel, target: Path) -> Film:
+        """What was written, if it shows the whole reel."""
+        return Film(target, target.stat().st_size, reel.stage.size, reel.stage.count, reel.rate)
 
     @staticmethod
     @abstractmethod

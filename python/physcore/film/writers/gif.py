@@ -3,14 +3,20 @@
 from __future__ import annotations
 
 from contextlib import closing
+from math import ceil
 from pathlib import Path
 from typing import BinaryIO, ClassVar
 
 from physcore._core import Gif
-from physcore.film.writers.base import Reel, Writer, delays
+from physcore.film.writers.base import Film, Reel, Writer, delays
+from physcore.film.writers.budget import Cut
 
 TICKS = 100
 """Delays are hundredths of a second."""
+LOOK = 8
+"""After so many frames it is looked whether they are too large already."""
+SMALL = 4096
+"""More than the bytes of the header, the palette and the ends of blocks."""
 
 
 class GifWriter(Writer):
@@ -21,14 +27,26 @@ class GifWriter(Writer):
     fastest: ClassVar = 50.0  # Most viewers slow shorter delays down to 100 ms.
     longest: ClassVar = 65535 / TICKS
 
-    def write(self, reel: Reel, target: Path) -> None:
-        """Write a film."""
-        _write(reel, target)
+    budgeted: ClassVar = True
+
+    def write(self, reel: Reel, target: Path) -> Film:
+        """Write a film, as often as it takes to find what fits into the bytes that are allowed."""
+        cut, whole = Cut(), reel.stage.size
+        while True:
+            try:
+                _write(reel, target, cut)
+            except TooLargeError as error:
+                cut = cut.deeper(error.excess, reel.rate, error.limit)
+                reel.stage.resize(cut.size(whole))
+            else:
+                frames = ceil(reel.stage.count / cut.stride)
+                size, rate = target.stat().st_size, reel.rate / cut.stride
+                return Film(target, size, reel.stage.size, frames, rate, cut.colors)
 
     @staticmethod
     def content(reel: Reel) -> bytes:
         """The bytes of a film, without a file."""
-        return _write(reel, None) or b""
+        return _write(reel, None, Cut()) or b""
 
     @staticmethod
     def evidence(path: Path) -> str | None:
@@ -51,16 +69,42 @@ class GifWriter(Writer):
         return comment
 
 
-def _write(reel: Reel, target: Path | None) -> bytes | None:
-    """Write all frames, and give their bytes if there is no file to put them into."""
-    stage = reel.stage
-    with closing(Gif(target, stage.reserved)) as gif:
+class TooLargeError(Exception):
+    """A film will take more bytes than it may."""
+
+    def __init__(self, limit: int, excess: float) -> None:
+        super().__init__(limit, excess)
+        self.limit = limit
+        self.excess = excess
+        """How many times more, as far as can be told."""
+
+
+def _write(reel: Reel, target: Path | None, cut: Cut) -> bytes | None:
+    """Write what is left of all frames, and give their bytes if there is no file to put them into.
+
+    Raises:
+        TooLargeError: they are too many; nothing was written.
+    """
+    stage, limit = reel.stage, reel.max_bytes
+    times = delays(ceil(stage.count / cut.stride), reel.rate / cut.stride, TICKS)
+    with closing(Gif(target, stage.reserved, quality=reel.quality, colors=cut.colors)) as gif:
         for canvas in stage.samples():
             gif.observe(canvas)
-        for canvas, delay in zip(reel.frames(), delays(stage.count, reel.rate, TICKS), strict=True):
+        for index, (canvas, delay) in enumerate(zip(reel.frames(cut.stride), times, strict=True)):
             gif.frame(canvas, delay)
-        gif.comment(reel.evidence)
+            if limit is not None and (index % LOOK == LOOK - 1 or index == len(times) - 1):
+                _refuse_if_too_large(gif.written(), limit, (index + 1) / len(times))
+        evidence = reel.evidence
+        if limit is not None:
+            _refuse_if_too_large(gif.written() + len(evidence) + SMALL, limit, 1.0)
+        gif.comment(evidence)
         return gif.finish()
+
+
+def _refuse_if_too_large(written: int, limit: int, done: float) -> None:
+    """Stop where what is done shows that the whole will not fit."""
+    if written > limit:
+        raise TooLargeError(limit, written / done / limit)
 
 
 def _skip_colors(file: BinaryIO, packed: int) -> None:

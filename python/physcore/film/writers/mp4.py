@@ -12,7 +12,7 @@ from typing import IO, TYPE_CHECKING, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from physcore.film.writers.base import Reel, Writer
+from physcore.film.writers.base import Film, Reel, Writer
 from physcore.storage import replacing
 
 # What runs another program is imported where it is used: it takes as long as half of physcore.
@@ -46,7 +46,7 @@ class Mp4Writer(Writer):
         """FFmpeg, if it is not there."""
         return None if _ffmpeg() else "an MP4 needs FFmpeg: pip install 'physcore[video]'; a .webp needs nothing"
 
-    def write(self, reel: Reel, target: Path) -> None:
+    def write(self, reel: Reel, target: Path) -> Film:
         """Write a film; a side of odd length gets one more row or column, because colors have half the resolution."""
         import subprocess
         import tempfile
@@ -65,6 +65,7 @@ class Mp4Writer(Writer):
                 _feed(encoder, chain([first], frames))
             if encoder.returncode != 0:
                 raise OSError(_cause(encoder.returncode, complaints))
+        return self.written(reel, target)
 
     @staticmethod
     def evidence(path: Path) -> str | None:

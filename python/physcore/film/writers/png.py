@@ -6,7 +6,7 @@ from collections import deque
 from pathlib import Path
 from typing import ClassVar
 
-from physcore.film.writers.base import Reel, Writer
+from physcore.film.writers.base import Film, Reel, Writer
 from physcore.storage import replacing
 
 KEYWORD = "physcore"
@@ -14,12 +14,22 @@ KEYWORD = "physcore"
 
 
 def text_of(path: Path) -> str | None:
-    """The text under the keyword."""
-    from PIL import Image
+    """The text under the keyword; Pillow would decode all frames to find it at the end.
 
-    with Image.open(path) as image:
-        text = image.info.get(KEYWORD)
-    return None if text is None else str(text)
+    Source: W3C, "Portable Network Graphics (PNG) Specification", third edition, 2025: chunks.
+    """
+    with path.open("rb") as file:
+        if file.read(8) != b"\x89PNG\r\n\x1a\n":
+            raise ValueError("is no PNG")
+        while len(head := file.read(8)) == 8:
+            size, kind = int.from_bytes(head[:4]), head[4:]
+            if kind == b"tEXt":
+                keyword, _, text = file.read(size).partition(b"\0")
+                if keyword == KEYWORD.encode():
+                    return text.decode("latin-1")
+                size = 0
+            file.seek(size + 4, 1)
+    return None
 
 
 class PngWriter(Writer):
@@ -28,15 +38,16 @@ class PngWriter(Writer):
     suffixes: ClassVar = (".png",)
     name: ClassVar = "a PNG"
 
-    def write(self, reel: Reel, target: Path) -> None:
+    def write(self, reel: Reel, target: Path) -> Film:
         """Write the last frame."""
         from PIL import Image
         from PIL.PngImagePlugin import PngInfo
 
+        last = deque(reel.frames(), maxlen=1)[0]
         texts = PngInfo()
         texts.add_text(KEYWORD, reel.evidence)
-        last = deque(reel.frames(), maxlen=1)[0]
         with replacing(target) as file:
             Image.fromarray(last.pixels()).save(file, format="PNG", pnginfo=texts)
+        return Film(target, target.stat().st_size, reel.stage.size, 1, reel.rate)
 
     evidence = staticmethod(text_of)

@@ -14,7 +14,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from physcore.film.writers.base import Reel, Writer, delays
+from physcore.film.writers.base import Film, Reel, Writer, delays
 from physcore.film.writers.patches import Patch, patches
 from physcore.storage import replacing
 
@@ -39,12 +39,10 @@ class WebpWriter(Writer):
     fastest: ClassVar = 90.0  # Browsers slow delays of 10 ms and less down to 100 ms.
     longest: ClassVar = (2**24 - 1) / TICKS
 
-    def write(self, reel: Reel, target: Path) -> None:
+    def write(self, reel: Reel, target: Path) -> Film:
         """Write a film."""
         from PIL import Image
 
-        exif = Image.Exif()
-        exif[DESCRIPTION] = reel.evidence
         with replacing(target) as file:
             file.write(b"RIFF\0\0\0\0WEBP")
             shown = zip(patches(reel.frames()), delays(reel.stage.count, reel.rate, TICKS), strict=True)
@@ -55,10 +53,13 @@ class WebpWriter(Writer):
                     file.write(_chunk(b"VP8X", features + _short(width - 1) + _short(height - 1)))
                     file.write(_chunk(b"ANIM", struct.pack("<IH", 0, 0)))  # for ever
                 file.write(_chunk(b"ANMF", _frame(patch, delay)))
+            exif = Image.Exif()
+            exif[DESCRIPTION] = reel.evidence
             file.write(_chunk(b"EXIF", exif.tobytes().removeprefix(b"Exif\0\0")))
             size = file.tell()
             file.seek(4)
             file.write(struct.pack("<I", size - 8))
+        return self.written(reel, target)
 
     @staticmethod
     def evidence(path: Path) -> str | None:
