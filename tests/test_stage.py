@@ -22,9 +22,10 @@ from hypothesis import strategies as st
 from PIL import Image
 
 import physcore as pc
+from physcore.evidence import Drift
 from physcore.film import DARK, LIGHT, Follow, Orbit, Window, gif_bytes, spool
 from physcore.film.colormaps import COLORMAPS, LUMA, sequential
-from physcore.film.foot import Drift, Foot, bars
+from physcore.film.foot import Foot, bars
 from physcore.film.lettering import ADVANCE, ends, wrapped
 from physcore.film.panels import Stage
 from physcore.film.sources import Running, sources
@@ -354,7 +355,7 @@ def test_the_energy_error_so_far_ends_as_that_of_the_recording() -> None:
     recording = pc.simulate(rope(), 1.0, dt=2e-3)
     drift = Drift()
     (source,) = sources(recording, None, None, {})
-    errors = [drift.update(moment.energy) for moment in source.moments() if moment.energy is not None]
+    errors = [drift.add(moment.energy) for moment in source.moments() if moment.energy is not None]
     assert errors[0] == 0.0
     assert errors[-1] == pytest.approx(abs(recording.energy.drift[-1]), rel=1e-9)
     assert errors[-1] > 0.0

@@ -13,6 +13,7 @@ from physcore._core import Canvas
 from physcore.checks import FloatArray, shown
 from physcore.energy import Energy
 from physcore.errors import SceneError
+from physcore.evidence import Drift
 from physcore.film.colormaps import look_up
 from physcore.film.lettering import GAP, advance, ends, wrapped
 from physcore.film.sources import Source
@@ -44,23 +45,6 @@ def check_labels(labels: object, found: Sequence[Source]) -> tuple[Label, ...]:
                 f"labels: {label!r} is known of a Scene and of what simulate(…) gives, and of nothing else"
             )
     return tuple(dict.fromkeys(labels))
-
-
-class Drift:
-    """The energy error so far: the change of the balance, in units of the energy that has been in motion."""
-
-    def __init__(self) -> None:
-        self._first = 0.0
-        self._lowest, self._highest = np.full(3, np.inf), np.full(3, -np.inf)
-
-    def update(self, energy: Energy) -> float:
-        """Take a moment into account, and give the error; 0 while nothing has moved."""
-        if not np.isfinite(self._lowest).all():
-            self._first = energy.balance
-        now = np.array([energy.kinetic, energy.potential, energy.internal])
-        self._lowest, self._highest = np.minimum(self._lowest, now), np.maximum(self._highest, now)
-        scale = float(self._highest[0] + (self._highest - self._lowest)[1:].sum())
-        return abs(energy.balance - self._first) / scale if scale > 0.0 else 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,7 +119,7 @@ class Foot:
     ) -> None:
         """Write the lines of a frame; every frame of a film is to be drawn once, in order."""
         width, height = size
-        errors = [0.0 if now is None else drift.update(now) for drift, now in zip(self._drifts, energies, strict=True)]
+        errors = [0.0 if now is None else drift.add(now) for drift, now in zip(self._drifts, energies, strict=True)]
         own, common = self._lines(text, width, errors, frame)
         ink = (*theme.label, 255)
         canvas.text(common, text // 2, height - round(1.2 * text), text, ink, -1)

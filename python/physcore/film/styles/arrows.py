@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 
 from physcore._core import Canvas, tint
 from physcore.checks import number
 from physcore.film.camera import PixelArray, View
-from physcore.film.colormaps import ColormapName, sequential
-from physcore.film.fields import UNITS, Field, Of, field
-from physcore.film.sources import Moment, Source
-from physcore.film.styles.base import Painter, Part, Scale, Style, table, typical
+from physcore.film.fields import Field
+from physcore.film.sources import Moment
+from physcore.film.styles.base import Painter
+from physcore.film.styles.field import FieldPainter, FieldStyle
 from physcore.film.themes import Theme
 
 HEAD = 0.34
@@ -25,7 +24,7 @@ LEAST = 0.12
 
 
 @dataclass(frozen=True)
-class Arrows(Style):
+class Arrows(FieldStyle):
     """Arrows on a regular pattern, as long as what they show is large, and colored by it.
 
     They are drawn in addition to how the bodies look: `style=[Points(), Arrows()]`.
@@ -43,50 +42,23 @@ class Arrows(Style):
         SceneError: a value is not valid, or velocities are needed and were not recorded.
     """
 
-    overlay: ClassVar[bool] = True
-
-    of: Of = "velocities"
     spacing: float = 26.0
-    colormap: ColormapName | None = None
-    top: float | None = None
 
     def __post_init__(self) -> None:
         super().__post_init__()
         number(self.spacing, "Arrows.spacing", least=6.0)
-        if self.colormap is not None:
-            sequential(self.colormap, (0.0, 1.0), "Arrows.colormap")
-        if self.top is not None:
-            number(self.top, "Arrows.top", above=0.0)
 
-    def painter(self, source: Source, parts: list[Part], theme: Theme) -> Painter:
-        """A painter with the scale of one film."""
-        return ArrowsPainter(self, field(self.of, source, parts, "Arrows.of"), theme)
+    def field_painter(self, shown: Field, theme: Theme) -> Painter:
+        """What draws arrows."""
+        return ArrowsPainter(self, shown, theme)
 
 
-class ArrowsPainter(Painter):
+class ArrowsPainter(FieldPainter):
     """Draws shafts and heads."""
 
     def __init__(self, style: Arrows, shown: Field, theme: Theme) -> None:
-        self.style, self._style, self._field, self._theme = style, style, shown, theme
-        self._table = table(style.colormap, theme, "Arrows.colormap")
-        self.top = style.top or 0.0
-
-    @property
-    def settled(self) -> bool:
-        """Whether the longest arrow's value was given."""
-        return self._style.top is not None
-
-    @property
-    def scale(self) -> Scale | None:
-        """What the colors mean, where there is more than one."""
-        quantity, unit = UNITS.get(str(self._style.of), ("field", ""))
-        return None if self._style.colormap is None else Scale(quantity, unit, (0.0, self.top), self._table)
-
-    def observe(self, moment: Moment) -> None:
-        """Find the value of the longest arrow, among the particles themselves: there is no picture yet."""
-        if not self.settled:
-            vectors = self._field.known(moment)
-            self.top = max(self.top, typical(np.sqrt(np.einsum("nd,nd->n", vectors, vectors))))
+        super().__init__(style, shown, theme)
+        self._style = style
 
     def inset(self, pixels: float) -> float:
         """Half an arrow."""

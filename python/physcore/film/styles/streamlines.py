@@ -12,10 +12,10 @@ from physcore.bodies import Body
 from physcore.checks import number
 from physcore.errors import SceneError
 from physcore.film.camera import View
-from physcore.film.colormaps import ColormapName, sequential
-from physcore.film.fields import UNITS, Field, Of, field, pattern
+from physcore.film.fields import Field, pattern
 from physcore.film.sources import Moment, Source
-from physcore.film.styles.base import Painter, Part, Scale, Style, table, typical
+from physcore.film.styles.base import Painter, Part
+from physcore.film.styles.field import FieldPainter, FieldStyle
 from physcore.film.themes import Theme
 
 STEP = 3.0
@@ -25,7 +25,7 @@ LEAST = 0.02
 
 
 @dataclass(frozen=True)
-class Streamlines(Style):
+class Streamlines(FieldStyle):
     """Short streamlines on a regular pattern, growing thinner toward where they come from; for 2D scenes.
 
     They are drawn in addition to how the bodies look: `style=[Fluid(), Streamlines()]`. A line is followed by the
@@ -44,25 +44,17 @@ class Streamlines(Style):
         SceneError: a value is not valid, the scene is in 3D, or velocities are needed and were not recorded.
     """
 
-    overlay: ClassVar[bool] = True
     dimensions: ClassVar[tuple[int, ...]] = (2,)
 
-    of: Of = "velocities"
     spacing: float = 22.0
     length: float = 60.0
     width: float = 2.0
-    colormap: ColormapName | None = None
-    top: float | None = None
 
     def __post_init__(self) -> None:
         super().__post_init__()
         number(self.spacing, "Streamlines.spacing", least=6.0)
         number(self.length, "Streamlines.length", least=2.0 * STEP)
         number(self.width, "Streamlines.width", above=0.0)
-        if self.colormap is not None:
-            sequential(self.colormap, (0.0, 1.0), "Streamlines.colormap")
-        if self.top is not None:
-            number(self.top, "Streamlines.top", above=0.0)
 
     def can_draw(self, body: Body) -> bool:
         """Whether it lies in the plane."""
@@ -72,33 +64,19 @@ class Streamlines(Style):
         """A painter with the scale of one film."""
         if source.scene.dimension not in self.dimensions:
             raise SceneError("Streamlines: show the plane, and this scene is in 3D; Arrows() shows space")
-        return StreamlinesPainter(self, field(self.of, source, parts, "Streamlines.of"), theme)
+        return super().painter(source, parts, theme)
+
+    def field_painter(self, shown: Field, theme: Theme) -> Painter:
+        """What draws streamlines."""
+        return StreamlinesPainter(self, shown, theme)
 
 
-class StreamlinesPainter(Painter):
+class StreamlinesPainter(FieldPainter):
     """Follows lines and draws them."""
 
     def __init__(self, style: Streamlines, shown: Field, theme: Theme) -> None:
-        self.style, self._style, self._field, self._theme = style, style, shown, theme
-        self._table = table(style.colormap, theme, "Streamlines.colormap")
-        self.top = style.top or 0.0
-
-    @property
-    def settled(self) -> bool:
-        """Whether the end of the color scale was given."""
-        return self._style.top is not None
-
-    @property
-    def scale(self) -> Scale | None:
-        """What the colors mean, where there is more than one."""
-        quantity, unit = UNITS.get(str(self._style.of), ("field", ""))
-        return None if self._style.colormap is None else Scale(quantity, unit, (0.0, self.top), self._table)
-
-    def observe(self, moment: Moment) -> None:
-        """Find the end of the color scale, among the particles themselves: there is no picture yet."""
-        if not self.settled:
-            vectors = self._field.known(moment)
-            self.top = max(self.top, typical(np.sqrt(np.einsum("nd,nd->n", vectors, vectors))))
+        super().__init__(style, shown, theme)
+        self._style = style
 
     def inset(self, pixels: float) -> float:
         """Half a line's width."""

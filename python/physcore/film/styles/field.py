@@ -1,0 +1,67 @@
+"""What the styles that show vector fields have in common."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from dataclasses import dataclass
+from typing import ClassVar
+
+from physcore._core import norms
+from physcore.checks import number
+from physcore.film.colormaps import ColormapName, sequential
+from physcore.film.fields import UNITS, Field, Of, field
+from physcore.film.sources import Moment, Source
+from physcore.film.styles.base import Painter, Part, Scale, Style, table, typical
+from physcore.film.themes import Theme
+
+
+@dataclass(frozen=True)
+class FieldStyle(Style):
+    """A field drawn over what moves, colored by its strength; `of`, `colormap` and `top` as in Arrows."""
+
+    overlay: ClassVar[bool] = True
+
+    of: Of = "velocities"
+    colormap: ColormapName | None = None
+    top: float | None = None
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.colormap is not None:
+            sequential(self.colormap, (0.0, 1.0), f"{type(self).__name__}.colormap")
+        if self.top is not None:
+            number(self.top, f"{type(self).__name__}.top", above=0.0)
+
+    def painter(self, source: Source, parts: list[Part], theme: Theme) -> Painter:
+        """A painter with the scale of one film."""
+        return self.field_painter(field(self.of, source, parts, f"{type(self).__name__}.of"), theme)
+
+    @abstractmethod
+    def field_painter(self, shown: Field, theme: Theme) -> Painter:
+        """What draws a field."""
+
+
+class FieldPainter(Painter):
+    """Finds how strong the field is, among the particles themselves: there is no picture yet."""
+
+    def __init__(self, style: FieldStyle, shown: Field, theme: Theme) -> None:
+        self.style, self._top, self._field, self._theme = style, style.top, shown, theme
+        self._of, self._plain = str(style.of), style.colormap is None
+        self._table = table(style.colormap, theme, f"{type(style).__name__}.colormap")
+        self.top = style.top or 0.0
+
+    @property
+    def settled(self) -> bool:
+        """Whether the end of the scale was given."""
+        return self._top is not None
+
+    @property
+    def scale(self) -> Scale | None:
+        """What the colors mean, where there is more than one."""
+        quantity, unit = UNITS.get(self._of, ("field", ""))
+        return None if self._plain else Scale(quantity, unit, (0.0, self.top), self._table)
+
+    def observe(self, moment: Moment) -> None:
+        """Find the end of the scale."""
+        if not self.settled:
+            self.top = max(self.top, typical(norms(self._field.known(moment))))
