@@ -61,6 +61,11 @@ def limit(world: World) -> Limit:
     return Limit(**world.limit())
 
 
+def certified(world: World) -> float:
+    """The limit of stability [s] that holds wherever springs turn, while none is shorter than half its rest length."""
+    return world.certified()
+
+
 def present_limit(world: World) -> Limit:
     """The limit of one step from the world's present state [s], whatever is ahead; a certified one."""
     return Limit(**world.present_limit())

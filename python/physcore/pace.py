@@ -293,7 +293,7 @@ class Pace:
             return False
         assert self._limits
         first, kept = self._limits
-        certified = self._world.certified()
+        certified = engine.certified(self._world)
         if self._world.dt > certified:
             present = engine.limit(self._world)
             # What nothing limited at the start, as grains at rest that do not touch, says nothing about how small.
@@ -308,7 +308,7 @@ class Pace:
 
     def _warn_if_unstable(self, dt: float) -> None:
         # The certified limit is the smaller one, and found in a fraction of the time.
-        if dt <= self._world.certified():
+        if dt <= engine.certified(self._world):
             return
         limit = engine.limit(self._world)
         if dt <= limit.stability:

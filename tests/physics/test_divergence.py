@@ -25,10 +25,17 @@ def unstable(integrator: pc.Integrator, factor: float = 1.3, **numerics) -> pc.S
     return simulation(HANGING, integrator, factor * edge(HANGING, integrator), **numerics)
 
 
+def beyond(integrator: pc.Integrator) -> float:
+    """A multiple of the limit that blows up. At twice its own DormandPrince5 grows by a few percent per step without
+    damping, and not at all in this net; at four times it grows by several times.
+    """
+    return 4.0 if isinstance(integrator, pc.DormandPrince5) else 2.0
+
+
 @pytest.mark.parametrize("precision", ["f64", "f32"])
 @pytest.mark.parametrize("integrator", STABLE, ids=name)
 def test_a_run_above_the_limit_is_stopped_with_a_diagnosis(integrator, precision):
-    run = unstable(integrator, factor=2.0, precision=precision)
+    run = unstable(integrator, factor=beyond(integrator), precision=precision)
     with pytest.raises(pc.SimulationDiverged) as caught:
         run.step(100_000)
     error = caught.value
@@ -68,10 +75,10 @@ def test_a_slow_growth_is_noticed_however_far_it_has_come(integrator, kind):
 
 @pytest.mark.parametrize("integrator", STABLE, ids=name)
 def test_the_last_good_state_is_that_of_the_step_before_with_the_same_bits(integrator):
-    run = unstable(integrator, factor=2.0)
+    run = unstable(integrator, factor=beyond(integrator))
     with pytest.raises(pc.SimulationDiverged) as caught:
         run.step(100_000)
-    plain = unstable(integrator, factor=2.0)
+    plain = unstable(integrator, factor=beyond(integrator))
     plain.step(caught.value.step - 1)
     assert plain.state_hash() == run.state_hash()
     with pytest.raises(pc.SimulationDiverged) as again:
