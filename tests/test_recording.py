@@ -143,7 +143,7 @@ def test_save_and_load_give_the_same_recording(tmp_path):
 
 def frame(x: float, v: float) -> Frame:
     energy = Energy(kinetic=0.0, by_term={}, internal=0.0, dissipated=0.0, dissipated_by={}, work=0.0, time=0.0)
-    return Frame(0.0, np.array([[x]]), np.array([[v]]), energy, np.zeros(1), np.zeros(1))
+    return Frame(0.0, np.array([[x]]), np.array([[v]]), 0.1, energy, np.zeros(1), np.zeros(1))
 
 
 @given(coefficients=st.tuples(*[st.floats(-10, 10)] * 4), fraction=st.floats(0, 1), dt=st.floats(0.1, 10))

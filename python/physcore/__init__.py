@@ -12,6 +12,8 @@ and clock; a Recording is arrays and the audit; `film` draws them.
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from physcore.accuracy import simulate
 from physcore.bodies import Body, Particles, SpringNetwork
 from physcore.boundaries import Boundary, Box, Floor, Plane, Sphere
@@ -27,7 +29,7 @@ from physcore.errors import (
     SimulationDiverged,
     StabilityWarning,
 )
-from physcore.film import film, styles
+from physcore.film import film
 from physcore.fluid import Fluid
 from physcore.forces import CentralForce, CustomForce, Drag, Force, Gravity, LennardJones, Repulsion
 from physcore.integrators import (
@@ -56,6 +58,9 @@ from physcore.simulation import Simulation
 from physcore.stability import MeasuredLimit, stability_limit
 from physcore.state import Frame, Snapshot
 from physcore.tradeoff import Tradeoff, tradeoff
+
+if TYPE_CHECKING:
+    from physcore.film import styles
 
 __version__: str
 """The version of the installed package."""
@@ -129,8 +134,12 @@ __all__ = [
 ]
 
 
-def __getattr__(name: str) -> str:
-    """The version, looked up when it is asked for: reading package metadata takes longer than all other imports."""
+def __getattr__(name: str) -> object:
+    """The version and the styles of films, looked up when asked for: they take as long as all other imports."""
+    if name == "styles":
+        from physcore.film import styles
+
+        return styles
     if name != "__version__":
         raise AttributeError(f"module 'physcore' has no attribute {name!r}")
     from importlib.metadata import version

@@ -7,12 +7,17 @@ which colors (`themes`), a writer in which format (`writers`). To add a style or
 
 from __future__ import annotations
 
-from physcore.film import styles
-from physcore.film.camera import Orbit, Window
+from importlib import import_module
+from typing import TYPE_CHECKING
+
 from physcore.film.filming import film, gif_bytes
-from physcore.film.moving import Follow, Keyframes
-from physcore.film.proof import evidence
-from physcore.film.themes import DARK, LIGHT, Theme
+
+if TYPE_CHECKING:
+    from physcore.film import styles
+    from physcore.film.camera import Orbit, Window
+    from physcore.film.moving import Follow, Keyframes
+    from physcore.film.proof import evidence
+    from physcore.film.themes import DARK, LIGHT, Theme
 
 __all__ = [
     "DARK",
@@ -27,3 +32,21 @@ __all__ = [
     "gif_bytes",
     "styles",
 ]
+
+_HOMES = {
+    "DARK": "themes",
+    "LIGHT": "themes",
+    "Follow": "moving",
+    "Keyframes": "moving",
+    "Orbit": "camera",
+    "Theme": "themes",
+    "Window": "camera",
+    "evidence": "proof",
+}
+"""Where names live that are looked up when they are asked for: not every script draws."""
+
+
+def __getattr__(name: str) -> object:
+    if name not in _HOMES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module(f"{__name__}.{_HOMES[name]}"), name)

@@ -6,23 +6,22 @@ import os
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Unpack
+from typing import TYPE_CHECKING, Unpack
 
 from physcore.checks import count as whole_number
 from physcore.errors import FileError, SceneError
-from physcore.film.foot import Label
-from physcore.film.inset import Inset
-from physcore.film.moving import Camera, Follow
-from physcore.film.panels import Stage
-from physcore.film.proof import proof, write_sidecar
-from physcore.film.sources import sources
-from physcore.film.styles import Style
-from physcore.film.themes import Color, Theme, ThemeName, color, legible, resolve
-from physcore.film.writers import QUALITIES, WRITERS, Film, GifWriter, Quality, Reel, Writer
-from physcore.formats import writable
 from physcore.numerics import Options
-from physcore.recording import Recording
-from physcore.scene import Scene
+
+# Drawing is imported where it is used: it takes as long as the rest of physcore.
+if TYPE_CHECKING:
+    from physcore.film.foot import Label
+    from physcore.film.inset import Inset
+    from physcore.film.moving import Camera, Follow
+    from physcore.film.styles import Style
+    from physcore.film.themes import Color, Theme, ThemeName
+    from physcore.film.writers import Film, Quality, Writer
+    from physcore.recording import Recording
+    from physcore.scene import Scene
 
 
 def film(
@@ -102,6 +101,12 @@ def film(
         PhyscoreError: what the format needs is not installed.
         SimulationDiverged: the scene blew up while it was filmed.
     """
+    from physcore.film.panels import Stage
+    from physcore.film.proof import proof, write_sidecar
+    from physcore.film.sources import sources
+    from physcore.film.writers import WRITERS, Reel
+    from physcore.formats import writable
+
     target, writer = Path(path), writable(path, WRITERS)
     found = sources(recording, duration, fps, numerics)
     rate = writer.rate(found[0].fps, speed)
@@ -129,6 +134,12 @@ def gif_bytes(
     speed: float = 1.0,
 ) -> bytes:
     """The bytes of the GIF that `film` would write, for a notebook or a server; the arguments are those of `film`."""
+    from physcore.film.panels import Stage
+    from physcore.film.proof import proof
+    from physcore.film.sources import sources
+    from physcore.film.themes import resolve
+    from physcore.film.writers import GifWriter, Reel
+
     found = sources(recording, None, None, {})
     rate = GifWriter.rate(found[0].fps, speed)
     with Stage(found, size, style, None, resolve(theme), None, False) as stage:
@@ -150,6 +161,8 @@ def _check_bytes(quality: object, max_bytes: object, writer: Writer) -> None:
     Raises:
         SceneError: it cannot.
     """
+    from physcore.film.writers import QUALITIES
+
     if quality not in QUALITIES:
         raise SceneError(f"quality: must be one of {', '.join(map(repr, QUALITIES))}, got {quality!r}")
     if max_bytes is not None:
@@ -159,5 +172,7 @@ def _check_bytes(quality: object, max_bytes: object, writer: Writer) -> None:
 
 
 def _colors(theme: Theme | ThemeName, background: Color | str | None) -> Theme:
+    from physcore.film.themes import color, legible, resolve
+
     chosen = resolve(theme)
     return chosen if background is None else legible(replace(chosen, background=color(background, "background")))

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
-import tempfile
 import time
 from collections.abc import Iterator
 from contextlib import suppress
@@ -92,6 +90,9 @@ class Spool:
 
     def _open(self, moment: Moment) -> None:
         """Make room, if there is enough for as many frames like this one."""
+        import shutil  # these two take longer to import than the rest of film
+        import tempfile
+
         self._layout = [("positions", moment.positions.shape), *((k, v.shape) for k, v in moment.more.items())]
         self._terms = {name: list(getattr(moment.energy, name, ())) for name in TERMS}
         with suppress(OSError):
