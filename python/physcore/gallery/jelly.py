@@ -42,7 +42,7 @@ def main(path: str | os.PathLike[str] = "jelly.gif", progress: bool | None = Non
     recording = pc.simulate(scene(), duration=DURATION, fps=30, dt=pc.AutoStep(safety=0.25), progress=progress)
     style = pc.styles.Surface(color="strain", range=0.1)
     room = Window((-0.84, -0.64), (1.98, 0.84))  # for the diagram beside the box
-    pc.film(recording, path, size=(760, 420), style=style, camera=room, inset="energy", progress=progress)
+    pc.film(recording, path, size=(640, 370), style=style, camera=room, inset="energy", progress=progress)
     return {"jelly": recording}
 
 

@@ -41,7 +41,7 @@ def main(path: str | os.PathLike[str] = "orbits.gif", progress: bool | None = No
         list(recordings.values()),
         path,
         titles=list(recordings),
-        size=(960, 400),
+        size=(720, 350),
         style=pc.styles.Points(size=10.0, trail=PERIOD, glow=0.8),
         camera=Window((-2.6, -1.5), (0.7, 1.5)),
         labels=("time", "energy"),
