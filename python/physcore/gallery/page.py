@@ -22,7 +22,7 @@ from physcore.storage import replacing
 INDEX = "index.html"
 """The file that is opened."""
 WIDE = 1.8
-"""A film so many times as wide as it is high, or more, gets a row of its own."""
+"""A film so many times as wide as it is high, or more, gets two columns where there are as many."""
 
 
 @dataclass(frozen=True)
@@ -111,12 +111,13 @@ def _article(entry: Entry) -> str:
     width, height = entry.size
     wide = ' class="wide"' if width >= WIDE * height else ""
     mark, word = ("holds", "✓") if entry.figure.holds else ("failed", "✗ does not hold:")
+    figure = escape(str(entry.figure)).replace(" %", "&nbsp;%")
     numerics = "".join(f"<li>{escape(line)}</li>\n" for line in entry.numerics)
     return f"""<article id="{escape(entry.name)}"{wide}>
 <img src="{escape(entry.film)}" width="{width}" height="{height}" loading="lazy" alt="{escape(entry.caption)}">
 <h2>{escape(entry.title)}</h2>
 <p>{escape(entry.caption)}</p>
-<p class="{mark}">{word} {escape(str(entry.figure))}</p>
+<p class="{mark}">{word} {figure}</p>
 <ul>
 {numerics}</ul>
 <details>
