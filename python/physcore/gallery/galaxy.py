@@ -62,7 +62,7 @@ def main(path: str | os.PathLike[str] = "galaxy.gif", progress: bool | None = No
 def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
     """The angle between the first two farthest points of stars in the inner half, 2π Ω/κ by the theory of small swings.
 
-    The mean over stars is short of it by the order of the square of their swing, one percent.
+    The mean over stars differs from it by the order of the square of their swing, one percent.
     """
     recording = recordings["stars"]
     x, y = np.moveaxis(recording.positions[..., :2], 2, 0)
@@ -80,4 +80,4 @@ def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
         angular, radial = rates(middle)
         expected.append(2.0 * np.pi * angular / radial)
     turn = np.degrees([np.mean(found), np.mean(expected)]).tolist()
-    return Figure("angle from far to far, mean of the inner stars,", turn[0], turn[1], "by theory", 0.02, "degrees")
+    return Figure("mean angle from far to far of the inner stars", turn[0], turn[1], "by theory", 0.02, "degrees")
