@@ -14,7 +14,7 @@ from physcore.gallery import DEMOS, demo
 from physcore.gallery.crystal import lattice_energy
 from physcore.gallery.figure import Figure
 
-LONG = ("drape", "bowl")
+LONG = ("flag", "drape", "bowl")
 """Demos that take more than five seconds, of those that have no test of their own."""
 FRAMES = 2
 """How many steps of a film the quick test simulates."""

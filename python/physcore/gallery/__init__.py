@@ -24,6 +24,7 @@ DEMOS = (
     "orbits",
     "pendulums",
     "galaxy",
+    "flag",
     "drape",
     "bowl",
     "dam_break",

@@ -76,7 +76,8 @@ def budget(recordings: Mapping[str, Recording], bound: float) -> Figure:
     found = energy.kinetic[-1] + stored[-1] - stored[0] + energy.dissipated[-1]
     given = energy.kinetic[0] + height[0] - height[-1] + energy.work[-1]
     forms = ["motion", *["strain"] * ("springs" in energy.by_term), *["compression"] * bool(energy.internal.any())]
-    source = "from the fall" if energy.kinetic[0] == 0.0 else "from the throw and the fall"
+    given_by = ["the throw"] * bool(energy.kinetic[0]) + ["the fall"] + ["the wind"] * bool(energy.work[-1])
+    source = f"from {' and '.join(given_by)}"
     return Figure(f"{', '.join(forms)} and heat at the end", float(found), float(given), source, bound, "J")
 
 
