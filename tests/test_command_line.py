@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+import signal
 import subprocess
 import sys
+import time
+from html.parser import HTMLParser
 
 import pytest
+from PIL import Image
 
 from physcore.__main__ import main
 from physcore.film import evidence
 from physcore.film.writers import WRITERS
 from physcore.gallery import DEMOS, caption, demo
+from physcore.gallery.figure import Figure
 from physcore.progress import Progress
 
 
@@ -35,7 +40,7 @@ def test_a_demo_writes_its_gif_shows_progress_and_prints_the_audit(capsys, tmp_p
     output = capsys.readouterr()
     assert path.read_bytes().startswith(b"GIF89a")
     assert str(path) in output.out
-    for word in ("kinetic", "dissipated", "work", "drift", "momentum"):
+    for word in ("kinetic", "dissipated", "work", "drift", "momentum", "Checked: ", "off by"):
         assert word in output.out
     assert "100 %" in output.err
 
@@ -47,6 +52,92 @@ def test_a_demo_is_filmed_in_any_format(kind, capsys, tmp_path):
     (panel,) = evidence(path)
     assert panel["scene"] == demo("rope").scene().hash()
     assert str(path) in capsys.readouterr().out
+
+
+class Page(HTMLParser):
+    """What a page refers to, and whether every element that was opened is closed."""
+
+    EMPTY = ("meta", "img")
+
+    def __init__(self, text):
+        super().__init__()
+        self.open, self.tags, self.references, self.images = [], [], [], []
+        self.feed(text)
+        self.close()
+        assert self.open == []
+
+    def handle_starttag(self, tag, attributes):
+        self.tags.append(tag)
+        found = dict(attributes)
+        self.references += [found[name] for name in ("src", "href") if name in found]
+        if tag == "img":
+            self.images.append(found)
+        if tag not in self.EMPTY:
+            self.open.append(tag)
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+
+def test_a_gallery_is_a_page_with_its_films_beside_it(capsys, tmp_path):
+    assert main(["gallery", "rope", "orbits", "rope", "-o", str(tmp_path / "new" / "page")]) == 0
+    folder = tmp_path / "new" / "page"
+    text = (folder / "index.html").read_text(encoding="utf-8")
+    page = Page(text)
+    assert page.references == ["rope.gif", "orbits.gif"]
+    for image in page.images:
+        assert image["alt"] == caption(image["src"].removesuffix(".gif"))
+        with Image.open(folder / image["src"]) as film:
+            assert (int(image["width"]), int(image["height"])) == film.size
+    assert "script" not in page.tags
+    assert "link" not in page.tags
+    assert str(tmp_path) not in text
+    assert "://" not in text
+    output = capsys.readouterr().out
+    for word in ("every figure holds", "Kepler&#x27;s third law", "RungeKutta4, dt = 0.00314 s, f64", "energy drift"):
+        assert word in text
+    assert "def scene() -&gt; pc.Scene:" in text
+    assert str(folder / "index.html") in output
+    assert "rope.gif" in output
+
+
+def test_a_figure_that_does_not_hold_is_marked_and_is_a_failure(capsys, monkeypatch, tmp_path):
+    hostile = Figure('<script>"a" & b</script>', 2.0, 1.0, "by theory", 0.1)
+    monkeypatch.setattr(demo("rope"), "figure", lambda recordings: hostile)
+    assert main(["gallery", "rope", "-o", str(tmp_path)]) == 1
+    assert "the figures of rope do not hold" in capsys.readouterr().err
+    text = (tmp_path / "index.html").read_text(encoding="utf-8")
+    assert "script" not in Page(text).tags
+    assert '<p class="failed">✗ does not hold: &lt;script&gt;&quot;a&quot; &amp; b&lt;/script&gt; 2.00' in text
+    assert "1 of 1 figures do not hold" in text
+
+
+def test_a_gallery_refuses_before_it_begins(capsys, tmp_path):
+    assert main(["gallery", "rope", "no-such-demo", "-o", str(tmp_path / "page")]) == 2
+    assert not (tmp_path / "page").exists()
+    (tmp_path / "file").write_text("mine")
+    assert main(["gallery", "rope", "-o", str(tmp_path / "file")]) == 1
+    error = capsys.readouterr().err.splitlines()
+    assert error[0].startswith("physcore: no demo 'no-such-demo'")
+    assert "cannot be made a folder" in error[1]
+    assert len(error) == 2
+
+
+def test_a_gallery_that_is_killed_leaves_what_was_there_and_whole_films(tmp_path):
+    (tmp_path / "index.html").write_text("the last one")
+    command = [sys.executable, "-m", "physcore", "gallery", "rope", "jelly", "bowl", "-o", str(tmp_path)]
+    running = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    try:
+        while not (tmp_path / "rope.gif").exists():
+            assert running.poll() is None
+            time.sleep(0.01)
+    finally:
+        running.kill()
+    assert running.wait() == -signal.SIGKILL
+    assert (tmp_path / "index.html").read_text() == "the last one"
+    for path in tmp_path.glob("[!.]*.gif"):
+        with Image.open(path) as film:
+            film.seek(film.n_frames - 1)
 
 
 def test_bad_input_is_one_line_and_an_exit_code(capsys, tmp_path):

@@ -1,4 +1,4 @@
-"""The command line: `physcore list`, `physcore demo`, `physcore tradeoff`, `physcore bench`."""
+"""The command line: `physcore list`, `physcore demo`, `physcore gallery`, `physcore tradeoff`, `physcore bench`."""
 
 from __future__ import annotations
 
@@ -47,6 +47,12 @@ def _parser() -> argparse.ArgumentParser:
         help="the film to write: .gif, .webp, .apng, .mp4, or .png for its last frame (default: NAME.gif)",
     )
     demo.set_defaults(run=_demo)
+    page = commands.add_parser("gallery", help="run the demos: write their films and a page that shows them")
+    page.add_argument("names", nargs="*", metavar="NAME", help="some of `physcore list` (default: all)")
+    page.add_argument(
+        "-o", "--output", type=Path, required=True, metavar="DIR", help="where to write index.html and the films"
+    )
+    page.set_defaults(run=_gallery)
     trade = commands.add_parser("tradeoff", help="measure what speed costs in accuracy in a demo")
     trade.add_argument("name", metavar="NAME", help="one of `physcore list`")
     trade.add_argument("-o", "--output", type=Path, metavar="FILE", help="a figure to write, such as trade.png")
@@ -86,10 +92,33 @@ def _demo(options: argparse.Namespace) -> int:
         print(f"physcore: {error}", file=sys.stderr)
         return 2
     print(caption(name))
-    for title, recording in demo(name).main(path, progress=True).items():
+    recordings = demo(name).main(path, progress=True)
+    for title, recording in recordings.items():
         print(f"\n{title}: {audit(recording)}")
+    print(f"\nChecked: {demo(name).figure(recordings)}.")
     print(f"\nThe film is {path.resolve()} ({path.stat().st_size / 1e6:.1f} MB).")
     return 0
+
+
+def _gallery(options: argparse.Namespace) -> int:
+    from physcore.gallery import DEMOS
+    from physcore.gallery.page import INDEX, gallery
+
+    names = list(dict.fromkeys(options.names)) or DEMOS
+    if not all(map(_exists, names)):
+        return 2
+    failed = []
+    for entry in gallery(options.output, names, progress=True):
+        print(f"{entry.name}: {entry.figure}")
+        print(
+            f"  {options.output / entry.film} ({(options.output / entry.film).stat().st_size / 1e6:.1f} MB)", flush=True
+        )
+        if not entry.figure.holds:
+            failed.append(entry.name)
+    print(f"\nThe page is {(options.output / INDEX).resolve()}.")
+    if failed:
+        print(f"physcore: the figures of {', '.join(failed)} do not hold", file=sys.stderr)
+    return 1 if failed else 0
 
 
 def _tradeoff(options: argparse.Namespace) -> int:

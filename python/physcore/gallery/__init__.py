@@ -1,8 +1,9 @@
 """Demos: each is one short file to read as an example. Run one with `physcore demo NAME`.
 
 A demo is a module with a docstring, whose first line is its caption, a function `scene()` that builds it, its
-`DURATION`, and a function `main(path, progress)` that writes a GIF and gives the recordings it is made of, by title. To
-add one: a file here and a line in `DEMOS`.
+`DURATION`, a function `main(path, progress)` that writes a GIF and gives the recordings it is made of, by title, and a
+function `figure(recordings)` that measures in them something whose value is known. To add one: a file here and a line
+in `DEMOS`. `physcore gallery` shows them all on a page.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ from collections.abc import Mapping
 from importlib import import_module
 from typing import Protocol, cast
 
+from physcore.gallery.figure import Figure
 from physcore.recording import Recording
 from physcore.scene import Scene
 
@@ -20,6 +22,9 @@ DEMOS = (
     "rope",
     "jelly",
     "orbits",
+    "pendulums",
+    "galaxy",
+    "flag",
     "drape",
     "bowl",
     "dam_break",
@@ -45,6 +50,9 @@ class Demo(Protocol):
 
     def main(self, path: str | os.PathLike[str], progress: bool | None = None) -> Mapping[str, Recording]:
         """Write a GIF to `path`; give the recordings that it shows, by title."""
+
+    def figure(self, recordings: Mapping[str, Recording]) -> Figure:
+        """Something measured in the recordings of `main`, beside what is expected of it."""
 
 
 def demo(name: str) -> Demo:

@@ -6,10 +6,12 @@ The physics checked: every bounce off the bowl loses what its restitution says, 
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 
 import numpy as np
 
 import physcore as pc
+from physcore.gallery.figure import Figure, budget
 
 DURATION = 4.0
 """[s]"""
@@ -28,3 +30,8 @@ def main(path: str | os.PathLike[str] = "bowl.gif", progress: bool | None = None
     recording = pc.simulate(scene(), duration=DURATION, fps=25, dt=1e-3, progress=progress)
     pc.film(recording, path, size=(640, 480), style=pc.styles.Points(color="speed"), progress=progress)
     return {"dust": recording}
+
+
+def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
+    """What gravity gave is all there, after millions of bounces."""
+    return budget(recordings, bound=1e-6)

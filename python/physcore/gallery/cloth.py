@@ -6,8 +6,10 @@ The physics checked: what gravity gives ends up as motion, strain and heat, and 
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 
 import physcore as pc
+from physcore.gallery.figure import Figure, budget
 
 DURATION = 3.0
 """[s]"""
@@ -33,5 +35,10 @@ def scene() -> pc.Scene:
 def main(path: str | os.PathLike[str] = "cloth.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
     """Simulate it and draw it."""
     recording = pc.simulate(scene(), duration=DURATION, fps=25, progress=progress)
-    pc.film(recording, path, size=(640, 480), style=pc.styles.Strain(), progress=progress)
+    pc.film(recording, path, size=(640, 480), style=pc.styles.Surface(color="strain"), progress=progress)
     return {"cloth": recording}
+
+
+def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
+    """What gravity gave is all there."""
+    return budget(recordings, bound=1e-3)

@@ -6,9 +6,11 @@ The physics checked: what the water loses in height it has as motion or heat, an
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 
 import physcore as pc
 from physcore.film import Orbit
+from physcore.gallery.figure import Figure, budget
 
 DURATION = 2.6
 """[s]"""
@@ -28,5 +30,11 @@ def scene() -> pc.Scene:
 def main(path: str | os.PathLike[str] = "dam_break_3d.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
     """Simulate it and draw it."""
     recording = pc.simulate(scene(), duration=DURATION, fps=25, progress=progress)
-    pc.film(recording, path, size=(640, 440), camera=Orbit(azimuth=-62.0, elevation=22.0), progress=progress)
+    style, camera = pc.styles.Fluid(surface=True), Orbit(azimuth=-62.0, elevation=22.0)
+    pc.film(recording, path, size=(640, 440), style=style, camera=camera, progress=progress)
     return {"water": recording}
+
+
+def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
+    """What the water has lost in height is all there."""
+    return budget(recordings, bound=2e-2)

@@ -7,11 +7,13 @@ of their radius, and every grain arrives.
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 
 import numpy as np
 
 import physcore as pc
 from physcore.film import Window
+from physcore.gallery.figure import Figure
 
 LARGEST = 0.0065
 """The radius of the largest grain [m]; the smallest has three quarters of it, so that they do not form a lattice."""
@@ -65,3 +67,16 @@ def main(path: str | os.PathLike[str] = "hourglass.gif", progress: bool | None =
         progress=progress,
     )
     return {"sand": recording}
+
+
+def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
+    """The flow in the second half of the time, beside that in the first.
+
+    Source: W. A. Beverloo et al., Chem. Eng. Sci. 15, 260 (1961).
+    """
+    sand = recordings["sand"]
+    above = (sand.positions[..., 1] > 0.0).sum(axis=1)
+    running = np.flatnonzero((above < 0.8 * above[0]) & (above > 0.2 * above[0]))
+    first, last = np.array_split(running, 2)
+    early, late = (-np.polyfit(sand.times[part], above[part], 1)[0] for part in (first, last))
+    return Figure("grains per second at the end", late, early, "at the start", 0.05)

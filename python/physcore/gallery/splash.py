@@ -6,9 +6,11 @@ The physics checked: the fall of the drop is all the energy there is, and no bea
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 
 import physcore as pc
 from physcore.film import Orbit
+from physcore.gallery.figure import Figure, budget
 
 DURATION = 0.55
 """[s]"""
@@ -30,3 +32,8 @@ def main(path: str | os.PathLike[str] = "splash.gif", progress: bool | None = No
     recording = pc.simulate(scene(), duration=DURATION, fps=200, progress=progress)
     pc.film(recording, path, size=(640, 440), camera=Orbit(elevation=24.0), speed=0.125, progress=progress)
     return {"splash": recording}
+
+
+def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
+    """The fall of the drop is all there."""
+    return budget(recordings, bound=1e-2)

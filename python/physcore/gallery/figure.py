@@ -1,0 +1,92 @@
+"""What a demo measures, beside what theory, an experiment or a law of conservation expects of it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from physcore.recording import Recording
+
+DIGITS = (3, 7)
+"""The fewest and the most significant digits that are written; in between as many as show the error."""
+
+
+LEAST = 1e-6
+"""Less than this is not told apart [%]."""
+
+
+@dataclass(frozen=True)
+class Figure:
+    """One measured value and the one that is expected; `str` gives a line of text.
+
+    Args:
+        quantity: what is measured, in words.
+        measured: its value in a run.
+        expected: what it should be; not zero.
+        source: where the expected value comes from, such as "by theory".
+        bound: the largest relative error with which the demo keeps its promise.
+        unit: of both values, in the usual symbols; empty for a ratio.
+    """
+
+    quantity: str
+    measured: float
+    expected: float
+    source: str
+    bound: float
+    unit: str = ""
+
+    @property
+    def error(self) -> float:
+        """How far the measured value is from the expected one, over the expected one."""
+        return abs(self.measured / self.expected - 1.0)
+
+    @property
+    def holds(self) -> bool:
+        """Whether the error is within its bound."""
+        return self.error <= self.bound
+
+    def __str__(self) -> str:
+        measured, expected = (f"{self._written(value)} {self.unit}".strip() for value in (self.measured, self.expected))
+        verdict = "within" if self.holds else "more than"
+        return (
+            f"{self.quantity} {measured}, {expected} {self.source} "
+            f"(off by {_percent(self.error)}, {verdict} {_percent(self.bound)})"
+        )
+
+    def _written(self, value: float) -> str:
+        """A value with one digit more than the error needs to show."""
+        least, most = DIGITS
+        needed = 2 - math.floor(math.log10(self.error)) if 0.0 < self.error < math.inf else most
+        digits = min(max(needed, least), most)
+        text = f"{value:#.{digits}g}"
+        return text if "e" in text else text.rstrip(".")
+
+
+def budget(recordings: Mapping[str, Recording], bound: float) -> Figure:
+    """What the energy of a scene has become at its end: motion, strain, compression and heat.
+
+    It had the motion that it began with, and got what it fell and what wind or drivers worked. Heat is what drag,
+    damping, viscosity and contacts have taken by their own power, so that nothing makes both sides equal but the
+    equations of motion.
+    """
+    (energy,) = (recording.energy for recording in recordings.values())
+    height = energy.by_term["gravity"]
+    stored = energy.potential - height + energy.internal
+    found = energy.kinetic[-1] + stored[-1] - stored[0] + energy.dissipated[-1]
+    given = energy.kinetic[0] + height[0] - height[-1] + energy.work[-1]
+    forms = ["motion", *["strain"] * ("springs" in energy.by_term), *["compression"] * bool(energy.internal.any())]
+    given_by = ["the throw"] * bool(energy.kinetic[0]) + ["the fall"] + ["the wind"] * bool(energy.work[-1])
+    source = f"from {' and '.join(given_by)}"
+    return Figure(f"{', '.join(forms)} and heat at the end", float(found), float(given), source, bound, "J")
+
+
+def _percent(fraction: float) -> str:
+    """A fraction in percent with two digits."""
+    percent = 100.0 * fraction
+    if 0.0 < percent < LEAST:
+        return f"less than {LEAST:f} %"
+    if percent == 0.0 or not math.isfinite(percent):
+        return f"{percent:g} %"
+    decimals = max(1 - math.floor(math.log10(percent)), 0)
+    return f"{percent:.{decimals}f}".rstrip("0").rstrip(".") + " %" if decimals else f"{percent:.0f} %"

@@ -1,0 +1,149 @@
+"""A page of all demos: films with what they show, what they check and how they were computed, to open from disk."""
+
+from __future__ import annotations
+
+import inspect
+import os
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from html import escape
+from importlib.resources import files
+from pathlib import Path
+from types import ModuleType
+from typing import cast
+
+import physcore
+from physcore.errors import FileError
+from physcore.gallery import caption, demo
+from physcore.gallery.figure import Figure
+from physcore.recording import Recording
+from physcore.storage import replacing
+
+INDEX = "index.html"
+"""The file that is opened."""
+WIDE = 1.8
+"""A film so many times as wide as it is high, or more, gets two columns where there are as many."""
+
+
+@dataclass(frozen=True)
+class Entry:
+    """What the page says about one demo."""
+
+    name: str
+    caption: str
+    film: str
+    """The name of its file, beside the page."""
+    size: tuple[int, int]
+    """Of the film [pixels]."""
+    figure: Figure
+    numerics: tuple[str, ...]
+    """How each recording was computed, and how well its energy budget closes."""
+    source: str
+    """The file of the demo."""
+
+    @property
+    def title(self) -> str:
+        """The name in words."""
+        return self.name.replace("_", " ").capitalize().replace("3d", "3D")
+
+
+def gallery(directory: str | os.PathLike[str], names: Sequence[str], progress: bool | None = None) -> Iterator[Entry]:
+    """Run demos and write their films and a page that shows them; each entry is given when its film is there.
+
+    The films and the page appear under their names when they are whole. The page is written after the last film.
+
+    Args:
+        directory: where to write; it is made if need be.
+        names: of the demos, in the order of the page.
+        progress: whether to show progress bars.
+
+    Raises:
+        FileError: a file cannot be written.
+        KeyError: there is no such demo.
+    """
+    folder, chosen = Path(directory), {name: demo(name) for name in names}
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise FileError(f"{folder}: cannot be made a folder: {error.strerror or error}") from error
+    entries = []
+    for name, shown in chosen.items():
+        film = f"{name}.gif"
+        recordings = shown.main(folder / film, progress)
+        source = inspect.getsource(cast(ModuleType, shown))
+        numerics = tuple(_numerics(recordings))
+        entry = Entry(name, caption(name), film, _size(folder / film), shown.figure(recordings), numerics, source)
+        entries.append(entry)
+        yield entry
+    with replacing(folder / INDEX) as file:
+        file.write(page(entries).encode())
+
+
+def page(entries: Sequence[Entry]) -> str:
+    """The page in HTML: one file without scripts and without anything from elsewhere."""
+    failed = sum(not entry.figure.holds for entry in entries)
+    verdict = f"{failed} of {len(entries)} figures do not hold" if failed else "every figure holds"
+    return f"""<!DOCTYPE html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<meta name="color-scheme" content="light dark">
+<title>physcore: gallery</title>
+<style>
+{_style()}</style>
+</head>
+<body>
+<header>
+<h1>physcore</h1>
+<p>Demos of version {escape(physcore.__version__)}. Each is one short script and measures something whose value is
+known: <strong class="{"failed" if failed else "holds"}">{verdict}</strong>.</p>
+</header>
+<main>
+{"".join(map(_article, entries))}</main>
+</body>
+</html>
+"""
+
+
+def _article(entry: Entry) -> str:
+    """One demo."""
+    width, height = entry.size
+    wide = ' class="wide"' if width >= WIDE * height else ""
+    mark, word = ("holds", "✓") if entry.figure.holds else ("failed", "✗ does not hold:")
+    figure = escape(str(entry.figure)).replace(" %", "&nbsp;%")
+    numerics = "".join(f"<li>{escape(line)}</li>\n" for line in entry.numerics)
+    return f"""<article id="{escape(entry.name)}"{wide}>
+<img src="{escape(entry.film)}" width="{width}" height="{height}" loading="lazy" alt="{escape(entry.caption)}">
+<h2>{escape(entry.title)}</h2>
+<p>{escape(entry.caption)}</p>
+<p class="{mark}">{word} {figure}</p>
+<ul>
+{numerics}</ul>
+<details>
+<summary>Source</summary>
+<pre><code>{escape(entry.source)}</code></pre>
+</details>
+</article>
+"""
+
+
+def _numerics(recordings: Mapping[str, Recording]) -> Iterator[str]:
+    """A line for each recording."""
+    for title, recording in recordings.items():
+        plan, count, drift = recording.plan, recording.scene.particles, float(abs(recording.energy.drift).max())
+        yield (
+            f"{title}: {count} particle{'s' * (count > 1)} in {plan.dimension}D, "
+            f"{plan.integrator}, dt = {plan.dt:.3g} s, {plan.precision}; energy drift at most {drift:.1e}"
+        )
+
+
+def _style() -> str:
+    return files("physcore.gallery").joinpath("page.css").read_text(encoding="utf-8")
+
+
+def _size(film: Path) -> tuple[int, int]:
+    from PIL import Image
+
+    with Image.open(film) as image:
+        return image.size
