@@ -36,7 +36,7 @@ def scene() -> pc.Scene:
     first, second, third = flag.faces.T
 
     def wind(time: float, positions: np.ndarray, velocities: np.ndarray) -> np.ndarray:
-        """Air presses with ρ u² on a triangle that it meets with the speed u along its normal; a third on each corner."""
+        """Air that meets a triangle with the speed u along its normal presses with ρ u², a third on each corner [N]."""
         angle = 0.5 * math.sin(2.7 * time) + 0.25 * math.sin(7.1 * time)
         air = 6.0 * np.array([math.cos(angle), math.sin(angle), 0.0])
         normals = 0.5 * np.cross(positions[second] - positions[first], positions[third] - positions[first])
