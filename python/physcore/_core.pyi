@@ -6,7 +6,7 @@ from typing import Literal, TypedDict, final
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Canvas", "Gif", "World"]
+__all__ = ["Canvas", "Gif", "Projection", "Texture", "World", "norms", "tint"]
 
 class _EnergyRecord(TypedDict):
     kinetic: float
@@ -167,7 +167,7 @@ def tint(
     table: NDArray[np.float64],
     background: _Rgb,
     depths: NDArray[np.float32] | None = None,
-    fog: tuple[float, float] = (1.0, 0.0),
+    fog: tuple[float, float] | None = None,
 ) -> NDArray[np.uint8]: ...
 
 @final

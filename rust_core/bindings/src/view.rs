@@ -85,7 +85,7 @@ pub fn norms<'py>(py: Python<'py>, vectors: PyReadonlyArray2<'py, f64>) -> PyRes
 /// The opaque inks (N, 4) of values (N,): the part of the way from `low` to `high` is looked up in a table of colors (K, 3), and what
 /// is far away fades into the background: `fog` is half the depth of all that is seen, and how much the farthest thing fades.
 #[pyfunction]
-#[pyo3(signature = (values, ends, table, background, depths=None, fog=(1.0, 0.0)))]
+#[pyo3(signature = (values, ends, table, background, depths=None, fog=None))]
 pub fn tint<'py>(
     py: Python<'py>,
     values: PyReadonlyArray1<'py, f64>,
@@ -93,7 +93,7 @@ pub fn tint<'py>(
     table: PyReadonlyArray2<'py, f64>,
     background: Rgb,
     depths: Option<PyReadonlyArray1<'py, f32>>,
-    fog: (f32, f32),
+    fog: Option<(f32, f32)>,
 ) -> PyResult<Bound<'py, PyArray2<u8>>> {
     let (count, entries) = (values.len(), table.shape()[0]);
     let values = values.as_slice().map_err(|_| PyValueError::new_err("values: must be C-contiguous"))?;
@@ -103,7 +103,8 @@ pub fn tint<'py>(
     if table.is_empty() {
         return Err(PyValueError::new_err("table: must have at least one color"));
     }
-    let ([low, high], fog) = (ends, Fog { reach: fog.0, strength: fog.1, background });
+    let ([low, high], (reach, strength)) = (ends, fog.unwrap_or((1.0, 0.0)));
+    let fog = Fog { reach, strength, background };
     let mut inks = vec![[0; 4]; count];
     let (plain, per_value): (Vec<Ink>, f64) = (table.iter().copied().map(opaque).collect(), 1.0 / (high - low));
     py.detach(|| match depths {

@@ -54,6 +54,8 @@ pub struct Liquid {
     /// Pixels per unit of depth; 0 in 2D.
     scale: f32,
     width: usize,
+    /// Neighboring pixels farther apart in depth than this belong to different parts of the surface [pixels].
+    range: f32,
     /// In 3D the depth of the front [pixels].
     front: Vec<f32>,
     /// In 2D the field, in 3D how thick the liquid is, both relative to what is typical inside and to a drop's reach.
@@ -170,19 +172,20 @@ impl Liquid {
     fn smooth(&mut self) {
         let mean = self.drops.iter().map(|drop| drop.radius).sum::<f32>() / self.drops.len().max(1) as f32;
         let reach = (1.5 * mean).clamp(1.0, 32.0);
-        let (range, taps) = (4.0 * mean, reach.ceil() as usize);
+        self.range = 4.0 * mean;
+        let taps = reach.ceil() as usize;
         let weights: Vec<f32> = (0..=taps).map(|tap| (1.0 - (tap as f32 / (taps + 1) as f32).powi(2)).powi(2)).collect();
         for _ in 0..ROUNDS {
             for stride in [1, self.width] {
-                self.filter(stride, range, &weights);
+                self.filter(stride, &weights);
             }
         }
     }
 
     /// One pass of the filter over neighbors that are multiples of a stride away. Across the ends of rows it reaches into the next
     /// row, which is as far as the picture is wide and so, where there is liquid at both edges, blurs a few pixels of them.
-    fn filter(&mut self, stride: usize, range: f32, weights: &[f32]) {
-        let Self { front, scratch: [sums, totals, before], .. } = self;
+    fn filter(&mut self, stride: usize, weights: &[f32]) {
+        let Self { front, range, scratch: [sums, totals, before], .. } = self;
         let count = front.len();
         before.clone_from(front);
         sums.clear();
@@ -192,8 +195,8 @@ impl Liquid {
         for (tap, &weight) in weights.iter().enumerate().skip(1) {
             let shift = (tap * stride).min(count);
             let (here, there) = (&before[..count - shift], &before[shift..]);
-            gather(&mut sums[..count - shift], &mut totals[..count - shift], here, there, weight, range);
-            gather(&mut sums[shift..], &mut totals[shift..], there, here, weight, range);
+            gather(&mut sums[..count - shift], &mut totals[..count - shift], here, there, weight, *range);
+            gather(&mut sums[shift..], &mut totals[shift..], there, here, weight, *range);
         }
         for ((depth, sum), total) in front.iter_mut().zip(sums.iter()).zip(totals.iter()) {
             *depth = sum / total;
@@ -215,7 +218,7 @@ impl Liquid {
     fn lit(&self, row: usize, column: usize) -> (Ink, f32) {
         let place = row * self.width + column;
         let steepest = 3.0;
-        let near = |a: f32, b: f32| (a - b).abs() < NOTHING / 2.0;
+        let near = |a: f32, b: f32| (a - b).abs() < self.range;
         let [dx, dy] = self.slope(&self.front, row, column, near).map(|slope| slope.clamp(-steepest, steepest));
         let scale = 1.0 / (1.0 + dx * dx + dy * dy).sqrt();
         // The viewer is where depths are small: the normal leans to where the depth grows.
