@@ -11,9 +11,10 @@ import pytest
 from PIL import Image
 
 import physcore as pc
-from physcore.film import DARK, Orbit, Window, fields
+from physcore.film import DARK, Orbit, Window
 from physcore.film.camera import Face, View, fit
 from physcore.film.sources import Moment, Recorded, sources
+from physcore.film.styles import fields
 from physcore.film.styles.base import Part
 
 SIZE = (240, 180)
@@ -325,3 +326,21 @@ def test_space_has_no_streamlines(tmp_path: Path) -> None:
     dust = pc.Particles(np.zeros((3, 3)))
     with pytest.raises(pc.SceneError, match=r"Streamlines: show the plane"):
         still(pc.Scene(dust), tmp_path, style=pc.styles.Streamlines(on=dust))
+
+
+@pytest.mark.parametrize("style", [pc.styles.Strain(), pc.styles.Surface(color="strain")])
+def test_the_colors_of_strain_are_those_of_its_scale(style: pc.styles.Style, tmp_path: Path) -> None:
+    """A cloth that is drawn out by a tenth along x has one strain along its rows; its mean is on the scale too."""
+    cloth = pc.cloth((5, 2), 0.25, 10.0, shear_stiffness=0.0, bend_stiffness=0.0)
+    source: Any = SimpleNamespace(scene=pc.Scene(cloth), count=2, fps=1.0, times=np.arange(2.0), has=lambda name: True)
+    painter = style.painter(source, part(source.scene), DARK)
+    drawn_out = cloth.positions * np.array([1.1, 1.1])
+    painter.observe(moment(cloth.positions * 1.2, np.zeros((10, 2))))
+    scale, sheet = painter.scale, Sheet()
+    assert scale is not None
+    painter.paint(sheet, moment(drawn_out, np.zeros((10, 2))), view((0.0, 0.0), (2.0, 1.5)), 1.0)  # type: ignore[arg-type]
+    shown = (sheet.drawn["lines"][2] if "lines" in sheet.drawn else sheet.drawn["triangles"][1])[0, :3].astype(float)
+    low, high = scale.ends
+    place = (0.1 - low) / (high - low) * (len(scale.table) - 1)
+    assert (low, high) == pytest.approx((-0.2, 0.2))
+    np.testing.assert_allclose(shown, scale.table[round(place)], atol=3.0)  # a step of the table, and rounding down

@@ -9,10 +9,10 @@ import numpy as np
 from physcore._core import Canvas, tint
 from physcore.checks import number
 from physcore.film.camera import PixelArray, View
-from physcore.film.fields import Field
 from physcore.film.sources import Moment
 from physcore.film.styles.base import Painter
-from physcore.film.styles.field import FieldPainter, FieldStyle
+from physcore.film.styles.field_style import FieldPainter, FieldStyle
+from physcore.film.styles.fields import Field
 from physcore.film.themes import Theme
 
 HEAD = 0.34

@@ -159,9 +159,8 @@ class PointsPainter(Painter):
         moments, count, dimension = past.shape
         pixels, depth, _ = view.project(past.reshape(-1, dimension))
         gaps = None
-        if (
-            self._domain is not None
-        ):  # What has left the domain and come back on its other side has not crossed the picture.
+        # What has left the domain and come back on its other side has not crossed the picture.
+        if self._domain is not None:
             steps = np.diff(past, axis=0)
             gaps = (self._domain.nearest(steps.reshape(-1, dimension)).reshape(steps.shape) != steps).any(axis=2)
         canvas.trails(

@@ -99,10 +99,8 @@ class StrainPainter(Painter):
 
     @property
     def scale(self) -> Scale:
-        """What the colors mean: the table goes with the root of the strain, the scale with the strain."""
-        strain = np.linspace(-1.0, 1.0, len(self._table))
-        table = look_up(self._table, 0.5 + 0.5 * np.sign(strain) * np.sqrt(np.abs(strain)))
-        return Scale("strain", "", (-self.top, self.top), table)
+        """What the colors mean."""
+        return strain_scale(self.top, self._table)
 
     def observe(self, moment: Moment) -> None:
         """Find the end of the color scale."""
@@ -123,8 +121,7 @@ class StrainPainter(Painter):
             ends, there, _ = view.project(moment.positions[first] + self._apart(moment))
             between = None if depth is None or there is None else (depth[first] + there) / 2
         farness = None if between is None else view.farness(between)
-        strain = self._strain(moment) / self.top
-        colors = look_up(self._table, 0.5 + 0.5 * np.sign(strain) * np.sqrt(np.abs(strain)))
+        colors = look_up(self._table, rooted(self._strain(moment) / self.top))
         ink = inks(colors, self._theme, farness)
         ink[self._brace, 3] = round(255 * FAINT)
         widths = self._widths(view)
@@ -157,6 +154,17 @@ class StrainPainter(Painter):
         length = float(np.median(self._rest)) * view.scale
         widths = np.clip(np.where(self._chain, max(0.6 * length, 2.2), 0.17 * length), *WIDTHS)
         return np.where(self._brace, np.maximum(FAINT * widths, WIDTHS[0]), widths).astype(np.float32)
+
+
+def rooted(strain: FloatArray) -> FloatArray:
+    """Where strains from -1 to 1 stand on a table of colors, 0–1: it goes with their root, so that small ones show."""
+    fraction: FloatArray = 0.5 + 0.5 * np.sign(strain) * np.sqrt(np.abs(strain))
+    return fraction
+
+
+def strain_scale(top: float, table: FloatArray) -> Scale:
+    """The scale of strains from -top to top whose colors are looked up by `rooted`."""
+    return Scale("strain", "", (-top, top), look_up(table, rooted(np.linspace(-1.0, 1.0, len(table)))))
 
 
 def _spacing(pairs: IntArray, rest_length: FloatArray) -> float:

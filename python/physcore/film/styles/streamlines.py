@@ -12,10 +12,10 @@ from physcore.bodies import Body
 from physcore.checks import number
 from physcore.errors import SceneError
 from physcore.film.camera import View
-from physcore.film.fields import Field, pattern
 from physcore.film.sources import Moment, Source
 from physcore.film.styles.base import Painter, Part
-from physcore.film.styles.field import FieldPainter, FieldStyle
+from physcore.film.styles.field_style import FieldPainter, FieldStyle
+from physcore.film.styles.fields import Field, pattern
 from physcore.film.themes import Theme
 
 STEP = 3.0

@@ -10,14 +10,15 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from physcore._core import Canvas, Texture, tint
+from physcore._core import Canvas, Texture
 from physcore.bodies import Body, SpringNetwork
 from physcore.checks import BoolArray, FloatArray, IntArray, number
 from physcore.errors import FileError, SceneError
 from physcore.film.camera import Orbit, View
-from physcore.film.colormaps import diverging
+from physcore.film.colormaps import diverging, look_up
 from physcore.film.sources import Moment, Source
 from physcore.film.styles.base import Painter, Part, Scale, Style, inks, places, typical
+from physcore.film.styles.strain import rooted, strain_scale
 from physcore.film.themes import Color, Theme, color
 from physcore.periodic import Periodic
 
@@ -119,7 +120,7 @@ class SurfacePainter(Painter):
     @property
     def scale(self) -> Scale | None:
         """What the colors mean."""
-        return Scale("strain", "", (-self.top, self.top), self._table) if self._style.color == "strain" else None
+        return strain_scale(self.top, self._table) if self._style.color == "strain" else None
 
     def observe(self, moment: Moment) -> None:
         """Find the end of the color scale."""
@@ -136,7 +137,7 @@ class SurfacePainter(Painter):
         del pixels
         corners, depth, _ = view.project(moment.positions)
         light = np.ones(len(corners)) if view.flat else self._light(moment.positions, view)
-        colors = self._colors(moment.positions)[:, :3] * light[:, np.newaxis]
+        colors = self._colors(moment.positions) * light[:, np.newaxis]
         ink = inks(np.clip(colors, 0.0, 255.0), self._theme, None if depth is None else view.farness(depth))
         faces, spots = self._faces, self._spots
         if self._domain is not None:
@@ -161,9 +162,7 @@ class SurfacePainter(Painter):
     def _colors(self, positions: FloatArray) -> FloatArray:
         if self._style.color != "strain":
             return self._plain
-        strain = self._strain(positions) / self.top
-        spread_out = np.sign(strain) * np.sqrt(np.abs(strain))
-        return tint(spread_out, (-1.0, 1.0), self._table, self._theme.background).astype(float)
+        return look_up(self._table, rooted(self._strain(positions) / self.top))
 
     def _strain(self, positions: FloatArray) -> FloatArray:
         """The mean strain of each particle's springs (N,)."""

@@ -9,9 +9,9 @@ from typing import ClassVar
 from physcore._core import norms
 from physcore.checks import number
 from physcore.film.colormaps import ColormapName, sequential
-from physcore.film.fields import UNITS, Field, Of, field
 from physcore.film.sources import Moment, Source
 from physcore.film.styles.base import Painter, Part, Scale, Style, table, typical
+from physcore.film.styles.fields import UNITS, Field, Of, field
 from physcore.film.themes import Theme
 
 
