@@ -259,7 +259,7 @@ def test_the_acceleration_is_that_of_the_scenes_forces() -> None:
         pc.Gravity((0.0, -9.81)),
         pc.CentralForce((0.0, 0.0), strength=2.0, exponent=-2.0),
     )
-    source = sources(pc.simulate(scene, 0.01, progress=False), None, None, {})[0]
+    source = sources(pc.simulate(scene, 0.01, dt=1e-3, progress=False), None, None, {})[0]
     shown = fields.field("acceleration", source, part(scene), "of")
     places = np.random.default_rng(1).uniform(0.5, 2.0, size=(20, 2))
     radius = np.linalg.norm(places, axis=1)[:, np.newaxis]
