@@ -9,7 +9,7 @@ import numpy as np
 from physcore._core import Canvas
 from physcore.checks import FloatArray
 from physcore.film.styles import Painter
-from physcore.film.styles.base import FOG
+from physcore.film.styles.base import FOG, SHADING
 from physcore.film.themes import Theme
 
 PITCH = 6
@@ -20,8 +20,6 @@ FLAT = (1.0, 1.0, 1.0, 1.0, 1.0, 0.65, 0.5, 0.35, 0.2)
 """How fresh the colors of each row are in 2D: most of what is drawn is, and trails fade away."""
 DEEP = tuple(np.linspace(1.0, 1.0 - FOG, 8).tolist())
 """The same in 3D, where what is far away fades into the background."""
-SHADING = 0.45
-"""As balls are lit."""
 
 
 def swatches(cast: Sequence[Painter], bodies: int, theme: Theme, *, flat: bool) -> Canvas:

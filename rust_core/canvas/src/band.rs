@@ -130,8 +130,7 @@ impl Band<'_> {
             let (pixels, offset) = self.span(area, row, f32::MIN, f32::MAX);
             for (pixel, column) in pixels.iter_mut().zip(0_u16..) {
                 let (x, y) = (offset + f32::from(column), row as f32 + 0.5);
-                let distance = edges.iter().fold(f32::MIN, |most, [nx, ny, c]| most.max(nx * x + ny * y - c));
-                let coverage = ramp(distance - MORE);
+                let coverage = ramp(beyond(&edges, x, y) - MORE);
                 if coverage > 0.0 {
                     let weights = barycentric(&triangle.corners, doubled, x, y);
                     let [red, green, blue, alpha] = mean(&inks, weights);
@@ -181,8 +180,7 @@ impl Band<'_> {
             let (pixels, offset) = self.span(area, row, f32::MIN, f32::MAX);
             for (pixel, column) in pixels.iter_mut().zip(0_u16..) {
                 let (x, y) = (offset + f32::from(column), row as f32 + 0.5);
-                let distance = edges.iter().fold(f32::MIN, |most, [nx, ny, c]| most.max(nx * x + ny * y - c));
-                paint.blend(pixel, ramp(distance));
+                paint.blend(pixel, ramp(beyond(&edges, x, y)));
             }
         }
     }
@@ -239,6 +237,12 @@ fn edges(corners: &[[f32; 2]]) -> Vec<[f32; 3]> {
         (length > 0.0).then_some([nx, ny, nx * from[0] + ny * from[1]])
     })
     .collect()
+}
+
+/// How far a point is outside of a polygon's sides; less than zero inside.
+#[inline(always)]
+fn beyond(edges: &[[f32; 3]], x: f32, y: f32) -> f32 {
+    edges.iter().fold(f32::MIN, |most, [nx, ny, c]| most.max(nx * x + ny * y - c))
 }
 
 /// How near a point is to each corner of a triangle whose doubled, signed area is known; outside, the nearest there is.

@@ -44,6 +44,9 @@ impl Paint {
     }
 }
 
+/// Direction to the lamp: left, up, toward the viewer; a unit vector.
+pub(crate) const LAMP: [f32; 3] = [-0.408, -0.577, 0.707];
+
 /// Light on a ball: Lambert's cosine from a lamp above the viewer's left shoulder, and a soft highlight.
 pub(crate) struct Shade {
     pub(crate) strength: f32,
@@ -51,14 +54,11 @@ pub(crate) struct Shade {
 }
 
 impl Shade {
-    /// Direction to the lamp: left, up, toward the viewer; a unit vector.
-    const LAMP: [f32; 3] = [-0.408, -0.577, 0.707];
-
     #[inline(always)]
     pub(crate) fn lit(&self, color: Ink, dx: f32, dy: f32) -> u32 {
         let (nx, ny) = (dx * self.per_radius, dy * self.per_radius);
         let nz = (1.0 - nx * nx - ny * ny).max(0.0).sqrt();
-        let light = (nx * Self::LAMP[0] + ny * Self::LAMP[1] + nz * Self::LAMP[2]).max(0.0);
+        let light = (nx * LAMP[0] + ny * LAMP[1] + nz * LAMP[2]).max(0.0);
         let square = light * light;
         let highlight = 46.0 * self.strength * (square * square) * (square * square);
         let factor = 1.0 - self.strength * (1.0 - light);

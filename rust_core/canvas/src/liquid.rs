@@ -10,6 +10,7 @@
 
 use crate::band::Band;
 use crate::color::{Ink, Rgb};
+use crate::ink::LAMP;
 use crate::view::opaque;
 
 /// A particle of a liquid.
@@ -42,8 +43,6 @@ const BRIM: f32 = 0.3;
 /// How much of what is behind is seen through the thinnest liquid; through one as thick as a drop's reach, a quarter of
 /// that.
 const CLEAR: f32 = 0.45;
-/// Direction to the lamp, as for shaded discs.
-const LAMP: [f32; 3] = [-0.408, -0.577, 0.707];
 const ROUNDS: usize = 2;
 
 /// The drops of one frame, and the planes of pixels on which they meet; the memory is kept for the next frame.

@@ -72,11 +72,6 @@ impl Painting {
         self.lens = lens;
     }
 
-    /// Makes room for more shapes.
-    pub fn reserve(&mut self, shapes: usize) {
-        self.order.reserve(shapes);
-    }
-
     /// Adds a disc; `depth` is its distance from the viewer beyond the focus, in any unit.
     pub fn disc(&mut self, disc: Disc, depth: f32) {
         self.add(depth, Shape::Disc(self.discs.len() as u32));

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from physcore._core import Canvas, tint
+from physcore._core import Canvas, norms, tint
 from physcore.checks import number
 from physcore.film.camera import PixelArray, View
 from physcore.film.sources import Moment
@@ -69,7 +69,7 @@ class ArrowsPainter(FieldPainter):
         """Add arrows, above what is at the same place."""
         del pixels
         places, vectors = self._field.samples(moment, view, self._style.spacing)
-        values = np.sqrt(np.einsum("nd,nd->n", vectors, vectors))
+        values = norms(vectors)
         shown = np.isfinite(values) & (values > LEAST * self.top)
         places, vectors, values = places[shown], vectors[shown], values[shown]
         if len(places) == 0:

@@ -13,18 +13,21 @@ from numpy.typing import NDArray
 
 from physcore._core import Canvas
 from physcore.bodies import Body
-from physcore.checks import FloatArray, IntArray
+from physcore.checks import BoolArray, FloatArray, IntArray
 from physcore.film.camera import PixelArray, View
 from physcore.film.colormaps import ColormapName, sequential
 from physcore.film.sources import Moment, Source
 from physcore.film.themes import Theme
 from physcore.influence import On, chosen
+from physcore.periodic import Periodic
 
 InkArray = NDArray[np.uint8]
 """Red, green, blue and opacity, 0–255, shape (N, 4)."""
 
 FOG = 0.55
 """How much of its color the farthest thing in a 3D picture has lost to the background."""
+SHADING = 0.45
+"""How much the light matters on balls."""
 MANY = 50_000
 """So many values say what is typical of any number."""
 TYPICAL = 99.5
@@ -132,6 +135,25 @@ def places(parts: Sequence[Part]) -> slice | IntArray:
     if all(one.where.stop == other.where.start for one, other in pairwise(parts)):
         return slice(parts[0].where.start, parts[-1].where.stop)
     return np.concatenate([np.arange(part.where.start, part.where.stop) for part in parts])
+
+
+def body_color(source: Source, part: Part, theme: Theme) -> FloatArray:
+    """The color (3,) of a body: each has its own, in turn."""
+    return np.array(theme.bodies[list(source.scene.bodies).index(part.body) % len(theme.bodies)], dtype=float)
+
+
+def straight(domain: Periodic | None, steps: FloatArray) -> BoolArray:
+    """Which steps (…, D) [m] go straight; what has left a domain and come back has not crossed the picture."""
+    if domain is None:
+        return np.ones(steps.shape[:-1], dtype=bool)
+    flat = steps.reshape(-1, steps.shape[-1])
+    same: BoolArray = (domain.nearest(flat) == flat).all(axis=1).reshape(steps.shape[:-1])
+    return same
+
+
+def sums(index: IntArray, values: FloatArray, count: int) -> FloatArray:
+    """The sums (count, D) of the rows (N, D) that have each index (N,)."""
+    return np.stack([np.bincount(index, weights=column, minlength=count) for column in values.T], axis=1)
 
 
 def typical(values: FloatArray, percentile: float = TYPICAL) -> float:

@@ -15,6 +15,7 @@ from physcore.errors import PhyscoreError, SceneError
 from physcore.film.camera import View
 from physcore.film.sources import Moment, Source
 from physcore.film.styles.base import Part, places
+from physcore.film.styles.base import sums as row_sums
 from physcore.forces import CustomForce, LennardJones, Repulsion
 from physcore.integrators import SemiImplicitEuler
 from physcore.scene import Scene
@@ -79,7 +80,7 @@ class Motion:
         squares -= squares.min(axis=0, initial=0)
         keys = squares[:, 1] * (squares[:, 0].max(initial=0) + 1) + squares[:, 0]
         _, index, counts = np.unique(keys, return_inverse=True, return_counts=True)
-        means = [_sums(index, values, len(counts)) / counts[:, np.newaxis] for values in (positions, velocities)]
+        means = [row_sums(index, values, len(counts)) / counts[:, np.newaxis] for values in (positions, velocities)]
         return means[0], means[1]
 
     def known(self, moment: Moment) -> FloatArray:
@@ -96,7 +97,7 @@ class Motion:
         columns, rows = (int(most) + 1 + MARGIN for most in squares.max(axis=0))
         index = squares[:, 1] * columns + squares[:, 0]
         counts = np.bincount(index, minlength=rows * columns).astype(float)
-        sums = _sums(index, self.known(moment), rows * columns)
+        sums = row_sums(index, self.known(moment), rows * columns)
         counts, sums = _widened(counts.reshape(rows, columns), sums.reshape(rows, columns, 2))
         with np.errstate(invalid="ignore"):
             means = sums / counts[..., np.newaxis]
@@ -162,11 +163,6 @@ def _widened(counts: FloatArray, sums: FloatArray) -> tuple[FloatArray, FloatArr
     there = around[:-2, 1:-1] + around[2:, 1:-1] + around[1:-1, :-2] + around[1:-1, 2:]
     empty = counts == 0.0
     return np.where(empty, near, counts), np.where(empty[..., np.newaxis], there, sums)
-
-
-def _sums(index: np.ndarray, values: FloatArray, count: int) -> FloatArray:
-    """The sums (count, D) of the rows (N, D) that have each index (N,)."""
-    return np.stack([np.bincount(index, weights=column, minlength=count) for column in values.T], axis=1)
 
 
 def _acceleration(scene: Scene) -> FieldFunction:

@@ -15,7 +15,7 @@ from physcore.errors import SceneError
 from physcore.film.camera import View
 from physcore.film.colormaps import ColormapName, sequential
 from physcore.film.sources import Moment, Source
-from physcore.film.styles.base import FOG, Painter, Part, Scale, Style, places, typical
+from physcore.film.styles.base import FOG, SHADING, Painter, Part, Scale, Style, places, typical
 from physcore.film.themes import Theme, mixed
 
 ColorBy = Literal["speed", "pressure", "density"]
@@ -29,7 +29,6 @@ TYPICAL = 95.0
 """The top of the color scale is this percentile of a frame: what is faster is spray, and as white as can be."""
 SMALLEST = 0.7
 """The least radius of a lump [pixels]."""
-SHADING = 0.45
 FLAT_REACH, DEEP_REACH = 1.7, 1.15
 """How far a particle of a smooth surface reaches, in 2D and in 3D, over the spacing."""
 SKY = (235, 240, 245)

@@ -14,7 +14,7 @@ from physcore.checks import FloatArray, IntArray, number, regular
 from physcore.errors import SceneError
 from physcore.film.camera import View
 from physcore.film.sources import Moment, Source
-from physcore.film.styles.base import Painter, Part, Style, inks
+from physcore.film.styles.base import Painter, Part, Style, body_color, inks, straight
 from physcore.film.themes import Theme
 
 FRESH = 0.85
@@ -69,12 +69,11 @@ class PathsPainter(Painter):
     def __init__(self, style: Paths, source: Source, parts: list[Part], theme: Theme) -> None:
         self.style, self._width, self._domain, self._theme = style, style.width, source.scene.periodic, theme
         where, colors = [], []
-        bodies = list(source.scene.bodies)
         for part in parts:
             every = np.arange(part.where.start, part.where.stop)
             mine = every if style.particles is None else every[list(np.asarray(style.particles))]
             where.append(mine)
-            colors.append(np.tile(np.array(theme.bodies[bodies.index(part.body) % len(theme.bodies)]), (len(mine), 1)))
+            colors.append(np.tile(body_color(source, part, theme), (len(mine), 1)))
         self._where: IntArray = np.concatenate(where)
         self._colors = FRESH * np.concatenate(colors) + (1.0 - FRESH) * np.array(theme.background)
         self._past: list[FloatArray] = []
@@ -98,10 +97,7 @@ class PathsPainter(Painter):
         past = np.stack(self._past)
         moments, count, dimension = past.shape
         points, depth, _ = view.project(past.reshape(-1, dimension))
-        whole = np.ones((moments - 1) * count, dtype=bool)
-        if self._domain is not None:  # What has left the domain and come back has not crossed the picture.
-            steps = np.diff(past, axis=0).reshape(-1, dimension)
-            whole = (self._domain.nearest(steps) == steps).all(axis=1)
+        whole = straight(self._domain, np.diff(past, axis=0)).ravel()
         farness = None if depth is None else view.farness(depth[count:])
         ink = inks(np.tile(self._colors, (moments - 1, 1)), self._theme, farness)
         ends = np.concatenate([points[:-count], points[count:]], axis=1)[whole]

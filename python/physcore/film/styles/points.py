@@ -15,7 +15,20 @@ from physcore.errors import SceneError
 from physcore.film.camera import PixelArray, View
 from physcore.film.colormaps import ColormapName, sequential
 from physcore.film.sources import Moment, Source
-from physcore.film.styles.base import FOG, InkArray, Painter, Part, Scale, Style, inks, places, typical
+from physcore.film.styles.base import (
+    FOG,
+    SHADING,
+    InkArray,
+    Painter,
+    Part,
+    Scale,
+    Style,
+    body_color,
+    inks,
+    places,
+    straight,
+    typical,
+)
 from physcore.film.themes import Theme
 
 ColorBy = Literal["speed", "energy", "body"]
@@ -25,7 +38,6 @@ SPACING = 0.3
 """A disc's radius as a fraction of the mean distance that the particles would have if they filled the panel."""
 RADII = (0.5, 5.5)
 """The smallest and the largest radius that is chosen by itself [pixels]."""
-SHADING = 0.45
 TRAIL = 0.7
 """How much of its color the freshest part of a trail has, beside the background's."""
 HALO = 4.0
@@ -102,9 +114,8 @@ class PointsPainter(Painter):
         self._sized = bool((self._radius > 0.0).any())
         self._table = sequential(style.colormap, theme.part, "Points.colormap")
         self._fps = source.fps
-        bodies = list(source.scene.bodies)
-        each = [theme.bodies[bodies.index(part.body) % len(theme.bodies)] for part in parts]
-        self._bodies = np.repeat(np.array(each, dtype=float), [len(part.body) for part in parts], axis=0)
+        each = np.stack([body_color(source, part, theme) for part in parts])
+        self._bodies = np.repeat(each, [len(part.body) for part in parts], axis=0)
         self._domain = source.scene.periodic
         self.top = style.top or 0.0
         frames = source.count / 8 if len(self._mass) <= FEW else 0.0
@@ -158,11 +169,7 @@ class PointsPainter(Painter):
         past = np.stack(self._past)
         moments, count, dimension = past.shape
         pixels, depth, _ = view.project(past.reshape(-1, dimension))
-        gaps = None
-        # What has left the domain and come back on its other side has not crossed the picture.
-        if self._domain is not None:
-            steps = np.diff(past, axis=0)
-            gaps = (self._domain.nearest(steps.reshape(-1, dimension)).reshape(steps.shape) != steps).any(axis=2)
+        gaps = None if self._domain is None else ~straight(self._domain, np.diff(past, axis=0))
         canvas.trails(
             pixels.reshape(moments, count, 2),
             np.full(count, width, dtype=np.float32),

@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 
 from physcore._core import Canvas, Texture
 from physcore.bodies import Body, SpringNetwork
-from physcore.checks import BoolArray, FloatArray, IntArray, number
+from physcore.checks import FloatArray, IntArray, number
 from physcore.errors import FileError, SceneError
 from physcore.film.camera import Orbit, View
 from physcore.film.colormaps import diverging, look_up
 from physcore.film.sources import Moment, Source
-from physcore.film.styles.base import Painter, Part, Scale, Style, inks, places, typical
+from physcore.film.styles.base import Painter, Part, Scale, Style, body_color, inks, places, straight, sums, typical
 from physcore.film.styles.strain import rooted, strain_scale
 from physcore.film.themes import Color, Theme, color
 from physcore.periodic import Periodic
@@ -100,10 +100,9 @@ class SurfacePainter(Painter):
         self._degree = np.maximum(np.bincount(self._pairs.ravel(), minlength=count), 1)
         self._table = diverging(theme.compressed, theme.relaxed, theme.stretched)
         self._plain = np.zeros((count, 3))
-        bodies = list(source.scene.bodies)
         for part in parts:
-            own = theme.bodies[bodies.index(part.body) % len(theme.bodies)]
-            self._plain[part.where] = own if style.color in ("body", "strain") else color(style.color, "Surface.color")
+            own = style.color in ("body", "strain")
+            self._plain[part.where] = body_color(source, part, theme) if own else color(style.color, "Surface.color")
         self._texture = style.texture if isinstance(style.texture, Texture) else None
         if self._texture is not None and style.color == "body":
             self._plain[:] = 255.0
@@ -141,7 +140,8 @@ class SurfacePainter(Painter):
         ink = inks(np.clip(colors, 0.0, 255.0), self._theme, None if depth is None else view.farness(depth))
         faces, spots = self._faces, self._spots
         if self._domain is not None:
-            whole = self._whole(moment.positions)
+            # A triangle that reaches across a face of the domain would cross the picture.
+            whole = straight(self._domain, np.diff(moment.positions[faces[:, [0, 1, 2, 0]]], axis=1)).all(axis=1)
             faces, spots = faces[whole], spots[whole]
         canvas.triangles(
             np.ascontiguousarray(corners[faces].reshape(-1, 6)),
@@ -150,14 +150,6 @@ class SurfacePainter(Painter):
             self._texture,
             spots,
         )
-
-    def _whole(self, positions: FloatArray) -> BoolArray:
-        """Which triangles (T,) do not reach across a face of the domain, and so across the picture."""
-        assert self._domain is not None
-        sides = np.diff(positions[self._faces[:, [0, 1, 2, 0]]], axis=1)
-        flat = sides.reshape(-1, positions.shape[1])
-        whole: BoolArray = (self._domain.nearest(flat).reshape(sides.shape) == sides).all(axis=(1, 2))
-        return whole
 
     def _colors(self, positions: FloatArray) -> FloatArray:
         if self._style.color != "strain":
@@ -171,19 +163,15 @@ class SurfacePainter(Painter):
             apart = self._domain.nearest(apart)
         rest = np.maximum(self._rest, NEVER)
         strain = np.sqrt(np.einsum("md,md->m", apart, apart)) / rest - 1.0
-        sums = np.bincount(self._pairs.ravel(), weights=np.repeat(strain, 2), minlength=len(positions))
-        mean: FloatArray = sums / self._degree
+        total = np.bincount(self._pairs.ravel(), weights=np.repeat(strain, 2), minlength=len(positions))
+        mean: FloatArray = total / self._degree
         return mean
 
     def _light(self, positions: FloatArray, view: View) -> FloatArray:
         """The light on each particle (N,): Lambert's cosine with the mean normal of its faces, turned to the eye."""
         first, second, third = (positions[self._faces[:, corner]] for corner in (0, 1, 2))
         flat = np.cross(second - first, third - first)
-        index = self._faces.ravel()
-        normals = np.stack(
-            [np.bincount(index, weights=np.repeat(flat[:, axis], 3), minlength=len(positions)) for axis in range(3)],
-            axis=1,
-        )
+        normals = sums(self._faces.ravel(), np.repeat(flat, 3, axis=0), len(positions))
         local = normals @ view.axes.T
         length = np.maximum(np.sqrt(np.einsum("nd,nd->n", local, local)), 1e-300)
         away = local[:, 2] < 0.0
