@@ -3,10 +3,10 @@
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use glam::{DVec2, DVec3, Vec2, Vec3};
 use physcore_engine::math::{AXES, Real, Vector};
-use physcore_engine::neighbors::sums::{PairLaw, Records};
+use physcore_engine::neighbors::sums::{Pair, PairLaw, Records};
 use physcore_engine::neighbors::{Domain, Neighbors};
 use physcore_engine::parallel::Crew;
-use physcore_engine::simd::Record;
+use physcore_engine::simd::Number;
 
 /// The smoothing length, in spacings of the lattice; the support is twice that.
 const SMOOTHING: f64 = 1.2;
@@ -33,19 +33,18 @@ impl<T: Real> Fluid<T> {
     }
 
     #[inline(always)]
-    fn slope(&self, square: T) -> T {
-        let left = T::ONE - square.sqrt() * self.half_inverse;
-        let left = if left > T::ZERO { left } else { T::ZERO };
+    fn slope<N: Number<Scalar = T>>(&self, square: N) -> N {
+        let left = (N::constant(1.0) - square.sqrt() * N::of(self.half_inverse)).max(N::constant(0.0));
         left * left * left
     }
 }
 
 /// (vᵢ − vⱼ) · d.
 #[inline(always)]
-fn approach<V: Vector>(own: &Record<V::Scalar>, other: &Record<V::Scalar>, apart: [V::Scalar; AXES]) -> V::Scalar {
-    let mut sum = V::Scalar::ZERO;
+fn approach<V: Vector, N: Number>(pair: &Pair<N>) -> N {
+    let mut sum = N::constant(0.0);
     for axis in 0..V::DIMENSION {
-        sum += (own[V::DIMENSION + axis] - other[V::DIMENSION + axis]) * apart[axis];
+        sum += (pair.own[V::DIMENSION + axis] - pair.other[V::DIMENSION + axis]) * pair.apart[axis];
     }
     sum
 }
@@ -56,14 +55,8 @@ struct Continuity<T>(Fluid<T>);
 
 impl<V: Vector> PairLaw<V, 1> for Continuity<V::Scalar> {
     #[inline(always)]
-    fn terms(
-        &self,
-        own: &Record<V::Scalar>,
-        other: &Record<V::Scalar>,
-        apart: [V::Scalar; AXES],
-        square: V::Scalar,
-    ) -> [V::Scalar; 1] {
-        [approach::<V>(own, other, apart) * self.0.slope(square)]
+    fn terms<N: Number<Scalar = V::Scalar>>(&self, pair: &Pair<N>) -> [N; 1] {
+        [approach::<V, N>(pair) * self.0.slope(pair.square)]
     }
 }
 
@@ -74,18 +67,12 @@ struct Momentum<T>(Fluid<T>);
 
 impl<V: Vector> PairLaw<V, 3> for Momentum<V::Scalar> {
     #[inline(always)]
-    fn terms(
-        &self,
-        own: &Record<V::Scalar>,
-        other: &Record<V::Scalar>,
-        apart: [V::Scalar; AXES],
-        square: V::Scalar,
-    ) -> [V::Scalar; 3] {
-        let approach = approach::<V>(own, other, apart);
-        let approach = if approach < V::Scalar::ZERO { approach } else { V::Scalar::ZERO };
-        let viscosity = self.0.viscosity * approach / ((square + self.0.softening) * (own[6] + other[6]));
-        let strength = (own[7] + other[7] - viscosity) * self.0.slope(square);
-        [strength * apart[0], strength * apart[1], if V::DIMENSION == 3 { strength * apart[2] } else { V::Scalar::ZERO }]
+    fn terms<N: Number<Scalar = V::Scalar>>(&self, pair: &Pair<N>) -> [N; 3] {
+        let Pair { own, other, apart, square } = pair;
+        let approach = approach::<V, N>(pair).min(N::constant(0.0));
+        let viscosity = N::of(self.0.viscosity) * approach / ((*square + N::of(self.0.softening)) * (own[6] + other[6]));
+        let strength = (own[7] + other[7] - viscosity) * self.0.slope(*square);
+        [strength * apart[0], strength * apart[1], if V::DIMENSION == 3 { strength * apart[2] } else { N::constant(0.0) }]
     }
 }
 

@@ -48,9 +48,6 @@ pub trait Real:
     fn from_f64(value: f64) -> Self;
     /// The same number in double precision.
     fn to_f64(self) -> f64;
-    /// The correctly rounded square root.
-    #[must_use]
-    fn sqrt(self) -> Self;
     /// Whether this is neither infinite nor NaN.
     fn is_finite(self) -> bool;
     /// This number with one of four tags in its two lowest bits, where it is not missed.
@@ -58,8 +55,6 @@ pub trait Real:
     fn tagged(self, tag: u8) -> Self;
     /// Its tag.
     fn tag(self) -> u8;
-    /// Whether a bit of its tag is set, 0 or 1.
-    fn has_tag_bit(self, bit: u8) -> bool;
     /// Lends the calling thread's scratch memory of `length` numbers, holding anything. It begins at a cache line: a vector
     /// that straddles two costs twice.
     fn with_scratch<R>(length: usize, work: impl FnOnce(&mut [Self]) -> R) -> R;
@@ -94,11 +89,6 @@ macro_rules! real {
             }
 
             #[inline(always)]
-            fn sqrt(self) -> Self {
-                $number::sqrt(self)
-            }
-
-            #[inline(always)]
             fn is_finite(self) -> bool {
                 $number::is_finite(self)
             }
@@ -112,11 +102,6 @@ macro_rules! real {
             #[inline(always)]
             fn tag(self) -> u8 {
                 (self.to_bits() & 3) as u8
-            }
-
-            #[inline(always)]
-            fn has_tag_bit(self, bit: u8) -> bool {
-                self.to_bits() & (1 << bit) != 0
             }
 
             fn with_scratch<R>(length: usize, work: impl FnOnce(&mut [Self]) -> R) -> R {

@@ -4,10 +4,12 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The rooms, in order. Rooms in one group may know each other.
-const LAYERS: [&[&str]; 14] = [
-    &["error", "math"],
+const LAYERS: [&[&str]; 16] = [
+    &["error"],
+    &["simd"],
+    &["math"],
     &["scene"],
-    &["parallel", "simd"],
+    &["parallel"],
     &["columns", "meter"],
     &["neighbors"],
     &["matter"],

@@ -13,6 +13,7 @@ use crate::error::Result;
 use crate::math::{AXES, Real, Vector};
 use crate::matter::Properties;
 use crate::scene::Term;
+use crate::simd::Number;
 use crate::stability::Bound;
 
 /// Linear or quadratic drag in a uniform wind.

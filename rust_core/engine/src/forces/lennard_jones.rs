@@ -7,11 +7,11 @@
 use super::pairs::{Interaction, SUMS};
 use super::{Moment, VelocityDependence};
 use crate::error::Result;
-use crate::math::{AXES, Real, Vector};
+use crate::math::{Real, Vector};
 use crate::matter::Properties;
-use crate::neighbors::sums::PairLaw;
+use crate::neighbors::sums::{Pair, PairLaw};
 use crate::scene::{Term, Value};
-use crate::simd::Record;
+use crate::simd::Number;
 use crate::stability::Bound;
 
 /// The largest accurate step in units of σ √(m/ε): twice the usual one (M. P. Allen, D. J. Tildesley, Computer Simulation of
@@ -68,21 +68,16 @@ impl<T: Real> LennardJones<T> {
 
 impl<V: Vector> PairLaw<V, SUMS> for LennardJones<V::Scalar> {
     #[inline(always)]
-    fn terms(
-        &self,
-        _own: &Record<V::Scalar>,
-        _other: &Record<V::Scalar>,
-        apart: [V::Scalar; AXES],
-        square: V::Scalar,
-    ) -> [V::Scalar; SUMS] {
-        let inverse = V::Scalar::ONE / square;
-        let ratio = self.square_sigma * inverse;
+    fn terms<N: Number<Scalar = V::Scalar>>(&self, pair: &Pair<N>) -> [N; SUMS] {
+        let square = pair.square;
+        let inverse = N::constant(1.0) / square;
+        let ratio = N::of(self.square_sigma) * inverse;
         let six = ratio * ratio * ratio;
-        let push = self.strength * (six * six + six * six - six) * inverse - self.shift * (square.sqrt() * inverse);
-        let push = if square < self.square_cutoff { push } else { V::Scalar::ZERO };
-        let mut terms = [V::Scalar::ZERO; SUMS];
+        let push = N::of(self.strength) * (six * six + six * six - six) * inverse - N::of(self.shift) * (square.sqrt() * inverse);
+        let push = N::select(square.less(N::of(self.square_cutoff)), push, N::constant(0.0));
+        let mut terms = [N::constant(0.0); SUMS];
         for axis in 0..V::DIMENSION {
-            terms[axis] = push * apart[axis];
+            terms[axis] = push * pair.apart[axis];
         }
         terms
     }

@@ -15,10 +15,10 @@ use crate::error::Result;
 use crate::math::{AXES, Placed, Real, Vector};
 use crate::matter::{Channel, Properties};
 use crate::neighbors::Neighbors;
-use crate::neighbors::sums::{PairLaw, Records};
+use crate::neighbors::sums::{Pair, PairLaw, Records};
 use crate::parallel::Crew;
 use crate::scene::Scene;
-use crate::simd::{LANES, Record};
+use crate::simd::{LANES, Number, Record};
 use crate::stability::Bound;
 
 /// The force on a particle along each axis, and the power that its pairs dissipate.
@@ -56,16 +56,16 @@ pub trait Interaction<V: Vector>: PairLaw<V, SUMS> + Send {
 
 /// The attribute in a record.
 #[inline(always)]
-pub fn attribute<V: Vector>(record: &Record<V::Scalar>) -> V::Scalar {
+pub fn attribute<V: Vector, N: Copy>(record: &Record<N>) -> N {
     record[2 * V::DIMENSION]
 }
 
-/// The velocity in a record, relative to that in another.
+/// The velocity of a particle relative to the other of a pair.
 #[inline(always)]
-pub fn relative_velocity<V: Vector>(own: &Record<V::Scalar>, other: &Record<V::Scalar>) -> [V::Scalar; AXES] {
-    let mut relative = [V::Scalar::ZERO; AXES];
+pub fn relative_velocity<V: Vector, N: Number>(pair: &Pair<N>) -> [N; AXES] {
+    let mut relative = [N::constant(0.0); AXES];
     for axis in 0..V::DIMENSION {
-        relative[axis] = own[V::DIMENSION + axis] - other[V::DIMENSION + axis];
+        relative[axis] = pair.own[V::DIMENSION + axis] - pair.other[V::DIMENSION + axis];
     }
     relative
 }
@@ -105,7 +105,7 @@ impl<V: Vector, L: Interaction<V>> Pairs<V, L> {
                 let other = order[other as usize] as usize;
                 let mut apart = DVec3::ZERO;
                 for axis in 0..V::DIMENSION {
-                    apart[axis] = f64::apart::<true>(positions[axis][one], positions[axis][other], rulers[axis]);
+                    apart[axis] = f64::apart::<true, _>(positions[axis][one], positions[axis][other], rulers[axis]);
                 }
                 each([one, other], apart.length());
             }

@@ -14,9 +14,9 @@ use super::{Force, Moment, VelocityDependence};
 use crate::error::{Error, Result};
 use crate::math::{AXES, Real, Vector};
 use crate::matter::Properties;
-use crate::neighbors::sums::PairLaw;
+use crate::neighbors::sums::{Pair, PairLaw};
 use crate::scene::{Scene, Term, Value};
-use crate::simd::Record;
+use crate::simd::Number;
 
 /// The law in the precision of the run.
 #[derive(Debug, Clone, Copy)]
@@ -72,22 +72,17 @@ impl<T: Real, const HERTZIAN: bool> Repulsion<T, HERTZIAN> {
 
 impl<V: Vector, const HERTZIAN: bool> PairLaw<V, SUMS> for Repulsion<V::Scalar, HERTZIAN> {
     #[inline(always)]
-    fn terms(
-        &self,
-        own: &Record<V::Scalar>,
-        other: &Record<V::Scalar>,
-        apart: [V::Scalar; AXES],
-        square: V::Scalar,
-    ) -> [V::Scalar; SUMS] {
-        let (zero, one) = (V::Scalar::ZERO, V::Scalar::ONE);
+    fn terms<N: Number<Scalar = V::Scalar>>(&self, pair: &Pair<N>) -> [N; SUMS] {
+        let Pair { own, other, apart, square } = pair;
+        let (zero, one) = (N::constant(0.0), N::constant(1.0));
         let distance = square.sqrt();
-        let overlap = attribute::<V>(own) + attribute::<V>(other) - distance;
+        let overlap = attribute::<V, N>(own) + attribute::<V, N>(other) - distance;
         // Spheres with one center have no direction in which to part.
-        let touches = overlap > zero && distance > zero;
-        let inverse = if touches { one / distance } else { zero };
-        let overlap = if touches { overlap } else { zero };
-        let elastic = self.stiffness * if HERTZIAN { overlap * overlap.sqrt() } else { overlap };
-        let v = relative_velocity::<V>(own, other);
+        let touches = N::both(zero.less(overlap), zero.less(distance));
+        let inverse = N::select(touches, one / distance, zero);
+        let overlap = N::select(touches, overlap, zero);
+        let elastic = N::of(self.stiffness) * if HERTZIAN { overlap * overlap.sqrt() } else { overlap };
+        let v = relative_velocity::<V, N>(pair);
         let (mut normal, mut tangent) = ([zero; AXES], [zero; AXES]);
         let (mut parting, mut square_slip) = (zero, zero);
         for axis in 0..V::DIMENSION {
@@ -98,12 +93,11 @@ impl<V: Vector, const HERTZIAN: bool> PairLaw<V, SUMS> for Repulsion<V::Scalar, 
             tangent[axis] = v[axis] - parting * normal[axis];
             square_slip += tangent[axis] * tangent[axis];
         }
-        let damped = elastic - self.damping * parting;
-        let push = if touches && damped > zero { damped } else { zero };
+        let damped = elastic - N::of(self.damping) * parting;
+        let push = N::select(touches, damped.max(zero), zero);
         let slip = square_slip.sqrt();
-        let (viscous, coulomb) = (self.tangential_damping * slip, self.friction * push);
-        let drag = if viscous < coulomb { viscous } else { coulomb };
-        let per_slip = if slip > zero { drag / slip } else { zero };
+        let drag = (N::of(self.tangential_damping) * slip).min(N::of(self.friction) * push);
+        let per_slip = N::select(zero.less(slip), drag / slip, zero);
         let mut terms = [zero; SUMS];
         for axis in 0..V::DIMENSION {
             terms[axis] = push * normal[axis] - per_slip * tangent[axis];

@@ -8,6 +8,8 @@
 
 use std::fmt::Debug;
 
+use crate::simd::{Number, Packed};
+
 /// 2³², the number of different places along an axis in f32.
 const PLACES: f64 = 4_294_967_296.0;
 
@@ -17,12 +19,12 @@ const WHOLE: f64 = 6_755_399_441_055_744.0;
 
 /// The nearest whole number to a value below 2⁵¹.
 #[inline(always)]
-fn nearest(value: f64) -> f64 {
-    (value + WHOLE) - WHOLE
+fn nearest<N: Number>(value: N) -> N {
+    (value + N::constant(WHOLE)) - N::constant(WHOLE)
 }
 
 /// Numbers that can hold a place: records then hold numbers and places side by side.
-pub trait Placed: Sized {
+pub trait Placed: Packed {
     /// Whether differences find the nearest image by themselves, so that nobody has to ask for it.
     const WRAPS: bool;
     /// How places along one axis are measured.
@@ -34,7 +36,7 @@ pub trait Placed: Sized {
     fn place(coordinate: f64, ruler: Self::Ruler) -> Self;
     /// How far a place lies above another, or above its nearest image where the axis is periodic. `PERIODIC` says whether
     /// any axis is.
-    fn apart<const PERIODIC: bool>(one: Self, other: Self, ruler: Self::Ruler) -> Self;
+    fn apart<const PERIODIC: bool, N: Number<Scalar = Self>>(one: N, other: N, ruler: Self::Ruler) -> N;
 }
 
 /// How places in f32 are measured.
@@ -65,8 +67,8 @@ impl Placed for f32 {
     }
 
     #[inline(always)]
-    fn apart<const PERIODIC: bool>(one: f32, other: f32, ruler: Fixed) -> f32 {
-        one.to_bits().wrapping_sub(other.to_bits()).cast_signed() as f32 * ruler.unit
+    fn apart<const PERIODIC: bool, N: Number<Scalar = f32>>(one: N, other: N, ruler: Fixed) -> N {
+        one.place_difference(other) * N::of(ruler.unit)
     }
 }
 
@@ -93,9 +95,12 @@ impl Placed for f64 {
     }
 
     #[inline(always)]
-    fn apart<const PERIODIC: bool>(one: f64, other: f64, ruler: Image) -> f64 {
-        let difference = one - other;
-        if PERIODIC { difference - ruler.period * nearest(difference * ruler.inverse) } else { difference }
+    fn apart<const PERIODIC: bool, N: Number<Scalar = f64>>(one: N, other: N, ruler: Image) -> N {
+        let difference = one.place_difference(other);
+        if !PERIODIC {
+            return difference;
+        }
+        difference - N::of(ruler.period) * nearest(difference * N::of(ruler.inverse))
     }
 }
 
@@ -117,7 +122,7 @@ mod tests {
             for start in [0.0, -1e5, 1e5, 123_456.7] {
                 for step in -49..50 {
                     let (one, other) = (start * support, start * support + f64::from(step) * 0.02 * support);
-                    let apart = f32::apart::<true>(f32::place(one, ruler), f32::place(other, ruler), ruler);
+                    let apart = f32::apart::<true, _>(f32::place(one, ruler), f32::place(other, ruler), ruler);
                     assert!(
                         (f64::from(apart) - (one - other)).abs() <= tolerance(one - other, support, period),
                         "{apart} {one} {other}"
@@ -133,10 +138,10 @@ mod tests {
         let (single, double) = (f32::ruler(Some(period), support), f64::ruler(Some(period), support));
         for turns in -1000..1000 {
             let (one, other) = (0.1, -0.15 + f64::from(turns) * period);
-            let apart = f32::apart::<true>(f32::place(one, single), f32::place(other, single), single);
+            let apart = f32::apart::<true, _>(f32::place(one, single), f32::place(other, single), single);
             assert!((f64::from(apart) - 0.25).abs() < tolerance(0.25, support, Some(period)), "{apart}");
             // The coordinate itself is rounded at 2700 m, and its quotient by the period costs as much again.
-            assert!((f64::apart::<true>(one, other, double) - 0.25).abs() < 4.0 * 2700.0 * f64::EPSILON);
+            assert!((f64::apart::<true, _>(one, other, double) - 0.25).abs() < 4.0 * 2700.0 * f64::EPSILON);
         }
     }
 }

@@ -61,6 +61,8 @@ struct Axis {
     low: f64,
     /// Cells in a metre [1/m].
     inverse: f64,
+    /// The size of a cell [m].
+    size: f64,
     /// The number of buckets.
     buckets: u32,
     /// How many cells each way a neighbor can be.
@@ -69,7 +71,7 @@ struct Axis {
 
 impl Axis {
     /// An axis that is not there.
-    const NONE: Self = Self { low: 0.0, inverse: 0.0, buckets: 1, reach: 0 };
+    const NONE: Self = Self { low: 0.0, inverse: 0.0, size: 0.0, buckets: 1, reach: 0 };
 
     /// The bucket of a coordinate.
     #[inline(always)]
@@ -102,7 +104,7 @@ impl Axis {
             return [0.0; 3];
         }
         let fraction = self.fraction(coordinate);
-        [fraction, 0.0, 1.0 - fraction].map(|gap| (gap / self.inverse) * (gap / self.inverse))
+        [fraction, 0.0, 1.0 - fraction].map(|gap| (gap * self.size) * (gap * self.size))
     }
 }
 
@@ -190,7 +192,7 @@ impl Grid {
                 }
                 None => (bounds.low[axis], f64::from(reach) / size),
             };
-            Axis { low, inverse, buckets: buckets[axis], reach }
+            Axis { low, inverse, size: 1.0 / inverse, buckets: buckets[axis], reach }
         };
         Self { axes: std::array::from_fn(|index| if index < dimension { axis(index) } else { Axis::NONE }) }
     }

@@ -137,7 +137,7 @@ fn look<I: Isa, const DIMENSION: usize, const PERIODIC: bool>(
     for axis in 0..DIMENSION {
         let others = &candidates.columns[axis][first..first + LANES];
         for lane in 0..LANES {
-            let apart = f64::apart::<PERIODIC>(point[axis], others[lane], rulers[axis]);
+            let apart = f64::apart::<PERIODIC, _>(point[axis], others[lane], rulers[axis]);
             squares[lane] += apart * apart;
         }
     }

@@ -176,7 +176,7 @@ impl Neighbors {
         let (own, rulers): ([f64; AXES], _) = (point(place), self.metric.rulers);
         self.of(place).iter().map(move |&other| {
             let other = point(other as usize);
-            DVec3::from_array(std::array::from_fn(|axis| f64::apart::<true>(own[axis], other[axis], rulers[axis])))
+            DVec3::from_array(std::array::from_fn(|axis| f64::apart::<true, _>(own[axis], other[axis], rulers[axis])))
         })
     }
 

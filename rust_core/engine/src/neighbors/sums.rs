@@ -1,14 +1,27 @@
 //! Sums over neighbors: the loop that all pair laws share.
 //!
 //! What a law reads of a particle is one [`Record`], kept in the order of places. The neighbors of a particle are taken in
-//! groups of lanes: their records are transposed into lanes, the law gives its terms for every lane, and each lane adds up
-//! its own. At the end the lanes are folded in one tree, so that the bits are the same at every SIMD level and for any
+//! groups of lanes: their records are interleaved into registers, the law gives its terms for every lane, and each lane adds
+//! up its own. At the end the lanes are folded in one tree, so that the bits are the same at every SIMD level and for any
 //! number of threads.
 
 use super::{BLOCK, List, Neighbors};
 use crate::math::{AXES, Placed, Real, Vector};
 use crate::parallel::{Chunks, Crew};
-use crate::simd::{Isa, Kernel, LANES, Lanes, LevelKernel, Record, WORDS, dispatch, dispatch_level, transpose};
+use crate::simd::{Isa, Kernel, LANES, Lanes, LevelKernel, Number, Pack, Record, Table, WORDS, dispatch, dispatch_level};
+
+/// Two particles, as the first of them sees the second; or several, one in each lane.
+#[derive(Debug, Clone, Copy)]
+pub struct Pair<N> {
+    /// The records, whose first words (as many as there are axes) mean nothing here.
+    pub own: Record<N>,
+    /// That of the other.
+    pub other: Record<N>,
+    /// The vector from the other particle to this one [m].
+    pub apart: [N; AXES],
+    /// Its square [m²].
+    pub square: N,
+}
 
 /// What happens between two particles, as the first of them feels it.
 pub trait PairLaw<V: Vector, const SUMS: usize>: Copy + Sync {
@@ -21,24 +34,16 @@ pub trait PairLaw<V: Vector, const SUMS: usize>: Copy + Sync {
 
     /// The terms of one pair, which are added to the sums of the first particle.
     ///
-    /// `own` and `other` are the records, whose first words (as many as there are axes) mean nothing here; `apart` is the
-    /// vector from the other particle to this one [m], and `square` its square [m²]. Lists reach beyond the cutoff, and
-    /// are filled up with pairs whose `square` is infinite: the law makes its terms 0 from its cutoff on. It has no
-    /// branches, and everything in it is `#[inline(always)]`, or it is not vectorized.
-    fn terms(
-        &self,
-        own: &Record<V::Scalar>,
-        other: &Record<V::Scalar>,
-        apart: [V::Scalar; AXES],
-        square: V::Scalar,
-    ) -> [V::Scalar; SUMS];
+    /// Lists reach beyond the cutoff, and are filled up with pairs whose `square` is infinite: the law makes its terms 0 from
+    /// its cutoff on. Everything in it is `#[inline(always)]`, or it does not stay in registers.
+    fn terms<N: Number<Scalar = V::Scalar>>(&self, pair: &Pair<N>) -> [N; SUMS];
 }
 
 /// The records of all particles, in the order of places.
 #[derive(Debug)]
 pub struct Records<V: Vector> {
     /// One per place, and a group of lanes more.
-    words: Vec<Record<V::Scalar>>,
+    words: Table<V::Scalar>,
     rulers: [<V::Scalar as Placed>::Ruler; AXES],
     periodic: bool,
 }
@@ -47,7 +52,7 @@ impl<V: Vector> Records<V> {
     /// Room for the particles of `neighbors`.
     pub fn new(neighbors: &Neighbors) -> Self {
         Self {
-            words: vec![[V::Scalar::ZERO; WORDS]; neighbors.count() + LANES],
+            words: Table::zeros(neighbors.count() + LANES),
             rulers: neighbors.domain().lengths().map(|length| V::Scalar::ruler(length, neighbors.support())),
             periodic: neighbors.domain().is_periodic(),
         }
@@ -55,7 +60,7 @@ impl<V: Vector> Records<V> {
 
     /// The memory that they take [bytes].
     pub fn bytes(&self) -> usize {
-        std::mem::size_of_val(self.words.as_slice())
+        std::mem::size_of_val(&*self.words)
     }
 
     /// Writes all records anew: the positions, and what `each` writes into the other words of the particle that it is
@@ -102,12 +107,17 @@ impl<V: Vector> Records<V> {
         });
     }
 
-    /// The sums of a law over a list of neighbors of the particle at one place.
-    pub fn sum_at<L: PairLaw<V, SUMS>, const SUMS: usize>(&self, list: List<'_>, law: &L, place: usize) -> [V::Scalar; SUMS] {
+    /// The sums of laws over lists of neighbors of particles at some places, each given to `take` with its place.
+    pub fn sum_few<'a, L: PairLaw<V, SUMS>, const SUMS: usize>(
+        &self,
+        few: impl Iterator<Item = (usize, List<'a>, L)>,
+        take: impl FnMut(usize, [V::Scalar; SUMS]),
+    ) {
+        let records = self;
         if V::Scalar::WRAPS || !self.periodic {
-            dispatch_level(Alone::<V, L, SUMS, false> { records: self, list, law, place })
+            dispatch_level(Few::<V, _, _, SUMS, false> { records, few, take });
         } else {
-            dispatch_level(Alone::<V, L, SUMS, true> { records: self, list, law, place })
+            dispatch_level(Few::<V, _, _, SUMS, true> { records, few, take });
         }
     }
 }
@@ -152,87 +162,104 @@ impl<V: Vector, L: PairLaw<V, SUMS>, const SUMS: usize, const PERIODIC: bool> Le
     type Output = ();
 
     #[inline(always)]
-    fn run<I: Isa>(self, isa: I) {
+    fn run<I: Isa>(self, _isa: I) {
         let Sweep { records, neighbors, law, start, sums } = self.0;
         for (place, sum) in (start..).zip(sums) {
-            *sum = around::<V, L, SUMS, PERIODIC>(isa, records, neighbors.list(place), &law, place);
+            *sum = around::<V, L, I::Pack<V::Scalar>, SUMS, PERIODIC>(records, neighbors.list(place), &law, place);
         }
     }
 }
 
-/// The sums of one particle, with or without periods.
-struct Alone<'a, V: Vector, L, const SUMS: usize, const PERIODIC: bool> {
-    records: &'a Records<V>,
-    list: List<'a>,
-    law: &'a L,
-    place: usize,
+/// The sums of a few particles, with or without periods.
+struct Few<'r, V: Vector, S, T, const SUMS: usize, const PERIODIC: bool> {
+    records: &'r Records<V>,
+    few: S,
+    take: T,
 }
 
-impl<V: Vector, L: PairLaw<V, SUMS>, const SUMS: usize, const PERIODIC: bool> LevelKernel for Alone<'_, V, L, SUMS, PERIODIC> {
-    type Output = [V::Scalar; SUMS];
+impl<'a, V, L, S, T, const SUMS: usize, const PERIODIC: bool> LevelKernel for Few<'_, V, S, T, SUMS, PERIODIC>
+where
+    V: Vector,
+    L: PairLaw<V, SUMS>,
+    S: Iterator<Item = (usize, List<'a>, L)>,
+    T: FnMut(usize, [V::Scalar; SUMS]),
+{
+    type Output = ();
 
     #[inline(always)]
-    fn run<I: Isa>(self, isa: I) -> [V::Scalar; SUMS] {
-        around::<V, L, SUMS, PERIODIC>(isa, self.records, self.list, self.law, self.place)
+    fn run<I: Isa>(mut self, _isa: I) {
+        for (place, list, law) in self.few {
+            (self.take)(place, around::<V, L, I::Pack<V::Scalar>, SUMS, PERIODIC>(self.records, list, &law, place));
+        }
     }
 }
 
 /// The sums of the particle at one place over a list.
 #[inline(always)]
-fn around<V: Vector, L: PairLaw<V, SUMS>, const SUMS: usize, const PERIODIC: bool>(
-    isa: impl Isa,
+fn around<V: Vector, L: PairLaw<V, SUMS>, P: Pack<Scalar = V::Scalar>, const SUMS: usize, const PERIODIC: bool>(
     records: &Records<V>,
     List { segment, range }: List<'_>,
     law: &L,
     place: usize,
 ) -> [V::Scalar; SUMS] {
-    // A copy, because compilers do not see that nobody writes to the original meanwhile.
     let own = records.words[place];
     let law = law.facing(&own);
+    let own = splat::<P>(&own);
     let mut lanes = [[V::Scalar::ZERO; LANES]; SUMS];
-    for first in range.clone().step_by(LANES) {
-        let others = transpose(isa, &records.words, segment.group(first));
-        let (apart, square) = distances::<V, PERIODIC>(&own, &others, &records.rulers, range.end - first);
-        add(&law, &own, &others, &apart, &square, &mut lanes);
+    // The lanes that a register holds, for all groups; then the next ones.
+    for first in (0..LANES).step_by(P::WIDTH) {
+        let mut sums = [P::constant(0.0); SUMS];
+        for start in range.clone().step_by(LANES) {
+            let number = range.end - start;
+            if number > first {
+                let other = P::transpose(&records.words, segment.group(start), first);
+                let terms = law.terms(&pair::<V, P, PERIODIC>(own, other, &records.rulers, number, first));
+                for sum in 0..SUMS {
+                    sums[sum] += terms[sum];
+                }
+            }
+        }
+        for sum in 0..SUMS {
+            sums[sum].store(&mut lanes[sum][first..]);
+        }
     }
     lanes.map(fold)
 }
 
-/// How far a particle is from each of a group of others, of whom the first `number` count: their vectors and squares.
+/// The same number in every lane.
 #[inline(always)]
-fn distances<V: Vector, const PERIODIC: bool>(
-    own: &Record<V::Scalar>,
-    others: &Record<Lanes<V::Scalar>>,
+fn splat<P: Pack>(own: &Record<P::Scalar>) -> Record<P>
+where
+    P::Scalar: Copy,
+{
+    let mut words = [P::constant(0.0); WORDS];
+    for word in 0..WORDS {
+        words[word] = P::of(own[word]);
+    }
+    words
+}
+
+/// A particle with some of a group of others, from the lane `first` on; of that group the first `number` count.
+#[inline(always)]
+fn pair<V: Vector, P: Pack<Scalar = V::Scalar>, const PERIODIC: bool>(
+    own: Record<P>,
+    other: Record<P>,
     rulers: &[<V::Scalar as Placed>::Ruler; AXES],
     number: usize,
-) -> ([Lanes<V::Scalar>; AXES], Lanes<V::Scalar>) {
-    // Axis by axis, without a loop: compilers would leave the lanes in memory and read them back in odd pieces.
-    let along = |axis: usize| line::<V::Scalar, PERIODIC>(own[axis], &others[axis], rulers[axis]);
-    let apart = [along(0), along(1), if V::DIMENSION == 3 { along(2) } else { [V::Scalar::ZERO; LANES] }];
-    let mut square = [V::Scalar::ZERO; LANES];
-    for lane in 0..LANES {
-        square[lane] = apart[0][lane] * apart[0][lane] + apart[1][lane] * apart[1][lane];
-        if V::DIMENSION == 3 {
-            square[lane] += apart[2][lane] * apart[2][lane];
-        }
+    first: usize,
+) -> Pair<P> {
+    let mut apart = [P::constant(0.0); AXES];
+    for axis in 0..V::DIMENSION {
+        apart[axis] = V::Scalar::apart::<PERIODIC, P>(own[axis], other[axis], rulers[axis]);
+    }
+    let mut square = apart[0] * apart[0];
+    for axis in 1..V::DIMENSION {
+        square += apart[axis] * apart[axis];
     }
     // Added from a table, because compilers make branches of a comparison with the lane.
     let table = Rest::<V::Scalar>::TABLE;
-    let rest = &table.as_flattened()[LANES - number.min(LANES)..][..LANES];
-    for lane in 0..LANES {
-        square[lane] += rest[lane];
-    }
-    (apart, square)
-}
-
-/// How far a place is from each of a group of others along one axis.
-#[inline(always)]
-fn line<T: Real, const PERIODIC: bool>(own: T, others: &Lanes<T>, ruler: T::Ruler) -> Lanes<T> {
-    let mut apart = [T::ZERO; LANES];
-    for lane in 0..LANES {
-        apart[lane] = T::apart::<PERIODIC>(own, others[lane], ruler);
-    }
-    apart
+    square += P::load(&table.as_flattened()[LANES + first - number.min(LANES)..]);
+    Pair { own, other, apart, square }
 }
 
 /// What is added to the squares of the lanes: nothing as long as there are neighbors, then infinity.
@@ -240,25 +267,6 @@ struct Rest<T>(T);
 
 impl<T: Real> Rest<T> {
     const TABLE: [Lanes<T>; 2] = [[T::ZERO; LANES], [T::INFINITY; LANES]];
-}
-
-/// Adds the terms of every lane.
-#[inline(always)]
-fn add<V: Vector, L: PairLaw<V, SUMS>, const SUMS: usize>(
-    law: &L,
-    own: &Record<V::Scalar>,
-    others: &Record<Lanes<V::Scalar>>,
-    apart: &[Lanes<V::Scalar>; AXES],
-    square: &Lanes<V::Scalar>,
-    sums: &mut [Lanes<V::Scalar>; SUMS],
-) {
-    for lane in 0..LANES {
-        let other = others.each_ref().map(|word| word[lane]);
-        let terms = law.terms(own, &other, apart.each_ref().map(|axis| axis[lane]), square[lane]);
-        for sum in 0..SUMS {
-            sums[sum][lane] += terms[sum];
-        }
-    }
 }
 
 /// The sum of all lanes, in one tree.

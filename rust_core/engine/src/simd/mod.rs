@@ -13,11 +13,15 @@ use std::sync::OnceLock;
 use crate::error::{Error, Result};
 
 mod gather;
+mod packs;
 mod records;
+#[cfg(target_arch = "x86_64")]
+mod registers;
 mod selection;
 
 pub use gather::Gather;
-pub use records::{Record, WORDS, transpose};
+pub use packs::{Number, Pack, Packed};
+pub use records::{Record, Table, WORDS};
 pub use selection::{Group, Selection};
 
 /// The width of every fixed-lane loop: one AVX-512 register of f32, two of f64.
@@ -115,6 +119,8 @@ pub trait Kernel {
 pub trait Isa: Copy {
     /// Its name as a value.
     const LEVEL: Level;
+    /// A register of it.
+    type Pack<T: Packed>: Pack<Scalar = T>;
 }
 
 /// A computation to run at the best level, that has to know which it is. `run` and all that it calls must be
@@ -127,22 +133,23 @@ pub trait LevelKernel {
 }
 
 macro_rules! level {
-    ($name:ident, $level:ident) => {
+    ($name:ident, $level:ident, $pack:ty) => {
         /// A level as a type.
         #[derive(Debug, Clone, Copy)]
         struct $name(());
 
         impl Isa for $name {
             const LEVEL: Level = Level::$level;
+            type Pack<T: Packed> = $pack;
         }
     };
 }
 
-level!(Scalar, Scalar);
+level!(Scalar, Scalar, packs::Four<T>);
 #[cfg(target_arch = "x86_64")]
-level!(Avx2, Avx2);
+level!(Avx2, Avx2, T::Avx2);
 #[cfg(target_arch = "x86_64")]
-level!(Avx512, Avx512);
+level!(Avx512, Avx512, T::Avx512);
 
 /// A kernel that need not know its level.
 struct Any<K>(K);

@@ -19,10 +19,10 @@ pub struct Group<'a> {
     bound: usize,
 }
 
-impl Group<'_> {
+impl<'a> Group<'a> {
     /// The indices, all below the bound.
     #[inline(always)]
-    pub fn indices(&self) -> &Lanes<u32> {
+    pub fn indices(&self) -> &'a Lanes<u32> {
         self.indices
     }
 

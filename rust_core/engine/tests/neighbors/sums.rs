@@ -4,10 +4,10 @@ use std::process::Command;
 
 use glam::{DVec2, DVec3, Vec2, Vec3};
 use physcore_engine::math::{AXES, Real, Vector};
-use physcore_engine::neighbors::sums::{PairLaw, Records};
+use physcore_engine::neighbors::sums::{Pair, PairLaw, Records};
 use physcore_engine::neighbors::{Domain, Neighbors, brute};
 use physcore_engine::parallel::Crew;
-use physcore_engine::simd::{Level, Record};
+use physcore_engine::simd::{Level, Number};
 
 use crate::laboratory::{Points, cloud, view, with_threads};
 
@@ -19,10 +19,12 @@ struct Weighted<T> {
 
 impl<T: Real, V: Vector<Scalar = T>> PairLaw<V, 4> for Weighted<T> {
     #[inline(always)]
-    fn terms(&self, _own: &Record<T>, other: &Record<T>, apart: [T; AXES], square: T) -> [T; 4] {
-        let left = T::ONE - square / (self.cutoff * self.cutoff);
-        let strength = if left > T::ZERO { left * left * other[7] } else { T::ZERO };
-        [strength * apart[0], strength * apart[1], if V::DIMENSION == 3 { strength * apart[2] } else { T::ZERO }, strength]
+    fn terms<N: Number<Scalar = T>>(&self, pair: &Pair<N>) -> [N; 4] {
+        let (cutoff, zero) = (N::of(self.cutoff), N::constant(0.0));
+        let left = (N::constant(1.0) - pair.square / (cutoff * cutoff)).max(zero);
+        let strength = left * left * pair.other[7];
+        let [x, y, z] = pair.apart;
+        [strength * x, strength * y, if V::DIMENSION == 3 { strength * z } else { zero }, strength]
     }
 }
 

@@ -16,7 +16,7 @@ use crate::neighbors::sums::Records;
 use crate::parallel::Crew;
 use crate::scene::Scene;
 
-impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>, const MIXED: bool> Fluids<V, K, MIXED> {
+impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
     /// The fluids of a scene, of these kinds.
     pub fn new(scene: &Scene, properties: &Properties<V>, kinds: Kinds) -> Result<Self> {
         let kind_of = |index: u32| kinds.of_body[properties.body[index as usize] as usize];
@@ -116,7 +116,7 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>, const MIXED: bool> Fluids<V, K
 }
 
 /// The kernel of a fluid as a function of distance, in double precision.
-fn weight<K: Shape<f64>>(fluid: &Material, dimension: usize) -> impl Fn(f64) -> f64 {
+fn weight<K: Shape>(fluid: &Material, dimension: usize) -> impl Fn(f64) -> f64 {
     let kernel = Kernel::<f64, K>::new(fluid.smoothing_length, fluid.spacing, dimension);
     move |distance| kernel.value(distance)
 }

@@ -6,8 +6,8 @@
 use glam::{DMat3, DVec3};
 
 use crate::math::{AXES, Real, Vector};
-use crate::neighbors::sums::PairLaw;
-use crate::simd::Record;
+use crate::neighbors::sums::{Pair, PairLaw};
+use crate::simd::{Number, Record};
 
 /// A wall as a particle near it sees it: its unit normal into the fluid, its distance [m], and whether the fluid sticks to it.
 #[derive(Debug, Clone, Copy)]
@@ -109,10 +109,10 @@ impl<T: Real> Reflection<T> {
 
 /// n·d.
 #[inline(always)]
-fn dot<V: Vector>(one: &Triple<V::Scalar>, other: &Triple<V::Scalar>) -> V::Scalar {
-    let mut sum = V::Scalar::ZERO;
-    for axis in 0..V::DIMENSION {
-        sum += one[axis] * other[axis];
+fn dot<V: Vector, N: Number<Scalar = V::Scalar>>(one: &Triple<V::Scalar>, other: &Triple<N>) -> N {
+    let mut sum = N::of(one[0]) * other[0];
+    for axis in 1..V::DIMENSION {
+        sum += N::of(one[axis]) * other[axis];
     }
     sum
 }
@@ -121,28 +121,21 @@ fn dot<V: Vector>(one: &Triple<V::Scalar>, other: &Triple<V::Scalar>) -> V::Scal
 pub trait Pressed<V: Vector, const SUMS: usize> {
     /// The density at rest of the other [kg/m³].
     #[inline(always)]
-    fn density(&self, _other: &Record<V::Scalar>) -> V::Scalar {
-        V::Scalar::ZERO
+    fn density<N: Number<Scalar = V::Scalar>>(&self, _other: &Record<N>) -> N {
+        N::constant(0.0)
     }
 
     /// The second number of a record, raised by what gravity adds on the way to an image.
     #[inline(always)]
-    fn raised(&self, content: V::Scalar, by: V::Scalar) -> V::Scalar {
+    fn raised<N: Number<Scalar = V::Scalar>>(&self, content: N, by: N) -> N {
         content + by
     }
 
     /// What is different where the other is an image, whose pressure has been raised `by` so much: the powers, because it
     /// belongs to a wall that takes none.
     #[inline(always)]
-    fn lift(
-        &self,
-        _own: &Record<V::Scalar>,
-        _other: &Record<V::Scalar>,
-        _apart: [V::Scalar; AXES],
-        _square: V::Scalar,
-        _by: V::Scalar,
-    ) -> [V::Scalar; SUMS] {
-        [V::Scalar::ZERO; SUMS]
+    fn lift<N: Number<Scalar = V::Scalar>>(&self, _pair: &Pair<N>, _by: N) -> [N; SUMS] {
+        [N::constant(0.0); SUMS]
     }
 }
 
@@ -158,11 +151,6 @@ impl<T: Real, L> Mirrored<T, L> {
     pub fn new(law: L, image: &Image, view: &View) -> Self {
         Self { law, reflection: Reflection::new(image, view) }
     }
-
-    /// What it makes of another.
-    pub fn turn(&mut self, image: &Image, view: &View) {
-        self.reflection = Reflection::new(image, view);
-    }
 }
 
 impl<V: Vector, L: PairLaw<V, SUMS> + Pressed<V, SUMS>, const SUMS: usize> PairLaw<V, SUMS> for Mirrored<V::Scalar, L> {
@@ -172,35 +160,34 @@ impl<V: Vector, L: PairLaw<V, SUMS> + Pressed<V, SUMS>, const SUMS: usize> PairL
     }
 
     #[inline(always)]
-    fn terms(
-        &self,
-        own: &Record<V::Scalar>,
-        other: &Record<V::Scalar>,
-        apart: [V::Scalar; AXES],
-        square: V::Scalar,
-    ) -> [V::Scalar; SUMS] {
+    fn terms<N: Number<Scalar = V::Scalar>>(&self, pair: &Pair<N>) -> [N; SUMS] {
         let Reflection { turn, shift, velocity, rise, depths } = &self.reflection;
-        let zero = V::Scalar::ZERO;
-        let mut image = *other;
-        let (mut from_image, mut far, mut before) = ([zero; AXES], zero, [zero; AXES]);
+        let zero = N::constant(0.0);
+        let Pair { own, other, apart, square } = pair;
+        let (mut image, mut from_image, mut before) = (*other, [zero; AXES], [zero; AXES]);
         for axis in 0..V::DIMENSION {
-            from_image[axis] = dot::<V>(&turn[axis], &apart) + shift[axis];
-            far += from_image[axis] * from_image[axis];
+            from_image[axis] = dot::<V, N>(&turn[axis], apart) + N::of(shift[axis]);
             before[axis] = other[V::DIMENSION + axis];
         }
+        let mut far = from_image[0] * from_image[0];
+        for axis in 1..V::DIMENSION {
+            far += from_image[axis] * from_image[axis];
+        }
         for axis in 0..V::DIMENSION {
-            image[V::DIMENSION + axis] = dot::<V>(&velocity[axis], &before);
+            image[V::DIMENSION + axis] = dot::<V, N>(&velocity[axis], &before);
         }
         let content = other[2 * V::DIMENSION + 1];
-        let raised = self.law.raised(content, self.law.density(other) * (dot::<V>(&rise.0, &apart) + rise.1));
+        let by = self.law.density(other) * (dot::<V, N>(&rise.0, apart) + N::of(rise.1));
+        let raised = self.law.raised(content, by);
         image[2 * V::DIMENSION + 1] = raised;
-        let mut counts = square < V::Scalar::INFINITY;
+        let infinity = N::of(V::Scalar::INFINITY);
+        let mut counts = square.less(infinity);
         for (normal, distance) in depths {
-            counts &= dot::<V>(normal, &apart) + *distance > zero;
+            counts = N::both(counts, zero.less(dot::<V, N>(normal, apart) + N::of(*distance)));
         }
-        let far = if counts { far } else { V::Scalar::INFINITY };
-        let mut terms = self.law.terms(own, &image, from_image, far);
-        let lift = self.law.lift(own, &image, from_image, far, raised - content);
+        let image = Pair { own: *own, other: image, apart: from_image, square: N::select(counts, far, infinity) };
+        let mut terms = self.law.terms(&image);
+        let lift = self.law.lift(&image, raised - content);
         for sum in 0..SUMS {
             terms[sum] += lift[sum];
         }

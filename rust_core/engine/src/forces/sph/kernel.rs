@@ -11,35 +11,36 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use crate::math::Real;
+use crate::simd::Number;
 
 /// A kernel of unit height and unit smoothing length, as a function of u = r/2h from 0 to 1.
-pub trait Shape<T: Real>: Copy + Send + Sync + 'static {
+pub trait Shape: Copy + Send + Sync + 'static {
     /// W₀ h^D in 2D and 3D.
     const HEIGHT: [f64; 2];
     /// W/W₀.
-    fn value(u: T) -> T;
+    fn value<N: Number>(u: N) -> N;
     /// h² F/W₀.
-    fn slope(u: T) -> T;
+    fn slope<N: Number>(u: N) -> N;
 }
 
 /// Wendland's kernel with two continuous derivatives.
 #[derive(Debug, Clone, Copy)]
 pub struct WendlandC2;
 
-impl<T: Real> Shape<T> for WendlandC2 {
+impl Shape for WendlandC2 {
     const HEIGHT: [f64; 2] = [7.0 / (4.0 * PI), 21.0 / (16.0 * PI)];
 
     #[inline(always)]
-    fn value(u: T) -> T {
-        let y = T::ONE - u;
+    fn value<N: Number>(u: N) -> N {
+        let y = N::constant(1.0) - u;
         let square = y * y;
-        square * square * (T::ONE + T::from_f64(4.0) * u)
+        square * square * (N::constant(1.0) + N::constant(4.0) * u)
     }
 
     #[inline(always)]
-    fn slope(u: T) -> T {
-        let y = T::ONE - u;
-        (T::from_f64(-5.0) * y) * (y * y)
+    fn slope<N: Number>(u: N) -> N {
+        let y = N::constant(1.0) - u;
+        (N::constant(-5.0) * y) * (y * y)
     }
 }
 
@@ -47,21 +48,21 @@ impl<T: Real> Shape<T> for WendlandC2 {
 #[derive(Debug, Clone, Copy)]
 pub struct WendlandC4;
 
-impl<T: Real> Shape<T> for WendlandC4 {
+impl Shape for WendlandC4 {
     const HEIGHT: [f64; 2] = [9.0 / (4.0 * PI), 495.0 / (256.0 * PI)];
 
     #[inline(always)]
-    fn value(u: T) -> T {
-        let y = T::ONE - u;
+    fn value<N: Number>(u: N) -> N {
+        let y = N::constant(1.0) - u;
         let square = y * y;
-        square * square * square * (T::ONE + u * (T::from_f64(6.0) + T::from_f64(35.0 / 3.0) * u))
+        square * square * square * (N::constant(1.0) + u * (N::constant(6.0) + N::constant(35.0 / 3.0) * u))
     }
 
     #[inline(always)]
-    fn slope(u: T) -> T {
-        let y = T::ONE - u;
+    fn slope<N: Number>(u: N) -> N {
+        let y = N::constant(1.0) - u;
         let square = y * y;
-        T::from_f64(-14.0 / 3.0) * (square * square * y) * (T::ONE + T::from_f64(5.0) * u)
+        N::constant(-14.0 / 3.0) * (square * square * y) * (N::constant(1.0) + N::constant(5.0) * u)
     }
 }
 
@@ -69,23 +70,23 @@ impl<T: Real> Shape<T> for WendlandC4 {
 #[derive(Debug, Clone, Copy)]
 pub struct CubicSpline;
 
-impl<T: Real> Shape<T> for CubicSpline {
+impl Shape for CubicSpline {
     const HEIGHT: [f64; 2] = [10.0 / (7.0 * PI), 1.0 / PI];
 
     #[inline(always)]
-    fn value(u: T) -> T {
-        let (outer, inner) = (T::ONE - u, T::ONE - (u + u));
-        let inner = if inner > T::ZERO { inner } else { T::ZERO };
-        T::from_f64(2.0) * (outer * outer * outer) - inner * inner * inner
+    fn value<N: Number>(u: N) -> N {
+        let (outer, inner) = (N::constant(1.0) - u, N::constant(1.0) - (u + u));
+        let inner = inner.max(N::constant(0.0));
+        N::constant(2.0) * (outer * outer * outer) - inner * inner * inner
     }
 
     /// −3 + 9u/2 for u < ½, then −3 (1−u)²/2u.
     #[inline(always)]
-    fn slope(u: T) -> T {
-        let outer = T::ONE - u;
-        let far = T::from_f64(-1.5) * (outer * outer) / u;
-        let near = T::from_f64(4.5) * u - T::from_f64(3.0);
-        if u < T::from_f64(0.5) { near } else { far }
+    fn slope<N: Number>(u: N) -> N {
+        let outer = N::constant(1.0) - u;
+        let far = N::constant(-1.5) * (outer * outer) / u;
+        let near = N::constant(4.5) * u - N::constant(3.0);
+        N::select(u.less(N::constant(0.5)), near, far)
     }
 }
 
@@ -101,17 +102,14 @@ pub struct Kernel<T, K> {
     shape: std::marker::PhantomData<K>,
 }
 
-impl<T: Real, K: Shape<T>> Kernel<T, K> {
+impl<T: Real, K: Shape> Kernel<T, K> {
     /// The kernel of smoothing length h [m] for particles at this spacing [m].
     ///
     /// Its slope is scaled so that on a lattice of that spacing the gradient of a linear field is exact: −Σ Δ^D F x² = 1. With
     /// few neighbors it would else be off by some percent.
-    pub fn new(smoothing_length: f64, spacing: f64, dimension: usize) -> Self
-    where
-        K: Shape<f64>,
-    {
+    pub fn new(smoothing_length: f64, spacing: f64, dimension: usize) -> Self {
         let square = smoothing_length * smoothing_length;
-        let height = <K as Shape<f64>>::HEIGHT[dimension - 2] / if dimension == 2 { square } else { square * smoothing_length };
+        let height = K::HEIGHT[dimension - 2] / if dimension == 2 { square } else { square * smoothing_length };
         Self {
             inverse_support: T::from_f64(0.5 / smoothing_length),
             height: T::from_f64(height),
@@ -122,22 +120,21 @@ impl<T: Real, K: Shape<T>> Kernel<T, K> {
 
     /// W at a distance [m].
     #[inline(always)]
-    pub fn value(&self, distance: T) -> T {
-        self.height * K::value(self.reach(distance))
+    pub fn value<N: Number<Scalar = T>>(&self, distance: N) -> N {
+        N::of(self.height) * K::value(self.reach(distance))
     }
 
     /// V F for a volume V at a distance [m].
     #[inline(always)]
-    pub fn slope(&self, volume: T, distance: T) -> T {
+    pub fn slope<N: Number<Scalar = T>>(&self, volume: N, distance: N) -> N {
         // In this order, what does not have to wait for the distance does not.
-        (self.steepness * volume) * K::slope(self.reach(distance))
+        (N::of(self.steepness) * volume) * K::slope(self.reach(distance))
     }
 
     /// u, and 1 beyond the support.
     #[inline(always)]
-    fn reach(&self, distance: T) -> T {
-        let u = distance * self.inverse_support;
-        if u < T::ONE { u } else { T::ONE }
+    fn reach<N: Number<Scalar = T>>(&self, distance: N) -> N {
+        (distance * N::of(self.inverse_support)).min(N::constant(1.0))
     }
 }
 
@@ -145,13 +142,13 @@ impl<T: Real, K: Shape<T>> Kernel<T, K> {
 const STEPS: usize = 200;
 
 /// −Σ Δ^D F x² over a lattice of spacing Δ, for unit smoothing length.
-fn moment<K: Shape<f64>>(spacing: f64, dimension: usize) -> f64 {
+fn moment<K: Shape>(spacing: f64, dimension: usize) -> f64 {
     over_lattice(spacing, dimension, |x, r| -K::HEIGHT[dimension - 2] * K::slope(0.5 * r) * x * x)
 }
 
 /// Σ Δ^D W over the neighbors of a particle on a lattice of spacing Δ, and the number by which differences from that are
 /// multiplied so that a small compression of the lattice is exact, both for unit smoothing length.
-pub fn crowd<K: Shape<f64>>(spacing: f64, dimension: usize) -> (f64, f64) {
+pub fn crowd<K: Shape>(spacing: f64, dimension: usize) -> (f64, f64) {
     let sum = over_lattice(spacing, dimension, |_, r| K::HEIGHT[dimension - 2] * K::value(0.5 * r));
     (sum, 1.0 / moment::<K>(spacing, dimension))
 }
@@ -184,7 +181,7 @@ pub struct Wave {
 }
 
 /// The waves that a kernel carries, from long to the shortest that it tells apart.
-pub fn waves<K: Shape<f64>>(dimension: usize) -> Vec<Wave> {
+pub fn waves<K: Shape>(dimension: usize) -> Vec<Wave> {
     (1..=WAVES).map(|wave| LARGEST * f64::from(wave) / f64::from(WAVES)).map(|k| wave_of::<K>(dimension, k)).collect()
 }
 
@@ -195,7 +192,7 @@ const LARGEST: f64 = 6.0;
 /// The number of directions over a right angle, by the midpoint rule.
 const DIRECTIONS: u32 = 24;
 
-fn wave_of<K: Shape<f64>>(dimension: usize, k: f64) -> Wave {
+fn wave_of<K: Shape>(dimension: usize, k: f64) -> Wave {
     let slope = |r: f64| K::HEIGHT[dimension - 2] * K::slope(0.5 * r);
     let mean = |of: &dyn Fn(f64) -> f64| {
         let angle = |index: u32| FRAC_PI_2 * (f64::from(index) + 0.5) / f64::from(DIRECTIONS);
@@ -224,7 +221,7 @@ mod tests {
     use super::*;
 
     /// Simpson's rule over steps of width w is off by some 2/180 w⁴ max|f⁗|, 1e-9 here.
-    fn check<K: Shape<f64>>() {
+    fn check<K: Shape>() {
         for dimension in [2, 3] {
             // On a lattice so fine the sum is the integral.
             let kernel = Kernel::<f64, K>::new(1.0, 0.05, dimension);
@@ -259,7 +256,7 @@ mod tests {
     /// for a Gaussian, whose ω is c k exp(−σ²k²/2), at most c/(σ√e).
     #[test]
     fn the_acoustic_limit_is_that_of_the_literature() {
-        fn check<K: Shape<f64>>(dimension: usize, expected: f64) {
+        fn check<K: Shape>(dimension: usize, expected: f64) {
             let fastest = waves::<K>(dimension).iter().map(|wave| wave.frequency).fold(0.0, f64::max);
             assert!((2.0 / fastest - expected).abs() < 5e-3 * expected, "{} {expected}", 2.0 / fastest);
             let square = integral(dimension, |r| r * r * K::HEIGHT[dimension - 2] * K::value(0.5 * r));

@@ -19,8 +19,8 @@
 use super::images::Pressed;
 use super::kernel::{Kernel, Shape};
 use crate::math::{AXES, Real, Vector};
-use crate::neighbors::sums::PairLaw;
-use crate::simd::Record;
+use crate::neighbors::sums::{Pair, PairLaw};
+use crate::simd::{Number, Record};
 
 /// The number of kinds of matter: fluids, and obstacles.
 pub const KINDS: usize = 4;
@@ -34,35 +34,45 @@ pub const LIFT: usize = AXES + 1;
 
 /// What is in a record behind the velocity.
 #[inline(always)]
-pub fn volume<V: Vector>(record: &Record<V::Scalar>) -> V::Scalar {
+pub fn volume<V: Vector, N: Copy>(record: &Record<N>) -> N {
     record[2 * V::DIMENSION]
 }
 
 /// The second number there: the pressure p [Pa], or what enthalpy is in terms of density, ρ₀w/c² [kg/m³].
 #[inline(always)]
-pub fn content<V: Vector>(record: &Record<V::Scalar>) -> V::Scalar {
+pub fn content<V: Vector, N: Copy>(record: &Record<N>) -> N {
     record[2 * V::DIMENSION + 1]
+}
+
+/// v along one axis.
+#[inline(always)]
+fn velocity<V: Vector, N: Number>(pair: &Pair<N>, axis: usize) -> N {
+    pair.own[V::DIMENSION + axis] - pair.other[V::DIMENSION + axis]
 }
 
 /// v·d.
 #[inline(always)]
-fn approach<V: Vector>(own: &Record<V::Scalar>, other: &Record<V::Scalar>, apart: [V::Scalar; AXES]) -> V::Scalar {
-    let mut sum = V::Scalar::ZERO;
-    for axis in 0..V::DIMENSION {
-        sum += (own[V::DIMENSION + axis] - other[V::DIMENSION + axis]) * apart[axis];
+fn approach<V: Vector, N: Number>(pair: &Pair<N>) -> N {
+    let mut sum = velocity::<V, N>(pair, 0) * pair.apart[0];
+    for axis in 1..V::DIMENSION {
+        sum += velocity::<V, N>(pair, axis) * pair.apart[axis];
     }
     sum
 }
 
 /// What belongs to the kind of a tagged number.
 #[inline(always)]
-fn pick<T: Real, const MIXED: bool>(tagged: T, values: &[T; KINDS]) -> T {
+fn pick<N: Number, const MIXED: bool>(tagged: N, values: &[N::Scalar; KINDS]) -> N
+where
+    N::Scalar: Copy,
+{
     if !MIXED {
-        return values[0];
+        return N::of(values[0]);
     }
-    let even = if tagged.has_tag_bit(1) { values[2] } else { values[0] };
-    let odd = if tagged.has_tag_bit(1) { values[3] } else { values[1] };
-    if tagged.has_tag_bit(0) { odd } else { even }
+    let (low, high) = (tagged.has_bit(0), tagged.has_bit(1));
+    let even = N::select(high, N::of(values[2]), N::of(values[0]));
+    let odd = N::select(high, N::of(values[3]), N::of(values[1]));
+    N::select(low, odd, even)
 }
 
 /// Continuity: Σ Vⱼ v·∇W, and what diffusion adds to the rate of density.
@@ -79,11 +89,11 @@ pub struct Continuity<T, K, const MIXED: bool> {
     pub fall: [T; AXES],
 }
 
-impl<V: Vector, K: Shape<V::Scalar>, const MIXED: bool> PairLaw<V, 2> for Continuity<V::Scalar, K, MIXED> {
+impl<V: Vector, K: Shape, const MIXED: bool> PairLaw<V, 2> for Continuity<V::Scalar, K, MIXED> {
     #[inline(always)]
     fn facing(mut self, own: &Record<V::Scalar>) -> Self {
         if MIXED {
-            let kind = usize::from(volume::<V>(own).tag());
+            let kind = usize::from(volume::<V, _>(own).tag());
             self.faced = self.diffusion[kind];
             for axis in 0..V::DIMENSION {
                 self.fall[axis] = self.density[kind] * self.gravity[axis];
@@ -93,28 +103,23 @@ impl<V: Vector, K: Shape<V::Scalar>, const MIXED: bool> PairLaw<V, 2> for Contin
     }
 
     #[inline(always)]
-    fn terms(
-        &self,
-        own: &Record<V::Scalar>,
-        other: &Record<V::Scalar>,
-        apart: [V::Scalar; AXES],
-        square: V::Scalar,
-    ) -> [V::Scalar; 2] {
-        let weight = self.kernel.slope(volume::<V>(other), square.sqrt());
-        let diffusion = pick::<_, MIXED>(volume::<V>(other), &self.faced);
-        let mut excess = content::<V>(other) - content::<V>(own);
+    fn terms<N: Number<Scalar = V::Scalar>>(&self, pair: &Pair<N>) -> [N; 2] {
+        let Pair { own, other, apart, square } = pair;
+        let weight = self.kernel.slope(volume::<V, N>(other), square.sqrt());
+        let diffusion = pick::<N, MIXED>(volume::<V, N>(other), &self.faced);
+        let mut excess = content::<V, N>(other) - content::<V, N>(own);
         for axis in 0..V::DIMENSION {
-            excess += self.fall[axis] * apart[axis];
+            excess += N::of(self.fall[axis]) * apart[axis];
         }
-        [approach::<V>(own, other, apart) * weight, V::Scalar::ZERO - diffusion * excess * weight]
+        [approach::<V, N>(pair) * weight, N::constant(0.0) - diffusion * excess * weight]
     }
 }
 
 /// Diffusion is not moved by what gravity makes of the density.
-impl<V: Vector, K: Shape<V::Scalar>, const MIXED: bool> Pressed<V, 2> for Continuity<V::Scalar, K, MIXED> {
+impl<V: Vector, K: Shape, const MIXED: bool> Pressed<V, 2> for Continuity<V::Scalar, K, MIXED> {
     #[inline(always)]
-    fn density(&self, other: &Record<V::Scalar>) -> V::Scalar {
-        pick::<_, MIXED>(volume::<V>(other), &self.density)
+    fn density<N: Number<Scalar = V::Scalar>>(&self, other: &Record<N>) -> N {
+        pick::<N, MIXED>(volume::<V, N>(other), &self.density)
     }
 }
 
@@ -145,39 +150,33 @@ pub struct Momentum<T, K, const MIXED: bool> {
     pub softening: T,
 }
 
-impl<V: Vector, K: Shape<V::Scalar>, const MIXED: bool> PairLaw<V, FORCES> for Momentum<V::Scalar, K, MIXED> {
+impl<V: Vector, K: Shape, const MIXED: bool> PairLaw<V, FORCES> for Momentum<V::Scalar, K, MIXED> {
     #[inline(always)]
     fn facing(mut self, own: &Record<V::Scalar>) -> Self {
         if MIXED {
-            self.faced = self.touch[usize::from(volume::<V>(own).tag())];
+            self.faced = self.touch[usize::from(volume::<V, _>(own).tag())];
         }
         self
     }
 
     #[inline(always)]
-    fn terms(
-        &self,
-        own: &Record<V::Scalar>,
-        other: &Record<V::Scalar>,
-        apart: [V::Scalar; AXES],
-        square: V::Scalar,
-    ) -> [V::Scalar; FORCES] {
-        let zero = V::Scalar::ZERO;
-        let weight = self.weight::<V>(other, square);
-        let Viscous { squeeze, shear, approach } = self.viscous::<V>(own, other, apart, square, weight);
-        let push = squeeze - (content::<V>(own) + content::<V>(other)) * weight;
-        let mut terms = [zero; FORCES];
-        let mut drag = zero;
+    fn terms<N: Number<Scalar = V::Scalar>>(&self, pair: &Pair<N>) -> [N; FORCES] {
+        let Pair { own, other, apart, .. } = pair;
+        let weight = self.weight::<V, N>(pair);
+        let Viscous { squeeze, shear, approach } = self.viscous::<V, N>(pair, weight);
+        let push = squeeze - (content::<V, N>(own) + content::<V, N>(other)) * weight;
+        let mut terms = [N::constant(0.0); FORCES];
+        let mut drag = N::constant(0.0);
         for axis in 0..V::DIMENSION {
-            let velocity = own[V::DIMENSION + axis] - other[V::DIMENSION + axis];
+            let velocity = velocity::<V, N>(pair, axis);
             terms[axis] = push * apart[axis] + shear * velocity;
             drag += velocity * velocity;
         }
-        terms[VISCOUS] = zero - (squeeze * approach + shear * drag);
+        terms[VISCOUS] = N::constant(0.0) - (squeeze * approach + shear * drag);
         if MIXED {
             // What an obstacle's pressure takes is stored nowhere: no energy belongs to it.
-            let theirs = pick::<_, MIXED>(volume::<V>(other), &self.faced.met) * content::<V>(other);
-            let mine = pick::<_, MIXED>(volume::<V>(other), &self.faced.meets) * content::<V>(own);
+            let theirs = pick::<N, MIXED>(volume::<V, N>(other), &self.faced.met) * content::<V, N>(other);
+            let mine = pick::<N, MIXED>(volume::<V, N>(other), &self.faced.meets) * content::<V, N>(own);
             terms[VISCOUS] += (theirs + mine) * weight * approach;
         }
         terms
@@ -185,73 +184,61 @@ impl<V: Vector, K: Shape<V::Scalar>, const MIXED: bool> PairLaw<V, FORCES> for M
 }
 
 /// What viscosity does between two particles.
-struct Viscous<T> {
+struct Viscous<N> {
     /// The force along d, over d.
-    squeeze: T,
+    squeeze: N,
     /// The force along v, over v.
-    shear: T,
+    shear: N,
     /// v·d.
-    approach: T,
+    approach: N,
 }
 
-impl<T: Real, K: Shape<T>, const MIXED: bool> Momentum<T, K, MIXED> {
+impl<T: Real, K: Shape, const MIXED: bool> Momentum<T, K, MIXED> {
     /// Vⱼ F, of those who push each other.
     #[inline(always)]
-    fn weight<V: Vector<Scalar = T>>(&self, other: &Record<T>, square: T) -> T {
-        let weight = self.kernel.slope(volume::<V>(other), square.sqrt());
-        if MIXED { weight * pick::<_, MIXED>(volume::<V>(other), &self.faced.contact) } else { weight }
+    fn weight<V: Vector<Scalar = T>, N: Number<Scalar = T>>(&self, pair: &Pair<N>) -> N {
+        let volume = volume::<V, N>(&pair.other);
+        let weight = self.kernel.slope(volume, pair.square.sqrt());
+        if MIXED { weight * pick::<N, MIXED>(volume, &self.faced.contact) } else { weight }
     }
 
     #[inline(always)]
-    fn viscous<V: Vector<Scalar = T>>(
-        &self,
-        own: &Record<T>,
-        other: &Record<T>,
-        apart: [T; AXES],
-        square: T,
-        weight: T,
-    ) -> Viscous<T> {
-        let approach = approach::<V>(own, other, apart);
-        let artificial = pick::<_, MIXED>(volume::<V>(other), &self.faced.artificial) * approach / (square + self.softening);
-        let laminar = pick::<_, MIXED>(volume::<V>(other), &self.faced.laminar);
+    fn viscous<V: Vector<Scalar = T>, N: Number<Scalar = T>>(&self, pair: &Pair<N>, weight: N) -> Viscous<N> {
+        let (volume, approach) = (volume::<V, N>(&pair.other), approach::<V, N>(pair));
+        let artificial = pick::<N, MIXED>(volume, &self.faced.artificial) * approach / (pair.square + N::of(self.softening));
+        let laminar = pick::<N, MIXED>(volume, &self.faced.laminar);
         Viscous { squeeze: artificial * weight, shear: laminar * weight, approach }
     }
 }
 
-impl<V: Vector, K: Shape<V::Scalar>, const MIXED: bool> Pressed<V, FORCES> for Momentum<V::Scalar, K, MIXED> {
+impl<V: Vector, K: Shape, const MIXED: bool> Pressed<V, FORCES> for Momentum<V::Scalar, K, MIXED> {
     #[inline(always)]
-    fn density(&self, other: &Record<V::Scalar>) -> V::Scalar {
-        pick::<_, MIXED>(volume::<V>(other), &self.density)
+    fn density<N: Number<Scalar = V::Scalar>>(&self, other: &Record<N>) -> N {
+        pick::<N, MIXED>(volume::<V, N>(other), &self.density)
     }
 
     /// A ceiling does not hold a drop by suction.
     #[inline(always)]
-    fn raised(&self, content: V::Scalar, by: V::Scalar) -> V::Scalar {
-        let least = if content < V::Scalar::ZERO { content } else { V::Scalar::ZERO };
+    fn raised<N: Number<Scalar = V::Scalar>>(&self, content: N, by: N) -> N {
+        let least = content.min(N::constant(0.0));
         let raised = content + by;
-        if raised > least || by > V::Scalar::ZERO { raised } else { least }
+        N::select(N::constant(0.0).less(by), raised, raised.max(least))
     }
 
     #[inline(always)]
-    fn lift(
-        &self,
-        own: &Record<V::Scalar>,
-        other: &Record<V::Scalar>,
-        apart: [V::Scalar; AXES],
-        square: V::Scalar,
-        by: V::Scalar,
-    ) -> [V::Scalar; FORCES] {
-        let weight = self.weight::<V>(other, square);
-        let Viscous { squeeze, shear, approach } = self.viscous::<V>(own, other, apart, square, weight);
-        let two = V::Scalar::from_f64(2.0);
-        let mut terms = [V::Scalar::ZERO; FORCES];
+    fn lift<N: Number<Scalar = V::Scalar>>(&self, pair: &Pair<N>, by: N) -> [N; FORCES] {
+        let Pair { own, apart, .. } = pair;
+        let weight = self.weight::<V, N>(pair);
+        let Viscous { squeeze, shear, approach } = self.viscous::<V, N>(pair, weight);
+        let mut terms = [N::constant(0.0); FORCES];
         // Of what a pair loses half is counted here: twice the particle's own loss instead of that of the pair.
         terms[VISCOUS] = squeeze * approach;
         for axis in 0..V::DIMENSION {
             let mine = own[V::DIMENSION + axis];
-            let relative = mine - other[V::DIMENSION + axis];
-            terms[LIFT] -= by * weight * apart[axis] * mine;
-            terms[VISCOUS] += shear * relative * relative - two * (squeeze * apart[axis] + shear * relative) * mine;
+            let relative = velocity::<V, N>(pair, axis);
+            terms[LIFT] = terms[LIFT] - by * weight * apart[axis] * mine;
+            let loss = shear * relative * relative - N::constant(2.0) * (squeeze * apart[axis] + shear * relative) * mine;
+            terms[VISCOUS] += loss;
         }
         terms
     }
@@ -263,20 +250,14 @@ pub struct Crowding<T, K> {
     pub kernel: Kernel<T, K>,
 }
 
-impl<V: Vector, K: Shape<V::Scalar>> PairLaw<V, 1> for Crowding<V::Scalar, K> {
+impl<V: Vector, K: Shape> PairLaw<V, 1> for Crowding<V::Scalar, K> {
     #[inline(always)]
-    fn terms(
-        &self,
-        _own: &Record<V::Scalar>,
-        other: &Record<V::Scalar>,
-        _apart: [V::Scalar; AXES],
-        square: V::Scalar,
-    ) -> [V::Scalar; 1] {
-        [volume::<V>(other) * self.kernel.value(square.sqrt())]
+    fn terms<N: Number<Scalar = V::Scalar>>(&self, pair: &Pair<N>) -> [N; 1] {
+        [volume::<V, N>(&pair.other) * self.kernel.value(pair.square.sqrt())]
     }
 }
 
-impl<V: Vector, K: Shape<V::Scalar>> Pressed<V, 1> for Crowding<V::Scalar, K> {}
+impl<V: Vector, K: Shape> Pressed<V, 1> for Crowding<V::Scalar, K> {}
 
 /// The pressure of an obstacle: that of the fluid around it, and what gravity adds on the way: Σ [pⱼ + ρ₀ g·d] W and Σ W, of S.
 /// Adami, X. Y. Hu and N. A. Adams, J. Comput. Phys. 231 (2012) 7057, for obstacles that are not themselves accelerated.
@@ -289,21 +270,18 @@ pub struct Extrapolation<T, K> {
     pub gravity: [T; AXES],
 }
 
-impl<V: Vector, K: Shape<V::Scalar>> PairLaw<V, 2> for Extrapolation<V::Scalar, K> {
+impl<V: Vector, K: Shape> PairLaw<V, 2> for Extrapolation<V::Scalar, K> {
     #[inline(always)]
-    fn terms(
-        &self,
-        _own: &Record<V::Scalar>,
-        other: &Record<V::Scalar>,
-        apart: [V::Scalar; AXES],
-        square: V::Scalar,
-    ) -> [V::Scalar; 2] {
-        let fluid = volume::<V>(other).tag() != OBSTACLE;
-        let weight = if fluid { self.kernel.value(square.sqrt()) } else { V::Scalar::ZERO };
-        let mut rise = V::Scalar::ZERO;
+    fn terms<N: Number<Scalar = V::Scalar>>(&self, pair: &Pair<N>) -> [N; 2] {
+        let Pair { other, apart, square, .. } = pair;
+        let volume = volume::<V, N>(other);
+        // The tag of obstacles has both bits.
+        let obstacle = N::both(volume.has_bit(0), volume.has_bit(1));
+        let weight = N::select(obstacle, N::constant(0.0), self.kernel.value(square.sqrt()));
+        let mut rise = N::constant(0.0);
         for axis in 0..V::DIMENSION {
-            rise += self.gravity[axis] * apart[axis];
+            rise += N::of(self.gravity[axis]) * apart[axis];
         }
-        [(content::<V>(other) + pick::<_, true>(volume::<V>(other), &self.density) * rise) * weight, weight]
+        [(content::<V, N>(other) + pick::<N, true>(volume, &self.density) * rise) * weight, weight]
     }
 }

@@ -64,7 +64,7 @@ fn with<V: Vector, K, const MIXED: bool>(
     kinds: Kinds,
 ) -> Result<Option<Box<dyn Force<V>>>>
 where
-    K: Shape<V::Scalar> + Shape<f64>,
+    K: Shape,
 {
     Ok(Some(Box::new(Fluids::<V, K, MIXED>::new(scene, properties, kinds)?)))
 }
@@ -122,16 +122,17 @@ struct Fluids<V: Vector, K, const MIXED: bool> {
     waves: Vec<Wave>,
 }
 
-impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>, const MIXED: bool> Fluids<V, K, MIXED> {
+impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
     /// Presses on the obstacles, in the records, what the fluid around them does.
     fn press_obstacles(&mut self, crew: &Crew) {
         let Self { obstacles, met, vicinity, records, extrapolation, .. } = self;
         let (neighbors, before) = (vicinity.neighbors(), &*records);
         crew.sweep(Chunks::new(met, BLOCK), &|mine| {
-            for (met, &obstacle) in mine.items.iter_mut().zip(&obstacles[mine.start..]) {
-                let place = neighbors.places()[obstacle as usize] as usize;
-                *met = before.sum_at(neighbors.list(place), extrapolation, place);
-            }
+            let end = mine.start + mine.items.len();
+            let mut met = mine.items.iter_mut();
+            let places = obstacles[mine.start..end].iter().map(|&obstacle| neighbors.places()[obstacle as usize] as usize);
+            let few = places.map(|place| (place, neighbors.list(place), *extrapolation));
+            before.sum_few(few, |_, sums| met.next().into_iter().for_each(|met| *met = sums));
         });
         for (&obstacle, &[pressed, weight]) in obstacles.iter().zip(&*met) {
             // A fluid does not pull, and is not pulled.
@@ -155,7 +156,7 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>, const MIXED: bool> Fluids<V, K
     }
 }
 
-impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>, const MIXED: bool> Force<V> for Fluids<V, K, MIXED> {
+impl<V: Vector, K: Shape, const MIXED: bool> Force<V> for Fluids<V, K, MIXED> {
     fn name(&self) -> &'static str {
         "fluid"
     }

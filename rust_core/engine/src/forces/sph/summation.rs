@@ -41,7 +41,7 @@ pub struct Summation<V: Vector, K> {
     is_checked: bool,
 }
 
-impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>> Summation<V, K> {
+impl<V: Vector, K: Shape> Summation<V, K> {
     /// For `count` particles of fluids that have this kernel in common.
     pub fn new(kernel: Kernel<V::Scalar, K>, kinds: &Kinds, count: usize) -> Self {
         let common = kinds.first();

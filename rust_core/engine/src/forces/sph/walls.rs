@@ -111,9 +111,8 @@ impl Walls {
         }
         crew.sweep(Chunks::new(sums, BLOCK), &|mine| {
             let Sight { looks, seen, .. } = &self.sights[mine.start / BLOCK];
-            let mut law = Mirrored::new(law, &Image::ITSELF, view);
             let mut start = 0;
-            for &Look { place, sides, end } in looks {
+            let views = looks.iter().filter_map(|&Look { place, sides, end }| {
                 let (place, list) = (place as usize, List { segment: seen, range: start..end });
                 start = end;
                 let x = vicinity.at(place);
@@ -124,12 +123,11 @@ impl Walls {
                     image.reflect(&mirror);
                 }
                 // An image is behind its mirror.
-                if farthest < self.reach {
-                    law.turn(&image, view);
-                    let more = records.sum_at(list, &law, place);
-                    mine.items[place - mine.start].iter_mut().zip(more).for_each(|(sum, more)| *sum += more);
-                }
-            }
+                (farthest < self.reach).then(|| (place, list, Mirrored::new(law, &image, view)))
+            });
+            records.sum_few(views, |place, more| {
+                mine.items[place - mine.start].iter_mut().zip(more).for_each(|(sum, more)| *sum += more);
+            });
         });
     }
 }

@@ -1,0 +1,268 @@
+//! Numbers in lanes, with which the terms of several pairs are computed at once.
+//!
+//! A law is written over [`Number`], which is one number or a vector register of them. Registers instead of loops over arrays,
+//! because what the records of neighbors are interleaved into then stays in registers: compilers that vectorize a loop want
+//! it in memory first, which takes as long as everything else (`benches/neighbors.rs`). Every operation is that of IEEE 754
+//! in each lane, so that all give the same bits.
+
+use std::ops::{Add, AddAssign, Div, Mul, Sub};
+
+use super::{Group, LANES, Record, WORDS};
+
+/// A number, or one in each lane.
+pub trait Number: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> + AddAssign {
+    /// What is in each lane.
+    type Scalar;
+    /// Some of the lanes.
+    type Mask: Copy;
+
+    /// The same number in every lane.
+    fn of(number: Self::Scalar) -> Self;
+    /// The nearest number to `value`, in every lane.
+    fn constant(value: f64) -> Self;
+    /// The correctly rounded square root.
+    #[must_use]
+    fn sqrt(self) -> Self;
+    /// This number where it is less than the other, and the other elsewhere.
+    #[must_use]
+    fn min(self, other: Self) -> Self;
+    /// This number where it is greater than the other, and the other elsewhere.
+    #[must_use]
+    fn max(self, other: Self) -> Self;
+    /// Where it is less than the other.
+    fn less(self, other: Self) -> Self::Mask;
+    /// Where both are.
+    fn both(one: Self::Mask, other: Self::Mask) -> Self::Mask;
+    /// One number in the lanes of a mask, another elsewhere.
+    fn select(mask: Self::Mask, one: Self, other: Self) -> Self;
+    /// Where one of the bits of the number is set.
+    fn has_bit(self, bit: u32) -> Self::Mask;
+    /// How far a place is above another: for single numbers the difference of their bits as integers, modulo 2³², for double
+    /// ones that of the numbers.
+    fn place_difference(self, other: Self) -> Self;
+}
+
+/// As many numbers as a register of a level holds: a whole part of [`LANES`].
+pub trait Pack: Number {
+    /// The number of lanes.
+    const WIDTH: usize;
+
+    /// These numbers, of which there are at least [`Pack::WIDTH`].
+    fn load(numbers: &[Self::Scalar]) -> Self;
+    /// Writes the numbers to the beginning of a slice that is at least as long.
+    fn store(self, to: &mut [Self::Scalar]);
+    /// The words of the records of a part of a group, one lane per record: of those from `first` on.
+    ///
+    /// # Panics
+    /// If there are fewer records than the bound of the group, or fewer lanes than it takes.
+    fn transpose(records: &[Record<Self::Scalar>], group: Group<'_>, first: usize) -> Record<Self>;
+}
+
+/// A number that there are packs of. A pack is had through an [`super::Isa`], which only exists where the CPU has the registers.
+pub trait Packed: Number<Scalar = Self, Mask = bool> + Default {
+    /// The pack of AVX-512.
+    #[cfg(target_arch = "x86_64")]
+    type Avx512: Pack<Scalar = Self>;
+    /// The pack of AVX2.
+    #[cfg(target_arch = "x86_64")]
+    type Avx2: Pack<Scalar = Self>;
+}
+
+/// Part of a group, none of whose indices is past the end of some records.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Part<'a, const WIDTH: usize>(&'a [u32; WIDTH]);
+
+impl<'a, const WIDTH: usize> Part<'a, WIDTH> {
+    /// The part of a group from `first` on.
+    #[inline(always)]
+    pub fn new<T>(records: &[Record<T>], group: Group<'a>, first: usize) -> Self {
+        assert!(records.len() >= group.bound(), "records that are not there");
+        Self(group.indices()[first..].first_chunk().expect("a part of the group"))
+    }
+
+    /// One index. It is read as volatile, because compilers would else compute all addresses in vectors only to take them
+    /// apart again.
+    #[inline(always)]
+    pub fn index(self, lane: usize) -> usize {
+        // SAFETY: a reference to a number can be read.
+        unsafe { std::ptr::read_volatile(&raw const self.0[lane]) as usize }
+    }
+}
+
+macro_rules! scalar {
+    ($number:ident, |$one:ident, $other:ident| $difference:expr) => {
+        impl Number for $number {
+            type Scalar = $number;
+            type Mask = bool;
+
+            #[inline(always)]
+            fn of(number: $number) -> $number {
+                number
+            }
+
+            #[inline(always)]
+            #[allow(clippy::cast_lossless)]
+            fn constant(value: f64) -> $number {
+                value as $number
+            }
+
+            #[inline(always)]
+            fn sqrt(self) -> $number {
+                $number::sqrt(self)
+            }
+
+            #[inline(always)]
+            fn min(self, other: $number) -> $number {
+                if self < other { self } else { other }
+            }
+
+            #[inline(always)]
+            fn max(self, other: $number) -> $number {
+                if self > other { self } else { other }
+            }
+
+            #[inline(always)]
+            fn less(self, other: $number) -> bool {
+                self < other
+            }
+
+            #[inline(always)]
+            fn both(one: bool, other: bool) -> bool {
+                one & other
+            }
+
+            #[inline(always)]
+            fn select(mask: bool, one: $number, other: $number) -> $number {
+                if mask { one } else { other }
+            }
+
+            #[inline(always)]
+            fn has_bit(self, bit: u32) -> bool {
+                self.to_bits() & (1 << bit) != 0
+            }
+
+            #[inline(always)]
+            fn place_difference(self, other: $number) -> $number {
+                let ($one, $other) = (self, other);
+                $difference
+            }
+        }
+    };
+}
+
+scalar!(f32, |one, other| one.to_bits().wrapping_sub(other.to_bits()).cast_signed() as f32);
+scalar!(f64, |one, other| one - other);
+
+/// Four numbers in an array: the pack of every CPU, for compilers to make registers of.
+#[derive(Debug, Clone, Copy)]
+pub struct Four<T>([T; 4]);
+
+impl<T: Copy> Four<T> {
+    #[inline(always)]
+    fn each<R>(self, other: Self, of: impl Fn(T, T) -> R) -> [R; 4] {
+        std::array::from_fn(|lane| of(self.0[lane], other.0[lane]))
+    }
+}
+
+macro_rules! operator {
+    ($trait:ident, $name:ident) => {
+        impl<T: Packed> $trait for Four<T> {
+            type Output = Self;
+
+            #[inline(always)]
+            fn $name(self, other: Self) -> Self {
+                Self(self.each(other, T::$name))
+            }
+        }
+    };
+}
+
+operator!(Add, add);
+operator!(Sub, sub);
+operator!(Mul, mul);
+operator!(Div, div);
+
+impl<T: Packed> AddAssign for Four<T> {
+    #[inline(always)]
+    fn add_assign(&mut self, other: Self) {
+        *self = *self + other;
+    }
+}
+
+impl<T: Packed> Number for Four<T> {
+    type Scalar = T;
+    type Mask = [bool; 4];
+
+    #[inline(always)]
+    fn of(number: T) -> Self {
+        Self([number; 4])
+    }
+
+    #[inline(always)]
+    fn constant(value: f64) -> Self {
+        Self::of(T::constant(value))
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        Self(self.0.map(T::sqrt))
+    }
+
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        Self(self.each(other, T::min))
+    }
+
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        Self(self.each(other, T::max))
+    }
+
+    #[inline(always)]
+    fn less(self, other: Self) -> [bool; 4] {
+        self.each(other, T::less)
+    }
+
+    #[inline(always)]
+    fn both(one: [bool; 4], other: [bool; 4]) -> [bool; 4] {
+        std::array::from_fn(|lane| one[lane] & other[lane])
+    }
+
+    #[inline(always)]
+    fn select(mask: [bool; 4], one: Self, other: Self) -> Self {
+        Self(std::array::from_fn(|lane| T::select(mask[lane], one.0[lane], other.0[lane])))
+    }
+
+    #[inline(always)]
+    fn has_bit(self, bit: u32) -> [bool; 4] {
+        self.0.map(|number| number.has_bit(bit))
+    }
+
+    #[inline(always)]
+    fn place_difference(self, other: Self) -> Self {
+        Self(self.each(other, T::place_difference))
+    }
+}
+
+impl<T: Packed> Pack for Four<T> {
+    const WIDTH: usize = 4;
+
+    #[inline(always)]
+    fn load(numbers: &[T]) -> Self {
+        Self(std::array::from_fn(|lane| numbers[lane]))
+    }
+
+    #[inline(always)]
+    fn store(self, to: &mut [T]) {
+        to[..4].copy_from_slice(&self.0);
+    }
+
+    #[inline(always)]
+    fn transpose(records: &[Record<T>], group: Group<'_>, first: usize) -> Record<Self> {
+        let part = Part::<4>::new(records, group, first);
+        let rows: [_; 4] = std::array::from_fn(|lane| records[part.index(lane)]);
+        std::array::from_fn(|word| Self(std::array::from_fn(|lane| rows[lane][word])))
+    }
+}
+
+const _: () = assert!(WORDS == 8 && LANES == 16, "the registers are written for these");
