@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::Fluids;
 use super::kernel::{self, Kernel, Shape};
-use super::laws::{Continuity, Extrapolation, FORCES, KINDS, Momentum, OBSTACLE, Touch};
+use super::laws::{Continuity, Extrapolation, FORCES, KINDS, Momentum, OBSTACLE, SURROUNDINGS, Surroundings, Touch};
 use super::start::{self, Kinds, Material};
 use super::summation::Summation;
 use super::walls::Walls;
@@ -51,18 +51,29 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>, const MIXED: bool> Fluids<V, K
             met: either(&|other| kind != solid && other == solid),
             meets: either(&|other| kind == solid && other != solid),
         });
-        let momentum = Momentum { kernel, touch, faced: touch[0], density, softening: number(0.01 * h * h) };
+        // Where density is counted, energy is that of the places, whatever the pressure.
+        let least = if kinds.summation { -V::Scalar::INFINITY } else { V::Scalar::ZERO };
+        let momentum = Momentum { kernel, touch, faced: touch[0], density, softening: number(0.01 * h * h), least };
         let extrapolation = Extrapolation { kernel, density, gravity: common.gravity.to_array().map(number) };
+        let waves = kernel::waves::<K>(V::DIMENSION);
+        let fastest = waves.iter().map(|wave| wave.frequency).fold(0.0, f64::max);
+        let crowding = fastest / kernel::closeness::<K>(common.spacing / h, V::DIMENSION);
         let mut fluids = Self {
             mass: kind.iter().map(|&kind| kinds.fluid(kind).unwrap_or(common).mass).collect(),
             density: Vec::new(),
             kept: Vec::new(),
+            highest: [0.0; 2],
+            renewed: false,
+            surroundings: Surroundings { kernel },
+            around: vec![[V::Scalar::ZERO; SURROUNDINGS]; kind.len()],
+            crowding,
             diffused: vec![0.0; kind.len()],
             met: vec![[V::Scalar::ZERO; 2]; obstacles.len()],
             records: Records::new(vicinity.neighbors()),
             rates: vec![[V::Scalar::ZERO; 2]; kind.len()],
+            mirrored: vec![[V::Scalar::ZERO; 2]; kind.len()],
             forces: vec![[V::Scalar::ZERO; FORCES]; kind.len()],
-            waves: kernel::waves::<K>(V::DIMENSION),
+            waves,
             summation: kinds.summation.then(|| Summation::new(kernel, &kinds, kind.len())),
             kinds,
             kind,
@@ -105,8 +116,8 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>, const MIXED: bool> Fluids<V, K
         for &obstacle in &self.obstacles {
             let place = neighbors.places()[obstacle as usize] as usize;
             let others = neighbors.of(place).iter().map(|&other| neighbors.order()[other as usize] as usize);
-            let others = others.filter(|&other| self.kind[other] == OBSTACLE);
-            let near: f64 = others.map(|other| weight(at[members[other]].distance(at[members[obstacle as usize]]))).sum();
+            let solid = others.zip(neighbors.apart(place)).filter(|&(other, _)| self.kind[other] == OBSTACLE);
+            let near: f64 = solid.map(|(_, apart)| weight(apart.length())).sum();
             let common = self.kinds.first();
             // A lone particle is not as large as the kernel.
             self.mass[obstacle as usize] = (common.density / (near + weight(0.0))).min(2.0 * common.mass);

@@ -143,6 +143,8 @@ pub struct Momentum<T, K, const MIXED: bool> {
     pub density: [T; KINDS],
     /// 0.01 h² [m²].
     pub softening: T,
+    /// The least pressure that passes between a fluid and a wall [Pa].
+    pub least: T,
 }
 
 impl<V: Vector, K: Shape<V::Scalar>, const MIXED: bool> PairLaw<V, FORCES> for Momentum<V::Scalar, K, MIXED> {
@@ -224,12 +226,9 @@ impl<V: Vector, K: Shape<V::Scalar>, const MIXED: bool> Pressed<V, FORCES> for M
         pick::<_, MIXED>(volume::<V>(other), &self.density)
     }
 
-    /// A ceiling does not hold a drop by suction.
     #[inline(always)]
-    fn raised(&self, content: V::Scalar, by: V::Scalar) -> V::Scalar {
-        let least = if content < V::Scalar::ZERO { content } else { V::Scalar::ZERO };
-        let raised = content + by;
-        if raised > least || by > V::Scalar::ZERO { raised } else { least }
+    fn borne(&self, content: V::Scalar) -> V::Scalar {
+        if content < self.least { self.least } else { content }
     }
 
     #[inline(always)]
@@ -277,6 +276,39 @@ impl<V: Vector, K: Shape<V::Scalar>> PairLaw<V, 1> for Crowding<V::Scalar, K> {
 }
 
 impl<V: Vector, K: Shape<V::Scalar>> Pressed<V, 1> for Crowding<V::Scalar, K> {}
+
+/// Surroundings: Σ Vⱼ ∇W along each axis [1/m], nothing where others are all around and the more the barer a side is; and
+/// Σ Vⱼ |∇W|, the more the closer they are.
+#[derive(Debug, Clone, Copy)]
+pub struct Surroundings<T, K> {
+    pub kernel: Kernel<T, K>,
+}
+
+/// The sums of [`Surroundings`].
+pub const SURROUNDINGS: usize = AXES + 1;
+
+impl<V: Vector, K: Shape<V::Scalar>> PairLaw<V, SURROUNDINGS> for Surroundings<V::Scalar, K> {
+    #[inline(always)]
+    fn terms(
+        &self,
+        _own: &Record<V::Scalar>,
+        other: &Record<V::Scalar>,
+        apart: [V::Scalar; AXES],
+        square: V::Scalar,
+    ) -> [V::Scalar; SURROUNDINGS] {
+        let distance = square.sqrt();
+        let weight = self.kernel.slope(volume::<V>(other), distance);
+        let mut terms = [V::Scalar::ZERO; SURROUNDINGS];
+        for axis in 0..V::DIMENSION {
+            terms[axis] = weight * apart[axis];
+        }
+        // Beyond the support the distance is infinite where there is nobody.
+        terms[AXES] = if weight < V::Scalar::ZERO { V::Scalar::ZERO - weight * distance } else { V::Scalar::ZERO };
+        terms
+    }
+}
+
+impl<V: Vector, K: Shape<V::Scalar>> Pressed<V, SURROUNDINGS> for Surroundings<V::Scalar, K> {}
 
 /// The pressure of an obstacle: that of the fluid around it, and what gravity adds on the way: Σ [pⱼ + ρ₀ g·d] W and Σ W, of S.
 /// Adami, X. Y. Hu and N. A. Adams, J. Comput. Phys. 231 (2012) 7057, for obstacles that are not themselves accelerated.
