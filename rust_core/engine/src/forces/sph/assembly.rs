@@ -8,7 +8,7 @@ use super::laws::{Continuity, Extrapolation, FORCES, KINDS, Momentum, OBSTACLE, 
 use super::start::{self, Kinds, Material};
 use super::summation::Summation;
 use super::walls::Walls;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::forces::vicinity::Vicinity;
 use crate::math::{Real, Vector};
 use crate::matter::Properties;
@@ -28,7 +28,11 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>, const MIXED: bool> Fluids<V, K
         let vicinity = Vicinity::new(scene, properties, members, 2.0 * h)?;
         let walls = Walls::new(start::walls(scene, properties.origin)?, &vicinity);
         let number = V::Scalar::from_f64;
-        let kernel = Kernel::new(h, common.spacing, V::DIMENSION);
+        let kernel = Kernel::<V::Scalar, K>::new(h, common.spacing, V::DIMENSION);
+        if !kernel.steepness.is_finite() {
+            let found = format!("{} for a smoothing length of {h:.3e} m", V::Scalar::NAME);
+            return Err(Error::parameter("precision", "f64", found).with_hint("the kernel is steeper than it can hold"));
+        }
         let same = |one: &Material, other: &Material| one == other;
         let mut diffusion = kinds.pairs(|one, other| if same(one, other) { one.diffusion() } else { 0.0 });
         diffusion[usize::from(OBSTACLE)].fill(V::Scalar::ZERO);
@@ -51,9 +55,7 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>, const MIXED: bool> Fluids<V, K
             met: either(&|other| kind != solid && other == solid),
             meets: either(&|other| kind == solid && other != solid),
         });
-        // Where density is counted, energy is that of the places, whatever the pressure.
-        let least = if kinds.summation { -V::Scalar::INFINITY } else { V::Scalar::ZERO };
-        let momentum = Momentum { kernel, touch, faced: touch[0], density, softening: number(0.01 * h * h), least };
+        let momentum = Momentum { kernel, touch, faced: touch[0], density, softening: number(0.01 * h * h) };
         let extrapolation = Extrapolation { kernel, density, gravity: common.gravity.to_array().map(number) };
         let waves = kernel::waves::<K>(V::DIMENSION);
         let fastest = waves.iter().map(|wave| wave.frequency).fold(0.0, f64::max);
@@ -68,6 +70,8 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>, const MIXED: bool> Fluids<V, K
             around: vec![[V::Scalar::ZERO; SURROUNDINGS]; kind.len()],
             crowding,
             diffused: vec![0.0; kind.len()],
+            hold: vec![[1.0; 2]; kind.len()],
+            kept_hold: vec![[1.0; 2]; kind.len()],
             met: vec![[V::Scalar::ZERO; 2]; obstacles.len()],
             records: Records::new(vicinity.neighbors()),
             rates: vec![[V::Scalar::ZERO; 2]; kind.len()],

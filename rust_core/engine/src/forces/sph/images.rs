@@ -125,10 +125,10 @@ pub trait Pressed<V: Vector, const SUMS: usize> {
         V::Scalar::ZERO
     }
 
-    /// The second number of a record as a mirror meets it.
+    /// The second number of a record, raised by what gravity adds on the way to an image.
     #[inline(always)]
-    fn borne(&self, content: V::Scalar) -> V::Scalar {
-        content
+    fn raised(&self, content: V::Scalar, by: V::Scalar) -> V::Scalar {
+        content + by
     }
 
     /// What is different where the other is an image, whose pressure has been raised `by` so much: the powers, because it
@@ -181,7 +181,7 @@ impl<V: Vector, L: PairLaw<V, SUMS> + Pressed<V, SUMS>, const SUMS: usize> PairL
     ) -> [V::Scalar; SUMS] {
         let Reflection { turn, shift, velocity, rise, depths } = &self.reflection;
         let zero = V::Scalar::ZERO;
-        let (mut own, mut image) = (*own, *other);
+        let mut image = *other;
         let (mut from_image, mut far, mut before) = ([zero; AXES], zero, [zero; AXES]);
         for axis in 0..V::DIMENSION {
             from_image[axis] = dot::<V>(&turn[axis], &apart) + shift[axis];
@@ -191,17 +191,16 @@ impl<V: Vector, L: PairLaw<V, SUMS> + Pressed<V, SUMS>, const SUMS: usize> PairL
         for axis in 0..V::DIMENSION {
             image[V::DIMENSION + axis] = dot::<V>(&velocity[axis], &before);
         }
-        own[2 * V::DIMENSION + 1] = self.law.borne(own[2 * V::DIMENSION + 1]);
-        let content = self.law.borne(other[2 * V::DIMENSION + 1]);
-        let raised = self.law.borne(content + self.law.density(other) * (dot::<V>(&rise.0, &apart) + rise.1));
+        let content = other[2 * V::DIMENSION + 1];
+        let raised = self.law.raised(content, self.law.density(other) * (dot::<V>(&rise.0, &apart) + rise.1));
         image[2 * V::DIMENSION + 1] = raised;
         let mut counts = square < V::Scalar::INFINITY;
         for (normal, distance) in depths {
             counts &= dot::<V>(normal, &apart) + *distance > zero;
         }
         let far = if counts { far } else { V::Scalar::INFINITY };
-        let mut terms = self.law.terms(&own, &image, from_image, far);
-        let lift = self.law.lift(&own, &image, from_image, far, raised - content);
+        let mut terms = self.law.terms(own, &image, from_image, far);
+        let lift = self.law.lift(own, &image, from_image, far, raised - content);
         for sum in 0..SUMS {
             terms[sum] += lift[sum];
         }

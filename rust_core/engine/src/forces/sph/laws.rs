@@ -143,8 +143,6 @@ pub struct Momentum<T, K, const MIXED: bool> {
     pub density: [T; KINDS],
     /// 0.01 h² [m²].
     pub softening: T,
-    /// The least pressure that passes between a fluid and a wall [Pa].
-    pub least: T,
 }
 
 impl<V: Vector, K: Shape<V::Scalar>, const MIXED: bool> PairLaw<V, FORCES> for Momentum<V::Scalar, K, MIXED> {
@@ -226,9 +224,12 @@ impl<V: Vector, K: Shape<V::Scalar>, const MIXED: bool> Pressed<V, FORCES> for M
         pick::<_, MIXED>(volume::<V>(other), &self.density)
     }
 
+    /// A ceiling does not hold a drop by suction.
     #[inline(always)]
-    fn borne(&self, content: V::Scalar) -> V::Scalar {
-        if content < self.least { self.least } else { content }
+    fn raised(&self, content: V::Scalar, by: V::Scalar) -> V::Scalar {
+        let least = if content < V::Scalar::ZERO { content } else { V::Scalar::ZERO };
+        let raised = content + by;
+        if raised > least || by > V::Scalar::ZERO { raised } else { least }
     }
 
     #[inline(always)]

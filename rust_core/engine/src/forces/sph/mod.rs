@@ -102,8 +102,11 @@ struct Fluids<V: Vector, K, const MIXED: bool> {
     density: Vec<f64>,
     /// The power that diffusion takes from each [W].
     diffused: Vec<f64>,
-    /// Density when the chunk began.
+    /// How much of each passes through walls: in the kick between two drifts, and in the next drift.
+    hold: Vec<[f64; 2]>,
+    /// Density and hold when the chunk began.
     kept: Vec<f64>,
+    kept_hold: Vec<[f64; 2]>,
     /// The highest frequency of sound among these surroundings, over its speed [1/m], when the lists were made, and when the
     /// chunk began.
     highest: [f64; 2],
@@ -212,7 +215,7 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>, const MIXED: bool> Force<V> fo
             return Ok(());
         }
         self.search(&|axis, index| drift.middle(axis, index), crew)?;
-        let Self { kinds, kind, mass, density, diffused, vicinity, records, continuity, rates, mirrored, walls, .. } = self;
+        let Self { kinds, kind, mass, density, diffused, vicinity, records, hold, continuity, rates, mirrored, walls, .. } = self;
         let each = |member: usize| {
             let enthalpy = kinds.fluid(kind[member]).map_or(0.0, |fluid| fluid.enthalpy(density[member]));
             [mass[member] / density[member], enthalpy]
@@ -225,20 +228,25 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>, const MIXED: bool> Force<V> fo
         mirrored.fill([V::Scalar::ZERO; 2]);
         walls.add(*continuity, &view, (vicinity, records), mirrored, crew);
         let places = neighbors.places();
-        crew.sweep((Chunks::new(density, BLOCK), Chunks::new(diffused, BLOCK)), &|(densities, powers)| {
-            for (offset, (density, power)) in densities.items.iter_mut().zip(powers.items).enumerate() {
+        let columns = (Chunks::new(density, BLOCK), (Chunks::new(diffused, BLOCK), Chunks::new(hold, BLOCK)));
+        crew.sweep(columns, &|(densities, (powers, holds))| {
+            for (offset, (density, (power, hold))) in
+                densities.items.iter_mut().zip(powers.items.iter_mut().zip(holds.items)).enumerate()
+            {
                 let member = densities.start + offset;
                 let Some(fluid) = kinds.fluid(kind[member]) else { continue };
                 let place = places[member] as usize;
                 let [squeeze, diffusion] = rates[place].map(Real::to_f64);
                 let [by_walls, through_walls] = mirrored[place].map(Real::to_f64);
-                // A wall does not pull: it stretches nothing that is under no pressure, and meets none where it squeezes that.
-                let (pressed, unpressed) = if *density < fluid.density { (0.0, by_walls.max(0.0)) } else { (by_walls, 0.0) };
-                let lost = *density * unpressed + diffusion + through_walls;
-                let change = drift.h * (*density * (squeeze + pressed) + lost);
+                let lost = diffusion + through_walls;
+                let change = drift.h * (*density * (squeeze + hold[1] * by_walls) + lost);
                 // What diffusion moves against pressure is gone at once.
                 let middle = *density + 0.5 * change;
                 *power = -fluid.mass * fluid.pressure(middle) / (middle * middle) * lost;
+                // A wall does not pull at what leaves it.
+                let next = if *density + change < fluid.density && by_walls <= 0.0 { 0.0 } else { 1.0 };
+                // Half of a kick belongs to the drift before it and half to that after it: so walls take no energy.
+                *hold = [0.5 * (hold[1] + next), next];
                 *density += change;
             }
         });
@@ -264,8 +272,12 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>, const MIXED: bool> Force<V> fo
             self.listen(crew);
         }
         self.press_obstacles(crew);
-        let Self { kinds, vicinity, records, momentum, forces, walls, .. } = self;
-        records.sum(vicinity.neighbors(), *momentum, forces, crew);
+        let Self { kinds, hold, vicinity, records, momentum, forces, walls, .. } = self;
+        let neighbors = vicinity.neighbors();
+        records.sum(neighbors, *momentum, forces, crew);
+        for (&[hold, _], &place) in hold.iter().zip(neighbors.places()).filter(|([hold, _], _)| *hold < 1.0) {
+            records.write(place as usize, |words| words[V::DIMENSION + 1] *= V::Scalar::from_f64(hold));
+        }
         let view = View { weight: kinds.first().gravity, sticks: true };
         walls.add(*momentum, &view, (vicinity, records), forces, crew);
         Ok(())
@@ -274,11 +286,13 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>, const MIXED: bool> Force<V> fo
     fn keep(&mut self) {
         self.vicinity.keep();
         self.kept.copy_from_slice(&self.density);
+        self.kept_hold.copy_from_slice(&self.hold);
         self.highest[1] = self.highest[0];
     }
 
     fn undo(&mut self) -> Result<()> {
         self.density.copy_from_slice(&self.kept);
+        self.hold.copy_from_slice(&self.kept_hold);
         self.highest[0] = self.highest[1];
         self.renewed = false;
         if self.vicinity.undo()? {
@@ -288,11 +302,12 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>, const MIXED: bool> Force<V> fo
     }
 
     fn capture(&self) -> Vec<f64> {
-        [self.density.as_slice(), &self.highest[..1], &self.vicinity.capture()].concat()
+        [self.density.as_slice(), self.hold.as_flattened(), &self.highest[..1], &self.vicinity.capture()].concat()
     }
 
     fn restore(&mut self, numbers: &mut &[f64]) -> Result<()> {
         super::vicinity::take(numbers, &mut self.density)?;
+        super::vicinity::take(numbers, self.hold.as_flattened_mut())?;
         super::vicinity::take(numbers, &mut self.highest[..1])?;
         self.renewed = false;
         self.vicinity.restore(numbers)?;
@@ -405,7 +420,7 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>, const MIXED: bool> Force<V> fo
 
     fn bytes(&self) -> usize {
         let own = 2 * std::mem::size_of_val(self.rates.as_slice()) + std::mem::size_of_val(self.forces.as_slice());
-        let numbers = 4 * size_of::<f64>() * self.density.len();
+        let numbers = 8 * size_of::<f64>() * self.density.len();
         let indices = size_of::<u32>() * self.obstacles.len() + self.kind.len();
         let counts = self.summation.as_ref().map_or(0, Summation::bytes);
         let around = std::mem::size_of_val(self.around.as_slice());
