@@ -36,6 +36,9 @@ FLUID_WATCH = 8
 """The same where there is a fluid: in so many steps at the limit no particle comes farther than its distance to the next
 one, at a tenth of the speed of sound."""
 
+RECOVERED = 1.25
+"""By which factor the limit must have risen for the time step to follow it."""
+
 SLOWEST = 64
 """How many times smaller than at the start a watched time step becomes at most: a spring that is pressed to nothing has
 no direction, and no time step resolves it."""
@@ -299,13 +302,13 @@ class Pace:
         assert self._limits
         first, kept = self._limits
         certified = engine.certified(self._world)
-        if self._world.dt > certified:
+        if kept != first and certified >= first.certified:
+            kept = first
+        elif self._world.dt > certified or (kept != first and certified >= RECOVERED * kept.certified):
             present = engine.limit(self._world)
             # What nothing limited at the start, as grains at rest that do not touch, says nothing about how small.
             least = first.dt / SLOWEST if math.isfinite(first.dt) else 0.0
             kept = replace(present, dt=max(present.dt, least), certified=max(present.certified, least))
-        elif kept != first and certified >= first.certified:
-            kept = first
         else:
             return False
         self._limits = first, kept

@@ -107,8 +107,7 @@ struct Fluids<V: Vector, K, const MIXED: bool> {
     /// Density and hold when the chunk began.
     kept: Vec<f64>,
     kept_hold: Vec<[f64; 2]>,
-    /// The highest frequency of sound among these surroundings, over its speed [1/m], when the lists were made, and when the
-    /// chunk began.
+    /// The highest frequency of sound [1/s] when the lists were made, and when the chunk began.
     highest: [f64; 2],
     /// Whether the lists have been made since.
     renewed: bool,
@@ -178,16 +177,17 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>, const MIXED: bool> Fluids<V, K
     /// estimate, that of the two which is higher: the largest singular values of the sum over v·∇W, in dam breaks, drops,
     /// jets and sprays along walls, are 1 to 20 % below it.
     fn listen(&mut self, crew: &Crew) {
-        let Self { kind, vicinity, records, surroundings, around, crowding, walls, .. } = self;
+        let Self { kinds, kind, density, vicinity, records, surroundings, around, crowding, walls, .. } = self;
         let neighbors = vicinity.neighbors();
         records.sum(neighbors, *surroundings, around, crew);
         walls.add(*surroundings, &View { weight: DVec3::ZERO, sticks: false }, (vicinity, records), around, crew);
-        let frequency = |sums: &[V::Scalar; SURROUNDINGS]| {
-            let bare = sums[..AXES].iter().map(|sum| sum.to_f64().powi(2)).sum::<f64>().sqrt();
-            (2.0 * bare).max(*crowding * sums[AXES].to_f64())
+        let frequency = |member: usize| {
+            let Some(fluid) = kinds.fluid(kind[member]) else { return 0.0 };
+            let sums = around[neighbors.places()[member] as usize].map(Real::to_f64);
+            let bare = sums[..AXES].iter().map(|sum| sum * sum).sum::<f64>().sqrt();
+            fluid.sound_at(density[member]) * (2.0 * bare).max(*crowding * sums[AXES])
         };
-        let fluid = kind.iter().zip(neighbors.places()).filter(|(kind, _)| **kind != OBSTACLE);
-        self.highest[0] = fluid.map(|(_, &place)| frequency(&around[place as usize])).fold(0.0, f64::max);
+        self.highest[0] = (0..kind.len()).map(frequency).fold(0.0, f64::max);
         self.renewed = false;
     }
 }
@@ -376,7 +376,7 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>, const MIXED: bool> Force<V> fo
                 let haste = |&(frequency, decay): &(f64, f64)| decay + decay.hypot(frequency);
                 let binding = self.waves.iter().map(scaled).max_by(|one, other| haste(one).total_cmp(&haste(other)));
                 let (frequency, decay) = binding.unwrap_or_default();
-                let frequency = frequency.max(fluid.sound_at(densest) * self.highest[0]);
+                let frequency = frequency.max(self.highest[0]);
                 (frequency * frequency, decay, fluid.density)
             })
             .collect();
