@@ -4,9 +4,10 @@ use glam::DVec3;
 
 use super::Fluids;
 use super::kernel::{self, Kernel, Shape};
-use super::laws::{Continuity, Extrapolation, FORCES, KINDS, Momentum, OBSTACLE, SURROUNDINGS, Surroundings, Touch};
+use super::laws::{Continuity, Extrapolation, FORCES, KINDS, Momentum, OBSTACLE, Touch};
 use super::start::{self, Kinds, Material};
 use super::summation::Summation;
+use super::surface::Surface;
 use super::walls::Walls;
 use crate::error::{Error, Result};
 use crate::forces::vicinity::Vicinity;
@@ -58,25 +59,17 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>, const MIXED: bool> Fluids<V, K
         let momentum = Momentum { kernel, touch, faced: touch[0], density, softening: number(0.01 * h * h) };
         let extrapolation = Extrapolation { kernel, density, gravity: common.gravity.to_array().map(number) };
         let waves = kernel::waves::<K>(V::DIMENSION);
-        let fastest = waves.iter().map(|wave| wave.frequency).fold(0.0, f64::max);
-        let crowding = fastest / kernel::closeness::<K>(common.spacing / h, V::DIMENSION);
         let mut fluids = Self {
             mass: kind.iter().map(|&kind| kinds.fluid(kind).unwrap_or(common).mass).collect(),
             density: Vec::new(),
             kept: Vec::new(),
-            highest: [0.0; 2],
-            renewed: false,
-            surroundings: Surroundings { kernel },
-            around: vec![[V::Scalar::ZERO; SURROUNDINGS]; kind.len()],
-            crowding,
             diffused: vec![0.0; kind.len()],
-            hold: vec![[1.0; 2]; kind.len()],
-            kept_hold: vec![[1.0; 2]; kind.len()],
             met: vec![[V::Scalar::ZERO; 2]; obstacles.len()],
             records: Records::new(vicinity.neighbors()),
             rates: vec![[V::Scalar::ZERO; 2]; kind.len()],
             mirrored: vec![[V::Scalar::ZERO; 2]; kind.len()],
             forces: vec![[V::Scalar::ZERO; FORCES]; kind.len()],
+            surface: Surface::new(kernel, common, &waves, kind.len()),
             waves,
             summation: kinds.summation.then(|| Summation::new(kernel, &kinds, kind.len())),
             kinds,

@@ -7,17 +7,15 @@
 //!
 //! Where density is counted from places ([`summation`]) both sums are at the end.
 //!
-//! [`laws`] holds the sums, [`kernel`] what they weigh with, [`walls`] their images behind walls; [`start`] finds what the scene
-//! leaves open, and [`assembly`] puts the parts together.
+//! [`laws`] holds the sums, [`kernel`] what they weigh with, [`walls`] their images behind walls, and [`surface`] what is torn
+//! off; [`start`] finds what the scene leaves open, and [`assembly`] puts the parts together.
 
 use std::ops::Range;
-
-use glam::DVec3;
 
 use super::vicinity::Vicinity;
 use super::{Drift, Fields, Flow, Force, Moment, Rates, Reach, VelocityDependence};
 use crate::error::{Error, Result};
-use crate::math::{AXES, Real, Vector};
+use crate::math::{Real, Vector};
 use crate::matter::{self, Channel, Properties};
 use crate::neighbors::sums::Records;
 use crate::parallel::{Chunks, Crew};
@@ -31,13 +29,15 @@ mod kernel;
 mod laws;
 mod start;
 mod summation;
+mod surface;
 mod walls;
 
 use images::View;
 use kernel::{CubicSpline, Shape, Wave, WendlandC2, WendlandC4};
-use laws::{Continuity, Extrapolation, FORCES, LIFT, Momentum, OBSTACLE, SURROUNDINGS, Surroundings, VISCOUS};
+use laws::{Continuity, Extrapolation, FORCES, LIFT, Momentum, OBSTACLE, VISCOUS};
 use start::Kinds;
 use summation::Summation;
+use surface::Surface;
 use walls::Walls;
 
 /// Places in a block of the passes over single particles.
@@ -102,15 +102,8 @@ struct Fluids<V: Vector, K, const MIXED: bool> {
     density: Vec<f64>,
     /// The power that diffusion takes from each [W].
     diffused: Vec<f64>,
-    /// How much of each passes through walls: in the kick between two drifts, and in the next drift.
-    hold: Vec<[f64; 2]>,
-    /// Density and hold when the chunk began.
+    /// Density when the chunk began.
     kept: Vec<f64>,
-    kept_hold: Vec<[f64; 2]>,
-    /// The highest frequency of sound [1/s] when the lists were made, and when the chunk began.
-    highest: [f64; 2],
-    /// Whether the lists have been made since.
-    renewed: bool,
     /// The members that are obstacles.
     obstacles: Vec<u32>,
     /// What [`Extrapolation`] gives for them.
@@ -128,11 +121,7 @@ struct Fluids<V: Vector, K, const MIXED: bool> {
     /// What [`Momentum`] gives, likewise.
     forces: Vec<[V::Scalar; FORCES]>,
     walls: Walls,
-    surroundings: Surroundings<V::Scalar, K>,
-    /// What [`Surroundings`] gives, in the order of places.
-    around: Vec<[V::Scalar; SURROUNDINGS]>,
-    /// That frequency for one of Σ Vⱼ |∇W|.
-    crowding: f64,
+    surface: Surface<V, K>,
     /// The waves that the kernel carries, for unit smoothing length.
     waves: Vec<Wave>,
 }
@@ -165,30 +154,9 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>, const MIXED: bool> Fluids<V, K
     fn search(&mut self, place: &(impl Fn(usize, usize) -> f64 + Sync), crew: &Crew) -> Result<()> {
         if self.vicinity.update(place, crew)? {
             self.walls.survey(&self.vicinity, crew);
-            self.renewed = true;
+            self.surface.is_stale = true;
         }
         Ok(())
-    }
-
-    /// Finds the highest frequency of sound, by means of records that hold volumes.
-    ///
-    /// Where particles are crowded all waves are faster. Where a fluid is torn there are others: a lump that moves with v
-    /// towards its neighbors is squeezed at v·s, s = Σ Vⱼ ∇W, and if those come to meet it twice as fast: ω = 2c|s|. An
-    /// estimate, that of the two which is higher: the largest singular values of the sum over v·∇W, in dam breaks, drops,
-    /// jets and sprays along walls, are 1 to 20 % below it.
-    fn listen(&mut self, crew: &Crew) {
-        let Self { kinds, kind, density, vicinity, records, surroundings, around, crowding, walls, .. } = self;
-        let neighbors = vicinity.neighbors();
-        records.sum(neighbors, *surroundings, around, crew);
-        walls.add(*surroundings, &View { weight: DVec3::ZERO, sticks: false }, (vicinity, records), around, crew);
-        let frequency = |member: usize| {
-            let Some(fluid) = kinds.fluid(kind[member]) else { return 0.0 };
-            let sums = around[neighbors.places()[member] as usize].map(Real::to_f64);
-            let bare = sums[..AXES].iter().map(|sum| sum * sum).sum::<f64>().sqrt();
-            fluid.sound_at(density[member]) * (2.0 * bare).max(*crowding * sums[AXES])
-        };
-        self.highest[0] = (0..kind.len()).map(frequency).fold(0.0, f64::max);
-        self.renewed = false;
     }
 }
 
@@ -215,7 +183,8 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>, const MIXED: bool> Force<V> fo
             return Ok(());
         }
         self.search(&|axis, index| drift.middle(axis, index), crew)?;
-        let Self { kinds, kind, mass, density, diffused, vicinity, records, hold, continuity, rates, mirrored, walls, .. } = self;
+        let Self { kinds, kind, mass, density, diffused, vicinity, records, surface, continuity, rates, mirrored, walls, .. } =
+            self;
         let each = |member: usize| {
             let enthalpy = kinds.fluid(kind[member]).map_or(0.0, |fluid| fluid.enthalpy(density[member]));
             [mass[member] / density[member], enthalpy]
@@ -228,7 +197,7 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>, const MIXED: bool> Force<V> fo
         mirrored.fill([V::Scalar::ZERO; 2]);
         walls.add(*continuity, &view, (vicinity, records), mirrored, crew);
         let places = neighbors.places();
-        let columns = (Chunks::new(density, BLOCK), (Chunks::new(diffused, BLOCK), Chunks::new(hold, BLOCK)));
+        let columns = (Chunks::new(density, BLOCK), (Chunks::new(diffused, BLOCK), Chunks::new(&mut surface.holds, BLOCK)));
         crew.sweep(columns, &|(densities, (powers, holds))| {
             for (offset, (density, (power, hold))) in
                 densities.items.iter_mut().zip(powers.items.iter_mut().zip(holds.items)).enumerate()
@@ -239,15 +208,12 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>, const MIXED: bool> Force<V> fo
                 let [squeeze, diffusion] = rates[place].map(Real::to_f64);
                 let [by_walls, through_walls] = mirrored[place].map(Real::to_f64);
                 let lost = diffusion + through_walls;
-                let change = drift.h * (*density * (squeeze + hold[1] * by_walls) + lost);
+                let change = drift.h * (*density * (squeeze + hold.drift * by_walls) + lost);
                 // What diffusion moves against pressure is gone at once.
                 let middle = *density + 0.5 * change;
                 *power = -fluid.mass * fluid.pressure(middle) / (middle * middle) * lost;
-                // A wall does not pull at what leaves it.
-                let next = if *density + change < fluid.density && by_walls <= 0.0 { 0.0 } else { 1.0 };
-                // Half of a kick belongs to the drift before it and half to that after it: so walls take no energy.
-                *hold = [0.5 * (hold[1] + next), next];
                 *density += change;
+                hold.drifted(*density < fluid.density, by_walls <= 0.0);
             }
         });
         Ok(())
@@ -255,7 +221,7 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>, const MIXED: bool> Force<V> fo
 
     fn prepare(&mut self, at: &Moment<'_, V>, crew: &Crew) -> Result<()> {
         self.search(&|axis, index| at.place(axis, index), crew)?;
-        let Self { summation, vicinity, records, walls, kinds, kind, mass, density, .. } = self;
+        let Self { summation, surface, vicinity, records, walls, kinds, kind, mass, density, .. } = self;
         if let Some(summation) = summation {
             let rest = |member: usize| [mass[member] / kinds.rest_density(kind[member]), 0.0];
             fill(records, (vicinity, kind), &at.velocity, &rest, crew);
@@ -268,15 +234,15 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>, const MIXED: bool> Force<V> fo
             if counted { [mass[member] / rest, pressure * (rest / density).powi(2)] } else { [mass[member] / density, pressure] }
         };
         fill(records, (vicinity, kind), &at.velocity, &each, crew);
-        if self.renewed {
-            self.listen(crew);
+        if surface.is_stale {
+            surface.survey((vicinity, records), walls, (kinds, kind), density, crew);
         }
         self.press_obstacles(crew);
-        let Self { kinds, hold, vicinity, records, momentum, forces, walls, .. } = self;
+        let Self { kinds, surface, vicinity, records, momentum, forces, walls, .. } = self;
         let neighbors = vicinity.neighbors();
         records.sum(neighbors, *momentum, forces, crew);
-        for (&[hold, _], &place) in hold.iter().zip(neighbors.places()).filter(|([hold, _], _)| *hold < 1.0) {
-            records.write(place as usize, |words| words[V::DIMENSION + 1] *= V::Scalar::from_f64(hold));
+        for (hold, &place) in surface.holds.iter().zip(neighbors.places()).filter(|(hold, _)| hold.kick < 1.0) {
+            records.write(place as usize, |words| words[V::DIMENSION + 1] *= V::Scalar::from_f64(hold.kick));
         }
         let view = View { weight: kinds.first().gravity, sticks: true };
         walls.add(*momentum, &view, (vicinity, records), forces, crew);
@@ -286,15 +252,12 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>, const MIXED: bool> Force<V> fo
     fn keep(&mut self) {
         self.vicinity.keep();
         self.kept.copy_from_slice(&self.density);
-        self.kept_hold.copy_from_slice(&self.hold);
-        self.highest[1] = self.highest[0];
+        self.surface.keep();
     }
 
     fn undo(&mut self) -> Result<()> {
         self.density.copy_from_slice(&self.kept);
-        self.hold.copy_from_slice(&self.kept_hold);
-        self.highest[0] = self.highest[1];
-        self.renewed = false;
+        self.surface.undo();
         if self.vicinity.undo()? {
             self.walls.survey(&self.vicinity, &Crew::alone());
         }
@@ -302,14 +265,12 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>, const MIXED: bool> Force<V> fo
     }
 
     fn capture(&self) -> Vec<f64> {
-        [self.density.as_slice(), self.hold.as_flattened(), &self.highest[..1], &self.vicinity.capture()].concat()
+        [self.density.as_slice(), &self.surface.capture(), &self.vicinity.capture()].concat()
     }
 
     fn restore(&mut self, numbers: &mut &[f64]) -> Result<()> {
         super::vicinity::take(numbers, &mut self.density)?;
-        super::vicinity::take(numbers, self.hold.as_flattened_mut())?;
-        super::vicinity::take(numbers, &mut self.highest[..1])?;
-        self.renewed = false;
+        self.surface.restore(numbers)?;
         self.vicinity.restore(numbers)?;
         self.walls.survey(&self.vicinity, &Crew::alone());
         Ok(())
@@ -376,7 +337,7 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>, const MIXED: bool> Force<V> fo
                 let haste = |&(frequency, decay): &(f64, f64)| decay + decay.hypot(frequency);
                 let binding = self.waves.iter().map(scaled).max_by(|one, other| haste(one).total_cmp(&haste(other)));
                 let (frequency, decay) = binding.unwrap_or_default();
-                let frequency = frequency.max(self.highest[0]);
+                let frequency = frequency.max(self.surface.highest());
                 (frequency * frequency, decay, fluid.density)
             })
             .collect();
@@ -420,10 +381,10 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>, const MIXED: bool> Force<V> fo
 
     fn bytes(&self) -> usize {
         let own = 2 * std::mem::size_of_val(self.rates.as_slice()) + std::mem::size_of_val(self.forces.as_slice());
-        let numbers = 8 * size_of::<f64>() * self.density.len();
+        let numbers = 4 * size_of::<f64>() * self.density.len();
         let indices = size_of::<u32>() * self.obstacles.len() + self.kind.len();
         let counts = self.summation.as_ref().map_or(0, Summation::bytes);
-        let around = std::mem::size_of_val(self.around.as_slice());
-        counts + around + self.vicinity.bytes() + self.records.bytes() + self.walls.bytes() + own + numbers + indices
+        let parts = self.vicinity.bytes() + self.records.bytes() + self.walls.bytes() + self.surface.bytes();
+        counts + parts + own + numbers + indices
     }
 }
