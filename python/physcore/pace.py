@@ -32,6 +32,13 @@ WATCH = 256
 """With dt="auto", the limit of stability is looked at again whenever the number of steps is a multiple of this. Fixed
 multiples, so that the bits do not depend on how the steps were asked for."""
 
+FLUID_WATCH = 8
+"""The same where there is a fluid: at a tenth of the speed of sound, nobody comes farther in so many steps at the limit
+than its neighbor was."""
+
+RECOVERED = 1.25
+"""By which factor the limit must have risen for the time step to follow it."""
+
 SLOWEST = 64
 """How many times smaller than at the start a watched time step becomes at most: a spring that is pressed to nothing has
 no direction, and no time step resolves it."""
@@ -70,6 +77,7 @@ class Pace:
         self._limits: tuple[Limit, Limit] | None = None
         """With dt="auto" the limit at the start, and the one that the time step keeps to."""
         self._varies = world.plan()["limit_varies"]
+        self._pause = FLUID_WATCH if scene.fluids else WATCH
         self._stepping = threading.Lock()
         self._hasty = False
         self._rescued = 0
@@ -285,22 +293,22 @@ class Pace:
         return largest_step(self.limit, rule, self._numerics.integrator, fps)
 
     def _until_watch(self) -> int:
-        return WATCH - self._world.steps % WATCH if self._varies else sys.maxsize
+        return self._pause - self._world.steps % self._pause if self._varies else sys.maxsize
 
     def _watch(self) -> bool:
         """Look at the limit if it is time to; say whether the time step has to change."""
-        if not self._varies or self._world.steps == 0 or self._world.steps % WATCH != 0:
+        if not self._varies or self._world.steps == 0 or self._world.steps % self._pause != 0:
             return False
         assert self._limits
         first, kept = self._limits
         certified = engine.certified(self._world)
-        if self._world.dt > certified:
+        if kept != first and certified >= first.certified:
+            kept = first
+        elif self._world.dt > certified or (kept != first and certified >= RECOVERED * kept.certified):
             present = engine.limit(self._world)
             # What nothing limited at the start, as grains at rest that do not touch, says nothing about how small.
             least = first.dt / SLOWEST if math.isfinite(first.dt) else 0.0
             kept = replace(present, dt=max(present.dt, least), certified=max(present.certified, least))
-        elif kept != first and certified >= first.certified:
-            kept = first
         else:
             return False
         self._limits = first, kept

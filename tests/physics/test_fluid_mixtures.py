@@ -73,6 +73,18 @@ def test_without_obstacles_they_pass_through_each_other():
     np.testing.assert_array_equal(run["net"].velocities[:, 1], 0.0)
 
 
+def test_obstacles_go_on_across_the_ends_of_a_periodic_domain():
+    """A floor of particles pushes alike everywhere: where the domain ends nothing is different, but for rounding."""
+    ground = pc.Particles(pc.block((0.0, -0.15), (0.8, 0.0), SPACING), fixed=True)
+    water = pc.Fluid(pc.block((0.0, 0.0), (0.8, 0.3), SPACING), SPACING, name="water")
+    domain = pc.Periodic((0.0, -np.inf), (0.8, np.inf))
+    run = pc.Simulation(pc.Scene(ground, water, domain, DOWN, pc.Floor(-0.15)), precision="f64", dt=1e-4)
+    run.step(20)
+    rows = run["water"].velocities[:, 1].reshape(6, 16)
+    assert np.abs(rows).max() > 1e-3
+    np.testing.assert_allclose(rows, np.tile(rows[:, :1], 16), atol=1e-9)
+
+
 def test_mixtures_have_the_same_bits_for_any_number_of_threads():
     hashes = set()
     for threads in (1, 2, 3):

@@ -31,35 +31,48 @@ pub struct Repulsion<T, const HERTZIAN: bool> {
     friction: T,
     /// The largest sum of two radii [m].
     cutoff: f64,
+    /// How far spheres are pressed in at least [m], as far as the time step is concerned.
+    least: f64,
 }
+
+/// The least overlap that is expected, in units of the smallest radius: grains at rest show nothing of the impacts ahead, and
+/// by Hertz's law a mere touch is not stiff at all. Stiffness is chosen so that overlaps stay about as small as this: P. W.
+/// Cleary, Eng. Comput. 21 (2004) 169.
+const OVERLAP: f64 = 0.01;
 
 /// The force that a term declares between the `chosen` particles.
 ///
 /// # Errors
 /// If a parameter makes no sense, or no particle has a radius.
 pub fn force<V: Vector>(scene: &Scene, term: &Term, properties: &Properties<V>, chosen: &[bool]) -> Result<Box<dyn Force<V>>> {
-    let radii = properties.radius.iter().zip(chosen).filter(|(_, chosen)| **chosen).map(|(radius, _)| *radius);
-    let largest = radii.fold(0.0, f64::max);
+    let radii = properties.radius.iter().zip(chosen).filter(|(radius, chosen)| **chosen && **radius > 0.0);
+    let (smallest, largest) =
+        radii.fold((f64::INFINITY, 0.0_f64), |(least, most), (&radius, _)| (least.min(radius), most.max(radius)));
     if largest == 0.0 {
         return Err(Error::parameter(&term.path, "particles with a radius", "none that it acts on")
             .with_hint("give Particles a radius, or name bodies that have one with on="));
     }
     match term.number("exponent")? {
-        1.0 => Ok(Box::new(Pairs::new(scene, properties, chosen, Repulsion::<V::Scalar, false>::new(term, largest)?)?)),
-        1.5 => Ok(Box::new(Pairs::new(scene, properties, chosen, Repulsion::<V::Scalar, true>::new(term, largest)?)?)),
+        1.0 => {
+            Ok(Box::new(Pairs::new(scene, properties, chosen, Repulsion::<V::Scalar, false>::new(term, [smallest, largest])?)?))
+        }
+        1.5 => {
+            Ok(Box::new(Pairs::new(scene, properties, chosen, Repulsion::<V::Scalar, true>::new(term, [smallest, largest])?)?))
+        }
         other => Err(term.wrong("exponent", "1 (linear) or 1.5 (Hertz)", Some(&Value::Number(other)))),
     }
 }
 
 impl<T: Real, const HERTZIAN: bool> Repulsion<T, HERTZIAN> {
-    /// The law as declared, for particles of at most this radius [m].
-    pub fn new(term: &Term, largest: f64) -> Result<Self> {
+    /// The law as declared, for particles with radii in this range [m].
+    pub fn new(term: &Term, [smallest, largest]: [f64; 2]) -> Result<Self> {
         Ok(Self {
             stiffness: T::from_f64(term.non_negative("stiffness")?),
             damping: T::from_f64(term.non_negative("damping")?),
             tangential_damping: T::from_f64(term.non_negative("tangential_damping")?),
             friction: T::from_f64(term.non_negative("friction")?),
             cutoff: 2.0 * largest,
+            least: OVERLAP * smallest,
         })
     }
 
@@ -139,13 +152,14 @@ impl<V: Vector, const HERTZIAN: bool> Interaction<V> for Repulsion<V::Scalar, HE
     }
 
     /// As many neighbors as equal spheres can have that only just touch, each pressed in as far as by the impact of two of the
-    /// heaviest at twice the largest speed: ½ (m/2) v² = ⅖ k δ^2.5.
+    /// heaviest at twice the largest speed: ½ (m/2) v² = ⅖ k δ^2.5; and at least by [`OVERLAP`].
     fn expected(&self, at: &Moment<'_, V>, members: &[u32]) -> [f64; 2] {
         let kissing = if V::DIMENSION == 2 { 6.0 } else { 12.0 };
         let speed = members.iter().map(|&index| at.velocity.get(index as usize).widen().length()).fold(0.0, f64::max);
         let mobile = members.iter().map(|&index| at.properties.mass[index as usize]).filter(|mass| mass.is_finite());
         let energy = mobile.fold(0.0, f64::max) * speed * speed;
-        let overlap = libm::pow(2.5 * energy / self.stiffness.to_f64().max(f64::MIN_POSITIVE), 0.4).min(0.5 * self.cutoff);
+        let overlap = libm::pow(2.5 * energy / self.stiffness.to_f64().max(f64::MIN_POSITIVE), 0.4);
+        let overlap = overlap.clamp(self.least, 0.5 * self.cutoff);
         let damping =
             self.damping.to_f64().max(if self.friction > V::Scalar::ZERO { self.tangential_damping.to_f64() } else { 0.0 });
         [2.0 * kissing * self.stiffness_at(overlap), 2.0 * kissing * damping]

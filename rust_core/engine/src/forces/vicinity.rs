@@ -8,7 +8,7 @@ use std::ops::Range;
 use glam::DVec3;
 
 use crate::error::{Error, Result};
-use crate::math::{AXES, Vector};
+use crate::math::{AXES, Real, Vector};
 use crate::matter::Properties;
 use crate::neighbors::{Domain, Neighbors};
 use crate::parallel::{Chunks, Crew};
@@ -47,8 +47,9 @@ impl Vicinity {
     /// The vicinity up to a cutoff [m] of the `members` of a scene, which are given by their index.
     ///
     /// # Errors
-    /// If the cutoff makes no sense, or the periodic domain is too small for it.
+    /// If the cutoff makes no sense, the periodic domain is too small for it, or the precision of the run too coarse.
     pub fn new<V: Vector>(scene: &Scene, properties: &Properties<V>, members: Vec<u32>, cutoff: f64) -> Result<Self> {
+        refuse_tiny::<V::Scalar>(cutoff)?;
         let domain = domain(scene, properties.origin);
         let skin = skin::<V>(&places(scene, properties, &members), &domain, cutoff);
         let columns = || std::array::from_fn(|axis| vec![0.0; if axis < V::DIMENSION { members.len() } else { 0 }]);
@@ -186,6 +187,17 @@ pub fn take(numbers: &mut &[f64], column: &mut [f64]) -> Result<()> {
     column.copy_from_slice(mine);
     *numbers = rest;
     Ok(())
+}
+
+/// Refuses cutoffs [m] of which the precision of the run cannot hold the square, down to the distances that it tells apart.
+fn refuse_tiny<T: Real>(cutoff: f64) -> Result<()> {
+    let least = T::EPSILON * cutoff * cutoff;
+    // Where numbers are no longer normal, or infinite, they lose digits.
+    if (T::from_f64(least).to_f64() - least).abs() <= T::EPSILON * least {
+        return Ok(());
+    }
+    let found = format!("{} for forces that reach {cutoff:.3e} m", T::NAME);
+    Err(Error::parameter("precision", "f64", found).with_hint("squares of such distances are out of its range"))
 }
 
 /// The space of a scene, relative to an origin.

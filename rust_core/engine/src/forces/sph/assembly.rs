@@ -7,8 +7,9 @@ use super::kernel::{self, Kernel, Shape};
 use super::laws::{Continuity, Extrapolation, FORCES, KINDS, Momentum, OBSTACLE, Touch};
 use super::start::{self, Kinds, Material};
 use super::summation::Summation;
+use super::surface::Surface;
 use super::walls::Walls;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::forces::vicinity::Vicinity;
 use crate::math::{Real, Vector};
 use crate::matter::Properties;
@@ -28,7 +29,11 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
         let vicinity = Vicinity::new(scene, properties, members, 2.0 * h)?;
         let walls = Walls::new(start::walls(scene, properties.origin)?, &vicinity);
         let number = V::Scalar::from_f64;
-        let kernel = Kernel::new(h, common.spacing, V::DIMENSION);
+        let kernel = Kernel::<V::Scalar, K>::new(h, common.spacing, V::DIMENSION);
+        if !kernel.steepness.is_finite() {
+            let found = format!("{} for a smoothing length of {h:.3e} m", V::Scalar::NAME);
+            return Err(Error::parameter("precision", "f64", found).with_hint("the kernel is steeper than it can hold"));
+        }
         let same = |one: &Material, other: &Material| one == other;
         let mut diffusion = kinds.pairs(|one, other| if same(one, other) { one.diffusion() } else { 0.0 });
         diffusion[usize::from(OBSTACLE)].fill(V::Scalar::ZERO);
@@ -53,6 +58,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
         });
         let momentum = Momentum { kernel, touch, faced: touch[0], density, softening: number(0.01 * h * h) };
         let extrapolation = Extrapolation { kernel, density, gravity: common.gravity.to_array().map(number) };
+        let waves = kernel::waves::<K>(V::DIMENSION);
         let mut fluids = Self {
             mass: kind.iter().map(|&kind| kinds.fluid(kind).unwrap_or(common).mass).collect(),
             density: Vec::new(),
@@ -61,8 +67,10 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
             met: vec![[V::Scalar::ZERO; 2]; obstacles.len()],
             records: Records::new(vicinity.neighbors()),
             rates: vec![[V::Scalar::ZERO; 2]; kind.len()],
+            mirrored: vec![[V::Scalar::ZERO; 2]; kind.len()],
             forces: vec![[V::Scalar::ZERO; FORCES]; kind.len()],
-            waves: kernel::waves::<K>(V::DIMENSION),
+            surface: Surface::new(kernel, common, &waves, kind.len()),
+            waves,
             summation: kinds.summation.then(|| Summation::new(kernel, &kinds, kind.len())),
             kinds,
             kind,
@@ -105,8 +113,8 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
         for &obstacle in &self.obstacles {
             let place = neighbors.places()[obstacle as usize] as usize;
             let others = neighbors.of(place).iter().map(|&other| neighbors.order()[other as usize] as usize);
-            let others = others.filter(|&other| self.kind[other] == OBSTACLE);
-            let near: f64 = others.map(|other| weight(at[members[other]].distance(at[members[obstacle as usize]]))).sum();
+            let solid = others.zip(neighbors.apart(place)).filter(|&(other, _)| self.kind[other] == OBSTACLE);
+            let near: f64 = solid.map(|(_, apart)| weight(apart.length())).sum();
             let common = self.kinds.first();
             // A lone particle is not as large as the kernel.
             self.mass[obstacle as usize] = (common.density / (near + weight(0.0))).min(2.0 * common.mass);

@@ -153,6 +153,11 @@ pub fn crowd<K: Shape>(spacing: f64, dimension: usize) -> (f64, f64) {
     (sum, 1.0 / moment::<K>(spacing, dimension))
 }
 
+/// Σ Δ^D |∇W| over the neighbors of a particle on a lattice of spacing Δ, for unit smoothing length.
+pub fn closeness<K: Shape<f64>>(spacing: f64, dimension: usize) -> f64 {
+    over_lattice(spacing, dimension, |_, r| -K::HEIGHT[dimension - 2] * K::slope(0.5 * r) * r) / moment::<K>(spacing, dimension)
+}
+
 /// Σ Δ^D f(x, r) over the neighbors on a lattice of spacing Δ within two units.
 fn over_lattice(spacing: f64, dimension: usize, of: impl Fn(f64, f64) -> f64) -> f64 {
     let most = (2.0 / spacing).floor() as i32;

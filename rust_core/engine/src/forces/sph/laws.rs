@@ -259,6 +259,39 @@ impl<V: Vector, K: Shape> PairLaw<V, 1> for Crowding<V::Scalar, K> {
 
 impl<V: Vector, K: Shape> Pressed<V, 1> for Crowding<V::Scalar, K> {}
 
+/// Surroundings: Σ Vⱼ ∇W along each axis [1/m], nothing where others are all around and the more the barer a side is; and
+/// Σ Vⱼ |∇W|, the more the closer they are.
+#[derive(Debug, Clone, Copy)]
+pub struct Surroundings<T, K> {
+    pub kernel: Kernel<T, K>,
+}
+
+/// The sums of [`Surroundings`].
+pub const SURROUNDINGS: usize = AXES + 1;
+
+impl<V: Vector, K: Shape<V::Scalar>> PairLaw<V, SURROUNDINGS> for Surroundings<V::Scalar, K> {
+    #[inline(always)]
+    fn terms(
+        &self,
+        _own: &Record<V::Scalar>,
+        other: &Record<V::Scalar>,
+        apart: [V::Scalar; AXES],
+        square: V::Scalar,
+    ) -> [V::Scalar; SURROUNDINGS] {
+        let distance = square.sqrt();
+        let weight = self.kernel.slope(volume::<V>(other), distance);
+        let mut terms = [V::Scalar::ZERO; SURROUNDINGS];
+        for axis in 0..V::DIMENSION {
+            terms[axis] = weight * apart[axis];
+        }
+        // Beyond the support the distance is infinite where there is nobody.
+        terms[AXES] = if weight < V::Scalar::ZERO { V::Scalar::ZERO - weight * distance } else { V::Scalar::ZERO };
+        terms
+    }
+}
+
+impl<V: Vector, K: Shape<V::Scalar>> Pressed<V, SURROUNDINGS> for Surroundings<V::Scalar, K> {}
+
 /// The pressure of an obstacle: that of the fluid around it, and what gravity adds on the way: Σ [pⱼ + ρ₀ g·d] W and Σ W, of S.
 /// Adami, X. Y. Hu and N. A. Adams, J. Comput. Phys. 231 (2012) 7057, for obstacles that are not themselves accelerated.
 #[derive(Debug, Clone, Copy)]

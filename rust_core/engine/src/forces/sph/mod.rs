@@ -7,8 +7,8 @@
 //!
 //! Where density is counted from places ([`summation`]) both sums are at the end.
 //!
-//! [`laws`] holds the sums, [`kernel`] what they weigh with, [`walls`] their images behind walls; [`start`] finds what the scene
-//! leaves open, and [`assembly`] puts the parts together.
+//! [`laws`] holds the sums, [`kernel`] what they weigh with, [`walls`] their images behind walls, and [`surface`] what is torn
+//! off; [`start`] finds what the scene leaves open, and [`assembly`] puts the parts together.
 
 use std::ops::Range;
 
@@ -29,6 +29,7 @@ mod kernel;
 mod laws;
 mod start;
 mod summation;
+mod surface;
 mod walls;
 
 use images::View;
@@ -36,6 +37,7 @@ use kernel::{CubicSpline, Shape, Wave, WendlandC2, WendlandC4};
 use laws::{Continuity, Extrapolation, FORCES, LIFT, Momentum, OBSTACLE, VISCOUS};
 use start::Kinds;
 use summation::Summation;
+use surface::Surface;
 use walls::Walls;
 
 /// Places in a block of the passes over single particles.
@@ -113,11 +115,13 @@ struct Fluids<V: Vector, K, const MIXED: bool> {
     extrapolation: Extrapolation<V::Scalar, K>,
     /// Where density is counted instead of carried along.
     summation: Option<Summation<V, K>>,
-    /// What [`Continuity`] gives, in the order of places.
+    /// What [`Continuity`] gives, in the order of places: of the particles, and of their images.
     rates: Vec<[V::Scalar; 2]>,
+    mirrored: Vec<[V::Scalar; 2]>,
     /// What [`Momentum`] gives, likewise.
     forces: Vec<[V::Scalar; FORCES]>,
     walls: Walls,
+    surface: Surface<V, K>,
     /// The waves that the kernel carries, for unit smoothing length.
     waves: Vec<Wave>,
 }
@@ -151,6 +155,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
     fn search(&mut self, place: &(impl Fn(usize, usize) -> f64 + Sync), crew: &Crew) -> Result<()> {
         if self.vicinity.update(place, crew)? {
             self.walls.survey(&self.vicinity, crew);
+            self.surface.is_stale = true;
         }
         Ok(())
     }
@@ -179,7 +184,8 @@ impl<V: Vector, K: Shape, const MIXED: bool> Force<V> for Fluids<V, K, MIXED> {
             return Ok(());
         }
         self.search(&|axis, index| drift.middle(axis, index), crew)?;
-        let Self { kinds, kind, mass, density, diffused, vicinity, records, continuity, rates, walls, .. } = self;
+        let Self { kinds, kind, mass, density, diffused, vicinity, records, surface, continuity, rates, mirrored, walls, .. } =
+            self;
         let each = |member: usize| {
             let enthalpy = kinds.fluid(kind[member]).map_or(0.0, |fluid| fluid.enthalpy(density[member]));
             [mass[member] / density[member], enthalpy]
@@ -189,18 +195,26 @@ impl<V: Vector, K: Shape, const MIXED: bool> Force<V> for Fluids<V, K, MIXED> {
         records.sum(neighbors, *continuity, rates, crew);
         let common = kinds.first();
         let view = View { weight: common.gravity / common.sound_speed.powi(2), sticks: false };
-        walls.add(*continuity, &view, (vicinity, records), rates, crew);
+        mirrored.fill([V::Scalar::ZERO; 2]);
+        walls.add(*continuity, &view, (vicinity, records), mirrored, crew);
         let places = neighbors.places();
-        crew.sweep((Chunks::new(density, BLOCK), Chunks::new(diffused, BLOCK)), &|(densities, powers)| {
-            for (offset, (density, power)) in densities.items.iter_mut().zip(powers.items).enumerate() {
+        let columns = (Chunks::new(density, BLOCK), (Chunks::new(diffused, BLOCK), Chunks::new(&mut surface.holds, BLOCK)));
+        crew.sweep(columns, &|(densities, (powers, holds))| {
+            for (offset, (density, (power, hold))) in
+                densities.items.iter_mut().zip(powers.items.iter_mut().zip(holds.items)).enumerate()
+            {
                 let member = densities.start + offset;
                 let Some(fluid) = kinds.fluid(kind[member]) else { continue };
-                let [squeeze, diffusion] = rates[places[member] as usize].map(Real::to_f64);
-                let change = drift.h * (*density * squeeze + diffusion);
+                let place = places[member] as usize;
+                let [squeeze, diffusion] = rates[place].map(Real::to_f64);
+                let [by_walls, through_walls] = mirrored[place].map(Real::to_f64);
+                let lost = diffusion + through_walls;
+                let change = drift.h * (*density * (squeeze + hold.drift * by_walls) + lost);
                 // What diffusion moves against pressure is gone at once.
                 let middle = *density + 0.5 * change;
-                *power = -fluid.mass * fluid.pressure(middle) / (middle * middle) * diffusion;
+                *power = -fluid.mass * fluid.pressure(middle) / (middle * middle) * lost;
                 *density += change;
+                hold.drifted(*density < fluid.density, by_walls <= 0.0);
             }
         });
         Ok(())
@@ -208,7 +222,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> Force<V> for Fluids<V, K, MIXED> {
 
     fn prepare(&mut self, at: &Moment<'_, V>, crew: &Crew) -> Result<()> {
         self.search(&|axis, index| at.place(axis, index), crew)?;
-        let Self { summation, vicinity, records, walls, kinds, kind, mass, density, .. } = self;
+        let Self { summation, surface, vicinity, records, walls, kinds, kind, mass, density, .. } = self;
         if let Some(summation) = summation {
             let rest = |member: usize| [mass[member] / kinds.rest_density(kind[member]), 0.0];
             fill(records, (vicinity, kind), &at.velocity, &rest, crew);
@@ -221,9 +235,16 @@ impl<V: Vector, K: Shape, const MIXED: bool> Force<V> for Fluids<V, K, MIXED> {
             if counted { [mass[member] / rest, pressure * (rest / density).powi(2)] } else { [mass[member] / density, pressure] }
         };
         fill(records, (vicinity, kind), &at.velocity, &each, crew);
+        if surface.is_stale {
+            surface.survey((vicinity, records), walls, (kinds, kind), density, crew);
+        }
         self.press_obstacles(crew);
-        let Self { kinds, vicinity, records, momentum, forces, walls, .. } = self;
-        records.sum(vicinity.neighbors(), *momentum, forces, crew);
+        let Self { kinds, surface, vicinity, records, momentum, forces, walls, .. } = self;
+        let neighbors = vicinity.neighbors();
+        records.sum(neighbors, *momentum, forces, crew);
+        for (hold, &place) in surface.holds.iter().zip(neighbors.places()).filter(|(hold, _)| hold.kick < 1.0) {
+            records.write(place as usize, |words| words[V::DIMENSION + 1] *= V::Scalar::from_f64(hold.kick));
+        }
         let view = View { weight: kinds.first().gravity, sticks: true };
         walls.add(*momentum, &view, (vicinity, records), forces, crew);
         Ok(())
@@ -232,10 +253,12 @@ impl<V: Vector, K: Shape, const MIXED: bool> Force<V> for Fluids<V, K, MIXED> {
     fn keep(&mut self) {
         self.vicinity.keep();
         self.kept.copy_from_slice(&self.density);
+        self.surface.keep();
     }
 
     fn undo(&mut self) -> Result<()> {
         self.density.copy_from_slice(&self.kept);
+        self.surface.undo();
         if self.vicinity.undo()? {
             self.walls.survey(&self.vicinity, &Crew::alone());
         }
@@ -243,11 +266,12 @@ impl<V: Vector, K: Shape, const MIXED: bool> Force<V> for Fluids<V, K, MIXED> {
     }
 
     fn capture(&self) -> Vec<f64> {
-        [self.density.clone(), self.vicinity.capture()].concat()
+        [self.density.as_slice(), &self.surface.capture(), &self.vicinity.capture()].concat()
     }
 
     fn restore(&mut self, numbers: &mut &[f64]) -> Result<()> {
         super::vicinity::take(numbers, &mut self.density)?;
+        self.surface.restore(numbers)?;
         self.vicinity.restore(numbers)?;
         self.walls.survey(&self.vicinity, &Crew::alone());
         Ok(())
@@ -314,6 +338,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> Force<V> for Fluids<V, K, MIXED> {
                 let haste = |&(frequency, decay): &(f64, f64)| decay + decay.hypot(frequency);
                 let binding = self.waves.iter().map(scaled).max_by(|one, other| haste(one).total_cmp(&haste(other)));
                 let (frequency, decay) = binding.unwrap_or_default();
+                let frequency = frequency.max(self.surface.highest());
                 (frequency * frequency, decay, fluid.density)
             })
             .collect();
@@ -356,10 +381,11 @@ impl<V: Vector, K: Shape, const MIXED: bool> Force<V> for Fluids<V, K, MIXED> {
     }
 
     fn bytes(&self) -> usize {
-        let own = std::mem::size_of_val(self.rates.as_slice()) + std::mem::size_of_val(self.forces.as_slice());
+        let own = 2 * std::mem::size_of_val(self.rates.as_slice()) + std::mem::size_of_val(self.forces.as_slice());
         let numbers = 4 * size_of::<f64>() * self.density.len();
         let indices = size_of::<u32>() * self.obstacles.len() + self.kind.len();
         let counts = self.summation.as_ref().map_or(0, Summation::bytes);
-        counts + self.vicinity.bytes() + self.records.bytes() + self.walls.bytes() + own + numbers + indices
+        let parts = self.vicinity.bytes() + self.records.bytes() + self.walls.bytes() + self.surface.bytes();
+        counts + parts + own + numbers + indices
     }
 }

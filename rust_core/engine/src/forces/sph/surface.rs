@@ -1,0 +1,156 @@
+//! Where a fluid has a surface, or is torn: how high sound is there, and whether walls hold what is there.
+//!
+//! **Sound.** Where particles are crowded all waves are faster. Where a fluid is torn there are others: a lump that moves with v
+//! towards its neighbors is squeezed at v·s, s = Σ Vⱼ ∇W, and if those come to meet it twice as fast: ω = 2c|s|. An estimate,
+//! that of the two which is higher: the largest singular values of the sum over v·∇W, in dam breaks, drops, jets and sprays
+//! along walls, are 1 to 20 % below it.
+//!
+//! **Hold.** A wall is a mirror, and what is beside it would be held by tension towards its own image. So what leaves a wall at
+//! a surface, from which air comes between, is let go: no pressure below that at rest passes between the two.
+
+use glam::DVec3;
+
+use super::images::View;
+use super::kernel::{self, Kernel, Shape, Wave};
+use super::laws::{SURROUNDINGS, Surroundings};
+use super::start::{Kinds, Material};
+use super::walls::Walls;
+use crate::error::Result;
+use crate::forces::vicinity::{self, Vicinity};
+use crate::math::{AXES, Real, Vector};
+use crate::neighbors::sums::Records;
+use crate::parallel::Crew;
+
+/// Particles with less around them than this part of Σ Vⱼ |∇W| are at a surface: two thirds is what one in the uppermost row
+/// has, and 0.94 or more one in the second. By ∇·r, which is about the same, E.-S. Lee et al., J. Comput. Phys. 227 (2008) 8417
+/// tell them by 0.75 to 0.8.
+const BARE: f64 = 0.8;
+
+/// How much of a particle's pressure passes through walls.
+#[derive(Debug, Clone, Copy)]
+pub struct Hold {
+    /// In the kick between two drifts.
+    pub kick: f64,
+    /// In the next drift.
+    pub drift: f64,
+    /// Whether it is at a surface.
+    bare: bool,
+}
+
+impl Hold {
+    /// That of a particle in the midst of others.
+    const FIRM: Self = Self { kick: 1.0, drift: 1.0, bare: false };
+
+    /// Takes in a drift, after which the pressure is below that at rest or not, and walls stretched it or not.
+    #[inline(always)]
+    pub fn drifted(&mut self, pulls: bool, stretched: bool) {
+        let next = if self.bare && pulls && stretched { 0.0 } else { 1.0 };
+        // Half of a kick belongs to the drift before it and half to that after it: so letting go takes no energy.
+        (self.kick, self.drift) = (0.5 * (self.drift + next), next);
+    }
+
+    /// As numbers to be kept.
+    fn numbers(&self) -> [f64; 3] {
+        [self.kick, self.drift, f64::from(u8::from(self.bare))]
+    }
+}
+
+/// The particles of fluids and obstacles, as far as their surfaces are concerned.
+#[derive(Debug)]
+pub struct Surface<V: Vector, K> {
+    law: Surroundings<V::Scalar, K>,
+    /// What it gives, in the order of places.
+    around: Vec<[V::Scalar; SURROUNDINGS]>,
+    /// On a lattice: Σ Vⱼ |∇W| [1/m], and the highest frequency over the speed of sound [1/m].
+    lattice: [f64; 2],
+    /// How walls hold each member.
+    pub holds: Vec<Hold>,
+    /// The highest frequency of sound when the lists were made [1/s].
+    highest: f64,
+    /// Both when the chunk began.
+    kept: (Vec<Hold>, f64),
+    /// Whether the lists have been made anew since.
+    pub is_stale: bool,
+}
+
+impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>> Surface<V, K> {
+    /// That of `count` particles of a fluid whose kernel carries these waves.
+    pub fn new(kernel: Kernel<V::Scalar, K>, fluid: &Material, waves: &[Wave], count: usize) -> Self {
+        let h = fluid.smoothing_length;
+        let highest = waves.iter().map(|wave| wave.frequency).fold(0.0, f64::max);
+        Self {
+            law: Surroundings { kernel },
+            around: vec![[V::Scalar::ZERO; SURROUNDINGS]; count],
+            lattice: [kernel::closeness::<K>(fluid.spacing / h, V::DIMENSION) / h, highest / h],
+            holds: vec![Hold::FIRM; count],
+            highest: 0.0,
+            kept: (vec![Hold::FIRM; count], 0.0),
+            is_stale: false,
+        }
+    }
+
+    /// The highest frequency of sound [1/s].
+    pub fn highest(&self) -> f64 {
+        self.highest
+    }
+
+    /// Looks at new lists, by means of records that hold volumes.
+    pub fn survey(
+        &mut self,
+        (vicinity, records): (&Vicinity, &Records<V>),
+        walls: &Walls,
+        (kinds, kind): (&Kinds, &[u8]),
+        density: &[f64],
+        crew: &Crew,
+    ) {
+        let Self { law, around, lattice: [closeness, frequency], holds, highest, is_stale, .. } = self;
+        let neighbors = vicinity.neighbors();
+        records.sum(neighbors, *law, around, crew);
+        walls.add(*law, &View { weight: DVec3::ZERO, sticks: false }, (vicinity, records), around, crew);
+        (*highest, *is_stale) = (0.0, false);
+        for (member, &place) in neighbors.places().iter().enumerate() {
+            let Some(fluid) = kinds.fluid(kind[member]) else { continue };
+            let sums = around[place as usize].map(Real::to_f64);
+            let lump = 2.0 * sums[..AXES].iter().map(|sum| sum * sum).sum::<f64>().sqrt();
+            let close = sums[AXES] / *closeness;
+            *highest = highest.max(fluid.sound_at(density[member]) * lump.max(*frequency * close));
+            holds[member].bare = close < BARE;
+        }
+    }
+
+    /// Remembers what it is at the start of a chunk.
+    pub fn keep(&mut self) {
+        self.kept.0.copy_from_slice(&self.holds);
+        self.kept.1 = self.highest;
+    }
+
+    /// Goes back to that.
+    pub fn undo(&mut self) {
+        self.holds.copy_from_slice(&self.kept.0);
+        (self.highest, self.is_stale) = (self.kept.1, false);
+    }
+
+    /// What it keeps from step to step.
+    pub fn capture(&self) -> Vec<f64> {
+        self.holds.iter().flat_map(Hold::numbers).chain([self.highest]).collect()
+    }
+
+    /// Goes on from what was captured; takes from the front of `numbers` as many as that was.
+    ///
+    /// # Errors
+    /// If they are not of its making.
+    pub fn restore(&mut self, numbers: &mut &[f64]) -> Result<()> {
+        for hold in &mut self.holds {
+            let mut kept = hold.numbers();
+            vicinity::take(numbers, &mut kept)?;
+            *hold = Hold { kick: kept[0], drift: kept[1], bare: kept[2] > 0.0 };
+        }
+        self.is_stale = false;
+        vicinity::take(numbers, std::slice::from_mut(&mut self.highest))
+    }
+
+    /// The memory that it takes [bytes].
+    pub fn bytes(&self) -> usize {
+        std::mem::size_of_val(self.around.as_slice()) + 2 * std::mem::size_of_val(self.holds.as_slice())
+    }
+}
