@@ -140,10 +140,13 @@ pub trait Force<V: Vector>: Send + Sync {
         false
     }
 
-    /// Advances its field over a drift.
+    /// Advances its field over a drift, one of one or several in a step.
     fn drift(&mut self, _drift: &Drift<'_, V>, _crew: &Crew) -> Result<()> {
         Ok(())
     }
+
+    /// Adds the energy that its field lost over the last drift to what passed through the channels of a block [J].
+    fn spend(&self, _block: Range<usize>, _energy: &mut Power) {}
 
     /// Work that must be done for all particles before any block is asked for.
     fn prepare(&mut self, _at: &Moment<'_, V>, _crew: &Crew) -> Result<()> {

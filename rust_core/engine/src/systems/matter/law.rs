@@ -7,7 +7,7 @@ use crate::error::Result;
 use crate::forces::affine::{Affine, Fold};
 use crate::forces::{Drift, Force, InverseSquare, Moment, Rates, Reach, VelocityDependence};
 use crate::math::{Real, Vector};
-use crate::matter::{CHANNELS, Channel, Columns, Matter, Properties, View};
+use crate::matter::{CHANNELS, Channel, Columns, Matter, Power, Properties, View};
 use crate::parallel::Crew;
 use crate::simd::{LANES, padded};
 use crate::stability::Bound;
@@ -100,6 +100,16 @@ impl<V: Vector> Law<V> {
         forces[*folded..*together].iter_mut().try_for_each(|force| force.prepare(&at, crew))
     }
 
+    /// Whether any force has a field of its own.
+    pub fn has_field(&self) -> bool {
+        self.forces.iter().any(|force| force.has_field())
+    }
+
+    /// Adds the energy that the fields lost over the last drift to what passed through the channels of a block [J].
+    pub fn spend(&self, block: Range<usize>, energy: &mut Power) {
+        self.forces.iter().filter(|force| force.has_field()).for_each(|force| force.spend(block.clone(), energy));
+    }
+
     /// Advances the fields over the drift that led to a state.
     pub fn drift(&mut self, matter: &Matter<V>, velocity: View<'_, V>, h: f64, crew: &Crew) -> Result<()> {
         let Self { properties, forces, .. } = self;
@@ -159,10 +169,8 @@ impl<V: Vector> Law<V> {
         }
     }
 
-    /// The bound on the time step at a moment, from one without terms: `Bound::new`, `Bound::directed` or
-    /// `Bound::at_present`.
-    pub fn bound(&self, at: &Moment<'_, V>, empty: fn(&[f64], &[u32]) -> Bound) -> Bound {
-        let mut bound = empty(&self.properties.mass, &self.properties.body);
+    /// The bound on the time step at a moment, from one without terms for these particles.
+    pub fn bound(&self, at: &Moment<'_, V>, mut bound: Bound) -> Bound {
         self.forces.iter().for_each(|force| force.bound(at, &mut bound));
         bound
     }
