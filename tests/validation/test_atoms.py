@@ -41,7 +41,7 @@ def test_the_energy_of_a_liquid_does_not_drift(record_property):
     Here the force is shifted, so that it has no edge, and lists are made anew in time: what Verlet keeps is a constant
     (S. Toxvaerd, Phys. Rev. E 50, 2271 (1994)), from which the energy swings by order dt² and back. A slope is nothing
     but chance then, and has to lie within four of its standard errors. With n samples that know nothing of each other,
-    half a time unit apart, and a swing s that is s √(12/n), 4e-6 for n = 10 000 and s = 1.1e-4, from 50 means of blocks.
+    half a time unit apart, and a swing s these are s √(12/n), 4e-6 for n = 10 000 and s = 1.1e-4.
     That is to be below a hundredth of the change above, in a hundred times as many steps.
     """
     run, _ = liquid(4, 0.8442, 1.44, 2.5, 0.005)

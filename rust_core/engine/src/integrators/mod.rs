@@ -87,6 +87,8 @@ pub trait Integrator: Send + Sync + 'static {
     const CARRIED: usize = 0;
     /// Which of those holds a position, if one does.
     const PLACE: Option<usize> = None;
+    /// Whether its last evaluation is that of the step's end, with which the next step begins.
+    const ENDS_WITH_FORCES: bool = Self::LAST_WEIGHT != 0.0;
     /// Its drifts, if a step consists of drifts and kicks.
     const TURNS: Option<Turns> = None;
     /// How many of those can be read after a step: what it carries, and after that what it estimates.

@@ -14,7 +14,7 @@
 use std::ops::Range;
 
 use super::vicinity::Vicinity;
-use super::{Drift, Fields, Flow, Force, Moment, Rates, Reach, VelocityDependence};
+use super::{Drift, Field, Fields, Flow, Force, Moment, Rates, Reach, VelocityDependence};
 use crate::error::{Error, Result};
 use crate::math::{Real, Vector};
 use crate::matter::{self, Channel, Power, Properties};
@@ -147,6 +147,15 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>, const MIXED: bool> Fluids<V, K
         self.mass[member] / if counted { self.kinds.rest_density(self.kind[member]) } else { self.density[member] }
     }
 
+    /// Counts density where it is not carried along.
+    fn count_density(&mut self, velocity: &matter::View<'_, V>, crew: &Crew) -> Result<()> {
+        let Self { summation, vicinity, records, walls, kinds, kind, mass, density, .. } = self;
+        let Some(summation) = summation else { return Ok(()) };
+        let rest = |member: usize| [mass[member] / kinds.rest_density(kind[member]), 0.0];
+        fill(records, (vicinity, kind), velocity, &rest, crew);
+        summation.count((vicinity, records), walls, (kinds, kind), density, crew)
+    }
+
     /// Brings lists up to date, and with them who is near a wall.
     fn search(&mut self, place: &(impl Fn(usize, usize) -> f64 + Sync), crew: &Crew) -> Result<()> {
         if self.vicinity.update(place, crew)? {
@@ -167,11 +176,24 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>, const MIXED: bool> Force<V> fo
 
     fn velocity(&self) -> VelocityDependence {
         let viscous = self.kinds.materials.iter().any(|fluid| fluid.artificial() > 0.0 || fluid.viscosity > 0.0);
-        if viscous || self.has_field() { VelocityDependence::Dissipative } else { VelocityDependence::None }
+        if viscous || self.field() == Field::Carried { VelocityDependence::Dissipative } else { VelocityDependence::None }
     }
 
-    fn has_field(&self) -> bool {
-        self.summation.is_none()
+    fn field(&self) -> Field {
+        if self.summation.is_some() { Field::Counted } else { Field::Carried }
+    }
+
+    /// Over a drift volumes and what diffuses are those of its beginning.
+    fn order(&self) -> u32 {
+        if self.field() == Field::Carried { 1 } else { u32::MAX }
+    }
+
+    fn count(&mut self, at: &Moment<'_, V>, crew: &Crew) -> Result<()> {
+        if self.summation.is_none() {
+            return Ok(());
+        }
+        self.search(&|axis, index| at.place(axis, index), crew)?;
+        self.count_density(&at.velocity, crew)
     }
 
     /// ρ ← ρ + h dρ/dt, in the middle of the way and at the velocity of the way.
@@ -212,12 +234,8 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>, const MIXED: bool> Force<V> fo
 
     fn prepare(&mut self, at: &Moment<'_, V>, crew: &Crew) -> Result<()> {
         self.search(&|axis, index| at.place(axis, index), crew)?;
-        let Self { summation, vicinity, records, walls, kinds, kind, mass, density, .. } = self;
-        if let Some(summation) = summation {
-            let rest = |member: usize| [mass[member] / kinds.rest_density(kind[member]), 0.0];
-            fill(records, (vicinity, kind), &at.velocity, &rest, crew);
-            summation.count((vicinity, records), walls, (kinds, kind), density, crew)?;
-        }
+        self.count_density(&at.velocity, crew)?;
+        let Self { summation, vicinity, records, kinds, kind, mass, density, .. } = self;
         let counted = summation.is_some();
         let each = |member: usize| {
             let (density, rest) = (density[member], kinds.rest_density(kind[member]));
@@ -300,7 +318,7 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>, const MIXED: bool> Force<V> fo
     /// its place.
     fn bound(&self, _at: &Moment<'_, V>, bound: &mut Bound) {
         let h = self.kinds.first().smoothing_length;
-        let diffuses = if self.has_field() { 1.0 } else { 0.0 };
+        let diffuses = if self.field() == Field::Carried { 1.0 } else { 0.0 };
         let bounds: Vec<(f64, f64, f64)> = self
             .kinds
             .materials

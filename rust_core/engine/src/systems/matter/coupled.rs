@@ -3,7 +3,7 @@
 
 use crate::contacts::Before;
 use crate::error::Result;
-use crate::forces::Rates;
+use crate::forces::{Field, Rates};
 use crate::integrators::Integrator;
 use crate::math::Vector;
 use crate::matter::{Blocks, CHANNELS, Columns, Matter, Span};
@@ -47,8 +47,10 @@ pub fn advance<V: Vector, I: Integrator>(
 ) -> Result<()> {
     let stages = I::NODES.len();
     // The last stage's sweep moves on to the first stage of the next step, unless something happens at the step's end.
-    let drifts = I::TURNS.filter(|_| law.has_field());
-    let moves_on = desk.before.is_none() && drifts.is_none_or(|turns| turns.drifts.len() == stages);
+    let field = law.field();
+    let drifts = I::TURNS.filter(|_| field == Field::Carried);
+    let counts = field == Field::Counted && !I::ENDS_WITH_FORCES;
+    let moves_on = desk.before.is_none() && !counts && drifts.is_none_or(|turns| turns.drifts.len() == stages);
     for step in 0..interval.steps {
         if let Some([position, velocity]) = &mut desk.before {
             position.copy_from(&matter.position);
@@ -70,6 +72,9 @@ pub fn advance<V: Vector, I: Integrator>(
         }
         if let Some(&last) = drifts.and_then(|turns| turns.drifts.get(stages)) {
             drift(law, matter, None, last * interval.h, crew)?;
+        }
+        if counts {
+            law.count(matter, interval.time(step, 1.0), crew)?;
         }
         if crew.stopped() {
             break;
@@ -97,7 +102,7 @@ fn drift<V: Vector>(law: &mut Law<V>, matter: &mut Matter<V>, velocity: Option<u
     let way = velocity.map_or(&matter.velocity, |memory| &matter.memory[memory]);
     law.drift(matter, way.view(), h, crew)?;
     let law = &*law;
-    crew.sweep(matter.blocks(), &|blocks: Blocks<'_, V>| law.spend(blocks.range(), &mut blocks.meters[0].energy));
+    crew.sweep(matter.blocks(), &|blocks: Blocks<'_, V>| law.spend(&blocks.range(), &mut blocks.meters[0].energy));
     Ok(())
 }
 
