@@ -395,7 +395,10 @@ def fastest(positions: Array, radii: Array, masses: Array, stiffness: float) -> 
 @pytest.mark.parametrize("seed", range(5))
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_no_mode_of_a_heap_is_faster_than_the_limit_says(dimension, seed, record_property):
-    """Grains of unlike sizes on a shaken lattice, pressed together. Undamped, Verlet's limit is 2/ω."""
+    """Grains of unlike sizes on a shaken lattice, pressed together; the limit allows for more contacts than they have.
+
+    Undamped, that of Verlet is 2/ω.
+    """
     rng = np.random.default_rng(seed)
     positions = pc.block((0.0,) * dimension, ({2: 8.0, 3: 4.0}[dimension],) * dimension, 1.0)
     positions += rng.uniform(-0.1, 0.1, positions.shape)
@@ -405,7 +408,7 @@ def test_no_mode_of_a_heap_is_faster_than_the_limit_says(dimension, seed, record
     allowed = 4.0 / pc.stability_limit(scene, pc.VelocityVerlet()) ** 2
     found = fastest(positions, radii, masses, 100.0)
     record_property("ω² beside the bound", f"{found / allowed:.2f}")
-    assert 0.4 * allowed < found <= allowed
+    assert 0.2 * allowed < found <= allowed
 
 
 def test_the_limit_of_a_triangular_lattice_is_that_of_theory():

@@ -24,7 +24,7 @@ WIDTH, HEIGHT, FILL = 1.08, 1.75, 1.5
 """Half the width of the glass, how far the floor is below the neck, and how high the sand is above it [m]."""
 BEND = 2.1
 """The radius of the circles that the glass consists of [m]."""
-SAND = 0.96
+SAND = 1.09
 """The area between them that the sand fills [m²]."""
 
 DENSITY, STIFFNESS = 2000.0, 1e6
