@@ -100,12 +100,12 @@ def test_the_limit_is_that_of_a_real_run(integrator, viscosity, record_property)
     scene = pc.Scene(pc.Fluid(cells, SPACING, velocities=flow, **values), pc.Periodic((0.0, 0.0), (SIDE, SIDE)))
     found = pc.stability_limit(scene, integrator, measured=True)
     record_property("measured over theory", f"{found.measured / found.theory:.3f}")
-    assert 0.95 < found.measured / found.theory < 1.5
+    assert 0.97 < found.measured / found.theory < 1.25
 
 
 @pytest.mark.parametrize("integrator", FORWARD, ids=name)
-def test_the_budget_closes_as_the_step_becomes_small(integrator):
-    """What diffusion and viscosity take is metered by their own power: of order 1 at least."""
+def test_the_budget_closes_with_the_order_of_the_integrator(integrator):
+    """What diffusion takes is metered over its own drift, and what viscosity takes by its own power at the kicks."""
     holes = []
     for dt in (1e-3, 2.5e-4):
         run = vortices(integrator, dt, sound_speed=20.0)
@@ -114,8 +114,8 @@ def test_the_budget_closes_as_the_step_becomes_small(integrator):
         after = run.energy()
         holes.append(abs(after.balance - before.balance))
         assert after.dissipated > 0.02 * before.kinetic
-    assert np.log2(holes[0] / holes[1]) / 2.0 > 0.8
-    assert holes[1] < 0.01 * after.dissipated
+    assert np.log2(holes[0] / holes[1]) / 2.0 > integrator.order - 0.2
+    assert holes[1] < 1e-3 * after.dissipated
 
 
 @pytest.mark.parametrize("changes", [{}, {"density_from": "summation"}], ids=["carried", "counted"])

@@ -18,23 +18,23 @@ from physcore.gallery.figure import Figure
 
 GRAINS = 100_000
 """About how many there are."""
-NECK = 0.34
+NECK = 0.26
 """The width of the neck [m]."""
 WIDTH, HEIGHT, FILL = 1.08, 1.75, 1.5
 """Half the width of the glass, how far the floor is below the neck, and how high the sand is above it [m]."""
 BEND = 2.1
 """The radius of the circles that the glass consists of [m]."""
-SAND = 1.09
+SAND = 0.96
 """The area between them that the sand fills [m²]."""
 
 DENSITY, STIFFNESS = 2000.0, 1e6
 """Of grains [kg/m² for each meter of depth] and of their contacts [N/m]."""
 RESTITUTION = 0.7
 """The part of its speed with which a grain comes back from another."""
-TERMINAL = 2.0
+TERMINAL = 2.5
 """The speed at which a grain falls through the air [m/s]."""
 
-DURATION = 2.4
+DURATION = 1.8
 """[s]"""
 
 
