@@ -13,6 +13,7 @@ from physcore.checks import FloatArray
 from physcore.gallery import DEMOS, demo
 from physcore.gallery.crystal import lattice_energy
 from physcore.gallery.figure import Figure
+from physcore.gallery.hourglass import GRAINS
 
 LONG = ("flag", "drape", "bowl")
 """Demos that take more than five seconds, of those that have no test of their own."""
@@ -36,12 +37,12 @@ def test_every_demo_starts_and_writes_its_film(name: str, tmp_path: Path, monkey
 
 
 @pytest.fixture
-def shown(tmp_path: Path, record_property: Callable[[str, object], None]) -> Callable[[str], pc.Recording]:
+def shown(tmp_path: Path, record_property: Callable[[str, object], None]) -> Callable[..., pc.Recording]:
     """Runs a demo, whose film fits into a message and whose figure holds; gives its last recording."""
 
-    def run(name: str) -> pc.Recording:
+    def run(name: str, **options: int) -> pc.Recording:
         path = tmp_path / f"{name}.gif"
-        recordings = demo(name).main(path, progress=False)
+        recordings = demo(name).main(path, progress=False, **options)
         assert path.stat().st_size < 8e6
         figure = demo(name).figure(recordings)
         record_property("figure", str(figure))
@@ -159,11 +160,17 @@ def test_a_heavy_fluid_sinks_into_a_light_one(
 
 
 @pytest.mark.long
+@pytest.mark.parametrize("grains", [6000, pytest.param(GRAINS, marks=pytest.mark.long)])
 def test_sand_runs_as_fast_at_the_end_as_at_the_start(
-    shown: Callable[[str], pc.Recording], record_property: Callable[[str, object], None]
+    grains: int, shown: Callable[..., pc.Recording], record_property: Callable[[str, object], None]
 ) -> None:
-    """That is what makes an hourglass a clock (W. A. Beverloo et al., Chem. Eng. Sci. 15, 260, 1961)."""
-    recording = shown("hourglass")
+    """That is what makes an hourglass a clock (W. A. Beverloo et al., Chem. Eng. Sci. 15, 260, 1961).
+
+    The weight of a meter of sand presses grains in by 2 ρ g H/k, 3 % of their radius; the last to land, at up to
+    2.5 m/s, by v √(m/k), a fifth of it. Contacts begin at any place within a step, so that what they take is uncertain
+    to order dt, 2e-3 of all; and a grain or two that the heap squeezes along the glass are thrown, for 5e-3 more.
+    """
+    recording = shown("hourglass", grains=grains)
     above = (recording.positions[..., 1] > 0.0).sum(axis=1)
     assert above[-1] == 0
     radii = np.concatenate([body.radius for body in recording.scene.bodies])
@@ -175,23 +182,27 @@ def test_sand_runs_as_fast_at_the_end_as_at_the_start(
     record_property("grains per second", -float(rate))
     record_property("farthest from a straight line", off)
     assert off < 0.01
-    deepest = np.array([overlap(positions, radii) for positions in recording.positions[::4]])
-    record_property("overlap, typical and greatest", (float(np.median(deepest)), float(deepest.max())))
-    assert deepest[-1] < 0.05
-    assert np.median(deepest) < 0.05
-    assert abs(recording.energy.drift).max() < 1e-3
+    depths = overlaps(recording.positions[-1], radii)
+    record_property(
+        "overlap, of half of the contacts, of all but a hundredth, greatest", np.quantile(depths, [0.5, 0.99, 1.0])
+    )
+    assert np.quantile(depths, 0.99) < 0.05
+    drift = float(abs(recording.energy.drift).max())
+    record_property("drift", drift)
+    assert drift < 1e-2
 
 
-def overlap(positions: FloatArray, radii: FloatArray) -> float:
-    """The deepest overlap of two grains over the radius of the smaller one."""
+def overlaps(positions: FloatArray, radii: FloatArray) -> FloatArray:
+    """Of all grains that touch, the overlap over the radius of the smaller one."""
     order = np.argsort(positions[:, 0])
     points, sizes = positions[order], radii[order]
-    deepest, shift, reach = 0.0, 1, 2.0 * radii.max()
+    found, shift, reach = [], 1, 2.0 * radii.max()
     while shift < len(points) and (points[shift:, 0] - points[:-shift, 0]).min() < reach:
         apart = np.linalg.norm(points[shift:] - points[:-shift], axis=1)
         depth = (sizes[shift:] + sizes[:-shift] - apart) / np.minimum(sizes[shift:], sizes[:-shift])
-        deepest, shift = max(deepest, float(depth.max())), shift + 1
-    return deepest
+        found.append(depth[depth > 0.0])
+        shift += 1
+    return np.concatenate(found)
 
 
 @pytest.mark.long

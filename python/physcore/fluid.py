@@ -48,7 +48,9 @@ class Fluid(Body):
         density_from: "continuity": density is carried along and changes with the flow; "summation": it is counted from
             where the particles are, so that it never drifts and energy is that of the particles' places. That is for
             fluids that fill a closed or periodic space, because at a free surface there is nothing to count; it has no
-            noise for δ to damp.
+            noise for δ to damp. Any integrator drives a density that is counted; one that is carried along is of order
+            1 in time and wants drifts and kicks that all go forwards: VelocityVerlet(), SemiImplicitEuler() or
+            McLachlan2().
 
     Raises:
         SceneError: a shape does not fit, a value is not finite or out of range, or two particles are closer together

@@ -101,9 +101,9 @@ def test_water_pushes_and_rubs_in_pairs():
     assert run.energy().kinetic < 0.5 * (water.mass[:, None] * water.velocities**2).sum()
 
 
-@pytest.mark.parametrize(("diffusion", "order"), [(0.0, 2.0), (0.1, 1.0)])
-def test_the_budget_closes_as_the_step_becomes_small(diffusion, order):
-    """Kick-drift-kick is of order 2; the diffusion of density is metered where it was last evaluated: of order 1.
+@pytest.mark.parametrize("diffusion", [0.0, 0.1])
+def test_the_budget_closes_as_the_step_becomes_small(diffusion):
+    """Kick-drift-kick is of order 2, and what the diffusion of density takes is metered over its own drift.
 
     Over 0.2 s: later, small differences have grown, and no two runs are the same flow.
     """
@@ -120,7 +120,7 @@ def test_the_budget_closes_as_the_step_becomes_small(diffusion, order):
         assert {name for name, loss in after.dissipated_by.items() if loss != 0.0} == {"viscosity"}
         assert after.internal >= 0.0
     assert holes[0] < 1e-3 * after.dissipated
-    assert np.log2(holes[0] / holes[1]) / 2.0 > order - 0.2
+    assert np.log2(holes[0] / holes[1]) / 2.0 > 1.8
 
 
 def stream(speed: float, drops: int | None = None) -> pc.Simulation:

@@ -394,3 +394,49 @@ def test_a_gas_in_a_domain_smaller_than_its_speed_per_frame_is_shown_inside():
     run = simulation(people.scene(velocities=people.velocities * 50.0), pc.VelocityVerlet(), 1e-3)
     recording = run.record(1.0, fps=7.0)
     assert ((recording.positions >= 0.0) & (recording.positions < SIDE)).all()
+
+
+def fastest(positions: Array, radii: Array, masses: Array, stiffness: float) -> float:
+    """The largest ω² of soft spheres where they stand: Σ k nnᵀ − F/d (1 − nnᵀ) between every two that overlap."""
+    count, dimension = positions.shape
+    matrix = np.zeros((count, dimension, count, dimension))
+    for one, other in np.argwhere(np.triu(np.ones((count, count)), 1)):
+        apart = positions[one] - positions[other]
+        distance = np.linalg.norm(apart)
+        overlap = radii[one] + radii[other] - distance
+        if overlap > 0.0:
+            along = np.outer(apart, apart) / distance**2
+            block = stiffness * (along - overlap / distance * (np.eye(dimension) - along))
+            for i, j, sign in ((one, one, 1), (other, other, 1), (one, other, -1), (other, one, -1)):
+                matrix[i, :, j] += sign * block
+    root = np.repeat(np.sqrt(masses), dimension)
+    return float(np.linalg.eigvalsh(matrix.reshape(root.size, -1) / np.outer(root, root))[-1])
+
+
+@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_no_mode_of_a_heap_is_faster_than_the_limit_says(dimension, seed, record_property):
+    """Grains of unlike sizes on a shaken lattice, pressed together; the limit allows for more contacts than they have.
+
+    Undamped, that of Verlet is 2/ω.
+    """
+    rng = np.random.default_rng(seed)
+    positions = pc.block((0.0,) * dimension, ({2: 8.0, 3: 4.0}[dimension],) * dimension, 1.0)
+    positions += rng.uniform(-0.1, 0.1, positions.shape)
+    radii = rng.uniform(0.45, 0.6, len(positions))
+    masses = radii**dimension
+    scene = pc.Scene(pc.Particles(positions, mass=masses, radius=radii), pc.Repulsion(100.0))
+    allowed = 4.0 / pc.stability_limit(scene, pc.VelocityVerlet()) ** 2
+    found = fastest(positions, radii, masses, 100.0)
+    record_property("ω² beside the bound", f"{found / allowed:.2f}")
+    assert 0.2 * allowed < found <= allowed
+
+
+def test_the_limit_of_a_triangular_lattice_is_that_of_theory():
+    """Discs that just touch their six neighbors have ω² ≤ 6 k/m (at the corner of the zone's edge, along it)."""
+    cell = np.array([[0.0, 0.0], [0.5, np.sqrt(0.75)]])
+    corners = np.stack(np.meshgrid(np.arange(6), np.arange(3), indexing="ij"), axis=-1).reshape(-1, 1, 2)
+    positions = (corners * [1.0, np.sqrt(3.0)] + cell).reshape(-1, 2) + 0.25
+    lattice = pc.Particles(positions, mass=2.0, radius=0.5 + 1e-9)
+    scene = pc.Scene(lattice, pc.Repulsion(100.0), pc.Periodic((0.0, 0.0), (6.0, 3.0 * np.sqrt(3.0))))
+    assert pc.stability_limit(scene, pc.VelocityVerlet()) == pytest.approx(2.0 / np.sqrt(6.0 * 100.0 / 2.0), rel=1e-6)

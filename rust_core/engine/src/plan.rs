@@ -5,8 +5,8 @@ use glam::DVec3;
 use crate::contacts::Contacts;
 use crate::error::{Error, Result};
 use crate::forces::springs::{self, Springs};
-use crate::forces::{self, Force, Reach};
-use crate::integrators::{BlanesMoan4, BlanesMoan6, Integrator};
+use crate::forces::{self, Field, Force, Reach};
+use crate::integrators::{self, BlanesMoan4, BlanesMoan6, Integrator, with_integrator};
 use crate::math::{Real, Vector};
 use crate::matter::{Columns, Matter, Properties};
 use crate::neighbors;
@@ -74,9 +74,11 @@ pub fn compile<V: Vector, I: Integrator>(scene: &Scene, threads: usize) -> Resul
         all.push(Box::new(Springs::<V>::new(&springs, count)));
     }
     if let Some(fluid) = forces::sph::fluid(scene, &properties)? {
-        if I::DRIFT.is_none() {
-            return Err(Error::parameter("integrator", "VelocityVerlet() for a scene with a fluid", I::NAME)
-                .with_hint("density is advanced within the drift between two kicks"));
+        if let (Field::Carried, Some(reason)) = (fluid.field(), integrators::refuses_fields::<I>()) {
+            let mut fit = Vec::new();
+            with_integrator!(each Other => if integrators::refuses_fields::<Other>().is_none() { fit.push(format!("{}()", Other::NAME)) });
+            let expected = format!("{} for a fluid that carries its density along", fit.join(", "));
+            return Err(Error::parameter("integrator", expected, I::NAME).with_hint(reason));
         }
         all.push(fluid);
     }
@@ -118,8 +120,9 @@ pub fn compile<V: Vector, I: Integrator>(scene: &Scene, threads: usize) -> Resul
         format!("a sweep over blocks of {} particles per evaluation", state.block)
     };
     let law = Law::new(properties, all, contacts, state.block);
-    let order = if law.is_dissipative() { I::ORDER_DISSIPATIVE } else { I::ORDER };
-    notes.extend(advice::<I>(law.is_dissipative(), bends));
+    let nominal = if law.is_dissipative() { I::ORDER_DISSIPATIVE } else { I::ORDER };
+    let order = law.forces().iter().map(|force| force.order()).fold(nominal, u32::min);
+    notes.extend(advice::<I>(law.is_dissipative(), bends && law.field() != Field::Carried));
     let system = MatterSystem::new::<I>(law, state, threads);
     let plan = Plan {
         stages,

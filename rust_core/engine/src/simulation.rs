@@ -142,6 +142,8 @@ struct Simulation<V: Vector> {
     plan: Plan,
     limit: fn(&Bound, &mut Memo) -> Limit,
     sharp_limit: fn(Bound) -> Limit,
+    /// Makes a bound one for the integrator.
+    bound_for: fn(Bound) -> Bound,
     memo: Memo,
     /// The certified limit while it stands [s], once it was asked for.
     certified: Option<f64>,
@@ -202,6 +204,7 @@ impl<V: Vector> Simulation<V> {
             plan,
             limit: Bound::limit_after::<I>,
             sharp_limit: Bound::sharp_limit::<I>,
+            bound_for: Bound::stepped_by::<I>,
             memo: Memo::default(),
             certified: None,
             carried: I::CARRIED,
@@ -322,7 +325,8 @@ impl<V: Vector> Simulation<V> {
     /// What the terms contribute to a bound of some kind in the present state.
     fn bound(&self, empty: fn(&[f64], &[u32]) -> Bound) -> Bound {
         let (law, state) = (self.system.law(), self.system.state());
-        law.bound(&law.moment_of(state, self.segment.time()), empty)
+        let bound = (self.bound_for)(empty(&law.properties.mass, &law.properties.body));
+        law.bound(&law.moment_of(state, self.segment.time()), bound)
     }
 
     /// Takes in what a step of `dt` seconds cannot resolve, before the first one of them.

@@ -21,7 +21,7 @@ use std::f64::consts::FRAC_PI_2;
 
 use glam::DVec3;
 
-use crate::integrators::{Integrator, amplification};
+use crate::integrators::{Integrator, VelocityVerlet, amplification};
 use lanczos::Edge;
 use rows::{Row, Rows};
 
@@ -89,6 +89,8 @@ pub struct Bound {
     least_damping: Vec<f64>,
     accuracy: Option<(&'static str, f64)>,
     present: bool,
+    /// [`Integrator::limit`] and [`Integrator::oscillator`].
+    steps: (fn(f64) -> f64, fn(f64, f64, f64) -> [f64; 2]),
 }
 
 impl Bound {
@@ -106,7 +108,24 @@ impl Bound {
             least_damping: Vec::new(),
             accuracy: None,
             present: false,
+            steps: (VelocityVerlet::limit, VelocityVerlet::oscillator),
         }
+    }
+
+    /// The same for the waves of a field as this integrator advances them; without this, as velocity Verlet does.
+    #[must_use]
+    pub fn stepped_by<I: Integrator>(self) -> Self {
+        Self { steps: (I::limit, I::oscillator), ..self }
+    }
+
+    /// Of waves in a field the one that asks for the shortest step, as the ω² [1/s²] and γ [1/s] of an oscillator of that
+    /// step. A wave is its frequency, the damping of its velocity and the decay of its field [1/s].
+    pub fn shortest(&self, waves: impl Iterator<Item = [f64; 3]>) -> [f64; 2] {
+        let (limit, oscillator) = self.steps;
+        let oscillators = waves.map(|[frequency, damping, decay]| oscillator(frequency, damping, decay));
+        let step = |&[frequency, damping]: &[f64; 2]| limit(0.5 * damping / frequency) / frequency;
+        let [frequency, damping] = oscillators.min_by(|one, other| step(one).total_cmp(&step(other))).unwrap_or_default();
+        [frequency * frequency, damping]
     }
 
     /// The same, which can be [`Bound::sharpened`].

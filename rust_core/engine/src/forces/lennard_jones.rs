@@ -4,7 +4,7 @@
 //! force jumps there: F(r) − F(R) and U(r) − U(R) + (r − R) F(R), as in S. Toxvaerd, J. C. Dyre, J. Chem. Phys. 134
 //! (2011) 081102.
 
-use super::pairs::{Interaction, SUMS};
+use super::pairs::{Directed, Interaction, SUMS};
 use super::{Moment, VelocityDependence};
 use crate::error::Result;
 use crate::math::{Real, Vector};
@@ -107,13 +107,13 @@ impl<V: Vector> Interaction<V> for LennardJones<V::Scalar> {
     }
 
     /// Along the pair it is U'', across it −F/r.
-    fn stiffness(&self, _attributes: [f64; 2], distance: f64) -> [f64; 2] {
+    fn stiffness(&self, _attributes: [f64; 2], distance: f64) -> [Directed; 2] {
         if distance >= self.cutoff {
-            return [0.0; 2];
+            return Default::default();
         }
         let shift = uncut(self.epsilon, self.sigma, self.cutoff)[1];
         let [_, force, stiffness] = uncut(self.epsilon, self.sigma, distance);
-        [stiffness.abs().max((force - shift).abs() / distance), 0.0]
+        [Directed { along: stiffness.abs(), across: (force - shift).abs() / distance }, Directed::default()]
     }
 
     fn bound(&self, at: &Moment<'_, V>, members: &[u32], bound: &mut Bound) {

@@ -124,6 +124,17 @@ pub enum VelocityDependence {
     Dissipative,
 }
 
+/// How a force comes by a field of its own.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Field {
+    /// It has none.
+    None,
+    /// It is counted from where the particles are, whenever forces are asked for.
+    Counted,
+    /// It is carried along and changes with the motion.
+    Carried,
+}
+
 /// A law that accelerates matter, and its share of the energy budget.
 pub trait Force<V: Vector>: Send + Sync {
     /// Its name in the plan and in the audit: `gravity`.
@@ -135,15 +146,28 @@ pub trait Force<V: Vector>: Send + Sync {
     /// How it depends on velocity.
     fn velocity(&self) -> VelocityDependence;
 
-    /// Whether it has a field of its own that changes with the motion, such as the density of a fluid.
-    fn has_field(&self) -> bool {
-        false
+    /// How it comes by its field, such as the density of a fluid.
+    fn field(&self) -> Field {
+        Field::None
+    }
+
+    /// The order in time to which it can be followed, at best.
+    fn order(&self) -> u32 {
+        u32::MAX
+    }
+
+    /// Counts its field at the end of a step where no force was asked for.
+    fn count(&mut self, _at: &Moment<'_, V>, _crew: &Crew) -> Result<()> {
+        Ok(())
     }
 
     /// Advances its field over a drift.
     fn drift(&mut self, _drift: &Drift<'_, V>, _crew: &Crew) -> Result<()> {
         Ok(())
     }
+
+    /// Adds the energy that its field lost over the last drift to what passed through the channels of a block [J].
+    fn spend(&self, _block: Range<usize>, _energy: &mut Power) {}
 
     /// Work that must be done for all particles before any block is asked for.
     fn prepare(&mut self, _at: &Moment<'_, V>, _crew: &Crew) -> Result<()> {

@@ -7,7 +7,7 @@
 
 use std::ops::Range;
 
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 
 use super::vicinity::Vicinity;
 use super::{Force, Moment, Rates, Reach, VelocityDependence};
@@ -41,17 +41,45 @@ pub trait Interaction<V: Vector>: PairLaw<V, SUMS> + Send {
     /// The energy of two particles with these attributes at a distance [J].
     fn potential(&self, attributes: [f64; 2], distance: f64) -> f64;
 
-    /// The largest stiffness [N/m] and damping [N·s/m] of such a pair.
-    fn stiffness(&self, attributes: [f64; 2], distance: f64) -> [f64; 2];
+    /// The stiffness [N/m] and the damping [N·s/m] of such a pair, each along it and across it, at the most.
+    fn stiffness(&self, attributes: [f64; 2], distance: f64) -> [Directed; 2];
 
-    /// The stiffness [N/m] and damping [N·s/m] that every particle must be expected to meet, counted like that of its pairs,
-    /// however few touch it now.
+    /// The largest [`Directed::sum`] of the stiffness [N/m] and of the damping [N·s/m] of its pairs that every particle must be
+    /// expected to meet, however few touch it now.
     fn expected(&self, _at: &Moment<'_, V>, _members: &[u32]) -> [f64; 2] {
         [0.0; 2]
     }
 
     /// Adds what else bounds the time step.
     fn bound(&self, _at: &Moment<'_, V>, _members: &[u32], _bound: &mut Bound) {}
+}
+
+/// A stiffness or a damping of a pair: a along its direction n and b across it, a nnᵀ + b (1 − nnᵀ).
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Directed {
+    pub along: f64,
+    pub across: f64,
+}
+
+impl Directed {
+    /// As a matrix, for pairs in the direction `n`.
+    fn matrix(&self, n: DVec3) -> DMat3 {
+        let outer = DMat3::from_cols(n * n.x, n * n.y, n * n.z);
+        (self.along - self.across) * outer + self.across * DMat3::IDENTITY
+    }
+}
+
+/// The most that the largest eigenvalue of a symmetric matrix in `dimension` dimensions can be by its trace and its norm, which
+/// in two is what it is: H. Wolkowicz and G. P. H. Styan, Linear Algebra Appl. 29 (1980) 471, theorem 2.1.
+fn largest(matrix: &DMat3, dimension: usize) -> f64 {
+    let columns = [matrix.x_axis, matrix.y_axis, matrix.z_axis];
+    let number = dimension as f64;
+    let (mut mean, mut square) = (0.0, 0.0);
+    for axis in 0..dimension {
+        mean += columns[axis][axis] / number;
+        square += (0..dimension).map(|other| columns[axis][other] * columns[axis][other]).sum::<f64>() / number;
+    }
+    mean + ((number - 1.0) * (square - mean * mean).max(0.0)).sqrt()
 }
 
 /// The attribute in a record.
@@ -95,8 +123,8 @@ impl<V: Vector, L: Interaction<V>> Pairs<V, L> {
         Ok(Self { law, attributes, vicinity, records, sums })
     }
 
-    /// Calls `each` with the members of every pair that is near, once, and their distance [m].
-    fn for_each(neighbors: &Neighbors, positions: &[Vec<f64>; AXES], mut each: impl FnMut([usize; 2], f64)) {
+    /// Calls `each` with the members of every pair that is near, once, and with the way from one to the other [m].
+    fn for_each(neighbors: &Neighbors, positions: &[Vec<f64>; AXES], mut each: impl FnMut([usize; 2], DVec3)) {
         let order = neighbors.order();
         let rulers = neighbors.domain().lengths().map(|length| f64::ruler(length, neighbors.support()));
         for place in 0..neighbors.count() {
@@ -107,7 +135,7 @@ impl<V: Vector, L: Interaction<V>> Pairs<V, L> {
                 for axis in 0..V::DIMENSION {
                     apart[axis] = f64::apart::<true, _>(positions[axis][one], positions[axis][other], rulers[axis]);
                 }
-                each([one, other], apart.length());
+                each([one, other], apart);
             }
         }
     }
@@ -185,28 +213,30 @@ impl<V: Vector, L: Interaction<V>> Force<V> for Pairs<V, L> {
     fn potential_of_all(&self, at: &Moment<'_, V>) -> Result<f64> {
         let (neighbors, positions) = self.around(at)?;
         let mut energy = 0.0;
-        Self::for_each(&neighbors, &positions, |pair, distance| {
-            energy += self.law.potential(pair.map(|member| self.attributes[member]), distance);
+        Self::for_each(&neighbors, &positions, |pair, apart| {
+            energy += self.law.potential(pair.map(|member| self.attributes[member]), apart.length());
         });
         Ok(energy)
     }
 
-    /// The stiffness of a pair is added at both of its particles, and counts twice there: by Gershgorin's theorem on the rows
-    /// of √M⁻¹ K √M⁻¹, as that of springs does for equal masses.
+    /// For a pair of the matrix A ≥ 0 and displacements u, w of its particles (u − w)ᵀA(u − w) ≤ 2uᵀAu + 2wᵀAw: no frequency of
+    /// all is above that of the particle whose pairs, twice over, hold it the most in any one direction.
     fn bound(&self, at: &Moment<'_, V>, bound: &mut Bound) {
         // Positions that cannot be searched are reported by the step that meets them.
         let Ok((neighbors, positions)) = self.around(at) else { return };
-        let mut rows = vec![[0.0; 2]; self.attributes.len()];
-        Self::for_each(&neighbors, &positions, |pair, distance| {
-            let values = self.law.stiffness(pair.map(|member| self.attributes[member]), distance);
+        let mut sums = vec![[DMat3::ZERO; 2]; self.attributes.len()];
+        Self::for_each(&neighbors, &positions, |pair, apart| {
+            let values = self.law.stiffness(pair.map(|member| self.attributes[member]), apart.length());
+            let matrices = values.map(|value| value.matrix(apart.normalize_or_zero()));
             for member in pair {
-                rows[member] = std::array::from_fn(|row| rows[member][row] + 2.0 * values[row]);
+                sums[member] = std::array::from_fn(|sum| sums[member][sum] + matrices[sum]);
             }
         });
         let members = self.vicinity.members();
         let expected = self.law.expected(at, members);
-        for (&index, row) in members.iter().zip(rows) {
-            bound.point(index as usize, L::NAME, row[0].max(expected[0]), row[1].max(expected[1]));
+        for (&index, sums) in members.iter().zip(sums) {
+            let [stiffness, damping] = std::array::from_fn(|sum| 2.0 * largest(&sums[sum], V::DIMENSION).max(expected[sum]));
+            bound.point(index as usize, L::NAME, stiffness, damping);
         }
         self.law.bound(at, members, bound);
     }

@@ -9,7 +9,7 @@
 //! Werner's, Powder Technol. 48 (1986) 239. Contacts pull at no time. Particles have no spin, so friction acts on the motion of
 //! their centers.
 
-use super::pairs::{Interaction, Pairs, SUMS, attribute, relative_velocity};
+use super::pairs::{Directed, Interaction, Pairs, SUMS, attribute, relative_velocity};
 use super::{Force, Moment, VelocityDependence};
 use crate::error::{Error, Result};
 use crate::math::{AXES, Real, Vector};
@@ -74,6 +74,12 @@ impl<T: Real, const HERTZIAN: bool> Repulsion<T, HERTZIAN> {
             cutoff: 2.0 * largest,
             least: OVERLAP * smallest,
         })
+    }
+
+    /// The damping of a pair [N·s/m]; across it there is none without friction.
+    fn dampings(&self) -> Directed {
+        let across = if self.friction > T::ZERO { self.tangential_damping.to_f64() } else { 0.0 };
+        Directed { along: self.damping.to_f64(), across }
     }
 
     /// The stiffness at an overlap [N/m].
@@ -142,26 +148,29 @@ impl<V: Vector, const HERTZIAN: bool> Interaction<V> for Repulsion<V::Scalar, HE
         if HERTZIAN { 0.4 * stiffness * overlap * overlap * overlap.sqrt() } else { 0.5 * stiffness * overlap * overlap }
     }
 
-    fn stiffness(&self, radii: [f64; 2], distance: f64) -> [f64; 2] {
+    /// Across the pair the push alone acts, which lets it buckle and limits no step.
+    fn stiffness(&self, radii: [f64; 2], distance: f64) -> [Directed; 2] {
         let overlap = radii[0] + radii[1] - distance;
         if overlap <= 0.0 {
-            return [0.0; 2];
+            return Default::default();
         }
-        let damping = self.damping.to_f64().max(self.tangential_damping.to_f64());
-        [self.stiffness_at(overlap), damping]
+        [Directed { along: self.stiffness_at(overlap), across: 0.0 }, self.dampings()]
     }
 
     /// As many neighbors as equal spheres can have that only just touch, each pressed in as far as by the impact of two of the
     /// heaviest at twice the largest speed: ½ (m/2) v² = ⅖ k δ^2.5; and at least by [`OVERLAP`].
+    ///
+    /// The largest eigenvalue of Σ nnᵀ over directions that are 60° apart: in 2D 3, because those around one end of any axis,
+    /// at t − 60°, t and t + 60°, have cos² of 3/2 together; in 3D 9/2, of two that lie on an axis and ten at 60° from it.
     fn expected(&self, at: &Moment<'_, V>, members: &[u32]) -> [f64; 2] {
-        let kissing = if V::DIMENSION == 2 { 6.0 } else { 12.0 };
+        let (kissing, aligned) = if V::DIMENSION == 2 { (6.0, 3.0) } else { (12.0, 4.5) };
         let speed = members.iter().map(|&index| at.velocity.get(index as usize).widen().length()).fold(0.0, f64::max);
         let mobile = members.iter().map(|&index| at.properties.mass[index as usize]).filter(|mass| mass.is_finite());
         let energy = mobile.fold(0.0, f64::max) * speed * speed;
         let overlap = libm::pow(2.5 * energy / self.stiffness.to_f64().max(f64::MIN_POSITIVE), 0.4);
         let overlap = overlap.clamp(self.least, 0.5 * self.cutoff);
-        let damping =
-            self.damping.to_f64().max(if self.friction > V::Scalar::ZERO { self.tangential_damping.to_f64() } else { 0.0 });
-        [2.0 * kissing * self.stiffness_at(overlap), 2.0 * kissing * damping]
+        let Directed { along, across } = self.dampings();
+        let damping = kissing * across + aligned * (along - across).max(0.0);
+        [aligned * self.stiffness_at(overlap), damping]
     }
 }

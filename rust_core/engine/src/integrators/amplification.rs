@@ -9,19 +9,30 @@
 
 use super::{Integrator, Register};
 
-/// One step over h = 1 with ωh = `step`, as a matrix that acts on (x, v, a).
-pub fn matrix<I: Integrator>(step: f64, damping_ratio: f64) -> [[f64; 3]; 3] {
+/// The largest ratio of a damping, or of a decay, to a frequency that is told from an infinite one.
+pub const STEEPEST: f64 = 1e6;
+
+/// One step over h = 1 with ωh = `step`, as a matrix that acts on (x, v, a). Where x stands for a field that is advanced over
+/// the drifts, it decays besides: x ← x + h v − `decay` x over a whole h.
+pub fn matrix<I: Integrator>(step: f64, damping_ratio: f64, decay: f64) -> [[f64; 3]; 3] {
     const { assert!(I::CARRIED <= 1, "the matrix has one row for what is carried") };
     let (stiffness, damping) = (step * step, 2.0 * damping_ratio * step);
+    let drifts = I::TURNS.map_or(&[][..], |turns| turns.drifts);
+    let lost = |drift: usize, x: f64| drifts.get(drift).map_or(0.0, |part| decay * part * x);
     let mut matrix = [[0.0; 3]; 3];
     for column in 0..2 + I::CARRIED {
         let mut unit = [0.0; 3];
         unit[column] = 1.0;
         let mut register = Register::new(unit[0], unit[1], unit[2]);
         for stage in 0..I::NODES.len() {
+            let from = register.x;
             I::point(stage, &mut register, 1.0);
-            let a = -stiffness * register.x - damping * register.v;
+            register.x -= lost(stage, from);
+            let (x, a) = (register.x, -stiffness * register.x - damping * register.v);
             I::absorb(stage, &mut register, a, 1.0);
+            if stage + 1 == I::NODES.len() {
+                register.x -= lost(stage + 1, x);
+            }
         }
         let image = [register.x, register.v, register.memory[0]];
         (0..2 + I::CARRIED).for_each(|row| matrix[row][column] = image[row]);
@@ -56,10 +67,12 @@ const TRIALS: usize = 200;
 /// The largest ωh such that all steps up to it are stable.
 ///
 /// It is looked for up to 2 per evaluation, the most that an undamped explicit method reaches (that many Verlet steps),
-/// and, where damping dominates, up to a damping of 4 per evaluation: beyond that a claim would be of no use.
-pub fn limit<I: Integrator>(damping_ratio: f64) -> f64 {
-    let reach = 2.0 * I::NODES.len() as f64 / damping_ratio.max(1.0);
-    let conditions = |fraction: f64| conditions(&matrix::<I>(fraction * reach, damping_ratio)).map(|value| value + ROUNDING);
+/// and, where damping dominates, up to a damping of 4 per evaluation: beyond that a claim would be of no use. The decay of a
+/// field is given in units of ω.
+pub fn limit<I: Integrator>(damping_ratio: f64, decay: f64) -> f64 {
+    let reach = 2.0 * I::NODES.len() as f64 / damping_ratio.max(decay).max(1.0);
+    let at = |step: f64| matrix::<I>(step, damping_ratio, decay * step);
+    let conditions = |fraction: f64| conditions(&at(fraction * reach)).map(|value| value + ROUNDING);
     let margin = |fraction: f64| margin(conditions(fraction));
     let at = |trial: usize| trial as f64 / TRIALS as f64;
     let (mut before, mut here) = ([f64::INFINITY; 4], conditions(at(1)));

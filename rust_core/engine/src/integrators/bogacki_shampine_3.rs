@@ -49,7 +49,7 @@ impl Integrator for BogackiShampine3 {
     fn limit(damping_ratio: f64) -> f64 {
         const REAL_AXIS: f64 = 2.512_745_326_618_329;
         if damping_ratio < 1.0 {
-            amplification::limit::<Self>(damping_ratio)
+            amplification::limit::<Self>(damping_ratio, 0.0)
         } else {
             REAL_AXIS / (damping_ratio + ((damping_ratio - 1.0) * (damping_ratio + 1.0)).sqrt())
         }

@@ -100,7 +100,7 @@ impl Integrator for DormandPrince5 {
     fn limit(damping_ratio: f64) -> f64 {
         const REAL_AXIS: f64 = 3.306_567_892_634_947;
         if damping_ratio < 1.0 {
-            amplification::limit::<Self>(damping_ratio)
+            amplification::limit::<Self>(damping_ratio, 0.0)
         } else {
             REAL_AXIS / (damping_ratio + ((damping_ratio - 1.0) * (damping_ratio + 1.0)).sqrt())
         }

@@ -56,6 +56,17 @@ impl<T: Real> Register<T> {
     }
 }
 
+/// How drifts and kicks take turns in a step that consists of them. A field that changes with the motion takes turns with
+/// velocity as position does: it is advanced over each drift.
+#[derive(Debug, Clone, Copy)]
+pub struct Turns {
+    /// The drifts, in units of h: the one that leads to each stage, 0 where there is none, and maybe one after the last stage,
+    /// with the velocity of the step's end.
+    pub drifts: &'static [f64],
+    /// Which memory holds, when a stage asks for the forces, the velocity of the drift that led there.
+    pub velocity: usize,
+}
+
 /// A way to advance x'' = a(x, v, t) by steps of h.
 pub trait Integrator: Send + Sync + 'static {
     /// The class's name in Python.
@@ -76,9 +87,10 @@ pub trait Integrator: Send + Sync + 'static {
     const CARRIED: usize = 0;
     /// Which of those holds a position, if one does.
     const PLACE: Option<usize> = None;
-    /// Which of those holds, when a stage asks for the forces, the velocity of the drift that led there, if each step is one
-    /// drift between two kicks. A field that changes with the motion is then advanced over that drift.
-    const DRIFT: Option<usize> = None;
+    /// Whether its last evaluation is that of the step's end, with which the next step begins.
+    const ENDS_WITH_FORCES: bool = Self::LAST_WEIGHT != 0.0;
+    /// Its drifts, if a step consists of drifts and kicks.
+    const TURNS: Option<Turns> = None;
     /// How many of those can be read after a step: what it carries, and after that what it estimates.
     const KEPT: usize = Self::CARRIED;
     /// Which of those hold the estimated errors of x and v, where a method of the order below is embedded in it.
@@ -89,6 +101,12 @@ pub trait Integrator: Send + Sync + 'static {
 
     /// The largest stable ω·h on x'' = −ω²x − 2ξωx' for the damping ratio ξ; 0 where no step is stable.
     fn limit(damping_ratio: f64) -> f64;
+
+    /// An oscillator, as its frequency and its damping [1/s], whose longest step is at most that of a wave: of a frequency, a
+    /// damping of its velocity, and a decay of the field in its position's place, which is advanced over the drifts.
+    fn oscillator(frequency: f64, damping: f64, _decay: f64) -> [f64; 2] {
+        [frequency, damping]
+    }
 
     /// Whether the positions of the step's end stand when its only evaluation is asked for, on the parabola of the carried
     /// acceleration. Contacts are then resolved on that parabola, before the evaluation.
@@ -105,6 +123,17 @@ pub trait Integrator: Send + Sync + 'static {
 
     /// Takes in the acceleration found there; after the last stage x and v are the state at the step's end.
     fn absorb<T: Real>(stage: usize, register: &mut Register<T>, a: T, h: T);
+}
+
+/// Why a field that diffuses cannot be advanced over the drifts of an integrator, if it cannot.
+pub fn refuses_fields<I: Integrator>() -> Option<&'static str> {
+    match I::TURNS {
+        None => Some("density and velocity take turns, in drifts and kicks, and it takes both at one moment"),
+        Some(turns) if turns.drifts.iter().chain(I::WEIGHTS).any(|&part| part < 0.0) => {
+            Some("some of its substeps run backwards, where diffusion and viscosity would roughen what they have to even out")
+        }
+        Some(_) => None,
+    }
 }
 
 /// The registry: binds `$I` to the integrator called `$name` and evaluates `$body`, or `$otherwise` if there is none; or

@@ -33,7 +33,7 @@ impl Integrator for RungeKutta4 {
     fn limit(damping_ratio: f64) -> f64 {
         const REAL_AXIS: f64 = 2.785_293_563_405_282;
         if damping_ratio < 1.0 {
-            amplification::limit::<Self>(damping_ratio)
+            amplification::limit::<Self>(damping_ratio, 0.0)
         } else {
             REAL_AXIS / (damping_ratio + ((damping_ratio - 1.0) * (damping_ratio + 1.0)).sqrt())
         }

@@ -9,7 +9,7 @@
 //! middle. The prediction is off by O(h²) and enters with a factor h: order 2. It could not stay above at any price: a
 //! splitting above order 2 has negative substeps (Sheng 1989, Suzuki 1991), in which dissipation would run backwards.
 
-use super::{Integrator, Register, amplification};
+use super::{Integrator, Register, Turns, amplification};
 use crate::math::Real;
 
 /// The coefficients of a symmetric splitting.
@@ -86,10 +86,22 @@ impl<S: Splitting> Integrator for S {
     const LAST_WEIGHT: f64 = if S::KICKS_FIRST { S::KICKS[0] } else { 0.0 };
     const MEMORY: usize = 2;
     const CARRIED: usize = 1;
+    const TURNS: Option<Turns> = Some(Turns { drifts: S::DRIFTS, velocity: BEFORE });
     const COUPLED: f64 = S::COUPLED;
 
     fn limit(damping_ratio: f64) -> f64 {
-        amplification::limit::<S>(damping_ratio)
+        amplification::limit::<S>(damping_ratio, 0.0)
+    }
+
+    /// An undamped one of that longest step. Damping that quenches a resonance is not relied on: the limit without any holds
+    /// too.
+    fn oscillator(frequency: f64, damping: f64, decay: f64) -> [f64; 2] {
+        let frequency = frequency.max((damping + decay) / amplification::STEEPEST);
+        if damping + decay == 0.0 {
+            return [frequency, 0.0];
+        }
+        let longest = S::COUPLED * amplification::limit::<S>(0.5 * damping / frequency, decay / frequency);
+        [frequency * (<S as Integrator>::limit(0.0) / longest).max(1.0), 0.0]
     }
 
     #[inline(always)]

@@ -5,7 +5,7 @@
 //! 4423 with λ = 1. The prediction is off by O(h²), and so is the acceleration that the next step starts with; either
 //! enters with a factor h, so that order 2 remains, at one evaluation per step.
 
-use super::{Integrator, Register};
+use super::{Integrator, Register, Turns};
 use crate::math::Real;
 
 /// v½ = v + h/2 a, x ← x + h v½, a ← a(x, v½ + h/2 a), v ← v½ + h/2 a.
@@ -26,7 +26,7 @@ impl Integrator for VelocityVerlet {
     const LAST_WEIGHT: f64 = 0.5;
     const MEMORY: usize = 2;
     const CARRIED: usize = 1;
-    const DRIFT: Option<usize> = Some(HALF);
+    const TURNS: Option<Turns> = Some(Turns { drifts: &[1.0], velocity: HALF });
     const DRIFTS_FIRST: bool = true;
 
     /// With y = ωh, c = 2ξy and a growth factor g per step, v = h/2 (g + 1)/(g − 1) a and x = h² g/(g − 1)² a, so that
@@ -36,6 +36,12 @@ impl Integrator for VelocityVerlet {
     fn limit(damping_ratio: f64) -> f64 {
         let twice = 2.0 * damping_ratio;
         2.0 / (twice.hypot(1.0) + twice)
+    }
+
+    /// With a decay d and v½ = v + h/2 a as above, x ← (1 − dh) x + h v½. Jury's condition at g = −1 becomes y² + 4c + 2dh ≤ 4
+    /// without the product of both, which is negative: d counts with half of its rate.
+    fn oscillator(frequency: f64, damping: f64, decay: f64) -> [f64; 2] {
+        [frequency, damping + 0.5 * decay]
     }
 
     #[inline(always)]

@@ -154,7 +154,7 @@ pub fn crowd<K: Shape>(spacing: f64, dimension: usize) -> (f64, f64) {
 }
 
 /// Σ Δ^D |∇W| over the neighbors of a particle on a lattice of spacing Δ, for unit smoothing length.
-pub fn closeness<K: Shape<f64>>(spacing: f64, dimension: usize) -> f64 {
+pub fn closeness<K: Shape>(spacing: f64, dimension: usize) -> f64 {
     over_lattice(spacing, dimension, |_, r| -K::HEIGHT[dimension - 2] * K::slope(0.5 * r) * r) / moment::<K>(spacing, dimension)
 }
 

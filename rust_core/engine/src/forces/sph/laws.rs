@@ -269,28 +269,22 @@ pub struct Surroundings<T, K> {
 /// The sums of [`Surroundings`].
 pub const SURROUNDINGS: usize = AXES + 1;
 
-impl<V: Vector, K: Shape<V::Scalar>> PairLaw<V, SURROUNDINGS> for Surroundings<V::Scalar, K> {
+impl<V: Vector, K: Shape> PairLaw<V, SURROUNDINGS> for Surroundings<V::Scalar, K> {
     #[inline(always)]
-    fn terms(
-        &self,
-        _own: &Record<V::Scalar>,
-        other: &Record<V::Scalar>,
-        apart: [V::Scalar; AXES],
-        square: V::Scalar,
-    ) -> [V::Scalar; SURROUNDINGS] {
-        let distance = square.sqrt();
-        let weight = self.kernel.slope(volume::<V>(other), distance);
-        let mut terms = [V::Scalar::ZERO; SURROUNDINGS];
+    fn terms<N: Number<Scalar = V::Scalar>>(&self, pair: &Pair<N>) -> [N; SURROUNDINGS] {
+        let (distance, zero) = (pair.square.sqrt(), N::constant(0.0));
+        let weight = self.kernel.slope(volume::<V, N>(&pair.other), distance);
+        let mut terms = [zero; SURROUNDINGS];
         for axis in 0..V::DIMENSION {
-            terms[axis] = weight * apart[axis];
+            terms[axis] = weight * pair.apart[axis];
         }
         // Beyond the support the distance is infinite where there is nobody.
-        terms[AXES] = if weight < V::Scalar::ZERO { V::Scalar::ZERO - weight * distance } else { V::Scalar::ZERO };
+        terms[AXES] = N::select(weight.less(zero), zero - weight * distance, zero);
         terms
     }
 }
 
-impl<V: Vector, K: Shape<V::Scalar>> Pressed<V, SURROUNDINGS> for Surroundings<V::Scalar, K> {}
+impl<V: Vector, K: Shape> Pressed<V, SURROUNDINGS> for Surroundings<V::Scalar, K> {}
 
 /// The pressure of an obstacle: that of the fluid around it, and what gravity adds on the way: Σ [pⱼ + ρ₀ g·d] W and Σ W, of S.
 /// Adami, X. Y. Hu and N. A. Adams, J. Comput. Phys. 231 (2012) 7057, for obstacles that are not themselves accelerated.

@@ -1,11 +1,12 @@
 //! Weakly compressible fluids: smoothed particle hydrodynamics.
 //!
-//! Density is a field of its own, which changes with the motion. A step of kick–drift–kick has two sums over neighbors: in
-//! the middle of the drift density is advanced by the motion ([`Force::drift`]), and at its end the pressures push
-//! ([`Force::prepare`]). Density and velocity so take turns like position and velocity, and the step may be as long as that
-//! of a leapfrog: 2/ω for the fastest sound wave, twice as long as where both rates are taken at one moment.
+//! Density is a field of its own, which changes with the motion. A step of drifts and kicks has a sum over neighbors for each:
+//! in the middle of a drift density is advanced by the motion ([`Force::drift`]), and where a kick is the pressures push
+//! ([`Force::prepare`]). Density and velocity so take turns like position and velocity, and a step of kick–drift–kick may be as
+//! long as that of a leapfrog: 2/ω for the fastest sound wave, twice as long as where both rates are taken at one moment.
 //!
-//! Where density is counted from places ([`summation`]) both sums are at the end.
+//! Where density is counted from places ([`summation`]) there is no field, and both sums are where the kick is: any integrator
+//! will do.
 //!
 //! [`laws`] holds the sums, [`kernel`] what they weigh with, [`walls`] their images behind walls, and [`surface`] what is torn
 //! off; [`start`] finds what the scene leaves open, and [`assembly`] puts the parts together.
@@ -13,10 +14,10 @@
 use std::ops::Range;
 
 use super::vicinity::Vicinity;
-use super::{Drift, Fields, Flow, Force, Moment, Rates, Reach, VelocityDependence};
+use super::{Drift, Field, Fields, Flow, Force, Moment, Rates, Reach, VelocityDependence};
 use crate::error::{Error, Result};
 use crate::math::{Real, Vector};
-use crate::matter::{self, Channel, Properties};
+use crate::matter::{self, Channel, Power, Properties};
 use crate::neighbors::sums::Records;
 use crate::parallel::{Chunks, Crew};
 use crate::scene::Scene;
@@ -100,7 +101,7 @@ struct Fluids<V: Vector, K, const MIXED: bool> {
     mass: Vec<f64>,
     /// Density ρ of each member [kg/m³].
     density: Vec<f64>,
-    /// The power that diffusion takes from each [W].
+    /// The energy that diffusion took from each over the last drift [J].
     diffused: Vec<f64>,
     /// Density when the chunk began.
     kept: Vec<f64>,
@@ -151,6 +152,15 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
         self.mass[member] / if counted { self.kinds.rest_density(self.kind[member]) } else { self.density[member] }
     }
 
+    /// Counts density where it is not carried along.
+    fn count_density(&mut self, velocity: &matter::View<'_, V>, crew: &Crew) -> Result<()> {
+        let Self { summation, vicinity, records, walls, kinds, kind, mass, density, .. } = self;
+        let Some(summation) = summation else { return Ok(()) };
+        let rest = |member: usize| [mass[member] / kinds.rest_density(kind[member]), 0.0];
+        fill(records, (vicinity, kind), velocity, &rest, crew);
+        summation.count((vicinity, records), walls, (kinds, kind), density, crew)
+    }
+
     /// Brings lists up to date, and with them who is near a wall.
     fn search(&mut self, place: &(impl Fn(usize, usize) -> f64 + Sync), crew: &Crew) -> Result<()> {
         if self.vicinity.update(place, crew)? {
@@ -171,18 +181,29 @@ impl<V: Vector, K: Shape, const MIXED: bool> Force<V> for Fluids<V, K, MIXED> {
     }
 
     fn velocity(&self) -> VelocityDependence {
-        VelocityDependence::Dissipative
+        let viscous = self.kinds.materials.iter().any(|fluid| fluid.artificial() > 0.0 || fluid.viscosity > 0.0);
+        if viscous || self.field() == Field::Carried { VelocityDependence::Dissipative } else { VelocityDependence::None }
     }
 
-    fn has_field(&self) -> bool {
-        true
+    fn field(&self) -> Field {
+        if self.summation.is_some() { Field::Counted } else { Field::Carried }
+    }
+
+    /// Over a drift volumes and what diffuses are those of its beginning.
+    fn order(&self) -> u32 {
+        if self.field() == Field::Carried { 1 } else { u32::MAX }
+    }
+
+    fn count(&mut self, at: &Moment<'_, V>, crew: &Crew) -> Result<()> {
+        if self.summation.is_none() {
+            return Ok(());
+        }
+        self.search(&|axis, index| at.place(axis, index), crew)?;
+        self.count_density(&at.velocity, crew)
     }
 
     /// ρ ← ρ + h dρ/dt, in the middle of the way and at the velocity of the way.
     fn drift(&mut self, drift: &Drift<'_, V>, crew: &Crew) -> Result<()> {
-        if self.summation.is_some() {
-            return Ok(());
-        }
         self.search(&|axis, index| drift.middle(axis, index), crew)?;
         let Self { kinds, kind, mass, density, diffused, vicinity, records, surface, continuity, rates, mirrored, walls, .. } =
             self;
@@ -199,20 +220,20 @@ impl<V: Vector, K: Shape, const MIXED: bool> Force<V> for Fluids<V, K, MIXED> {
         walls.add(*continuity, &view, (vicinity, records), mirrored, crew);
         let places = neighbors.places();
         let columns = (Chunks::new(density, BLOCK), (Chunks::new(diffused, BLOCK), Chunks::new(&mut surface.holds, BLOCK)));
-        crew.sweep(columns, &|(densities, (powers, holds))| {
-            for (offset, (density, (power, hold))) in
-                densities.items.iter_mut().zip(powers.items.iter_mut().zip(holds.items)).enumerate()
+        crew.sweep(columns, &|(densities, (losses, holds))| {
+            for (offset, (density, (lost, hold))) in
+                densities.items.iter_mut().zip(losses.items.iter_mut().zip(holds.items)).enumerate()
             {
                 let member = densities.start + offset;
                 let Some(fluid) = kinds.fluid(kind[member]) else { continue };
                 let place = places[member] as usize;
                 let [squeeze, diffusion] = rates[place].map(Real::to_f64);
                 let [by_walls, through_walls] = mirrored[place].map(Real::to_f64);
-                let lost = diffusion + through_walls;
-                let change = drift.h * (*density * (squeeze + hold.drift * by_walls) + lost);
+                let evened = diffusion + through_walls;
+                let change = drift.h * (*density * (squeeze + hold.drift * by_walls) + evened);
                 // What diffusion moves against pressure is gone at once.
                 let middle = *density + 0.5 * change;
-                *power = -fluid.mass * fluid.pressure(middle) / (middle * middle) * lost;
+                *lost = -drift.h * fluid.mass * fluid.pressure(middle) / (middle * middle) * evened;
                 *density += change;
                 hold.drifted(*density < fluid.density, by_walls <= 0.0);
             }
@@ -220,14 +241,16 @@ impl<V: Vector, K: Shape, const MIXED: bool> Force<V> for Fluids<V, K, MIXED> {
         Ok(())
     }
 
+    fn spend(&self, block: Range<usize>, energy: &mut Power) {
+        for (index, member, _) in self.vicinity.in_block(block) {
+            energy[Channel::Viscosity as usize][index % LANES] += self.diffused[member];
+        }
+    }
+
     fn prepare(&mut self, at: &Moment<'_, V>, crew: &Crew) -> Result<()> {
         self.search(&|axis, index| at.place(axis, index), crew)?;
-        let Self { summation, surface, vicinity, records, walls, kinds, kind, mass, density, .. } = self;
-        if let Some(summation) = summation {
-            let rest = |member: usize| [mass[member] / kinds.rest_density(kind[member]), 0.0];
-            fill(records, (vicinity, kind), &at.velocity, &rest, crew);
-            summation.count((vicinity, records), walls, (kinds, kind), density, crew)?;
-        }
+        self.count_density(&at.velocity, crew)?;
+        let Self { summation, surface, walls, vicinity, records, kinds, kind, mass, density, .. } = self;
         let counted = summation.is_some();
         let each = |member: usize| {
             let (density, rest) = (density[member], kinds.rest_density(kind[member]));
@@ -284,8 +307,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> Force<V> for Fluids<V, K, MIXED> {
                 rates.force.axes[axis][index] += V::Scalar::from_f64(volume) * force[axis];
             }
             // Of a pair's power each takes half.
-            let viscous = 0.5 * volume * force[VISCOUS].to_f64();
-            rates.power[Channel::Viscosity as usize][index % LANES] += viscous + self.diffused[member];
+            rates.power[Channel::Viscosity as usize][index % LANES] += 0.5 * volume * force[VISCOUS].to_f64();
             rates.power[Channel::Work as usize][index % LANES] += volume * force[LIFT].to_f64();
         }
     }
@@ -317,11 +339,11 @@ impl<V: Vector, K: Shape, const MIXED: bool> Force<V> for Fluids<V, K, MIXED> {
         Some(Flow { fast: fast / all, sound })
     }
 
-    /// Of all waves that the kernel carries, the one with the shortest step: for kick–drift–kick with the force at the predicted
-    /// velocity that is 2/(γ + √(γ² + ω²)), where diffusion counts with half its rate. An obstacle is pushed with the force on
-    /// the fluid in its place.
+    /// Of all waves that the kernel carries, the one with the shortest step. An obstacle is pushed with the force on the fluid in
+    /// its place.
     fn bound(&self, _at: &Moment<'_, V>, bound: &mut Bound) {
         let h = self.kinds.first().smoothing_length;
+        let diffuses = if self.field() == Field::Carried { 1.0 } else { 0.0 };
         let bounds: Vec<(f64, f64, f64)> = self
             .kinds
             .materials
@@ -332,14 +354,11 @@ impl<V: Vector, K: Shape, const MIXED: bool> Force<V> for Fluids<V, K, MIXED> {
                 let densest = densities.map(|(density, _)| *density).fold(fluid.density, f64::max);
                 let scaled = |wave: &Wave| {
                     let viscous = (fluid.artificial() * wave.squeeze + 2.0 * fluid.viscosity * wave.decay) / fluid.density;
-                    let decay = (viscous + 0.5 * fluid.diffusion() * wave.decay) / (h * h);
-                    (fluid.sound_at(densest) * wave.frequency / h, decay)
+                    let diffusion = diffuses * fluid.diffusion() * wave.decay;
+                    [fluid.sound_at(densest) * wave.frequency / h, viscous / (h * h), diffusion / (h * h)]
                 };
-                let haste = |&(frequency, decay): &(f64, f64)| decay + decay.hypot(frequency);
-                let binding = self.waves.iter().map(scaled).max_by(|one, other| haste(one).total_cmp(&haste(other)));
-                let (frequency, decay) = binding.unwrap_or_default();
-                let frequency = frequency.max(self.surface.highest());
-                (frequency * frequency, decay, fluid.density)
+                let [stiffness, damping] = bound.shortest(self.waves.iter().map(scaled));
+                (stiffness.max(self.surface.highest().powi(2)), damping, fluid.density)
             })
             .collect();
         let heaviest = |one: &&(f64, f64, f64), other: &&(f64, f64, f64)| (one.0 * one.2).total_cmp(&(other.0 * other.2));

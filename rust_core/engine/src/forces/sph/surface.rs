@@ -73,7 +73,7 @@ pub struct Surface<V: Vector, K> {
     pub is_stale: bool,
 }
 
-impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>> Surface<V, K> {
+impl<V: Vector, K: Shape> Surface<V, K> {
     /// That of `count` particles of a fluid whose kernel carries these waves.
     pub fn new(kernel: Kernel<V::Scalar, K>, fluid: &Material, waves: &[Wave], count: usize) -> Self {
         let h = fluid.smoothing_length;

@@ -3,7 +3,7 @@
 
 use crate::contacts::Before;
 use crate::error::Result;
-use crate::forces::Rates;
+use crate::forces::{Field, Rates};
 use crate::integrators::Integrator;
 use crate::math::Vector;
 use crate::matter::{Blocks, CHANNELS, Columns, Matter, Span};
@@ -46,29 +46,35 @@ pub fn advance<V: Vector, I: Integrator>(
     crew: &Crew,
 ) -> Result<()> {
     let stages = I::NODES.len();
+    // The last stage's sweep moves on to the first stage of the next step, unless something happens at the step's end.
+    let field = law.field();
+    let drifts = I::TURNS.filter(|_| field == Field::Carried);
+    let counts = field == Field::Counted && !I::ENDS_WITH_FORCES;
+    let moves_on = desk.before.is_none() && !counts && drifts.is_none_or(|turns| turns.drifts.len() == stages);
     for step in 0..interval.steps {
         if let Some([position, velocity]) = &mut desk.before {
             position.copy_from(&matter.position);
             velocity.copy_from(&matter.velocity);
         }
-        // Without contacts the sweep of the last stage moves on to the first stage of the next step.
-        if step == 0 || desk.before.is_some() {
+        if step == 0 || !moves_on {
             sweep::<V, I>(law, matter, desk, interval, 0.0, Action::Point, crew)?;
         }
         if I::DRIFTS_FIRST {
             collisions::<V, I>(law, matter, desk, interval.h, crew);
         }
-        if let Some(half) = I::DRIFT {
-            law.drift(matter, matter.memory[half].view(), interval.h, crew)?;
-        }
         for stage in 0..stages {
-            let next = if stage + 1 < stages {
-                Some(stage + 1)
-            } else {
-                (step + 1 < interval.steps && desk.before.is_none()).then_some(0)
-            };
+            if let Some(turns) = drifts {
+                drift(law, matter, Some(turns.velocity), turns.drifts[stage] * interval.h, crew)?;
+            }
+            let next = if stage + 1 < stages { Some(stage + 1) } else { (step + 1 < interval.steps && moves_on).then_some(0) };
             let time = interval.time(step, I::NODES[stage]);
             sweep::<V, I>(law, matter, desk, interval, time, Action::Absorb(stage, next), crew)?;
+        }
+        if let Some(&last) = drifts.and_then(|turns| turns.drifts.get(stages)) {
+            drift(law, matter, None, last * interval.h, crew)?;
+        }
+        if counts {
+            law.count(matter, interval.time(step, 1.0), crew)?;
         }
         if crew.stopped() {
             break;
@@ -85,6 +91,19 @@ pub fn begin<V: Vector, I: Integrator>(
     interval: Interval,
 ) -> Result<()> {
     sweep::<V, I>(law, matter, desk, interval, interval.start, Action::Begin, &Crew::alone())
+}
+
+/// Advances the fields over the drift that led here, with the velocity that is remembered or the present one, and meters what
+/// they lose on the way.
+fn drift<V: Vector>(law: &mut Law<V>, matter: &mut Matter<V>, velocity: Option<usize>, h: f64, crew: &Crew) -> Result<()> {
+    if h == 0.0 {
+        return Ok(());
+    }
+    let way = velocity.map_or(&matter.velocity, |memory| &matter.memory[memory]);
+    law.drift(matter, way.view(), h, crew)?;
+    let law = &*law;
+    crew.sweep(matter.blocks(), &|blocks: Blocks<'_, V>| law.spend(&blocks.range(), &mut blocks.meters[0].energy));
+    Ok(())
 }
 
 fn sweep<V: Vector, I: Integrator>(

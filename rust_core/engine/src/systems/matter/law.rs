@@ -5,12 +5,17 @@ use std::ops::Range;
 use crate::contacts::Contacts;
 use crate::error::Result;
 use crate::forces::affine::{Affine, Fold};
-use crate::forces::{Drift, Force, InverseSquare, Moment, Rates, Reach, VelocityDependence};
+use crate::forces::{Drift, Field, Force, InverseSquare, Moment, Rates, Reach, VelocityDependence};
 use crate::math::{Real, Vector};
-use crate::matter::{CHANNELS, Channel, Columns, Matter, Properties, View};
+use crate::matter::{CHANNELS, Channel, Columns, Matter, Power, Properties, View};
 use crate::parallel::Crew;
 use crate::simd::{LANES, padded};
 use crate::stability::Bound;
+
+fn moment<'a, V: Vector>(properties: &'a Properties<V>, matter: &'a Matter<V>, time: f64) -> Moment<'a, V> {
+    let (position, velocity, residual) = (matter.position.view(), matter.velocity.view(), matter.residual.view());
+    Moment { position, velocity, residual, properties, time }
+}
 
 /// The forces and contacts of a scene.
 pub struct Law<V: Vector> {
@@ -89,24 +94,38 @@ impl<V: Vector> Law<V> {
 
     /// All matter at a moment.
     pub fn moment_of<'a>(&'a self, matter: &'a Matter<V>, time: f64) -> Moment<'a, V> {
-        Moment { residual: matter.residual.view(), ..self.moment(matter.position.view(), matter.velocity.view(), time) }
+        moment(&self.properties, matter, time)
     }
 
     /// Lets every force do what must be done for all particles at once.
     pub fn prepare(&mut self, matter: &Matter<V>, time: f64, crew: &Crew) -> Result<()> {
         let Self { properties, forces, folded, together, .. } = self;
-        let (position, velocity, residual) = (matter.position.view(), matter.velocity.view(), matter.residual.view());
-        let at = Moment { position, velocity, residual, properties, time };
+        let at = moment(properties, matter, time);
         forces[*folded..*together].iter_mut().try_for_each(|force| force.prepare(&at, crew))
+    }
+
+    /// How the forces come by their fields.
+    pub fn field(&self) -> Field {
+        self.forces.iter().map(|force| force.field()).max().unwrap_or(Field::None)
+    }
+
+    /// Counts the fields at the end of a step where no force was asked for.
+    pub fn count(&mut self, matter: &Matter<V>, time: f64, crew: &Crew) -> Result<()> {
+        let Self { properties, forces, .. } = self;
+        let at = moment(properties, matter, time);
+        forces.iter_mut().try_for_each(|force| force.count(&at, crew))
+    }
+
+    /// Adds the energy that the fields lost over the last drift to what passed through the channels of a block [J].
+    pub fn spend(&self, block: &Range<usize>, energy: &mut Power) {
+        self.forces.iter().for_each(|force| force.spend(block.clone(), energy));
     }
 
     /// Advances the fields over the drift that led to a state.
     pub fn drift(&mut self, matter: &Matter<V>, velocity: View<'_, V>, h: f64, crew: &Crew) -> Result<()> {
         let Self { properties, forces, .. } = self;
-        let (position, residual) = (matter.position.view(), matter.residual.view());
-        let end = Moment { position, velocity: matter.velocity.view(), residual, properties, time: 0.0 };
-        let drift = Drift { end, velocity, h };
-        forces.iter_mut().filter(|force| force.has_field()).try_for_each(|force| force.drift(&drift, crew))
+        let drift = Drift { end: moment(properties, matter, 0.0), velocity, h };
+        forces.iter_mut().try_for_each(|force| force.drift(&drift, crew))
     }
 
     /// The forces, to make them remember or go back.
@@ -159,10 +178,8 @@ impl<V: Vector> Law<V> {
         }
     }
 
-    /// The bound on the time step at a moment, from one without terms: `Bound::new`, `Bound::directed` or
-    /// `Bound::at_present`.
-    pub fn bound(&self, at: &Moment<'_, V>, empty: fn(&[f64], &[u32]) -> Bound) -> Bound {
-        let mut bound = empty(&self.properties.mass, &self.properties.body);
+    /// The bound on the time step at a moment, from one without terms for these particles.
+    pub fn bound(&self, at: &Moment<'_, V>, mut bound: Bound) -> Bound {
         self.forces.iter().for_each(|force| force.bound(at, &mut bound));
         bound
     }
