@@ -84,13 +84,15 @@ pub struct Bound {
     stiffness_edges: Vec<Edge>,
     damping_edges: Vec<Edge>,
     /// About the largest ω² and γ of each body; empty before they are looked for.
-    largest: [Vec<f64>; 2],
+    spectra: [Vec<f64>; 2],
     /// What of the damping acts on each particle in every direction and at any speed [N·s/m]; empty if nowhere.
     least_damping: Vec<f64>,
     accuracy: Option<(&'static str, f64)>,
     present: bool,
-    /// [`Integrator::limit`] and [`Integrator::oscillator`].
-    steps: (fn(f64) -> f64, fn(f64, f64, f64) -> [f64; 2]),
+    /// [`Integrator::limit`].
+    largest: fn(f64) -> f64,
+    /// [`Integrator::oscillator`].
+    oscillator: fn(f64, f64, f64) -> [f64; 2],
 }
 
 impl Bound {
@@ -104,26 +106,26 @@ impl Bound {
             directed: false,
             stiffness_edges: Vec::new(),
             damping_edges: Vec::new(),
-            largest: [const { Vec::new() }; 2],
+            spectra: [const { Vec::new() }; 2],
             least_damping: Vec::new(),
             accuracy: None,
             present: false,
-            steps: (VelocityVerlet::limit, VelocityVerlet::oscillator),
+            largest: VelocityVerlet::limit,
+            oscillator: VelocityVerlet::oscillator,
         }
     }
 
     /// The same for the waves of a field as this integrator advances them; without this, as velocity Verlet does.
     #[must_use]
     pub fn stepped_by<I: Integrator>(self) -> Self {
-        Self { steps: (I::limit, I::oscillator), ..self }
+        Self { largest: I::limit, oscillator: I::oscillator, ..self }
     }
 
     /// Of waves in a field the one that asks for the shortest step, as the ω² [1/s²] and γ [1/s] of an oscillator of that
     /// step. A wave is its frequency, the damping of its velocity and the decay of its field [1/s].
     pub fn shortest(&self, waves: impl Iterator<Item = [f64; 3]>) -> [f64; 2] {
-        let (limit, oscillator) = self.steps;
-        let oscillators = waves.map(|[frequency, damping, decay]| oscillator(frequency, damping, decay));
-        let step = |&[frequency, damping]: &[f64; 2]| limit(0.5 * damping / frequency) / frequency;
+        let oscillators = waves.map(|[frequency, damping, decay]| (self.oscillator)(frequency, damping, decay));
+        let step = |&[frequency, damping]: &[f64; 2]| (self.largest)(0.5 * damping / frequency) / frequency;
         let [frequency, damping] = oscillators.min_by(|one, other| step(one).total_cmp(&step(other))).unwrap_or_default();
         [frequency * frequency, damping]
     }
@@ -168,7 +170,7 @@ impl Bound {
     /// The same with the largest eigenvalues as the springs stand, where they are below the rows.
     #[must_use]
     pub fn sharpened(mut self) -> Self {
-        self.largest = [self.spectrum(&self.stiffness, &self.stiffness_edges), self.spectrum(&self.damping, &self.damping_edges)];
+        self.spectra = [self.spectrum(&self.stiffness, &self.stiffness_edges), self.spectrum(&self.damping, &self.damping_edges)];
         self
     }
 
@@ -273,8 +275,8 @@ impl Bound {
             rows.iter_mut().zip(sharper).for_each(|(row, &sharper)| row.rate = row.rate.min(sharper));
             rows
         };
-        let stiffness = rows(&self.stiffness, &self.largest[0]);
-        let damping = rows(&self.damping, &self.largest[1]);
+        let stiffness = rows(&self.stiffness, &self.spectra[0]);
+        let damping = rows(&self.damping, &self.spectra[1]);
         let mut least = vec![if self.least_damping.is_empty() { 0.0 } else { f64::INFINITY }; bodies];
         for ((&damping, &inverse_mass), &body) in self.least_damping.iter().zip(&self.inverse_mass).zip(&self.body) {
             if inverse_mass > 0.0 {
