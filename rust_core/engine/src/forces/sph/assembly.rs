@@ -7,6 +7,7 @@ use super::kernel::{self, Kernel, Shape};
 use super::laws::{Continuity, Extrapolation, FORCES, KINDS, Momentum, OBSTACLE, Touch};
 use super::start::{self, Kinds, Material};
 use super::summation::Summation;
+use super::tension::Tension;
 use super::walls::Walls;
 use crate::error::Result;
 use crate::forces::vicinity::Vicinity;
@@ -53,6 +54,7 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>, const MIXED: bool> Fluids<V, K
         });
         let momentum = Momentum { kernel, touch, faced: touch[0], density, softening: number(0.01 * h * h) };
         let extrapolation = Extrapolation { kernel, density, gravity: common.gravity.to_array().map(number) };
+        let waves = kernel::waves::<K>(V::DIMENSION);
         let mut fluids = Self {
             mass: kind.iter().map(|&kind| kinds.fluid(kind).unwrap_or(common).mass).collect(),
             density: Vec::new(),
@@ -62,7 +64,8 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>, const MIXED: bool> Fluids<V, K
             records: Records::new(vicinity.neighbors()),
             rates: vec![[V::Scalar::ZERO; 2]; kind.len()],
             forces: vec![[V::Scalar::ZERO; FORCES]; kind.len()],
-            waves: kernel::waves::<K>(V::DIMENSION),
+            tension: Tension::new(kernel, &waves, &kinds, kind.len()),
+            waves,
             summation: kinds.summation.then(|| Summation::new(kernel, &kinds, kind.len())),
             kinds,
             kind,

@@ -56,7 +56,7 @@ fn approach<V: Vector>(own: &Record<V::Scalar>, other: &Record<V::Scalar>, apart
 
 /// What belongs to the kind of a tagged number.
 #[inline(always)]
-fn pick<T: Real, const MIXED: bool>(tagged: T, values: &[T; KINDS]) -> T {
+pub fn pick<T: Real, const MIXED: bool>(tagged: T, values: &[T; KINDS]) -> T {
     if !MIXED {
         return values[0];
     }
