@@ -42,7 +42,7 @@ class Fluid(Body):
         density: ρ₀, at rest [kg/m³], above zero.
         viscosity: the dynamic viscosity μ [Pa·s], at least zero; 1e-3 is water.
         sound_speed: c [m/s], above zero; "auto": ten times the greatest speed to be expected from the scene, and at least
-            √(20 σ/(ρ₀ spacing)), with which surface tension changes density by a few percent next to a surface.
+            √(40 σ/(ρ₀ spacing)), with which surface tension changes density by a few percent next to a surface.
         kernel: WendlandC2(), WendlandC4() or CubicSpline(), how particles are smoothed out.
         artificial_viscosity: the coefficient α, at least zero, which damps what the particles cannot resolve. With 0.01
             waves last longer, but violent flows can fail.

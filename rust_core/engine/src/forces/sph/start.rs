@@ -15,8 +15,8 @@ const GAMMA: i32 = 7;
 /// The speed of sound in units of the fastest flow: density then varies by some (1/10)² = 1 %.
 const SOUND: f64 = 10.0;
 
-/// The square of the speed of sound in units of σ/ρ₀Δ: above a hundred σ/ρ₀R for whatever is larger than five particles.
-const TENSION: f64 = 20.0;
+/// The square of the speed of sound in units of σ/ρ₀Δ: above a hundred σ/ρ₀R for radii of three spacings and more.
+const TENSION: f64 = 40.0;
 
 /// What the fluid is made of.
 #[derive(Debug, Clone, PartialEq)]
