@@ -30,19 +30,18 @@ class Fluid(Body):
 
     Surface tension is the energy of particles that lack neighbors of their own fluid: next to a free surface, and next to
     another fluid, where the tension of the interface is the sum of both. Walls and obstacles count as more of the same
-    fluid, so that a surface meets them at an angle of 90°. The energy stands in the audit as "surface tension".
-
-    A fluid and the particles of other bodies push each other: these are lumps of solid, whose pressure is that of the
-    fluid around them, and along which it is held by its viscosity. A wall of them is tight if they are no farther apart
-    than the fluid's particles.
+    fluid, so that a surface meets them at an angle of 90°. The energy stands in the audit as "surface tension". A surface
+    of the given σ has settled, with the default kernel: its particles find their places within the first moments. In 2D
+    drops then swing as they should to a few percent; narrower kernels and 3D make small drops stiff, so that they grow
+    round but hardly swing.
 
     Args:
         positions: [m], shape (N, D) with D = 2 or 3; `block`, `ball` and `cylinder` make them.
         spacing: the distance between neighboring particles at rest [m], above zero.
         density: ρ₀, at rest [kg/m³], above zero.
         viscosity: the dynamic viscosity μ [Pa·s], at least zero; 1e-3 is water.
-        sound_speed: c [m/s], above zero; "auto": ten times the greatest speed to be expected from the scene, and at least
-            √(40 σ/(ρ₀ spacing)), with which surface tension changes density by a few percent next to a surface.
+        sound_speed: c [m/s], above zero; "auto": ten times the greatest speed to be expected from the scene, and at
+            least √(40 σ/(ρ₀ spacing)), with which surface tension changes density by a few percent next to a surface.
         kernel: WendlandC2(), WendlandC4() or CubicSpline(), how particles are smoothed out.
         artificial_viscosity: the coefficient α, at least zero, which damps what the particles cannot resolve. With 0.01
             waves last longer, but violent flows can fail.
@@ -54,7 +53,7 @@ class Fluid(Body):
             where the particles are, so that it never drifts and energy is that of the particles' places. That is for
             fluids that fill a closed or periodic space, because at a free surface there is nothing to count; it has no
             noise for δ to damp.
-        surface_tension: σ [N/m], at least zero; 0.072 is water. What it draws together is no thinner than some particles.
+        surface_tension: σ [N/m], at least zero; 0.072 is water. It acts on what is some particles thick.
 
     Raises:
         SceneError: a shape does not fit, a value is not finite or out of range, or two particles are closer together

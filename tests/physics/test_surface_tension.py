@@ -19,8 +19,6 @@ def heap(dimension: int) -> Array:
     return cells + 0.1 * np.random.default_rng(7).standard_normal(cells.shape)
 
 
-
-
 def scenes(name: str, positions: Array) -> pc.Scene:
     """A fluid whose density is that at rest, so that nothing pushes but tension."""
 
@@ -40,7 +38,15 @@ def scenes(name: str, positions: Array) -> pc.Scene:
     return pc.Scene(fluid(slice(None), 1.0))
 
 
-CASES = [("a drop", 2), ("a drop", 3), ("two fluids", 2), ("two fluids", 3), ("a corner", 2), ("periodic", 2), ("obstacle", 2)]
+CASES = [
+    ("a drop", 2),
+    ("a drop", 3),
+    ("two fluids", 2),
+    ("two fluids", 3),
+    ("a corner", 2),
+    ("periodic", 2),
+    ("obstacle", 2),
+]
 
 
 def energy(name: str, positions: Array) -> float:
@@ -49,7 +55,7 @@ def energy(name: str, positions: Array) -> float:
 
 @pytest.mark.parametrize(("name", "dimension"), CASES)
 def test_its_force_is_that_of_its_energy(name, dimension):
-    """By central differences over 1e-4: their error is 1e-8/6 of a third derivative, some 100 σ/Δ², and ε E/1e-4 by rounding.
+    """By central differences over 1e-4: their error is 1e-8/6 of a third derivative, some 100 σ/Δ², and ε E/1e-4.
 
     The second derivative of the kernel is good to 1e-6 over u, 1e-5 of it. The force is read from one short step.
     """
@@ -100,7 +106,13 @@ def test_without_it_there_is_none_of_it():
 def test_a_lattice_without_a_surface_feels_nothing(kernel):
     """In a closed box each particle has all of its neighbors: forces are what rounding leaves of σ/Δ²."""
     water = pc.Fluid(
-        pc.block((0.0, 0.0), (12.0, 12.0), 1.0), 1.0, density=1.0, sound_speed=20.0, kernel=kernel, surface_tension=1.0, **STILL
+        pc.block((0.0, 0.0), (12.0, 12.0), 1.0),
+        1.0,
+        density=1.0,
+        sound_speed=20.0,
+        kernel=kernel,
+        surface_tension=1.0,
+        **STILL,
     )
     run = pc.Simulation(pc.Scene(water, pc.Box((0.0, 0.0), (12.0, 12.0))), dt=1e-3, precision="f64")
     assert run.energy().by_term["surface tension"] < 1e-12
@@ -137,9 +149,9 @@ def test_sound_follows_from_it():
 
 @pytest.mark.long
 def test_two_drops_that_touch_become_one_round_one():
-    """The mean of x² over that of y² is 1 for a circle, 4.2 for two that touch; the longest swing is over in ten periods."""
+    """The mean of x² over that of y² is 1 for a circle, 5 for two that touch: R²/4 + R² over R²/4."""
     one = pc.ball((0.0, 0.0), 8.0, 1.0)
-    cells = np.concatenate([one - [8.0, 0.0], one + [8.0, 0.0]])
+    cells = np.concatenate([one - np.array([8.0, 0.0]), one + np.array([8.0, 0.0])])
     water = pc.Fluid(cells, 1.0, density=1.0, surface_tension=1.0, viscosity=0.1)
     run = pc.Simulation(pc.Scene(water))
     radius = math.sqrt(len(cells) / math.pi)
