@@ -28,12 +28,12 @@ class Fluid(Body):
     the space up to boundaries, and slips freely along them unless they say no_slip. Fluids of one scene may differ in
     density, viscosity and surface tension, and have everything else in common.
 
-    Surface tension is the energy of particles that lack neighbors of their own fluid: next to a free surface, and next to
-    another fluid, where the tension of the interface is the sum of both. Walls and obstacles count as more of the same
-    fluid, so that a surface meets them at an angle of 90°. The energy stands in the audit as "surface tension". A surface
-    of the given σ has settled, with the default kernel: its particles find their places within the first moments. In 2D
-    drops then swing as they should to a few percent; narrower kernels and 3D make small drops stiff, so that they grow
-    round but hardly swing.
+    Surface tension is the energy of particles that lack neighbors of their own fluid: next to a free surface, and next
+    to another fluid, where the tension of the interface is the sum of both. Walls and obstacles count as more of the
+    same fluid, so that a surface meets them at an angle of 90°. The energy stands in the audit as "surface tension". σ
+    is that of a surface that has settled, with the default kernel: particles find their places in the first moments. In
+    2D drops then swing as they should to a few percent; narrower kernels and 3D make small drops stiff, so that they
+    grow round but hardly swing.
 
     Args:
         positions: [m], shape (N, D) with D = 2 or 3; `block`, `ball` and `cylinder` make them.

@@ -23,7 +23,7 @@ def drop(cells: Array, **changes: Any) -> pc.Fluid:
 
 
 def slowest(count: int) -> tuple[float, float]:
-    """The radius of a circle of so many cells, and ω of its slowest swing: ω² = n (n² − 1) σ/(ρR³), n = 2 (Rayleigh)."""
+    """The radius of a circle of so many cells, and ω of its slowest swing: ω² = n (n² − 1) σ/(ρR³), n = 2."""
     radius = math.sqrt(count / math.pi)
     return radius, math.sqrt(6.0 / radius**3)
 
