@@ -137,9 +137,22 @@ def test_the_sum_of_energies_is_kept_the_better_the_shorter_the_step():
 def test_the_time_step_knows_it():
     """√(ρh³/2πσ) for ripples."""
     water = pc.Fluid(heap(2), 1.0, density=2.0, sound_speed=0.1, surface_tension=3.0)
-    limit = pc.stability_limit(pc.Scene(water), pc.VelocityVerlet())
-    assert limit.term == "surface tension"
-    assert limit.dt <= math.sqrt(2.0 * 1.5**3 / (2.0 * math.pi * 3.0)) * (1.0 + 1e-12)
+    plan = pc.Simulation(pc.Scene(water), dt=1e-3).plan
+    assert plan.limit_term == "surface tension"
+    assert plan.dt_limit <= math.sqrt(2.0 * 1.5**3 / (2.0 * math.pi * 3.0)) * (1.0 + 1e-12)
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_its_bits_are_those_of_one_thread_and_of_a_checkpoint(dimension, tmp_path):
+    cells = pc.block((0.0,) * dimension, (14.0,) * dimension, 1.0)
+    scene = pc.Scene(pc.Fluid(cells, 1.0, density=1.0, surface_tension=1.0))
+    one, two = (pc.Simulation(scene, dt=0.05, threads=threads) for threads in (1, 2))
+    one.step(30)
+    two.step(20)
+    two.save(tmp_path / "drop")
+    later = pc.load(tmp_path / "drop")
+    later.step(10)
+    assert later.state_hash() == one.state_hash()
 
 
 def test_sound_follows_from_it():
