@@ -75,7 +75,9 @@ def budget(recordings: Mapping[str, Recording], bound: float) -> Figure:
     stored = energy.potential - height + energy.internal
     found = energy.kinetic[-1] + stored[-1] - stored[0] + energy.dissipated[-1]
     given = energy.kinetic[0] + height[0] - height[-1] + energy.work[-1]
-    forms = ["motion", *["strain"] * ("springs" in energy.by_term), *["compression"] * bool(energy.internal.any())]
+    terms = {"springs": "strain", "surface tension": "surface"}
+    forms = ["motion", *(form for term, form in terms.items() if term in energy.by_term)]
+    forms += ["compression"] * bool(energy.internal.any())
     given_by = ["the throw"] * bool(energy.kinetic[0]) + ["the fall"] + ["the wind"] * bool(energy.work[-1])
     source = f"from {' and '.join(given_by)}"
     return Figure(f"{', '.join(forms)} and heat at the end", float(found), float(given), source, bound, "J")

@@ -1,5 +1,8 @@
 """A drop falls into a shallow pool and throws up a crown, eight times slower than in life.
 
+It is as large as a head, and its surface tension as much larger than that of milk: the Weber number ρv²D/σ is that of
+a drop of 5 mm at 4 m/s.
+
 The physics checked: the fall of the drop is all the energy there is, and no bead of the crown is lost.
 """
 
@@ -9,20 +12,29 @@ import os
 from collections.abc import Mapping
 
 import physcore as pc
+from physcore.checks import FloatArray
 from physcore.film import Orbit
 from physcore.gallery.figure import Figure, budget
 
 DURATION = 0.55
 """[s]"""
+WEBER = 1650.0
+"""ρv²D/σ of a drop of milk, 1030 · 4² · 0.005/0.05."""
+RADIUS, SPEED = 0.09, 5.0
+"""Of the drop [m] and [m/s]."""
 
 
 def scene() -> pc.Scene:
     """Let a drop hit a pool half as deep as the drop is wide."""
     spacing, kernel = 1 / 60, pc.WendlandC2(smoothing=1.25)
-    pool = pc.Fluid(pc.block((-0.5, -0.5, 0.0), (0.5, 0.5, 5 * spacing), spacing), spacing, kernel=kernel, name="pool")
-    drop = pc.Fluid(
-        pc.ball((0.0, 0.0, 0.19), 0.09, spacing), spacing, velocities=(0.0, 0.0, -5.0), kernel=kernel, name="drop"
-    )
+    tension = 1000.0 * SPEED**2 * 2.0 * RADIUS / WEBER
+
+    def milk(places: FloatArray, speed: float, name: str) -> pc.Fluid:
+        velocity = (0.0, 0.0, -speed)
+        return pc.Fluid(places, spacing, velocities=velocity, kernel=kernel, surface_tension=tension, name=name)
+
+    pool = milk(pc.block((-0.5, -0.5, 0.0), (0.5, 0.5, 5 * spacing), spacing), 0.0, "pool")
+    drop = milk(pc.ball((0.0, 0.0, 0.1 + RADIUS), RADIUS, spacing), SPEED, "drop")
     tank = pc.Box((-0.5, -0.5, 0.0), (0.5, 0.5, 0.42))
     return pc.Scene(pool, drop, pc.Gravity((0.0, 0.0, -9.81)), tank)
 

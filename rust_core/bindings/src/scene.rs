@@ -73,6 +73,7 @@ fn fluid(entry: &Bound<'_, PyAny>) -> PyResult<Option<Fluid>> {
         sound_speed: item(entry, "sound_speed")?.extract()?,
         artificial_viscosity: number("artificial_viscosity")?,
         density_diffusion: number("density_diffusion")?,
+        surface_tension: number("surface_tension")?,
         summation: item(entry, "summation")?.extract()?,
         kernel: item(entry, "kernel")?.extract()?,
         smoothing: number("smoothing")?,

@@ -64,9 +64,10 @@ pub fn energy<V: Vector>(law: &Law<V>, matter: &Matter<V>, time: f64) -> Result<
     let mut potential: Vec<(&'static str, f64)> = Vec::new();
     for force in law.forces().iter().filter(|force| force.has_potential()) {
         let energy = blocks(matter).map(|block| force.potential(block, &at)).sum::<f64>() + force.potential_of_all(&at)?;
-        match potential.iter_mut().find(|(name, _)| *name == force.name()) {
+        let name = force.potential_name();
+        match potential.iter_mut().find(|(other, _)| *other == name) {
             Some((_, sum)) => *sum += energy,
-            None => potential.push((force.name(), energy)),
+            None => potential.push((name, energy)),
         }
     }
     Ok(Energy {

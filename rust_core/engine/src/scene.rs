@@ -59,6 +59,8 @@ pub struct Fluid {
     pub artificial_viscosity: f64,
     /// The coefficient δ of the diffusion of density.
     pub density_diffusion: f64,
+    /// The surface tension σ [N/m].
+    pub surface_tension: f64,
     /// Whether density is counted from where the particles are, instead of carried along with them.
     pub summation: bool,
     /// The name of the smoothing kernel's class in Python.

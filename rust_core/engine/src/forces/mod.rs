@@ -209,6 +209,11 @@ pub trait Force<V: Vector>: Send + Sync {
         None
     }
 
+    /// What the audit calls its potential energy.
+    fn potential_name(&self) -> &'static str {
+        self.name()
+    }
+
     /// Whether it has a potential energy, which the audit then names.
     fn has_potential(&self) -> bool {
         true

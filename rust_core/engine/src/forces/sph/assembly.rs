@@ -8,6 +8,7 @@ use super::laws::{Continuity, Extrapolation, FORCES, KINDS, Momentum, OBSTACLE, 
 use super::start::{self, Kinds, Material};
 use super::summation::Summation;
 use super::surface::Surface;
+use super::tension::Tension;
 use super::walls::Walls;
 use crate::error::{Error, Result};
 use crate::forces::vicinity::Vicinity;
@@ -70,6 +71,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
             mirrored: vec![[V::Scalar::ZERO; 2]; kind.len()],
             forces: vec![[V::Scalar::ZERO; FORCES]; kind.len()],
             surface: Surface::new(kernel, common, &waves, kind.len()),
+            tension: Tension::new(kernel, &waves, &kinds, kind.len()),
             waves,
             summation: kinds.summation.then(|| Summation::new(kernel, &kinds, kind.len())),
             kinds,

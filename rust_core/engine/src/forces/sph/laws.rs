@@ -62,7 +62,7 @@ fn approach<V: Vector, N: Number>(pair: &Pair<N>) -> N {
 
 /// What belongs to the kind of a tagged number.
 #[inline(always)]
-fn pick<N: Number, const MIXED: bool>(tagged: N, values: &[N::Scalar; KINDS]) -> N
+pub fn pick<N: Number, const MIXED: bool>(tagged: N, values: &[N::Scalar; KINDS]) -> N
 where
     N::Scalar: Copy,
 {

@@ -8,9 +8,10 @@
 //! Where density is counted from places ([`summation`]) there is no field, and both sums are where the kick is: any integrator
 //! will do.
 //!
-//! [`laws`] holds the sums, [`kernel`] what they weigh with, [`walls`] their images behind walls, and [`surface`] what is torn
-//! off; [`start`] finds what the scene leaves open, and [`assembly`] puts the parts together.
+//! [`laws`] holds the sums, [`kernel`] what they weigh with, [`walls`] their images behind walls, [`surface`] what is torn off and
+//! [`tension`] what holds it together; [`start`] finds what the scene leaves open, and [`assembly`] puts the parts together.
 
+use std::f64::consts::TAU;
 use std::ops::Range;
 
 use super::vicinity::Vicinity;
@@ -31,14 +32,16 @@ mod laws;
 mod start;
 mod summation;
 mod surface;
+mod tension;
 mod walls;
 
 use images::View;
 use kernel::{CubicSpline, Shape, Wave, WendlandC2, WendlandC4};
 use laws::{Continuity, Extrapolation, FORCES, LIFT, Momentum, OBSTACLE, VISCOUS};
-use start::Kinds;
+use start::{Kinds, Material};
 use summation::Summation;
 use surface::Surface;
+use tension::Tension;
 use walls::Walls;
 
 /// Places in a block of the passes over single particles.
@@ -116,6 +119,8 @@ struct Fluids<V: Vector, K, const MIXED: bool> {
     extrapolation: Extrapolation<V::Scalar, K>,
     /// Where density is counted instead of carried along.
     summation: Option<Summation<V, K>>,
+    /// Where a fluid has one.
+    tension: Option<Tension<V, K, MIXED>>,
     /// What [`Continuity`] gives, in the order of places: of the particles, and of their images.
     rates: Vec<[V::Scalar; 2]>,
     mirrored: Vec<[V::Scalar; 2]>,
@@ -159,6 +164,11 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
         let rest = |member: usize| [mass[member] / kinds.rest_density(kind[member]), 0.0];
         fill(records, (vicinity, kind), velocity, &rest, crew);
         summation.count((vicinity, records), walls, (kinds, kind), density, crew)
+    }
+
+    /// The volume of a member at rest [m^D].
+    fn rest_volume(&self, member: usize) -> f64 {
+        self.mass[member] / self.kinds.rest_density(self.kind[member])
     }
 
     /// Brings lists up to date, and with them who is near a wall.
@@ -250,7 +260,11 @@ impl<V: Vector, K: Shape, const MIXED: bool> Force<V> for Fluids<V, K, MIXED> {
     fn prepare(&mut self, at: &Moment<'_, V>, crew: &Crew) -> Result<()> {
         self.search(&|axis, index| at.place(axis, index), crew)?;
         self.count_density(&at.velocity, crew)?;
-        let Self { summation, surface, walls, vicinity, records, kinds, kind, mass, density, .. } = self;
+        let Self { summation, tension, surface, walls, vicinity, records, kinds, kind, mass, density, .. } = self;
+        if let Some(tension) = tension {
+            let rest = |member: usize| mass[member] / kinds.rest_density(kind[member]);
+            tension.pull((vicinity, records), walls, kind, &rest, crew);
+        }
         let counted = summation.is_some();
         let each = |member: usize| {
             let (density, rest) = (density[member], kinds.rest_density(kind[member]));
@@ -306,18 +320,30 @@ impl<V: Vector, K: Shape, const MIXED: bool> Force<V> for Fluids<V, K, MIXED> {
             for axis in 0..V::DIMENSION {
                 rates.force.axes[axis][index] += V::Scalar::from_f64(volume) * force[axis];
             }
+            if let Some(tension) = &self.tension {
+                let volume = V::Scalar::from_f64(self.rest_volume(member));
+                for (axis, &force) in tension.force(place)[..V::DIMENSION].iter().enumerate() {
+                    rates.force.axes[axis][index] += volume * force;
+                }
+            }
             // Of a pair's power each takes half.
             rates.power[Channel::Viscosity as usize][index % LANES] += 0.5 * volume * force[VISCOUS].to_f64();
             rates.power[Channel::Work as usize][index % LANES] += volume * force[LIFT].to_f64();
         }
     }
 
-    fn has_potential(&self) -> bool {
-        false
+    fn potential_name(&self) -> &'static str {
+        "surface tension"
     }
 
-    fn potential(&self, _block: Range<usize>, _at: &Moment<'_, V>) -> f64 {
-        0.0
+    fn has_potential(&self) -> bool {
+        self.tension.is_some()
+    }
+
+    fn potential(&self, block: Range<usize>, _at: &Moment<'_, V>) -> f64 {
+        let Some(tension) = &self.tension else { return 0.0 };
+        let members = self.vicinity.in_block(block);
+        members.map(|(_, member, place)| self.rest_volume(member) * tension.energy(place, self.kind[member])).sum()
     }
 
     fn internal(&self) -> f64 {
@@ -340,7 +366,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> Force<V> for Fluids<V, K, MIXED> {
     }
 
     /// Of all waves that the kernel carries, the one with the shortest step. An obstacle is pushed with the force on the fluid in
-    /// its place.
+    /// its place. Ripples as short as the kernel are followed as J. P. Morris, Int. J. Numer. Methods Fluids 33 (2000) 333, has it.
     fn bound(&self, _at: &Moment<'_, V>, bound: &mut Bound) {
         let h = self.kinds.first().smoothing_length;
         let diffuses = if self.field() == Field::Carried { 1.0 } else { 0.0 };
@@ -368,10 +394,17 @@ impl<V: Vector, K: Shape, const MIXED: bool> Force<V> for Fluids<V, K, MIXED> {
             let mass = self.mass[member] / self.density[member] * density;
             bound.point(index as usize, "sound", mass * stiffness, 0.0);
             bound.point(index as usize, "viscosity", 0.0, mass * damping);
+            if let Some(tension) = &self.tension {
+                let stiffness = tension.stiffness(self.kind[member]);
+                bound.point(index as usize, "surface tension", self.rest_volume(member) * stiffness, 0.0);
+            }
         }
         let push = |force: &[V::Scalar; FORCES]| force[..V::DIMENSION].iter().map(|f| f.to_f64().powi(2)).sum::<f64>();
         let strongest = self.forces.iter().map(push).fold(0.0, f64::max).sqrt();
         let lightest = self.kinds.materials.iter().map(|fluid| fluid.density).fold(f64::INFINITY, f64::min);
+        let ripple = |fluid: &Material| (fluid.density * h.powi(3) / (TAU * fluid.surface_tension)).sqrt();
+        let ripples = self.kinds.materials.iter().filter(|fluid| fluid.surface_tension > 0.0).map(ripple);
+        ripples.for_each(|dt| bound.accuracy("surface tension", dt));
         // What has diverged has no scale left.
         if strongest.is_finite() {
             bound.accuracy("acceleration", (h * lightest / strongest).sqrt());
@@ -404,7 +437,8 @@ impl<V: Vector, K: Shape, const MIXED: bool> Force<V> for Fluids<V, K, MIXED> {
         let numbers = 4 * size_of::<f64>() * self.density.len();
         let indices = size_of::<u32>() * self.obstacles.len() + self.kind.len();
         let counts = self.summation.as_ref().map_or(0, Summation::bytes);
+        let pulls = self.tension.as_ref().map_or(0, Tension::bytes);
         let parts = self.vicinity.bytes() + self.records.bytes() + self.walls.bytes() + self.surface.bytes();
-        counts + parts + own + numbers + indices
+        counts + pulls + parts + own + numbers + indices
     }
 }

@@ -15,6 +15,9 @@ const GAMMA: i32 = 7;
 /// The speed of sound in units of the fastest flow: density then varies by some (1/10)² = 1 %.
 const SOUND: f64 = 10.0;
 
+/// The square of the speed of sound in units of σ/ρ₀Δ: above a hundred σ/ρ₀R for radii of three spacings and more.
+const TENSION: f64 = 40.0;
+
 /// What the fluid is made of.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Material {
@@ -34,6 +37,8 @@ pub struct Material {
     pub artificial_viscosity: f64,
     /// The coefficient δ of the diffusion of density.
     pub density_diffusion: f64,
+    /// Surface tension σ [N/m].
+    pub surface_tension: f64,
     /// Gravity g [m/s²], as far as it presses: not along a periodic axis.
     pub gravity: DVec3,
 }
@@ -125,14 +130,19 @@ impl Kinds {
         let mut shared: Option<(usize, &Fluid)> = None;
         for (body, fluid) in scene.bodies.iter().enumerate().filter_map(|(body, matter)| Some((body, matter.fluid.as_ref()?))) {
             let (first, model) = *shared.get_or_insert((body, fluid));
-            let common = Fluid { density: model.density, viscosity: model.viscosity, ..fluid.clone() };
+            let common = Fluid {
+                density: model.density,
+                viscosity: model.viscosity,
+                surface_tension: model.surface_tension,
+                ..fluid.clone()
+            };
             if common != *model {
                 return Err(Error::parameter(
                     format!("bodies[{body}]"),
                     format!("numerics as those of bodies[{first}]"),
                     "others",
                 )
-                .with_hint("fluids of one scene may differ in density and viscosity alone"));
+                .with_hint("fluids of one scene may differ in density, viscosity and surface tension alone"));
             }
             kinds.summation = fluid.summation;
             let material = Material::of(scene, fluid)?;
@@ -201,7 +211,7 @@ impl Material {
         }
         let sound_speed = match fluid.sound_speed {
             Some(speed) => speed,
-            None => SOUND * fastest(scene, first, gravity)?,
+            None => enough_sound(scene, first, gravity)?,
         };
         Ok(Self {
             mass: fluid.density * if scene.dimension == 2 { fluid.spacing.powi(2) } else { fluid.spacing.powi(3) },
@@ -212,6 +222,7 @@ impl Material {
             viscosity: fluid.viscosity,
             artificial_viscosity: fluid.artificial_viscosity,
             density_diffusion: fluid.density_diffusion,
+            surface_tension: fluid.surface_tension,
             gravity,
         })
     }
@@ -219,7 +230,7 @@ impl Material {
 
 /// The fastest flow that is to be expected [m/s]: that of the start, or of a fall from the highest fluid to the lowest wall
 /// below any of it.
-fn fastest(scene: &Scene, first: usize, gravity: DVec3) -> Result<f64> {
+fn fastest(scene: &Scene, gravity: DVec3) -> Result<f64> {
     let bodies = || fluids(scene).map(|body| &scene.bodies[body]);
     let start = bodies().flat_map(|body| &body.velocities).map(|velocity| velocity.length()).fold(0.0, f64::max);
     let fall = match gravity.try_normalize() {
@@ -233,12 +244,27 @@ fn fastest(scene: &Scene, first: usize, gravity: DVec3) -> Result<f64> {
             (2.0 * gravity.length() * (lowest - highest)).sqrt()
         }
     };
-    let fastest = start.max(fall);
-    if fastest > 0.0 {
-        return Ok(fastest);
+    Ok(start.max(fall))
+}
+
+/// The square of the speed of sound that the tension of a surface asks for [m²/s²]: its pressures, which are of the order of
+/// σ/Δ next to it, then change the density by some percent.
+fn square_for_tension(scene: &Scene) -> f64 {
+    let models = || scene.bodies.iter().filter_map(|body| body.fluid.as_ref());
+    let tension = models().map(|fluid| fluid.surface_tension / fluid.spacing).fold(0.0, f64::max);
+    let lightest = models().map(|fluid| fluid.density).fold(f64::INFINITY, f64::min);
+    TENSION * tension / lightest
+}
+
+/// The speed of sound with which the fluid of a scene is as good as incompressible [m/s].
+fn enough_sound(scene: &Scene, first: usize, gravity: DVec3) -> Result<f64> {
+    let sound = (SOUND * fastest(scene, gravity)?).max(square_for_tension(scene).sqrt());
+    if sound > 0.0 {
+        return Ok(sound);
     }
-    Err(Error::parameter(format!("bodies[{first}].sound_speed"), "a speed [m/s]", "auto")
-        .with_hint("it follows from the initial velocities, or from gravity and a wall below; here there are neither"))
+    Err(Error::parameter(format!("bodies[{first}].sound_speed"), "a speed [m/s]", "auto").with_hint(
+        "it follows from the initial velocities, from gravity and a wall below, or from surface tension; here there are none",
+    ))
 }
 
 /// How far a ray goes from `x` until it meets a wall [m].

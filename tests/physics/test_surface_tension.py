@@ -1,0 +1,176 @@
+"""Surface tension: its force is that of its energy, it keeps momentum, and draws drops round and together."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+import physcore as pc
+from physics.laboratory import EPSILON, Array
+
+STILL = {"viscosity": 0.0, "artificial_viscosity": 0.0, "density_diffusion": 0.0}
+
+
+def heap(dimension: int) -> Array:
+    """Some fluid, out of order, in units of its spacing."""
+    cells = pc.ball((0.0,) * dimension, 4.2, 1.0)
+    return cells + 0.1 * np.random.default_rng(7).standard_normal(cells.shape)
+
+
+def scenes(name: str, positions: Array) -> pc.Scene:
+    """A fluid whose density is that at rest, so that nothing pushes but tension."""
+
+    def fluid(part: slice | Array, tension: float) -> pc.Fluid:
+        return pc.Fluid(positions[part], 1.0, density=1.0, sound_speed=20.0, surface_tension=tension, **STILL)
+
+    if name == "two fluids":
+        left = positions[:, 0] < 0.0
+        return pc.Scene(fluid(left, 1.0), fluid(~left, 0.5))
+    if name == "a corner":
+        return pc.Scene(fluid(slice(None), 1.0), pc.Box((-4.6,) * 2, (9.0,) * 2))
+    if name == "periodic":
+        return pc.Scene(fluid(slice(None), 1.0), pc.Periodic((-4.5, -20.0), (4.5, 20.0)))
+    if name == "obstacle":
+        post = pc.Particles(np.stack([np.arange(-5.0, 6.0), np.full(11, -5.4)], axis=1), fixed=True)
+        return pc.Scene(fluid(slice(None), 1.0), post)
+    return pc.Scene(fluid(slice(None), 1.0))
+
+
+CASES = [
+    ("a drop", 2),
+    ("a drop", 3),
+    ("two fluids", 2),
+    ("two fluids", 3),
+    ("a corner", 2),
+    ("periodic", 2),
+    ("obstacle", 2),
+]
+
+
+def energy(name: str, positions: Array) -> float:
+    return float(pc.Simulation(scenes(name, positions), dt=1e-6, precision="f64").energy().by_term["surface tension"])
+
+
+@pytest.mark.parametrize(("name", "dimension"), CASES)
+def test_its_force_is_that_of_its_energy(name, dimension):
+    """By central differences over 1e-4: their error is 1e-8/6 of a third derivative, some 100 σ/Δ², and ε E/1e-4.
+
+    The second derivative of the kernel is good to 1e-6 over u, 1e-5 of it. The force is read from one short step.
+    """
+    positions, dt, shift = heap(dimension), 1e-6, 1e-4
+    run = pc.Simulation(scenes(name, positions), dt=dt, precision="f64")
+    run.step(1)
+    count = len(positions)
+    order = np.argsort(~(positions[:, 0] < 0.0), kind="stable") if name == "two fluids" else np.arange(count)
+    forces = np.empty_like(positions)
+    forces[order] = run.velocities[:count] / dt
+    largest = np.abs(forces).max()
+    assert largest > 0.5
+    for index in (0, count // 3, count - 1):
+        for axis in range(dimension):
+            step = np.zeros_like(positions)
+            step[index, axis] = shift
+            slope = (energy(name, positions + step) - energy(name, positions - step)) / (2.0 * shift)
+            assert forces[index, axis] == pytest.approx(-slope, abs=3e-5 * largest)
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_it_keeps_momentum_and_angular_momentum(dimension):
+    """To the rounding of the sums over N particles: ε √N of the sum of what each has."""
+    positions = heap(dimension)
+    run = pc.Simulation(scenes("a drop", positions), dt=0.02, precision="f64")
+    run.step(50)
+    sizes = np.abs(run.velocities).sum()
+    turns = np.abs(np.linalg.norm(run.positions, axis=1) * np.linalg.norm(run.velocities, axis=1)).sum()
+    assert sizes > 1.0
+    assert np.abs(run.momentum()).max() <= 100.0 * EPSILON * sizes
+    assert np.abs(run.angular_momentum()).max() <= 100.0 * EPSILON * turns
+
+
+def test_without_it_there_is_none_of_it():
+    """Not in the audit, and not in the bits."""
+    cells = heap(2)
+    none, zero = (
+        pc.Simulation(pc.Scene(pc.Fluid(cells, 1.0, sound_speed=5.0, **given)), dt=0.01)
+        for given in ({}, {"surface_tension": 0.0})
+    )
+    none.step(20)
+    zero.step(20)
+    assert none.state_hash() == zero.state_hash()
+    assert "surface tension" not in none.energy().by_term
+
+
+@pytest.mark.parametrize("kernel", [pc.WendlandC2(), pc.WendlandC4(), pc.CubicSpline()], ids=lambda k: type(k).__name__)
+def test_a_lattice_without_a_surface_feels_nothing(kernel):
+    """In a closed box each particle has all of its neighbors: forces are what rounding leaves of σ/Δ²."""
+    water = pc.Fluid(
+        pc.block((0.0, 0.0), (12.0, 12.0), 1.0),
+        1.0,
+        density=1.0,
+        sound_speed=20.0,
+        kernel=kernel,
+        surface_tension=1.0,
+        **STILL,
+    )
+    run = pc.Simulation(pc.Scene(water, pc.Box((0.0, 0.0), (12.0, 12.0))), dt=1e-3, precision="f64")
+    assert run.energy().by_term["surface tension"] < 1e-12
+    run.step(1)
+    assert np.abs(run.velocities).max() / 1e-3 < 1e-10
+
+
+def test_the_sum_of_energies_is_kept_the_better_the_shorter_the_step():
+    """A leapfrog is of second order: half the step, a quarter of the error; half of it, not to ask for too much."""
+    drifts = []
+    for dt in (0.04, 0.02, 0.01):
+        run = pc.Simulation(scenes("a drop", heap(2)), dt=dt, precision="f64")
+        start, most = run.energy(), 0.0
+        for _ in range(40):
+            run.run(0.08)
+            most = max(most, abs(run.energy().balance - start.balance))
+        drifts.append(most / start.by_term["surface tension"])
+    assert drifts[0] < 0.02
+    assert drifts[2] < 0.5 * drifts[1] < 0.25 * drifts[0]
+
+
+def test_the_time_step_knows_it():
+    """√(ρh³/2πσ) for ripples."""
+    water = pc.Fluid(heap(2), 1.0, density=2.0, sound_speed=0.1, surface_tension=3.0)
+    plan = pc.Simulation(pc.Scene(water), dt=1e-3).plan
+    assert plan.limit_term == "surface tension"
+    assert plan.dt_limit <= math.sqrt(2.0 * 1.5**3 / (2.0 * math.pi * 3.0)) * (1.0 + 1e-12)
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_its_bits_are_those_of_one_thread_and_of_a_checkpoint(dimension, tmp_path):
+    cells = pc.block((0.0,) * dimension, (14.0,) * dimension, 1.0)
+    scene = pc.Scene(pc.Fluid(cells, 1.0, density=1.0, surface_tension=1.0))
+    one, two = (pc.Simulation(scene, dt=0.05, threads=threads) for threads in (1, 2))
+    one.step(30)
+    two.step(20)
+    two.save(tmp_path / "drop")
+    later = pc.load(tmp_path / "drop")
+    later.step(10)
+    assert later.state_hash() == one.state_hash()
+
+
+def test_sound_follows_from_it():
+    water = pc.Fluid(heap(3), 1.0, density=2.0, surface_tension=3.0)
+    assert "sound at 7.7460 m/s" in str(pc.Simulation(pc.Scene(water)).plan)  # √(40 · 3/2)
+
+
+@pytest.mark.long
+def test_two_drops_that_touch_become_one_round_one():
+    """The mean of x² over that of y² is 1 for a circle, 5 for two that touch: R²/4 + R² over R²/4."""
+    one = pc.ball((0.0, 0.0), 8.0, 1.0)
+    cells = np.concatenate([one - np.array([8.0, 0.0]), one + np.array([8.0, 0.0])])
+    water = pc.Fluid(cells, 1.0, density=1.0, surface_tension=1.0, viscosity=0.1)
+    run = pc.Simulation(pc.Scene(water))
+    radius = math.sqrt(len(cells) / math.pi)
+    period = 2.0 * math.pi / math.sqrt(6.0 / radius**3)
+    run.run(6.0 * period)
+    places = run.positions - run.positions.mean(axis=0)
+    square = (places**2).mean(axis=0)
+    assert square[0] / square[1] == pytest.approx(1.0, abs=0.1)
+    assert np.linalg.norm(places, axis=1).max() < radius + 1.0
