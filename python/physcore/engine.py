@@ -122,6 +122,7 @@ def _fluid(fluid: Fluid) -> dict[str, object]:
         "sound_speed": None if fluid.sound_speed == "auto" else fluid.sound_speed,
         "artificial_viscosity": fluid.artificial_viscosity,
         "density_diffusion": fluid.density_diffusion,
+        "shifting": fluid.shifting,
         "summation": fluid.density_from == "summation",
         "kernel": type(fluid.kernel).__name__,
         "smoothing": fluid.kernel.smoothing,

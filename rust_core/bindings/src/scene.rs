@@ -73,6 +73,7 @@ fn fluid(entry: &Bound<'_, PyAny>) -> PyResult<Option<Fluid>> {
         sound_speed: item(entry, "sound_speed")?.extract()?,
         artificial_viscosity: number("artificial_viscosity")?,
         density_diffusion: number("density_diffusion")?,
+        shifting: number("shifting")?,
         summation: item(entry, "summation")?.extract()?,
         kernel: item(entry, "kernel")?.extract()?,
         smoothing: number("smoothing")?,

@@ -199,6 +199,14 @@ impl<V: Vector> Contacts<V> {
         Error::parameter(format!("bodies[{body}].positions[{place}]"), expected, found)
     }
 
+    /// Where the walls hold a particle that was moved to `x`; None if none is in its way.
+    pub fn hold(&self, x: V, properties: &Properties<V>, index: usize) -> Option<V> {
+        let (body, radius) = (properties.body[index] as usize, properties.radius[index]);
+        let mut surfaces = self.surfaces.iter().filter(|surface| surface.bodies[body]);
+        let is_entered = surfaces.any(|surface| surface.wall.distance(x.widen()).0 < radius);
+        is_entered.then(|| self.inside(x.widen(), body, radius))
+    }
+
     /// The position next to `x`, as the state can hold it, where a particle of `radius` is outside no wall; if there is
     /// one nearby.
     fn inside(&self, x: DVec3, body: usize, radius: f64) -> V {

@@ -59,6 +59,8 @@ pub struct Fluid {
     pub artificial_viscosity: f64,
     /// The coefficient δ of the diffusion of density.
     pub density_diffusion: f64,
+    /// The coefficient A by which particles are shifted to where there is room; 0 where they are not.
+    pub shifting: f64,
     /// Whether density is counted from where the particles are, instead of carried along with them.
     pub summation: bool,
     /// The name of the smoothing kernel's class in Python.

@@ -5,6 +5,7 @@ use glam::DVec3;
 use super::Fluids;
 use super::kernel::{self, Kernel, Shape};
 use super::laws::{Continuity, Extrapolation, FORCES, KINDS, Momentum, OBSTACLE, Touch};
+use super::shifting::Shifting;
 use super::start::{self, Kinds, Material};
 use super::summation::Summation;
 use super::walls::Walls;
@@ -64,6 +65,7 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>, const MIXED: bool> Fluids<V, K
             forces: vec![[V::Scalar::ZERO; FORCES]; kind.len()],
             waves: kernel::waves::<K>(V::DIMENSION),
             summation: kinds.summation.then(|| Summation::new(kernel, &kinds, kind.len())),
+            shifting: (kinds.shifting > 0.0).then(|| Shifting::new(kernel, common, kinds.shifting, kind.len())),
             kinds,
             kind,
             obstacles,

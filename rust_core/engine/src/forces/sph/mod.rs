@@ -8,7 +8,7 @@
 //! Where density is counted from places ([`summation`]) both sums are at the end.
 //!
 //! [`laws`] holds the sums, [`kernel`] what they weigh with, [`walls`] their images behind walls; [`start`] finds what the scene
-//! leaves open, and [`assembly`] puts the parts together.
+//! leaves open, and [`assembly`] puts the parts together. Particles that gather in strands can be spread again: [`shifting`].
 
 use std::ops::Range;
 
@@ -16,7 +16,7 @@ use super::vicinity::Vicinity;
 use super::{Drift, Fields, Flow, Force, Moment, Rates, Reach, VelocityDependence};
 use crate::error::{Error, Result};
 use crate::math::{Real, Vector};
-use crate::matter::{self, Channel, Properties};
+use crate::matter::{self, Channel, Properties, Span};
 use crate::neighbors::sums::Records;
 use crate::parallel::{Chunks, Crew};
 use crate::scene::Scene;
@@ -27,6 +27,7 @@ mod assembly;
 mod images;
 mod kernel;
 mod laws;
+mod shifting;
 mod start;
 mod summation;
 mod walls;
@@ -34,6 +35,7 @@ mod walls;
 use images::View;
 use kernel::{CubicSpline, Shape, Wave, WendlandC2, WendlandC4};
 use laws::{Continuity, Extrapolation, FORCES, LIFT, Momentum, OBSTACLE, VISCOUS};
+use shifting::Shifting;
 use start::Kinds;
 use summation::Summation;
 use walls::Walls;
@@ -113,6 +115,8 @@ struct Fluids<V: Vector, K, const MIXED: bool> {
     extrapolation: Extrapolation<V::Scalar, K>,
     /// Where density is counted instead of carried along.
     summation: Option<Summation<V, K>>,
+    /// Where particles are moved to where there is room.
+    shifting: Option<Shifting<V, K>>,
     /// What [`Continuity`] gives, in the order of places.
     rates: Vec<[V::Scalar; 2]>,
     /// What [`Momentum`] gives, likewise.
@@ -178,7 +182,7 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>, const MIXED: bool> Force<V> fo
             return Ok(());
         }
         self.search(&|axis, index| drift.middle(axis, index), crew)?;
-        let Self { kinds, kind, mass, density, diffused, vicinity, records, continuity, rates, walls, .. } = self;
+        let Self { kinds, kind, mass, density, diffused, vicinity, records, continuity, rates, walls, shifting, .. } = self;
         let each = |member: usize| {
             let enthalpy = kinds.fluid(kind[member]).map_or(0.0, |fluid| fluid.enthalpy(density[member]));
             [mass[member] / density[member], enthalpy]
@@ -189,6 +193,9 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>, const MIXED: bool> Force<V> fo
         let common = kinds.first();
         let view = View { weight: common.gravity / common.sound_speed.powi(2), sticks: false };
         walls.add(*continuity, &view, (vicinity, records), rates, crew);
+        if let Some(shifting) = shifting {
+            shifting.survey((vicinity, records), walls, drift.h, crew);
+        }
         let places = neighbors.places();
         crew.sweep((Chunks::new(density, BLOCK), Chunks::new(diffused, BLOCK)), &|(densities, powers)| {
             for (offset, (density, power)) in densities.items.iter_mut().zip(powers.items).enumerate() {
@@ -203,6 +210,19 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>, const MIXED: bool> Force<V> fo
             }
         });
         Ok(())
+    }
+
+    fn displaces(&self) -> bool {
+        self.shifting.is_some()
+    }
+
+    fn displace(&self, block: Range<usize>, ways: &mut Span<'_, V>) {
+        let Some(shifting) = &self.shifting else { return };
+        for (index, member, place) in self.vicinity.in_block(block) {
+            if self.kind[member] != OBSTACLE {
+                ways.set(index, ways.get(index) + shifting.displacement(place));
+            }
+        }
     }
 
     fn prepare(&mut self, at: &Moment<'_, V>, crew: &Crew) -> Result<()> {
@@ -351,7 +371,9 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>, const MIXED: bool> Force<V> fo
     }
 
     fn layout(&self) -> String {
-        format!("sound at {:.4} m/s; {}", self.kinds.first().sound_speed, self.vicinity.layout())
+        let shifts =
+            self.shifting.as_ref().map_or_else(String::new, |shifting| format!("shifted by A = {}; ", shifting.coefficient()));
+        format!("sound at {:.4} m/s; {shifts}{}", self.kinds.first().sound_speed, self.vicinity.layout())
     }
 
     fn bytes(&self) -> usize {
@@ -359,6 +381,7 @@ impl<V: Vector, K: Shape<V::Scalar> + Shape<f64>, const MIXED: bool> Force<V> fo
         let numbers = 4 * size_of::<f64>() * self.density.len();
         let indices = size_of::<u32>() * self.obstacles.len() + self.kind.len();
         let counts = self.summation.as_ref().map_or(0, Summation::bytes);
-        counts + self.vicinity.bytes() + self.records.bytes() + self.walls.bytes() + own + numbers + indices
+        let shifts = self.shifting.as_ref().map_or(0, Shifting::bytes);
+        counts + shifts + self.vicinity.bytes() + self.records.bytes() + self.walls.bytes() + own + numbers + indices
     }
 }

@@ -11,6 +11,7 @@ use crate::parallel::{Crew, Split};
 use crate::simd::LANES;
 use crate::systems::matter::Interval;
 use crate::systems::matter::collisions::collide;
+use crate::systems::matter::displacement::displace;
 use crate::systems::matter::kernels::{self, Action, Load};
 use crate::systems::matter::law::Law;
 
@@ -60,6 +61,9 @@ pub fn advance<V: Vector, I: Integrator>(
         }
         if let Some(half) = I::DRIFT {
             law.drift(matter, matter.memory[half].view(), interval.h, crew)?;
+            if law.displaces() {
+                displace(law, matter, &mut desk.force, interval.time(step, 1.0), crew)?;
+            }
         }
         for stage in 0..stages {
             let next = if stage + 1 < stages {
@@ -138,9 +142,9 @@ fn collisions<V: Vector, I: Integrator>(law: &Law<V>, matter: &mut Matter<V>, de
 }
 
 /// Blocks with their forces.
-struct Work<'a, V: Vector> {
-    blocks: Blocks<'a, V>,
-    force: Span<'a, V>,
+pub struct Work<'a, V: Vector> {
+    pub blocks: Blocks<'a, V>,
+    pub force: Span<'a, V>,
 }
 
 impl<V: Vector> Split for Work<'_, V> {
