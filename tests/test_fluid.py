@@ -238,7 +238,7 @@ def test_fluids_are_computed_in_single_precision_unless_asked_otherwise():
         (lambda: pc.Fluid(WATER, 0.1, density_diffusion=-1), "Fluid.density_diffusion: must be ≥ 0"),
         (lambda: pc.Fluid(WATER, 0.1, shifting=-1), "Fluid.shifting: must be ≥ 0"),
         (
-            lambda: pc.Fluid(WATER, 0.1, shifting=4.0, density_from="summation"),
+            lambda: pc.Fluid(WATER, 0.1, shifting=6.0, density_from="summation"),
             "Fluid.shifting: must be 0 with density_from='summation'",
         ),
         (lambda: pc.Fluid(WATER, 0.21), "Fluid.positions: overlapping particles: 0 and 1 are 0.1 m apart"),

@@ -49,16 +49,16 @@ class Fluid(Body):
             where the particles are, so that it never drifts and energy is that of the particles' places. That is for
             fluids that fill a closed or periodic space, because at a free surface there is nothing to count; it has no
             noise for δ to damp.
-        shifting: the coefficient A, at least zero, by which particles are moved beside their velocity from where they are
-            crowded to where there is room; 0: not at all, 4: what all scenes of the validation are run with. It keeps
-            flows that stretch, and negative pressures, from gathering particles in strands with voids between them.
-            It goes with density from continuity, not with forces between pairs that act on the fluid.
+        shifting: the coefficient A, at least zero, by which particles are moved beside their velocity from where they
+            are crowded to where there is room. 0: not at all; 6 is what the validation is run with. It keeps flows that
+            stretch, and negative pressures, from gathering particles in strands with voids between them. It goes with
+            density from continuity, and not with forces between pairs that act on the fluid.
 
-    What shifting costs: each step moves a particle by δx = −A h U dt Σ V [1 + (W/W(Δ))⁴/5] ∇W with U = c/10, at most by
-    U dt/2, but none at a free surface or through a wall. Momentum and the energies of motion and of compression are kept
-    exactly; angular momentum is not, by some 1e-3; and what it changes in the potential energy is counted as work. It
-    does not bound the time step, and takes about a third more time. Two fluids that meet are shifted as one, and may mix
-    a little.
+    What shifting is: each step moves a particle by δx = −A h U dt Σ V [1 + (W/W(Δ))⁴/5] ∇W, where U is the difference
+    of velocity over 8h, c/10 at most, and δx at most c dt/20; but none at a free surface, and none through a wall. It
+    never bounds the time step. What it costs: momentum and the energies of motion and of compression are kept exactly,
+    but angular momentum only to some 1e-3. What it changes in potential energy counts as work: a wave is lifted a
+    little. Fluids that meet are shifted as one, and may mix.
 
     Raises:
         SceneError: a shape does not fit, a value is not finite or out of range, or two particles are closer together
@@ -66,9 +66,10 @@ class Fluid(Body):
 
     Source: J. J. Monaghan, J. Comput. Phys. 110, 399 (1994), with the pressure of R. H. Cole, "Underwater Explosions",
     1948; the diffusion of density after G. Fourtakas et al., Comput. Fluids 190, 346 (2019); obstacles as in S. Adami,
-    X. Y. Hu, N. A. Adams, J. Comput. Phys. 231, 7057 (2012). Shifting after S. J. Lind, R. Xu, P. K. Stansby, B. D. Rogers,
-    J. Comput. Phys. 231, 1499 (2012); A of A. Skillen et al., Comput. Methods Appl. Mech. Eng. 265, 163 (2013); the rest
-    of P. N. Sun et al., the same 315, 25 (2017), where A = 2, and 348, 912 (2019).
+    X. Y. Hu, N. A. Adams, J. Comput. Phys. 231, 7057 (2012). Shifting after S. J. Lind, R. Xu, P. K. Stansby,
+    B. D. Rogers, J. Comput. Phys. 231, 1499 (2012); A of A. Skillen et al., Comput. Methods Appl. Mech. Eng. 265, 163
+    (2013), from 1 to 6; the weights of P. N. Sun et al., the same 315, 25 (2017), and their limit, 348, 912 (2019), but
+    with a U of each place, which is the same to whoever moves or turns along.
     """
 
     spacing: float
@@ -125,7 +126,9 @@ class Fluid(Body):
             shifting=number(shifting, "Fluid.shifting", least=0.0),
         )
         if self.shifting > 0.0 and self.density_from == "summation":
-            raise SceneError("Fluid.shifting: must be 0 with density_from='summation', which keeps particles apart by itself")
+            raise SceneError(
+                "Fluid.shifting: must be 0 with density_from='summation', which keeps particles apart by itself"
+            )
         pair = closer_than(self.positions, CLOSEST * step)
         if pair is not None:
             raise SceneError(f"Fluid.positions: overlapping particles: {describe_pair(self.positions, pair, step)}")

@@ -46,7 +46,7 @@ pub fn content<V: Vector>(record: &Record<V::Scalar>) -> V::Scalar {
 
 /// v·d.
 #[inline(always)]
-fn approach<V: Vector>(own: &Record<V::Scalar>, other: &Record<V::Scalar>, apart: [V::Scalar; AXES]) -> V::Scalar {
+pub fn approach<V: Vector>(own: &Record<V::Scalar>, other: &Record<V::Scalar>, apart: [V::Scalar; AXES]) -> V::Scalar {
     let mut sum = V::Scalar::ZERO;
     for axis in 0..V::DIMENSION {
         sum += (own[V::DIMENSION + axis] - other[V::DIMENSION + axis]) * apart[axis];

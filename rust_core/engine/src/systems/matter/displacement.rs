@@ -5,7 +5,7 @@
 
 use crate::error::Result;
 use crate::math::Vector;
-use crate::matter::{Channel, Columns, Matter};
+use crate::matter::{Blocks, Channel, Columns, Matter};
 use crate::parallel::Crew;
 use crate::systems::matter::coupled::Work;
 use crate::systems::matter::law::Law;
@@ -17,7 +17,7 @@ pub fn displace<V: Vector>(law: &Law<V>, matter: &mut Matter<V>, ways: &mut Colu
         let Work { mut blocks, force: mut ways } = work;
         let (start, count) = (blocks.start, blocks.count);
         law.displace(&blocks.range(), &mut ways);
-        let potential = |blocks: &crate::matter::Blocks<'_, V>| {
+        let potential = |blocks: &Blocks<'_, V>| {
             let at = law.moment(blocks.position.view(start), blocks.velocity.view(start), time);
             law.potential(&(start..start + count), &at)
         };
