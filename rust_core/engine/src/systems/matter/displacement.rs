@@ -25,12 +25,9 @@ pub fn displace<V: Vector>(law: &Law<V>, matter: &mut Matter<V>, ways: &mut Colu
         for lane in 0..count {
             let way = ways.get(lane);
             if way != V::default() {
-                blocks.set_place(lane, blocks.place(lane) + way.widen());
-                let held =
-                    law.contacts.as_ref().and_then(|walls| walls.hold(blocks.position.get(lane), &law.properties, start + lane));
-                if let Some(held) = held {
-                    blocks.set_place(lane, held.widen());
-                }
+                let place = blocks.place(lane) + way.widen();
+                let held = law.contacts.as_ref().and_then(|walls| walls.hold(place, &law.properties, start + lane));
+                blocks.set_place(lane, held.unwrap_or(place));
             }
         }
         let gain = potential(&blocks) - before;
