@@ -56,9 +56,9 @@ class Fluid(Body):
 
     What shifting is: each step moves a particle by δx = −A h U dt Σ V [1 + (W/W(Δ))⁴/5] ∇W, where U is the difference
     of velocity over 8h, c/10 at most, and δx at most c dt/20; but none at a free surface, and none through a wall. It
-    never bounds the time step. What it costs: momentum and the energies of motion and of compression are kept exactly,
-    but angular momentum only to some 1e-3. What it changes in potential energy counts as work: a wave is lifted a
-    little. Fluids that meet are shifted as one, and may mix.
+    never bounds the time step, but a step takes twice as long. Momentum and the energies of motion and of compression
+    are kept exactly, angular momentum only to some 1e-3. What it changes in potential energy counts as work: a wave is
+    lifted a little. Fluids that meet are shifted as one, and may mix.
 
     Raises:
         SceneError: a shape does not fit, a value is not finite or out of range, or two particles are closer together
