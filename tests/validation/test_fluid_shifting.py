@@ -22,7 +22,7 @@ from validation.test_fluid_flows import (
     swing,
     vortices_with,
 )
-from validation.test_fluid_waves import HASTE, WAVE, dam_break_misfits, dam_with, standing_wave
+from validation.test_fluid_waves import HASTE, WAVE, WIDTH, dam_break_misfits, dam_with, standing_wave
 
 pytestmark = pytest.mark.validation
 
@@ -172,7 +172,8 @@ def test_f14_a_shifted_broken_dam(record_property):
     record_property("budget", f"{hole(recording.energy):.1e}")
     assert front <= 0.10
     assert column <= 0.02
-    assert recording.positions.min() >= 0.0
+    # Frames between steps are cubics through positions and velocities, of which shifts are only in the former.
+    assert recording.positions.min() >= -1e-3 * WIDTH / 40.0
     assert hole(recording.energy) <= widest_hole(recording.energy)
 
 
