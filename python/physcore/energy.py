@@ -33,7 +33,7 @@ class Budget(Generic[Amount]):
     """The same by what took it: `dissipated_by["drag"]`, `["damping"]` (of springs and between grains), `["viscosity"]`
     (of fluids) and `["contacts"]` (with boundaries)."""
     work: Amount
-    """What drivers, wind and `Simulation.set` have put in since the start: the time integral of their own power."""
+    """What drivers, wind, shifting and `Simulation.set` have put in since the start, each metered by itself."""
 
     @property
     def potential(self) -> Amount:

@@ -123,6 +123,7 @@ def _fluid(fluid: Fluid) -> dict[str, object]:
         "artificial_viscosity": fluid.artificial_viscosity,
         "density_diffusion": fluid.density_diffusion,
         "surface_tension": fluid.surface_tension,
+        "shifting": fluid.shifting,
         "summation": fluid.density_from == "summation",
         "kernel": type(fluid.kernel).__name__,
         "smoothing": fluid.kernel.smoothing,

@@ -74,6 +74,7 @@ fn fluid(entry: &Bound<'_, PyAny>) -> PyResult<Option<Fluid>> {
         artificial_viscosity: number("artificial_viscosity")?,
         density_diffusion: number("density_diffusion")?,
         surface_tension: number("surface_tension")?,
+        shifting: number("shifting")?,
         summation: item(entry, "summation")?.extract()?,
         kernel: item(entry, "kernel")?.extract()?,
         smoothing: number("smoothing")?,

@@ -21,7 +21,7 @@ pub struct Energy {
     pub internal: f64,
     /// What has been dissipated since the start [J], by what took it: drag, damping of springs, contacts, viscosity.
     pub dissipated: [f64; 4],
-    /// The work done since the start by drivers, wind, custom forces and fixed particles that move [J].
+    /// The work done since the start by drivers, wind, custom forces, fixed particles that move, and the shifting of fluids [J].
     pub work: f64,
 }
 

@@ -199,6 +199,16 @@ impl<V: Vector> Contacts<V> {
         Error::parameter(format!("bodies[{body}].positions[{place}]"), expected, found)
     }
 
+    /// Where the walls hold a particle that was moved to `x`; None if it stays clear of them, and so does what the state
+    /// makes of that.
+    pub fn hold(&self, x: DVec3, properties: &Properties<V>, index: usize) -> Option<DVec3> {
+        let (body, radius) = (properties.body[index] as usize, properties.radius[index]);
+        let rounded = V::narrow(x).widen();
+        let mut surfaces = self.surfaces.iter().filter(|surface| surface.bodies[body]);
+        let is_entered = surfaces.any(|surface| surface.wall.distance(x).0.min(surface.wall.distance(rounded).0) < radius);
+        is_entered.then(|| self.inside(x, body, radius).widen())
+    }
+
     /// The position next to `x`, as the state can hold it, where a particle of `radius` is outside no wall; if there is
     /// one nearby.
     fn inside(&self, x: DVec3, body: usize, radius: f64) -> V {

@@ -169,6 +169,21 @@ impl<'a, V: Vector> Blocks<'a, V> {
         Self { start, count, size: position.len(), position, velocity, memory, residual: Span::empty(), meters }
     }
 
+    /// The exact position of a particle of these, relative to the origin [m].
+    pub fn place(&self, lane: usize) -> DVec3 {
+        let residual = if self.residual.is_empty() { DVec3::ZERO } else { self.residual.get(lane).widen() };
+        self.position.get(lane).widen() + residual
+    }
+
+    /// Moves a particle of these to a position relative to the origin [m], as exactly as the state can hold it.
+    pub fn set_place(&mut self, lane: usize, place: DVec3) {
+        let position = V::narrow(place);
+        self.position.set(lane, position);
+        if !self.residual.is_empty() {
+            self.residual.set(lane, V::narrow(place - position.widen()));
+        }
+    }
+
     /// The particles, padding included.
     #[inline(always)]
     pub fn range(&self) -> Range<usize> {

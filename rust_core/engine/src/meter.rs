@@ -13,7 +13,7 @@ pub enum Channel {
     Contact,
     /// Dissipated by the viscosity of fluids, and by the diffusion of their density.
     Viscosity,
-    /// Work done on the matter by drivers, wind and fixed particles that move.
+    /// Work done on the matter by drivers, wind, fixed particles that move, and the shifting of fluids.
     Work,
 }
 

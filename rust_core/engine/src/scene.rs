@@ -61,6 +61,8 @@ pub struct Fluid {
     pub density_diffusion: f64,
     /// The surface tension σ [N/m].
     pub surface_tension: f64,
+    /// The coefficient A by which particles are shifted to where there is room; 0 where they are not.
+    pub shifting: f64,
     /// Whether density is counted from where the particles are, instead of carried along with them.
     pub summation: bool,
     /// The name of the smoothing kernel's class in Python.

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use glam::DVec3;
-use physcore_engine::scene::{Body, Scene, Spring, Term, Value};
+use physcore_engine::scene::{Body, Fluid, Scene, Spring, Term, Value};
 use physcore_engine::simulation::{Numerics, build};
 
 fn term(path: &str, kind: &str, values: &[(&str, Value)]) -> Term {
@@ -69,4 +69,58 @@ fn steps_allocate_nothing() {
             assert!(allocated.count_total <= 10, "{integrator}, springs: {springs}: {allocated:?}");
         }
     }
+}
+
+/// Water that falls over in a box, and is shifted: its lists are made anew now and then, in memory that is there.
+#[test]
+fn steps_of_a_shifted_fluid_allocate_nothing() {
+    let spacing = 0.05;
+    let at = |index: i32| spacing * (f64::from(index) + 0.5);
+    let positions: Vec<DVec3> = (0..10).flat_map(|x| (0..20).map(move |y| DVec3::new(at(x), at(y), 0.0))).collect();
+    let count = positions.len();
+    let fluid = Fluid {
+        spacing,
+        density: 1000.0,
+        viscosity: 1e-3,
+        sound_speed: Some(40.0),
+        artificial_viscosity: 0.02,
+        density_diffusion: 0.1,
+        surface_tension: 0.0,
+        shifting: 6.0,
+        summation: false,
+        kernel: "WendlandC2".to_owned(),
+        smoothing: 1.5,
+        obstacles: true,
+    };
+    let body = Body {
+        velocities: vec![DVec3::ZERO; count],
+        mass: vec![1000.0 * spacing * spacing; count],
+        charge: vec![0.0; count],
+        radius: vec![0.0; count],
+        fixed: vec![false; count],
+        fluid: Some(fluid),
+        positions,
+        ..Body::default()
+    };
+    let material = [("restitution", Value::Number(0.0)), ("friction", Value::Number(0.0))];
+    let corners = [("lower", Value::Vector(DVec3::ZERO)), ("upper", Value::Vector(DVec3::new(1.5, 1.5, 0.0)))];
+    let scene = Scene {
+        dimension: 2,
+        bodies: vec![body],
+        forces: vec![term("forces[0]", "Gravity", &[("acceleration", Value::Vector(DVec3::new(0.0, -9.81, 0.0)))])],
+        boundaries: vec![term("boundaries[0]", "Box", &[&material[..], &corners[..]].concat())],
+        ..Scene::default()
+    };
+    let numerics = Numerics {
+        integrator: "VelocityVerlet".to_owned(),
+        precision: "f32".to_owned(),
+        threads: Some(1),
+        runaway: 1e6,
+        ignore_runaway: true,
+    };
+    let mut world = build(&scene, &numerics).unwrap();
+    world.step(200, 5e-4, &|| false).unwrap();
+    let allocated = allocation_counter::measure(|| (0..10).for_each(|_| world.step(1, 5e-4, &|| false).unwrap()));
+    // As above.
+    assert!(allocated.count_total <= 10, "{allocated:?}");
 }

@@ -169,6 +169,15 @@ pub trait Force<V: Vector>: Send + Sync {
     /// Adds the energy that its field lost over the last drift to what passed through the channels of a block [J].
     fn spend(&self, _block: Range<usize>, _energy: &mut Power) {}
 
+    /// Whether it moves particles beside their velocity, after a drift.
+    fn displaces(&self) -> bool {
+        false
+    }
+
+    /// Adds where it moves the particles of `block` after the last drift [m] to `ways`. Their velocities stay, and what that
+    /// changes in pointwise and user-given potentials counts as work.
+    fn displace(&self, _block: Range<usize>, _ways: &mut Span<'_, V>) {}
+
     /// Work that must be done for all particles before any block is asked for.
     fn prepare(&mut self, _at: &Moment<'_, V>, _crew: &Crew) -> Result<()> {
         Ok(())

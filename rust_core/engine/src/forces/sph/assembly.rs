@@ -5,6 +5,7 @@ use glam::DVec3;
 use super::Fluids;
 use super::kernel::{self, Kernel, Shape};
 use super::laws::{Continuity, Extrapolation, FORCES, KINDS, Momentum, OBSTACLE, Touch};
+use super::shifting::Shifting;
 use super::start::{self, Kinds, Material};
 use super::summation::Summation;
 use super::surface::Surface;
@@ -74,6 +75,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
             tension: Tension::new(kernel, &waves, &kinds, kind.len()),
             waves,
             summation: kinds.summation.then(|| Summation::new(kernel, &kinds, kind.len())),
+            shifting: (kinds.shifting > 0.0).then(|| Shifting::new(kernel, common, kinds.shifting, kind.len())),
             kinds,
             kind,
             obstacles,

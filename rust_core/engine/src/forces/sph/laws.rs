@@ -52,7 +52,7 @@ fn velocity<V: Vector, N: Number>(pair: &Pair<N>, axis: usize) -> N {
 
 /// v·d.
 #[inline(always)]
-fn approach<V: Vector, N: Number>(pair: &Pair<N>) -> N {
+pub fn approach<V: Vector, N: Number>(pair: &Pair<N>) -> N {
     let mut sum = velocity::<V, N>(pair, 0) * pair.apart[0];
     for axis in 1..V::DIMENSION {
         sum += velocity::<V, N>(pair, axis) * pair.apart[axis];

@@ -9,7 +9,8 @@
 //! will do.
 //!
 //! [`laws`] holds the sums, [`kernel`] what they weigh with, [`walls`] their images behind walls, [`surface`] what is torn off and
-//! [`tension`] what holds it together; [`start`] finds what the scene leaves open, and [`assembly`] puts the parts together.
+//! [`tension`] what holds it together; [`shifting`] spreads particles that gather in strands; [`start`] finds what the scene leaves
+//! open, and [`assembly`] puts the parts together.
 
 use std::f64::consts::TAU;
 use std::ops::Range;
@@ -18,7 +19,7 @@ use super::vicinity::Vicinity;
 use super::{Drift, Field, Fields, Flow, Force, Moment, Rates, Reach, VelocityDependence};
 use crate::error::{Error, Result};
 use crate::math::{Real, Vector};
-use crate::matter::{self, Channel, Power, Properties};
+use crate::matter::{self, Channel, Power, Properties, Span};
 use crate::neighbors::sums::Records;
 use crate::parallel::{Chunks, Crew};
 use crate::scene::Scene;
@@ -29,6 +30,7 @@ mod assembly;
 mod images;
 mod kernel;
 mod laws;
+mod shifting;
 mod start;
 mod summation;
 mod surface;
@@ -38,6 +40,7 @@ mod walls;
 use images::View;
 use kernel::{CubicSpline, Shape, Wave, WendlandC2, WendlandC4};
 use laws::{Continuity, Extrapolation, FORCES, LIFT, Momentum, OBSTACLE, VISCOUS};
+use shifting::Shifting;
 use start::{Kinds, Material};
 use summation::Summation;
 use surface::Surface;
@@ -121,6 +124,8 @@ struct Fluids<V: Vector, K, const MIXED: bool> {
     summation: Option<Summation<V, K>>,
     /// Where a fluid has one.
     tension: Option<Tension<V, K, MIXED>>,
+    /// Where particles are moved to where there is room.
+    shifting: Option<Shifting<V, K>>,
     /// What [`Continuity`] gives, in the order of places: of the particles, and of their images.
     rates: Vec<[V::Scalar; 2]>,
     mirrored: Vec<[V::Scalar; 2]>,
@@ -215,8 +220,8 @@ impl<V: Vector, K: Shape, const MIXED: bool> Force<V> for Fluids<V, K, MIXED> {
     /// ρ ← ρ + h dρ/dt, in the middle of the way and at the velocity of the way.
     fn drift(&mut self, drift: &Drift<'_, V>, crew: &Crew) -> Result<()> {
         self.search(&|axis, index| drift.middle(axis, index), crew)?;
-        let Self { kinds, kind, mass, density, diffused, vicinity, records, surface, continuity, rates, mirrored, walls, .. } =
-            self;
+        let Self { kinds, kind, mass, density, diffused, vicinity, records, surface, shifting, .. } = self;
+        let Self { continuity, rates, mirrored, walls, .. } = self;
         let each = |member: usize| {
             let enthalpy = kinds.fluid(kind[member]).map_or(0.0, |fluid| fluid.enthalpy(density[member]));
             [mass[member] / density[member], enthalpy]
@@ -228,6 +233,9 @@ impl<V: Vector, K: Shape, const MIXED: bool> Force<V> for Fluids<V, K, MIXED> {
         let view = View { weight: common.gravity / common.sound_speed.powi(2), sticks: false };
         mirrored.fill([V::Scalar::ZERO; 2]);
         walls.add(*continuity, &view, (vicinity, records), mirrored, crew);
+        if let Some(shifting) = shifting {
+            shifting.survey((vicinity, records), walls, drift.h, crew);
+        }
         let places = neighbors.places();
         let columns = (Chunks::new(density, BLOCK), (Chunks::new(diffused, BLOCK), Chunks::new(&mut surface.holds, BLOCK)));
         crew.sweep(columns, &|(densities, (losses, holds))| {
@@ -254,6 +262,19 @@ impl<V: Vector, K: Shape, const MIXED: bool> Force<V> for Fluids<V, K, MIXED> {
     fn spend(&self, block: Range<usize>, energy: &mut Power) {
         for (index, member, _) in self.vicinity.in_block(block) {
             energy[Channel::Viscosity as usize][index % LANES] += self.diffused[member];
+        }
+    }
+
+    fn displaces(&self) -> bool {
+        self.shifting.is_some()
+    }
+
+    fn displace(&self, block: Range<usize>, ways: &mut Span<'_, V>) {
+        let Some(shifting) = &self.shifting else { return };
+        for (index, member, place) in self.vicinity.in_block(block) {
+            if self.kind[member] != OBSTACLE {
+                ways.set(index, ways.get(index) + shifting.displacement(place));
+            }
         }
     }
 
@@ -429,7 +450,9 @@ impl<V: Vector, K: Shape, const MIXED: bool> Force<V> for Fluids<V, K, MIXED> {
     }
 
     fn layout(&self) -> String {
-        format!("sound at {:.4} m/s; {}", self.kinds.first().sound_speed, self.vicinity.layout())
+        let shifts =
+            self.shifting.as_ref().map_or_else(String::new, |shifting| format!("shifted by A = {}; ", shifting.coefficient()));
+        format!("sound at {:.4} m/s; {shifts}{}", self.kinds.first().sound_speed, self.vicinity.layout())
     }
 
     fn bytes(&self) -> usize {
@@ -437,7 +460,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> Force<V> for Fluids<V, K, MIXED> {
         let numbers = 4 * size_of::<f64>() * self.density.len();
         let indices = size_of::<u32>() * self.obstacles.len() + self.kind.len();
         let counts = self.summation.as_ref().map_or(0, Summation::bytes);
-        let pulls = self.tension.as_ref().map_or(0, Tension::bytes);
+        let pulls = self.tension.as_ref().map_or(0, Tension::bytes) + self.shifting.as_ref().map_or(0, Shifting::bytes);
         let parts = self.vicinity.bytes() + self.records.bytes() + self.walls.bytes() + self.surface.bytes();
         counts + pulls + parts + own + numbers + indices
     }

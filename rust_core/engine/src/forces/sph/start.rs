@@ -7,7 +7,7 @@ use super::walls::Side;
 use crate::boundaries::{self, Wall};
 use crate::error::{Error, Result};
 use crate::math::Real;
-use crate::scene::{Fluid, Scene};
+use crate::scene::{Fluid, Scene, Term};
 
 /// The exponent γ of the equation of state.
 const GAMMA: i32 = 7;
@@ -118,6 +118,8 @@ pub struct Kinds {
     pub of_body: Vec<Option<u8>>,
     /// Whether density is counted from places.
     pub summation: bool,
+    /// The coefficient A of shifting.
+    pub shifting: f64,
 }
 
 impl Kinds {
@@ -126,7 +128,7 @@ impl Kinds {
     /// # Errors
     /// If they are too many or have different kernels, or the speed of sound can neither be found nor is given.
     pub fn of(scene: &Scene) -> Result<Self> {
-        let mut kinds = Self { materials: Vec::new(), of_body: vec![None; scene.bodies.len()], summation: false };
+        let mut kinds = Self { materials: Vec::new(), of_body: vec![None; scene.bodies.len()], summation: false, shifting: 0.0 };
         let mut shared: Option<(usize, &Fluid)> = None;
         for (body, fluid) in scene.bodies.iter().enumerate().filter_map(|(body, matter)| Some((body, matter.fluid.as_ref()?))) {
             let (first, model) = *shared.get_or_insert((body, fluid));
@@ -145,6 +147,8 @@ impl Kinds {
                 .with_hint("fluids of one scene may differ in density, viscosity and surface tension alone"));
             }
             kinds.summation = fluid.summation;
+            kinds.shifting = fluid.shifting;
+            check_shifting(scene, body, fluid)?;
             let material = Material::of(scene, fluid)?;
             let known = kinds.materials.iter().position(|other| *other == material);
             if known.is_none() && kinds.materials.len() == usize::from(OBSTACLE) {
@@ -225,6 +229,26 @@ impl Material {
             surface_tension: fluid.surface_tension,
             gravity,
         })
+    }
+}
+
+/// Looks whether a fluid may be shifted, if it is to be.
+fn check_shifting(scene: &Scene, body: usize, fluid: &Fluid) -> Result<()> {
+    let path = format!("bodies[{body}].shifting");
+    if !(fluid.shifting.is_finite() && fluid.shifting >= 0.0) {
+        return Err(Error::parameter(path, "a finite number ≥ 0", fluid.shifting));
+    }
+    if fluid.shifting > 0.0 && fluid.summation {
+        return Err(Error::parameter(path, "0 where density is counted by summation", fluid.shifting)
+            .with_hint("the energy of such a fluid is that of its particles' places, and keeps them apart"));
+    }
+    let pushes = |term: &&Term| ["Repulsion", "LennardJones"].contains(&term.kind.as_str()) && term.acts_on(body);
+    match scene.forces.iter().find(pushes) {
+        Some(term) if fluid.shifting > 0.0 => {
+            Err(Error::parameter(format!("{}.on", term.path), "no fluid that is shifted", format!("bodies[{body}]"))
+                .with_hint("what a shift changes in the energy of pairs is not counted"))
+        }
+        _ => Ok(()),
     }
 }
 

@@ -11,6 +11,7 @@ use crate::parallel::{Crew, Split};
 use crate::simd::LANES;
 use crate::systems::matter::Interval;
 use crate::systems::matter::collisions::collide;
+use crate::systems::matter::displacement::displace;
 use crate::systems::matter::kernels::{self, Action, Load};
 use crate::systems::matter::law::Law;
 
@@ -63,15 +64,15 @@ pub fn advance<V: Vector, I: Integrator>(
             collisions::<V, I>(law, matter, desk, interval.h, crew);
         }
         for stage in 0..stages {
+            let time = interval.time(step, I::NODES[stage]);
             if let Some(turns) = drifts {
-                drift(law, matter, Some(turns.velocity), turns.drifts[stage] * interval.h, crew)?;
+                drift(law, matter, desk, Some(turns.velocity), (time, turns.drifts[stage] * interval.h), crew)?;
             }
             let next = if stage + 1 < stages { Some(stage + 1) } else { (step + 1 < interval.steps && moves_on).then_some(0) };
-            let time = interval.time(step, I::NODES[stage]);
             sweep::<V, I>(law, matter, desk, interval, time, Action::Absorb(stage, next), crew)?;
         }
         if let Some(&last) = drifts.and_then(|turns| turns.drifts.get(stages)) {
-            drift(law, matter, None, last * interval.h, crew)?;
+            drift(law, matter, desk, None, (interval.time(step, 1.0), last * interval.h), crew)?;
         }
         if counts {
             law.count(matter, interval.time(step, 1.0), crew)?;
@@ -93,9 +94,16 @@ pub fn begin<V: Vector, I: Integrator>(
     sweep::<V, I>(law, matter, desk, interval, interval.start, Action::Begin, &Crew::alone())
 }
 
-/// Advances the fields over the drift that led here, with the velocity that is remembered or the present one, and meters what
-/// they lose on the way.
-fn drift<V: Vector>(law: &mut Law<V>, matter: &mut Matter<V>, velocity: Option<usize>, h: f64, crew: &Crew) -> Result<()> {
+/// Advances the fields over the drift of `h` seconds that led here, at a time, with the velocity that is remembered or the
+/// present one; meters what they lose on the way, and displaces what they move beside it.
+fn drift<V: Vector>(
+    law: &mut Law<V>,
+    matter: &mut Matter<V>,
+    desk: &mut Desk<V>,
+    velocity: Option<usize>,
+    (time, h): (f64, f64),
+    crew: &Crew,
+) -> Result<()> {
     if h == 0.0 {
         return Ok(());
     }
@@ -103,7 +111,7 @@ fn drift<V: Vector>(law: &mut Law<V>, matter: &mut Matter<V>, velocity: Option<u
     law.drift(matter, way.view(), h, crew)?;
     let law = &*law;
     crew.sweep(matter.blocks(), &|blocks: Blocks<'_, V>| law.spend(&blocks.range(), &mut blocks.meters[0].energy));
-    Ok(())
+    if law.displaces() { displace(law, matter, &mut desk.force, time, crew) } else { Ok(()) }
 }
 
 fn sweep<V: Vector, I: Integrator>(
@@ -157,9 +165,9 @@ fn collisions<V: Vector, I: Integrator>(law: &Law<V>, matter: &mut Matter<V>, de
 }
 
 /// Blocks with their forces.
-struct Work<'a, V: Vector> {
-    blocks: Blocks<'a, V>,
-    force: Span<'a, V>,
+pub struct Work<'a, V: Vector> {
+    pub blocks: Blocks<'a, V>,
+    pub force: Span<'a, V>,
 }
 
 impl<V: Vector> Split for Work<'_, V> {

@@ -7,7 +7,7 @@ use crate::error::Result;
 use crate::forces::affine::{Affine, Fold};
 use crate::forces::{Drift, Field, Force, InverseSquare, Moment, Rates, Reach, VelocityDependence};
 use crate::math::{Real, Vector};
-use crate::matter::{CHANNELS, Channel, Columns, Matter, Power, Properties, View};
+use crate::matter::{CHANNELS, Channel, Columns, Matter, Power, Properties, Span, View};
 use crate::parallel::Crew;
 use crate::simd::{LANES, padded};
 use crate::stability::Bound;
@@ -126,6 +126,31 @@ impl<V: Vector> Law<V> {
         let Self { properties, forces, .. } = self;
         let drift = Drift { end: moment(properties, matter, 0.0), velocity, h };
         forces.iter_mut().try_for_each(|force| force.drift(&drift, crew))
+    }
+
+    /// Whether any force moves particles beside their velocity.
+    pub fn displaces(&self) -> bool {
+        self.forces.iter().any(|force| force.displaces())
+    }
+
+    /// Where the forces move the particles of one block beside their velocity [m].
+    pub fn displace(&self, block: &Range<usize>, ways: &mut Span<'_, V>) {
+        for axis in 0..V::DIMENSION {
+            ways.axes[axis].fill(V::Scalar::ZERO);
+        }
+        self.forces.iter().filter(|force| force.displaces()).for_each(|force| force.displace(block.clone(), ways));
+    }
+
+    /// The potential energy of the particles of one block in fields that are the same whatever the others do [J].
+    pub fn potential(&self, block: &Range<usize>, at: &Moment<'_, V>) -> f64 {
+        let fields = self.forces.iter().filter(|force| force.reach() == Reach::Pointwise && force.has_potential());
+        fields.map(|force| force.potential(block.clone(), at)).sum()
+    }
+
+    /// The potential energy that functions of the user's give to all particles [J].
+    pub fn potential_of_callbacks(&self, at: &Moment<'_, V>) -> Result<f64> {
+        let callbacks = self.forces.iter().filter(|force| force.reach() == Reach::Whole && force.has_potential());
+        callbacks.map(|force| force.potential_of_all(at)).sum()
     }
 
     /// The forces, to make them remember or go back.

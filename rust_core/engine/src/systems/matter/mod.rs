@@ -2,6 +2,7 @@
 
 mod collisions;
 mod coupled;
+mod displacement;
 mod independent;
 mod kernels;
 mod law;

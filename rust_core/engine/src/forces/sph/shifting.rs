@@ -1,0 +1,152 @@
+//! Particle shifting: particles move by themselves from where they are crowded to where there is room.
+//!
+//! A flow that stretches gathers its particles in strands, above all where the pressure is negative; between them are voids. So
+//! each is displaced in every step, after its drift and beside its velocity, against the gradient of crowding:
+//!
+//! ```text
+//! δxᵢ = −A h U dt Σ Vⱼ [1 + (W/W(Δ))⁴/5] ∇W,   U = min(8 h ε, c/10),   ε² = −Σ Vⱼ F (v·d)²/(d² + 0.01h²)
+//! ```
+//!
+//! This diffuses particles (S. J. Lind, R. Xu, P. K. Stansby, B. D. Rogers, J. Comput. Phys. 231 (2012) 1499), with the
+//! coefficient of A. Skillen, S. Lind, P. K. Stansby, B. D. Rogers, Comput. Methods Appl. Mech. Eng. 265 (2013) 163, from 1 to 6,
+//! and the weights of P. N. Sun, A. Colagrossi, S. Marrone, A. M. Zhang, ibid. 315 (2017) 25, where A is 2. Their U is the fastest
+//! flow that is to be expected, c/10 as a rule. A fluid at rest would then never come to rest, and a wave be lifted. What
+//! gathers particles is that they part or approach, at the rate ε: so U is the difference of velocity over 8h, twice across the
+//! support, as far as that is slower. It is the same for whoever moves or turns along, and vanishes with h, as J. Michel et al.,
+//! J. Comput. Phys. 459 (2022) 110999, ask of a law of shifting.
+//!
+//! That A h U dt is at most h²/2, as in Lind's, keeps this diffusion stable at any step; and |δx| is at most c dt/20, half of
+//! the fastest flow's way (P. N. Sun et al., Comput. Methods Appl. Mech. Eng. 348 (2019) 912).
+//!
+//! At a free surface the gradient points out of the fluid however even the particles are. There none is shifted: where
+//! ∇·x = −Σ Vⱼ F d², D inside, is less than [`SURFACE`] of that (E.-S. Lee et al., J. Comput. Phys. 227 (2008) 8417). Images in
+//! walls count, and so do obstacles, so that nothing is shifted through these.
+//!
+//! Velocities and densities go along unchanged. So momentum and kinetic and internal energy are kept exactly, angular momentum
+//! is not, and what potentials gain is work.
+
+use glam::DVec3;
+
+use super::images::{Pressed, View};
+use super::kernel::{Kernel, Shape};
+use super::laws::{approach, volume};
+use super::start::Material;
+use super::walls::Walls;
+use crate::forces::vicinity::Vicinity;
+use crate::math::{AXES, Real, Vector};
+use crate::neighbors::sums::{Pair, PairLaw, Records};
+use crate::parallel::Crew;
+use crate::simd::Number;
+
+/// The fastest flow in units of the speed of sound.
+const FASTEST: f64 = 0.1;
+
+/// The length over which differences of velocity make U, in units of h.
+const ACROSS: f64 = 8.0;
+
+/// ∇·x at a free surface is less than this part of what it is inside. On a lattice at a flat surface it is 0.60 to 0.70 of that
+/// in the first row, and 0.91 to 0.99 in the second, for kernels that reach two to three and a half spacings.
+const SURFACE: f64 = 0.85;
+
+/// R, the weight of those who are nearer than they should be.
+const CLOSE: f64 = 0.2;
+
+/// The sums of [`Gathering`]: the gradient of crowding along each axis, ∇·x, and ε².
+const SUMS: usize = AXES + 2;
+const SPREAD: usize = AXES;
+const STRAIN: usize = AXES + 1;
+
+/// Where particles are crowded, Σ Vⱼ [1 + R (W/W(Δ))⁴] ∇W, whether there are any on all sides, ∇·x, and the square of the rate at
+/// which they part or approach, ε².
+#[derive(Debug, Clone, Copy)]
+struct Gathering<T, K> {
+    kernel: Kernel<T, K>,
+    /// 1/W(Δ) [m^D].
+    scale: T,
+    /// 0.01 h² [m²].
+    softening: T,
+}
+
+impl<V: Vector, K: Shape> PairLaw<V, SUMS> for Gathering<V::Scalar, K> {
+    #[inline(always)]
+    fn terms<N: Number<Scalar = V::Scalar>>(&self, pair: &Pair<N>) -> [N; SUMS] {
+        let (distance, zero) = (pair.square.sqrt(), N::constant(0.0));
+        let slope = self.kernel.slope(volume::<V, N>(&pair.other), distance);
+        let near = N::of(self.scale) * self.kernel.value(distance);
+        let weight = slope * (N::constant(1.0) + N::constant(CLOSE) * (near * near) * (near * near));
+        let (mut terms, mut across) = ([zero; SUMS], zero);
+        for axis in 0..V::DIMENSION {
+            terms[axis] = weight * pair.apart[axis];
+            // Not from the square, which is infinite for those who do not count.
+            across += pair.apart[axis] * pair.apart[axis];
+        }
+        terms[SPREAD] = zero - slope * across;
+        let approach = approach::<V, N>(pair);
+        terms[STRAIN] = (zero - slope) * (approach * approach) / (pair.square + N::of(self.softening));
+        terms
+    }
+}
+
+impl<V: Vector, K: Shape> Pressed<V, SUMS> for Gathering<V::Scalar, K> {}
+
+/// The shifting of a scene's fluids.
+pub struct Shifting<V: Vector, K> {
+    law: Gathering<V::Scalar, K>,
+    /// A.
+    coefficient: f64,
+    smoothing_length: f64,
+    /// c/10 [m/s].
+    fastest: f64,
+    /// What the law gives, in the order of places.
+    sums: Vec<[V::Scalar; SUMS]>,
+    /// The duration of the drift that it belongs to [s].
+    dt: f64,
+}
+
+impl<V: Vector, K: Shape> Shifting<V, K> {
+    /// For `count` particles of fluids that have this kernel in common.
+    pub fn new(kernel: Kernel<V::Scalar, K>, common: &Material, coefficient: f64, count: usize) -> Self {
+        let number = V::Scalar::from_f64;
+        let scale = V::Scalar::ONE / kernel.value(number(common.spacing));
+        Self {
+            law: Gathering { kernel, scale, softening: number(0.01 * common.smoothing_length.powi(2)) },
+            coefficient,
+            smoothing_length: common.smoothing_length,
+            fastest: FASTEST * common.sound_speed,
+            sums: vec![[V::Scalar::ZERO; SUMS]; count],
+            dt: 0.0,
+        }
+    }
+
+    /// Finds where particles are crowded in the middle of a drift of `dt` seconds, by means of records that hold
+    /// volumes and the velocity of the way.
+    pub fn survey(&mut self, (vicinity, records): (&Vicinity, &Records<V>), walls: &Walls, dt: f64, crew: &Crew) {
+        self.dt = dt;
+        records.sum(vicinity.neighbors(), self.law, &mut self.sums, crew);
+        let view = View { weight: DVec3::ZERO, sticks: false };
+        walls.add(self.law, &view, (vicinity, records), &mut self.sums, crew);
+    }
+
+    /// The displacement of the particle at a place [m].
+    pub fn displacement(&self, place: usize) -> V {
+        let sums = &self.sums[place];
+        if sums[SPREAD].to_f64() < SURFACE * V::DIMENSION as f64 {
+            return V::default();
+        }
+        let gradient = V::from_axes(|axis| sums[axis]).widen();
+        let h = self.smoothing_length;
+        let speed = (ACROSS * h * sums[STRAIN].to_f64().sqrt()).min(self.fastest);
+        let diffusion = (self.coefficient * h * speed * self.dt).min(0.5 * h * h);
+        V::narrow((gradient * -diffusion).clamp_length_max(0.5 * self.fastest * self.dt))
+    }
+
+    /// A.
+    pub fn coefficient(&self) -> f64 {
+        self.coefficient
+    }
+
+    /// The memory that it takes [bytes].
+    pub fn bytes(&self) -> usize {
+        std::mem::size_of_val(self.sums.as_slice())
+    }
+}
