@@ -1,7 +1,7 @@
 """A hundred thousand grains of colored sand run through the neck of an hourglass, as fast at the end as at the start.
 
 The physics checked: the flow does not depend on how much sand is left, 99 of 100 contacts of grains at rest are no
-deeper than a twentieth of a radius, and every grain arrives. It takes some minutes.
+deeper than a twentieth of a radius, and every grain arrives. It takes about six minutes on two cores.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ RESTITUTION = 0.7
 TERMINAL = 2.5
 """The speed at which a grain falls through the air [m/s]."""
 
-DURATION = 1.8
+DURATION = 2.2
 """[s]"""
 
 
