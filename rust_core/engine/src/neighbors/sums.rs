@@ -205,19 +205,21 @@ fn around<V: Vector, L: PairLaw<V, SUMS>, P: Pack<Scalar = V::Scalar>, const SUM
     let own = records.words[place];
     let law = law.facing(&own);
     let own = splat::<P>(&own);
+    let groups = segment.groups(range.start, range.end);
     let mut lanes = [[V::Scalar::ZERO; LANES]; SUMS];
     // The lanes that a register holds, for all groups; then the next ones.
     for first in (0..LANES).step_by(P::WIDTH) {
         let mut sums = [P::constant(0.0); SUMS];
-        for start in range.clone().step_by(LANES) {
-            let number = range.end - start;
-            if number > first {
-                let other = P::transpose(&records.words, segment.group(start), first);
-                let terms = law.terms(&pair::<V, P, PERIODIC>(own, other, &records.rulers, number, first));
+        let mut left = range.len();
+        for group in groups.clone() {
+            if left > first {
+                let other = P::transpose(&records.words, group, first);
+                let terms = law.terms(&pair::<V, P, PERIODIC>(own, other, &records.rulers, left, first));
                 for sum in 0..SUMS {
                     sums[sum] += terms[sum];
                 }
             }
+            left = left.saturating_sub(LANES);
         }
         for sum in 0..SUMS {
             sums[sum].store(&mut lanes[sum][first..]);

@@ -77,11 +77,12 @@ impl Selection {
         &self.entries[start..end]
     }
 
-    /// The group of indices from `start` on.
+    /// The indices from `start` to `end` in groups, the last of which may go on beyond.
     #[inline(always)]
-    pub fn group(&self, start: usize) -> Group<'_> {
-        let indices = self.entries[start..].first_chunk().expect("there is a group of lanes past the end");
-        Group { indices, bound: self.bound }
+    pub fn groups(&self, start: usize, end: usize) -> impl Iterator<Item = Group<'_>> + Clone {
+        let bound = self.bound;
+        let whole = self.entries[start..][..(end - start).next_multiple_of(LANES)].as_chunks().0;
+        whole.iter().map(move |indices| Group { indices, bound })
     }
 
     #[cold]
