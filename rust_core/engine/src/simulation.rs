@@ -484,11 +484,11 @@ impl<V: Vector> World for Simulation<V> {
             (state.position, state.residual) = (moved.position, moved.residual);
         }
         state.velocity = accelerated.unwrap_or_else(|| std::mem::take(&mut state.velocity));
-        let done = self.energy().and_then(|energy| {
+        // First the forces, because what some of them keep for their energy follows the state.
+        let done = self.begin().and_then(|()| self.energy()).map(|energy| {
             if let Some(meter) = self.system.state_mut().meters.first_mut() {
                 meter.add(Channel::Work, energy.total() - before);
             }
-            self.begin()
         });
         if done.is_err() {
             *self.system.state_mut() = kept;

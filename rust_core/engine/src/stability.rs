@@ -125,9 +125,11 @@ impl Bound {
     /// step. A wave is its frequency, the damping of its velocity and the decay of its field [1/s].
     pub fn shortest(&self, waves: impl Iterator<Item = [f64; 3]>) -> [f64; 2] {
         let oscillators = waves.map(|[frequency, damping, decay]| (self.oscillator)(frequency, damping, decay));
-        let step = |&[frequency, damping]: &[f64; 2]| (self.largest)(0.5 * damping / frequency) / frequency;
-        let [frequency, damping] = oscillators.min_by(|one, other| step(one).total_cmp(&step(other))).unwrap_or_default();
-        [frequency * frequency, damping]
+        let timed = oscillators.map(|[frequency, damping]| {
+            let step = (self.largest)(0.5 * damping / frequency) / frequency;
+            (step, [frequency * frequency, damping])
+        });
+        timed.min_by(|(one, _), (other, _)| one.total_cmp(other)).map_or([0.0; 2], |(_, oscillator)| oscillator)
     }
 
     /// The same, which can be [`Bound::sharpened`].

@@ -79,6 +79,26 @@ impl Vicinity {
         renewed
     }
 
+    /// The same members at another moment, with lists of their own.
+    ///
+    /// # Errors
+    /// As [`Vicinity::update`].
+    pub fn anew(&self, place: &(impl Fn(usize, usize) -> f64 + Sync), crew: &Crew) -> Result<Self> {
+        let Self { members, slots, neighbors, positions, kept, skin, .. } = self;
+        let (count, dimension, cutoff) = (neighbors.count(), neighbors.dimension(), neighbors.support() - skin);
+        let mut anew = Self {
+            members: members.clone(),
+            slots: slots.clone(),
+            neighbors: Neighbors::new(count, dimension, neighbors.domain(), cutoff, *skin)?,
+            positions: positions.clone(),
+            kept: kept.clone(),
+            renewed: false,
+            skin: *skin,
+        };
+        anew.update(place, crew)?;
+        Ok(anew)
+    }
+
     /// The members, by their index.
     pub fn members(&self) -> &[u32] {
         &self.members

@@ -74,6 +74,8 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
             surface: Surface::new(kernel, common, &waves, kind.len()),
             tension: Tension::new(kernel, &waves, &kinds, kind.len()),
             waves,
+            strongest: None,
+            kept_strongest: 0.0,
             summation: kinds.summation.then(|| Summation::new(kernel, &kinds, kind.len())),
             shifting: (kinds.shifting > 0.0).then(|| Shifting::new(kernel, common, kinds.shifting, kind.len())),
             kinds,

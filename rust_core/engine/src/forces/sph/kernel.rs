@@ -125,8 +125,8 @@ pub struct Kernel<T, K> {
     pub height: T,
     /// W₀/h² [m^−(D+2)].
     pub steepness: T,
-    /// W₀/h⁴ [m^−(D+4)].
-    pub sharpness: T,
+    /// 1/h² [1/m²].
+    inverse_square: T,
     shape: std::marker::PhantomData<K>,
 }
 
@@ -143,7 +143,7 @@ impl<T: Real, K: Shape> Kernel<T, K> {
             inverse_support: T::from_f64(0.5 / smoothing_length),
             height: T::from_f64(height),
             steepness: T::from_f64(steepness),
-            sharpness: T::from_f64(steepness / square),
+            inverse_square: T::from_f64(square.recip()),
             shape: std::marker::PhantomData,
         }
     }
@@ -164,7 +164,8 @@ impl<T: Real, K: Shape> Kernel<T, K> {
     /// V F′/r for a volume V at a distance r [m].
     #[inline(always)]
     pub fn bend<N: Number<Scalar = T>>(&self, volume: N, distance: N) -> N {
-        (N::of(self.sharpness) * volume) * K::bend(self.reach(distance))
+        // In this order nothing is too large for single precision.
+        (N::of(self.steepness) * volume) * (N::of(self.inverse_square) * K::bend(self.reach(distance)))
     }
 
     /// u, and 1 beyond the support.
@@ -290,7 +291,7 @@ mod tests {
                 let difference = (kernel.slope(1.0, r + 1e-6) - kernel.slope(1.0, r - 1e-6)) / 2e-6;
                 // The spline's slope has a kink at r = h, where the difference is its mean; TINY is 2e-4 of the smallest u.
                 let error = (kernel.bend(1.0, r) * r - difference).abs();
-                assert!(error < 1e-3 * kernel.sharpness * (1.0 + 1.0 / r) || (r - 1.0).abs() < 1e-9, "bend at {r}: {error}");
+                assert!(error < 1e-3 * kernel.steepness * (1.0 + 1.0 / r) || (r - 1.0).abs() < 1e-9, "bend at {r}: {error}");
             }
             assert_eq!((kernel.value(2.0), kernel.slope(1.0, 2.0), kernel.slope(1.0, 3.0)), (0.0, 0.0, 0.0));
         }

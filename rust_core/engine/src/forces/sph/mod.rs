@@ -12,7 +12,6 @@
 //! [`tension`] what holds it together; [`shifting`] spreads particles that gather in strands; [`start`] finds what the scene leaves
 //! open, and [`assembly`] puts the parts together.
 
-use std::f64::consts::TAU;
 use std::ops::Range;
 
 use super::vicinity::Vicinity;
@@ -30,6 +29,7 @@ mod assembly;
 mod images;
 mod kernel;
 mod laws;
+mod limits;
 mod shifting;
 mod start;
 mod summation;
@@ -41,7 +41,7 @@ use images::View;
 use kernel::{CubicSpline, Shape, Wave, WendlandC2, WendlandC4};
 use laws::{Continuity, Extrapolation, FORCES, LIFT, Momentum, OBSTACLE, VISCOUS};
 use shifting::Shifting;
-use start::{Kinds, Material};
+use start::Kinds;
 use summation::Summation;
 use surface::Surface;
 use tension::Tension;
@@ -135,6 +135,9 @@ struct Fluids<V: Vector, K, const MIXED: bool> {
     surface: Surface<V, K>,
     /// The waves that the kernel carries, for unit smoothing length.
     waves: Vec<Wave>,
+    /// The strongest force per volume [N/m^D] where the forces at hand are not those of the state, and when the chunk began.
+    strongest: Option<f64>,
+    kept_strongest: f64,
 }
 
 impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
@@ -231,7 +234,9 @@ impl<V: Vector, K: Shape, const MIXED: bool> Force<V> for Fluids<V, K, MIXED> {
         records.sum(neighbors, *continuity, rates, crew);
         let common = kinds.first();
         let view = View { weight: common.gravity / common.sound_speed.powi(2), sticks: false };
-        mirrored.fill([V::Scalar::ZERO; 2]);
+        if !walls.is_empty() {
+            mirrored.fill([V::Scalar::ZERO; 2]);
+        }
         walls.add(*continuity, &view, (vicinity, records), mirrored, crew);
         if let Some(shifting) = shifting {
             shifting.survey((vicinity, records), walls, drift.h, crew);
@@ -300,11 +305,14 @@ impl<V: Vector, K: Shape, const MIXED: bool> Force<V> for Fluids<V, K, MIXED> {
         let Self { kinds, surface, vicinity, records, momentum, forces, walls, .. } = self;
         let neighbors = vicinity.neighbors();
         records.sum(neighbors, *momentum, forces, crew);
-        for (hold, &place) in surface.holds.iter().zip(neighbors.places()).filter(|(hold, _)| hold.kick < 1.0) {
-            records.write(place as usize, |words| words[V::DIMENSION + 1] *= V::Scalar::from_f64(hold.kick));
+        if !walls.is_empty() {
+            for (hold, &place) in surface.holds.iter().zip(neighbors.places()).filter(|(hold, _)| hold.kick < 1.0) {
+                records.write(place as usize, |words| words[V::DIMENSION + 1] *= V::Scalar::from_f64(hold.kick));
+            }
         }
         let view = View { weight: kinds.first().gravity, sticks: true };
         walls.add(*momentum, &view, (vicinity, records), forces, crew);
+        self.strongest = None;
         Ok(())
     }
 
@@ -312,11 +320,13 @@ impl<V: Vector, K: Shape, const MIXED: bool> Force<V> for Fluids<V, K, MIXED> {
         self.vicinity.keep();
         self.kept.copy_from_slice(&self.density);
         self.surface.keep();
+        self.kept_strongest = self.strongest();
     }
 
     fn undo(&mut self) -> Result<()> {
         self.density.copy_from_slice(&self.kept);
         self.surface.undo();
+        self.strongest = Some(self.kept_strongest);
         if self.vicinity.undo()? {
             self.walls.survey(&self.vicinity, &Crew::alone());
         }
@@ -324,11 +334,12 @@ impl<V: Vector, K: Shape, const MIXED: bool> Force<V> for Fluids<V, K, MIXED> {
     }
 
     fn capture(&self) -> Vec<f64> {
-        [self.density.as_slice(), &self.surface.capture(), &self.vicinity.capture()].concat()
+        [self.density.as_slice(), &[self.strongest()], &self.surface.capture(), &self.vicinity.capture()].concat()
     }
 
     fn restore(&mut self, numbers: &mut &[f64]) -> Result<()> {
         super::vicinity::take(numbers, &mut self.density)?;
+        super::vicinity::take(numbers, std::slice::from_mut(self.strongest.insert(0.0)))?;
         self.surface.restore(numbers)?;
         self.vicinity.restore(numbers)?;
         self.walls.survey(&self.vicinity, &Crew::alone());
@@ -361,10 +372,16 @@ impl<V: Vector, K: Shape, const MIXED: bool> Force<V> for Fluids<V, K, MIXED> {
         self.tension.is_some()
     }
 
-    fn potential(&self, block: Range<usize>, _at: &Moment<'_, V>) -> f64 {
-        let Some(tension) = &self.tension else { return 0.0 };
-        let members = self.vicinity.in_block(block);
-        members.map(|(_, member, place)| self.rest_volume(member) * tension.energy(place, self.kind[member])).sum()
+    fn potential(&self, _block: Range<usize>, _at: &Moment<'_, V>) -> f64 {
+        0.0
+    }
+
+    /// By means of lists of its own, because the last forces are not always those of the state.
+    fn potential_of_all(&self, at: &Moment<'_, V>) -> Result<f64> {
+        let (Some(tension), crew) = (&self.tension, Crew::alone()) else { return Ok(0.0) };
+        let vicinity = self.vicinity.anew(&|axis, index| at.place(axis, index), &crew)?;
+        let (walls, mut records) = (self.walls.anew(&vicinity, &crew), Records::new(vicinity.neighbors()));
+        Ok(tension.energy((&vicinity, &mut records), &walls, &self.kind, &|member| self.rest_volume(member)))
     }
 
     fn internal(&self) -> f64 {
@@ -376,60 +393,11 @@ impl<V: Vector, K: Shape, const MIXED: bool> Force<V> for Fluids<V, K, MIXED> {
     }
 
     fn flow(&self, velocity: matter::View<'_, V>) -> Option<Flow> {
-        let sound = self.kinds.first().sound_speed;
-        let square = |index: u32| (0..V::DIMENSION).map(|axis| velocity.axis(axis)[index as usize].to_f64().powi(2)).sum::<f64>();
-        let (mut fast, mut all) = (0.0, 0.0);
-        for (&index, _) in self.vicinity.members().iter().zip(&self.kind).filter(|(_, kind)| **kind != OBSTACLE) {
-            all += 1.0;
-            fast += if square(index) > (Flow::FAST * sound).powi(2) { 1.0 } else { 0.0 };
-        }
-        Some(Flow { fast: fast / all, sound })
+        Some(self.speed(velocity))
     }
 
-    /// Of all waves that the kernel carries, the one with the shortest step. An obstacle is pushed with the force on the fluid in
-    /// its place. Ripples as short as the kernel are followed as J. P. Morris, Int. J. Numer. Methods Fluids 33 (2000) 333, has it.
     fn bound(&self, _at: &Moment<'_, V>, bound: &mut Bound) {
-        let h = self.kinds.first().smoothing_length;
-        let diffuses = if self.field() == Field::Carried { 1.0 } else { 0.0 };
-        let bounds: Vec<(f64, f64, f64)> = self
-            .kinds
-            .materials
-            .iter()
-            .zip(0..)
-            .map(|(fluid, kind)| {
-                let densities = self.density.iter().zip(&self.kind).filter(|(_, other)| **other == kind);
-                let densest = densities.map(|(density, _)| *density).fold(fluid.density, f64::max);
-                let scaled = |wave: &Wave| {
-                    let viscous = (fluid.artificial() * wave.squeeze + 2.0 * fluid.viscosity * wave.decay) / fluid.density;
-                    let diffusion = diffuses * fluid.diffusion() * wave.decay;
-                    [fluid.sound_at(densest) * wave.frequency / h, viscous / (h * h), diffusion / (h * h)]
-                };
-                let [stiffness, damping] = bound.shortest(self.waves.iter().map(scaled));
-                (stiffness.max(self.surface.highest().powi(2)), damping, fluid.density)
-            })
-            .collect();
-        let heaviest = |one: &&(f64, f64, f64), other: &&(f64, f64, f64)| (one.0 * one.2).total_cmp(&(other.0 * other.2));
-        let pressing = bounds.iter().max_by(heaviest).copied().unwrap_or_default();
-        for (member, &index) in self.vicinity.members().iter().enumerate() {
-            let (stiffness, damping, density) = bounds.get(usize::from(self.kind[member])).copied().unwrap_or(pressing);
-            let mass = self.mass[member] / self.density[member] * density;
-            bound.point(index as usize, "sound", mass * stiffness, 0.0);
-            bound.point(index as usize, "viscosity", 0.0, mass * damping);
-            if let Some(tension) = &self.tension {
-                let stiffness = tension.stiffness(self.kind[member]);
-                bound.point(index as usize, "surface tension", self.rest_volume(member) * stiffness, 0.0);
-            }
-        }
-        let push = |force: &[V::Scalar; FORCES]| force[..V::DIMENSION].iter().map(|f| f.to_f64().powi(2)).sum::<f64>();
-        let strongest = self.forces.iter().map(push).fold(0.0, f64::max).sqrt();
-        let lightest = self.kinds.materials.iter().map(|fluid| fluid.density).fold(f64::INFINITY, f64::min);
-        let ripple = |fluid: &Material| (fluid.density * h.powi(3) / (TAU * fluid.surface_tension)).sqrt();
-        let ripples = self.kinds.materials.iter().filter(|fluid| fluid.surface_tension > 0.0).map(ripple);
-        ripples.for_each(|dt| bound.accuracy("surface tension", dt));
-        // What has diverged has no scale left.
-        if strongest.is_finite() {
-            bound.accuracy("acceleration", (h * lightest / strongest).sqrt());
-        }
+        self.limit(bound);
     }
 
     fn bound_varies(&self) -> bool {

@@ -242,6 +242,10 @@ fn check_shifting(scene: &Scene, body: usize, fluid: &Fluid) -> Result<()> {
         return Err(Error::parameter(path, "0 where density is counted by summation", fluid.shifting)
             .with_hint("the energy of such a fluid is that of its particles' places, and keeps them apart"));
     }
+    if fluid.shifting > 0.0 && fluid.surface_tension > 0.0 {
+        return Err(Error::parameter(path, "0 where there is surface tension", fluid.shifting)
+            .with_hint("what a shift changes in the energy of surfaces is not counted"));
+    }
     let pushes = |term: &&Term| ["Repulsion", "LennardJones"].contains(&term.kind.as_str()) && term.acts_on(body);
     match scene.forces.iter().find(pushes) {
         Some(term) if fluid.shifting > 0.0 => {

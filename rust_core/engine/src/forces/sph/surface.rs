@@ -10,6 +10,7 @@
 
 use glam::DVec3;
 
+use super::BLOCK;
 use super::images::View;
 use super::kernel::{self, Kernel, Shape, Wave};
 use super::laws::{SURROUNDINGS, Surroundings};
@@ -19,7 +20,7 @@ use crate::error::Result;
 use crate::forces::vicinity::{self, Vicinity};
 use crate::math::{AXES, Real, Vector};
 use crate::neighbors::sums::Records;
-use crate::parallel::Crew;
+use crate::parallel::{Chunks, Crew};
 
 /// Particles with less around them than this part of Σ Vⱼ |∇W| are at a surface: two thirds is what one in the uppermost row
 /// has, and 0.94 or more one in the second. By ∇·r, which is about the same, E.-S. Lee et al., J. Comput. Phys. 227 (2008) 8417
@@ -67,10 +68,12 @@ pub struct Surface<V: Vector, K> {
     pub holds: Vec<Hold>,
     /// The highest frequency of sound when the lists were made [1/s].
     highest: f64,
-    /// Both when the chunk began.
-    kept: (Vec<Hold>, f64),
     /// Whether the lists have been made anew since.
     pub is_stale: bool,
+    /// These three when the chunk began.
+    kept: (Vec<Hold>, f64, bool),
+    /// The highest frequency in each block of members [1/s].
+    heights: Vec<f64>,
 }
 
 impl<V: Vector, K: Shape> Surface<V, K> {
@@ -84,8 +87,9 @@ impl<V: Vector, K: Shape> Surface<V, K> {
             lattice: [kernel::closeness::<K>(fluid.spacing / h, V::DIMENSION) / h, highest / h],
             holds: vec![Hold::FIRM; count],
             highest: 0.0,
-            kept: (vec![Hold::FIRM; count], 0.0),
             is_stale: false,
+            kept: (vec![Hold::FIRM; count], 0.0, false),
+            heights: vec![0.0; count.div_ceil(BLOCK)],
         }
     }
 
@@ -103,36 +107,40 @@ impl<V: Vector, K: Shape> Surface<V, K> {
         density: &[f64],
         crew: &Crew,
     ) {
-        let Self { law, around, lattice: [closeness, frequency], holds, highest, is_stale, .. } = self;
+        let Self { law, around, lattice: [closeness, frequency], holds, highest, is_stale, heights, .. } = self;
         let neighbors = vicinity.neighbors();
         records.sum(neighbors, *law, around, crew);
         walls.add(*law, &View { weight: DVec3::ZERO, sticks: false }, (vicinity, records), around, crew);
-        (*highest, *is_stale) = (0.0, false);
-        for (member, &place) in neighbors.places().iter().enumerate() {
-            let Some(fluid) = kinds.fluid(kind[member]) else { continue };
-            let sums = around[place as usize].map(Real::to_f64);
-            let lump = 2.0 * sums[..AXES].iter().map(|sum| sum * sum).sum::<f64>().sqrt();
-            let close = sums[AXES] / *closeness;
-            *highest = highest.max(fluid.sound_at(density[member]) * lump.max(*frequency * close));
-            holds[member].bare = close < BARE;
-        }
+        crew.sweep((Chunks::new(holds, BLOCK), Chunks::new(heights, 1)), &|(holds, heights)| {
+            heights.items[0] = 0.0;
+            for (member, hold) in (holds.start..).zip(holds.items) {
+                let Some(fluid) = kinds.fluid(kind[member]) else { continue };
+                let sums = around[neighbors.places()[member] as usize].map(Real::to_f64);
+                let lump = 2.0 * sums[..AXES].iter().map(|sum| sum * sum).sum::<f64>().sqrt();
+                let close = sums[AXES] / *closeness;
+                let height = fluid.sound_at(density[member]) * lump.max(*frequency * close);
+                heights.items[0] = height.max(heights.items[0]);
+                hold.bare = close < BARE;
+            }
+        });
+        (*highest, *is_stale) = (heights.iter().copied().fold(0.0, f64::max), false);
     }
 
     /// Remembers what it is at the start of a chunk.
     pub fn keep(&mut self) {
         self.kept.0.copy_from_slice(&self.holds);
-        self.kept.1 = self.highest;
+        (self.kept.1, self.kept.2) = (self.highest, self.is_stale);
     }
 
     /// Goes back to that.
     pub fn undo(&mut self) {
         self.holds.copy_from_slice(&self.kept.0);
-        (self.highest, self.is_stale) = (self.kept.1, false);
+        (self.highest, self.is_stale) = (self.kept.1, self.kept.2);
     }
 
     /// What it keeps from step to step.
     pub fn capture(&self) -> Vec<f64> {
-        self.holds.iter().flat_map(Hold::numbers).chain([self.highest]).collect()
+        self.holds.iter().flat_map(Hold::numbers).chain([self.highest, f64::from(u8::from(self.is_stale))]).collect()
     }
 
     /// Goes on from what was captured; takes from the front of `numbers` as many as that was.
@@ -145,8 +153,10 @@ impl<V: Vector, K: Shape> Surface<V, K> {
             vicinity::take(numbers, &mut kept)?;
             *hold = Hold { kick: kept[0], drift: kept[1], bare: kept[2] > 0.0 };
         }
-        self.is_stale = false;
-        vicinity::take(numbers, std::slice::from_mut(&mut self.highest))
+        let mut kept = [0.0; 2];
+        vicinity::take(numbers, &mut kept)?;
+        (self.highest, self.is_stale) = (kept[0], kept[1] > 0.0);
+        Ok(())
     }
 
     /// The memory that it takes [bytes].

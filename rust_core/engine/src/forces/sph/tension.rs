@@ -42,6 +42,9 @@ const FIRMNESS: f64 = 8.0;
 /// 30 spacings in 2D (0.745) and of 10 to 16 in 3D (0.45 to 0.50), with Wendland's C2 and h = 1.5 Δ.
 const SETTLED: [f64; 2] = [0.75, 0.5];
 
+/// Images in walls are as their originals.
+const VIEW: View = View { weight: DVec3::ZERO, sticks: false };
+
 /// The sums of [`Cover`]: g along each axis, c S, and the energy of contacts over that of one.
 const COVER: usize = AXES + 2;
 const CROWD: usize = AXES;
@@ -154,7 +157,7 @@ pub struct Tension<V: Vector, K, const MIXED: bool> {
     /// S.
     rest: f64,
     /// κS.
-    scale: f64,
+    rest_scale: f64,
     /// A [Pa] and B [N] of each kind.
     moduli: [[f64; 2]; KINDS],
     /// What [`Tension::stiffness`] gives of each kind.
@@ -187,11 +190,11 @@ impl<V: Vector, K: Shape, const MIXED: bool> Tension<V, K, MIXED> {
         let contact = V::Scalar::from_f64((CONTACT * common.spacing).powi(-2));
         let laws = Common { kernel, bonds, faced: bonds[0], contact };
         // That of a wave in a lattice, of which the kernel lets `frequency` through, and of a particle between two contacts.
-        let scale = rest * scale;
+        let rest_scale = rest * scale;
         let stiffness = |fluid: &Material| {
             let [area, gradient] = of(fluid);
             let through =
-                |wave: &Wave| (area / scale.powi(2) + gradient * (wave.number / h).powi(2)) * (wave.frequency / h).powi(2);
+                |wave: &Wave| (area / rest_scale.powi(2) + gradient * (wave.number / h).powi(2)) * (wave.frequency / h).powi(2);
             let contacts = 2.0 * 4.0 * firm(fluid) / (CONTACT * fluid.spacing).powi(2);
             waves.iter().map(through).fold(0.0, f64::max) + contacts
         };
@@ -201,7 +204,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> Tension<V, K, MIXED> {
             cover: Cover(laws),
             pull: Pull(laws),
             rest,
-            scale,
+            rest_scale,
             // An obstacle is pulled with the force on the fluid in its place.
             stiffness: std::array::from_fn(|kind| if kind == usize::from(OBSTACLE) { stiffest } else { each[kind] }),
             moduli: std::array::from_fn(|kind| kinds.materials.get(kind).map_or([0.0; 2], of)),
@@ -210,7 +213,25 @@ impl<V: Vector, K: Shape, const MIXED: bool> Tension<V, K, MIXED> {
         })
     }
 
-    /// Finds the forces, by means of records that it writes anew; `volume` is that of a member at rest [m^D].
+    /// Finds what covers each particle, by means of records that it writes anew; `volume` is that of a member at rest [m^D].
+    fn survey(
+        law: Cover<V::Scalar, K, MIXED>,
+        (vicinity, records): (&Vicinity, &mut Records<V>),
+        walls: &Walls,
+        kind: &[u8],
+        volume: &(impl Fn(usize) -> f64 + Sync),
+        covers: &mut [[V::Scalar; COVER]],
+        crew: &Crew,
+    ) {
+        let neighbors = vicinity.neighbors();
+        records.fill(neighbors, vicinity.positions(), crew, &|member, record| {
+            record[2 * V::DIMENSION] = V::Scalar::from_f64(volume(member)).tagged(kind[member]);
+        });
+        records.sum(neighbors, law, covers, crew);
+        walls.add(law, &VIEW, (vicinity, records), covers, crew);
+    }
+
+    /// Finds the forces, likewise.
     pub fn pull(
         &mut self,
         (vicinity, records): (&Vicinity, &mut Records<V>),
@@ -219,25 +240,21 @@ impl<V: Vector, K: Shape, const MIXED: bool> Tension<V, K, MIXED> {
         volume: &(impl Fn(usize) -> f64 + Sync),
         crew: &Crew,
     ) {
-        let Self { cover, pull, rest, scale, moduli, covers, forces, .. } = self;
+        let Self { cover, pull, rest, rest_scale, moduli, covers, forces, .. } = self;
+        Self::survey(*cover, (vicinity, records), walls, kind, volume, covers, crew);
         let neighbors = vicinity.neighbors();
-        let tagged = |member: usize| V::Scalar::from_f64(volume(member)).tagged(kind[member]);
-        let view = View { weight: DVec3::ZERO, sticks: false };
-        records.fill(neighbors, vicinity.positions(), crew, &|member, record| record[2 * V::DIMENSION] = tagged(member));
-        records.sum(neighbors, *cover, covers, crew);
-        walls.add(*cover, &view, (vicinity, records), covers, crew);
         let places = neighbors.places();
         records.fill(neighbors, vicinity.positions(), crew, &|member, record| {
             let (cover, [area, gradient]) = (&covers[places[member] as usize], moduli[usize::from(kind[member])]);
             for axis in 0..V::DIMENSION {
                 record[V::DIMENSION + axis] = V::Scalar::from_f64(gradient) * cover[axis];
             }
-            record[2 * V::DIMENSION] = tagged(member);
+            record[2 * V::DIMENSION] = V::Scalar::from_f64(volume(member)).tagged(kind[member]);
             let missing = 1.0 - cover[CROWD].to_f64() / *rest;
-            record[2 * V::DIMENSION + 1] = V::Scalar::from_f64(-area * missing / *scale);
+            record[2 * V::DIMENSION + 1] = V::Scalar::from_f64(-area * missing / *rest_scale);
         });
         records.sum(neighbors, *pull, forces, crew);
-        walls.add(*pull, &view, (vicinity, records), forces, crew);
+        walls.add(*pull, &VIEW, (vicinity, records), forces, crew);
     }
 
     /// The force on the particle at a place, over its volume at rest [N/m^D].
@@ -245,13 +262,24 @@ impl<V: Vector, K: Shape, const MIXED: bool> Tension<V, K, MIXED> {
         &self.forces[place]
     }
 
-    /// The energy of the particle at a place and of a kind, over its volume at rest [J/m^D].
-    pub fn energy(&self, place: usize, kind: u8) -> f64 {
-        let (cover, [area, gradient]) = (self.covers[place].map(Real::to_f64), self.moduli[usize::from(kind)]);
-        let missing = 1.0 - cover[CROWD] / self.rest;
-        let square: f64 = cover[..V::DIMENSION].iter().map(|along| along * along).sum();
-        // Of a contact each has half.
-        0.5 * area * missing * missing + 0.5 * gradient * square + 0.25 * cover[TOUCH]
+    /// The energy of all particles [J], likewise.
+    pub fn energy(
+        &self,
+        (vicinity, records): (&Vicinity, &mut Records<V>),
+        walls: &Walls,
+        kind: &[u8],
+        volume: &(impl Fn(usize) -> f64 + Sync),
+    ) -> f64 {
+        let mut covers = self.covers.clone();
+        Self::survey(self.cover, (vicinity, records), walls, kind, volume, &mut covers, &Crew::alone());
+        let energy = |(member, &place): (usize, &u32)| {
+            let (cover, [area, gradient]) = (covers[place as usize].map(Real::to_f64), self.moduli[usize::from(kind[member])]);
+            let missing = 1.0 - cover[CROWD] / self.rest;
+            let square: f64 = cover[..V::DIMENSION].iter().map(|along| along * along).sum();
+            // Of a contact each has half.
+            volume(member) * (0.5 * area * missing * missing + 0.5 * gradient * square + 0.25 * cover[TOUCH])
+        };
+        vicinity.neighbors().places().iter().enumerate().map(energy).sum()
     }
 
     /// The largest stiffness that a particle of a kind meets, over its volume at rest [N/m^(D+1)].
@@ -300,7 +328,6 @@ mod tests {
         fn check<K: Shape>() {
             for (dimension, smoothing) in [(2, 1.5), (3, 1.25), (3, 1.5)] {
                 let [area, gradient] = moduli::<K>(1.0 / smoothing, dimension);
-                println!("{} {dimension} {smoothing} {area} {gradient}", std::any::type_name::<K>());
                 assert!(area > 0.0 && gradient > 0.0, "{} in {dimension}D: {area} {gradient}", std::any::type_name::<K>());
             }
         }

@@ -81,6 +81,13 @@ impl Walls {
         Self { sides, sights: std::iter::repeat_with(sight).take(blocks).collect(), reach }
     }
 
+    /// The same walls, for the particles of another vicinity with lists.
+    pub fn anew(&self, vicinity: &Vicinity, crew: &Crew) -> Self {
+        let mut anew = Self::new(self.sides.clone(), vicinity);
+        anew.survey(vicinity, crew);
+        anew
+    }
+
     /// Lists who is near whose image, or may come to be as long as the lists of neighbors serve.
     pub fn survey(&mut self, vicinity: &Vicinity, crew: &Crew) {
         let Self { sides, sights, .. } = self;
@@ -89,6 +96,11 @@ impl Walls {
             let block = mine.start * BLOCK..((mine.start + 1) * BLOCK).min(count);
             mine.items.iter_mut().for_each(|sight| sight.survey(block.clone(), sides, vicinity));
         });
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.sides.is_empty()
     }
 
     /// The memory that they take [bytes].
@@ -106,7 +118,7 @@ impl Walls {
         sums: &mut [[V::Scalar; SUMS]],
         crew: &Crew,
     ) {
-        if self.sides.is_empty() {
+        if self.is_empty() {
             return;
         }
         crew.sweep(Chunks::new(sums, BLOCK), &|mine| {
