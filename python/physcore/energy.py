@@ -24,7 +24,8 @@ class Budget(Generic[Amount]):
     kinetic: Amount
     """Of all particles that are not fixed."""
     by_term: Mapping[str, Amount]
-    """Potential energy by the force that it belongs to, such as `by_term["springs"]`."""
+    """Potential energy by the force that it belongs to, such as `by_term["springs"]` or
+    `by_term["surface tension"]`."""
     internal: Amount
     """Of the compression of fluids."""
     dissipated: Amount

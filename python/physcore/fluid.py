@@ -68,8 +68,8 @@ class Fluid(Body):
     lifted a little. Fluids that meet are shifted as one, and may mix.
 
     Raises:
-        SceneError: a shape does not fit, a value is not finite or out of range, or two particles are closer together
-            than half the spacing.
+        SceneError: a shape does not fit, a value is not finite or out of range, two particles are closer together than
+            half the spacing, or it is shifted with density from summation or with surface tension.
 
     Source: J. J. Monaghan, J. Comput. Phys. 110, 399 (1994), with the pressure of R. H. Cole, "Underwater Explosions",
     1948; the diffusion of density after G. Fourtakas et al., Comput. Fluids 190, 346 (2019); obstacles as in S. Adami,

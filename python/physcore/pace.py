@@ -33,8 +33,8 @@ WATCH = 256
 multiples, so that the bits do not depend on how the steps were asked for."""
 
 FLUID_WATCH = 8
-"""The same where there is a fluid: at a tenth of the speed of sound, nobody comes farther in so many steps at the limit
-than its neighbor was."""
+"""The same where there is a fluid: at a tenth of the speed of sound and half of the limit, nobody comes farther in so
+many steps than its neighbor was."""
 
 RECOVERED = 1.25
 """By which factor the limit must have risen for the time step to follow it."""

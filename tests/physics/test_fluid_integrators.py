@@ -137,3 +137,21 @@ def test_single_steps_a_checkpoint_and_threads_change_no_bit(integrator, changes
         assert other.state_hash() == plain.state_hash()
         assert other.energy().balance == plain.energy().balance
         np.testing.assert_array_equal(other["water"].pressures, plain["water"].pressures)
+
+
+@pytest.mark.parametrize("dt", ["auto", 2e-4], ids=["auto", "given"])
+@pytest.mark.parametrize("integrator", FORWARD, ids=name)
+def test_a_checkpoint_at_any_step_of_a_splash_changes_no_bit(integrator, dt, tmp_path: Path):
+    """Also between the renewal of lists and the look at what is at the surface, and where the limit is looked at next."""
+    cells = pc.block((0.0, 0.3), (0.4, 0.7), 0.04)
+    water = pc.Fluid(cells, 0.04, velocities=(1.0, -2.0))
+    scene = pc.Scene(water, pc.Gravity((0.0, -9.81)), pc.Box((0.0, 0.0), (1.0, 1.0)))
+    with unwarned():
+        whole = pc.Simulation(scene, integrator, dt, "f64", 1)
+        parts = pc.Simulation(scene, integrator, dt, "f64", 1)
+    for _ in range(40):
+        whole.step(8)
+        parts.step(8)
+        parts.save(tmp_path / "splash.npz")
+        parts = pc.load(tmp_path / "splash.npz")
+    assert parts.state_hash() == whole.state_hash()

@@ -76,7 +76,9 @@ pub fn compile<V: Vector, I: Integrator>(scene: &Scene, threads: usize) -> Resul
     if let Some(fluid) = forces::sph::fluid(scene, &properties)? {
         if let (Field::Carried, Some(reason)) = (fluid.field(), integrators::refuses_fields::<I>()) {
             let mut fit = Vec::new();
-            with_integrator!(each Other => if integrators::refuses_fields::<Other>().is_none() { fit.push(format!("{}()", Other::NAME)) });
+            with_integrator!(each Other => if integrators::refuses_fields::<Other>().is_none() {
+                fit.push(format!("{}()", Other::NAME));
+            });
             let expected = format!("{} for a fluid that carries its density along", fit.join(", "));
             return Err(Error::parameter("integrator", expected, I::NAME).with_hint(reason));
         }

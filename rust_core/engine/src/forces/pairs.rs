@@ -44,8 +44,8 @@ pub trait Interaction<V: Vector>: PairLaw<V, SUMS> + Send {
     /// The stiffness [N/m] and the damping [N·s/m] of such a pair, each along it and across it, at the most.
     fn stiffness(&self, attributes: [f64; 2], distance: f64) -> [Directed; 2];
 
-    /// The largest [`Directed::sum`] of the stiffness [N/m] and of the damping [N·s/m] of its pairs that every particle must be
-    /// expected to meet, however few touch it now.
+    /// The largest eigenvalues of the sums of its pairs' stiffnesses [N/m] and dampings [N·s/m], as matrices, that every particle
+    /// must be expected to meet, however few touch it now.
     fn expected(&self, _at: &Moment<'_, V>, _members: &[u32]) -> [f64; 2] {
         [0.0; 2]
     }

@@ -1,11 +1,11 @@
 //! SIMD, chosen at run time: one wheel for every CPU.
 //!
 //! A kernel is a plain loop over fixed lanes. [`dispatch`] runs it inside a function compiled for the best level that
-//! this CPU has, so that the compiler vectorises the same source several times; scalar is one of the levels. No level
-//! changes the bits: nothing here reassociates, contracts or estimates. This folder is the only place where `unsafe`
-//! is allowed: for calling such a function after the CPU was asked, for the gathers whose indices were checked once, and
-//! for the few movements of data that compilers make badly, written with the level's own instructions. Those ask for an
-//! [`Isa`], which a [`LevelKernel`] is given.
+//! this CPU has, so that the compiler vectorises the same source several times; scalar is one of the levels. Sums over
+//! neighbors, which compilers make badly, are written over registers instead: the [`Pack`] of a level. No level changes
+//! the bits: nothing here reassociates, contracts or estimates. This folder is the only place where `unsafe` is allowed:
+//! for calling such a function after the CPU was asked, for the gathers whose indices were checked once, and for the
+//! level's own instructions. What is written with those asks for an [`Isa`], which a [`LevelKernel`] is given.
 #![allow(unsafe_code)]
 
 use std::sync::OnceLock;

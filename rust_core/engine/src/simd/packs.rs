@@ -1,9 +1,8 @@
 //! Numbers in lanes, with which the terms of several pairs are computed at once.
 //!
 //! A law is written over [`Number`], which is one number or a vector register of them. Registers instead of loops over arrays,
-//! because what the records of neighbors are interleaved into then stays in registers: compilers that vectorize a loop want
-//! it in memory first, which takes as long as everything else (`benches/neighbors.rs`). Every operation is that of IEEE 754
-//! in each lane, so that all give the same bits.
+//! because what the records of neighbors are interleaved into then stays in registers, where compilers that vectorize a loop
+//! take it through memory. Every operation is that of IEEE 754 in each lane, so that all give the same bits.
 
 use std::ops::{Add, AddAssign, Div, Mul, Sub};
 
@@ -58,7 +57,8 @@ pub trait Pack: Number {
     fn transpose(records: &[Record<Self::Scalar>], group: Group<'_>, first: usize) -> Record<Self>;
 }
 
-/// A number that there are packs of. A pack is had through an [`super::Isa`], which only exists where the CPU has the registers.
+/// A number that there are packs of. A pack must be had through an [`super::Isa`], which only exists where the CPU has the
+/// registers: what is written over these types alone would run anywhere.
 pub trait Packed: Number<Scalar = Self, Mask = bool> + Default {
     /// The pack of AVX-512.
     #[cfg(target_arch = "x86_64")]

@@ -1,0 +1,85 @@
+//! How long a step of a fluid may be, and how fast it flows.
+
+use std::f64::consts::TAU;
+
+use super::Fluids;
+use super::kernel::{Shape, Wave};
+use super::laws::{FORCES, OBSTACLE};
+use super::start::Material;
+use crate::forces::{Field, Flow, Force};
+use crate::math::{Real, Vector};
+use crate::matter::View;
+use crate::stability::Bound;
+
+impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
+    /// How fast it flows at these velocities.
+    pub fn speed(&self, velocity: View<'_, V>) -> Flow {
+        let sound = self.kinds.first().sound_speed;
+        let square = |index: u32| (0..V::DIMENSION).map(|axis| velocity.axis(axis)[index as usize].to_f64().powi(2)).sum::<f64>();
+        let (mut fast, mut all) = (0.0, 0.0);
+        for (&index, _) in self.vicinity.members().iter().zip(&self.kind).filter(|(_, kind)| **kind != OBSTACLE) {
+            all += 1.0;
+            fast += if square(index) > (Flow::FAST * sound).powi(2) { 1.0 } else { 0.0 };
+        }
+        Flow { fast: fast / all, sound }
+    }
+
+    /// The strongest force per volume [N/m^D].
+    pub fn strongest(&self) -> f64 {
+        let square = |(place, force): (usize, &[V::Scalar; FORCES])| {
+            let pull = self.tension.as_ref().map(|tension| tension.force(place));
+            let along = |axis: usize| force[axis].to_f64() + pull.map_or(0.0, |pull| pull[axis].to_f64());
+            (0..V::DIMENSION).map(|axis| along(axis).powi(2)).sum::<f64>()
+        };
+        self.strongest.unwrap_or_else(|| self.forces.iter().enumerate().map(square).fold(0.0, f64::max).sqrt())
+    }
+
+    /// Of all waves that the kernel carries, the one with the shortest step. An obstacle is pushed with the force on the fluid in
+    /// its place. Ripples as short as the kernel are followed as by J. U. Brackbill, D. B. Kothe, C. Zemach, J. Comput. Phys. 100
+    /// (1992) 335: √(ρh³/2πσ).
+    pub fn limit(&self, bound: &mut Bound) {
+        let h = self.kinds.first().smoothing_length;
+        let diffuses = if self.field() == Field::Carried { 1.0 } else { 0.0 };
+        let bounds: Vec<(f64, f64, f64)> = self
+            .kinds
+            .materials
+            .iter()
+            .zip(0..)
+            .map(|(fluid, kind)| {
+                let densities = self.density.iter().zip(&self.kind).filter(|(_, other)| **other == kind);
+                let densest = densities.map(|(density, _)| *density).fold(fluid.density, f64::max);
+                let scaled = |wave: &Wave| {
+                    let viscous = (fluid.artificial() * wave.squeeze + 2.0 * fluid.viscosity * wave.decay) / fluid.density;
+                    let diffusion = diffuses * fluid.diffusion() * wave.decay;
+                    [fluid.sound_at(densest) * wave.frequency / h, viscous / (h * h), diffusion / (h * h)]
+                };
+                let waves: Vec<[f64; 3]> = self.waves.iter().map(scaled).collect();
+                let most = |number: usize| waves.iter().map(|wave| wave[number]).fold(0.0, f64::max);
+                let torn = (self.surface.highest() > most(0)).then(|| [self.surface.highest(), most(1), most(2)]);
+                let [stiffness, damping] = bound.shortest(waves.iter().copied().chain(torn));
+                (stiffness, damping, fluid.density)
+            })
+            .collect();
+        let heaviest = |one: &&(f64, f64, f64), other: &&(f64, f64, f64)| (one.0 * one.2).total_cmp(&(other.0 * other.2));
+        let pressing = bounds.iter().max_by(heaviest).copied().unwrap_or_default();
+        for (member, &index) in self.vicinity.members().iter().enumerate() {
+            let (stiffness, damping, density) = bounds.get(usize::from(self.kind[member])).copied().unwrap_or(pressing);
+            let mass = self.mass[member] / self.density[member] * density;
+            bound.point(index as usize, "sound", mass * stiffness, 0.0);
+            bound.point(index as usize, "viscosity", 0.0, mass * damping);
+            if let Some(tension) = &self.tension {
+                let stiffness = tension.stiffness(self.kind[member]);
+                bound.point(index as usize, "surface tension", self.rest_volume(member) * stiffness, 0.0);
+            }
+        }
+        let strongest = self.strongest();
+        let lightest = self.kinds.materials.iter().map(|fluid| fluid.density).fold(f64::INFINITY, f64::min);
+        let ripple = |fluid: &Material| (fluid.density * h.powi(3) / (TAU * fluid.surface_tension)).sqrt();
+        let ripples = self.kinds.materials.iter().filter(|fluid| fluid.surface_tension > 0.0).map(ripple);
+        ripples.for_each(|dt| bound.accuracy("surface tension", dt));
+        // What has diverged has no scale left.
+        if strongest.is_finite() {
+            bound.accuracy("acceleration", (h * lightest / strongest).sqrt());
+        }
+    }
+}
