@@ -255,33 +255,37 @@ impl Flight<'_> {
     /// at its middle. On planes this is the exact parabola, and energy is exact; on a sphere it stays on the surface, and
     /// its energy is off by O(h²) without drift, as Verlet's is.
     fn slide(&mut self, touches: &Touches, support: &Support) -> Option<usize> {
-        let Slip { acceleration, duration, rests } = support.slip(self.velocity, self.left);
+        let Slip { acceleration, duration, stops, rests } = support.slip(self.velocity, self.left);
         if rests && duration == 0.0 {
             self.position = self.walls.onto(&support.slides, self.position);
             (self.velocity, self.left) = (DVec3::ZERO, 0.0);
             return None;
         }
-        let aim = self.glide(support, acceleration, duration);
+        // In units of the duration: a slide may be so short that nothing can be divided by its square.
+        let way = self.velocity * duration;
         let bend = if support.curvature > 0.0 {
-            (aim - self.position - self.velocity * duration) * (2.0 / (duration * duration))
+            (self.glide(support, acceleration, duration) - self.position - way) * 2.0
         } else {
-            acceleration
+            acceleration * (duration * duration)
         };
-        let path = Path { position: self.position, velocity: self.velocity, acceleration: bend };
-        let next = self.walls.first(&path, duration, touches, &support.slides);
-        let time = next.map_or(duration, |(time, _)| time);
+        let path = Path { position: self.position, velocity: way, acceleration: bend };
+        let next = self.walls.first(&path, 1.0, touches, &support.slides);
+        let time = next.map_or(duration, |(share, _)| share * duration);
+        let stops = stops && next.is_none();
         let middle = self.velocity + acceleration * (0.5 * time);
         self.position = self.glide(support, acceleration, time);
         self.left -= time;
         let drag = support.acceleration - acceleration;
-        if support.curvature > 0.0 && !(rests && next.is_none()) {
+        if support.curvature > 0.0 && !stops {
             self.turn(support, middle, drag.length(), time);
         } else {
             self.lost += drag.dot(middle) * time;
             self.velocity += acceleration * time;
         }
-        if rests && next.is_none() {
-            (self.velocity, self.left) = (DVec3::ZERO, 0.0);
+        if stops {
+            // Exactly: a remainder of rounding would be braked, and leave another one, over and over again.
+            self.velocity = DVec3::ZERO;
+            self.left = if rests { 0.0 } else { self.left };
         }
         next.map(|(_, surface)| surface)
     }

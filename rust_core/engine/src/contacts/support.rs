@@ -36,6 +36,8 @@ pub(super) struct Slip {
     pub acceleration: DVec3,
     /// How long it holds [s].
     pub duration: f64,
+    /// Whether the slip is then zero.
+    pub stops: bool,
     /// Whether the particle then stays where it is.
     pub rests: bool,
 }
@@ -136,7 +138,7 @@ impl Support {
     pub fn slip(&self, velocity: DVec3, left: f64) -> Slip {
         let (a, mut friction, speed) = (self.acceleration, self.friction, velocity.length());
         if self.count > 2 {
-            return Slip { acceleration: DVec3::ZERO, duration: 0.0, rests: true };
+            return Slip { acceleration: DVec3::ZERO, duration: 0.0, stops: true, rests: true };
         }
         let mut duration = left;
         if self.curvature > 0.0 {
@@ -146,22 +148,23 @@ impl Support {
             friction = self.friction_at(middle.length());
         }
         if friction == 0.0 {
-            return Slip { acceleration: a, duration, rests: false };
+            return Slip { acceleration: a, duration, stops: false, rests: false };
         }
         if speed == 0.0 && a.length() <= friction {
-            return Slip { acceleration: DVec3::ZERO, duration: 0.0, rests: true };
+            return Slip { acceleration: DVec3::ZERO, duration: 0.0, stops: true, rests: true };
         }
         let middle = velocity + a * (0.5 * duration);
         let along = middle.normalize_or_zero();
         let end = velocity + (a - along * friction) * duration;
         let slips = middle.length() > 0.5 * friction * duration;
         if slips && along.dot(velocity) >= 0.0 && along.dot(end) >= 0.0 {
-            return Slip { acceleration: a - along * friction, duration, rests: false };
+            return Slip { acceleration: a - along * friction, duration, stops: false, rests: false };
         }
         let along = velocity.normalize_or_zero();
         let brake = friction - a.dot(along);
-        let stop = speed / brake;
-        let rests = stop <= duration && a.length() <= friction;
-        Slip { acceleration: along * -brake, duration: duration.min(stop), rests }
+        // Where it is not braked, but for rounding, it does not stop.
+        let stop = if brake > 0.0 { speed / brake } else { f64::INFINITY };
+        let stops = stop <= duration;
+        Slip { acceleration: along * -brake, duration: duration.min(stop), stops, rests: stops && a.length() <= friction }
     }
 }

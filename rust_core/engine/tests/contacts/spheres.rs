@@ -3,7 +3,7 @@
 use glam::{DVec2, DVec3};
 use proptest::prelude::*;
 
-use crate::laboratory::{Ball, Laboratory, floor, sphere};
+use crate::laboratory::{Ball, Laboratory, floor, plane, sphere};
 
 const G: DVec3 = DVec3::new(0.0, -9.81, 0.0);
 
@@ -121,6 +121,28 @@ fn a_floor_in_a_bowl() {
 }
 
 proptest! {
+
+    /// A heap presses a grain against the overhang of a rough ball that stands in a floor. However it slides, back and
+    /// forth within a step or not at all, it moves no farther than s = v h + a h²/2, and friction gives no energy: what a
+    /// Verlet step leaves over is κ a s²/2, as the push grows along the curve by κ a s; and the numbers are rounded.
+    #[test]
+    fn pressed_along_an_overhang(press in 1e2..1e5_f64, slope in -1.0..1.0_f64, speed in -0.1..0.1_f64, h in 1e-6..1e-4) {
+        let (normal, along) = (DVec3::new(0.8, -0.6, 0.0), DVec3::new(0.6, 0.8, 0.0));
+        let walls = vec![sphere(DVec3::ZERO, 1.0, false, 0.0, 0.3), plane(DVec3::Y * -0.85, DVec3::Y, 0.0, 0.5)];
+        let load = (along * slope - normal) * press;
+        let mut laboratory = Laboratory::<DVec2>::new(&[Ball::new(normal * 1.01, along * speed, 0.01)], walls, load);
+        let balance = |laboratory: &Laboratory<DVec2>| laboratory.energy() + laboratory.dissipated();
+        for _ in 0..10 {
+            let (position, velocity, energy) = (laboratory.position(0), laboratory.velocity(0), balance(&laboratory));
+            laboratory.step(h);
+            let moved = laboratory.position(0).distance(position);
+            let farthest = (velocity.length() + 0.5 * load.length() * h) * h;
+            prop_assert!(moved <= farthest + 1e-14, "moved {moved:e} m instead of at most {farthest:e} m");
+            let gained = balance(&laboratory) - energy;
+            let scale = load.length() * (0.5 * farthest * farthest + 8.0 * f64::EPSILON);
+            prop_assert!(gained <= scale, "gained {gained:e} J/kg of at most {scale:e}");
+        }
+    }
 
     /// Fast particles in a ball with losses: inside for ever, and energy + dissipated as good as on a curve. Impacts are
     /// exact; slides are Verlet's, off by (ω h)² of the energies at stake, ω the larger of √(g/R) and v/R.
