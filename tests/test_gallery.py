@@ -160,7 +160,6 @@ def test_a_heavy_fluid_sinks_into_a_light_one(
     assert recording["heavy"].positions[-1, :, 1].min() < 0.2  # it nears the floor
 
 
-@pytest.mark.long
 @pytest.mark.parametrize("grains", [6000, pytest.param(GRAINS, marks=pytest.mark.long)])
 def test_sand_runs_as_fast_at_the_end_as_at_the_start(
     grains: int, shown: Callable[..., pc.Recording], record_property: Callable[[str, object], None]

@@ -104,5 +104,5 @@ def test_a_fourth_kind_of_fluid_and_other_numerics_are_refused():
 
     with pytest.raises(pc.SceneError, match="at most three kinds of fluid"):
         pools(*(pool(float(index), 1000.0 + index) for index in range(4)))
-    with pytest.raises(pc.SceneError, match="may differ in density and viscosity alone"):
+    with pytest.raises(pc.SceneError, match="may differ in density, viscosity and surface tension alone"):
         pools(pool(0.0, 1000.0), pool(1.0, 1000.0, density_diffusion=0.2))

@@ -53,10 +53,11 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
                     let diffusion = diffuses * fluid.diffusion() * wave.decay;
                     [fluid.sound_at(densest) * wave.frequency / h, viscous / (h * h), diffusion / (h * h)]
                 };
-                let waves: Vec<[f64; 3]> = self.waves.iter().map(scaled).collect();
-                let most = |number: usize| waves.iter().map(|wave| wave[number]).fold(0.0, f64::max);
-                let torn = (self.surface.highest() > most(0)).then(|| [self.surface.highest(), most(1), most(2)]);
-                let [stiffness, damping] = bound.shortest(waves.iter().copied().chain(torn));
+                // Where the fluid is crowded or torn, all are taken to be as much faster as the fastest is there.
+                let fastest = self.waves.iter().map(|wave| scaled(wave)[0]).fold(0.0, f64::max);
+                let faster = (self.surface.highest() / fastest).max(1.0);
+                let waves = self.waves.iter().map(scaled).map(|[frequency, damping, decay]| [faster * frequency, damping, decay]);
+                let [stiffness, damping] = bound.shortest(waves);
                 (stiffness, damping, fluid.density)
             })
             .collect();
