@@ -243,7 +243,10 @@ def test_fluids_are_computed_in_single_precision_unless_asked_otherwise():
             lambda: pc.Fluid(WATER, 0.1, shifting=6.0, density_from="summation"),
             "Fluid.shifting: must be 0 with density_from='summation'",
         ),
-        (lambda: pc.Fluid(WATER, 0.1, shifting=6.0, surface_tension=0.1), "Fluid.shifting: must be 0 with surface_tension"),
+        (
+            lambda: pc.Fluid(WATER, 0.1, shifting=6.0, surface_tension=0.1),
+            "Fluid.shifting: must be 0 with surface_tension",
+        ),
         (lambda: pc.Fluid(WATER, 0.21), "Fluid.positions: overlapping particles: 0 and 1 are 0.1 m apart"),
         (lambda: pc.Fluid([1.0, 2.0], 0.1), r"Fluid.positions: must have the shape \(N, 2\) or \(N, 3\)"),
         (lambda: pc.WendlandC2(0.5), "WendlandC2.smoothing: must be ≥ 0.6"),

@@ -104,8 +104,11 @@ def test_what_cannot_be_computed_is_left_out_and_said():
     at_one_moment, backwards = trade.notes
     assert at_one_moment.startswith("Left out: ExplicitEuler f32, RungeKutta4 f32, ")
     assert backwards.startswith("Left out: PEFRL f32, ")
-    fit = "(integrator: expected SemiImplicitEuler(), VelocityVerlet(), McLachlan2() for a fluid that carries its density"
-    assert fit in at_one_moment and fit in backwards
+    fit = (
+        "(integrator: expected SemiImplicitEuler(), VelocityVerlet(), McLachlan2() for a fluid that carries its density"
+    )
+    assert fit in at_one_moment
+    assert fit in backwards
     assert "nothing has checked it" in trade.explain()
     with pytest.raises(pc.PhyscoreError, match="Left out: RungeKutta4 f32"):
         pc.tradeoff(tank, 0.1, integrators=[pc.RungeKutta4()], precisions=["f32"], budget=1.0)

@@ -43,8 +43,8 @@ class Fluid(Body):
         sound_speed: c [m/s], above zero; "auto": ten times the greatest speed to be expected from the scene, and at
             least √(40 σ/(ρ₀ spacing)), with which surface tension changes density by a few percent next to a surface.
         kernel: WendlandC2(), WendlandC4() or CubicSpline(), how particles are smoothed out.
-        artificial_viscosity: the coefficient α, at least zero, which damps what the particles cannot resolve. With 0.01
-            waves last longer, but violent flows can fail.
+        artificial_viscosity: the coefficient α, at least zero, which damps what the particles cannot resolve. With less
+            waves last longer.
         density_diffusion: the coefficient δ, at least zero, which damps noise of the density.
         velocities: [m/s], broadcast to (N, D).
         name: a name by which results can be asked for.
@@ -59,11 +59,12 @@ class Fluid(Body):
         shifting: the coefficient A, at least zero, by which particles are moved beside their velocity from where they
             are crowded to where there is room. 0: not at all; 6 is what the validation is run with. It keeps flows that
             stretch, and negative pressures, from gathering particles in strands with voids between them. It goes with
-            density from continuity, and neither with surface tension nor with forces between pairs that act on the fluid.
+            density from continuity, and neither with surface tension nor with forces between pairs that act on the
+            fluid.
 
     What shifting is: each step moves a particle by δx = −A h U dt Σ V [1 + (W/W(Δ))⁴/5] ∇W, where U is the difference
     of velocity over 8h, c/10 at most, and δx at most c dt/20; but none at a free surface, and none through a wall. It
-    never bounds the time step, but a step takes twice as long. Momentum and the energies of motion and of compression
+    never bounds the time step, but is a third sum beside two. Momentum and the energies of motion and of compression
     are kept exactly, angular momentum only to some 1e-3. What it changes in potential energy counts as work: a wave is
     lifted a little. Fluids that meet are shifted as one, and may mix.
 

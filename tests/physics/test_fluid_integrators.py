@@ -142,7 +142,7 @@ def test_single_steps_a_checkpoint_and_threads_change_no_bit(integrator, changes
 @pytest.mark.parametrize("dt", ["auto", 2e-4], ids=["auto", "given"])
 @pytest.mark.parametrize("integrator", FORWARD, ids=name)
 def test_a_checkpoint_at_any_step_of_a_splash_changes_no_bit(integrator, dt, tmp_path: Path):
-    """Also between the renewal of lists and the look at what is at the surface, and where the limit is looked at next."""
+    """Also between the renewal of lists and the look at the surface, and where the limit is looked at next."""
     cells = pc.block((0.0, 0.3), (0.4, 0.7), 0.04)
     water = pc.Fluid(cells, 0.04, sound_speed=100.0, velocities=(1.0, -2.0))
     scene = pc.Scene(water, pc.Gravity((0.0, -9.81)), pc.Box((0.0, 0.0), (1.0, 1.0)))

@@ -115,9 +115,9 @@ impl<V: Vector> Records<V> {
     ) {
         let records = self;
         if V::Scalar::WRAPS || !self.periodic {
-            dispatch_level(Few::<V, _, _, SUMS, false> { records, few, take });
+            dispatch_level(Few::<V, _, _, SUMS, false> { records, each: few, take });
         } else {
-            dispatch_level(Few::<V, _, _, SUMS, true> { records, few, take });
+            dispatch_level(Few::<V, _, _, SUMS, true> { records, each: few, take });
         }
     }
 }
@@ -173,7 +173,7 @@ impl<V: Vector, L: PairLaw<V, SUMS>, const SUMS: usize, const PERIODIC: bool> Le
 /// The sums of a few particles, with or without periods.
 struct Few<'r, V: Vector, S, T, const SUMS: usize, const PERIODIC: bool> {
     records: &'r Records<V>,
-    few: S,
+    each: S,
     take: T,
 }
 
@@ -188,7 +188,7 @@ where
 
     #[inline(always)]
     fn run<I: Isa>(mut self, _isa: I) {
-        for (place, list, law) in self.few {
+        for (place, list, law) in self.each {
             (self.take)(place, around::<V, L, I::Pack<V::Scalar>, SUMS, PERIODIC>(self.records, list, &law, place));
         }
     }

@@ -38,6 +38,7 @@ pub trait Number: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = 
     fn has_bit(self, bit: u32) -> Self::Mask;
     /// How far a place is above another: for single numbers the difference of their bits as integers, modulo 2³², for double
     /// ones that of the numbers.
+    #[must_use]
     fn place_difference(self, other: Self) -> Self;
 }
 
