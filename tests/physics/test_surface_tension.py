@@ -181,7 +181,7 @@ def test_two_drops_that_touch_become_one_round_one():
 def test_its_energy_is_that_of_the_state_however_that_came_about(integrator, tmp_path):
     """A state that was loaded or set, or reached with an integrator that ends its steps with a drift.
 
-    Over other lists, and relative to another origin, sums are rounded otherwise: some hundred terms each, times a hundred.
+    Over other lists, and relative to another origin, sums are rounded otherwise: some hundred terms each.
     """
     scene = scenes("a drop", heap(2))
     first = pc.Simulation(scene, integrator, 1e-3, precision="f64")
