@@ -108,8 +108,8 @@ def agree(dimension: int) -> None:
     """Refuse an opponent that does other work: after some steps all are in the same place.
 
     It keeps positions in single precision, so that distances are good to ε·L/Δ ≈ 1e-5; of the way of the fastest
-    particle a tenth of a percent is allowed. With walls that holds for four fifths of all, and the others are off by two
-    percent at most: its walls pull at what leaves them at the surface, and physcore's do not.
+    particle a tenth of a percent is allowed. With walls that holds for four fifths of all, and the others are off by
+    two percent at most: its walls pull at what leaves them at the surface, and physcore's do not.
     """
     dam = standing(dimension, 10)
     for one, share, most in ((bare(dam), 1.0, 1e-3), (dam, 0.8, 2e-2)):

@@ -253,7 +253,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> Force<V> for Fluids<V, K, MIXED> {
                 let [squeeze, diffusion] = rates[place].map(Real::to_f64);
                 let [by_walls, through_walls] = mirrored[place].map(Real::to_f64);
                 let evened = diffusion + through_walls;
-                let change = drift.h * (*density * (squeeze + hold.drift * by_walls) + evened);
+                let change = drift.h * (*density * (squeeze + f64::from(hold.drift) * by_walls) + evened);
                 // What diffusion moves against pressure is gone at once.
                 let middle = *density + 0.5 * change;
                 *lost = -drift.h * fluid.mass * fluid.pressure(middle) / (middle * middle) * evened;
@@ -307,7 +307,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> Force<V> for Fluids<V, K, MIXED> {
         records.sum(neighbors, *momentum, forces, crew);
         if !walls.is_empty() {
             for (hold, &place) in surface.holds.iter().zip(neighbors.places()).filter(|(hold, _)| hold.kick < 1.0) {
-                records.write(place as usize, |words| words[V::DIMENSION + 1] *= V::Scalar::from_f64(hold.kick));
+                records.write(place as usize, |words| words[V::DIMENSION + 1] *= V::Scalar::from_f64(hold.kick.into()));
             }
         }
         let view = View { weight: kinds.first().gravity, sticks: true };

@@ -31,9 +31,9 @@ const BARE: f64 = 0.8;
 #[derive(Debug, Clone, Copy)]
 pub struct Hold {
     /// In the kick between two drifts.
-    pub kick: f64,
+    pub kick: f32,
     /// In the next drift.
-    pub drift: f64,
+    pub drift: f32,
     /// Whether it is at a surface.
     bare: bool,
 }
@@ -52,7 +52,7 @@ impl Hold {
 
     /// As numbers to be kept.
     fn numbers(&self) -> [f64; 3] {
-        [self.kick, self.drift, f64::from(u8::from(self.bare))]
+        [f64::from(self.kick), f64::from(self.drift), f64::from(u8::from(self.bare))]
     }
 }
 
@@ -151,7 +151,7 @@ impl<V: Vector, K: Shape> Surface<V, K> {
         for hold in &mut self.holds {
             let mut kept = hold.numbers();
             vicinity::take(numbers, &mut kept)?;
-            *hold = Hold { kick: kept[0], drift: kept[1], bare: kept[2] > 0.0 };
+            *hold = Hold { kick: kept[0] as f32, drift: kept[1] as f32, bare: kept[2] > 0.0 };
         }
         let mut kept = [0.0; 2];
         vicinity::take(numbers, &mut kept)?;
