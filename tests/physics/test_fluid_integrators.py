@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import physcore as pc
-from physics.laboratory import ALL, Array, name, state, unwarned
+from physics.laboratory import ALL, Array, assert_same_water, name, other_ways, state, unwarned
 
 FORWARD = [pc.SemiImplicitEuler(), pc.VelocityVerlet(), pc.McLachlan2()]
 """Splittings without negative substeps."""
@@ -121,22 +122,12 @@ def test_the_budget_closes_with_the_order_of_the_integrator(integrator):
 @pytest.mark.parametrize("changes", [{}, {"density_from": "summation"}], ids=["carried", "counted"])
 @pytest.mark.parametrize("integrator", [pc.SemiImplicitEuler(), pc.McLachlan2()], ids=name)
 def test_single_steps_a_checkpoint_and_threads_change_no_bit(integrator, changes, tmp_path: Path):
-    plain, single, first = (vortices(integrator, 1e-3, **changes) for _ in range(3))
-    shared = vortices(integrator, 1e-3, threads=3, **changes)
+    start = partial(vortices, integrator, 1e-3, **changes)
+    plain, shared = start(), start(threads=3)
     for run in (plain, shared):
         run.step(200)
-    for _ in range(200):
-        single.step(1)
-        single.energy()
-    first.step(77)
-    first.save(tmp_path / "part.npz")
-    second = pc.load(tmp_path / "part.npz")
-    assert isinstance(second, pc.Simulation)
-    second.step(123)
-    for other in (shared, single, second):
-        assert other.state_hash() == plain.state_hash()
-        assert other.energy().balance == plain.energy().balance
-        np.testing.assert_array_equal(other["water"].pressures, plain["water"].pressures)
+    for other in (shared, *other_ways(start, 200, 77, tmp_path / "part.npz")):
+        assert_same_water(other, plain)
 
 
 @pytest.mark.parametrize("dt", ["auto", 2e-4], ids=["auto", "given"])

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from functools import partial
 
 import numpy as np
 import pytest
 
 import physcore as pc
-from physics.laboratory import EPSILON
+from physics.laboratory import EPSILON, assert_same_water, other_ways
 from physics.test_determinism import ENVIRONMENT
 
 SPACING = 0.05
@@ -65,22 +66,13 @@ def test_every_level_of_vector_instructions_gives_the_same_bits(level, alone):
 @pytest.mark.parametrize("dt", [DT, "auto"])
 def test_a_checkpoint_a_recording_and_single_steps_change_no_bit(dt, precision, shifting, tmp_path):
     """The checkpoint is taken when the water has reached other walls than those that it started at."""
-    plain, single, first = (tank(dt=dt, precision=precision, shifting=shifting) for _ in range(3))
+    start = partial(tank, dt=dt, precision=precision, shifting=shifting)
+    plain = start()
     plain.step(400)
-    for _ in range(400):
-        single.step(1)
-        single.energy()
-    first.step(150)
-    first.save(tmp_path / "half.npz")
-    second = pc.load(tmp_path / "half.npz")
-    assert isinstance(second, pc.Simulation)
-    second.step(250)
-    for other in (single, second):
-        assert other.state_hash() == plain.state_hash()
-        assert other.energy().balance == plain.energy().balance
-        np.testing.assert_array_equal(other["water"].pressures, plain["water"].pressures)
+    for other in other_ways(start, 400, 150, tmp_path / "half.npz"):
+        assert_same_water(other, plain)
     if dt != "auto":
-        recorded = tank(dt=dt, precision=precision, shifting=shifting)
+        recorded = start()
         recorded.record(400 * DT, fps=37.0, channels=("positions", "densities"))
         assert recorded.state_hash() == plain.state_hash()
 
