@@ -58,6 +58,17 @@ pub struct Matter<V: Vector> {
     pub block: usize,
 }
 
+/// The exact position [m] of what the state holds, and of what that is short of by rounding where it is kept.
+fn exact<V: Vector>(position: V, residual: Option<V>) -> DVec3 {
+    position.widen() + residual.map_or(DVec3::ZERO, V::widen)
+}
+
+/// What the state holds of a position [m], and what that is short of by rounding.
+fn parts<V: Vector>(place: DVec3) -> (V, V) {
+    let position = V::narrow(place);
+    (position, V::narrow(place - position.widen()))
+}
+
 impl<V: Vector> Matter<V> {
     /// Matter at rest at the origin.
     pub fn zeros(count: usize, memory: usize, block: usize) -> Self {
@@ -89,16 +100,15 @@ impl<V: Vector> Matter<V> {
 
     /// The exact position of a particle relative to the origin [m].
     pub fn place(&self, index: usize) -> DVec3 {
-        let residual = if self.residual.count() > 0 { self.residual.get(index).widen() } else { DVec3::ZERO };
-        self.position.get(index).widen() + residual
+        exact(self.position.get(index), (self.residual.count() > 0).then(|| self.residual.get(index)))
     }
 
     /// Moves a particle to a position relative to the origin [m], as exactly as the state can hold it.
     pub fn set_place(&mut self, index: usize, place: DVec3) {
-        let position = V::narrow(place);
+        let (position, residual) = parts(place);
         self.position.set(index, position);
         if self.residual.count() > 0 {
-            self.residual.set(index, V::narrow(place - position.widen()));
+            self.residual.set(index, residual);
         }
     }
 
@@ -171,16 +181,15 @@ impl<'a, V: Vector> Blocks<'a, V> {
 
     /// The exact position of a particle of these, relative to the origin [m].
     pub fn place(&self, lane: usize) -> DVec3 {
-        let residual = if self.residual.is_empty() { DVec3::ZERO } else { self.residual.get(lane).widen() };
-        self.position.get(lane).widen() + residual
+        exact(self.position.get(lane), (!self.residual.is_empty()).then(|| self.residual.get(lane)))
     }
 
     /// Moves a particle of these to a position relative to the origin [m], as exactly as the state can hold it.
     pub fn set_place(&mut self, lane: usize, place: DVec3) {
-        let position = V::narrow(place);
+        let (position, residual) = parts(place);
         self.position.set(lane, position);
         if !self.residual.is_empty() {
-            self.residual.set(lane, V::narrow(place - position.widen()));
+            self.residual.set(lane, residual);
         }
     }
 
