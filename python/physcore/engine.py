@@ -30,7 +30,7 @@ def build(scene: Scene, numerics: Numerics) -> World:
         numerics.precision,
         numerics.threads,
         numerics.runaway,
-        "ignore" if numerics.on_divergence == "ignore" else "raise",
+        numerics.on_divergence,
     )
 
 

@@ -7,9 +7,22 @@ import math
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 import physcore as pc
-from physics.laboratory import ALL, amplification, largest_step, name, network, simulation, state, wide_edge
+from physics.laboratory import (
+    ALL,
+    LONG,
+    amplification,
+    largest_step,
+    name,
+    network,
+    simulation,
+    state,
+    unwarned,
+    wide_edge,
+)
 
 STABLE = [integrator for integrator in ALL if not isinstance(integrator, pc.ExplicitEuler)]
 NETWORK = network(seed=7, dimension=2, count=9)
@@ -195,3 +208,138 @@ def test_a_fall_into_a_bare_center_is_finite_or_diagnosed(integrator):
     with contextlib.suppress(pc.SimulationDiverged):
         run.step(5000)
     assert np.isfinite(state(run)).all()
+
+
+def outcome(run: pc.Simulation, pieces: list[int]) -> tuple[object, ...]:
+    """How a run ends whose steps are asked for in pieces: what is said of a divergence, and where it then stands."""
+    said: tuple[object, ...] = ()
+    try:
+        for piece in pieces:
+            run.step(piece)
+    except pc.SimulationDiverged as error:
+        said = (error.step, error.time, error.particle, error.quantity, error.cause, error.hint)
+    return (*said, run.steps, run.substeps, run.time, run.state_hash())
+
+
+PIECES = {
+    "one by one": [1] * 2400,
+    "unequal": [1, 7, 64, 3, 925, 400, 1000],
+    "halves": [1200] * 2,
+}
+
+
+@pytest.mark.parametrize("rule", ["raise", "substep"])
+@pytest.mark.parametrize("factor", [1.02, 1.3, 3.0])
+@pytest.mark.parametrize("integrator", STABLE, ids=name)
+def test_the_step_that_fails_does_not_depend_on_how_steps_were_asked_for(integrator, factor, rule):
+    """It is a function of the trajectory, as is what is taken in parts; the rope whips, so energy comes and goes."""
+    rope = pc.Scene(pc.rope(6, 1.0, 100.0, mass=0.01))
+    motion = np.sin(np.arange(12.0)).reshape(6, 2)
+
+    def run() -> pc.Simulation:
+        made = simulation(rope, integrator, factor * edge(rope, integrator), on_divergence=rule)
+        made.set(velocities=motion)
+        return made
+
+    with unwarned():
+        whole = outcome(run(), [2400])
+        assert {name: outcome(run(), pieces) for name, pieces in PIECES.items()} == dict.fromkeys(PIECES, whole)
+
+
+@settings(max_examples=20 if not LONG else 1000)
+@given(
+    seed=st.integers(0, 10**6),
+    factor=st.floats(0.8, 4.0),
+    integrator=st.sampled_from(STABLE),
+    precision=st.sampled_from(["f64", "f32"]),
+    rule=st.sampled_from(["raise", "substep", "ignore"]),
+    pieces=st.lists(st.integers(1, 60), min_size=1, max_size=12),
+)
+def test_random_networks_fail_at_one_step_however_it_is_reached(seed, factor, integrator, precision, rule, pieces):
+    scene = pc.Scene(network(seed, 2, 7, damping=0.1, motion=1.0).body(fixed=[0]), pc.Gravity((0.0, -1.0)))
+    numerics = {"precision": precision, "on_divergence": rule, "runaway": 10.0}
+    dt = factor * edge(scene, integrator)
+    with unwarned():
+        whole, parts = (simulation(scene, integrator, dt, **numerics) for _ in range(2))
+        assert outcome(whole, [sum(pieces)]) == outcome(parts, pieces)
+
+
+def test_a_step_that_failed_leaves_no_trace():
+    """Tried again it fails again, with the same words, and a smaller one goes on as if it had never been tried."""
+    run, plain = unstable(pc.VelocityVerlet(), 2.0), unstable(pc.VelocityVerlet(), 2.0)
+    first = outcome(run, [100_000])
+    assert outcome(run, [1]) == outcome(run, [5]) == first
+    plain.step(first[0] - 1)
+    assert run.state_hash() == plain.state_hash()
+
+
+def test_taken_in_parts_a_step_above_the_limit_stays_bounded():
+    """At 1.5 times the limit, halves are stable: the energy stays within what the monitor lets pass, a doubling."""
+    rope = pc.Scene(pc.rope(6, 1.0, 100.0, mass=0.01))
+    run = simulation(rope, pc.VelocityVerlet(), 1.5 * edge(rope, pc.VelocityVerlet()), on_divergence="substep")
+    run.set(velocities=np.sin(np.arange(12.0)).reshape(6, 2))
+    start = run.energy()
+    with unwarned():
+        for _ in range(300):
+            run.step(1)
+    assert run.substeps > 100
+    # Verlet's energy at 0.75 of the limit is off by up to 1/(1 − 0.75²) = 2.3 times, beside the rise that is let pass.
+    assert run.energy().total < 2.0 * 2.3 * start.total
+
+
+class TestNumbersOutOfRange:
+    """Nothing that is not finite goes on in silence."""
+
+    @pytest.mark.parametrize("what", ["positions", "velocities"])
+    def test_what_single_precision_cannot_hold_is_refused(self, what):
+        body = pc.Particles(**{"positions": [[0.0, 0.0], [1.0, 0.0]], what: [[0.0, 0.0], [1e39, 0.0]]})
+        with pytest.raises(pc.SceneError, match=rf"^bodies\[0\]\.{what}\[[01]\]: .* range of f32"):
+            pc.Simulation(pc.Scene(body), precision="f32", dt=0.1)
+        run = pc.Simulation(pc.Scene(pc.Particles([[0.0, 0.0], [1.0, 0.0]])), precision="f32", dt=0.1)
+        before = run.state_hash()
+        with pytest.raises(pc.SceneError, match=rf"^set\.{what}\[1\]: .* range of f32"):
+            run.set(**{what: [[0.0, 0.0], [1e39, 0.0]]})
+        assert run.state_hash() == before
+
+    def test_atoms_at_the_same_place_are_named(self):
+        atoms = pc.Particles([[0.0, 0.0], [2.0, 0.0], [5.0, 1.0], [2.0, 0.0]])
+        with pytest.raises(pc.SceneError, match=r"energy that is finite.*particles 1 and 3 are at the same place"):
+            pc.Simulation(pc.Scene(atoms, pc.LennardJones(1.0, 1.0)), dt=1e-3)
+
+    def test_a_state_that_is_refused_leaves_no_trace_in_the_lists_of_neighbors(self):
+        rng = np.random.default_rng(2)
+        atoms = pc.Particles(pc.block((0.0, 0.0), (5.0, 5.0), 1.0), rng.uniform(-1.0, 1.0, (25, 2)))
+        run, plain = (pc.Simulation(pc.Scene(atoms, pc.LennardJones(1.0, 0.9)), dt=2e-3) for _ in range(2))
+        run.step(50)
+        places = run.positions
+        places[3] = places[4]
+        with pytest.raises(pc.SceneError, match="particles 3 and 4 are at the same place"):
+            run.set(positions=places)
+        run.step(200)
+        plain.step(250)
+        assert run.state_hash() == plain.state_hash()
+
+    @pytest.mark.parametrize("integrator", ALL, ids=name)
+    def test_a_step_that_carries_a_particle_out_of_range_fails(self, integrator):
+        free = pc.Scene(pc.Particles([[0.0, 0.0]], [[10.0, 0.0]]))
+        run = simulation(free, integrator, 1e307)
+        run.step(1)
+        with pytest.raises(pc.SimulationDiverged, match="position of particle 0 is not finite") as caught:
+            run.step(15)
+        # 10 m/s · n · 1e307 s passes 1.8e308 m.
+        assert caught.value.step == 2
+        assert np.isfinite(caught.value.last_good.positions).all()
+        with pytest.raises(pc.SceneError, match=r"^dt: .* time that is finite"):
+            simulation(free, integrator, 1e308).step(2)
+
+    @pytest.mark.parametrize("pieces", [[10_000], [1] * 10_000, [999] * 11])
+    def test_the_spiral_of_explicit_euler_ends_where_its_energy_leaves_the_range(self, pieces):
+        """√(1 + h²)ⁿ passes √(2 · 1.8e308), whose energy is out of range, at n = ln(2 · 1.8e308)/ln(1 + h²) = 1781 at h = 0.7.
+
+        The energy then is all kinetic, or will be within a quarter of a turn, some three steps.
+        """
+        well = pc.Scene(pc.Particles([[1.0, 0.0]]), pc.CentralForce((0.0, 0.0), 1.0, exponent=1.0))
+        run = simulation(well, pc.ExplicitEuler(), 0.7)
+        ended = outcome(run, pieces)
+        assert ended[0] == pytest.approx((math.log(2.0) + math.log(1.8e308)) / math.log(1.49), abs=3)
+        assert np.isfinite(run.energy().total)

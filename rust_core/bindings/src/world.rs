@@ -6,7 +6,7 @@ use std::sync::{Mutex, MutexGuard, TryLockError};
 use numpy::{PyArray1, PyArray2, PyReadonlyArray1, ToPyArray};
 use physcore_engine::error::{Error, Result as EngineResult};
 use physcore_engine::forces::Flow;
-use physcore_engine::simulation::{self, Adaptation, Capture, Numerics, Rule, Segment};
+use physcore_engine::simulation::{self, Adaptation, Capture, Numerics, Rule, Segment, Vigilance};
 use physcore_engine::stability::{Kind, Limit};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -80,7 +80,12 @@ impl World {
         on_divergence: &str,
     ) -> PyResult<Self> {
         let scene = scene::read(scene)?;
-        let numerics = Numerics { integrator, precision, threads, runaway, ignore_runaway: on_divergence == "ignore" };
+        let vigilance = match on_divergence {
+            "ignore" => Vigilance::OutOfRange,
+            "substep" => Vigilance::EveryStep,
+            _ => Vigilance::Agitated,
+        };
+        let numerics = Numerics { integrator, precision, threads, runaway, vigilance };
         let dimension = scene.dimension;
         let inner = without_gil(py, || simulation::build(&scene, &numerics))?;
         Ok(Self { inner: Mutex::new(inner), dimension })

@@ -14,7 +14,7 @@ use glam::DVec3;
 use physcore_engine::math::Real;
 use physcore_engine::scene::{Body, Scene, Spring, Term, Value};
 use physcore_engine::simd::{Kernel, LANES, Lanes, Level, dispatch};
-use physcore_engine::simulation::{Numerics, World, build};
+use physcore_engine::simulation::{Numerics, Vigilance, World, build};
 
 /// The time step [s].
 const STEP: f64 = 1e-4;
@@ -178,7 +178,7 @@ fn world(dimension: usize, precision: &str, body: Body, forces: Vec<Term>) -> Bo
         precision: precision.to_owned(),
         threads: Some(1),
         runaway: 1e6,
-        ignore_runaway: false,
+        vigilance: Vigilance::Agitated,
     };
     build(&Scene { dimension, bodies: vec![body], forces, ..Scene::default() }, &numerics).expect("the scene is sound")
 }

@@ -62,15 +62,7 @@ fn bench<V: Vector>(criterion: &mut Criterion, columns: usize, rows: usize, shuf
         position.set(place as usize, V::narrow(DVec3::new(1.01 * column, 0.99 * row, 0.1 * (column * row).sin())));
         velocity.set(place as usize, V::narrow(DVec3::new(row.sin(), column.sin(), 0.0)));
     }
-    let properties = Properties::<V> {
-        inverse_mass: vec![V::Scalar::ONE; padded(count)],
-        mass: vec![1.0; count],
-        charge: vec![0.0; count],
-        radius: vec![0.0; count],
-        body: vec![0; count],
-        caller: place,
-        origin: DVec3::ZERO,
-    };
+    let properties = Properties::<V> { caller: place, ..Properties::new(vec![1.0; count]) };
     let at = Moment {
         position: position.view(),
         velocity: velocity.view(),

@@ -42,6 +42,11 @@ impl<V: Vector> Columns<V> {
         }
     }
 
+    /// The index of the first vector that is not finite, if there is one.
+    pub fn out_of_range(&self) -> Option<usize> {
+        (0..self.count).find(|&index| !self.get(index).widen().is_finite())
+    }
+
     /// Copies all vectors of `other`, which has as many.
     pub fn copy_from(&mut self, other: &Self) {
         for (mine, theirs) in self.axes.iter_mut().zip(&other.axes) {

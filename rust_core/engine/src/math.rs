@@ -41,6 +41,8 @@ pub trait Real:
     const INFINITY: Self;
     /// The distance from 1 to the next number.
     const EPSILON: f64;
+    /// The largest number.
+    const MAX: f64;
     /// The name that users know it by.
     const NAME: &'static str;
 
@@ -74,6 +76,7 @@ macro_rules! real {
             const ONE: Self = 1.0;
             const INFINITY: Self = $number::INFINITY;
             const EPSILON: f64 = $number::EPSILON as f64;
+            const MAX: f64 = $number::MAX as f64;
             const NAME: &'static str = stringify!($number);
 
             #[inline(always)]

@@ -5,15 +5,18 @@ use std::ops::Range;
 use glam::DVec3;
 
 pub use crate::columns::{Columns, Span, View};
-use crate::math::Vector;
+use crate::math::{Real, Vector};
 pub use crate::meter::{CHANNELS, Channel, Meter, Power};
 use crate::parallel::Split;
+use crate::simd::padded;
 
 /// What never changes while a simulation runs.
 #[derive(Debug, Clone)]
 pub struct Properties<V: Vector> {
     /// 1/m [1/kg], 0 for a fixed particle; padded with zeros to whole groups of lanes.
     pub inverse_mass: Vec<V::Scalar>,
+    /// Mass m [kg] in the precision of the forces, 0 for a fixed particle; padded likewise.
+    pub inertia: Vec<V::Scalar>,
     /// Mass m [kg], infinite for a fixed particle.
     pub mass: Vec<f64>,
     /// Charge [C].
@@ -29,6 +32,27 @@ pub struct Properties<V: Vector> {
 }
 
 impl<V: Vector> Properties<V> {
+    /// The properties of particles of these masses [kg], infinite where fixed, in the caller's order, all in one body about
+    /// the origin, without charge or radius.
+    pub fn new(mass: Vec<f64>) -> Self {
+        let column = |value: &dyn Fn(f64) -> f64| {
+            let mut column: Vec<V::Scalar> = mass.iter().map(|&mass| V::Scalar::from_f64(value(mass))).collect();
+            column.resize(padded(mass.len()), V::Scalar::ZERO);
+            column
+        };
+        let count = mass.len();
+        Self {
+            inverse_mass: column(&|mass| 1.0 / mass),
+            inertia: column(&|mass| if mass.is_finite() { mass.min(V::Scalar::MAX) } else { 0.0 }),
+            mass,
+            charge: vec![0.0; count],
+            radius: vec![0.0; count],
+            body: vec![0; count],
+            caller: (0..count as u32).collect(),
+            origin: DVec3::ZERO,
+        }
+    }
+
     /// The number of particles.
     pub fn count(&self) -> usize {
         self.mass.len()

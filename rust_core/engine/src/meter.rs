@@ -31,13 +31,11 @@ pub struct Meter {
     pub energy: Power,
     /// The power at the last evaluation, which an integrator's next step may begin with [W].
     pub last: Power,
-    /// The kinetic energy at the end of the last chunk [J], for noticing a blow-up.
-    pub agitation: f64,
 }
 
 impl Meter {
     /// A meter at zero.
-    pub const ZERO: Self = Self { energy: [[0.0; LANES]; CHANNELS], last: [[0.0; LANES]; CHANNELS], agitation: 0.0 };
+    pub const ZERO: Self = Self { energy: [[0.0; LANES]; CHANNELS], last: [[0.0; LANES]; CHANNELS] };
 
     /// The energy that has passed through one channel [J].
     pub fn total(&self, channel: Channel) -> f64 {

@@ -11,7 +11,7 @@ use crate::math::{Real, Vector};
 use crate::matter::{Columns, Matter, Properties};
 use crate::neighbors;
 use crate::scene::{Scene, Spring};
-use crate::simd::{Level, padded};
+use crate::simd::Level;
 use crate::systems::matter::{Law, MatterSystem};
 
 /// What a simulation does and what it takes, for people to read.
@@ -107,7 +107,7 @@ pub fn compile<V: Vector, I: Integrator>(scene: &Scene, threads: usize) -> Resul
 
     let independent = all.iter().all(|force| force.reach() == Reach::Pointwise);
     let pairs = all.iter().any(|force| force.reach() == Reach::Pairs);
-    let mut state = state::<V>(scene, &properties, MatterSystem::<V>::block::<I>(independent), pairs);
+    let mut state = state::<V>(scene, &properties, MatterSystem::<V>::block::<I>(independent), pairs)?;
     if let Some(contacts) = &contacts {
         let pushed = contacts.admit(&mut state.position, &properties)?;
         if pushed > 0 {
@@ -203,17 +203,14 @@ fn properties<V: Vector>(scene: &Scene, order: &[u32]) -> Properties<V> {
     let ordered = |values: Vec<f64>| -> Vec<f64> { order.iter().map(|&caller| values[caller as usize]).collect() };
     let of = |value: &dyn Fn(usize, usize) -> f64| ordered(bodies().map(|(index, body)| value(body, index)).collect());
     let mass = of(&|body, index| if scene.bodies[body].fixed[index] { f64::INFINITY } else { scene.bodies[body].mass[index] });
-    let mut inverse_mass: Vec<V::Scalar> = mass.iter().map(|&mass| V::Scalar::from_f64(1.0 / mass)).collect();
-    inverse_mass.resize(padded(mass.len()), V::Scalar::ZERO);
     let owner: Vec<u32> = owners(scene).map(|body| body as u32).collect();
     Properties {
-        inverse_mass,
-        mass,
         charge: of(&|body, index| scene.bodies[body].charge[index]),
         radius: of(&|body, index| scene.bodies[body].radius[index]),
         body: order.iter().map(|&caller| owner[caller as usize]).collect(),
         caller: order.to_vec(),
         origin: origin::<V>(scene),
+        ..Properties::new(mass)
     }
 }
 
@@ -261,7 +258,7 @@ fn renumbered(springs: Vec<Spring>, order: &[u32]) -> Vec<Spring> {
 }
 
 /// The initial state in the engine's order. `exact` asks for positions that are more exact than single precision.
-fn state<V: Vector>(scene: &Scene, properties: &Properties<V>, block: usize, exact: bool) -> Matter<V> {
+fn state<V: Vector>(scene: &Scene, properties: &Properties<V>, block: usize, exact: bool) -> Result<Matter<V>> {
     let count = properties.count();
     let positions = scene.positions();
     let velocities: Vec<DVec3> = scene.bodies.iter().flat_map(|body| &body.velocities).copied().collect();
@@ -271,5 +268,18 @@ fn state<V: Vector>(scene: &Scene, properties: &Properties<V>, block: usize, exa
     }
     (0..count).for_each(|index| state.set_place(index, positions[properties.caller[index] as usize] - properties.origin));
     state.velocity = Columns::from_fn(count, |index| V::narrow(velocities[properties.caller[index] as usize]));
-    state
+    for (name, columns, given) in [("positions", &state.position, &positions), ("velocities", &state.velocity, &velocities)] {
+        if let Some(index) = columns.out_of_range() {
+            let (caller, body) = (properties.caller[index] as usize, properties.body[index] as usize);
+            let first = scene.bodies[..body].iter().map(|body| body.positions.len()).sum::<usize>();
+            return Err(out_of_range::<V>(&format!("bodies[{body}].{name}[{}]", caller - first), given[caller]));
+        }
+    }
+    Ok(state)
+}
+
+/// The error of a vector at `path` that the precision of the run cannot hold.
+pub fn out_of_range<V: Vector>(path: &str, found: DVec3) -> Error {
+    let found = &found.to_array()[..V::DIMENSION];
+    Error::parameter(path, format!("numbers in the range of {}", V::Scalar::NAME), format!("{found:?}"))
 }

@@ -3,13 +3,16 @@
 
 mod adaptive;
 mod controlled;
+mod monitor;
 
 pub use adaptive::{Adaptation, Rule};
+
+use std::time::{Duration, Instant};
 
 use glam::{DVec2, DVec3, Vec2, Vec3};
 
 use crate::audit::{self, Energy};
-use crate::error::{Divergence, Error, Result};
+use crate::error::{Error, Result};
 use crate::forces::{Fields, Flow};
 use crate::integrators::{Integrator, with_integrator};
 use crate::math::{Real, Vector};
@@ -19,7 +22,8 @@ use crate::plan::{self, Compiled, Plan};
 use crate::scene::Scene;
 use crate::simd::{LANES, Level};
 use crate::stability::{Bound, Limit, Memo};
-use crate::systems::matter::{Interval, MatterSystem};
+use crate::systems::matter::MatterSystem;
+use monitor::Monitor;
 
 /// How to compute.
 #[derive(Debug, Clone)]
@@ -32,8 +36,19 @@ pub struct Numerics {
     pub threads: Option<usize>,
     /// A run counts as diverged when the energy balance has risen by this many times the largest energy so far.
     pub runaway: f64,
-    /// Whether a run may go on until the first number that is not finite.
-    pub ignore_runaway: bool,
+    /// Which states the divergence monitor diagnoses.
+    pub vigilance: Vigilance,
+}
+
+/// Which states the divergence monitor diagnoses.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Vigilance {
+    /// Those whose positions or velocities are not finite.
+    OutOfRange,
+    /// Those with more kinetic energy than the motion has shown so far.
+    Agitated,
+    /// Each one, at the cost of an evaluation of the energy per step.
+    EveryStep,
 }
 
 /// The clock: equal steps since a time.
@@ -65,7 +80,7 @@ pub struct Capture {
     pub columns: Vec<f64>,
     /// The meters, block by block.
     pub meters: Vec<f64>,
-    /// What the watch over divergence remembers.
+    /// What the divergence monitor remembers.
     pub watch: [f64; 4],
     /// What adaptive steps remember.
     pub adaptation: Adaptation,
@@ -141,7 +156,7 @@ struct Simulation<V: Vector> {
     system: MatterSystem<V>,
     plan: Plan,
     limit: fn(&Bound, &mut Memo) -> Limit,
-    sharp_limit: fn(Bound) -> Limit,
+    sharpened: fn(Bound) -> Limit,
     /// Makes a bound one for the integrator.
     bound_for: fn(Bound) -> Bound,
     memo: Memo,
@@ -154,40 +169,12 @@ struct Simulation<V: Vector> {
     adaptation: Adaptation,
     segment: Segment,
     steps: u64,
-    watch: Watch,
+    monitor: Monitor,
     flow: Option<Flow>,
 }
 
-/// What the watch over divergence remembers.
-#[derive(Debug, Clone, Copy)]
-struct Watch {
-    /// How much the balance may rise, in units of the largest energy; infinite where nobody wants to know.
-    runaway: f64,
-    /// The largest energy that the motion has shown [J].
-    scale: f64,
-    /// The smallest potential energy so far [J].
-    lowest: f64,
-    /// The balance at the start [J].
-    balance: f64,
-    /// The kinetic energy up to which the balance need not be looked at [J].
-    calm: f64,
-}
-
-impl Watch {
-    /// Takes in the energy of a moment; says by how much the balance has risen if that is too much.
-    fn check(&mut self, energy: &Energy, epsilon: f64) -> Option<f64> {
-        let rise = (energy.balance() - self.balance).max(0.0);
-        let potential = energy.total() - energy.kinetic;
-        self.lowest = self.lowest.min(potential);
-        // What has risen for no reason must not pass for energy of the motion. Rounding makes noise on the scale of the
-        // numbers that the balance is the sum of; a few roundings per term, and a wide margin.
-        let shown = energy.kinetic + (potential - self.lowest) + energy.dissipated() + energy.work.abs() - rise;
-        self.scale = self.scale.max(shown).max(1e-3 * epsilon * energy.magnitude());
-        let calm = if self.runaway.is_finite() { self.scale } else { self.scale.max(energy.kinetic) };
-        self.calm = (2.0 * calm).min(f64::MAX);
-        (rise > self.runaway * self.scale).then_some(rise)
-    }
-}
+/// How often a long call asks whether it was interrupted.
+const POLL: Duration = Duration::from_millis(20);
 
 impl<V: Vector> Simulation<V> {
     fn new<I: Integrator>(scene: &Scene, numerics: &Numerics) -> Result<Self> {
@@ -197,13 +184,14 @@ impl<V: Vector> Simulation<V> {
             None => Team::default_threads()?,
         };
         let Compiled { system, plan } = plan::compile::<V, I>(scene, threads)?;
-        let runaway = if numerics.ignore_runaway { f64::INFINITY } else { numerics.runaway };
-        let watch = Watch { runaway, scale: 0.0, lowest: f64::INFINITY, balance: 0.0, calm: 0.0 };
+        // An integrator that is stable on no oscillator may gain energy as it likes: that is what it is shown for.
+        let spirals = I::limit(0.0) == 0.0;
+        let runaway = if spirals { f64::INFINITY } else { numerics.runaway };
         let mut simulation = Self {
             system,
             plan,
             limit: Bound::limit_after::<I>,
-            sharp_limit: Bound::sharp_limit::<I>,
+            sharpened: Bound::sharp_limit::<I>,
             bound_for: Bound::stepped_by::<I>,
             memo: Memo::default(),
             certified: None,
@@ -213,19 +201,15 @@ impl<V: Vector> Simulation<V> {
             adaptation: Adaptation::default(),
             segment: Segment::default(),
             steps: 0,
-            watch,
+            monitor: Monitor::new(runaway, numerics.vigilance),
             flow: None,
         };
-        // An integrator that is stable on no oscillator may gain energy as it likes: that is what it is shown for.
-        if I::limit(0.0) == 0.0 {
-            simulation.watch.runaway = f64::INFINITY;
-        }
         simulation.begin()?;
         // Who is near whom is known only now.
         simulation.plan.pairs = simulation.system.law().pairs();
-        let energy = simulation.energy()?;
-        simulation.watch.balance = energy.balance();
-        simulation.watch.check(&energy, V::Scalar::EPSILON);
+        let energy = simulation.finite_energy()?;
+        simulation.monitor.balance = energy.balance();
+        simulation.monitor.observe(&energy, V::Scalar::EPSILON);
         Ok(simulation)
     }
 
@@ -233,86 +217,47 @@ impl<V: Vector> Simulation<V> {
         self.system.begin(self.segment.time())
     }
 
-    /// Takes one chunk of steps. If something in it goes wrong, takes it again step by step to find where.
-    fn chunk(&mut self, steps: u64, interrupted: &dyn Fn() -> bool) -> Result<()> {
-        let before = self.watch;
-        match self.advance(steps, interrupted) {
-            Err(error) if !is_scattered(&error) => return Err(error),
-            Err(_) => {}
-            Ok(()) if self.verdict()?.is_none() => {
-                let flow = self.fastest_flow();
-                if flow > self.flow {
-                    self.flow = flow;
+    fn energy_now(&self) -> Result<Energy> {
+        audit::energy(self.system.law(), self.system.state(), self.segment.time())
+    }
+
+    /// The energy now, refused where it is out of the range of numbers.
+    fn finite_energy(&self) -> Result<Energy> {
+        let energy = self.energy_now()?;
+        if energy.balance().is_finite() {
+            return Ok(energy);
+        }
+        let parts = [("kinetic", energy.kinetic), ("internal", energy.internal)].into_iter().chain(energy.potential);
+        let found = parts.into_iter().find(|(_, energy)| !energy.is_finite());
+        let found = found.map_or_else(|| "a sum that is not".to_owned(), |(name, energy)| format!("{name} energy of {energy} J"));
+        let error = Error::parameter("scene", "an energy that is finite", found);
+        Err(match self.coincident() {
+            Some([one, other]) => error.with_hint(format!("particles {one} and {other} are at the same place")),
+            None => error.with_hint("particles too fast, too heavy or too close to each other"),
+        })
+    }
+
+    /// Two particles at the same place, in the caller's order, if there are any.
+    fn coincident(&self) -> Option<[u32; 2]> {
+        let (state, caller) = (self.system.state(), &self.system.law().properties.caller);
+        let mut places: Vec<_> = (0..state.count()).map(|index| (state.place(index).to_array(), caller[index])).collect();
+        places.sort_by(|(one, _), (other, _)| one.partial_cmp(other).unwrap_or(std::cmp::Ordering::Equal));
+        let pairs = places.windows(2).filter(|pair| pair[0].0 == pair[1].0);
+        pairs.map(|pair| [pair[0].1.min(pair[1].1), pair[0].1.max(pair[1].1)]).min()
+    }
+
+    fn advance_by(&mut self, steps: u64, interrupted: &dyn Fn() -> bool) -> Result<()> {
+        let (mut left, mut polled) = (steps, Instant::now());
+        while left > 0 {
+            left -= self.batch(left.min(self.system.batch()), interrupted).map_err(|error| self.with_hint(error))?;
+            if left > 0 && polled.elapsed() >= POLL {
+                if interrupted() {
+                    return Err(Error::Interrupted);
                 }
-                return Ok(());
-            }
-            Ok(()) => self.take_back(steps)?,
-        }
-        for _ in 0..steps {
-            match self.advance(1, interrupted) {
-                Err(error) if is_scattered(&error) => {
-                    let time = self.segment.time() + self.segment.dt;
-                    return Err(Error::Diverged(Box::new(Divergence { step: self.steps + 1, time, ..self.scatter() })));
-                }
-                outcome => outcome?,
-            }
-            self.watch = before;
-            self.watch.calm = -1.0;
-            if let Some(mut divergence) = self.verdict()? {
-                divergence.step = self.steps;
-                divergence.time = self.segment.time();
-                self.take_back(1)?;
-                return Err(Error::Diverged(Box::new(divergence)));
+                polled = Instant::now();
             }
         }
         Ok(())
-    }
-
-    /// Goes back to before the last [`Simulation::advance`].
-    fn take_back(&mut self, steps: u64) -> Result<()> {
-        self.system.undo()?;
-        self.segment.steps -= steps;
-        self.steps -= steps;
-        Ok(())
-    }
-
-    fn advance(&mut self, steps: u64, interrupted: &dyn Fn() -> bool) -> Result<()> {
-        let interval = Interval { start: self.segment.start, first: self.segment.steps, h: self.segment.dt, steps };
-        self.system.advance(interval, interrupted)?;
-        self.segment.steps += steps;
-        self.steps += steps;
-        Ok(())
-    }
-
-    /// What is wrong with the present state, if anything is.
-    fn verdict(&mut self) -> Result<Option<Divergence>> {
-        let agitation = self.system.agitation();
-        if agitation <= self.watch.calm {
-            return Ok(None);
-        }
-        let state = self.system.state();
-        let stray = |columns: &Columns<V>| (0..state.count()).find(|&index| !columns.get(index).widen().is_finite());
-        for (quantity, columns) in [("position", &state.position), ("velocity", &state.velocity)] {
-            if let Some(index) = stray(columns) {
-                return Ok(Some(self.divergence(index, quantity, "is not finite".to_owned())));
-            }
-        }
-        let energy = match self.energy() {
-            Err(error) if is_scattered(&error) => return Ok(Some(self.scatter())),
-            outcome => outcome?,
-        };
-        // Energies are squares: they leave the range of numbers long before the state does.
-        if !energy.balance().is_finite() && self.watch.runaway.is_finite() {
-            return Ok(Some(self.divergence(self.fastest(), "energy", "is not finite".to_owned())));
-        }
-        let rise = self.watch.check(&energy, V::Scalar::EPSILON);
-        Ok(rise.map(|rise| {
-            let scale = self.watch.scale;
-            let cause = format!(
-                "has run away: the energy balance rose by {rise:.3e} J, where the largest energy of the motion was {scale:.3e} J"
-            );
-            self.divergence(self.fastest(), "energy", cause)
-        }))
     }
 
     /// Whether the certified limit is the one that it is whenever this holds.
@@ -322,30 +267,29 @@ impl<V: Vector> Simulation<V> {
         law.forces().iter().all(|force| force.bound_stands(&at))
     }
 
+    /// The limit as matters stand.
+    fn sharp_limit(&self) -> Limit {
+        (self.sharpened)(self.bound(Bound::directed))
+    }
+
+    /// The largest certified step [s].
+    fn certified_limit(&mut self) -> f64 {
+        let stands = self.stands();
+        if let (true, Some(known)) = (stands, self.certified) {
+            return known;
+        }
+        let found = (self.limit)(&self.bound(Bound::new), &mut Memo::default()).stability;
+        if stands {
+            self.certified = Some(found);
+        }
+        found
+    }
+
     /// What the terms contribute to a bound of some kind in the present state.
     fn bound(&self, empty: fn(&[f64], &[u32]) -> Bound) -> Bound {
         let (law, state) = (self.system.law(), self.system.state());
         let bound = (self.bound_for)(empty(&law.properties.mass, &law.properties.body));
         law.bound(&law.moment_of(state, self.segment.time()), bound)
-    }
-
-    /// Takes in what a step of `dt` seconds cannot resolve, before the first one of them.
-    fn expect(&mut self, dt: f64) {
-        let kick = self.kick(dt);
-        self.watch.scale = if kick.is_finite() { self.watch.scale.max(kick) } else { self.watch.scale };
-    }
-
-    /// The energy of the first kick from rest [J].
-    fn kick(&self, dt: f64) -> f64 {
-        let (law, state) = (self.system.law(), self.system.state());
-        law.kick(&law.moment_of(state, self.segment.time()), dt)
-    }
-
-    fn fastest(&self) -> usize {
-        let (law, state) = (self.system.law(), self.system.state());
-        let kinetic = |index: usize| law.properties.mass[index] * state.velocity.get(index).widen().length_squared();
-        let mobile = (0..state.count()).filter(|&index| !law.properties.is_fixed(index));
-        mobile.max_by(|&one, &other| kinetic(one).total_cmp(&kinetic(other))).unwrap_or(0)
     }
 
     /// The fastest flow of the present state.
@@ -354,56 +298,11 @@ impl<V: Vector> Simulation<V> {
         self.system.law().forces().iter().find_map(|force| force.flow(velocity))
     }
 
-    /// What is wrong where neighbors can no longer be searched.
-    fn scatter(&self) -> Divergence {
-        self.divergence(self.fastest(), "position", "is so far away that it cannot be told who is near whom".to_owned())
-    }
-
-    fn divergence(&self, index: usize, quantity: &'static str, cause: String) -> Divergence {
-        Divergence {
-            step: 0,
-            time: 0.0,
-            particle: self.system.law().properties.caller[index] as usize,
-            quantity,
-            cause,
-            hint: String::new(),
-        }
-    }
-
-    /// Adds to a divergence what to do about it.
-    fn with_hint(&self, error: Error) -> Error {
-        match error {
-            Error::Diverged(divergence) => Error::Diverged(Box::new(Divergence { hint: self.hint(), ..*divergence })),
-            other => other,
-        }
-    }
-
-    /// What to do about a divergence; asked for at the last good state.
-    fn hint(&self) -> String {
-        let (limit, dt) = (self.limit(), self.segment.dt);
-        if limit.stability == 0.0 {
-            return format!("no dt is stable with {} here: take another integrator", self.plan.integrator);
-        }
-        let (most, term) = (limit.dt(), limit.term);
-        if dt > most {
-            format!("dt = {dt:.3e} s is beyond the limit of {most:.3e} s set by {term}; dt = {:.3e} s would hold", 0.9 * most)
-        } else if most.is_finite() {
-            format!("dt = {dt:.3e} s is within the limit of {most:.3e} s at the last good state; try dt = {:.3e} s", 0.25 * dt)
-        } else {
-            format!("nothing bounds dt at the last good state; try dt = {:.3e} s", 0.25 * dt)
-        }
-    }
-
     /// The columns that make up the state, in a fixed order.
     fn columns(&self) -> impl Iterator<Item = &Columns<V>> {
         let state = self.system.state();
         [&state.position, &state.velocity, &state.residual].into_iter().chain(state.memory.iter().take(self.carried))
     }
-}
-
-/// Whether a step failed because particles are too far away to be searched: they diverge before their numbers do.
-fn is_scattered(error: &Error) -> bool {
-    matches!(error, Error::Parameter { path, .. } if path == "positions")
 }
 
 impl<V: Vector> World for Simulation<V> {
@@ -423,20 +322,20 @@ impl<V: Vector> World for Simulation<V> {
         if !(dt.is_finite() && dt > 0.0) {
             return Err(Error::parameter("dt", "a finite number > 0", dt));
         }
+        let (before, first) = ((self.segment, self.monitor), self.steps);
         if dt != self.segment.dt {
             self.segment = Segment { start: self.segment.time(), steps: 0, dt };
-            self.expect(dt);
         }
-        let mut left = steps;
-        while left > 0 {
-            let chunk = left.min(self.system.chunk());
-            self.chunk(chunk, interrupted).map_err(|error| self.with_hint(error))?;
-            left -= chunk;
-            if left > 0 && interrupted() {
-                return Err(Error::Interrupted);
-            }
+        self.expect(dt);
+        if !(Segment { steps: self.segment.steps.saturating_add(steps), ..self.segment }).time().is_finite() {
+            self.segment = before.0;
+            return Err(Error::parameter("dt", "steps that end at a time that is finite", format!("{steps} of {dt:e} s")));
         }
-        Ok(())
+        let outcome = self.advance_by(steps, interrupted);
+        if outcome.is_err() && self.steps == first {
+            (self.segment, self.monitor) = before;
+        }
+        outcome
     }
 
     fn run(&mut self, interval: f64, rule: &Rule, interrupted: &dyn Fn() -> bool) -> Result<()> {
@@ -475,23 +374,34 @@ impl<V: Vector> World for Simulation<V> {
             moved
         });
         let accelerated = velocities.map(|velocities| Columns::<V>::from_fn(count, |index| V::narrow(of(index, velocities))));
+        for (name, given, columns) in [
+            ("positions", positions, moved.as_ref().map(|moved| &moved.position)),
+            ("velocities", velocities, accelerated.as_ref()),
+        ] {
+            if let (Some(given), Some(index)) = (given, columns.and_then(Columns::out_of_range)) {
+                let caller = properties.caller[index] as usize;
+                return Err(plan::out_of_range::<V>(&format!("set.{name}[{caller}]"), given[caller]));
+            }
+        }
         if let (Some(moved), Some(contacts)) = (&mut moved, &law.contacts) {
             contacts.admit(&mut moved.position, properties)?;
         }
-        let kept = self.system.state().clone();
+        let (kept, histories) = (self.system.state().clone(), self.system.recollection());
         let state = self.system.state_mut();
         if let Some(moved) = moved {
             (state.position, state.residual) = (moved.position, moved.residual);
         }
         state.velocity = accelerated.unwrap_or_else(|| std::mem::take(&mut state.velocity));
         // First the forces, because what some of them keep for their energy follows the state.
-        let done = self.begin().and_then(|()| self.energy()).map(|energy| {
+        let done = self.begin().and_then(|()| self.finite_energy()).map(|energy| {
             if let Some(meter) = self.system.state_mut().meters.first_mut() {
                 meter.add(Channel::Work, energy.total() - before);
             }
         });
         if done.is_err() {
             *self.system.state_mut() = kept;
+            self.system.resume();
+            self.system.recollect(&histories)?;
         }
         done
     }
@@ -515,7 +425,7 @@ impl<V: Vector> World for Simulation<V> {
     }
 
     fn energy(&self) -> Result<Energy> {
-        audit::energy(self.system.law(), self.system.state(), self.segment.time())
+        self.energy_now()
     }
 
     fn momenta(&self) -> (DVec3, DVec3) {
@@ -523,19 +433,11 @@ impl<V: Vector> World for Simulation<V> {
     }
 
     fn limit(&self) -> Limit {
-        (self.sharp_limit)(self.bound(Bound::directed))
+        self.sharp_limit()
     }
 
     fn certified(&mut self) -> f64 {
-        let stands = self.stands();
-        if let (true, Some(known)) = (stands, self.certified) {
-            return known;
-        }
-        let found = (self.limit)(&self.bound(Bound::new), &mut Memo::default()).stability;
-        if stands {
-            self.certified = Some(found);
-        }
-        found
+        self.certified_limit()
     }
 
     fn present_limit(&self) -> Limit {
@@ -551,7 +453,7 @@ impl<V: Vector> World for Simulation<V> {
             steps: self.steps,
             columns: columns.map(|number| number.to_f64()).collect(),
             meters: meters.copied().collect(),
-            watch: [self.watch.scale, self.watch.lowest, self.watch.balance, self.watch.calm],
+            watch: [self.monitor.scale, self.monitor.lowest, self.monitor.balance, self.monitor.threshold],
             adaptation: self.adaptation,
             forces: self.system.recollection(),
         }
@@ -582,7 +484,8 @@ impl<V: Vector> World for Simulation<V> {
         }
         self.segment = capture.segment;
         self.steps = capture.steps;
-        [self.watch.scale, self.watch.lowest, self.watch.balance, self.watch.calm] = capture.watch;
+        let monitor = &mut self.monitor;
+        [monitor.scale, monitor.lowest, monitor.balance, monitor.threshold] = capture.watch;
         self.adaptation = capture.adaptation;
         self.system.resume();
         self.system.recollect(&capture.forces)

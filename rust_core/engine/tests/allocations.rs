@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use glam::DVec3;
 use physcore_engine::scene::{Body, Fluid, Scene, Spring, Term, Value};
-use physcore_engine::simulation::{Numerics, build};
+use physcore_engine::simulation::{Numerics, Vigilance, build};
 
 fn term(path: &str, kind: &str, values: &[(&str, Value)]) -> Term {
     let values: BTreeMap<_, _> = values.iter().map(|(name, value)| ((*name).to_owned(), value.clone())).collect();
@@ -60,7 +60,7 @@ fn steps_allocate_nothing() {
                 precision: "f64".to_owned(),
                 threads: Some(1),
                 runaway: 1e6,
-                ignore_runaway: true,
+                vigilance: Vigilance::OutOfRange,
             };
             let mut world = build(&scene, &numerics).unwrap();
             world.step(10, 1e-3, &|| false).unwrap();
@@ -116,7 +116,7 @@ fn steps_of_a_shifted_fluid_allocate_nothing() {
         precision: "f32".to_owned(),
         threads: Some(1),
         runaway: 1e6,
-        ignore_runaway: true,
+        vigilance: Vigilance::OutOfRange,
     };
     let mut world = build(&scene, &numerics).unwrap();
     world.step(200, 5e-4, &|| false).unwrap();

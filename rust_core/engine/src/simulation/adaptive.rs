@@ -86,7 +86,7 @@ impl<V: Vector> Simulation<V> {
             while block > 1 && block as f64 * finest > allowed {
                 block /= 2;
             }
-            let before = (self.segment, self.watch, self.flow);
+            let before = (self.segment, self.monitor, self.flow);
             let h = block as f64 * finest;
             self.segment = Segment { start, steps: place / block, dt: h };
             let halved = match self.attempt(before.0, interrupted)? {
@@ -99,7 +99,7 @@ impl<V: Vector> Simulation<V> {
                         self.count(h);
                         false
                     } else {
-                        self.take_back(1)?;
+                        self.rollback(1)?;
                         self.adaptation.rejected += 1;
                         true
                     }
@@ -110,7 +110,7 @@ impl<V: Vector> Simulation<V> {
                 }
             };
             if halved {
-                (self.segment, self.watch, self.flow) = before;
+                (self.segment, self.monitor, self.flow) = before;
                 block /= 2;
             } else {
                 block = largest(place);
@@ -129,8 +129,8 @@ impl<V: Vector> Simulation<V> {
 
     /// Tries one step of the clock's length. After a divergence or an interrupt the clock is back at `before`.
     pub(super) fn attempt(&mut self, before: Segment, interrupted: &dyn Fn() -> bool) -> Result<Trial> {
-        match self.chunk(1, interrupted) {
-            Ok(()) => Ok(Trial::Taken),
+        match self.batch(1, interrupted) {
+            Ok(_) => Ok(Trial::Taken),
             Err(Error::Diverged(divergence)) => {
                 let error = self.with_hint(Error::Diverged(divergence));
                 self.segment = before;
@@ -160,7 +160,7 @@ impl<V: Vector> Simulation<V> {
     pub(super) fn poll(&self, since: &mut u64, unfinished: bool, interrupted: &dyn Fn() -> bool) -> Result<()> {
         *since += 1;
         // Looking at the limit takes a few times as long as a step.
-        if 4 * *since < self.system.chunk() {
+        if 4 * *since < self.system.batch() {
             return Ok(());
         }
         *since = 0;

@@ -49,7 +49,7 @@ impl<V: Vector> Simulation<V> {
             }
             let [wanted, last] = self.adaptation.control;
             let (h, ends) = fit(wanted.max(finest), left);
-            let before = (self.segment, self.watch, self.flow);
+            let before = (self.segment, self.monitor, self.flow);
             self.segment = Segment { start: time, steps: 0, dt: h };
             match self.attempt(before.0, interrupted)? {
                 Trial::Taken => {
@@ -64,15 +64,15 @@ impl<V: Vector> Simulation<V> {
                         }
                         failures = 0;
                     } else {
-                        self.take_back(1)?;
+                        self.rollback(1)?;
                         self.adaptation.rejected += 1;
-                        (self.segment, self.watch, self.flow) = before;
+                        (self.segment, self.monitor, self.flow) = before;
                         self.adaptation.control[0] = h * change(power(found, -1.0)).min(SAFETY);
                     }
                 }
                 Trial::Diverged(error) => {
                     self.fail(&mut failures, h <= finest, error)?;
-                    (self.segment, self.watch, self.flow) = before;
+                    (self.segment, self.monitor, self.flow) = before;
                     self.adaptation.control[0] = 0.5 * h;
                 }
             }

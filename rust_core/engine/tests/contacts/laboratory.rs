@@ -71,19 +71,12 @@ pub fn properties<V: Vector>(scene: &Scene) -> Properties<V> {
     let fixed: Vec<bool> = scene.bodies.iter().flat_map(|body| &body.fixed).copied().collect();
     let mass = balls(|body| &body.mass);
     let mass: Vec<f64> = mass.iter().zip(fixed).map(|(mass, fixed)| if fixed { f64::INFINITY } else { *mass }).collect();
-    let mut inverse_mass = vec![V::Scalar::ZERO; padded(mass.len())];
-    for (inverse, mass) in inverse_mass.iter_mut().zip(&mass) {
-        *inverse = V::Scalar::from_f64(1.0 / mass);
-    }
     let bodies = scene.bodies.iter().enumerate();
     Properties {
-        inverse_mass,
         charge: balls(|body| &body.charge),
         radius: balls(|body| &body.radius),
         body: bodies.flat_map(|(index, body)| std::iter::repeat_n(index as u32, body.positions.len())).collect(),
-        caller: (0..mass.len() as u32).collect(),
-        mass,
-        origin: DVec3::ZERO,
+        ..Properties::new(mass)
     }
 }
 

@@ -44,15 +44,7 @@ impl Network {
         let count = self.count();
         let position = Columns::<V>::from_fn(count, |index| V::narrow(self.position[index]));
         let velocity = Columns::<V>::from_fn(count, |index| V::narrow(self.velocity[index]));
-        let properties = Properties {
-            inverse_mass: vec![V::Scalar::ONE; padded(count)],
-            mass: vec![1.0; count],
-            charge: vec![0.0; count],
-            radius: vec![0.0; count],
-            body: vec![0; count],
-            caller: (0..count as u32).collect(),
-            origin: DVec3::ZERO,
-        };
+        let properties = Properties::new(vec![1.0; count]);
         ask(&Moment {
             position: position.view(),
             velocity: velocity.view(),

@@ -7,9 +7,10 @@ use crate::forces::{Field, Rates};
 use crate::integrators::Integrator;
 use crate::math::Vector;
 use crate::matter::{Blocks, CHANNELS, Columns, Matter, Span};
-use crate::parallel::{Crew, Split};
+use crate::parallel::{Chunks, Crew, Split};
 use crate::simd::LANES;
 use crate::systems::matter::Interval;
+use crate::systems::matter::activity::Activity;
 use crate::systems::matter::collisions::collide;
 use crate::systems::matter::displacement::displace;
 use crate::systems::matter::kernels::{self, Action, Load};
@@ -22,28 +23,32 @@ pub struct Desk<V: Vector> {
     velocity: Columns<V>,
     force: Columns<V>,
     before: Option<[Columns<V>; 2]>,
+    /// The activity of each block after the step that a sweep ended [J].
+    activity: Vec<f64>,
 }
 
 impl<V: Vector> Desk<V> {
-    /// Memory for `count` particles, with contacts or without.
-    pub fn new(count: usize, contacts: bool) -> Self {
+    /// Memory for `count` particles in `blocks` blocks, with contacts or without.
+    pub fn new(count: usize, blocks: usize, contacts: bool) -> Self {
         let columns = || Columns::zeros(count);
-        Self { position: columns(), velocity: columns(), force: columns(), before: contacts.then(|| [columns(), columns()]) }
+        let before = contacts.then(|| [columns(), columns()]);
+        Self { position: columns(), velocity: columns(), force: columns(), before, activity: vec![0.0; blocks] }
     }
 
     /// The memory that it takes [bytes].
     pub fn bytes(&self) -> usize {
         let before = self.before.iter().flatten().map(Columns::bytes).sum::<usize>();
-        self.position.bytes() + self.velocity.bytes() + self.force.bytes() + before
+        self.position.bytes() + self.velocity.bytes() + self.force.bytes() + before + size_of_val(self.activity.as_slice())
     }
 }
 
-/// Advances `matter` in place.
+/// Advances `matter` in place. The activity at the end is not a number where a position is not finite.
 pub fn advance<V: Vector, I: Integrator>(
     law: &mut Law<V>,
     matter: &mut Matter<V>,
     desk: &mut Desk<V>,
     interval: Interval,
+    activity: &mut Activity,
     crew: &Crew,
 ) -> Result<()> {
     let stages = I::NODES.len();
@@ -71,6 +76,7 @@ pub fn advance<V: Vector, I: Integrator>(
             let next = if stage + 1 < stages { Some(stage + 1) } else { (step + 1 < interval.steps && moves_on).then_some(0) };
             sweep::<V, I>(law, matter, desk, interval, time, Action::Absorb(stage, next), crew)?;
         }
+        activity.push(desk.activity.iter().sum());
         if let Some(&last) = drifts.and_then(|turns| turns.drifts.get(stages)) {
             drift(law, matter, desk, None, (interval.time(step, 1.0), last * interval.h), crew)?;
         }
@@ -134,8 +140,8 @@ fn sweep<V: Vector, I: Integrator>(
     let ends_run = ends_step && matches!(action, Action::Absorb(_, None));
     let at = law.moment(desk.position.view(), desk.velocity.view(), time);
     let before = desk.before.as_ref().filter(|_| ends_step && !I::DRIFTS_FIRST);
-    let work = Work { blocks: matter.blocks(), force: desk.force.span() };
-    crew.sweep(work, &|work: Work<'_, V>| {
+    let work = (Work { blocks: matter.blocks(), force: desk.force.span() }, Chunks::new(&mut desk.activity, 1));
+    crew.sweep(work, &|(work, activity): (Work<'_, V>, Chunks<'_, f64>)| {
         let Work { mut blocks, mut force } = work;
         let range = blocks.range();
         blocks.position.copy_from(&at.position, range.start);
@@ -144,12 +150,12 @@ fn sweep<V: Vector, I: Integrator>(
         if asks {
             law.accumulate(&range, &at, &mut Rates { force: force.reborrow(), power: &mut power });
         }
-        kernels::stage::<V, I>(law, &mut blocks, &Load { force, power }, interval.h, action);
+        activity.items[0] = kernels::stage::<V, I>(law, &mut blocks, &Load { force, power }, interval.h, action);
         if let (Some(contacts), Some([position, velocity])) = (&law.contacts, before) {
             contacts.resolve(&Before::part(position, velocity, &range), &mut blocks, &law.properties, interval.h);
         }
         if ends_run {
-            blocks.meters[0].agitation = kernels::agitation(law, &blocks);
+            activity.items[0] += kernels::out_of_range(&blocks);
         }
     });
     Ok(())

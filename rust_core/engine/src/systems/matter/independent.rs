@@ -5,33 +5,48 @@ use crate::forces::Rates;
 use crate::integrators::Integrator;
 use crate::math::{Real, Vector};
 use crate::matter::{Blocks, CHANNELS, Matter, Span};
-use crate::parallel::Crew;
+use crate::parallel::{Chunks, Crew};
 use crate::simd::LANES;
-use crate::systems::matter::Interval;
+use crate::systems::matter::activity::Activity;
 use crate::systems::matter::collisions::collide;
 use crate::systems::matter::kernels::{self, Action, Load};
 use crate::systems::matter::law::Law;
+use crate::systems::matter::{Interval, Record};
 
-/// Advances `matter` from the state `from`: block by block, each through all steps.
+/// Advances `matter` from the state `from`: block by block, each through all steps. The activity at the end is not a number
+/// where a position is not finite.
 pub fn advance<V: Vector, I: Integrator>(
     law: &Law<V>,
     from: &Matter<V>,
     matter: &mut Matter<V>,
     interval: Interval,
+    (activity, record): (&mut Activity, Record),
     crew: &Crew,
 ) {
-    crew.sweep(matter.blocks(), &|block: Blocks<'_, V>| {
+    // Only laws in registers can leave out the activity on the way; only there it costs anything.
+    let folded = law.is_folded() && law.contacts.is_none();
+    let recorded = if folded && record == Record::LastStep { 1 } else { interval.steps as usize };
+    let work = (matter.blocks(), activity.record(from.meters.len(), recorded));
+    crew.sweep(work, &|(block, activity): (Blocks<'_, V>, Chunks<'_, f64>)| {
+        let activity = activity.items;
         on_bench::<V, I>(from, block, |bench| {
-            if law.is_folded() && law.contacts.is_none() {
-                kernels::steps::<V, I>(law, &mut bench.block, interval.h, interval.steps);
+            if folded {
+                for activity in activity.iter_mut() {
+                    let steps = if recorded == 1 { interval.steps } else { 1 };
+                    kernels::steps::<V, I>(law, &mut bench.block, interval.h, steps);
+                    *activity = kernels::activity(law, &bench.block);
+                }
             } else if let (Some(force), None) = (law.lone_inverse_square(), &law.contacts) {
-                kernels::steps_under::<V, I>(law, force, &mut bench.block, interval.h, interval.steps);
+                kernels::steps_under::<V, I>(law, force, &mut bench.block, interval.h, activity);
             } else {
-                one_by_one::<V, I>(law, bench, interval, crew);
+                one_by_one::<V, I>(law, bench, interval, activity, crew);
             }
-            bench.block.meters[0].agitation = kernels::agitation(law, &bench.block);
+            if let Some(last) = activity.last_mut() {
+                *last += kernels::out_of_range(&bench.block);
+            }
         });
     });
+    activity.add_up(recorded);
 }
 
 /// Evaluates the law at the state `from` and fills the carried memory of `matter`.
@@ -80,8 +95,14 @@ fn on_bench<V: Vector, I: Integrator>(from: &Matter<V>, mut block: Blocks<'_, V>
 }
 
 /// One step after the other, with a contact stage between them, or with forces that are not folded.
-fn one_by_one<V: Vector, I: Integrator>(law: &Law<V>, bench: &mut Bench<'_, V>, interval: Interval, crew: &Crew) {
-    for step in 0..interval.steps {
+fn one_by_one<V: Vector, I: Integrator>(
+    law: &Law<V>,
+    bench: &mut Bench<'_, V>,
+    interval: Interval,
+    activity: &mut [f64],
+    crew: &Crew,
+) {
+    for (step, activity) in (0..).zip(activity) {
         if crew.stopped() {
             return;
         }
@@ -97,6 +118,7 @@ fn one_by_one<V: Vector, I: Integrator>(law: &Law<V>, bench: &mut Bench<'_, V>, 
         if let (Some(contacts), false) = (&law.contacts, I::DRIFTS_FIRST) {
             contacts.resolve(&Before::spans(&bench.before), &mut bench.block, &law.properties, interval.h);
         }
+        *activity = kernels::activity(law, &bench.block);
     }
 }
 
@@ -121,5 +143,5 @@ fn run_stage<V: Vector, I: Integrator>(law: &Law<V>, bench: &mut Bench<'_, V>, i
         let at = law.moment(block.position.view(range.start), block.velocity.view(range.start), time);
         law.accumulate(&range, &at, &mut Rates { force: force.reborrow(), power: &mut power });
     }
-    kernels::stage::<V, I>(law, block, &Load { force: force.reborrow(), power }, interval.h, action);
+    let _ = kernels::stage::<V, I>(law, block, &Load { force: force.reborrow(), power }, interval.h, action);
 }

@@ -366,23 +366,26 @@ struct StepsUnder<'a, 'b, V: Vector, I, L> {
     law: L,
     members: &'a [V::Scalar],
     inverse_mass: &'a [V::Scalar],
+    inertia: &'a [V::Scalar],
     block: &'a mut Blocks<'b, V>,
     h: f64,
-    number: u64,
+    activity: &'a mut [f64],
     integrator: PhantomData<I>,
 }
 
-/// Advances one block by whole steps under an inverse-square law alone.
+/// Advances one block by whole steps under an inverse-square law alone, as many as there are numbers in `activity`, which
+/// becomes the block's after each.
 pub fn steps_under<V: Vector, I: Integrator>(
     law: &Law<V>,
     InverseSquare { law: force, members }: InverseSquare<'_, V::Scalar>,
     block: &mut Blocks<'_, V>,
     h: f64,
-    steps: u64,
+    activity: &mut [f64],
 ) {
     let members = &members[block.range()];
     let inverse_mass = &law.properties.inverse_mass[block.range()];
-    dispatch(StepsUnder::<V, I, _> { law: force, members, inverse_mass, block, h, number: steps, integrator: PhantomData });
+    let inertia = &law.properties.inertia[block.range()];
+    dispatch(StepsUnder::<V, I, _> { law: force, members, inverse_mass, inertia, block, h, activity, integrator: PhantomData });
 }
 
 impl<V: Vector, I: Integrator, L: PointLaw<V>> Kernel for StepsUnder<'_, '_, V, I, L> {
@@ -399,14 +402,16 @@ impl<V: Vector, I: Integrator, L: PointLaw<V>> StepsUnder<'_, '_, V, I, L> {
     /// Takes all steps, `W` particles at a time.
     #[inline(always)]
     fn steps<const W: usize>(self) {
-        let Self { law, members, inverse_mass, block, h, number, .. } = self;
+        let Self { law, members, inverse_mass, inertia, block, h, activity, .. } = self;
         let step = V::Scalar::from_f64(h);
         let (members, inverse_mass) = (members.as_chunks::<W>().0, inverse_mass.as_chunks::<W>().0);
+        let inertia = inertia.as_chunks::<W>().0;
         let [mut x, mut y, mut z] =
             columns::<V, W>(&mut block.position, &mut block.velocity, &mut block.memory, &mut block.residual);
-        for _ in 0..number {
-            for (group, (members, inverse_mass)) in members.iter().zip(inverse_mass).enumerate() {
-                let (members, inverse_mass) = (*members, *inverse_mass);
+        for activity in activity {
+            let mut squares = [V::Scalar::ZERO; W];
+            for (group, ((members, inverse_mass), inertia)) in members.iter().zip(inverse_mass).zip(inertia).enumerate() {
+                let (members, inverse_mass, inertia) = (*members, *inverse_mass, *inertia);
                 let mut first = Registers::load(&x.x[group], &x.v[group], &x.memory, group, I::CARRIED);
                 let mut second = Registers::load(&y.x[group], &y.v[group], &y.memory, group, I::CARRIED);
                 let mut third = Registers::ZERO;
@@ -427,6 +432,8 @@ impl<V: Vector, I: Integrator, L: PointLaw<V>> StepsUnder<'_, '_, V, I, L> {
                             I::absorb(stage, &mut registers[axis], a[axis], step);
                         }
                     }
+                    let [x, y, z] = registers.map(|register| register.v * register.v);
+                    squares[lane] += inertia[lane] * (x + y + z);
                     first.set(lane, &registers[0]);
                     second.set(lane, &registers[1]);
                     third.set(lane, &registers[2]);
@@ -437,6 +444,7 @@ impl<V: Vector, I: Integrator, L: PointLaw<V>> StepsUnder<'_, '_, V, I, L> {
                     third.store(&mut z.x[group], &mut z.v[group], &mut z.memory, group, I::KEPT);
                 }
             }
+            *activity = kinetic(&squares);
         }
     }
 }
@@ -465,6 +473,7 @@ struct Stage<'a, T, I> {
     axes: Axes<'a, T>,
     force: [&'a [Lanes<T>]; AXES],
     inverse_mass: &'a [Lanes<T>],
+    inertia: &'a [Lanes<T>],
     power: Power,
     meter: &'a mut Meter,
     dissipates: bool,
@@ -473,38 +482,46 @@ struct Stage<'a, T, I> {
     integrator: PhantomData<I>,
 }
 
-/// Runs one stage of one block.
-pub fn stage<V: Vector, I: Integrator>(law: &Law<V>, blocks: &mut Blocks<'_, V>, load: &Load<'_, V>, h: f64, action: Action) {
+/// Runs one stage of one block; gives the block's activity where that ends a step, else 0.
+pub fn stage<V: Vector, I: Integrator>(
+    law: &Law<V>,
+    blocks: &mut Blocks<'_, V>,
+    load: &Load<'_, V>,
+    h: f64,
+    action: Action,
+) -> f64 {
     let inverse_mass = law.properties.inverse_mass[blocks.range()].as_chunks().0;
+    let inertia = law.properties.inertia[blocks.range()].as_chunks().0;
     let force = load.force.axes.each_ref().map(|axis| axis.as_chunks().0);
     let (axes, meter) = split(law, blocks);
     dispatch(Stage::<V::Scalar, I> {
         axes,
         force,
         inverse_mass,
+        inertia,
         power: load.power,
         meter,
         dissipates: law.affine.dissipates,
         h,
         action,
         integrator: PhantomData,
-    });
+    })
 }
 
 impl<T: Real, I: Integrator> Kernel for Stage<'_, T, I> {
-    type Output = ();
+    type Output = f64;
 
     #[inline(always)]
-    fn run(self) {
-        let Self { mut axes, force, inverse_mass, mut power, meter, dissipates, h, action, .. } = self;
+    fn run(self) -> f64 {
+        let Self { mut axes, force, inverse_mass, inertia, mut power, meter, dissipates, h, action, .. } = self;
+        let mut squares = [T::ZERO; LANES];
         for ((axis, law), force) in axes.iter_mut().flatten().zip(force) {
-            let push = Push { force, inverse_mass };
+            let push = Push { force, inverse_mass, inertia };
+            let sums = (&mut power, &mut squares);
             match *law {
-                AxisLaw::Uniform(same) if dissipates => {
-                    one_stage::<_, I>(Uniform::<_, true>(same), push, axis, h, action, &mut power);
-                }
-                AxisLaw::Uniform(same) => one_stage::<_, I>(Uniform::<_, false>(same), push, axis, h, action, &mut power),
-                AxisLaw::Varying(varying) => one_stage::<_, I>(varying, push, axis, h, action, &mut power),
+                AxisLaw::Uniform(same) if dissipates => one_stage::<_, I>(Uniform::<_, true>(same), push, axis, h, action, sums),
+                AxisLaw::Uniform(same) => one_stage::<_, I>(Uniform::<_, false>(same), push, axis, h, action, sums),
+                AxisLaw::Varying(varying) => one_stage::<_, I>(varying, push, axis, h, action, sums),
             }
         }
         match action {
@@ -515,17 +532,19 @@ impl<T: Real, I: Integrator> Kernel for Stage<'_, T, I> {
                 integrate(meter, &power, &ALL, h * I::WEIGHTS[stage], last, stage + 1 == I::NODES.len());
             }
         }
+        kinetic(&squares)
     }
 }
 
-/// Forces of one axis, and what divides them.
+/// Forces of one axis, what divides them, and the inertia.
 #[derive(Clone, Copy)]
 struct Push<'a, T> {
     force: &'a [Lanes<T>],
     inverse_mass: &'a [Lanes<T>],
+    inertia: &'a [Lanes<T>],
 }
 
-/// One stage of every lane along one axis.
+/// One stage of every lane along one axis. Adds to the powers, and m v² of the step's end where the stage ends a step.
 #[inline(always)]
 fn one_stage<T: Real, I: Integrator>(
     law: impl AxisForce<T>,
@@ -533,15 +552,16 @@ fn one_stage<T: Real, I: Integrator>(
     axis: &mut Axis<'_, T>,
     h: f64,
     action: Action,
-    power: &mut Power,
+    (power, squares): (&mut Power, &mut Lanes<T>),
 ) {
     let step = T::from_f64(h);
     let Axis { x, v, memory, residual } = axis;
     let mut drag = [T::ZERO; LANES];
     let mut work = [T::ZERO; LANES];
+    let mut moved = *squares;
     for (group, (x, v)) in x.iter_mut().zip(v.iter_mut()).enumerate() {
         let coefficients = law.group(group);
-        let (force, inverse_mass) = (push.force[group], push.inverse_mass[group]);
+        let (force, inverse_mass, inertia) = (push.force[group], push.inverse_mass[group], push.inertia[group]);
         let mut registers = Registers::<T>::load(x, v, memory, group, I::MEMORY);
         let mut a = [T::ZERO; LANES];
         for lane in 0..LANES {
@@ -560,6 +580,11 @@ fn one_stage<T: Real, I: Integrator>(
             Action::Point => point::<T, I>(0, &mut registers, step),
             Action::Absorb(stage, next) => {
                 absorb::<T, I>(stage, &mut registers, &a, step);
+                if stage + 1 == I::NODES.len() {
+                    for lane in 0..LANES {
+                        moved[lane] += inertia[lane] * (registers.v[lane] * registers.v[lane]);
+                    }
+                }
                 if let Some(next) = next {
                     // A step ends in the same bits, whether the next one follows in this sweep or in another chunk.
                     if let (0, Some(residual)) = (next, residual.get_mut(group)) {
@@ -575,6 +600,7 @@ fn one_stage<T: Real, I: Integrator>(
         }
         registers.store(x, v, memory, group, I::MEMORY);
     }
+    *squares = moved;
     add_power(&mut power[Channel::Drag as usize], &drag, law.unit());
     if supplies(&law) {
         add_power(&mut power[Channel::Work as usize], &work, law.unit());
@@ -614,34 +640,61 @@ fn supplies<T: Real, L: AxisForce<T>>(_law: &L) -> bool {
     L::SUPPLIES
 }
 
-/// The kinetic energy of a block [J], Σ v²/2w with the inverse mass w, for noticing a blow-up: rough in single
-/// precision, and not finite as soon as one velocity is not.
-pub fn agitation<V: Vector>(law: &Law<V>, blocks: &Blocks<'_, V>) -> f64 {
-    let inverse_mass = &law.properties.inverse_mass[blocks.range()];
-    dispatch(Agitation { blocks, inverse_mass })
+/// Half of the sum over the lanes of m v² [J].
+#[inline(always)]
+fn kinetic<T: Real, const W: usize>(squares: &[T; W]) -> f64 {
+    0.5 * squares.iter().map(|square| square.to_f64()).sum::<f64>()
 }
 
-struct Agitation<'a, 'b, V: Vector> {
-    blocks: &'a Blocks<'b, V>,
-    inverse_mass: &'a [V::Scalar],
+/// The activity of a block: the kinetic energy [J], ½ Σ m v², rough in single precision, and not finite as soon as one
+/// velocity is not.
+pub fn activity<V: Vector>(law: &Law<V>, blocks: &Blocks<'_, V>) -> f64 {
+    dispatch(Activity { columns: &blocks.velocity, weights: &law.properties.inertia[blocks.range()] })
 }
 
-impl<V: Vector> Kernel for Agitation<'_, '_, V> {
+struct Activity<'a, 'b, V: Vector> {
+    columns: &'a Span<'b, V>,
+    weights: &'a [V::Scalar],
+}
+
+impl<V: Vector> Kernel for Activity<'_, '_, V> {
     type Output = f64;
 
     #[inline(always)]
     fn run(self) -> f64 {
-        let weights = self.inverse_mass.as_chunks::<LANES>().0;
-        let mut sums = [V::Scalar::ZERO; LANES];
+        let weights = self.weights.as_chunks::<LANES>().0;
+        let mut squares = [V::Scalar::ZERO; LANES];
         for axis in 0..V::DIMENSION {
-            for (group, weights) in self.blocks.velocity.axes[axis].as_chunks::<LANES>().0.iter().zip(weights) {
+            for (group, weights) in self.columns.axes[axis].as_chunks::<LANES>().0.iter().zip(weights) {
                 for lane in 0..LANES {
-                    // A fixed particle has no kinetic energy, but a velocity that must stay finite.
-                    let mass = if weights[lane] > V::Scalar::ZERO { V::Scalar::ONE / weights[lane] } else { V::Scalar::ZERO };
-                    sums[lane] += mass * (group[lane] * group[lane]);
+                    squares[lane] += weights[lane] * (group[lane] * group[lane]);
                 }
             }
         }
-        0.5 * sums.iter().map(|sum| sum.to_f64()).sum::<f64>()
+        kinetic(&squares)
+    }
+}
+
+/// 0 where all positions of a block are finite, else not a number: 0·∞ is none.
+pub fn out_of_range<V: Vector>(blocks: &Blocks<'_, V>) -> f64 {
+    dispatch(OutOfRange(&blocks.position))
+}
+
+struct OutOfRange<'a, 'b, V: Vector>(&'a Span<'b, V>);
+
+impl<V: Vector> Kernel for OutOfRange<'_, '_, V> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn run(self) -> f64 {
+        let mut sums = [V::Scalar::ZERO; LANES];
+        for axis in 0..V::DIMENSION {
+            for group in self.0.axes[axis].as_chunks::<LANES>().0 {
+                for lane in 0..LANES {
+                    sums[lane] += V::Scalar::ZERO * group[lane];
+                }
+            }
+        }
+        sums.iter().map(|sum| sum.to_f64()).sum()
     }
 }

@@ -1,5 +1,6 @@
 //! Matter: particles and what acts on them, advanced by an integrator.
 
+mod activity;
 mod collisions;
 mod coupled;
 mod displacement;
@@ -9,6 +10,7 @@ mod law;
 
 pub use law::Law;
 
+use activity::Activity;
 use coupled::Desk;
 
 use crate::error::{Error, Result};
@@ -16,6 +18,15 @@ use crate::integrators::Integrator;
 use crate::math::Vector;
 use crate::matter::{Columns, Matter};
 use crate::parallel::{Crew, Team};
+
+/// Which activities of a batch are recorded.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Record {
+    /// That after every step.
+    EveryStep,
+    /// That after the last one at least: all that is known where blocks run through many steps in registers.
+    LastStep,
+}
 
 /// Equal steps to take.
 #[derive(Debug, Clone, Copy)]
@@ -37,13 +48,11 @@ impl Interval {
     }
 }
 
-/// How long a chunk of steps should take [s]: long enough that what is done once per chunk costs little, short enough that
+/// How long a batch of steps should take [s]: long enough that what is done once per batch costs little, short enough that
 /// little is lost when somebody interrupts it.
-const CHUNK: f64 = 0.05;
+const BATCH: f64 = 0.05;
 /// The longest job that the calling thread does by itself, deaf to interrupts [s].
 const SHORT: f64 = 2e-3;
-/// What calling a function of the user's may cost [ns].
-const CALLBACK: f64 = 1e5;
 /// The work that is worth sharing among threads [s].
 const WORTH_SHARING: f64 = 2e-4;
 /// Particles in a block that runs many steps: position, velocity and memory in three dimensions fit into the first-level
@@ -57,8 +66,9 @@ const COUPLED_BLOCK: usize = 4096;
 pub struct MatterSystem<V: Vector> {
     law: Law<V>,
     state: Matter<V>,
-    /// The state at the last chunk's start.
+    /// The state at the last batch's start.
     kept: Matter<V>,
+    activity: Activity,
     desk: Option<Desk<V>>,
     stepper: Box<dyn Stepper<V>>,
     team: Team,
@@ -83,14 +93,15 @@ impl<V: Vector> MatterSystem<V> {
         let kept = if law.is_independent() { I::KEPT } else { I::MEMORY };
         state.memory = vec![Columns::zeros(state.count()); kept];
         let count = state.count() as f64;
-        // Nanoseconds on a common core; only the sizes of chunks hang on them, never a bit of the result.
+        // Nanoseconds on a common core; only the sizes of batches hang on them, never a bit of the result.
         let per_particle = if law.is_folded() && law.contacts.is_none() { 1.0 } else { 8.0 };
-        let per_stage = 500.0 + count * per_particle + 6.0 * law.pairs() as f64 + CALLBACK * law.callbacks() as f64;
+        let per_stage = 500.0 + count * per_particle + 6.0 * law.pairs() as f64;
         let cost = 1e-9 * I::NODES.len() as f64 * per_stage;
         let threads = if cost < WORTH_SHARING { 1 } else { threads };
-        let desk = (!law.is_independent()).then(|| Desk::new(state.count(), law.contacts.is_some()));
+        let desk = (!law.is_independent()).then(|| Desk::new(state.count(), state.meters.len(), law.contacts.is_some()));
         let kept = state.clone();
-        Self { law, state, kept, desk, stepper: Box::new(By::<I>(std::marker::PhantomData)), team: Team::new(threads), cost }
+        let stepper = Box::new(By::<I>(std::marker::PhantomData));
+        Self { law, state, kept, activity: Activity::default(), desk, stepper, team: Team::new(threads), cost }
     }
 
     /// What acts.
@@ -113,22 +124,31 @@ impl<V: Vector> MatterSystem<V> {
         self.team.threads()
     }
 
-    /// The number of steps in a chunk: as many as fit into [`CHUNK`], but not so few that moving the state in and out of the
-    /// caches, or keeping a copy of it, takes longer than the steps. An interrupt abandons a chunk between two blocks.
-    pub fn chunk(&self) -> u64 {
+    /// The number of steps in a batch: as many as fit into [`BATCH`], but not so few that moving the state in and out of the
+    /// caches, or keeping a copy of it, takes longer than the steps. An interrupt abandons a batch between two blocks. A
+    /// function of the user's is called in the order of time and never again for the same step, so it takes one at a time.
+    pub fn batch(&self) -> u64 {
         let least = match &self.desk {
+            _ if self.law.callbacks() > 0 => return 1,
             None if self.law.is_folded() => 200.0,
             None => 25.0,
             Some(_) => 5.0,
         };
-        (CHUNK / self.cost).clamp(least, 1e6) as u64
+        ((BATCH / self.cost).clamp(least, 1e6) as u64).min(Activity::most_steps(self.state.meters.len()))
+    }
+
+    /// Whether what acts on each particle is linear in its position and velocity and the same at all times. Steps of at most
+    /// half of the limit of stability then never double the energy: the invariant of an oscillator's step is elongated by
+    /// 1/√(1 − ½²) at the most.
+    pub fn is_linear(&self) -> bool {
+        self.desk.is_none() && self.law.is_folded() && self.law.contacts.is_none()
     }
 
     /// The memory that it takes [bytes].
     pub fn bytes(&self) -> usize {
         let desk = self.desk.as_ref().map_or(0, Desk::bytes);
-        let properties = self.state.count() * (5 * size_of::<f64>() + size_of::<V::Scalar>());
-        self.law.bytes() + self.state.bytes() + self.kept.bytes() + desk + properties
+        let properties = self.state.count() * (5 * size_of::<f64>() + 2 * size_of::<V::Scalar>());
+        self.law.bytes() + self.state.bytes() + self.kept.bytes() + self.activity.bytes() + desk + properties
     }
 
     /// Goes on from a state that is complete with what the integrator carries.
@@ -139,26 +159,29 @@ impl<V: Vector> MatterSystem<V> {
     /// Begins anew from the positions and velocities: the integrator has nothing to carry on from.
     pub fn begin(&mut self, time: f64) -> Result<()> {
         self.resume();
-        let Self { law, state, kept, desk, stepper, .. } = self;
+        let Self { law, state, kept, activity, desk, stepper, .. } = self;
         kept.copy_from(state);
         let interval = Interval { start: time, first: 0, h: 0.0, steps: 0 };
-        stepper.begin(Job { law, from: kept, state, desk: desk.as_mut(), interval })
+        let record = (activity, Record::LastStep);
+        stepper.begin(Job { law, from: kept, state, record, desk: desk.as_mut(), interval })
     }
 
     /// Takes steps, or none of them if it fails.
-    pub fn advance(&mut self, interval: Interval, interrupted: &dyn Fn() -> bool) -> Result<()> {
-        let Self { law, state, kept, desk, stepper, team, cost } = self;
+    pub fn advance(&mut self, interval: Interval, record: Record, interrupted: &dyn Fn() -> bool) -> Result<()> {
+        let Self { law, state, kept, activity, desk, stepper, team, cost } = self;
+        activity.clear();
         law.forces_mut().iter_mut().for_each(|force| force.keep());
         if desk.is_some() {
             kept.copy_from(state);
         } else {
             std::mem::swap(kept, state);
         }
-        // A function of the user's is never called on the calling thread, where an interrupt would end it in the middle.
-        let short = *cost * interval.steps as f64 <= SHORT && law.callbacks() == 0;
+        let short = *cost * interval.steps as f64 <= SHORT;
         let mut outcome = Ok(());
-        let mut job =
-            |crew: &Crew| outcome = stepper.advance(Job { law, from: kept, state, desk: desk.as_mut(), interval }, crew);
+        let mut job = |crew: &Crew| {
+            let record = (&mut *activity, record);
+            outcome = stepper.advance(Job { law, from: kept, state, record, desk: desk.as_mut(), interval }, crew);
+        };
         let ended = if short {
             job(&Crew::alone());
             Ok(())
@@ -167,13 +190,13 @@ impl<V: Vector> MatterSystem<V> {
         };
         let outcome = ended.and(outcome);
         if outcome.is_err() {
-            self.undo()?;
+            self.rollback()?;
         }
         outcome
     }
 
     /// Goes back to the state before the last [`MatterSystem::advance`].
-    pub fn undo(&mut self) -> Result<()> {
+    pub fn rollback(&mut self) -> Result<()> {
         std::mem::swap(&mut self.kept, &mut self.state);
         self.law.forces_mut().iter_mut().try_for_each(|force| force.undo())
     }
@@ -189,9 +212,10 @@ impl<V: Vector> MatterSystem<V> {
         if numbers.is_empty() { Ok(()) } else { Err(Error::State("it holds more than the forces of this scene keep".to_owned())) }
     }
 
-    /// A measure of the kinetic energy at the end of the last advance [J]; not finite if a velocity is not.
-    pub fn agitation(&self) -> f64 {
-        self.state.meters.iter().map(|meter| meter.agitation).sum()
+    /// The activity after each step of the last advance, or after its last step alone [J]: not a number, or infinite, where
+    /// a velocity is, or at the end a position.
+    pub fn activity(&self) -> &[f64] {
+        self.activity.steps()
     }
 }
 
@@ -201,6 +225,8 @@ struct Job<'a, V: Vector> {
     /// The state at the beginning, which stays as it is.
     from: &'a Matter<V>,
     state: &'a mut Matter<V>,
+    /// Where the activity goes, and which.
+    record: (&'a mut Activity, Record),
     desk: Option<&'a mut Desk<V>>,
     interval: Interval,
 }
@@ -216,7 +242,7 @@ trait Stepper<V: Vector>: Send + Sync {
 struct By<I>(std::marker::PhantomData<I>);
 
 impl<V: Vector, I: Integrator> Stepper<V> for By<I> {
-    fn begin(&self, Job { law, from, state, desk, interval }: Job<'_, V>) -> Result<()> {
+    fn begin(&self, Job { law, from, state, desk, interval, .. }: Job<'_, V>) -> Result<()> {
         if let Some(desk) = desk {
             return coupled::begin::<V, I>(law, state, desk, interval);
         }
@@ -224,11 +250,11 @@ impl<V: Vector, I: Integrator> Stepper<V> for By<I> {
         Ok(())
     }
 
-    fn advance(&self, Job { law, from, state, desk, interval }: Job<'_, V>, crew: &Crew) -> Result<()> {
+    fn advance(&self, Job { law, from, state, record, desk, interval }: Job<'_, V>, crew: &Crew) -> Result<()> {
         if let Some(desk) = desk {
-            return coupled::advance::<V, I>(law, state, desk, interval, crew);
+            return coupled::advance::<V, I>(law, state, desk, interval, record.0, crew);
         }
-        independent::advance::<V, I>(law, from, state, interval, crew);
+        independent::advance::<V, I>(law, from, state, interval, record, crew);
         Ok(())
     }
 }

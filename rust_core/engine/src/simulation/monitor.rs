@@ -1,0 +1,246 @@
+//! The divergence monitor: whether a trajectory has left what its numerics can follow, and at which step.
+//!
+//! After every step the activity, the kinetic energy, is compared with a threshold. Where it is above, or not a number, the
+//! state is diagnosed: a number that is not finite is a divergence, and so is an energy balance that has risen by more than
+//! `runaway` times the largest energy that the motion has shown, the scale. The threshold then becomes twice the scale, or
+//! twice the kinetic energy if that is larger, so the budget is computed each time the motion has doubled, and nowhere else.
+//!
+//! All of it is a function of the trajectory: steps run in batches, and where one of a batch is to be diagnosed, the batch is
+//! rolled back and taken again up to that step. So that little is taken twice, batches are no longer than the time since
+//! the last diagnosis. What has failed leaves no trace in the scale.
+
+use super::{Simulation, Vigilance};
+use crate::audit::Energy;
+use crate::error::{Divergence, Error, Result};
+use crate::math::{Real, Vector};
+use crate::systems::matter::{Interval, Record};
+
+/// The fewest steps after a diagnosis that may be taken again.
+const SHORTEST: u64 = 8;
+/// The activity [J] from which on other energies may be beyond the range of numbers.
+const LARGEST: f64 = 1e300;
+
+/// What the monitor remembers.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Monitor {
+    /// How much the balance may rise, in units of the scale; infinite where only numbers that are not finite count.
+    pub runaway: f64,
+    /// Which states are diagnosed.
+    pub vigilance: Vigilance,
+    /// The largest energy that the motion has shown [J].
+    pub scale: f64,
+    /// The smallest potential energy so far [J].
+    pub lowest: f64,
+    /// The balance at the start [J].
+    pub balance: f64,
+    /// The activity up to which nothing is diagnosed [J].
+    pub threshold: f64,
+    /// The steps since the last diagnosis. They only size the batches.
+    pub quiet: u64,
+}
+
+impl Monitor {
+    /// A monitor that has seen nothing.
+    pub fn new(runaway: f64, vigilance: Vigilance) -> Self {
+        Self { runaway, vigilance, scale: 0.0, lowest: f64::INFINITY, balance: 0.0, threshold: 0.0, quiet: 0 }
+    }
+
+    /// Takes in the energy of a state; gives by how much the balance has risen if that is too much.
+    pub fn observe(&mut self, energy: &Energy, epsilon: f64) -> Option<f64> {
+        let rise = (energy.balance() - self.balance).max(0.0);
+        let potential = energy.total() - energy.kinetic;
+        self.lowest = self.lowest.min(potential);
+        // What has risen for no reason must not pass for energy of the motion. Rounding makes noise on the scale of the
+        // numbers that the balance is the sum of; a few roundings per term, and a wide margin.
+        let shown = energy.kinetic + (potential - self.lowest) + energy.dissipated() + energy.work.abs() - rise;
+        self.scale = self.scale.max(shown).max(1e-3 * epsilon * energy.magnitude());
+        // Beyond the second a rise would be too much, as kinetic energy is at most scale + rise.
+        self.threshold = (2.0 * self.scale.max(energy.kinetic)).min((1.0 + self.runaway) * self.scale).min(f64::MAX);
+        (rise > self.runaway * self.scale).then_some(rise)
+    }
+
+    /// Takes in an energy that a step cannot resolve.
+    pub fn expect(&mut self, energy: f64) {
+        self.scale = if energy.is_finite() { self.scale.max(energy) } else { self.scale };
+    }
+}
+
+impl<V: Vector> Simulation<V> {
+    /// Takes up to `most` steps, and gives how many. Each is one that the monitor lets pass.
+    pub(super) fn batch(&mut self, most: u64, interrupted: &dyn Fn() -> bool) -> Result<u64> {
+        let (record, threshold) = self.attention();
+        let steps = match (self.monitor.vigilance, record) {
+            (Vigilance::EveryStep, _) => 1,
+            (_, Record::EveryStep) => most.min(self.monitor.quiet.max(SHORTEST)),
+            (_, Record::LastStep) => most,
+        };
+        match self.advance(steps, record, interrupted) {
+            Err(error) if is_scattered(&error) && steps > 1 => return self.batch(steps / 2, interrupted),
+            Err(error) if is_scattered(&error) => return Err(self.scattered(1)),
+            outcome => outcome?,
+        }
+        let activity = self.system.activity();
+        let Some(first) = activity.iter().position(|&activity| is_above(activity, threshold)) else {
+            self.monitor.quiet = self.monitor.quiet.saturating_add(steps);
+            let flow = self.fastest_flow();
+            if flow > self.flow {
+                self.flow = flow;
+            }
+            return Ok(steps);
+        };
+        // Positions are looked at after a batch alone: one that is not finite was so earlier, or was not.
+        let known = steps == 1 || (activity.len() as u64 == steps && (activity[first].is_finite() || first + 1 < activity.len()));
+        if !known {
+            self.rollback(steps)?;
+            return self.batch(steps / 2, interrupted);
+        }
+        self.examine(first as u64 + 1, steps, interrupted)
+    }
+
+    /// Diagnoses step number `step` of a batch of `steps` that was just taken, and gives it if the monitor lets it pass. Else
+    /// the simulation stands at the step before.
+    fn examine(&mut self, step: u64, steps: u64, interrupted: &dyn Fn() -> bool) -> Result<u64> {
+        if step < steps {
+            self.rollback(steps)?;
+            self.advance(step, Record::LastStep, interrupted)?;
+        }
+        let before = self.monitor;
+        let Some(divergence) = self.diagnose()? else {
+            self.monitor.quiet = 0;
+            return Ok(step);
+        };
+        self.monitor = before;
+        let (number, time) = (self.steps, self.segment.time());
+        self.rollback(step)?;
+        if step > 1 {
+            self.advance(step - 1, Record::LastStep, interrupted)?;
+        }
+        Err(Error::Diverged(Box::new(Divergence { step: number, time, ..divergence })))
+    }
+
+    /// Which activities to record, and up to which one nothing is to be diagnosed.
+    fn attention(&mut self) -> (Record, f64) {
+        // In steps that never double the energy only its overflow has to be looked for.
+        let tame = self.system.is_linear() && 2.0 * self.segment.dt <= self.certified_limit();
+        match self.monitor.vigilance {
+            Vigilance::OutOfRange => (Record::LastStep, f64::MAX),
+            Vigilance::EveryStep => (Record::EveryStep, -1.0),
+            Vigilance::Agitated if tame => (Record::LastStep, LARGEST),
+            Vigilance::Agitated if self.monitor.runaway.is_infinite() => (Record::EveryStep, LARGEST),
+            Vigilance::Agitated => (Record::EveryStep, self.monitor.threshold),
+        }
+    }
+
+    /// Goes back to before the last [`Simulation::advance`], of `steps` steps.
+    pub(super) fn rollback(&mut self, steps: u64) -> Result<()> {
+        self.system.rollback()?;
+        self.segment.steps -= steps;
+        self.steps -= steps;
+        Ok(())
+    }
+
+    fn advance(&mut self, steps: u64, record: Record, interrupted: &dyn Fn() -> bool) -> Result<()> {
+        let interval = Interval { start: self.segment.start, first: self.segment.steps, h: self.segment.dt, steps };
+        self.system.advance(interval, record, interrupted)?;
+        self.segment.steps += steps;
+        self.steps += steps;
+        Ok(())
+    }
+
+    /// What is wrong with the present state, if anything is; its energy is taken in.
+    fn diagnose(&mut self) -> Result<Option<Divergence>> {
+        let state = self.system.state();
+        for (quantity, columns) in [("position", &state.position), ("velocity", &state.velocity)] {
+            if let Some(index) = columns.out_of_range() {
+                return Ok(Some(self.divergence(index, quantity, "is not finite".to_owned())));
+            }
+        }
+        if self.monitor.vigilance == Vigilance::OutOfRange {
+            return Ok(None);
+        }
+        let energy = match self.energy_now() {
+            Err(error) if is_scattered(&error) => return Ok(Some(self.scatter())),
+            outcome => outcome?,
+        };
+        // Energies are squares: they leave the range of numbers long before the state does.
+        if !energy.balance().is_finite() {
+            return Ok(Some(self.divergence(self.fastest(), "energy", "is not finite".to_owned())));
+        }
+        let rise = self.monitor.observe(&energy, V::Scalar::EPSILON);
+        Ok(rise.map(|rise| {
+            let scale = self.monitor.scale;
+            let cause = format!(
+                "has run away: the energy balance rose by {rise:.3e} J, where the largest energy of the motion was {scale:.3e} J"
+            );
+            self.divergence(self.fastest(), "energy", cause)
+        }))
+    }
+
+    /// Takes in what steps of `dt` seconds cannot resolve, before the very first one: the energy of the first kick from rest.
+    /// Later on the motion has shown its energy, and a kick may be that of a step that failed.
+    pub(super) fn expect(&mut self, dt: f64) {
+        if self.steps > 0 {
+            return;
+        }
+        let (law, state) = (self.system.law(), self.system.state());
+        let kick = law.kick(&law.moment_of(state, self.segment.time()), dt);
+        self.monitor.expect(kick);
+    }
+
+    fn fastest(&self) -> usize {
+        let (law, state) = (self.system.law(), self.system.state());
+        let kinetic = |index: usize| law.properties.mass[index] * state.velocity.get(index).widen().length_squared();
+        let mobile = (0..state.count()).filter(|&index| !law.properties.is_fixed(index));
+        mobile.max_by(|&one, &other| kinetic(one).total_cmp(&kinetic(other))).unwrap_or(0)
+    }
+
+    /// What is wrong where neighbors can no longer be searched.
+    fn scatter(&self) -> Divergence {
+        self.divergence(self.fastest(), "position", "is so far away that it cannot be told who is near whom".to_owned())
+    }
+
+    /// The error of a step, `steps` from here, in which neighbors could not be searched.
+    fn scattered(&self, steps: u64) -> Error {
+        let time = self.segment.time() + steps as f64 * self.segment.dt;
+        Error::Diverged(Box::new(Divergence { step: self.steps + steps, time, ..self.scatter() }))
+    }
+
+    fn divergence(&self, index: usize, quantity: &'static str, cause: String) -> Divergence {
+        let particle = self.system.law().properties.caller.get(index).map_or(0, |&caller| caller as usize);
+        Divergence { step: 0, time: 0.0, particle, quantity, cause, hint: String::new() }
+    }
+
+    /// Adds to a divergence what to do about it.
+    pub(super) fn with_hint(&self, error: Error) -> Error {
+        match error {
+            Error::Diverged(divergence) => Error::Diverged(Box::new(Divergence { hint: self.hint(), ..*divergence })),
+            other => other,
+        }
+    }
+
+    /// What to do about a divergence; asked for at the last good state.
+    fn hint(&self) -> String {
+        let (limit, dt) = (self.sharp_limit(), self.segment.dt);
+        if limit.stability == 0.0 {
+            return format!("no dt is stable with {} here: take another integrator", self.plan.integrator);
+        }
+        let (most, term) = (limit.dt(), limit.term);
+        if dt > most {
+            format!("dt = {dt:.3e} s is beyond the limit of {most:.3e} s set by {term}; dt = {:.3e} s would hold", 0.9 * most)
+        } else if most.is_finite() {
+            format!("dt = {dt:.3e} s is within the limit of {most:.3e} s at the last good state; try dt = {:.3e} s", 0.25 * dt)
+        } else {
+            format!("nothing bounds dt at the last good state; try dt = {:.3e} s", 0.25 * dt)
+        }
+    }
+}
+
+/// Whether an activity is above a threshold; one that is not a number is.
+fn is_above(activity: f64, threshold: f64) -> bool {
+    activity.is_nan() || activity > threshold
+}
+
+/// Whether a step failed because particles are too far away to be searched: they diverge before their numbers do.
+fn is_scattered(error: &Error) -> bool {
+    matches!(error, Error::Parameter { path, .. } if path == "positions")
+}
