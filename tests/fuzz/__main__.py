@@ -1,0 +1,171 @@
+"""`make fuzz`: many random calls in several processes, and what they found.
+
+A worker is a process of its own for some thousand calls of one target, so that one that aborts, hangs or needs too much
+memory is seen: it writes down each call before it makes it.
+"""
+
+from __future__ import annotations
+
+import argparse
+import faulthandler
+import json
+import mmap
+import os
+import resource
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from concurrent.futures import ThreadPoolExecutor
+from importlib import import_module
+from pathlib import Path
+
+TARGETS = ("arguments", "scenes", "files", "functions", "command_line")
+JOB = 20_000
+"""The most examples of one worker."""
+MEMORY = 4 << 30
+"""What a worker may use [bytes]."""
+SILENCE = 60.0
+"""A worker that has begun no call for so long hangs [s]."""
+JOURNAL = 1 << 16
+"""The size of what a worker writes down [bytes]."""
+
+
+def work(name: str, count: int, seed: int, journal: Path) -> dict[str, object]:
+    """Draw examples of a target and check them; what each one is goes into the journal before it begins."""
+    import hypothesis
+    from oracle import Fault, Target
+
+    faulthandler.enable()
+    resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
+    target: Target = import_module(name).TARGET
+    os.fsync = lambda descriptor: None  # type: ignore[assignment]  # Nobody needs these files after a power cut.
+    target.prepare()
+    found: dict[str, dict[str, object]] = {}
+    calls = examples = 0
+    with open(journal, "r+b") as file:
+        page = mmap.mmap(file.fileno(), JOURNAL)
+
+        @hypothesis.seed(seed)
+        @hypothesis.settings(
+            max_examples=count,
+            phases=[hypothesis.Phase.generate],
+            database=None,
+            deadline=None,
+            suppress_health_check=list(hypothesis.HealthCheck),
+        )
+        @hypothesis.given(target.examples)
+        def run(example: object) -> None:
+            nonlocal calls, examples
+            text = f"{examples} {calls} {example!r}".encode("utf-8", "backslashreplace")[: JOURNAL - 1]
+            page[: len(text) + 1] = text + b"\0"
+            examples += 1
+            try:
+                calls += target.check(example)
+            except Fault as fault:
+                calls += 1
+                known = found.setdefault(fault.kind, {"times": 0, "script": fault.script})
+                known["times"] = int(str(known["times"])) + 1
+                known["script"] = min(str(known["script"]), fault.script, key=len)
+
+        run()
+    return {"calls": calls, "examples": examples, "found": found}
+
+
+def launch(name: str, count: int, seed: int) -> dict[str, object]:
+    """Run a worker to its end, or to where it dies, which counts as found."""
+    with tempfile.TemporaryDirectory() as folder:
+        journal, result, log = (Path(folder) / part for part in ("journal", "result", "log"))
+        journal.write_bytes(bytes(JOURNAL))
+        Path(folder, "room").mkdir()
+        command = [sys.executable, __file__, "--worker", name, str(count), str(seed), str(journal), str(result)]
+        with open(log, "wb") as output:
+            process = subprocess.Popen(command, cwd=Path(folder, "room"), stdout=output, stderr=output)
+            last, since = b"", time.monotonic()
+            while True:
+                try:
+                    process.wait(1.0)
+                    break
+                except subprocess.TimeoutExpired:
+                    pass
+                now = journal.read_bytes()
+                if now != last:
+                    last, since = now, time.monotonic()
+                elif time.monotonic() - since > SILENCE:
+                    process.kill()
+        if process.returncode == 0:
+            outcome: dict[str, object] = json.loads(result.read_text())
+            return outcome
+        text = journal.read_bytes().partition(b"\0")[0].decode("utf-8", "replace")
+        said = log.read_text(errors="replace")
+        if not text:
+            raise RuntimeError(f"{name}: the worker failed before its first call:\n{said}")
+        examples, calls, example = text.split(" ", 2)
+        why = "hangs" if process.returncode == -signal.SIGKILL else f"ends the process ({process.returncode})"
+        kind = " ".join([why, *said.strip().splitlines()[-1:]])
+        return {"calls": int(calls), "examples": int(examples) + 1, "found": {kind: {"times": 1, "script": example}}}
+
+
+def fuzz(calls: int, processes: int, seed: int, names: list[str]) -> int:
+    """Share calls among targets and processes; print what was found; give the number of kinds of faults."""
+    sys.path.insert(0, str(Path(__file__).parent))
+    targets = {name: import_module(name).TARGET for name in names}
+    whole = sum(target.share for target in targets.values())
+    totals = {name: [0, 0.0] for name in targets}
+    found: dict[tuple[str, str], dict[str, object]] = {}
+
+    def run(name: str, goal: int, first: int) -> None:
+        """Go on with new seeds until there were enough calls: an example may make several, and a worker may die."""
+        done, turn, rate = 0, 0, 1.0
+        while done < goal:
+            begin = time.monotonic()
+            examples = max(1, min(JOB, round((goal - done) / rate)))
+            outcome = launch(name, examples, first + turn)
+            here = int(str(outcome["calls"]))
+            rate = max(1.0, here / max(1, int(str(outcome["examples"]))))
+            done, turn = done + max(1, here), turn + 1
+            totals[name][0] += here
+            totals[name][1] += time.monotonic() - begin
+            for kind, fault in dict(outcome["found"]).items():  # type: ignore[call-overload]
+                known = found.setdefault((name, kind), {"times": 0, "script": fault["script"]})
+                known["times"] = int(str(known["times"])) + int(fault["times"])
+                known["script"] = min(str(known["script"]), str(fault["script"]), key=len)
+            print(f"{name}: {done} of {goal} calls", file=sys.stderr, flush=True)
+
+    begin = time.monotonic()
+    with ThreadPoolExecutor(processes) as pool:
+        jobs = []
+        for name, target in targets.items():
+            share = round(calls * target.share / whole)
+            parts = max(1, min(processes, share // 100))
+            jobs += [pool.submit(run, name, -(-share // parts), seed + 1000 * part) for part in range(parts)]
+        for job in jobs:
+            job.result()
+    print(f"| target | calls | seconds | found |\n|---|---|---|---|")
+    for name, (number, seconds) in totals.items():
+        print(f"| {name} | {number:.0f} | {seconds:.0f} | {sum(where == name for where, _ in found)} |")
+    print(f"\n{sum(number for number, _ in totals.values()):.0f} calls in {time.monotonic() - begin:.0f} s.")
+    for (name, kind), fault in sorted(found.items()):
+        print(f"\n{name}: {kind} ({fault['times']} times)\n    {str(fault['script'])[:1000]}")
+    return len(found)
+
+
+def main() -> int:
+    """Read the command line."""
+    if sys.argv[1:2] == ["--worker"]:
+        sys.path.insert(0, str(Path(__file__).parent))
+        name, count, seed, journal, result = sys.argv[2:]
+        Path(result).write_text(json.dumps(work(name, int(count), int(seed), Path(journal))), encoding="utf-8")
+        return 0
+    parser = argparse.ArgumentParser(description="Call physcore with hostile arguments, scenes, files and functions.")
+    parser.add_argument("--calls", type=int, default=100_000, help="how many calls (default: 100000)")
+    parser.add_argument("--processes", type=int, default=os.cpu_count() or 1, help="how many at a time (default: all)")
+    parser.add_argument("--seed", type=int, default=int(time.time()), help="where the random numbers begin")
+    parser.add_argument("targets", nargs="*", metavar="TARGET", help=f"some of {', '.join(TARGETS)}; all by default")
+    options = parser.parse_args()
+    return 1 if fuzz(options.calls, options.processes, options.seed, options.targets or list(TARGETS)) else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
