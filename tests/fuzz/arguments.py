@@ -8,15 +8,16 @@ from typing import Any
 from entrances import Entrance, entrances, prepare
 from hypothesis import strategies as st
 from oracle import Fault, Target, attempt, require_finite
-from values import NAMES, evaluate, hostile
+from values import HOSTILE, NAMES, evaluate
 
 import physcore as pc
 
-PICTURES = ("camera", "style", "theme")
 ENTRANCES = {entrance.name: entrance for entrance in entrances()}
 CHEAP = [name for name, entrance in ENTRANCES.items() if not entrance.slow and entrance.parameters]
 SLOW = [name for name, entrance in ENTRANCES.items() if entrance.slow and entrance.parameters]
-MISUSE = {"unknown": "1.0"}
+NAME = {True: st.sampled_from(SLOW), False: st.sampled_from(CHEAP)}
+PARAMETER = {name: st.sampled_from(list(entrance.parameters)) for name, entrance in ENTRANCES.items() if entrance.parameters}
+RARELY, COUNT = st.integers(0, 49).map(lambda number: number == 7), st.sampled_from([1, 1, 1, 1, 2, 2, 3])
 
 Example = tuple[str, dict[str, str]]
 """The name of an entrance, and what is given to some of its parameters."""
@@ -25,11 +26,8 @@ Example = tuple[str, dict[str, str]]
 @st.composite
 def examples(draw: st.DrawFn) -> Example:
     """A call: one hostile argument more often than several."""
-    name = draw(st.sampled_from(CHEAP if draw(st.integers(0, 49)) else SLOW))
-    parameters = list(ENTRANCES[name].parameters)
-    count = draw(st.sampled_from([1, 1, 1, 1, 2, 2, 3]))
-    given = {draw(st.sampled_from(parameters)): draw(hostile()) for _ in range(count)}
-    return name, given
+    name = draw(NAME[draw(RARELY)])
+    return name, {draw(PARAMETER[name]): draw(HOSTILE) for _ in range(draw(COUNT))}
 
 
 def check(example: Example) -> int:

@@ -92,7 +92,7 @@ def _all() -> Iterator[Entrance]:
             thing = getattr(module, name)
             if not callable(thing) or (prefix != "pc" and getattr(pc, name, None) is thing):
                 continue
-            if isinstance(thing, type) and (issubclass(thing, BaseException) or name in PARTS):
+            if isinstance(thing, type) and (issubclass(thing, BaseException) or inspect.isabstract(thing) or name in PARTS):
                 continue
             yield _entrance(thing, f"{prefix}.{name}", name, name)
     for name, receiver in RECEIVERS.items():

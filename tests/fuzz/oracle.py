@@ -111,7 +111,8 @@ def attempt(
         if isinstance(error, (KeyboardInterrupt, Fault)):
             raise
         if not (misused and isinstance(error, TypeError) and SIGNATURE.search(str(error))):
-            raise Fault(f"{type(error).__name__} at {_place(error)}: {_general(error)}", script) from error
+            where, message = _place(error), str(error).partition("\n")[0][:200]
+            raise Fault(f"{type(error).__name__} at {where}", f"{script}  # {message}") from error
     return None
 
 

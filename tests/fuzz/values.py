@@ -14,7 +14,6 @@ from typing import Any
 
 import numpy as np
 from hypothesis import strategies as st
-from hypothesis.strategies import SearchStrategy
 
 import physcore as pc
 
@@ -66,13 +65,13 @@ WRAPPERS = [
 
 
 class Lying:
-    """Something that says it has entries."""
+    """Something that says it has entries and has none."""
 
     def __len__(self) -> int:
         return 2
 
     def __getitem__(self, index: object) -> object:
-        return self
+        raise IndexError
 
 
 class Word(str):
@@ -127,22 +126,18 @@ def evaluate(source: str, **more: object) -> Any:
     return eval(_compiled(source), {**NAMES, **more} if more else NAMES)
 
 
-def numbers() -> SearchStrategy[str]:
-    """Any number: the usual suspects, any float, any integer."""
-    return st.one_of(
-        st.sampled_from(NUMBERS), st.floats().map(_written), st.integers(-(2**70), 2**70).map(str), st.sampled_from(NUMBERS)
-    )
-
-
-def hostile() -> SearchStrategy[str]:
-    """Any value."""
-    atoms = st.sampled_from([*NUMBERS, *TEXTS, *ARRAYS, *THINGS])
-    parts = st.one_of(numbers(), atoms)
-    return st.one_of(atoms, numbers(), atoms, st.builds(str.format, st.sampled_from(WRAPPERS), parts, parts))
-
-
 def _written(number: float) -> str:
     return repr(number) if math.isfinite(number) else f"float('{number}')"
+
+
+ATOM = st.sampled_from([*NUMBERS, *TEXTS, *ARRAYS, *THINGS])
+NUMBER = st.one_of(
+    st.sampled_from(NUMBERS), st.floats().map(_written), st.integers(-(2**70), 2**70).map(str), st.sampled_from(NUMBERS)
+)
+"""Any number: the usual suspects, any float, any integer."""
+PART = st.one_of(NUMBER, ATOM)
+HOSTILE = st.one_of(ATOM, NUMBER, ATOM, st.builds(str.format, st.sampled_from(WRAPPERS), PART, PART))
+"""Any value. Strategies are made once: to make one takes longer than to draw from it."""
 
 
 def parts(value: object, depth: int = 3) -> Iterator[np.ndarray]:
