@@ -21,7 +21,7 @@ from concurrent.futures import ThreadPoolExecutor
 from importlib import import_module
 from pathlib import Path
 
-TARGETS = ("arguments", "scenes", "files", "functions", "command_line")
+TARGETS = ("arguments", "scenes", "balance", "files", "functions", "command_line")
 JOB = 20_000
 """The most examples of one worker."""
 MEMORY = 4 << 30
