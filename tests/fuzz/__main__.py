@@ -17,13 +17,15 @@ import subprocess
 import sys
 import tempfile
 import time
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor
 from importlib import import_module
 from pathlib import Path
 
 TARGETS = ("arguments", "scenes", "balance", "files", "functions", "command_line")
 JOB = 20_000
 """The most examples of one worker."""
+START = 20
+"""How many calls an example is taken to make before that is known."""
 MEMORY = 4 << 30
 """What a worker may use [bytes]."""
 SILENCE = 60.0
@@ -107,42 +109,48 @@ def launch(name: str, count: int, seed: int) -> dict[str, object]:
         return {"calls": int(calls), "examples": int(examples) + 1, "found": {kind: {"times": 1, "script": example}}}
 
 
-def fuzz(calls: int, processes: int, seed: int, names: list[str]) -> int:
-    """Share calls among targets and processes; print what was found; give the number of kinds of faults."""
+def fuzz(calls: int | None, processes: int, seed: int, names: list[str]) -> int:
+    """Share calls among targets and processes, or make a quick run of each; print what was found; give how many kinds."""
     sys.path.insert(0, str(Path(__file__).parent))
     targets = {name: import_module(name).TARGET for name in names}
     whole = sum(target.share for target in targets.values())
     totals = {name: [0, 0.0] for name in targets}
     found: dict[tuple[str, str], dict[str, object]] = {}
 
+    def part(name: str, examples: int, first: int) -> tuple[int, float]:
+        """One worker: how many calls it made, and how many in an example."""
+        begin = time.monotonic()
+        outcome = launch(name, examples, first)
+        done = int(str(outcome["calls"]))
+        totals[name][0] += done
+        totals[name][1] += time.monotonic() - begin
+        for kind, fault in dict(outcome["found"]).items():  # type: ignore[call-overload]
+            known = found.setdefault((name, kind), {"times": 0, "script": fault["script"]})
+            known["times"] = int(str(known["times"])) + int(fault["times"])
+            known["script"] = min(str(known["script"]), str(fault["script"]), key=len)
+        return done, done / max(1, int(str(outcome["examples"])))
+
     def run(name: str, goal: int, first: int) -> None:
         """Go on with new seeds until there were enough calls: an example may make several, and a worker may die."""
-        done, turn, rate = 0, 0, 1.0
+        done, turn, rate = 0, 0, float(START)
         while done < goal:
-            begin = time.monotonic()
-            examples = max(1, min(JOB, round((goal - done) / rate)))
-            outcome = launch(name, examples, first + turn)
-            here = int(str(outcome["calls"]))
-            rate = max(1.0, here / max(1, int(str(outcome["examples"]))))
-            done, turn = done + max(1, here), turn + 1
-            totals[name][0] += here
-            totals[name][1] += time.monotonic() - begin
-            for kind, fault in dict(outcome["found"]).items():  # type: ignore[call-overload]
-                known = found.setdefault((name, kind), {"times": 0, "script": fault["script"]})
-                known["times"] = int(str(known["times"])) + int(fault["times"])
-                known["script"] = min(str(known["script"]), str(fault["script"]), key=len)
+            made, rate = part(name, max(1, min(JOB, round((goal - done) / max(rate, 1.0)))), first + turn)
+            done, turn = done + max(1, made), turn + 1
             print(f"{name}: {done} of {goal} calls", file=sys.stderr, flush=True)
 
     begin = time.monotonic()
     with ThreadPoolExecutor(processes) as pool:
-        jobs = []
+        jobs: list[Future[object]] = []
         for name, target in targets.items():
+            if calls is None:
+                jobs.append(pool.submit(part, name, target.quick, seed))
+                continue
             share = round(calls * target.share / whole)
             parts = max(1, min(processes, share // 100))
-            jobs += [pool.submit(run, name, -(-share // parts), seed + 1000 * part) for part in range(parts)]
+            jobs += [pool.submit(run, name, -(-share // parts), seed + 1000 * index) for index in range(parts)]
         for job in jobs:
             job.result()
-    print(f"| target | calls | seconds | found |\n|---|---|---|---|")
+    print("| target | calls | seconds | found |\n|---|---|---|---|")
     for name, (number, seconds) in totals.items():
         print(f"| {name} | {number:.0f} | {seconds:.0f} | {sum(where == name for where, _ in found)} |")
     print(f"\n{sum(number for number, _ in totals.values()):.0f} calls in {time.monotonic() - begin:.0f} s.")
@@ -163,8 +171,10 @@ def main() -> int:
     parser.add_argument("--processes", type=int, default=os.cpu_count() or 1, help="how many at a time (default: all)")
     parser.add_argument("--seed", type=int, default=int(time.time()), help="where the random numbers begin")
     parser.add_argument("targets", nargs="*", metavar="TARGET", help=f"some of {', '.join(TARGETS)}; all by default")
+    parser.add_argument("--quick", action="store_true", help="the same few calls each time, as in `make test`")
     options = parser.parse_args()
-    return 1 if fuzz(options.calls, options.processes, options.seed, options.targets or list(TARGETS)) else 0
+    calls, seed = (None, 0) if options.quick else (options.calls, options.seed)
+    return 1 if fuzz(calls, options.processes, seed, options.targets or list(TARGETS)) else 0
 
 
 if __name__ == "__main__":

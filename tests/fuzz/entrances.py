@@ -30,7 +30,13 @@ VALID = {
 }
 """A valid argument by the name of the parameter, or of its owner and it; 1.0 where nothing is said."""
 
-ALWAYS = {"film": {"size": "(32, 32)"}, "gif_bytes": {"size": "(32, 32)"}, "tradeoff": {"budget": "0.01", "progress": "False"}}
+QUIET = {"progress": "False"}
+ALWAYS: dict[str, dict[str, str]] = {
+    "film": {"size": "(32, 32)", **QUIET},
+    "gif_bytes": {"size": "(32, 32)"},
+    "tradeoff": {"budget": "0.01", **QUIET},
+    **dict.fromkeys(("export", "simulate", "Simulation.record"), QUIET),
+}
 """What is given, so that a call takes no time."""
 
 RECEIVERS = {"Simulation": "pc.Simulation(SCENE, dt=1e-3, threads=1)", "Recording": "RECORDING", "Scene": "SCENE"}
@@ -94,7 +100,7 @@ def _all() -> Iterator[Entrance]:
                 continue
             if isinstance(thing, type) and (issubclass(thing, BaseException) or inspect.isabstract(thing) or name in PARTS):
                 continue
-            yield _entrance(thing, f"{prefix}.{name}", name, name)
+            yield _entrance(thing, f"{prefix}.{name}", f"{prefix}.{name}".removeprefix("pc."), name)
     for name, receiver in RECEIVERS.items():
         kind = getattr(pc, name)
         for method in dir(kind):
@@ -119,7 +125,7 @@ def _entrance(thing: Any, source: str, name: str, owner: str, *, keys: bool = Fa
                 needed = parameter.default is parameter.empty
                 valid = VALID.get(f"{owner}.{parameter.name}", VALID.get(parameter.name, "1.0"))
                 parameters[parameter.name] = valid if needed else None
-    return Entrance(source, name, {**parameters, **ALWAYS.get(name, {})}, rest, keys)
+    return Entrance(source, name, {**parameters, **ALWAYS.get(name.removeprefix("film."), {})}, rest, keys)
 
 
 def prepare() -> None:

@@ -21,6 +21,11 @@ RESULTS = [
     *("BOX[0].step(1)", "BOX[0].set(velocities=1.0)", "BOX[0].energy()", "BOX[0].state_hash()", "BOX[0].positions", "1 / 0"),
 ]
 """What a function may do with positions x, velocities v and the time."""
+REFUSED = [
+    *("x.astype(complex)", "x + 1j", "x[:1]", "x[0]", "x[..., np.newaxis]", "x.astype(str)", "np.ma.masked_array(x, x > 0)"),
+    *("x.ravel()", "x.sum()", "float(x.sum())", "None", "'x'"),
+]
+"""What is no force on each particle, whatever NumPy could make of it."""
 RESULT = st.one_of(st.sampled_from(RESULTS), st.sampled_from(RESULTS), ATOM)
 WHEN = st.sampled_from(["", "", "-x if time < 2e-3 else "])
 POTENTIAL = st.one_of(st.none(), st.just("0.5 * float((x * x).sum())"), RESULT)
@@ -51,6 +56,7 @@ def check(example: tuple[str, str, str | None, str, str]) -> int:
     simulation = attempt(lambda: pc.Simulation(scene, chosen, rule, threads=1), script, allowed=own)
     if simulation is None:
         return 1
+    require(when != "" or result not in REFUSED, "what is no array of forces is accepted", script)
     box.append(simulation)
     for doing in ("run(5e-3)", "energy().balance", "set(velocities=0.3)", "run(1e-3)"):
         attempt(lambda: evaluate(f"simulation.{doing}", simulation=simulation), f"{script}\n    simulation.{doing}", allowed=own, long=True)  # noqa: B023
