@@ -20,6 +20,7 @@ import time
 from concurrent.futures import Future, ThreadPoolExecutor
 from importlib import import_module
 from pathlib import Path
+from typing import Any
 
 TARGETS = ("arguments", "scenes", "balance", "files", "functions", "command_line")
 JOB = 20_000
@@ -34,8 +35,11 @@ JOURNAL = 1 << 16
 """The size of what a worker writes down [bytes]."""
 
 
-def work(name: str, count: int, seed: int, journal: Path) -> dict[str, object]:
-    """Draw examples of a target and check them; what each one is goes into the journal before it begins."""
+def work(name: str, count: int, seed: int, journal: Path, result: Path) -> None:
+    """Draw examples of a target and check them; what each one is goes into the journal before it begins.
+
+    What is found is written at once: the process may die of the next example.
+    """
     import hypothesis
     from oracle import Fault, Target
 
@@ -44,8 +48,13 @@ def work(name: str, count: int, seed: int, journal: Path) -> dict[str, object]:
     target: Target = import_module(name).TARGET
     os.fsync = lambda descriptor: None  # type: ignore[assignment]  # Nobody needs these files after a power cut.
     target.prepare()
-    found: dict[str, dict[str, object]] = {}
+    found: dict[str, dict[str, Any]] = {}
     calls = examples = 0
+
+    def report() -> None:
+        text = json.dumps({"calls": calls, "examples": examples, "found": found})
+        result.write_text(text, encoding="utf-8", errors="backslashreplace")
+
     with open(journal, "r+b") as file:
         page = mmap.mmap(file.fileno(), JOURNAL)
 
@@ -67,23 +76,28 @@ def work(name: str, count: int, seed: int, journal: Path) -> dict[str, object]:
                 calls += target.check(example)
             except Fault as fault:
                 calls += 1
+                new = fault.kind not in found
                 known = found.setdefault(fault.kind, {"times": 0, "script": fault.script})
-                known["times"] = int(str(known["times"])) + 1
-                known["script"] = min(str(known["script"]), fault.script, key=len)
+                known["times"] = known["times"] + 1
+                known["script"] = min(known["script"], fault.script, key=len)
+                if new:
+                    report()
 
         run()
-    return {"calls": calls, "examples": examples, "found": found}
+    report()
 
 
-def launch(name: str, count: int, seed: int) -> dict[str, object]:
+def launch(name: str, count: int, seed: int) -> dict[str, Any]:
     """Run a worker to its end, or to where it dies, which counts as found."""
     with tempfile.TemporaryDirectory() as folder:
         journal, result, log = (Path(folder) / part for part in ("journal", "result", "log"))
         journal.write_bytes(bytes(JOURNAL))
         Path(folder, "room").mkdir()
         command = [sys.executable, __file__, "--worker", name, str(count), str(seed), str(journal), str(result)]
+        paths = os.pathsep.join(os.path.abspath(path) for path in os.environ.get("PYTHONPATH", "").split(os.pathsep) if path)
         with open(log, "wb") as output:
-            process = subprocess.Popen(command, cwd=Path(folder, "room"), stdout=output, stderr=output)
+            room, environment = Path(folder, "room"), {**os.environ, "PYTHONPATH": paths}
+            process = subprocess.Popen(command, cwd=room, env=environment, stdout=output, stderr=output)
             last, since = b"", time.monotonic()
             while True:
                 try:
@@ -96,17 +110,15 @@ def launch(name: str, count: int, seed: int) -> dict[str, object]:
                     last, since = now, time.monotonic()
                 elif time.monotonic() - since > SILENCE:
                     process.kill()
-        if process.returncode == 0:
-            outcome: dict[str, object] = json.loads(result.read_text())
-            return outcome
-        text = journal.read_bytes().partition(b"\0")[0].decode("utf-8", "replace")
-        said = log.read_text(errors="replace")
-        if not text:
-            raise RuntimeError(f"{name}: the worker failed before its first call:\n{said}")
-        examples, calls, example = text.split(" ", 2)
-        why = "hangs" if process.returncode == -signal.SIGKILL else f"ends the process ({process.returncode})"
-        kind = " ".join([why, *said.strip().splitlines()[-1:]])
-        return {"calls": int(calls), "examples": int(examples) + 1, "found": {kind: {"times": 1, "script": example}}}
+        if process.returncode > 0:
+            raise RuntimeError(f"{name}: the worker failed:\n{log.read_text(errors='replace')}")
+        outcome: dict[str, Any] = json.loads(result.read_text()) if result.exists() else {"found": {}}
+        if process.returncode < 0:
+            examples, calls, example = journal.read_bytes().partition(b"\0")[0].decode("utf-8", "replace").split(" ", 2)
+            why = "hangs" if process.returncode == -signal.SIGKILL else f"ends the process ({process.returncode})"
+            outcome["found"][why] = {"times": 1, "script": example}
+            outcome |= {"calls": int(calls) + 1, "examples": int(examples) + 1}
+        return outcome
 
 
 def fuzz(calls: int | None, processes: int, seed: int, names: list[str]) -> int:
@@ -115,20 +127,20 @@ def fuzz(calls: int | None, processes: int, seed: int, names: list[str]) -> int:
     targets = {name: import_module(name).TARGET for name in names}
     whole = sum(target.share for target in targets.values())
     totals = {name: [0, 0.0] for name in targets}
-    found: dict[tuple[str, str], dict[str, object]] = {}
+    found: dict[tuple[str, str], dict[str, Any]] = {}
 
     def part(name: str, examples: int, first: int) -> tuple[int, float]:
         """One worker: how many calls it made, and how many in an example."""
         begin = time.monotonic()
         outcome = launch(name, examples, first)
-        done = int(str(outcome["calls"]))
+        done = outcome["calls"]
         totals[name][0] += done
         totals[name][1] += time.monotonic() - begin
-        for kind, fault in dict(outcome["found"]).items():  # type: ignore[call-overload]
+        for kind, fault in outcome["found"].items():
             known = found.setdefault((name, kind), {"times": 0, "script": fault["script"]})
-            known["times"] = int(str(known["times"])) + int(fault["times"])
-            known["script"] = min(str(known["script"]), str(fault["script"]), key=len)
-        return done, done / max(1, int(str(outcome["examples"])))
+            known["times"] = known["times"] + fault["times"]
+            known["script"] = min(known["script"], fault["script"], key=len)
+        return done, done / max(1, outcome["examples"])
 
     def run(name: str, goal: int, first: int) -> None:
         """Go on with new seeds until there were enough calls: an example may make several, and a worker may die."""
@@ -155,7 +167,7 @@ def fuzz(calls: int | None, processes: int, seed: int, names: list[str]) -> int:
         print(f"| {name} | {number:.0f} | {seconds:.0f} | {sum(where == name for where, _ in found)} |")
     print(f"\n{sum(number for number, _ in totals.values()):.0f} calls in {time.monotonic() - begin:.0f} s.")
     for (name, kind), fault in sorted(found.items()):
-        print(f"\n{name}: {kind} ({fault['times']} times)\n    {str(fault['script'])[:1000]}")
+        print(f"\n{name}: {kind} ({fault['times']} times)\n    {fault['script'][:1000]}")
     return len(found)
 
 
@@ -164,7 +176,7 @@ def main() -> int:
     if sys.argv[1:2] == ["--worker"]:
         sys.path.insert(0, str(Path(__file__).parent))
         name, count, seed, journal, result = sys.argv[2:]
-        Path(result).write_text(json.dumps(work(name, int(count), int(seed), Path(journal))), encoding="utf-8")
+        work(name, int(count), int(seed), Path(journal), Path(result))
         return 0
     parser = argparse.ArgumentParser(description="Call physcore with hostile arguments, scenes, files and functions.")
     parser.add_argument("--calls", type=int, default=100_000, help="how many calls (default: 100000)")

@@ -130,18 +130,16 @@ def _written(place: tuple[Any, ...]) -> str:
 
 def _use(thing: Any, script: str) -> None:
     """What was loaded goes on, is shown and is saved."""
-    attempt(lambda: repr(thing), f"{script}; repr")
     if isinstance(thing, pc.Simulation):
-        require_finite([thing.positions, thing.velocities, thing.time, thing.dt], "what is loaded is", script)
-        uses = [lambda: thing.energy().balance, lambda: thing.plan, lambda: thing.provenance, lambda: thing.run(1e-4), lambda: thing.save("again")]
-        names = ["energy().balance", "plan", "provenance", "run(1e-4)", "save"]
+        state = "[simulation.positions, simulation.velocities, simulation.time, simulation.dt]"
+        uses = [state, "simulation.energy().balance", "simulation.plan", "simulation.provenance", "simulation.run(1e-4)", state]
     else:
-        uses = [lambda: thing.energy.drift, lambda: thing[0].positions, lambda: thing.save("again"), lambda: len(thing)]
-        names = ["energy.drift", "[0].positions", "save", "len"]
-    for name, use in zip(names, uses, strict=True):
-        attempt(use, f"{script}; .{name}", long=True)
-    if isinstance(thing, pc.Simulation):
-        require_finite([thing.positions, thing.velocities], "what was loaded and stepped is", script)
+        uses = ["simulation.energy.drift", "simulation[0].positions", "len(simulation)", "simulation.provenance"]
+    for use in [*uses, "simulation.save('again')", "repr(simulation)"]:
+        shown = f"{script}; {use}"
+        result = attempt(lambda: evaluate(use, simulation=thing), shown, long=True)  # noqa: B023 - it is called at once
+        if use[0] == "[":
+            require_finite(result, "what was loaded is", shown)
 
 
 TARGET = Target("files", EXAMPLES, check, share=0.04, quick=250, prepare=prepare)
