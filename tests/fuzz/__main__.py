@@ -94,7 +94,9 @@ def launch(name: str, count: int, seed: int) -> dict[str, Any]:
         journal.write_bytes(bytes(JOURNAL))
         Path(folder, "room").mkdir()
         command = [sys.executable, __file__, "--worker", name, str(count), str(seed), str(journal), str(result)]
-        paths = os.pathsep.join(os.path.abspath(path) for path in os.environ.get("PYTHONPATH", "").split(os.pathsep) if path)
+        paths = os.pathsep.join(
+            os.path.abspath(path) for path in os.environ.get("PYTHONPATH", "").split(os.pathsep) if path
+        )
         with open(log, "wb") as output:
             room, environment = Path(folder, "room"), {**os.environ, "PYTHONPATH": paths}
             process = subprocess.Popen(command, cwd=room, env=environment, stdout=output, stderr=output)
@@ -122,7 +124,7 @@ def launch(name: str, count: int, seed: int) -> dict[str, Any]:
 
 
 def fuzz(calls: int | None, processes: int, seed: int, names: list[str]) -> int:
-    """Share calls among targets and processes, or make a quick run of each; print what was found; give how many kinds."""
+    """Share calls among targets and processes, or make a quick run of each; print and count what was found."""
     sys.path.insert(0, str(Path(__file__).parent))
     targets = {name: import_module(name).TARGET for name in names}
     whole = sum(target.share for target in targets.values())

@@ -16,7 +16,9 @@ ENTRANCES = {entrance.name: entrance for entrance in entrances()}
 CHEAP = [name for name, entrance in ENTRANCES.items() if not entrance.slow and entrance.parameters]
 SLOW = [name for name, entrance in ENTRANCES.items() if entrance.slow and entrance.parameters]
 NAME = {True: st.sampled_from(SLOW), False: st.sampled_from(CHEAP)}
-PARAMETER = {name: st.sampled_from(list(entrance.parameters)) for name, entrance in ENTRANCES.items() if entrance.parameters}
+PARAMETER = {
+    name: st.sampled_from(list(entrance.parameters)) for name, entrance in ENTRANCES.items() if entrance.parameters
+}
 RARELY, COUNT = st.integers(0, 49).map(lambda number: number == 7), st.sampled_from([1, 1, 1, 1, 2, 2, 3])
 
 Example = tuple[str, dict[str, str]]

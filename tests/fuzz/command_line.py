@@ -11,12 +11,53 @@ from oracle import Late, Target, limited, require
 
 from physcore.__main__ import main
 
-COMMANDS = st.sampled_from(["list", "demo", "demo", "gallery", "tradeoff", "bench", "--version", "--help", "", "x", "\udc80"])
+COMMANDS = st.sampled_from(
+    ["list", "demo", "demo", "gallery", "tradeoff", "bench", "--version", "--help", "", "x", "\udc80"]
+)
 WORDS = st.sampled_from(
     [
-        *("rope", "orbits", "missing", "-o", "-o", "--output", "--json", "--budget", "--duration", "--help", "-h", "--", "-x"),
-        *("out.gif", "out.mp4", "out.png", "out", "", ".", "..", "missing/out.gif", ".gif", "a" * 300 + ".gif", "\udc80.gif"),
-        *("nan", "inf", "-1", "0", "1e308", "1e400", "0.01", "x", "--budget=nan", "--budget=0", "--duration=-1", "--duration=nan"),
+        *(
+            "rope",
+            "orbits",
+            "missing",
+            "-o",
+            "-o",
+            "--output",
+            "--json",
+            "--budget",
+            "--duration",
+            "--help",
+            "-h",
+            "--",
+            "-x",
+        ),
+        *(
+            "out.gif",
+            "out.mp4",
+            "out.png",
+            "out",
+            "",
+            ".",
+            "..",
+            "missing/out.gif",
+            ".gif",
+            "a" * 300 + ".gif",
+            "\udc80.gif",
+        ),
+        *(
+            "nan",
+            "inf",
+            "-1",
+            "0",
+            "1e308",
+            "1e400",
+            "0.01",
+            "x",
+            "--budget=nan",
+            "--budget=0",
+            "--duration=-1",
+            "--duration=nan",
+        ),
     ]
 )
 EXAMPLES = st.tuples(COMMANDS, st.lists(WORDS, max_size=4)).map(lambda pair: [pair[0], *pair[1]])
@@ -43,9 +84,15 @@ def check(arguments: list[str]) -> int:
     require("Traceback" not in said, "a traceback", script)
     if code in (1, 2):
         last = said.strip().rpartition("\n")[2]
-        require(last.startswith("physcore") and ": " in last, "no message at the end of stderr", f"{script}  # {last[-200:]}")
         require(
-            sum(line.startswith("physcore: ") for line in said.splitlines()) <= 1, "more than one message", f"{script}  # {said[-300:]}"
+            last.startswith("physcore") and ": " in last,
+            "no message at the end of stderr",
+            f"{script}  # {last[-200:]}",
+        )
+        require(
+            sum(line.startswith("physcore: ") for line in said.splitlines()) <= 1,
+            "more than one message",
+            f"{script}  # {said[-300:]}",
         )
     return 1
 

@@ -18,7 +18,15 @@ from values import NAMES, evaluate
 import physcore as pc
 
 VALUES = {
-    **{"0": "0", "−1": "-1", "5e-324": "5e-324", "1e308": "1e308", "10⁴⁰⁰": "10**400", "NaN": "float('nan')", "inf": "float('inf')"},
+    **{
+        "0": "0",
+        "−1": "-1",
+        "5e-324": "5e-324",
+        "1e308": "1e308",
+        "10⁴⁰⁰": "10**400",
+        "NaN": "float('nan')",
+        "inf": "float('inf')",
+    },
     **{"True": "True", "None": "None", '"x"': "'x'", "[]": "[]", "4 × 4": "np.ones((4, 4))", "class": "pc.Drag"},
 }
 """The columns of the table."""
@@ -31,8 +39,10 @@ HEAD = f"""# Edge values
 What physcore does with edge values of every public argument, all other arguments being valid. Written by `make edges`,
 and compared with the code by the tests; do not edit.
 
-{TAKEN}: accepted. {LONG}: accepted, and stopped after {SECONDS:g} s. A letter: refused with a message of that kind (below), which
-begins with the path of the argument and ends with what was given; in bold: an error that is none of physcore's. "4 × 4" is an array of ones, "class" is `pc.Drag`.
+{TAKEN}: accepted. {LONG}: accepted, and stopped after {SECONDS:g} s. A letter: refused with a message of that kind
+(below), which begins with the path of the argument and ends with what was given; in bold: an error that is none of
+physcore's. "4 × 4" is an array of ones, "class" is `pc.Drag`. The numerics of `simulate`, `film` and `export` are those
+of `Simulation`.
 """
 
 
@@ -55,7 +65,11 @@ def outcome(entrance: Entrance, name: str, source: str) -> str:
     except pc.PhyscoreError as error:
         return expected(error)
     except Exception as error:
-        return f"{type(error).__name__}" if entrance.keys and isinstance(error, KeyError) else f"**{type(error).__name__}**"
+        return (
+            f"{type(error).__name__}"
+            if entrance.keys and isinstance(error, KeyError)
+            else f"**{type(error).__name__}**"
+        )
 
 
 def expected(error: pc.PhyscoreError) -> str:
@@ -69,15 +83,14 @@ def expected(error: pc.PhyscoreError) -> str:
 
 def rows(slow: bool) -> list[tuple[str, list[str]]]:
     """A row for each argument of what is slow to call, or of what is not: its name, and the outcome of each value."""
-    shared = [entrance for entrance in entrances() if entrance.name == "Simulation"][0].parameters
-    result = []
-    for entrance in entrances():
-        if entrance.slow is not slow:
-            continue
-        for name in entrance.parameters:
-            if entrance.name in ("Simulation", "simulate") or name == "scene" or name not in shared:
-                result.append((f"{entrance.name}.{name}", [outcome(entrance, name, source) for source in VALUES.values()]))
-    return sorted(result)
+    chosen = [entrance for entrance in entrances() if entrance.slow is slow]
+    arguments = [
+        (entrance, name) for entrance in chosen for name in entrance.parameters if name not in entrance.numerics
+    ]
+    return sorted(
+        (f"{entrance.name}.{name}", [outcome(entrance, name, source) for source in VALUES.values()])
+        for entrance, name in arguments
+    )
 
 
 def letter(index: int) -> str:
@@ -95,7 +108,12 @@ def table() -> str:
                 kinds.setdefault(cell, letter(len(kinds)))
     lines = [HEAD, f"| argument | {' | '.join(VALUES)} |", f"|---|{'---|' * len(VALUES)}"]
     lines += [f"| `{name}` | {' | '.join(kinds.get(cell, cell) for cell in cells)} |" for name, cells in found]
-    lines += ["", "| | message |", "|---|---|", *(f"| {short} | {kind.replace('|', chr(92) + '|')} |" for kind, short in kinds.items())]
+    lines += [
+        "",
+        "| | message |",
+        "|---|---|",
+        *(f"| {short} | {kind.replace('|', chr(92) + '|')} |" for kind, short in kinds.items()),
+    ]
     return "\n".join(lines) + "\n"
 
 

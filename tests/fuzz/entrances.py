@@ -1,4 +1,4 @@
-"""The public callables, found by their names and signatures: what is new in physcore is fuzzed without a new line here."""
+"""The public callables, found by name and signature: what is new in physcore is fuzzed without a new line here."""
 
 from __future__ import annotations
 
@@ -15,17 +15,50 @@ import physcore as pc
 TRIANGLE = "[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]"
 
 VALID = {
-    **{"positions": TRIANGLE, "pairs": "[[0, 1], [1, 2]]", "lower": "(0.0, 0.0)", "upper": "(1.0, 1.0)", "particles": "4"},
+    **{
+        "positions": TRIANGLE,
+        "pairs": "[[0, 1], [1, 2]]",
+        "lower": "(0.0, 0.0)",
+        "upper": "(1.0, 1.0)",
+        "particles": "4",
+    },
     **{"center": "(0.0, 0.0)", "point": "(0.0, -9.0)", "normal": "(0.0, 1.0)", "acceleration": "(0.0, -9.81)"},
     **{"shape": "(3, 3)", "function": "lambda time, x, v: -x", "scene": "SCENE", "recording": "RECORDING", "key": "0"},
-    **{"integrator": "pc.VelocityVerlet()", "path": "'out.physcore'", "duration": "0.01", "spacing": "0.5", "body": "0"},
-    **{"cameras": "{0.0: film.Window((0, 0), (1, 1))}", "influence": "pc.Gravity((0.0, -9.81))", "items": "pc.Gravity((0.0, 0.0))"},
+    **{
+        "integrator": "pc.VelocityVerlet()",
+        "path": "'out.physcore'",
+        "duration": "0.01",
+        "spacing": "0.5",
+        "body": "0",
+    },
+    **{
+        "cameras": "{0.0: film.Window((0, 0), (1, 1))}",
+        "influence": "pc.Gravity((0.0, -9.81))",
+        "items": "pc.Gravity((0.0, 0.0))",
+    },
     **{"by_term": "{}", "dissipated_by": "{}", "channels": "{}", "bodies": "0", "part": "(0.0, 1.0)", "budget": "0.01"},
-    **{"cylinder.center": "(0.0, 0.0, 0.0)", "Box.lower": "(-9.0, -9.0)", "Box.upper": "(9.0, 9.0)", "Theme.bodies": "((1, 2, 3),)"},
-    **{"Periodic.lower": "(-9.0, -9.0)", "Periodic.upper": "(9.0, 9.0)", "Sphere.center": "(9.0, 9.0)", "CentralForce.center": "(5.0, 5.0)"},
+    **{
+        "cylinder.center": "(0.0, 0.0, 0.0)",
+        "Box.lower": "(-9.0, -9.0)",
+        "Box.upper": "(9.0, 9.0)",
+        "Theme.bodies": "((1, 2, 3),)",
+    },
+    **{
+        "Periodic.lower": "(-9.0, -9.0)",
+        "Periodic.upper": "(9.0, 9.0)",
+        "Sphere.center": "(9.0, 9.0)",
+        "CentralForce.center": "(5.0, 5.0)",
+    },
     **{"film.path": "'out.png'", "export.path": "'out.xyz'", "Tradeoff.path": "'out.json'"},
-    **{"Floor.height": "-1.0", "load.path": "'checkpoint'", "evidence.path": "'film.gif'", "Simulation.path": "'out.physcore'"},
-    **dict.fromkeys(("background", "surface", "edge", "solid", "text", "label", "compressed", "relaxed", "stretched"), "(1, 2, 3)"),
+    **{
+        "Floor.height": "-1.0",
+        "load.path": "'checkpoint'",
+        "evidence.path": "'film.gif'",
+        "Simulation.path": "'out.physcore'",
+    },
+    **dict.fromkeys(
+        ("background", "surface", "edge", "solid", "text", "label", "compressed", "relaxed", "stretched"), "(1, 2, 3)"
+    ),
     "film.background": "'#102030'",
 }
 """A valid argument by the name of the parameter, or of its owner and it; 1.0 where nothing is said."""
@@ -45,7 +78,19 @@ RECEIVERS = {"Simulation": "pc.Simulation(SCENE, dt=1e-3, threads=1)", "Recordin
 SLOW = ("film", "gif_bytes", "export", "simulate", "tradeoff", "record", "save", "stability_limit")
 """What takes milliseconds."""
 
-LONG = ("step", "run", "record", "frames", "simulate", "film", "gif_bytes", "export", "tradeoff", "stability_limit", "plot")
+LONG = (
+    "step",
+    "run",
+    "record",
+    "frames",
+    "simulate",
+    "film",
+    "gif_bytes",
+    "export",
+    "tradeoff",
+    "stability_limit",
+    "plot",
+)
 """What may be asked for a long run."""
 
 PARTS = ("Energy", "EnergySeries", "Frame", "MeasuredLimit", "Plan", "Recording", "Snapshot", "Tradeoff", "Painter")
@@ -66,6 +111,8 @@ class Entrance:
     """By name: a valid argument as a text; None: left out."""
     rest: str | None
     """The parameter that takes all positional arguments, if there is one."""
+    numerics: tuple[str, ...] = ()
+    """Those of them that it hands on to Simulation."""
     keys: bool = False
     """Whether it raises KeyError for what is not there."""
 
@@ -98,7 +145,9 @@ def _all() -> Iterator[Entrance]:
             thing = getattr(module, name)
             if not callable(thing) or (prefix != "pc" and getattr(pc, name, None) is thing):
                 continue
-            if isinstance(thing, type) and (issubclass(thing, BaseException) or inspect.isabstract(thing) or name in PARTS):
+            if isinstance(thing, type) and (
+                issubclass(thing, BaseException) or inspect.isabstract(thing) or name in PARTS
+            ):
                 continue
             yield _entrance(thing, f"{prefix}.{name}", f"{prefix}.{name}".removeprefix("pc."), name)
     for name, receiver in RECEIVERS.items():
@@ -112,12 +161,13 @@ def _all() -> Iterator[Entrance]:
 
 def _entrance(thing: Any, source: str, name: str, owner: str, *, keys: bool = False) -> Entrance:
     parameters: dict[str, str | None] = {}
-    rest = None
+    rest: str | None = None
+    numerics: tuple[str, ...] = ()
     for parameter in inspect.signature(thing).parameters.values():
         match parameter.kind:
             case parameter.VAR_KEYWORD:
-                options = inspect.signature(pc.Simulation).parameters
-                parameters |= dict.fromkeys(option for option in options if option != "scene")
+                numerics = tuple(option for option in inspect.signature(pc.Simulation).parameters if option != "scene")
+                parameters |= dict.fromkeys(numerics)
             case parameter.VAR_POSITIONAL:
                 rest = parameter.name
                 parameters[rest] = VALID[rest]
@@ -125,7 +175,7 @@ def _entrance(thing: Any, source: str, name: str, owner: str, *, keys: bool = Fa
                 needed = parameter.default is parameter.empty
                 valid = VALID.get(f"{owner}.{parameter.name}", VALID.get(parameter.name, "1.0"))
                 parameters[parameter.name] = valid if needed else None
-    return Entrance(source, name, {**parameters, **ALWAYS.get(name.removeprefix("film."), {})}, rest, keys)
+    return Entrance(source, name, {**parameters, **ALWAYS.get(name.removeprefix("film."), {})}, rest, numerics, keys)
 
 
 def prepare() -> None:

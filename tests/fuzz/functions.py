@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 from hypothesis import strategies as st
@@ -12,17 +13,79 @@ import physcore as pc
 from physcore.integrators import INTEGRATORS
 
 RESULTS = [
-    *("-x", "-x", "0 * x", "x * np.nan", "x * np.inf", "x * 1e308", "x.astype(complex)", "x + 1j", "x.tolist()", "x[:1]", "x.T"),
-    *("x[0]", "x[..., np.newaxis]", "x.astype('f4')", "x.astype('>f8')", "np.asfortranarray(x)", "x.astype(object)", "x.astype(str)"),
-    *("np.ma.masked_array(x, x > 0)", "np.ma.array(x)", "x > 0", "x[::-1]", "np.zeros_like(x, dtype=int)", "[list(row) for row in x]"),
-    *("x.ravel()", "x.sum()", "float(x.sum())", "x.setflags(write=True)", "x.__setitem__(0, 1e300)", "np.matrix(x)", "iter(x)"),
-    *("boom(ValueError('a'))", "boom(TypeError('a'))", "boom(OverflowError('a'))", "boom(StopIteration())", "boom(SystemExit(1))"),
-    *("boom(MemoryError())", "boom(RecursionError())", "boom(pc.SceneError('a'))", "boom(KeyError('a'))", "boom(GeneratorExit())"),
-    *("BOX[0].step(1)", "BOX[0].set(velocities=1.0)", "BOX[0].energy()", "BOX[0].state_hash()", "BOX[0].positions", "1 / 0"),
+    *(
+        "-x",
+        "-x",
+        "0 * x",
+        "x * np.nan",
+        "x * np.inf",
+        "x * 1e308",
+        "x.astype(complex)",
+        "x + 1j",
+        "x.tolist()",
+        "x[:1]",
+        "x.T",
+    ),
+    *(
+        "x[0]",
+        "x[..., np.newaxis]",
+        "x.astype('f4')",
+        "x.astype('>f8')",
+        "np.asfortranarray(x)",
+        "x.astype(object)",
+        "x.astype(str)",
+    ),
+    *(
+        "np.ma.masked_array(x, x > 0)",
+        "np.ma.array(x)",
+        "x > 0",
+        "x[::-1]",
+        "np.zeros_like(x, dtype=int)",
+        "[list(row) for row in x]",
+    ),
+    *(
+        "x.ravel()",
+        "x.sum()",
+        "float(x.sum())",
+        "x.setflags(write=True)",
+        "x.__setitem__(0, 1e300)",
+        "np.matrix(x)",
+        "iter(x)",
+    ),
+    *(
+        "boom(ValueError('a'))",
+        "boom(TypeError('a'))",
+        "boom(OverflowError('a'))",
+        "boom(StopIteration())",
+        "boom(SystemExit(1))",
+    ),
+    *(
+        "boom(MemoryError())",
+        "boom(RecursionError())",
+        "boom(pc.SceneError('a'))",
+        "boom(KeyError('a'))",
+        "boom(GeneratorExit())",
+    ),
+    *(
+        "BOX[0].step(1)",
+        "BOX[0].set(velocities=1.0)",
+        "BOX[0].energy()",
+        "BOX[0].state_hash()",
+        "BOX[0].positions",
+        "1 / 0",
+    ),
 ]
 """What a function may do with positions x, velocities v and the time."""
 REFUSED = [
-    *("x.astype(complex)", "x + 1j", "x[:1]", "x[0]", "x[..., np.newaxis]", "x.astype(str)", "np.ma.masked_array(x, x > 0)"),
+    *(
+        "x.astype(complex)",
+        "x + 1j",
+        "x[:1]",
+        "x[0]",
+        "x[..., np.newaxis]",
+        "x.astype(str)",
+        "np.ma.masked_array(x, x > 0)",
+    ),
     *("x.ravel()", "x.sum()", "float(x.sum())", "None", "'x'"),
 ]
 """What is no force on each particle, whatever NumPy could make of it."""
@@ -46,8 +109,9 @@ def check(example: tuple[str, str, str | None, str, str]) -> int:
         energy = None if potential is None else evaluate(f"lambda x: {potential}", BOX=box)
     except SyntaxError:
         return 0
+    second = "" if potential is None else f", lambda x: {potential}"
     script = (
-        f"force = pc.CustomForce(lambda time, x, v: {when}{result}{'' if potential is None else f', lambda x: {potential}'})\n"
+        f"force = pc.CustomForce(lambda time, x, v: {when}{result}{second})\n"
         f"    simulation = BOX[0] = pc.Simulation(pc.Scene(PARTICLES, force), pc.{integrator}(), {dt})"
     )
     own = _own(result) + _own(potential or "")
@@ -59,8 +123,12 @@ def check(example: tuple[str, str, str | None, str, str]) -> int:
     require(when != "" or result not in REFUSED, "what is no array of forces is accepted", script)
     box.append(simulation)
     for doing in ("run(5e-3)", "energy().balance", "set(velocities=0.3)", "run(1e-3)"):
-        attempt(lambda: evaluate(f"simulation.{doing}", simulation=simulation), f"{script}\n    simulation.{doing}", allowed=own, long=True)  # noqa: B023
-        require_finite([simulation.positions, simulation.velocities], "the state is", f"{script}\n    simulation.{doing}")
+        shown, call = (
+            f"{script}\n    simulation.{doing}",
+            partial(evaluate, f"simulation.{doing}", simulation=simulation),
+        )
+        attempt(call, shown, allowed=own, long=True)
+        require_finite([simulation.positions, simulation.velocities], "the state is", shown)
     require(simulation.steps >= 0, "steps", script)
     return 5
 

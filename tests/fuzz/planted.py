@@ -6,7 +6,13 @@ from hypothesis import strategies as st
 from oracle import Target, attempt, require_finite
 from values import evaluate
 
-FAULTS = ("1.0", "boom(ValueError('x'))", "np.float64('nan')", "boom(pc.SceneError('it has no path'))", "boom(pc.InternalError('x'))")
+FAULTS = (
+    "1.0",
+    "boom(ValueError('x'))",
+    "np.float64('nan')",
+    "boom(pc.SceneError('it has no path'))",
+    "boom(pc.InternalError('x'))",
+)
 ABORT = "__import__('os').abort()"
 
 
@@ -16,4 +22,10 @@ def check(source: str) -> int:
     return 1
 
 
-TARGET = Target("planted", st.integers(0, 99).map(lambda number: [*FAULTS, ABORT][min(number // 18, 5)]), check, share=0.0, quick=200)
+TARGET = Target(
+    "planted",
+    st.integers(0, 99).map(lambda number: [*FAULTS, ABORT][min(number // 18, 5)]),
+    check,
+    share=0.0,
+    quick=200,
+)

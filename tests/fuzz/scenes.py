@@ -57,12 +57,16 @@ def _body(draw: st.DrawFn, dimension: int) -> str:
             )
         case "rope":
             start = f"start=[0.0] * {dimension}"
-            return f"pc.rope({draw(st.integers(2, 5))}, {size}, {draw(NUMBER)}, {draw(NUMBER)}, {draw(NUMBER)}, {start})"
+            return (
+                f"pc.rope({draw(st.integers(2, 5))}, {size}, {draw(NUMBER)}, {draw(NUMBER)}, {draw(NUMBER)}, {start})"
+            )
         case "soft":
             return f"pc.soft_body({(2,) * dimension}, {size}, {draw(NUMBER)}, {draw(NUMBER)}, {draw(NUMBER)})"
         case "network":
             points = draw(st.lists(vector, min_size=3, max_size=3))
-            return f"pc.SpringNetwork([{', '.join(points)}], [[0, 1], [1, 2], [2, 0]], {draw(NUMBER)}, rest_length={size})"
+            return (
+                f"pc.SpringNetwork([{', '.join(points)}], [[0, 1], [1, 2], [2, 0]], {draw(NUMBER)}, rest_length={size})"
+            )
     density = draw(st.sampled_from(["continuity", "summation"]))
     return (
         f"pc.Fluid(pc.block([0.0] * {dimension}, [2.0 * {size}] * {dimension}, {size}), {size}, {draw(NUMBER)}, "
@@ -79,7 +83,7 @@ def _influence(draw: st.DrawFn, dimension: int) -> str:
         lambda: f"pc.Gravity([{number()}] * {dimension})",
         lambda: f"pc.Drag({number()}, {number()})",
         lambda: f"pc.Drag({number()}, wind=[{number()}] * {dimension})",
-        lambda: f"pc.CentralForce([0.3] * {dimension}, {number()}, exponent={draw(st.integers(-3, 2))}, softening={number()})",
+        lambda: f"pc.CentralForce([0.3] * {dimension}, {number()}, {draw(st.integers(-3, 2))}, softening={number()})",
         lambda: f"pc.LennardJones({number()}, {number()})",
         lambda: f"pc.Repulsion({number()}, {number()}, {draw(st.sampled_from(['0.0', '0.5']))})",
         lambda: f"pc.Floor(-{number()}, restitution={draw(st.sampled_from(['0.0', '0.5', '1.0']))})",
@@ -105,7 +109,9 @@ DOINGS = (
     *("energy()", "momentum()", "angular_momentum()", "plan", "state_hash()", "provenance", "[0]", "dt", "time"),
     *("set(velocities=0.5)", "set(velocities=1e300)", "set(positions=0.0)", "copy", "save", "record(1e-3, 1e4)"),
 )
-EXAMPLES = st.tuples(scenes(), numerics(), st.lists(st.sampled_from(DOINGS), max_size=3).map(tuple), st.sampled_from([1, 2, 5, 40]))
+EXAMPLES = st.tuples(
+    scenes(), numerics(), st.lists(st.sampled_from(DOINGS), max_size=3).map(tuple), st.sampled_from([1, 2, 5, 40])
+)
 
 
 def check(example: Example) -> int:
@@ -133,7 +139,9 @@ def check(example: Example) -> int:
             if single != "fine":
                 break
         if single != "late":
-            require(fate == single, f"one call: {_kind(fate)}, step by step: {_kind(single)}", f"{done}  # {fate}; {single}")
+            require(
+                fate == single, f"one call: {_kind(fate)}, step by step: {_kind(single)}", f"{done}  # {fate}; {single}"
+            )
             require(one.state_hash() == other.state_hash(), f"other bits step by step ({_kind(fate)})", done)
     for doing in doings:
         _do(one, doing, done)
@@ -173,7 +181,9 @@ def _do(simulation: pc.Simulation, doing: str, script: str) -> None:
             path = Path("saved.physcore")
             attempt(lambda: simulation.save(path), f"{script}\n    simulation.save('x')")
             twin = attempt(lambda: pc.load(path), f"{script}\n    simulation.save('x'); pc.load('x')")
-            require(twin is not None, "a checkpoint is not read back", f"{script}\n    simulation.save('x'); pc.load('x')")
+            require(
+                twin is not None, "a checkpoint is not read back", f"{script}\n    simulation.save('x'); pc.load('x')"
+            )
             require(twin.state_hash() == simulation.state_hash(), "a checkpoint has other bits", script)
         case _:
             source = f"simulation{'' if doing[0] == '[' else '.'}{doing}"
@@ -191,7 +201,11 @@ def _look(simulation: pc.Simulation, script: str) -> None:
     if energy is not None and not isinstance(simulation.integrator, pc.ExplicitEuler):
         for name in ("kinetic", "potential", "internal", "dissipated", "work"):
             value = getattr(energy, name)
-            require(bool(np.isfinite(value)), f"energy().{name} is not finite", f"{script}\n    simulation.energy()  # {value}")
+            require(
+                bool(np.isfinite(value)),
+                f"energy().{name} is not finite",
+                f"{script}\n    simulation.energy()  # {value}",
+            )
 
 
 TARGET = Target("scenes", EXAMPLES, check, share=0.1, quick=60)

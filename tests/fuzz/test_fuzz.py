@@ -12,7 +12,9 @@ import pytest
 HERE = Path(__file__).parent
 EDGES = HERE.parents[1] / "docs" / "reports" / "edges.md"
 TARGETS = sorted(
-    path.stem for path in HERE.glob("*.py") if path.stem != "planted" and "\nTARGET = " in path.read_text(encoding="utf-8")
+    path.stem
+    for path in HERE.glob("*.py")
+    if path.stem != "planted" and "\nTARGET = " in path.read_text(encoding="utf-8")
 )
 
 

@@ -18,17 +18,54 @@ from hypothesis import strategies as st
 import physcore as pc
 
 NUMBERS = [
-    *("0", "1", "-1", "3", "0.5", "-0.0", "1e-9", "1e9", "5e-324", "-5e-324", "1e-300", "1e308", "-1e308", "1e39", "1e16"),
+    *(
+        "0",
+        "1",
+        "-1",
+        "3",
+        "0.5",
+        "-0.0",
+        "1e-9",
+        "1e9",
+        "5e-324",
+        "-5e-324",
+        "1e-300",
+        "1e308",
+        "-1e308",
+        "1e39",
+        "1e16",
+    ),
     *("float('nan')", "float('inf')", "-float('inf')", "sys.float_info.max", "10**400", "-(10**400)", "2**31", "2**53"),
     *("2**53 + 1", "2**63", "2**64", "True", "False", "1j", "complex(1.0)", "Fraction(1, 3)", "Fraction(10**400, 3)"),
-    *("Decimal('1e400')", "Decimal('NaN')", "np.float16(1)", "np.float32('nan')", "np.longdouble('1e400')", "np.int8(-1)"),
+    *(
+        "Decimal('1e400')",
+        "Decimal('NaN')",
+        "np.float16(1)",
+        "np.float32('nan')",
+        "np.longdouble('1e400')",
+        "np.int8(-1)",
+    ),
     *("np.uint64(2**63)", "np.bool_(True)", "np.complex64(1)", "np.datetime64('2020')", "np.timedelta64(1, 's')"),
     *("np.ma.masked", "np.array(1.0)", "np.array(np.nan)", "np.array(2)"),
 ]
 """Numbers, and what is almost one."""
 
 TEXTS = [
-    *("''", "'x'", "'auto'", "'\\0'", "'\\ud800'", "'1'", "'nan'", "'1e400'", "'{}'", "'%s'", "'a' * 10_000", "b''", "b'x'"),
+    *(
+        "''",
+        "'x'",
+        "'auto'",
+        "'\\0'",
+        "'\\ud800'",
+        "'1'",
+        "'nan'",
+        "'1e400'",
+        "'{}'",
+        "'%s'",
+        "'a' * 10_000",
+        "b''",
+        "b'x'",
+    ),
     *("bytearray(b'1')", "memoryview(b'abc')", "np.str_('auto')", "Path('x')", "Path('missing/x')"),
 ]
 """Words, and what is almost one."""
@@ -39,27 +76,101 @@ ARRAYS = [
     *("[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]", "np.eye(3)[:, ::-1]", "np.arange(3)", "np.array([0, 1])", "[0, 1, 2]"),
     *("np.array([1.0, np.nan])", "np.array([1.0, np.inf, 0.0])", "np.full((3, 2), 1e308)", "np.full((3, 2), -np.inf)"),
     *("np.ones((3, 2), '>f8')", "np.ones((3, 2), 'f2')", "np.full(3, np.longdouble('1e400'))", "np.ones(3, complex)"),
-    *("np.array([2**63], 'u8')", "np.array([-1, 5])", "np.array([True, False, True])", "[True, False]", "np.ones((6, 4))[::2, ::2]"),
-    *("np.asfortranarray(np.ones((3, 2)))", "readonly(np.ones((3, 2)))", "np.array(['a', 'b'])", "np.array([b'a', b'b'])"),
-    *("np.array([None, 1.0])", "np.array([1, 'x', []], dtype=object)", "np.array([10**400, 1], dtype=object)", "[10**400, 0]"),
+    *(
+        "np.array([2**63], 'u8')",
+        "np.array([-1, 5])",
+        "np.array([True, False, True])",
+        "[True, False]",
+        "np.ones((6, 4))[::2, ::2]",
+    ),
+    *(
+        "np.asfortranarray(np.ones((3, 2)))",
+        "readonly(np.ones((3, 2)))",
+        "np.array(['a', 'b'])",
+        "np.array([b'a', b'b'])",
+    ),
+    *(
+        "np.array([None, 1.0])",
+        "np.array([1, 'x', []], dtype=object)",
+        "np.array([10**400, 1], dtype=object)",
+        "[10**400, 0]",
+    ),
     *("np.ma.masked_array([1.0, 2.0, 3.0], [0, 1, 0])", "np.ma.array([1.0, 2.0, 3.0])", "np.zeros(2, [('a', 'f8')])"),
-    *("np.array(['2020', '2021'], 'M8[s]')", "np.matrix([[1.0, 2.0]])", "[[1.0], [1.0, 2.0]]", "[1, [2, [3]]]", "[None, None]"),
-    *("[float('nan')] * 2", "[float('inf'), -float('inf')]", "['x', 'y']", "[[0, 1], [1, 0.5]]", "loop()", "deep(70)", "deep(2000)"),
+    *(
+        "np.array(['2020', '2021'], 'M8[s]')",
+        "np.matrix([[1.0, 2.0]])",
+        "[[1.0], [1.0, 2.0]]",
+        "[1, [2, [3]]]",
+        "[None, None]",
+    ),
+    *(
+        "[float('nan')] * 2",
+        "[float('inf'), -float('inf')]",
+        "['x', 'y']",
+        "[[0, 1], [1, 0.5]]",
+        "loop()",
+        "deep(70)",
+        "deep(2000)",
+    ),
 ]
 """Arrays and lists, and what is almost one."""
 
 THINGS = [
-    *("None", "...", "NotImplemented", "object()", "int", "float", "pc.Drag", "pc.Particles", "pc.Scene", "type", "len"),
-    *("lambda: 0", "lambda *arguments: arguments", "{}", "{'a': 1}", "{0: 1.0}", "set()", "{1.0}", "slice(1)", "range(3)"),
-    *("iter([1.0, 2.0])", "(x for x in (0.0, 1.0))", "pc.Drag(1.0)", "pc.VelocityVerlet()", "pc.WendlandC2()", "pc.AutoStep()"),
+    *(
+        "None",
+        "...",
+        "NotImplemented",
+        "object()",
+        "int",
+        "float",
+        "pc.Drag",
+        "pc.Particles",
+        "pc.Scene",
+        "type",
+        "len",
+    ),
+    *(
+        "lambda: 0",
+        "lambda *arguments: arguments",
+        "{}",
+        "{'a': 1}",
+        "{0: 1.0}",
+        "set()",
+        "{1.0}",
+        "slice(1)",
+        "range(3)",
+    ),
+    *(
+        "iter([1.0, 2.0])",
+        "(x for x in (0.0, 1.0))",
+        "pc.Drag(1.0)",
+        "pc.VelocityVerlet()",
+        "pc.WendlandC2()",
+        "pc.AutoStep()",
+    ),
     *("pc.Particles([[5.0, 5.0]])", "pc.Floor(-9.0)", "styles.Points()", "film.Orbit()", "film.Window((0, 0), (1, 1))"),
     *("film.DARK", "np", "Ellipsis", "Exception('x')", "Lying()", "Word('auto')", "Real(2.0)"),
 ]
 """What is nothing of the kind."""
 
 WRAPPERS = [
-    *("[{0}]", "({0},)", "[{0}, {1}]", "({0}, {1})", "({0}, {1}, {0})", "[[{0}, {1}]]", "[[{0}, 0.0], [{1}, 1.0], [0.0, 2.0]]"),
-    *("np.array([{0}, {1}])", "np.array({0}, dtype=object)", "np.full(3, {0})", "np.full((3, 2), {0})", "{{{0}: {1}}}", "[{0}] * 3"),
+    *(
+        "[{0}]",
+        "({0},)",
+        "[{0}, {1}]",
+        "({0}, {1})",
+        "({0}, {1}, {0})",
+        "[[{0}, {1}]]",
+        "[[{0}, 0.0], [{1}, 1.0], [0.0, 2.0]]",
+    ),
+    *(
+        "np.array([{0}, {1}])",
+        "np.array({0}, dtype=object)",
+        "np.full(3, {0})",
+        "np.full((3, 2), {0})",
+        "{{{0}: {1}}}",
+        "[{0}] * 3",
+    ),
 ]
 """What is made of others."""
 
