@@ -40,9 +40,9 @@ EXAMPLES = st.tuples(BODY, NUMBER, INTEGRATOR)
 def check(example: tuple[str, str, str]) -> int:
     """A network that falls and turns: the drift of the balance is below ω dt in the first order, then below its square.
 
-    The error of the energy of an oscillation is at most ω dt/2 of it with semi-implicit Euler and (ω dt)²/4 with order 2
-    (E. Hairer, C. Lubich, G. Wanner, "Geometric Numerical Integration", § I.1 and IX.8). The margin of two and of four is
-    for springs that a motion makes faster than they are at rest.
+    The error of the energy of an oscillation is at most ω dt/2 of it with semi-implicit Euler, and (ω dt)²/4 with a
+    method of order 2 (E. Hairer, C. Lubich, G. Wanner, "Geometric Numerical Integration", § I.1 and IX.8). The margin
+    of two and of four is for springs that a motion makes faster than they are at rest.
     """
     body, speed, integrator = example
     script = f"scene = pc.Scene({body}, pc.Gravity((0.0, -9.81)))"
