@@ -32,7 +32,9 @@ VALUES = {
 """The columns of the table."""
 TAKEN, LONG = "✓", "…"
 SECONDS = 0.5
-"""After this a call that was accepted is stopped [s]."""
+"""After this a run that was accepted is stopped [s]."""
+PATIENCE = 30.0
+"""The same for what is no run, and has no reason to take long [s]."""
 
 HEAD = f"""# Edge values
 
@@ -54,7 +56,7 @@ def outcome(entrance: Entrance, name: str, source: str) -> str:
     rest = [NAMES["PARTICLES"], values.pop(entrance.rest)] if entrance.rest else []
     function = evaluate(entrance.source)
     try:
-        with warnings.catch_warnings(), np.errstate(all="ignore"), limited(SECONDS):
+        with warnings.catch_warnings(), np.errstate(all="ignore"), limited(SECONDS if entrance.long else PATIENCE):
             warnings.simplefilter("ignore")
             result = function(*rest, **values)
             if hasattr(result, "__next__"):
@@ -127,6 +129,7 @@ def cells(text: str) -> dict[str, list[str]]:
 def main() -> int:
     """Write the table to a file; with --check say where a table differs from the code, but for what is slow."""
     path, checking = Path(sys.argv[-1]).resolve(), "--check" in sys.argv
+    output = os.fdopen(os.dup(1), "w")  # A fault may close what it takes for a number of a file.
     os.fsync = lambda descriptor: None  # type: ignore[assignment]
     with tempfile.TemporaryDirectory() as folder:
         os.chdir(folder)
@@ -143,7 +146,7 @@ def main() -> int:
             for column, before, after in zip(VALUES, written.get(name, [""] * len(VALUES)), found, strict=True)
             if before != after
         ]
-        print("\n".join([*differing, *(f"{name}: is no argument any more" for name in lost)]))
+        print("\n".join([*differing, *(f"{name}: is no argument any more" for name in lost)]), file=output)
         return 1 if differing or lost else 0
 
 

@@ -5,7 +5,9 @@ from __future__ import annotations
 import inspect
 import sys
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass
+from importlib import import_module
 from typing import Any
 
 from values import NAMES
@@ -179,7 +181,13 @@ def _entrance(thing: Any, source: str, name: str, owner: str, *, keys: bool = Fa
 
 
 def prepare() -> None:
-    """What the texts name: a scene, a recording, and files of them in the present folder."""
+    """What the texts name: a scene, a recording, and files of them in the present folder.
+
+    What is imported late is imported here: a call that is stopped in the middle of an import leaves half a module.
+    """
+    for name in ("matplotlib.pyplot", "matplotlib.colors", "h5py", "imageio_ffmpeg", "PIL.Image", "physcore.tradeoff"):
+        with suppress(ImportError):
+            import_module(name)
     particles = pc.Particles([[0.0, 0.5], [0.4, 0.5]], velocities=[0.1, 0.0], radius=0.01, name="balls")
     rope = pc.rope(3, 1.0, 100.0, 0.1, name="rope")
     scene = pc.Scene(particles, rope, pc.Gravity((0.0, -9.81)), pc.Floor(-1.0))
