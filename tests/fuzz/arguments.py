@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from functools import partial
 from itertools import islice
 from typing import Any
+from zlib import crc32
 
 from entrances import Entrance, entrances, prepare
 from hypothesis import strategies as st
@@ -98,6 +100,8 @@ def _use(result: Any, script: str) -> None:
             scene = attempt(lambda: pc.Scene(NAMES["PARTICLES"], result), used)
         case pc.AutoStep() | pc.AdaptiveStep():
             scene, used, numerics = NAMES["SCENE"], f"SCENE, dt={script}", {"dt": result, "threads": 1}
+        case _ if crc32(script.encode("utf-8", "backslashreplace")) % 4 == 0:
+            return _show(result, script)
         case _:
             return
     if scene is None:
@@ -107,6 +111,25 @@ def _use(result: Any, script: str) -> None:
     if simulation is not None:
         attempt(lambda: simulation.run(2e-3), f"{used}.run(2e-3)", long=True, seconds=0.1)
         _look(simulation, f"{used}.run(2e-3)")
+
+
+def _show(result: Any, script: str) -> None:
+    """A camera, style or theme that was accepted shows something."""
+    film = NAMES["film"]
+    kinds: dict[str, tuple[type, ...]] = {
+        "style": (pc.styles.Style,),
+        "camera": (film.Window, film.Orbit, film.Keyframes, film.Follow),
+        "theme": (film.Theme,),
+    }
+    for name, kind in kinds.items():
+        if isinstance(result, kind):
+            deep = isinstance(result, film.Orbit) or (
+                isinstance(result, film.Keyframes) and not isinstance(result(0.0), film.Window)
+            )
+            recording = "RECORDING_3D" if deep else "RECORDING"
+            options = {name: result, "size": (32, 32), "sidecar": False, "progress": False}
+            call = partial(pc.film, NAMES[recording], "shown.png", **options)
+            attempt(call, f"pc.film({recording}, 'shown.png', {name}={script})", seconds=5.0)
 
 
 def _look(simulation: pc.Simulation, script: str) -> None:

@@ -196,4 +196,7 @@ def prepare() -> None:
     simulation.save("checkpoint")
     recording.save("recording")
     pc.film(recording, "film.gif", size=(32, 32), sidecar=False)
-    NAMES.update(SCENE=scene, RECORDING=recording, PARTICLES=particles, BALLS=scene.bodies[0])
+    solid = pc.simulate(
+        pc.Scene(pc.Particles([[0.0, 0.0, 0.0], [1.0, 0.0, 0.5]], [0.1, 0.2, 0.0])), 0.1, progress=False
+    )
+    NAMES.update(SCENE=scene, RECORDING=recording, PARTICLES=particles, RECORDING_3D=solid)
