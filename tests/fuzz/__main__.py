@@ -23,7 +23,7 @@ from pathlib import Path
 from typing import Any
 
 TARGETS = ("arguments", "scenes", "balance", "files", "functions", "command_line")
-JOB = 20_000
+JOB = 5_000
 """The most examples of one worker."""
 START = 20
 """How many calls an example is taken to make before that is known."""
