@@ -5,6 +5,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 OUT := out
 DEMO ?=
+CALLS ?= 1000000
 
 RUST_SOURCES := $(shell find rust_core -name '*.rs' -o -name 'Cargo.toml') Cargo.toml $(wildcard Cargo.lock)
 PYTHON_SOURCES := $(shell find python -name '*.py' -o -name '*.pyi' -o -name 'py.typed')
@@ -15,7 +16,7 @@ WHEEL := $$(echo dist/physcore-*.whl)
 CARGO_TEST := $(if $(shell command -v cargo-nextest),cargo nextest run,cargo test)
 
 .DEFAULT_GOAL := help
-.PHONY: help check install demo test test-rust test-python test-long validate tradeoff lint format bench clean
+.PHONY: help check install demo test test-rust test-python test-long fuzz edges asan validate tradeoff lint format bench clean
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-12s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -41,19 +42,29 @@ test-long: $(VENV)/tools.stamp ## run every test with the full number of example
 	PROPTEST_CASES=2000 PROPTEST_MAX_GLOBAL_REJECTS=100000 cargo test --locked --workspace --release -- --include-ignored
 	PHYSCORE_TESTS=long $(BIN)/python -m pytest --report=docs/reports/test-long.md
 
+fuzz: $(VENV)/tools.stamp ## call everything with hostile values, CALLS=1000000 times on all cores, and say what was found
+	$(BIN)/python tests/fuzz --calls $(CALLS)
+
+edges: $(VENV)/tools.stamp ## write docs/reports/edges.md: what becomes of the edge values of every argument
+	$(BIN)/python tests/fuzz/edges.py docs/reports/edges.md
+
+asan: ## run the tests of the engine and the canvas under AddressSanitizer, where a nightly Rust is installed
+	scripts/address-sanitizer
+
 validate: $(VENV)/tools.stamp ## run the cases with reference figures from outside, and write docs/reports/validation.md
 	$(BIN)/python -m pytest -m validation --report=docs/reports/validation.md
 
 tradeoff: $(VENV)/tools.stamp ## measure error against time and the extremes, and write docs/tradeoff.md, in ten minutes
 	$(BIN)/python benches/tradeoff.py
 
-lint: $(VENV)/tools.stamp ## check format, style and types, Rust and Python
+lint: $(VENV)/tools.stamp ## check format, style, types and licenses, Rust and Python
 	cargo fmt --all --check
 	cargo clippy --locked --workspace --all-targets -- -D warnings
 	$(BIN)/ruff check
 	$(BIN)/ruff format --check
 	$(BIN)/mypy
 	$(BIN)/stubtest physcore._core --mypy-config-file pyproject.toml
+	$(BIN)/python scripts/check-licenses
 
 format: $(VENV)/tools.stamp ## format the code, Rust and Python
 	cargo fmt --all

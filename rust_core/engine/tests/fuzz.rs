@@ -1,0 +1,202 @@
+//! Scenes of any size and shape: no panic, and either an error or a finite state. `PROPTEST_CASES` says how many.
+
+use std::collections::BTreeMap;
+
+use glam::DVec3;
+use physcore_engine::error::Error;
+use physcore_engine::scene::{Body, Fluid, Scene, Spring, Term, Value};
+use physcore_engine::simulation::{Numerics, World, build};
+use proptest::prelude::*;
+use proptest::sample::select;
+
+const INTEGRATORS: [&str; 10] = [
+    "ExplicitEuler",
+    "SemiImplicitEuler",
+    "VelocityVerlet",
+    "McLachlan2",
+    "RungeKutta4",
+    "PEFRL",
+    "BlanesMoan4",
+    "BlanesMoan6",
+    "BogackiShampine3",
+    "DormandPrince5",
+];
+
+/// A number ≥ 0, within six decades of 1 more often than not.
+fn amount() -> impl Strategy<Value = f64> {
+    let within =
+        |decades: i32| (1.0..10.0_f64, -decades..decades).prop_map(|(mantissa, exponent)| mantissa * 10.0_f64.powi(exponent));
+    prop_oneof![20 => within(6), 2 => within(300), 2 => Just(0.0), 1 => select(vec![5e-324, 1e-308, f64::MAX])]
+}
+
+/// A number > 0.
+fn positive() -> impl Strategy<Value = f64> {
+    amount().prop_map(|number| if number > 0.0 { number } else { 1.0 })
+}
+
+/// A number of either sign.
+fn number() -> impl Strategy<Value = f64> {
+    (amount(), any::<bool>()).prop_map(|(number, negative)| if negative { -number } else { number })
+}
+
+fn vector() -> impl Strategy<Value = DVec3> {
+    (number(), number(), number()).prop_map(|(x, y, z)| DVec3::new(x, y, z))
+}
+
+/// Up to six particles that start on a lattice, with springs from each to the next.
+fn body() -> impl Strategy<Value = Body> {
+    let particles = (1_usize..7, positive(), vector(), positive(), prop_oneof![Just(0.0), amount()]);
+    let springs = (prop::option::of((amount(), amount(), amount())), any::<bool>());
+    (particles, springs, prop::option::weighted(0.2, fluid())).prop_map(
+        |((count, spacing, velocity, mass, radius), (spring, fixed), fluid)| {
+            let place = |index: usize| DVec3::new((index % 2) as f64, (index / 2) as f64, 0.0) * spacing;
+            let ends = |index: usize| [index as u32, index as u32 + 1];
+            let link = |(stiffness, damping, rest_length): (f64, f64, f64)| {
+                (1..count).map(move |index| Spring { ends: ends(index - 1), stiffness, damping, rest_length }).collect()
+            };
+            Body {
+                positions: (0..count).map(place).collect(),
+                velocities: vec![velocity; count],
+                mass: vec![mass; count],
+                charge: vec![0.0; count],
+                radius: vec![if fluid.is_some() { 0.0 } else { radius }; count],
+                fixed: (0..count).map(|index| fixed && fluid.is_none() && index == 0).collect(),
+                springs: if fluid.is_some() { Vec::new() } else { spring.map(link).unwrap_or_default() },
+                fluid: fluid.map(|fluid| Fluid { spacing, ..fluid }),
+            }
+        },
+    )
+}
+
+fn fluid() -> impl Strategy<Value = Fluid> {
+    let numbers = (positive(), amount(), prop::option::of(positive()), amount(), amount());
+    let kernel = select(vec!["WendlandC2", "WendlandC4", "CubicSpline"]);
+    (numbers, kernel, any::<bool>()).prop_map(|((density, viscosity, sound_speed, alpha, tension), kernel, summation)| Fluid {
+        spacing: 1.0,
+        density,
+        viscosity,
+        sound_speed,
+        artificial_viscosity: alpha,
+        density_diffusion: 0.1,
+        surface_tension: tension,
+        shifting: 0.0,
+        summation,
+        kernel: kernel.to_owned(),
+        smoothing: 1.5,
+        obstacles: true,
+    })
+}
+
+fn term(kind: &str, values: &[(&str, Value)]) -> Term {
+    let values: BTreeMap<_, _> = values.iter().map(|(name, value)| ((*name).to_owned(), value.clone())).collect();
+    Term { path: format!("items.{kind}"), kind: kind.to_owned(), on: None, values }
+}
+
+/// A force with any parameters that Python lets pass.
+fn force() -> impl Strategy<Value = Term> {
+    let kinds = ["Gravity", "Drag", "CentralForce", "LennardJones", "Repulsion"];
+    (select(&kinds[..]), vector(), number(), amount(), amount(), positive()).prop_map(
+        |(kind, vector, signed, first, second, positive)| {
+            let values = match kind {
+                "Gravity" => vec![("acceleration", Value::Vector(vector))],
+                "Drag" => {
+                    vec![("linear", Value::Number(first)), ("quadratic", Value::Number(second)), ("wind", Value::Vector(vector))]
+                }
+                "CentralForce" => vec![
+                    ("center", Value::Vector(vector)),
+                    ("strength", Value::Number(signed)),
+                    ("exponent", Value::Number(-2.0)),
+                    ("softening", Value::Number(first)),
+                ],
+                "LennardJones" => vec![
+                    ("epsilon", Value::Number(first)),
+                    ("sigma", Value::Number(positive)),
+                    ("cutoff", Value::Number(2.5 * positive)),
+                ],
+                _ => vec![
+                    ("stiffness", Value::Number(positive)),
+                    ("damping", Value::Number(first)),
+                    ("friction", Value::Number(0.0)),
+                    ("tangential_damping", Value::Number(0.0)),
+                    ("exponent", Value::Number(1.0)),
+                ],
+            };
+            term(kind, &values)
+        },
+    )
+}
+
+/// A plane or a sphere around everything.
+fn boundary() -> impl Strategy<Value = Term> {
+    (any::<bool>(), vector(), positive(), 0.0..=1.0_f64, amount()).prop_map(|(plane, vector, size, restitution, friction)| {
+        let material =
+            [("restitution", Value::Number(restitution)), ("friction", Value::Number(friction)), ("no_slip", Value::Flag(false))];
+        let geometry = if plane {
+            vec![("point", Value::Vector(DVec3::new(0.0, -size, 0.0))), ("normal", Value::Vector(vector))]
+        } else {
+            vec![("center", Value::Vector(DVec3::ZERO)), ("radius", Value::Number(size)), ("inside", Value::Flag(true))]
+        };
+        term(if plane { "Plane" } else { "Sphere" }, &[&material[..], &geometry].concat())
+    })
+}
+
+fn scene() -> impl Strategy<Value = Scene> {
+    let items =
+        (prop::collection::vec(body(), 1..3), prop::collection::vec(force(), 0..3), prop::collection::vec(boundary(), 0..2));
+    (2_usize..4, items, prop::option::weighted(0.2, positive())).prop_map(|(dimension, (bodies, forces, boundaries), period)| {
+        let corner = |size: f64| DVec3::new(size, size, if dimension == 2 { 0.0 } else { size });
+        let mut scene =
+            Scene { dimension, bodies, forces, boundaries, periodic: period.map(|size| [corner(-size), corner(size)]) };
+        if dimension == 2 {
+            flatten(&mut scene);
+        }
+        scene
+    })
+}
+
+/// Puts everything into the plane z = 0.
+fn flatten(scene: &mut Scene) {
+    for vector in scene.bodies.iter_mut().flat_map(|body| &mut body.velocities) {
+        vector.z = 0.0;
+    }
+    for value in scene.forces.iter_mut().chain(&mut scene.boundaries).flat_map(|term| term.values.values_mut()) {
+        if let Value::Vector(vector) = value {
+            vector.z = 0.0;
+        }
+    }
+}
+
+fn numerics() -> impl Strategy<Value = Numerics> {
+    (select(&INTEGRATORS[..]), select(vec!["f32", "f64"]), any::<bool>()).prop_map(|(integrator, precision, ignore_runaway)| {
+        Numerics {
+            integrator: integrator.to_owned(),
+            precision: precision.to_owned(),
+            threads: Some(1),
+            runaway: 1e6,
+            ignore_runaway,
+        }
+    })
+}
+
+fn is_finite(world: &dyn World) -> bool {
+    world.positions().iter().chain(&world.velocities()).all(|vector| vector.is_finite())
+}
+
+proptest! {
+    #[test]
+    fn a_scene_is_refused_or_stays_finite(scene in scene(), numerics in numerics(), dt in amount(), steps in 1_u64..20) {
+        let Ok(mut world) = build(&scene, &numerics) else { return Ok(()) };
+        prop_assert!(is_finite(&*world), "not finite at the start");
+        prop_assert!(!world.limit().dt().is_nan() && !world.certified().is_nan(), "the limit is not a number");
+        let outcome = world.step(steps, dt, &|| false);
+        prop_assert!(!matches!(outcome, Err(Error::State(_))), "{:?}", outcome);
+        prop_assert!(is_finite(&*world), "not finite after {:?}", outcome);
+        let capture = world.capture();
+        let mut other = build(&scene, &numerics).unwrap();
+        other.restore(&capture).unwrap();
+        prop_assert_eq!(world.state_hash(), other.state_hash());
+        if world.energy().is_ok() {
+            prop_assert!(world.set(None, Some(&world.positions())).is_err() || is_finite(&*world), "not finite after set");
+        }
+    }
+}

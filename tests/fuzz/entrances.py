@@ -1,0 +1,202 @@
+"""The public callables, found by name and signature: what is new in physcore is fuzzed without a new line here."""
+
+from __future__ import annotations
+
+import inspect
+import sys
+from collections.abc import Iterator
+from contextlib import suppress
+from dataclasses import dataclass
+from importlib import import_module
+from typing import Any
+
+from values import NAMES
+
+import physcore as pc
+
+TRIANGLE = "[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]"
+
+VALID = {
+    **{
+        "positions": TRIANGLE,
+        "pairs": "[[0, 1], [1, 2]]",
+        "lower": "(0.0, 0.0)",
+        "upper": "(1.0, 1.0)",
+        "particles": "4",
+    },
+    **{"center": "(0.0, 0.0)", "point": "(0.0, -9.0)", "normal": "(0.0, 1.0)", "acceleration": "(0.0, -9.81)"},
+    **{"shape": "(3, 3)", "function": "lambda time, x, v: -x", "scene": "SCENE", "recording": "RECORDING", "key": "0"},
+    **{
+        "integrator": "pc.VelocityVerlet()",
+        "path": "'out.physcore'",
+        "duration": "0.01",
+        "spacing": "0.5",
+        "body": "0",
+    },
+    **{
+        "cameras": "{0.0: film.Window((0, 0), (1, 1))}",
+        "influence": "pc.Gravity((0.0, -9.81))",
+        "items": "pc.Gravity((0.0, 0.0))",
+    },
+    **{"by_term": "{}", "dissipated_by": "{}", "channels": "{}", "bodies": "0", "part": "(0.0, 1.0)", "budget": "0.01"},
+    **{
+        "cylinder.center": "(0.0, 0.0, 0.0)",
+        "Box.lower": "(-9.0, -9.0)",
+        "Box.upper": "(9.0, 9.0)",
+        "Theme.bodies": "((1, 2, 3),)",
+    },
+    **{
+        "Periodic.lower": "(-9.0, -9.0)",
+        "Periodic.upper": "(9.0, 9.0)",
+        "Sphere.center": "(9.0, 9.0)",
+        "CentralForce.center": "(5.0, 5.0)",
+    },
+    **{"film.path": "'out.png'", "export.path": "'out.xyz'", "Tradeoff.path": "'out.json'"},
+    **{
+        "Floor.height": "-1.0",
+        "load.path": "'checkpoint'",
+        "evidence.path": "'film.gif'",
+        "Simulation.path": "'out.physcore'",
+    },
+    **dict.fromkeys(
+        ("background", "surface", "edge", "solid", "text", "label", "compressed", "relaxed", "stretched"), "(1, 2, 3)"
+    ),
+    "film.background": "'#102030'",
+}
+"""A valid argument by the name of the parameter, or of its owner and it; 1.0 where nothing is said."""
+
+QUIET = {"progress": "False"}
+ALWAYS: dict[str, dict[str, str]] = {
+    "film": {"size": "(32, 32)", **QUIET},
+    "gif_bytes": {"size": "(32, 32)"},
+    "tradeoff": {"budget": "0.01", **QUIET},
+    **dict.fromkeys(("export", "simulate", "Simulation.record"), QUIET),
+}
+"""What is given, so that a call takes no time."""
+
+RECEIVERS = {"Simulation": "pc.Simulation(SCENE, dt=1e-3, threads=1)", "Recording": "RECORDING", "Scene": "SCENE"}
+"""Instances whose methods are called."""
+
+SLOW = ("film", "gif_bytes", "export", "simulate", "tradeoff", "record", "save", "stability_limit")
+"""What takes milliseconds."""
+
+LONG = (
+    "step",
+    "run",
+    "record",
+    "frames",
+    "simulate",
+    "film",
+    "gif_bytes",
+    "export",
+    "tradeoff",
+    "stability_limit",
+    "plot",
+)
+"""What may be asked for a long run."""
+
+PARTS = ("Energy", "EnergySeries", "Frame", "MeasuredLimit", "Plan", "Recording", "Snapshot", "Tradeoff", "Painter")
+"""Results: nobody but physcore makes them, and they take what they are given."""
+
+INTERNAL = ("from_content",)
+"""Methods that only physcore calls."""
+
+
+@dataclass(frozen=True)
+class Entrance:
+    """Something to call."""
+
+    source: str
+    """What stands before the parentheses."""
+    name: str
+    parameters: dict[str, str | None]
+    """By name: a valid argument as a text; None: left out."""
+    rest: str | None
+    """The parameter that takes all positional arguments, if there is one."""
+    numerics: tuple[str, ...] = ()
+    """Those of them that it hands on to Simulation."""
+    keys: bool = False
+    """Whether it raises KeyError for what is not there."""
+
+    @property
+    def slow(self) -> bool:
+        """Whether it takes milliseconds."""
+        return self.name.rpartition(".")[2] in SLOW
+
+    @property
+    def long(self) -> bool:
+        """Whether it may be asked for more than can be waited for."""
+        return self.name.rpartition(".")[2] in LONG
+
+    def call(self, arguments: dict[str, str]) -> str:
+        """The call as a text; valid arguments where none are given."""
+        given = {name: value for name, value in self.parameters.items() if value is not None} | arguments
+        first = [f"*[PARTICLES, {given.pop(self.rest)}]"] if self.rest in given else []
+        return f"{self.source}({', '.join([*first, *(f'{name}={value}' for name, value in given.items())])})"
+
+
+def entrances() -> list[Entrance]:
+    """Everything public that can be called."""
+    return list(_all())
+
+
+def _all() -> Iterator[Entrance]:
+    film = sys.modules["physcore.film"]
+    for module, prefix in ((pc, "pc"), (film, "film"), (pc.styles, "styles")):
+        for name in module.__all__:
+            thing = getattr(module, name)
+            if not callable(thing) or (prefix != "pc" and getattr(pc, name, None) is thing):
+                continue
+            if isinstance(thing, type) and (
+                issubclass(thing, BaseException) or inspect.isabstract(thing) or name in PARTS
+            ):
+                continue
+            yield _entrance(thing, f"{prefix}.{name}", f"{prefix}.{name}".removeprefix("pc."), name)
+    for name, receiver in RECEIVERS.items():
+        kind = getattr(pc, name)
+        for method in dir(kind):
+            thing = getattr(kind, method)
+            if (not method.startswith("_") or method == "__getitem__") and callable(thing) and method not in INTERNAL:
+                keys = method in ("__getitem__", "index", "slice")
+                yield _entrance(thing, f"{receiver}.{method}", f"{name}.{method}", name, keys=keys)
+
+
+def _entrance(thing: Any, source: str, name: str, owner: str, *, keys: bool = False) -> Entrance:
+    parameters: dict[str, str | None] = {}
+    rest: str | None = None
+    numerics: tuple[str, ...] = ()
+    for parameter in inspect.signature(thing).parameters.values():
+        match parameter.kind:
+            case parameter.VAR_KEYWORD:
+                numerics = tuple(option for option in inspect.signature(pc.Simulation).parameters if option != "scene")
+                parameters |= dict.fromkeys(numerics)
+            case parameter.VAR_POSITIONAL:
+                rest = parameter.name
+                parameters[rest] = VALID[rest]
+            case _ if parameter.name != "self":
+                needed = parameter.default is parameter.empty
+                valid = VALID.get(f"{owner}.{parameter.name}", VALID.get(parameter.name, "1.0"))
+                parameters[parameter.name] = valid if needed else None
+    return Entrance(source, name, {**parameters, **ALWAYS.get(name.removeprefix("film."), {})}, rest, numerics, keys)
+
+
+def prepare() -> None:
+    """What the texts name: a scene, a recording, and files of them in the present folder.
+
+    What is imported late is imported here: a call that is stopped in the middle of an import leaves half a module.
+    """
+    for name in ("matplotlib.pyplot", "matplotlib.colors", "h5py", "imageio_ffmpeg", "PIL.Image", "physcore.tradeoff"):
+        with suppress(ImportError):
+            import_module(name)
+    particles = pc.Particles([[0.0, 0.5], [0.4, 0.5]], velocities=[0.1, 0.0], radius=0.01, name="balls")
+    rope = pc.rope(3, 1.0, 100.0, 0.1, name="rope")
+    scene = pc.Scene(particles, rope, pc.Gravity((0.0, -9.81)), pc.Floor(-1.0))
+    simulation = pc.Simulation(scene, dt=1e-3, threads=1)
+    recording = simulation.record(0.06, 50)
+    simulation.save("checkpoint")
+    recording.save("recording")
+    pc.film(recording, "film.gif", size=(32, 32), sidecar=False)
+    solid = pc.simulate(
+        pc.Scene(pc.Particles([[0.0, 0.0, 0.0], [1.0, 0.0, 0.5]], [0.1, 0.2, 0.0])), 0.1, progress=False
+    )
+    NAMES.update(SCENE=scene, RECORDING=recording, PARTICLES=particles, RECORDING_3D=solid)
