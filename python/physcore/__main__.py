@@ -122,9 +122,19 @@ def _gallery(options: argparse.Namespace) -> int:
 
 
 def _tradeoff(options: argparse.Namespace) -> int:
+    from physcore.files import require_writable
     from physcore.gallery import caption, demo
+    from physcore.tradeoff.drawing import require_plottable
 
     if not _exists(options.name):
+        return 2
+    try:
+        if options.output is not None:
+            require_plottable(options.output)
+        if options.json is not None:
+            require_writable(options.json)
+    except PhyscoreError as error:
+        print(f"physcore: {error}", file=sys.stderr)
         return 2
     print(caption(options.name))
     chosen = demo(options.name)
