@@ -345,11 +345,12 @@ def _frame(
 
 def _shape(shape: object, ranks: tuple[int, ...], path: str, size: int) -> tuple[int, ...]:
     """Checked numbers of particles along each axis, each particle of so many bytes."""
-    if not isinstance(shape, (Sequence, np.ndarray)) or np.shape(shape) == () or len(shape) not in ranks:
+    given = shape.tolist() if isinstance(shape, np.ndarray) and shape.ndim == 1 else shape
+    if not isinstance(given, (tuple, list)) or len(given) not in ranks:
         names = " or ".join(f"({', '.join(('columns', 'rows', 'layers')[:rank])})" for rank in ranks)
         numbers = " or ".join(str(rank) for rank in ranks)
         raise SceneError(f"{path}: must be {numbers} whole numbers, got {shown(shape)}; write {names}")
-    numbers_of = tuple(count(each, f"{path}[{axis}]", least=2) for axis, each in enumerate(shape))
+    numbers_of = tuple(count(each, f"{path}[{axis}]", least=2) for axis, each in enumerate(given))
     particles = math.prod(numbers_of)
     memory.require(float(size * particles), f"{particles} particles with their springs", path)
     return numbers_of

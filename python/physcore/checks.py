@@ -183,16 +183,16 @@ def regular(value: object, path: str) -> np.ndarray:
     """What NumPy makes of a value, as long as that has one shape and nothing is masked."""
     try:
         depth = _depth(value)
-        result = np.asarray(value) if depth <= DEEPEST else None
+        result = np.asarray(value) if 0 <= depth <= DEEPEST else None
         masked = _masked(value)
     except SceneError:
         raise
     except Exception as error:
         cause = shown(str(error) or type(error).__name__)
         raise SceneError(f"{path}: must be a regular array of numbers ({cause})") from None
-    if result is None:
+    if depth > DEEPEST:
         raise SceneError(f"{path}: must be an array of numbers, got lists in lists, more than {DEEPEST} deep")
-    if masked or depth < 0:
+    if masked or result is None:
         raise SceneError(f"{path}: must not have masked entries; take the valid ones, or fill it: .filled(…)")
     return result
 

@@ -169,9 +169,8 @@ def _mass(density: float, spacing: float, dimension: int) -> float:
     except OverflowError:
         mass = math.inf
     if not 0.0 < mass < math.inf:
-        raise SceneError(
-            f"Fluid.density: density · spacing^{dimension} must be a mass above 0 and finite, got {mass:g}"
-        )
+        rule = f"density · spacing^{dimension} must be a finite mass above 0"
+        raise SceneError(f"Fluid.density: {rule}, got {mass:g} kg with a spacing of {spacing:g} m")
     return mass
 
 
