@@ -156,6 +156,11 @@ def test_bad_input_is_one_line_and_an_exit_code(capsys, tmp_path):
     assert stopped.value.code == 2
 
 
+def test_a_film_whose_name_is_no_text_is_named_all_the_same(capsys, tmp_path):
+    assert main(["demo", "rope", "-o", f"{tmp_path}/\udcff.png"]) == 0
+    assert r"\xff.png" in capsys.readouterr().out
+
+
 def test_a_trade_whose_files_cannot_be_written_is_refused_before_it_is_measured(capsys, monkeypatch, tmp_path):
     monkeypatch.setattr("physcore.tradeoff", lambda *arguments, **options: pytest.fail("measured"))
     missing = str(tmp_path / "missing" / "trade")

@@ -9,6 +9,8 @@ import pytest
 
 import physcore as pc
 from physcore import engine
+from physcore.integrators import INTEGRATORS
+from physcore.numerics import Limit, largest_step
 
 FALLING = pc.Scene(pc.Particles([[0.0, 0.0]]), pc.Gravity((0.0, -9.81)))
 
@@ -196,3 +198,12 @@ def test_safety_is_a_fraction():
     for safety in (0.0, 1.1, -1.0):
         with pytest.raises(pc.SceneError, match=r"AutoStep\.safety: must be"):
             pc.AutoStep(safety)
+
+
+@pytest.mark.parametrize("kind", INTEGRATORS)
+def test_no_hint_advises_the_integrator_that_is_used(kind):
+    nowhere = Limit(0.0, "stability", "springs", 0.0, math.inf, 0.0)
+    with pytest.raises(pc.SceneError, match="no time step is stable") as caught:
+        largest_step(nowhere, pc.AutoStep(), kind(), 30.0)
+    assert f"use {kind.__name__}()" not in str(caught.value)
+    assert f"or {kind.__name__}()" not in str(caught.value)

@@ -15,6 +15,9 @@ from physcore.errors import SceneError
 from physcore.kernels import KERNELS, Kernel, WendlandC2
 from physcore.overlaps import closer_than
 
+FINEST = 1e-50
+"""The least spacing [m]: the slopes of kernels go with its inverse up to the fifth power, and are still numbers."""
+
 CLOSEST = 0.5
 """Particles of fluids that start closer together than this fraction of their spacing are a mistake."""
 
@@ -123,7 +126,7 @@ class Fluid(Body):
         surface_tension: float = 0.0,
         shifting: float = 0.0,
     ) -> None:
-        step = span(spacing, "Fluid.spacing")
+        step = number(span(spacing, "Fluid.spacing"), "Fluid.spacing", least=FINEST)
         rest = number(density, "Fluid.density", above=0.0)
         self._set_particles(positions, velocities, 1.0, 0.0, 0.0, None, name)
         self._set(

@@ -13,6 +13,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from physcore.checks import text
 from physcore.errors import FileError
 from physcore.files import held, replacing, sweep, temporary_name, unwritable
 from physcore.output.base import Sample, Trajectory, TrajectoryWriter
@@ -39,6 +40,7 @@ class VtkWriter(TrajectoryWriter):
         import shutil
 
         home = target.with_suffix("")
+        text(home.name, "path")  # It stands in the list, which is XML.
         new = home / temporary_name(FRAMES)
         try:
             sweep(home, FRAMES)
