@@ -67,6 +67,8 @@ def changed(tree: Any, path: tuple[Any, ...], value: Any) -> Any:
     return items if isinstance(tree, dict) else list(items.values())
 
 
+FAR = 1e300 * SCENE.bodies[1].positions
+"""Beyond single precision, in which fluids are computed."""
 WRONG: list[Any] = [
     ...,
     None,
@@ -129,6 +131,7 @@ def test_a_file_with_a_wrong_entry_is_a_file_error_or_another_right_file(held, k
         ),
         ("simulation", ("scene", "bodies", 0, "fields", "mass"), -1.0, r"scene.bodies\[0\]: SpringNetwork.mass"),
         ("simulation", ("scene", "forces", 0, "fields", "on"), [9], r"scene.forces\[0\].on\[0\]: must be a whole"),
+        ("simulation", ("scene", "bodies", 1, "fields", "positions"), FAR, "world.columns: must be finite"),
         ("simulation", ("numerics", "dt"), "fast", "dt: must be a number of seconds"),
     ],
 )

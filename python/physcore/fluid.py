@@ -182,7 +182,7 @@ def _sound_speed(value: object) -> float | Literal["auto"]:
         return "auto"
     if isinstance(value, str):
         raise SceneError(f"Fluid.sound_speed: must be a number of meters per second or 'auto', got {shown(value)}")
-    return number(value, "Fluid.sound_speed", above=0.0)
+    return span(value, "Fluid.sound_speed")
 
 
 def _kernel(value: object) -> Kernel:

@@ -273,9 +273,11 @@ class Simulation:
         pace = of(Captured, absent=("segments",), limits=limits, segments=SEGMENTS)
         shape = record(scene=unpack_scene, numerics=unpack_numerics, pace=pace, world=table(_numbers))
         checked = shape(content, "")
-        return cls._resumed(
-            checked["scene"], check(checked["numerics"], checked["scene"]), checked["pace"], checked["world"]
-        )
+        numerics = check(checked["numerics"], checked["scene"])
+        simulation = cls._resumed(checked["scene"], numerics, checked["pace"], checked["world"])
+        if not (np.isfinite(simulation.positions).all() and np.isfinite(simulation.velocities).all()):
+            raise FileError("world.columns: must be finite in the precision of the run")
+        return simulation
 
     def __copy__(self) -> Simulation:
         """A simulation of the same scene that goes on from the present state by itself, with the same bits."""
