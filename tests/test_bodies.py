@@ -129,7 +129,7 @@ def test_springs_take_one_value_or_one_each():
         (lambda: pc.Particles([[0.0, 1j]]), "Particles.positions: must be an array of real numbers"),
         (
             lambda: pc.Particles([*TRIANGLE, [0.0, None]]),
-            r"Particles.positions\[3, 1\]: must be a real number, got None",
+            r"Particles.positions\[3, 1\]: must be a number, got None",
         ),
         (
             lambda: pc.Particles(np.ma.masked_greater(TRIANGLE, 3.5)),

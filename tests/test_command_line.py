@@ -156,6 +156,32 @@ def test_bad_input_is_one_line_and_an_exit_code(capsys, tmp_path):
     assert stopped.value.code == 2
 
 
+def test_a_film_whose_name_is_no_text_is_named_all_the_same(capsys, tmp_path):
+    assert main(["demo", "rope", "-o", f"{tmp_path}/\udcff.png"]) == 0
+    assert r"\xff.png" in capsys.readouterr().out
+
+
+def test_a_trade_whose_files_cannot_be_written_is_refused_before_it_is_measured(capsys, monkeypatch, tmp_path):
+    monkeypatch.setattr("physcore.tradeoff", lambda *arguments, **options: pytest.fail("measured"))
+    missing = str(tmp_path / "missing" / "trade")
+    for option in (["--json", f"{missing}.json"], ["-o", f"{missing}.png"], ["--json", str(tmp_path)]):
+        assert main(["tradeoff", "rope", *option]) == 2
+    assert main(["tradeoff", "rope", "-o", str(tmp_path / "trade.avi")]) == 2
+    output = capsys.readouterr()
+    assert output.out == ""
+    *lines, last = output.err.splitlines()
+    assert all("cannot be written" in line for line in lines)
+    assert last.startswith("physcore: path: must end in ")
+
+
+def test_a_gallery_whose_files_cannot_be_written_is_refused_before_it_begins(capsys, monkeypatch, tmp_path):
+    monkeypatch.setattr(demo("rope"), "main", lambda *arguments: pytest.fail("simulated"))
+    (tmp_path / "rope.gif").mkdir()
+    assert main(["gallery", "rope", "-o", str(tmp_path)]) == 1
+    assert "rope.gif: cannot be written: not a regular file" in capsys.readouterr().err
+    assert [entry.name for entry in tmp_path.iterdir()] == ["rope.gif"]
+
+
 def test_ctrl_c_ends_a_demo_without_a_traceback(capsys, monkeypatch):
     def interrupted(*arguments: object) -> None:
         raise KeyboardInterrupt

@@ -11,7 +11,10 @@ PACKAGE = Path(__file__).parents[1] / "python" / "physcore"
 
 LAYERS = [
     "errors",
+    "memory",
     "checks",
+    "schema",
+    "files",
     "overlaps",
     "periodic",
     "shapes",

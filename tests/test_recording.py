@@ -8,7 +8,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import physcore as pc
-from physcore import recording as recording_module
 from physcore.energy import Energy
 from physcore.sampling import hermite
 from physcore.state import Frame, Snapshot
@@ -119,7 +118,7 @@ def test_momentum_and_angular_momentum_are_recorded():
 
 
 def test_a_recording_that_does_not_fit_is_refused_before_it_starts(monkeypatch):
-    monkeypatch.setattr(recording_module, "_available_memory", lambda: 1000)
+    monkeypatch.setattr("physcore.memory.available", lambda: 1000)
     simulation = pc.Simulation(THROW)
     with pytest.raises(pc.SceneError, match=r"duration: 61 frames of 1 particles .*lower fps"):
         simulation.record(2.0)

@@ -31,6 +31,13 @@ def test_bodies_are_found_by_themselves_by_index_and_by_name():
             scene.index(key)
 
 
+def test_a_key_of_another_kind_names_no_body():
+    scene = pc.Scene(ONE, TWO)
+    for key in (np.timedelta64(1, "s"), np.array([0, 1]), [0], None, True, 10**400, "\ud800"):
+        with pytest.raises(KeyError, match="no body"):
+            scene.slice(key)
+
+
 def test_items_come_in_any_order():
     scene = pc.Scene(pc.Floor(), DOWN, ONE, pc.Drag(0.1))
     assert (scene.bodies, len(scene.forces), len(scene.boundaries)) == ((ONE,), 2, 1)

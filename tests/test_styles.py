@@ -152,7 +152,7 @@ def test_a_texture_is_bytes_of_three_colors(texture: np.ndarray) -> None:
 def test_a_texture_that_cannot_be_read_is_named(tmp_path: Path) -> None:
     (tmp_path / "text.png").write_text("no picture")
     for name in ("text.png", "missing.png"):
-        with pytest.raises(pc.FileError, match=rf"Surface\.texture: .*{name} cannot be read"):
+        with pytest.raises(pc.FileError, match=rf"Surface\.texture: .*{name}: cannot be read"):
             pc.styles.Surface(texture=tmp_path / name)
 
 

@@ -160,7 +160,7 @@ def test_bad_input_is_named(arguments, message):
 
 
 def test_what_does_not_fit_into_memory_is_refused_before_it_is_begun(monkeypatch):
-    monkeypatch.setattr("physcore.recording._available_memory", lambda: 1000)
+    monkeypatch.setattr("physcore.memory.available", lambda: 1000)
     with pytest.raises(pc.SceneError, match="free"):
         pc.tradeoff(SCENE, 1.0, budget=0.2)
 

@@ -456,7 +456,7 @@ def test_a_cut_film_of_a_scene_is_that_of_its_recording(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("name", "options", "message"),
     [
-        ("film.gif", {"quality": "best"}, r"quality: must be one of 'fast', 'high', got 'best'"),
+        ("film.gif", {"quality": "best"}, r"quality: must be 'fast' or 'high', got 'best'"),
         ("film.gif", {"max_bytes": 0}, r"max_bytes: must be ≥ 1"),
         ("film.gif", {"max_bytes": 1e6}, r"max_bytes: must be a whole number"),
         ("film.png", {"max_bytes": 1000}, r"max_bytes: is for GIFs, and this is"),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -96,7 +97,7 @@ def _demo(options: argparse.Namespace) -> int:
     for title, recording in recordings.items():
         print(f"\n{title}: {audit(recording)}")
     print(f"\nChecked: {demo(name).figure(recordings)}.")
-    print(f"\nThe film is {path.resolve()} ({path.stat().st_size / 1e6:.1f} MB).")
+    print(f"\nThe film is {_written(path)} ({path.stat().st_size / 1e6:.1f} MB).")
     return 0
 
 
@@ -111,20 +112,31 @@ def _gallery(options: argparse.Namespace) -> int:
     for entry in gallery(options.output, names, progress=True):
         print(f"{entry.name}: {entry.figure}")
         print(
-            f"  {options.output / entry.film} ({(options.output / entry.film).stat().st_size / 1e6:.1f} MB)", flush=True
+            f"  {_written(options.output / entry.film)} ({(options.output / entry.film).stat().st_size / 1e6:.1f} MB)",
+            flush=True,
         )
         if not entry.figure.holds:
             failed.append(entry.name)
-    print(f"\nThe page is {(options.output / INDEX).resolve()}.")
+    print(f"\nThe page is {_written(options.output / INDEX)}.")
     if failed:
         print(f"physcore: the figures of {', '.join(failed)} do not hold", file=sys.stderr)
     return 1 if failed else 0
 
 
 def _tradeoff(options: argparse.Namespace) -> int:
+    from physcore.files import require_writable
     from physcore.gallery import caption, demo
+    from physcore.tradeoff.drawing import require_plottable
 
     if not _exists(options.name):
+        return 2
+    try:
+        if options.output is not None:
+            require_plottable(options.output)
+        if options.json is not None:
+            require_writable(options.json)
+    except PhyscoreError as error:
+        print(f"physcore: {error}", file=sys.stderr)
         return 2
     print(caption(options.name))
     chosen = demo(options.name)
@@ -133,10 +145,15 @@ def _tradeoff(options: argparse.Namespace) -> int:
     print(f"\n{trade}\n\n{trade.explain()}")
     if options.output is not None:
         trade.plot(options.output)
-        print(f"\nThe figure is {options.output.resolve()}.")
+        print(f"\nThe figure is {_written(options.output)}.")
     if options.json is not None:
         trade.save(options.json)
     return 0
+
+
+def _written(path: Path) -> str:
+    """The whole name of a file; bytes in it that are no text are shown as such."""
+    return os.fsencode(path.resolve()).decode(errors="backslashreplace")
 
 
 def _exists(name: str) -> bool:

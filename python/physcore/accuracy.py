@@ -10,10 +10,10 @@ from typing import Unpack
 
 import numpy as np
 
-from physcore.checks import number
+from physcore.checks import flag, is_word, number, span
 from physcore.errors import AccuracyError, SceneError, SimulationDiverged
 from physcore.integrators import INTEGRATORS, Integrator
-from physcore.numerics import FRAMES_PER_SECOND, Options
+from physcore.numerics import FRAMES_PER_SECOND, Options, check
 from physcore.recording import CHANNELS, Channel, Recording, check_channels
 from physcore.sampling import frame_count
 from physcore.scene import Scene
@@ -65,20 +65,23 @@ def simulate(
         SceneError, SimulationDiverged: as for Simulation.
         AccuracyError: no method keeps the accuracy or the drift; with the best that was reached.
     """
+    if progress is not None:
+        flag(progress, "progress")
     if accuracy is None and energy_drift is None:
         return Simulation(scene, **numerics).record(duration, fps, channels, progress=progress)
     require_scene(scene)
-    if numerics.get("dt", "auto") != "auto":
+    if not is_word(numerics.get("dt", "auto"), "auto"):
         raise SceneError("dt: is what accuracy= and energy_drift= choose; leave it out")
     wish = Wish(
         math.inf if accuracy is None else number(accuracy, "accuracy", above=0.0),
         math.inf if energy_drift is None else number(energy_drift, "energy_drift", above=0.0),
     )
     kept = check_channels(channels, fluids=bool(scene.fluids))
-    if frame_count(number(duration, "duration", least=0.0), number(fps, "fps", above=0.0)) < 2:
+    whole, rate = span(duration, "duration", empty=True), span(fps, "fps")
+    if frame_count(whole, rate) < 2:
         raise SceneError("fps: there is no frame but the first; ask for more of them, or for a longer duration")
-    runners = list(_runners(scene, duration, fps, kept, numerics))
-    recording, proof = _race(runners, wish)
+    runners = list(_runners(scene, whole, rate, kept, numerics))
+    recording, proof = _race(runners, wish, _advice(numerics, scene))
     print(proof)
     return replace(recording, plan=replace(recording.plan, notes=(*recording.plan.notes, proof)))
 
@@ -197,7 +200,7 @@ def _runners(
 ) -> Iterator[Runner]:
     """All integrators that can compute the scene, or the one that was given; above order 1 where there is a choice."""
     given = options.get("integrator", "auto")
-    candidates = [kind() for kind in INTEGRATORS if kind.order > 1] if given == "auto" else [given]
+    candidates = [kind() for kind in INTEGRATORS if kind.order > 1] if is_word(given, "auto") else [given]
     refusal: SceneError | None = None
     for integrator in candidates:
         mine: Options = {**options, "integrator": integrator, "dt": 1.0 / fps}
@@ -214,7 +217,7 @@ def _runners(
         raise refusal
 
 
-def _race(runners: list[Runner], wish: Wish) -> tuple[Recording, str]:
+def _race(runners: list[Runner], wish: Wish, advice: str) -> tuple[Recording, str]:
     """The run that proves the first choice to do what was asked for, and what it proved."""
     best: Runner | None = None
     closest = (math.inf, math.inf)
@@ -244,11 +247,22 @@ def _race(runners: list[Runner], wish: Wish) -> tuple[Recording, str]:
         else "every one diverged"
     )
     raise AccuracyError(
-        f"accuracy: no method gets there ({', '.join(asked)}): {reached}; where the motion is chaotic no trajectory "
-        "can be followed for long: pc.tradeoff(scene, duration) says until when",
+        f"{'accuracy' if math.isfinite(wish.accuracy) else 'energy_drift'}: no method gets there ({', '.join(asked)}): "
+        f"{reached}; {advice}",
         error=closest[0],
         energy_drift=closest[1],
     )
+
+
+def _advice(numerics: Options, scene: Scene) -> str:
+    """What to change where nothing does what was asked for."""
+    advice = []
+    if check(numerics, scene).precision == "f32":
+        advice.append('take precision="f64"')
+    if not is_word(numerics.get("integrator", "auto"), "auto"):
+        advice.append("leave integrator out, so that others are tried")
+    chaos = "no trajectory can be followed for long: pc.tradeoff(scene, duration) says until when"
+    return "; ".join([*advice, f"where the motion is chaotic {chaos}"])
 
 
 def _proof(runner: Runner) -> str:

@@ -18,6 +18,7 @@ from physcore.checks import (
     mask,
     regular,
     require,
+    text,
 )
 from physcore.errors import SceneError
 
@@ -80,8 +81,6 @@ class Body:
                 f"{kind}.positions: must have the shape (N, 2) or (N, 3), got {points.shape}; "
                 "one particle is [[x, y]], none are np.empty((0, 2))"
             )
-        if name is not None and not isinstance(name, str):
-            raise SceneError(f"{kind}.name: must be a string, got {name!r}")
         number = len(points)
         masses = broadcast(mass, (number,), f"{kind}.mass")
         require(masses > 0, masses, f"{kind}.mass", "> 0 (to hold a particle in place use fixed=)")
@@ -94,7 +93,7 @@ class Body:
             charge=broadcast(charge, (number,), f"{kind}.charge"),
             radius=radii,
             fixed=mask(fixed, number, f"{kind}.fixed"),
-            name=name,
+            name=None if name is None else text(name, f"{kind}.name"),
         )
 
 
@@ -179,7 +178,8 @@ class SpringNetwork(Body):
         links = _indices(pairs, 2, len(self), "SpringNetwork.pairs")
         self._set(faces=_indices([] if faces is None else faces, 3, len(self), "SpringNetwork.faces"))
         if rest_length is None:
-            rest_length = np.linalg.norm(self.positions[links[:, 1]] - self.positions[links[:, 0]], axis=1)
+            with np.errstate(over="ignore"):  # A length that is too large is refused as infinite.
+                rest_length = np.linalg.norm(self.positions[links[:, 1]] - self.positions[links[:, 0]], axis=1)
         springs = {"stiffness": stiffness, "damping": damping, "rest_length": rest_length}
         self._set(pairs=links)
         for field, value in springs.items():

@@ -15,12 +15,30 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike
 
+from physcore import memory
 from physcore.bodies import SpringNetwork
-from physcore.checks import BoolArray, FloatArray, IntArray, Vector, count, mask, number, shown, vector
+from physcore.checks import (
+    LONGEST,
+    SHORTEST,
+    BoolArray,
+    FloatArray,
+    IntArray,
+    Vector,
+    count,
+    items,
+    mask,
+    number,
+    shown,
+    span,
+    vector,
+)
 from physcore.errors import SceneError
 
 Pinned: TypeAlias = str | tuple[str, ...] | ArrayLike | None
 Offset: TypeAlias = tuple[int, ...]
+
+ROPE_BYTES, CLOTH_BYTES, SOFT_BODY_BYTES = 220, 850, 1050
+"""What a particle takes with its springs while they are joined, at most [bytes]."""
 
 
 @dataclass(frozen=True)
@@ -64,9 +82,11 @@ def rope(
         SceneError: a parameter is out of range or of the wrong shape.
     """
     nodes = count(particles, "rope.particles", least=2)
-    spacing = number(length, "rope.length", above=0.0) / (nodes - 1)
+    memory.require(float(ROPE_BYTES * nodes), f"{nodes} particles", "rope.particles")
+    whole = span(length, "rope.length")
+    spacing = whole / (nodes - 1)
     origin, (axis,) = _frame(start, None if direction is None else [direction], 1, "rope.start", "rope.direction")
-    along = number(length, "rope.length") * np.arange(nodes) / (nodes - 1)
+    along = whole * np.arange(nodes) / (nodes - 1)
     edges = {"start": np.array([0]), "end": np.array([nodes - 1]), "both": np.array([0, nodes - 1])}
     kind = _Kind(((1,),), spacing, *_strength(stiffness, damping, "rope."))
     return _lattice(
@@ -125,8 +145,8 @@ def cloth(
     Source: X. Provot, "Deformation constraints in a mass-spring model to describe rigid cloth behavior",
     Graphics Interface 1995.
     """
-    columns, rows = _shape(shape, (2,), "cloth.shape")
-    step = number(spacing, "cloth.spacing", above=0.0)
+    columns, rows = _shape(shape, (2,), "cloth.shape", CLOTH_BYTES)
+    step = span(spacing, "cloth.spacing")
     corner, directions = _frame(origin, axes, 2, "cloth.origin", "cloth.axes")
     structural = _strength(stiffness, damping, "cloth.")
     shear = _strength(shear_stiffness, shear_damping, "cloth.shear_", structural)
@@ -195,9 +215,9 @@ def soft_body(
     Raises:
         SceneError: a parameter is out of range or of the wrong shape.
     """
-    nodes = _shape(shape, (2, 3), "soft_body.shape")
+    nodes = _shape(shape, (2, 3), "soft_body.shape", SOFT_BODY_BYTES)
     dimension = len(nodes)
-    step = number(spacing, "soft_body.spacing", above=0.0)
+    step = span(spacing, "soft_body.spacing")
     corner, directions = _frame(
         (0.0,) * dimension if origin is None else origin, None, dimension, "soft_body.origin", "soft_body.shape"
     )
@@ -298,8 +318,8 @@ def _frame(
 ) -> tuple[FloatArray, FloatArray]:
     """The origin (D,) and `rank` unit directions (rank, D); what is not given is zero, and +x, +y, +z."""
     start = None if origin is None else vector(origin, origin_path)
-    if axes is not None and not isinstance(axes, (Sequence, np.ndarray)):
-        raise SceneError(f"{axes_path}: must be {rank} directions, got {shown(axes)}")
+    if axes is not None:
+        axes = items(axes, axes_path, f"{rank} directions")
     paths = [axes_path] if rank == 1 else [f"{axes_path}[{index}]" for index in range(len(axes or ()))]
     directions = None if axes is None else [vector(axis, path) for axis, path in zip(axes, paths, strict=True)]
     dimension = len(start) if start is not None else len(directions[0]) if directions else max(rank, 2)
@@ -308,24 +328,32 @@ def _frame(
     if directions is None:
         directions = [tuple(row) for row in np.eye(dimension)[:rank].tolist()]
     if len(directions) != rank or any(len(direction) != dimension for direction in directions):
-        raise SceneError(f"{axes_path}: must be {rank} × {dimension} numbers, got {axes!r} with the origin {origin!r}")
+        raise SceneError(
+            f"{axes_path}: must be {rank} × {dimension} numbers, got {shown(axes)} with the origin {shown(origin)}"
+        )
     matrix = np.array(directions)
-    lengths = np.linalg.norm(matrix, axis=1)
-    if (lengths == 0.0).any():
+    largest = np.abs(matrix).max(axis=1, keepdims=True)
+    if (largest == 0.0).any():
         raise SceneError(f"{axes_path}: a direction must not be zero")
-    matrix /= lengths[:, None]
+    if not ((largest >= SHORTEST) & (largest <= LONGEST)).all():
+        matrix /= largest  # Squares would be out of the range of numbers.
+    matrix /= np.linalg.norm(matrix, axis=1)[:, None]
     if np.abs(matrix @ matrix.T - np.eye(rank)).max() > 1e-9:
-        raise SceneError(f"{axes_path}: must be perpendicular, got {axes!r}")
+        raise SceneError(f"{axes_path}: must be perpendicular, got {shown(axes)}")
     return np.zeros(dimension) if start is None else np.array(start), matrix
 
 
-def _shape(shape: object, ranks: tuple[int, ...], path: str) -> tuple[int, ...]:
-    """Checked numbers of particles along each axis."""
-    if not isinstance(shape, (Sequence, np.ndarray)) or len(shape) not in ranks:
+def _shape(shape: object, ranks: tuple[int, ...], path: str, size: int) -> tuple[int, ...]:
+    """Checked numbers of particles along each axis, each particle of so many bytes."""
+    given = shape.tolist() if isinstance(shape, np.ndarray) and shape.ndim == 1 else shape
+    if not isinstance(given, (tuple, list)) or len(given) not in ranks:
         names = " or ".join(f"({', '.join(('columns', 'rows', 'layers')[:rank])})" for rank in ranks)
         numbers = " or ".join(str(rank) for rank in ranks)
         raise SceneError(f"{path}: must be {numbers} whole numbers, got {shown(shape)}; write {names}")
-    return tuple(count(size, f"{path}[{axis}]", least=2) for axis, size in enumerate(shape))
+    numbers_of = tuple(count(each, f"{path}[{axis}]", least=2) for axis, each in enumerate(given))
+    particles = math.prod(numbers_of)
+    memory.require(float(size * particles), f"{particles} particles with their springs", path)
+    return numbers_of
 
 
 def _strength(
@@ -345,7 +373,8 @@ def _pins(pinned: Pinned, edges: Mapping[str, IntArray], nodes: int, path: str) 
         return mask(pinned, nodes, path)
     chosen = np.zeros(nodes, dtype=np.bool_)
     for name in names:
-        if name not in edges:
-            raise SceneError(f"{path}: must be one of {', '.join(map(repr, edges))}, a mask or indices, got {name!r}")
+        if not isinstance(name, str) or name not in edges:
+            known = ", ".join(map(repr, edges))
+            raise SceneError(f"{path}: must be one of {known}, a mask or indices, got {shown(name)}")
         chosen[edges[name]] = True
     return chosen

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Literal
 
@@ -9,10 +10,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from physcore.bodies import Body
-from physcore.checks import FloatArray, number
+from physcore.checks import FloatArray, flag, is_word, number, shown, span, word
 from physcore.errors import SceneError
 from physcore.kernels import KERNELS, Kernel, WendlandC2
 from physcore.overlaps import closer_than
+
+FINEST = 1e-50
+"""The least spacing [m]: the slopes of kernels go with its inverse up to the fifth power, and are still numbers."""
 
 CLOSEST = 0.5
 """Particles of fluids that start closer together than this fraction of their spacing are a mistake."""
@@ -122,11 +126,11 @@ class Fluid(Body):
         surface_tension: float = 0.0,
         shifting: float = 0.0,
     ) -> None:
-        step = number(spacing, "Fluid.spacing", above=0.0)
+        step = number(span(spacing, "Fluid.spacing"), "Fluid.spacing", least=FINEST)
         rest = number(density, "Fluid.density", above=0.0)
         self._set_particles(positions, velocities, 1.0, 0.0, 0.0, None, name)
         self._set(
-            mass=np.full(len(self), rest * step**self.dimension),
+            mass=np.full(len(self), _mass(rest, step, self.dimension)),
             spacing=step,
             density=rest,
             viscosity=number(viscosity, "Fluid.viscosity", least=0.0),
@@ -134,9 +138,9 @@ class Fluid(Body):
             kernel=_kernel(kernel),
             artificial_viscosity=number(artificial_viscosity, "Fluid.artificial_viscosity", least=0.0),
             density_diffusion=number(density_diffusion, "Fluid.density_diffusion", least=0.0),
-            density_from=_density_from(density_from),
+            density_from=word(density_from, "Fluid.density_from", ("continuity", "summation")),
             surface_tension=number(surface_tension, "Fluid.surface_tension", least=0.0),
-            obstacles=bool(obstacles),
+            obstacles=flag(obstacles, "Fluid.obstacles"),
             shifting=number(shifting, "Fluid.shifting", least=0.0),
         )
         if self.shifting > 0.0 and self.density_from == "summation":
@@ -157,20 +161,28 @@ def describe_pair(points: FloatArray, pair: tuple[int, int], spacing: float) -> 
     return f"{one} and {other} are {apart:.3g} m apart, which is less than half the spacing of {spacing:g} m"
 
 
-def _density_from(value: object) -> Literal["continuity", "summation"]:
-    if value == "continuity":
-        return "continuity"
-    if value == "summation":
-        return "summation"
-    raise SceneError(f"Fluid.density_from: must be 'continuity' or 'summation', got {value!r}")
+def _mass(density: float, spacing: float, dimension: int) -> float:
+    """That of one particle [kg].
+
+    Raises:
+        SceneError: it is too large or too small for a number.
+    """
+    try:
+        mass = density * spacing**dimension
+    except OverflowError:
+        mass = math.inf
+    if not 0.0 < mass < math.inf:
+        rule = f"density · spacing^{dimension} must be a finite mass above 0"
+        raise SceneError(f"Fluid.density: {rule}, got {mass:g} kg with a spacing of {spacing:g} m")
+    return mass
 
 
 def _sound_speed(value: object) -> float | Literal["auto"]:
+    if is_word(value, "auto"):
+        return "auto"
     if isinstance(value, str):
-        if value == "auto":
-            return "auto"
-        raise SceneError(f"Fluid.sound_speed: must be a number of meters per second or 'auto', got {value!r}")
-    return number(value, "Fluid.sound_speed", above=0.0)
+        raise SceneError(f"Fluid.sound_speed: must be a number of meters per second or 'auto', got {shown(value)}")
+    return span(value, "Fluid.sound_speed")
 
 
 def _kernel(value: object) -> Kernel:
@@ -178,4 +190,4 @@ def _kernel(value: object) -> Kernel:
         return value
     known = ", ".join(f"{kind.__name__}()" for kind in KERNELS)
     missing = f"; write {value.__name__}()" if isinstance(value, type) else ""
-    raise SceneError(f"Fluid.kernel: must be one of {known}, got {value!r}{missing}")
+    raise SceneError(f"Fluid.kernel: must be one of {known}, got {shown(value)}{missing}")

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from pathlib import Path
 from typing import ClassVar, TypeVar
 
-from physcore.errors import FileError, PhyscoreError, SceneError
+from physcore.checks import file_path, shown
+from physcore.errors import PhyscoreError, SceneError
+from physcore.files import require_writable
 
 
 class Format:
@@ -31,12 +32,13 @@ def format_of(path: str | os.PathLike[str], formats: Sequence[type[Kind]]) -> ty
     Raises:
         SceneError: the name has none of their endings.
     """
-    suffix = Path(path).suffix.lower()
+    named = file_path(path)
+    suffix = named.suffix.lower()
     for each in formats:
         if suffix in each.suffixes:
             return each
     known = [suffix for each in formats for suffix in each.suffixes]
-    raise SceneError(f"path: must end in {', '.join(known[:-1])} or {known[-1]}, got {os.fspath(path)!r}")
+    raise SceneError(f"path: must end in {', '.join(known[:-1])} or {known[-1]}, got {shown(str(named))}")
 
 
 def writable(path: str | os.PathLike[str], formats: Sequence[type[Kind]]) -> Kind:
@@ -44,13 +46,12 @@ def writable(path: str | os.PathLike[str], formats: Sequence[type[Kind]]) -> Kin
 
     Raises:
         SceneError: the name has none of the known endings.
-        FileError: the folder does not exist.
+        FileError: the file cannot be written.
         PhyscoreError: what the format needs is not installed.
     """
     kind = format_of(path, formats)
-    if not Path(path).parent.is_dir():
-        raise FileError(f"{Path(path)}: cannot be written: no such folder")
     missing = kind.missing()
     if missing is not None:
         raise PhyscoreError(f"path: {missing}")
+    require_writable(path)
     return kind()

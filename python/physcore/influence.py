@@ -20,7 +20,7 @@ def chosen(on: object, path: str) -> tuple[Body, ...] | None:
     if on is None:
         return None
     bodies = (on,) if isinstance(on, Body) else on
-    if not isinstance(bodies, Sequence) or not all(isinstance(body, Body) for body in bodies):
+    if not isinstance(bodies, (tuple, list)) or not all(isinstance(body, Body) for body in bodies):
         raise SceneError(f"{path}: must be a body or several ([one, two]), got {shown(on)}")
     return tuple(bodies)
 

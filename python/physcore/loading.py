@@ -3,11 +3,20 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 
 from physcore import storage
+from physcore.checks import file_path
 from physcore.errors import FileError, PhyscoreError
 from physcore.recording import Recording
+from physcore.schema import word
 from physcore.simulation import Simulation
+
+_KINDS: dict[str, Callable[[dict[str, storage.Tree]], Simulation | Recording]] = {
+    "simulation": Simulation.from_content,
+    "recording": Recording.from_content,
+}
+"""What a file can hold."""
 
 
 def load(path: str | os.PathLike[str]) -> Simulation | Recording:
@@ -16,10 +25,12 @@ def load(path: str | os.PathLike[str]) -> Simulation | Recording:
     A checkpoint gives a Simulation that goes on with the same bits as the one that was saved.
 
     Raises:
-        FileError: the file is missing, damaged, of another version, or no file of physcore.
+        SceneError: it is no path.
+        FileError: the file is missing, damaged, of another version, or no file of physcore; with what is wrong in it.
     """
-    kind, content = storage.read(path)
+    named = file_path(path)
+    kind, content = storage.read(named)
     try:
-        return Simulation.from_content(content) if kind == "simulation" else Recording.from_content(content)
-    except (KeyError, TypeError, ValueError, PhyscoreError) as error:
-        raise FileError(f"{os.fspath(path)}: cannot be read by this version of physcore: {error}") from error
+        return _KINDS[word(*_KINDS)(kind, "kind")](content)
+    except PhyscoreError as error:
+        raise FileError(f"{named}: cannot be read by this version of physcore: {error}") from error

@@ -6,13 +6,15 @@ import math
 from dataclasses import dataclass
 from typing import Literal, TypedDict
 
-from physcore.checks import MOST, count, number, shown
+from physcore.checks import MOST, count, is_word, number, shown, span, word
 from physcore.errors import SceneError
-from physcore.integrators import INTEGRATORS, Integrator, VelocityVerlet
+from physcore.integrators import INTEGRATORS, Integrator, SemiImplicitEuler, VelocityVerlet
 from physcore.scene import Scene
 
 DivergenceRule = Literal["raise", "ignore", "substep"]
 Precision = Literal["f32", "f64", "auto"]
+PRECISIONS: tuple[Precision, ...] = ("f32", "f64", "auto")
+DIVERGENCE_RULES: tuple[DivergenceRule, ...] = ("raise", "substep", "ignore")
 LimitKind = Literal["stability", "accuracy", "none"]
 
 RUNAWAY = {"raise": 1e6, "ignore": 1e6, "substep": 1.0}
@@ -121,7 +123,7 @@ def check(options: Options, scene: Scene) -> Numerics:
         SceneError: a choice is not valid; the message starts with its name.
     """
     threads = options.get("threads")
-    rule = _on_divergence(options.get("on_divergence", "raise"))
+    rule = word(options.get("on_divergence", "raise"), "on_divergence", DIVERGENCE_RULES)
     runaway = options.get("runaway")
     integrator, dt = _integrator(options.get("integrator", "auto")), _dt(options.get("dt", "auto"))
     if isinstance(dt, AdaptiveStep) and dt.tolerance is not None and not integrator.embedded:
@@ -141,7 +143,7 @@ def check(options: Options, scene: Scene) -> Numerics:
 
 
 def _integrator(value: object) -> Integrator:
-    if isinstance(value, str) and value == "auto":
+    if is_word(value, "auto"):
         return VelocityVerlet()
     if isinstance(value, INTEGRATORS):
         return value
@@ -153,34 +155,20 @@ def _integrator(value: object) -> Integrator:
 def _dt(value: object) -> float | StepRule:
     if isinstance(value, StepRule):
         return value
-    if isinstance(value, str):
-        if value == "auto":
-            return AutoStep()
-        raise SceneError(f"dt: must be a number of seconds, 'auto', AutoStep(…) or AdaptiveStep(…), got {value!r}")
-    return number(value, "dt", above=0.0)
+    if is_word(value, "auto"):
+        return AutoStep()
+    if isinstance(value, (str, type)):
+        raise SceneError(f"dt: must be a number of seconds, 'auto', AutoStep(…) or AdaptiveStep(…), got {shown(value)}")
+    return span(value, "dt")
 
 
 def _precision(value: object, scene: Scene) -> Literal["f32", "f64"]:
     """Double, but for fluids: what their particles do not resolve is far above the rounding of single precision."""
-    match value:
-        case "f32":
-            return "f32"
-        case "f64":
-            return "f64"
+    match word(value, "precision", PRECISIONS):
         case "auto":
             return "f32" if scene.fluids else "f64"
-    raise SceneError(f"precision: must be 'f32', 'f64' or 'auto', got {value!r}")
-
-
-def _on_divergence(value: object) -> DivergenceRule:
-    match value:
-        case "raise":
-            return "raise"
-        case "ignore":
-            return "ignore"
-        case "substep":
-            return "substep"
-    raise SceneError(f"on_divergence: must be 'raise', 'substep' or 'ignore', got {value!r}")
+        case chosen:
+            return chosen
 
 
 @dataclass(frozen=True)
@@ -208,9 +196,11 @@ def largest_step(limit: Limit, rule: StepRule, integrator: Integrator, fps: floa
         SceneError: no time step is stable.
     """
     if limit.dt <= 0.0:
+        others = [kind for kind in (SemiImplicitEuler, VelocityVerlet) if not isinstance(integrator, kind)]
+        advice = f", or use {' or '.join(f'{kind.__name__}()' for kind in others)}" if len(others) > 1 else ""
         raise SceneError(
             f"dt: no time step is stable with {type(integrator).__name__} in this scene (because of {limit.term}); "
-            "choose dt yourself and accept the growth of energy, or use SemiImplicitEuler() or VelocityVerlet()"
+            f"choose dt yourself and accept the growth of energy{advice}"
         )
     if math.isinf(limit.dt):
         return free_step(fps)

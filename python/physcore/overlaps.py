@@ -9,6 +9,8 @@ import numpy as np
 
 from physcore.checks import FloatArray, IntArray
 
+FARTHEST = 1e300
+"""Numbers of cells along an axis; what is farther away is in the last one."""
 LARGEST_KEY = 2.0**62
 """Numbers of cells stay below this, so that sums of a few of them fit into 64 bits."""
 
@@ -24,6 +26,11 @@ def closer_than(points: FloatArray, distance: float) -> tuple[int, int] | None:
     """
     if len(points) < 2:
         return None
+    with np.errstate(over="ignore"):  # What is infinitely far away is not too close.
+        return _closer_than(points, distance)
+
+
+def _closer_than(points: FloatArray, distance: float) -> tuple[int, int] | None:
     keys, strides = _keys(points, distance)
     order = np.argsort(keys, kind="stable")
     keys, sorted_points = keys[order], points[order]
@@ -39,7 +46,7 @@ def closer_than(points: FloatArray, distance: float) -> tuple[int, int] | None:
 
 def _keys(points: FloatArray, size: float) -> tuple[IntArray, IntArray]:
     """A number for the cell of each point (N,), and what a step along each axis adds to it (D,)."""
-    cells = np.floor((points - points.min(axis=0)) / size)
+    cells = np.minimum(np.floor((points - points.min(axis=0)) / size), FARTHEST)
     if np.prod(cells.max(axis=0) + 3.0) > LARGEST_KEY:
         # Far apart: empty rows of cells are left out, but for one that keeps their neighbors apart.
         for axis in range(points.shape[1]):

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from physcore.checks import DIMENSIONS, FloatArray, IntArray, Vector
+from physcore.checks import FloatArray, IntArray, Vector, vector
 from physcore.errors import SceneError
 
 
@@ -31,7 +31,7 @@ class Periodic:
     upper: Vector
 
     def __post_init__(self) -> None:
-        lower, upper = _corner(self.lower, "Periodic.lower"), _corner(self.upper, "Periodic.upper")
+        lower, upper = (vector(getattr(self, end), f"Periodic.{end}", finite=False) for end in ("lower", "upper"))
         if len(lower) != len(upper):
             raise SceneError(
                 f"Periodic.upper: must have {len(lower)} components like the lower corner, got {len(upper)}"
@@ -104,16 +104,3 @@ class Periodic:
 
 def _within(x: FloatArray, low: float, high: float) -> FloatArray:
     return np.where((x < low) | (x >= high), low, x)
-
-
-def _corner(value: object, path: str) -> tuple[float, ...]:
-    """Two or three numbers, which may be infinite."""
-    try:
-        corner = np.array(value, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise SceneError(f"{path}: must be 2 or 3 numbers, got {value!r}") from None
-    if corner.shape not in [(dimension,) for dimension in DIMENSIONS]:
-        raise SceneError(f"{path}: must be 2 or 3 numbers, got an array of shape {corner.shape}")
-    if np.isnan(corner).any():
-        raise SceneError(f"{path}: must be numbers, got {value!r}")
-    return tuple(corner.tolist())

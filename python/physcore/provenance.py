@@ -6,6 +6,9 @@ from dataclasses import asdict, dataclass
 from functools import cache
 from typing import Self
 
+from physcore.checks import shown
+from physcore.errors import FileError
+from physcore.schema import Rule, either, maybe, of, record, several, table, text
 from physcore.storage import Tree
 
 
@@ -45,14 +48,31 @@ class Provenance:
         return asdict(self)
 
     @classmethod
-    def from_content(cls, content: Tree) -> Self:
-        """What `content` gave."""
-        return cls(**{**content, "segments": segments_from(content["segments"])})
+    def from_content(cls, content: Tree, path: str = "provenance") -> Self:
+        """What `content` gave.
+
+        Raises:
+            FileError: it is something else.
+        """
+        plain = either(dict, record(kind=text, fields=table(_scalar)), _scalar)
+        checked = of(cls, numerics=table(plain), segments=SEGMENTS)(content, path)
+        return cls(**{**checked, "segments": segments_from(checked["segments"])})
 
 
 def segments_from(content: Tree) -> tuple[Segment, ...] | None:
     """Segments out of a file, if it has any."""
     return None if content is None else tuple(Segment.from_content(entry) for entry in content)
+
+
+SEGMENTS: Rule = maybe(several(of(Segment)))
+"""What a file has of the steps that were taken."""
+
+
+def _scalar(value: Tree, path: str) -> Tree:
+    """One value of JSON."""
+    if isinstance(value, (dict, list)):
+        raise FileError(f"{path}: must be one value, got {shown(value)}")
+    return value
 
 
 @cache

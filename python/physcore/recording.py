@@ -4,20 +4,21 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable, Collection, Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import asdict, dataclass, fields
-from typing import Any, Literal, Self
+from typing import Literal, Self
 
 import numpy as np
 
-from physcore import storage
-from physcore.checks import FloatArray
+from physcore import memory, storage
+from physcore.checks import FloatArray, is_word, words
 from physcore.energy import EnergySeries
 from physcore.errors import SceneError
 from physcore.fluid import Fluid
 from physcore.plan import Plan
 from physcore.provenance import Provenance
 from physcore.scene import BodyKey, Scene
+from physcore.schema import Sizes, anything, maybe, of, real, record, several, table, word
 from physcore.serial import pack_scene, unpack_scene
 from physcore.state import Frame
 
@@ -28,6 +29,8 @@ FLUID_CHANNELS: tuple[Channel, ...] = ("densities", "pressures")
 """What can be recorded of fluids too."""
 AMOUNTS = ("kinetic", "internal", "dissipated", "work")
 """The parts of the energy budget that are one number each."""
+TERMS = 8
+"""About how many forces and frictions there are, each with an energy of its own."""
 
 SLOW = 5.0
 """Frames per second below which a notebook plays a recording faster than real time: the orbit of a planet, say."""
@@ -40,14 +43,14 @@ def check_channels(channels: object, *, fluids: bool) -> tuple[Channel, ...]:
         SceneError: they are not some of CHANNELS, or of FLUID_CHANNELS where there are fluids.
     """
     known = (*CHANNELS, *FLUID_CHANNELS) if fluids else CHANNELS
-    if isinstance(channels, str) or not isinstance(channels, Collection) or any(c not in known for c in channels):
-        hint = ""
-        if isinstance(channels, str):
-            hint = f'; write ("{channels}",)' if channels in known else ""
-        elif isinstance(channels, Collection) and set(channels) & set(FLUID_CHANNELS) and not fluids:
-            hint = "; only a Fluid has densities and pressures"
-        raise SceneError(f"channels: must be a tuple of {', '.join(map(repr, known))}, got {channels!r}{hint}")
-    return tuple(channels)
+    hint = ""
+    if isinstance(channels, str):
+        hint = f'; write ("{channels}",)' if channels in known else ""
+    elif isinstance(channels, (tuple, list)) and any(
+        is_word(each, name) for each in channels for name in FLUID_CHANNELS
+    ):
+        hint = "" if fluids else "; only a Fluid has densities and pressures"
+    return words(channels, "channels", known, hint)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -163,21 +166,42 @@ class Recording(Track):
 
     @classmethod
     def from_content(cls, content: dict[str, storage.Tree]) -> Self:
-        """Rebuild a recording from the content of its file."""
-        plan: Any = {
-            name: tuple(value) if isinstance(value, list) else value for name, value in content["plan"].items()
-        }
-        provenance = content.get("provenance")
+        """Rebuild a recording from the content of its file.
+
+        Raises:
+            FileError: an entry is missing or wrong; with its path.
+        """
+        scene = unpack_scene(content.get("scene"))
+        sizes = Sizes(N=scene.particles, D=scene.dimension, A=_turns(scene))
+        over_time = sizes.array("F")
+        channels = several(word(*CHANNELS, *FLUID_CHANNELS))(content.get("channels"), "channels")
+        numbers, vectors = sizes.array("F", "N"), sizes.array("F", "N", "D", finite=True)
+        rules = {name: numbers if name in FLUID_CHANNELS else vectors for name in channels}
+        terms = {"by_term": table(over_time), "dissipated_by": table(over_time)}
+        amounts = dict.fromkeys(("times", *AMOUNTS), over_time)
+        shape = record(
+            {"provenance": maybe(Provenance.from_content)},
+            scene=anything,
+            channels=anything,
+            times=sizes.array("F", finite=True),
+            fps=real(above=0.0),
+            energy=record(**amounts, **terms),
+            momentum=sizes.array("F", "D"),
+            angular_momentum=sizes.array("F", "A"),
+            plan=of(Plan),
+            **rules,
+        )
+        checked = shape(content, "")
         return cls(
-            times=content["times"],
-            channels={name: content[name] for name in content["channels"]},
-            energy=EnergySeries(**content["energy"]),
-            momentum=content["momentum"],
-            angular_momentum=content["angular_momentum"],
-            fps=content["fps"],
-            scene=unpack_scene(content["scene"]),
-            plan=Plan(**plan),
-            provenance=Provenance.from_content(provenance) if provenance is not None else None,
+            times=checked["times"],
+            channels={name: checked[name] for name in channels},
+            energy=EnergySeries(**checked["energy"]),
+            momentum=checked["momentum"],
+            angular_momentum=checked["angular_momentum"],
+            fps=checked["fps"],
+            scene=scene,
+            plan=Plan(**checked["plan"]),
+            provenance=checked.get("provenance"),
         )
 
 
@@ -197,11 +221,13 @@ def collect(
     """
     numbers = (count, scene.particles)
     shapes = {name: numbers if name in FLUID_CHANNELS else (*numbers, scene.dimension) for name in channels}
-    refuse_if_too_large(count, scene.particles, 8 * sum(math.prod(shape) for shape in shapes.values()))
+    audit = count * (len(("times", "times", *AMOUNTS)) + TERMS + scene.dimension + _turns(scene))
+    hint = "lower fps, record fewer channels, or stream: physcore.film(scene, …)"
+    refuse_if_too_large(count, scene.particles, 8 * (audit + sum(map(math.prod, shapes.values()))), hint)
     data: dict[Channel, FloatArray] = {name: np.empty(shape) for name, shape in shapes.items()}
     times = np.empty(count)
     momentum = np.empty((count, scene.dimension))
-    angular_momentum = np.empty((count, 1 if scene.dimension == 2 else 3))
+    angular_momentum = np.empty((count, _turns(scene)))
     budget: dict[str, FloatArray] = {name: np.empty(count) for name in ("times", *AMOUNTS)}
     by_term: dict[str, FloatArray] = {}
     dissipated_by: dict[str, FloatArray] = {}
@@ -221,31 +247,15 @@ def collect(
     return Recording(times, data, energy, momentum, angular_momentum, fps, scene, *end())
 
 
-def refuse_if_too_large(frames: int, particles: int, needed: int) -> None:
+def refuse_if_too_large(frames: int, particles: int, needed: int, hint: str) -> None:
     """Refuse to begin what needs more bytes than are free.
 
     Raises:
         SceneError: it does.
     """
-    available = _available_memory()
-    if available is not None and needed > available:
-        raise SceneError(
-            f"duration: {frames} frames of {particles} particles take {needed / 1e9:.1f} GB, and "
-            f"{available / 1e9:.1f} GB are free; lower fps, record fewer channels, or stream: physcore.film(scene, …)"
-        )
+    memory.require(needed, f"{frames} frames of {particles} particles", "duration", hint)
 
 
-def _available_memory() -> int | None:
-    """Bytes that can be had without swapping, where the system tells."""
-    try:
-        with open("/proc/meminfo", encoding="ascii") as file:
-            for line in file:
-                if line.startswith("MemAvailable:"):
-                    return int(line.split()[1]) * 1024
-        return None
-    except OSError:
-        pass
-    try:
-        return os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
-    except (AttributeError, OSError, ValueError):
-        return None
+def _turns(scene: Scene) -> int:
+    """How many components an angular momentum has."""
+    return 1 if scene.dimension == 2 else 3

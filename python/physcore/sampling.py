@@ -11,6 +11,7 @@ from physcore._core import World
 from physcore.checks import MOST
 from physcore.energy import Energy
 from physcore.errors import PhyscoreError, SceneError
+from physcore.numerics import steps_to
 from physcore.pace import TOUCH, Pace
 from physcore.scene import Scene
 from physcore.state import Frame, Snapshot
@@ -65,6 +66,8 @@ def frames(world: World, scene: Scene, pace: Pace, duration: float, fps: float) 
     """
     start = world.time
     count = frame_count(duration, fps)
+    if pace.fixed is not None:
+        steps_to(duration, pace.fixed, TOUCH)  # Refuses more than can be counted.
     sampled = _stepped if pace.fixed is None else _interpolated
     for index, sample in enumerate(sampled(world, scene, pace, count, fps)):
         here = world.steps

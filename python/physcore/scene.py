@@ -71,7 +71,13 @@ class Scene:
         return tuple(body for body in self.bodies if isinstance(body, Fluid))
 
     def targets(self, influence: Influence) -> tuple[Body, ...]:
-        """The bodies that a force or a boundary of this scene acts on."""
+        """The bodies that a force or a boundary of this scene acts on.
+
+        Raises:
+            SceneError: it is neither.
+        """
+        if not isinstance(influence, Influence):
+            raise SceneError(f"targets.influence: must be a force or a boundary, got {shown(influence)}")
         named = influence.bodies()
         if named is not None:
             return named
@@ -86,7 +92,8 @@ class Scene:
         for position, body in enumerate(self.bodies):
             if key is body or (isinstance(key, str) and key == body.name):
                 return position
-        number = int(key) if isinstance(key, (int, np.integer)) and not isinstance(key, bool) else len(self.bodies)
+        whole = isinstance(key, (int, np.integer)) and not isinstance(key, (bool, np.timedelta64))
+        number = int(key) if whole else len(self.bodies)  # type: ignore[arg-type]
         if -len(self.bodies) <= number < len(self.bodies):
             return number % len(self.bodies)
         names = ", ".join(repr(body.name) for body in self.bodies if body.name is not None) or "none"

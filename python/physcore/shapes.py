@@ -2,10 +2,17 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable
+
 import numpy as np
 
-from physcore.checks import FloatArray, Vector, number, vector
+from physcore import memory
+from physcore.checks import MOST, FloatArray, Vector, span, vector
 from physcore.errors import SceneError
+
+COPIES = 3
+"""Arrays of coordinates that are in memory at once while a shape is filled."""
 
 
 def block(lower: Vector, upper: Vector, spacing: float) -> FloatArray:
@@ -23,19 +30,20 @@ def block(lower: Vector, upper: Vector, spacing: float) -> FloatArray:
     Raises:
         SceneError: the extent along an axis is less than one cell, or a value is not finite.
     """
-    step = number(spacing, "block.spacing", above=0.0)
+    step = span(spacing, "block.spacing")
     low, high = vector(lower, "block.lower"), vector(upper, "block.upper")
     if len(low) != len(high):
         raise SceneError(f"block.upper: must have {len(low)} components like the lower corner, got {len(high)}")
     counts = []
     for axis, (start, end) in enumerate(zip(low, high, strict=True)):
-        cells = round((end - start) / step)
+        cells = _cells(end - start, step)
         if cells < 1:
             raise SceneError(
                 f"block.upper[{axis}]: must be at least one spacing, {step:g} m, above the lower corner at "
                 f"{start:g} m, got {end:g} m"
             )
         counts.append(cells)
+    _require_room(math.prod(counts), len(counts), "block.spacing")
     return np.array(low) + step * _centers(counts)
 
 
@@ -54,7 +62,7 @@ def ball(center: Vector, radius: float, spacing: float) -> FloatArray:
         SceneError: the shape has no room for a cell, or a value is not finite.
     """
     middle = vector(center, "ball.center")
-    return np.array(middle) + _round(number(radius, "ball.radius", above=0.0), spacing, len(middle), "ball")
+    return np.array(middle) + _round(span(radius, "ball.radius"), spacing, len(middle), "ball")
 
 
 def cylinder(center: Vector, radius: float, height: float, spacing: float) -> FloatArray:
@@ -75,14 +83,30 @@ def cylinder(center: Vector, radius: float, height: float, spacing: float) -> Fl
     base = vector(center, "cylinder.center")
     if len(base) != 3:
         raise SceneError(f"cylinder.center: must have 3 components, got {len(base)}; in 2D take a block")
-    disc = _round(number(radius, "cylinder.radius", above=0.0), spacing, 2, "cylinder")
-    layers = round(number(height, "cylinder.height", above=0.0) / spacing)
+    step, tall = span(spacing, "cylinder.spacing"), span(height, "cylinder.height")
+    disc = _round(span(radius, "cylinder.radius"), step, 2, "cylinder")
+    layers = _cells(tall, step)
     if layers < 1:
-        raise SceneError(f"cylinder.height: must be at least one spacing of {spacing:g} m, got {height:g} m")
-    heights = spacing * (np.arange(layers) + 0.5)
+        raise SceneError(f"cylinder.height: must be at least one spacing of {step:g} m, got {tall:g} m")
+    _require_room(layers * len(disc), 3, "cylinder.spacing")
+    heights = step * (np.arange(layers) + 0.5)
     points: FloatArray = np.column_stack([np.tile(disc, (layers, 1)), np.repeat(heights, len(disc))])
     points += np.array(base)
     return points
+
+
+def _cells(extent: float, step: float, whole: Callable[[float], int] = round) -> int:
+    """How many cells an extent [m] has; one more than can be counted, where they are more than that."""
+    return whole(min(max(extent / step, -1.0), MOST + 1.0))
+
+
+def _require_room(cells: int, dimension: int, path: str) -> None:
+    """Refuse what does not fit into memory.
+
+    Raises:
+        SceneError: it does not.
+    """
+    memory.require(COPIES * 8.0 * dimension * cells, f"{cells:.4g} cells", path, "make it larger")
 
 
 def _centers(counts: list[int]) -> FloatArray:
@@ -93,8 +117,9 @@ def _centers(counts: list[int]) -> FloatArray:
 
 def _round(radius: float, spacing: float, dimension: int, path: str) -> FloatArray:
     """The cells of a lattice around the origin whose centers are within a radius."""
-    step = number(spacing, f"{path}.spacing", above=0.0)
-    half = int(radius / step) + 1
+    step = span(spacing, f"{path}.spacing")
+    half = _cells(radius, step, math.floor) + 1
+    _require_room((2 * half) ** dimension, dimension, f"{path}.spacing")
     points: FloatArray = step * (_centers([2 * half] * dimension) - half)
     inside: FloatArray = points[np.einsum("nd,nd->n", points, points) <= radius**2]
     if len(inside) == 0:

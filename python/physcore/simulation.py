@@ -3,28 +3,32 @@
 from __future__ import annotations
 
 import os
+import pickle
 import warnings
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
 from typing import Literal
 
-from numpy.typing import ArrayLike
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from physcore import engine, sampling, storage
 from physcore.bodies import Body
-from physcore.checks import FloatArray, broadcast, number, shown
+from physcore.checks import MOST, FloatArray, broadcast, flag, shown, span
 from physcore.energy import Energy
-from physcore.errors import SceneError, StabilityWarning
+from physcore.errors import FileError, SceneError, StabilityWarning
 from physcore.fluid import Fluid
+from physcore.forces import CustomForce
 from physcore.integrators import Integrator
-from physcore.numerics import FRAMES_PER_SECOND, DivergenceRule, Numerics, Options, Precision, StepRule, check
-from physcore.pace import Pace
+from physcore.numerics import FRAMES_PER_SECOND, DivergenceRule, Limit, Numerics, Options, Precision, StepRule, check
+from physcore.pace import Captured, Pace
 from physcore.plan import Plan
 from physcore.progress import Progress
-from physcore.provenance import Provenance, version
+from physcore.provenance import SEGMENTS, Provenance, version
 from physcore.recording import CHANNELS, Channel, Recording, check_channels, collect
 from physcore.scene import BodyKey, Scene
+from physcore.schema import of, record, several, table
 from physcore.serial import pack_numerics, pack_scene, unpack_numerics, unpack_scene
 from physcore.state import Frame, Snapshot
 
@@ -169,7 +173,7 @@ class Simulation:
         Raises:
             SimulationDiverged, KeyboardInterrupt: as for `step`.
         """
-        self._pace.run(duration)
+        self._pace.run(span(duration, "run.duration", empty=True))
 
     def frames(self, duration: float, fps: float = FRAMES_PER_SECOND) -> Iterator[Frame]:
         """Advance by `duration` [s] and give `fps` frames per second on the way, in constant memory.
@@ -182,7 +186,7 @@ class Simulation:
             PhyscoreError: the simulation was stepped between two frames.
             SimulationDiverged, KeyboardInterrupt: as for `step`.
         """
-        interval, rate = number(duration, "duration", least=0.0), number(fps, "fps", above=0.0)
+        interval, rate = span(duration, "duration", empty=True), span(fps, "fps")
         return sampling.frames(self._world, self._scene, self._pace, interval, rate)
 
     def record(
@@ -207,9 +211,10 @@ class Simulation:
             SimulationDiverged, KeyboardInterrupt: as for `step`.
         """
         kept = check_channels(channels, fluids=bool(self._scene.fluids))
+        shown = None if progress is None else flag(progress, "progress")
         frames = self.frames(duration, fps)
-        count = sampling.frame_count(duration, fps)
-        with Progress(count, "simulating", progress) as bar:
+        count = sampling.frame_count(float(duration), float(fps))
+        with Progress(count, "simulating", shown) as bar:
             return collect(frames, count, self._scene, float(fps), kept, self._end, bar.update)
 
     def set(self, positions: State = None, velocities: State = None) -> None:
@@ -260,14 +265,36 @@ class Simulation:
 
     @classmethod
     def from_content(cls, content: dict[str, storage.Tree]) -> Simulation:
-        """Rebuild a simulation from the content of its checkpoint."""
-        scene = unpack_scene(content["scene"])
-        numerics = check(unpack_numerics(content["numerics"]), scene)
-        return cls._resumed(scene, numerics, content["pace"], content["world"])
+        """Rebuild a simulation from the content of its checkpoint.
+
+        Raises:
+            FileError: an entry is missing or wrong; with its path.
+        """
+        limits = several(of(Limit), lengths=(0, 2))
+        pace = of(Captured, absent=("segments",), limits=limits, segments=SEGMENTS)
+        shape = record(scene=unpack_scene, numerics=unpack_numerics, pace=pace, world=table(_numbers))
+        checked = shape(content, "")
+        numerics = check(checked["numerics"], checked["scene"])
+        simulation = cls._resumed(checked["scene"], numerics, checked["pace"], checked["world"])
+        if not (np.isfinite(simulation.positions).all() and np.isfinite(simulation.velocities).all()):
+            raise FileError("world.columns: must be finite in the precision of the run")
+        return simulation
 
     def __copy__(self) -> Simulation:
         """A simulation of the same scene that goes on from the present state by itself, with the same bits."""
         return self._resumed(self._scene, self._numerics, self._pace.capture(), self._world.capture())
+
+    def __reduce__(self) -> tuple[object, ...]:
+        """Pickle the scene and the present state.
+
+        Raises:
+            SceneError: a function of a CustomForce cannot be pickled.
+        """
+        for position, force in enumerate(self._scene.forces):
+            if isinstance(force, CustomForce):
+                _require_pickles(force, f"forces[{position}]")
+        state = (self._scene, self._numerics, self._pace.capture(), self._world.capture())
+        return type(self)._resumed, state
 
     def __deepcopy__(self, memo: dict[int, object]) -> Simulation:
         return self.__copy__()  # A scene never changes, and its bodies stay keys into the copy.
@@ -294,9 +321,37 @@ class Simulation:
             return broadcast(given, shape, path)
         values: FloatArray = present()  # type: ignore[operator]
         for key, part in given.items():
-            where = self._scene.slice(key)
-            values[where] = broadcast(part, values[where].shape, f"{path}[{key!r}]")
+            try:
+                where = self._scene.slice(key)
+            except KeyError as error:
+                raise SceneError(f"{path}: {error.args[0]}") from None
+            values[where] = broadcast(part, values[where].shape, f"{path}[{shown(key)}]")
         return values
+
+
+def _numbers(value: object, path: str) -> NDArray[np.generic]:
+    """A part of a captured state: numbers, of which those in the state itself are finite."""
+    if not isinstance(value, np.ndarray):
+        raise FileError(f"{path}: must be an array, got {shown(value)}")
+    steps = value.dtype.kind in "iu" and value.size > 0 and int(value.max()) > MOST
+    if steps or np.isnan(value).any() or (path.endswith(("clock", "columns")) and not np.isfinite(value).all()):
+        raise FileError(f"{path}: must be finite numbers, with at most {MOST} steps")
+    return value
+
+
+def _require_pickles(force: CustomForce, path: str) -> None:
+    """Refuse a function that has no name by which another process could find it.
+
+    Raises:
+        SceneError: it has none.
+    """
+    for name in ("function", "potential"):
+        try:
+            pickle.dumps(getattr(force, name))
+        except Exception as error:
+            raise SceneError(
+                f"{path}.{name}: cannot be pickled ({error}); define it with def at the top level of a module"
+            ) from error
 
 
 @contextmanager

@@ -9,7 +9,7 @@ from typing import Literal, overload
 import numpy as np
 
 from physcore import engine
-from physcore.checks import FloatArray
+from physcore.checks import FloatArray, flag
 from physcore.errors import SimulationDiverged
 from physcore.integrators import Integrator
 from physcore.numerics import check
@@ -86,13 +86,14 @@ def stability_limit(scene: Scene, integrator: Integrator, *, measured: bool = Fa
         SceneError: an argument is not valid, or a particle starts outside a boundary.
     """
     require_scene(scene)
-    limit = engine.limit(engine.build(scene, check({"integrator": integrator, "threads": 1}, scene)))
-    if not measured:
+    numerics = check({"integrator": integrator, "threads": 1}, scene)
+    limit = engine.limit(engine.build(scene, numerics))
+    if not flag(measured, "measured"):
         return limit.stability
     found = limit.stability
     if 0.0 < found < math.inf:
-        found = _bisect(scene, integrator, found)
-    return MeasuredLimit(integrator, found, limit.stability, limit.term)
+        found = _bisect(scene, numerics.integrator, found)
+    return MeasuredLimit(numerics.integrator, found, limit.stability, limit.term)
 
 
 def _bisect(scene: Scene, integrator: Integrator, theory: float) -> float:

@@ -7,20 +7,21 @@ Nothing is ever pickled. A file appears under its name only when it is complete.
 
 from __future__ import annotations
 
-import errno
 import json
+import math
 import os
-from collections.abc import Iterator
-from contextlib import contextmanager
-from pathlib import Path
-from typing import IO, TYPE_CHECKING, Any, BinaryIO
+import re
+import struct
+from typing import IO, TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.lib import format as npy
 
+from physcore.checks import file_path, shown
 from physcore.errors import FileError
+from physcore.files import replacing
 
-# hashlib, secrets and zipfile are imported where they are used: together they take as long as the rest of physcore.
+# hashlib and zipfile are imported where they are used: together they take as long as the rest of physcore.
 if TYPE_CHECKING:
     import zipfile
 
@@ -30,6 +31,14 @@ _HEADER = "header.json"
 _DIGEST_SIZE = 32
 _TRAILER_SIZE = len(_MAGIC) + 1 + 4 + 1 + 2 * _DIGEST_SIZE  # "physcore 0001 <hex>"
 _BLOCK = 1 << 20
+_AXES = 8
+"""Of an array at most."""
+_NPY_HEADER = re.compile(
+    rb"\x93NUMPY\x01\x00..\{'descr': '(?P<dtype><[fiu][48]|\|[bui]1)', 'fortran_order': (?P<fortran>True|False), "
+    rb"'shape': \((?P<shape>[0-9, ]{0,200})\), \} *\n",
+    re.DOTALL,
+)
+"""What NumPy writes before an array of numbers, in version 1.0 of its format."""
 
 Tree = Any
 """None, bool, int, float, str, bytes or an array, or lists and dicts (with string keys) of these."""
@@ -62,16 +71,18 @@ def read(path: str | os.PathLike[str]) -> tuple[str, dict[str, Tree]]:
     """The kind and the tree of values of a file.
 
     Raises:
+        SceneError: it is no path.
         FileError: the file is missing, damaged, of another version, or no file of physcore.
     """
+    named = file_path(path)
     try:
-        with open(path, "rb") as file:
+        with open(named, "rb") as file:
             _verify(file)
             return _read_archive(file)
     except FileError as error:
-        raise FileError(f"{os.fspath(path)}: {error}") from None
+        raise FileError(f"{named}: {error}") from None
     except OSError as error:
-        raise FileError(f"{os.fspath(path)}: cannot be read: {error.strerror or error}") from error
+        raise FileError(f"{named}: cannot be read: {error.strerror or error}") from error
 
 
 def digest(tree: Tree) -> str:
@@ -84,36 +95,6 @@ def digest(tree: Tree) -> str:
         result.update(f"{name} {values.dtype.str} {values.shape}".encode())
         result.update(values.tobytes())
     return result.hexdigest()
-
-
-@contextmanager
-def replacing(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
-    """A file to write and read that takes the place of `path` when the block ends well, and vanishes when it does not.
-
-    A link is followed, so that it stays a link; what is no file, such as a device, is not replaced.
-
-    Raises:
-        FileError: the file cannot be written.
-    """
-    import secrets
-
-    target = Path(os.path.realpath(path))
-    temporary = target.with_name(f".{target.name}.{secrets.token_hex(4)}.tmp")
-    try:
-        try:
-            if target.exists() and not target.is_file():
-                raise OSError(errno.EINVAL, "not a regular file")
-            with open(temporary, "x+b") as file:
-                yield file
-                file.flush()
-                os.fsync(file.fileno())
-            os.replace(temporary, target)
-        finally:
-            temporary.unlink(missing_ok=True)
-    except FileError:
-        raise
-    except OSError as error:
-        raise FileError(f"{os.fspath(path)}: cannot be written: {error.strerror or error}") from error
 
 
 def _trailer(digest: str) -> bytes:
@@ -154,14 +135,41 @@ def _verify(file: IO[bytes]) -> None:
 
 
 def _read_archive(file: IO[bytes]) -> tuple[str, dict[str, Tree]]:
+    """The kind and the tree in an archive whose checksum is right, which says nothing about who wrote it.
+
+    Raises:
+        FileError: it is not as `write` leaves it.
+    """
     import zipfile
 
     try:
         with zipfile.ZipFile(file) as archive:
+            _verify_members(archive, file.seek(0, os.SEEK_END))
             header = json.loads(archive.read(_HEADER))
-            return header["kind"], _unpack(header["content"], archive)
-    except (zipfile.BadZipFile, KeyError, ValueError, EOFError) as error:
+            match header:
+                case {"kind": str(kind), "content": dict(content)}:
+                    return kind, _unpack(content, archive)
+            raise FileError(f"is damaged: {_HEADER} must have a kind and a content")
+    except RecursionError as error:
+        raise FileError(f"is damaged: {_HEADER} is nested too deeply") from error
+    except (zipfile.BadZipFile, KeyError, ValueError, EOFError, RuntimeError, struct.error) as error:
         raise FileError(f"is damaged: {error}") from error
+
+
+def _verify_members(archive: zipfile.ZipFile, size: int) -> None:
+    """What is in the archive takes no more room than the archive, so that reading it cannot either.
+
+    Raises:
+        FileError: a member is compressed or encrypted, which `write` never does, or is there twice.
+    """
+    import zipfile
+
+    members = archive.infolist()
+    for member in members:
+        if member.compress_type != zipfile.ZIP_STORED or member.file_size != member.compress_size:
+            raise FileError(f"is damaged: {shown(member.filename)} is compressed, which physcore never does")
+    if len({member.filename for member in members}) < len(members) or sum(each.file_size for each in members) > size:
+        raise FileError("is damaged: its members overlap")
 
 
 def _pack(value: Tree, path: str, arrays: dict[str, np.ndarray]) -> Tree:
@@ -197,6 +205,21 @@ def _unpack(value: Tree, archive: zipfile.ZipFile) -> Tree:
     return value
 
 
-def _array(archive: zipfile.ZipFile, name: str) -> np.ndarray:
-    with archive.open(f"{name}.npy") as member:
-        return npy.read_array(member, allow_pickle=False)
+def _array(archive: zipfile.ZipFile, name: object) -> np.ndarray:
+    """An array that `write` has put into an archive.
+
+    Raises:
+        FileError: it is not there, or its content is not what its header says.
+    """
+    if not isinstance(name, str) or f"{name}.npy" not in archive.NameToInfo:
+        raise FileError(f"is damaged: it has no array {shown(name)}")
+    content = archive.read(f"{name}.npy")
+    found = _NPY_HEADER.match(content)
+    if found is None:
+        raise FileError(f"is damaged: {shown(name)} has not the header of an array of numbers")
+    shape = tuple(int(size) for size in found["shape"].decode().split(",") if size.strip())
+    dtype, data = np.dtype(found["dtype"].decode()), memoryview(content)[found.end() :]
+    if math.prod(shape) * dtype.itemsize != len(data) or len(shape) > _AXES:
+        raise FileError(f"is damaged: {shown(name)} holds {len(data)} bytes, which is not the shape {shown(shape)}")
+    order: Literal["F", "C"] = "F" if found["fortran"] == b"True" else "C"
+    return np.frombuffer(data, dtype=dtype).reshape(shape, order=order).copy(order="K")

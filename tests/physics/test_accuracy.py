@@ -117,3 +117,22 @@ def test_a_fluid_has_one_method_and_its_energy_budget():
 def test_bad_input_is_named(arguments, message):
     with pytest.raises(pc.SceneError, match=message):
         pc.simulate(**{"scene": ORBIT, "duration": 1.0, **arguments})
+
+
+@pytest.mark.parametrize(
+    ("options", "advised", "spared"),
+    [
+        ({"precision": "f32"}, ['precision="f64"'], ["leave integrator out"]),
+        ({"integrator": pc.VelocityVerlet()}, ["leave integrator out"], ["precision="]),
+        ({"precision": "f64"}, ["chaotic"], ["precision=", "leave integrator out"]),
+    ],
+    ids=str,
+)
+def test_the_hint_of_an_accuracy_that_is_out_of_reach_names_what_is_not_in_use(options, advised, spared):
+    well = pc.Scene(pc.Particles([[1.0, 0.0]]), pc.CentralForce((0.0, 0.0), 1.0, exponent=1.0))
+    with pytest.raises(pc.AccuracyError, match="accuracy: no method gets there") as caught:
+        pc.simulate(well, 0.5, accuracy=1e-30, **options)
+    assert all(hint in str(caught.value) for hint in advised)
+    assert not any(hint in str(caught.value) for hint in spared)
+    with pytest.raises(pc.AccuracyError, match="energy_drift: no method gets there"):
+        pc.simulate(well, 0.5, energy_drift=1e-30, **options)

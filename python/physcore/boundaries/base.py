@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from physcore.checks import number
-from physcore.errors import SceneError
+from physcore.checks import flag, number
 from physcore.influence import Influence
 
 
@@ -31,6 +30,5 @@ class Boundary(Influence):
         self._set(
             restitution=number(self.restitution, f"{kind}.restitution", least=0.0, most=1.0),
             friction=number(self.friction, f"{kind}.friction", least=0.0),
+            no_slip=flag(self.no_slip, f"{kind}.no_slip"),
         )
-        if not isinstance(self.no_slip, bool):
-            raise SceneError(f"{kind}.no_slip: must be True or False, got {self.no_slip!r}")

@@ -5,8 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from physcore.boundaries.base import Boundary
-from physcore.checks import Vector, number, vector
-from physcore.errors import SceneError
+from physcore.checks import Vector, flag, number, vector
 
 
 @dataclass(frozen=True)
@@ -29,6 +28,8 @@ class Sphere(Boundary):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if not isinstance(self.inside, bool):
-            raise SceneError(f"Sphere.inside: must be True or False, got {self.inside!r}")
-        self._set(center=vector(self.center, "Sphere.center"), radius=number(self.radius, "Sphere.radius", above=0.0))
+        self._set(
+            center=vector(self.center, "Sphere.center"),
+            radius=number(self.radius, "Sphere.radius", above=0.0),
+            inside=flag(self.inside, "Sphere.inside"),
+        )

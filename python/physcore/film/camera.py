@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from physcore._core import Projection
-from physcore.checks import FloatArray, number, vector
+from physcore.checks import FloatArray, number, span, vector
 from physcore.errors import SceneError
 
 PixelArray = NDArray[np.float32]
@@ -76,17 +76,19 @@ class Orbit:
     aperture: float = 0.0
 
     def __post_init__(self) -> None:
-        number(self.azimuth, "Orbit.azimuth")
-        number(self.elevation, "Orbit.elevation", least=-90.0, most=90.0)
-        number(self.field_of_view, "Orbit.field_of_view", least=0.0, most=119.0)
-        number(self.aperture, "Orbit.aperture", least=0.0, most=1.0)
-        if self.extent is not None:
-            number(self.extent, "Orbit.extent", above=0.0)
-        if self.target is not None:
-            target = vector(self.target, "Orbit.target")
-            if len(target) != 3:
-                raise SceneError(f"Orbit.target: must have 3 components, got {len(target)}")
-            object.__setattr__(self, "target", target)
+        target = None if self.target is None else vector(self.target, "Orbit.target")
+        if target is not None and len(target) != 3:
+            raise SceneError(f"Orbit.target: must have 3 components, got {len(target)}")
+        values = {
+            "azimuth": number(self.azimuth, "Orbit.azimuth"),
+            "elevation": number(self.elevation, "Orbit.elevation", least=-90.0, most=90.0),
+            "field_of_view": number(self.field_of_view, "Orbit.field_of_view", least=0.0, most=119.0),
+            "target": target,
+            "extent": None if self.extent is None else span(self.extent, "Orbit.extent"),
+            "aperture": number(self.aperture, "Orbit.aperture", least=0.0, most=1.0),
+        }
+        for name, value in values.items():
+            object.__setattr__(self, name, value)
 
     @property
     def axes(self) -> FloatArray:

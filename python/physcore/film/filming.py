@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Unpack
 
 from physcore.checks import count as whole_number
+from physcore.checks import flag, text, word
 from physcore.errors import FileError, SceneError
 from physcore.numerics import Options
 
@@ -101,21 +102,26 @@ def film(
         PhyscoreError: what the format needs is not installed.
         SimulationDiverged: the scene blew up while it was filmed.
     """
+    from physcore.files import require_writable
     from physcore.film.panels import Stage
-    from physcore.film.proof import proof, write_sidecar
+    from physcore.film.proof import proof, sidecar_of, write_sidecar
     from physcore.film.sources import sources
     from physcore.film.writers import WRITERS, Reel
     from physcore.formats import writable
 
-    target, writer = Path(path), writable(path, WRITERS)
+    writer, target = writable(path, WRITERS), Path(path)
+    if flag(sidecar, "sidecar"):
+        require_writable(sidecar_of(target))
     found = sources(recording, duration, fps, numerics)
     rate = writer.rate(found[0].fps, speed)
+    shown = None if progress is None else flag(progress, "progress")
+    with_bar = flag(color_bar, "color_bar")
     _check_bytes(quality, max_bytes, writer)
     colors, heads = _colors(theme, background), _titles(title, titles)
-    stage = Stage(found, size, style, camera, colors, heads, progress, labels=labels, color_bar=color_bar, inset=inset)
+    stage = Stage(found, size, style, camera, colors, heads, shown, labels=labels, color_bar=with_bar, inset=inset)
     try:
         with stage:
-            written = writer.write(Reel(stage, rate, quality, max_bytes, lambda: proof(found), progress), target)
+            written = writer.write(Reel(stage, rate, quality, max_bytes, lambda: proof(found), shown), target)
     except FileError:
         raise
     except OSError as error:
@@ -150,9 +156,9 @@ def _titles(title: str | None, titles: Sequence[str] | None) -> Sequence[str] | 
     """One title for all, or one for each panel."""
     if title is not None and titles is not None:
         raise SceneError("titles: give one title for all or titles for the panels, not both")
-    if title is not None and not isinstance(title, str):
-        raise SceneError(f"title: must be a string, got {title!r}")
-    return [title] if title else titles
+    if title is None:
+        return titles
+    return [title] if text(title, "title") else None
 
 
 def _check_bytes(quality: object, max_bytes: object, writer: Writer) -> None:
@@ -163,8 +169,7 @@ def _check_bytes(quality: object, max_bytes: object, writer: Writer) -> None:
     """
     from physcore.film.writers import QUALITIES
 
-    if quality not in QUALITIES:
-        raise SceneError(f"quality: must be one of {', '.join(map(repr, QUALITIES))}, got {quality!r}")
+    word(quality, "quality", QUALITIES)
     if max_bytes is not None:
         whole_number(max_bytes, "max_bytes", least=1)
         if not writer.budgeted:

@@ -10,7 +10,7 @@ from typing import Literal
 import numpy as np
 
 from physcore._core import Canvas
-from physcore.checks import FloatArray, shown
+from physcore.checks import FloatArray, words
 from physcore.energy import Energy
 from physcore.errors import SceneError
 from physcore.evidence import Drift
@@ -37,14 +37,13 @@ def check_labels(labels: object, found: Sequence[Source]) -> tuple[Label, ...]:
     Raises:
         SceneError: they are not some of LABELS, or what they say was not recorded.
     """
-    if isinstance(labels, str) or not isinstance(labels, (tuple, list)) or any(label not in LABELS for label in labels):
-        raise SceneError(f"labels: must be a tuple of {', '.join(map(repr, LABELS))}, got {shown(labels)}")
-    for label in labels:
+    chosen = words(labels, "labels", LABELS)
+    for label in chosen:
         if label != "time" and not all(source.audited for source in found):
             raise SceneError(
                 f"labels: {label!r} is known of a Scene and of what simulate(…) gives, and of nothing else"
             )
-    return tuple(dict.fromkeys(labels))
+    return chosen
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 
 from physcore._core import Canvas
-from physcore.checks import FloatArray
+from physcore.checks import FloatArray, is_word, shown
 from physcore.energy import Energy
 from physcore.errors import SceneError
 from physcore.film.camera import Area, PixelArray
@@ -36,8 +36,8 @@ def check_inset(inset: object, found: Sequence[Source]) -> Inset | None:
     Raises:
         SceneError: there is no such diagram, or its energies were not recorded.
     """
-    if inset not in (None, "energy"):
-        raise SceneError(f"inset: must be 'energy' or None, got {inset!r}")
+    if inset is not None and not is_word(inset, "energy"):
+        raise SceneError(f"inset: must be 'energy' or None, got {shown(inset)}")
     if inset is not None and not all(source.audited for source in found):
         raise SceneError("inset: 'energy' is known of a Scene and of what simulate(…) gives, and of nothing else")
     return None if inset is None else "energy"

@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from physcore.checks import count as whole_number
+from physcore.checks import items, shown, text
 from physcore.errors import SceneError
 from physcore.film.lettering import text_height
 
@@ -70,7 +71,7 @@ def check_size(size: object) -> tuple[int, int] | None:
     if size is None:
         return None
     if not isinstance(size, (tuple, list)) or len(size) != 2:
-        raise SceneError(f"size: must be (width, height) in pixels, got {size!r}")
+        raise SceneError(f"size: must be (width, height) in pixels, got {shown(size)}")
     width, height = (whole_number(side, f"size[{axis}]", least=16, most=LARGEST) for axis, side in enumerate(size))
     return width, height
 
@@ -83,11 +84,10 @@ def check_titles(titles: Sequence[str] | None, panels: int) -> list[str]:
     """
     if titles is None:
         return []
-    if isinstance(titles, str) or not all(isinstance(title, str) for title in titles):
-        raise SceneError(f"titles: must be a list of strings, got {titles!r}")
-    if len(titles) not in (1, panels):
-        raise SceneError(f"titles: must be one for each of the {panels} panels, got {len(titles)}")
-    return list(titles)
+    lines = [text(title, f"titles[{index}]") for index, title in enumerate(items(titles, "titles", "strings"))]
+    if len(lines) not in (1, panels):
+        raise SceneError(f"titles: must be one for each of the {panels} panels, got {len(lines)}")
+    return lines
 
 
 def sizes(panels: int) -> list[tuple[int, int]]:

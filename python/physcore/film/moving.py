@@ -11,7 +11,7 @@ from typing import Literal, cast
 import numpy as np
 
 from physcore.bodies import Body
-from physcore.checks import BoolArray, FloatArray, number, shown
+from physcore.checks import BoolArray, FloatArray, number, shown, span, word
 from physcore.errors import SceneError
 from physcore.film.camera import Orbit, Still, Window
 from physcore.periodic import Periodic
@@ -51,10 +51,9 @@ class Keyframes:
         given = cast(object, self.cameras)
         if not isinstance(given, Mapping) or not given:
             raise SceneError(f"Keyframes.cameras: must be like {{time: camera, …}}, got {shown(given)}")
-        if self.easing not in ("smooth", "linear"):
-            raise SceneError(f"Keyframes.easing: must be 'smooth' or 'linear', got {self.easing!r}")
-        times = sorted(number(time, "Keyframes.cameras") for time in self.cameras)
-        ordered = [(time, self.cameras[time]) for time in times]
+        word(self.easing, "Keyframes.easing", ("smooth", "linear"))
+        timed = {number(time, "Keyframes.cameras"): camera for time, camera in self.cameras.items()}
+        ordered = [(time, timed[time]) for time in sorted(timed)]
         first = ordered[0][1]
         for time, camera in ordered:
             path, kind = f"Keyframes.cameras[{time:g}]", Window if isinstance(first, Window) else Orbit
@@ -110,7 +109,7 @@ class Follow:
         if not isinstance(keys, Sequence) or not keys or not all(isinstance(key, (Body, int, str)) for key in keys):
             raise SceneError(f"Follow.bodies: must be a body or several ([one, two]), got {shown(self.bodies)}")
         object.__setattr__(self, "bodies", tuple(keys))
-        number(self.smoothing, "Follow.smoothing", least=0.0)
+        object.__setattr__(self, "smoothing", span(self.smoothing, "Follow.smoothing", empty=True))
         if not _is_camera(self.camera):
             raise SceneError(
                 f"Follow.camera: must be a Window, an Orbit, Keyframes or a function, got {shown(self.camera)}"

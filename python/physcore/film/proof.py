@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import json
 import os
+import struct
 from collections.abc import Sequence
 from pathlib import Path
 
-from physcore.errors import FileError
+from physcore.checks import file_path
+from physcore.errors import FileError, SceneError
 from physcore.evidence import Evidence
+from physcore.files import replacing
 from physcore.film.sources import Source
 from physcore.film.writers import WRITERS
 from physcore.formats import format_of
-from physcore.storage import replacing
+from physcore.schema import anything, several, table
 
 SIDECAR = ".json"
 """What the name of the file beside a film has at its end."""
@@ -24,6 +27,11 @@ def proof(found: Sequence[Source]) -> str:
     return json.dumps(panels, allow_nan=False, separators=(",", ":"))
 
 
+def sidecar_of(target: Path) -> Path:
+    """The file beside a film."""
+    return target.with_name(target.name + SIDECAR)
+
+
 def write_sidecar(found: Sequence[Source], target: Path) -> None:
     """Write the file beside a film.
 
@@ -31,7 +39,7 @@ def write_sidecar(found: Sequence[Source], target: Path) -> None:
         FileError: it cannot be written.
     """
     text = json.dumps([source.evidence for source in found], allow_nan=False, indent=2)
-    with replacing(target.with_name(target.name + SIDECAR)) as file:
+    with replacing(sidecar_of(target)) as file:
         file.write(text.encode() + b"\n")
 
 
@@ -45,14 +53,16 @@ def evidence(path: str | os.PathLike[str]) -> list[Evidence]:
         SceneError: the name ends like no film's.
         FileError: the file is missing or damaged, or says nothing.
     """
-    target = Path(path)
+    target = file_path(path)
     try:
         text = target.read_text("utf-8") if target.suffix == SIDECAR else format_of(target, WRITERS).evidence(target)
         if text is None:
             raise ValueError("says nothing of how it came about")
-        panels: list[Evidence] = json.loads(text)
+        panels: list[Evidence] = list(several(table(anything))(json.loads(text), "evidence"))
         return panels
+    except SceneError:
+        raise
     except OSError as error:
         raise FileError(f"{target}: cannot be read: {error.strerror or error}") from error
-    except (ValueError, TypeError, IndexError) as error:
-        raise FileError(f"{target}: {error}") from error
+    except (ValueError, TypeError, IndexError, RecursionError, struct.error, MemoryError) as error:
+        raise FileError(f"{target}: is damaged: {error}") from error

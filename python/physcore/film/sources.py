@@ -8,7 +8,8 @@ from typing import Protocol
 
 import numpy as np
 
-from physcore.checks import FloatArray, number, shown
+from physcore import memory
+from physcore.checks import FloatArray, shown, span
 from physcore.energy import Energy, EnergySeries
 from physcore.errors import SceneError
 from physcore.evidence import Evidence, Run, evidence
@@ -199,8 +200,11 @@ def _source(item: object, duration: float | None, fps: float | None, numerics: O
     if isinstance(item, Scene):
         if duration is None:
             raise SceneError("duration: a scene is shown while it is simulated, so say how long: duration=… [s]")
-        rate = FRAMES_PER_SECOND if fps is None else number(fps, "fps", above=0.0)
-        return Running(item, number(duration, "duration", least=0.0), rate, numerics)
+        rate = FRAMES_PER_SECOND if fps is None else span(fps, "fps")
+        running = Running(item, span(duration, "duration", empty=True), rate, numerics)
+        memory.require(8.0 * running.count, f"the times of {running.count} frames", "duration", "lower fps")
+        check(numerics, item)
+        return running
     if not all(hasattr(item, name) for name in ("scene", "times", "positions", "fps")):
         raise SceneError(f"recording: must be a Recording, a Scene or a list of them, got {shown(item)}")
     given = {"duration": duration, "fps": fps, **numerics}

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from typing import Literal, TypeAlias
 
+from physcore.checks import items, number, shown
 from physcore.errors import SceneError
 
 Color: TypeAlias = tuple[int, int, int]
@@ -14,6 +15,26 @@ ThemeName = Literal["dark", "light"]
 
 LEGIBLE = 4.5
 """The least contrast of text and its ground that the Web Content Accessibility Guidelines ask for, on level AA."""
+
+
+def color(value: object, path: str) -> Color:
+    """A color from three numbers 0–255 or a string like "#10c0ff".
+
+    Raises:
+        SceneError: it is neither.
+    """
+    if isinstance(value, str) and len(value) == 7 and value.startswith("#"):
+        try:
+            red, green, blue = bytes.fromhex(value[1:])
+        except ValueError:
+            pass
+        else:
+            return (red, green, blue)
+    if isinstance(value, (tuple, list)) and len(value) == 3:
+        red, green, blue = value
+        if all(isinstance(channel, int) and 0 <= channel <= 255 for channel in value):
+            return (red, green, blue)
+    raise SceneError(f"{path}: must be like '#10c0ff' or (16, 192, 255), got {shown(value)}")
 
 
 @dataclass(frozen=True)
@@ -38,6 +59,20 @@ class Theme:
     """One color for each body, in turn; told apart by the color-blind."""
     part: tuple[float, float]
     """Which part of a color map stands out against the background, as fractions of its length."""
+
+    def __post_init__(self) -> None:
+        names = [entry.name for entry in fields(self) if entry.name not in ("bodies", "part")]
+        values: dict[str, object] = {name: color(getattr(self, name), f"Theme.{name}") for name in names}
+        bodies = items(self.bodies, "Theme.bodies", "colors")
+        if not bodies:
+            raise SceneError("Theme.bodies: must have at least one color")
+        values["bodies"] = tuple(color(each, f"Theme.bodies[{index}]") for index, each in enumerate(bodies))
+        part = items(self.part, "Theme.part", "two fractions")
+        values["part"] = tuple(number(each, "Theme.part", least=0.0, most=1.0) for each in part)
+        if len(part) != 2:
+            raise SceneError(f"Theme.part: must be two fractions, got {shown(self.part)}")
+        for name, value in values.items():
+            object.__setattr__(self, name, value)
 
 
 DARK = Theme(
@@ -85,7 +120,7 @@ def resolve(theme: object) -> Theme:
         return theme
     if isinstance(theme, str) and theme in THEMES:
         return THEMES[theme]
-    raise SceneError(f"theme: must be one of {', '.join(map(repr, THEMES))} or a Theme, got {theme!r}")
+    raise SceneError(f"theme: must be one of {', '.join(map(repr, THEMES))} or a Theme, got {shown(theme)}")
 
 
 def mixed(one: Color, other: Color, share: float) -> Color:
@@ -126,23 +161,3 @@ def _luminance(color: Color) -> float:
     """Relative luminance, from 0 to 1."""
     linear = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in (value / 255 for value in color)]
     return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
-
-
-def color(value: object, path: str) -> Color:
-    """A color from three numbers 0–255 or a string like "#10c0ff".
-
-    Raises:
-        SceneError: it is neither.
-    """
-    if isinstance(value, str) and len(value) == 7 and value.startswith("#"):
-        try:
-            red, green, blue = bytes.fromhex(value[1:])
-        except ValueError:
-            pass
-        else:
-            return (red, green, blue)
-    if isinstance(value, (tuple, list)) and len(value) == 3:
-        red, green, blue = value
-        if all(isinstance(channel, int) and 0 <= channel <= 255 for channel in value):
-            return (red, green, blue)
-    raise SceneError(f"{path}: must be like '#10c0ff' or (16, 192, 255), got {value!r}")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from physcore.checks import number
+from physcore.checks import number, span
 from physcore.forces.base import Force
 
 CUTOFF = 2.5
@@ -44,10 +44,10 @@ class LennardJones(Force):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        sigma = number(self.sigma, "LennardJones.sigma", above=0.0)
+        sigma = span(self.sigma, "LennardJones.sigma")
         cutoff = CUTOFF * sigma if self.cutoff is None else self.cutoff
         self._set(
             epsilon=number(self.epsilon, "LennardJones.epsilon", above=0.0),
             sigma=sigma,
-            cutoff=number(cutoff, "LennardJones.cutoff", above=0.0),
+            cutoff=span(cutoff, "LennardJones.cutoff"),
         )

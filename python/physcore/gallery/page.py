@@ -13,11 +13,13 @@ from types import ModuleType
 from typing import cast
 
 import physcore
+from physcore.checks import file_path
 from physcore.errors import FileError
+from physcore.files import replacing, require_writable
+from physcore.film.pictures import opened
 from physcore.gallery import caption, demo
 from physcore.gallery.figure import Figure
 from physcore.recording import Recording
-from physcore.storage import replacing
 
 INDEX = "index.html"
 """The file that is opened."""
@@ -61,11 +63,13 @@ def gallery(directory: str | os.PathLike[str], names: Sequence[str], progress: b
         FileError: a file cannot be written.
         KeyError: there is no such demo.
     """
-    folder, chosen = Path(directory), {name: demo(name) for name in names}
+    folder, chosen = file_path(directory, "directory"), {name: demo(name) for name in names}
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise FileError(f"{folder}: cannot be made a folder: {error.strerror or error}") from error
+    for name in (INDEX, *(f"{name}.gif" for name in chosen)):
+        require_writable(folder / name)
     entries = []
     for name, shown in chosen.items():
         film = f"{name}.gif"
@@ -143,7 +147,5 @@ def _style() -> str:
 
 
 def _size(film: Path) -> tuple[int, int]:
-    from PIL import Image
-
-    with Image.open(film) as image:
+    with opened(film) as image:
         return image.size

@@ -9,6 +9,7 @@ import os
 from pathlib import Path
 from typing import Unpack
 
+from physcore.checks import flag
 from physcore.film.sources import sources
 from physcore.formats import writable
 from physcore.numerics import Options
@@ -61,6 +62,7 @@ def export(
         PhyscoreError: what the format needs is not installed.
         SimulationDiverged: the scene blew up.
     """
-    target, writer = Path(path), writable(path, FORMATS)
+    writer, target = writable(path, FORMATS), Path(path)
+    bar = None if progress is None else flag(progress, "progress")
     (source,) = sources([recording], duration, fps, numerics)
-    writer.write(Trajectory(source, progress), target)
+    writer.write(Trajectory(source, bar), target)

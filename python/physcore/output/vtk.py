@@ -13,10 +13,13 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from physcore.checks import text
 from physcore.errors import FileError
+from physcore.files import held, replacing, sweep, temporary_name, unwritable
 from physcore.output.base import Sample, Trajectory, TrajectoryWriter
-from physcore.storage import replacing
 
+FRAMES = "frames"
+"""What the folder of frames is called in its temporary name, until its content is known."""
 TYPES = {np.dtype("float64"): "Float64", np.dtype("int64"): "Int64"}
 """What VTK calls them."""
 
@@ -34,14 +37,16 @@ class VtkWriter(TrajectoryWriter):
 
     def write(self, trajectory: Trajectory, target: Path) -> None:
         """Write all frames, and then the list of them."""
-        import secrets
         import shutil
 
         home = target.with_suffix("")
-        new = home / f".{secrets.token_hex(4)}.tmp"
+        text(home.name, "path")  # It stands in the list, which is XML.
+        new = home / temporary_name(FRAMES)
         try:
+            sweep(home, FRAMES)
             new.mkdir(parents=True)
-            times, folder = _write_frames(trajectory, new, home)
+            with held(new):
+                times, folder = _write_frames(trajectory, new, home)
             old = _listed(target)
             with replacing(target) as file:
                 file.write(_collection(f"{home.name}/{folder}", times))
@@ -50,7 +55,7 @@ class VtkWriter(TrajectoryWriter):
         except OSError as error:
             if isinstance(error, FileError) and str(target) in str(error):
                 raise
-            raise FileError(f"{target}: cannot be written: {error.strerror or error}") from error
+            raise unwritable(target, error) from error
         finally:
             shutil.rmtree(new, ignore_errors=True)
             with suppress(OSError):  # It has the frames, or it was made for nothing.

@@ -8,9 +8,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from physcore.accuracy import simulate
-from physcore.errors import PhyscoreError
+from physcore.checks import shown
+from physcore.errors import PhyscoreError, SceneError
+from physcore.files import replacing, require_writable
 from physcore.film import film as film_recordings
-from physcore.storage import replacing
+from physcore.film.writers import WRITERS
+from physcore.formats import writable
 from physcore.tradeoff.result import CERTAIN, Row, Tradeoff
 
 if TYPE_CHECKING:
@@ -20,13 +23,37 @@ MARKERS = {"f64": "o", "f32": "s"}
 LINES = {"f64": "-", "f32": ":"}
 
 
+def require_plottable(path: str | os.PathLike[str] | None) -> None:
+    """Find out whether a figure can be written, before the work begins.
+
+    Raises:
+        SceneError: it is no path, or ends like no format that Matplotlib writes.
+        FileError: the file cannot be written.
+        PhyscoreError: Matplotlib is not installed.
+    """
+    try:
+        from matplotlib.backend_bases import FigureCanvasBase
+    except ImportError:
+        raise PhyscoreError('plotting needs Matplotlib: pip install "physcore[plot]"') from None
+    if path is None:
+        return
+    known, suffix = FigureCanvasBase.get_supported_filetypes(), _suffix(require_writable(path))
+    if suffix not in known:
+        raise SceneError(f"path: must end in {', '.join(f'.{each}' for each in known)}, got {shown(str(path))}")
+
+
+def _suffix(path: str | os.PathLike[str]) -> str:
+    """The format of a figure."""
+    return Path(path).suffix.lstrip(".").lower() or "png"
+
+
 def plot(trade: Tradeoff, path: str | os.PathLike[str] | None, axes: Axes | None) -> Axes:
     """Error against time; see `Tradeoff.plot`."""
+    if path is not None or axes is None:
+        require_plottable(path)
     if axes is None:
-        try:
-            from matplotlib.figure import Figure
-        except ImportError:
-            raise PhyscoreError('plotting needs Matplotlib: pip install "physcore[plot]"') from None
+        from matplotlib.figure import Figure
+
         axes = Figure(figsize=(7.2, 4.8), layout="constrained").subplots()
     names = list(dict.fromkeys(type(row.integrator).__name__ for row in trade.rows))
     front = [row for row in trade.front if row.total_error > 0.0]
@@ -67,7 +94,7 @@ def plot(trade: Tradeoff, path: str | os.PathLike[str] | None, axes: Axes | None
         with replacing(path) as file:
             figure = axes.get_figure(root=True)
             assert figure is not None
-            figure.savefig(file, format=Path(path).suffix.lstrip(".") or "png", dpi=144)
+            figure.savefig(file, format=_suffix(path), dpi=144)
     return axes
 
 
@@ -82,6 +109,7 @@ def _series(trade: Tradeoff) -> dict[tuple[str, str, float | None], list[Row]]:
 
 def film(trade: Tradeoff, path: str | os.PathLike[str], row: Row, fps: float, options: dict[str, Any]) -> None:
     """What was chosen beside the reference; see `Tradeoff.film`."""
+    writable(path, WRITERS)
     position = list(dict.fromkeys(each.resolution for each in trade.rows)).index(row.resolution)
     experiment, reference = trade.experiments[position], trade.references[position]
     chosen = simulate(experiment.scene, trade.duration, fps, **row.numerics)

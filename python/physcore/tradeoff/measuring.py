@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from physcore.checks import FloatArray, count, number, shown
+from physcore.checks import FloatArray, count, flag, items, number, shown, span, words
 from physcore.errors import SceneError
 from physcore.integrators import INTEGRATORS, Integrator
+from physcore.numerics import MOST_THREADS
 from physcore.progress import Progress
 from physcore.recording import refuse_if_too_large
 from physcore.scene import Scene
@@ -78,23 +79,24 @@ def tradeoff(
     from physcore.tradeoff.report import machine  # What only this needs, `import physcore` need not wait for.
 
     scenes = _scenes(scene, resolutions)
-    span, patience = number(duration, "duration", above=0.0), number(budget, "budget", above=0.0)
+    interval, patience = span(duration, "duration"), span(budget, "budget")
     chosen = [kind() for kind in INTEGRATORS] if integrators is None else _integrators(integrators)
-    steps = None if dts is None else [number(dt, f"dts[{index}]", above=0.0) for index, dt in enumerate(dts)]
-    for value in precisions:
-        if value not in PRECISIONS:
-            raise SceneError(f"precisions: must be some of 'f64' and 'f32', got {shown(value)}")
-    if steps == [] or not precisions:
-        raise SceneError(f"{'precisions' if steps is None else 'dts'}: must not be empty")
+    steps = None if dts is None else [span(dt, f"dts[{at}]") for at, dt in enumerate(items(dts, "dts", "time steps"))]
+    kinds = words(precisions, "precisions", PRECISIONS)
+    if steps == [] or not kinds:
+        raise SceneError(f"{'precisions' if not kinds else 'dts'}: must not be empty")
+    if observe is not None and not callable(observe):
+        raise SceneError(f"observe: must be a function of a simulation, got {shown(observe)}")
     observer = observe or (None if resolutions is None else _centers)
-    random = count(seed, "seed")
+    random, bars = count(seed, "seed"), None if progress is None else flag(progress, "progress")
+    team = None if threads is None else count(threads, "threads", least=1, most=MOST_THREADS)
     for each in scenes:
         if observer is None:
             size = 8 * COPIES * (SAMPLES + 1) * each.particles * each.dimension
-            refuse_if_too_large(SAMPLES + 1, each.particles, size)
-    experiments = [Experiment(each, span, threads, observer) for each in scenes]
-    with Progress(round(TICKS * patience), "measuring", progress) as bar:
-        studies = _studies(experiments, chosen, precisions, steps, random, patience, bar)
+            refuse_if_too_large(SAMPLES + 1, each.particles, size, "observe fewer numbers: observe=…")
+    experiments = [Experiment(each, interval, team, observer) for each in scenes]
+    with Progress(round(TICKS * patience), "measuring", bars) as bar:
+        studies = _studies(experiments, chosen, kinds, steps, random, patience, bar)
     rows: list[Row] = []
     for study, resolution, error in zip(
         studies, resolutions or (None,), _discretization(studies, resolutions), strict=True
@@ -148,9 +150,13 @@ def _scenes(scene: Scene | Callable[[float], Scene], resolutions: Sequence[float
         return [scene]
     if not callable(scene):
         raise SceneError(f"scene: must be a Scene or a function that builds one, got {shown(scene)}")
-    if resolutions is None or len(resolutions) < 2 or list(resolutions) != sorted(set(resolutions)):
+    if resolutions is None:
+        raise SceneError("resolutions: must be two or more, the coarsest first, got None")
+    given = items(resolutions, "resolutions", "numbers")
+    checked = [number(each, f"resolutions[{index}]", above=0.0) for index, each in enumerate(given)]
+    if len(checked) < 2 or checked != sorted(set(checked)):
         raise SceneError(f"resolutions: must be two or more, the coarsest first, got {shown(resolutions)}")
-    scenes = [scene(resolution) for resolution in resolutions]
+    scenes = [scene(resolution) for resolution in given]
     for resolution, built in zip(resolutions, scenes, strict=True):
         if not isinstance(built, Scene):
             raise SceneError(f"scene: must give a Scene, gave {shown(built)} at resolution {resolution:g}")
@@ -159,13 +165,13 @@ def _scenes(scene: Scene | Callable[[float], Scene], resolutions: Sequence[float
 
 def _integrators(integrators: Sequence[Integrator]) -> list[Integrator]:
     """Some integrators, each once."""
-    chosen = list(dict.fromkeys(integrators))
-    for integrator in chosen:
+    given = items(integrators, "integrators", "integrators")
+    for integrator in given:
         if not isinstance(integrator, INTEGRATORS):
             raise SceneError(f"integrators: must be integrators, such as VelocityVerlet(), got {shown(integrator)}")
-    if not chosen:
+    if not given:
         raise SceneError("integrators: must not be empty")
-    return chosen
+    return list(dict.fromkeys(given))
 
 
 def _centers(simulation: Simulation) -> FloatArray:

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from physcore.checks import number
 from physcore.errors import PhyscoreError, SceneError
+from physcore.files import replacing
 from physcore.integrators import Integrator
 from physcore.numerics import Options
 from physcore.scene import Scene
-from physcore.storage import replacing
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

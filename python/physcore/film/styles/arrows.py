@@ -46,7 +46,7 @@ class Arrows(FieldStyle):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        number(self.spacing, "Arrows.spacing", least=6.0)
+        self._set(spacing=number(self.spacing, "Arrows.spacing", least=6.0))
 
     def field_painter(self, shown: Field, theme: Theme) -> Painter:
         """What draws arrows."""

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from physcore._core import Canvas
 from physcore.bodies import Body
-from physcore.checks import BoolArray, FloatArray, IntArray
+from physcore.checks import BoolArray, FloatArray, IntArray, number
 from physcore.film.camera import PixelArray, View
 from physcore.film.colormaps import ColormapName, sequential
 from physcore.film.sources import Moment, Source
@@ -70,7 +70,19 @@ class Style(ABC):
     """The body or bodies drawn in this style; None: all that it can draw."""
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "on", chosen(self.on, f"{type(self).__name__}.on"))
+        self._set(on=chosen(self.on, f"{type(self).__name__}.on"))
+
+    def _set(self, **values: object) -> None:
+        """Replace what the user passed by its checked form; only for `__post_init__`."""
+        for name, value in values.items():
+            object.__setattr__(self, name, value)
+
+    def _set_positive(self, *names: str) -> None:
+        """Check numbers above zero, each of which may be None."""
+        for name in names:
+            value = getattr(self, name)
+            if value is not None:
+                self._set(**{name: number(value, f"{type(self).__name__}.{name}", above=0.0)})
 
     def bodies(self) -> tuple[Body, ...] | None:
         """The bodies drawn in this style; None: all that it can draw."""

@@ -7,11 +7,10 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from physcore._core import norms
-from physcore.checks import number
 from physcore.film.colormaps import ColormapName, sequential
 from physcore.film.sources import Moment, Source
 from physcore.film.styles.base import Painter, Part, Scale, Style, table, typical
-from physcore.film.styles.fields import UNITS, Field, Of, field
+from physcore.film.styles.fields import UNITS, Field, Of, check_field, field
 from physcore.film.themes import Theme
 
 
@@ -29,8 +28,8 @@ class FieldStyle(Style):
         super().__post_init__()
         if self.colormap is not None:
             sequential(self.colormap, (0.0, 1.0), f"{type(self).__name__}.colormap")
-        if self.top is not None:
-            number(self.top, f"{type(self).__name__}.top", above=0.0)
+        check_field(self.of, f"{type(self).__name__}.of")
+        self._set_positive("top")
 
     def painter(self, source: Source, parts: list[Part], theme: Theme) -> Painter:
         """A painter with the scale of one film."""

@@ -10,7 +10,7 @@ from typing import Literal, Protocol, TypeAlias
 import numpy as np
 
 from physcore.bodies import Particles
-from physcore.checks import FloatArray, IntArray, shown
+from physcore.checks import FloatArray, IntArray, is_word, regular, shown
 from physcore.errors import PhyscoreError, SceneError
 from physcore.film.camera import View
 from physcore.film.sources import Moment, Source
@@ -55,15 +55,24 @@ def field(of: object, source: Source, parts: list[Part], path: str) -> Field:
     Raises:
         SceneError: there is no such field, or it needs velocities that were not recorded.
     """
-    if of == "velocities":
+    check_field(of, path)
+    if is_word(of, "velocities"):
         if not source.has("velocities"):
             raise SceneError(f"{path}: 'velocities' were not recorded; record them, or give a function")
         return Motion(places(parts))
-    if of == "acceleration":
-        return Space(_acceleration(source.scene))
-    if callable(of):
-        return Space(of)
-    raise SceneError(f"{path}: must be 'velocities', 'acceleration' or a function(time, positions), got {shown(of)}")
+    return Space(of if callable(of) else _acceleration(source.scene))
+
+
+def check_field(of: object, path: str) -> None:
+    """Refuse what is no field.
+
+    Raises:
+        SceneError: it is none.
+    """
+    if not (is_word(of, "velocities") or is_word(of, "acceleration") or callable(of)):
+        raise SceneError(
+            f"{path}: must be 'velocities', 'acceleration' or a function(time, positions), got {shown(of)}"
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -140,10 +149,12 @@ class Space:
         Raises:
             SceneError: the function gives something else.
         """
-        vectors = np.asarray(self.function(time, places), dtype=float)
-        if vectors.shape != places.shape:
-            raise SceneError(f"of: the function must give vectors of shape {places.shape}, got {vectors.shape}")
-        return vectors
+        vectors = regular(self.function(time, places), "of")
+        if vectors.shape != places.shape or vectors.dtype.kind not in "biuf":
+            raise SceneError(
+                f"of: the function must give vectors of shape {places.shape}, got {vectors.dtype} of {vectors.shape}"
+            )
+        return vectors.astype(np.float64)
 
 
 def pattern(view: View, spacing: float) -> FloatArray:

@@ -10,7 +10,7 @@ import numpy as np
 from physcore import fluid
 from physcore._core import Canvas, norms, tint
 from physcore.bodies import Body
-from physcore.checks import FloatArray, number
+from physcore.checks import FloatArray, flag, word
 from physcore.errors import SceneError
 from physcore.film.camera import View
 from physcore.film.colormaps import ColormapName, sequential
@@ -63,11 +63,10 @@ class Fluid(Style):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if self.color not in CHANNEL:
-            raise SceneError(f"Fluid.color: must be one of {', '.join(map(repr, CHANNEL))}, got {self.color!r}")
+        word(self.color, "Fluid.color", CHANNEL)
         sequential(self.colormap, (0.0, 1.0), "Fluid.colormap")
-        if self.top is not None:
-            number(self.top, "Fluid.top", above=0.0)
+        self._set(surface=flag(self.surface, "Fluid.surface"))
+        self._set_positive("top")
 
     def can_draw(self, body: Body) -> bool:
         """Whether it is a fluid."""

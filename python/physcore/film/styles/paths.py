@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from physcore._core import Canvas
 from physcore.bodies import Body
-from physcore.checks import FloatArray, IntArray, number, regular
+from physcore.checks import FloatArray, IntArray, number, regular, shown
 from physcore.errors import SceneError
 from physcore.film.camera import View
 from physcore.film.sources import Moment, Source
@@ -43,11 +43,11 @@ class Paths(Style):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        number(self.width, "Paths.width", above=0.0)
+        self._set(width=number(self.width, "Paths.width", above=0.0))
         if self.particles is not None:
             given = np.atleast_1d(regular(self.particles, "Paths.particles"))
             if given.ndim != 1 or given.size == 0 or given.dtype.kind not in "iu":
-                raise SceneError(f"Paths.particles: must be a list of indices, got {self.particles!r}")
+                raise SceneError(f"Paths.particles: must be a list of indices, got {shown(self.particles)}")
             object.__setattr__(self, "particles", tuple(given.tolist()))
 
     def can_draw(self, body: Body) -> bool:

@@ -10,7 +10,7 @@ from typing import Literal
 import numpy as np
 
 from physcore._core import Canvas, norms, tint
-from physcore.checks import FloatArray, number
+from physcore.checks import FloatArray, number, word
 from physcore.errors import SceneError
 from physcore.film.camera import PixelArray, View
 from physcore.film.colormaps import ColormapName, sequential
@@ -82,16 +82,15 @@ class Points(Style):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if self.color not in (None, "speed", "energy", "body"):
-            raise SceneError(f"Points.color: must be 'speed', 'energy' or 'body', got {self.color!r}")
+        if self.color is not None:
+            word(self.color, "Points.color", ("speed", "energy", "body"))
         sequential(self.colormap, (0.0, 1.0), "Points.colormap")
-        if self.trail is not None:
-            number(self.trail, "Points.trail", least=0.0)
-        number(self.glow, "Points.glow", least=0.0, most=1.0)
-        number(self.blur, "Points.blur", least=0.0, most=1.0)
-        for name in ("size", "top"):
-            if getattr(self, name) is not None:
-                number(getattr(self, name), f"Points.{name}", above=0.0)
+        self._set(
+            trail=None if self.trail is None else number(self.trail, "Points.trail", least=0.0),
+            glow=number(self.glow, "Points.glow", least=0.0, most=1.0),
+            blur=number(self.blur, "Points.blur", least=0.0, most=1.0),
+        )
+        self._set_positive("size", "top")
 
     def painter(self, source: Source, parts: list[Part], theme: Theme) -> Painter:
         """A painter with the color scale of one film."""

@@ -8,7 +8,7 @@ import numpy as np
 
 from physcore._core import Canvas
 from physcore.bodies import Body, SpringNetwork
-from physcore.checks import BoolArray, FloatArray, IntArray, number
+from physcore.checks import BoolArray, FloatArray, IntArray
 from physcore.errors import SceneError
 from physcore.film.camera import View
 from physcore.film.colormaps import diverging, look_up
@@ -51,9 +51,7 @@ class Strain(Style):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        for name in ("range", "width"):
-            if getattr(self, name) is not None:
-                number(getattr(self, name), f"Strain.{name}", above=0.0)
+        self._set_positive("range", "width")
 
     def can_draw(self, body: Body) -> bool:
         """Whether it has springs."""

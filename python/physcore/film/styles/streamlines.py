@@ -52,9 +52,11 @@ class Streamlines(FieldStyle):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        number(self.spacing, "Streamlines.spacing", least=6.0)
-        number(self.length, "Streamlines.length", least=2.0 * STEP)
-        number(self.width, "Streamlines.width", above=0.0)
+        self._set(
+            spacing=number(self.spacing, "Streamlines.spacing", least=6.0),
+            length=number(self.length, "Streamlines.length", least=2.0 * STEP),
+            width=number(self.width, "Streamlines.width", above=0.0),
+        )
 
     def can_draw(self, body: Body) -> bool:
         """Whether it lies in the plane."""

@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from physcore._core import Canvas, Texture
 from physcore.bodies import Body, SpringNetwork
-from physcore.checks import FloatArray, IntArray, number
+from physcore.checks import FloatArray, IntArray, file_path, frozen, is_word, regular
 from physcore.errors import FileError, SceneError
 from physcore.film.camera import Orbit, View
 from physcore.film.colormaps import diverging, look_up
+from physcore.film.pictures import opened
 from physcore.film.sources import Moment, Source
 from physcore.film.styles.base import Painter, Part, Scale, Style, body_color, inks, places, straight, sums, typical
 from physcore.film.styles.strain import rooted, strain_scale
@@ -36,6 +36,27 @@ LARGEST = 4096
 """The longest side of a texture [pixels]."""
 
 
+class Picture:
+    """The pixels (H, W, 3) of a texture, and what the canvas makes of them; compared by the pixels."""
+
+    def __init__(self, pixels: NDArray[np.uint8]) -> None:
+        self.pixels: NDArray[np.uint8] = frozen(np.array(pixels, order="C"))
+        self.texture = Texture(self.pixels)
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return Picture, (self.pixels,)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Picture) and np.array_equal(self.pixels, other.pixels)
+
+    def __hash__(self) -> int:
+        return hash((self.pixels.shape, self.pixels.tobytes()))
+
+    def __repr__(self) -> str:
+        height, width, _ = self.pixels.shape
+        return f"Picture({width}×{height})"
+
+
 @dataclass(frozen=True)
 class Surface(Style):
     """The triangles of a spring network's `faces`, filled; in 3D with Lambert's light and smooth normals.
@@ -54,17 +75,16 @@ class Surface(Style):
     """
 
     color: Literal["body", "strain"] | str | Color = "body"
-    texture: str | os.PathLike[str] | NDArray[np.uint8] | Texture | None = None
+    texture: str | os.PathLike[str] | NDArray[np.uint8] | Picture | None = None
     range: float | None = None
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if self.color not in ("body", "strain"):
-            color(self.color, "Surface.color")
-        if self.range is not None:
-            number(self.range, "Surface.range", above=0.0)
-        if self.texture is not None and not isinstance(self.texture, Texture):
-            object.__setattr__(self, "texture", Texture(_picture(self.texture)))
+        if not (is_word(self.color, "body") or is_word(self.color, "strain")):
+            self._set(color=color(self.color, "Surface.color"))
+        self._set_positive("range")
+        if self.texture is not None and not isinstance(self.texture, Picture):
+            self._set(texture=Picture(_pixels(self.texture)))
 
     def can_draw(self, body: Body) -> bool:
         """Whether it has a surface."""
@@ -103,7 +123,7 @@ class SurfacePainter(Painter):
         for part in parts:
             own = style.color in ("body", "strain")
             self._plain[part.where] = body_color(source, part, theme) if own else color(style.color, "Surface.color")
-        self._texture = style.texture if isinstance(style.texture, Texture) else None
+        self._texture = style.texture.texture if isinstance(style.texture, Picture) else None
         if self._texture is not None and style.color == "body":
             self._plain[:] = 255.0
         everywhere = np.zeros((count, 2), dtype=np.float32)
@@ -197,20 +217,19 @@ def spread(positions: FloatArray) -> NDArray[np.float32]:
     return places
 
 
-def _picture(given: Any) -> NDArray[np.uint8]:
+def _pixels(given: object) -> NDArray[np.uint8]:
     """The pixels of a texture (H, W, 3)."""
     if isinstance(given, (str, os.PathLike)):
-        from PIL import Image, UnidentifiedImageError
-
+        path = file_path(given, "Surface.texture")
         try:
-            with Image.open(Path(given)) as image:
+            with opened(path) as image:
                 image.thumbnail((LARGEST, LARGEST))
-                return np.ascontiguousarray(np.asarray(image.convert("RGB")))
-        except (OSError, UnidentifiedImageError) as error:
-            raise FileError(f"Surface.texture: {os.fspath(given)} cannot be read: {error}") from error
-    pixels = np.asarray(given)
+                return np.asarray(image.convert("RGB"))
+        except FileError as error:
+            raise FileError(f"Surface.texture: {error}") from error
+    pixels = regular(given, "Surface.texture")
     if pixels.ndim != 3 or pixels.shape[2] != 3 or pixels.dtype != np.uint8 or 0 in pixels.shape:
         raise SceneError(
             f"Surface.texture: must be a path or bytes of shape (H, W, 3), got {pixels.dtype} of shape {pixels.shape}"
         )
-    return np.ascontiguousarray(pixels)
+    return pixels

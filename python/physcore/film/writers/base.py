@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import ClassVar, Literal, get_args
 
 from physcore._core import Canvas
-from physcore.checks import number
+from physcore.checks import span
 from physcore.errors import SceneError
 from physcore.film.panels import Stage
 from physcore.formats import Format
@@ -91,7 +91,7 @@ class Writer(Format, ABC):
         Raises:
             SceneError: the format cannot show them in real time.
         """
-        rate = fps * number(speed, "speed", above=0.0)
+        rate = fps * span(speed, "speed")
         if rate > cls.fastest * (1.0 + 1e-9):
             raise SceneError(
                 f"fps: {cls.name} shows at most {cls.fastest:g} frames per second, got {rate:g}; record fewer, "

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from contextlib import closing
+import os
+from contextlib import ExitStack, closing
 from math import ceil
 from pathlib import Path
 from typing import BinaryIO, ClassVar
 
 from physcore._core import Gif
+from physcore.files import held, replacing
 from physcore.film.writers.base import Film, Reel, Writer, delays
 from physcore.film.writers.budget import Cut
 
@@ -34,7 +36,7 @@ class GifWriter(Writer):
         cut, whole = Cut(), reel.stage.size
         while True:
             try:
-                _write(reel, target, cut)
+                _write_file(reel, target, cut)
             except TooLargeError as error:
                 cut = cut.deeper(error.excess, reel.rate, error.limit)
                 reel.stage.resize(cut.size(whole))
@@ -77,6 +79,22 @@ class TooLargeError(Exception):
         self.limit = limit
         self.excess = excess
         """How many times more, as far as can be told."""
+
+
+def _write_file(reel: Reel, target: Path, cut: Cut) -> None:
+    """Write what is left of all frames under a temporary name first, which is locked as long as it is there.
+
+    Raises:
+        TooLargeError: they are too many; nothing was written.
+    """
+    with ExitStack() as until_replaced, replacing(target) as file:
+        part = Path(f"{file.name}.part")
+        try:
+            _write(reel, part, cut)
+            until_replaced.enter_context(held(part))
+            os.replace(part, file.name)
+        finally:
+            part.unlink(missing_ok=True)
 
 
 def _write(reel: Reel, target: Path | None, cut: Cut) -> bytes | None:

@@ -14,9 +14,10 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from physcore.files import replacing
+from physcore.film.pictures import opened
 from physcore.film.writers.base import Film, Reel, Writer, delays
 from physcore.film.writers.patches import Patch, patches
-from physcore.storage import replacing
 
 TICKS = 1000
 """Delays are milliseconds."""
@@ -64,9 +65,7 @@ class WebpWriter(Writer):
     @staticmethod
     def evidence(path: Path) -> str | None:
         """The description in the EXIF data."""
-        from PIL import Image
-
-        with Image.open(path) as image:
+        with opened(path) as image:
             text = image.getexif().get(DESCRIPTION)
         return None if text is None else str(text)
 

@@ -1,0 +1,387 @@
+"""Files whose checksum is right say nothing about who wrote them: any wrong content is an error that names it."""
+
+from __future__ import annotations
+
+import errno
+import io
+import json
+import os
+import signal
+import subprocess
+import sys
+import zipfile
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+import physcore as pc
+from physcore import files, storage
+from physcore.film import evidence
+from physcore.film.writers import WRITERS
+
+SCENE = pc.Scene(
+    pc.cloth((3, 3), 0.1, 10.0, 0.1, pinned="top", name="cloth"),
+    pc.Fluid(pc.block((0.0, -1.0), (0.3, -0.7), 0.1), 0.1),
+    pc.Gravity((0.0, -9.81)),
+    pc.Floor(-1.1),
+    pc.Periodic((-5.0, -np.inf), (5.0, np.inf)),
+)
+
+
+def contents(tmp: Path) -> dict[str, dict[str, Any]]:
+    """What a checkpoint and a recording hold."""
+    simulation = pc.Simulation(SCENE)
+    simulation.step(3)
+    simulation.save(tmp / "simulation")
+    pc.simulate(SCENE, 0.1, channels=("positions", "densities")).save(tmp / "recording")
+    return {kind: storage.read(tmp / kind)[1] for kind in ("simulation", "recording")}
+
+
+@pytest.fixture(scope="module")
+def held(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[str, dict[str, Any]]]:
+    folder = tmp_path_factory.mktemp("files")
+    return folder / "changed", contents(folder)
+
+
+def entries(tree: Any, path: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
+    """The paths of all entries of a tree."""
+    children = tree.items() if isinstance(tree, dict) else enumerate(tree) if isinstance(tree, list) else ()
+    return [path] * bool(path) + [found for key, child in children for found in entries(child, (*path, key))]
+
+
+def changed(tree: Any, path: tuple[Any, ...], value: Any) -> Any:
+    """The same tree with one entry replaced, or left out where the value is ..."""
+    if not path:
+        return value
+    key, *rest = path
+    items = dict(tree) if isinstance(tree, dict) else dict(enumerate(tree))
+    if not rest and value is ...:
+        del items[key]
+    else:
+        items[key] = changed(items[key], tuple(rest), value)
+    return items if isinstance(tree, dict) else list(items.values())
+
+
+FAR = 1e300 * SCENE.bodies[1].positions
+"""Beyond single precision, in which fluids are computed."""
+WRONG: list[Any] = [
+    ...,
+    None,
+    -1,
+    2**70,
+    float("nan"),
+    float("inf"),
+    "wrong",
+    [],
+    {},
+    [[]],
+    {"kind": "Fluid", "fields": {}},
+    {"kind": [], "fields": []},
+    np.full((2, 2), np.nan),
+    np.zeros(0),
+    np.zeros((5, 4, 3), dtype=np.int64),
+]
+
+
+@pytest.mark.filterwarnings("ignore::physcore.MachWarning")
+@pytest.mark.parametrize("kind", ["simulation", "recording"])
+@pytest.mark.parametrize("value", WRONG, ids=lambda value: f"{type(value).__name__} {np.size(value)}")
+def test_a_file_with_a_wrong_entry_is_a_file_error_or_another_right_file(held, kind, value, monkeypatch):
+    monkeypatch.setattr(os, "fsync", lambda descriptor: None)  # It takes most of the time.
+    path, trees = held
+    told: list[str] = []
+    for place in entries(trees[kind]):
+        storage.write(path, kind, changed(trees[kind], place, value))
+        try:
+            loaded = pc.load(path)
+        except pc.FileError as error:
+            told.append(str(error))
+        except Exception as error:
+            pytest.fail(f"{place}: {type(error).__name__}: {error}")
+        else:
+            assert isinstance(loaded, pc.Simulation if kind == "simulation" else pc.Recording)
+            assert np.isfinite(loaded.positions).all()
+            assert np.isfinite(loaded.time if kind == "simulation" else loaded.times).all(), place
+    assert told
+    assert all(str(path) in message for message in told)
+
+
+@pytest.mark.parametrize(
+    ("kind", "place", "value", "message"),
+    [
+        ("recording", ("times",), np.full(4, np.nan), "times: must be finite"),
+        ("recording", ("times",), np.zeros(7), r"must be an array of the shape \(7"),
+        ("recording", ("positions",), ..., "positions: is missing"),
+        ("recording", ("fps",), 0.0, "fps: must be a finite number > 0, got 0"),
+        ("recording", ("plan", "stages"), "all", "plan.stages: must be a list, got 'all'"),
+        ("recording", ("plan", "dt_limit"), "none", "plan.dt_limit: must be a number, got 'none'"),
+        ("recording", ("energy", "by_term", "springs"), 3, "energy.by_term.springs: must be an array"),
+        ("simulation", ("world", "clock"), np.array([np.nan, 1.0]), "world.clock: must be finite"),
+        ("simulation", ("pace", "limits"), [{}], "pace.limits: must be a list of 0 or 2"),
+        (
+            "simulation",
+            ("scene", "bodies", 0, "kind"),
+            "Gravity",
+            r"scene.bodies\[0\].kind: must be one of 'Particles'",
+        ),
+        ("simulation", ("scene", "bodies", 0, "fields", "mass"), -1.0, r"scene.bodies\[0\]: SpringNetwork.mass"),
+        ("simulation", ("scene", "forces", 0, "fields", "on"), [9], r"scene.forces\[0\].on\[0\]: must be a whole"),
+        ("simulation", ("scene", "bodies", 1, "fields", "positions"), FAR, "world.columns: must be finite"),
+        ("simulation", ("numerics", "dt"), "fast", "dt: must be a number of seconds"),
+    ],
+)
+def test_a_wrong_entry_is_named(held, kind, place, value, message):
+    path, trees = held
+    storage.write(path, kind, changed(trees[kind], place, value))
+    with pytest.raises(pc.FileError, match=message):
+        pc.load(path)
+
+
+def signed(archive: bytes) -> bytes:
+    """An archive with the trailer that `storage` would have written; it has to have a comment of that length."""
+    size = len(archive) - storage._TRAILER_SIZE
+    return archive[:size] + storage._trailer(storage._digest(io.BytesIO(archive), size))
+
+
+def packed(members: dict[str, bytes], compression: int = zipfile.ZIP_STORED) -> bytes:
+    """An archive of some members with a right checksum."""
+    buffer = io.BytesIO()
+    with zipfile.ZipFile(buffer, "w", compression) as archive:
+        for name, content in members.items():
+            archive.writestr(name, content)
+        archive.comment = storage._trailer("0" * 64)
+    return signed(buffer.getvalue())
+
+
+@pytest.mark.parametrize(
+    ("members", "message"),
+    [
+        ({}, "header.json"),
+        ({"header.json": b"[]"}, "must have a kind and a content"),
+        ({"header.json": b'{"kind": 1, "content": {}}'}, "must have a kind and a content"),
+        ({"header.json": b'{"kind": "film", "content": {}}'}, "kind: must be one of 'simulation', 'recording'"),
+        ({"header.json": b"[" * 100_000 + b"]" * 100_000}, "nested too deeply"),
+        ({"header.json": b'{"kind": "recording", "content": {"x": ' + b"[" * 990 + b"]" * 990 + b"}}"}, "damaged|wn"),
+        ({"header.json": b"\xff\xfe"}, "is damaged"),
+        ({"header.json": b'{"kind": "recording", "content": {"x": {"$array": ["y"]}}}'}, "has no array"),
+        ({"header.json": b'{"kind": "recording", "content": {"x": {"$array": "y"}}}'}, "has no array 'y'"),
+    ],
+)  # fmt: skip
+def test_an_archive_that_physcore_did_not_write_is_refused(tmp_path, members, message):
+    (tmp_path / "file").write_bytes(packed(members))
+    with pytest.raises(pc.FileError, match=message):
+        pc.load(tmp_path / "file")
+
+
+@pytest.mark.parametrize(
+    ("header", "data"),
+    [
+        ("{'descr': '<f8', 'fortran_order': False, 'shape': (1000000000000,), }", b""),
+        ("{'descr': '<f8', 'fortran_order': False, 'shape': (2,), }", b"\0" * 8),
+        ("{'descr': '|O', 'fortran_order': False, 'shape': (1,), }", b"\0" * 8),
+        ("{'descr': '<f8', 'fortran_order': False, 'shape': ((((1)))), }", b"\0" * 8),
+        ("{'descr': '<f8', 'fortran_order': False, 'shape': (" + "0," * 90 + "), }", b""),
+        ("__import__('os')", b""),
+    ],
+)
+def test_an_array_that_is_not_what_its_header_says_is_refused(tmp_path, header, data):
+    text = header.encode() + b"\n"
+    array = b"\x93NUMPY\x01\x00" + len(text).to_bytes(2, "little") + text + data
+    tree = b'{"kind": "recording", "content": {"times": {"$array": "times"}}}'
+    (tmp_path / "file").write_bytes(packed({"header.json": tree, "times.npy": array}))
+    with pytest.raises(pc.FileError, match="is damaged: 'times'"):
+        pc.load(tmp_path / "file")
+
+
+def test_compressed_members_are_refused_before_they_are_read(tmp_path):
+    """A hundred megabytes of blanks, in a hundred kilobytes: reading them would take seconds and all that memory."""
+    import tracemalloc
+
+    (tmp_path / "file").write_bytes(packed({"header.json": b" " * 10**8}, zipfile.ZIP_DEFLATED))
+    tracemalloc.start()
+    with pytest.raises(pc.FileError, match=r"'header\.json' is compressed"):
+        pc.load(tmp_path / "file")
+    assert tracemalloc.get_traced_memory()[1] < 10**7
+    tracemalloc.stop()
+
+
+@given(data=st.data())
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
+def test_any_bytes_with_a_right_checksum_are_a_file_error_or_a_valid_object(held, data):
+    """Some bytes of a right file changed: in its arrays, its header or its directory."""
+    path, trees = held
+    kind = data.draw(st.sampled_from(sorted(trees)))
+    storage.write(path, kind, trees[kind])
+    content = bytearray(path.read_bytes())
+    for _ in range(data.draw(st.integers(1, 8))):
+        where = data.draw(st.integers(0, 3000)) - 3000 * data.draw(st.booleans())
+        content[where % len(content)] = data.draw(st.integers(0, 255))
+    with zipfile.ZipFile(path):
+        pass
+    path.write_bytes(signed(bytes(content)))
+    with suppress(pc.FileError):
+        assert np.isfinite(pc.load(path).positions).all()
+
+
+LEAVES = st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=5)
+NAMES = st.sampled_from(["kind", "fields", "scene", "world", "bodies", "times", "channels"])
+
+
+@given(
+    tree=st.recursive(LEAVES, lambda t: st.lists(t, max_size=3) | st.dictionaries(NAMES, t, max_size=4), max_leaves=10)
+)
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
+def test_any_tree_is_a_file_error(held, tree):
+    path, _ = held
+    for kind in ("simulation", "recording"):
+        path.write_bytes(packed({"header.json": json.dumps({"kind": kind, "content": tree}).encode()}))
+        with pytest.raises(pc.FileError):
+            pc.load(path)
+
+
+@pytest.mark.parametrize("value", [1, 0, None, b"name", True, 3.0, "a\0b", "\ud800", ["name"]], ids=ascii)
+def test_only_names_of_files_are_loaded(value):
+    """A number would be taken for an open file, and closed."""
+    with pytest.raises(pc.SceneError, match="path: must be"):
+        pc.load(value)
+    os.fstat(1)
+
+
+def test_names_that_are_no_text_of_unicode_are_names_of_files(tmp_path):
+    name = os.fsdecode(os.fsencode(tmp_path) + b"/\xff")
+    pc.Simulation(SCENE).save(name)
+    assert isinstance(pc.load(name), pc.Simulation)
+
+
+@pytest.mark.parametrize("kind", [each for each in WRITERS if each.missing() is None])
+def test_a_damaged_film_says_nothing_but_a_file_error(kind, tmp_path):
+    path = tmp_path / f"film{kind.suffixes[0]}"
+    pc.film(pc.simulate(SCENE, 0.1), path, size=(64, 48), sidecar=False)
+    whole, generator = path.read_bytes(), np.random.default_rng(1)
+    assert evidence(path)
+    for _ in range(60):
+        content = bytearray(whole)
+        for place in generator.integers(len(whole), size=30).tolist():
+            content[place] = int(generator.integers(256))
+        path.write_bytes(bytes(content[: int(generator.integers(len(whole)))]))
+        with suppress(pc.FileError):
+            evidence(path)
+
+
+@pytest.mark.parametrize("text", ["[" * 100_000, "3", "[3]", '{"a": 1}', "nothing", "\xff"])
+def test_evidence_that_is_none_is_refused(text, tmp_path):
+    path = tmp_path / "film.gif.json"
+    path.write_bytes(text.encode("latin-1"))
+    with pytest.raises(pc.FileError, match=r"film\.gif\.json"):
+        evidence(path)
+
+
+@pytest.mark.parametrize(
+    "content", [b"", b"GIF89a", b"\x89PNG\r\n\x1a\n" + b"\0" * 40, b"P6 100000 100000 255\n", b"BM" + b"\xff" * 60]
+)
+def test_a_texture_that_is_no_picture_is_a_file_error(content, tmp_path):
+    (tmp_path / "picture.png").write_bytes(content)
+    with pytest.raises(pc.FileError, match=r"Surface\.texture: .*picture\.png"):
+        pc.styles.Surface(texture=tmp_path / "picture.png")
+
+
+KILLED = """
+import os, signal, sys
+import physcore as pc
+from physcore.film import Window
+from physcore.files import replacing
+
+def end(time, x, v):
+    if time > 0.4:
+        os.kill(os.getpid(), signal.SIGKILL)
+    return 0.0 * x
+
+scene = pc.Scene(pc.Particles([[0.0, 0.0], [1.0, 1.0]]), pc.CustomForce(end))
+action, path = sys.argv[1:]
+if action == "save":
+    with replacing(path) as file:
+        file.write(b"half")
+        os.kill(os.getpid(), signal.SIGKILL)
+elif action == "film":
+    camera, style = Window((0.0, 0.0), (1.0, 1.0)), pc.styles.Points(color="body")
+    pc.film(scene, path, duration=0.5, dt=0.01, size=(64, 48), camera=camera, style=style)
+else:
+    pc.export(scene, path, duration=0.5, dt=0.01)
+"""
+
+
+TARGETS = [("save", "state"), ("film", "film.gif"), ("film", "film.webp"), ("export", "run.xyz"), ("export", "run.pvd")]
+
+
+@pytest.mark.parametrize(("action", "name"), TARGETS)
+def test_what_a_killed_writer_left_is_swept_by_the_next_one(action, name, tmp_path):
+    path = tmp_path / name
+    done = subprocess.run([sys.executable, "-c", KILLED, action, path], capture_output=True, text=True, check=False)
+    assert done.returncode == -signal.SIGKILL, done.stderr
+    assert any(".tmp" in str(left) for left in tmp_path.rglob("*"))
+    recording = pc.simulate(pc.Scene(pc.Particles([[0.0, 0.0]])), 0.1)
+    match action:
+        case "save":
+            recording.save(path)
+        case "film":
+            pc.film(recording, path, size=(64, 48), sidecar=False)
+        case _:
+            pc.export(recording, path)
+    assert not [left for left in tmp_path.rglob("*") if ".tmp" in str(left)]
+
+
+def test_what_a_living_writer_writes_is_left_alone(tmp_path):
+    path = tmp_path / "state"
+    with files.replacing(path) as first:
+        first.write(b"first")
+        with files.replacing(path) as second:
+            second.write(b"second")
+        assert path.read_bytes() == b"second"
+        (tmp_path / ".state.notes.tmp").write_text("of somebody else")
+        (tmp_path / ".other.01234567.tmp").write_text("of another target")
+    assert path.read_bytes() == b"first"
+    assert len(list(tmp_path.iterdir())) == 3
+
+
+def test_a_link_to_itself_is_refused(tmp_path):
+    link = tmp_path / "link.gif"
+    link.symlink_to(link)
+    recording = pc.simulate(SCENE, 0.0)
+    for action in (recording.save, lambda path: pc.film(recording, path), files.require_writable):
+        with pytest.raises(pc.FileError, match="cannot be written: a link that leads to itself"):
+            action(link)
+    assert link.is_symlink()
+    with pytest.raises(pc.FileError, match="cannot be read"):
+        pc.load(link)
+
+
+def test_a_target_that_cannot_be_written_is_refused_before_the_work(tmp_path, monkeypatch):
+    monkeypatch.setattr(pc.Simulation, "__init__", lambda *arguments, **options: pytest.fail("simulated"))
+    (tmp_path / "folder.gif").mkdir()
+    (tmp_path / "film.gif.json").mkdir()
+    (tmp_path / "folder.xyz").mkdir()
+    for target in ("folder.gif", "missing/film.gif", "film.gif", "n" * 300 + ".gif"):
+        with pytest.raises(pc.FileError, match="cannot be written"):
+            pc.film(SCENE, tmp_path / target, duration=1.0)
+    for target in ("folder.xyz", "missing/run.xyz"):
+        with pytest.raises(pc.FileError, match="cannot be written"):
+            pc.export(SCENE, tmp_path / target, duration=1.0)
+    assert sorted(entry.name for entry in tmp_path.iterdir()) == ["film.gif.json", "folder.gif", "folder.xyz"]
+
+
+def test_a_disk_that_says_no_is_found_before_the_work(tmp_path, monkeypatch):
+    real = os.open
+
+    def refuse(path: Any, *arguments: Any, **options: Any) -> int:
+        if ".tmp" in str(path):
+            raise OSError(errno.EROFS, "Read-only file system")
+        return real(path, *arguments, **options)
+
+    monkeypatch.setattr(os, "open", refuse)
+    with pytest.raises(pc.FileError, match=r"film\.gif: cannot be written: Read-only file system"):
+        pc.film(SCENE, tmp_path / "film.gif", duration=1e9)
