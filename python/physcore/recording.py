@@ -11,6 +11,7 @@ from typing import Any, Literal, Self
 import numpy as np
 
 from physcore import storage
+from physcore._core import available_memory
 from physcore.checks import FloatArray
 from physcore.energy import EnergySeries
 from physcore.errors import SceneError
@@ -236,15 +237,10 @@ def refuse_if_too_large(frames: int, particles: int, needed: int) -> None:
 
 
 def _available_memory() -> int | None:
-    """Bytes that can be had without swapping, where the system tells."""
-    try:
-        with open("/proc/meminfo", encoding="ascii") as file:
-            for line in file:
-                if line.startswith("MemAvailable:"):
-                    return int(line.split()[1]) * 1024
-        return None
-    except OSError:
-        pass
+    """Bytes that can be had without swapping, within the process's limits; all there are where nothing tells."""
+    available = available_memory()
+    if available is not None:
+        return available
     try:
         return os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
     except (AttributeError, OSError, ValueError):

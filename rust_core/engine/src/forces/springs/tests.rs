@@ -59,6 +59,7 @@ impl Network {
             residual: View::default(),
             properties: &properties,
             time: 0.0,
+            crew: &ALONE,
         })
     }
 
