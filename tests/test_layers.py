@@ -11,6 +11,7 @@ PACKAGE = Path(__file__).parents[1] / "python" / "physcore"
 
 LAYERS = [
     "errors",
+    "_core",
     "memory",
     "checks",
     "schema",
@@ -31,7 +32,6 @@ LAYERS = [
     "energy",
     "state",
     "plan",
-    "_core",
     "engine",
     "progress",
     "storage",

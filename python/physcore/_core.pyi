@@ -6,7 +6,7 @@ from typing import Literal, TypedDict, final
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Canvas", "Gif", "Projection", "Texture", "World", "norms", "tint"]
+__all__ = ["Canvas", "Gif", "Projection", "Texture", "World", "available_memory", "norms", "tint"]
 
 class _EnergyRecord(TypedDict):
     kinetic: float
@@ -44,6 +44,8 @@ _Rgb = tuple[int, int, int]
 _Ink = tuple[int, int, int, int]
 
 @final
+def available_memory() -> int | None: ...
+
 class World:
     def __new__(
         cls,

@@ -5,18 +5,15 @@ from __future__ import annotations
 import os
 import sys
 
+from physcore._core import available_memory
 from physcore.errors import SceneError
 
 
 def available() -> int:
-    """Bytes that can be had without swapping, where the system tells; all that can be addressed, where it does not."""
-    try:
-        with open("/proc/meminfo", encoding="ascii") as file:
-            for line in file:
-                if line.startswith("MemAvailable:"):
-                    return int(line.split()[1]) * 1024
-    except OSError:
-        pass
+    """Bytes that can be had without swapping, within the process's limits; all there are where nothing tells."""
+    known = available_memory()
+    if known is not None:
+        return known
     try:
         return os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
     except (AttributeError, OSError, ValueError):

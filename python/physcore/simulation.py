@@ -55,7 +55,9 @@ class Simulation:
             the forces; or "ignore": go on until a position or velocity is not finite.
 
     Raises:
-        SceneError: a choice is not valid, dt="auto" finds no stable step, or a particle starts outside a boundary.
+        SceneError: a choice is not valid, dt="auto" finds no stable step, a particle starts outside a boundary, or the
+            scene does not fit into memory.
+        KeyboardInterrupt: Ctrl-C.
 
     Warns:
         StabilityWarning: `dt` is above the limit of stability, or a step had to be taken in parts; said once in a run.
@@ -160,7 +162,8 @@ class Simulation:
         """Take n equal steps.
 
         Raises:
-            SceneError: steps are adaptive, and so not equal: use `run`.
+            SceneError: steps are adaptive, and so not equal: use `run`; or the particles have come so near to each other
+                that lists of their neighbors no longer fit into memory, and the simulation stands at the last good step.
             SimulationDiverged: the state blew up; the simulation stands at the last good step.
             KeyboardInterrupt: Ctrl-C; the simulation stands at a whole step and can go on.
         """

@@ -6,10 +6,13 @@ use std::sync::Arc;
 
 use numpy::{PyArray3, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3, PyUntypedArrayMethods};
 use physcore_canvas::{Align, Disc, Drop, Error, Halo, Ink, Lens, Line, Painting, Rgb, Trails, Triangle};
+use physcore_engine::parallel::attend;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 use crate::arrays::{column, depth, plane, rows};
+use crate::errors::exception;
+use crate::world::interrupted;
 
 /// Pixels that are drawn on.
 #[pyclass(module = "physcore._core")]
@@ -56,12 +59,19 @@ impl Canvas {
         let centers = rows::<f32, 2>(&centers, count, "centers")?;
         let colors = rows::<u8, 4>(&colors, count, "colors")?;
         let (radii, depths) = (column(&radii, count, "radii")?, depth(depths.as_ref(), count)?);
-        let shapes = centers.iter().zip(radii).zip(colors);
-        let discs = shapes.map(|((&center, &radius), &color)| Disc { center, radius, color, shading, softness: 1.0 });
+        let disc =
+            move |((&center, &radius), &color): ((&[f32; 2], &f32), &Ink)| Disc { center, radius, color, shading, softness: 1.0 };
+        let discs = centers.iter().zip(radii).zip(colors).map(disc);
         let Self { picture, painting } = self;
         match depths {
             Some(depths) => discs.zip(depths).for_each(|(disc, &depth)| painting.disc(disc, depth)),
-            None => py.detach(|| painting.paint_discs(picture, &discs)),
+            None if count < MANY => py.detach(|| painting.paint_discs(picture, &discs)),
+            None => {
+                let (centers, radii, colors) = (centers.to_vec(), radii.to_vec(), colors.to_vec());
+                self.paint_at_length(py, move |painting, picture| {
+                    painting.paint_discs(picture, &centers.iter().zip(&radii).zip(&colors).map(disc));
+                })?;
+            }
         }
         Ok(())
     }
@@ -183,9 +193,13 @@ impl Canvas {
     }
 
     /// Paint all that was added, from the far to the near.
-    fn paint(&mut self, py: Python<'_>) {
+    fn paint(&mut self, py: Python<'_>) -> PyResult<()> {
+        if self.painting.len() >= MANY {
+            return self.paint_at_length(py, physcore_canvas::Painting::paint);
+        }
         let Self { picture, painting } = self;
         py.detach(|| painting.paint(picture));
+        Ok(())
     }
 
     /// Fill a convex polygon at once.
@@ -209,6 +223,27 @@ impl Canvas {
     fn pixels<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray3<u8>>> {
         let bytes: Vec<u8> = self.picture.pixels().iter().flat_map(|&[red, green, blue, _]| [red, green, blue]).collect();
         numpy::PyArray1::from_vec(py, bytes).reshape([self.picture.height(), self.picture.width(), 3])
+    }
+}
+
+/// So many shapes may take as long to paint as it takes to answer an interrupt.
+const MANY: usize = 20_000;
+
+impl Canvas {
+    /// Paints while signals are answered. Who is interrupted is left with an empty canvas: the picture is painted to its end, and
+    /// nobody sees it.
+    fn paint_at_length(
+        &mut self,
+        py: Python<'_>,
+        paint: impl FnOnce(&mut Painting, &mut physcore_canvas::Canvas) + Send + 'static,
+    ) -> PyResult<()> {
+        let Self { mut picture, mut painting } = std::mem::replace(self, Self::new(1, 1, [0; 3])?);
+        let job = move || {
+            paint(&mut painting, &mut picture);
+            Self { picture, painting }
+        };
+        *self = py.detach(|| attend(1, &interrupted, move |_| job())).map_err(|error| exception(py, error))?;
+        Ok(())
     }
 }
 

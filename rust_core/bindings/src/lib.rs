@@ -20,5 +20,5 @@ mod _core {
     #[pymodule_export]
     use super::view::{Projection, norms, tint};
     #[pymodule_export]
-    use super::world::World;
+    use super::world::{World, available_memory};
 }

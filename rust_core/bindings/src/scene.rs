@@ -5,11 +5,12 @@ use std::sync::Arc;
 
 use glam::DVec3;
 use numpy::{PyArray2, PyReadonlyArray1, PyReadonlyArray2};
+use physcore_engine::memory;
 use physcore_engine::scene::{Body, Callback, Fluid, Scene, Spring, Term, Value};
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyList};
 
-use crate::errors::SceneError;
+use crate::errors::{SceneError, exception};
 
 /// Reads a scene.
 pub fn read(scene: &Bound<'_, PyDict>) -> PyResult<Scene> {
@@ -17,13 +18,23 @@ pub fn read(scene: &Bound<'_, PyDict>) -> PyResult<Scene> {
     let list = |name: &str| -> PyResult<Vec<Bound<'_, PyDict>>> {
         item(scene, name)?.cast::<PyList>()?.iter().map(|entry| Ok(entry.cast_into()?)).collect()
     };
+    let bodies = list("bodies")?;
+    let arrays = bodies.iter().map(bytes).sum::<PyResult<usize>>()?;
+    // Vectors have three components here.
+    memory::check("scene", arrays / 2 * 3, 0, || "for a copy of its arrays; take fewer particles".to_owned())
+        .map_err(|error| exception(scene.py(), error))?;
     Ok(Scene {
         dimension,
-        bodies: list("bodies")?.iter().map(body).collect::<PyResult<_>>()?,
+        bodies: bodies.iter().map(body).collect::<PyResult<_>>()?,
         forces: terms(&list("forces")?, "forces", dimension)?,
         boundaries: terms(&list("boundaries")?, "boundaries", dimension)?,
         periodic: periodic(&item(scene, "periodic")?)?,
     })
+}
+
+/// The bytes that the arrays of a body take.
+fn bytes(entry: &Bound<'_, PyDict>) -> PyResult<usize> {
+    entry.values().iter().map(|value| value.getattr("nbytes").map_or(Ok(0), |bytes| bytes.extract())).sum()
 }
 
 /// The corners of the periodic domain, or nothing. In 2D the third axis is not periodic.
@@ -43,9 +54,8 @@ fn item<'py>(dictionary: &Bound<'py, PyDict>, name: &str) -> PyResult<Bound<'py,
 }
 
 fn body(entry: &Bound<'_, PyDict>) -> PyResult<Body> {
-    let numbers =
-        |name: &str| -> PyResult<Vec<f64>> { Ok(item(entry, name)?.extract::<PyReadonlyArray1<'_, f64>>()?.as_array().to_vec()) };
-    let fixed = item(entry, "fixed")?.extract::<PyReadonlyArray1<'_, bool>>()?.as_array().to_vec();
+    let numbers = |name: &str| -> PyResult<Vec<f64>> { Ok(copied(&item(entry, name)?.extract()?)) };
+    let fixed = copied(&item(entry, "fixed")?.extract::<PyReadonlyArray1<'_, bool>>()?);
     let positions = vectors(&item(entry, "positions")?)?;
     Ok(Body {
         velocities: vectors(&item(entry, "velocities")?)?,
@@ -84,8 +94,7 @@ fn fluid(entry: &Bound<'_, PyAny>) -> PyResult<Option<Fluid>> {
 
 fn springs(entry: &Bound<'_, PyDict>, count: usize) -> PyResult<Vec<Spring>> {
     let pairs = item(entry, "pairs")?.extract::<PyReadonlyArray2<'_, i64>>()?;
-    let numbers =
-        |name: &str| -> PyResult<Vec<f64>> { Ok(item(entry, name)?.extract::<PyReadonlyArray1<'_, f64>>()?.as_array().to_vec()) };
+    let numbers = |name: &str| -> PyResult<Vec<f64>> { Ok(copied(&item(entry, name)?.extract()?)) };
     let (stiffness, damping, rest_length) = (numbers("stiffness")?, numbers("damping")?, numbers("rest_length")?);
     let end = |index: i64| u32::try_from(index).ok().filter(|&index| (index as usize) < count);
     let spring = |(index, pair): (usize, numpy::ndarray::ArrayView1<'_, i64>)| match (end(pair[0]), end(pair[1])) {
@@ -100,13 +109,21 @@ fn springs(entry: &Bound<'_, PyDict>, count: usize) -> PyResult<Vec<Spring>> {
             pair[0], pair[1]
         ))),
     };
-    pairs.as_array().outer_iter().enumerate().map(spring).collect()
+    let pairs = pairs.as_array();
+    entry.py().detach(|| pairs.outer_iter().enumerate().map(spring).collect())
+}
+
+/// A copy of an array, with the interpreter free meanwhile.
+pub fn copied<T: numpy::Element + Clone + Sync>(array: &PyReadonlyArray1<'_, T>) -> Vec<T> {
+    let (py, numbers) = (array.py(), array.as_array());
+    py.detach(|| numbers.to_vec())
 }
 
 /// The rows of an (N, 2) or (N, 3) array, the third component 0 where there is none.
 pub fn vectors(array: &Bound<'_, PyAny>) -> PyResult<Vec<DVec3>> {
-    let array = array.extract::<PyReadonlyArray2<'_, f64>>()?;
-    Ok(array.as_array().outer_iter().map(|row| vector(row.iter().copied())).collect())
+    let (py, array) = (array.py(), array.extract::<PyReadonlyArray2<'_, f64>>()?);
+    let rows = array.as_array();
+    Ok(py.detach(|| rows.outer_iter().map(|row| vector(row.iter().copied())).collect()))
 }
 
 fn vector(components: impl Iterator<Item = f64>) -> DVec3 {
@@ -117,8 +134,17 @@ fn vector(components: impl Iterator<Item = f64>) -> DVec3 {
 
 /// An (N, D) array of vectors.
 pub fn array<'py>(py: Python<'py>, vectors: &[DVec3], dimension: usize) -> PyResult<Bound<'py, PyArray2<f64>>> {
-    let numbers: Vec<f64> = vectors.iter().flat_map(|vector| vector.to_array().into_iter().take(dimension)).collect();
-    let array = numpy::ndarray::Array2::from_shape_vec((vectors.len(), dimension), numbers);
+    rows(py, flat(vectors, dimension), dimension)
+}
+
+/// The components of vectors, one vector after the other.
+pub fn flat(vectors: &[DVec3], dimension: usize) -> Vec<f64> {
+    vectors.iter().flat_map(|vector| vector.to_array().into_iter().take(dimension)).collect()
+}
+
+/// An (N, D) array that takes over these components.
+pub fn rows(py: Python<'_>, numbers: Vec<f64>, dimension: usize) -> PyResult<Bound<'_, PyArray2<f64>>> {
+    let array = numpy::ndarray::Array2::from_shape_vec((numbers.len() / dimension, dimension), numbers);
     Ok(PyArray2::from_owned_array(py, array.map_err(|error| SceneError::new_err(error.to_string()))?))
 }
 

@@ -1,11 +1,14 @@
 //! `World`: the engine's simulation.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::{Mutex, MutexGuard, TryLockError};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, RwLock, RwLockReadGuard, RwLockWriteGuard, TryLockError};
 
 use numpy::{PyArray1, PyArray2, PyReadonlyArray1, ToPyArray};
 use physcore_engine::error::{Error, Result as EngineResult};
 use physcore_engine::forces::Flow;
+use physcore_engine::memory;
+use physcore_engine::parallel::{ALONE, Crew, attend};
 use physcore_engine::simulation::{self, Adaptation, Capture, Numerics, Rule, Segment, Vigilance};
 use physcore_engine::stability::{Kind, Limit};
 use pyo3::prelude::*;
@@ -15,45 +18,156 @@ use crate::errors::{FileError, InternalError, PhyscoreError, exception};
 use crate::scene;
 
 /// A running simulation.
+///
+/// Any number of threads may look at it at once, and one may change it; the interpreter is free meanwhile. Who changes it
+/// waits for those who look, and who looks is refused while it changes: a step can take a day.
 #[pyclass(frozen, module = "physcore._core")]
 pub struct World {
-    inner: Mutex<Box<dyn simulation::World>>,
+    inner: Shared,
+    /// Whether somebody changes it, or waits for those who look.
+    changing: Arc<AtomicBool>,
     dimension: usize,
+    count: usize,
+    threads: usize,
+    /// Whether the engine may call functions of the user's when it is asked for energies.
+    calls_back: bool,
 }
 
-type Guard<'a> = MutexGuard<'a, Box<dyn simulation::World>>;
+type Shared = Arc<RwLock<Box<dyn simulation::World>>>;
 
-impl World {
-    fn lock(&self) -> PyResult<Guard<'_>> {
-        match self.inner.try_lock() {
-            Ok(guard) => Ok(guard),
-            Err(TryLockError::WouldBlock) => Err(PhyscoreError::new_err(
+/// Why the world could not do what it was asked to.
+enum Failure {
+    Busy,
+    Lost,
+    Engine(Error),
+}
+
+impl From<Error> for Failure {
+    fn from(error: Error) -> Self {
+        Self::Engine(error)
+    }
+}
+
+impl Failure {
+    fn raised(self, py: Python<'_>) -> PyErr {
+        match self {
+            Self::Busy => PhyscoreError::new_err(
                 "this simulation is running, in another thread or around this call: wait until that has ended",
-            )),
-            Err(TryLockError::Poisoned(_)) => {
-                Err(InternalError::new_err("this simulation was left in the middle of a step by an earlier internal error"))
-            }
+            ),
+            Self::Lost => InternalError::new_err("this simulation was left in the middle of a step by an earlier internal error"),
+            Self::Engine(error) => exception(py, error),
         }
     }
+}
 
-    /// Lets the engine change the world without the interpreter's lock. A panic becomes an exception, and poisons the world.
+/// The right to change a world, until it is dropped.
+struct Claim(Arc<AtomicBool>);
+
+impl Drop for Claim {
+    fn drop(&mut self) {
+        self.0.store(false, Ordering::Release);
+    }
+}
+
+/// The world, to look at.
+fn looked_at(inner: &RwLock<Box<dyn simulation::World>>) -> Result<RwLockReadGuard<'_, Box<dyn simulation::World>>, Failure> {
+    inner.try_read().map_err(|error| match error {
+        TryLockError::WouldBlock => Failure::Busy,
+        TryLockError::Poisoned(_) => Failure::Lost,
+    })
+}
+
+/// The world, to change, as soon as nobody looks at it.
+fn changed<'a>(
+    inner: &'a RwLock<Box<dyn simulation::World>>,
+    interrupted: &dyn Fn() -> bool,
+) -> Result<RwLockWriteGuard<'a, Box<dyn simulation::World>>, Failure> {
+    loop {
+        match inner.try_write() {
+            Ok(guard) => return Ok(guard),
+            Err(TryLockError::Poisoned(_)) => return Err(Failure::Lost),
+            Err(TryLockError::WouldBlock) if interrupted() => return Err(Error::Interrupted.into()),
+            Err(TryLockError::WouldBlock) => std::thread::sleep(std::time::Duration::from_millis(1)),
+        }
+    }
+}
+
+impl World {
+    /// The bytes that it takes now.
+    fn memory(&self, py: Python<'_>) -> PyResult<usize> {
+        self.glance(py, |world| world.memory())
+    }
+
+    fn claim(&self, py: Python<'_>) -> PyResult<Claim> {
+        if self.changing.swap(true, Ordering::Acquire) {
+            return Err(Failure::Busy.raised(py));
+        }
+        Ok(Claim(Arc::clone(&self.changing)))
+    }
+
+    /// What is there without any work.
+    fn glance<T>(&self, py: Python<'_>, look: impl FnOnce(&dyn simulation::World) -> T) -> PyResult<T> {
+        looked_at(&self.inner).map(|world| look(world.as_ref())).map_err(|failure| failure.raised(py))
+    }
+
+    /// Lets the engine copy what takes so many bytes.
+    fn copy<T: Send>(&self, py: Python<'_>, bytes: usize, copy: impl FnOnce(&dyn simulation::World) -> T + Send) -> PyResult<T> {
+        let hint = || "for a copy of what there is; record fewer channels, or free some arrays".to_owned();
+        memory::check("state", bytes, 0, hint).map_err(|error| exception(py, error))?;
+        self.look(py, copy)
+    }
+
+    /// Lets the engine look at the world.
+    fn look<T: Send>(&self, py: Python<'_>, look: impl FnOnce(&dyn simulation::World) -> T + Send) -> PyResult<T> {
+        if self.changing.load(Ordering::Acquire) {
+            return Err(Failure::Busy.raised(py));
+        }
+        without_gil(py, || Ok(look(looked_at(&self.inner)?.as_ref())))
+    }
+
+    /// Lets the engine find out what may take long.
+    fn ask<T: Send + 'static>(
+        &self,
+        py: Python<'_>,
+        question: impl FnOnce(&dyn simulation::World, &Crew) -> EngineResult<T> + Send + 'static,
+    ) -> PyResult<T> {
+        if !self.glance(py, |world| world.is_long())? {
+            return self.look(py, |world| question(world, &ALONE))?.map_err(|error| exception(py, error));
+        }
+        let (inner, threads) = (Arc::clone(&self.inner), self.threads);
+        let job = move |crew: &Crew| Ok(question(looked_at(&inner)?.as_ref(), crew)?);
+        without_gil(py, || attend(threads, &interrupted, job)?)
+    }
+
+    /// Lets the engine change the world. A panic becomes an exception, and poisons the world.
     fn change<T: Send>(
         &self,
         py: Python<'_>,
         work: impl FnOnce(&mut dyn simulation::World) -> EngineResult<T> + Send,
     ) -> PyResult<T> {
-        drop(self.lock()?);
-        without_gil(py, || match self.inner.lock() {
-            Ok(mut guard) => work(guard.as_mut()),
-            Err(_) => Err(Error::State("it was lost by an internal error".to_owned())),
-        })
+        let _claim = self.claim(py)?;
+        without_gil(py, || Ok(work(changed(&self.inner, &interrupted)?.as_mut())?))
+    }
+
+    /// The same where it may take long before the first step. It is changed all the same by who does not wait for the end.
+    fn change_at_length<T: Send + 'static>(
+        &self,
+        py: Python<'_>,
+        work: impl FnOnce(&mut dyn simulation::World, &Crew) -> EngineResult<T> + Send + 'static,
+    ) -> PyResult<T> {
+        let (claim, inner) = (self.claim(py)?, Arc::clone(&self.inner));
+        let job = move |crew: &Crew| {
+            let _claim = claim;
+            Ok(work(changed(&inner, &|| crew.stopped())?.as_mut(), crew)?)
+        };
+        without_gil(py, || attend(self.threads, &interrupted, job)?)
     }
 }
 
 /// Lets the engine work without the interpreter's lock; a panic becomes an exception.
-fn without_gil<T: Send>(py: Python<'_>, work: impl FnOnce() -> EngineResult<T> + Send) -> PyResult<T> {
+fn without_gil<T: Send>(py: Python<'_>, work: impl FnOnce() -> Result<T, Failure> + Send) -> PyResult<T> {
     match py.detach(|| catch_unwind(AssertUnwindSafe(work))) {
-        Ok(result) => result.map_err(|error| exception(py, error)),
+        Ok(result) => result.map_err(|failure| failure.raised(py)),
         Err(panic) => {
             let message =
                 panic.downcast_ref::<String>().cloned().or_else(|| panic.downcast_ref::<&str>().map(|&text| text.to_owned()));
@@ -62,8 +176,20 @@ fn without_gil<T: Send>(py: Python<'_>, work: impl FnOnce() -> EngineResult<T> +
     }
 }
 
+/// The bytes of a vector.
+const VECTOR: usize = 24;
+
+/// A scene with fewer particles and springs than this is built, and asked, sooner than threads start.
+const FEW: usize = 1000;
+
+/// Bytes of memory that can be had, where the system tells.
+#[pyfunction]
+pub fn available_memory() -> Option<u64> {
+    memory::available()
+}
+
 /// Whether a signal is waiting whose handler raises, as that of Ctrl-C does. The exception is raised again later.
-fn interrupted() -> bool {
+pub fn interrupted() -> bool {
     Python::attach(|py| py.check_signals().map_err(|error| error.restore(py)).is_err())
 }
 
@@ -86,9 +212,14 @@ impl World {
             _ => Vigilance::Agitated,
         };
         let numerics = Numerics { integrator, precision, threads, runaway, vigilance };
-        let dimension = scene.dimension;
-        let inner = without_gil(py, || simulation::build(&scene, &numerics))?;
-        Ok(Self { inner: Mutex::new(inner), dimension })
+        let (dimension, count, calls_back) = (scene.dimension, scene.count(), scene.calls_back());
+        let threads = numerics.threads().map_err(|error| exception(py, error))?;
+        let things = count + scene.bodies.iter().map(|body| body.springs.len()).sum::<usize>();
+        let build = move |crew: &Crew| simulation::build(&scene, &numerics, crew);
+        let inner = without_gil(py, || {
+            Ok(if things < FEW && !calls_back { build(&ALONE) } else { attend(threads, &interrupted, build)? }?)
+        })?;
+        Ok(Self { inner: Arc::new(RwLock::new(inner)), changing: Arc::default(), dimension, count, threads, calls_back })
     }
 
     /// Takes n steps of dt seconds, and gives the Mach number from which on a flow is fast, the largest share of a fluid that
@@ -113,52 +244,57 @@ impl World {
     }
 
     /// Of the adaptive steps so far: how many were taken back, how many diverged, and the smallest and the largest [s].
-    fn adaptation(&self) -> PyResult<(u64, u64, f64, f64)> {
-        let Adaptation { rejected, failed, range: [smallest, largest], .. } = self.lock()?.adaptation();
+    fn adaptation(&self, py: Python<'_>) -> PyResult<(u64, u64, f64, f64)> {
+        let Adaptation { rejected, failed, range: [smallest, largest], .. } = self.glance(py, |world| world.adaptation())?;
         Ok((rejected, failed, smallest, largest))
     }
 
     #[getter]
-    fn time(&self) -> PyResult<f64> {
-        Ok(self.lock()?.segment().time())
+    fn time(&self, py: Python<'_>) -> PyResult<f64> {
+        self.glance(py, |world| world.segment().time())
     }
 
     #[getter]
-    fn steps(&self) -> PyResult<u64> {
-        Ok(self.lock()?.steps())
+    fn steps(&self, py: Python<'_>) -> PyResult<u64> {
+        self.glance(py, |world| world.steps())
     }
 
     #[getter]
-    fn dt(&self) -> PyResult<f64> {
-        Ok(self.lock()?.segment().dt)
+    fn dt(&self, py: Python<'_>) -> PyResult<f64> {
+        self.glance(py, |world| world.segment().dt)
     }
 
     fn positions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        scene::array(py, &self.lock()?.positions(), self.dimension)
+        let numbers = self.copy(py, 2 * VECTOR * self.count, |world| scene::flat(&world.positions(), self.dimension))?;
+        scene::rows(py, numbers, self.dimension)
     }
 
     fn velocities<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        scene::array(py, &self.lock()?.velocities(), self.dimension)
+        let numbers = self.copy(py, 2 * VECTOR * self.count, |world| scene::flat(&world.velocities(), self.dimension))?;
+        scene::rows(py, numbers, self.dimension)
     }
 
     fn densities<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        Ok(self.lock()?.fields().density.to_pyarray(py))
+        Ok(PyArray1::from_vec(py, self.copy(py, 2 * VECTOR * self.count, |world| world.fields().density)?))
     }
 
     fn pressures<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        Ok(self.lock()?.fields().pressure.to_pyarray(py))
+        Ok(PyArray1::from_vec(py, self.copy(py, 2 * VECTOR * self.count, |world| world.fields().pressure)?))
     }
 
     fn set(&self, py: Python<'_>, positions: Option<&Bound<'_, PyAny>>, velocities: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
         let positions = positions.map(scene::vectors).transpose()?;
         let velocities = velocities.map(scene::vectors).transpose()?;
-        self.change(py, |world| world.set(positions.as_deref(), velocities.as_deref()))
+        self.change_at_length(py, move |world, crew| world.set(positions.as_deref(), velocities.as_deref(), crew))
     }
 
     fn energy<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let guard = self.lock()?;
-        let world = &*guard;
-        let energy = without_gil(py, || world.energy())?;
+        let energy = if self.calls_back {
+            // Whoever is called may try to change the world, which must be refused and cannot wait.
+            self.change_at_length(py, |world, crew| world.energy(crew))?
+        } else {
+            self.ask(py, |world, crew| world.energy(crew))?
+        };
         let (record, potential, dissipated) = (PyDict::new(py), PyDict::new(py), PyDict::new(py));
         for (name, value) in &energy.potential {
             potential.set_item(name, value)?;
@@ -176,35 +312,30 @@ impl World {
     }
 
     fn momentum<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        let (momentum, _) = self.lock()?.momenta();
+        let (momentum, _) = self.look(py, |world| world.momenta())?;
         Ok(momentum.to_array()[..self.dimension].to_pyarray(py))
     }
 
     fn angular_momentum<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        let (_, angular) = self.lock()?.momenta();
+        let (_, angular) = self.look(py, |world| world.momenta())?;
         let components = angular.to_array();
         Ok(if self.dimension == 2 { components[2..].to_pyarray(py) } else { components.to_pyarray(py) })
     }
 
     fn limit<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let guard = self.lock()?;
-        let world = &*guard;
-        limit_record(py, without_gil(py, || Ok(world.limit()))?)
+        limit_record(py, self.ask(py, |world, crew| world.limit(crew))?)
     }
 
     fn certified(&self, py: Python<'_>) -> PyResult<f64> {
-        self.change(py, |world| Ok(world.certified()))
+        self.ask(py, |world, crew| world.certified(crew))
     }
 
     fn present_limit<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let guard = self.lock()?;
-        let world = &*guard;
-        limit_record(py, without_gil(py, || Ok(world.present_limit()))?)
+        limit_record(py, self.ask(py, |world, crew| world.present_limit(crew))?)
     }
 
     fn plan<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let world = self.lock()?;
-        let plan = world.plan();
+        let (plan, memory) = self.glance(py, |world| (world.plan().clone(), world.memory()))?;
         let record = PyDict::new(py);
         record.set_item("stages", &plan.stages)?;
         record.set_item("dimension", plan.dimension)?;
@@ -214,7 +345,7 @@ impl World {
         record.set_item("evaluations", plan.evaluations)?;
         record.set_item("pairs", plan.pairs)?;
         record.set_item("limit_varies", plan.limit_varies)?;
-        record.set_item("memory", plan.memory)?;
+        record.set_item("memory", memory)?;
         record.set_item("threads", plan.threads)?;
         record.set_item("simd", plan.simd)?;
         record.set_item("layout", &plan.layout)?;
@@ -224,14 +355,14 @@ impl World {
     }
 
     fn capture<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let capture = self.lock()?.capture();
+        let capture = self.copy(py, self.memory(py)?, |world| world.capture())?;
         let record = PyDict::new(py);
         record.set_item("clock", [capture.segment.start, capture.segment.dt].to_pyarray(py))?;
         record.set_item("steps", [capture.segment.steps, capture.steps].to_pyarray(py))?;
-        record.set_item("columns", capture.columns.to_pyarray(py))?;
-        record.set_item("meters", capture.meters.to_pyarray(py))?;
+        record.set_item("columns", PyArray1::from_vec(py, capture.columns))?;
+        record.set_item("meters", PyArray1::from_vec(py, capture.meters))?;
         record.set_item("watch", capture.watch.to_pyarray(py))?;
-        record.set_item("forces", capture.forces.to_pyarray(py))?;
+        record.set_item("forces", PyArray1::from_vec(py, capture.forces))?;
         let Adaptation { rejected, failed, range, control } = capture.adaptation;
         record.set_item("adaptation", [range, control].as_flattened().to_pyarray(py))?;
         record.set_item("taken_back", [rejected, failed].to_pyarray(py))?;
@@ -255,8 +386,8 @@ impl World {
         self.change(py, |world| world.restore(&capture))
     }
 
-    fn state_hash(&self) -> PyResult<String> {
-        Ok(self.lock()?.state_hash())
+    fn state_hash(&self, py: Python<'_>) -> PyResult<String> {
+        self.copy(py, self.memory(py)?, |world| world.state_hash())
     }
 }
 
@@ -276,12 +407,12 @@ fn limit_record(py: Python<'_>, limit: Limit) -> PyResult<Bound<'_, PyDict>> {
     Ok(record)
 }
 
-fn column<T: numpy::Element + Clone>(state: &Bound<'_, PyDict>, name: &str) -> PyResult<Vec<T>> {
+fn column<T: numpy::Element + Clone + Sync>(state: &Bound<'_, PyDict>, name: &str) -> PyResult<Vec<T>> {
     let missing = || FileError::new_err(format!("state: {name} is missing or of the wrong kind"));
     let value = state.get_item(name)?.ok_or_else(missing)?;
-    Ok(value.extract::<PyReadonlyArray1<'_, T>>().map_err(|_| missing())?.as_array().to_vec())
+    Ok(scene::copied(&value.extract::<PyReadonlyArray1<'_, T>>().map_err(|_| missing())?))
 }
 
-fn numbers<T: numpy::Element + Clone, const N: usize>(state: &Bound<'_, PyDict>, name: &str) -> PyResult<[T; N]> {
+fn numbers<T: numpy::Element + Clone + Sync, const N: usize>(state: &Bound<'_, PyDict>, name: &str) -> PyResult<[T; N]> {
     column(state, name)?.try_into().map_err(|_| FileError::new_err(format!("state: {name} must hold {N} numbers")))
 }

@@ -79,6 +79,11 @@ impl Liquid {
         (self.scale, self.sky) = (scale, sky);
     }
 
+    /// How many drops there are.
+    pub fn len(&self) -> usize {
+        self.drops.len()
+    }
+
     /// Whether there is any.
     pub fn is_empty(&self) -> bool {
         self.drops.is_empty()

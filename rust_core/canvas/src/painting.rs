@@ -119,6 +119,16 @@ impl Painting {
         self.liquid.drop(drop);
     }
 
+    /// How many shapes and drops were added.
+    pub fn len(&self) -> usize {
+        self.order.len() + self.liquid.len()
+    }
+
+    /// Whether nothing was added.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
     /// Paints everything that was added and forgets it; the memory is kept for the next frame.
     pub fn paint(&mut self, canvas: &mut Canvas) {
         if self.has_depth {

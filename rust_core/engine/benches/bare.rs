@@ -12,6 +12,7 @@ use std::cell::RefCell;
 
 use glam::DVec3;
 use physcore_engine::math::Real;
+use physcore_engine::parallel::ALONE;
 use physcore_engine::scene::{Body, Scene, Spring, Term, Value};
 use physcore_engine::simd::{Kernel, LANES, Lanes, Level, dispatch};
 use physcore_engine::simulation::{Numerics, Vigilance, World, build};
@@ -180,7 +181,7 @@ fn world(dimension: usize, precision: &str, body: Body, forces: Vec<Term>) -> Bo
         runaway: 1e6,
         vigilance: Vigilance::Agitated,
     };
-    build(&Scene { dimension, bodies: vec![body], forces, ..Scene::default() }, &numerics).expect("the scene is sound")
+    build(&Scene { dimension, bodies: vec![body], forces, ..Scene::default() }, &numerics, &ALONE).expect("the scene is sound")
 }
 
 /// The CPU time that all threads of this process have taken [s].

@@ -8,6 +8,7 @@ use glam::DVec3;
 use crate::error::Result;
 use crate::math::Vector;
 use crate::matter::{Channel, Matter};
+use crate::parallel::Crew;
 use crate::systems::matter::Law;
 
 /// The energy at one moment.
@@ -54,16 +55,20 @@ fn blocks<V: Vector>(matter: &Matter<V>) -> impl Iterator<Item = Range<usize>> {
 }
 
 /// The energy of matter at a time.
-pub fn energy<V: Vector>(law: &Law<V>, matter: &Matter<V>, time: f64) -> Result<Energy> {
+///
+/// # Errors
+/// If a function of the user's fails, or the crew was asked to stop.
+pub fn energy<V: Vector>(law: &Law<V>, matter: &Matter<V>, time: f64, crew: &Crew) -> Result<Energy> {
     let properties = &law.properties;
     let kinetic = |index: usize| {
         let square = matter.velocity.get(index).widen().length_squared();
         if properties.is_fixed(index) { 0.0 } else { 0.5 * properties.mass[index] * square }
     };
-    let at = law.moment_of(matter, time);
+    let at = law.moment_of(matter, time, crew);
     let mut potential: Vec<(&'static str, f64)> = Vec::new();
     for force in law.forces().iter().filter(|force| force.has_potential()) {
         let energy = blocks(matter).map(|block| force.potential(block, &at)).sum::<f64>() + force.potential_of_all(&at)?;
+        crew.check()?;
         let name = force.potential_name();
         match potential.iter_mut().find(|(other, _)| *other == name) {
             Some((_, sum)) => *sum += energy,

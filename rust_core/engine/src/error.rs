@@ -1,5 +1,7 @@
 //! What can go wrong, typed: every variant carries what a user needs in order to mend it.
 
+use crate::memory::shown;
+
 /// The result of everything in this crate that can fail.
 pub type Result<T> = std::result::Result<T, Error>;
 
@@ -31,6 +33,18 @@ pub enum Error {
         path: String,
         /// What it said.
         message: String,
+    },
+    /// What was asked for does not fit into memory; the simulation stands at a whole step.
+    #[error("{what}: needs {}, {} are available ({hint})", shown(*needed), shown(*available))]
+    Memory {
+        /// What does not fit.
+        what: String,
+        /// What it takes in all [bytes].
+        needed: u64,
+        /// What can be had for it [bytes].
+        available: u64,
+        /// What to do about it.
+        hint: String,
     },
     /// A captured state does not belong to this simulation.
     #[error("state: {0}")]

@@ -15,6 +15,7 @@ pub mod forces;
 pub mod integrators;
 pub mod math;
 pub mod matter;
+pub mod memory;
 pub mod meter;
 pub mod neighbors;
 pub mod parallel;

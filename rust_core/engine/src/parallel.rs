@@ -1,11 +1,13 @@
 //! Threads: the only file that names rayon.
 //!
 //! Work is cut along fixed blocks by recursion, and each half owns what it writes; so neither locks nor unsafe code are
-//! needed, and the bits cannot depend on who ran what. A long job runs inside the pool while the calling thread waits
-//! and asks now and then whether to stop; a short one runs on the calling thread.
+//! needed, and the bits cannot depend on who ran what. A long job runs inside a pool while the calling thread waits and
+//! asks now and then whether to stop ([`Team::run`], [`attend`]); a short one runs on the calling thread.
 
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Condvar, Mutex, PoisonError};
+use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::time::Duration;
 
 use crate::error::{Error, Result};
@@ -68,10 +70,21 @@ pub struct Crew {
     stop: AtomicBool,
 }
 
+/// A crew of the calling thread that nobody stops.
+pub static ALONE: Crew = Crew::alone();
+
 impl Crew {
     /// A crew of the calling thread alone.
-    pub fn alone() -> Self {
+    pub const fn alone() -> Self {
         Self { threads: 1, stop: AtomicBool::new(false) }
+    }
+
+    /// Ends what was asked to end.
+    ///
+    /// # Errors
+    /// [`Error::Interrupted`] if the job was asked to end early.
+    pub fn check(&self) -> Result<()> {
+        if self.stopped() { Err(Error::Interrupted) } else { Ok(()) }
     }
 
     /// The number of threads that it can use.
@@ -176,6 +189,40 @@ impl Team {
             self.pool = builder.thread_name(|index| format!("physcore-{index}")).build().ok();
         }
         self.pool.as_ref()
+    }
+}
+
+/// Runs a long job that owns all that it needs, on threads of its own, asking `interrupted` every 20 ms whether to stop. The
+/// caller does not wait for a job that was stopped: it ends at its next look at the crew, and drops what it holds.
+///
+/// # Errors
+/// [`Error::Interrupted`] if it was stopped.
+///
+/// # Panics
+/// If the job does.
+pub fn attend<T: Send + 'static>(
+    threads: usize,
+    interrupted: &dyn Fn() -> bool,
+    job: impl FnOnce(&Crew) -> T + Send + 'static,
+) -> Result<T> {
+    let Ok(pool) = rayon::ThreadPoolBuilder::new().num_threads(threads).build() else {
+        return Ok(job(&ALONE));
+    };
+    let crew = Arc::new(Crew { threads, stop: AtomicBool::new(false) });
+    let (result, outcome) = channel();
+    let its = Arc::clone(&crew);
+    // A panic is handed over too: on a thread of the pool nobody would see it. A result that nobody waits for is dropped.
+    pool.spawn(move || drop(result.send(catch_unwind(AssertUnwindSafe(|| job(&its))))));
+    loop {
+        match outcome.recv_timeout(POLL) {
+            Ok(Ok(result)) => return Ok(result),
+            Ok(Err(panic)) => resume_unwind(panic),
+            Err(RecvTimeoutError::Timeout) if !interrupted() => {}
+            Err(_) => {
+                crew.stop.store(true, Ordering::Relaxed);
+                return Err(Error::Interrupted);
+            }
+        }
     }
 }
 

@@ -9,7 +9,9 @@ use crate::forces::{self, Field, Force, Reach};
 use crate::integrators::{self, BlanesMoan4, BlanesMoan6, Integrator, with_integrator};
 use crate::math::{Real, Vector};
 use crate::matter::{Columns, Matter, Properties};
+use crate::memory;
 use crate::neighbors;
+use crate::parallel::Crew;
 use crate::scene::{Scene, Spring};
 use crate::simd::Level;
 use crate::systems::matter::{Law, MatterSystem};
@@ -39,8 +41,6 @@ pub struct Plan {
     pub layout: String,
     /// The level of vector instructions.
     pub simd: &'static str,
-    /// The memory that it takes [bytes].
-    pub memory: usize,
     /// What this scene does not need and does not pay for.
     pub left_out: Vec<&'static str>,
     /// What the user may want to know.
@@ -59,21 +59,29 @@ pub struct Compiled<V: Vector> {
 }
 
 /// Compiles a scene for an integrator and a number of threads.
-pub fn compile<V: Vector, I: Integrator>(scene: &Scene, threads: usize) -> Result<Compiled<V>> {
+///
+/// # Errors
+/// If the scene makes no sense or does not fit into memory, or the crew was asked to stop.
+pub fn compile<V: Vector, I: Integrator>(scene: &Scene, threads: usize, crew: &Crew) -> Result<Compiled<V>> {
     let count = scene.count();
+    memory::check("scene", footprint::<V, I>(scene), 0, || {
+        format!("for {count} particles and what {} keeps of each; take fewer particles or precision=\"f32\"", I::NAME)
+    })?;
     let springs = scene.springs();
     let order = ordering(scene, &springs);
+    crew.check()?;
     let properties = properties::<V>(scene, &order);
     refuse_coarse::<V>(scene, &springs, properties.origin)?;
     refuse_tiny_masses(&properties)?;
     let springs = renumbered(springs, &order);
+    crew.check()?;
 
     let (mut all, mut stages): (Vec<Box<dyn Force<V>>>, Vec<String>) = (Vec::new(), Vec::new());
     let mut notes = Vec::new();
     if !springs.is_empty() {
         all.push(Box::new(Springs::<V>::new(&springs, count)));
     }
-    if let Some(fluid) = forces::sph::fluid(scene, &properties)? {
+    if let Some(fluid) = forces::sph::fluid(scene, &properties, crew)? {
         if let (Field::Carried, Some(reason)) = (fluid.field(), integrators::refuses_fields::<I>()) {
             let mut fit = Vec::new();
             with_integrator!(each Other => if integrators::refuses_fields::<Other>().is_none() {
@@ -85,6 +93,7 @@ pub fn compile<V: Vector, I: Integrator>(scene: &Scene, threads: usize) -> Resul
         all.push(fluid);
     }
     for term in &scene.forces {
+        crew.check()?;
         all.extend(forces::build(scene, term, &properties)?);
     }
     let contacts = Contacts::build(scene, &properties)?;
@@ -125,6 +134,7 @@ pub fn compile<V: Vector, I: Integrator>(scene: &Scene, threads: usize) -> Resul
     let nominal = if law.is_dissipative() { I::ORDER_DISSIPATIVE } else { I::ORDER };
     let order = law.forces().iter().map(|force| force.order()).fold(nominal, u32::min);
     notes.extend(advice::<I>(law.is_dissipative(), bends && law.field() != Field::Carried));
+    crew.check()?;
     let system = MatterSystem::new::<I>(law, state, threads);
     let plan = Plan {
         stages,
@@ -138,11 +148,31 @@ pub fn compile<V: Vector, I: Integrator>(scene: &Scene, threads: usize) -> Resul
         layout,
         simd: Level::current().name(),
         pairs: system.law().pairs(),
-        memory: system.bytes(),
         left_out,
         notes,
     };
     Ok(Compiled { system, plan })
+}
+
+/// What a particle takes beside its state [bytes]: its properties, and while the scene is compiled its places in two orders.
+const PROPERTIES: usize = 100;
+/// What a particle that has neighbors, one of a fluid, and a spring take, without lists of neighbors [bytes].
+const NEIGHBOR: usize = 250;
+const FLUID: usize = 600;
+const SPRING: usize = 250;
+
+/// About the most memory that a scene takes while it is compiled, and when it is: without lists of neighbors, which are counted
+/// when they are made [bytes].
+pub fn footprint<V: Vector, I: Integrator>(scene: &Scene) -> usize {
+    let springs: usize = scene.bodies.iter().map(|body| body.springs.len()).sum();
+    let independent = springs == 0 && !forces::are_between_pairs(scene);
+    let memory = if independent { I::KEPT } else { I::MEMORY };
+    // The state with a copy of it, and what sweeps over it take.
+    let columns = 2 * (2 + memory) + if independent { 0 } else { 6 };
+    let vector = V::DIMENSION * size_of::<V::Scalar>();
+    let fluid = scene.bodies.iter().any(|body| body.fluid.is_some());
+    let neighbor = if forces::are_between_pairs(scene) { NEIGHBOR } else { 0 } + if fluid { FLUID } else { 0 };
+    scene.count() * (columns * vector + PROPERTIES + neighbor) + springs * SPRING
 }
 
 /// What to take instead. Where nothing but gravity acts, or contacts break every step's order, there is nothing to gain.

@@ -108,6 +108,11 @@ impl Scene {
         springs
     }
 
+    /// Whether it has functions of the user's.
+    pub fn calls_back(&self) -> bool {
+        self.forces.iter().flat_map(|term| term.values.values()).any(|value| matches!(value, Value::Callback(_)))
+    }
+
     /// Whether a term acts on each particle.
     pub fn members(&self, term: &Term) -> Vec<bool> {
         let bodies = self.bodies.iter().enumerate();

@@ -7,6 +7,7 @@ mod monitor;
 
 pub use adaptive::{Adaptation, Rule};
 
+use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 
 use glam::{DVec2, DVec3, Vec2, Vec3};
@@ -17,7 +18,7 @@ use crate::forces::{Fields, Flow};
 use crate::integrators::{Integrator, with_integrator};
 use crate::math::{Real, Vector};
 use crate::matter::{CHANNELS, Channel, Columns, Meter};
-use crate::parallel::Team;
+use crate::parallel::{ALONE, Crew, Team};
 use crate::plan::{self, Compiled, Plan};
 use crate::scene::Scene;
 use crate::simd::{LANES, Level};
@@ -49,6 +50,20 @@ pub enum Vigilance {
     Agitated,
     /// Each one, at the cost of an evaluation of the energy per step.
     EveryStep,
+}
+
+impl Numerics {
+    /// How many threads may be used.
+    ///
+    /// # Errors
+    /// If none may, or the environment says no number.
+    pub fn threads(&self) -> Result<usize> {
+        match self.threads {
+            Some(0) => Err(Error::parameter("threads", "a whole number ≥ 1", 0)),
+            Some(threads) => Ok(threads),
+            None => Team::default_threads(),
+        }
+    }
 }
 
 /// The clock: equal steps since a time.
@@ -92,6 +107,8 @@ pub struct Capture {
 pub trait World: Send + Sync {
     /// What it does.
     fn plan(&self) -> &Plan;
+    /// The memory that it takes now [bytes].
+    fn memory(&self) -> usize;
     /// The time and how it was reached.
     fn segment(&self) -> Segment;
     /// All steps taken so far.
@@ -107,22 +124,24 @@ pub trait World: Send + Sync {
     /// Velocities [m/s].
     fn velocities(&self) -> Vec<DVec3>;
     /// Moves or accelerates particles; the change of energy counts as work.
-    fn set(&mut self, positions: Option<&[DVec3]>, velocities: Option<&[DVec3]>) -> Result<()>;
+    fn set(&mut self, positions: Option<&[DVec3]>, velocities: Option<&[DVec3]>, crew: &Crew) -> Result<()>;
     /// Density and pressure of every particle, NaN where there is no fluid.
     fn fields(&self) -> Fields;
     /// The fastest flow of a fluid that was seen where the watch looked, if there is a fluid.
     fn flow(&self) -> Option<Flow>;
+    /// Whether to find out its energy or its limits may take long.
+    fn is_long(&self) -> bool;
     /// The energy now.
-    fn energy(&self) -> Result<Energy>;
+    fn energy(&self, crew: &Crew) -> Result<Energy>;
     /// The momentum [kg·m/s] and the angular momentum about the origin of coordinates [kg·m²/s].
     fn momenta(&self) -> (DVec3, DVec3);
     /// The largest time step as matters stand.
-    fn limit(&self) -> Limit;
+    fn limit(&self, crew: &Crew) -> Result<Limit>;
     /// The largest certified step [s], which is stable while no spring is shorter than half its rest length, wherever it
     /// turns.
-    fn certified(&mut self) -> f64;
+    fn certified(&self, crew: &Crew) -> Result<f64>;
     /// The largest certified step from the present state, whatever is ahead.
-    fn present_limit(&self) -> Limit;
+    fn present_limit(&self, crew: &Crew) -> Result<Limit>;
     /// Everything that the next step's bits depend on.
     fn capture(&self) -> Capture;
     /// Goes on from a captured state.
@@ -132,22 +151,25 @@ pub trait World: Send + Sync {
 }
 
 /// Compiles a scene.
-pub fn build(scene: &Scene, numerics: &Numerics) -> Result<Box<dyn World>> {
+///
+/// # Errors
+/// If the scene or the numerics make no sense or do not fit into memory, or the crew was asked to stop.
+pub fn build(scene: &Scene, numerics: &Numerics, crew: &Crew) -> Result<Box<dyn World>> {
     Level::check()?;
     match (scene.dimension, numerics.precision.as_str()) {
-        (2, "f32") => build_for::<Vec2>(scene, numerics),
-        (3, "f32") => build_for::<Vec3>(scene, numerics),
-        (2, "f64") => build_for::<DVec2>(scene, numerics),
-        (3, "f64") => build_for::<DVec3>(scene, numerics),
+        (2, "f32") => build_for::<Vec2>(scene, numerics, crew),
+        (3, "f32") => build_for::<Vec3>(scene, numerics, crew),
+        (2, "f64") => build_for::<DVec2>(scene, numerics, crew),
+        (3, "f64") => build_for::<DVec3>(scene, numerics, crew),
         (2 | 3, other) => Err(Error::parameter("precision", "f32 or f64", other)),
         (other, _) => Err(Error::parameter("scene.dimension", "2 or 3", other)),
     }
 }
 
-fn build_for<V: Vector>(scene: &Scene, numerics: &Numerics) -> Result<Box<dyn World>> {
+fn build_for<V: Vector>(scene: &Scene, numerics: &Numerics, crew: &Crew) -> Result<Box<dyn World>> {
     with_integrator!(
         numerics.integrator.as_str(),
-        I => Ok(Box::new(Simulation::<V>::new::<I>(scene, numerics)?)),
+        I => Ok(Box::new(Simulation::<V>::new::<I>(scene, numerics, crew)?)),
         Err(Error::parameter("integrator", "the name of an integrator", &numerics.integrator))
     )
 }
@@ -161,7 +183,7 @@ struct Simulation<V: Vector> {
     bound_for: fn(Bound) -> Bound,
     memo: Memo,
     /// The certified limit while it stands [s], once it was asked for.
-    certified: Option<f64>,
+    certified: OnceLock<f64>,
     carried: usize,
     /// The integrator's order, and where it keeps the estimates of its errors, if it has any.
     order: u32,
@@ -177,13 +199,8 @@ struct Simulation<V: Vector> {
 const POLL: Duration = Duration::from_millis(20);
 
 impl<V: Vector> Simulation<V> {
-    fn new<I: Integrator>(scene: &Scene, numerics: &Numerics) -> Result<Self> {
-        let threads = match numerics.threads {
-            Some(0) => return Err(Error::parameter("threads", "a whole number ≥ 1", 0)),
-            Some(threads) => threads,
-            None => Team::default_threads()?,
-        };
-        let Compiled { system, plan } = plan::compile::<V, I>(scene, threads)?;
+    fn new<I: Integrator>(scene: &Scene, numerics: &Numerics, crew: &Crew) -> Result<Self> {
+        let Compiled { system, plan } = plan::compile::<V, I>(scene, numerics.threads()?, crew)?;
         // An integrator that is stable on no oscillator may gain energy as it likes: that is what it is shown for.
         let spirals = I::limit(0.0) == 0.0;
         let runaway = if spirals { f64::INFINITY } else { numerics.runaway };
@@ -194,7 +211,7 @@ impl<V: Vector> Simulation<V> {
             sharpened: Bound::sharp_limit::<I>,
             bound_for: Bound::stepped_by::<I>,
             memo: Memo::default(),
-            certified: None,
+            certified: OnceLock::new(),
             carried: I::CARRIED,
             order: I::ORDER,
             error: I::ERROR,
@@ -204,26 +221,22 @@ impl<V: Vector> Simulation<V> {
             monitor: Monitor::new(runaway, numerics.vigilance),
             flow: None,
         };
-        simulation.begin()?;
+        simulation.begin(crew)?;
         // Who is near whom is known only now.
         simulation.plan.pairs = simulation.system.law().pairs();
-        let energy = simulation.finite_energy()?;
+        let energy = simulation.finite_energy(crew)?;
         simulation.monitor.balance = energy.balance();
         simulation.monitor.observe(&energy, V::Scalar::EPSILON);
         Ok(simulation)
     }
 
-    fn begin(&mut self) -> Result<()> {
-        self.system.begin(self.segment.time())
-    }
-
-    fn energy_now(&self) -> Result<Energy> {
-        audit::energy(self.system.law(), self.system.state(), self.segment.time())
+    fn begin(&mut self, crew: &Crew) -> Result<()> {
+        self.system.begin(self.segment.time(), crew)
     }
 
     /// The energy now, refused where it is out of the range of numbers.
-    fn finite_energy(&self) -> Result<Energy> {
-        let energy = self.energy_now()?;
+    fn finite_energy(&self, crew: &Crew) -> Result<Energy> {
+        let energy = self.energy(crew)?;
         if energy.balance().is_finite() {
             return Ok(energy);
         }
@@ -263,33 +276,20 @@ impl<V: Vector> Simulation<V> {
     /// Whether the certified limit is the one that it is whenever this holds.
     fn stands(&self) -> bool {
         let (law, state) = (self.system.law(), self.system.state());
-        let at = law.moment_of(state, self.segment.time());
+        let at = law.moment_of(state, self.segment.time(), &ALONE);
         law.forces().iter().all(|force| force.bound_stands(&at))
-    }
-
-    /// The limit as matters stand.
-    fn sharp_limit(&self) -> Limit {
-        (self.sharpened)(self.bound(Bound::directed))
-    }
-
-    /// The largest certified step [s].
-    fn certified_limit(&mut self) -> f64 {
-        let stands = self.stands();
-        if let (true, Some(known)) = (stands, self.certified) {
-            return known;
-        }
-        let found = (self.limit)(&self.bound(Bound::new), &mut Memo::default()).stability;
-        if stands {
-            self.certified = Some(found);
-        }
-        found
     }
 
     /// What the terms contribute to a bound of some kind in the present state.
     fn bound(&self, empty: fn(&[f64], &[u32]) -> Bound) -> Bound {
+        self.bound_by(empty, &ALONE)
+    }
+
+    /// The same, shared among a crew; when that was asked to stop, some part of it.
+    fn bound_by(&self, empty: fn(&[f64], &[u32]) -> Bound, crew: &Crew) -> Bound {
         let (law, state) = (self.system.law(), self.system.state());
         let bound = (self.bound_for)(empty(&law.properties.mass, &law.properties.body));
-        law.bound(&law.moment_of(state, self.segment.time()), bound)
+        law.bound(&law.moment_of(state, self.segment.time(), crew), bound)
     }
 
     /// The fastest flow of the present state.
@@ -308,6 +308,10 @@ impl<V: Vector> Simulation<V> {
 impl<V: Vector> World for Simulation<V> {
     fn plan(&self) -> &Plan {
         &self.plan
+    }
+
+    fn memory(&self) -> usize {
+        self.system.bytes()
     }
 
     fn segment(&self) -> Segment {
@@ -363,8 +367,8 @@ impl<V: Vector> World for Simulation<V> {
         velocities
     }
 
-    fn set(&mut self, positions: Option<&[DVec3]>, velocities: Option<&[DVec3]>) -> Result<()> {
-        let before = self.energy()?.total();
+    fn set(&mut self, positions: Option<&[DVec3]>, velocities: Option<&[DVec3]>, crew: &Crew) -> Result<()> {
+        let before = self.energy(crew)?.total();
         let law = self.system.law();
         let (count, properties) = (law.properties.count(), &law.properties);
         let of = |index: usize, vectors: &[DVec3]| vectors[properties.caller[index] as usize];
@@ -393,7 +397,7 @@ impl<V: Vector> World for Simulation<V> {
         }
         state.velocity = accelerated.unwrap_or_else(|| std::mem::take(&mut state.velocity));
         // First the forces, because what some of them keep for their energy follows the state.
-        let done = self.begin().and_then(|()| self.finite_energy()).map(|energy| {
+        let done = self.begin(crew).and_then(|()| self.finite_energy(crew)).map(|energy| {
             if let Some(meter) = self.system.state_mut().meters.first_mut() {
                 meter.add(Channel::Work, energy.total() - before);
             }
@@ -424,24 +428,42 @@ impl<V: Vector> World for Simulation<V> {
         self.flow
     }
 
-    fn energy(&self) -> Result<Energy> {
-        self.energy_now()
+    fn is_long(&self) -> bool {
+        self.system.is_long()
+    }
+
+    fn energy(&self, crew: &Crew) -> Result<Energy> {
+        audit::energy(self.system.law(), self.system.state(), self.segment.time(), crew)
     }
 
     fn momenta(&self) -> (DVec3, DVec3) {
         audit::momenta(self.system.law(), self.system.state())
     }
 
-    fn limit(&self) -> Limit {
-        self.sharp_limit()
+    fn limit(&self, crew: &Crew) -> Result<Limit> {
+        let bound = self.bound_by(Bound::directed, crew);
+        crew.check()?;
+        Ok((self.sharpened)(bound))
     }
 
-    fn certified(&mut self) -> f64 {
-        self.certified_limit()
+    fn certified(&self, crew: &Crew) -> Result<f64> {
+        let stands = self.stands();
+        if let (true, Some(&known)) = (stands, self.certified.get()) {
+            return Ok(known);
+        }
+        let bound = self.bound_by(Bound::new, crew);
+        crew.check()?;
+        let found = (self.limit)(&bound, &mut Memo::default()).stability;
+        if stands {
+            self.certified.get_or_init(|| found);
+        }
+        Ok(found)
     }
 
-    fn present_limit(&self) -> Limit {
-        (self.limit)(&self.bound(Bound::at_present), &mut Memo::default())
+    fn present_limit(&self, crew: &Crew) -> Result<Limit> {
+        let bound = self.bound_by(Bound::at_present, crew);
+        crew.check()?;
+        Ok((self.limit)(&bound, &mut Memo::default()))
     }
 
     fn capture(&self) -> Capture {

@@ -4,8 +4,9 @@ use std::collections::BTreeMap;
 
 use glam::DVec3;
 use physcore_engine::error::Error;
+use physcore_engine::parallel::ALONE;
 use physcore_engine::scene::{Body, Fluid, Scene, Spring, Term, Value};
-use physcore_engine::simulation::{Numerics, World, build};
+use physcore_engine::simulation::{Numerics, Vigilance, World, build};
 use proptest::prelude::*;
 use proptest::sample::select;
 
@@ -94,8 +95,8 @@ fn term(kind: &str, values: &[(&str, Value)]) -> Term {
 
 /// A force with any parameters that Python lets pass.
 fn force() -> impl Strategy<Value = Term> {
-    let kinds = ["Gravity", "Drag", "CentralForce", "LennardJones", "Repulsion"];
-    (select(&kinds[..]), vector(), number(), amount(), amount(), positive()).prop_map(
+    const KINDS: [&str; 5] = ["Gravity", "Drag", "CentralForce", "LennardJones", "Repulsion"];
+    (select(&KINDS[..]), vector(), number(), amount(), amount(), positive()).prop_map(
         |(kind, vector, signed, first, second, positive)| {
             let values = match kind {
                 "Gravity" => vec![("acceleration", Value::Vector(vector))],
@@ -167,14 +168,9 @@ fn flatten(scene: &mut Scene) {
 }
 
 fn numerics() -> impl Strategy<Value = Numerics> {
-    (select(&INTEGRATORS[..]), select(vec!["f32", "f64"]), any::<bool>()).prop_map(|(integrator, precision, ignore_runaway)| {
-        Numerics {
-            integrator: integrator.to_owned(),
-            precision: precision.to_owned(),
-            threads: Some(1),
-            runaway: 1e6,
-            ignore_runaway,
-        }
+    let vigilance = vec![Vigilance::OutOfRange, Vigilance::Agitated, Vigilance::EveryStep];
+    (select(&INTEGRATORS[..]), select(vec!["f32", "f64"]), select(vigilance)).prop_map(|(integrator, precision, vigilance)| {
+        Numerics { integrator: integrator.to_owned(), precision: precision.to_owned(), threads: Some(1), runaway: 1e6, vigilance }
     })
 }
 
@@ -185,18 +181,19 @@ fn is_finite(world: &dyn World) -> bool {
 proptest! {
     #[test]
     fn a_scene_is_refused_or_stays_finite(scene in scene(), numerics in numerics(), dt in amount(), steps in 1_u64..20) {
-        let Ok(mut world) = build(&scene, &numerics) else { return Ok(()) };
+        let Ok(mut world) = build(&scene, &numerics, &ALONE) else { return Ok(()) };
         prop_assert!(is_finite(&*world), "not finite at the start");
-        prop_assert!(!world.limit().dt().is_nan() && !world.certified().is_nan(), "the limit is not a number");
+        let (limit, certified) = (world.limit(&ALONE).unwrap(), world.certified(&ALONE).unwrap());
+        prop_assert!(!limit.dt().is_nan() && !certified.is_nan(), "the limit is not a number");
         let outcome = world.step(steps, dt, &|| false);
         prop_assert!(!matches!(outcome, Err(Error::State(_))), "{:?}", outcome);
         prop_assert!(is_finite(&*world), "not finite after {:?}", outcome);
         let capture = world.capture();
-        let mut other = build(&scene, &numerics).unwrap();
+        let mut other = build(&scene, &numerics, &ALONE).unwrap();
         other.restore(&capture).unwrap();
         prop_assert_eq!(world.state_hash(), other.state_hash());
-        if world.energy().is_ok() {
-            prop_assert!(world.set(None, Some(&world.positions())).is_err() || is_finite(&*world), "not finite after set");
+        if world.energy(&ALONE).is_ok() {
+            prop_assert!(world.set(None, Some(&world.positions()), &ALONE).is_err() || is_finite(&*world), "not finite after set");
         }
     }
 }

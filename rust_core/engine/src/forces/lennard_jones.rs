@@ -27,6 +27,8 @@ pub struct LennardJones<T> {
     sigma: f64,
     /// The distance from which on there is nothing R [m].
     cutoff: f64,
+    /// The uncut energy [J] and force [N] at R.
+    edge: [f64; 2],
     /// σ² [m²], 24ε [J], R² [m²], and the uncut force at R [N].
     square_sigma: T,
     strength: T,
@@ -53,8 +55,9 @@ impl<T: Real> LennardJones<T> {
             number => Err(term.wrong(name, "a number > 0", Some(&Value::Number(number)))),
         };
         let (epsilon, sigma, cutoff) = (positive("epsilon")?, positive("sigma")?, positive("cutoff")?);
-        let shift = uncut(epsilon, sigma, cutoff)[1];
+        let [edge, shift, _] = uncut(epsilon, sigma, cutoff);
         Ok(Self {
+            edge: [edge, shift],
             epsilon,
             sigma,
             cutoff,
@@ -102,7 +105,7 @@ impl<V: Vector> Interaction<V> for LennardJones<V::Scalar> {
         if distance >= self.cutoff {
             return 0.0;
         }
-        let [edge, shift, _] = uncut(self.epsilon, self.sigma, self.cutoff);
+        let [edge, shift] = self.edge;
         uncut(self.epsilon, self.sigma, distance)[0] - edge + (distance - self.cutoff) * shift
     }
 
@@ -111,9 +114,8 @@ impl<V: Vector> Interaction<V> for LennardJones<V::Scalar> {
         if distance >= self.cutoff {
             return Default::default();
         }
-        let shift = uncut(self.epsilon, self.sigma, self.cutoff)[1];
         let [_, force, stiffness] = uncut(self.epsilon, self.sigma, distance);
-        [Directed { along: stiffness.abs(), across: (force - shift).abs() / distance }, Directed::default()]
+        [Directed { along: stiffness.abs(), across: (force - self.edge[1]).abs() / distance }, Directed::default()]
     }
 
     fn bound(&self, at: &Moment<'_, V>, members: &[u32], bound: &mut Bound) {

@@ -40,6 +40,8 @@ pub struct Moment<'a, V: Vector> {
     pub properties: &'a Properties<V>,
     /// The time [s].
     pub time: f64,
+    /// Who may share what takes long, and says whether to stop it.
+    pub crew: &'a Crew,
 }
 
 impl<V: Vector> Moment<'_, V> {

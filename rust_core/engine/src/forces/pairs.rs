@@ -16,7 +16,7 @@ use crate::math::{AXES, Placed, Real, Vector};
 use crate::matter::{Channel, Properties};
 use crate::neighbors::Neighbors;
 use crate::neighbors::sums::{Pair, PairLaw, Records};
-use crate::parallel::Crew;
+use crate::parallel::{Chunks, Crew};
 use crate::scene::Scene;
 use crate::simd::{LANES, Number, Record};
 use crate::stability::Bound;
@@ -123,33 +123,56 @@ impl<V: Vector, L: Interaction<V>> Pairs<V, L> {
         Ok(Self { law, attributes, vicinity, records, sums })
     }
 
-    /// Calls `each` with the members of every pair that is near, once, and with the way from one to the other [m].
-    fn for_each(neighbors: &Neighbors, positions: &[Vec<f64>; AXES], mut each: impl FnMut([usize; 2], DVec3)) {
-        let order = neighbors.order();
-        let rulers = neighbors.domain().lengths().map(|length| f64::ruler(length, neighbors.support()));
-        for place in 0..neighbors.count() {
-            let one = order[place] as usize;
-            for &other in neighbors.of(place).iter().filter(|&&other| other as usize > place) {
-                let other = order[other as usize] as usize;
-                let mut apart = DVec3::ZERO;
-                for axis in 0..V::DIMENSION {
-                    apart[axis] = f64::apart::<true, _>(positions[axis][one], positions[axis][other], rulers[axis]);
-                }
-                each([one, other], apart);
-            }
-        }
-    }
-
-    /// The lists that belong to a moment, whatever those in use are.
-    fn around(&self, at: &Moment<'_, V>) -> Result<(Neighbors, [Vec<f64>; AXES])> {
+    /// Gives `take` what `each` says of every pair that is near at a moment, once: of its members, and the way from one to the
+    /// other [m]. The order is always the same. Lists of their own serve it, whatever those in use are: of a few places at a
+    /// time, because all together would take as much memory as those.
+    ///
+    /// # Errors
+    /// If positions are too far away to tell distances, or the crew was asked to stop.
+    fn for_each<T: Send>(
+        &self,
+        at: &Moment<'_, V>,
+        each: impl Fn([usize; 2], DVec3) -> T + Sync,
+        mut take: impl FnMut([usize; 2], T),
+    ) -> Result<()> {
         let place = |axis: usize| self.vicinity.members().iter().map(|&member| at.place(axis, member as usize)).collect();
-        let positions = std::array::from_fn(|axis| if axis < V::DIMENSION { place(axis) } else { Vec::new() });
-        let domain = self.vicinity.neighbors().domain();
-        let mut neighbors = Neighbors::new(self.attributes.len(), V::DIMENSION, domain, self.law.cutoff(), 0.0)?;
-        neighbors.update(positions.each_ref().map(Vec::as_slice), &Crew::alone())?;
-        Ok((neighbors, positions))
+        let positions: [Vec<f64>; AXES] = std::array::from_fn(|axis| if axis < V::DIMENSION { place(axis) } else { Vec::new() });
+        let (count, domain) = (self.attributes.len(), self.vicinity.neighbors().domain());
+        let mut neighbors = Neighbors::new(count, V::DIMENSION, domain, self.law.cutoff(), 0.0)?;
+        neighbors.arrange(positions.each_ref().map(Vec::as_slice), at.crew)?;
+        let (order, rulers) = (neighbors.order(), domain.lengths().map(|length| f64::ruler(length, neighbors.support())));
+        let mut desks: Vec<_> = (0..DESKS).map(|_| (neighbors.listed(), Vec::new())).collect();
+        let (mut start, mut stride) = (0, 1);
+        while start < count {
+            at.crew.check()?;
+            at.crew.sweep(Chunks::new(&mut desks, 1), &|mine| {
+                let first = (start + mine.start * stride).min(count);
+                let (listed, pairs) = &mut mine.items[0];
+                neighbors.look(first..(first + stride).min(count), listed, at.crew);
+                for (place, list) in (first..).zip(listed.each()) {
+                    let one = order[place] as usize;
+                    for &other in list.iter().filter(|&&other| other as usize > place) {
+                        let other = order[other as usize] as usize;
+                        let mut apart = DVec3::ZERO;
+                        for axis in 0..V::DIMENSION {
+                            apart[axis] = f64::apart::<true, _>(positions[axis][one], positions[axis][other], rulers[axis]);
+                        }
+                        pairs.push(([one, other], each([one, other], apart)));
+                    }
+                }
+            });
+            let taken: usize = desks.iter().map(|(_, pairs)| pairs.len()).sum();
+            desks.iter_mut().flat_map(|(_, pairs)| pairs.drain(..)).for_each(|(pair, value)| take(pair, value));
+            start += DESKS * stride;
+            stride = if taken < DESKS * PAIRS { 2 * stride } else { (stride / 2).max(1) };
+        }
+        at.crew.check()
     }
 }
+
+/// Pairs are worked out by several threads at a time, on so many desks of about so many pairs each.
+const DESKS: usize = 16;
+const PAIRS: usize = 2048;
 
 impl<V: Vector, L: Interaction<V>> Force<V> for Pairs<V, L> {
     fn name(&self) -> &'static str {
@@ -184,7 +207,8 @@ impl<V: Vector, L: Interaction<V>> Force<V> for Pairs<V, L> {
     }
 
     fn undo(&mut self) -> Result<()> {
-        self.vicinity.undo().map(|_| ())
+        self.vicinity.undo();
+        Ok(())
     }
 
     fn capture(&self) -> Vec<f64> {
@@ -211,27 +235,30 @@ impl<V: Vector, L: Interaction<V>> Force<V> for Pairs<V, L> {
     }
 
     fn potential_of_all(&self, at: &Moment<'_, V>) -> Result<f64> {
-        let (neighbors, positions) = self.around(at)?;
         let mut energy = 0.0;
-        Self::for_each(&neighbors, &positions, |pair, apart| {
-            energy += self.law.potential(pair.map(|member| self.attributes[member]), apart.length());
-        });
+        let potential =
+            |pair: [usize; 2], apart: DVec3| self.law.potential(pair.map(|member| self.attributes[member]), apart.length());
+        self.for_each(at, potential, |_, potential| energy += potential)?;
         Ok(energy)
     }
 
     /// For a pair of the matrix A ≥ 0 and displacements u, w of its particles (u − w)ᵀA(u − w) ≤ 2uᵀAu + 2wᵀAw: no frequency of
     /// all is above that of the particle whose pairs, twice over, hold it the most in any one direction.
     fn bound(&self, at: &Moment<'_, V>, bound: &mut Bound) {
-        // Positions that cannot be searched are reported by the step that meets them.
-        let Ok((neighbors, positions)) = self.around(at) else { return };
         let mut sums = vec![[DMat3::ZERO; 2]; self.attributes.len()];
-        Self::for_each(&neighbors, &positions, |pair, apart| {
+        let matrices = |pair: [usize; 2], apart: DVec3| {
             let values = self.law.stiffness(pair.map(|member| self.attributes[member]), apart.length());
-            let matrices = values.map(|value| value.matrix(apart.normalize_or_zero()));
+            values.map(|value| value.matrix(apart.normalize_or_zero()))
+        };
+        let added = self.for_each(at, matrices, |pair, matrices| {
             for member in pair {
                 sums[member] = std::array::from_fn(|sum| sums[member][sum] + matrices[sum]);
             }
         });
+        // Positions that cannot be searched are reported by the step that meets them.
+        if added.is_err() {
+            return;
+        }
         let members = self.vicinity.members();
         let expected = self.law.expected(at, members);
         for (&index, sums) in members.iter().zip(sums) {

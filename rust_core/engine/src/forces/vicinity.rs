@@ -40,6 +40,8 @@ pub struct Vicinity {
     kept: [Vec<f64>; AXES],
     /// Whether they have been made anew since.
     renewed: bool,
+    /// Whether those of then are to be made again before anything else.
+    undone: bool,
     skin: f64,
 }
 
@@ -57,15 +59,16 @@ impl Vicinity {
         let mut slots = vec![NOBODY; properties.count()];
         members.iter().zip(0..).for_each(|(&index, slot)| slots[index as usize] = slot);
         let (positions, kept) = (columns(), columns());
-        Ok(Self { members, slots, neighbors, positions, kept, renewed: false, skin })
+        Ok(Self { members, slots, neighbors, positions, kept, renewed: false, undone: false, skin })
     }
 
     /// Brings positions and lists up to date, and says whether the lists are new. `place` gives the position of a particle along
     /// an axis, relative to the origin [m].
     ///
     /// # Errors
-    /// If positions are too far away to tell distances.
+    /// If positions are too far away to tell distances, or the lists do not fit into memory.
     pub fn update(&mut self, place: &(impl Fn(usize, usize) -> f64 + Sync), crew: &Crew) -> Result<bool> {
+        self.resume(crew)?;
         let (dimension, members) = (self.neighbors.dimension(), &self.members);
         for (axis, column) in self.positions.iter_mut().enumerate().take(dimension) {
             crew.sweep(Chunks::new(column, BLOCK), &|mine| {
@@ -93,6 +96,7 @@ impl Vicinity {
             positions: positions.clone(),
             kept: kept.clone(),
             renewed: false,
+            undone: false,
             skin: *skin,
         };
         anew.update(place, crew)?;
@@ -150,25 +154,36 @@ impl Vicinity {
         }
     }
 
-    /// Makes the lists that were last kept, and says whether there were others.
-    pub fn undo(&mut self) -> Result<bool> {
-        let renewed = std::mem::take(&mut self.renewed);
-        if renewed {
-            self.neighbors.restore(self.kept.each_ref().map(Vec::as_slice), &Crew::alone())?;
+    /// Goes back to the lists that were last kept. They are made when they are needed: whoever interrupts a step has not the
+    /// time.
+    pub fn undo(&mut self) {
+        self.undone |= std::mem::take(&mut self.renewed);
+    }
+
+    /// Makes the lists that were gone back to, and says whether there were others.
+    ///
+    /// # Errors
+    /// As [`Vicinity::update`].
+    pub fn resume(&mut self, crew: &Crew) -> Result<bool> {
+        let undone = self.undone;
+        if undone {
+            self.neighbors.restore(self.kept.each_ref().map(Vec::as_slice), crew)?;
+            // Whoever is stopped before the end of this chunk makes them once more, and what hangs on them.
+            (self.renewed, self.undone) = (true, crew.stopped());
         }
-        Ok(renewed)
+        Ok(undone)
     }
 
     /// What the lists were made from [m].
     pub fn capture(&self) -> Vec<f64> {
-        self.neighbors.anchors().concat()
+        if self.undone { self.kept.concat() } else { self.neighbors.anchors().concat() }
     }
 
-    /// Makes the lists that were captured; takes its part from the front of `numbers`.
+    /// Goes back to the lists that were captured; takes its part from the front of `numbers`.
     pub fn restore(&mut self, numbers: &mut &[f64]) -> Result<()> {
         self.kept.iter_mut().try_for_each(|column| take(numbers, column))?;
-        self.renewed = true;
-        self.undo().map(|_| ())
+        (self.renewed, self.undone) = (false, true);
+        Ok(())
     }
 
     /// How many neighbors are listed, of all particles together; a guess while there are no lists.

@@ -4,7 +4,9 @@ use std::ops::Range;
 
 use super::grid::{Grid, Rows, Runs};
 use super::{BLOCK, Metric};
+use crate::error::Result;
 use crate::math::{AXES, Placed};
+use crate::memory;
 use crate::parallel::{Chunks, Crew};
 use crate::simd::{Isa, LANES, LevelKernel, Selection, dispatch_level};
 
@@ -65,18 +67,85 @@ impl Lists {
     }
 
     /// Makes all lists anew.
-    pub fn build(&mut self, candidates: Candidates<'_>, dimension: usize, crew: &Crew) {
+    ///
+    /// # Errors
+    /// [`Error::Memory`] if they do not fit. There are none then.
+    pub fn build(&mut self, candidates: Candidates<'_>, dimension: usize, crew: &Crew) -> Result<()> {
+        self.check(candidates, dimension, crew)?;
         let work = (Chunks::new(&mut self.ends, BLOCK), Chunks::new(&mut self.segments, 1));
         crew.sweep(work, &|(ends, segments)| {
             let Some(segment) = segments.items.first_mut() else { return };
-            let search = Search { candidates, start: ends.start, ends: ends.items, segment };
-            match (dimension, candidates.metric.periodic) {
-                (2, false) => dispatch_level(Flat::<2, false>(search)),
-                (2, true) => dispatch_level(Flat::<2, true>(search)),
-                (_, false) => dispatch_level(Flat::<3, false>(search)),
-                (_, true) => dispatch_level(Flat::<3, true>(search)),
-            }
+            list(candidates, dimension, ends.start, ends.items, segment, crew);
+            segment.spare();
         });
+        if self.segments.iter().any(Selection::has_overflowed) {
+            // They are longer than was expected, or somebody else took the memory meanwhile.
+            let held = self.bytes();
+            *self = Self::new(self.ends.len());
+            let available = memory::available().unwrap_or(0);
+            return Err(memory::refusal(LISTS, held.max(available as usize + 1), available, || hint(candidates.metric)));
+        }
+        Ok(())
+    }
+
+    /// Refuses lists that do not fit into memory. Counts some of them, where there are so many particles that they could be
+    /// too long; their lengths vary little from one to the next, which is near it.
+    fn check(&mut self, candidates: Candidates<'_>, dimension: usize, crew: &Crew) -> Result<()> {
+        let (count, held) = (self.ends.len(), self.bytes());
+        if room(count.saturating_mul(count)) <= held + memory::SMALL {
+            return Ok(());
+        }
+        let work = (Chunks::new(&mut self.ends, BLOCK), Chunks::new(&mut self.segments, 1));
+        crew.sweep(work, &|(ends, segments)| {
+            let Some(segment) = segments.items.first_mut() else { return };
+            let (mut listed, mut samples) = (0, 0);
+            for offset in (0..ends.items.len()).step_by(SAMPLE) {
+                list(candidates, dimension, ends.start + offset, &mut ends.items[offset..=offset], segment, crew);
+                (listed, samples) = (listed + segment.len(), samples + 1);
+            }
+            ends.items[0] = listed * ends.items.len() / samples;
+        });
+        let needed = room(self.ends.iter().step_by(BLOCK).sum());
+        let refused = memory::check(LISTS, needed, held, || hint(candidates.metric));
+        if refused.is_err() {
+            *self = Self::new(count);
+        }
+        refused
+    }
+}
+
+/// What is refused where lists do not fit.
+const LISTS: &str = "neighbors";
+
+/// Of so many places the list of one is counted beforehand.
+const SAMPLE: usize = 64;
+
+/// The most memory that lists of so many neighbors take [bytes].
+fn room(neighbors: usize) -> usize {
+    neighbors.saturating_mul(size_of::<u32>()) / 4 * 5
+}
+
+/// What to do about lists that do not fit.
+fn hint(metric: &Metric) -> String {
+    let reach = metric.square.sqrt();
+    format!("everything within {reach:.3e} m of each particle is listed: take a smaller cutoff, or sizes that differ less")
+}
+
+/// Lists the neighbors of consecutive places, from `start` on, one after the other in `segment`, and where each list ends.
+pub fn list(
+    candidates: Candidates<'_>,
+    dimension: usize,
+    start: usize,
+    ends: &mut [usize],
+    segment: &mut Selection,
+    crew: &Crew,
+) {
+    let search = Search { candidates, start, ends, segment, crew };
+    match (dimension, candidates.metric.periodic) {
+        (2, false) => dispatch_level(Flat::<2, false>(search)),
+        (2, true) => dispatch_level(Flat::<2, true>(search)),
+        (_, false) => dispatch_level(Flat::<3, false>(search)),
+        (_, true) => dispatch_level(Flat::<3, true>(search)),
     }
 }
 
@@ -86,6 +155,7 @@ struct Search<'a> {
     start: usize,
     ends: &'a mut [usize],
     segment: &'a mut Selection,
+    crew: &'a Crew,
 }
 
 /// The search in some number of dimensions, with or without periods.
@@ -96,13 +166,14 @@ impl<const DIMENSION: usize, const PERIODIC: bool> LevelKernel for Flat<'_, DIME
 
     #[inline(always)]
     fn run<I: Isa>(self, isa: I) {
-        let Search { candidates, start, ends, segment } = self.0;
+        let Search { candidates, start, ends, segment, crew } = self.0;
         let Candidates { grid, starts, columns, .. } = candidates;
         let nowhere = starts[starts.len() - 2] as usize;
         segment.clear();
         let (mut last, mut rows, mut runs) = (u32::MAX, Rows::NONE, Runs::NONE);
         for (place, end) in (start..).zip(ends) {
-            if place < nowhere {
+            // Whoever is stopped has lists that end early.
+            if place < nowhere && !crew.stopped() {
                 let point = std::array::from_fn(|axis| if axis < DIMENSION { columns[axis][place] } else { 0.0 });
                 let bucket = grid.bucket(point);
                 if bucket != last {
@@ -117,7 +188,6 @@ impl<const DIMENSION: usize, const PERIODIC: bool> LevelKernel for Flat<'_, DIME
             }
             *end = segment.len();
         }
-        segment.spare();
     }
 }
 

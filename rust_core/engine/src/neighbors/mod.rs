@@ -22,6 +22,8 @@ pub use domain::Domain;
 pub use lists::List;
 pub use ordering::ordering;
 
+use std::ops::Range;
+
 use glam::DVec3;
 
 use crate::error::{Error, Result};
@@ -122,18 +124,31 @@ impl Neighbors {
     /// did. `positions` [m] are not wrapped into the domain.
     ///
     /// # Errors
-    /// If a position is so far away that its rounding is no longer small beside the cutoff. There are no lists then.
+    /// If a position is so far away that its rounding is no longer small beside the cutoff, or the lists do not fit into
+    /// memory. There are no lists then.
     pub fn update(&mut self, positions: [&[f64]; AXES], crew: &Crew) -> Result<bool> {
         let positions = Positions { axes: positions, dimension: self.dimension };
         if self.built && self.skin > 0.0 && !self.has_moved(positions, crew) {
             return Ok(false);
         }
-        self.built = false;
-        for (anchor, axis) in self.anchors.iter_mut().zip(positions.axes).take(self.dimension) {
-            anchor.copy_from_slice(&axis[..self.count]);
-        }
-        self.build(crew)?;
+        self.arrange(positions.axes, crew)?;
+        self.lists.build(candidates(&self.grid, &self.sort, &self.sorted, &self.metric), self.dimension, crew)?;
+        // Whoever was stopped half way has no lists.
+        self.built = !crew.stopped();
         Ok(true)
+    }
+
+    /// The neighbors of some places only, for who needs each list once: after [`Neighbors::arrange`].
+    pub fn look(&self, places: Range<usize>, listed: &mut Listed, crew: &Crew) {
+        listed.ends.clear();
+        listed.ends.resize(places.len(), 0);
+        let candidates = candidates(&self.grid, &self.sort, &self.sorted, &self.metric);
+        lists::list(candidates, self.dimension, places.start, &mut listed.ends, &mut listed.segment, crew);
+    }
+
+    /// An empty list of neighbors, to [`Neighbors::look`] into.
+    pub fn listed(&self) -> Listed {
+        Listed { ends: Vec::new(), segment: self.selection() }
     }
 
     /// Makes the lists that were made from `anchors`: all later sums then have the bits that they had.
@@ -227,8 +242,15 @@ impl Neighbors {
         crew.stopped() || self.moved.contains(&true)
     }
 
-    /// Makes the lists from the anchors.
-    fn build(&mut self, crew: &Crew) -> Result<()> {
+    /// Sorts the particles at `positions` [m] into places, from which lists can be made.
+    ///
+    /// # Errors
+    /// If a position is so far away that its rounding is no longer small beside the cutoff.
+    pub fn arrange(&mut self, positions: [&[f64]; AXES], crew: &Crew) -> Result<()> {
+        self.built = false;
+        for (anchor, axis) in self.anchors.iter_mut().zip(positions).take(self.dimension) {
+            anchor.copy_from_slice(&axis[..self.count]);
+        }
         let anchors = Positions { axes: self.anchors.each_ref().map(Vec::as_slice), dimension: self.dimension };
         let count = self.count;
         crew.sweep(Chunks::new(&mut self.bounds, 1), &|bounds| {
@@ -248,11 +270,26 @@ impl Neighbors {
                 mine.items.iter_mut().zip(&order[mine.start..]).for_each(|(to, &particle)| *to = axis[particle as usize]);
             });
         }
-        let columns = self.sorted.each_ref().map(Vec::as_slice);
-        let candidates = Candidates { grid: &self.grid, starts: &self.sort.starts, columns, metric: &self.metric };
-        self.lists.build(candidates, self.dimension, crew);
-        // Whoever was stopped half way has no lists.
-        self.built = !crew.stopped();
         Ok(())
+    }
+}
+
+/// What lists are made from.
+fn candidates<'a>(grid: &'a Grid, sort: &'a Sort, sorted: &'a [Vec<f64>; AXES], metric: &'a Metric) -> Candidates<'a> {
+    Candidates { grid, starts: &sort.starts, columns: sorted.each_ref().map(Vec::as_slice), metric }
+}
+
+/// The neighbors of some places, which are looked at once.
+#[derive(Debug)]
+pub struct Listed {
+    ends: Vec<usize>,
+    segment: Selection,
+}
+
+impl Listed {
+    /// The neighbors of each of the places.
+    pub fn each(&self) -> impl Iterator<Item = &[u32]> {
+        let starts = [0].into_iter().chain(self.ends.iter().copied());
+        starts.zip(&self.ends).map(|(start, &end)| self.segment.list(start, end))
     }
 }

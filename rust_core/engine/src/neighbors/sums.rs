@@ -98,7 +98,7 @@ impl<V: Vector> Records<V> {
         let count = neighbors.count();
         assert!(self.words.len() == count + LANES && sums.len() == count, "one record and sum per particle");
         crew.sweep(Chunks::new(sums, BLOCK), &|mine| {
-            let sweep = Sweep { records: self, neighbors, law, start: mine.start, sums: mine.items };
+            let sweep = Sweep { records: self, neighbors, law, start: mine.start, sums: mine.items, crew };
             if V::Scalar::WRAPS || !self.periodic {
                 dispatch_level(Wrapped::<V, L, SUMS, false>(sweep));
             } else {
@@ -153,6 +153,7 @@ struct Sweep<'a, V: Vector, L, const SUMS: usize> {
     law: L,
     start: usize,
     sums: &'a mut [[V::Scalar; SUMS]],
+    crew: &'a Crew,
 }
 
 /// The sums of one block, with or without periods.
@@ -163,8 +164,8 @@ impl<V: Vector, L: PairLaw<V, SUMS>, const SUMS: usize, const PERIODIC: bool> Le
 
     #[inline(always)]
     fn run<I: Isa>(self, _isa: I) {
-        let Sweep { records, neighbors, law, start, sums } = self.0;
-        for (place, sum) in (start..).zip(sums) {
+        let Sweep { records, neighbors, law, start, sums, crew } = self.0;
+        for (place, sum) in (start..).zip(sums).take_while(|_| !crew.stopped()) {
             *sum = around::<V, L, I::Pack<V::Scalar>, SUMS, PERIODIC>(records, neighbors.list(place), &law, place);
         }
     }

@@ -10,6 +10,8 @@ pub struct Selection {
     entries: Vec<u32>,
     length: usize,
     bound: usize,
+    /// Whether there was no memory for all of them.
+    overflowed: bool,
 }
 
 /// A group of indices out of a [`Selection`].
@@ -40,7 +42,7 @@ impl Selection {
     /// If the bound is less than a group of lanes.
     pub fn new(bound: usize) -> Self {
         assert!(bound >= LANES && u32::try_from(bound).is_ok(), "a bound that is too small or too large");
-        Self { entries: vec![0; LANES], length: 0, bound }
+        Self { entries: vec![0; LANES], length: 0, bound, overflowed: false }
     }
 
     /// The memory that it takes [bytes].
@@ -62,6 +64,12 @@ impl Selection {
     /// Begins anew.
     pub fn clear(&mut self) {
         self.length = 0;
+        self.overflowed = false;
+    }
+
+    /// Whether there was no memory for what was selected since it began, of which the beginning is then lost.
+    pub fn has_overflowed(&self) -> bool {
+        self.overflowed
     }
 
     /// Makes room for an eighth more than there is now, so that the next selection, if it is about as long, needs none.
@@ -87,7 +95,12 @@ impl Selection {
 
     #[cold]
     fn grow(&mut self) {
-        self.entries.resize((self.length + 4 * LANES) * 5 / 4, 0);
+        let length = (self.length + 4 * LANES) * 5 / 4;
+        match self.entries.try_reserve_exact(length - self.entries.len()) {
+            Ok(()) => self.entries.resize(length, 0),
+            // What follows is written over the beginning.
+            Err(_) => (self.length, self.overflowed) = (0, true),
+        }
     }
 
     /// Adds an index, if it counts.
@@ -97,7 +110,7 @@ impl Selection {
     #[inline(always)]
     pub fn push(&mut self, index: u32, counts: bool) {
         assert!((index as usize) < self.bound, "an index past the bound");
-        if self.entries.len() <= self.length + LANES {
+        if self.entries.len() < self.length + LANES + 1 {
             self.grow();
         }
         // Written in any case: whether it counts is hard to foresee.

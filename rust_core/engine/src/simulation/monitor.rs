@@ -9,10 +9,12 @@
 //! rolled back and taken again up to that step. So that little is taken twice, batches are no longer than the time since
 //! the last diagnosis. What has failed leaves no trace in the scale.
 
-use super::{Simulation, Vigilance};
-use crate::audit::Energy;
+use super::{Simulation, Vigilance, World};
+use crate::audit::{self, Energy};
 use crate::error::{Divergence, Error, Result};
 use crate::math::{Real, Vector};
+use crate::parallel::ALONE;
+use crate::stability::Bound;
 use crate::systems::matter::{Interval, Record};
 
 /// The fewest steps after a diagnosis that may be taken again.
@@ -105,9 +107,16 @@ impl<V: Vector> Simulation<V> {
             self.advance(step, Record::LastStep, interrupted)?;
         }
         let before = self.monitor;
-        let Some(divergence) = self.diagnose()? else {
-            self.monitor.quiet = 0;
-            return Ok(step);
+        let divergence = match self.diagnose(interrupted) {
+            Ok(Some(divergence)) => divergence,
+            Ok(None) => {
+                self.monitor.quiet = 0;
+                return Ok(step);
+            }
+            Err(error) => {
+                self.rollback(step)?;
+                return Err(error);
+            }
         };
         self.monitor = before;
         let (number, time) = (self.steps, self.segment.time());
@@ -119,9 +128,9 @@ impl<V: Vector> Simulation<V> {
     }
 
     /// Which activities to record, and up to which one nothing is to be diagnosed.
-    fn attention(&mut self) -> (Record, f64) {
+    fn attention(&self) -> (Record, f64) {
         // In steps that never double the energy only its overflow has to be looked for.
-        let tame = self.system.is_linear() && 2.0 * self.segment.dt <= self.certified_limit();
+        let tame = self.system.is_linear() && self.certified(&ALONE).is_ok_and(|limit| 2.0 * self.segment.dt <= limit);
         match self.monitor.vigilance {
             Vigilance::OutOfRange => (Record::LastStep, f64::MAX),
             Vigilance::EveryStep => (Record::EveryStep, -1.0),
@@ -148,7 +157,7 @@ impl<V: Vector> Simulation<V> {
     }
 
     /// What is wrong with the present state, if anything is; its energy is taken in.
-    fn diagnose(&mut self) -> Result<Option<Divergence>> {
+    fn diagnose(&mut self, interrupted: &dyn Fn() -> bool) -> Result<Option<Divergence>> {
         let state = self.system.state();
         for (quantity, columns) in [("position", &state.position), ("velocity", &state.velocity)] {
             if let Some(index) = columns.out_of_range() {
@@ -158,7 +167,8 @@ impl<V: Vector> Simulation<V> {
         if self.monitor.vigilance == Vigilance::OutOfRange {
             return Ok(None);
         }
-        let energy = match self.energy_now() {
+        let time = self.segment.time();
+        let energy = match self.system.ask(interrupted, |law, state, crew| audit::energy(law, state, time, crew)) {
             Err(error) if is_scattered(&error) => return Ok(Some(self.scatter())),
             outcome => outcome?,
         };
@@ -183,7 +193,7 @@ impl<V: Vector> Simulation<V> {
             return;
         }
         let (law, state) = (self.system.law(), self.system.state());
-        let kick = law.kick(&law.moment_of(state, self.segment.time()), dt);
+        let kick = law.kick(&law.moment_of(state, self.segment.time(), &ALONE), dt);
         self.monitor.expect(kick);
     }
 
@@ -220,7 +230,7 @@ impl<V: Vector> Simulation<V> {
 
     /// What to do about a divergence; asked for at the last good state.
     fn hint(&self) -> String {
-        let (limit, dt) = (self.sharp_limit(), self.segment.dt);
+        let (limit, dt) = ((self.sharpened)(self.bound(Bound::directed)), self.segment.dt);
         if limit.stability == 0.0 {
             return format!("no dt is stable with {} here: take another integrator", self.plan.integrator);
         }

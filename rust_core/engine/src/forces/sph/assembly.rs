@@ -21,7 +21,7 @@ use crate::scene::Scene;
 
 impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
     /// The fluids of a scene, of these kinds.
-    pub fn new(scene: &Scene, properties: &Properties<V>, kinds: Kinds) -> Result<Self> {
+    pub fn new(scene: &Scene, properties: &Properties<V>, kinds: Kinds, crew: &Crew) -> Result<Self> {
         let kind_of = |index: u32| kinds.of_body[properties.body[index as usize] as usize];
         let members: Vec<u32> = (0..properties.count() as u32).filter(|&index| kind_of(index).is_some()).collect();
         let kind: Vec<u8> = members.iter().filter_map(|&index| kind_of(index)).collect();
@@ -87,13 +87,13 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
             extrapolation,
             walls,
         };
-        fluids.fill_space(scene, properties)?;
+        fluids.fill_space(scene, properties, crew)?;
         Ok(fluids)
     }
 
     /// Gives every fluid particle the density under the weight of what is above it, and every obstacle the volume that is left
     /// to it by the others: 1/Σ W over obstacles, of N. Akinci et al., ACM Trans. Graph. 31 (2012) 62.
-    fn fill_space(&mut self, scene: &Scene, properties: &Properties<V>) -> Result<()> {
+    fn fill_space(&mut self, scene: &Scene, properties: &Properties<V>, crew: &Crew) -> Result<()> {
         let positions = scene.positions();
         // By the index of the particle, relative to the origin.
         let at: Vec<DVec3> = properties.caller.iter().map(|&caller| positions[caller as usize] - properties.origin).collect();
@@ -113,7 +113,8 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
         if self.obstacles.is_empty() {
             return Ok(());
         }
-        self.search(&|axis, index| at[index][axis], &Crew::alone())?;
+        self.search(&|axis, index| at[index][axis], crew)?;
+        crew.check()?;
         let weight = weight::<K>(self.kinds.first(), V::DIMENSION);
         let neighbors = self.vicinity.neighbors();
         for &obstacle in &self.obstacles {

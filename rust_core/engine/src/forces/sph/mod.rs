@@ -54,15 +54,15 @@ const BLOCK: usize = 1024;
 ///
 /// # Errors
 /// If their parameters make no sense together, or there is no kernel of that name.
-pub fn fluid<V: Vector>(scene: &Scene, properties: &Properties<V>) -> Result<Option<Box<dyn Force<V>>>> {
+pub fn fluid<V: Vector>(scene: &Scene, properties: &Properties<V>, crew: &Crew) -> Result<Option<Box<dyn Force<V>>>> {
     let Some(body) = scene.bodies.iter().position(|body| body.fluid.is_some()) else { return Ok(None) };
     let kinds = Kinds::of(scene)?;
     match scene.bodies[body].fluid.as_ref().map_or("", |fluid| fluid.kernel.as_str()) {
-        "WendlandC2" if !kinds.are_mixed() => with::<V, WendlandC2, false>(scene, properties, kinds),
-        "WendlandC2" => with::<V, WendlandC2, true>(scene, properties, kinds),
+        "WendlandC2" if !kinds.are_mixed() => with::<V, WendlandC2, false>(scene, properties, kinds, crew),
+        "WendlandC2" => with::<V, WendlandC2, true>(scene, properties, kinds, crew),
         // The other kernels are not worth compiling twice.
-        "WendlandC4" => with::<V, WendlandC4, true>(scene, properties, kinds),
-        "CubicSpline" => with::<V, CubicSpline, true>(scene, properties, kinds),
+        "WendlandC4" => with::<V, WendlandC4, true>(scene, properties, kinds, crew),
+        "CubicSpline" => with::<V, CubicSpline, true>(scene, properties, kinds, crew),
         other => Err(Error::parameter(format!("bodies[{body}].kernel"), "WendlandC2, WendlandC4 or CubicSpline", other)),
     }
 }
@@ -71,11 +71,12 @@ fn with<V: Vector, K, const MIXED: bool>(
     scene: &Scene,
     properties: &Properties<V>,
     kinds: Kinds,
+    crew: &Crew,
 ) -> Result<Option<Box<dyn Force<V>>>>
 where
     K: Shape,
 {
-    Ok(Some(Box::new(Fluids::<V, K, MIXED>::new(scene, properties, kinds)?)))
+    Ok(Some(Box::new(Fluids::<V, K, MIXED>::new(scene, properties, kinds, crew)?)))
 }
 
 /// Writes what the laws read of every particle: velocity, and the volume and content that `each` gives for a member.
@@ -181,10 +182,12 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
 
     /// Brings lists up to date, and with them who is near a wall.
     fn search(&mut self, place: &(impl Fn(usize, usize) -> f64 + Sync), crew: &Crew) -> Result<()> {
-        if self.vicinity.update(place, crew)? {
+        let resumed = self.vicinity.resume(crew)?;
+        let renewed = self.vicinity.update(place, crew)?;
+        if resumed || renewed {
             self.walls.survey(&self.vicinity, crew);
-            self.surface.is_stale = true;
         }
+        self.surface.is_stale |= renewed;
         Ok(())
     }
 }
@@ -327,9 +330,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> Force<V> for Fluids<V, K, MIXED> {
         self.density.copy_from_slice(&self.kept);
         self.surface.undo();
         self.strongest = Some(self.kept_strongest);
-        if self.vicinity.undo()? {
-            self.walls.survey(&self.vicinity, &Crew::alone());
-        }
+        self.vicinity.undo();
         Ok(())
     }
 
@@ -341,9 +342,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> Force<V> for Fluids<V, K, MIXED> {
         super::vicinity::take(numbers, &mut self.density)?;
         super::vicinity::take(numbers, std::slice::from_mut(self.strongest.insert(0.0)))?;
         self.surface.restore(numbers)?;
-        self.vicinity.restore(numbers)?;
-        self.walls.survey(&self.vicinity, &Crew::alone());
-        Ok(())
+        self.vicinity.restore(numbers)
     }
 
     fn accumulate(&self, block: Range<usize>, _at: &Moment<'_, V>, rates: &mut Rates<'_, V>) {
@@ -378,10 +377,10 @@ impl<V: Vector, K: Shape, const MIXED: bool> Force<V> for Fluids<V, K, MIXED> {
 
     /// By means of lists of its own, because the last forces are not always those of the state.
     fn potential_of_all(&self, at: &Moment<'_, V>) -> Result<f64> {
-        let (Some(tension), crew) = (&self.tension, Crew::alone()) else { return Ok(0.0) };
-        let vicinity = self.vicinity.anew(&|axis, index| at.place(axis, index), &crew)?;
-        let (walls, mut records) = (self.walls.anew(&vicinity, &crew), Records::new(vicinity.neighbors()));
-        Ok(tension.energy((&vicinity, &mut records), &walls, &self.kind, &|member| self.rest_volume(member)))
+        let (Some(tension), crew) = (&self.tension, at.crew) else { return Ok(0.0) };
+        let vicinity = self.vicinity.anew(&|axis, index| at.place(axis, index), crew)?;
+        let (walls, mut records) = (self.walls.anew(&vicinity, crew), Records::new(vicinity.neighbors()));
+        Ok(tension.energy((&vicinity, &mut records), &walls, &self.kind, &|member| self.rest_volume(member), crew))
     }
 
     fn internal(&self) -> f64 {

@@ -269,9 +269,10 @@ impl<V: Vector, K: Shape, const MIXED: bool> Tension<V, K, MIXED> {
         walls: &Walls,
         kind: &[u8],
         volume: &(impl Fn(usize) -> f64 + Sync),
+        crew: &Crew,
     ) -> f64 {
         let mut covers = self.covers.clone();
-        Self::survey(self.cover, (vicinity, records), walls, kind, volume, &mut covers, &Crew::alone());
+        Self::survey(self.cover, (vicinity, records), walls, kind, volume, &mut covers, crew);
         let energy = |(member, &place): (usize, &u32)| {
             let (cover, [area, gradient]) = (covers[place as usize].map(Real::to_f64), self.moduli[usize::from(kind[member])]);
             let missing = 1.0 - cover[CROWD] / self.rest;

@@ -5,7 +5,7 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::matter::{CHANNELS, Channel, Columns, Properties, View};
-use crate::simd::padded;
+use crate::parallel::ALONE;
 
 /// Springs, and the places and velocities of their ends.
 #[derive(Debug, Clone)]
@@ -51,6 +51,7 @@ impl Network {
             residual: View::default(),
             properties: &properties,
             time: 0.0,
+            crew: &ALONE,
         })
     }
 

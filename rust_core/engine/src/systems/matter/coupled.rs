@@ -96,8 +96,9 @@ pub fn begin<V: Vector, I: Integrator>(
     matter: &mut Matter<V>,
     desk: &mut Desk<V>,
     interval: Interval,
+    crew: &Crew,
 ) -> Result<()> {
-    sweep::<V, I>(law, matter, desk, interval, interval.start, Action::Begin, &Crew::alone())
+    sweep::<V, I>(law, matter, desk, interval, interval.start, Action::Begin, crew)
 }
 
 /// Advances the fields over the drift of `h` seconds that led here, at a time, with the velocity that is remembered or the

@@ -12,7 +12,7 @@ use crate::systems::matter::law::Law;
 
 /// Moves all particles that a force displaces, at a time; `ways` is memory.
 pub fn displace<V: Vector>(law: &Law<V>, matter: &mut Matter<V>, ways: &mut Columns<V>, time: f64, crew: &Crew) -> Result<()> {
-    let before = law.potential_of_callbacks(&law.moment_of(matter, time))?;
+    let before = law.potential_of_callbacks(&law.moment_of(matter, time, crew))?;
     crew.sweep(Work { blocks: matter.blocks(), force: ways.span() }, &|work: Work<'_, V>| {
         let Work { mut blocks, force: mut ways } = work;
         let (start, count) = (blocks.start, blocks.count);
@@ -33,7 +33,7 @@ pub fn displace<V: Vector>(law: &Law<V>, matter: &mut Matter<V>, ways: &mut Colu
         let gain = potential(&blocks) - before;
         blocks.meters[0].add(Channel::Work, gain);
     });
-    let gain = law.potential_of_callbacks(&law.moment_of(matter, time))? - before;
+    let gain = law.potential_of_callbacks(&law.moment_of(matter, time, crew))? - before;
     if let Some(meter) = matter.meters.first_mut() {
         meter.add(Channel::Work, gain);
     }

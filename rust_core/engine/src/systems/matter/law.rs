@@ -8,13 +8,13 @@ use crate::forces::affine::{Affine, Fold};
 use crate::forces::{Drift, Field, Force, InverseSquare, Moment, Rates, Reach, VelocityDependence};
 use crate::math::{Real, Vector};
 use crate::matter::{CHANNELS, Channel, Columns, Matter, Power, Properties, Span, View};
-use crate::parallel::Crew;
+use crate::parallel::{ALONE, Crew};
 use crate::simd::{LANES, padded};
 use crate::stability::Bound;
 
-fn moment<'a, V: Vector>(properties: &'a Properties<V>, matter: &'a Matter<V>, time: f64) -> Moment<'a, V> {
+fn moment<'a, V: Vector>(properties: &'a Properties<V>, matter: &'a Matter<V>, time: f64, crew: &'a Crew) -> Moment<'a, V> {
     let (position, velocity, residual) = (matter.position.view(), matter.velocity.view(), matter.residual.view());
-    Moment { position, velocity, residual, properties, time }
+    Moment { position, velocity, residual, properties, time, crew }
 }
 
 /// The forces and contacts of a scene.
@@ -89,18 +89,18 @@ impl<V: Vector> Law<V> {
 
     /// The matter at a moment, for the forces to look at.
     pub fn moment<'a>(&'a self, position: View<'a, V>, velocity: View<'a, V>, time: f64) -> Moment<'a, V> {
-        Moment { position, velocity, residual: View::default(), properties: &self.properties, time }
+        Moment { position, velocity, residual: View::default(), properties: &self.properties, time, crew: &ALONE }
     }
 
     /// All matter at a moment.
-    pub fn moment_of<'a>(&'a self, matter: &'a Matter<V>, time: f64) -> Moment<'a, V> {
-        moment(&self.properties, matter, time)
+    pub fn moment_of<'a>(&'a self, matter: &'a Matter<V>, time: f64, crew: &'a Crew) -> Moment<'a, V> {
+        moment(&self.properties, matter, time, crew)
     }
 
     /// Lets every force do what must be done for all particles at once.
     pub fn prepare(&mut self, matter: &Matter<V>, time: f64, crew: &Crew) -> Result<()> {
         let Self { properties, forces, folded, together, .. } = self;
-        let at = moment(properties, matter, time);
+        let at = moment(properties, matter, time, crew);
         forces[*folded..*together].iter_mut().try_for_each(|force| force.prepare(&at, crew))
     }
 
@@ -112,7 +112,7 @@ impl<V: Vector> Law<V> {
     /// Counts the fields at the end of a step where no force was asked for.
     pub fn count(&mut self, matter: &Matter<V>, time: f64, crew: &Crew) -> Result<()> {
         let Self { properties, forces, .. } = self;
-        let at = moment(properties, matter, time);
+        let at = moment(properties, matter, time, crew);
         forces.iter_mut().try_for_each(|force| force.count(&at, crew))
     }
 
@@ -124,7 +124,7 @@ impl<V: Vector> Law<V> {
     /// Advances the fields over the drift that led to a state.
     pub fn drift(&mut self, matter: &Matter<V>, velocity: View<'_, V>, h: f64, crew: &Crew) -> Result<()> {
         let Self { properties, forces, .. } = self;
-        let drift = Drift { end: moment(properties, matter, 0.0), velocity, h };
+        let drift = Drift { end: moment(properties, matter, 0.0, crew), velocity, h };
         forces.iter_mut().try_for_each(|force| force.drift(&drift, crew))
     }
 

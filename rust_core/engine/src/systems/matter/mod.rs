@@ -17,7 +17,7 @@ use crate::error::{Error, Result};
 use crate::integrators::Integrator;
 use crate::math::Vector;
 use crate::matter::{Columns, Matter};
-use crate::parallel::{Crew, Team};
+use crate::parallel::{ALONE, Crew, Team};
 
 /// Which activities of a batch are recorded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -157,13 +157,17 @@ impl<V: Vector> MatterSystem<V> {
     }
 
     /// Begins anew from the positions and velocities: the integrator has nothing to carry on from.
-    pub fn begin(&mut self, time: f64) -> Result<()> {
+    ///
+    /// # Errors
+    /// If it fails, or the crew was asked to stop.
+    pub fn begin(&mut self, time: f64, crew: &Crew) -> Result<()> {
         self.resume();
         let Self { law, state, kept, activity, desk, stepper, .. } = self;
         kept.copy_from(state);
         let interval = Interval { start: time, first: 0, h: 0.0, steps: 0 };
         let record = (activity, Record::LastStep);
-        stepper.begin(Job { law, from: kept, state, record, desk: desk.as_mut(), interval })
+        stepper.begin(Job { law, from: kept, state, record, desk: desk.as_mut(), interval }, crew)?;
+        crew.check()
     }
 
     /// Takes steps, or none of them if it fails.
@@ -193,6 +197,30 @@ impl<V: Vector> MatterSystem<V> {
             self.rollback()?;
         }
         outcome
+    }
+
+    /// Whether it takes long to go through all of the forces.
+    pub fn is_long(&self) -> bool {
+        self.cost >= WORTH_SHARING
+    }
+
+    /// Finds something out that may take long, and asks `interrupted` meanwhile whether to stop.
+    ///
+    /// # Errors
+    /// If it fails, or was stopped.
+    pub fn ask<T: Send>(
+        &mut self,
+        interrupted: &dyn Fn() -> bool,
+        question: impl FnOnce(&Law<V>, &Matter<V>, &Crew) -> Result<T> + Send,
+    ) -> Result<T> {
+        let is_long = self.is_long();
+        let Self { law, state, team, .. } = self;
+        if !is_long {
+            return question(law, state, &ALONE);
+        }
+        let mut answer = Err(Error::Interrupted);
+        team.run(interrupted, |crew| answer = question(law, state, crew))?;
+        answer
     }
 
     /// Goes back to the state before the last [`MatterSystem::advance`].
@@ -234,7 +262,7 @@ struct Job<'a, V: Vector> {
 /// An integrator with its type erased, once for whole chunks.
 trait Stepper<V: Vector>: Send + Sync {
     /// Evaluates the law at the state and fills the carried memory.
-    fn begin(&self, job: Job<'_, V>) -> Result<()>;
+    fn begin(&self, job: Job<'_, V>, crew: &Crew) -> Result<()>;
     /// Takes all steps of the interval.
     fn advance(&self, job: Job<'_, V>, crew: &Crew) -> Result<()>;
 }
@@ -242,9 +270,9 @@ trait Stepper<V: Vector>: Send + Sync {
 struct By<I>(std::marker::PhantomData<I>);
 
 impl<V: Vector, I: Integrator> Stepper<V> for By<I> {
-    fn begin(&self, Job { law, from, state, desk, interval, .. }: Job<'_, V>) -> Result<()> {
+    fn begin(&self, Job { law, from, state, desk, interval, .. }: Job<'_, V>, crew: &Crew) -> Result<()> {
         if let Some(desk) = desk {
-            return coupled::begin::<V, I>(law, state, desk, interval);
+            return coupled::begin::<V, I>(law, state, desk, interval, crew);
         }
         independent::begin::<V, I>(law, from, state, interval);
         Ok(())

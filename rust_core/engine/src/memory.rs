@@ -1,0 +1,144 @@
+//! Memory: how much can be had. Rust ends the process where an allocation fails, so whatever is large is counted, and refused
+//! if need be, before it is taken.
+//!
+//! What can be had is the least of what Linux tells: `MemAvailable`, what the control groups (version 2 or 1) leave of their
+//! limits, and what the limits of the process leave of its address space and of its data.
+
+use std::fs::read_to_string;
+use std::path::{Path, PathBuf};
+
+use crate::error::{Error, Result};
+
+/// Less than this is taken without asking [bytes].
+pub const SMALL: usize = 1 << 24;
+
+/// Bytes that can be had without swapping, where the system tells.
+pub fn available() -> Option<u64> {
+    let read = |path: &str| read_to_string(path).unwrap_or_default();
+    let free = number_after(&read("/proc/meminfo"), "MemAvailable:").map(|kilobytes| 1024 * kilobytes);
+    let (limits, status) = (read("/proc/self/limits"), read("/proc/self/status"));
+    let left = |limit: &str, used: &str| {
+        let used = 1024 * number_after(&status, used)?;
+        Some(number_after(&limits, limit)?.saturating_sub(used))
+    };
+    let process = [left("Max address space", "VmSize:"), left("Max data size", "VmData:")];
+    let groups = groups(&read("/proc/self/cgroup")).into_iter().map(|group| group.left(&|path| read_to_string(path).ok()));
+    groups.chain(process).chain([free]).flatten().min()
+}
+
+/// Refuses what does not fit: `needed` bytes in all, of which `held` are held already and will be used again.
+///
+/// # Errors
+/// [`Error::Memory`] if it is more than [`SMALL`], and more than there is.
+pub fn check(what: &str, needed: usize, held: usize, hint: impl FnOnce() -> String) -> Result<()> {
+    if needed.saturating_sub(held) <= SMALL {
+        return Ok(());
+    }
+    match available().map(|free| free.saturating_add(held as u64)) {
+        Some(available) if needed as u64 > available => Err(refusal(what, needed, available, hint)),
+        _ => Ok(()),
+    }
+}
+
+/// What to say where `needed` bytes were counted, or tried, and are not to be had.
+pub fn refusal(what: &str, needed: usize, available: u64, hint: impl FnOnce() -> String) -> Error {
+    Error::Memory { what: what.to_owned(), needed: needed as u64, available, hint: hint() }
+}
+
+/// A number of bytes for people to read.
+pub fn shown(bytes: u64) -> String {
+    if bytes < 100_000_000 { format!("{:.1} MB", bytes as f64 / 1e6) } else { format!("{:.1} GB", bytes as f64 / 1e9) }
+}
+
+/// The number behind a label at the beginning of a line; none where it says `unlimited`.
+fn number_after(text: &str, label: &str) -> Option<u64> {
+    text.lines().find_map(|line| line.strip_prefix(label))?.split_whitespace().next()?.parse().ok()
+}
+
+/// The files of a control group that tell of its memory.
+struct Group {
+    folder: PathBuf,
+    limit: &'static str,
+    usage: &'static str,
+    /// What of the usage is files that are given up when memory runs short.
+    files: &'static str,
+}
+
+impl Group {
+    /// Bytes that it leaves, if it has a limit.
+    fn left(&self, read: &dyn Fn(&Path) -> Option<String>) -> Option<u64> {
+        let number = |name: &str| read(&self.folder.join(name))?.trim().parse::<u64>().ok();
+        let (limit, usage) = (number(self.limit)?, number(self.usage)?);
+        let files = number_after(&read(&self.folder.join("memory.stat")).unwrap_or_default(), self.files).unwrap_or(0);
+        Some(limit.saturating_sub(usage.saturating_sub(files)))
+    }
+}
+
+/// The control groups that the process is in, and all that these are in, from the text of `/proc/self/cgroup`. A container
+/// often sees its own group at the root.
+fn groups(text: &str) -> Vec<Group> {
+    let mut groups = Vec::new();
+    for line in text.lines() {
+        let mut parts = line.splitn(3, ':');
+        let (Some(_), Some(controllers), Some(path)) = (parts.next(), parts.next(), parts.next()) else { continue };
+        let (root, limit, usage, files) = match controllers {
+            "" => ("/sys/fs/cgroup", "memory.max", "memory.current", "inactive_file "),
+            _ if controllers.split(',').any(|name| name == "memory") => {
+                ("/sys/fs/cgroup/memory", "memory.limit_in_bytes", "memory.usage_in_bytes", "total_inactive_file ")
+            }
+            _ => continue,
+        };
+        for ancestor in Path::new(path.trim_start_matches('/')).ancestors() {
+            groups.push(Group { folder: Path::new(root).join(ancestor), limit, usage, files });
+        }
+    }
+    groups
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn limits_are_read_where_there_are_any() {
+        let limits = "Limit                     Soft Limit           Hard Limit           Units     \n\
+                      Max data size             unlimited            unlimited            bytes     \n\
+                      Max address space         4294967296           unlimited            bytes     \n";
+        assert_eq!(number_after(limits, "Max address space"), Some(4 << 30));
+        assert_eq!(number_after(limits, "Max data size"), None);
+        assert_eq!(number_after("MemFree: 1 kB\nMemAvailable:   17 kB\n", "MemAvailable:"), Some(17));
+    }
+
+    #[test]
+    fn a_group_leaves_its_limit_without_what_is_used_but_for_files() {
+        let read = |path: &Path| {
+            let text = match path.to_str()? {
+                "/sys/fs/cgroup/a/b/memory.max" | "/sys/fs/cgroup/memory.max" => "max\n",
+                "/sys/fs/cgroup/a/memory.max" => "1000\n",
+                "/sys/fs/cgroup/a/memory.current" => "700\n",
+                "/sys/fs/cgroup/a/memory.stat" => "anon 100\ninactive_file 300\n",
+                "/sys/fs/cgroup/memory/memory.limit_in_bytes" => "900\n",
+                "/sys/fs/cgroup/memory/memory.usage_in_bytes" => "1000\n",
+                _ => return None,
+            };
+            Some(text.to_owned())
+        };
+        let left = |text: &str| groups(text).iter().filter_map(|group| group.left(&read)).min();
+        assert_eq!(left("0::/a/b\n"), Some(600));
+        assert_eq!(left("0::/\n"), None);
+        assert_eq!(left("5:cpu:/x\n4:memory,hugetlb:/x/y\n"), Some(0));
+        assert_eq!(left(""), None);
+    }
+
+    #[test]
+    fn what_fits_passes_and_what_does_not_is_refused_with_both_figures() {
+        let hint = || "take less".to_owned();
+        assert_eq!(check("lists", SMALL, 0, hint), Ok(()));
+        let Some(available) = available() else { return };
+        let error = check("lists", usize::MAX, 0, hint).unwrap_err().to_string();
+        assert!(error.starts_with("lists: needs ") && error.ends_with(" are available (take less)"), "{error}");
+        assert!(available > 0 && error.contains("GB"), "{error}");
+        assert_eq!(shown(40_000_000_000), "40.0 GB");
+        assert_eq!(shown(2_400_000), "2.4 MB");
+    }
+}
