@@ -99,13 +99,16 @@ fn reach<I: Integrator>(damping_ratio: f64, decay: f64) -> f64 {
     2.0 * I::NODES.len() as f64 / damping_ratio.max(decay).max(1.0)
 }
 
-/// The largest stable ωh of all, at most that to which [`limit`] looks; not less than the limit.
+/// How many times as far as the limit is the last stable step looked for: damped ones may be stable beyond 2 per evaluation.
+const FARTHER: usize = 4;
+
+/// The largest stable ωh of all, not less than the limit; infinite where the farthest that is looked at is stable.
 pub fn last<I: Integrator>(damping_ratio: f64) -> f64 {
     let reach = reach::<I>(damping_ratio, 0.0);
     let margin = |fraction: f64| margin(conditions(&matrix::<I>(fraction * reach, damping_ratio, 0.0))) + ROUNDING;
     let at = |trial: usize| trial as f64 / TRIALS as f64;
-    let found = match (1..=TRIALS).rev().find(|&trial| margin(at(trial)) >= 0.0) {
-        Some(TRIALS) => reach,
+    let found = match (1..=FARTHER * TRIALS).rev().find(|&trial| margin(at(trial)) >= 0.0) {
+        Some(trial) if trial == FARTHER * TRIALS => f64::INFINITY,
         Some(trial) => reach * edge(margin, at(trial), at(trial + 1)),
         None => 0.0,
     };

@@ -64,6 +64,10 @@ const PURE_DAMPING: f64 = 1e6;
 /// holds eight. Against 20,000 rays, no corner of any integrator's box finds a smaller limit than these.
 const RAYS: usize = 64;
 
+/// By how much a step that no mode endures is larger where stiffness and damping couple the modes, so that none of them has the
+/// highest frequency or damping: measured, not proved. Without this, a network was stable up to 5 % above it.
+const MIXED: f64 = 1.5;
+
 impl Modes {
     /// The box around both.
     pub fn with(&self, other: &Self) -> Self {
@@ -120,13 +124,18 @@ impl Modes {
         } else {
             f64::INFINITY
         };
-        by_frequency.min(by_damping)
+        let margin = if damping.least < damping.highest.rate { MIXED } else { 1.0 };
+        margin * by_frequency.min(by_damping)
     }
 }
 
-/// The largest value of a function of the damping ratio between two of them.
+/// The largest value of a function of the damping ratio on rays from one to another. What lies between two of them may be larger:
+/// unlike a limit, it is only told, and a quarter of the rays will do.
 fn peak(function: impl Fn(f64) -> f64, low: f64, high: f64) -> f64 {
-    -valley(|angle| -function(angle.tan().clamp(0.0, PURE_DAMPING)), low.atan(), high.atan())
+    let rays = if low < high { RAYS / 4 } else { 0 };
+    let (low, high) = (low.atan(), high.atan());
+    let at = |ray: usize| if ray == rays { high } else { low + (high - low) * ray as f64 / rays as f64 };
+    (0..=rays).map(|ray| function(at(ray).tan().clamp(0.0, PURE_DAMPING))).fold(0.0, f64::max)
 }
 
 /// The least value of a function between `low` and `high`.
