@@ -23,6 +23,7 @@ class _LimitRecord(TypedDict):
     stability: float
     accuracy: float
     certified: float
+    endured: float
 
 class _PlanRecord(TypedDict):
     stages: list[str]

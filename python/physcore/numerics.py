@@ -176,7 +176,7 @@ class Limit:
     """The largest time step that a scene allows with an integrator."""
 
     dt: float
-    """[s]; inf where nothing limits it, 0.0 where no step is stable."""
+    """[s]; inf where nothing limits it, 0.0 where no step is certain to be stable."""
     kind: LimitKind
     """Whether stability or accuracy limits it."""
     term: str
@@ -187,19 +187,24 @@ class Limit:
     """The limit of accuracy alone [s]."""
     certified: float
     """The limit of stability that holds wherever springs turn, while none is shorter than half its rest length [s]."""
+    endured: float = math.inf
+    """A step that is unstable in the present state, like any larger one [s]: the true limit lies between `stability` and
+    this. Where it is known exactly, as for particles under harmonic central forces and linear drag alone, the two are
+    equal; inf where no such step is known."""
 
 
 def largest_step(limit: Limit, rule: StepRule, integrator: Integrator, fps: float) -> float:
     """The largest time step [s] that the rule allows.
 
     Raises:
-        SceneError: no time step is stable.
+        SceneError: no time step is certain to be stable.
     """
     if limit.dt <= 0.0:
         others = [kind for kind in (SemiImplicitEuler, VelocityVerlet) if not isinstance(integrator, kind)]
         advice = f", or use {' or '.join(f'{kind.__name__}()' for kind in others)}" if len(others) > 1 else ""
+        certain = "certain to be stable" if limit.endured > 0.0 else "stable"
         raise SceneError(
-            f"dt: no time step is stable with {type(integrator).__name__} in this scene (because of {limit.term}); "
+            f"dt: no time step is {certain} with {type(integrator).__name__} in this scene (because of {limit.term}); "
             f"choose dt yourself and accept the growth of energy{advice}"
         )
     if math.isinf(limit.dt):

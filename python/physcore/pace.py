@@ -322,12 +322,19 @@ class Pace:
         if dt <= limit.stability:
             return
         name = type(self._numerics.integrator).__name__
-        message = (
-            f"dt = {dt:g} s is above the limit of stability of {name} in this scene, {limit.stability:g} s "
-            f"({limit.term}): the simulation will blow up"
-            if limit.stability > 0.0
-            else f"{name} is not stable at any time step in this scene ({limit.term}): its energy grows without end"
-        )
+        if limit.endured == 0.0:
+            message = f"{name} is not stable at any time step in this scene ({limit.term}): its energy grows without end"
+        elif dt > limit.endured:
+            message = (
+                f"dt = {dt:g} s is above the limit of stability of {name} in this scene, {limit.stability:g} s "
+                f"({limit.term}): the simulation will blow up"
+            )
+        else:
+            message = (
+                f"dt = {dt:g} s is above the limit of stability that is certain for {name} in this scene, "
+                f"{limit.stability:g} s ({limit.term}): the simulation may blow up; the true limit may be "
+                f"{_how_much_larger(limit)}, `stability_limit(scene, {name}(), measured=True)` finds it"
+            )
         warn(message, StabilityWarning)
 
     def capture(self) -> Captured:
@@ -344,3 +351,10 @@ class Pace:
         if state["limits"]:
             first, kept = (Limit(**limit) for limit in state["limits"])
             self._limits = first, kept
+
+
+def _how_much_larger(limit: Limit) -> str:
+    """How far the true limit of stability may be above the one that is certain."""
+    if limit.stability == 0.0 or math.isinf(limit.endured):
+        return "larger"
+    return f"up to {limit.endured / limit.stability:.3g} times as large"

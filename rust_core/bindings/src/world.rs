@@ -404,6 +404,7 @@ fn limit_record(py: Python<'_>, limit: Limit) -> PyResult<Bound<'_, PyDict>> {
     record.set_item("stability", limit.stability)?;
     record.set_item("accuracy", limit.accuracy)?;
     record.set_item("certified", limit.certified)?;
+    record.set_item("endured", limit.endured)?;
     Ok(record)
 }
 

@@ -9,7 +9,7 @@ pub enum Channel {
     Drag,
     /// Dissipated by the damping of springs.
     Damping,
-    /// Dissipated by contacts: restitution and friction.
+    /// Dissipated by contacts: restitution and friction, and what the pressure of walls and obstacles takes from a fluid.
     Contact,
     /// Dissipated by the viscosity of fluids, and by the diffusion of their density.
     Viscosity,

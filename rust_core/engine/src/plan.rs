@@ -16,6 +16,8 @@ use crate::scene::{Scene, Spring};
 use crate::simd::Level;
 use crate::systems::matter::{Law, MatterSystem};
 
+mod precision;
+
 /// What a simulation does and what it takes, for people to read.
 #[derive(Debug, Clone)]
 pub struct Plan {
@@ -47,9 +49,6 @@ pub struct Plan {
     pub notes: Vec<String>,
 }
 
-/// f32 is refused where the distance between neighboring positions exceeds this fraction of a rest length.
-const COARSEST: f64 = 1e-4;
-
 /// A compiled scene.
 pub struct Compiled<V: Vector> {
     /// The system at its initial state.
@@ -71,8 +70,7 @@ pub fn compile<V: Vector, I: Integrator>(scene: &Scene, threads: usize, crew: &C
     let order = ordering(scene, &springs);
     crew.check()?;
     let properties = properties::<V>(scene, &order);
-    refuse_coarse::<V>(scene, &springs, properties.origin)?;
-    refuse_tiny_masses(&properties)?;
+    precision::check::<V>(scene, &springs, &properties)?;
     let springs = renumbered(springs, &order);
     crew.check()?;
 
@@ -258,27 +256,6 @@ fn origin<V: Vector>(scene: &Scene) -> DVec3 {
     let low = positions().copied().fold(DVec3::INFINITY, DVec3::min);
     let high = positions().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
     (0.5 * low + 0.5 * high).as_vec3().as_dvec3()
-}
-
-fn refuse_coarse<V: Vector>(scene: &Scene, springs: &[Spring], origin: DVec3) -> Result<()> {
-    let positions = scene.bodies.iter().flat_map(|body| &body.positions);
-    let extent = positions.map(|&position| (position - origin).abs().max_element()).fold(0.0, f64::max);
-    let shortest = springs.iter().map(|spring| spring.rest_length).filter(|&length| length > 0.0).fold(f64::INFINITY, f64::min);
-    if V::Scalar::NAME == "f32" && V::Scalar::EPSILON * extent > COARSEST * shortest {
-        let found = format!("{} for a scene that reaches {extent:.3e} m with a rest length of {shortest:.3e} m", V::Scalar::NAME);
-        return Err(Error::parameter("precision", "f64", found)
-            .with_hint("neighboring f32 positions are too far apart for these springs"));
-    }
-    Ok(())
-}
-
-fn refuse_tiny_masses<V: Vector>(properties: &Properties<V>) -> Result<()> {
-    let tiny = (0..properties.count()).find(|&index| !properties.inverse_mass[index].is_finite());
-    tiny.map_or(Ok(()), |index| {
-        let path = format!("bodies[{}].mass", properties.body[index]);
-        let found = format!("{:e} kg", properties.mass[index]);
-        Err(Error::parameter(path, format!("masses whose inverse {} can hold", V::Scalar::NAME), found))
-    })
 }
 
 fn renumbered(springs: Vec<Spring>, order: &[u32]) -> Vec<Spring> {

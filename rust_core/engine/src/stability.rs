@@ -11,19 +11,26 @@
 //! 2. **Rows bound the eigenvalues**: see [`rows`]. Bodies share no spring, so each has a bound of its own. A negative ω²
 //!    (a buckling spring) grows in truth as well, and limits no step. Rows know no directions, so that they hold while the
 //!    springs turn; as the springs stand, the eigenvalues may be half of that, and [`Bound::sharpened`] finds them ([`lanczos`]).
-//! 3. **The box of modes.** All modes of a body have ω ≤ Ω and Γ₀ ≤ γ ≤ Γ. Along a ray of constant ξ = γ/2ω the limit
-//!    is L(ξ)/ω, so it is smallest where the ray leaves the box, at ω = min(Ω, Γ/2ξ). That leaves one minimum over ξ.
+//! 3. **The box of modes.** All modes of a body have ω ≤ Ω and Γ₀ ≤ γ ≤ Γ: see [`modes`]. A particle in harmonic wells and under
+//!    linear drag alone is an oscillator of its own, with one ω and one γ, and its limit is that of the integrator itself.
 
 mod lanczos;
+mod modes;
 mod rows;
-
-use std::f64::consts::FRAC_PI_2;
 
 use glam::DVec3;
 
-use crate::integrators::{Integrator, VelocityVerlet, amplification};
+use crate::integrators::{Integrator, VelocityVerlet};
 use lanczos::Edge;
+pub use modes::Memo;
+use modes::{Band, Method, Modes};
 use rows::{Row, Rows};
+
+/// How many different oscillators are looked at one by one: their limits take as long as those of a few boxes of modes.
+const MOST_OSCILLATORS: usize = 256;
+
+/// A limit within this factor of the truth is called the limit: what Lanczos' method leaves open.
+const NEARLY: f64 = 1.1;
 
 /// What sets the largest time step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -49,12 +56,24 @@ pub struct Limit {
     pub kind: Kind,
     /// The largest step that is stable wherever the springs turn [s]; smaller than the other where that was sharpened.
     pub certified: f64,
+    /// A step that is unstable as matters stand, and so is any larger one [s]: the true limit is between `stability` and this, and
+    /// both are one where it is known exactly. Infinite where no such step is known, or none was looked for.
+    pub endured: f64,
 }
 
 impl Limit {
     /// The largest step [s]: infinite where nothing limits it, 0 where no step is stable.
     pub fn dt(&self) -> f64 {
         self.stability.min(self.accuracy)
+    }
+
+    /// What it is called: beyond a limit of stability a run need not be unstable, unless the limit is known exactly.
+    pub fn name(&self) -> &'static str {
+        match self.kind {
+            Kind::Accuracy => "limit of accuracy",
+            _ if self.endured <= NEARLY * self.stability => "limit of stability",
+            _ => "limit of certain stability",
+        }
     }
 }
 
@@ -83,10 +102,10 @@ pub struct Bound {
     directed: bool,
     stiffness_edges: Vec<Edge>,
     damping_edges: Vec<Edge>,
-    /// About the largest ω² and γ of each body; empty before they are looked for.
-    spectra: [Vec<f64>; 2],
-    /// What of the damping acts on each particle in every direction and at any speed [N·s/m]; empty if nowhere.
-    least_damping: Vec<f64>,
+    /// About the largest ω² and γ of each body, from below and from above; empty before they are looked for.
+    spectra: [Vec<[f64; 2]>; 2],
+    /// What acts on each particle in every direction, everywhere and at any speed: [N/m] and [N·s/m]; empty if nothing does.
+    steady: Vec<[f64; 2]>,
     accuracy: Option<(&'static str, f64)>,
     present: bool,
     /// [`Integrator::limit`].
@@ -107,7 +126,7 @@ impl Bound {
             stiffness_edges: Vec::new(),
             damping_edges: Vec::new(),
             spectra: [const { Vec::new() }; 2],
-            least_damping: Vec::new(),
+            steady: Vec::new(),
             accuracy: None,
             present: false,
             largest: VelocityVerlet::limit,
@@ -157,7 +176,8 @@ impl Bound {
         }
         let Link { offset, rest_length, stiffness, damping } = *link;
         let (count, length, ends) = (self.inverse_mass.len(), offset.length(), [i as u32, j as u32]);
-        let compression = if length > 0.0 { rest_length / length - 1.0 } else { -1.0 };
+        // Finite, so that a spring without stiffness has none at any length.
+        let compression = if length > 0.0 { (rest_length / length - 1.0).min(f64::MAX) } else { -1.0 };
         self.stiffness.join(count, i, j, stiffness * compression.max(1.0));
         self.damping.join(count, i, j, damping);
         if self.directed {
@@ -176,8 +196,8 @@ impl Bound {
         self
     }
 
-    /// About the largest eigenvalue of each body with springs, infinite for the others.
-    fn spectrum(&self, rows: &Rows, edges: &[Edge]) -> Vec<f64> {
+    /// About the largest eigenvalue of each body with springs, from below and from above; 0 and infinite for the others.
+    fn spectrum(&self, rows: &Rows, edges: &[Edge]) -> Vec<[f64; 2]> {
         let bodies = self.bodies();
         let around = rows.around(&self.inverse_mass);
         let alone = rows.points(&self.inverse_mass);
@@ -197,13 +217,13 @@ impl Bound {
         let parts = own.iter().zip(&members);
         let largest = parts.map(|(edges, members)| {
             if edges.is_empty() {
-                return f64::INFINITY;
+                return [0.0, f64::INFINITY];
             }
             // In units of a power of two, so that other units of mass change no bit of the roots.
             let unit = power_of_two(members.iter().map(|&index| self.inverse_mass[index]).fold(0.0, f64::max));
             let root = of(members, &|index| (self.inverse_mass[index] / unit).sqrt());
             let alone = of(members, &|index| alone(index) / unit);
-            unit * lanczos::largest(edges, &alone, &root, &of(members, &|index| around[index] / unit))
+            lanczos::largest(edges, &alone, &root, &of(members, &|index| around[index] / unit)).map(|rate| unit * rate)
         });
         largest.collect()
     }
@@ -221,11 +241,12 @@ impl Bound {
         }
     }
 
-    /// That part of the damping given to [`Bound::point`] which acts in every direction and at any speed [N·s/m]:
-    /// linear drag. Only with it can explicit Euler be stable where there is stiffness.
-    pub fn least_damping(&mut self, i: usize, damping: f64) {
-        self.least_damping.resize(self.inverse_mass.len(), 0.0);
-        self.least_damping[i] += damping;
+    /// That part of the stiffness [N/m] and the damping [N·s/m] given to [`Bound::point`] which acts in every direction, everywhere
+    /// and at any speed: harmonic wells and linear drag. Where nothing else acts, they make the particle an oscillator.
+    pub fn steady(&mut self, i: usize, stiffness: f64, damping: f64) {
+        self.steady.resize(self.inverse_mass.len(), [0.0; 2]);
+        self.steady[i][0] += stiffness;
+        self.steady[i][1] += damping;
     }
 
     /// A step [s] beyond which `term` is no longer accurate.
@@ -240,63 +261,106 @@ impl Bound {
         self.limit_after::<I>(&mut Memo::default())
     }
 
-    /// The limit as the springs stand, with that which holds wherever they turn: both out of one bound.
+    /// The limit as the springs stand, with that which holds wherever they turn, and with what is surely beyond it.
     pub fn sharp_limit<I: Integrator>(self) -> Limit {
         let certified = self.limit::<I>().stability;
-        Limit { certified, ..self.sharpened().limit::<I>() }
+        let sharpened = self.sharpened();
+        let (limit, method) = (sharpened.limit::<I>(), Method::of::<I>());
+        let endured = sharpened.modes().iter().map(|modes| modes.endured(&method)).fold(f64::INFINITY, f64::min);
+        Limit { certified, endured: endured.max(limit.stability), ..limit }
     }
 
     /// The same as [`Bound::limit`], for one bound after the other.
     pub fn limit_after<I: Integrator>(&self, memo: &mut Memo) -> Limit {
-        self.limit_with(I::limit, I::COUPLED, memo)
+        self.limit_with(&Method::of::<I>(), memo)
     }
 
     /// The limit for an integrator whose largest stable ωh is `largest` of the damping ratio, mode by mode.
     pub fn limit_of(&self, largest: fn(f64) -> f64) -> Limit {
-        self.limit_with(largest, 1.0, &mut Memo::default())
+        self.limit_with(&Method { largest, last: largest, coupled: 1.0 }, &mut Memo::default())
     }
 
-    fn limit_with(&self, largest: fn(f64) -> f64, coupled: f64, memo: &mut Memo) -> Limit {
-        memo.recall(&self.modes(), |modes| modes.limit(largest, coupled));
-        let (stability, binding) =
-            memo.0.iter().map(|&(_, limit)| limit).min_by(|one, other| one.0.total_cmp(&other.0)).unwrap_or((f64::INFINITY, ""));
+    fn limit_with(&self, method: &Method, memo: &mut Memo) -> Limit {
+        let (stability, binding) = memo.least(&self.modes(), method);
         let (slowest, accuracy) = self.accuracy.unwrap_or(("", f64::INFINITY));
         let (term, kind) = match stability.min(accuracy) {
             f64::INFINITY => ("", Kind::None),
             dt if dt == stability => (binding, Kind::Stability),
             _ => (slowest, Kind::Accuracy),
         };
-        Limit { stability, accuracy, term, kind, certified: stability }
+        Limit { stability, accuracy, term, kind, certified: stability, endured: f64::INFINITY }
     }
 
-    /// The box of modes of each body, without those that another box encloses.
+    /// The boxes of modes of all bodies, and of the oscillators apart from them, without those that another box encloses.
     fn modes(&self) -> Vec<Modes> {
-        let bodies = self.bodies();
-        let rows = |rows: &Rows, sharper: &[f64]| {
-            let mut rows = rows.largest(&self.inverse_mass, &self.body, bodies);
-            rows.iter_mut().zip(sharper).for_each(|(row, &sharper)| row.rate = row.rate.min(sharper));
-            rows
-        };
-        let stiffness = rows(&self.stiffness, &self.spectra[0]);
-        let damping = rows(&self.damping, &self.spectra[1]);
-        let mut least = vec![if self.least_damping.is_empty() { 0.0 } else { f64::INFINITY }; bodies];
-        for ((&damping, &inverse_mass), &body) in self.least_damping.iter().zip(&self.inverse_mass).zip(&self.body) {
-            if inverse_mass > 0.0 {
-                least[body as usize] = least[body as usize].min(damping * inverse_mass);
-            }
-        }
-        let mut boxes: Vec<Modes> = (stiffness.into_iter().zip(damping).zip(least))
-            .map(|((stiffness, damping), least)| Modes { stiffness, damping, least: least.min(damping.rate) })
-            .filter(|modes| modes.stiffness.rate > 0.0 || modes.damping.rate > 0.0)
-            .collect();
-        boxes.sort_by(|one, other| other.stiffness.rate.total_cmp(&one.stiffness.rate));
+        let mut boxes = self.bodies_apart();
+        boxes.extend(self.oscillators());
+        boxes.retain(|modes| modes.stiffness.highest.rate > 0.0 || modes.damping.highest.rate > 0.0);
+        boxes.sort_by(|one, other| other.stiffness.highest.rate.total_cmp(&one.stiffness.highest.rate));
         let mut outer: Vec<Modes> = Vec::new();
         for modes in boxes {
-            if !outer.iter().any(|other| other.damping.rate >= modes.damping.rate && other.least <= modes.least) {
+            if !outer.iter().any(|other| other.enclose(&modes)) {
                 outer.push(modes);
             }
         }
         outer
+    }
+
+    /// The box of modes of each body, of its particles that are no oscillators.
+    fn bodies_apart(&self) -> Vec<Modes> {
+        let bodies = self.bodies();
+        let counts = |i: usize| !self.is_oscillator(i);
+        let bands = |rows: &Rows, sharper: &[[f64; 2]], kind: usize| -> Vec<Band> {
+            let mut least = vec![if kind == 0 || self.steady.is_empty() { 0.0 } else { f64::INFINITY }; bodies];
+            for ((steady, &inverse_mass), (i, &body)) in
+                self.steady.iter().zip(&self.inverse_mass).zip(self.body.iter().enumerate())
+            {
+                if inverse_mass > 0.0 && counts(i) {
+                    least[body as usize] = least[body as usize].min(steady[kind] * inverse_mass);
+                }
+            }
+            let largest = rows.largest(&self.inverse_mass, &self.body, bodies, counts);
+            let sharper = sharper.iter().copied().chain(std::iter::repeat([0.0, f64::INFINITY]));
+            let bands = largest.into_iter().zip(least).zip(sharper).map(|((row, least), [reached, sharper])| {
+                let highest = Row { rate: row.rate.min(sharper), ..row };
+                Band { highest, least: least.min(highest.rate), reached: reached.min(highest.rate) }
+            });
+            bands.collect()
+        };
+        let stiffness = bands(&self.stiffness, &self.spectra[0], 0);
+        let damping = bands(&self.damping, &self.spectra[1], 1);
+        stiffness.into_iter().zip(damping).map(|(stiffness, damping)| Modes { stiffness, damping }).collect()
+    }
+
+    /// Whether a particle swings by itself: what acts on it is steady, and it has no springs.
+    fn is_oscillator(&self, i: usize) -> bool {
+        let steady = self.steady.get(i).copied().unwrap_or_default();
+        [&self.stiffness, &self.damping].into_iter().zip(steady).all(|(rows, steady)| rows.alone_at(i) == Some(steady))
+    }
+
+    /// The oscillators: of those with one damping ratio, the fastest. Where there are too many, one box for all of them.
+    fn oscillators(&self) -> Vec<Modes> {
+        let of = |i: usize| {
+            let band = |rows: &Rows, value: f64| Band::exactly(Row { rate: value * self.inverse_mass[i], term: rows.leading(i) });
+            let [stiffness, damping] = self.steady[i];
+            Modes { stiffness: band(&self.stiffness, stiffness), damping: band(&self.damping, damping) }
+        };
+        let rates = |modes: &Modes| (modes.stiffness.least, modes.damping.least);
+        let ratio = |modes: &Modes| (modes.damping.least / modes.stiffness.least.sqrt()).to_bits();
+        let (mut all, mut fastest): (Option<Modes>, Vec<Modes>) = (None, Vec::new());
+        for i in (0..self.steady.len()).filter(|&i| self.inverse_mass[i] > 0.0 && self.is_oscillator(i)) {
+            let modes = of(i);
+            all = Some(all.map_or(modes, |all| all.with(&modes)));
+            if fastest.len() > MOST_OSCILLATORS || rates(&modes) == (0.0, 0.0) {
+                continue;
+            }
+            match fastest.iter_mut().rev().find(|other| ratio(other) == ratio(&modes)) {
+                Some(other) if rates(&modes) > rates(other) => *other = modes,
+                Some(_) => {}
+                None => fastest.push(modes),
+            }
+        }
+        if fastest.len() > MOST_OSCILLATORS { all.into_iter().collect() } else { fastest }
     }
 }
 
@@ -304,69 +368,4 @@ impl Bound {
 fn power_of_two(number: f64) -> f64 {
     const EXPONENT: u64 = 0x7ff0_0000_0000_0000;
     f64::from_bits(number.to_bits() & EXPONENT).max(f64::MIN_POSITIVE)
-}
-
-/// The limits that an integrator had for the boxes of modes of the bound before. Most of them stay the same from step to
-/// step, and a box with damping takes thousands of trial steps.
-#[derive(Debug, Default)]
-pub struct Memo(Vec<(Modes, (f64, &'static str))>);
-
-impl Memo {
-    /// Becomes that of these boxes; finds the limits of those that are new.
-    fn recall(&mut self, boxes: &[Modes], limit: impl Fn(&Modes) -> (f64, &'static str)) {
-        let known = std::mem::take(&mut self.0);
-        let of = |modes: &Modes| known.iter().find(|(other, _)| other == modes).map_or_else(|| limit(modes), |&(_, found)| found);
-        self.0 = boxes.iter().map(|modes| (*modes, of(modes))).collect();
-    }
-}
-
-/// What encloses the modes of a body: ω² up to one row [1/s²], γ up to another and from a least value [1/s].
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Modes {
-    stiffness: Row,
-    damping: Row,
-    least: f64,
-}
-
-/// The damping ratio that stands for pure damping: there 2ξL(ξ) has come within 1e-12 of its limit for ξ → ∞.
-const PURE_DAMPING: f64 = 1e6;
-/// Rays tried on each of the two outer edges. The lowest is then refined between its neighbors, so it only has to lie in
-/// the right valley of L. The narrowest are PEFRL's, 0.28 < ξ < 0.32, which counts while the corner of the box lies
-/// between that and ξ = 0.5, and then holds four rays; and `BlanesMoan4`'s, 0.10 < ξ < 0.14, which counts up to 0.31 and then
-/// holds eight. Against 20,000 rays, no corner of any integrator's box finds a smaller limit than these.
-const RAYS: usize = 64;
-
-impl Modes {
-    /// The largest stable step, and the term that sets it.
-    fn limit(&self, largest: fn(f64) -> f64, coupled: f64) -> (f64, &'static str) {
-        let damping = self.damping.rate;
-        let by_damping = 2.0 * PURE_DAMPING * largest(PURE_DAMPING) / damping;
-        if self.stiffness.rate == 0.0 {
-            return (by_damping, self.damping.term);
-        }
-        let frequency = self.stiffness.rate.sqrt().max(damping / (2.0 * PURE_DAMPING));
-        let along = |angle: f64| {
-            let ratio = angle.tan().clamp(0.0, PURE_DAMPING);
-            // At ξ = 0 without damping the second is 0/0, which `min` passes over.
-            largest(ratio) / frequency.min(damping / (2.0 * ratio))
-        };
-        let corner = (damping / (2.0 * frequency)).atan();
-        let stiff = valley(along, (self.least / (2.0 * frequency)).atan(), corner);
-        let damped = if damping > 0.0 { valley(along, corner, FRAC_PI_2) } else { f64::INFINITY };
-        let row = if largest(0.0) / frequency <= by_damping { self.stiffness } else { self.damping };
-        let margin = if self.least < damping { coupled } else { 1.0 };
-        (margin * stiff.min(damped), row.term)
-    }
-}
-
-/// The least value of a function between `low` and `high`.
-fn valley(function: impl Fn(f64) -> f64, low: f64, high: f64) -> f64 {
-    if low >= high {
-        return function(high);
-    }
-    let at = |ray: usize| if ray == RAYS { high } else { low + (high - low) * ray as f64 / RAYS as f64 };
-    let values: Vec<f64> = (0..=RAYS).map(|ray| function(at(ray))).collect();
-    let least = (0..=RAYS).min_by(|&one, &other| values[one].total_cmp(&values[other])).unwrap_or(0);
-    let refined = amplification::lowest(&function, at(least.saturating_sub(1)), at((least + 1).min(RAYS)));
-    values[least].min(function(refined))
 }

@@ -52,7 +52,7 @@ impl Network {
         for (i, particle) in self.particles.iter().enumerate() {
             bound.point(i, "well", particle.well, 0.0);
             bound.point(i, "drag", 0.0, particle.drag);
-            bound.least_damping(i, particle.drag);
+            bound.steady(i, particle.well, particle.drag);
         }
         bound
     }
@@ -242,6 +242,69 @@ fn assert_stable<I: Integrator>(network: &Network) {
     }
 }
 
+fn assert_unstable<I: Integrator>(network: &Network) {
+    let limit = network.bound().sharp_limit::<I>();
+    assert!(limit.endured >= limit.stability);
+    if limit.endured.is_finite() {
+        let (stiffness, damping) = network.matrices();
+        let radius = spectral_radius(amplification::<I>(&stiffness, &damping, 1.01 * limit.endured));
+        // Where ends are in one place the matrices are not numbers.
+        assert!(radius.is_nan() || radius > 1.0 + 1e-7, "{}: {radius} at {limit:?}", I::NAME);
+    }
+}
+
+fn assert_number<I: Integrator>(network: &Network) {
+    let limit = network.bound().sharp_limit::<I>();
+    for dt in [limit.stability, limit.certified, limit.endured, limit.dt(), network.bound().limit::<I>().dt()] {
+        assert!(dt >= 0.0, "{}: {limit:?}", I::NAME);
+    }
+}
+
+/// Any positive number, subnormal ones too.
+fn extreme() -> impl Strategy<Value = f64> {
+    prop_oneof![(-323.0..308.0_f64).prop_map(|exponent| 10.0_f64.powf(exponent)), Just(f64::MAX), Just(0.0)]
+}
+
+/// A network of everything between the smallest number and the largest.
+fn extreme_network() -> impl Strategy<Value = Network> {
+    let mass = prop_oneof![3 => (-307.0..308.0_f64).prop_map(|exponent| 10.0_f64.powf(exponent)), 1 => Just(f64::INFINITY)];
+    let particle = ([extreme(), extreme(), extreme()], mass, extreme(), extreme());
+    let particle = particle.prop_map(|(position, mass, well, drag)| {
+        let free = if mass.is_finite() { 1.0 } else { 0.0 };
+        Particle { position, mass, well: free * well, drag: free * drag }
+    });
+    let spring = (0..4_usize, 1..4_usize, extreme(), extreme(), extreme());
+    let spring = spring.prop_map(|(i, further, stiffness, damping, rest)| Spring {
+        ends: (i, (i + further) % 4),
+        stiffness,
+        damping,
+        rest: rest.min(1e154),
+    });
+    (proptest::collection::vec(particle, 4), proptest::collection::vec(spring, 0..6)).prop_map(|(particles, springs)| Network {
+        dimension: 3,
+        particles,
+        springs,
+    })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(32))]
+
+    /// A step a hundredth above the one that nobody endures grows, whatever couples the modes.
+    #[test]
+    fn no_integrator_is_stable_beyond_what_some_mode_endures(network in network(1.0)) {
+        assert_unstable::<SemiImplicitEuler>(&network);
+        assert_unstable::<VelocityVerlet>(&network);
+        assert_unstable::<RungeKutta4>(&network);
+        assert_unstable::<Pefrl>(&network);
+        assert_unstable::<McLachlan2>(&network);
+        assert_unstable::<BlanesMoan4>(&network);
+        assert_unstable::<BlanesMoan6>(&network);
+        assert_unstable::<BogackiShampine3>(&network);
+        assert_unstable::<DormandPrince5>(&network);
+    }
+}
+
 proptest! {
     #[test]
     fn no_mode_is_faster_than_the_bound(network in network(2.0)) {
@@ -262,6 +325,16 @@ proptest! {
         assert_stable::<BlanesMoan6>(&network);
         assert_stable::<BogackiShampine3>(&network);
         assert_stable::<DormandPrince5>(&network);
+    }
+
+    /// Whatever leaves the range of numbers on the way: a limit is a number that is not negative, or infinite.
+    #[test]
+    fn extreme_numbers_have_limits(network in extreme_network()) {
+        assert_number::<ExplicitEuler>(&network);
+        assert_number::<SemiImplicitEuler>(&network);
+        assert_number::<VelocityVerlet>(&network);
+        assert_number::<RungeKutta4>(&network);
+        assert_number::<Pefrl>(&network);
     }
 
     /// For one oscillator whose damping is at most that of a box, the bound is the least limit in the box: none within is
@@ -342,8 +415,14 @@ fn the_bound_of_a_lattice_is_of_the_right_size() {
 
 #[test]
 fn nothing_limits_what_feels_nothing() {
-    let nothing =
-        Limit { stability: f64::INFINITY, accuracy: f64::INFINITY, term: "", kind: Kind::None, certified: f64::INFINITY };
+    let nothing = Limit {
+        stability: f64::INFINITY,
+        accuracy: f64::INFINITY,
+        term: "",
+        kind: Kind::None,
+        certified: f64::INFINITY,
+        endured: f64::INFINITY,
+    };
     assert_eq!(Bound::new(&[], &[]).limit::<VelocityVerlet>(), nothing);
     assert_eq!(Bound::new(&[1.0, 2.0], &[0, 0]).limit::<ExplicitEuler>(), nothing);
     let mut fixed = Bound::new(&[f64::INFINITY; 2], &[0, 0]);
@@ -359,8 +438,76 @@ fn explicit_euler_is_stable_only_with_damping_everywhere() {
     dragged.point(0, "drag", 0.0, 0.5);
     assert_eq!(dragged.limit::<ExplicitEuler>().dt(), 0.0);
     // h ≤ γ/ω²
-    dragged.least_damping(0, 0.5);
+    dragged.steady(0, 0.0, 0.5);
     assert!((dragged.limit::<ExplicitEuler>().dt() / 0.125 - 1.0).abs() < 1e-12);
+}
+
+fn assert_sharp<I: Integrator>() {
+    for (ratio, frequency) in [(0.0, 3.0), (0.1, 0.2), (0.3, 5.0), (0.5, 1.0), (0.9, 7.0), (1.0, 1.0), (2.5, 1.0), (40.0, 0.1)] {
+        let (mass, stiffness, damping) = (2.0, 2.0 * frequency * frequency, 2.0 * 2.0 * ratio * frequency);
+        let mut bound = Bound::directed(&[mass, mass, f64::INFINITY], &[0, 0, 0]);
+        // The other one swings half as fast at the same damping ratio.
+        for (i, slower) in [(0, 1.0), (1, 0.5)] {
+            bound.point(i, "central", stiffness * slower * slower, 0.0);
+            bound.point(i, "drag", 0.0, damping * slower);
+            bound.steady(i, stiffness * slower * slower, damping * slower);
+        }
+        let (limit, expected) = (bound.sharp_limit::<I>(), I::limit(ratio) / frequency);
+        // The ray turns ξ by rounding, and PEFRL's limit has slopes up to 100 in it, and 1e-7 more where they are roots.
+        assert!((limit.stability - expected).abs() <= 1e-6 * expected, "{} at ξ = {ratio}: {limit:?}", I::NAME);
+        assert_eq!(limit.stability, limit.certified);
+        assert!(
+            (limit.endured - I::last(ratio) / frequency).abs() <= 1e-6 * limit.endured,
+            "{} at ξ = {ratio}: {limit:?}",
+            I::NAME
+        );
+    }
+}
+
+/// Particles in wells and under drag are oscillators, and their limit is that of the integrator, not of a box around them.
+#[test]
+fn the_bound_of_independent_oscillators_is_the_limit_of_the_integrator() {
+    assert_sharp::<ExplicitEuler>();
+    assert_sharp::<SemiImplicitEuler>();
+    assert_sharp::<VelocityVerlet>();
+    assert_sharp::<RungeKutta4>();
+    assert_sharp::<Pefrl>();
+    assert_sharp::<McLachlan2>();
+    assert_sharp::<BlanesMoan4>();
+    assert_sharp::<BlanesMoan6>();
+    assert_sharp::<BogackiShampine3>();
+    assert_sharp::<DormandPrince5>();
+}
+
+/// Of many different oscillators each has a limit of its own, up to a number of them; beyond it one box holds all.
+#[test]
+fn different_oscillators_are_looked_at_one_by_one() {
+    let limit = |count: u32| {
+        let mass: Vec<f64> = (0..count).map(|i| 1.0 + f64::from(i)).collect();
+        let mut bound = Bound::new(&mass, &vec![0; mass.len()]);
+        for i in 0..mass.len() {
+            bound.point(i, "central", 1.0, 0.0);
+            bound.point(i, "drag", 0.0, 2.0);
+            bound.steady(i, 1.0, 2.0);
+        }
+        let alone = mass.iter().map(|mass| RungeKutta4::limit(mass.recip().sqrt()) * mass.sqrt());
+        (bound.limit::<RungeKutta4>().stability, alone.fold(f64::INFINITY, f64::min))
+    };
+    let (few, each) = limit(100);
+    assert!((few / each - 1.0).abs() < 1e-9, "{few} for {each}");
+    let (many, each) = limit(1000);
+    assert!(many <= each * (1.0 + 1e-9), "{many} for {each}");
+}
+
+/// What holds a fixed particle may be stiffer than any number: it does not move.
+#[test]
+fn a_fixed_particle_may_be_held_by_any_stiffness() {
+    let mut bound = Bound::new(&[1.0, f64::INFINITY, 1.0], &[0; 3]);
+    bound.spring(0, 1, &link(1e308, 1e308));
+    bound.spring(1, 2, &link(1e308, 1e308));
+    let limit = bound.sharp_limit::<VelocityVerlet>();
+    // h²ω² + 4hγ ≤ 4, where γ is so large that ω does not count.
+    assert!((limit.certified / 1e-308 - 1.0).abs() < 1e-9, "{limit:?}");
 }
 
 /// Two particles in equal wells: ω² = 2k/m + p/m, the row's two sources added, not their worst cases.

@@ -141,6 +141,7 @@ impl<V: Vector> Force<V> for Central<V> {
             let mass = properties.mass[index];
             if self.exponent == 1.0 {
                 bound.point(index, "central", self.strength.max(0.0), 0.0);
+                bound.steady(index, self.strength, 0.0);
             } else if self.strength != 0.0 {
                 let from_center = properties.origin + at.position.get(index).widen() - self.center;
                 let distance = if bound.is_present() {

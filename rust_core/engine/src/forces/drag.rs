@@ -89,7 +89,7 @@ impl<V: Vector> Force<V> for Drag<V> {
         for index in (0..at.properties.count()).filter(|&index| self.acts_on(index)) {
             let speed = (at.velocity.get(index).widen() - self.wind).length();
             bound.point(index, "drag", 0.0, self.linear + 2.0 * self.quadratic * speed);
-            bound.least_damping(index, self.linear);
+            bound.steady(index, 0.0, self.linear);
         }
     }
 

@@ -70,7 +70,7 @@ const TRIALS: usize = 200;
 /// and, where damping dominates, up to a damping of 4 per evaluation: beyond that a claim would be of no use. The decay of a
 /// field is given in units of ω.
 pub fn limit<I: Integrator>(damping_ratio: f64, decay: f64) -> f64 {
-    let reach = 2.0 * I::NODES.len() as f64 / damping_ratio.max(decay).max(1.0);
+    let reach = reach::<I>(damping_ratio, decay);
     let at = |step: f64| matrix::<I>(step, damping_ratio, decay * step);
     let conditions = |fraction: f64| conditions(&at(fraction * reach)).map(|value| value + ROUNDING);
     let margin = |fraction: f64| margin(conditions(fraction));
@@ -93,6 +93,26 @@ pub fn limit<I: Integrator>(damping_ratio: f64, decay: f64) -> f64 {
         (before, here) = (here, after);
     }
     reach
+}
+
+fn reach<I: Integrator>(damping_ratio: f64, decay: f64) -> f64 {
+    2.0 * I::NODES.len() as f64 / damping_ratio.max(decay).max(1.0)
+}
+
+/// How many times as far as the limit is the last stable step looked for: damped ones may be stable beyond 2 per evaluation.
+const FARTHER: usize = 4;
+
+/// The largest stable ωh of all, not less than the limit; infinite where the farthest that is looked at is stable.
+pub fn last<I: Integrator>(damping_ratio: f64) -> f64 {
+    let reach = reach::<I>(damping_ratio, 0.0);
+    let margin = |fraction: f64| margin(conditions(&matrix::<I>(fraction * reach, damping_ratio, 0.0))) + ROUNDING;
+    let at = |trial: usize| trial as f64 / TRIALS as f64;
+    let found = match (1..=FARTHER * TRIALS).rev().find(|&trial| margin(at(trial)) >= 0.0) {
+        Some(trial) if trial == FARTHER * TRIALS => f64::INFINITY,
+        Some(trial) => reach * edge(margin, at(trial), at(trial + 1)),
+        None => 0.0,
+    };
+    found.max(I::limit(damping_ratio))
 }
 
 /// Where `margin` changes sign between a stable and an unstable place.

@@ -24,6 +24,11 @@ impl Integrator for ExplicitEuler {
         }
     }
 
+    /// Stable steps are one interval.
+    fn last(damping_ratio: f64) -> f64 {
+        Self::limit(damping_ratio)
+    }
+
     #[inline(always)]
     fn point<T: Real>(_stage: usize, _register: &mut Register<T>, _h: T) {}
 

@@ -68,7 +68,7 @@ pub struct Turns {
 }
 
 /// A way to advance x'' = a(x, v, t) by steps of h.
-pub trait Integrator: Send + Sync + 'static {
+pub trait Integrator: Sized + Send + Sync + 'static {
     /// The class's name in Python.
     const NAME: &'static str;
     /// The order of convergence without velocity-dependent forces.
@@ -101,6 +101,12 @@ pub trait Integrator: Send + Sync + 'static {
 
     /// The largest stable ω·h on x'' = −ω²x − 2ξωx' for the damping ratio ξ; 0 where no step is stable.
     fn limit(damping_ratio: f64) -> f64;
+
+    /// The largest stable ω·h there, beyond which no step is: not the same as the limit where resonances, at which a step is
+    /// unstable, have stable steps on either side.
+    fn last(damping_ratio: f64) -> f64 {
+        amplification::last::<Self>(damping_ratio)
+    }
 
     /// An oscillator, as its frequency and its damping [1/s], whose longest step is at most that of a wave: of a frequency, a
     /// damping of its velocity, and a decay of the field in its position's place, which is advanced over the drifts.

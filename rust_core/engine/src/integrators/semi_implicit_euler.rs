@@ -25,6 +25,11 @@ impl Integrator for SemiImplicitEuler {
         2.0 / ((damping_ratio * damping_ratio + 1.0).sqrt() + damping_ratio)
     }
 
+    /// Stable steps are one interval.
+    fn last(damping_ratio: f64) -> f64 {
+        Self::limit(damping_ratio)
+    }
+
     /// With a decay d the trace is 2 − 2ξy − dh − y² and the determinant (1 − 2ξy)(1 − dh): 1 + det + tr ≥ 0 gives
     /// y² + 4ξy + 2dh − 2ξy dh ≤ 4, where d counts as much as the damping.
     fn oscillator(frequency: f64, damping: f64, decay: f64) -> [f64; 2] {

@@ -38,6 +38,11 @@ impl Integrator for VelocityVerlet {
         2.0 / (twice.hypot(1.0) + twice)
     }
 
+    /// Stable steps are one interval.
+    fn last(damping_ratio: f64) -> f64 {
+        Self::limit(damping_ratio)
+    }
+
     /// With a decay d and v½ = v + h/2 a as above, x ← (1 − dh) x + h v½. Jury's condition at g = −1 becomes y² + 4c + 2dh ≤ 4
     /// without the product of both, which is negative: d counts with half of its rate.
     fn oscillator(frequency: f64, damping: f64, decay: f64) -> [f64; 2] {

@@ -232,13 +232,14 @@ impl<V: Vector> Simulation<V> {
     fn hint(&self) -> String {
         let (limit, dt) = ((self.sharpened)(self.bound(Bound::directed)), self.segment.dt);
         if limit.stability == 0.0 {
-            return format!("no dt is stable with {} here: take another integrator", self.plan.integrator);
+            let certain = if limit.endured > 0.0 { "certain to be stable" } else { "stable" };
+            return format!("no dt is {certain} with {} here: take another integrator", self.plan.integrator);
         }
-        let (most, term) = (limit.dt(), limit.term);
+        let (most, name, term) = (limit.dt(), limit.name(), limit.term);
         if dt > most {
-            format!("dt = {dt:.3e} s is beyond the limit of {most:.3e} s set by {term}; dt = {:.3e} s would hold", 0.9 * most)
+            format!("dt = {dt:.3e} s is beyond the {name} of {most:.3e} s set by {term}; dt = {:.3e} s would hold", 0.9 * most)
         } else if most.is_finite() {
-            format!("dt = {dt:.3e} s is within the limit of {most:.3e} s at the last good state; try dt = {:.3e} s", 0.25 * dt)
+            format!("dt = {dt:.3e} s is within the {name} of {most:.3e} s at the last good state; try dt = {:.3e} s", 0.25 * dt)
         } else {
             format!("nothing bounds dt at the last good state; try dt = {:.3e} s", 0.25 * dt)
         }

@@ -26,12 +26,18 @@ const MARGIN: f64 = 1.02;
 /// A new vector this short, relative to θ, is rounding: all eigenvalues that the start contains are found.
 const NOTHING: f64 = 1e-9;
 
-/// About the largest eigenvalue, and rarely less: of the springs `edges`, and of terms `alone` on the particles [1/s²], with
+/// Rates whose squares are numbers; beyond them the rows have to do.
+const SQUARABLE: std::ops::Range<f64> = 1e-140..1e140;
+
+/// About the largest eigenvalue from below, and from above, which is rarely less than it: of the springs `edges`, and of terms `alone` on the particles [1/s²], with
 /// the square roots of the inverse masses and the rows' bound at each particle.
-pub fn largest(edges: &[Edge], alone: &[f64], root: &[f64], rows: &[f64]) -> f64 {
+pub fn largest(edges: &[Edge], alone: &[f64], root: &[f64], rows: &[f64]) -> [f64; 2] {
     let highest = rows.iter().fold(0.0, |highest: f64, &row| highest.max(row));
     if highest == 0.0 {
-        return 0.0;
+        return [0.0; 2];
+    }
+    if !SQUARABLE.contains(&highest) {
+        return [0.0, f64::INFINITY];
     }
     let flat = edges.iter().all(|edge| edge.direction.z == 0.0);
     // In a plane the fastest mode lies in that plane: a spring is stiffer along than across.
@@ -60,7 +66,7 @@ pub fn largest(edges: &[Edge], alone: &[f64], root: &[f64], rows: &[f64]) -> f64
         vector.iter_mut().zip(&image).for_each(|(vector, image)| *vector = *image / before);
     }
     let (ritz, residual) = top(&diagonal, &beside, highest);
-    MARGIN * (ritz + residual)
+    [ritz, MARGIN * (ritz + residual)]
 }
 
 /// M⁻½ K M⁻½ times a vector.

@@ -69,12 +69,12 @@ impl Rows {
         }
     }
 
-    /// The largest row of each body.
-    pub fn largest(&self, inverse_mass: &[f64], body: &[u32], bodies: usize) -> Vec<Row> {
+    /// The largest row of each body, of the particles that count.
+    pub fn largest(&self, inverse_mass: &[f64], body: &[u32], bodies: usize, counts: impl Fn(usize) -> bool) -> Vec<Row> {
         let mut rows = vec![Row { rate: 0.0, term: "" }; bodies];
         self.visit(inverse_mass, |i, _, rate, term| {
             let row = &mut rows[body[i] as usize];
-            if rate > row.rate {
+            if rate > row.rate && counts(i) {
                 *row = Row { rate, term };
             }
         });
@@ -94,12 +94,23 @@ impl Rows {
 
     /// What the point terms of each particle add to its eigenvalues.
     pub fn points<'a>(&'a self, inverse_mass: &'a [f64]) -> impl Fn(usize) -> f64 + 'a {
-        |i| self.alone.get(i).map_or(0.0, |sum| sum * inverse_mass[i])
+        |i| at(&self.alone, inverse_mass, i)
+    }
+
+    /// The sum over the point terms of a particle, if no spring joins it to another.
+    pub fn alone_at(&self, i: usize) -> Option<f64> {
+        let joined = self.joined.get(i).is_some_and(|&sum| sum > 0.0);
+        (!joined).then(|| self.alone.get(i).copied().unwrap_or(0.0))
+    }
+
+    /// The term that contributes most to it; empty if none does.
+    pub fn leading(&self, i: usize) -> &'static str {
+        self.leading.get(i).map_or("", |&(_, term)| term)
     }
 
     /// Gives every row to `raise`: the ends of its spring, twice the same particle for a point term, and what binds.
     fn visit(&self, inverse_mass: &[f64], mut raise: impl FnMut(usize, usize, f64, &'static str)) {
-        let at = |sums: &[f64], i: usize| sums.get(i).map_or(0.0, |sum| sum * inverse_mass[i]);
+        let at = |sums: &[f64], i: usize| at(sums, inverse_mass, i);
         for i in 0..self.alone.len() {
             raise(i, i, at(&self.alone, i), self.leading[i].1);
         }
@@ -108,16 +119,23 @@ impl Rows {
             let (one, other) = (at(&self.joined, i), at(&self.joined, j));
             let (alone, other_alone) = (at(&self.alone, i), at(&self.alone, j));
             let half_gap = 0.5 * ((alone + one) - (other_alone + other));
-            let rate = 0.5 * (alone + one + other_alone + other) + hypotenuse(half_gap, one * other);
+            let sum = alone + one + other_alone + other;
+            // What leaves the range of numbers is faster than any step.
+            let rate = if sum.is_finite() { 0.5 * sum + hypotenuse(half_gap, one, other) } else { f64::INFINITY };
             let strongest = if alone > other_alone { i } else { j };
-            let term = if one + other >= alone.max(other_alone) { self.springs } else { self.leading[strongest].1 };
+            let term = if one + other >= alone.max(other_alone) { self.springs } else { self.leading(strongest) };
             raise(i, j, rate, term);
         }
     }
 }
 
-/// √(leg² + square), where the squares leave the range of numbers as well: `hypot` takes longer than all the rest of a row.
-fn hypotenuse(leg: f64, square: f64) -> f64 {
-    let sum = leg * leg + square;
-    if sum.is_normal() { sum.sqrt() } else { leg.hypot(square.sqrt()) }
+/// What a sum comes to as a rate: nothing where there is none, or where a particle is fixed, however large it is.
+fn at(sums: &[f64], inverse_mass: &[f64], i: usize) -> f64 {
+    sums.get(i).map_or(0.0, |&sum| if sum > 0.0 && inverse_mass[i] > 0.0 { sum * inverse_mass[i] } else { 0.0 })
+}
+
+/// √(leg² + one·other), where the squares leave the range of numbers as well: `hypot` takes longer than all the rest of a row.
+fn hypotenuse(leg: f64, one: f64, other: f64) -> f64 {
+    let sum = leg * leg + one * other;
+    if sum.is_normal() { sum.sqrt() } else { leg.hypot(one.sqrt() * other.sqrt()) }
 }

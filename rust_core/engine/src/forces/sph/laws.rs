@@ -27,10 +27,10 @@ pub const KINDS: usize = 4;
 /// The tag of obstacles.
 pub const OBSTACLE: u8 = 3;
 
-/// The sums of [`Momentum`]: the force along each axis, the power that viscosity takes, and that of walls against gravity.
+/// The sums of [`Momentum`]: the force along each axis, and the powers that viscosity and solid matter take.
 pub const FORCES: usize = AXES + 2;
 pub const VISCOUS: usize = AXES;
-pub const LIFT: usize = AXES + 1;
+pub const SOLID: usize = AXES + 1;
 
 /// What is in a record behind the velocity.
 #[inline(always)]
@@ -174,10 +174,10 @@ impl<V: Vector, K: Shape, const MIXED: bool> PairLaw<V, FORCES> for Momentum<V::
         }
         terms[VISCOUS] = N::constant(0.0) - (squeeze * approach + shear * drag);
         if MIXED {
-            // What an obstacle's pressure takes is stored nowhere: no energy belongs to it.
+            // What an obstacle's pressure takes is stored nowhere: no energy belongs to it. Of a pair's power each counts half.
             let theirs = pick::<N, MIXED>(volume::<V, N>(other), &self.faced.met) * content::<V, N>(other);
             let mine = pick::<N, MIXED>(volume::<V, N>(other), &self.faced.meets) * content::<V, N>(own);
-            terms[VISCOUS] += (theirs + mine) * weight * approach;
+            terms[SOLID] = N::constant(0.5) * (theirs + mine) * weight * approach;
         }
         terms
     }
@@ -236,7 +236,8 @@ impl<V: Vector, K: Shape, const MIXED: bool> Pressed<V, FORCES> for Momentum<V::
         for axis in 0..V::DIMENSION {
             let mine = own[V::DIMENSION + axis];
             let relative = velocity::<V, N>(pair, axis);
-            terms[LIFT] = terms[LIFT] - by * weight * apart[axis] * mine;
+            // What gravity adds to the pressure of an image is stored nowhere either.
+            terms[SOLID] += by * weight * apart[axis] * mine;
             let loss = shear * relative * relative - N::constant(2.0) * (squeeze * apart[axis] + shear * relative) * mine;
             terms[VISCOUS] += loss;
         }

@@ -39,7 +39,7 @@ mod walls;
 
 use images::View;
 use kernel::{CubicSpline, Shape, Wave, WendlandC2, WendlandC4};
-use laws::{Continuity, Extrapolation, FORCES, LIFT, Momentum, OBSTACLE, VISCOUS};
+use laws::{Continuity, Extrapolation, FORCES, Momentum, OBSTACLE, SOLID, VISCOUS};
 use shifting::Shifting;
 use start::Kinds;
 use summation::Summation;
@@ -359,7 +359,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> Force<V> for Fluids<V, K, MIXED> {
             }
             // Of a pair's power each takes half.
             rates.power[Channel::Viscosity as usize][index % LANES] += 0.5 * volume * force[VISCOUS].to_f64();
-            rates.power[Channel::Work as usize][index % LANES] += volume * force[LIFT].to_f64();
+            rates.power[Channel::Contact as usize][index % LANES] += volume * force[SOLID].to_f64();
         }
     }
 
