@@ -1,16 +1,18 @@
 //! `World`: the engine's simulation.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::{Mutex, MutexGuard, TryLockError};
+use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
 
 use numpy::{PyArray1, PyArray2, PyReadonlyArray1, ToPyArray};
 use physcore_engine::error::{Error, Result as EngineResult};
 use physcore_engine::forces::Flow;
 use physcore_engine::simulation::{self, Adaptation, Capture, Numerics, Rule, Segment};
 use physcore_engine::stability::{Kind, Limit};
+use pyo3::gc::{PyTraverseError, PyVisit};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
+use crate::callback::Function;
 use crate::errors::{FileError, InternalError, PhyscoreError, exception};
 use crate::scene;
 
@@ -18,6 +20,8 @@ use crate::scene;
 #[pyclass(frozen, module = "physcore._core")]
 pub struct World {
     inner: Mutex<Box<dyn simulation::World>>,
+    /// The functions that the engine calls: here the garbage collector finds them without a lock.
+    functions: Vec<Arc<Function>>,
     dimension: usize,
 }
 
@@ -79,11 +83,17 @@ impl World {
         runaway: f64,
         on_divergence: &str,
     ) -> PyResult<Self> {
-        let scene = scene::read(scene)?;
+        let (scene, functions) = scene::read(scene)?;
         let numerics = Numerics { integrator, precision, threads, runaway, ignore_runaway: on_divergence == "ignore" };
         let dimension = scene.dimension;
         let inner = without_gil(py, || simulation::build(&scene, &numerics))?;
-        Ok(Self { inner: Mutex::new(inner), dimension })
+        Ok(Self { inner: Mutex::new(inner), functions, dimension })
+    }
+
+    /// Shows the garbage collector what may refer back to this. Like a tuple this needs no `__clear__`: what it refers to is
+    /// older than it is, so a cycle goes through something that was changed later, and is opened there.
+    fn __traverse__(&self, visit: PyVisit<'_>) -> Result<(), PyTraverseError> {
+        self.functions.iter().try_for_each(|function| function.traverse(&visit))
     }
 
     /// Takes n steps of dt seconds, and gives the Mach number from which on a flow is fast, the largest share of a fluid that
@@ -184,17 +194,17 @@ impl World {
     fn limit<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let guard = self.lock()?;
         let world = &*guard;
-        limit_record(py, without_gil(py, || Ok(world.limit()))?)
+        limit_record(py, without_gil(py, || world.limit())?)
     }
 
     fn certified(&self, py: Python<'_>) -> PyResult<f64> {
-        self.change(py, |world| Ok(world.certified()))
+        self.change(py, |world| world.certified())
     }
 
     fn present_limit<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let guard = self.lock()?;
         let world = &*guard;
-        limit_record(py, without_gil(py, || Ok(world.present_limit()))?)
+        limit_record(py, without_gil(py, || world.present_limit())?)
     }
 
     fn plan<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
@@ -214,7 +224,7 @@ impl World {
         record.set_item("simd", plan.simd)?;
         record.set_item("layout", &plan.layout)?;
         record.set_item("left_out", &plan.left_out)?;
-        record.set_item("notes", &plan.notes)?;
+        record.set_item("notes", [plan.notes.as_slice(), &world.findings()].concat())?;
         Ok(record)
     }
 

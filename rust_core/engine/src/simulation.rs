@@ -77,6 +77,8 @@ pub struct Capture {
 pub trait World: Send + Sync {
     /// What it does.
     fn plan(&self) -> &Plan;
+    /// What the forces found when they were last asked what limits the time step.
+    fn findings(&self) -> Vec<String>;
     /// The time and how it was reached.
     fn segment(&self) -> Segment;
     /// All steps taken so far.
@@ -102,12 +104,12 @@ pub trait World: Send + Sync {
     /// The momentum [kg·m/s] and the angular momentum about the origin of coordinates [kg·m²/s].
     fn momenta(&self) -> (DVec3, DVec3);
     /// The largest time step as matters stand.
-    fn limit(&self) -> Limit;
+    fn limit(&self) -> Result<Limit>;
     /// The largest certified step [s], which is stable while no spring is shorter than half its rest length, wherever it
     /// turns.
-    fn certified(&mut self) -> f64;
+    fn certified(&mut self) -> Result<f64>;
     /// The largest certified step from the present state, whatever is ahead.
-    fn present_limit(&self) -> Limit;
+    fn present_limit(&self) -> Result<Limit>;
     /// Everything that the next step's bits depend on.
     fn capture(&self) -> Capture;
     /// Goes on from a captured state.
@@ -323,7 +325,7 @@ impl<V: Vector> Simulation<V> {
     }
 
     /// What the terms contribute to a bound of some kind in the present state.
-    fn bound(&self, empty: fn(&[f64], &[u32]) -> Bound) -> Bound {
+    fn bound(&self, empty: fn(&[f64], &[u32]) -> Bound) -> Result<Bound> {
         let (law, state) = (self.system.law(), self.system.state());
         let bound = (self.bound_for)(empty(&law.properties.mass, &law.properties.body));
         law.bound(&law.moment_of(state, self.segment.time()), bound)
@@ -373,25 +375,28 @@ impl<V: Vector> Simulation<V> {
     /// Adds to a divergence what to do about it.
     fn with_hint(&self, error: Error) -> Error {
         match error {
-            Error::Diverged(divergence) => Error::Diverged(Box::new(Divergence { hint: self.hint(), ..*divergence })),
+            Error::Diverged(divergence) => match self.hint() {
+                Ok(hint) => Error::Diverged(Box::new(Divergence { hint, ..*divergence })),
+                Err(other) => other,
+            },
             other => other,
         }
     }
 
     /// What to do about a divergence; asked for at the last good state.
-    fn hint(&self) -> String {
-        let (limit, dt) = (self.limit(), self.segment.dt);
+    fn hint(&self) -> Result<String> {
+        let (limit, dt) = (self.limit()?, self.segment.dt);
         if limit.stability == 0.0 {
-            return format!("no dt is stable with {} here: take another integrator", self.plan.integrator);
+            return Ok(format!("no dt is stable with {} here: take another integrator", self.plan.integrator));
         }
         let (most, term) = (limit.dt(), limit.term);
-        if dt > most {
+        Ok(if dt > most {
             format!("dt = {dt:.3e} s is beyond the limit of {most:.3e} s set by {term}; dt = {:.3e} s would hold", 0.9 * most)
         } else if most.is_finite() {
             format!("dt = {dt:.3e} s is within the limit of {most:.3e} s at the last good state; try dt = {:.3e} s", 0.25 * dt)
         } else {
             format!("nothing bounds dt at the last good state; try dt = {:.3e} s", 0.25 * dt)
-        }
+        })
     }
 
     /// The columns that make up the state, in a fixed order.
@@ -409,6 +414,11 @@ fn is_scattered(error: &Error) -> bool {
 impl<V: Vector> World for Simulation<V> {
     fn plan(&self) -> &Plan {
         &self.plan
+    }
+
+    fn findings(&self) -> Vec<String> {
+        let findings = self.system.law().forces().iter().map(|force| (force.name(), force.findings()));
+        findings.filter(|(_, found)| !found.is_empty()).map(|(name, found)| format!("{name}: {found}")).collect()
     }
 
     fn segment(&self) -> Segment {
@@ -522,24 +532,24 @@ impl<V: Vector> World for Simulation<V> {
         audit::momenta(self.system.law(), self.system.state())
     }
 
-    fn limit(&self) -> Limit {
-        (self.sharp_limit)(self.bound(Bound::directed))
+    fn limit(&self) -> Result<Limit> {
+        self.bound(Bound::directed).map(self.sharp_limit)
     }
 
-    fn certified(&mut self) -> f64 {
+    fn certified(&mut self) -> Result<f64> {
         let stands = self.stands();
         if let (true, Some(known)) = (stands, self.certified) {
-            return known;
+            return Ok(known);
         }
-        let found = (self.limit)(&self.bound(Bound::new), &mut Memo::default()).stability;
+        let found = (self.limit)(&self.bound(Bound::new)?, &mut Memo::default()).stability;
         if stands {
             self.certified = Some(found);
         }
-        found
+        Ok(found)
     }
 
-    fn present_limit(&self) -> Limit {
-        (self.limit)(&self.bound(Bound::at_present), &mut Memo::default())
+    fn present_limit(&self) -> Result<Limit> {
+        Ok((self.limit)(&self.bound(Bound::at_present)?, &mut Memo::default()))
     }
 
     fn capture(&self) -> Capture {
