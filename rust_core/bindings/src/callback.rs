@@ -76,7 +76,7 @@ fn failure(reason: Reason) -> Failure {
     }
 }
 
-/// The numbers of what a function gave, row by row: whatever NumPy takes for a regular array of real numbers of this shape.
+/// The numbers of what a function gave, row by row: whatever is a regular array of real numbers of this shape, or can be made one.
 fn real(given: &Bound<'_, PyAny>, shape: &[usize], expected: &str) -> Result<Vec<f64>, Reason> {
     let py = given.py();
     let refused = |found: String| Reason::Refused { expected: format!("{expected}, of real numbers"), found };
@@ -87,9 +87,9 @@ fn real(given: &Bound<'_, PyAny>, shape: &[usize], expected: &str) -> Result<Vec
         return Err(refused("masked entries".to_owned()));
     }
     let numpy = py.import("numpy")?;
-    let array = numpy.call_method1("asarray", (given,)).map_err(|error| match error.is_instance_of::<PyValueError>(py) {
-        true => refused(format!("what is no regular array ({})", error.value(py))),
-        false => error.into(),
+    let array = numpy.call_method1("asarray", (given,)).map_err(|error| {
+        let irregular = error.is_instance_of::<PyValueError>(py);
+        if irregular { refused(format!("what is no regular array ({})", error.value(py))) } else { error.into() }
     })?;
     let array = array.cast_into::<PyUntypedArray>().map_err(PyErr::from)?;
     if !b"iuf".contains(&array.dtype().kind()) {
@@ -99,7 +99,7 @@ fn real(given: &Bound<'_, PyAny>, shape: &[usize], expected: &str) -> Result<Vec
         return Err(refused(format!("the shape {}", tuple(array.shape()))));
     }
     let numbers = numpy.call_method1("ascontiguousarray", (array, "float64"))?;
-    Ok(numbers.extract::<PyReadonlyArrayDyn<'_, f64>>().map_err(PyErr::from)?.as_array().iter().copied().collect())
+    Ok(numbers.extract::<PyReadonlyArrayDyn<'_, f64>>()?.as_array().iter().copied().collect())
 }
 
 /// Whether any entry is masked; none is where nobody has loaded `numpy.ma`.

@@ -62,10 +62,13 @@ impl Gradient {
     pub const NONE: Self = Self { norm: 0.0, rotation: 0.0 };
 }
 
+/// The forces [N] when every particle is displaced by a multiple of its own way.
+pub type Displaced<'a> = dyn Fn(&[DVec3], f64) -> Result<Vec<DVec3>> + 'a;
+
 /// A look at the gradient of a force.
 pub struct Probe<'a> {
-    /// The forces [N] when every particle is displaced by a multiple of its own way.
-    pub given: &'a dyn Fn(&[DVec3], f64) -> Result<Vec<DVec3>>,
+    /// What the function gives.
+    pub given: &'a Displaced<'a>,
     /// The forces [N] at the state itself.
     pub force: &'a [DVec3],
     /// 1/√m of each particle, 0 where it is fixed; not all of them.
