@@ -74,7 +74,8 @@ def stability_limit(scene: Scene, integrator: Integrator, *, measured: bool = Fa
     For springs it is the largest eigenvalue of M⁻¹K in their present directions, by sixteen products of Lanczos'
     method and 2 % above it; in 1000 random networks 0.962 to 1.001 of the true limit. Springs that turn may lower it,
     at most to the certified bound that holds in any direction while none is shorter than half its rest length. A step
-    below half of this limit is almost always below that bound as well.
+    below half of this limit is almost always below that bound as well. The functions of a `CustomForce` are called to
+    find how stiff they are, as its description says.
 
     Args:
         scene: what to simulate.

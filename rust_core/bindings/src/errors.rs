@@ -1,7 +1,7 @@
 //! The engine's errors as the exceptions that `physcore.errors` defines.
 
-use physcore_engine::error::{Divergence, Error};
-use pyo3::exceptions::PyKeyboardInterrupt;
+use physcore_engine::error::{Cause, Divergence, Error};
+use pyo3::exceptions::{PyException, PyKeyboardInterrupt};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -13,12 +13,25 @@ pyo3::import_exception!(physcore.errors, InternalError);
 /// The exception for an error.
 pub fn exception(py: Python<'_>, error: Error) -> PyErr {
     match error {
-        Error::Parameter { .. } | Error::State(_) | Error::Callback { .. } | Error::Memory { .. } => {
-            SceneError::new_err(error.to_string())
-        }
+        Error::Parameter { .. } | Error::State(_) | Error::Memory { .. } => SceneError::new_err(error.to_string()),
+        Error::Callback { ref cause, .. } => raised(py, &error, cause),
         Error::Diverged(divergence) => diverged(py, &divergence).unwrap_or_else(|failure| failure),
         // The signal's handler may have raised an exception of its own; then that one counts.
         Error::Interrupted => PyErr::take(py).unwrap_or_else(|| PyKeyboardInterrupt::new_err("the run was interrupted")),
+    }
+}
+
+/// The exception for one that a function of the user's raised, which is its cause; what is no `Exception`, such as that of
+/// `sys.exit`, is nobody's to explain, and passes as it is.
+fn raised(py: Python<'_>, error: &Error, cause: &Cause) -> PyErr {
+    let cause = cause.0.downcast_ref::<PyErr>().map(|raised| raised.clone_ref(py));
+    match cause {
+        Some(raised) if !raised.is_instance_of::<PyException>(py) => raised,
+        cause => {
+            let explained = SceneError::new_err(error.to_string());
+            explained.set_cause(py, cause);
+            explained
+        }
     }
 }
 

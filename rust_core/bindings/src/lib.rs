@@ -3,6 +3,7 @@
 use pyo3::prelude::*;
 
 mod arrays;
+mod callback;
 mod canvas;
 mod errors;
 mod gif;

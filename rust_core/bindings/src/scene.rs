@@ -6,14 +6,15 @@ use std::sync::Arc;
 use glam::DVec3;
 use numpy::{PyArray2, PyReadonlyArray1, PyReadonlyArray2};
 use physcore_engine::memory;
-use physcore_engine::scene::{Body, Callback, Fluid, Scene, Spring, Term, Value};
+use physcore_engine::scene::{Body, Fluid, Scene, Spring, Term, Value};
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyList};
 
+use crate::callback::Function;
 use crate::errors::{SceneError, exception};
 
-/// Reads a scene.
-pub fn read(scene: &Bound<'_, PyDict>) -> PyResult<Scene> {
+/// Reads a scene, with the functions that it holds.
+pub fn read(scene: &Bound<'_, PyDict>) -> PyResult<(Scene, Vec<Arc<Function>>)> {
     let dimension: usize = item(scene, "dimension")?.extract()?;
     let list = |name: &str| -> PyResult<Vec<Bound<'_, PyDict>>> {
         item(scene, name)?.cast::<PyList>()?.iter().map(|entry| Ok(entry.cast_into()?)).collect()
@@ -23,13 +24,22 @@ pub fn read(scene: &Bound<'_, PyDict>) -> PyResult<Scene> {
     // Vectors have three components here.
     memory::check("scene", arrays / 2 * 3, 0, || "for a copy of its arrays; take fewer particles".to_owned())
         .map_err(|error| exception(scene.py(), error))?;
-    Ok(Scene {
+    let mut functions = Vec::new();
+    let mut terms = |name: &str| -> PyResult<Vec<Term>> {
+        list(name)?
+            .iter()
+            .enumerate()
+            .map(|(index, entry)| term(entry, format!("{name}[{index}]"), dimension, &mut functions))
+            .collect()
+    };
+    let scene = Scene {
         dimension,
         bodies: bodies.iter().map(body).collect::<PyResult<_>>()?,
-        forces: terms(&list("forces")?, "forces", dimension)?,
-        boundaries: terms(&list("boundaries")?, "boundaries", dimension)?,
+        forces: terms("forces")?,
+        boundaries: terms("boundaries")?,
         periodic: periodic(&item(scene, "periodic")?)?,
-    })
+    };
+    Ok((scene, functions))
 }
 
 /// The bytes that the arrays of a body take.
@@ -148,27 +158,29 @@ pub fn rows(py: Python<'_>, numbers: Vec<f64>, dimension: usize) -> PyResult<Bou
     Ok(PyArray2::from_owned_array(py, array.map_err(|error| SceneError::new_err(error.to_string()))?))
 }
 
-fn terms(entries: &[Bound<'_, PyDict>], list: &str, dimension: usize) -> PyResult<Vec<Term>> {
-    entries.iter().enumerate().map(|(index, entry)| term(entry, format!("{list}[{index}]"), dimension)).collect()
-}
-
-fn term(entry: &Bound<'_, PyDict>, path: String, dimension: usize) -> PyResult<Term> {
+/// A term of the scene; a function in it comes with its potential, which stands beside it, and is added to `functions`.
+fn term(entry: &Bound<'_, PyDict>, path: String, dimension: usize, functions: &mut Vec<Arc<Function>>) -> PyResult<Term> {
     let mut values = BTreeMap::new();
     for (name, value) in entry.iter() {
         let name: String = name.extract()?;
-        if !["type", "on", "potential"].contains(&name.as_str()) && !value.is_none() {
-            values.insert(name, parameter(&value, entry, dimension)?);
+        if ["type", "on", "potential"].contains(&name.as_str()) || value.is_none() {
+            continue;
         }
+        let value = if value.is_callable() {
+            let potential = entry.get_item("potential")?.filter(|potential| !potential.is_none());
+            let function = Arc::new(Function::new(value.unbind(), potential.map(Bound::unbind), dimension));
+            functions.push(Arc::clone(&function));
+            Value::Callback(function)
+        } else {
+            parameter(&value)?
+        };
+        values.insert(name, value);
     }
     Ok(Term { path, kind: item(entry, "type")?.extract()?, on: item(entry, "on")?.extract()?, values })
 }
 
-/// A parameter of a term; a function comes with its potential, which stands beside it.
-fn parameter(value: &Bound<'_, PyAny>, entry: &Bound<'_, PyDict>, dimension: usize) -> PyResult<Value> {
-    if value.is_callable() {
-        let potential = entry.get_item("potential")?.filter(|potential| !potential.is_none()).map(Bound::unbind);
-        return Ok(Value::Callback(Arc::new(Function { force: value.clone().unbind(), potential, dimension })));
-    }
+/// A parameter of a term.
+fn parameter(value: &Bound<'_, PyAny>) -> PyResult<Value> {
     if let Ok(flag) = value.cast::<PyBool>() {
         return Ok(Value::Flag(flag.is_true()));
     }
@@ -176,52 +188,4 @@ fn parameter(value: &Bound<'_, PyAny>, entry: &Bound<'_, PyDict>, dimension: usi
         return Ok(Value::Number(number));
     }
     Ok(Value::Vector(vector(value.extract::<Vec<f64>>()?.into_iter())))
-}
-
-/// A Python function that gives forces, with the one that gives their potential.
-struct Function {
-    force: Py<PyAny>,
-    potential: Option<Py<PyAny>>,
-    dimension: usize,
-}
-
-impl Callback for Function {
-    fn forces(&self, time: f64, positions: &[DVec3], velocities: &[DVec3]) -> Result<Vec<DVec3>, String> {
-        Python::attach(|py| {
-            let call = || {
-                let arguments = (time, array(py, positions, self.dimension)?, array(py, velocities, self.dimension)?);
-                let given = self.force.bind(py).call1(arguments)?;
-                // Whatever NumPy takes for an array of numbers will do.
-                let given = py.import("numpy")?.call_method1("asarray", (given, "float64"))?;
-                let shape: Vec<usize> = given.getattr("shape")?.extract()?;
-                if shape != [positions.len(), self.dimension] {
-                    let expected = (positions.len(), self.dimension);
-                    return Err(SceneError::new_err(format!("must give forces of shape {expected:?}, gave shape {shape:?}")));
-                }
-                vectors(&given)
-            };
-            call().map_err(|error| explain(py, &error))
-        })
-    }
-
-    fn has_potential(&self) -> bool {
-        self.potential.is_some()
-    }
-
-    fn potential(&self, positions: &[DVec3]) -> Result<f64, String> {
-        let Some(potential) = &self.potential else { return Ok(0.0) };
-        Python::attach(|py| {
-            let call = || potential.bind(py).call1((array(py, positions, self.dimension)?,))?.extract();
-            call().map_err(|error| explain(py, &error))
-        })
-    }
-}
-
-/// What a user's function raised, and where; of our own complaints, the text.
-fn explain(py: Python<'_>, error: &PyErr) -> String {
-    match error.traceback(py).and_then(|trace| trace.format().ok()) {
-        Some(trace) => format!("{error}\n{}", trace.trim_end()),
-        None if error.is_instance_of::<SceneError>(py) => error.value(py).to_string(),
-        None => error.to_string(),
-    }
 }

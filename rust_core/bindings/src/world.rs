@@ -11,9 +11,11 @@ use physcore_engine::memory;
 use physcore_engine::parallel::{ALONE, Crew, attend};
 use physcore_engine::simulation::{self, Adaptation, Capture, Numerics, Rule, Segment, Vigilance};
 use physcore_engine::stability::{Kind, Limit};
+use pyo3::gc::{PyTraverseError, PyVisit};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
+use crate::callback::Function;
 use crate::errors::{FileError, InternalError, PhyscoreError, exception};
 use crate::scene;
 
@@ -26,11 +28,12 @@ pub struct World {
     inner: Shared,
     /// Whether somebody changes it, or waits for those who look.
     changing: Arc<AtomicBool>,
+    /// The functions that the engine calls, also when it is asked for energies: here the garbage collector finds them without
+    /// a lock.
+    functions: Vec<Arc<Function>>,
     dimension: usize,
     count: usize,
     threads: usize,
-    /// Whether the engine may call functions of the user's when it is asked for energies.
-    calls_back: bool,
 }
 
 type Shared = Arc<RwLock<Box<dyn simulation::World>>>;
@@ -205,21 +208,28 @@ impl World {
         runaway: f64,
         on_divergence: &str,
     ) -> PyResult<Self> {
-        let scene = scene::read(scene)?;
+        let (scene, functions) = scene::read(scene)?;
         let vigilance = match on_divergence {
             "ignore" => Vigilance::OutOfRange,
             "substep" => Vigilance::EveryStep,
             _ => Vigilance::Agitated,
         };
         let numerics = Numerics { integrator, precision, threads, runaway, vigilance };
-        let (dimension, count, calls_back) = (scene.dimension, scene.count(), scene.calls_back());
+        let (dimension, count, calls_back) = (scene.dimension, scene.count(), !functions.is_empty());
         let threads = numerics.threads().map_err(|error| exception(py, error))?;
         let things = count + scene.bodies.iter().map(|body| body.springs.len()).sum::<usize>();
         let build = move |crew: &Crew| simulation::build(&scene, &numerics, crew);
         let inner = without_gil(py, || {
             Ok(if things < FEW && !calls_back { build(&ALONE) } else { attend(threads, &interrupted, build)? }?)
         })?;
-        Ok(Self { inner: Arc::new(RwLock::new(inner)), changing: Arc::default(), dimension, count, threads, calls_back })
+        let inner = Arc::new(RwLock::new(inner));
+        Ok(Self { inner, changing: Arc::default(), functions, dimension, count, threads })
+    }
+
+    /// Shows the garbage collector what may refer back to this. Like a tuple this needs no `__clear__`: what it refers to is
+    /// older than it is, so a cycle goes through something that was changed later, and is opened there.
+    fn __traverse__(&self, visit: PyVisit<'_>) -> Result<(), PyTraverseError> {
+        self.functions.iter().try_for_each(|function| function.traverse(&visit))
     }
 
     /// Takes n steps of dt seconds, and gives the Mach number from which on a flow is fast, the largest share of a fluid that
@@ -289,7 +299,7 @@ impl World {
     }
 
     fn energy<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let energy = if self.calls_back {
+        let energy = if !self.functions.is_empty() {
             // Whoever is called may try to change the world, which must be refused and cannot wait.
             self.change_at_length(py, |world, crew| world.energy(crew))?
         } else {
@@ -335,7 +345,7 @@ impl World {
     }
 
     fn plan<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let (plan, memory) = self.glance(py, |world| (world.plan().clone(), world.memory()))?;
+        let (plan, memory, findings) = self.glance(py, |world| (world.plan().clone(), world.memory(), world.findings()))?;
         let record = PyDict::new(py);
         record.set_item("stages", &plan.stages)?;
         record.set_item("dimension", plan.dimension)?;
@@ -350,7 +360,7 @@ impl World {
         record.set_item("simd", plan.simd)?;
         record.set_item("layout", &plan.layout)?;
         record.set_item("left_out", &plan.left_out)?;
-        record.set_item("notes", &plan.notes)?;
+        record.set_item("notes", [plan.notes, findings].concat())?;
         Ok(record)
     }
 

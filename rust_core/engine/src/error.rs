@@ -1,5 +1,7 @@
 //! What can go wrong, typed: every variant carries what a user needs in order to mend it.
 
+use std::sync::Arc;
+
 use crate::memory::shown;
 
 /// The result of everything in this crate that can fail.
@@ -27,12 +29,12 @@ pub enum Error {
     #[error("interrupted")]
     Interrupted,
     /// A function that the user supplied failed; the simulation stands at a whole step.
-    #[error("{path}: {message}")]
+    #[error("{path}: raised {cause}")]
     Callback {
         /// Which force called it, as in `forces[2].function`.
         path: String,
-        /// What it said.
-        message: String,
+        /// What it raised.
+        cause: Cause,
     },
     /// What was asked for does not fit into memory; the simulation stands at a whole step.
     #[error("{what}: needs {}, {} are available ({hint})", shown(*needed), shown(*available))]
@@ -49,6 +51,17 @@ pub enum Error {
     /// A captured state does not belong to this simulation.
     #[error("state: {0}")]
     State(String),
+}
+
+/// What a function of the caller's raised, in the caller's own type: the engine passes it on and looks at it no further.
+#[derive(Debug, Clone, thiserror::Error)]
+#[error(transparent)]
+pub struct Cause(pub Arc<dyn std::error::Error + Send + Sync>);
+
+impl PartialEq for Cause {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.0, &other.0)
+    }
 }
 
 fn hint_text(hint: &str) -> String {

@@ -193,3 +193,13 @@ vector!(Vec2, f32, 2);
 vector!(Vec3, f32, 3);
 vector!(DVec2, f64, 2);
 vector!(DVec3, f64, 3);
+
+/// Three numbers between −1 and 1 for each index, by Steele's, Lea's and Flood's splitmix64 (OOPSLA 2014).
+pub fn noise(index: u64) -> DVec3 {
+    DVec3::from_array(std::array::from_fn(|axis| {
+        let mut bits = (3 * index + axis as u64 + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        bits = (bits ^ (bits >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        (bits ^ (bits >> 31)) as f64 / 2.0_f64.powi(63) - 1.0
+    }))
+}

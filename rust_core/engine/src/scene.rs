@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use crate::error::{Error, Result};
+use crate::error::{Cause, Error, Result};
 
 /// Everything that a scene holds.
 #[derive(Debug, Clone, Default)]
@@ -108,11 +108,6 @@ impl Scene {
         springs
     }
 
-    /// Whether it has functions of the user's.
-    pub fn calls_back(&self) -> bool {
-        self.forces.iter().flat_map(|term| term.values.values()).any(|value| matches!(value, Value::Callback(_)))
-    }
-
     /// Whether a term acts on each particle.
     pub fn members(&self, term: &Term) -> Vec<bool> {
         let bodies = self.bodies.iter().enumerate();
@@ -122,12 +117,37 @@ impl Scene {
 
 /// A function of the user's: a force on every particle, and perhaps its potential energy.
 pub trait Callback: Send + Sync {
-    /// The forces [N] on the particles at these positions [m] and velocities [m/s], at this time [s].
-    fn forces(&self, time: f64, positions: &[DVec3], velocities: &[DVec3]) -> std::result::Result<Vec<DVec3>, String>;
+    /// The forces [N] on the particles at these positions [m] and velocities [m/s], at this time [s]: as many as there are
+    /// particles, and not necessarily finite.
+    fn forces(&self, time: f64, positions: &[DVec3], velocities: &[DVec3]) -> std::result::Result<Vec<DVec3>, Failure>;
     /// Whether there is a potential.
     fn has_potential(&self) -> bool;
-    /// The potential energy [J] at these positions.
-    fn potential(&self, positions: &[DVec3]) -> std::result::Result<f64, String>;
+    /// The potential energy [J] at these positions, not necessarily finite.
+    fn potential(&self, positions: &[DVec3]) -> std::result::Result<f64, Failure>;
+}
+
+/// How a function of the user's failed.
+#[derive(Debug)]
+pub enum Failure {
+    /// It raised an error.
+    Raised(Cause),
+    /// It gave something else than was expected.
+    Refused {
+        /// What was expected.
+        expected: String,
+        /// What it gave.
+        found: String,
+    },
+}
+
+impl Failure {
+    /// The error of the function at `path`.
+    pub fn at(self, path: String) -> Error {
+        match self {
+            Self::Raised(cause) => Error::Callback { path, cause },
+            Self::Refused { expected, found } => Error::parameter(path, expected, found),
+        }
+    }
 }
 
 /// A force or a boundary, as the user declared it.

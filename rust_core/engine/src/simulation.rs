@@ -109,6 +109,8 @@ pub trait World: Send + Sync {
     fn plan(&self) -> &Plan;
     /// The memory that it takes now [bytes].
     fn memory(&self) -> usize;
+    /// What the forces found when they were last asked what limits the time step.
+    fn findings(&self) -> Vec<String>;
     /// The time and how it was reached.
     fn segment(&self) -> Segment;
     /// All steps taken so far.
@@ -281,12 +283,12 @@ impl<V: Vector> Simulation<V> {
     }
 
     /// What the terms contribute to a bound of some kind in the present state.
-    fn bound(&self, empty: fn(&[f64], &[u32]) -> Bound) -> Bound {
+    fn bound(&self, empty: fn(&[f64], &[u32]) -> Bound) -> Result<Bound> {
         self.bound_by(empty, &ALONE)
     }
 
     /// The same, shared among a crew; when that was asked to stop, some part of it.
-    fn bound_by(&self, empty: fn(&[f64], &[u32]) -> Bound, crew: &Crew) -> Bound {
+    fn bound_by(&self, empty: fn(&[f64], &[u32]) -> Bound, crew: &Crew) -> Result<Bound> {
         let (law, state) = (self.system.law(), self.system.state());
         let bound = (self.bound_for)(empty(&law.properties.mass, &law.properties.body));
         law.bound(&law.moment_of(state, self.segment.time(), crew), bound)
@@ -312,6 +314,11 @@ impl<V: Vector> World for Simulation<V> {
 
     fn memory(&self) -> usize {
         self.system.bytes()
+    }
+
+    fn findings(&self) -> Vec<String> {
+        let findings = self.system.law().forces().iter().map(|force| (force.name(), force.findings()));
+        findings.filter(|(_, found)| !found.is_empty()).map(|(name, found)| format!("{name}: {found}")).collect()
     }
 
     fn segment(&self) -> Segment {
@@ -441,7 +448,7 @@ impl<V: Vector> World for Simulation<V> {
     }
 
     fn limit(&self, crew: &Crew) -> Result<Limit> {
-        let bound = self.bound_by(Bound::directed, crew);
+        let bound = self.bound_by(Bound::directed, crew)?;
         crew.check()?;
         Ok((self.sharpened)(bound))
     }
@@ -451,7 +458,7 @@ impl<V: Vector> World for Simulation<V> {
         if let (true, Some(&known)) = (stands, self.certified.get()) {
             return Ok(known);
         }
-        let bound = self.bound_by(Bound::new, crew);
+        let bound = self.bound_by(Bound::new, crew)?;
         crew.check()?;
         let found = (self.limit)(&bound, &mut Memo::default()).stability;
         if stands {
@@ -461,7 +468,7 @@ impl<V: Vector> World for Simulation<V> {
     }
 
     fn present_limit(&self, crew: &Crew) -> Result<Limit> {
-        let bound = self.bound_by(Bound::at_present, crew);
+        let bound = self.bound_by(Bound::at_present, crew)?;
         crew.check()?;
         Ok((self.limit)(&bound, &mut Memo::default()))
     }

@@ -135,7 +135,7 @@ impl<V: Vector> Force<V> for Central<V> {
 
     /// A harmonic center limits the stability. Any other one has no greatest stiffness, so it limits the accuracy: a
     /// hundred steps for a turn at the frequency of the closest approach, or of the present distance.
-    fn bound(&self, at: &Moment<'_, V>, bound: &mut Bound) {
+    fn bound(&self, at: &Moment<'_, V>, bound: &mut Bound) -> Result<()> {
         let properties = at.properties;
         for index in self.members(0..properties.count()) {
             let mass = properties.mass[index];
@@ -157,6 +157,7 @@ impl<V: Vector> Force<V> for Central<V> {
                 bound.accuracy("central", TAU * (mass / stiffness).sqrt() / STEPS_PER_TURN);
             }
         }
+        Ok(())
     }
 
     fn present_bound_varies(&self) -> bool {

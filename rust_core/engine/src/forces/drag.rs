@@ -85,12 +85,13 @@ impl<V: Vector> Force<V> for Drag<V> {
     }
 
     /// The damping is the larger eigenvalue of −∂F/∂v, γ + 2q|u|.
-    fn bound(&self, at: &Moment<'_, V>, bound: &mut Bound) {
+    fn bound(&self, at: &Moment<'_, V>, bound: &mut Bound) -> Result<()> {
         for index in (0..at.properties.count()).filter(|&index| self.acts_on(index)) {
             let speed = (at.velocity.get(index).widen() - self.wind).length();
             bound.point(index, "drag", 0.0, self.linear + 2.0 * self.quadratic * speed);
             bound.steady(index, 0.0, self.linear);
         }
+        Ok(())
     }
 
     fn bound_varies(&self) -> bool {

@@ -57,5 +57,7 @@ impl<V: Vector> Force<V> for Gravity {
             .sum()
     }
 
-    fn bound(&self, _at: &Moment<'_, V>, _bound: &mut Bound) {}
+    fn bound(&self, _at: &Moment<'_, V>, _bound: &mut Bound) -> Result<()> {
+        Ok(())
+    }
 }

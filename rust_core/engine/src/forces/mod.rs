@@ -253,7 +253,10 @@ pub trait Force<V: Vector>: Send + Sync {
 
     /// Adds its stiffness and damping, as they are at this moment, to the bound on the time step. Where it knows what is
     /// ahead it counts that too, but not if [`Bound::is_present`].
-    fn bound(&self, at: &Moment<'_, V>, bound: &mut Bound);
+    ///
+    /// # Errors
+    /// If a function of the user's fails.
+    fn bound(&self, at: &Moment<'_, V>, bound: &mut Bound) -> Result<()>;
 
     /// Whether its part of that bound changes as the matter moves.
     fn bound_varies(&self) -> bool {
@@ -277,6 +280,11 @@ pub trait Force<V: Vector>: Send + Sync {
 
     /// How it is laid out, for the plan; empty if there is nothing to say.
     fn layout(&self) -> String {
+        String::new()
+    }
+
+    /// What it found when it was last asked for its part of the bound, for the plan; empty if there is nothing to say.
+    fn findings(&self) -> String {
         String::new()
     }
 

@@ -244,7 +244,7 @@ impl<V: Vector, L: Interaction<V>> Force<V> for Pairs<V, L> {
 
     /// For a pair of the matrix A ≥ 0 and displacements u, w of its particles (u − w)ᵀA(u − w) ≤ 2uᵀAu + 2wᵀAw: no frequency of
     /// all is above that of the particle whose pairs, twice over, hold it the most in any one direction.
-    fn bound(&self, at: &Moment<'_, V>, bound: &mut Bound) {
+    fn bound(&self, at: &Moment<'_, V>, bound: &mut Bound) -> Result<()> {
         let mut sums = vec![[DMat3::ZERO; 2]; self.attributes.len()];
         let matrices = |pair: [usize; 2], apart: DVec3| {
             let values = self.law.stiffness(pair.map(|member| self.attributes[member]), apart.length());
@@ -257,7 +257,7 @@ impl<V: Vector, L: Interaction<V>> Force<V> for Pairs<V, L> {
         });
         // Positions that cannot be searched are reported by the step that meets them.
         if added.is_err() {
-            return;
+            return Ok(());
         }
         let members = self.vicinity.members();
         let expected = self.law.expected(at, members);
@@ -266,6 +266,7 @@ impl<V: Vector, L: Interaction<V>> Force<V> for Pairs<V, L> {
             bound.point(index as usize, L::NAME, stiffness, damping);
         }
         self.law.bound(at, members, bound);
+        Ok(())
     }
 
     fn bound_varies(&self) -> bool {

@@ -76,7 +76,7 @@ impl<V: Vector> Simulation<V> {
     fn advance_in_blocks(&mut self, interval: f64, rule: &Rule, interrupted: &dyn Fn() -> bool) -> Result<()> {
         let varies = self.system.law().forces().iter().any(|force| force.present_bound_varies());
         let (start, finest) = (self.segment.time(), interval / FINEST as f64);
-        let mut allowed = self.allowed(rule);
+        let mut allowed = self.allowed(rule)?;
         self.expect(allowed.min(interval));
         let (mut place, mut failures, mut since) = (0, 0, 0);
         // The largest block that begins where we are: it ends where a block of twice its length begins or ends.
@@ -91,7 +91,7 @@ impl<V: Vector> Simulation<V> {
             self.segment = Segment { start, steps: place / block, dt: h };
             let halved = match self.attempt(before.0, interrupted)? {
                 Trial::Taken => {
-                    let end = if varies { self.allowed(rule) } else { allowed };
+                    let end = if varies { self.allowed(rule)? } else { allowed };
                     // Written so that a limit that is not a number asks for less.
                     let suits = end >= h;
                     if suits || block == 1 {
@@ -121,10 +121,10 @@ impl<V: Vector> Simulation<V> {
     }
 
     /// The largest step that the rule allows in the present state [s].
-    pub(super) fn allowed(&mut self, rule: &Rule) -> f64 {
-        let bound = self.bound(Bound::at_present);
+    pub(super) fn allowed(&mut self, rule: &Rule) -> Result<f64> {
+        let bound = self.bound(Bound::at_present)?;
         let limit = (self.limit)(&bound, &mut self.memo).dt();
-        if limit.is_infinite() { rule.free } else { rule.safety * limit }
+        Ok(if limit.is_infinite() { rule.free } else { rule.safety * limit })
     }
 
     /// Tries one step of the clock's length. After a divergence or an interrupt the clock is back at `before`.

@@ -223,26 +223,29 @@ impl<V: Vector> Simulation<V> {
     /// Adds to a divergence what to do about it.
     pub(super) fn with_hint(&self, error: Error) -> Error {
         match error {
-            Error::Diverged(divergence) => Error::Diverged(Box::new(Divergence { hint: self.hint(), ..*divergence })),
+            Error::Diverged(divergence) => match self.hint() {
+                Ok(hint) => Error::Diverged(Box::new(Divergence { hint, ..*divergence })),
+                Err(other) => other,
+            },
             other => other,
         }
     }
 
     /// What to do about a divergence; asked for at the last good state.
-    fn hint(&self) -> String {
-        let (limit, dt) = ((self.sharpened)(self.bound(Bound::directed)), self.segment.dt);
+    fn hint(&self) -> Result<String> {
+        let (limit, dt) = ((self.sharpened)(self.bound(Bound::directed)?), self.segment.dt);
         if limit.stability == 0.0 {
             let certain = if limit.endured > 0.0 { "certain to be stable" } else { "stable" };
-            return format!("no dt is {certain} with {} here: take another integrator", self.plan.integrator);
+            return Ok(format!("no dt is {certain} with {} here: take another integrator", self.plan.integrator));
         }
         let (most, name, term) = (limit.dt(), limit.name(), limit.term);
-        if dt > most {
+        Ok(if dt > most {
             format!("dt = {dt:.3e} s is beyond the {name} of {most:.3e} s set by {term}; dt = {:.3e} s would hold", 0.9 * most)
         } else if most.is_finite() {
             format!("dt = {dt:.3e} s is within the {name} of {most:.3e} s at the last good state; try dt = {:.3e} s", 0.25 * dt)
         } else {
             format!("nothing bounds dt at the last good state; try dt = {:.3e} s", 0.25 * dt)
-        }
+        })
     }
 }
 

@@ -10,6 +10,8 @@
 
 use glam::DVec3;
 
+use crate::math::noise;
+
 /// A spring between two particles: its matrix is `along` in its direction and `across` at right angles.
 #[derive(Debug, Clone, Copy)]
 pub struct Edge {
@@ -116,14 +118,4 @@ fn top(diagonal: &[f64], beside: &[f64], highest: f64) -> (f64, f64) {
         square += entry * entry;
     }
     (high, beside[last] / square.sqrt())
-}
-
-/// Three numbers between −1 and 1 for each index, by Steele's, Lea's and Flood's splitmix64 (OOPSLA 2014).
-fn noise(index: u64) -> DVec3 {
-    DVec3::from_array(std::array::from_fn(|axis| {
-        let mut bits = (3 * index + axis as u64 + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-        bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        bits = (bits ^ (bits >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        (bits ^ (bits >> 31)) as f64 / 2.0_f64.powi(63) - 1.0
-    }))
 }

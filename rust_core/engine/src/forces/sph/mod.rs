@@ -395,8 +395,9 @@ impl<V: Vector, K: Shape, const MIXED: bool> Force<V> for Fluids<V, K, MIXED> {
         Some(self.speed(velocity))
     }
 
-    fn bound(&self, _at: &Moment<'_, V>, bound: &mut Bound) {
+    fn bound(&self, _at: &Moment<'_, V>, bound: &mut Bound) -> Result<()> {
         self.limit(bound);
+        Ok(())
     }
 
     fn bound_varies(&self) -> bool {

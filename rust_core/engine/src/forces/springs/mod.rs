@@ -7,6 +7,7 @@
 use std::ops::Range;
 
 use super::{Force, Moment, Rates, Reach, VelocityDependence};
+use crate::error::Result;
 use crate::math::{Real, Vector};
 use crate::matter::{Power, Span};
 use crate::scene::Spring;
@@ -95,7 +96,7 @@ impl<V: Vector> Force<V> for Springs<V> {
 
     /// Along the spring the stiffness is k, across it k (1 − L/r): more than k where r < L/2. Ends in one place exert
     /// nothing, and count with k.
-    fn bound(&self, at: &Moment<'_, V>, bound: &mut Bound) {
+    fn bound(&self, at: &Moment<'_, V>, bound: &mut Bound) -> Result<()> {
         let mut add = |i: usize, j: usize, law: &Law<V::Scalar>| {
             let offset = at.position.get(j).widen() - at.position.get(i).widen();
             let [rest_length, stiffness, damping] = [law.rest_length, law.stiffness, law.damping].map(Real::to_f64);
@@ -103,6 +104,7 @@ impl<V: Vector> Force<V> for Springs<V> {
         };
         self.stencils.iter().for_each(|stencil| stencil.for_each(0..self.count, &mut add));
         self.slices.iter().for_each(|slices| slices.for_each(0..self.count, &mut add));
+        Ok(())
     }
 
     fn bound_varies(&self) -> bool {

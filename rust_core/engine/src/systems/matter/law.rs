@@ -204,9 +204,9 @@ impl<V: Vector> Law<V> {
     }
 
     /// The bound on the time step at a moment, from one without terms for these particles.
-    pub fn bound(&self, at: &Moment<'_, V>, mut bound: Bound) -> Bound {
-        self.forces.iter().for_each(|force| force.bound(at, &mut bound));
-        bound
+    pub fn bound(&self, at: &Moment<'_, V>, mut bound: Bound) -> Result<Bound> {
+        self.forces.iter().try_for_each(|force| force.bound(at, &mut bound))?;
+        Ok(bound)
     }
 
     /// About how many springs and other pairs there are.

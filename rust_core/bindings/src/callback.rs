@@ -1,0 +1,121 @@
+//! Functions of the user's: called with copies of the state, and what they give checked.
+
+use std::sync::Arc;
+
+use glam::DVec3;
+use numpy::{PyArrayDescrMethods, PyReadonlyArrayDyn, PyUntypedArray, PyUntypedArrayMethods};
+use physcore_engine::error::Cause;
+use physcore_engine::scene::{Callback, Failure};
+use pyo3::exceptions::PyValueError;
+use pyo3::gc::{PyTraverseError, PyVisit};
+use pyo3::prelude::*;
+
+use crate::scene::array;
+
+/// A Python function that gives forces, with the one that gives their potential.
+pub struct Function {
+    force: Py<PyAny>,
+    potential: Option<Py<PyAny>>,
+    dimension: usize,
+}
+
+impl Function {
+    pub fn new(force: Py<PyAny>, potential: Option<Py<PyAny>>, dimension: usize) -> Self {
+        Self { force, potential, dimension }
+    }
+
+    /// Shows the garbage collector what this refers to.
+    pub fn traverse(&self, visit: &PyVisit<'_>) -> Result<(), PyTraverseError> {
+        visit.call(&self.force)?;
+        self.potential.iter().try_for_each(|potential| visit.call(potential))
+    }
+}
+
+impl Callback for Function {
+    fn forces(&self, time: f64, positions: &[DVec3], velocities: &[DVec3]) -> Result<Vec<DVec3>, Failure> {
+        let shape = [positions.len(), self.dimension];
+        let numbers = Python::attach(|py| {
+            let [positions, velocities] = [positions, velocities].map(|vectors| array(py, vectors, self.dimension));
+            let given = self.force.bind(py).call1((time, positions?, velocities?))?;
+            real(&given, &shape, &format!("forces of shape {}", tuple(&shape)))
+        });
+        let row = |row: &[f64]| DVec3::from_array(std::array::from_fn(|axis| row.get(axis).copied().unwrap_or(0.0)));
+        Ok(numbers.map_err(failure)?.chunks_exact(self.dimension).map(row).collect())
+    }
+
+    fn has_potential(&self) -> bool {
+        self.potential.is_some()
+    }
+
+    fn potential(&self, positions: &[DVec3]) -> Result<f64, Failure> {
+        let Some(potential) = &self.potential else { return Ok(0.0) };
+        let number = Python::attach(|py| {
+            let given = potential.bind(py).call1((array(py, positions, self.dimension)?,))?;
+            real(&given, &[], "one energy")
+        });
+        Ok(number.map_err(failure)?[0])
+    }
+}
+
+/// Why there are no numbers.
+enum Reason {
+    Raised(PyErr),
+    Refused { expected: String, found: String },
+}
+
+impl From<PyErr> for Reason {
+    fn from(error: PyErr) -> Self {
+        Self::Raised(error)
+    }
+}
+
+fn failure(reason: Reason) -> Failure {
+    match reason {
+        Reason::Raised(error) => Failure::Raised(Cause(Arc::new(error))),
+        Reason::Refused { expected, found } => Failure::Refused { expected, found },
+    }
+}
+
+/// The numbers of what a function gave, row by row: whatever is a regular array of real numbers of this shape, or can be made one.
+fn real(given: &Bound<'_, PyAny>, shape: &[usize], expected: &str) -> Result<Vec<f64>, Reason> {
+    let py = given.py();
+    let refused = |found: String| Reason::Refused { expected: format!("{expected}, of real numbers"), found };
+    if given.is_none() {
+        return Err(refused("None".to_owned()));
+    }
+    if is_masked(given)? {
+        return Err(refused("masked entries".to_owned()));
+    }
+    let numpy = py.import("numpy")?;
+    let array = numpy.call_method1("asarray", (given,)).map_err(|error| {
+        let irregular = error.is_instance_of::<PyValueError>(py);
+        if irregular { refused(format!("what is no regular array ({})", error.value(py))) } else { error.into() }
+    })?;
+    let array = array.cast_into::<PyUntypedArray>().map_err(PyErr::from)?;
+    if !b"iuf".contains(&array.dtype().kind()) {
+        return Err(refused(format!("an array of {}, made of {}", array.dtype(), given.get_type().name()?)));
+    }
+    if array.shape() != shape {
+        return Err(refused(format!("the shape {}", tuple(array.shape()))));
+    }
+    let numbers = numpy.call_method1("ascontiguousarray", (array, "float64"))?;
+    Ok(numbers.extract::<PyReadonlyArrayDyn<'_, f64>>()?.as_array().iter().copied().collect())
+}
+
+/// Whether any entry is masked; none is where nobody has loaded `numpy.ma`.
+fn is_masked(given: &Bound<'_, PyAny>) -> PyResult<bool> {
+    let py = given.py();
+    let modules = py.import("sys")?.getattr("modules")?;
+    let Ok(masked) = modules.get_item("numpy.ma") else { return Ok(false) };
+    // A list may hold masked arrays; one that is irregular is refused for that.
+    let whole = if given.is_instance_of::<PyUntypedArray>() { Ok(given.clone()) } else { masked.call_method1("array", (given,)) };
+    whole.map_or(Ok(false), |whole| masked.call_method1("is_masked", (whole,))?.is_truthy())
+}
+
+/// A shape as Python writes it.
+fn tuple(shape: &[usize]) -> String {
+    match shape {
+        [one] => format!("({one},)"),
+        _ => format!("({})", shape.iter().map(ToString::to_string).collect::<Vec<String>>().join(", ")),
+    }
+}

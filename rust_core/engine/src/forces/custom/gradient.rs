@@ -1,0 +1,211 @@
+//! How stiff a function of the user's is, and how damped: the norms of its gradients, found by calling it.
+//!
+//! For the gradient ∂F/∂x (and ∂F/∂v alike) this takes products of G = M^-½ ∂F/∂x M^-½ with vectors, which are differences of
+//! forces, and builds an orthonormal basis Q of what they span: G Q = Q' H with the small Hessenberg matrix H. The norm of H
+//! is the largest |G u| of all u in the span, and approaches |G| from below. It is an eigenvalue's size where G is symmetric,
+//! as that of a conservative force is, and not below it elsewhere. Where the span is exhausted, as with a few particles, the
+//! norm is found up to the error of the differences; elsewhere there is a margin.
+//!
+//! Source: W. E. Arnoldi, Q. Appl. Math. 9 (1951) 17; L. N. Trefethen, D. Bau, Numerical Linear Algebra (1997), lectures
+//! 33–34; for products by differences P. N. Brown, Y. Saad, SIAM J. Sci. Stat. Comput. 11 (1990) 450.
+//!
+//! **Displacements.** A difference over h is off by (h/l)², with the length l over which the force varies, and by ε|F|/h of
+//! rounding: the best h is ε^⅓ l. Where particles are, l is taken to be a distance between neighbors. Coordinates of size X
+//! are rounded to εX as well, so that h is at least ε^⅔ X. For a single particle l is a thousandth of X, or a millimeter
+//! where X is 0. Velocities change by ε^⅓ of the fastest one, or of that which the stiffness gives over l.
+//!
+//! **Jumps and kinks.** Each product takes h in one direction and h/4 in the other. Where a particle's slopes differ, the two
+//! others are looked at as well, and on each side a slope counts if it is the same over h and over h/4: at a kink the
+//! steeper side counts, and a jump, whose slope has no meaning, does not. What is not finite beside the state counts as little.
+
+use glam::DVec3;
+
+use crate::error::Result;
+use crate::math::noise;
+
+/// The products for each gradient at most.
+const PRODUCTS: usize = 16;
+/// The products before the norm may count as converged, and by how much it then still grows in one.
+const LEAST_PRODUCTS: usize = 6;
+const CONVERGED: f64 = 1.01;
+/// What is added to a norm that has converged.
+const MARGIN: f64 = 1.1;
+/// What is left over from the span, in units of the norm, when there is no more: the error of the differences.
+const NOTHING: f64 = 1e-4;
+/// The part of the gradient that turns, in units of the norm, below which it is an error of the differences.
+const NO_TURN: f64 = 1e-2;
+/// By how much the slopes of a smooth force may differ, as a fraction.
+const SMOOTH: f64 = 0.1;
+/// The rounding of a force that a function gives, in units of the largest one.
+const ROUNDING: f64 = 8.0 * f64::EPSILON;
+/// The smaller displacement of a product over the larger one: a power of two.
+const NEAR: f64 = 0.25;
+/// What stands for a norm whose square no number can hold [1/s²].
+const STEEPEST: f64 = 1e150;
+/// Squarings of the Gram matrix: the trace is then the largest eigenvalue to the power 2¹⁴, but for a factor of at most its size.
+const SQUARINGS: usize = 14;
+
+/// How often the function is called at most: twice at the state, and four times for each product of both gradients.
+pub const MOST_CALLS: usize = 2 + 2 * 4 * PRODUCTS;
+
+/// What is known of a gradient over mass.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Gradient {
+    /// Its norm [1/s²] or [1/s].
+    pub norm: f64,
+    /// The norm of its antisymmetric part, 0 where that is an error of the differences.
+    pub rotation: f64,
+}
+
+impl Gradient {
+    /// That of a constant force.
+    pub const NONE: Self = Self { norm: 0.0, rotation: 0.0 };
+}
+
+/// The forces [N] when every particle is displaced by a multiple of its own way.
+pub type Displaced<'a> = dyn Fn(&[DVec3], f64) -> Result<Vec<DVec3>> + 'a;
+
+/// A look at the gradient of a force.
+pub struct Probe<'a> {
+    /// What the function gives.
+    pub given: &'a Displaced<'a>,
+    /// The forces [N] at the state itself.
+    pub force: &'a [DVec3],
+    /// 1/√m of each particle, 0 where it is fixed; not all of them.
+    pub root: &'a [f64],
+    pub dimension: usize,
+    /// The displacement of the particle that is displaced most.
+    pub step: f64,
+}
+
+impl Probe<'_> {
+    /// What the force's gradient is like.
+    pub fn gradient(&self) -> Result<Gradient> {
+        let mask = DVec3::new(1.0, 1.0, if self.dimension == 2 { 0.0 } else { 1.0 });
+        let free = |index: usize| if self.root[index] > 0.0 { mask } else { DVec3::ZERO };
+        let start: Vec<DVec3> = (0..self.root.len()).map(|index| free(index) * noise(index as u64)).collect();
+        let length = norm(&start);
+        let mut basis = vec![scaled(&start, length.recip())];
+        let mut hessenberg: Vec<Vec<f64>> = Vec::new();
+        let size = self.dimension * self.root.iter().filter(|&&root| root > 0.0).count();
+        let mut before = 0.0;
+        loop {
+            let mut image = self.product(&basis[basis.len() - 1])?;
+            let mut column = Vec::with_capacity(basis.len() + 1);
+            for vector in &basis {
+                let part = dot(vector, &image);
+                image.iter_mut().zip(vector).for_each(|(image, vector)| *image -= part * *vector);
+                column.push(part);
+            }
+            let rest = norm(&image);
+            column.push(rest);
+            hessenberg.push(column);
+            let found = largest(&hessenberg);
+            let products = hessenberg.len();
+            if !found.is_finite() {
+                return Ok(Gradient { norm: STEEPEST, rotation: 0.0 });
+            }
+            let whole = rest <= NOTHING * found || products == size;
+            if whole || products == PRODUCTS || (products >= LEAST_PRODUCTS && found <= CONVERGED * before) {
+                let rotation = largest(&turning(&hessenberg));
+                let rotation = if rotation > NO_TURN * found { rotation } else { 0.0 };
+                let margin = if whole { 1.0 } else { MARGIN };
+                return Ok(Gradient { norm: margin * found, rotation: margin * rotation });
+            }
+            before = found;
+            basis.push(scaled(&image, rest.recip()));
+        }
+    }
+
+    /// M^-½ ∂F/∂x M^-½ times a vector.
+    fn product(&self, vector: &[DVec3]) -> Result<Vec<DVec3>> {
+        let way: Vec<DVec3> = vector.iter().zip(self.root).map(|(entry, &root)| root * *entry).collect();
+        let h = self.step / way.iter().fold(0.0, |longest: f64, way| longest.max(way.length()));
+        let rounding = ROUNDING * self.force.iter().fold(0.0, |largest: f64, force| largest.max(force.abs().max_element()));
+        let alike = |one: DVec3, other: DVec3, h: f64| {
+            let apart = (one - other).length();
+            apart.is_finite() && apart <= SMOOTH * one.length().max(other.length()) + rounding / (NEAR * h)
+        };
+        let (ahead, behind) = (self.slopes(&way, h)?, self.slopes(&way, -NEAR * h)?);
+        let mut slopes: Vec<DVec3> = ahead
+            .iter()
+            .zip(&behind)
+            // Both are off by h times the second derivative: of this mean, nothing is left of that.
+            .map(|(&ahead, &behind)| (NEAR * ahead + behind) / (1.0 + NEAR))
+            .collect();
+        let free = |index: usize| self.root[index] > 0.0;
+        if (0..way.len()).any(|index| free(index) && !alike(ahead[index], behind[index], h)) {
+            let (close, far) = (self.slopes(&way, NEAR * h)?, self.slopes(&way, -h)?);
+            for index in (0..way.len()).filter(|&index| !alike(ahead[index], behind[index], h)) {
+                let sides = [(ahead[index], close[index]), (far[index], behind[index])];
+                let steady = sides.into_iter().filter(|&(wide, near)| alike(wide, near, h)).map(|(_, near)| near);
+                slopes[index] =
+                    steady.fold(DVec3::ZERO, |steepest, side| if side.length() > steepest.length() { side } else { steepest });
+            }
+        }
+        let worth = |slope: DVec3| if slope.length() > rounding / (NEAR * h) { slope } else { DVec3::ZERO };
+        Ok(slopes.into_iter().zip(self.root).map(|(slope, &root)| root * worth(slope)).collect())
+    }
+
+    /// By how much each force changes per displacement.
+    fn slopes(&self, way: &[DVec3], h: f64) -> Result<Vec<DVec3>> {
+        let given = (self.given)(way, h)?;
+        Ok(given.iter().zip(self.force).map(|(given, force)| (*given - *force) / h).collect())
+    }
+}
+
+/// How far to displace the particle that is displaced most [m], and the length over which the force is taken to vary [m].
+pub fn displacement(positions: &[DVec3]) -> (f64, f64) {
+    let size = positions.iter().fold(0.0, |size: f64, position| size.max(position.abs().max_element()));
+    let size = if size > 0.0 { size } else { 1.0 };
+    let mut sorted = positions.to_vec();
+    sorted.sort_by(|one, other| one.x.total_cmp(&other.x).then(one.y.total_cmp(&other.y)).then(one.z.total_cmp(&other.z)));
+    let apart = sorted.windows(2).map(|pair| pair[0].distance(pair[1])).filter(|&apart| apart > 0.0);
+    let nearest = apart.fold(f64::INFINITY, f64::min);
+    let length = if nearest.is_finite() { nearest } else { 1e-3 * size };
+    let third = f64::EPSILON.cbrt();
+    ((third * length).max(third * third * size), length)
+}
+
+/// How much to change the velocity that is changed most [m/s], where `swing` is what the stiffness gives [m/s].
+pub fn acceleration(velocities: &[DVec3], swing: f64) -> f64 {
+    let fastest = velocities.iter().fold(swing, |fastest, velocity| fastest.max(velocity.length()));
+    f64::EPSILON.cbrt() * if fastest > 0.0 { fastest } else { 1.0 }
+}
+
+/// The antisymmetric part of a Hessenberg matrix, given by the columns, without its last row.
+fn turning(hessenberg: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    let size = hessenberg.len();
+    let entry = |row: usize, column: usize| hessenberg[column].get(row).copied().unwrap_or(0.0);
+    (0..size).map(|column| (0..size).map(|row| 0.5 * (entry(row, column) - entry(column, row))).collect()).collect()
+}
+
+/// The norm of a small matrix, given by its columns, and up to 1e-4 of it more: λ = (trace of (AᵀA)^p)^(1/p), p = 2¹⁴.
+fn largest(columns: &[Vec<f64>]) -> f64 {
+    let size = columns.len();
+    let product = |one: &[f64], other: &[f64]| one.iter().zip(other).map(|(one, other)| one * other).sum::<f64>();
+    let mut gram: Vec<Vec<f64>> = columns.iter().map(|one| columns.iter().map(|other| product(one, other)).collect()).collect();
+    let mut traces = Vec::with_capacity(SQUARINGS + 1);
+    for _ in 0..=SQUARINGS {
+        let trace: f64 = (0..size).map(|index| gram[index][index]).sum();
+        if trace == 0.0 {
+            return 0.0;
+        }
+        traces.push(trace);
+        gram.iter_mut().flatten().for_each(|entry| *entry /= trace);
+        gram = gram.iter().map(|one| gram.iter().map(|other| product(one, other)).collect()).collect();
+    }
+    traces.iter().rev().fold(1.0, |root: f64, trace| (trace * root).sqrt())
+}
+
+fn dot(one: &[DVec3], other: &[DVec3]) -> f64 {
+    one.iter().zip(other).map(|(one, other)| one.dot(*other)).sum()
+}
+
+fn norm(vector: &[DVec3]) -> f64 {
+    dot(vector, vector).sqrt()
+}
+
+fn scaled(vector: &[DVec3], factor: f64) -> Vec<DVec3> {
+    vector.iter().map(|entry| factor * *entry).collect()
+}
