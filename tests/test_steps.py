@@ -203,7 +203,7 @@ def test_safety_is_a_fraction():
 @pytest.mark.parametrize("kind", INTEGRATORS)
 def test_no_hint_advises_the_integrator_that_is_used(kind):
     nowhere = Limit(0.0, "stability", "springs", 0.0, math.inf, 0.0)
-    with pytest.raises(pc.SceneError, match="no time step is .*stable") as caught:
+    with pytest.raises(pc.SceneError, match=r"no time step is .*stable") as caught:
         largest_step(nowhere, pc.AutoStep(), kind(), 30.0)
     assert f"use {kind.__name__}()" not in str(caught.value)
     assert f"or {kind.__name__}()" not in str(caught.value)

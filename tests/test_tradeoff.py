@@ -140,7 +140,7 @@ def test_methods_that_make_no_error_are_said_to_make_none():
         ({"budget": -1.0}, "budget: must be > 0"),
         ({"integrators": []}, "integrators: must not be empty"),
         ({"integrators": [pc.VelocityVerlet]}, "integrators: must be integrators"),
-        ({"precisions": ["f16"]}, "precisions: must be some of"),
+        ({"precisions": ["f16"]}, "precisions: must be a tuple of"),
         ({"precisions": []}, "precisions: must not be empty"),
         ({"dts": []}, "dts: must not be empty"),
         ({"dts": [0.1, -1.0]}, r"dts\[1\]: must be > 0"),
