@@ -102,7 +102,8 @@ fn reach<I: Integrator>(damping_ratio: f64, decay: f64) -> f64 {
 /// How many times as far as the limit is the last stable step looked for: damped ones may be stable beyond 2 per evaluation.
 const FARTHER: usize = 4;
 
-/// The largest stable ωh of all, not less than the limit; infinite where the farthest that is looked at is stable.
+/// The largest stable ωh of all, not less than the limit, but for islands narrower than a trial; infinite where the farthest that is
+/// looked at is stable.
 pub fn last<I: Integrator>(damping_ratio: f64) -> f64 {
     let reach = reach::<I>(damping_ratio, 0.0);
     let margin = |fraction: f64| margin(conditions(&matrix::<I>(fraction * reach, damping_ratio, 0.0))) + ROUNDING;

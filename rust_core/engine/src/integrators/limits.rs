@@ -102,6 +102,25 @@ fn the_limit_ends_the_stable_interval_that_begins_at_zero() {
     with_integrator!(each I => assert_interval::<I>());
 }
 
+/// On a grid seven times as fine as that of the search: beyond the last stable step, islands of stability are narrower than that.
+fn assert_last<I: Integrator>() {
+    for ratio in RATIOS {
+        let (limit, last) = (I::limit(ratio), I::last(ratio));
+        assert!(last >= limit, "{} at ξ = {ratio}: the last stable step {last} is below the limit {limit}", I::NAME);
+        let reach = 8.0 * I::NODES.len() as f64 / ratio.max(1.0);
+        let mut width = 0;
+        for step in (1..=5600).map(|part| reach * f64::from(part) / 5600.0).filter(|&step| step > (1.0 + 1e-9) * last) {
+            width = if margin::<I>(step, ratio) >= 0.0 { width + 1 } else { 0 };
+            assert!(width < 7, "{} at ξ = {ratio} is stable at {step}, beyond {last}", I::NAME);
+        }
+    }
+}
+
+#[test]
+fn beyond_the_last_stable_step_none_is() {
+    with_integrator!(each I => assert_last::<I>());
+}
+
 #[test]
 fn extreme_damping_gives_a_number() {
     for ratio in [1e8, 1e150, 1e300, f64::MAX, f64::INFINITY] {
