@@ -127,7 +127,6 @@ THINGS = [
         "pc.Particles",
         "pc.Scene",
         "type",
-        "len",
     ),
     *(
         "lambda: 0",
