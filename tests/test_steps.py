@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 
 import numpy as np
 import pytest
@@ -85,6 +86,27 @@ def test_a_step_above_the_limit_warns_where_the_user_wrote_it():
     with pytest.warns(pc.StabilityWarning) as caught:
         pc.simulate(scene, duration=0.0, dt=1.01 * limit)
     assert caught[0].filename == __file__
+
+
+def test_the_warning_says_will_where_the_limit_is_known_and_may_where_it_is_not():
+    """RungeKutta4 at ξ = 1 bears ω dt = 2.785. In a well with drag that is known; a damped rope has modes of all
+    damping ratios up to that of the fastest, and the limit is that of the worst that could be among them.
+    """
+    well = pc.Scene(pc.Particles([[1.0, 0.0]]), pc.CentralForce((0.0, 0.0), 1.0, exponent=1.0), pc.Drag(2.0))
+    assert pc.stability_limit(well, pc.RungeKutta4()) == pytest.approx(2.785293563405282, rel=1e-6)
+    pc.Simulation(well, pc.RungeKutta4(), dt=2.78)
+    with pytest.warns(pc.StabilityWarning, match=r"above the limit of stability of RungeKutta4 .*: .* will blow up"):
+        pc.Simulation(well, pc.RungeKutta4(), dt=2.79)
+    rope = pc.Scene(pc.rope(5, 1.0, 100.0, damping=10.0))
+    limit = pc.stability_limit(rope, pc.RungeKutta4())
+    may = r"is certain for RungeKutta4 .*may blow up; .*up to (\S+) times as large.*measured=True"
+    with pytest.warns(pc.StabilityWarning, match=may) as caught:
+        pc.Simulation(rope, pc.RungeKutta4(), dt=1.01 * limit)
+    factor = float(re.search(may, str(caught[0].message))[1])
+    measured = pc.stability_limit(rope, pc.RungeKutta4(), measured=True)
+    assert 0.0 < measured.margin < factor - 1.0
+    with pytest.warns(pc.StabilityWarning, match="will blow up"):
+        pc.Simulation(rope, pc.RungeKutta4(), dt=1.01 * factor * limit)
 
 
 def test_the_limit_is_looked_for_where_it_is_needed_and_once(monkeypatch, tmp_path):

@@ -29,12 +29,15 @@ class Budget(Generic[Amount]):
     internal: Amount
     """Of the compression of fluids."""
     dissipated: Amount
-    """What drag, damping, viscosity and contacts have taken since the start: the time integral of their own power."""
+    """What drag, damping, viscosity and contacts have taken since the start: the time integral of their own power. In a
+    fluid some of it may be given back."""
     dissipated_by: Mapping[str, Amount]
     """The same by what took it: `dissipated_by["drag"]`, `["damping"]` (of springs and between grains), `["viscosity"]`
-    (of fluids) and `["contacts"]` (with boundaries)."""
+    (of fluids, and the diffusion of their density) and `["contacts"]`: restitution and friction, and what the pressure
+    of walls and obstacles takes from a fluid beside them, an error of the images that vanishes with its spacing."""
     work: Amount
-    """What drivers, wind, shifting and `Simulation.set` have put in since the start, each metered by itself."""
+    """What wind, custom forces, fixed particles that move, shifting and `Simulation.set` have put in since the start,
+    each metered by itself; exactly 0 where there is none of them."""
 
     @property
     def potential(self) -> Amount:

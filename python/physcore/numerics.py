@@ -188,9 +188,9 @@ class Limit:
     certified: float
     """The limit of stability that holds wherever springs turn, while none is shorter than half its rest length [s]."""
     endured: float = math.inf
-    """A step that is unstable in the present state, like any larger one [s]: the true limit lies between `stability` and
-    this. Where it is known exactly, as for particles under harmonic central forces and linear drag alone, the two are
-    equal; inf where no such step is known."""
+    """No step above this is stable in the present state [s]: the true limit lies between `stability` and this. Where it
+    is known exactly, as for particles under harmonic central forces and linear drag alone, the two are equal, but for
+    integrators that are stable on both sides of a resonance; inf where no such step is known."""
 
 
 def largest_step(limit: Limit, rule: StepRule, integrator: Integrator, fps: float) -> float:

@@ -87,7 +87,7 @@ class Pace:
         """Look at the limits before the first step; one of a pace that was captured goes on with `restore`.
 
         Raises:
-            SceneError: no time step is stable.
+            SceneError: no time step is certain to be stable.
         """
         if self.fixed is not None:
             self._warn_if_unstable(self.fixed)
@@ -323,7 +323,9 @@ class Pace:
             return
         name = type(self._numerics.integrator).__name__
         if limit.endured == 0.0:
-            message = f"{name} is not stable at any time step in this scene ({limit.term}): its energy grows without end"
+            message = (
+                f"{name} is not stable at any time step in this scene ({limit.term}): its energy grows without end"
+            )
         elif dt > limit.endured:
             message = (
                 f"dt = {dt:g} s is above the limit of stability of {name} in this scene, {limit.stability:g} s "

@@ -30,7 +30,7 @@ class Plan:
     """The time step [s]."""
     dt_limit: float
     """The largest time step that this scene allows [s], as it stands now where dt was given or follows the motion; inf
-    where nothing limits it, 0.0 where no step is stable.
+    where nothing limits it, 0.0 where no step is certain to be stable.
     """
     limit_kind: LimitKind
     """Whether stability or accuracy limits the time step."""
@@ -78,7 +78,7 @@ class Plan:
         if math.isinf(self.dt_limit):
             return "nothing limits it"
         if self.dt_limit == 0.0:
-            return f"no step is stable ({self.limit_term})"
+            return f"no step is certain to be stable ({self.limit_term})"
         return f"{self.margin:.0%} of the {self.limit_kind} limit {self.dt_limit:.6g} s ({self.limit_term})"
 
 

@@ -162,8 +162,8 @@ class Simulation:
         """Take n equal steps.
 
         Raises:
-            SceneError: steps are adaptive, and so not equal: use `run`; or the particles have come so near to each other
-                that lists of their neighbors no longer fit into memory, and the simulation stands at the last good step.
+            SceneError: steps are adaptive, and so not equal: use `run`; or so many particles have come near each other
+                that lists of neighbors no longer fit into memory, and the simulation stands at the last good step.
             SimulationDiverged: the state blew up; the simulation stands at the last good step.
             KeyboardInterrupt: Ctrl-C; the simulation stands at a whole step and can go on.
         """

@@ -37,7 +37,7 @@ class MeasuredLimit:
 
     integrator: Integrator
     measured: float
-    """The largest step that held for 2000 steps [s]; inf where nothing limits it, 0 where no step is stable."""
+    """The largest step that held for 2000 steps [s]; inf where nothing limits it, 0 where theory promises none."""
     theory: float
     """What `stability_limit` gives without measuring [s]."""
     term: str
@@ -51,7 +51,7 @@ class MeasuredLimit:
     def __str__(self) -> str:
         name = type(self.integrator).__name__
         if self.theory == 0.0:
-            return f"{name}: no step is stable ({self.term})"
+            return f"{name}: theory promises no stable step ({self.term}), and none was tried"
         if math.isinf(self.theory):
             return f"{name}: nothing limits the time step"
         return (
@@ -69,13 +69,16 @@ def stability_limit(scene: Scene, integrator: Integrator, *, measured: Literal[T
 
 
 def stability_limit(scene: Scene, integrator: Integrator, *, measured: bool = False) -> float | MeasuredLimit:
-    """The largest stable time step of a scene [s] as it stands at the start; inf: any; 0.0: none.
+    """The largest time step [s] at which a scene is stable, as it stands at the start; inf: any; 0.0: none is certain.
+
+    Particles under linear drag and harmonic central forces alone are oscillators, and this is their exact limit.
 
     For springs it is the largest eigenvalue of M⁻¹K in their present directions, by sixteen products of Lanczos'
     method and 2 % above it; in 1000 random networks 0.962 to 1.001 of the true limit. Springs that turn may lower it,
     at most to the certified bound that holds in any direction while none is shorter than half its rest length. A step
-    below half of this limit is almost always below that bound as well. The functions of a `CustomForce` are called to
-    find how stiff they are, as its description says.
+    below half of this limit is almost always below that bound as well. Where damping differs from mode to mode, it is
+    the limit of the worst oscillation that the largest stiffness and damping allow together, which may be far below the
+    true one. The functions of a `CustomForce` are called to find how stiff they are, as its description says.
 
     Args:
         scene: what to simulate.

@@ -227,7 +227,7 @@ def test_single_steps_are_refused():
 
 
 def test_a_scene_without_a_stable_step_is_refused():
-    with pytest.raises(pc.SceneError, match="no time step is stable with ExplicitEuler"):
+    with pytest.raises(pc.SceneError, match="no time step is certain to be stable with ExplicitEuler"):
         pc.Simulation(pc.Scene(pc.rope(3, 1.0, 100.0)), pc.ExplicitEuler(), ADAPTIVE)
 
 

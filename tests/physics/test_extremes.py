@@ -158,6 +158,70 @@ def test_denormal_numbers_are_numbers(integrator, precision):
     assert np.abs(run[rest].positions - [[0.0, 0.0], [1.0, 0.0]]).max() < 1e-30
 
 
+EXTREME = st.floats(min_value=5e-324, max_value=1.7e308, exclude_min=False) | st.integers(-323, 308).map(
+    lambda exponent: float(f"1e{exponent}")
+)
+"""Any positive number, small ones as often as large ones."""
+
+
+@given(
+    numbers=st.lists(EXTREME, min_size=7, max_size=7),
+    pinned=st.lists(st.integers(0, 2), max_size=2),
+    integrator=st.sampled_from(ALL),
+    precision=st.sampled_from(["f64", "f32"]),
+)
+def test_any_finite_numbers_make_a_scene_or_are_refused(numbers, pinned, integrator, precision):
+    """Never a crash, and never a limit that is not a number, whatever overflows on the way."""
+    length, stiffness, damping, mass, well, drag, rest = numbers
+    try:
+        rope = pc.rope(3, 1.0, stiffness, damping, mass, pinned=pinned or None)
+        body = pc.SpringNetwork(
+            [[0.0, 0.0], [length, 0.0], [length, length]],
+            rope.pairs,
+            stiffness,
+            damping=damping,
+            rest_length=rest,
+            mass=mass,
+            fixed=pinned or None,
+        )
+        for springs in (rope, body):
+            scene = pc.Scene(springs, pc.CentralForce((0.0, 0.0), well, exponent=1.0), pc.Drag(drag, drag))
+            assert pc.stability_limit(scene, integrator) >= 0.0
+            run = simulation(scene, integrator, 1e-3, precision=precision)
+            assert run.plan.dt_limit >= 0.0
+            run.step(2)
+    except (pc.SceneError, pc.SimulationDiverged):
+        pass
+
+
+def test_what_holds_a_fixed_particle_may_be_of_any_stiffness():
+    run = pc.Simulation(pc.Scene(pc.rope(3, 1.0, 1e308, pinned=[1])))
+    # ω² = k/m for both ends, 2/ω for Verlet.
+    assert run.plan.dt_limit == pytest.approx(2.0 / np.sqrt(1e308), rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("items", "path"),
+    [
+        ([pc.rope(3, 1.0, 1e39, pinned=[1])], r"bodies\[0\].stiffness"),
+        ([pc.rope(3, 1.0, 1.0, damping=1e39)], r"bodies\[0\].damping"),
+        ([pc.SpringNetwork([[0.0, 0.0], [1.0, 0.0]], [[0, 1]], 1.0, rest_length=1e39)], r"bodies\[0\].rest_length"),
+        ([pc.Particles([[0.0, 0.0]], velocities=(1e39, 0.0))], r"bodies\[0\].velocities"),
+        ([pc.Particles([[0.0, 0.0], [1e39, 0.0]])], r"bodies\[0\].positions"),
+        ([pc.Particles([[0.0, 0.0]], mass=1e-39)], r"bodies\[0\].mass"),
+        ([pc.Particles([[0.0, 0.0]], mass=1e46)], r"bodies\[0\].mass"),
+        ([pc.Particles([[0.0, 0.0]]), pc.Gravity((0.0, 1e39))], r"forces\[0\].acceleration"),
+        ([pc.Particles([[0.0, 0.0]]), pc.Drag(1.0), pc.Drag(0.0, 1e39)], r"forces\[1\].quadratic"),
+        ([pc.Particles([[0.0, 0.0]]), pc.CentralForce((0.0, 0.0), 1e39)], r"forces\[0\].strength"),
+    ],
+)
+def test_what_single_precision_cannot_hold_is_refused_with_its_path(items, path):
+    scene = pc.Scene(*items)
+    with pytest.raises(pc.SceneError, match=path):
+        pc.Simulation(scene, dt=1e-3, precision="f32")
+    simulation(scene, pc.VelocityVerlet(), 1e-3, precision="f64")
+
+
 @pytest.mark.parametrize("dimension", [2, 3])
 @pytest.mark.parametrize("precision", ["f64", "f32"])
 @pytest.mark.parametrize("integrator", ALL, ids=name)

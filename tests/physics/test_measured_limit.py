@@ -73,7 +73,7 @@ def test_where_nothing_or_everything_is_stable_nothing_is_run():
     assert "nothing limits" in str(free)
     euler = pc.stability_limit(WELL, pc.ExplicitEuler(), measured=True)
     assert euler.measured == euler.theory == euler.margin == 0.0
-    assert "no step is stable" in str(euler)
+    assert "theory promises no stable step" in str(euler)
 
 
 def test_what_is_no_scene_is_named():

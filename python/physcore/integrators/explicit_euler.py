@@ -15,7 +15,8 @@ class ExplicitEuler(Integrator):
         x ← x + v dt,   v ← v + a(x, v) dt   (both from the old state)
 
     It feeds energy into every undamped oscillation, at any time step, so orbits spiral out; its limit of stability
-    there is zero. Use SemiImplicitEuler or VelocityVerlet, which cost the same.
+    there is zero, and ω dt ≤ 2ξ at a damping ratio ξ up to 1. Use SemiImplicitEuler or VelocityVerlet, which cost the
+    same.
 
     Source: L. Euler, "Institutionum calculi integralis", 1768; E. Hairer, C. Lubich, G. Wanner, "Geometric Numerical
     Integration", 2nd ed. 2006, § I.1.

@@ -14,7 +14,8 @@ class SemiImplicitEuler(Integrator):
 
         v ← v + a(x, v) dt,   x ← x + v dt   (with the new velocity)
 
-    Symplectic: its energy error stays bounded. Stable for ω dt < 2 without damping.
+    Symplectic: its energy error stays bounded. Stable for ω dt < 2 without damping,
+    and for ω dt ≤ 2(√(ξ² + 1) − ξ) at the damping ratio ξ: γ dt ≤ 2 for pure decay at the rate γ.
 
     Source: E. Hairer, C. Lubich, G. Wanner, "Geometric Numerical Integration", 2nd ed. 2006, § I.1.2.
     """

@@ -177,7 +177,11 @@ pub fn footprint<V: Vector, I: Integrator>(scene: &Scene) -> usize {
 fn advice<I: Integrator>(dissipative: bool, bends: bool) -> Option<String> {
     match (I::ORDER, dissipative) {
         _ if !bends => None,
-        (1, _) => Some("order 1: VelocityVerlet costs the same and is of order 2".to_owned()),
+        (1, false) => Some("order 1: VelocityVerlet costs the same and is of order 2".to_owned()),
+        (1, true) => Some(
+            "order 1: VelocityVerlet costs the same per step and is of order 2; where damping limits the step it bears half of it"
+                .to_owned(),
+        ),
         (_, false) if ![BlanesMoan4::NAME, BlanesMoan6::NAME].contains(&I::NAME) => Some(format!(
             "nothing here depends on velocity: with dt below {:.0}% of the stability limit {} keeps energy better at equal cost, and its energy error does not grow",
             100.0 * worth::<I, BlanesMoan4>().min(1.0),

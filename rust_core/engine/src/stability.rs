@@ -56,8 +56,8 @@ pub struct Limit {
     pub kind: Kind,
     /// The largest step that is stable wherever the springs turn [s]; smaller than the other where that was sharpened.
     pub certified: f64,
-    /// A step that is unstable as matters stand, and so is any larger one [s]: the true limit is between `stability` and this, and
-    /// both are one where it is known exactly. Infinite where no such step is known, or none was looked for.
+    /// No step above this is stable as matters stand [s]: the true limit is between `stability` and this. Infinite where no such step
+    /// is known, or none was looked for.
     pub endured: f64,
 }
 

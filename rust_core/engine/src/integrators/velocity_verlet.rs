@@ -3,7 +3,9 @@
 //! Source: W. C. Swope, H. C. Andersen, P. H. Berens, K. R. Wilson, J. Chem. Phys. 76 (1982) 637. Forces that depend on
 //! velocity are taken at the predicted velocity v + h aₙ, as in R. D. Groot, P. B. Warren, J. Chem. Phys. 107 (1997)
 //! 4423 with λ = 1. The prediction is off by O(h²), and so is the acceleration that the next step starts with; either
-//! enters with a factor h, so that order 2 remains, at one evaluation per step.
+//! enters with a factor h, so that order 2 remains, at one evaluation per step. The price is that damping limits the step:
+//! critical damping to ωh ≤ 0.47. Taken at vₙ₊₁ it would not, but that asks for a solution of equations where springs are damped;
+//! `benches/damping.py` measures both.
 
 use super::{Integrator, Register, Turns};
 use crate::math::Real;

@@ -106,8 +106,8 @@ impl Modes {
         (margin * stiff.min(damped), binding.highest.term)
     }
 
-    /// A step [s] that some mode does not withstand, or any larger one: that of the highest frequency or the highest damping, at
-    /// whatever the other may be. Infinite where neither is known.
+    /// The largest step [s] that the mode of the highest frequency, or that of the highest damping, could withstand, whatever its other
+    /// rate may be. Infinite where neither is known.
     pub fn endured(&self, method: &Method) -> f64 {
         let Self { stiffness, damping } = self;
         let ratio = |damping: f64, square: f64| damping / (2.0 * square.sqrt());
