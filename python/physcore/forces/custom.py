@@ -32,8 +32,9 @@ class CustomForce(Force):
         that holds them.
 
         A look takes 6 calls of the function at the least, 10 to 30 as a rule and 130 at most: with `dt="auto"` one look
-        every 256 steps, with `AdaptiveStep()` one in every step. It sees the force as it is then: a floor that nothing
-        touches yet is not stiff, so give a `dt` where a force sets in suddenly. At a kink the steeper side counts. A
+        every 256 steps, with `AdaptiveStep()` one in every step. It sees the force as it is then. From one look to the
+        next the stiffness may double; but a floor that nothing touches yet is not stiff at all, so give a `dt`, or take
+        `AdaptiveStep()`, where a force sets in suddenly. At a kink the steeper side counts. A
         jump, as in dry friction at rest, has no slope and does not count, nor does a function that gives other
         values for the same arguments.
 

@@ -166,6 +166,11 @@ impl Bound {
         self.present
     }
 
+    /// Whether it has to hold for a while from now on, and not only as matters stand.
+    pub fn is_ahead(&self) -> bool {
+        !self.directed && !self.present
+    }
+
     /// A spring between two particles of one body.
     ///
     /// Its stiffness across is k (1 − l₀/l) at the length l. That lies between −k and k while l ≥ l₀/2; the row of a shorter

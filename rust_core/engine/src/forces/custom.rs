@@ -21,6 +21,10 @@ use gradient::{Gradient, Probe};
 /// How many steps an automatic time step gives a turn of the velocities, which the integrators follow and do not damp.
 const STEPS_PER_TURN: f64 = 100.0;
 
+/// By how much the frequencies may grow until somebody looks again: a time step counts as certified while it is below the limit
+/// by this. Without it a step is replaced only when it is unstable already.
+const GROWTH: f64 = std::f64::consts::SQRT_2;
+
 /// A user's force on given particles. Without a potential, all that it does counts as work from outside.
 pub struct Custom<V: Vector> {
     callback: Arc<dyn Callback>,
@@ -163,9 +167,10 @@ impl<V: Vector> Force<V> for Custom<V> {
         let turn = by_velocity.rotation;
         let frequency = 0.5 * turn + (0.25 * turn * turn + by_position.norm).sqrt();
         let stiffness = if turn > 0.0 { frequency * frequency } else { by_position.norm };
+        let growth = if bound.is_ahead() { GROWTH } else { 1.0 };
         for &index in self.members.iter().filter(|&&index| !at.properties.is_fixed(index)) {
             let mass = at.properties.mass[index];
-            bound.point(index, "custom", stiffness * mass, by_velocity.norm * mass);
+            bound.point(index, "custom", growth * growth * stiffness * mass, growth * by_velocity.norm * mass);
         }
         if turn > 0.0 {
             bound.accuracy("custom", TAU / turn / STEPS_PER_TURN);
