@@ -214,9 +214,7 @@ def test_an_automatic_time_step_conserves_the_energy_of_a_stiff_force():
 
 
 def test_a_time_step_above_the_limit_is_warned_of():
-    with pytest.warns(
-        pc.StabilityWarning, match=r"limit of stability of VelocityVerlet in this scene, 0\.02 s \(custom\)"
-    ):
+    with pytest.warns(pc.StabilityWarning, match=r"VelocityVerlet in this scene, 0\.02 s \(custom\): .* may blow up"):
         pc.Simulation(stiff(1e4), dt=0.021)
     with warnings.catch_warnings():
         warnings.simplefilter("error")

@@ -308,7 +308,7 @@ class TestNumbersOutOfRange:
     @pytest.mark.parametrize("what", ["positions", "velocities"])
     def test_what_single_precision_cannot_hold_is_refused(self, what):
         body = pc.Particles(**{"positions": [[0.0, 0.0], [1.0, 0.0]], what: [[0.0, 0.0], [1e39, 0.0]]})
-        with pytest.raises(pc.SceneError, match=rf"^bodies\[0\]\.{what}\[[01]\]: .* range of f32"):
+        with pytest.raises(pc.SceneError, match=rf"^bodies\[0\]\.{what}.*: .* range of f32"):
             pc.Simulation(pc.Scene(body), precision="f32", dt=0.1)
         run = pc.Simulation(pc.Scene(pc.Particles([[0.0, 0.0], [1.0, 0.0]])), precision="f32", dt=0.1)
         before = run.state_hash()
@@ -334,18 +334,14 @@ class TestNumbersOutOfRange:
         plain.step(250)
         assert run.state_hash() == plain.state_hash()
 
+    @pytest.mark.parametrize("pieces", [[15], [1] * 15, [2] * 8])
     @pytest.mark.parametrize("integrator", ALL, ids=name)
-    def test_a_step_that_carries_a_particle_out_of_range_fails(self, integrator):
+    def test_a_step_that_carries_a_particle_out_of_range_fails(self, integrator, pieces):
+        """10 m/s · n · 1e37 s passes 3.4e38 m in the fourth step."""
         free = pc.Scene(pc.Particles([[0.0, 0.0]], [[10.0, 0.0]]))
-        run = simulation(free, integrator, 1e307)
-        run.step(1)
-        with pytest.raises(pc.SimulationDiverged, match="position of particle 0 is not finite") as caught:
-            run.step(15)
-        # 10 m/s · n · 1e307 s passes 1.8e308 m.
-        assert caught.value.step == 2
-        assert np.isfinite(caught.value.last_good.positions).all()
-        with pytest.raises(pc.SceneError, match=r"^dt: .* time that is finite"):
-            simulation(free, integrator, 1e308).step(2)
+        run = simulation(free, integrator, 1e37, precision="f32")
+        assert outcome(run, pieces)[0] == 4
+        assert np.isfinite(run.positions).all()
 
     @pytest.mark.parametrize("pieces", [[10_000], [1] * 10_000, [999] * 11])
     def test_the_spiral_of_explicit_euler_ends_where_its_energy_leaves_the_range(self, pieces):
@@ -358,3 +354,15 @@ class TestNumbersOutOfRange:
         ended = outcome(run, pieces)
         assert ended[0] == pytest.approx((math.log(2.0) + math.log(np.finfo(float).max)) / math.log(1.49), abs=3)
         assert np.isfinite(run.energy().total)
+
+
+def test_the_onset_of_a_force_is_no_divergence():
+    """Where all was at rest, the first step under a force has no work that a trapezoid could see, and no scale."""
+
+    def push(time, x, v):
+        return np.where(time > 1.0, 1.0, 0.0) + 0.0 * x
+
+    run = pc.Simulation(pc.Scene(pc.Particles([[0.0, 0.0], [1.0, 0.0]]), pc.CustomForce(push)), dt=0.1)
+    run.step(30)
+    # From the first evaluation after 1 s on, and half of the step before it: v = 2 s · 1 m/s² within one step.
+    assert run.velocities[0, 0] == pytest.approx(2.0, abs=0.1)

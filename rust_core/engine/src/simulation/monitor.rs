@@ -5,6 +5,8 @@
 //! `runaway` times the largest energy that the motion has shown, the scale. The threshold then becomes twice the scale, or
 //! twice the kinetic energy if that is larger, so the budget is computed each time the motion has doubled, and nowhere else.
 //!
+//! A rise has to last for one more step, so that the onset of a force is none.
+//!
 //! All of it is a function of the trajectory: steps run in batches, and where one of a batch is to be diagnosed, the batch is
 //! rolled back and taken again up to that step. So that little is taken twice, batches are no longer than the time since
 //! the last diagnosis. What has failed leaves no trace in the scale.
@@ -21,6 +23,24 @@ use crate::systems::matter::{Interval, Record};
 const SHORTEST: u64 = 8;
 /// The activity [J] from which on other energies may be beyond the range of numbers.
 const LARGEST: f64 = 1e300;
+
+/// What a diagnosis finds.
+enum Finding {
+    Good,
+    /// A number is not finite.
+    OutOfRange(Divergence),
+    /// The energy balance has risen too far.
+    Risen(Divergence),
+}
+
+impl Finding {
+    fn divergence(&self) -> Option<Divergence> {
+        match self {
+            Self::Good => None,
+            Self::OutOfRange(divergence) | Self::Risen(divergence) => Some(divergence.clone()),
+        }
+    }
+}
 
 /// What the monitor remembers.
 #[derive(Debug, Clone, Copy)]
@@ -73,7 +93,7 @@ impl<V: Vector> Simulation<V> {
         let (record, threshold) = self.attention();
         let steps = match (self.monitor.vigilance, record) {
             (Vigilance::EveryStep, _) => 1,
-            (_, Record::EveryStep) => most.min(self.monitor.quiet.max(SHORTEST)),
+            (_, Record::EveryStep) => most.min(self.monitor.quiet.max(SHORTEST)).min(self.system.most_recorded()),
             (_, Record::LastStep) => most,
         };
         match self.advance(steps, record, interrupted) {
@@ -106,25 +126,47 @@ impl<V: Vector> Simulation<V> {
             self.rollback(steps)?;
             self.advance(step, Record::LastStep, interrupted)?;
         }
-        let before = self.monitor;
-        let divergence = match self.diagnose(interrupted) {
-            Ok(Some(divergence)) => divergence,
-            Ok(None) => {
-                self.monitor.quiet = 0;
-                return Ok(step);
-            }
-            Err(error) => {
-                self.rollback(step)?;
-                return Err(error);
-            }
+        let finding = self.diagnose_or_roll_back(step, interrupted)?;
+        let Some(divergence) = finding.divergence() else {
+            self.monitor.quiet = 0;
+            return Ok(step);
         };
-        self.monitor = before;
         let (number, time) = (self.steps, self.segment.time());
         self.rollback(step)?;
         if step > 1 {
             self.advance(step - 1, Record::LastStep, interrupted)?;
         }
+        if matches!(finding, Finding::Risen(_)) && self.is_onset(interrupted)? {
+            self.monitor.quiet = 0;
+            self.advance(1, Record::LastStep, interrupted)?;
+            return Ok(step);
+        }
         Err(Error::Diverged(Box::new(Divergence { step: number, time, ..divergence })))
+    }
+
+    /// Whether the balance that has risen in the next step has not risen too far in the one after that. Where a force sets in,
+    /// the first step meters none of its work, and where all was at rest there is nothing to compare its kinetic energy with.
+    fn is_onset(&mut self, interrupted: &dyn Fn() -> bool) -> Result<bool> {
+        match self.advance(2, Record::LastStep, interrupted) {
+            Err(error) if is_scattered(&error) || matches!(error, Error::Callback { .. }) => return Ok(false),
+            outcome => outcome?,
+        }
+        let finding = self.diagnose_or_roll_back(2, interrupted)?;
+        self.rollback(2)?;
+        Ok(matches!(finding, Finding::Good))
+    }
+
+    /// Diagnoses the present state, and takes in its energy if it is good. If that cannot be done, goes back by `steps` steps.
+    fn diagnose_or_roll_back(&mut self, steps: u64, interrupted: &dyn Fn() -> bool) -> Result<Finding> {
+        let before = self.monitor;
+        let finding = self.diagnose(interrupted);
+        if !matches!(finding, Ok(Finding::Good)) {
+            self.monitor = before;
+        }
+        if finding.is_err() {
+            self.rollback(steps)?;
+        }
+        finding
     }
 
     /// Which activities to record, and up to which one nothing is to be diagnosed.
@@ -157,32 +199,32 @@ impl<V: Vector> Simulation<V> {
     }
 
     /// What is wrong with the present state, if anything is; its energy is taken in.
-    fn diagnose(&mut self, interrupted: &dyn Fn() -> bool) -> Result<Option<Divergence>> {
+    fn diagnose(&mut self, interrupted: &dyn Fn() -> bool) -> Result<Finding> {
         let state = self.system.state();
         for (quantity, columns) in [("position", &state.position), ("velocity", &state.velocity)] {
             if let Some(index) = columns.out_of_range() {
-                return Ok(Some(self.divergence(index, quantity, "is not finite".to_owned())));
+                return Ok(Finding::OutOfRange(self.divergence(index, quantity, "is not finite".to_owned())));
             }
         }
         if self.monitor.vigilance == Vigilance::OutOfRange {
-            return Ok(None);
+            return Ok(Finding::Good);
         }
         let time = self.segment.time();
         let energy = match self.system.ask(interrupted, |law, state, crew| audit::energy(law, state, time, crew)) {
-            Err(error) if is_scattered(&error) => return Ok(Some(self.scatter())),
+            Err(error) if is_scattered(&error) => return Ok(Finding::OutOfRange(self.scatter())),
             outcome => outcome?,
         };
         // Energies are squares: they leave the range of numbers long before the state does.
         if !energy.balance().is_finite() {
-            return Ok(Some(self.divergence(self.fastest(), "energy", "is not finite".to_owned())));
+            return Ok(Finding::OutOfRange(self.divergence(self.fastest(), "energy", "is not finite".to_owned())));
         }
         let rise = self.monitor.observe(&energy, V::Scalar::EPSILON);
-        Ok(rise.map(|rise| {
+        Ok(rise.map_or(Finding::Good, |rise| {
             let scale = self.monitor.scale;
             let cause = format!(
                 "has run away: the energy balance rose by {rise:.3e} J, where the largest energy of the motion was {scale:.3e} J"
             );
-            self.divergence(self.fastest(), "energy", cause)
+            Finding::Risen(self.divergence(self.fastest(), "energy", cause))
         }))
     }
 

@@ -4,8 +4,9 @@
 
 use crate::parallel::Chunks;
 
-/// The most numbers that a batch may record.
-const MOST: usize = 1 << 20;
+/// The most steps, and the most numbers, that a batch may record.
+const MOST_STEPS: usize = 1 << 12;
+const MOST: usize = 1 << 19;
 
 /// The activity after each step of the last batch.
 #[derive(Debug, Default)]
@@ -19,7 +20,12 @@ pub struct Activity {
 impl Activity {
     /// The largest number of steps in a batch of so many blocks.
     pub fn most_steps(blocks: usize) -> u64 {
-        (MOST / blocks.max(1)).max(1) as u64
+        (MOST / blocks.max(1)).clamp(1, MOST_STEPS) as u64
+    }
+
+    /// Room for batches of up to `steps` steps of `blocks` blocks.
+    pub fn new(blocks: usize, steps: u64) -> Self {
+        Self { blocks: Vec::with_capacity(blocks * steps as usize), steps: Vec::with_capacity(steps as usize) }
     }
 
     /// Forgets the batch before.

@@ -101,7 +101,10 @@ impl<V: Vector> MatterSystem<V> {
         let desk = (!law.is_independent()).then(|| Desk::new(state.count(), state.meters.len(), law.contacts.is_some()));
         let kept = state.clone();
         let stepper = Box::new(By::<I>(std::marker::PhantomData));
-        Self { law, state, kept, activity: Activity::default(), desk, stepper, team: Team::new(threads), cost }
+        let mut system = Self { law, state, kept, activity: Activity::default(), desk, stepper, team: Team::new(threads), cost };
+        let blocks = if system.desk.is_none() { system.state.meters.len() } else { 0 };
+        system.activity = Activity::new(blocks, system.batch().min(system.most_recorded()));
+        system
     }
 
     /// What acts.
@@ -134,7 +137,12 @@ impl<V: Vector> MatterSystem<V> {
             None => 25.0,
             Some(_) => 5.0,
         };
-        ((BATCH / self.cost).clamp(least, 1e6) as u64).min(Activity::most_steps(self.state.meters.len()))
+        (BATCH / self.cost).clamp(least, 1e6) as u64
+    }
+
+    /// The most steps in a batch in which the activity after every one is recorded.
+    pub fn most_recorded(&self) -> u64 {
+        Activity::most_steps(self.state.meters.len())
     }
 
     /// Whether what acts on each particle is linear in its position and velocity and the same at all times. Steps of at most
