@@ -59,7 +59,8 @@ impl Canvas {
         let centers = rows::<f32, 2>(&centers, count, "centers")?;
         let colors = rows::<u8, 4>(&colors, count, "colors")?;
         let (radii, depths) = (column(&radii, count, "radii")?, depth(depths.as_ref(), count)?);
-        let disc = move |((&center, &radius), &color): ((&[f32; 2], &f32), &Ink)| Disc { center, radius, color, shading, softness: 1.0 };
+        let disc =
+            move |((&center, &radius), &color): ((&[f32; 2], &f32), &Ink)| Disc { center, radius, color, shading, softness: 1.0 };
         let discs = centers.iter().zip(radii).zip(colors).map(disc);
         let Self { picture, painting } = self;
         match depths {

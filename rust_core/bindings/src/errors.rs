@@ -13,7 +13,9 @@ pyo3::import_exception!(physcore.errors, InternalError);
 /// The exception for an error.
 pub fn exception(py: Python<'_>, error: Error) -> PyErr {
     match error {
-        Error::Parameter { .. } | Error::State(_) | Error::Callback { .. } | Error::Memory { .. } => SceneError::new_err(error.to_string()),
+        Error::Parameter { .. } | Error::State(_) | Error::Callback { .. } | Error::Memory { .. } => {
+            SceneError::new_err(error.to_string())
+        }
         Error::Diverged(divergence) => diverged(py, &divergence).unwrap_or_else(|failure| failure),
         // The signal's handler may have raised an exception of its own; then that one counts.
         Error::Interrupted => PyErr::take(py).unwrap_or_else(|| PyKeyboardInterrupt::new_err("the run was interrupted")),

@@ -255,7 +255,7 @@ impl<V: Vector> Simulation<V> {
     fn chunk(&mut self, steps: u64, interrupted: &dyn Fn() -> bool) -> Result<()> {
         let before = self.watch;
         match self.advance(steps, interrupted) {
-            Err(error) if !is_scattered(&error) => return Err(error),
+            Err(error) if !is_scattered(&error) && !matches!(error, Error::Memory { .. }) => return Err(error),
             Err(_) => {}
             Ok(()) if self.verdict(interrupted)?.is_none() => {
                 let flow = self.fastest_flow();

@@ -136,8 +136,7 @@ impl<V: Vector, L: Interaction<V>> Pairs<V, L> {
         mut take: impl FnMut([usize; 2], T),
     ) -> Result<()> {
         let place = |axis: usize| self.vicinity.members().iter().map(|&member| at.place(axis, member as usize)).collect();
-        let positions: [Vec<f64>; AXES] =
-            std::array::from_fn(|axis| if axis < V::DIMENSION { place(axis) } else { Vec::new() });
+        let positions: [Vec<f64>; AXES] = std::array::from_fn(|axis| if axis < V::DIMENSION { place(axis) } else { Vec::new() });
         let (count, domain) = (self.attributes.len(), self.vicinity.neighbors().domain());
         let mut neighbors = Neighbors::new(count, V::DIMENSION, domain, self.law.cutoff(), 0.0)?;
         neighbors.arrange(positions.each_ref().map(Vec::as_slice), at.crew)?;
