@@ -44,7 +44,7 @@ random = np.random.default_rng(1)
 
 def alone(program: str) -> str:
     """What a program prints in a process of its own, which it must end by itself."""
-    environment = {**os.environ, "OPENBLAS_NUM_THREADS": "1", "PHYSCORE_NUM_THREADS": "2", "MALLOC_ARENA_MAX": "2"}
+    environment = {**os.environ, "OPENBLAS_NUM_THREADS": "1", "PHYSCORE_NUM_THREADS": "2", "MALLOC_MMAP_THRESHOLD_": "65536"}
     done = subprocess.run(
         [sys.executable, "-c", PRELUDE + textwrap.dedent(program)],
         env=environment,
@@ -68,17 +68,17 @@ SCENES = {
 @LINUX
 @pytest.mark.parametrize("name", SCENES)
 def test_the_memory_of_the_plan_is_what_the_process_takes(name):
-    """15 % and 1 MB are promised; the allocator and the threads' own memory come on top, 4 MB at the most."""
+    """Within 15 % and 1 MB, beside the program itself (RssAnon leaves it out) and what the allocator keeps of what was given
+    back: here it may keep nothing above 64 kB."""
     program = f"""
     scene = {SCENES[name]}
-    pc.Simulation(pc.Scene(pc.Particles([[0.0, 0.0]])))  # what is loaded once
-    before = kilobytes("VmRSS")
+    before = kilobytes("RssAnon")
     simulation = pc.Simulation(scene, dt=1e-9)
     simulation.step(2)
-    print((kilobytes("VmRSS") - before) * 1024, simulation.plan.memory)
+    print((kilobytes("RssAnon") - before) * 1024, simulation.plan.memory)
     """
     taken, promised = map(int, alone(program).split())
-    assert abs(taken - promised) < 0.15 * promised + 5e6, (taken, promised)
+    assert abs(taken - promised) < 0.15 * promised + 1e6, (taken, promised)
 
 
 @LINUX
@@ -160,7 +160,7 @@ def test_a_limit_of_the_process_bounds_what_is_available():
     print(available_memory())
     """
     available = int(alone(program))
-    assert 150e6 < available < 200e6
+    assert 150e6 < available <= 200e6
 
 
 @LINUX

@@ -114,11 +114,10 @@ mod tests {
         let read = |path: &Path| {
             let text = match path.to_str()? {
                 "/sys/fs/cgroup/a/b/memory.max" | "/sys/fs/cgroup/memory.max" => "max\n",
-                "/sys/fs/cgroup/a/memory.max" => "1000\n",
                 "/sys/fs/cgroup/a/memory.current" => "700\n",
                 "/sys/fs/cgroup/a/memory.stat" => "anon 100\ninactive_file 300\n",
                 "/sys/fs/cgroup/memory/memory.limit_in_bytes" => "900\n",
-                "/sys/fs/cgroup/memory/memory.usage_in_bytes" => "1000\n",
+                "/sys/fs/cgroup/a/memory.max" | "/sys/fs/cgroup/memory/memory.usage_in_bytes" => "1000\n",
                 _ => return None,
             };
             Some(text.to_owned())

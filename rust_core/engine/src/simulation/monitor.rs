@@ -97,7 +97,7 @@ impl<V: Vector> Simulation<V> {
             (_, Record::LastStep) => most,
         };
         match self.advance(steps, record, interrupted) {
-            Err(error) if is_scattered(&error) && steps > 1 => return self.batch(steps / 2, interrupted),
+            Err(error) if stops_a_step(&error) && steps > 1 => return self.batch(steps / 2, interrupted),
             Err(error) if is_scattered(&error) => return Err(self.scattered(1)),
             outcome => outcome?,
         }
@@ -148,7 +148,7 @@ impl<V: Vector> Simulation<V> {
     /// the first step meters none of its work, and where all was at rest there is nothing to compare its kinetic energy with.
     fn is_onset(&mut self, interrupted: &dyn Fn() -> bool) -> Result<bool> {
         match self.advance(2, Record::LastStep, interrupted) {
-            Err(error) if is_scattered(&error) || matches!(error, Error::Callback { .. }) => return Ok(false),
+            Err(error) if stops_a_step(&error) => return Ok(false),
             outcome => outcome?,
         }
         let finding = self.diagnose_or_roll_back(2, interrupted)?;
@@ -294,6 +294,11 @@ impl<V: Vector> Simulation<V> {
 /// Whether an activity is above a threshold; one that is not a number is.
 fn is_above(activity: f64, threshold: f64) -> bool {
     activity.is_nan() || activity > threshold
+}
+
+/// Whether one step cannot be taken, whatever those before it were.
+fn stops_a_step(error: &Error) -> bool {
+    is_scattered(error) || matches!(error, Error::Memory { .. } | Error::Callback { .. })
 }
 
 /// Whether a step failed because particles are too far away to be searched: they diverge before their numbers do.
