@@ -23,6 +23,8 @@ const INTEGRATORS: [&str; 10] = [
     "DormandPrince5",
 ];
 
+const FORCES: [&str; 5] = ["Gravity", "Drag", "CentralForce", "LennardJones", "Repulsion"];
+
 /// A number ≥ 0, within six decades of 1 more often than not.
 fn amount() -> impl Strategy<Value = f64> {
     let within =
@@ -95,8 +97,7 @@ fn term(kind: &str, values: &[(&str, Value)]) -> Term {
 
 /// A force with any parameters that Python lets pass.
 fn force() -> impl Strategy<Value = Term> {
-    const KINDS: [&str; 5] = ["Gravity", "Drag", "CentralForce", "LennardJones", "Repulsion"];
-    (select(&KINDS[..]), vector(), number(), amount(), amount(), positive()).prop_map(
+    (select(&FORCES[..]), vector(), number(), amount(), amount(), positive()).prop_map(
         |(kind, vector, signed, first, second, positive)| {
             let values = match kind {
                 "Gravity" => vec![("acceleration", Value::Vector(vector))],
