@@ -299,11 +299,11 @@ impl World {
     }
 
     fn energy<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let energy = if !self.functions.is_empty() {
+        let energy = if self.functions.is_empty() {
+            self.ask(py, |world, crew| world.energy(crew))?
+        } else {
             // Whoever is called may try to change the world, which must be refused and cannot wait.
             self.change_at_length(py, |world, crew| world.energy(crew))?
-        } else {
-            self.ask(py, |world, crew| world.energy(crew))?
         };
         let (record, potential, dissipated) = (PyDict::new(py), PyDict::new(py), PyDict::new(py));
         for (name, value) in &energy.potential {
