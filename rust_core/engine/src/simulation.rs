@@ -24,7 +24,7 @@ use crate::scene::Scene;
 use crate::simd::{LANES, Level};
 use crate::stability::{Bound, Limit, Memo};
 use crate::systems::matter::MatterSystem;
-use monitor::Monitor;
+use monitor::{Monitor, Steps};
 
 /// How to compute.
 #[derive(Debug, Clone)]
@@ -228,7 +228,7 @@ impl<V: Vector> Simulation<V> {
         simulation.plan.pairs = simulation.system.law().pairs();
         let energy = simulation.finite_energy(crew)?;
         simulation.monitor.balance = energy.balance();
-        simulation.monitor.observe(&energy, V::Scalar::EPSILON);
+        simulation.monitor.observe(&energy, energy.kinetic, V::Scalar::EPSILON);
         Ok(simulation)
     }
 
@@ -264,7 +264,8 @@ impl<V: Vector> Simulation<V> {
     fn advance_by(&mut self, steps: u64, interrupted: &dyn Fn() -> bool) -> Result<()> {
         let (mut left, mut polled) = (steps, Instant::now());
         while left > 0 {
-            left -= self.batch(left.min(self.system.batch()), interrupted).map_err(|error| self.with_hint(error))?;
+            left -=
+                self.batch(left.min(self.system.batch()), Steps::Equal, interrupted).map_err(|error| self.with_hint(error))?;
             if left > 0 && polled.elapsed() >= POLL {
                 if interrupted() {
                     return Err(Error::Interrupted);

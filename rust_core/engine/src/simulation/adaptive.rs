@@ -17,6 +17,7 @@
 //!
 //! **Errors.** With a tolerance the steps follow from their errors instead: see [`super::controlled`].
 
+use super::monitor::Steps;
 use super::{Segment, Simulation};
 use crate::error::{Error, Result};
 use crate::math::Vector;
@@ -129,7 +130,7 @@ impl<V: Vector> Simulation<V> {
 
     /// Tries one step of the clock's length. After a divergence or an interrupt the clock is back at `before`.
     pub(super) fn attempt(&mut self, before: Segment, interrupted: &dyn Fn() -> bool) -> Result<Trial> {
-        match self.batch(1, interrupted) {
+        match self.batch(1, Steps::Adaptive, interrupted) {
             Ok(_) => Ok(Trial::Taken),
             Err(Error::Diverged(divergence)) => {
                 let error = self.with_hint(Error::Diverged(divergence));

@@ -1,9 +1,10 @@
 //! The divergence monitor: whether a trajectory has left what its numerics can follow, and at which step.
 //!
-//! After every step the activity, the kinetic energy, is compared with a threshold. Where it is above, or not a number, the
-//! state is diagnosed: a number that is not finite is a divergence, and so is an energy balance that has risen by more than
+//! After every step the activity, the kinetic energy at the step's last evaluation of the forces, is compared with a threshold
+//! (after every eighth step, where independent particles run through steps in registers). Where it is above, or not a number,
+//! the state is diagnosed: a number that is not finite is a divergence, and so is an energy balance that has risen by more than
 //! `runaway` times the largest energy that the motion has shown, the scale. The threshold then becomes twice the scale, or
-//! twice the kinetic energy if that is larger, so the budget is computed each time the motion has doubled, and nowhere else.
+//! twice the activity if that is larger, so the budget is computed each time the motion has doubled, and nowhere else.
 //!
 //! A rise has to last for one more step, so that the onset of a force is none.
 //!
@@ -23,6 +24,13 @@ use crate::systems::matter::{Interval, Record};
 const SHORTEST: u64 = 8;
 /// The activity [J] from which on other energies may be beyond the range of numbers.
 const LARGEST: f64 = 1e300;
+
+/// How long steps are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Steps {
+    Equal,
+    Adaptive,
+}
 
 /// What a diagnosis finds.
 enum Finding {
@@ -67,8 +75,8 @@ impl Monitor {
         Self { runaway, vigilance, scale: 0.0, lowest: f64::INFINITY, balance: 0.0, threshold: 0.0, quiet: 0 }
     }
 
-    /// Takes in the energy of a state; gives by how much the balance has risen if that is too much.
-    pub fn observe(&mut self, energy: &Energy, epsilon: f64) -> Option<f64> {
+    /// Takes in the energy and the activity [J] of a state; gives by how much the balance has risen if that is too much.
+    pub fn observe(&mut self, energy: &Energy, activity: f64, epsilon: f64) -> Option<f64> {
         let rise = (energy.balance() - self.balance).max(0.0);
         let potential = energy.total() - energy.kinetic;
         self.lowest = self.lowest.min(potential);
@@ -76,8 +84,10 @@ impl Monitor {
         // numbers that the balance is the sum of; a few roundings per term, and a wide margin.
         let shown = energy.kinetic + (potential - self.lowest) + energy.dissipated() + energy.work.abs() - rise;
         self.scale = self.scale.max(shown).max(1e-3 * epsilon * energy.magnitude());
-        // Beyond the second a rise would be too much, as kinetic energy is at most scale + rise.
-        self.threshold = (2.0 * self.scale.max(energy.kinetic)).min((1.0 + self.runaway) * self.scale).min(f64::MAX);
+        // Beyond the second a rise is too much: what moves at a step's evaluation is up to five times the kinetic energy, at
+        // the limit of stability, and that is at most scale + rise.
+        let most = (1.0 + self.runaway).max(8.0) * self.scale;
+        self.threshold = (2.0 * self.scale.max(activity)).min(most).min(f64::MAX);
         (rise > self.runaway * self.scale).then_some(rise)
     }
 
@@ -88,16 +98,16 @@ impl Monitor {
 }
 
 impl<V: Vector> Simulation<V> {
-    /// Takes up to `most` steps, and gives how many. Each is one that the monitor lets pass.
-    pub(super) fn batch(&mut self, most: u64, interrupted: &dyn Fn() -> bool) -> Result<u64> {
-        let (record, threshold) = self.attention();
+    /// Takes up to `most` steps, which follow the motion or are equal, and gives how many. Each is one that the monitor lets pass.
+    pub(super) fn batch(&mut self, most: u64, rule: Steps, interrupted: &dyn Fn() -> bool) -> Result<u64> {
+        let (record, threshold) = self.attention(rule);
         let steps = match (self.monitor.vigilance, record) {
             (Vigilance::EveryStep, _) => 1,
-            (_, Record::EveryStep) => most.min(self.monitor.quiet.max(SHORTEST)).min(self.system.most_recorded()),
             (_, Record::LastStep) => most,
+            _ => most.min(self.monitor.quiet.max(SHORTEST)).min(self.system.most_recorded()),
         };
         match self.advance(steps, record, interrupted) {
-            Err(error) if stops_a_step(&error) && steps > 1 => return self.batch(steps / 2, interrupted),
+            Err(error) if stops_a_step(&error) && steps > 1 => return self.batch(steps / 2, rule, interrupted),
             Err(error) if is_scattered(&error) => return Err(self.scattered(1)),
             outcome => outcome?,
         }
@@ -110,11 +120,11 @@ impl<V: Vector> Simulation<V> {
             }
             return Ok(steps);
         };
-        // Positions are looked at after a batch alone: one that is not finite was so earlier, or was not.
-        let known = steps == 1 || (activity.len() as u64 == steps && (activity[first].is_finite() || first + 1 < activity.len()));
+        // What is not finite is seen in the step after it, or at the end of a batch.
+        let known = steps == 1 || (activity.len() as u64 == steps && activity[first].is_finite());
         if !known {
             self.rollback(steps)?;
-            return self.batch(steps / 2, interrupted);
+            return self.batch(steps / 2, rule, interrupted);
         }
         self.examine(first as u64 + 1, steps, interrupted)
     }
@@ -170,7 +180,7 @@ impl<V: Vector> Simulation<V> {
     }
 
     /// Which activities to record, and up to which one nothing is to be diagnosed.
-    fn attention(&self) -> (Record, f64) {
+    fn attention(&self, rule: Steps) -> (Record, f64) {
         // In steps that never double the energy only its overflow has to be looked for.
         let tame = self.system.is_linear() && self.certified(&ALONE).is_ok_and(|limit| 2.0 * self.segment.dt <= limit);
         match self.monitor.vigilance {
@@ -178,7 +188,8 @@ impl<V: Vector> Simulation<V> {
             Vigilance::EveryStep => (Record::EveryStep, -1.0),
             Vigilance::Agitated if tame => (Record::LastStep, LARGEST),
             Vigilance::Agitated if self.monitor.runaway.is_infinite() => (Record::EveryStep, LARGEST),
-            Vigilance::Agitated => (Record::EveryStep, self.monitor.threshold),
+            Vigilance::Agitated if rule == Steps::Adaptive => (Record::EveryStep, self.monitor.threshold),
+            Vigilance::Agitated => (Record::Sampled, self.monitor.threshold),
         }
     }
 
@@ -218,7 +229,8 @@ impl<V: Vector> Simulation<V> {
         if !energy.balance().is_finite() {
             return Ok(Finding::OutOfRange(self.divergence(self.fastest(), "energy", "is not finite".to_owned())));
         }
-        let rise = self.monitor.observe(&energy, V::Scalar::EPSILON);
+        let activity = self.system.activity().last().copied().unwrap_or_default();
+        let rise = self.monitor.observe(&energy, activity.max(energy.kinetic), V::Scalar::EPSILON);
         Ok(rise.map_or(Finding::Good, |rise| {
             let scale = self.monitor.scale;
             let cause = format!(

@@ -1,4 +1,5 @@
-//! The activity of a batch of steps: the kinetic energy [J] after each of them, which wakes the divergence monitor.
+//! The activity of a batch of steps: the kinetic energy [J] at the last evaluation of forces in each of them, or at its end,
+//! which wakes the divergence monitor.
 //!
 //! It is the same to the bit however steps are cut into batches, so what follows from it is a function of the trajectory.
 

@@ -9,7 +9,7 @@ use crate::parallel::{Chunks, Crew};
 use crate::simd::LANES;
 use crate::systems::matter::activity::Activity;
 use crate::systems::matter::collisions::collide;
-use crate::systems::matter::kernels::{self, Action, Load};
+use crate::systems::matter::kernels::{self, Action, Load, Sampling};
 use crate::systems::matter::law::Law;
 use crate::systems::matter::{Interval, Record};
 
@@ -23,21 +23,22 @@ pub fn advance<V: Vector, I: Integrator>(
     (activity, record): (&mut Activity, Record),
     crew: &Crew,
 ) {
-    // Only laws in registers can leave out the activity on the way; only there it costs anything.
+    // Only linear laws can leave out the activity on the way.
     let folded = law.is_folded() && law.contacts.is_none();
     let recorded = if folded && record == Record::LastStep { 1 } else { interval.steps as usize };
+    let sampling = if record == Record::EveryStep { Sampling::ALL } else { Sampling::SOME };
     let work = (matter.blocks(), activity.record(from.meters.len(), recorded));
     crew.sweep(work, &|(block, activity): (Blocks<'_, V>, Chunks<'_, f64>)| {
         let activity = activity.items;
         on_bench::<V, I>(from, block, |bench| {
-            if folded {
-                for activity in activity.iter_mut() {
-                    let steps = if recorded == 1 { interval.steps } else { 1 };
-                    kernels::steps::<V, I>(law, &mut bench.block, interval.h, steps);
-                    *activity = kernels::activity(law, &bench.block);
-                }
+            if folded && recorded == 1 {
+                kernels::steps::<V, I>(law, &mut bench.block, interval.h, interval.steps);
+                activity[0] = kernels::activity(law, &bench.block);
+            } else if folded {
+                in_registers::<V, I>(law, bench, interval, sampling, activity);
             } else if let (Some(force), None) = (law.lone_inverse_square(), &law.contacts) {
-                kernels::steps_under::<V, I>(law, force, &mut bench.block, interval.h, activity);
+                let timing = (interval.h, interval.first, sampling);
+                kernels::steps_under::<V, I>(law, force, &mut bench.block, timing, activity);
             } else {
                 one_by_one::<V, I>(law, bench, interval, activity, crew);
             }
@@ -52,7 +53,9 @@ pub fn advance<V: Vector, I: Integrator>(
 /// Evaluates the law at the state `from` and fills the carried memory of `matter`.
 pub fn begin<V: Vector, I: Integrator>(law: &Law<V>, from: &Matter<V>, matter: &mut Matter<V>, interval: Interval) {
     Crew::alone().sweep(matter.blocks(), &|block: Blocks<'_, V>| {
-        on_bench::<V, I>(from, block, |bench| run_stage::<V, I>(law, bench, interval, interval.start, Action::Begin));
+        on_bench::<V, I>(from, block, |bench| {
+            run_stage::<V, I>(law, bench, interval, interval.start, Action::Begin);
+        });
     });
 }
 
@@ -94,6 +97,27 @@ fn on_bench<V: Vector, I: Integrator>(from: &Matter<V>, mut block: Blocks<'_, V>
     });
 }
 
+/// Steps under linear laws alone, with the activity after those that are sampled.
+fn in_registers<V: Vector, I: Integrator>(
+    law: &Law<V>,
+    bench: &mut Bench<'_, V>,
+    interval: Interval,
+    sampling: Sampling,
+    activity: &mut [f64],
+) {
+    let (mut first, mut rest) = (interval.first, activity);
+    while !rest.is_empty() {
+        let steps = sampling.until_sampled(first).min(rest.len() as u64);
+        let (now, later) = rest.split_at_mut(steps as usize);
+        kernels::steps::<V, I>(law, &mut bench.block, interval.h, steps);
+        first += steps;
+        if sampling.is_sampled(first - 1) {
+            now[now.len() - 1] = kernels::activity(law, &bench.block);
+        }
+        rest = later;
+    }
+}
+
 /// One step after the other, with a contact stage between them, or with forces that are not folded.
 fn one_by_one<V: Vector, I: Integrator>(
     law: &Law<V>,
@@ -110,32 +134,40 @@ fn one_by_one<V: Vector, I: Integrator>(
             bench.before[0].copy_from(&bench.block.position.view(0), 0);
             bench.before[1].copy_from(&bench.block.velocity.view(0), 0);
         }
-        if law.is_folded() && (law.contacts.is_none() || !I::DRIFTS_FIRST) {
+        *activity = if law.is_folded() && (law.contacts.is_none() || !I::DRIFTS_FIRST) {
             kernels::steps::<V, I>(law, &mut bench.block, interval.h, 1);
+            kernels::activity(law, &bench.block)
         } else {
-            stages::<V, I>(law, bench, interval, step);
-        }
+            stages::<V, I>(law, bench, interval, step)
+        };
         if let (Some(contacts), false) = (&law.contacts, I::DRIFTS_FIRST) {
             contacts.resolve(&Before::spans(&bench.before), &mut bench.block, &law.properties, interval.h);
         }
-        *activity = kernels::activity(law, &bench.block);
     }
 }
 
-/// One step, stage by stage.
-fn stages<V: Vector, I: Integrator>(law: &Law<V>, bench: &mut Bench<'_, V>, interval: Interval, step: u64) {
+/// One step, stage by stage; gives the activity at its end.
+fn stages<V: Vector, I: Integrator>(law: &Law<V>, bench: &mut Bench<'_, V>, interval: Interval, step: u64) -> f64 {
     run_stage::<V, I>(law, bench, interval, 0.0, Action::Point);
     if let (Some(contacts), true) = (&law.contacts, I::DRIFTS_FIRST) {
         collide::<V, I>(law, contacts, &mut bench.block, &Before::spans(&bench.before), interval.h);
     }
+    let mut activity = 0.0;
     for stage in 0..I::NODES.len() {
         let next = (stage + 1 < I::NODES.len()).then_some(stage + 1);
         let time = interval.time(step, I::NODES[stage]);
-        run_stage::<V, I>(law, bench, interval, time, Action::Absorb(stage, next));
+        activity = run_stage::<V, I>(law, bench, interval, time, Action::Absorb(stage, next));
     }
+    activity
 }
 
-fn run_stage<V: Vector, I: Integrator>(law: &Law<V>, bench: &mut Bench<'_, V>, interval: Interval, time: f64, action: Action) {
+fn run_stage<V: Vector, I: Integrator>(
+    law: &Law<V>,
+    bench: &mut Bench<'_, V>,
+    interval: Interval,
+    time: f64,
+    action: Action,
+) -> f64 {
     let Bench { block, force, .. } = bench;
     let range = block.range();
     let mut power = [[0.0; LANES]; CHANNELS];
@@ -143,5 +175,5 @@ fn run_stage<V: Vector, I: Integrator>(law: &Law<V>, bench: &mut Bench<'_, V>, i
         let at = law.moment(block.position.view(range.start), block.velocity.view(range.start), time);
         law.accumulate(&range, &at, &mut Rates { force: force.reborrow(), power: &mut power });
     }
-    let _ = kernels::stage::<V, I>(law, block, &Load { force: force.reborrow(), power }, interval.h, action);
+    kernels::stage::<V, I>(law, block, &Load { force: force.reborrow(), power }, interval.h, action)
 }

@@ -369,23 +369,36 @@ struct StepsUnder<'a, 'b, V: Vector, I, L> {
     inertia: &'a [V::Scalar],
     block: &'a mut Blocks<'b, V>,
     h: f64,
+    first: u64,
+    sampling: Sampling,
     activity: &'a mut [f64],
     integrator: PhantomData<I>,
 }
 
-/// Advances one block by whole steps under an inverse-square law alone, as many as there are numbers in `activity`, which
-/// becomes the block's after each.
+/// Advances one block by whole steps under an inverse-square law alone, from number `first` of the clock's segment on, as many
+/// as there are numbers in `activity`: that becomes the block's after each step that is sampled, and 0 after the others.
 pub fn steps_under<V: Vector, I: Integrator>(
     law: &Law<V>,
     InverseSquare { law: force, members }: InverseSquare<'_, V::Scalar>,
     block: &mut Blocks<'_, V>,
-    h: f64,
+    (h, first, sampling): (f64, u64, Sampling),
     activity: &mut [f64],
 ) {
     let members = &members[block.range()];
     let inverse_mass = &law.properties.inverse_mass[block.range()];
     let inertia = &law.properties.inertia[block.range()];
-    dispatch(StepsUnder::<V, I, _> { law: force, members, inverse_mass, inertia, block, h, activity, integrator: PhantomData });
+    dispatch(StepsUnder::<V, I, _> {
+        law: force,
+        members,
+        inverse_mass,
+        inertia,
+        block,
+        h,
+        first,
+        sampling,
+        activity,
+        integrator: PhantomData,
+    });
 }
 
 impl<V: Vector, I: Integrator, L: PointLaw<V>> Kernel for StepsUnder<'_, '_, V, I, L> {
@@ -399,19 +412,37 @@ impl<V: Vector, I: Integrator, L: PointLaw<V>> Kernel for StepsUnder<'_, '_, V, 
 }
 
 impl<V: Vector, I: Integrator, L: PointLaw<V>> StepsUnder<'_, '_, V, I, L> {
-    /// Takes all steps, `W` particles at a time.
+    /// Takes all steps, `W` particles at a time: those that are sampled one by one, and the others between them together.
     #[inline(always)]
-    fn steps<const W: usize>(self) {
-        let Self { law, members, inverse_mass, inertia, block, h, activity, .. } = self;
-        let step = V::Scalar::from_f64(h);
+    fn steps<const W: usize>(mut self) {
+        let mut rest = std::mem::take(&mut self.activity);
+        while !rest.is_empty() {
+            let number = self.sampling.until_sampled(self.first).min(rest.len() as u64);
+            let (now, later) = rest.split_at_mut(number as usize);
+            self.first += number;
+            if self.sampling.is_sampled(self.first - 1) {
+                self.take::<W, false>(number - 1);
+                now[now.len() - 1] = self.take::<W, true>(1);
+            } else {
+                self.take::<W, false>(number);
+            }
+            rest = later;
+        }
+    }
+
+    /// Takes some steps, and gives the activity at the end of the last if that is `SAMPLED`.
+    #[inline(always)]
+    fn take<const W: usize, const SAMPLED: bool>(&mut self, number: u64) -> f64 {
+        let Self { law, members, inverse_mass, inertia, block, h, .. } = self;
+        let step = V::Scalar::from_f64(*h);
         let (members, inverse_mass) = (members.as_chunks::<W>().0, inverse_mass.as_chunks::<W>().0);
         let inertia = inertia.as_chunks::<W>().0;
         let [mut x, mut y, mut z] =
             columns::<V, W>(&mut block.position, &mut block.velocity, &mut block.memory, &mut block.residual);
-        for activity in activity {
-            let mut squares = [V::Scalar::ZERO; W];
-            for (group, ((members, inverse_mass), inertia)) in members.iter().zip(inverse_mass).zip(inertia).enumerate() {
-                let (members, inverse_mass, inertia) = (*members, *inverse_mass, *inertia);
+        let mut squares = [V::Scalar::ZERO; W];
+        for _ in 0..number {
+            for (group, (members, inverse_mass)) in members.iter().zip(inverse_mass).enumerate() {
+                let (members, inverse_mass) = (*members, *inverse_mass);
                 let mut first = Registers::load(&x.x[group], &x.v[group], &x.memory, group, I::CARRIED);
                 let mut second = Registers::load(&y.x[group], &y.v[group], &y.memory, group, I::CARRIED);
                 let mut third = Registers::ZERO;
@@ -432,11 +463,15 @@ impl<V: Vector, I: Integrator, L: PointLaw<V>> StepsUnder<'_, '_, V, I, L> {
                             I::absorb(stage, &mut registers[axis], a[axis], step);
                         }
                     }
-                    let [x, y, z] = registers.map(|register| register.v * register.v);
-                    squares[lane] += inertia[lane] * (x + y + z);
                     first.set(lane, &registers[0]);
                     second.set(lane, &registers[1]);
                     third.set(lane, &registers[2]);
+                }
+                if SAMPLED {
+                    for lane in 0..W {
+                        let square = first.v[lane] * first.v[lane] + second.v[lane] * second.v[lane];
+                        squares[lane] += inertia[group][lane] * (square + third.v[lane] * third.v[lane]);
+                    }
                 }
                 first.store(&mut x.x[group], &mut x.v[group], &mut x.memory, group, I::KEPT);
                 second.store(&mut y.x[group], &mut y.v[group], &mut y.memory, group, I::KEPT);
@@ -444,8 +479,8 @@ impl<V: Vector, I: Integrator, L: PointLaw<V>> StepsUnder<'_, '_, V, I, L> {
                     third.store(&mut z.x[group], &mut z.v[group], &mut z.memory, group, I::KEPT);
                 }
             }
-            *activity = kinetic(&squares);
         }
+        kinetic(&squares)
     }
 }
 
@@ -482,7 +517,7 @@ struct Stage<'a, T, I> {
     integrator: PhantomData<I>,
 }
 
-/// Runs one stage of one block; gives the block's activity where that ends a step, else 0.
+/// Runs one stage of one block, and gives the activity at the stage.
 pub fn stage<V: Vector, I: Integrator>(
     law: &Law<V>,
     blocks: &mut Blocks<'_, V>,
@@ -544,7 +579,7 @@ struct Push<'a, T> {
     inertia: &'a [Lanes<T>],
 }
 
-/// One stage of every lane along one axis. Adds to the powers, and m v² of the step's end where the stage ends a step.
+/// One stage of every lane along one axis. Adds to the powers, and m v² at the stage.
 #[inline(always)]
 fn one_stage<T: Real, I: Integrator>(
     law: impl AxisForce<T>,
@@ -569,6 +604,7 @@ fn one_stage<T: Real, I: Integrator>(
             let (dissipated, supplied) = law.power(&coefficients, lane, register.v);
             drag[lane] += dissipated;
             work[lane] += supplied;
+            moved[lane] += inertia[lane] * (register.v * register.v);
             a[lane] = force[lane] * inverse_mass[lane] + law.acceleration(&coefficients, lane, register.x, register.v);
         }
         // Integrators only ever add to a position, so that they can as well move what it is short of.
@@ -580,11 +616,6 @@ fn one_stage<T: Real, I: Integrator>(
             Action::Point => point::<T, I>(0, &mut registers, step),
             Action::Absorb(stage, next) => {
                 absorb::<T, I>(stage, &mut registers, &a, step);
-                if stage + 1 == I::NODES.len() {
-                    for lane in 0..LANES {
-                        moved[lane] += inertia[lane] * (registers.v[lane] * registers.v[lane]);
-                    }
-                }
                 if let Some(next) = next {
                     // A step ends in the same bits, whether the next one follows in this sweep or in another chunk.
                     if let (0, Some(residual)) = (next, residual.get_mut(group)) {
@@ -640,6 +671,28 @@ fn supplies<T: Real, L: AxisForce<T>>(_law: &L) -> bool {
     L::SUPPLIES
 }
 
+/// One step of how many has its activity found, where steps run in registers. The steps of the clock's segment count, from 0,
+/// so that it does not depend on how they were asked for.
+#[derive(Debug, Clone, Copy)]
+pub struct Sampling(u64);
+
+impl Sampling {
+    /// Every step.
+    pub const ALL: Self = Self(1);
+    /// One of a few.
+    pub const SOME: Self = Self(8);
+
+    /// Whether a step is one of them.
+    pub fn is_sampled(self, step: u64) -> bool {
+        (step + 1).is_multiple_of(self.0)
+    }
+
+    /// How many steps, from one on, end with one of them.
+    pub fn until_sampled(self, step: u64) -> u64 {
+        self.0 - step % self.0
+    }
+}
+
 /// Half of the sum over the lanes of m v² [J].
 #[inline(always)]
 fn kinetic<T: Real, const W: usize>(squares: &[T; W]) -> f64 {
@@ -675,12 +728,12 @@ impl<V: Vector> Kernel for Activity<'_, '_, V> {
     }
 }
 
-/// 0 where all positions of a block are finite, else not a number: 0·∞ is none.
+/// 0 where all positions and velocities of a block are finite, else not a number: 0·∞ is none.
 pub fn out_of_range<V: Vector>(blocks: &Blocks<'_, V>) -> f64 {
-    dispatch(OutOfRange(&blocks.position))
+    dispatch(OutOfRange([&blocks.position, &blocks.velocity]))
 }
 
-struct OutOfRange<'a, 'b, V: Vector>(&'a Span<'b, V>);
+struct OutOfRange<'a, 'b, V: Vector>([&'a Span<'b, V>; 2]);
 
 impl<V: Vector> Kernel for OutOfRange<'_, '_, V> {
     type Output = f64;
@@ -688,8 +741,8 @@ impl<V: Vector> Kernel for OutOfRange<'_, '_, V> {
     #[inline(always)]
     fn run(self) -> f64 {
         let mut sums = [V::Scalar::ZERO; LANES];
-        for axis in 0..V::DIMENSION {
-            for group in self.0.axes[axis].as_chunks::<LANES>().0 {
+        for axis in self.0.iter().flat_map(|columns| &columns.axes[..V::DIMENSION]) {
+            for group in axis.as_chunks::<LANES>().0 {
                 for lane in 0..LANES {
                     sums[lane] += V::Scalar::ZERO * group[lane];
                 }
