@@ -8,6 +8,7 @@ use physcore_engine::forces::springs::{Springs, ordering};
 use physcore_engine::forces::{Force, Moment, Rates};
 use physcore_engine::math::{Real, Vector};
 use physcore_engine::matter::{CHANNELS, Columns, Properties, View};
+use physcore_engine::parallel::ALONE;
 use physcore_engine::scene::Spring;
 use physcore_engine::simd::{LANES, padded};
 
@@ -77,6 +78,7 @@ fn bench<V: Vector>(criterion: &mut Criterion, columns: usize, rows: usize, shuf
         residual: View::default(),
         properties: &properties,
         time: 0.0,
+        crew: &ALONE,
     };
     let force = Springs::<V>::new(&springs, count);
     let mut sum = Columns::<V>::zeros(count);

@@ -118,7 +118,7 @@ mod tests {
                 "/sys/fs/cgroup/a/memory.current" => "700\n",
                 "/sys/fs/cgroup/a/memory.stat" => "anon 100\ninactive_file 300\n",
                 "/sys/fs/cgroup/memory/memory.limit_in_bytes" => "900\n",
-                "/sys/fs/cgroup/memory/memory.usage_in_bytes" => "1000\n",
+                "/sys/fs/cgroup/memory/memory.usage_in_bytes" => "1001\n",
                 _ => return None,
             };
             Some(text.to_owned())

@@ -96,10 +96,11 @@ impl Selection {
     #[cold]
     fn grow(&mut self) {
         let length = (self.length + 4 * LANES) * 5 / 4;
-        match self.entries.try_reserve_exact(length - self.entries.len()) {
-            Ok(()) => self.entries.resize(length, 0),
+        if self.entries.try_reserve_exact(length - self.entries.len()).is_ok() {
+            self.entries.resize(length, 0);
+        } else {
             // What follows is written over the beginning.
-            Err(_) => (self.length, self.overflowed) = (0, true),
+            (self.length, self.overflowed) = (0, true);
         }
     }
 

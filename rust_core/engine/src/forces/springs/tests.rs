@@ -5,6 +5,7 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::matter::{CHANNELS, Channel, Columns, Properties, View};
+use crate::parallel::ALONE;
 use crate::simd::padded;
 
 /// Springs, and the places and velocities of their ends.
