@@ -44,7 +44,8 @@ random = np.random.default_rng(1)
 
 def alone(program: str) -> str:
     """What a program prints in a process of its own, which it must end by itself."""
-    environment = {**os.environ, "OPENBLAS_NUM_THREADS": "1", "PHYSCORE_NUM_THREADS": "2", "MALLOC_MMAP_THRESHOLD_": "65536"}
+    threads = {"OPENBLAS_NUM_THREADS": "1", "PHYSCORE_NUM_THREADS": "2"}
+    environment = {**os.environ, **threads, "MALLOC_MMAP_THRESHOLD_": "65536"}
     done = subprocess.run(
         [sys.executable, "-c", PRELUDE + textwrap.dedent(program)],
         env=environment,
@@ -68,8 +69,9 @@ SCENES = {
 @LINUX
 @pytest.mark.parametrize("name", SCENES)
 def test_the_memory_of_the_plan_is_what_the_process_takes(name):
-    """Within 15 % and 1 MB, beside the program itself (RssAnon leaves it out) and what the allocator keeps of what was given
-    back: here it may keep nothing above 64 kB."""
+    """Within 15 % and 1 MB, beside the program itself (RssAnon leaves it out) and what the allocator keeps of what was
+    given back: here it may keep nothing above 64 kB.
+    """
     program = f"""
     scene = {SCENES[name]}
     before = kilobytes("RssAnon")

@@ -44,9 +44,9 @@ class _PlanRecord(TypedDict):
 _Rgb = tuple[int, int, int]
 _Ink = tuple[int, int, int, int]
 
-@final
 def available_memory() -> int | None: ...
 
+@final
 class World:
     def __new__(
         cls,

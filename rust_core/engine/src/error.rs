@@ -2,8 +2,6 @@
 
 use std::sync::Arc;
 
-use crate::memory::shown;
-
 /// The result of everything in this crate that can fail.
 pub type Result<T> = std::result::Result<T, Error>;
 
@@ -37,7 +35,7 @@ pub enum Error {
         cause: Cause,
     },
     /// What was asked for does not fit into memory; the simulation stands at a whole step.
-    #[error("{what}: needs {}, {} are available ({hint})", shown(*needed), shown(*available))]
+    #[error("{what}: needs {}, {} are available ({hint})", size_text(*needed), size_text(*available))]
     Memory {
         /// What does not fit.
         what: String,
@@ -66,6 +64,11 @@ impl PartialEq for Cause {
 
 fn hint_text(hint: &str) -> String {
     if hint.is_empty() { String::new() } else { format!(" ({hint})") }
+}
+
+/// A number of bytes.
+fn size_text(bytes: u64) -> String {
+    if bytes < 100_000_000 { format!("{:.1} MB", bytes as f64 / 1e6) } else { format!("{:.1} GB", bytes as f64 / 1e9) }
 }
 
 impl Error {

@@ -45,11 +45,6 @@ pub fn refusal(what: &str, needed: usize, available: u64, hint: impl FnOnce() ->
     Error::Memory { what: what.to_owned(), needed: needed as u64, available, hint: hint() }
 }
 
-/// A number of bytes for people to read.
-pub fn shown(bytes: u64) -> String {
-    if bytes < 100_000_000 { format!("{:.1} MB", bytes as f64 / 1e6) } else { format!("{:.1} GB", bytes as f64 / 1e9) }
-}
-
 /// The number behind a label at the beginning of a line; none where it says `unlimited`.
 fn number_after(text: &str, label: &str) -> Option<u64> {
     text.lines().find_map(|line| line.strip_prefix(label))?.split_whitespace().next()?.parse().ok()
@@ -137,7 +132,7 @@ mod tests {
         let error = check("lists", usize::MAX, 0, hint).unwrap_err().to_string();
         assert!(error.starts_with("lists: needs ") && error.ends_with(" are available (take less)"), "{error}");
         assert!(available > 0 && error.contains("GB"), "{error}");
-        assert_eq!(shown(40_000_000_000), "40.0 GB");
-        assert_eq!(shown(2_400_000), "2.4 MB");
+        let said = refusal("lists", 40_000_000_000, 3_900_000, hint).to_string();
+        assert_eq!(said, "lists: needs 40.0 GB, 3.9 MB are available (take less)");
     }
 }
