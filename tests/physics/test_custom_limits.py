@@ -131,6 +131,7 @@ def test_the_limit_does_not_depend_on_where_the_scene_stands(count, shift):
     here = limit(pc.Scene(body, pc.CustomForce(lambda time, x, v: -25.0 * x - x**3)))
     there = limit(pc.Scene(moved, pc.CustomForce(lambda time, x, v: -25.0 * (x - shift) - (x - shift) ** 3)))
     assert there == pytest.approx(here, rel=1e-3)
+    assert here < 2.0 / 5.0
 
 
 @pytest.mark.parametrize("size", [1e-9, 1e-6, 1.0, 1e9])
@@ -139,7 +140,9 @@ def test_the_limit_does_not_depend_on_the_units(size):
     scaled = pc.Particles(size * body.positions)
     hardening = pc.CustomForce(lambda time, x, v: -25.0 * x * (1.0 + (x / size) ** 2))
     whole = pc.CustomForce(lambda time, x, v: -25.0 * x * (1.0 + x**2))
-    assert limit(pc.Scene(scaled, hardening)) == pytest.approx(limit(pc.Scene(body, whole)), rel=ROUNDING)
+    expected = limit(pc.Scene(body, whole))
+    assert limit(pc.Scene(scaled, hardening)) == pytest.approx(expected, rel=ROUNDING)
+    assert expected < 2.0 / 5.0
 
 
 def test_a_kink_counts_with_its_steeper_side():
@@ -203,14 +206,14 @@ def stiff(strength: float) -> pc.Scene:
 
 
 def test_an_automatic_time_step_conserves_the_energy_of_a_stiff_force():
-    """Verlet at ωh ≤ 1 swings in energy by (ωh)²/4 at most."""
-    run = pc.Simulation(stiff(1e4))
+    """Verlet keeps v² + (1 − (ωh)²/4) ω²x²: at ωh ≤ 1 the energy swings by a third, and does not grow."""
+    run = pc.Simulation(stiff(1e5))
     energies = []
     for _ in range(50):
         run.run(0.1)
         energies.append(run.energy().total)
-    assert run.dt * 100.0 <= 1.0 + ROUNDING
-    assert np.ptp(energies) / energies[0] <= 0.26
+    assert run.dt * math.sqrt(1e5) <= 1.0 + ROUNDING
+    assert max(energies) / min(energies) <= 4.0 / 3.0 + ROUNDING
 
 
 def test_a_time_step_above_the_limit_is_warned_of():
@@ -250,7 +253,7 @@ def test_adaptive_steps_follow_a_force_that_stiffens():
     run.run(1.0)
     _, _, smallest, largest = run._world.adaptation()
     assert smallest <= 0.5 * 2.0 / math.sqrt(3000.0) < largest
-    assert run.energy().total == pytest.approx(before, rel=0.26)
+    assert run.energy().total == pytest.approx(before, rel=1.0 / 3.0)
 
 
 def test_the_limit_follows_the_same_steps_however_they_are_asked_for():
