@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Literal
 
@@ -126,7 +127,7 @@ class Fluid(Body):
         rest = number(density, "Fluid.density", above=0.0)
         self._set_particles(positions, velocities, 1.0, 0.0, 0.0, None, name)
         self._set(
-            mass=np.full(len(self), rest * step**self.dimension),
+            mass=np.full(len(self), _particle_mass(rest, step, self.dimension)),
             spacing=step,
             density=rest,
             viscosity=number(viscosity, "Fluid.viscosity", least=0.0),
@@ -163,6 +164,18 @@ def _density_from(value: object) -> Literal["continuity", "summation"]:
     if value == "summation":
         return "summation"
     raise SceneError(f"Fluid.density_from: must be 'continuity' or 'summation', got {value!r}")
+
+
+def _particle_mass(density: float, spacing: float, dimension: int) -> float:
+    try:
+        mass = density * spacing**dimension
+    except OverflowError:
+        mass = math.inf
+    if not 0.0 < mass < math.inf:
+        raise SceneError(
+            f"Fluid.spacing: the mass of a particle, density·spacing^{dimension}, must be finite and > 0, got {mass:g} kg"
+        )
+    return mass
 
 
 def _sound_speed(value: object) -> float | Literal["auto"]:
