@@ -173,7 +173,7 @@ def _particle_mass(density: float, spacing: float, dimension: int) -> float:
         mass = math.inf
     if not 0.0 < mass < math.inf:
         raise SceneError(
-            f"Fluid.spacing: the mass of a particle, density·spacing^{dimension}, must be finite and > 0, got {mass:g} kg"
+            f"Fluid.spacing: the mass of a particle, density·spacing^{dimension}, must be finite and > 0, got {mass:g}"
         )
     return mass
 
