@@ -262,3 +262,10 @@ def test_fluids_are_computed_in_single_precision_unless_asked_otherwise():
 def test_bad_input_is_refused_with_its_path(build, message):
     with pytest.raises(pc.SceneError, match=message):
         build()
+
+
+@pytest.mark.parametrize("spacing", [1e200, 1e-200])
+def test_a_particle_without_a_finite_mass_is_refused(spacing):
+    """spacing² is neither below 1.8e308 nor above 4.9e-324."""
+    with pytest.raises(pc.SceneError, match=r"Fluid.spacing: the mass of a particle"):
+        pc.Fluid([[0.0, 0.0]], spacing)

@@ -19,11 +19,11 @@ pub fn check<V: Vector>(scene: &Scene, springs: &[Spring], properties: &Properti
 
 /// Refuses numbers that the precision makes infinite.
 fn refuse_large<T: Real>(scene: &Scene, origin: DVec3) -> Result<()> {
-    let fits = |value: f64| value.is_infinite() || T::from_f64(value).is_finite();
-    let check = |path: &dyn Fn() -> String, value: f64| {
-        let error = || Error::parameter(path(), format!("a number in the range of {}", T::NAME), format!("{value:e}"));
-        if fits(value) { Ok(()) } else { Err(error().with_hint("precision=\"f64\" holds it")) }
+    let holds = |path: &dyn Fn() -> String, given: f64, kept: f64| {
+        let error = || Error::parameter(path(), format!("a number in the range of {}", T::NAME), format!("{given:e}"));
+        if T::from_f64(kept).is_finite() { Ok(()) } else { Err(error().with_hint("precision=\"f64\" holds it")) }
     };
+    let check = |path: &dyn Fn() -> String, value: f64| holds(path, value, value);
     let check_vector =
         |path: &dyn Fn() -> String, vector: DVec3| vector.to_array().into_iter().try_for_each(|value| check(path, value));
     for (index, body) in scene.bodies.iter().enumerate() {
@@ -33,7 +33,9 @@ fn refuse_large<T: Real>(scene: &Scene, origin: DVec3) -> Result<()> {
             check(&path("damping"), spring.damping)?;
             check(&path("rest_length"), spring.rest_length)?;
         }
-        body.positions.iter().try_for_each(|&position| check_vector(&path("positions"), position - origin))?;
+        for (given, kept) in body.positions.iter().flat_map(|&at| at.to_array().into_iter().zip((at - origin).to_array())) {
+            holds(&path("positions"), given, kept)?;
+        }
         body.velocities.iter().try_for_each(|&velocity| check_vector(&path("velocities"), velocity))?;
         body.radius.iter().try_for_each(|&radius| check(&path("radius"), radius))?;
         if let Some(fluid) = &body.fluid {

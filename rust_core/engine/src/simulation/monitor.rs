@@ -277,10 +277,11 @@ impl<V: Vector> Simulation<V> {
     /// Adds to a divergence what to do about it.
     pub(super) fn with_hint(&self, error: Error) -> Error {
         match error {
-            Error::Diverged(divergence) => match self.hint() {
-                Ok(hint) => Error::Diverged(Box::new(Divergence { hint, ..*divergence })),
-                Err(other) => other,
-            },
+            Error::Diverged(divergence) => {
+                // A function of the user's may fail where it is asked how stiff it is.
+                let hint = self.hint().unwrap_or_else(|_| format!("try dt = {:.3e} s", 0.25 * self.segment.dt));
+                Error::Diverged(Box::new(Divergence { hint, ..*divergence }))
+            }
             other => other,
         }
     }
