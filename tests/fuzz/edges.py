@@ -42,7 +42,7 @@ What physcore does with edge values of every public argument, all other argument
 and compared with the code by the tests; do not edit.
 
 {TAKEN}: accepted. {LONG}: accepted, and stopped after {SECONDS:g} s. A letter: refused with a message of that kind
-(below), which begins with the path of the argument and ends with what was given; in bold: an error that is none of
+(below), here without its path and without what was given; in bold: an error that is none of
 physcore's. "4 × 4" is an array of ones, "class" is `pc.Drag`. The numerics of `simulate`, `film` and `export` are those
 of `Simulation`.
 """
