@@ -223,7 +223,7 @@ def steps_to(interval: float, dt: float, slack: float) -> int:
     Raises:
         SceneError: they are too many to count.
     """
-    steps = interval / dt - slack
+    steps = interval / dt - slack if dt > 0.0 else math.inf
     if steps > MOST:
         raise SceneError(
             f"duration: {interval:g} s are {steps:.1e} steps of {dt:g} s, which is more than can be counted"

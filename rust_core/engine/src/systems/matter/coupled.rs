@@ -156,7 +156,7 @@ fn sweep<V: Vector, I: Integrator>(
             contacts.resolve(&Before::part(position, velocity, &range), &mut blocks, &law.properties, interval.h);
         }
         if ends_run {
-            activity.items[0] += kernels::out_of_range(&blocks);
+            activity.items[0] += kernels::out_of_range(law, &blocks);
         }
     });
     Ok(())

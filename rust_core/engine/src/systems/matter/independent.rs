@@ -9,9 +9,13 @@ use crate::parallel::{Chunks, Crew};
 use crate::simd::LANES;
 use crate::systems::matter::activity::Activity;
 use crate::systems::matter::collisions::collide;
-use crate::systems::matter::kernels::{self, Action, Load, Sampling};
+use crate::systems::matter::kernels::{self, Action, Load};
 use crate::systems::matter::law::Law;
 use crate::systems::matter::{Interval, Record};
+
+/// Of how many steps one has its activity found where they run in registers. The steps of the clock's segment count, so that
+/// it does not depend on how they were asked for.
+const SAMPLING: u64 = 8;
 
 /// Advances `matter` from the state `from`: block by block, each through all steps. The activity at the end is not a number
 /// where a position is not finite.
@@ -26,24 +30,33 @@ pub fn advance<V: Vector, I: Integrator>(
     // Only linear laws can leave out the activity on the way.
     let folded = law.is_folded() && law.contacts.is_none();
     let recorded = if folded && record == Record::LastStep { 1 } else { interval.steps as usize };
-    let sampling = if record == Record::EveryStep { Sampling::ALL } else { Sampling::SOME };
     let work = (matter.blocks(), activity.record(from.meters.len(), recorded));
     crew.sweep(work, &|(block, activity): (Blocks<'_, V>, Chunks<'_, f64>)| {
         let activity = activity.items;
         on_bench::<V, I>(from, block, |bench| {
-            if folded && recorded == 1 {
-                kernels::steps::<V, I>(law, &mut bench.block, interval.h, interval.steps);
-                activity[0] = kernels::activity(law, &bench.block);
-            } else if folded {
-                in_registers::<V, I>(law, bench, interval, sampling, activity);
+            if folded {
+                for activity in activity.iter_mut() {
+                    kernels::steps::<V, I>(law, &mut bench.block, interval.h, interval.steps / recorded as u64);
+                    *activity = kernels::activity(law, &bench.block);
+                }
             } else if let (Some(force), None) = (law.lone_inverse_square(), &law.contacts) {
-                let timing = (interval.h, interval.first, sampling);
-                kernels::steps_under::<V, I>(law, force, &mut bench.block, timing, activity);
+                let every = if record == Record::EveryStep { 1 } else { SAMPLING };
+                let mut rest = &mut *activity;
+                while !rest.is_empty() {
+                    let step = interval.first + interval.steps - rest.len() as u64;
+                    let steps = (every - step % every).min(rest.len() as u64);
+                    kernels::steps_under::<V, I>(law, force, &mut bench.block, interval.h, steps);
+                    let (now, later) = rest.split_at_mut(steps as usize);
+                    if (step + steps).is_multiple_of(every) {
+                        now[now.len() - 1] = kernels::activity(law, &bench.block);
+                    }
+                    rest = later;
+                }
             } else {
                 one_by_one::<V, I>(law, bench, interval, activity, crew);
             }
             if let Some(last) = activity.last_mut() {
-                *last += kernels::out_of_range(&bench.block);
+                *last += kernels::out_of_range(law, &bench.block);
             }
         });
     });
@@ -95,27 +108,6 @@ fn on_bench<V: Vector, I: Integrator>(from: &Matter<V>, mut block: Blocks<'_, V>
             memory.copy_from(&done.view(0), 0);
         }
     });
-}
-
-/// Steps under linear laws alone, with the activity after those that are sampled.
-fn in_registers<V: Vector, I: Integrator>(
-    law: &Law<V>,
-    bench: &mut Bench<'_, V>,
-    interval: Interval,
-    sampling: Sampling,
-    activity: &mut [f64],
-) {
-    let (mut first, mut rest) = (interval.first, activity);
-    while !rest.is_empty() {
-        let steps = sampling.until_sampled(first).min(rest.len() as u64);
-        let (now, later) = rest.split_at_mut(steps as usize);
-        kernels::steps::<V, I>(law, &mut bench.block, interval.h, steps);
-        first += steps;
-        if sampling.is_sampled(first - 1) {
-            now[now.len() - 1] = kernels::activity(law, &bench.block);
-        }
-        rest = later;
-    }
 }
 
 /// One step after the other, with a contact stage between them, or with forces that are not folded.

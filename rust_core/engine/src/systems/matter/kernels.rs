@@ -366,39 +366,23 @@ struct StepsUnder<'a, 'b, V: Vector, I, L> {
     law: L,
     members: &'a [V::Scalar],
     inverse_mass: &'a [V::Scalar],
-    inertia: &'a [V::Scalar],
     block: &'a mut Blocks<'b, V>,
     h: f64,
-    first: u64,
-    sampling: Sampling,
-    activity: &'a mut [f64],
+    number: u64,
     integrator: PhantomData<I>,
 }
 
-/// Advances one block by whole steps under an inverse-square law alone, from number `first` of the clock's segment on, as many
-/// as there are numbers in `activity`: that becomes the block's after each step that is sampled, and 0 after the others.
+/// Advances one block by whole steps under an inverse-square law alone.
 pub fn steps_under<V: Vector, I: Integrator>(
     law: &Law<V>,
     InverseSquare { law: force, members }: InverseSquare<'_, V::Scalar>,
     block: &mut Blocks<'_, V>,
-    (h, first, sampling): (f64, u64, Sampling),
-    activity: &mut [f64],
+    h: f64,
+    steps: u64,
 ) {
     let members = &members[block.range()];
     let inverse_mass = &law.properties.inverse_mass[block.range()];
-    let inertia = &law.properties.inertia[block.range()];
-    dispatch(StepsUnder::<V, I, _> {
-        law: force,
-        members,
-        inverse_mass,
-        inertia,
-        block,
-        h,
-        first,
-        sampling,
-        activity,
-        integrator: PhantomData,
-    });
+    dispatch(StepsUnder::<V, I, _> { law: force, members, inverse_mass, block, h, number: steps, integrator: PhantomData });
 }
 
 impl<V: Vector, I: Integrator, L: PointLaw<V>> Kernel for StepsUnder<'_, '_, V, I, L> {
@@ -412,34 +396,14 @@ impl<V: Vector, I: Integrator, L: PointLaw<V>> Kernel for StepsUnder<'_, '_, V, 
 }
 
 impl<V: Vector, I: Integrator, L: PointLaw<V>> StepsUnder<'_, '_, V, I, L> {
-    /// Takes all steps, `W` particles at a time: those that are sampled one by one, and the others between them together.
+    /// Takes all steps, `W` particles at a time.
     #[inline(always)]
-    fn steps<const W: usize>(mut self) {
-        let mut rest = std::mem::take(&mut self.activity);
-        while !rest.is_empty() {
-            let number = self.sampling.until_sampled(self.first).min(rest.len() as u64);
-            let (now, later) = rest.split_at_mut(number as usize);
-            self.first += number;
-            if self.sampling.is_sampled(self.first - 1) {
-                self.take::<W, false>(number - 1);
-                now[now.len() - 1] = self.take::<W, true>(1);
-            } else {
-                self.take::<W, false>(number);
-            }
-            rest = later;
-        }
-    }
-
-    /// Takes some steps, and gives the activity at the end of the last if that is `SAMPLED`.
-    #[inline(always)]
-    fn take<const W: usize, const SAMPLED: bool>(&mut self, number: u64) -> f64 {
-        let Self { law, members, inverse_mass, inertia, block, h, .. } = self;
-        let step = V::Scalar::from_f64(*h);
+    fn steps<const W: usize>(self) {
+        let Self { law, members, inverse_mass, block, h, number, .. } = self;
+        let step = V::Scalar::from_f64(h);
         let (members, inverse_mass) = (members.as_chunks::<W>().0, inverse_mass.as_chunks::<W>().0);
-        let inertia = inertia.as_chunks::<W>().0;
         let [mut x, mut y, mut z] =
             columns::<V, W>(&mut block.position, &mut block.velocity, &mut block.memory, &mut block.residual);
-        let mut squares = [V::Scalar::ZERO; W];
         for _ in 0..number {
             for (group, (members, inverse_mass)) in members.iter().zip(inverse_mass).enumerate() {
                 let (members, inverse_mass) = (*members, *inverse_mass);
@@ -467,12 +431,6 @@ impl<V: Vector, I: Integrator, L: PointLaw<V>> StepsUnder<'_, '_, V, I, L> {
                     second.set(lane, &registers[1]);
                     third.set(lane, &registers[2]);
                 }
-                if SAMPLED {
-                    for lane in 0..W {
-                        let square = first.v[lane] * first.v[lane] + second.v[lane] * second.v[lane];
-                        squares[lane] += inertia[group][lane] * (square + third.v[lane] * third.v[lane]);
-                    }
-                }
                 first.store(&mut x.x[group], &mut x.v[group], &mut x.memory, group, I::KEPT);
                 second.store(&mut y.x[group], &mut y.v[group], &mut y.memory, group, I::KEPT);
                 if V::DIMENSION > 2 {
@@ -480,7 +438,6 @@ impl<V: Vector, I: Integrator, L: PointLaw<V>> StepsUnder<'_, '_, V, I, L> {
                 }
             }
         }
-        kinetic(&squares)
     }
 }
 
@@ -671,28 +628,6 @@ fn supplies<T: Real, L: AxisForce<T>>(_law: &L) -> bool {
     L::SUPPLIES
 }
 
-/// One step of how many has its activity found, where steps run in registers. The steps of the clock's segment count, from 0,
-/// so that it does not depend on how they were asked for.
-#[derive(Debug, Clone, Copy)]
-pub struct Sampling(u64);
-
-impl Sampling {
-    /// Every step.
-    pub const ALL: Self = Self(1);
-    /// One of a few.
-    pub const SOME: Self = Self(8);
-
-    /// Whether a step is one of them.
-    pub fn is_sampled(self, step: u64) -> bool {
-        (step + 1).is_multiple_of(self.0)
-    }
-
-    /// How many steps, from one on, end with one of them.
-    pub fn until_sampled(self, step: u64) -> u64 {
-        self.0 - step % self.0
-    }
-}
-
 /// Half of the sum over the lanes of m v² [J].
 #[inline(always)]
 fn kinetic<T: Real, const W: usize>(squares: &[T; W]) -> f64 {
@@ -728,23 +663,28 @@ impl<V: Vector> Kernel for Activity<'_, '_, V> {
     }
 }
 
-/// 0 where all positions and velocities of a block are finite, else not a number: 0·∞ is none.
-pub fn out_of_range<V: Vector>(blocks: &Blocks<'_, V>) -> f64 {
-    dispatch(OutOfRange([&blocks.position, &blocks.velocity]))
+/// 0 where all positions of a block and its kinetic energy are finite, else not a number: 0·∞ is none.
+pub fn out_of_range<V: Vector>(law: &Law<V>, blocks: &Blocks<'_, V>) -> f64 {
+    dispatch(OutOfRange { blocks, weights: &law.properties.inertia[blocks.range()] })
 }
 
-struct OutOfRange<'a, 'b, V: Vector>([&'a Span<'b, V>; 2]);
+struct OutOfRange<'a, 'b, V: Vector> {
+    blocks: &'a Blocks<'b, V>,
+    weights: &'a [V::Scalar],
+}
 
 impl<V: Vector> Kernel for OutOfRange<'_, '_, V> {
     type Output = f64;
 
     #[inline(always)]
     fn run(self) -> f64 {
+        let weights = self.weights.as_chunks::<LANES>().0;
         let mut sums = [V::Scalar::ZERO; LANES];
-        for axis in self.0.iter().flat_map(|columns| &columns.axes[..V::DIMENSION]) {
-            for group in axis.as_chunks::<LANES>().0 {
+        for axis in 0..V::DIMENSION {
+            let [x, v] = [&self.blocks.position, &self.blocks.velocity].map(|columns| columns.axes[axis].as_chunks::<LANES>().0);
+            for ((x, v), weights) in x.iter().zip(v).zip(weights) {
                 for lane in 0..LANES {
-                    sums[lane] += V::Scalar::ZERO * group[lane];
+                    sums[lane] += V::Scalar::ZERO * x[lane] + V::Scalar::ZERO * (weights[lane] * (v[lane] * v[lane]));
                 }
             }
         }

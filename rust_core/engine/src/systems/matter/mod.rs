@@ -24,8 +24,8 @@ use crate::parallel::{ALONE, Crew, Team};
 pub enum Record {
     /// Those of all steps.
     EveryStep,
-    /// Those of all steps but where they run in registers, in which it takes a tenth of the time of a step: there of those that
-    /// are [sampled](kernels::is_sampled).
+    /// Those of all steps, but under an inverse-square law alone, where it takes a tenth of the time of a step: there that of
+    /// every eighth.
     Sampled,
     /// That of the last step at least: all that is known where linear laws run in registers.
     LastStep,
