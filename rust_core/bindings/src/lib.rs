@@ -14,6 +14,15 @@ mod world;
 /// What `import physcore._core` gives.
 #[pymodule(gil_used = false)]
 mod _core {
+    use pyo3::prelude::*;
+
+    /// Finds NumPy now: an interrupt at its first use would else end in a panic.
+    #[pymodule_init]
+    fn find_numpy(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        numpy::PyArray1::<f64>::zeros(module.py(), 0, false);
+        Ok(())
+    }
+
     #[pymodule_export]
     use super::canvas::{Canvas, Texture};
     #[pymodule_export]

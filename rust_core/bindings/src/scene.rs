@@ -64,8 +64,8 @@ fn item<'py>(dictionary: &Bound<'py, PyDict>, name: &str) -> PyResult<Bound<'py,
 }
 
 fn body(entry: &Bound<'_, PyDict>) -> PyResult<Body> {
-    let numbers = |name: &str| -> PyResult<Vec<f64>> { Ok(copied(&item(entry, name)?.extract()?)) };
-    let fixed = copied(&item(entry, "fixed")?.extract::<PyReadonlyArray1<'_, bool>>()?);
+    let numbers = |name: &str| -> PyResult<Vec<f64>> { copied(&item(entry, name)?.extract()?) };
+    let fixed = copied(&item(entry, "fixed")?.extract::<PyReadonlyArray1<'_, bool>>()?)?;
     let positions = vectors(&item(entry, "positions")?)?;
     Ok(Body {
         velocities: vectors(&item(entry, "velocities")?)?,
@@ -104,7 +104,7 @@ fn fluid(entry: &Bound<'_, PyAny>) -> PyResult<Option<Fluid>> {
 
 fn springs(entry: &Bound<'_, PyDict>, count: usize) -> PyResult<Vec<Spring>> {
     let pairs = item(entry, "pairs")?.extract::<PyReadonlyArray2<'_, i64>>()?;
-    let numbers = |name: &str| -> PyResult<Vec<f64>> { Ok(copied(&item(entry, name)?.extract()?)) };
+    let numbers = |name: &str| -> PyResult<Vec<f64>> { copied(&item(entry, name)?.extract()?) };
     let (stiffness, damping, rest_length) = (numbers("stiffness")?, numbers("damping")?, numbers("rest_length")?);
     let end = |index: i64| u32::try_from(index).ok().filter(|&index| (index as usize) < count);
     let spring = |(index, pair): (usize, numpy::ndarray::ArrayView1<'_, i64>)| match (end(pair[0]), end(pair[1])) {
@@ -119,21 +119,36 @@ fn springs(entry: &Bound<'_, PyDict>, count: usize) -> PyResult<Vec<Spring>> {
             pair[0], pair[1]
         ))),
     };
-    let pairs = pairs.as_array();
-    entry.py().detach(|| pairs.outer_iter().enumerate().map(spring).collect())
+    let (py, pairs) = (entry.py(), pairs.as_array());
+    let mut springs = Vec::with_capacity(pairs.nrows());
+    while springs.len() < pairs.nrows() {
+        let part = py.detach(|| -> PyResult<Vec<Spring>> {
+            pairs.outer_iter().enumerate().skip(springs.len()).take(PART).map(spring).collect()
+        });
+        springs.extend(part?);
+        py.check_signals()?;
+    }
+    Ok(springs)
 }
 
+/// Springs that are read between two looks at whether the user interrupts.
+const PART: usize = 1 << 18;
+
 /// A copy of an array, with the interpreter free meanwhile.
-pub fn copied<T: numpy::Element + Clone + Sync>(array: &PyReadonlyArray1<'_, T>) -> Vec<T> {
+pub fn copied<T: numpy::Element + Clone + Sync>(array: &PyReadonlyArray1<'_, T>) -> PyResult<Vec<T>> {
     let (py, numbers) = (array.py(), array.as_array());
-    py.detach(|| numbers.to_vec())
+    let copy = py.detach(|| numbers.to_vec());
+    py.check_signals()?;
+    Ok(copy)
 }
 
 /// The rows of an (N, 2) or (N, 3) array, the third component 0 where there is none.
 pub fn vectors(array: &Bound<'_, PyAny>) -> PyResult<Vec<DVec3>> {
     let (py, array) = (array.py(), array.extract::<PyReadonlyArray2<'_, f64>>()?);
     let rows = array.as_array();
-    Ok(py.detach(|| rows.outer_iter().map(|row| vector(row.iter().copied())).collect()))
+    let vectors = py.detach(|| rows.outer_iter().map(|row| vector(row.iter().copied())).collect());
+    py.check_signals()?;
+    Ok(vectors)
 }
 
 fn vector(components: impl Iterator<Item = f64>) -> DVec3 {

@@ -421,7 +421,7 @@ fn limit_record(py: Python<'_>, limit: Limit) -> PyResult<Bound<'_, PyDict>> {
 fn column<T: numpy::Element + Clone + Sync>(state: &Bound<'_, PyDict>, name: &str) -> PyResult<Vec<T>> {
     let missing = || FileError::new_err(format!("state: {name} is missing or of the wrong kind"));
     let value = state.get_item(name)?.ok_or_else(missing)?;
-    Ok(scene::copied(&value.extract::<PyReadonlyArray1<'_, T>>().map_err(|_| missing())?))
+    scene::copied(&value.extract::<PyReadonlyArray1<'_, T>>().map_err(|_| missing())?)
 }
 
 fn numbers<T: numpy::Element + Clone + Sync, const N: usize>(state: &Bound<'_, PyDict>, name: &str) -> PyResult<[T; N]> {
