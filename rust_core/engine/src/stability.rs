@@ -270,23 +270,24 @@ impl Bound {
     pub fn sharp_limit<I: Integrator>(self) -> Limit {
         let certified = self.limit::<I>().stability;
         let sharpened = self.sharpened();
-        let (limit, method) = (sharpened.limit::<I>(), Method::of::<I>());
-        let endured = sharpened.modes().iter().map(|modes| modes.endured(&method)).fold(f64::INFINITY, f64::min);
+        let (modes, method) = (sharpened.modes(), Method::of::<I>());
+        let limit = sharpened.limit_with(&modes, &method, &mut Memo::default());
+        let endured = modes.iter().map(|modes| modes.endured(&method)).fold(f64::INFINITY, f64::min);
         Limit { certified, endured: endured.max(limit.stability), ..limit }
     }
 
     /// The same as [`Bound::limit`], for one bound after the other.
     pub fn limit_after<I: Integrator>(&self, memo: &mut Memo) -> Limit {
-        self.limit_with(&Method::of::<I>(), memo)
+        self.limit_with(&self.modes(), &Method::of::<I>(), memo)
     }
 
     /// The limit for an integrator whose largest stable ωh is `largest` of the damping ratio, mode by mode.
     pub fn limit_of(&self, largest: fn(f64) -> f64) -> Limit {
-        self.limit_with(&Method { largest, last: largest, coupled: 1.0 }, &mut Memo::default())
+        self.limit_with(&self.modes(), &Method { largest, last: largest, coupled: 1.0 }, &mut Memo::default())
     }
 
-    fn limit_with(&self, method: &Method, memo: &mut Memo) -> Limit {
-        let (stability, binding) = memo.least(&self.modes(), method);
+    fn limit_with(&self, modes: &[Modes], method: &Method, memo: &mut Memo) -> Limit {
+        let (stability, binding) = memo.least(modes, method);
         let (slowest, accuracy) = self.accuracy.unwrap_or(("", f64::INFINITY));
         let (term, kind) = match stability.min(accuracy) {
             f64::INFINITY => ("", Kind::None),
@@ -298,8 +299,9 @@ impl Bound {
 
     /// The boxes of modes of all bodies, and of the oscillators apart from them, without those that another box encloses.
     fn modes(&self) -> Vec<Modes> {
-        let mut boxes = self.bodies_apart();
-        boxes.extend(self.oscillators());
+        let apart: Vec<bool> = (0..self.steady.len()).map(|i| self.is_oscillator(i)).collect();
+        let mut boxes = self.bodies_apart(&apart);
+        boxes.extend(self.oscillators(&apart));
         boxes.retain(|modes| modes.stiffness.highest.rate > 0.0 || modes.damping.highest.rate > 0.0);
         boxes.sort_by(|one, other| other.stiffness.highest.rate.total_cmp(&one.stiffness.highest.rate));
         let mut outer: Vec<Modes> = Vec::new();
@@ -312,9 +314,9 @@ impl Bound {
     }
 
     /// The box of modes of each body, of its particles that are no oscillators.
-    fn bodies_apart(&self) -> Vec<Modes> {
+    fn bodies_apart(&self, apart: &[bool]) -> Vec<Modes> {
         let bodies = self.bodies();
-        let counts = |i: usize| !self.is_oscillator(i);
+        let counts = |i: usize| !apart.get(i).is_some_and(|&apart| apart);
         let bands = |rows: &Rows, sharper: &[[f64; 2]], kind: usize| -> Vec<Band> {
             let mut least = vec![if kind == 0 || self.steady.is_empty() { 0.0 } else { f64::INFINITY }; bodies];
             for ((steady, &inverse_mass), (i, &body)) in
@@ -339,12 +341,11 @@ impl Bound {
 
     /// Whether a particle swings by itself: what acts on it is steady, and it has no springs.
     fn is_oscillator(&self, i: usize) -> bool {
-        let steady = self.steady.get(i).copied().unwrap_or_default();
-        [&self.stiffness, &self.damping].into_iter().zip(steady).all(|(rows, steady)| rows.alone_at(i) == Some(steady))
+        [&self.stiffness, &self.damping].into_iter().zip(self.steady[i]).all(|(rows, steady)| rows.alone_at(i) == Some(steady))
     }
 
     /// The oscillators: of those with one damping ratio, the fastest. Where there are too many, one box for all of them.
-    fn oscillators(&self) -> Vec<Modes> {
+    fn oscillators(&self, apart: &[bool]) -> Vec<Modes> {
         let of = |i: usize| {
             let band = |rows: &Rows, value: f64| Band::exactly(Row { rate: value * self.inverse_mass[i], term: rows.leading(i) });
             let [stiffness, damping] = self.steady[i];
@@ -353,7 +354,7 @@ impl Bound {
         let rates = |modes: &Modes| (modes.stiffness.least, modes.damping.least);
         let ratio = |modes: &Modes| (modes.damping.least / modes.stiffness.least.sqrt()).to_bits();
         let (mut all, mut fastest): (Option<Modes>, Vec<Modes>) = (None, Vec::new());
-        for i in (0..self.steady.len()).filter(|&i| self.inverse_mass[i] > 0.0 && self.is_oscillator(i)) {
+        for i in (0..apart.len()).filter(|&i| self.inverse_mass[i] > 0.0 && apart[i]) {
             let modes = of(i);
             all = Some(all.map_or(modes, |all| all.with(&modes)));
             if fastest.len() > MOST_OSCILLATORS || rates(&modes) == (0.0, 0.0) {

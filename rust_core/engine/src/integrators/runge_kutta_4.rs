@@ -39,6 +39,11 @@ impl Integrator for RungeKutta4 {
         }
     }
 
+    /// On the real axis stable steps are one interval.
+    fn last(damping_ratio: f64) -> f64 {
+        if damping_ratio < 1.0 { amplification::last::<Self>(damping_ratio) } else { Self::limit(damping_ratio) }
+    }
+
     #[inline(always)]
     fn point<T: Real>(stage: usize, register: &mut Register<T>, _h: T) {
         // The later stages stand where `absorb` has left them.
