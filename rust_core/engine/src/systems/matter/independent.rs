@@ -1,7 +1,7 @@
 //! Particles that do not feel each other: a block runs through many steps while it stays in the cache.
 
 use crate::contacts::Before;
-use crate::forces::Rates;
+use crate::forces::{InverseSquare, Rates};
 use crate::integrators::Integrator;
 use crate::math::{Real, Vector};
 use crate::matter::{Blocks, CHANNELS, Matter, Span};
@@ -40,18 +40,7 @@ pub fn advance<V: Vector, I: Integrator>(
                     *activity = kernels::activity(law, &bench.block);
                 }
             } else if let (Some(force), None) = (law.lone_inverse_square(), &law.contacts) {
-                let every = if record == Record::EveryStep { 1 } else { SAMPLING };
-                let mut rest = &mut *activity;
-                while !rest.is_empty() {
-                    let step = interval.first + interval.steps - rest.len() as u64;
-                    let steps = (every - step % every).min(rest.len() as u64);
-                    kernels::steps_under::<V, I>(law, force, &mut bench.block, interval.h, steps);
-                    let (now, later) = rest.split_at_mut(steps as usize);
-                    if (step + steps).is_multiple_of(every) {
-                        now[now.len() - 1] = kernels::activity(law, &bench.block);
-                    }
-                    rest = later;
-                }
+                sampled::<V, I>(law, force, bench, interval, record, activity);
             } else {
                 one_by_one::<V, I>(law, bench, interval, activity, crew);
             }
@@ -61,6 +50,28 @@ pub fn advance<V: Vector, I: Integrator>(
         });
     });
     activity.add_up(recorded);
+}
+
+/// Steps under an inverse-square law alone, with the activity after those that are sampled.
+fn sampled<V: Vector, I: Integrator>(
+    law: &Law<V>,
+    force: InverseSquare<'_, V::Scalar>,
+    bench: &mut Bench<'_, V>,
+    interval: Interval,
+    record: Record,
+    mut rest: &mut [f64],
+) {
+    let every = if record == Record::EveryStep { 1 } else { SAMPLING };
+    while !rest.is_empty() {
+        let step = interval.first + interval.steps - rest.len() as u64;
+        let steps = (every - step % every).min(rest.len() as u64);
+        kernels::steps_under::<V, I>(law, force, &mut bench.block, interval.h, steps);
+        let (now, later) = rest.split_at_mut(steps as usize);
+        if (step + steps).is_multiple_of(every) {
+            now[now.len() - 1] = kernels::activity(law, &bench.block);
+        }
+        rest = later;
+    }
 }
 
 /// Evaluates the law at the state `from` and fills the carried memory of `matter`.
