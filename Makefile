@@ -36,7 +36,7 @@ test-rust: | check
 	$(CARGO_TEST) --locked --workspace
 
 test-python: $(VENV)/tools.stamp
-	$(BIN)/python -m pytest -m 'not long'
+	$(BIN)/python -m pytest -m 'not long' --numprocesses auto
 
 test-long: $(VENV)/tools.stamp ## run every test with the full number of examples, and write docs/reports/test-long.md
 	PROPTEST_CASES=2000 PROPTEST_MAX_GLOBAL_REJECTS=100000 cargo test --locked --workspace --release -- --include-ignored

@@ -184,7 +184,8 @@ def test_sand_runs_as_fast_at_the_end_as_at_the_start(
     assert off < 0.01
     depths = overlaps(recording.positions[-1], radii)
     record_property(
-        "overlap, of half of the contacts, of all but a hundredth, greatest", np.quantile(depths, [0.5, 0.99, 1.0])
+        "overlap, of half of the contacts, of all but a hundredth, greatest",
+        np.quantile(depths, [0.5, 0.99, 1.0]).tolist(),
     )
     assert np.quantile(depths, 0.99) < 0.05
     drift = float(abs(recording.energy.drift).max())

@@ -16,8 +16,9 @@ mod world;
 mod _core {
     use pyo3::prelude::*;
 
-    /// Finds NumPy now: an interrupt at its first use would else end in a panic.
+    /// Finds `NumPy` now: an interrupt at its first use would else end in a panic.
     #[pymodule_init]
+    #[expect(clippy::unnecessary_wraps, reason = "PyO3 asks for a result")]
     fn find_numpy(module: &Bound<'_, PyModule>) -> PyResult<()> {
         numpy::PyArray1::<f64>::zeros(module.py(), 0, false);
         Ok(())

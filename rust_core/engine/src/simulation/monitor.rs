@@ -1,7 +1,7 @@
 //! The divergence monitor: whether a trajectory has left what its numerics can follow, and at which step.
 //!
 //! After every step the activity, the kinetic energy at the step's last evaluation of the forces, is compared with a threshold
-//! (in every eighth step, where nothing but an inverse-square field acts). Where it is above, or not a number, the state is
+//! (in every 32nd step, where nothing but an inverse-square field acts). Where it is above, or not a number, the state is
 //! diagnosed: a number that is not finite is a divergence, and so is an energy balance that has risen by more than
 //! `runaway` times the largest energy that the motion has shown, the scale. The threshold then becomes twice the scale, or
 //! twice the activity if that is larger, so the budget is computed each time the motion has doubled, and nowhere else.

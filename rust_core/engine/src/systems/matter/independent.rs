@@ -15,7 +15,7 @@ use crate::systems::matter::{Interval, Record};
 
 /// Of how many steps one has its activity found where they run in registers. The steps of the clock's segment count, so that
 /// it does not depend on how they were asked for.
-const SAMPLING: u64 = 8;
+const SAMPLING: u64 = 32;
 
 /// Advances `matter` from the state `from`: block by block, each through all steps. The activity at the end is not a number
 /// where a position is not finite.

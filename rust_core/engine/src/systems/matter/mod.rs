@@ -25,7 +25,7 @@ pub enum Record {
     /// Those of all steps.
     EveryStep,
     /// Those of all steps, but under an inverse-square law alone, where it takes a tenth of the time of a step: there that of
-    /// every eighth.
+    /// every 32nd.
     Sampled,
     /// That of the last step at least: all that is known where linear laws run in registers.
     LastStep,
