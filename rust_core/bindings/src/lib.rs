@@ -15,9 +15,10 @@ mod world;
 mod _core {
     use pyo3::prelude::*;
 
-    /// Finds NumPy now: an interrupt at its first use would else end in a panic.
+    /// Finds `NumPy` now: an interrupt at its first use would else end in a panic.
     #[pymodule_init]
     fn find_numpy(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        module.py().import("numpy")?;
         numpy::PyArray1::<f64>::zeros(module.py(), 0, false);
         Ok(())
     }
