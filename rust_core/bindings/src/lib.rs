@@ -20,6 +20,7 @@ mod _core {
     #[pymodule_init]
     #[expect(clippy::unnecessary_wraps, reason = "PyO3 asks for a result")]
     fn find_numpy(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        module.py().import("numpy")?;
         numpy::PyArray1::<f64>::zeros(module.py(), 0, false);
         Ok(())
     }
