@@ -51,8 +51,8 @@ class Simulation:
         runaway: how many times the largest energy so far the energy balance may rise before it counts as diverged;
             None: 1e6, and 1 with on_divergence="substep".
         on_divergence: "raise"; "substep": take a step that fails again in halves, quarters and so on, down to 1/1024 of
-            it, and warn; each step's energy budget is then looked at, which takes about as long as another evaluation of
-            the forces; or "ignore": go on until a position or velocity is not finite.
+            it, and warn; the energy budget is then looked at in each step, which takes about as long as the forces; or
+            "ignore": go on until a position or velocity is not finite.
 
     Raises:
         SceneError: a choice is not valid, dt="auto" finds no stable step, a particle starts outside a boundary, or the

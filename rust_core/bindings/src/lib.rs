@@ -18,7 +18,6 @@ mod _core {
 
     /// Finds `NumPy` now: an interrupt at its first use would else end in a panic.
     #[pymodule_init]
-    #[expect(clippy::unnecessary_wraps, reason = "PyO3 asks for a result")]
     fn find_numpy(module: &Bound<'_, PyModule>) -> PyResult<()> {
         module.py().import("numpy")?;
         numpy::PyArray1::<f64>::zeros(module.py(), 0, false);
