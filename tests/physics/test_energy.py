@@ -307,3 +307,30 @@ def test_losses_never_give_energy_back(net):
         taken.append(run.energy().dissipated)
     assert (np.diff(taken) >= 0.0).all()
     assert run.energy().total < total
+
+
+@pytest.mark.parametrize("drag", [pc.Drag(linear=0.4, wind=(2.0, 1.0)), pc.Drag(quadratic=0.3, wind=(2.0, 1.0))])
+@pytest.mark.parametrize("integrator", ALL, ids=name)
+def test_the_work_of_a_wind_is_the_momentum_that_it_gives(integrator, drag):
+    """F·w is linear in the force, so that W = w·Δp whatever the stages, if both are summed up alike.
+
+    A splitting takes forces at other velocities than powers: they differ by a factor of γ dt ≤ 1e-2 at most.
+    """
+    wind, dt = np.array([2.0, 1.0]), 1e-2
+    run = simulation(pc.Scene(pc.Particles([[0.0, 0.0]], [[0.5, -1.0]]), drag), integrator, dt)
+    run.step(100)
+    given = float(wind @ (run.velocities[0] - [0.5, -1.0]))
+    assert given > 1.0
+    assert run.energy().work == pytest.approx(given, rel=1e-2)
+
+
+@pytest.mark.parametrize("before", [0, 16, 40])
+def test_the_energy_of_a_cloth_does_not_depend_on_who_comes_before_it(before):
+    """½ k (r − L)² of every spring of a sheet that is drawn out by a tenth, however its particles are numbered."""
+    cloth = pc.cloth((9, 8), 0.1, 50.0)
+    lengths = np.linalg.norm(cloth.positions[cloth.pairs[:, 0]] - cloth.positions[cloth.pairs[:, 1]], axis=1)
+    lengths = lengths.round(12)  # alike to the bit, so that the springs are stencils; off by 5e-12 of a length
+    drawn = pc.SpringNetwork(1.1 * cloth.positions, cloth.pairs, 50.0, rest_length=lengths)
+    others = [pc.Particles(np.zeros((before, 2)) - 1.0)] if before else []
+    energy = simulation(pc.Scene(*others, drawn), pc.VelocityVerlet(), 1e-3).energy()
+    assert energy.potential == pytest.approx(float((0.5 * 50.0 * (0.1 * lengths) ** 2).sum()), rel=1e-9)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import physcore as pc
-from physics.laboratory import ALL, Array, assert_same_water, name, other_ways, state, unwarned
+from physics.laboratory import ALL, Array, assert_same_water, largest_step, name, other_ways, state, unwarned
 
 FORWARD = [pc.SemiImplicitEuler(), pc.VelocityVerlet(), pc.McLachlan2()]
 """Splittings without negative substeps."""
@@ -66,6 +66,20 @@ def test_a_density_that_is_counted_has_the_order_of_the_integrator(integrator, r
     record_property("order", f"{order:.3f}")
     assert plan.order == integrator.order
     assert order == pytest.approx(integrator.order, abs=0.15)
+
+
+@pytest.mark.parametrize("integrator", ALL[1:], ids=name)
+def test_the_limit_of_quiet_water_is_that_of_its_fastest_wave(integrator):
+    """The same ω for all: limits are to each other as those of an oscillator, which for Verlet is 2."""
+    scene = vortices(pc.VelocityVerlet(), **QUIET).scene
+    ratio = pc.stability_limit(scene, integrator) / pc.stability_limit(scene, pc.VelocityVerlet())
+    assert ratio == pytest.approx(largest_step(integrator) / 2.0, rel=1e-6)
+
+
+def test_viscosity_brings_a_splitting_down_to_order_two():
+    """Water rubs with a force that depends on velocity, which PEFRL predicts to second order."""
+    assert vortices(pc.PEFRL(), **QUIET).plan.order == 4
+    assert vortices(pc.PEFRL(), **{**QUIET, "viscosity": 0.1}).plan.order == 2
 
 
 @pytest.mark.parametrize("integrator", ALL, ids=name)

@@ -29,6 +29,18 @@ def test_a_drop_that_hits_a_ceiling_falls_off_again(dimension, speed):
     assert highest[highest.argmax() :].min() < 0.85
 
 
+@pytest.mark.parametrize("low", [0.5, -2.0])
+def test_the_speed_of_sound_is_ten_times_that_of_a_fall_into_the_wall_below(low):
+    """From the highest particle to the bottom of a bowl, wherever that is; the limit on dt says how fast sound is."""
+    cells = pc.block((-5.5 * SPACING, 0.0), (5.5 * SPACING, 0.5), SPACING) + np.array([1.0, low + 0.5])
+    bowl, down = pc.Sphere((1.0, low + 1.0), 1.0, inside=True), pc.Gravity((0.0, -9.81))
+    limits = [
+        pc.stability_limit(pc.Scene(pc.Fluid(cells, SPACING, sound_speed=sound), bowl, down), pc.VelocityVerlet())
+        for sound in ("auto", 10.0 * np.sqrt(2.0 * 9.81 * (cells[:, 1].max() - low)))
+    ]
+    assert limits[0] == pytest.approx(limits[1], rel=1e-9)
+
+
 def test_a_drop_slides_down_a_wall_as_fast_as_it_falls():
     """A wall without friction does not hold it: g t²/2 for its center, to the 1 % that compression may mean."""
     cells = pc.block((0.0, 1.0), (0.15, 1.15), SPACING)

@@ -125,6 +125,20 @@ def stream(speed: float, drops: int | None = None) -> pc.Simulation:
     return pc.Simulation(pc.Scene(water, pc.Periodic((0.0, 0.0), (2.0, 2.0))))
 
 
+def test_sound_is_faster_where_water_is_compressed():
+    """c = c₀ (ρ/ρ₀)³ by Tait's equation with γ = 7. The limit is that of the densest water, felt by the least dense.
+
+    The box is full, so that there is no surface, where waves are faster.
+    """
+    quiet = {"sound_speed": 5.0, "viscosity": 0.0, "artificial_viscosity": 0.0, "density_diffusion": 0.0}
+    water = pc.Fluid(pc.block((0.0, 0.0), (0.5, 1.0), 0.1), 0.1, **quiet)
+    box, down = pc.Box((0.0, 0.0), (0.5, 1.0)), pc.Gravity((0.0, -9.81))
+    ratios = pc.Simulation(pc.Scene(water, box, down), dt=1e-4, precision="f64")[water].densities / 1000.0
+    assert ratios.max() > 1.1
+    limits = [pc.stability_limit(pc.Scene(water, box, *pull), pc.VelocityVerlet()) for pull in ([down], [])]
+    assert limits[0] == pytest.approx(limits[1] * ratios.max() ** -3 * np.sqrt(ratios.min()), rel=1e-9)
+
+
 def test_a_flow_that_is_fast_beside_sound_warns_once():
     """Any warning but the expected one is an error here, and so is a second one. One drop in 1600 may be fast."""
     stream(3.0, drops=1).step(1)

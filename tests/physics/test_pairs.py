@@ -440,3 +440,30 @@ def test_the_limit_of_a_triangular_lattice_is_that_of_theory():
     lattice = pc.Particles(positions, mass=2.0, radius=0.5 + 1e-9)
     scene = pc.Scene(lattice, pc.Repulsion(100.0), pc.Periodic((0.0, 0.0), (6.0, 3.0 * np.sqrt(3.0))))
     assert pc.stability_limit(scene, pc.VelocityVerlet()) == pytest.approx(2.0 / np.sqrt(6.0 * 100.0 / 2.0), rel=1e-6)
+
+
+@pytest.mark.parametrize(("dimension", "aligned"), [(2, 3.0), (3, 4.5)])
+def test_the_limit_of_flying_grains_is_that_of_their_hardest_impact(dimension, aligned):
+    """Two of the heaviest meet head on at the largest speed v and turn where ½ (m/2)(2v)² = ⅖ k δ^(5/2).
+
+    There Hertz's stiffness is 3/2 k √δ. The contacts of equal spheres around one, 60° apart, hold it in no direction
+    with more than 3 of them in 2D and 9/2 in 3D; a mode in which neighbors move against each other has twice that.
+    """
+    flying = np.zeros((3, dimension))
+    flying[0, 0] = 2.0
+    masses = [0.1, 0.1, 0.05]
+    grains = pc.Particles(np.arange(3.0)[:, None] * np.eye(dimension)[-1], flying, mass=masses, radius=0.2)
+    overlap = (2.5 * 0.1 * 2.0**2 / 1e4) ** 0.4
+    stiffness = 2.0 * aligned * 1.5 * 1e4 * np.sqrt(overlap)
+    limit = pc.stability_limit(pc.Scene(grains, pc.Repulsion(1e4, exponent=1.5)), pc.VelocityVerlet())
+    assert limit == pytest.approx(2.0 / np.sqrt(stiffness / 0.05), rel=1e-12)
+
+
+def test_the_limit_of_two_atoms_is_that_of_their_vibration():
+    """ω² = 2 U''/m for two that are pressed together, whatever their force across the pair: less than U'' there."""
+    distance = 0.7
+    atoms = pc.Particles([[0.0, 0.0], [0.6 * distance, 0.8 * distance]], mass=3.0)
+    six = distance**-6
+    stiffness = 24.0 * (26.0 * six**2 - 7.0 * six) / distance**2
+    limit = pc.stability_limit(pc.Scene(atoms, pc.LennardJones(1.0, 1.0)), pc.VelocityVerlet())
+    assert limit == pytest.approx(2.0 / np.sqrt(2.0 * stiffness / 3.0), rel=1e-9)

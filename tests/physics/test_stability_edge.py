@@ -107,6 +107,16 @@ def test_the_limit_of_a_well_with_drag_is_exact(integrator, ratio):
     assert np.abs(above.positions).max() > 100.0
 
 
+def test_explicit_euler_is_held_by_the_least_damped_of_stiff_modes():
+    """|g|² = 1 − 2ξy + y² for y = ωh asks for h ≤ γ/ω²: a damped spring elsewhere does not help the stiff one."""
+    net = pc.SpringNetwork(
+        [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]], [[0, 1], [2, 3]], stiffness=[100.0, 1.0], damping=[0.0, 3.0]
+    )
+    limit = pc.stability_limit(pc.Scene(net, pc.Drag(linear=1.0)), pc.ExplicitEuler())
+    # Two free unit masses on a spring of 100 N/m: ω² = 200/s², and both feel a drag of 1 N·s/m.
+    assert limit == pytest.approx(1.0 / 200.0, rel=1e-6)
+
+
 @pytest.mark.parametrize("integrator", ALL[1:], ids=name)
 @given(net=networks())
 def test_any_network_is_stable_just_below_its_certified_limit(integrator, net):

@@ -134,6 +134,18 @@ def test_the_sum_of_energies_is_kept_the_better_the_shorter_the_step():
     assert drifts[2] < 0.5 * drifts[1] < 0.25 * drifts[0]
 
 
+@pytest.mark.parametrize("scale", [1e-3, 1e3])
+def test_the_time_step_scales_as_the_period_of_a_drop(scale):
+    """√(ρL³/σ) for all lengths L times `scale`, with the speed of sound √(σ/ρL): no other length is hidden in it."""
+    limits = []
+    for length in (1.0, scale):
+        sound = 3.0 / np.sqrt(length)
+        drop = pc.Fluid(length * heap(2), length, surface_tension=1000.0, viscosity=0.0, sound_speed=sound)
+        limits.append(pc.stability_limit(pc.Scene(drop), pc.VelocityVerlet()))
+    # In single precision, of which the forces make nothing in the first moment but the height of the surface.
+    assert limits[1] == pytest.approx(limits[0] * scale**1.5, rel=1e-6)
+
+
 def test_the_time_step_knows_it():
     """√(ρh³/2πσ) for ripples."""
     water = pc.Fluid(heap(2), 1.0, density=2.0, sound_speed=0.1, surface_tension=3.0)

@@ -108,8 +108,9 @@ impl<V: Vector> Laboratory<V> {
     pub fn step(&mut self, h: f64) {
         self.before[0].copy_from(&self.matter.position);
         self.before[1].copy_from(&self.matter.velocity);
-        for index in (0..self.matter.count()).filter(|&index| !self.properties.is_fixed(index)) {
-            let kick = V::narrow(self.gravity * (0.5 * h));
+        for index in 0..self.matter.count() {
+            let gravity = if self.properties.is_fixed(index) { DVec3::ZERO } else { self.gravity };
+            let kick = V::narrow(gravity * (0.5 * h));
             let middle = self.matter.velocity.get(index) + kick;
             self.matter.position.set(index, self.matter.position.get(index) + middle * V::Scalar::from_f64(h));
             self.matter.velocity.set(index, middle + kick);

@@ -95,6 +95,7 @@ fn not_concerned() {
     let mut laboratory = Laboratory::<DVec2>::new(&balls, walls, DVec3::ZERO);
     laboratory.step(0.1);
     assert_eq!(laboratory.velocity(1).y, -10.0);
+    assert_eq!(laboratory.position(1).y, -0.5);
     assert_eq!(laboratory.velocity(0).y, 5.0);
     let padding = &laboratory.matter.position.axis(1)[3..];
     assert!(padding.iter().all(|&value| value == 0.0));

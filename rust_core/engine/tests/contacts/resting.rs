@@ -70,16 +70,36 @@ fn block_on_a_slope() {
     assert!(reached <= highest + 1e-13 && highest - reached < 9.81 * 0.5e-6, "{reached} instead of {highest}");
 }
 
-/// Along the edge of a tilted wedge: only the component along the edge counts, here without friction.
+/// Along the edge of a tilted wedge: only the component along the edge counts, here without friction. A ball whose surface
+/// touches both walls slides as a point on the edge does.
 #[test]
 fn sliding_along_an_edge() {
-    let walls =
-        vec![plane(DVec3::ZERO, DVec3::new(1.0, 1.3, 0.2), 0.3, 0.0), plane(DVec3::ZERO, DVec3::new(-1.1, 1.0, 0.4), 0.3, 0.0)];
-    let edge = DVec3::new(1.0, 1.3, 0.2).cross(DVec3::new(-1.1, 1.0, 0.4)).normalize();
-    let mut laboratory = Laboratory::<DVec3>::new(&[Ball::new(DVec3::ZERO, DVec3::ZERO, 0.0)], walls, G);
-    laboratory.steps(1000, 1e-3);
+    let normals = [DVec3::new(1.0, 1.3, 0.2), DVec3::new(-1.1, 1.0, 0.4)].map(DVec3::normalize);
+    let edge = normals[0].cross(normals[1]).normalize();
     let exact = edge * (0.5 * G.dot(edge));
-    assert!((laboratory.position(0) - exact).length() < 1e-11, "{} instead of {exact}", laboratory.position(0));
+    for radius in [0.0, 0.25] {
+        // n·c = r for both normals.
+        let center = (normals[0] + normals[1]) * (radius / (1.0 + normals[0].dot(normals[1])));
+        let walls = normals.map(|normal| plane(DVec3::ZERO, normal, 0.3, 0.0)).to_vec();
+        let mut laboratory = Laboratory::<DVec3>::new(&[Ball::new(center, DVec3::ZERO, radius)], walls, G);
+        laboratory.steps(1000, 1e-3);
+        let way = laboratory.position(0) - center;
+        assert!((way - exact).length() < 1e-11, "radius {radius}: {way} instead of {exact}");
+    }
+}
+
+/// Pressed into all three walls of a corner at once, a ball stays there, however steep it is pressed along two of them.
+#[test]
+fn rest_in_a_corner() {
+    for gravity in [DVec3::new(-1.0, -2.0, -3.0), DVec3::new(-3.0, -1.0, -2.0), DVec3::new(-2.0, -3.0, -1.0)] {
+        let ball = Ball::new(DVec3::splat(-0.75), DVec3::ZERO, 0.25);
+        let mut laboratory = Laboratory::<DVec3>::new(&[ball], vec![cuboid(DVec3::splat(-1.0), DVec3::ONE, 0.5, 0.0)], gravity);
+        laboratory.steps(100, 1e-2);
+        assert_eq!(laboratory.velocity(0), DVec3::ZERO);
+        assert_eq!(laboratory.position(0), DVec3::splat(-0.75));
+        // The place of the corner is rounded, and so is the energy there.
+        assert!(laboratory.dissipated() <= f64::EPSILON);
+    }
 }
 
 /// A ball thrown into a box with losses ends in a corner or on the floor, at rest, with all its energy metered.

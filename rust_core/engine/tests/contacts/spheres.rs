@@ -120,6 +120,23 @@ fn a_floor_in_a_bowl() {
     assert!((laboratory.position(0).y - 0.35).abs() < 1e-15);
 }
 
+/// Around the circle in which a floor cuts a bowl, without friction: gravity presses the particle onto the floor and its
+/// motion onto the bowl, and it stays on both of them at the same speed. Each of the steps turns it by v h/R = 1.4e-3.
+#[test]
+fn around_the_rim_of_a_floor() {
+    let (radius, speed, h) = (0.51_f64.sqrt(), 1.0, 1e-3);
+    let walls = vec![sphere(DVec3::Y, 1.0, true, 0.0, 0.0), plane(DVec3::Y * 0.3, DVec3::Y, 0.0, 0.0)];
+    let ball = Ball::new(DVec3::new(radius, 0.3, 0.0), DVec3::Z * speed, 0.0);
+    let mut laboratory = Laboratory::<DVec3>::new(&[ball], walls, G);
+    for _ in 0..1000 {
+        laboratory.step(h);
+        let place = laboratory.position(0);
+        assert!((place.y - 0.3).abs() < 1e-12 && (place.x.hypot(place.z) - radius).abs() < 1e-12, "{place}");
+    }
+    // A Verlet step on a circle has the energy error of a swing: (ω h)²/2 of it, and no drift.
+    assert!((laboratory.velocity(0).length() - speed).abs() < (speed * h / radius).powi(2));
+}
+
 proptest! {
 
     /// A heap presses a grain against the overhang of a rough ball that stands in a floor. However it slides, back and
