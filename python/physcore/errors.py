@@ -92,7 +92,7 @@ def _rebuild_divergence(message: str, attributes: dict[str, object]) -> Simulati
 
 
 class StabilityWarning(UserWarning):
-    """The time step that was asked for is above the limit of stability, as far as that is certain, or a step failed."""
+    """The time step is above the limit of stability, as far as that is certain, or it shows: a step failed, for one."""
 
 
 class MachWarning(UserWarning):

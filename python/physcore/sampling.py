@@ -10,7 +10,7 @@ from physcore import engine
 from physcore._core import World
 from physcore.checks import MOST
 from physcore.energy import Energy
-from physcore.errors import PhyscoreError, SceneError
+from physcore.errors import PhyscoreError, SceneError, StabilityWarning, warn
 from physcore.numerics import steps_to
 from physcore.pace import TOUCH, Pace
 from physcore.scene import Scene
@@ -18,9 +18,9 @@ from physcore.state import Frame, Snapshot
 
 
 def energy(world: World) -> Energy:
-    """The energy budget of a world at its present step."""
+    """The energy budget of a world at its present step; warns where it is not finite, after on_divergence="ignore"."""
     record = world.energy()
-    return Energy(
+    budget = Energy(
         kinetic=record["kinetic"],
         by_term=record["potential"],
         internal=record["internal"],
@@ -29,6 +29,13 @@ def energy(world: World) -> Energy:
         work=record["work"],
         time=world.time,
     )
+    if not math.isfinite(budget.balance):
+        warn(
+            f"the energy at t = {world.time:.6g} s is beyond the range of numbers ({budget.balance}): the simulation "
+            'has diverged, which on_divergence="ignore" leaves to you; take the default, "raise", and a smaller dt',
+            StabilityWarning,
+        )
+    return budget
 
 
 def frame(world: World, scene: Scene) -> Frame:

@@ -52,7 +52,7 @@ class Simulation:
             None: 1e6, and 1 with on_divergence="substep".
         on_divergence: "raise"; "substep": take a step that fails again in halves, quarters and so on, down to 1/1024 of
             it, and warn; the energy budget is then looked at in each step, which takes about as long as the forces; or
-            "ignore": go on until a position or velocity is not finite.
+            "ignore": go on until a position or velocity is not finite; energies, which are squares, cease to be before.
 
     Raises:
         SceneError: a choice is not valid, dt="auto" finds no stable step, a particle starts outside a boundary, or the
@@ -237,7 +237,11 @@ class Simulation:
         )
 
     def energy(self) -> Energy:
-        """The energy budget of the present state."""
+        """The energy budget of the present state.
+
+        Warns:
+            StabilityWarning: it is not finite, in a diverging run with on_divergence="ignore".
+        """
         return sampling.energy(self._world)
 
     def momentum(self) -> FloatArray:

@@ -92,8 +92,14 @@ LONG = (
     "tradeoff",
     "stability_limit",
     "plot",
+    "ball",
+    "block",
+    "cylinder",
+    "cloth",
+    "rope",
+    "soft_body",
 )
-"""What may be asked for a long run."""
+"""What may be asked for a long run, or for millions of particles."""
 
 PARTS = ("Energy", "EnergySeries", "Frame", "MeasuredLimit", "Plan", "Recording", "Snapshot", "Tradeoff", "Painter")
 """Results: nobody but physcore makes them, and they take what they are given."""

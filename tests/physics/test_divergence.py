@@ -131,6 +131,17 @@ def test_told_to_ignore_it_a_runaway_goes_on_to_the_first_value_that_is_not_fini
     assert early.value.step < 100
 
 
+def test_told_to_ignore_it_an_energy_that_is_not_finite_is_said():
+    """After 1500 steps of the test above |x| is about 1.3266¹⁵⁰⁰ = 1e184, the square of which is beyond f64."""
+    well = pc.Scene(pc.Particles([[1.0, 0.0]]), pc.CentralForce((0.0, 0.0), 1.0, exponent=1.0))
+    run = simulation(well, pc.VelocityVerlet(), 2.02, on_divergence="ignore")
+    run.step(500)
+    assert np.isfinite(run.energy().total)
+    run.step(1000)
+    with pytest.warns(pc.StabilityWarning, match=r"beyond the range of numbers \(inf\)"):
+        run.energy()
+
+
 def test_a_force_of_the_users_that_is_not_finite_is_named():
     broken = pc.CustomForce(lambda time, x, v: np.full_like(x, np.nan if time > 0.5 else 0.0))
     run = pc.Simulation(pc.Scene(pc.Particles([[0.0, 0.0]]), broken), dt=0.125)

@@ -20,6 +20,8 @@ from physcore.film.themes import Theme
 
 STEP = 3.0
 """Length of a step along a streamline [pixels]."""
+LONGEST = 10_000.0
+"""The greatest length [pixels]: more than crosses any picture."""
 LEAST = 0.02
 """Where the field is below this fraction of its top, lines end: it has no direction to speak of."""
 
@@ -34,7 +36,7 @@ class Streamlines(FieldStyle):
     Args:
         of: as in Arrows.
         spacing: between the ends of lines [pixels].
-        length: of a line [pixels].
+        length: of a line [pixels], at most 10 000.
         width: at a line's end [pixels].
         colormap: as in Points; None: all in the color of text.
         top: the value at the end of the color scale, above zero; None: what is typical of the frame with the most.
@@ -54,7 +56,7 @@ class Streamlines(FieldStyle):
         super().__post_init__()
         self._set(
             spacing=number(self.spacing, "Streamlines.spacing", least=6.0),
-            length=number(self.length, "Streamlines.length", least=2.0 * STEP),
+            length=number(self.length, "Streamlines.length", least=2.0 * STEP, most=LONGEST),
             width=number(self.width, "Streamlines.width", above=0.0),
         )
 
