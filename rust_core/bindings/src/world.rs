@@ -8,7 +8,7 @@ use numpy::{PyArray1, PyArray2, PyReadonlyArray1, ToPyArray};
 use physcore_engine::error::{Error, Result as EngineResult};
 use physcore_engine::forces::Flow;
 use physcore_engine::memory;
-use physcore_engine::parallel::{ALONE, Crew, attend};
+use physcore_engine::parallel::{Executor, SERIAL, attend};
 use physcore_engine::simulation::{self, Adaptation, Capture, Numerics, Rule, Segment, Vigilance};
 use physcore_engine::stability::{Kind, Limit};
 use pyo3::gc::{PyTraverseError, PyVisit};
@@ -132,13 +132,13 @@ impl World {
     fn ask<T: Send + 'static>(
         &self,
         py: Python<'_>,
-        question: impl FnOnce(&dyn simulation::World, &Crew) -> EngineResult<T> + Send + 'static,
+        question: impl FnOnce(&dyn simulation::World, &Executor) -> EngineResult<T> + Send + 'static,
     ) -> PyResult<T> {
         if !self.glance(py, |world| world.is_long())? {
-            return self.look(py, |world| question(world, &ALONE))?.map_err(|error| exception(py, error));
+            return self.look(py, |world| question(world, &SERIAL))?.map_err(|error| exception(py, error));
         }
         let (inner, threads) = (Arc::clone(&self.inner), self.threads);
-        let job = move |crew: &Crew| Ok(question(looked_at(&inner)?.as_ref(), crew)?);
+        let job = move |executor: &Executor| Ok(question(looked_at(&inner)?.as_ref(), executor)?);
         without_gil(py, || attend(threads, &interrupted, job)?)
     }
 
@@ -156,12 +156,12 @@ impl World {
     fn change_at_length<T: Send + 'static>(
         &self,
         py: Python<'_>,
-        work: impl FnOnce(&mut dyn simulation::World, &Crew) -> EngineResult<T> + Send + 'static,
+        work: impl FnOnce(&mut dyn simulation::World, &Executor) -> EngineResult<T> + Send + 'static,
     ) -> PyResult<T> {
         let (claim, inner) = (self.claim(py)?, Arc::clone(&self.inner));
-        let job = move |crew: &Crew| {
+        let job = move |executor: &Executor| {
             let _claim = claim;
-            Ok(work(changed(&inner, &|| crew.stopped())?.as_mut(), crew)?)
+            Ok(work(changed(&inner, &|| executor.stopped())?.as_mut(), executor)?)
         };
         without_gil(py, || attend(self.threads, &interrupted, job)?)
     }
@@ -218,9 +218,9 @@ impl World {
         let (dimension, count, calls_back) = (scene.dimension, scene.count(), !functions.is_empty());
         let threads = numerics.threads().map_err(|error| exception(py, error))?;
         let things = count + scene.bodies.iter().map(|body| body.springs.len()).sum::<usize>();
-        let build = move |crew: &Crew| simulation::build(&scene, &numerics, crew);
+        let build = move |executor: &Executor| simulation::build(&scene, &numerics, executor);
         let inner = without_gil(py, || {
-            Ok(if things < FEW && !calls_back { build(&ALONE) } else { attend(threads, &interrupted, build)? }?)
+            Ok(if things < FEW && !calls_back { build(&SERIAL) } else { attend(threads, &interrupted, build)? }?)
         })?;
         let inner = Arc::new(RwLock::new(inner));
         Ok(Self { inner, changing: Arc::default(), functions, dimension, count, threads })
@@ -295,15 +295,15 @@ impl World {
     fn set(&self, py: Python<'_>, positions: Option<&Bound<'_, PyAny>>, velocities: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
         let positions = positions.map(scene::vectors).transpose()?;
         let velocities = velocities.map(scene::vectors).transpose()?;
-        self.change_at_length(py, move |world, crew| world.set(positions.as_deref(), velocities.as_deref(), crew))
+        self.change_at_length(py, move |world, executor| world.set(positions.as_deref(), velocities.as_deref(), executor))
     }
 
     fn energy<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let energy = if self.functions.is_empty() {
-            self.ask(py, |world, crew| world.energy(crew))?
+            self.ask(py, |world, executor| world.energy(executor))?
         } else {
             // Whoever is called may try to change the world, which must be refused and cannot wait.
-            self.change_at_length(py, |world, crew| world.energy(crew))?
+            self.change_at_length(py, |world, executor| world.energy(executor))?
         };
         let (record, potential, dissipated) = (PyDict::new(py), PyDict::new(py), PyDict::new(py));
         for (name, value) in &energy.potential {
@@ -333,15 +333,15 @@ impl World {
     }
 
     fn limit<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        limit_record(py, self.ask(py, |world, crew| world.limit(crew))?)
+        limit_record(py, self.ask(py, |world, executor| world.limit(executor))?)
     }
 
     fn certified(&self, py: Python<'_>) -> PyResult<f64> {
-        self.ask(py, |world, crew| world.certified(crew))
+        self.ask(py, |world, executor| world.certified(executor))
     }
 
     fn present_limit<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        limit_record(py, self.ask(py, |world, crew| world.present_limit(crew))?)
+        limit_record(py, self.ask(py, |world, executor| world.present_limit(executor))?)
     }
 
     fn plan<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
@@ -370,7 +370,7 @@ impl World {
         record.set_item("clock", [capture.segment.start, capture.segment.dt].to_pyarray(py))?;
         record.set_item("steps", [capture.segment.steps, capture.steps].to_pyarray(py))?;
         record.set_item("columns", PyArray1::from_vec(py, capture.columns))?;
-        record.set_item("meters", PyArray1::from_vec(py, capture.meters))?;
+        record.set_item("meters", PyArray1::from_vec(py, capture.tallies))?;
         record.set_item("watch", capture.watch.to_pyarray(py))?;
         record.set_item("forces", PyArray1::from_vec(py, capture.forces))?;
         let Adaptation { rejected, failed, range, control } = capture.adaptation;
@@ -388,7 +388,7 @@ impl World {
             segment: Segment { start, steps: segment, dt },
             steps,
             columns: column(state, "columns")?,
-            meters: column(state, "meters")?,
+            tallies: column(state, "meters")?,
             watch: numbers(state, "watch")?,
             adaptation: Adaptation { rejected, failed, range: [smallest, largest], control: [wanted, last] },
             forces: column(state, "forces")?,

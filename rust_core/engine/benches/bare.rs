@@ -2,8 +2,8 @@
 //! budget, watches for nothing and knows one integrator and one force: `cargo bench --bench bare`.
 //!
 //! And what safety costs at most: the same steps asked for at once, and in halves. A half is a chunk of its own, so the
-//! difference is what is done once in a chunk: the watch over divergence, keeping the state to go back to, moving it
-//! through the caches, and handing the work to a thread. It is given as a share of a whole chunk.
+//! difference is what is done once in a batch: the watch over divergence, keeping the state to go back to, moving it
+//! through the caches, and handing the work to a thread. It is given as a share of a whole batch.
 //!
 //! The two take turns in one process on one thread at the same SIMD level, because the speed of a machine wanders; the
 //! clock is that of CPU time, which does not count what other programs take.
@@ -12,7 +12,7 @@ use std::cell::RefCell;
 
 use glam::DVec3;
 use physcore_engine::math::Real;
-use physcore_engine::parallel::ALONE;
+use physcore_engine::parallel::SERIAL;
 use physcore_engine::scene::{Body, Scene, Spring, Term, Value};
 use physcore_engine::simd::{Kernel, LANES, Lanes, Level, dispatch};
 use physcore_engine::simulation::{Numerics, Vigilance, World, build};
@@ -35,7 +35,7 @@ fn rest_length([across, up]: [isize; 2]) -> f64 {
 /// The particles of a block that the hand-written cloth works on.
 const BLOCK: usize = 1024;
 /// Turns that each takes; the median counts.
-const TURNS: usize = 15;
+const DRIFT_KICK: usize = 15;
 
 /// A group of lanes that begins at a cache line: a vector that straddles two costs twice.
 #[derive(Clone, Copy)]
@@ -181,7 +181,7 @@ fn world(dimension: usize, precision: &str, body: Body, forces: Vec<Term>) -> Bo
         runaway: 1e6,
         vigilance: Vigilance::Agitated,
     };
-    build(&Scene { dimension, bodies: vec![body], forces, ..Scene::default() }, &numerics, &ALONE).expect("the scene is sound")
+    build(&Scene { dimension, bodies: vec![body], forces, ..Scene::default() }, &numerics, &SERIAL).expect("the scene is sound")
 }
 
 /// The CPU time that all threads of this process have taken [s].
@@ -203,28 +203,28 @@ fn race(mut one: impl FnMut(), mut other: impl FnMut()) -> [f64; 2] {
     one();
     other();
     let mut times = [Vec::new(), Vec::new()];
-    for _ in 0..TURNS {
+    for _ in 0..DRIFT_KICK {
         times[0].push(time(&mut one));
         times[1].push(time(&mut other));
     }
     times.map(|mut times| {
         times.sort_by(f64::total_cmp);
-        times[TURNS / 2]
+        times[DRIFT_KICK / 2]
     })
 }
 
-/// Races a scene with its hand-written loop, then whole chunks with halves, and prints what came of it.
-fn report(title: &str, precision: &str, updates: f64, world: &mut dyn World, [steps, chunk]: [u64; 2], bare: impl FnMut()) {
+/// Races a scene with its hand-written loop, then whole batches with halves, and prints what came of it.
+fn report(title: &str, precision: &str, updates: f64, world: &mut dyn World, [steps, batch]: [u64; 2], bare: impl FnMut()) {
     let world = RefCell::new(world);
     let step = |steps: u64| world.borrow_mut().step(steps, STEP, &|| false).expect("nothing diverges");
     let [engine, bare] = race(|| step(steps), bare);
-    let [whole, halves] = race(|| step(chunk), || (0..2).for_each(|_| step(chunk / 2)));
+    let [whole, halves] = race(|| step(batch), || (0..2).for_each(|_| step(batch / 2)));
     let rates = [engine, bare].map(|time| 1e-6 * updates * steps as f64 / time);
     let [ratio, share] = [engine / bare, 100.0 * (halves / whole - 1.0)];
-    println!("{title:<28}{precision:<6}{:>10.0}{:>10.0}{ratio:>10.2}{chunk:>10}{share:>10.1} %", rates[0], rates[1]);
+    println!("{title:<28}{precision:<6}{:>10.0}{:>10.0}{ratio:>10.2}{batch:>10}{share:>10.1} %", rates[0], rates[1]);
 }
 
-fn fall<T: Real>(count: usize, block: usize, [steps, chunk]: [u64; 2]) {
+fn fall<T: Real>(count: usize, block: usize, [steps, batch]: [u64; 2]) {
     let place = |index: usize| DVec3::new((index as f64).sin(), (index as f64).cos(), 0.3 * index as f64 / count as f64);
     let dust = body((0..count).map(place).collect(), (0..count).map(|index| place(index + 7)).collect(), 1.0, Vec::new());
     let column = |first: usize, axis: usize| -> Vec<Group<T>> {
@@ -243,10 +243,10 @@ fn fall<T: Real>(count: usize, block: usize, [steps, chunk]: [u64; 2]) {
     ];
     let mut world = world(3, T::NAME, dust, forces);
     let bare = || (0..count / block).for_each(|_| dispatch(Fall { axes: &mut axes, steps }));
-    report("particles, gravity, drag", T::NAME, count as f64, &mut *world, [steps, chunk], bare);
+    report("particles, gravity, drag", T::NAME, count as f64, &mut *world, [steps, batch], bare);
 }
 
-fn cloth<T: Real>(columns: usize, rows: usize, [steps, chunk]: [u64; 2]) {
+fn cloth<T: Real>(columns: usize, rows: usize, [steps, batch]: [u64; 2]) {
     let count = columns * rows;
     let place = |index: usize| CLOTH[0] * DVec3::new((index % columns) as f64, (index / columns) as f64, 0.0);
     let speed = |index: usize| 0.01 * DVec3::new((index as f64).sin(), (2.0 * index as f64).cos(), 0.0);
@@ -281,12 +281,12 @@ fn cloth<T: Real>(columns: usize, rows: usize, [steps, chunk]: [u64; 2]) {
         let (x, v, p, f, scratch) = (&mut x, &mut v, &mut p, &mut f, &mut scratch);
         dispatch(Sheet { columns, x, v, p, f, present, scratch, steps });
     };
-    report("springs of a cloth", T::NAME, work, &mut *world, [steps, chunk], bare);
+    report("springs of a cloth", T::NAME, work, &mut *world, [steps, batch], bare);
 }
 
 fn main() {
     println!("million updates per second of CPU time on one thread, {:?}", Level::current());
-    println!("{:<34}{:>10}{:>10}{:>10}{:>10}{:>12}", "", "engine", "by hand", "ratio", "chunk", "its costs");
+    println!("{:<34}{:>10}{:>10}{:>10}{:>10}{:>12}", "", "engine", "by hand", "ratio", "batch", "its costs");
     fall::<f32>(1 << 20, 512, [200, 200]);
     fall::<f64>(1 << 20, 512, [200, 200]);
     cloth::<f32>(316, 316, [40, 10]);

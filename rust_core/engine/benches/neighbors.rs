@@ -5,7 +5,7 @@ use glam::{DVec2, DVec3, Vec2, Vec3};
 use physcore_engine::math::{AXES, Real, Vector};
 use physcore_engine::neighbors::sums::{Pair, PairLaw, Records};
 use physcore_engine::neighbors::{Domain, Neighbors};
-use physcore_engine::parallel::Crew;
+use physcore_engine::parallel::Executor;
 use physcore_engine::simd::Number;
 
 /// The smoothing length, in spacings of the lattice; the support is twice that.
@@ -44,7 +44,7 @@ impl<T: Real> Fluid<T> {
 fn approach<V: Vector, N: Number>(pair: &Pair<N>) -> N {
     let mut sum = N::constant(0.0);
     for axis in 0..V::DIMENSION {
-        sum += (pair.own[V::DIMENSION + axis] - pair.other[V::DIMENSION + axis]) * pair.apart[axis];
+        sum += (pair.own[V::DIMENSION + axis] - pair.other[V::DIMENSION + axis]) * pair.separation[axis];
     }
     sum
 }
@@ -68,11 +68,15 @@ struct Momentum<T>(Fluid<T>);
 impl<V: Vector> PairLaw<V, 3> for Momentum<V::Scalar> {
     #[inline(always)]
     fn terms<N: Number<Scalar = V::Scalar>>(&self, pair: &Pair<N>) -> [N; 3] {
-        let Pair { own, other, apart, square } = pair;
+        let Pair { own, other, separation, square } = pair;
         let approach = approach::<V, N>(pair).min(N::constant(0.0));
         let viscosity = N::of(self.0.viscosity) * approach / ((*square + N::of(self.0.softening)) * (own[6] + other[6]));
         let strength = (own[7] + other[7] - viscosity) * self.0.slope(*square);
-        [strength * apart[0], strength * apart[1], if V::DIMENSION == 3 { strength * apart[2] } else { N::constant(0.0) }]
+        [
+            strength * separation[0],
+            strength * separation[1],
+            if V::DIMENSION == 3 { strength * separation[2] } else { N::constant(0.0) },
+        ]
     }
 }
 
@@ -89,13 +93,13 @@ fn bench<V: Vector>(criterion: &mut Criterion, side: usize) {
     });
     let positions = positions.each_ref().map(Vec::as_slice);
     let velocity: Vec<V::Scalar> = (0..count).map(|_| V::Scalar::from_f64(number() - 0.5)).collect();
-    let crew = Crew::alone();
+    let executor = Executor::serial();
     let domain = Domain::default();
     let mut neighbors = Neighbors::new(count, V::DIMENSION, &domain, 2.0 * SMOOTHING, SKIN).expect("a sensible search");
-    neighbors.update(positions, &crew).expect("positions near 0");
+    neighbors.update(positions, &executor).expect("positions near 0");
     let mut records = Records::<V>::new(&neighbors);
     let fill = |records: &mut Records<V>, neighbors: &Neighbors| {
-        records.fill(neighbors, positions, &crew, &|particle, record| {
+        records.fill(neighbors, positions, &executor, &|particle, record| {
             (0..V::DIMENSION).for_each(|axis| record[V::DIMENSION + axis] = velocity[particle]);
             record[6] = V::Scalar::ONE;
             record[7] = velocity[particle];
@@ -108,16 +112,16 @@ fn bench<V: Vector>(criterion: &mut Criterion, side: usize) {
     let mut group = criterion.benchmark_group(format!("{}D {}", V::DIMENSION, V::Scalar::NAME));
     group.throughput(Throughput::Elements(count as u64));
     group.bench_function("continuity", |bencher| {
-        bencher.iter(|| records.sum(&neighbors, Continuity(Fluid::new()), &mut rates, &crew));
+        bencher.iter(|| records.sum(&neighbors, Continuity(Fluid::new()), &mut rates, &executor));
     });
     group.bench_function("momentum", |bencher| {
-        bencher.iter(|| records.sum(&neighbors, Momentum(Fluid::new()), &mut accelerations, &crew));
+        bencher.iter(|| records.sum(&neighbors, Momentum(Fluid::new()), &mut accelerations, &executor));
     });
     group.bench_function("fill", |bencher| bencher.iter(|| fill(&mut records, &neighbors)));
-    group.bench_function("check", |bencher| bencher.iter(|| neighbors.update(positions, &crew).expect("positions near 0")));
+    group.bench_function("check", |bencher| bencher.iter(|| neighbors.update(positions, &executor).expect("positions near 0")));
     // Without a skin every update makes the lists, as long as these are with one.
     let mut always = Neighbors::new(count, V::DIMENSION, &domain, 2.0 * SMOOTHING + SKIN, 0.0).expect("a sensible search");
-    group.bench_function("build", |bencher| bencher.iter(|| always.update(positions, &crew).expect("positions near 0")));
+    group.bench_function("build", |bencher| bencher.iter(|| always.update(positions, &executor).expect("positions near 0")));
     group.finish();
 }
 

@@ -5,10 +5,10 @@ use std::hint::black_box;
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use glam::{DVec2, DVec3, Vec2, Vec3};
 use physcore_engine::forces::springs::{Springs, ordering};
-use physcore_engine::forces::{Force, Moment, Rates};
+use physcore_engine::forces::{Force, Rates, StateView};
 use physcore_engine::math::{Real, Vector};
-use physcore_engine::matter::{CHANNELS, Columns, Properties, View};
-use physcore_engine::parallel::ALONE;
+use physcore_engine::matter::{Columns, Properties, SINKS, View};
+use physcore_engine::parallel::SERIAL;
 use physcore_engine::scene::Spring;
 use physcore_engine::simd::{LANES, padded};
 
@@ -64,17 +64,17 @@ fn bench<V: Vector>(criterion: &mut Criterion, columns: usize, rows: usize, shuf
         velocity.set(place as usize, V::narrow(DVec3::new(row.sin(), column.sin(), 0.0)));
     }
     let properties = Properties::<V> { caller: place, ..Properties::new(vec![1.0; count]) };
-    let at = Moment {
+    let at = StateView {
         position: position.view(),
         velocity: velocity.view(),
         residual: View::default(),
         properties: &properties,
         time: 0.0,
-        crew: &ALONE,
+        executor: &SERIAL,
     };
     let force = Springs::<V>::new(&springs, count);
     let mut sum = Columns::<V>::zeros(count);
-    let mut power = [[0.0; LANES]; CHANNELS];
+    let mut power = [[0.0; LANES]; SINKS];
     let mut group = criterion.benchmark_group(format!("{columns}x{rows}"));
     group.throughput(Throughput::Elements(springs.len() as u64));
     let name = format!("{} {}D {}", force.layout(), V::DIMENSION, V::Scalar::NAME);

@@ -7,9 +7,9 @@ use glam::DVec3;
 
 use crate::error::Result;
 use crate::math::Vector;
-use crate::matter::{Channel, Matter};
-use crate::parallel::Crew;
-use crate::systems::matter::Law;
+use crate::matter::{EnergySink, Matter};
+use crate::parallel::Executor;
+use crate::systems::matter::Dynamics;
 
 /// The energy at one moment.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -57,18 +57,18 @@ fn blocks<V: Vector>(matter: &Matter<V>) -> impl Iterator<Item = Range<usize>> {
 /// The energy of matter at a time.
 ///
 /// # Errors
-/// If a function of the user's fails, or the crew was asked to stop.
-pub fn energy<V: Vector>(law: &Law<V>, matter: &Matter<V>, time: f64, crew: &Crew) -> Result<Energy> {
-    let properties = &law.properties;
+/// If a function of the user's fails, or the executor was asked to stop.
+pub fn energy<V: Vector>(dynamics: &Dynamics<V>, matter: &Matter<V>, time: f64, executor: &Executor) -> Result<Energy> {
+    let properties = &dynamics.properties;
     let kinetic = |index: usize| {
         let square = matter.velocity.get(index).widen().length_squared();
         if properties.is_fixed(index) { 0.0 } else { 0.5 * properties.mass[index] * square }
     };
-    let at = law.moment_of(matter, time, crew);
+    let at = dynamics.view_of(matter, time, executor);
     let mut potential: Vec<(&'static str, f64)> = Vec::new();
-    for force in law.forces().iter().filter(|force| force.has_potential()) {
+    for force in dynamics.forces().iter().filter(|force| force.has_potential()) {
         let energy = blocks(matter).map(|block| force.potential(block, &at)).sum::<f64>() + force.potential_of_all(&at)?;
-        crew.check()?;
+        executor.check()?;
         let name = force.potential_name();
         match potential.iter_mut().find(|(other, _)| *other == name) {
             Some((_, sum)) => *sum += energy,
@@ -78,17 +78,17 @@ pub fn energy<V: Vector>(law: &Law<V>, matter: &Matter<V>, time: f64, crew: &Cre
     Ok(Energy {
         kinetic: blocks(matter).map(|block| block.map(kinetic).sum::<f64>()).sum(),
         potential,
-        internal: law.forces().iter().map(|force| force.internal()).sum(),
-        dissipated: [Channel::Drag, Channel::Damping, Channel::Contact, Channel::Viscosity]
-            .map(|channel| matter.metered(channel)),
-        work: matter.metered(Channel::Work),
+        internal: dynamics.forces().iter().map(|force| force.internal()).sum(),
+        dissipated: [EnergySink::Drag, EnergySink::Damping, EnergySink::Contact, EnergySink::Viscosity]
+            .map(|sink| matter.tallied(sink)),
+        work: matter.tallied(EnergySink::Work),
     })
 }
 
 /// The momentum [kg·m/s] and the angular momentum about the coordinates' origin [kg·m²/s] of all particles that are not
 /// fixed.
-pub fn momenta<V: Vector>(law: &Law<V>, matter: &Matter<V>) -> (DVec3, DVec3) {
-    let properties = &law.properties;
+pub fn momenta<V: Vector>(dynamics: &Dynamics<V>, matter: &Matter<V>) -> (DVec3, DVec3) {
+    let properties = &dynamics.properties;
     let of = |index: usize| {
         let momentum = matter.velocity.get(index).widen() * properties.mass[index];
         (momentum, (properties.origin + matter.position.get(index).widen()).cross(momentum))

@@ -2,8 +2,8 @@
 //!
 //! The integrator moves every particle as if there were no walls. [`Contacts::resolve`] then looks at the step's path, a
 //! parabola: groups of lanes that certainly stay clear are done ([`clearance`]); any other particle goes back to the
-//! start of the step and flies it again in double precision, from impact to impact ([`flight`]), sliding where it rests
-//! on walls ([`support`]). What an impact or friction takes is metered as exactly the kinetic energy that is lost, so
+//! start of the step and flies it again in double precision, from impact to impact ([`trajectory`]), sliding where it rests
+//! on walls ([`support`]). What an impact or friction takes is tallied as exactly the kinetic energy that is lost, so
 //! that total + dissipated stays as constant as it is without walls.
 
 use std::ops::Range;
@@ -13,16 +13,16 @@ use glam::DVec3;
 use crate::boundaries::{self, Boundary, Path, Wall};
 use crate::error::{Error, Result};
 use crate::math::{AXES, Real, Vector};
-use crate::matter::{Blocks, Channel, Columns, Properties, Span};
+use crate::matter::{Blocks, Columns, EnergySink, Properties, Span};
 use crate::scene::{Scene, Term, Value};
 use crate::simd::{dispatch, padded};
 
 mod clearance;
-mod flight;
 mod support;
+mod trajectory;
 
 use clearance::{Sweep, Test};
-use flight::Walls;
+use trajectory::Walls;
 
 /// How many units of rounding a particle may be from a wall and still count as touching it: a distance is a sum of four
 /// products and differences, each off by half a unit, of a position that is itself rounded along each axis.
@@ -169,7 +169,7 @@ impl<V: Vector> Contacts<V> {
     ///
     /// # Errors
     /// If the center of a particle lies outside a boundary.
-    pub fn admit(&self, position: &mut Columns<V>, properties: &Properties<V>) -> Result<usize> {
+    pub fn project_inside(&self, position: &mut Columns<V>, properties: &Properties<V>) -> Result<usize> {
         let mut order: Vec<usize> = (0..properties.count()).filter(|&index| !properties.is_fixed(index)).collect();
         order.sort_unstable_by_key(|&index| properties.caller[index]);
         let mut pushed = 0;
@@ -201,7 +201,7 @@ impl<V: Vector> Contacts<V> {
 
     /// Where the walls hold a particle that was moved to `x`; None if it stays clear of them, and so does what the state
     /// makes of that.
-    pub fn hold(&self, x: DVec3, properties: &Properties<V>, index: usize) -> Option<DVec3> {
+    pub fn confine(&self, x: DVec3, properties: &Properties<V>, index: usize) -> Option<DVec3> {
         let (body, radius) = (properties.body[index] as usize, properties.radius[index]);
         let rounded = V::narrow(x).widen();
         let mut surfaces = self.surfaces.iter().filter(|surface| surface.bodies[body]);
@@ -255,7 +255,7 @@ impl<V: Vector> Contacts<V> {
     /// Flies one particle's step again, if it does touch a wall.
     #[cold]
     #[inline(never)]
-    fn fly(&self, before: &Before<'_, V>, block: &mut Blocks<'_, V>, properties: &Properties<V>, h: f64, lane: usize) {
+    fn trajectory(&self, before: &Before<'_, V>, block: &mut Blocks<'_, V>, properties: &Properties<V>, h: f64, lane: usize) {
         let index = block.start + lane;
         let (body, radius) = (properties.body[index] as usize, properties.radius[index]);
         let (x_old, v_old) = (before.position(lane), before.velocity(lane));
@@ -267,13 +267,13 @@ impl<V: Vector> Contacts<V> {
         // The parabola through both positions; its slope is the velocity up to what the integrator makes of it.
         let path = Path { position: x_old, velocity: (x_new - x_old) / h - acceleration * (0.5 * h), acceleration };
         let walls = Walls { surfaces: &self.surfaces, body, radius, rounding: V::Scalar::EPSILON };
-        if let Some(end) = walls.fly(&path, v_old, h) {
+        if let Some(end) = walls.trajectory(&path, v_old, h) {
             block.position.set(lane, self.inside(end.position, body, radius));
             if !block.residual.is_empty() {
                 block.residual.set(lane, V::default());
             }
             block.velocity.set(lane, V::narrow(end.velocity));
-            block.meters[0].add(Channel::Contact, properties.mass[index] * end.lost);
+            block.tallies[0].add(EnergySink::Contact, properties.mass[index] * end.lost);
         }
     }
 }

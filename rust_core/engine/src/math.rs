@@ -11,7 +11,7 @@ use glam::{DVec2, DVec3, Vec2, Vec3};
 
 mod places;
 
-pub use places::Placed;
+pub use places::Coordinate;
 
 /// A floating-point number: f32 or f64.
 pub trait Real:
@@ -31,7 +31,7 @@ pub trait Real:
     + AddAssign
     + SubAssign
     + MulAssign
-    + Placed
+    + Coordinate
 {
     /// 0.
     const ZERO: Self;

@@ -6,9 +6,9 @@ use glam::DVec3;
 
 pub use crate::columns::{Columns, Span, View};
 use crate::math::{Real, Vector};
-pub use crate::meter::{CHANNELS, Channel, Meter, Power};
 use crate::parallel::Split;
 use crate::simd::padded;
+pub use crate::tally::{EnergySink, EnergyTally, Power, SINKS};
 
 /// What never changes while a simulation runs.
 #[derive(Debug, Clone)]
@@ -72,12 +72,12 @@ pub struct Matter<V: Vector> {
     /// Velocities [m/s].
     pub velocity: Columns<V>,
     /// What the integrator remembers from step to step or keeps between its stages.
-    pub memory: Vec<Columns<V>>,
+    pub registers: Vec<Columns<V>>,
     /// What the positions are short of the exact ones by rounding [m], where particles need to know how far apart they are
     /// more exactly than that; elsewhere without particles.
     pub residual: Columns<V>,
-    /// The energy that has left and entered, one meter per block.
-    pub meters: Vec<Meter>,
+    /// The energy that has left and entered, one tally per block.
+    pub tallies: Vec<EnergyTally>,
     /// The number of particles in a block.
     pub block: usize,
 }
@@ -95,13 +95,13 @@ fn parts<V: Vector>(place: DVec3) -> (V, V) {
 
 impl<V: Vector> Matter<V> {
     /// Matter at rest at the origin.
-    pub fn zeros(count: usize, memory: usize, block: usize) -> Self {
+    pub fn zeros(count: usize, registers: usize, block: usize) -> Self {
         Self {
             position: Columns::zeros(count),
             velocity: Columns::zeros(count),
-            memory: vec![Columns::zeros(count); memory],
+            registers: vec![Columns::zeros(count); registers],
             residual: Columns::zeros(0),
-            meters: vec![Meter::ZERO; count.div_ceil(block)],
+            tallies: vec![EnergyTally::ZERO; count.div_ceil(block)],
             block,
         }
     }
@@ -115,20 +115,20 @@ impl<V: Vector> Matter<V> {
     pub fn copy_from(&mut self, other: &Self) {
         self.position.copy_from(&other.position);
         self.velocity.copy_from(&other.velocity);
-        for (mine, theirs) in self.memory.iter_mut().zip(&other.memory) {
+        for (mine, theirs) in self.registers.iter_mut().zip(&other.registers) {
             mine.copy_from(theirs);
         }
         self.residual.copy_from(&other.residual);
-        self.meters.copy_from_slice(&other.meters);
+        self.tallies.copy_from_slice(&other.tallies);
     }
 
     /// The exact position of a particle relative to the origin [m].
-    pub fn place(&self, index: usize) -> DVec3 {
+    pub fn exact_position(&self, index: usize) -> DVec3 {
         exact(self.position.get(index), (self.residual.count() > 0).then(|| self.residual.get(index)))
     }
 
     /// Moves a particle to a position relative to the origin [m], as exactly as the state can hold it.
-    pub fn set_place(&mut self, index: usize, place: DVec3) {
+    pub fn set_exact_position(&mut self, index: usize, place: DVec3) {
         let (position, residual) = parts(place);
         self.position.set(index, position);
         if self.residual.count() > 0 {
@@ -136,39 +136,39 @@ impl<V: Vector> Matter<V> {
         }
     }
 
-    /// The energy that has passed through one channel so far [J], summed block by block.
-    pub fn metered(&self, channel: Channel) -> f64 {
-        self.meters.iter().map(|meter| meter.total(channel)).sum()
+    /// The energy that has passed through one sink so far [J], summed block by block.
+    pub fn tallied(&self, sink: EnergySink) -> f64 {
+        self.tallies.iter().map(|tally| tally.total(sink)).sum()
     }
 
     /// The memory that it takes [bytes].
     pub fn bytes(&self) -> usize {
-        let memory: usize = self.memory.iter().map(Columns::bytes).sum();
+        let registers: usize = self.registers.iter().map(Columns::bytes).sum();
         self.position.bytes()
             + self.velocity.bytes()
-            + memory
+            + registers
             + self.residual.bytes()
-            + std::mem::size_of_val(self.meters.as_slice())
+            + std::mem::size_of_val(self.tallies.as_slice())
     }
 
     /// All blocks, to write.
     pub fn blocks(&mut self) -> Blocks<'_, V> {
-        let mut memory = self.memory.iter_mut();
+        let mut registers = self.registers.iter_mut();
         Blocks {
             start: 0,
             count: self.position.count(),
             size: self.block,
             position: self.position.span(),
             velocity: self.velocity.span(),
-            memory: std::array::from_fn(|_| memory.next().map_or_else(Span::empty, Columns::span)),
+            registers: std::array::from_fn(|_| registers.next().map_or_else(Span::empty, Columns::span)),
             residual: self.residual.span(),
-            meters: &mut self.meters,
+            tallies: &mut self.tallies,
         }
     }
 }
 
 /// The most vectors per particle that an integrator may remember. Each has as many as it asks for; the others are empty.
-pub const MEMORY: usize = 6;
+pub const REGISTERS: usize = 6;
 
 /// Consecutive blocks of matter, to write.
 #[derive(Debug)]
@@ -183,11 +183,11 @@ pub struct Blocks<'a, V: Vector> {
     /// Velocities [m/s].
     pub velocity: Span<'a, V>,
     /// What the integrator remembers.
-    pub memory: [Span<'a, V>; MEMORY],
+    pub registers: [Span<'a, V>; REGISTERS],
     /// What the positions are short of by rounding [m]; empty where nobody needs it.
     pub residual: Span<'a, V>,
-    /// One meter per block.
-    pub meters: &'a mut [Meter],
+    /// One tally per block.
+    pub tallies: &'a mut [EnergyTally],
 }
 
 impl<'a, V: Vector> Blocks<'a, V> {
@@ -197,19 +197,19 @@ impl<'a, V: Vector> Blocks<'a, V> {
         count: usize,
         position: Span<'a, V>,
         velocity: Span<'a, V>,
-        memory: [Span<'a, V>; MEMORY],
-        meters: &'a mut [Meter],
+        registers: [Span<'a, V>; REGISTERS],
+        tallies: &'a mut [EnergyTally],
     ) -> Self {
-        Self { start, count, size: position.len(), position, velocity, memory, residual: Span::empty(), meters }
+        Self { start, count, size: position.len(), position, velocity, registers, residual: Span::empty(), tallies }
     }
 
     /// The exact position of a particle of these, relative to the origin [m].
-    pub fn place(&self, lane: usize) -> DVec3 {
+    pub fn exact_position(&self, lane: usize) -> DVec3 {
         exact(self.position.get(lane), (!self.residual.is_empty()).then(|| self.residual.get(lane)))
     }
 
     /// Moves a particle of these to a position relative to the origin [m], as exactly as the state can hold it.
-    pub fn set_place(&mut self, lane: usize, place: DVec3) {
+    pub fn set_exact_position(&mut self, lane: usize, place: DVec3) {
         let (position, residual) = parts(place);
         self.position.set(lane, position);
         if !self.residual.is_empty() {
@@ -226,7 +226,7 @@ impl<'a, V: Vector> Blocks<'a, V> {
 
 impl<V: Vector> Split for Blocks<'_, V> {
     fn blocks(&self) -> usize {
-        self.meters.len()
+        self.tallies.len()
     }
 
     fn split_at(self, blocks: usize) -> (Self, Self) {
@@ -235,11 +235,11 @@ impl<V: Vector> Split for Blocks<'_, V> {
         let (position, other_position) = self.position.split_at(length);
         let (velocity, other_velocity) = self.velocity.split_at(length);
         let (residual, other_residual) = self.residual.split_at(length);
-        let (meters, other_meters) = self.meters.split_at_mut(blocks);
-        let mut others: [Span<'_, V>; MEMORY] = std::array::from_fn(|_| Span::empty());
-        let memory = {
+        let (tallies, other_meters) = self.tallies.split_at_mut(blocks);
+        let mut others: [Span<'_, V>; REGISTERS] = std::array::from_fn(|_| Span::empty());
+        let registers = {
             let mut other = others.iter_mut();
-            self.memory.map(|span| {
+            self.registers.map(|span| {
                 let (first, rest) = span.split_at(length);
                 if let Some(place) = other.next() {
                     *place = rest;
@@ -247,16 +247,16 @@ impl<V: Vector> Split for Blocks<'_, V> {
                 first
             })
         };
-        let first = Self { start: self.start, count, size: self.size, position, velocity, memory, residual, meters };
+        let first = Self { start: self.start, count, size: self.size, position, velocity, registers, residual, tallies };
         let rest = Self {
             start: self.start + length,
             count: self.count - count,
             size: self.size,
             position: other_position,
             velocity: other_velocity,
-            memory: others,
+            registers: others,
             residual: other_residual,
-            meters: other_meters,
+            tallies: other_meters,
         };
         (first, rest)
     }

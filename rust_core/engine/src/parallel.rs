@@ -2,7 +2,7 @@
 //!
 //! Work is cut along fixed blocks by recursion, and each half owns what it writes; so neither locks nor unsafe code are
 //! needed, and the bits cannot depend on who ran what. A long job runs inside a pool while the calling thread waits and
-//! asks now and then whether to stop ([`Team::run`], [`attend`]); a short one runs on the calling thread.
+//! asks now and then whether to stop ([`ThreadPool::run`], [`attend`]); a short one runs on the calling thread.
 
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -36,7 +36,7 @@ impl<A: Split, B: Split> Split for (A, B) {
 
 /// Items to write, in blocks of one size.
 #[derive(Debug)]
-pub struct Chunks<'a, T> {
+pub struct BlockedSlice<'a, T> {
     /// The index of the first item in the whole.
     pub start: usize,
     /// The items.
@@ -44,14 +44,14 @@ pub struct Chunks<'a, T> {
     size: usize,
 }
 
-impl<'a, T> Chunks<'a, T> {
+impl<'a, T> BlockedSlice<'a, T> {
     /// All of `items`, in blocks of `size`, which must not be 0.
     pub fn new(items: &'a mut [T], size: usize) -> Self {
         Self { start: 0, items, size }
     }
 }
 
-impl<T: Send> Split for Chunks<'_, T> {
+impl<T: Send> Split for BlockedSlice<'_, T> {
     fn blocks(&self) -> usize {
         self.items.len().div_ceil(self.size)
     }
@@ -63,19 +63,19 @@ impl<T: Send> Split for Chunks<'_, T> {
     }
 }
 
-/// What a running job knows of its team.
+/// What a running job knows of its thread pool.
 #[derive(Debug)]
-pub struct Crew {
+pub struct Executor {
     threads: usize,
     stop: AtomicBool,
 }
 
-/// A crew of the calling thread that nobody stops.
-pub static ALONE: Crew = Crew::alone();
+/// An executor of the calling thread that nobody stops.
+pub static SERIAL: Executor = Executor::serial();
 
-impl Crew {
-    /// A crew of the calling thread alone.
-    pub const fn alone() -> Self {
+impl Executor {
+    /// An executor of the calling thread alone.
+    pub const fn serial() -> Self {
         Self { threads: 1, stop: AtomicBool::new(false) }
     }
 
@@ -99,11 +99,11 @@ impl Crew {
     }
 
     /// Runs `each` on every block, in any order.
-    pub fn sweep<W: Split>(&self, work: W, each: &(impl Fn(W) + Sync)) {
+    pub fn for_each_block<W: Split>(&self, work: W, each: &(impl Fn(W) + Sync)) {
         if self.threads > 1 && work.blocks() > 1 {
             let half = work.blocks() / 2;
             let (left, right) = work.split_at(half);
-            rayon::join(|| self.sweep(left, each), || self.sweep(right, each));
+            rayon::join(|| self.for_each_block(left, each), || self.for_each_block(right, each));
         } else {
             let mut rest = work;
             while rest.blocks() > 1 && !self.stopped() {
@@ -118,16 +118,16 @@ impl Crew {
     }
 }
 
-/// A team of threads of the simulation's own.
+/// A thread pool of threads of the simulation's own.
 #[derive(Debug)]
-pub struct Team {
+pub struct ThreadPool {
     threads: usize,
     pool: Option<rayon::ThreadPool>,
     process: u32,
 }
 
-impl Team {
-    /// A team of `threads` threads. They start with the first job that needs them.
+impl ThreadPool {
+    /// A thread pool of `threads` threads. They start with the first job that needs them.
     pub fn new(threads: usize) -> Self {
         Self { threads, pool: None, process: std::process::id() }
     }
@@ -152,10 +152,10 @@ impl Team {
     ///
     /// # Errors
     /// [`Error::Interrupted`] if it was stopped: the job has then ended early.
-    pub fn run(&mut self, interrupted: &dyn Fn() -> bool, job: impl FnOnce(&Crew) + Send) -> Result<()> {
-        let crew = Crew { threads: self.threads, stop: AtomicBool::new(false) };
+    pub fn run(&mut self, interrupted: &dyn Fn() -> bool, job: impl FnOnce(&Executor) + Send) -> Result<()> {
+        let executor = Executor { threads: self.threads, stop: AtomicBool::new(false) };
         let Some(pool) = self.pool() else {
-            job(&Crew::alone());
+            job(&Executor::serial());
             return Ok(());
         };
         let (ended, bell) = (Mutex::new(false), Condvar::new());
@@ -163,18 +163,18 @@ impl Team {
             scope.spawn(|_| {
                 // Set on the way out of a panic too, so that the wait below ends and the scope passes the panic on.
                 let _ended = RingWhenDropped(&ended, &bell);
-                job(&crew);
+                job(&executor);
             });
             let mut guard = ended.lock().unwrap_or_else(PoisonError::into_inner);
             while !*guard {
                 let (next, wait) = bell.wait_timeout(guard, POLL).unwrap_or_else(PoisonError::into_inner);
                 guard = next;
-                if wait.timed_out() && !*guard && !crew.stopped() && interrupted() {
-                    crew.stop.store(true, Ordering::Relaxed);
+                if wait.timed_out() && !*guard && !executor.stopped() && interrupted() {
+                    executor.stop.store(true, Ordering::Relaxed);
                 }
             }
         });
-        if crew.stopped() { Err(Error::Interrupted) } else { Ok(()) }
+        if executor.stopped() { Err(Error::Interrupted) } else { Ok(()) }
     }
 
     /// The pool; built anew after a fork, whose child has none of its threads. The parent's is left alone there, because
@@ -193,7 +193,7 @@ impl Team {
 }
 
 /// Runs a long job that owns all that it needs, on threads of its own, asking `interrupted` every 20 ms whether to stop. The
-/// caller does not wait for a job that was stopped: it ends at its next look at the crew, and drops what it holds.
+/// caller does not wait for a job that was stopped: it ends at its next look at the executor, and drops what it holds.
 ///
 /// # Errors
 /// [`Error::Interrupted`] if it was stopped.
@@ -203,14 +203,14 @@ impl Team {
 pub fn attend<T: Send + 'static>(
     threads: usize,
     interrupted: &dyn Fn() -> bool,
-    job: impl FnOnce(&Crew) -> T + Send + 'static,
+    job: impl FnOnce(&Executor) -> T + Send + 'static,
 ) -> Result<T> {
     let Ok(pool) = rayon::ThreadPoolBuilder::new().num_threads(threads).build() else {
-        return Ok(job(&ALONE));
+        return Ok(job(&SERIAL));
     };
-    let crew = Arc::new(Crew { threads, stop: AtomicBool::new(false) });
+    let executor = Arc::new(Executor { threads, stop: AtomicBool::new(false) });
     let (result, outcome) = channel();
-    let its = Arc::clone(&crew);
+    let its = Arc::clone(&executor);
     // A panic is handed over too: on a thread of the pool nobody would see it. A result that nobody waits for is dropped.
     pool.spawn(move || drop(result.send(catch_unwind(AssertUnwindSafe(|| job(&its))))));
     loop {
@@ -219,7 +219,7 @@ pub fn attend<T: Send + 'static>(
             Ok(Err(panic)) => resume_unwind(panic),
             Err(RecvTimeoutError::Timeout) if !interrupted() => {}
             Err(_) => {
-                crew.stop.store(true, Ordering::Relaxed);
+                executor.stop.store(true, Ordering::Relaxed);
                 return Err(Error::Interrupted);
             }
         }

@@ -11,10 +11,10 @@ use crate::math::{Real, Vector};
 use crate::matter::{Columns, Matter, Properties};
 use crate::memory;
 use crate::neighbors;
-use crate::parallel::Crew;
+use crate::parallel::Executor;
 use crate::scene::{Scene, Spring};
 use crate::simd::Level;
-use crate::systems::matter::{Law, MatterSystem};
+use crate::systems::matter::{Dynamics, MatterSystem};
 
 mod precision;
 
@@ -60,27 +60,27 @@ pub struct Compiled<V: Vector> {
 /// Compiles a scene for an integrator and a number of threads.
 ///
 /// # Errors
-/// If the scene makes no sense or does not fit into memory, or the crew was asked to stop.
-pub fn compile<V: Vector, I: Integrator>(scene: &Scene, threads: usize, crew: &Crew) -> Result<Compiled<V>> {
+/// If the scene makes no sense or does not fit into registers, or the executor was asked to stop.
+pub fn compile<V: Vector, I: Integrator>(scene: &Scene, threads: usize, executor: &Executor) -> Result<Compiled<V>> {
     let count = scene.count();
     memory::check("scene", footprint::<V, I>(scene), 0, || {
         format!("for {count} particles and what {} keeps of each; take fewer particles or precision=\"f32\"", I::NAME)
     })?;
     let springs = scene.springs();
     let order = ordering(scene, &springs);
-    crew.check()?;
+    executor.check()?;
     let properties = properties::<V>(scene, &order);
     precision::check::<V>(scene, &springs, &properties)?;
     let springs = renumbered(springs, &order);
-    crew.check()?;
+    executor.check()?;
 
     let (mut all, mut stages): (Vec<Box<dyn Force<V>>>, Vec<String>) = (Vec::new(), Vec::new());
     let mut notes = Vec::new();
     if !springs.is_empty() {
         all.push(Box::new(Springs::<V>::new(&springs, count)));
     }
-    if let Some(fluid) = forces::sph::fluid(scene, &properties, crew)? {
-        if let (Field::Carried, Some(reason)) = (fluid.field(), integrators::refuses_fields::<I>()) {
+    if let Some(fluid) = forces::sph::fluid(scene, &properties, executor)? {
+        if let (Field::Continuity, Some(reason)) = (fluid.field(), integrators::refuses_fields::<I>()) {
             let mut fit = Vec::new();
             with_integrator!(each Other => if integrators::refuses_fields::<Other>().is_none() {
                 fit.push(format!("{}()", Other::NAME));
@@ -91,7 +91,7 @@ pub fn compile<V: Vector, I: Integrator>(scene: &Scene, threads: usize, crew: &C
         all.push(fluid);
     }
     for term in &scene.forces {
-        crew.check()?;
+        executor.check()?;
         all.extend(forces::build(scene, term, &properties)?);
     }
     let contacts = Contacts::build(scene, &properties)?;
@@ -116,7 +116,7 @@ pub fn compile<V: Vector, I: Integrator>(scene: &Scene, threads: usize, crew: &C
     let pairs = all.iter().any(|force| force.reach() == Reach::Pairs);
     let mut state = state::<V>(scene, &properties, MatterSystem::<V>::block::<I>(independent), pairs)?;
     if let Some(contacts) = &contacts {
-        let pushed = contacts.admit(&mut state.position, &properties)?;
+        let pushed = contacts.project_inside(&mut state.position, &properties)?;
         if pushed > 0 {
             notes.push(format!("contacts: {pushed} particles overlapped a boundary at the start and were moved to its surface"));
         }
@@ -128,12 +128,12 @@ pub fn compile<V: Vector, I: Integrator>(scene: &Scene, threads: usize, crew: &C
     } else {
         format!("a sweep over blocks of {} particles per evaluation", state.block)
     };
-    let law = Law::new(properties, all, contacts, state.block);
-    let nominal = if law.is_dissipative() { I::ORDER_DISSIPATIVE } else { I::ORDER };
-    let order = law.forces().iter().map(|force| force.order()).fold(nominal, u32::min);
-    notes.extend(advice::<I>(law.is_dissipative(), bends && law.field() != Field::Carried));
-    crew.check()?;
-    let system = MatterSystem::new::<I>(law, state, threads);
+    let dynamics = Dynamics::new(properties, all, contacts, state.block);
+    let nominal = if dynamics.is_dissipative() { I::ORDER_DISSIPATIVE } else { I::ORDER };
+    let order = dynamics.forces().iter().map(|force| force.order()).fold(nominal, u32::min);
+    notes.extend(advice::<I>(dynamics.is_dissipative(), bends && dynamics.field() != Field::Continuity));
+    executor.check()?;
+    let system = MatterSystem::new::<I>(dynamics, state, threads);
     let plan = Plan {
         stages,
         dimension: V::DIMENSION,
@@ -141,11 +141,11 @@ pub fn compile<V: Vector, I: Integrator>(scene: &Scene, threads: usize, crew: &C
         integrator: I::NAME,
         order,
         evaluations: I::NODES.len(),
-        limit_varies: system.law().forces().iter().any(|force| force.bound_varies()),
+        limit_varies: system.dynamics().forces().iter().any(|force| force.bound_varies()),
         threads: system.threads(),
         layout,
         simd: Level::current().name(),
-        pairs: system.law().pairs(),
+        pairs: system.dynamics().pairs(),
         left_out,
         notes,
     };
@@ -164,9 +164,9 @@ const SPRING: usize = 250;
 pub fn footprint<V: Vector, I: Integrator>(scene: &Scene) -> usize {
     let springs: usize = scene.bodies.iter().map(|body| body.springs.len()).sum();
     let independent = springs == 0 && !forces::are_between_pairs(scene);
-    let memory = if independent { I::KEPT } else { I::MEMORY };
+    let registers = if independent { I::READABLE } else { I::REGISTERS };
     // The state with a copy of it, and what sweeps over it take.
-    let columns = 2 * (2 + memory) + if independent { 0 } else { 6 };
+    let columns = 2 * (2 + registers) + if independent { 0 } else { 6 };
     let vector = V::DIMENSION * size_of::<V::Scalar>();
     let fluid = scene.bodies.iter().any(|body| body.fluid.is_some());
     let neighbor = if forces::are_between_pairs(scene) { NEIGHBOR } else { 0 } + if fluid { FLUID } else { 0 };
@@ -277,7 +277,8 @@ fn state<V: Vector>(scene: &Scene, properties: &Properties<V>, block: usize, exa
     if exact && V::Scalar::NAME == "f32" {
         state.residual = Columns::zeros(count);
     }
-    (0..count).for_each(|index| state.set_place(index, positions[properties.caller[index] as usize] - properties.origin));
+    (0..count)
+        .for_each(|index| state.set_exact_position(index, positions[properties.caller[index] as usize] - properties.origin));
     state.velocity = Columns::from_fn(count, |index| V::narrow(velocities[properties.caller[index] as usize]));
     for (name, columns, given) in [("positions", &state.position, &positions), ("velocities", &state.velocity, &velocities)] {
         if let Some(index) = columns.out_of_range() {

@@ -17,12 +17,12 @@ use crate::error::{Error, Result};
 use crate::forces::{Fields, Flow};
 use crate::integrators::{Integrator, with_integrator};
 use crate::math::{Real, Vector};
-use crate::matter::{CHANNELS, Channel, Columns, Meter};
-use crate::parallel::{ALONE, Crew, Team};
+use crate::matter::{Columns, EnergySink, EnergyTally, SINKS};
+use crate::parallel::{Executor, SERIAL, ThreadPool};
 use crate::plan::{self, Compiled, Plan};
 use crate::scene::Scene;
 use crate::simd::{LANES, Level};
-use crate::stability::{Bound, Limit, Memo};
+use crate::stability::{Limit, LimitCache, SpectralBound};
 use crate::systems::matter::MatterSystem;
 use monitor::{Monitor, Steps};
 
@@ -61,7 +61,7 @@ impl Numerics {
         match self.threads {
             Some(0) => Err(Error::parameter("threads", "a whole number ≥ 1", 0)),
             Some(threads) => Ok(threads),
-            None => Team::default_threads(),
+            None => ThreadPool::default_threads(),
         }
     }
 }
@@ -93,8 +93,8 @@ pub struct Capture {
     pub steps: u64,
     /// Positions, velocities and what the integrator carries, relative to the origin, in the engine's order, axis by axis.
     pub columns: Vec<f64>,
-    /// The meters, block by block.
-    pub meters: Vec<f64>,
+    /// The tallies, block by block.
+    pub tallies: Vec<f64>,
     /// What the divergence monitor remembers.
     pub watch: [f64; 4],
     /// What adaptive steps remember.
@@ -126,7 +126,7 @@ pub trait World: Send + Sync {
     /// Velocities [m/s].
     fn velocities(&self) -> Vec<DVec3>;
     /// Moves or accelerates particles; the change of energy counts as work.
-    fn set(&mut self, positions: Option<&[DVec3]>, velocities: Option<&[DVec3]>, crew: &Crew) -> Result<()>;
+    fn set(&mut self, positions: Option<&[DVec3]>, velocities: Option<&[DVec3]>, executor: &Executor) -> Result<()>;
     /// Density and pressure of every particle, NaN where there is no fluid.
     fn fields(&self) -> Fields;
     /// The fastest flow of a fluid that was seen where the watch looked, if there is a fluid.
@@ -134,16 +134,16 @@ pub trait World: Send + Sync {
     /// Whether to find out its energy or its limits may take long.
     fn is_long(&self) -> bool;
     /// The energy now.
-    fn energy(&self, crew: &Crew) -> Result<Energy>;
+    fn energy(&self, executor: &Executor) -> Result<Energy>;
     /// The momentum [kg·m/s] and the angular momentum about the origin of coordinates [kg·m²/s].
     fn momenta(&self) -> (DVec3, DVec3);
     /// The largest time step as matters stand.
-    fn limit(&self, crew: &Crew) -> Result<Limit>;
+    fn limit(&self, executor: &Executor) -> Result<Limit>;
     /// The largest certified step [s], which is stable while no spring is shorter than half its rest length, wherever it
     /// turns.
-    fn certified(&self, crew: &Crew) -> Result<f64>;
+    fn certified(&self, executor: &Executor) -> Result<f64>;
     /// The largest certified step from the present state, whatever is ahead.
-    fn present_limit(&self, crew: &Crew) -> Result<Limit>;
+    fn present_limit(&self, executor: &Executor) -> Result<Limit>;
     /// Everything that the next step's bits depend on.
     fn capture(&self) -> Capture;
     /// Goes on from a captured state.
@@ -155,23 +155,23 @@ pub trait World: Send + Sync {
 /// Compiles a scene.
 ///
 /// # Errors
-/// If the scene or the numerics make no sense or do not fit into memory, or the crew was asked to stop.
-pub fn build(scene: &Scene, numerics: &Numerics, crew: &Crew) -> Result<Box<dyn World>> {
+/// If the scene or the numerics make no sense or do not fit into registers, or the executor was asked to stop.
+pub fn build(scene: &Scene, numerics: &Numerics, executor: &Executor) -> Result<Box<dyn World>> {
     Level::check()?;
     match (scene.dimension, numerics.precision.as_str()) {
-        (2, "f32") => build_for::<Vec2>(scene, numerics, crew),
-        (3, "f32") => build_for::<Vec3>(scene, numerics, crew),
-        (2, "f64") => build_for::<DVec2>(scene, numerics, crew),
-        (3, "f64") => build_for::<DVec3>(scene, numerics, crew),
+        (2, "f32") => build_for::<Vec2>(scene, numerics, executor),
+        (3, "f32") => build_for::<Vec3>(scene, numerics, executor),
+        (2, "f64") => build_for::<DVec2>(scene, numerics, executor),
+        (3, "f64") => build_for::<DVec3>(scene, numerics, executor),
         (2 | 3, other) => Err(Error::parameter("precision", "f32 or f64", other)),
         (other, _) => Err(Error::parameter("scene.dimension", "2 or 3", other)),
     }
 }
 
-fn build_for<V: Vector>(scene: &Scene, numerics: &Numerics, crew: &Crew) -> Result<Box<dyn World>> {
+fn build_for<V: Vector>(scene: &Scene, numerics: &Numerics, executor: &Executor) -> Result<Box<dyn World>> {
     with_integrator!(
         numerics.integrator.as_str(),
-        I => Ok(Box::new(Simulation::<V>::new::<I>(scene, numerics, crew)?)),
+        I => Ok(Box::new(Simulation::<V>::new::<I>(scene, numerics, executor)?)),
         Err(Error::parameter("integrator", "the name of an integrator", &numerics.integrator))
     )
 }
@@ -179,11 +179,11 @@ fn build_for<V: Vector>(scene: &Scene, numerics: &Numerics, crew: &Crew) -> Resu
 struct Simulation<V: Vector> {
     system: MatterSystem<V>,
     plan: Plan,
-    limit: fn(&Bound, &mut Memo) -> Limit,
-    sharpened: fn(Bound) -> Limit,
+    limit: fn(&SpectralBound, &mut LimitCache) -> Limit,
+    sharpened: fn(SpectralBound) -> Limit,
     /// Makes a bound one for the integrator.
-    bound_for: fn(Bound) -> Bound,
-    memo: Memo,
+    bound_for: fn(SpectralBound) -> SpectralBound,
+    cache: LimitCache,
     /// The certified limit while it stands [s], once it was asked for.
     certified: OnceLock<f64>,
     carried: usize,
@@ -201,20 +201,20 @@ struct Simulation<V: Vector> {
 const POLL: Duration = Duration::from_millis(20);
 
 impl<V: Vector> Simulation<V> {
-    fn new<I: Integrator>(scene: &Scene, numerics: &Numerics, crew: &Crew) -> Result<Self> {
-        let Compiled { system, plan } = plan::compile::<V, I>(scene, numerics.threads()?, crew)?;
+    fn new<I: Integrator>(scene: &Scene, numerics: &Numerics, executor: &Executor) -> Result<Self> {
+        let Compiled { system, plan } = plan::compile::<V, I>(scene, numerics.threads()?, executor)?;
         // An integrator that is stable on no oscillator may gain energy as it likes: that is what it is shown for.
         let spirals = I::limit(0.0) == 0.0;
         let runaway = if spirals { f64::INFINITY } else { numerics.runaway };
         let mut simulation = Self {
             system,
             plan,
-            limit: Bound::limit_after::<I>,
-            sharpened: Bound::sharp_limit::<I>,
-            bound_for: Bound::stepped_by::<I>,
-            memo: Memo::default(),
+            limit: SpectralBound::limit_after::<I>,
+            sharpened: SpectralBound::sharp_limit::<I>,
+            bound_for: SpectralBound::stepped_by::<I>,
+            cache: LimitCache::default(),
             certified: OnceLock::new(),
-            carried: I::CARRIED,
+            carried: I::PERSISTENT,
             order: I::ORDER,
             error: I::ERROR,
             adaptation: Adaptation::default(),
@@ -223,22 +223,22 @@ impl<V: Vector> Simulation<V> {
             monitor: Monitor::new(runaway, numerics.vigilance),
             flow: None,
         };
-        simulation.begin(crew)?;
+        simulation.begin(executor)?;
         // Who is near whom is known only now.
-        simulation.plan.pairs = simulation.system.law().pairs();
-        let energy = simulation.finite_energy(crew)?;
+        simulation.plan.pairs = simulation.system.dynamics().pairs();
+        let energy = simulation.finite_energy(executor)?;
         simulation.monitor.balance = energy.balance();
         simulation.monitor.observe(&energy, energy.kinetic, V::Scalar::EPSILON);
         Ok(simulation)
     }
 
-    fn begin(&mut self, crew: &Crew) -> Result<()> {
-        self.system.begin(self.segment.time(), crew)
+    fn begin(&mut self, executor: &Executor) -> Result<()> {
+        self.system.begin(self.segment.time(), executor)
     }
 
     /// The energy now, refused where it is out of the range of numbers.
-    fn finite_energy(&self, crew: &Crew) -> Result<Energy> {
-        let energy = self.energy(crew)?;
+    fn finite_energy(&self, executor: &Executor) -> Result<Energy> {
+        let energy = self.energy(executor)?;
         if energy.balance().is_finite() {
             return Ok(energy);
         }
@@ -254,8 +254,9 @@ impl<V: Vector> Simulation<V> {
 
     /// Two particles at the same place, in the caller's order, if there are any.
     fn coincident(&self) -> Option<[u32; 2]> {
-        let (state, caller) = (self.system.state(), &self.system.law().properties.caller);
-        let mut places: Vec<_> = (0..state.count()).map(|index| (state.place(index).to_array(), caller[index])).collect();
+        let (state, caller) = (self.system.state(), &self.system.dynamics().properties.caller);
+        let mut places: Vec<_> =
+            (0..state.count()).map(|index| (state.exact_position(index).to_array(), caller[index])).collect();
         places.sort_by(|(one, _), (other, _)| one.partial_cmp(other).unwrap_or(std::cmp::Ordering::Equal));
         let pairs = places.windows(2).filter(|pair| pair[0].0 == pair[1].0);
         pairs.map(|pair| [pair[0].1.min(pair[1].1), pair[0].1.max(pair[1].1)]).min()
@@ -278,33 +279,33 @@ impl<V: Vector> Simulation<V> {
 
     /// Whether the certified limit is the one that it is whenever this holds.
     fn stands(&self) -> bool {
-        let (law, state) = (self.system.law(), self.system.state());
-        let at = law.moment_of(state, self.segment.time(), &ALONE);
-        law.forces().iter().all(|force| force.bound_stands(&at))
+        let (dynamics, state) = (self.system.dynamics(), self.system.state());
+        let at = dynamics.view_of(state, self.segment.time(), &SERIAL);
+        dynamics.forces().iter().all(|force| force.bound_stands(&at))
     }
 
     /// What the terms contribute to a bound of some kind in the present state.
-    fn bound(&self, empty: fn(&[f64], &[u32]) -> Bound) -> Result<Bound> {
-        self.bound_by(empty, &ALONE)
+    fn bound(&self, empty: fn(&[f64], &[u32]) -> SpectralBound) -> Result<SpectralBound> {
+        self.bound_by(empty, &SERIAL)
     }
 
-    /// The same, shared among a crew; when that was asked to stop, some part of it.
-    fn bound_by(&self, empty: fn(&[f64], &[u32]) -> Bound, crew: &Crew) -> Result<Bound> {
-        let (law, state) = (self.system.law(), self.system.state());
-        let bound = (self.bound_for)(empty(&law.properties.mass, &law.properties.body));
-        law.bound(&law.moment_of(state, self.segment.time(), crew), bound)
+    /// The same, shared among an executor; when that was asked to stop, some part of it.
+    fn bound_by(&self, empty: fn(&[f64], &[u32]) -> SpectralBound, executor: &Executor) -> Result<SpectralBound> {
+        let (dynamics, state) = (self.system.dynamics(), self.system.state());
+        let bound = (self.bound_for)(empty(&dynamics.properties.mass, &dynamics.properties.body));
+        dynamics.bound(&dynamics.view_of(state, self.segment.time(), executor), bound)
     }
 
     /// The fastest flow of the present state.
     fn fastest_flow(&self) -> Option<Flow> {
         let velocity = self.system.state().velocity.view();
-        self.system.law().forces().iter().find_map(|force| force.flow(velocity))
+        self.system.dynamics().forces().iter().find_map(|force| force.flow(velocity))
     }
 
     /// The columns that make up the state, in a fixed order.
     fn columns(&self) -> impl Iterator<Item = &Columns<V>> {
         let state = self.system.state();
-        [&state.position, &state.velocity, &state.residual].into_iter().chain(state.memory.iter().take(self.carried))
+        [&state.position, &state.velocity, &state.residual].into_iter().chain(state.registers.iter().take(self.carried))
     }
 }
 
@@ -318,7 +319,7 @@ impl<V: Vector> World for Simulation<V> {
     }
 
     fn findings(&self) -> Vec<String> {
-        let findings = self.system.law().forces().iter().map(|force| (force.name(), force.findings()));
+        let findings = self.system.dynamics().forces().iter().map(|force| (force.name(), force.findings()));
         findings.filter(|(_, found)| !found.is_empty()).map(|(name, found)| format!("{name}: {found}")).collect()
     }
 
@@ -359,30 +360,30 @@ impl<V: Vector> World for Simulation<V> {
     }
 
     fn positions(&self) -> Vec<DVec3> {
-        let properties = &self.system.law().properties;
+        let properties = &self.system.dynamics().properties;
         let mut positions = vec![DVec3::ZERO; properties.count()];
         for (index, &caller) in properties.caller.iter().enumerate() {
-            positions[caller as usize] = properties.origin + self.system.state().place(index);
+            positions[caller as usize] = properties.origin + self.system.state().exact_position(index);
         }
         positions
     }
 
     fn velocities(&self) -> Vec<DVec3> {
         let mut velocities = vec![DVec3::ZERO; self.system.state().count()];
-        for (index, &caller) in self.system.law().properties.caller.iter().enumerate() {
+        for (index, &caller) in self.system.dynamics().properties.caller.iter().enumerate() {
             velocities[caller as usize] = self.system.state().velocity.get(index).widen();
         }
         velocities
     }
 
-    fn set(&mut self, positions: Option<&[DVec3]>, velocities: Option<&[DVec3]>, crew: &Crew) -> Result<()> {
-        let before = self.energy(crew)?.total();
-        let law = self.system.law();
-        let (count, properties) = (law.properties.count(), &law.properties);
+    fn set(&mut self, positions: Option<&[DVec3]>, velocities: Option<&[DVec3]>, executor: &Executor) -> Result<()> {
+        let before = self.energy(executor)?.total();
+        let dynamics = self.system.dynamics();
+        let (count, properties) = (dynamics.properties.count(), &dynamics.properties);
         let of = |index: usize, vectors: &[DVec3]| vectors[properties.caller[index] as usize];
         let mut moved = positions.map(|positions| {
             let mut moved = self.system.state().clone();
-            (0..count).for_each(|index| moved.set_place(index, of(index, positions) - properties.origin));
+            (0..count).for_each(|index| moved.set_exact_position(index, of(index, positions) - properties.origin));
             moved
         });
         let accelerated = velocities.map(|velocities| Columns::<V>::from_fn(count, |index| V::narrow(of(index, velocities))));
@@ -395,8 +396,8 @@ impl<V: Vector> World for Simulation<V> {
                 return Err(plan::out_of_range::<V>(&format!("set.{name}[{caller}]"), given[caller]));
             }
         }
-        if let (Some(moved), Some(contacts)) = (&mut moved, &law.contacts) {
-            contacts.admit(&mut moved.position, properties)?;
+        if let (Some(moved), Some(contacts)) = (&mut moved, &dynamics.contacts) {
+            contacts.project_inside(&mut moved.position, properties)?;
         }
         let (kept, histories) = (self.system.state().clone(), self.system.recollection());
         let state = self.system.state_mut();
@@ -405,9 +406,9 @@ impl<V: Vector> World for Simulation<V> {
         }
         state.velocity = accelerated.unwrap_or_else(|| std::mem::take(&mut state.velocity));
         // First the forces, because what some of them keep for their energy follows the state.
-        let done = self.begin(crew).and_then(|()| self.finite_energy(crew)).map(|energy| {
-            if let Some(meter) = self.system.state_mut().meters.first_mut() {
-                meter.add(Channel::Work, energy.total() - before);
+        let done = self.begin(executor).and_then(|()| self.finite_energy(executor)).map(|energy| {
+            if let Some(tally) = self.system.state_mut().tallies.first_mut() {
+                tally.add(EnergySink::Work, energy.total() - before);
             }
         });
         if done.is_err() {
@@ -419,11 +420,11 @@ impl<V: Vector> World for Simulation<V> {
     }
 
     fn fields(&self) -> Fields {
-        let law = self.system.law();
-        let caller = &law.properties.caller;
+        let dynamics = self.system.dynamics();
+        let caller = &dynamics.properties.caller;
         let nothing = || vec![f64::NAN; caller.len()];
         let mut fields = Fields { density: nothing(), pressure: nothing() };
-        law.forces().iter().for_each(|force| force.show(&mut fields));
+        dynamics.forces().iter().for_each(|force| force.show(&mut fields));
         let ordered = |values: &[f64]| {
             let mut ordered = nothing();
             caller.iter().zip(values).for_each(|(&caller, &value)| ordered[caller as usize] = value);
@@ -440,49 +441,49 @@ impl<V: Vector> World for Simulation<V> {
         self.system.is_long()
     }
 
-    fn energy(&self, crew: &Crew) -> Result<Energy> {
-        audit::energy(self.system.law(), self.system.state(), self.segment.time(), crew)
+    fn energy(&self, executor: &Executor) -> Result<Energy> {
+        audit::energy(self.system.dynamics(), self.system.state(), self.segment.time(), executor)
     }
 
     fn momenta(&self) -> (DVec3, DVec3) {
-        audit::momenta(self.system.law(), self.system.state())
+        audit::momenta(self.system.dynamics(), self.system.state())
     }
 
-    fn limit(&self, crew: &Crew) -> Result<Limit> {
-        let bound = self.bound_by(Bound::directed, crew)?;
-        crew.check()?;
+    fn limit(&self, executor: &Executor) -> Result<Limit> {
+        let bound = self.bound_by(SpectralBound::directed, executor)?;
+        executor.check()?;
         Ok((self.sharpened)(bound))
     }
 
-    fn certified(&self, crew: &Crew) -> Result<f64> {
+    fn certified(&self, executor: &Executor) -> Result<f64> {
         let stands = self.stands();
         if let (true, Some(&known)) = (stands, self.certified.get()) {
             return Ok(known);
         }
-        let bound = self.bound_by(Bound::new, crew)?;
-        crew.check()?;
-        let found = (self.limit)(&bound, &mut Memo::default()).stability;
+        let bound = self.bound_by(SpectralBound::new, executor)?;
+        executor.check()?;
+        let found = (self.limit)(&bound, &mut LimitCache::default()).stability;
         if stands {
             self.certified.get_or_init(|| found);
         }
         Ok(found)
     }
 
-    fn present_limit(&self, crew: &Crew) -> Result<Limit> {
-        let bound = self.bound_by(Bound::at_present, crew)?;
-        crew.check()?;
-        Ok((self.limit)(&bound, &mut Memo::default()))
+    fn present_limit(&self, executor: &Executor) -> Result<Limit> {
+        let bound = self.bound_by(SpectralBound::at_present, executor)?;
+        executor.check()?;
+        Ok((self.limit)(&bound, &mut LimitCache::default()))
     }
 
     fn capture(&self) -> Capture {
         let columns =
             self.columns().flat_map(|columns| (0..V::DIMENSION).flat_map(|axis| &columns.axis(axis)[..columns.count()]));
-        let meters = self.system.state().meters.iter().flat_map(|meter| meter.energy.iter().chain(&meter.last).flatten());
+        let tallies = self.system.state().tallies.iter().flat_map(|tally| tally.energy.iter().chain(&tally.last).flatten());
         Capture {
             segment: self.segment,
             steps: self.steps,
             columns: columns.map(|number| number.to_f64()).collect(),
-            meters: meters.copied().collect(),
+            tallies: tallies.copied().collect(),
             watch: [self.monitor.scale, self.monitor.lowest, self.monitor.balance, self.monitor.threshold],
             adaptation: self.adaptation,
             forces: self.system.recollection(),
@@ -491,25 +492,25 @@ impl<V: Vector> World for Simulation<V> {
 
     fn restore(&mut self, capture: &Capture) -> Result<()> {
         let state = self.system.state();
-        let (count, blocks) = (state.count(), state.meters.len());
-        let per_meter = 2 * CHANNELS * LANES;
+        let (count, blocks) = (state.count(), state.tallies.len());
+        let per_meter = 2 * SINKS * LANES;
         let numbers = ((2 + self.carried) * count + state.residual.count()) * V::DIMENSION;
-        if capture.columns.len() != numbers || capture.meters.len() != blocks * per_meter {
+        if capture.columns.len() != numbers || capture.tallies.len() != blocks * per_meter {
             return Err(Error::State("it does not belong to this scene and these numerics".to_owned()));
         }
         let carried = self.carried;
         let state = self.system.state_mut();
         let mut numbers = capture.columns.iter();
         let columns = [&mut state.position, &mut state.velocity, &mut state.residual];
-        for columns in columns.into_iter().chain(state.memory.iter_mut().take(carried)) {
+        for columns in columns.into_iter().chain(state.registers.iter_mut().take(carried)) {
             let count = columns.count();
             for axis in columns.span().axes.iter_mut().take(V::DIMENSION) {
                 axis[..count].iter_mut().zip(&mut numbers).for_each(|(slot, &number)| *slot = V::Scalar::from_f64(number));
             }
         }
-        for (meter, numbers) in state.meters.iter_mut().zip(capture.meters.chunks_exact(per_meter)) {
-            *meter = Meter::ZERO;
-            let slots = meter.energy.iter_mut().chain(&mut meter.last).flatten();
+        for (tally, numbers) in state.tallies.iter_mut().zip(capture.tallies.chunks_exact(per_meter)) {
+            *tally = EnergyTally::ZERO;
+            let slots = tally.energy.iter_mut().chain(&mut tally.last).flatten();
             slots.zip(numbers).for_each(|(slot, &number)| *slot = number);
         }
         self.segment = capture.segment;

@@ -10,7 +10,7 @@
 //!    the same γ for all. Elsewhere their bound is measured, not proved, and has the margin [`Integrator::COUPLED`].
 //! 2. **Rows bound the eigenvalues**: see [`rows`]. Bodies share no spring, so each has a bound of its own. A negative ω²
 //!    (a buckling spring) grows in truth as well, and limits no step. Rows know no directions, so that they hold while the
-//!    springs turn; as the springs stand, the eigenvalues may be half of that, and [`Bound::sharpened`] finds them ([`lanczos`]).
+//!    springs turn; as the springs stand, the eigenvalues may be half of that, and [`SpectralBound::sharpened`] finds them ([`lanczos`]).
 //! 3. **The box of modes.** All modes of a body have ω ≤ Ω and Γ₀ ≤ γ ≤ Γ: see [`modes`]. A particle in harmonic wells and under
 //!    linear drag alone is an oscillator of its own, with one ω and one γ, and its limit is that of the integrator itself.
 
@@ -22,9 +22,9 @@ use glam::DVec3;
 
 use crate::integrators::{Integrator, VelocityVerlet};
 use lanczos::Edge;
-pub use modes::Memo;
+pub use modes::LimitCache;
 use modes::{Band, Method, Modes};
-use rows::{Row, Rows};
+use rows::{GershgorinRows, Row};
 
 /// How many different oscillators are looked at one by one: their limits take as long as those of a few boxes of modes.
 const MOST_OSCILLATORS: usize = 256;
@@ -92,12 +92,12 @@ pub struct Link {
 
 /// What the terms of a scene contribute to the bound.
 #[derive(Debug, Clone)]
-pub struct Bound {
+pub struct SpectralBound {
     /// 1/m [1/kg], 0 where fixed.
     inverse_mass: Vec<f64>,
     body: Vec<u32>,
-    stiffness: Rows,
-    damping: Rows,
+    stiffness: GershgorinRows,
+    damping: GershgorinRows,
     /// Whether the springs' directions are noted, which takes longer than the rest.
     directed: bool,
     stiffness_edges: Vec<Edge>,
@@ -114,14 +114,14 @@ pub struct Bound {
     oscillator: fn(f64, f64, f64) -> [f64; 2],
 }
 
-impl Bound {
+impl SpectralBound {
     /// A bound without terms, for particles of these masses [kg], infinite where fixed, that belong to these bodies.
     pub fn new(mass: &[f64], body: &[u32]) -> Self {
         Self {
             inverse_mass: mass.iter().map(|mass| mass.recip()).collect(),
             body: body.to_vec(),
-            stiffness: Rows::new("springs"),
-            damping: Rows::new("spring damping"),
+            stiffness: GershgorinRows::new("springs"),
+            damping: GershgorinRows::new("spring damping"),
             directed: false,
             stiffness_edges: Vec::new(),
             damping_edges: Vec::new(),
@@ -151,7 +151,7 @@ impl Bound {
         timed.min_by(|(one, _), (other, _)| one.total_cmp(other)).map_or([0.0; 2], |(_, oscillator)| oscillator)
     }
 
-    /// The same, which can be [`Bound::sharpened`].
+    /// The same, which can be [`SpectralBound::sharpened`].
     pub fn directed(mass: &[f64], body: &[u32]) -> Self {
         Self { directed: true, ..Self::new(mass, body) }
     }
@@ -202,7 +202,7 @@ impl Bound {
     }
 
     /// About the largest eigenvalue of each body with springs, from below and from above; 0 and infinite for the others.
-    fn spectrum(&self, rows: &Rows, edges: &[Edge]) -> Vec<[f64; 2]> {
+    fn spectrum(&self, rows: &GershgorinRows, edges: &[Edge]) -> Vec<[f64; 2]> {
         let bodies = self.bodies();
         let around = rows.around(&self.inverse_mass);
         let alone = rows.points(&self.inverse_mass);
@@ -246,7 +246,7 @@ impl Bound {
         }
     }
 
-    /// That part of the stiffness [N/m] and the damping [N·s/m] given to [`Bound::point`] which acts in every direction, everywhere
+    /// That part of the stiffness [N/m] and the damping [N·s/m] given to [`SpectralBound::point`] which acts in every direction, everywhere
     /// and at any speed: harmonic wells and linear drag. Where nothing else acts, they make the particle an oscillator.
     pub fn steady(&mut self, i: usize, stiffness: f64, damping: f64) {
         self.steady.resize(self.inverse_mass.len(), [0.0; 2]);
@@ -263,7 +263,7 @@ impl Bound {
 
     /// The limit for one integrator.
     pub fn limit<I: Integrator>(&self) -> Limit {
-        self.limit_after::<I>(&mut Memo::default())
+        self.limit_after::<I>(&mut LimitCache::default())
     }
 
     /// The limit as the springs stand, with that which holds wherever they turn, and with what is surely beyond it.
@@ -271,23 +271,23 @@ impl Bound {
         let certified = self.limit::<I>().stability;
         let sharpened = self.sharpened();
         let (modes, method) = (sharpened.modes(), Method::of::<I>());
-        let limit = sharpened.limit_with(&modes, &method, &mut Memo::default());
+        let limit = sharpened.limit_with(&modes, &method, &mut LimitCache::default());
         let endured = modes.iter().map(|modes| modes.endured(&method)).fold(f64::INFINITY, f64::min);
         Limit { certified, endured: endured.max(limit.stability), ..limit }
     }
 
-    /// The same as [`Bound::limit`], for one bound after the other.
-    pub fn limit_after<I: Integrator>(&self, memo: &mut Memo) -> Limit {
-        self.limit_with(&self.modes(), &Method::of::<I>(), memo)
+    /// The same as [`SpectralBound::limit`], for one bound after the other.
+    pub fn limit_after<I: Integrator>(&self, cache: &mut LimitCache) -> Limit {
+        self.limit_with(&self.modes(), &Method::of::<I>(), cache)
     }
 
     /// The limit for an integrator whose largest stable ωh is `largest` of the damping ratio, mode by mode.
     pub fn limit_of(&self, largest: fn(f64) -> f64) -> Limit {
-        self.limit_with(&self.modes(), &Method { largest, last: largest, coupled: 1.0 }, &mut Memo::default())
+        self.limit_with(&self.modes(), &Method { largest, last: largest, coupled: 1.0 }, &mut LimitCache::default())
     }
 
-    fn limit_with(&self, modes: &[Modes], method: &Method, memo: &mut Memo) -> Limit {
-        let (stability, binding) = memo.least(modes, method);
+    fn limit_with(&self, modes: &[Modes], method: &Method, cache: &mut LimitCache) -> Limit {
+        let (stability, binding) = cache.least(modes, method);
         let (slowest, accuracy) = self.accuracy.unwrap_or(("", f64::INFINITY));
         let (term, kind) = match stability.min(accuracy) {
             f64::INFINITY => ("", Kind::None),
@@ -299,9 +299,9 @@ impl Bound {
 
     /// The boxes of modes of all bodies, and of the oscillators apart from them, without those that another box encloses.
     fn modes(&self) -> Vec<Modes> {
-        let apart: Vec<bool> = (0..self.steady.len()).map(|i| self.is_oscillator(i)).collect();
-        let mut boxes = self.bodies_apart(&apart);
-        boxes.extend(self.oscillators(&apart));
+        let separation: Vec<bool> = (0..self.steady.len()).map(|i| self.is_oscillator(i)).collect();
+        let mut boxes = self.bodies_apart(&separation);
+        boxes.extend(self.oscillators(&separation));
         boxes.retain(|modes| modes.stiffness.highest.rate > 0.0 || modes.damping.highest.rate > 0.0);
         boxes.sort_by(|one, other| other.stiffness.highest.rate.total_cmp(&one.stiffness.highest.rate));
         let mut outer: Vec<Modes> = Vec::new();
@@ -314,10 +314,10 @@ impl Bound {
     }
 
     /// The box of modes of each body, of its particles that are no oscillators.
-    fn bodies_apart(&self, apart: &[bool]) -> Vec<Modes> {
+    fn bodies_apart(&self, separation: &[bool]) -> Vec<Modes> {
         let bodies = self.bodies();
-        let counts = |i: usize| !apart.get(i).is_some_and(|&apart| apart);
-        let bands = |rows: &Rows, sharper: &[[f64; 2]], kind: usize| -> Vec<Band> {
+        let counts = |i: usize| !separation.get(i).is_some_and(|&separation| separation);
+        let bands = |rows: &GershgorinRows, sharper: &[[f64; 2]], kind: usize| -> Vec<Band> {
             let mut least = vec![if kind == 0 || self.steady.is_empty() { 0.0 } else { f64::INFINITY }; bodies];
             for ((steady, &inverse_mass), (i, &body)) in
                 self.steady.iter().zip(&self.inverse_mass).zip(self.body.iter().enumerate())
@@ -345,16 +345,18 @@ impl Bound {
     }
 
     /// The oscillators: of those with one damping ratio, the fastest. Where there are too many, one box for all of them.
-    fn oscillators(&self, apart: &[bool]) -> Vec<Modes> {
+    fn oscillators(&self, separation: &[bool]) -> Vec<Modes> {
         let of = |i: usize| {
-            let band = |rows: &Rows, value: f64| Band::exactly(Row { rate: value * self.inverse_mass[i], term: rows.leading(i) });
+            let band = |rows: &GershgorinRows, value: f64| {
+                Band::exactly(Row { rate: value * self.inverse_mass[i], term: rows.leading(i) })
+            };
             let [stiffness, damping] = self.steady[i];
             Modes { stiffness: band(&self.stiffness, stiffness), damping: band(&self.damping, damping) }
         };
         let rates = |modes: &Modes| (modes.stiffness.least, modes.damping.least);
         let ratio = |modes: &Modes| (modes.damping.least / modes.stiffness.least.sqrt()).to_bits();
         let (mut all, mut fastest): (Option<Modes>, Vec<Modes>) = (None, Vec::new());
-        for i in (0..apart.len()).filter(|&i| self.inverse_mass[i] > 0.0 && apart[i]) {
+        for i in (0..separation.len()).filter(|&i| self.inverse_mass[i] > 0.0 && separation[i]) {
             let modes = of(i);
             all = Some(all.map_or(modes, |all| all.with(&modes)));
             if fastest.len() > MOST_OSCILLATORS || rates(&modes) == (0.0, 0.0) {

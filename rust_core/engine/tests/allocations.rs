@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use glam::DVec3;
-use physcore_engine::parallel::ALONE;
+use physcore_engine::parallel::SERIAL;
 use physcore_engine::scene::{Body, Fluid, Scene, Spring, Term, Value};
 use physcore_engine::simulation::{Numerics, Vigilance, build};
 
@@ -63,7 +63,7 @@ fn steps_allocate_nothing() {
                 runaway: 1e6,
                 vigilance: Vigilance::OutOfRange,
             };
-            let mut world = build(&scene, &numerics, &ALONE).unwrap();
+            let mut world = build(&scene, &numerics, &SERIAL).unwrap();
             world.step(10, 1e-3, &|| false).unwrap();
             let allocated = allocation_counter::measure(|| (0..10).for_each(|_| world.step(1, 1e-3, &|| false).unwrap()));
             // A step may end with an audit, which lists the names of the forces.
@@ -119,7 +119,7 @@ fn steps_of_a_shifted_fluid_allocate_nothing() {
         runaway: 1e6,
         vigilance: Vigilance::OutOfRange,
     };
-    let mut world = build(&scene, &numerics, &ALONE).unwrap();
+    let mut world = build(&scene, &numerics, &SERIAL).unwrap();
     world.step(200, 5e-4, &|| false).unwrap();
     let allocated = allocation_counter::measure(|| (0..10).for_each(|_| world.step(1, 5e-4, &|| false).unwrap()));
     // As above.

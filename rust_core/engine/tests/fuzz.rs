@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use glam::DVec3;
 use physcore_engine::error::Error;
-use physcore_engine::parallel::ALONE;
+use physcore_engine::parallel::SERIAL;
 use physcore_engine::scene::{Body, Fluid, Scene, Spring, Term, Value};
 use physcore_engine::simulation::{Numerics, Vigilance, World, build};
 use proptest::prelude::*;
@@ -182,19 +182,19 @@ fn is_finite(world: &dyn World) -> bool {
 proptest! {
     #[test]
     fn a_scene_is_refused_or_stays_finite(scene in scene(), numerics in numerics(), dt in amount(), steps in 1_u64..20) {
-        let Ok(mut world) = build(&scene, &numerics, &ALONE) else { return Ok(()) };
+        let Ok(mut world) = build(&scene, &numerics, &SERIAL) else { return Ok(()) };
         prop_assert!(is_finite(&*world), "not finite at the start");
-        let (limit, certified) = (world.limit(&ALONE).unwrap(), world.certified(&ALONE).unwrap());
+        let (limit, certified) = (world.limit(&SERIAL).unwrap(), world.certified(&SERIAL).unwrap());
         prop_assert!(!limit.dt().is_nan() && !certified.is_nan(), "the limit is not a number");
         let outcome = world.step(steps, dt, &|| false);
         prop_assert!(!matches!(outcome, Err(Error::State(_))), "{:?}", outcome);
         prop_assert!(is_finite(&*world), "not finite after {:?}", outcome);
         let capture = world.capture();
-        let mut other = build(&scene, &numerics, &ALONE).unwrap();
+        let mut other = build(&scene, &numerics, &SERIAL).unwrap();
         other.restore(&capture).unwrap();
         prop_assert_eq!(world.state_hash(), other.state_hash());
-        if world.energy(&ALONE).is_ok() {
-            prop_assert!(world.set(None, Some(&world.positions()), &ALONE).is_err() || is_finite(&*world), "not finite after set");
+        if world.energy(&SERIAL).is_ok() {
+            prop_assert!(world.set(None, Some(&world.positions()), &SERIAL).is_err() || is_finite(&*world), "not finite after set");
         }
     }
 }

@@ -5,10 +5,10 @@
 
 use glam::DVec3;
 use physcore_engine::integrators::{
-    BlanesMoan4, BlanesMoan6, BogackiShampine3, DormandPrince5, ExplicitEuler, Integrator, McLachlan2, Pefrl, Register,
+    BlanesMoan4, BlanesMoan6, BogackiShampine3, Component, DormandPrince5, ExplicitEuler, Integrator, McLachlan2, Pefrl,
     RungeKutta4, SemiImplicitEuler, VelocityVerlet,
 };
-use physcore_engine::stability::{Bound, Kind, Limit, Link};
+use physcore_engine::stability::{Kind, Limit, Link, SpectralBound};
 use proptest::prelude::*;
 
 type Matrix = Vec<Vec<f64>>;
@@ -40,9 +40,9 @@ struct Network {
 }
 
 impl Network {
-    fn bound(&self) -> Bound {
+    fn bound(&self) -> SpectralBound {
         let mass: Vec<f64> = self.particles.iter().map(|particle| particle.mass).collect();
-        let mut bound = Bound::directed(&mass, &vec![0; mass.len()]);
+        let mut bound = SpectralBound::directed(&mass, &vec![0; mass.len()]);
         for spring in &self.springs {
             let [from, to] = [spring.ends.0, spring.ends.1].map(|end| DVec3::from_array(self.particles[end].position));
             let (offset, stiffness, damping) = (to - from, spring.stiffness, spring.damping);
@@ -132,26 +132,26 @@ fn largest_eigenvalue(mut matrix: Matrix) -> f64 {
 /// in units of 1/h and accelerations in 1/h², so that its entries are numbers.
 fn amplification<I: Integrator>(stiffness: &Matrix, damping: &Matrix, h: f64) -> Matrix {
     let size = stiffness.len();
-    let total = size * (2 + I::CARRIED);
+    let total = size * (2 + I::PERSISTENT);
     let mut columns = vec![vec![0.0; total]; total];
     for (index, column) in columns.iter_mut().enumerate() {
         let unit = |kind: usize, place: usize| if index == kind * size + place { 1.0 } else { 0.0 };
-        let mut registers: Vec<Register<f64>> =
-            (0..size).map(|place| Register::new(unit(0, place), unit(1, place), unit(2, place))).collect();
+        let mut components: Vec<Component<f64>> =
+            (0..size).map(|place| Component::new(unit(0, place), unit(1, place), unit(2, place))).collect();
         for stage in 0..I::NODES.len() {
-            for register in &mut registers {
-                I::point(stage, register, 1.0);
+            for component in &mut components {
+                I::stage_state(stage, component, 1.0);
             }
-            let at = registers.clone();
-            for (place, register) in registers.iter_mut().enumerate() {
+            let at = components.clone();
+            for (place, component) in components.iter_mut().enumerate() {
                 let rows = stiffness[place].iter().zip(&damping[place]).zip(&at);
                 let a: f64 = rows.map(|((k, c), other)| -h * h * k * other.x - h * c * other.v).sum();
-                I::absorb(stage, register, a, 1.0);
+                I::stage_update(stage, component, a, 1.0);
             }
         }
-        for (place, register) in registers.iter().enumerate() {
-            let image = [register.x, register.v, register.memory[0]];
-            (0..2 + I::CARRIED).for_each(|kind| column[kind * size + place] = image[kind]);
+        for (place, component) in components.iter().enumerate() {
+            let image = [component.x, component.v, component.registers[0]];
+            (0..2 + I::PERSISTENT).for_each(|kind| column[kind * size + place] = image[kind]);
         }
     }
     // By columns: the transpose, which has the same eigenvalues.
@@ -366,8 +366,8 @@ fn link(stiffness: f64, damping: f64) -> Link {
 }
 
 /// One particle of 1 kg on a spring from a fixed one.
-fn oscillator(stiffness: f64, damping: f64) -> Bound {
-    let mut bound = Bound::new(&[1.0, f64::INFINITY], &[0, 0]);
+fn oscillator(stiffness: f64, damping: f64) -> SpectralBound {
+    let mut bound = SpectralBound::new(&[1.0, f64::INFINITY], &[0, 0]);
     bound.spring(0, 1, &link(stiffness, damping));
     bound
 }
@@ -375,7 +375,7 @@ fn oscillator(stiffness: f64, damping: f64) -> Bound {
 /// A chain's fastest mode has ω = 2√(k/m) cos(π/2N), and the bound is 2√(k/m).
 #[test]
 fn the_bound_of_a_chain_is_tight() {
-    let mut bound = Bound::new(&[2.0; 50], &[0; 50]);
+    let mut bound = SpectralBound::new(&[2.0; 50], &[0; 50]);
     (1..50).for_each(|j| bound.spring(j - 1, j, &link(800.0, 0.0)));
     let truth = 2.0 / (2.0 * (800.0_f64 / 2.0).sqrt() * (std::f64::consts::PI / 100.0).cos());
     let ratio = bound.limit::<VelocityVerlet>().dt() / truth;
@@ -421,7 +421,7 @@ fn the_bound_of_a_lattice_is_of_the_right_size() {
 #[test]
 fn a_spring_shorter_than_half_is_bounded_across() {
     for (length, stiffest) in [(1.0, 5.0), (0.5, 5.0), (0.25, 15.0)] {
-        let mut bound = Bound::new(&[1.0, 1.0], &[0, 0]);
+        let mut bound = SpectralBound::new(&[1.0, 1.0], &[0, 0]);
         let offset = DVec3::new(0.6, 0.0, 0.8) * length;
         bound.spring(0, 1, &Link { offset, rest_length: 1.0, stiffness: 5.0, damping: 0.0 });
         let exact = 2.0 / f64::sqrt(2.0 * stiffest);
@@ -439,9 +439,9 @@ fn nothing_limits_what_feels_nothing() {
         certified: f64::INFINITY,
         endured: f64::INFINITY,
     };
-    assert_eq!(Bound::new(&[], &[]).limit::<VelocityVerlet>(), nothing);
-    assert_eq!(Bound::new(&[1.0, 2.0], &[0, 0]).limit::<ExplicitEuler>(), nothing);
-    let mut fixed = Bound::new(&[f64::INFINITY; 2], &[0, 0]);
+    assert_eq!(SpectralBound::new(&[], &[]).limit::<VelocityVerlet>(), nothing);
+    assert_eq!(SpectralBound::new(&[1.0, 2.0], &[0, 0]).limit::<ExplicitEuler>(), nothing);
+    let mut fixed = SpectralBound::new(&[f64::INFINITY; 2], &[0, 0]);
     fixed.spring(0, 1, &link(1e8, 1e3));
     fixed.point(0, "well", 1e8, 1e3);
     assert_eq!(fixed.limit::<RungeKutta4>(), nothing);
@@ -461,7 +461,7 @@ fn explicit_euler_is_stable_only_with_damping_everywhere() {
 fn assert_sharp<I: Integrator>() {
     for (ratio, frequency) in [(0.0, 3.0), (0.1, 0.2), (0.3, 5.0), (0.5, 1.0), (0.9, 7.0), (1.0, 1.0), (2.5, 1.0), (40.0, 0.1)] {
         let (mass, stiffness, damping) = (2.0, 2.0 * frequency * frequency, 2.0 * 2.0 * ratio * frequency);
-        let mut bound = Bound::directed(&[mass, mass, f64::INFINITY], &[0, 0, 0]);
+        let mut bound = SpectralBound::directed(&[mass, mass, f64::INFINITY], &[0, 0, 0]);
         // The other one swings half as fast at the same damping ratio.
         for (i, slower) in [(0, 1.0), (1, 0.5)] {
             bound.point(i, "central", stiffness * slower * slower, 0.0);
@@ -500,14 +500,14 @@ fn the_bound_of_independent_oscillators_is_the_limit_of_the_integrator() {
 fn different_oscillators_are_looked_at_one_by_one() {
     let limit = |count: u32| {
         let mass: Vec<f64> = (0..count).map(|i| 1.0 + f64::from(i)).collect();
-        let mut bound = Bound::new(&mass, &vec![0; mass.len()]);
+        let mut bound = SpectralBound::new(&mass, &vec![0; mass.len()]);
         for i in 0..mass.len() {
             bound.point(i, "central", 1.0, 0.0);
             bound.point(i, "drag", 0.0, 2.0);
             bound.steady(i, 1.0, 2.0);
         }
-        let alone = mass.iter().map(|mass| RungeKutta4::limit(mass.recip().sqrt()) * mass.sqrt());
-        (bound.limit::<RungeKutta4>().stability, alone.fold(f64::INFINITY, f64::min))
+        let serial = mass.iter().map(|mass| RungeKutta4::limit(mass.recip().sqrt()) * mass.sqrt());
+        (bound.limit::<RungeKutta4>().stability, serial.fold(f64::INFINITY, f64::min))
     };
     let (few, each) = limit(100);
     assert!((few / each - 1.0).abs() < 1e-9, "{few} for {each}");
@@ -518,7 +518,7 @@ fn different_oscillators_are_looked_at_one_by_one() {
 /// What holds a fixed particle may be stiffer than any number: it does not move.
 #[test]
 fn a_fixed_particle_may_be_held_by_any_stiffness() {
-    let mut bound = Bound::new(&[1.0, f64::INFINITY, 1.0], &[0; 3]);
+    let mut bound = SpectralBound::new(&[1.0, f64::INFINITY, 1.0], &[0; 3]);
     bound.spring(0, 1, &link(1e308, 1e308));
     bound.spring(1, 2, &link(1e308, 1e308));
     let limit = bound.sharp_limit::<VelocityVerlet>();
@@ -529,7 +529,7 @@ fn a_fixed_particle_may_be_held_by_any_stiffness() {
 /// Two particles in equal wells: ω² = 2k/m + p/m, the row's two sources added, not their worst cases.
 #[test]
 fn the_sources_of_a_row_are_summed() {
-    let mut bound = Bound::new(&[2.0, 2.0], &[0, 0]);
+    let mut bound = SpectralBound::new(&[2.0, 2.0], &[0, 0]);
     bound.spring(0, 1, &link(30.0, 0.0));
     bound.point(0, "well", 10.0, 0.0);
     bound.point(1, "well", 10.0, 0.0);
@@ -539,7 +539,7 @@ fn the_sources_of_a_row_are_summed() {
 /// A stiff body without drag and a soft one with much: neither makes the other's step smaller.
 #[test]
 fn bodies_are_bounded_apart() {
-    let mut both = Bound::new(&[1.0, f64::INFINITY, 1.0], &[0, 0, 1]);
+    let mut both = SpectralBound::new(&[1.0, f64::INFINITY, 1.0], &[0, 0, 1]);
     both.spring(0, 1, &link(100.0, 0.0));
     both.point(2, "drag", 0.0, 9.0);
     // Verlet: 2/ω = 0.2 s for the first, m/b = 1/9 s for the second.

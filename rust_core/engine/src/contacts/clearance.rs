@@ -87,7 +87,7 @@ impl<V: Vector> Kernel for Sweep<'_, '_, '_, V> {
             if touched {
                 for (lane, value) in clear.into_iter().enumerate() {
                     if value <= V::Scalar::ZERO {
-                        contacts.fly(self.before, self.block, self.properties, self.h, base + lane);
+                        contacts.trajectory(self.before, self.block, self.properties, self.h, base + lane);
                     }
                 }
             }

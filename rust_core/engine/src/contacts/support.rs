@@ -7,7 +7,7 @@
 
 use glam::DVec3;
 
-use super::flight::{Touch, Touches, pushes};
+use super::trajectory::{Contact, ContactSet, pushes};
 
 /// The largest angle through which a slide turns on a curved wall before the wall is looked at again.
 const ANGLE: f64 = 0.25;
@@ -15,10 +15,10 @@ const ANGLE: f64 = 0.25;
 /// What carries a particle.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Support {
-    carriers: [Touch; 2],
+    carriers: [Contact; 2],
     count: usize,
     /// Every wall that the particle stays on, carrying or just alongside.
-    pub slides: Touches,
+    pub slides: ContactSet,
     /// The step's mean acceleration.
     load: DVec3,
     /// Its part along the surface.
@@ -45,45 +45,45 @@ pub(super) struct Slip {
 impl Support {
     /// The support of a particle, or None if it leaves all the walls that it touches. Normal speeds up to `still` are
     /// rounding, and are taken away.
-    pub fn of(touches: &Touches, velocity: &mut DVec3, acceleration: DVec3, left: f64, still: f64) -> Option<Self> {
-        let mut parallel = Touches::default();
-        for touch in touches.as_slice() {
-            let speed = touch.normal.dot(*velocity);
+    pub fn of(contacts: &ContactSet, velocity: &mut DVec3, acceleration: DVec3, left: f64, still: f64) -> Option<Self> {
+        let mut parallel = ContactSet::default();
+        for contact in contacts.as_slice() {
+            let speed = contact.normal.dot(*velocity);
             if speed <= still {
-                *velocity -= touch.normal * speed;
-                parallel.add(*touch);
+                *velocity -= contact.normal * speed;
+                parallel.add(*contact);
             }
         }
         let square = velocity.length_squared();
         let tolerance = still / left + 8.0 * f64::EPSILON * acceleration.length();
         // How strongly the particle leaves a wall when the walls accelerate it by `push`.
-        let leaves = |touch: &Touch, push: DVec3| touch.normal.dot(acceleration + push) + touch.curvature * square;
-        let holds = |push: DVec3| parallel.as_slice().iter().all(|touch| leaves(touch, push) >= -tolerance);
-        let finish = |carriers: [Touch; 2], count: usize, push: [f64; 2]| {
+        let leaves = |contact: &Contact, push: DVec3| contact.normal.dot(acceleration + push) + contact.curvature * square;
+        let holds = |push: DVec3| parallel.as_slice().iter().all(|contact| leaves(contact, push) >= -tolerance);
+        let finish = |carriers: [Contact; 2], count: usize, push: [f64; 2]| {
             let total = carriers[0].normal * push[0] + carriers[1].normal * push[1];
             let mut support = Self {
                 carriers,
                 count,
-                slides: Touches::default(),
+                slides: ContactSet::default(),
                 load: acceleration,
                 acceleration: DVec3::ZERO,
                 friction: carriers[0].friction * push[0].max(0.0) + carriers[1].friction * push[1].max(0.0),
                 curvature: carriers[0].curvature.abs().max(carriers[1].curvature.abs()),
             };
             support.acceleration = support.along(acceleration);
-            for touch in parallel.as_slice().iter().filter(|touch| leaves(touch, total) <= tolerance) {
-                support.slides.add(*touch);
+            for contact in parallel.as_slice().iter().filter(|contact| leaves(contact, total) <= tolerance) {
+                support.slides.add(*contact);
             }
             support
         };
         let list = parallel.as_slice();
-        if list.iter().all(|touch| leaves(touch, DVec3::ZERO) > tolerance) {
+        if list.iter().all(|contact| leaves(contact, DVec3::ZERO) > tolerance) {
             return None;
         }
-        for touch in list {
-            let push = -leaves(touch, DVec3::ZERO);
-            if push >= -tolerance && holds(touch.normal * push) {
-                return Some(finish([*touch, Touch::default()], 1, [push, 0.0]));
+        for contact in list {
+            let push = -leaves(contact, DVec3::ZERO);
+            if push >= -tolerance && holds(contact.normal * push) {
+                return Some(finish([*contact, Contact::default()], 1, [push, 0.0]));
             }
         }
         for (index, one) in list.iter().enumerate() {
@@ -96,13 +96,13 @@ impl Support {
                 }
             }
         }
-        let corner = finish([Touch::default(); 2], 3, [0.0; 2]);
+        let corner = finish([Contact::default(); 2], 3, [0.0; 2]);
         Some(Self { slides: parallel, ..corner })
     }
 
     /// The part of `vector` along the walls that carry.
     pub fn along(&self, vector: DVec3) -> DVec3 {
-        let [one, other] = self.carriers.map(|touch| touch.normal);
+        let [one, other] = self.carriers.map(|contact| contact.normal);
         match self.count {
             1 => vector - one * (one.dot(vector) / one.length_squared()),
             2 => vector.project_onto_normalized(one.cross(other).normalize_or_zero()),
@@ -113,8 +113,8 @@ impl Support {
     /// The same support at another place, where `surface` gives a carrier's normal and curvature.
     pub fn moved(&self, surface: impl Fn(usize) -> (DVec3, f64)) -> Self {
         let mut moved = *self;
-        for touch in moved.carriers.iter_mut().take(self.count.min(2)) {
-            (touch.normal, touch.curvature) = surface(touch.surface);
+        for contact in moved.carriers.iter_mut().take(self.count.min(2)) {
+            (contact.normal, contact.curvature) = surface(contact.surface);
         }
         moved
     }
@@ -123,13 +123,13 @@ impl Support {
     pub fn friction_at(&self, speed: f64) -> f64 {
         let carriers = &self.carriers[..self.count.min(2)];
         let [first, second] = [0, 1].map(|index| {
-            carriers.get(index).map_or(0.0, |touch| -(touch.normal.dot(self.load) + touch.curvature * speed * speed))
+            carriers.get(index).map_or(0.0, |contact| -(contact.normal.dot(self.load) + contact.curvature * speed * speed))
         });
         let push = match carriers {
             [one, other] => pushes(one.normal.dot(other.normal), first, second),
             _ => [first, second],
         };
-        carriers.iter().zip(push).map(|(touch, push)| touch.friction * push.max(0.0)).sum()
+        carriers.iter().zip(push).map(|(contact, push)| contact.friction * push.max(0.0)).sum()
     }
 
     /// How the particle slides with `velocity`, for at most the time `left`: with uniform acceleration a − f û, û the

@@ -1,21 +1,21 @@
 //! A central force: F = −s rᵖ d/r toward the center for d = x − center, with r² = |d|² + ε² (Plummer softening).
 //!
 //! With q = r² this is F = −s q^((p−1)/2) d, so U = s q^((p+1)/2)/(p+1), or (s/2) ln q for p = −1. Source for the
-//! softening: H. C. Plummer, Mon. Not. R. Astron. Soc. 71 (1911) 460. A harmonic one (p = 1) is folded.
+//! softening: H. C. Plummer, Mon. Not. R. Astron. Soc. 71 (1911) 460. A harmonic one (p = 1) is fused.
 
 use std::f64::consts::TAU;
 use std::ops::Range;
 
 use glam::DVec3;
 
-use super::affine::Fold;
-use super::pointwise::{self, PointLaw, PointRate};
-use super::{Force, Moment, Rates, Reach, VelocityDependence};
+use super::linear::Fusion;
+use super::pointwise::{self, ForceField, PointRate};
+use super::{Force, Rates, Reach, StateView, VelocityDependence};
 use crate::error::Result;
 use crate::math::{AXES, Real, Vector};
 use crate::matter::Properties;
 use crate::scene::Term;
-use crate::stability::Bound;
+use crate::stability::SpectralBound;
 
 /// How many steps an automatic time step gives the fastest turn around the center.
 const STEPS_PER_TURN: f64 = 100.0;
@@ -46,9 +46,9 @@ impl<V: Vector> Central<V> {
         block.filter(|&index| self.members[index] != V::Scalar::ZERO)
     }
 
-    fn law<P>(&self, origin: DVec3, power: P) -> Law<V::Scalar, P> {
+    fn law<P>(&self, origin: DVec3, power: P) -> CentralLaw<V::Scalar, P> {
         let [strength, square] = [self.strength, self.softening * self.softening].map(V::Scalar::from_f64);
-        Law { strength, square, center: (self.center - origin).to_array().map(V::Scalar::from_f64), power }
+        CentralLaw { strength, square, center: (self.center - origin).to_array().map(V::Scalar::from_f64), power }
     }
 
     fn potential_at(&self, q: f64) -> f64 {
@@ -91,7 +91,7 @@ impl<V: Vector> Force<V> for Central<V> {
         VelocityDependence::None
     }
 
-    fn fold(&self, properties: &Properties<V>, fold: &mut Fold) -> bool {
+    fn fold(&self, properties: &Properties<V>, fold: &mut Fusion) -> bool {
         if self.exponent != 1.0 {
             return false;
         }
@@ -110,7 +110,7 @@ impl<V: Vector> Force<V> for Central<V> {
         })
     }
 
-    fn accumulate(&self, block: Range<usize>, at: &Moment<'_, V>, rates: &mut Rates<'_, V>) {
+    fn accumulate(&self, block: Range<usize>, at: &StateView<'_, V>, rates: &mut Rates<'_, V>) {
         let half_power = 0.5 * (self.exponent - 1.0);
         macro_rules! run {
             ($power:expr) => {
@@ -125,7 +125,7 @@ impl<V: Vector> Force<V> for Central<V> {
         }
     }
 
-    fn potential(&self, block: Range<usize>, at: &Moment<'_, V>) -> f64 {
+    fn potential(&self, block: Range<usize>, at: &StateView<'_, V>) -> f64 {
         let offset = at.properties.origin - self.center;
         let square = self.softening * self.softening;
         self.members(block)
@@ -135,7 +135,7 @@ impl<V: Vector> Force<V> for Central<V> {
 
     /// A harmonic center limits the stability. Any other one has no greatest stiffness, so it limits the accuracy: a
     /// hundred steps for a turn at the frequency of the closest approach, or of the present distance.
-    fn bound(&self, at: &Moment<'_, V>, bound: &mut Bound) -> Result<()> {
+    fn bound(&self, at: &StateView<'_, V>, bound: &mut SpectralBound) -> Result<()> {
         let properties = at.properties;
         for index in self.members(0..properties.count()) {
             let mass = properties.mass[index];
@@ -214,21 +214,21 @@ impl<T: Real> Power<T> for General {
 #[derive(Debug, Clone, Copy)]
 pub struct InverseSquare<'a, T> {
     /// The force.
-    pub law: Law<T, InverseCube>,
+    pub law: CentralLaw<T, InverseCube>,
     /// Which particles it acts on; padded.
     pub members: &'a [T],
 }
 
 /// The force on one particle.
 #[derive(Debug, Clone, Copy)]
-pub struct Law<T, P> {
+pub struct CentralLaw<T, P> {
     strength: T,
     square: T,
     center: [T; AXES],
     power: P,
 }
 
-impl<V: Vector, P: Power<V::Scalar>> PointLaw<V> for Law<V::Scalar, P> {
+impl<V: Vector, P: Power<V::Scalar>> ForceField<V> for CentralLaw<V::Scalar, P> {
     #[inline(always)]
     fn at(&self, weight: V::Scalar, x: [V::Scalar; AXES], _v: [V::Scalar; AXES]) -> PointRate<V::Scalar> {
         let mut d = [V::Scalar::ZERO; AXES];

@@ -8,14 +8,14 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use glam::DVec3;
 
-use super::{Force, Moment, Rates, Reach, VelocityDependence};
+use super::{Force, Rates, Reach, StateView, VelocityDependence};
 use crate::error::{Error, Result};
 use crate::math::{Real, Vector};
-use crate::matter::{Channel, Columns};
-use crate::parallel::Crew;
+use crate::matter::{Columns, EnergySink};
+use crate::parallel::Executor;
 use crate::scene::{Callback, Term};
 use crate::simd::LANES;
-use crate::stability::Bound;
+use crate::stability::SpectralBound;
 use gradient::{Gradient, Probe};
 
 /// How many steps an automatic time step gives a turn of the velocities, which the integrators follow and do not damp.
@@ -44,11 +44,11 @@ impl<V: Vector> Custom<V> {
         Ok(Self { callback, path, members, force: Columns::zeros(count), found: Mutex::new(None) })
     }
 
-    fn positions(&self, at: &Moment<'_, V>) -> Vec<DVec3> {
+    fn positions(&self, at: &StateView<'_, V>) -> Vec<DVec3> {
         self.members.iter().map(|&index| at.properties.origin + at.position.get(index).widen()).collect()
     }
 
-    fn velocities(&self, at: &Moment<'_, V>) -> Vec<DVec3> {
+    fn velocities(&self, at: &StateView<'_, V>) -> Vec<DVec3> {
         self.members.iter().map(|&index| at.velocity.get(index).widen()).collect()
     }
 
@@ -74,7 +74,7 @@ impl<V: Vector> Custom<V> {
     }
 
     /// The gradients of the force on the particles that are free to move.
-    fn gradients(&self, at: &Moment<'_, V>) -> Result<[Gradient; 2]> {
+    fn gradients(&self, at: &StateView<'_, V>) -> Result<[Gradient; 2]> {
         let (time, positions, velocities) = (at.time, self.positions(at), self.velocities(at));
         let root: Vec<f64> = self.members.iter().map(|&index| at.properties.mass[index].recip().sqrt()).collect();
         if root.iter().all(|&root| root == 0.0) {
@@ -111,7 +111,7 @@ impl<V: Vector> Force<V> for Custom<V> {
         VelocityDependence::Dissipative
     }
 
-    fn prepare(&mut self, at: &Moment<'_, V>, _crew: &Crew) -> Result<()> {
+    fn prepare(&mut self, at: &StateView<'_, V>, _crew: &Executor) -> Result<()> {
         if self.members.is_empty() {
             return Ok(());
         }
@@ -122,9 +122,9 @@ impl<V: Vector> Force<V> for Custom<V> {
         Ok(())
     }
 
-    fn accumulate(&self, block: Range<usize>, at: &Moment<'_, V>, rates: &mut Rates<'_, V>) {
+    fn accumulate(&self, block: Range<usize>, at: &StateView<'_, V>, rates: &mut Rates<'_, V>) {
         let mine = self.force.view();
-        let work = &mut rates.power[Channel::Work as usize];
+        let work = &mut rates.power[EnergySink::Work as usize];
         let conservative = self.callback.has_potential();
         for axis in 0..V::DIMENSION {
             let velocity = at.velocity.slice(axis, block.clone());
@@ -142,11 +142,11 @@ impl<V: Vector> Force<V> for Custom<V> {
         self.callback.has_potential()
     }
 
-    fn potential(&self, _block: Range<usize>, _at: &Moment<'_, V>) -> f64 {
+    fn potential(&self, _block: Range<usize>, _at: &StateView<'_, V>) -> f64 {
         0.0
     }
 
-    fn potential_of_all(&self, at: &Moment<'_, V>) -> Result<f64> {
+    fn potential_of_all(&self, at: &StateView<'_, V>) -> Result<f64> {
         if self.members.is_empty() {
             return Ok(0.0);
         }
@@ -160,7 +160,7 @@ impl<V: Vector> Force<V> for Custom<V> {
     /// Velocities that it turns, at the rate r, are no damped modes: with a stiffness ω² they swing at up to
     /// r/2 + √(r²/4 + ω²), the larger root of μ² = rμ + ω², which counts as the frequency; and the splittings, which take
     /// such a force at a predicted velocity, gain a little energy in every turn, so that it limits the accuracy too.
-    fn bound(&self, at: &Moment<'_, V>, bound: &mut Bound) -> Result<()> {
+    fn bound(&self, at: &StateView<'_, V>, bound: &mut SpectralBound) -> Result<()> {
         let gradients = self.gradients(at)?;
         *self.found.lock().unwrap_or_else(PoisonError::into_inner) = Some(gradients);
         let [by_position, by_velocity] = gradients;

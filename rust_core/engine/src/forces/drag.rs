@@ -6,15 +6,15 @@ use std::ops::Range;
 
 use glam::DVec3;
 
-use super::affine::Fold;
-use super::pointwise::{self, PointLaw, PointRate};
-use super::{Force, Moment, Rates, Reach, VelocityDependence};
+use super::linear::Fusion;
+use super::pointwise::{self, ForceField, PointRate};
+use super::{Force, Rates, Reach, StateView, VelocityDependence};
 use crate::error::Result;
 use crate::math::{AXES, Real, Vector};
 use crate::matter::Properties;
 use crate::scene::Term;
 use crate::simd::Number;
-use crate::stability::Bound;
+use crate::stability::SpectralBound;
 
 /// Linear or quadratic drag in a uniform wind.
 #[derive(Debug)]
@@ -30,7 +30,7 @@ pub struct Drag<V: Vector> {
 }
 
 impl<V: Vector> Drag<V> {
-    /// The linear and the quadratic part of a drag as declared, those that are there: only the first can be folded.
+    /// The linear and the quadratic part of a drag as declared, those that are there: only the first can be fused.
     pub fn parts(term: &Term, members: &[V::Scalar]) -> Result<Vec<Self>> {
         let wind = term.optional_vector("wind")?.unwrap_or(DVec3::ZERO);
         let (linear, quadratic) = (term.non_negative("linear")?, term.non_negative("quadratic")?);
@@ -56,7 +56,7 @@ impl<V: Vector> Force<V> for Drag<V> {
         VelocityDependence::Dissipative
     }
 
-    fn fold(&self, properties: &Properties<V>, fold: &mut Fold) -> bool {
+    fn fold(&self, properties: &Properties<V>, fold: &mut Fusion) -> bool {
         if self.quadratic != 0.0 || fold.wind.is_some_and(|wind| wind != self.wind) {
             return false;
         }
@@ -70,7 +70,7 @@ impl<V: Vector> Force<V> for Drag<V> {
         true
     }
 
-    fn accumulate(&self, block: Range<usize>, at: &Moment<'_, V>, rates: &mut Rates<'_, V>) {
+    fn accumulate(&self, block: Range<usize>, at: &StateView<'_, V>, rates: &mut Rates<'_, V>) {
         let [linear, quadratic] = [self.linear, self.quadratic].map(V::Scalar::from_f64);
         let wind = self.wind.to_array().map(V::Scalar::from_f64);
         pointwise::accumulate::<V>(Law { linear, quadratic, wind }, &self.members, block, at, rates);
@@ -80,12 +80,12 @@ impl<V: Vector> Force<V> for Drag<V> {
         false
     }
 
-    fn potential(&self, _block: Range<usize>, _at: &Moment<'_, V>) -> f64 {
+    fn potential(&self, _block: Range<usize>, _at: &StateView<'_, V>) -> f64 {
         0.0
     }
 
     /// The damping is the larger eigenvalue of −∂F/∂v, γ + 2q|u|.
-    fn bound(&self, at: &Moment<'_, V>, bound: &mut Bound) -> Result<()> {
+    fn bound(&self, at: &StateView<'_, V>, bound: &mut SpectralBound) -> Result<()> {
         for index in (0..at.properties.count()).filter(|&index| self.acts_on(index)) {
             let speed = (at.velocity.get(index).widen() - self.wind).length();
             bound.point(index, "drag", 0.0, self.linear + 2.0 * self.quadratic * speed);
@@ -110,7 +110,7 @@ struct Law<T> {
     wind: [T; AXES],
 }
 
-impl<V: Vector> PointLaw<V> for Law<V::Scalar> {
+impl<V: Vector> ForceField<V> for Law<V::Scalar> {
     #[inline(always)]
     fn at(&self, member: V::Scalar, _x: [V::Scalar; AXES], v: [V::Scalar; AXES]) -> PointRate<V::Scalar> {
         let mut relative = [V::Scalar::ZERO; AXES];

@@ -1,16 +1,16 @@
-//! Uniform gravity: F = m g. Always folded ([`super::affine`]).
+//! Uniform gravity: F = m g. Always fused ([`super::linear`]).
 
 use std::ops::Range;
 
 use glam::DVec3;
 
-use super::affine::Fold;
-use super::{Force, Moment, Reach, VelocityDependence};
+use super::linear::Fusion;
+use super::{Force, Reach, StateView, VelocityDependence};
 use crate::error::Result;
 use crate::math::Vector;
 use crate::matter::Properties;
 use crate::scene::Term;
-use crate::stability::Bound;
+use crate::stability::SpectralBound;
 
 /// A uniform acceleration of the particles that are not fixed.
 #[derive(Debug)]
@@ -41,7 +41,7 @@ impl<V: Vector> Force<V> for Gravity {
         VelocityDependence::None
     }
 
-    fn fold(&self, _properties: &Properties<V>, fold: &mut Fold) -> bool {
+    fn fold(&self, _properties: &Properties<V>, fold: &mut Fusion) -> bool {
         for (sum, _) in fold.acceleration.iter_mut().zip(&self.members).filter(|(_, member)| **member) {
             *sum += self.acceleration;
         }
@@ -49,7 +49,7 @@ impl<V: Vector> Force<V> for Gravity {
     }
 
     /// U = −m g·x.
-    fn potential(&self, block: Range<usize>, at: &Moment<'_, V>) -> f64 {
+    fn potential(&self, block: Range<usize>, at: &StateView<'_, V>) -> f64 {
         let properties = at.properties;
         let members = block.filter(|&index| self.members[index]);
         members
@@ -57,7 +57,7 @@ impl<V: Vector> Force<V> for Gravity {
             .sum()
     }
 
-    fn bound(&self, _at: &Moment<'_, V>, _bound: &mut Bound) -> Result<()> {
+    fn bound(&self, _at: &StateView<'_, V>, _bound: &mut SpectralBound) -> Result<()> {
         Ok(())
     }
 }

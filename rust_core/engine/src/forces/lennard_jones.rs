@@ -5,14 +5,14 @@
 //! (2011) 081102.
 
 use super::pairs::{Directed, Interaction, SUMS};
-use super::{Moment, VelocityDependence};
+use super::{StateView, VelocityDependence};
 use crate::error::Result;
 use crate::math::{Real, Vector};
 use crate::matter::Properties;
 use crate::neighbors::sums::{Pair, PairLaw};
 use crate::scene::{Term, Value};
 use crate::simd::Number;
-use crate::stability::Bound;
+use crate::stability::SpectralBound;
 
 /// The largest accurate step in units of σ √(m/ε): twice the usual one (M. P. Allen, D. J. Tildesley, Computer Simulation of
 /// Liquids, 2nd ed. (2017), section 3.2), for the default safety halves it.
@@ -80,7 +80,7 @@ impl<V: Vector> PairLaw<V, SUMS> for LennardJones<V::Scalar> {
         let push = N::select(square.less(N::of(self.square_cutoff)), push, N::constant(0.0));
         let mut terms = [N::constant(0.0); SUMS];
         for axis in 0..V::DIMENSION {
-            terms[axis] = push * pair.apart[axis];
+            terms[axis] = push * pair.separation[axis];
         }
         terms
     }
@@ -118,7 +118,7 @@ impl<V: Vector> Interaction<V> for LennardJones<V::Scalar> {
         [Directed { along: stiffness.abs(), across: (force - self.edge[1]).abs() / distance }, Directed::default()]
     }
 
-    fn bound(&self, at: &Moment<'_, V>, members: &[u32], bound: &mut Bound) {
+    fn bound(&self, at: &StateView<'_, V>, members: &[u32], bound: &mut SpectralBound) {
         let lightest = members.iter().map(|&index| at.properties.mass[index as usize]).fold(f64::INFINITY, f64::min);
         bound.accuracy("Lennard-Jones", ACCURATE * self.sigma * (lightest / self.epsilon).sqrt());
     }

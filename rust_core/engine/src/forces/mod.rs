@@ -5,31 +5,31 @@ use std::ops::Range;
 use crate::error::{Error, Result};
 use crate::math::{Real, Vector};
 use crate::matter::{Power, Properties, Span, View};
-use crate::parallel::Crew;
+use crate::parallel::Executor;
 use crate::scene::{Scene, Term};
 use crate::simd::padded;
-use crate::stability::Bound;
+use crate::stability::SpectralBound;
 
-pub mod affine;
 mod central;
 mod custom;
 mod drag;
 mod gravity;
 mod lennard_jones;
+pub mod linear;
+mod neighbor_list;
 mod pairs;
 mod pointwise;
 mod repulsion;
 pub mod sph;
 pub mod springs;
-mod vicinity;
 
-use affine::Fold;
 pub use central::InverseSquare;
-pub use pointwise::PointLaw;
+use linear::Fusion;
+pub use pointwise::ForceField;
 
 /// The matter at the moment when the forces are asked for.
 #[derive(Debug, Clone, Copy)]
-pub struct Moment<'a, V: Vector> {
+pub struct StateView<'a, V: Vector> {
     /// Positions relative to the origin [m]; for pointwise forces those of the block, for others of all particles.
     pub position: View<'a, V>,
     /// Velocities [m/s].
@@ -41,13 +41,13 @@ pub struct Moment<'a, V: Vector> {
     /// The time [s].
     pub time: f64,
     /// Who may share what takes long, and says whether to stop it.
-    pub crew: &'a Crew,
+    pub executor: &'a Executor,
 }
 
-impl<V: Vector> Moment<'_, V> {
+impl<V: Vector> StateView<'_, V> {
     /// The exact position of a particle relative to the origin along one axis [m].
     #[inline(always)]
-    pub fn place(&self, axis: usize, index: usize) -> f64 {
+    pub fn exact_position(&self, axis: usize, index: usize) -> f64 {
         let residual = self.residual.axis(axis).get(index).map_or(0.0, |residual| residual.to_f64());
         self.position.axis(axis)[index].to_f64() + residual
     }
@@ -57,7 +57,7 @@ impl<V: Vector> Moment<'_, V> {
 #[derive(Debug, Clone, Copy)]
 pub struct Drift<'a, V: Vector> {
     /// The matter at its end.
-    pub end: Moment<'a, V>,
+    pub end: StateView<'a, V>,
     /// The velocity of the way [m/s].
     pub velocity: View<'a, V>,
     /// Its duration [s].
@@ -67,8 +67,8 @@ pub struct Drift<'a, V: Vector> {
 impl<V: Vector> Drift<'_, V> {
     /// The position of a particle relative to the origin along one axis, in the middle of the way [m].
     #[inline(always)]
-    pub fn middle(&self, axis: usize, index: usize) -> f64 {
-        self.end.place(axis, index) - 0.5 * self.h * self.velocity.axis(axis)[index].to_f64()
+    pub fn midpoint(&self, axis: usize, index: usize) -> f64 {
+        self.end.exact_position(axis, index) - 0.5 * self.h * self.velocity.axis(axis)[index].to_f64()
     }
 }
 
@@ -100,7 +100,7 @@ impl Flow {
 pub struct Rates<'a, V: Vector> {
     /// The force on every particle of the block [N], padding included. Each force adds to it.
     pub force: Span<'a, V>,
-    /// The power that passes through each channel [W]. Each force adds to it.
+    /// The power that passes through each sink [W]. Each force adds to it.
     pub power: &'a mut Power,
 }
 
@@ -132,9 +132,9 @@ pub enum Field {
     /// It has none.
     None,
     /// It is counted from where the particles are, whenever forces are asked for.
-    Counted,
+    Summation,
     /// It is carried along and changes with the motion.
-    Carried,
+    Continuity,
 }
 
 /// A law that accelerates matter, and its share of the energy budget.
@@ -159,16 +159,16 @@ pub trait Force<V: Vector>: Send + Sync {
     }
 
     /// Counts its field at the end of a step where no force was asked for.
-    fn count(&mut self, _at: &Moment<'_, V>, _crew: &Crew) -> Result<()> {
+    fn count(&mut self, _at: &StateView<'_, V>, _crew: &Executor) -> Result<()> {
         Ok(())
     }
 
     /// Advances its field over a drift.
-    fn drift(&mut self, _drift: &Drift<'_, V>, _crew: &Crew) -> Result<()> {
+    fn drift(&mut self, _drift: &Drift<'_, V>, _crew: &Executor) -> Result<()> {
         Ok(())
     }
 
-    /// Adds the energy that its field lost over the last drift to what passed through the channels of a block [J].
+    /// Adds the energy that its field lost over the last drift to what passed through the sinks of a block [J].
     fn spend(&self, _block: Range<usize>, _energy: &mut Power) {}
 
     /// Whether it moves particles beside their velocity, after a drift.
@@ -181,11 +181,11 @@ pub trait Force<V: Vector>: Send + Sync {
     fn displace(&self, _block: Range<usize>, _ways: &mut Span<'_, V>) {}
 
     /// Work that must be done for all particles before any block is asked for.
-    fn prepare(&mut self, _at: &Moment<'_, V>, _crew: &Crew) -> Result<()> {
+    fn prepare(&mut self, _at: &StateView<'_, V>, _crew: &Executor) -> Result<()> {
         Ok(())
     }
 
-    /// Remembers, at the start of a chunk of steps, what it keeps from step to step.
+    /// Remembers, at the start of a batch of steps, what it keeps from step to step.
     fn keep(&mut self) {}
 
     /// Goes back to what it last kept.
@@ -206,15 +206,15 @@ pub trait Force<V: Vector>: Send + Sync {
         Ok(())
     }
 
-    /// Adds itself to the folded law if it can. It is then not asked to accumulate.
-    fn fold(&self, _properties: &Properties<V>, _fold: &mut Fold) -> bool {
+    /// Adds itself to the fused law if it can. It is then not asked to accumulate.
+    fn fold(&self, _properties: &Properties<V>, _fold: &mut Fusion) -> bool {
         false
     }
 
     /// Adds the force on each particle of `block` and the power that it dissipates or supplies there.
-    fn accumulate(&self, _block: Range<usize>, _at: &Moment<'_, V>, _rates: &mut Rates<'_, V>) {}
+    fn accumulate(&self, _block: Range<usize>, _at: &StateView<'_, V>, _rates: &mut Rates<'_, V>) {}
 
-    /// Itself as an inverse-square law, if it is one: of the forces that cannot be folded, this one is worth a kernel of its
+    /// Itself as an inverse-square law, if it is one: of the forces that cannot be fused, this one is worth a kernel of its
     /// own, in which independent particles run through whole steps.
     fn inverse_square(&self, _properties: &Properties<V>) -> Option<InverseSquare<'_, V::Scalar>> {
         None
@@ -231,10 +231,10 @@ pub trait Force<V: Vector>: Send + Sync {
     }
 
     /// The potential energy of the particles of `block` [J]; what two particles share is split between them.
-    fn potential(&self, block: Range<usize>, at: &Moment<'_, V>) -> f64;
+    fn potential(&self, block: Range<usize>, at: &StateView<'_, V>) -> f64;
 
     /// The potential energy that belongs to no block [J].
-    fn potential_of_all(&self, _at: &Moment<'_, V>) -> Result<f64> {
+    fn potential_of_all(&self, _at: &StateView<'_, V>) -> Result<f64> {
         Ok(0.0)
     }
 
@@ -252,11 +252,11 @@ pub trait Force<V: Vector>: Send + Sync {
     }
 
     /// Adds its stiffness and damping, as they are at this moment, to the bound on the time step. Where it knows what is
-    /// ahead it counts that too, but not if [`Bound::is_present`].
+    /// ahead it counts that too, but not if [`SpectralBound::is_present`].
     ///
     /// # Errors
     /// If a function of the user's fails.
-    fn bound(&self, at: &Moment<'_, V>, bound: &mut Bound) -> Result<()>;
+    fn bound(&self, at: &StateView<'_, V>, bound: &mut SpectralBound) -> Result<()>;
 
     /// Whether its part of that bound changes as the matter moves.
     fn bound_varies(&self) -> bool {
@@ -264,7 +264,7 @@ pub trait Force<V: Vector>: Send + Sync {
     }
 
     /// Whether its part of that bound is the one that it is at every moment at which this holds.
-    fn bound_stands(&self, _at: &Moment<'_, V>) -> bool {
+    fn bound_stands(&self, _at: &StateView<'_, V>) -> bool {
         !self.bound_varies()
     }
 

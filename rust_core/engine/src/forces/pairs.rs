@@ -9,17 +9,17 @@ use std::ops::Range;
 
 use glam::{DMat3, DVec3};
 
-use super::vicinity::Vicinity;
-use super::{Force, Moment, Rates, Reach, VelocityDependence};
+use super::neighbor_list::NeighborList;
+use super::{Force, Rates, Reach, StateView, VelocityDependence};
 use crate::error::Result;
-use crate::math::{AXES, Placed, Real, Vector};
-use crate::matter::{Channel, Properties};
+use crate::math::{AXES, Coordinate, Real, Vector};
+use crate::matter::{EnergySink, Properties};
 use crate::neighbors::Neighbors;
 use crate::neighbors::sums::{Pair, PairLaw, Records};
-use crate::parallel::{Chunks, Crew};
+use crate::parallel::{BlockedSlice, Executor};
 use crate::scene::Scene;
 use crate::simd::{LANES, Number, Record};
-use crate::stability::Bound;
+use crate::stability::SpectralBound;
 
 /// The force on a particle along each axis, and the power that its pairs dissipate.
 pub const SUMS: usize = AXES + 1;
@@ -46,12 +46,12 @@ pub trait Interaction<V: Vector>: PairLaw<V, SUMS> + Send {
 
     /// The largest eigenvalues of the sums of its pairs' stiffnesses [N/m] and dampings [N·s/m], as matrices, that every particle
     /// must be expected to meet, however few touch it now.
-    fn expected(&self, _at: &Moment<'_, V>, _members: &[u32]) -> [f64; 2] {
+    fn expected(&self, _at: &StateView<'_, V>, _members: &[u32]) -> [f64; 2] {
         [0.0; 2]
     }
 
     /// Adds what else bounds the time step.
-    fn bound(&self, _at: &Moment<'_, V>, _members: &[u32], _bound: &mut Bound) {}
+    fn bound(&self, _at: &StateView<'_, V>, _members: &[u32], _bound: &mut SpectralBound) {}
 }
 
 /// A stiffness or a damping of a pair: a along its direction n and b across it, a nnᵀ + b (1 − nnᵀ).
@@ -103,9 +103,9 @@ pub struct Pairs<V: Vector, L> {
     law: L,
     /// What the law reads of each member.
     attributes: Vec<f64>,
-    vicinity: Vicinity,
+    neighbor_list: NeighborList,
     records: Records<V>,
-    /// What the law gives, in the order of places.
+    /// What the law gives, in the order of slots.
     sums: Vec<[V::Scalar; SUMS]>,
 }
 
@@ -118,60 +118,62 @@ impl<V: Vector, L: Interaction<V>> Pairs<V, L> {
         let members: Vec<u32> = (0..properties.count() as u32).filter(|&index| chosen[index as usize]).collect();
         let attributes: Vec<f64> = members.iter().map(|&index| law.attribute(properties, index as usize)).collect();
         let sums = vec![[V::Scalar::ZERO; SUMS]; members.len()];
-        let vicinity = Vicinity::new(scene, properties, members, law.cutoff())?;
-        let records = Records::new(vicinity.neighbors());
-        Ok(Self { law, attributes, vicinity, records, sums })
+        let neighbor_list = NeighborList::new(scene, properties, members, law.cutoff())?;
+        let records = Records::new(neighbor_list.neighbors());
+        Ok(Self { law, attributes, neighbor_list, records, sums })
     }
 
     /// Gives `take` what `each` says of every pair that is near at a moment, once: of its members, and the way from one to the
-    /// other [m]. The order is always the same. Lists of their own serve it, whatever those in use are: of a few places at a
+    /// other [m]. The order is always the same. Lists of their own serve it, whatever those in use are: of a few slots at a
     /// time, because all together would take as much memory as those.
     ///
     /// # Errors
-    /// If positions are too far away to tell distances, or the crew was asked to stop.
+    /// If positions are too far away to tell distances, or the executor was asked to stop.
     fn for_each<T: Send>(
         &self,
-        at: &Moment<'_, V>,
+        at: &StateView<'_, V>,
         each: impl Fn([usize; 2], DVec3) -> T + Sync,
         mut take: impl FnMut([usize; 2], T),
     ) -> Result<()> {
-        let place = |axis: usize| self.vicinity.members().iter().map(|&member| at.place(axis, member as usize)).collect();
-        let positions: [Vec<f64>; AXES] = std::array::from_fn(|axis| if axis < V::DIMENSION { place(axis) } else { Vec::new() });
-        let (count, domain) = (self.attributes.len(), self.vicinity.neighbors().domain());
+        let slot =
+            |axis: usize| self.neighbor_list.members().iter().map(|&member| at.exact_position(axis, member as usize)).collect();
+        let positions: [Vec<f64>; AXES] = std::array::from_fn(|axis| if axis < V::DIMENSION { slot(axis) } else { Vec::new() });
+        let (count, domain) = (self.attributes.len(), self.neighbor_list.neighbors().domain());
         let mut neighbors = Neighbors::new(count, V::DIMENSION, domain, self.law.cutoff(), 0.0)?;
-        neighbors.arrange(positions.each_ref().map(Vec::as_slice), at.crew)?;
+        neighbors.arrange(positions.each_ref().map(Vec::as_slice), at.executor)?;
         let (order, rulers) = (neighbors.order(), domain.lengths().map(|length| f64::ruler(length, neighbors.support())));
-        let mut desks: Vec<_> = (0..DESKS).map(|_| (neighbors.listed(), Vec::new())).collect();
+        let mut buffers: Vec<_> = (0..BUFFERS).map(|_| (neighbors.listed(), Vec::new())).collect();
         let (mut start, mut stride) = (0, 1);
         while start < count {
-            at.crew.check()?;
-            at.crew.sweep(Chunks::new(&mut desks, 1), &|mine| {
+            at.executor.check()?;
+            at.executor.for_each_block(BlockedSlice::new(&mut buffers, 1), &|mine| {
                 let first = (start + mine.start * stride).min(count);
                 let (listed, pairs) = &mut mine.items[0];
-                neighbors.look(first..(first + stride).min(count), listed, at.crew);
-                for (place, list) in (first..).zip(listed.each()) {
-                    let one = order[place] as usize;
-                    for &other in list.iter().filter(|&&other| other as usize > place) {
+                neighbors.look(first..(first + stride).min(count), listed, at.executor);
+                for (slot, list) in (first..).zip(listed.each()) {
+                    let one = order[slot] as usize;
+                    for &other in list.iter().filter(|&&other| other as usize > slot) {
                         let other = order[other as usize] as usize;
-                        let mut apart = DVec3::ZERO;
+                        let mut separation = DVec3::ZERO;
                         for axis in 0..V::DIMENSION {
-                            apart[axis] = f64::apart::<true, _>(positions[axis][one], positions[axis][other], rulers[axis]);
+                            separation[axis] =
+                                f64::separation::<true, _>(positions[axis][one], positions[axis][other], rulers[axis]);
                         }
-                        pairs.push(([one, other], each([one, other], apart)));
+                        pairs.push(([one, other], each([one, other], separation)));
                     }
                 }
             });
-            let taken: usize = desks.iter().map(|(_, pairs)| pairs.len()).sum();
-            desks.iter_mut().flat_map(|(_, pairs)| pairs.drain(..)).for_each(|(pair, value)| take(pair, value));
-            start += DESKS * stride;
-            stride = if taken < DESKS * PAIRS { 2 * stride } else { (stride / 2).max(1) };
+            let taken: usize = buffers.iter().map(|(_, pairs)| pairs.len()).sum();
+            buffers.iter_mut().flat_map(|(_, pairs)| pairs.drain(..)).for_each(|(pair, value)| take(pair, value));
+            start += BUFFERS * stride;
+            stride = if taken < BUFFERS * PAIRS { 2 * stride } else { (stride / 2).max(1) };
         }
-        at.crew.check()
+        at.executor.check()
     }
 }
 
 /// Pairs are worked out by several threads at a time, on so many desks of about so many pairs each.
-const DESKS: usize = 16;
+const BUFFERS: usize = 16;
 const PAIRS: usize = 2048;
 
 impl<V: Vector, L: Interaction<V>> Force<V> for Pairs<V, L> {
@@ -187,68 +189,69 @@ impl<V: Vector, L: Interaction<V>> Force<V> for Pairs<V, L> {
         self.law.velocity()
     }
 
-    fn prepare(&mut self, at: &Moment<'_, V>, crew: &Crew) -> Result<()> {
-        let Self { law, attributes, vicinity, records, sums } = self;
-        vicinity.update(&|axis, index| at.place(axis, index), crew)?;
-        let members = vicinity.members();
-        records.fill(vicinity.neighbors(), vicinity.positions(), crew, &|member, record| {
+    fn prepare(&mut self, at: &StateView<'_, V>, executor: &Executor) -> Result<()> {
+        let Self { law, attributes, neighbor_list, records, sums } = self;
+        neighbor_list.update(&|axis, index| at.exact_position(axis, index), executor)?;
+        let members = neighbor_list.members();
+        records.fill(neighbor_list.neighbors(), neighbor_list.positions(), executor, &|member, record| {
             let index = members[member] as usize;
             for axis in 0..V::DIMENSION {
                 record[V::DIMENSION + axis] = at.velocity.axis(axis)[index];
             }
             record[2 * V::DIMENSION] = V::Scalar::from_f64(attributes[member]);
         });
-        records.sum(vicinity.neighbors(), *law, sums, crew);
+        records.sum(neighbor_list.neighbors(), *law, sums, executor);
         Ok(())
     }
 
     fn keep(&mut self) {
-        self.vicinity.keep();
+        self.neighbor_list.keep();
     }
 
     fn undo(&mut self) -> Result<()> {
-        self.vicinity.undo();
+        self.neighbor_list.undo();
         Ok(())
     }
 
     fn capture(&self) -> Vec<f64> {
-        self.vicinity.capture()
+        self.neighbor_list.capture()
     }
 
     fn restore(&mut self, numbers: &mut &[f64]) -> Result<()> {
-        self.vicinity.restore(numbers)
+        self.neighbor_list.restore(numbers)
     }
 
-    fn accumulate(&self, block: Range<usize>, _at: &Moment<'_, V>, rates: &mut Rates<'_, V>) {
-        for (index, _, place) in self.vicinity.in_block(block) {
-            let sums = &self.sums[place];
+    fn accumulate(&self, block: Range<usize>, _at: &StateView<'_, V>, rates: &mut Rates<'_, V>) {
+        for (index, _, slot) in self.neighbor_list.in_block(block) {
+            let sums = &self.sums[slot];
             for axis in 0..V::DIMENSION {
                 rates.force.axes[axis][index] += sums[axis];
             }
             // Of a pair's power each takes half.
-            rates.power[Channel::Damping as usize][index % LANES] += 0.5 * sums[AXES].to_f64();
+            rates.power[EnergySink::Damping as usize][index % LANES] += 0.5 * sums[AXES].to_f64();
         }
     }
 
-    fn potential(&self, _block: Range<usize>, _at: &Moment<'_, V>) -> f64 {
+    fn potential(&self, _block: Range<usize>, _at: &StateView<'_, V>) -> f64 {
         0.0
     }
 
-    fn potential_of_all(&self, at: &Moment<'_, V>) -> Result<f64> {
+    fn potential_of_all(&self, at: &StateView<'_, V>) -> Result<f64> {
         let mut energy = 0.0;
-        let potential =
-            |pair: [usize; 2], apart: DVec3| self.law.potential(pair.map(|member| self.attributes[member]), apart.length());
+        let potential = |pair: [usize; 2], separation: DVec3| {
+            self.law.potential(pair.map(|member| self.attributes[member]), separation.length())
+        };
         self.for_each(at, potential, |_, potential| energy += potential)?;
         Ok(energy)
     }
 
     /// For a pair of the matrix A ≥ 0 and displacements u, w of its particles (u − w)ᵀA(u − w) ≤ 2uᵀAu + 2wᵀAw: no frequency of
     /// all is above that of the particle whose pairs, twice over, hold it the most in any one direction.
-    fn bound(&self, at: &Moment<'_, V>, bound: &mut Bound) -> Result<()> {
+    fn bound(&self, at: &StateView<'_, V>, bound: &mut SpectralBound) -> Result<()> {
         let mut sums = vec![[DMat3::ZERO; 2]; self.attributes.len()];
-        let matrices = |pair: [usize; 2], apart: DVec3| {
-            let values = self.law.stiffness(pair.map(|member| self.attributes[member]), apart.length());
-            values.map(|value| value.matrix(apart.normalize_or_zero()))
+        let matrices = |pair: [usize; 2], separation: DVec3| {
+            let values = self.law.stiffness(pair.map(|member| self.attributes[member]), separation.length());
+            values.map(|value| value.matrix(separation.normalize_or_zero()))
         };
         let added = self.for_each(at, matrices, |pair, matrices| {
             for member in pair {
@@ -259,7 +262,7 @@ impl<V: Vector, L: Interaction<V>> Force<V> for Pairs<V, L> {
         if added.is_err() {
             return Ok(());
         }
-        let members = self.vicinity.members();
+        let members = self.neighbor_list.members();
         let expected = self.law.expected(at, members);
         for (&index, sums) in members.iter().zip(sums) {
             let [stiffness, damping] = std::array::from_fn(|sum| 2.0 * largest(&sums[sum], V::DIMENSION).max(expected[sum]));
@@ -274,15 +277,15 @@ impl<V: Vector, L: Interaction<V>> Force<V> for Pairs<V, L> {
     }
 
     fn pairs(&self) -> usize {
-        self.vicinity.pairs()
+        self.neighbor_list.pairs()
     }
 
     fn layout(&self) -> String {
-        self.vicinity.layout()
+        self.neighbor_list.layout()
     }
 
     fn bytes(&self) -> usize {
-        self.vicinity.bytes()
+        self.neighbor_list.bytes()
             + self.records.bytes()
             + std::mem::size_of_val(self.sums.as_slice())
             + std::mem::size_of_val(self.attributes.as_slice())

@@ -2,13 +2,13 @@
 
 use std::ops::Range;
 
-use super::{Moment, Rates};
+use super::{Rates, StateView};
 use crate::math::{AXES, Real, Vector};
-use crate::matter::{Channel, Power, Span};
+use crate::matter::{EnergySink, Power, Span};
 use crate::simd::{Kernel, LANES, Lanes, dispatch};
 
 /// A force on one particle as a function of where and how fast it is.
-pub trait PointLaw<V: Vector>: Copy {
+pub trait ForceField<V: Vector>: Copy {
     /// The force [N] on a particle, and the powers [W] that it dissipates and supplies; all of it times `weight`, which is
     /// 0 for a particle that it does not act on. Axes past the dimension are 0 and are ignored.
     fn at(&self, weight: V::Scalar, x: [V::Scalar; AXES], v: [V::Scalar; AXES]) -> PointRate<V::Scalar>;
@@ -27,10 +27,10 @@ pub struct PointRate<T> {
 
 /// Adds a law's forces and powers for one block; `members` says for every particle whether it acts.
 pub fn accumulate<V: Vector>(
-    law: impl PointLaw<V>,
+    law: impl ForceField<V>,
     members: &[V::Scalar],
     block: Range<usize>,
-    at: &Moment<'_, V>,
+    at: &StateView<'_, V>,
     rates: &mut Rates<'_, V>,
 ) {
     dispatch(Loop { law, members: &members[block.clone()], block, at, force: rates.force.reborrow(), power: rates.power });
@@ -40,12 +40,12 @@ struct Loop<'a, V: Vector, L> {
     law: L,
     members: &'a [V::Scalar],
     block: Range<usize>,
-    at: &'a Moment<'a, V>,
+    at: &'a StateView<'a, V>,
     force: Span<'a, V>,
     power: &'a mut Power,
 }
 
-impl<V: Vector, L: PointLaw<V>> Kernel for Loop<'_, V, L> {
+impl<V: Vector, L: ForceField<V>> Kernel for Loop<'_, V, L> {
     type Output = ();
 
     #[inline(always)]
@@ -80,8 +80,8 @@ impl<V: Vector, L: PointLaw<V>> Kernel for Loop<'_, V, L> {
             }
         }
         for lane in 0..LANES {
-            power[Channel::Drag as usize][lane] += dissipated[lane].to_f64();
-            power[Channel::Work as usize][lane] += work[lane].to_f64();
+            power[EnergySink::Drag as usize][lane] += dissipated[lane].to_f64();
+            power[EnergySink::Work as usize][lane] += work[lane].to_f64();
         }
     }
 }

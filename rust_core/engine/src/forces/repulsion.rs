@@ -10,7 +10,7 @@
 //! their centers.
 
 use super::pairs::{Directed, Interaction, Pairs, SUMS, attribute, relative_velocity};
-use super::{Force, Moment, VelocityDependence};
+use super::{Force, StateView, VelocityDependence};
 use crate::error::{Error, Result};
 use crate::math::{AXES, Real, Vector};
 use crate::matter::Properties;
@@ -92,7 +92,7 @@ impl<T: Real, const HERTZIAN: bool> Repulsion<T, HERTZIAN> {
 impl<V: Vector, const HERTZIAN: bool> PairLaw<V, SUMS> for Repulsion<V::Scalar, HERTZIAN> {
     #[inline(always)]
     fn terms<N: Number<Scalar = V::Scalar>>(&self, pair: &Pair<N>) -> [N; SUMS] {
-        let Pair { own, other, apart, square } = pair;
+        let Pair { own, other, separation, square } = pair;
         let (zero, one) = (N::constant(0.0), N::constant(1.0));
         let distance = square.sqrt();
         let overlap = attribute::<V, N>(own) + attribute::<V, N>(other) - distance;
@@ -105,7 +105,7 @@ impl<V: Vector, const HERTZIAN: bool> PairLaw<V, SUMS> for Repulsion<V::Scalar, 
         let (mut normal, mut tangent) = ([zero; AXES], [zero; AXES]);
         let (mut parting, mut square_slip) = (zero, zero);
         for axis in 0..V::DIMENSION {
-            normal[axis] = apart[axis] * inverse;
+            normal[axis] = separation[axis] * inverse;
             parting += v[axis] * normal[axis];
         }
         for axis in 0..V::DIMENSION {
@@ -162,7 +162,7 @@ impl<V: Vector, const HERTZIAN: bool> Interaction<V> for Repulsion<V::Scalar, HE
     ///
     /// The largest eigenvalue of Σ nnᵀ over directions that are 60° apart: in 2D 3, because those around one end of any axis,
     /// at t − 60°, t and t + 60°, have cos² of 3/2 together; in 3D 9/2, of two that lie on an axis and ten at 60° from it.
-    fn expected(&self, at: &Moment<'_, V>, members: &[u32]) -> [f64; 2] {
+    fn expected(&self, at: &StateView<'_, V>, members: &[u32]) -> [f64; 2] {
         let (kissing, aligned) = if V::DIMENSION == 2 { (6.0, 3.0) } else { (12.0, 4.5) };
         let speed = members.iter().map(|&index| at.velocity.get(index as usize).widen().length()).fold(0.0, f64::max);
         let mobile = members.iter().map(|&index| at.properties.mass[index as usize]).filter(|mass| mass.is_finite());

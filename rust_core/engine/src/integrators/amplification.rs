@@ -7,7 +7,7 @@
 //!
 //! Source: E. I. Jury, Theory and Application of the z-Transform Method (1964), ch. 3.
 
-use super::{Integrator, Register};
+use super::{Component, Integrator};
 
 /// The largest ratio of a damping, or of a decay, to a frequency that is told from an infinite one.
 pub const STEEPEST: f64 = 1e6;
@@ -15,27 +15,27 @@ pub const STEEPEST: f64 = 1e6;
 /// One step over h = 1 with ωh = `step`, as a matrix that acts on (x, v, a). Where x stands for a field that is advanced over
 /// the drifts, it decays besides: x ← x + h v − `decay` x over a whole h.
 pub fn matrix<I: Integrator>(step: f64, damping_ratio: f64, decay: f64) -> [[f64; 3]; 3] {
-    const { assert!(I::CARRIED <= 1, "the matrix has one row for what is carried") };
+    const { assert!(I::PERSISTENT <= 1, "the matrix has one row for what is carried") };
     let (stiffness, damping) = (step * step, 2.0 * damping_ratio * step);
-    let drifts = I::TURNS.map_or(&[][..], |turns| turns.drifts);
+    let drifts = I::DRIFT_KICK.map_or(&[][..], |drift_kick| drift_kick.drifts);
     let lost = |drift: usize, x: f64| drifts.get(drift).map_or(0.0, |part| decay * part * x);
     let mut matrix = [[0.0; 3]; 3];
-    for column in 0..2 + I::CARRIED {
+    for column in 0..2 + I::PERSISTENT {
         let mut unit = [0.0; 3];
         unit[column] = 1.0;
-        let mut register = Register::new(unit[0], unit[1], unit[2]);
+        let mut component = Component::new(unit[0], unit[1], unit[2]);
         for stage in 0..I::NODES.len() {
-            let from = register.x;
-            I::point(stage, &mut register, 1.0);
-            register.x -= lost(stage, from);
-            let (x, a) = (register.x, -stiffness * register.x - damping * register.v);
-            I::absorb(stage, &mut register, a, 1.0);
+            let from = component.x;
+            I::stage_state(stage, &mut component, 1.0);
+            component.x -= lost(stage, from);
+            let (x, a) = (component.x, -stiffness * component.x - damping * component.v);
+            I::stage_update(stage, &mut component, a, 1.0);
             if stage + 1 == I::NODES.len() {
-                register.x -= lost(stage + 1, x);
+                component.x -= lost(stage + 1, x);
             }
         }
-        let image = [register.x, register.v, register.memory[0]];
-        (0..2 + I::CARRIED).for_each(|row| matrix[row][column] = image[row]);
+        let image = [component.x, component.v, component.registers[0]];
+        (0..2 + I::PERSISTENT).for_each(|row| matrix[row][column] = image[row]);
     }
     matrix
 }

@@ -2,7 +2,7 @@
 //!
 //! Source: P. Bogacki, L. F. Shampine, Appl. Math. Lett. 2 (1989) 321.
 
-use super::{Integrator, Register, amplification};
+use super::{Component, Integrator, amplification};
 use crate::math::Real;
 
 /// kᵢ = f(y + h Σ aᵢⱼ kⱼ) for y = (x, v), with k₄ at the step's end, where it is k₁ of the next one:
@@ -37,11 +37,11 @@ impl Integrator for BogackiShampine3 {
     const NODES: &'static [f64] = &[0.5, 0.75, 1.0];
     const WEIGHTS: &'static [f64] = WEIGHTS.split_at(1).1;
     const LAST_WEIGHT: f64 = WEIGHTS[0];
-    const MEMORY: usize = 4;
-    const CARRIED: usize = 1;
-    const KEPT: usize = 3;
+    const REGISTERS: usize = 4;
+    const PERSISTENT: usize = 1;
+    const READABLE: usize = 3;
     const ERROR: Option<[usize; 2]> = Some([ERROR_X, ERROR_V]);
-    const PLACE: Option<usize> = Some(SUM_X);
+    const POSITION_REGISTER: Option<usize> = Some(SUM_X);
 
     /// The amplification factors are R(z) = 1 + z + z²/2 + z³/6 at z = ωh(−ξ ± √(ξ² − 1)). At ξ = 0,
     /// |R|² = 1 − y⁴/12 + y⁶/36 with y = ωh gives √3. For ξ ≥ 1 both z are real, and R ≥ −1 as far as z = −2.512…, the
@@ -56,48 +56,48 @@ impl Integrator for BogackiShampine3 {
     }
 
     #[inline(always)]
-    fn begin<T: Real>(register: &mut Register<T>, a: T) {
-        register.memory[ACCELERATION] = a;
+    fn begin<T: Real>(component: &mut Component<T>, a: T) {
+        component.registers[ACCELERATION] = a;
     }
 
     #[inline(always)]
-    fn point<T: Real>(stage: usize, register: &mut Register<T>, h: T) {
+    fn stage_state<T: Real>(stage: usize, component: &mut Component<T>, h: T) {
         // The later stages stand where `absorb` has left them.
         if stage == 0 {
-            let (x, v, a) = (register.x, register.v, register.memory[ACCELERATION]);
-            register.memory[..Self::MEMORY].copy_from_slice(&[a, T::ZERO, v, x]);
+            let (x, v, a) = (component.x, component.v, component.registers[ACCELERATION]);
+            component.registers[..Self::REGISTERS].copy_from_slice(&[a, T::ZERO, v, x]);
             let half = T::from_f64(0.5) * h;
-            register.x = x + half * v;
-            register.v = v + half * a;
+            component.x = x + half * v;
+            component.v = v + half * a;
         }
     }
 
     #[inline(always)]
-    fn absorb<T: Real>(stage: usize, register: &mut Register<T>, a: T, h: T) {
+    fn stage_update<T: Real>(stage: usize, component: &mut Component<T>, a: T, h: T) {
         let [weight, error] = [WEIGHTS, ERRORS].map(|of| h * T::from_f64(of[stage + 1]));
-        let memory = &mut register.memory;
+        let registers = &mut component.registers;
         match stage {
             0 => {
-                let [x0, v0, a0] = [memory[SUM_X], memory[V0], memory[ACCELERATION]];
+                let [x0, v0, a0] = [registers[SUM_X], registers[V0], registers[ACCELERATION]];
                 let [first, first_error] = [WEIGHTS, ERRORS].map(|of| h * T::from_f64(of[0]));
-                memory[SUM_X] = x0 + (first * v0 + weight * register.v);
-                memory[SUM_V] = v0 + (first * a0 + weight * a);
-                memory[ERROR_X] = first_error * v0 + error * register.v;
-                memory[ERROR_V] = first_error * a0 + error * a;
+                registers[SUM_X] = x0 + (first * v0 + weight * component.v);
+                registers[SUM_V] = v0 + (first * a0 + weight * a);
+                registers[ERROR_X] = first_error * v0 + error * component.v;
+                registers[ERROR_V] = first_error * a0 + error * a;
                 let reach = T::from_f64(0.75) * h;
-                register.x = x0 + reach * register.v;
-                register.v = v0 + reach * a;
+                component.x = x0 + reach * component.v;
+                component.v = v0 + reach * a;
             }
             1 => {
-                memory[ERROR_X] += error * register.v;
-                memory[ERROR_V] += error * a;
-                register.x = memory[SUM_X] + weight * register.v;
-                register.v = memory[SUM_V] + weight * a;
+                registers[ERROR_X] += error * component.v;
+                registers[ERROR_V] += error * a;
+                component.x = registers[SUM_X] + weight * component.v;
+                component.v = registers[SUM_V] + weight * a;
             }
             _ => {
-                memory[ERROR_X] += error * register.v;
-                memory[ERROR_V] += error * a;
-                memory[ACCELERATION] = a;
+                registers[ERROR_X] += error * component.v;
+                registers[ERROR_V] += error * a;
+                registers[ACCELERATION] = a;
             }
         }
     }

@@ -3,7 +3,7 @@
 //! Source: J. R. Dormand, P. J. Prince, J. Comput. Appl. Math. 6 (1980) 19; E. Hairer, S. P. Nørsett, G. Wanner, Solving
 //! Ordinary Differential Equations I, 2nd ed. (1993), table II.5.2.
 
-use super::{Integrator, Register, amplification};
+use super::{Component, Integrator, amplification};
 use crate::math::Real;
 
 /// kᵢ = f(y + h Σ aᵢⱼ kⱼ) for y = (x, v), with k₇ at the step's end, where it is k₁ of the next one. As x' = v, all that has
@@ -88,11 +88,11 @@ impl Integrator for DormandPrince5 {
     const WEIGHTS: &'static [f64] =
         &[VELOCITY[STEP][1], VELOCITY[STEP][2], VELOCITY[STEP][3], VELOCITY[STEP][4], VELOCITY[STEP][5], 0.0];
     const LAST_WEIGHT: f64 = VELOCITY[STEP][0];
-    const MEMORY: usize = 6;
-    const CARRIED: usize = 1;
-    const KEPT: usize = 3;
+    const REGISTERS: usize = 6;
+    const PERSISTENT: usize = 1;
+    const READABLE: usize = 3;
     const ERROR: Option<[usize; 2]> = Some([ERROR_X, ERROR_V]);
-    const PLACE: Option<usize> = Some(X0);
+    const POSITION_REGISTER: Option<usize> = Some(X0);
 
     /// The amplification factors are R(z) = 1 + z + z²/2 + z³/6 + z⁴/24 + z⁵/120 + z⁶/600 at z = ωh(−ξ ± √(ξ² − 1)). At
     /// ξ = 0, with u = (ωh)², |R|² = 1 − u³ (1/1800 − u/1600 + u²/14400 − u³/360000) gives u = 0.9943…. For ξ ≥ 1 both z are
@@ -107,52 +107,52 @@ impl Integrator for DormandPrince5 {
     }
 
     #[inline(always)]
-    fn begin<T: Real>(register: &mut Register<T>, a: T) {
-        register.memory[ACCELERATION] = a;
+    fn begin<T: Real>(component: &mut Component<T>, a: T) {
+        component.registers[ACCELERATION] = a;
     }
 
     #[inline(always)]
-    fn point<T: Real>(stage: usize, register: &mut Register<T>, h: T) {
+    fn stage_state<T: Real>(stage: usize, component: &mut Component<T>, h: T) {
         // The later stages stand where `absorb` has left them.
         if stage == 0 {
-            let (x, v, a) = (register.x, register.v, register.memory[ACCELERATION]);
-            register.memory = [a, T::ZERO, v, x, T::ZERO, T::ZERO];
+            let (x, v, a) = (component.x, component.v, component.registers[ACCELERATION]);
+            component.registers = [a, T::ZERO, v, x, T::ZERO, T::ZERO];
             let reach = T::from_f64(Self::NODES[0]) * h;
-            register.x = x + reach * v;
-            register.v = v + reach * a;
+            component.x = x + reach * v;
+            component.v = v + reach * a;
         }
     }
 
     #[inline(always)]
-    fn absorb<T: Real>(stage: usize, register: &mut Register<T>, a: T, h: T) {
-        let memory = &mut register.memory;
+    fn stage_update<T: Real>(stage: usize, component: &mut Component<T>, a: T, h: T) {
+        let registers = &mut component.registers;
         match stage {
             0..=3 => {
                 if stage < 3 {
-                    memory[[SECOND, THIRD, FOURTH][stage]] = a;
+                    registers[[SECOND, THIRD, FOURTH][stage]] = a;
                 }
-                let (x0, v0) = (memory[X0], memory[V0]);
-                let all = [memory[ACCELERATION], memory[SECOND], memory[THIRD], memory[FOURTH], a];
+                let (x0, v0) = (registers[X0], registers[V0]);
+                let all = [registers[ACCELERATION], registers[SECOND], registers[THIRD], registers[FOURTH], a];
                 let place = |c: f64, row: &[f64]| x0 + h * (T::from_f64(c) * v0 + h * sum(row, all));
                 let velocity = |row: &[f64]| v0 + h * sum(row, all);
-                register.x = place(Self::NODES[stage + 1], &POSITION[stage + 1]);
-                register.v = velocity(&VELOCITY[stage + 1]);
+                component.x = place(Self::NODES[stage + 1], &POSITION[stage + 1]);
+                component.v = velocity(&VELOCITY[stage + 1]);
                 if stage == 3 {
                     let [x, v] = [place(1.0, &POSITION[STEP]), velocity(&VELOCITY[STEP])];
                     let errors = [h * (h * sum(&ERRORS_OF_X, all)), h * sum(&ERRORS, all)];
-                    [memory[SUM_X], memory[SUM_V]] = [x, v];
-                    [memory[ERROR_X], memory[ERROR_V]] = errors;
+                    [registers[SUM_X], registers[SUM_V]] = [x, v];
+                    [registers[ERROR_X], registers[ERROR_V]] = errors;
                 }
             }
             4 => {
-                register.x = memory[SUM_X] + h * (h * (T::from_f64(POSITION[STEP][5]) * a));
-                register.v = memory[SUM_V] + h * (T::from_f64(VELOCITY[STEP][5]) * a);
-                memory[ERROR_X] += h * (h * (T::from_f64(ERRORS_OF_X[5]) * a));
-                memory[ERROR_V] += h * (T::from_f64(ERRORS[5]) * a);
+                component.x = registers[SUM_X] + h * (h * (T::from_f64(POSITION[STEP][5]) * a));
+                component.v = registers[SUM_V] + h * (T::from_f64(VELOCITY[STEP][5]) * a);
+                registers[ERROR_X] += h * (h * (T::from_f64(ERRORS_OF_X[5]) * a));
+                registers[ERROR_V] += h * (T::from_f64(ERRORS[5]) * a);
             }
             _ => {
-                memory[ERROR_V] += h * T::from_f64(ERRORS[6]) * a;
-                memory[ACCELERATION] = a;
+                registers[ERROR_V] += h * T::from_f64(ERRORS[6]) * a;
+                registers[ACCELERATION] = a;
             }
         }
     }

@@ -1,6 +1,6 @@
 //! Explicit (forward) Euler, order 1: for teaching. It gains energy on every oscillation, whatever the step.
 
-use super::{Integrator, Register};
+use super::{Component, Integrator};
 use crate::math::Real;
 
 /// x ← x + h v, v ← v + h a(x, v), both with the values at the step's start.
@@ -30,11 +30,11 @@ impl Integrator for ExplicitEuler {
     }
 
     #[inline(always)]
-    fn point<T: Real>(_stage: usize, _register: &mut Register<T>, _h: T) {}
+    fn stage_state<T: Real>(_stage: usize, _register: &mut Component<T>, _h: T) {}
 
     #[inline(always)]
-    fn absorb<T: Real>(_stage: usize, register: &mut Register<T>, a: T, h: T) {
-        register.x += h * register.v;
-        register.v += h * a;
+    fn stage_update<T: Real>(_stage: usize, component: &mut Component<T>, a: T, h: T) {
+        component.x += h * component.v;
+        component.v += h * a;
     }
 }

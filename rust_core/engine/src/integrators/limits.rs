@@ -1,29 +1,29 @@
 //! Each registered integrator is stable just below the limit that it claims, and grows just above, as its code steps.
 
 use super::{
-    BlanesMoan4, BlanesMoan6, BogackiShampine3, DormandPrince5, ExplicitEuler, Integrator, McLachlan2, Pefrl, Register,
+    BlanesMoan4, BlanesMoan6, BogackiShampine3, Component, DormandPrince5, ExplicitEuler, Integrator, McLachlan2, Pefrl,
     RungeKutta4, SemiImplicitEuler, VelocityVerlet, amplification, refuses_fields, with_integrator,
 };
 
 const RATIOS: [f64; 4] = [0.0, 0.1, 1.0, 10.0];
 
 /// x'' = −x − 2ξx' from x = 1 at rest, ready to step.
-fn oscillator<I: Integrator>() -> Register<f64> {
-    let mut register = Register::new(1.0, 0.0, 0.0);
-    I::begin(&mut register, -1.0);
-    register
+fn oscillator<I: Integrator>() -> Component<f64> {
+    let mut component = Component::new(1.0, 0.0, 0.0);
+    I::begin(&mut component, -1.0);
+    component
 }
 
-fn step<I: Integrator>(register: &mut Register<f64>, h: f64, ratio: f64) {
+fn step<I: Integrator>(component: &mut Component<f64>, h: f64, ratio: f64) {
     for stage in 0..I::NODES.len() {
-        I::point(stage, register, h);
-        let a = -register.x - 2.0 * ratio * register.v;
-        I::absorb(stage, register, a, h);
+        I::stage_state(stage, component, h);
+        let a = -component.x - 2.0 * ratio * component.v;
+        I::stage_update(stage, component, a, h);
     }
 }
 
-fn amplitude(register: &Register<f64>) -> f64 {
-    register.x.hypot(register.v)
+fn amplitude(component: &Component<f64>) -> f64 {
+    component.x.hypot(component.v)
 }
 
 /// The factor by which an unstable oscillation grows per step, once its fastest mode has taken over.
@@ -31,17 +31,17 @@ fn amplitude(register: &Register<f64>) -> f64 {
 /// The other modes are smaller by 1.07² per step at the least, the slowest of the factors below and its reciprocal, so
 /// that after 400 steps, and well before overflow, they are below rounding.
 fn growth<I: Integrator>(h: f64, ratio: f64) -> f64 {
-    let mut register = oscillator::<I>();
+    let mut component = oscillator::<I>();
     let mut factor = 0.0;
     for _ in 0..400 {
-        let before = amplitude(&register);
-        step::<I>(&mut register, h, ratio);
-        factor = amplitude(&register) / before;
+        let before = amplitude(&component);
+        step::<I>(&mut component, h, ratio);
+        factor = amplitude(&component) / before;
         // Linear, so it may be scaled: with a power of two, exactly.
         let scale = 2.0_f64.powi(-(factor.log2().round() as i32));
-        register.x *= scale;
-        register.v *= scale;
-        register.memory = register.memory.map(|value| value * scale);
+        component.x *= scale;
+        component.v *= scale;
+        component.registers = component.registers.map(|value| value * scale);
     }
     factor
 }

@@ -2,12 +2,12 @@
 //! are a [`Splitting`], which needs nothing but its coefficients.
 //!
 //! An integrator treats every component of every particle alike, so it is written for one number x with its velocity v.
-//! A step is a sequence of stages: [`Integrator::point`] moves x and v to where the forces are wanted, and
-//! [`Integrator::absorb`] takes in the acceleration found there. The drivers in [`crate::systems`] decide whether a stage
+//! A step is a sequence of stages: [`Integrator::stage_state`] moves x and v to where the forces are wanted, and
+//! [`Integrator::stage_update`] takes in the acceleration found there. The drivers in [`crate::systems`] decide whether a stage
 //! sweeps over all particles, or a block of independent particles runs through many steps.
 
 use crate::math::Real;
-use crate::matter::MEMORY;
+use crate::matter::REGISTERS;
 
 pub(crate) mod amplification;
 mod blanes_moan_4;
@@ -38,28 +38,28 @@ pub use velocity_verlet::VelocityVerlet;
 
 /// One component of one particle, on its way through a step.
 #[derive(Debug, Clone, Copy)]
-pub struct Register<T> {
+pub struct Component<T> {
     /// Position: at a step's end the state, at a stage the point where the forces are wanted.
     pub x: T,
     /// Velocity, likewise.
     pub v: T,
-    /// What is kept between the stages and, the first [`Integrator::CARRIED`] of them, from step to step.
-    pub memory: [T; MEMORY],
+    /// What is kept between the stages and, the first [`Integrator::PERSISTENT`] of them, from step to step.
+    pub registers: [T; REGISTERS],
 }
 
-impl<T: Real> Register<T> {
+impl<T: Real> Component<T> {
     /// At a step's start, with the first of what is carried.
     pub fn new(x: T, v: T, carried: T) -> Self {
-        let mut memory = [T::ZERO; MEMORY];
-        memory[0] = carried;
-        Self { x, v, memory }
+        let mut registers = [T::ZERO; REGISTERS];
+        registers[0] = carried;
+        Self { x, v, registers }
     }
 }
 
 /// How drifts and kicks take turns in a step that consists of them. A field that changes with the motion takes turns with
 /// velocity as position does: it is advanced over each drift.
 #[derive(Debug, Clone, Copy)]
-pub struct Turns {
+pub struct DriftKick {
     /// The drifts, in units of h: the one that leads to each stage, 0 where there is none, and maybe one after the last stage,
     /// with the velocity of the step's end.
     pub drifts: &'static [f64],
@@ -82,17 +82,17 @@ pub trait Integrator: Sized + Send + Sync + 'static {
     /// The weight of the power at the last stage of the step before, where the method reuses that evaluation.
     const LAST_WEIGHT: f64 = 0.0;
     /// How many of the registers' memories it uses.
-    const MEMORY: usize = 0;
+    const REGISTERS: usize = 0;
     /// How many of those it carries from one step to the next.
-    const CARRIED: usize = 0;
+    const PERSISTENT: usize = 0;
     /// Which of those holds a position, if one does.
-    const PLACE: Option<usize> = None;
+    const POSITION_REGISTER: Option<usize> = None;
     /// Whether its last evaluation is that of the step's end, with which the next step begins.
     const ENDS_WITH_FORCES: bool = Self::LAST_WEIGHT != 0.0;
     /// Its drifts, if a step consists of drifts and kicks.
-    const TURNS: Option<Turns> = None;
+    const DRIFT_KICK: Option<DriftKick> = None;
     /// How many of those can be read after a step: what it carries, and after that what it estimates.
-    const KEPT: usize = Self::CARRIED;
+    const READABLE: usize = Self::PERSISTENT;
     /// Which of those hold the estimated errors of x and v, where a method of the order below is embedded in it.
     const ERROR: Option<[usize; 2]> = None;
     /// What remains of the limit where stiffness and damping couple the modes; 1 where it holds mode by mode, as
@@ -119,23 +119,23 @@ pub trait Integrator: Sized + Send + Sync + 'static {
     const DRIFTS_FIRST: bool = false;
 
     /// Goes on from a velocity, at the end of that parabola, that a contact may have changed.
-    fn redirect<T: Real>(_register: &mut Register<T>, _h: T) {}
+    fn correct_velocity<T: Real>(_register: &mut Component<T>, _h: T) {}
 
     /// Fills the carried memory from the acceleration `a` at the initial state.
-    fn begin<T: Real>(_register: &mut Register<T>, _a: T) {}
+    fn begin<T: Real>(_register: &mut Component<T>, _a: T) {}
 
     /// Moves to where stage `stage` asks for the forces.
-    fn point<T: Real>(stage: usize, register: &mut Register<T>, h: T);
+    fn stage_state<T: Real>(stage: usize, component: &mut Component<T>, h: T);
 
     /// Takes in the acceleration found there; after the last stage x and v are the state at the step's end.
-    fn absorb<T: Real>(stage: usize, register: &mut Register<T>, a: T, h: T);
+    fn stage_update<T: Real>(stage: usize, component: &mut Component<T>, a: T, h: T);
 }
 
 /// Why a field that diffuses cannot be advanced over the drifts of an integrator, if it cannot.
 pub fn refuses_fields<I: Integrator>() -> Option<&'static str> {
-    match I::TURNS {
+    match I::DRIFT_KICK {
         None => Some("density and velocity take turns, in drifts and kicks, and it takes both at one moment"),
-        Some(turns) if turns.drifts.iter().chain(I::WEIGHTS).any(|&part| part < 0.0) => {
+        Some(drift_kick) if drift_kick.drifts.iter().chain(I::WEIGHTS).any(|&part| part < 0.0) => {
             Some("some of its substeps run backwards, where diffusion and viscosity would roughen what they have to even out")
         }
         Some(_) => None,

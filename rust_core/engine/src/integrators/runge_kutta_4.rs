@@ -3,7 +3,7 @@
 //! Source: W. Kutta, Z. Math. Phys. 46 (1901) 435; E. Hairer, S. P. Nørsett, G. Wanner, Solving Ordinary Differential
 //! Equations I, 2nd ed. (1993), table II.1.2.
 
-use super::{Integrator, Register, amplification};
+use super::{Component, Integrator, amplification};
 use crate::math::Real;
 
 /// kᵢ = f(y + cᵢ h kᵢ₋₁) with c = 0, ½, ½, 1, and y ← y + h/6 (k₁ + 2k₂ + 2k₃ + k₄), for y = (x, v).
@@ -23,8 +23,8 @@ impl Integrator for RungeKutta4 {
     const ORDER_DISSIPATIVE: u32 = 4;
     const NODES: &'static [f64] = &[0.0, 0.5, 0.5, 1.0];
     const WEIGHTS: &'static [f64] = &[1.0 / 6.0, 2.0 / 6.0, 2.0 / 6.0, 1.0 / 6.0];
-    const MEMORY: usize = 4;
-    const PLACE: Option<usize> = Some(X0);
+    const REGISTERS: usize = 4;
+    const POSITION_REGISTER: Option<usize> = Some(X0);
 
     /// The amplification factors are R(z) = 1 + z + z²/2 + z³/6 + z⁴/24 at z = ωh(−ξ ± √(ξ² − 1)). At ξ = 0,
     /// |R|² = 1 − y⁶/72 + y⁸/576 with y = ωh gives 2√2. For ξ ≥ 1 both z are real, R ≤ 1 as far as z = −2.785…, the real
@@ -45,31 +45,31 @@ impl Integrator for RungeKutta4 {
     }
 
     #[inline(always)]
-    fn point<T: Real>(stage: usize, register: &mut Register<T>, _h: T) {
+    fn stage_state<T: Real>(stage: usize, component: &mut Component<T>, _h: T) {
         // The later stages stand where `absorb` has left them.
         if stage == 0 {
-            register.memory[..Self::MEMORY].copy_from_slice(&[register.x, register.v, T::ZERO, T::ZERO]);
+            component.registers[..Self::REGISTERS].copy_from_slice(&[component.x, component.v, T::ZERO, T::ZERO]);
         }
     }
 
     #[inline(always)]
-    fn absorb<T: Real>(stage: usize, register: &mut Register<T>, a: T, h: T) {
-        let memory = &mut register.memory;
+    fn stage_update<T: Real>(stage: usize, component: &mut Component<T>, a: T, h: T) {
+        let registers = &mut component.registers;
         let twice = T::from_f64(2.0);
         if stage == 0 {
-            memory[SUM_X] = register.v;
-            memory[SUM_V] = a;
+            registers[SUM_X] = component.v;
+            registers[SUM_V] = a;
         } else if stage < 3 {
-            memory[SUM_X] += twice * register.v;
-            memory[SUM_V] += twice * a;
+            registers[SUM_X] += twice * component.v;
+            registers[SUM_V] += twice * a;
         } else {
             let sixth = h * T::from_f64(1.0 / 6.0);
-            register.x = memory[X0] + sixth * (memory[SUM_X] + register.v);
-            register.v = memory[V0] + sixth * (memory[SUM_V] + a);
+            component.x = registers[X0] + sixth * (registers[SUM_X] + component.v);
+            component.v = registers[V0] + sixth * (registers[SUM_V] + a);
             return;
         }
         let reach = if stage < 2 { T::from_f64(0.5) * h } else { h };
-        register.x = memory[X0] + reach * register.v;
-        register.v = memory[V0] + reach * a;
+        component.x = registers[X0] + reach * component.v;
+        component.v = registers[V0] + reach * a;
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! Source: E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, 2nd ed. (2006), sec. I.1.2.
 
-use super::{Integrator, Register, Turns};
+use super::{Component, DriftKick, Integrator};
 use crate::math::Real;
 
 /// v ← v + h a(x, v), x ← x + h v, with the new velocity.
@@ -16,7 +16,7 @@ impl Integrator for SemiImplicitEuler {
     const NODES: &'static [f64] = &[0.0];
     const WEIGHTS: &'static [f64] = &[1.0];
     /// The velocity of its drift is that of the step's end, and no memory holds it.
-    const TURNS: Option<Turns> = Some(Turns { drifts: &[0.0, 1.0], velocity: 0 });
+    const DRIFT_KICK: Option<DriftKick> = Some(DriftKick { drifts: &[0.0, 1.0], velocity: 0 });
 
     /// With y = ωh the step maps (x, hv) by a matrix of trace 2 − 2ξy − y² and determinant 1 − 2ξy. A real quadratic
     /// g² − tr g + det has both roots in the unit disc if |det| ≤ 1 and |tr| ≤ 1 + det (Jury). 1 + det + tr ≥ 0 gives
@@ -37,11 +37,11 @@ impl Integrator for SemiImplicitEuler {
     }
 
     #[inline(always)]
-    fn point<T: Real>(_stage: usize, _register: &mut Register<T>, _h: T) {}
+    fn stage_state<T: Real>(_stage: usize, _register: &mut Component<T>, _h: T) {}
 
     #[inline(always)]
-    fn absorb<T: Real>(_stage: usize, register: &mut Register<T>, a: T, h: T) {
-        register.v += h * a;
-        register.x += h * register.v;
+    fn stage_update<T: Real>(_stage: usize, component: &mut Component<T>, a: T, h: T) {
+        component.v += h * a;
+        component.x += h * component.v;
     }
 }

@@ -9,7 +9,7 @@
 //! middle. The prediction is off by O(h²) and enters with a factor h: order 2. It could not stay above at any price: a
 //! splitting above order 2 has negative substeps (Sheng 1989, Suzuki 1991), in which dissipation would run backwards.
 
-use super::{Integrator, Register, Turns, amplification};
+use super::{Component, DriftKick, Integrator, amplification};
 use crate::math::Real;
 
 /// The coefficients of a symmetric splitting.
@@ -84,9 +84,9 @@ impl<S: Splitting> Integrator for S {
     const NODES: &'static [f64] = S::ENDS.split_at(S::STAGES).0;
     const WEIGHTS: &'static [f64] = S::SPLIT.1;
     const LAST_WEIGHT: f64 = if S::KICKS_FIRST { S::KICKS[0] } else { 0.0 };
-    const MEMORY: usize = 2;
-    const CARRIED: usize = 1;
-    const TURNS: Option<Turns> = Some(Turns { drifts: S::DRIFTS, velocity: BEFORE });
+    const REGISTERS: usize = 2;
+    const PERSISTENT: usize = 1;
+    const DRIFT_KICK: Option<DriftKick> = Some(DriftKick { drifts: S::DRIFTS, velocity: BEFORE });
     const COUPLED: f64 = S::COUPLED;
 
     fn limit(damping_ratio: f64) -> f64 {
@@ -105,28 +105,28 @@ impl<S: Splitting> Integrator for S {
     }
 
     #[inline(always)]
-    fn begin<T: Real>(register: &mut Register<T>, a: T) {
-        register.memory[ACCELERATION] = a;
+    fn begin<T: Real>(component: &mut Component<T>, a: T) {
+        component.registers[ACCELERATION] = a;
     }
 
     #[inline(always)]
-    fn point<T: Real>(stage: usize, register: &mut Register<T>, h: T) {
-        let a = register.memory[ACCELERATION];
+    fn stage_state<T: Real>(stage: usize, component: &mut Component<T>, h: T) {
+        let a = component.registers[ACCELERATION];
         let begins = S::KICKS_FIRST && stage == 0;
-        let before = if begins { register.v + T::from_f64(S::KICKS[0]) * h * a } else { register.v };
+        let before = if begins { component.v + T::from_f64(S::KICKS[0]) * h * a } else { component.v };
         let doubled = S::KICKS_FIRST && stage + 1 == S::STAGES;
         let half = if doubled { 1.0 } else { 0.5 } * S::SPLIT.1[stage];
-        register.x += T::from_f64(S::DRIFTS[stage]) * h * before;
-        register.v = before + T::from_f64(half) * h * a;
-        register.memory[BEFORE] = before;
+        component.x += T::from_f64(S::DRIFTS[stage]) * h * before;
+        component.v = before + T::from_f64(half) * h * a;
+        component.registers[BEFORE] = before;
     }
 
     #[inline(always)]
-    fn absorb<T: Real>(stage: usize, register: &mut Register<T>, a: T, h: T) {
-        register.v = register.memory[BEFORE] + T::from_f64(S::SPLIT.1[stage]) * h * a;
-        register.memory[ACCELERATION] = a;
+    fn stage_update<T: Real>(stage: usize, component: &mut Component<T>, a: T, h: T) {
+        component.v = component.registers[BEFORE] + T::from_f64(S::SPLIT.1[stage]) * h * a;
+        component.registers[ACCELERATION] = a;
         if !S::KICKS_FIRST && stage + 1 == S::STAGES {
-            register.x += T::from_f64(S::DRIFTS[S::STAGES]) * h * register.v;
+            component.x += T::from_f64(S::DRIFTS[S::STAGES]) * h * component.v;
         }
     }
 }

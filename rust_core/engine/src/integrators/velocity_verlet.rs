@@ -7,7 +7,7 @@
 //! critical damping to ωh ≤ 0.47. Taken at vₙ₊₁ it would not, but that asks for a solution of equations where springs are damped;
 //! `benches/damping.py` measures both.
 
-use super::{Integrator, Register, Turns};
+use super::{Component, DriftKick, Integrator};
 use crate::math::Real;
 
 /// v½ = v + h/2 a, x ← x + h v½, a ← a(x, v½ + h/2 a), v ← v½ + h/2 a.
@@ -26,9 +26,9 @@ impl Integrator for VelocityVerlet {
     const NODES: &'static [f64] = &[1.0];
     const WEIGHTS: &'static [f64] = &[0.5];
     const LAST_WEIGHT: f64 = 0.5;
-    const MEMORY: usize = 2;
-    const CARRIED: usize = 1;
-    const TURNS: Option<Turns> = Some(Turns { drifts: &[1.0], velocity: HALF });
+    const REGISTERS: usize = 2;
+    const PERSISTENT: usize = 1;
+    const DRIFT_KICK: Option<DriftKick> = Some(DriftKick { drifts: &[1.0], velocity: HALF });
     const DRIFTS_FIRST: bool = true;
 
     /// With y = ωh, c = 2ξy and a growth factor g per step, v = h/2 (g + 1)/(g − 1) a and x = h² g/(g − 1)² a, so that
@@ -52,31 +52,31 @@ impl Integrator for VelocityVerlet {
     }
 
     #[inline(always)]
-    fn redirect<T: Real>(register: &mut Register<T>, h: T) {
-        let kick = T::from_f64(0.5) * h * register.memory[ACCELERATION];
+    fn correct_velocity<T: Real>(component: &mut Component<T>, h: T) {
+        let kick = T::from_f64(0.5) * h * component.registers[ACCELERATION];
         // One that touched nothing keeps its bits.
-        if register.v != register.memory[HALF] + kick {
-            register.memory[HALF] = register.v - kick;
+        if component.v != component.registers[HALF] + kick {
+            component.registers[HALF] = component.v - kick;
         }
     }
 
     #[inline(always)]
-    fn begin<T: Real>(register: &mut Register<T>, a: T) {
-        register.memory[ACCELERATION] = a;
+    fn begin<T: Real>(component: &mut Component<T>, a: T) {
+        component.registers[ACCELERATION] = a;
     }
 
     #[inline(always)]
-    fn point<T: Real>(_stage: usize, register: &mut Register<T>, h: T) {
-        let kick = T::from_f64(0.5) * h * register.memory[ACCELERATION];
-        let half = register.v + kick;
-        register.x += h * half;
-        register.v = half + kick;
-        register.memory[HALF] = half;
+    fn stage_state<T: Real>(_stage: usize, component: &mut Component<T>, h: T) {
+        let kick = T::from_f64(0.5) * h * component.registers[ACCELERATION];
+        let half = component.v + kick;
+        component.x += h * half;
+        component.v = half + kick;
+        component.registers[HALF] = half;
     }
 
     #[inline(always)]
-    fn absorb<T: Real>(_stage: usize, register: &mut Register<T>, a: T, h: T) {
-        register.v = register.memory[HALF] + T::from_f64(0.5) * h * a;
-        register.memory[ACCELERATION] = a;
+    fn stage_update<T: Real>(_stage: usize, component: &mut Component<T>, a: T, h: T) {
+        component.v = component.registers[HALF] + T::from_f64(0.5) * h * a;
+        component.registers[ACCELERATION] = a;
     }
 }

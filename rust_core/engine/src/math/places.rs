@@ -11,7 +11,7 @@ use std::fmt::Debug;
 use crate::simd::{Number, Packed};
 
 /// 2³², the number of different places along an axis in f32.
-const PLACES: f64 = 4_294_967_296.0;
+const UNITS: f64 = 4_294_967_296.0;
 
 /// Added and taken away again, this rounds a number below 2⁵¹ to the nearest whole one, ties to even. Every level has
 /// vector instructions for it, and for `round_ties_even` only some.
@@ -24,7 +24,7 @@ fn nearest<N: Number>(value: N) -> N {
 }
 
 /// Numbers that can hold a place: records then hold numbers and places side by side.
-pub trait Placed: Packed {
+pub trait Coordinate: Packed {
     /// Whether differences find the nearest image by themselves, so that nobody has to ask for it.
     const WRAPS: bool;
     /// How places along one axis are measured.
@@ -33,10 +33,10 @@ pub trait Placed: Packed {
     /// The ruler for an axis of a certain period, if it has one, between whose places differences up to `support` matter.
     fn ruler(period: Option<f64>, support: f64) -> Self::Ruler;
     /// The place of a coordinate. Its value as a number means nothing.
-    fn place(coordinate: f64, ruler: Self::Ruler) -> Self;
+    fn encode(coordinate: f64, ruler: Self::Ruler) -> Self;
     /// How far a place lies above another, or above its nearest image where the axis is periodic. `PERIODIC` says whether
     /// any axis is.
-    fn apart<const PERIODIC: bool, N: Number<Scalar = Self>>(one: N, other: N, ruler: Self::Ruler) -> N;
+    fn separation<const PERIODIC: bool, N: Number<Scalar = Self>>(one: N, other: N, ruler: Self::Ruler) -> N;
 }
 
 /// How places in f32 are measured.
@@ -48,7 +48,7 @@ pub struct Fixed {
     unit: f32,
 }
 
-impl Placed for f32 {
+impl Coordinate for f32 {
     const WRAPS: bool = true;
     type Ruler = Fixed;
 
@@ -58,17 +58,17 @@ impl Placed for f32 {
             || libm::ldexp(1.0, libm::ilogb(support) + 4),
             |period| period / (period / (8.0 * support)).floor().max(1.0),
         );
-        Fixed { scale: PLACES / modulus, unit: (modulus / PLACES) as f32 }
+        Fixed { scale: UNITS / modulus, unit: (modulus / UNITS) as f32 }
     }
 
     #[inline(always)]
-    fn place(coordinate: f64, ruler: Fixed) -> f32 {
+    fn encode(coordinate: f64, ruler: Fixed) -> f32 {
         f32::from_bits((coordinate * ruler.scale).round_ties_even() as i64 as u32)
     }
 
     #[inline(always)]
-    fn apart<const PERIODIC: bool, N: Number<Scalar = f32>>(one: N, other: N, ruler: Fixed) -> N {
-        one.place_difference(other) * N::of(ruler.unit)
+    fn separation<const PERIODIC: bool, N: Number<Scalar = f32>>(one: N, other: N, ruler: Fixed) -> N {
+        one.coordinate_difference(other) * N::of(ruler.unit)
     }
 }
 
@@ -81,7 +81,7 @@ pub struct Image {
     inverse: f64,
 }
 
-impl Placed for f64 {
+impl Coordinate for f64 {
     const WRAPS: bool = false;
     type Ruler = Image;
 
@@ -90,13 +90,13 @@ impl Placed for f64 {
     }
 
     #[inline(always)]
-    fn place(coordinate: f64, _ruler: Image) -> f64 {
+    fn encode(coordinate: f64, _ruler: Image) -> f64 {
         coordinate
     }
 
     #[inline(always)]
-    fn apart<const PERIODIC: bool, N: Number<Scalar = f64>>(one: N, other: N, ruler: Image) -> N {
-        let difference = one.place_difference(other);
+    fn separation<const PERIODIC: bool, N: Number<Scalar = f64>>(one: N, other: N, ruler: Image) -> N {
+        let difference = one.coordinate_difference(other);
         if !PERIODIC {
             return difference;
         }
@@ -110,9 +110,9 @@ mod tests {
 
     /// Half a unit for each place; half an ulp for the conversion, and where there is a period, so that the unit is no power
     /// of two, for the unit and the product too.
-    fn tolerance(apart: f64, support: f64, period: Option<f64>) -> f64 {
+    fn tolerance(separation: f64, support: f64, period: Option<f64>) -> f64 {
         let roundings = if period.is_some() { 3.0 } else { 1.0 };
-        4e-9 * support + roundings * 0.5 * f64::from(f32::EPSILON) * apart.abs()
+        4e-9 * support + roundings * 0.5 * f64::from(f32::EPSILON) * separation.abs()
     }
 
     #[test]
@@ -122,10 +122,10 @@ mod tests {
             for start in [0.0, -1e5, 1e5, 123_456.7] {
                 for step in -49..50 {
                     let (one, other) = (start * support, start * support + f64::from(step) * 0.02 * support);
-                    let apart = f32::apart::<true, _>(f32::place(one, ruler), f32::place(other, ruler), ruler);
+                    let separation = f32::separation::<true, _>(f32::encode(one, ruler), f32::encode(other, ruler), ruler);
                     assert!(
-                        (f64::from(apart) - (one - other)).abs() <= tolerance(one - other, support, period),
-                        "{apart} {one} {other}"
+                        (f64::from(separation) - (one - other)).abs() <= tolerance(one - other, support, period),
+                        "{separation} {one} {other}"
                     );
                 }
             }
@@ -138,10 +138,10 @@ mod tests {
         let (single, double) = (f32::ruler(Some(period), support), f64::ruler(Some(period), support));
         for turns in -1000..1000 {
             let (one, other) = (0.1, -0.15 + f64::from(turns) * period);
-            let apart = f32::apart::<true, _>(f32::place(one, single), f32::place(other, single), single);
-            assert!((f64::from(apart) - 0.25).abs() < tolerance(0.25, support, Some(period)), "{apart}");
+            let separation = f32::separation::<true, _>(f32::encode(one, single), f32::encode(other, single), single);
+            assert!((f64::from(separation) - 0.25).abs() < tolerance(0.25, support, Some(period)), "{separation}");
             // The coordinate itself is rounded at 2700 m, and its quotient by the period costs as much again.
-            assert!((f64::apart::<true, _>(one, other, double) - 0.25).abs() < 4.0 * 2700.0 * f64::EPSILON);
+            assert!((f64::separation::<true, _>(one, other, double) - 0.25).abs() < 4.0 * 2700.0 * f64::EPSILON);
         }
     }
 }

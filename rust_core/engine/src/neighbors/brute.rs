@@ -9,11 +9,11 @@ pub fn brute(count: usize, dimension: usize, domain: &Domain, support: f64, posi
     let is_near = &move |one: usize, other: usize| {
         let mut square = 0.0;
         for axis in 0..dimension {
-            let mut apart = positions[axis][one] - positions[axis][other];
+            let mut separation = positions[axis][one] - positions[axis][other];
             if let Some(length) = lengths[axis] {
-                apart -= length * (apart * (1.0 / length)).round_ties_even();
+                separation -= length * (separation * (1.0 / length)).round_ties_even();
             }
-            square += apart * apart;
+            square += separation * separation;
         }
         square <= support * support
     };

@@ -129,7 +129,7 @@ impl Rows {
     pub const NONE: Self = Self { starts: [(0, 0, 0); ROWS], count: 0, column: 0 };
 }
 
-/// Runs of places.
+/// Runs of slots.
 #[derive(Debug, Clone, Copy)]
 pub struct Runs {
     /// Where each begins and ends.
@@ -231,7 +231,7 @@ impl Grid {
         rows
     }
 
-    /// The runs of places in which all neighbors of a point within a distance of the given `square` [m²] are, where `starts`
+    /// The runs of slots in which all neighbors of a point within a distance of the given `square` [m²] are, where `starts`
     /// holds the first place of each bucket.
     #[inline(always)]
     pub fn runs(&self, rows: &Rows, point: [f64; AXES], square: f64, starts: &[u32], runs: &mut Runs) {

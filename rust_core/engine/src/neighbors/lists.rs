@@ -1,16 +1,16 @@
-//! The list of neighbors of every particle, one after the other in blocks of places.
+//! The list of neighbors of every particle, one after the other in blocks of slots.
 
 use std::ops::Range;
 
 use super::grid::{Grid, Rows, Runs};
 use super::{BLOCK, Metric};
 use crate::error::Result;
-use crate::math::{AXES, Placed};
+use crate::math::{AXES, Coordinate};
 use crate::memory;
-use crate::parallel::{Chunks, Crew};
+use crate::parallel::{BlockedSlice, Executor};
 use crate::simd::{Isa, LANES, LevelKernel, Selection, dispatch_level};
 
-/// Some neighbors of one particle, as places.
+/// Some neighbors of one particle, as slots.
 #[derive(Debug, Clone)]
 pub struct List<'a> {
     /// What holds them.
@@ -19,30 +19,30 @@ pub struct List<'a> {
     pub range: Range<usize>,
 }
 
-/// The lists of all places.
+/// The lists of all slots.
 #[derive(Debug, Default)]
 pub struct Lists {
     /// The lists of each block, one after the other.
     segments: Vec<Selection>,
-    /// Where the list of each place ends in the segment of its block.
+    /// Where the list of each slot ends in the segment of its block.
     ends: Vec<usize>,
 }
 
-/// The places that lists are made from.
+/// The slots that lists are made from.
 #[derive(Debug, Clone, Copy)]
 pub struct Candidates<'a> {
     /// The table of buckets.
     pub grid: &'a Grid,
     /// The first place of each bucket, of those that are nowhere, and the end.
     pub starts: &'a [u32],
-    /// Coordinates in the order of places, at least a group of lanes longer than there are places.
+    /// Coordinates in the order of slots, at least a group of lanes longer than there are slots.
     pub columns: [&'a [f64]; AXES],
     /// What distances are measured with.
     pub metric: &'a Metric,
 }
 
 impl Lists {
-    /// Empty lists for `count` places.
+    /// Empty lists for `count` slots.
     pub fn new(count: usize) -> Self {
         Self { segments: (0..count.div_ceil(BLOCK)).map(|_| Selection::new(count + LANES)).collect(), ends: vec![0; count] }
     }
@@ -52,30 +52,30 @@ impl Lists {
         self.segments.iter().map(Selection::bytes).sum::<usize>() + std::mem::size_of_val(self.ends.as_slice())
     }
 
-    /// The list of one place.
+    /// The list of one slot.
     #[inline(always)]
-    pub fn of(&self, place: usize) -> &[u32] {
-        let List { segment, range } = self.at(place);
+    pub fn of(&self, slot: usize) -> &[u32] {
+        let List { segment, range } = self.at(slot);
         segment.list(range.start, range.end)
     }
 
     /// The same, to sum over.
     #[inline(always)]
-    pub fn at(&self, place: usize) -> List<'_> {
-        let start = if place.is_multiple_of(BLOCK) { 0 } else { self.ends[place - 1] };
-        List { segment: &self.segments[place / BLOCK], range: start..self.ends[place] }
+    pub fn at(&self, slot: usize) -> List<'_> {
+        let start = if slot.is_multiple_of(BLOCK) { 0 } else { self.ends[slot - 1] };
+        List { segment: &self.segments[slot / BLOCK], range: start..self.ends[slot] }
     }
 
     /// Makes all lists anew.
     ///
     /// # Errors
     /// [`Error::Memory`] if they do not fit. There are none then.
-    pub fn build(&mut self, candidates: Candidates<'_>, dimension: usize, crew: &Crew) -> Result<()> {
-        self.check(candidates, dimension, crew)?;
-        let work = (Chunks::new(&mut self.ends, BLOCK), Chunks::new(&mut self.segments, 1));
-        crew.sweep(work, &|(ends, segments)| {
+    pub fn build(&mut self, candidates: Candidates<'_>, dimension: usize, executor: &Executor) -> Result<()> {
+        self.check(candidates, dimension, executor)?;
+        let work = (BlockedSlice::new(&mut self.ends, BLOCK), BlockedSlice::new(&mut self.segments, 1));
+        executor.for_each_block(work, &|(ends, segments)| {
             let Some(segment) = segments.items.first_mut() else { return };
-            list(candidates, dimension, ends.start, ends.items, segment, crew);
+            list(candidates, dimension, ends.start, ends.items, segment, executor);
             segment.spare();
         });
         if self.segments.iter().any(Selection::has_overflowed) {
@@ -90,17 +90,17 @@ impl Lists {
 
     /// Refuses lists that do not fit into memory. Counts some of them, where there are so many particles that they could be
     /// too long; their lengths vary little from one to the next, which is near it.
-    fn check(&mut self, candidates: Candidates<'_>, dimension: usize, crew: &Crew) -> Result<()> {
+    fn check(&mut self, candidates: Candidates<'_>, dimension: usize, executor: &Executor) -> Result<()> {
         let (count, held) = (self.ends.len(), self.bytes());
         if room(count.saturating_mul(count)) <= held + memory::SMALL {
             return Ok(());
         }
-        let work = (Chunks::new(&mut self.ends, BLOCK), Chunks::new(&mut self.segments, 1));
-        crew.sweep(work, &|(ends, segments)| {
+        let work = (BlockedSlice::new(&mut self.ends, BLOCK), BlockedSlice::new(&mut self.segments, 1));
+        executor.for_each_block(work, &|(ends, segments)| {
             let Some(segment) = segments.items.first_mut() else { return };
             let (mut listed, mut samples) = (0, 0);
             for offset in (0..ends.items.len()).step_by(SAMPLE) {
-                list(candidates, dimension, ends.start + offset, &mut ends.items[offset..=offset], segment, crew);
+                list(candidates, dimension, ends.start + offset, &mut ends.items[offset..=offset], segment, executor);
                 (listed, samples) = (listed + segment.len(), samples + 1);
             }
             ends.items[0] = listed * ends.items.len() / samples;
@@ -117,7 +117,7 @@ impl Lists {
 /// What is refused where lists do not fit.
 const LISTS: &str = "neighbors";
 
-/// Of so many places the list of one is counted beforehand.
+/// Of so many slots the list of one is counted beforehand.
 const SAMPLE: usize = 64;
 
 /// The most memory that lists of so many neighbors take [bytes].
@@ -131,16 +131,16 @@ fn hint(metric: &Metric) -> String {
     format!("everything within {reach:.3e} m of each particle is listed: take a smaller cutoff, or sizes that differ less")
 }
 
-/// Lists the neighbors of consecutive places, from `start` on, one after the other in `segment`, and where each list ends.
+/// Lists the neighbors of consecutive slots, from `start` on, one after the other in `segment`, and where each list ends.
 pub fn list(
     candidates: Candidates<'_>,
     dimension: usize,
     start: usize,
     ends: &mut [usize],
     segment: &mut Selection,
-    crew: &Crew,
+    executor: &Executor,
 ) {
-    let search = Search { candidates, start, ends, segment, crew };
+    let search = Search { candidates, start, ends, segment, executor };
     match (dimension, candidates.metric.periodic) {
         (2, false) => dispatch_level(Flat::<2, false>(search)),
         (2, true) => dispatch_level(Flat::<2, true>(search)),
@@ -155,7 +155,7 @@ struct Search<'a> {
     start: usize,
     ends: &'a mut [usize],
     segment: &'a mut Selection,
-    crew: &'a Crew,
+    executor: &'a Executor,
 }
 
 /// The search in some number of dimensions, with or without periods.
@@ -166,15 +166,15 @@ impl<const DIMENSION: usize, const PERIODIC: bool> LevelKernel for Flat<'_, DIME
 
     #[inline(always)]
     fn run<I: Isa>(self, isa: I) {
-        let Search { candidates, start, ends, segment, crew } = self.0;
+        let Search { candidates, start, ends, segment, executor } = self.0;
         let Candidates { grid, starts, columns, .. } = candidates;
         let nowhere = starts[starts.len() - 2] as usize;
         segment.clear();
         let (mut last, mut rows, mut runs) = (u32::MAX, Rows::NONE, Runs::NONE);
-        for (place, end) in (start..).zip(ends) {
+        for (slot, end) in (start..).zip(ends) {
             // Whoever is stopped has lists that end early.
-            if place < nowhere && !crew.stopped() {
-                let point = std::array::from_fn(|axis| if axis < DIMENSION { columns[axis][place] } else { 0.0 });
+            if slot < nowhere && !executor.stopped() {
+                let point = std::array::from_fn(|axis| if axis < DIMENSION { columns[axis][slot] } else { 0.0 });
                 let bucket = grid.bucket(point);
                 if bucket != last {
                     (last, rows) = (bucket, grid.rows(bucket));
@@ -182,7 +182,7 @@ impl<const DIMENSION: usize, const PERIODIC: bool> LevelKernel for Flat<'_, DIME
                 grid.runs(&rows, point, candidates.metric.square, starts, &mut runs);
                 for run in runs.iter() {
                     for first in run.clone().step_by(LANES) {
-                        look::<I, DIMENSION, PERIODIC>(isa, &candidates, place, first, run.end, point, segment);
+                        look::<I, DIMENSION, PERIODIC>(isa, &candidates, slot, first, run.end, point, segment);
                     }
                 }
             }
@@ -196,7 +196,7 @@ impl<const DIMENSION: usize, const PERIODIC: bool> LevelKernel for Flat<'_, DIME
 fn look<I: Isa, const DIMENSION: usize, const PERIODIC: bool>(
     isa: I,
     candidates: &Candidates<'_>,
-    place: usize,
+    slot: usize,
     first: usize,
     end: usize,
     point: [f64; AXES],
@@ -207,13 +207,13 @@ fn look<I: Isa, const DIMENSION: usize, const PERIODIC: bool>(
     for axis in 0..DIMENSION {
         let others = &candidates.columns[axis][first..first + LANES];
         for lane in 0..LANES {
-            let apart = f64::apart::<PERIODIC, _>(point[axis], others[lane], rulers[axis]);
-            squares[lane] += apart * apart;
+            let separation = f64::separation::<PERIODIC, _>(point[axis], others[lane], rulers[axis]);
+            squares[lane] += separation * separation;
         }
     }
     // All lanes that are still in the run, but for the particle itself.
     let mut valid = if end - first < LANES { (1 << (end - first)) - 1 } else { u16::MAX };
-    if let Some(own) = place.checked_sub(first).filter(|&own| own < LANES) {
+    if let Some(own) = slot.checked_sub(first).filter(|&own| own < LANES) {
         valid &= !(1 << own);
     }
     segment.add(isa, first, &squares, *limit, valid);

@@ -2,7 +2,7 @@
 //!
 //! The particles are sorted by the cell that they are in ([`Sort`], over the table of [`Grid`]), and lists are made from
 //! the runs of candidates around each ([`Lists`]); with a skin they serve until somebody has moved by half of it. A
-//! *place* is a particle's position in that order: lists hold places, and so do pair sums ([`sums`]), whose reads are then
+//! *slot* is a particle's position in that order: lists hold slots, and so do pair sums ([`sums`]), whose reads are then
 //! close together. Lists and their order depend on the positions alone, so they are the same for any number of threads.
 //!
 //! Exactness. A pair is listed if its distance, computed in f64, is at most cutoff + skin. A cell is larger than that by
@@ -27,21 +27,21 @@ use std::ops::Range;
 use glam::DVec3;
 
 use crate::error::{Error, Result};
-use crate::math::{AXES, Placed};
-use crate::parallel::{Chunks, Crew};
+use crate::math::{AXES, Coordinate};
+use crate::parallel::{BlockedSlice, Executor};
 use crate::simd::{LANES, Selection};
 use domain::{check_lengths, check_spacing};
 use grid::{Bounds, Grid};
 use lists::{Candidates, Lists};
 use sort::Sort;
 
-/// The number of places in a block of lists and sums.
+/// The number of slots in a block of lists and sums.
 pub(crate) const BLOCK: usize = 1024;
 
 /// What distances are measured with.
 #[derive(Debug, Clone, Copy)]
 struct Metric {
-    rulers: [<f64 as Placed>::Ruler; AXES],
+    rulers: [<f64 as Coordinate>::Ruler; AXES],
     periodic: bool,
     /// The square of the largest distance that is listed [m²].
     square: f64,
@@ -76,7 +76,7 @@ pub struct Neighbors {
     lists: Lists,
     /// The positions that the lists were made from [m].
     anchors: [Vec<f64>; AXES],
-    /// The same in the order of places, and zeros that are read past the end.
+    /// The same in the order of slots, and zeros that are read past the end.
     sorted: [Vec<f64>; AXES],
     /// The extent of each block of particles.
     bounds: Vec<Bounds>,
@@ -126,24 +126,24 @@ impl Neighbors {
     /// # Errors
     /// If a position is so far away that its rounding is no longer small beside the cutoff, or the lists do not fit into
     /// memory. There are no lists then.
-    pub fn update(&mut self, positions: [&[f64]; AXES], crew: &Crew) -> Result<bool> {
+    pub fn update(&mut self, positions: [&[f64]; AXES], executor: &Executor) -> Result<bool> {
         let positions = Positions { axes: positions, dimension: self.dimension };
-        if self.built && self.skin > 0.0 && !self.has_moved(positions, crew) {
+        if self.built && self.skin > 0.0 && !self.has_moved(positions, executor) {
             return Ok(false);
         }
-        self.arrange(positions.axes, crew)?;
-        self.lists.build(candidates(&self.grid, &self.sort, &self.sorted, &self.metric), self.dimension, crew)?;
+        self.arrange(positions.axes, executor)?;
+        self.lists.build(candidates(&self.grid, &self.sort, &self.sorted, &self.metric), self.dimension, executor)?;
         // Whoever was stopped half way has no lists.
-        self.built = !crew.stopped();
+        self.built = !executor.stopped();
         Ok(true)
     }
 
-    /// The neighbors of some places only, for who needs each list once: after [`Neighbors::arrange`].
-    pub fn look(&self, places: Range<usize>, listed: &mut Listed, crew: &Crew) {
+    /// The neighbors of some slots only, for who needs each list once: after [`Neighbors::arrange`].
+    pub fn look(&self, slots: Range<usize>, listed: &mut Listed, executor: &Executor) {
         listed.ends.clear();
-        listed.ends.resize(places.len(), 0);
+        listed.ends.resize(slots.len(), 0);
         let candidates = candidates(&self.grid, &self.sort, &self.sorted, &self.metric);
-        lists::list(candidates, self.dimension, places.start, &mut listed.ends, &mut listed.segment, crew);
+        lists::list(candidates, self.dimension, slots.start, &mut listed.ends, &mut listed.segment, executor);
     }
 
     /// An empty list of neighbors, to [`Neighbors::look`] into.
@@ -155,43 +155,43 @@ impl Neighbors {
     ///
     /// # Errors
     /// As [`Neighbors::update`].
-    pub fn restore(&mut self, anchors: [&[f64]; AXES], crew: &Crew) -> Result<()> {
+    pub fn restore(&mut self, anchors: [&[f64]; AXES], executor: &Executor) -> Result<()> {
         self.built = false;
-        self.update(anchors, crew).map(|_| ())
+        self.update(anchors, executor).map(|_| ())
     }
 
-    /// Place → particle.
+    /// Slot → particle.
     pub fn order(&self) -> &[u32] {
         &self.sort.order
     }
 
-    /// Particle → place.
-    pub fn places(&self) -> &[u32] {
-        &self.sort.places
+    /// Particle → slot.
+    pub fn slots(&self) -> &[u32] {
+        &self.sort.slots
     }
 
-    /// The places of the neighbors of the particle at a place, always in the same order.
-    pub fn of(&self, place: usize) -> &[u32] {
-        self.lists.of(place)
+    /// The slots of the neighbors of the particle at a slot, always in the same order.
+    pub fn of(&self, slot: usize) -> &[u32] {
+        self.lists.of(slot)
     }
 
     /// The same, to sum over.
-    pub fn list(&self, place: usize) -> List<'_> {
-        self.lists.at(place)
+    pub fn list(&self, slot: usize) -> List<'_> {
+        self.lists.at(slot)
     }
 
-    /// An empty selection of places, to be filled with those that shall be summed over.
+    /// An empty selection of slots, to be filled with those that shall be summed over.
     pub fn selection(&self) -> Selection {
         Selection::new(self.count + LANES)
     }
 
-    /// The vectors to the particle at a place from all its neighbors, or their nearest images, when the lists were made [m].
-    pub fn apart(&self, place: usize) -> impl Iterator<Item = DVec3> {
-        let point = |place: usize| std::array::from_fn(|axis| self.sorted[axis].get(place).copied().unwrap_or(0.0));
-        let (own, rulers): ([f64; AXES], _) = (point(place), self.metric.rulers);
-        self.of(place).iter().map(move |&other| {
+    /// The vectors to the particle at a slot from all its neighbors, or their nearest images, when the lists were made [m].
+    pub fn separation(&self, slot: usize) -> impl Iterator<Item = DVec3> {
+        let point = |slot: usize| std::array::from_fn(|axis| self.sorted[axis].get(slot).copied().unwrap_or(0.0));
+        let (own, rulers): ([f64; AXES], _) = (point(slot), self.metric.rulers);
+        self.of(slot).iter().map(move |&other| {
             let other = point(other as usize);
-            DVec3::from_array(std::array::from_fn(|axis| f64::apart::<true, _>(own[axis], other[axis], rulers[axis])))
+            DVec3::from_array(std::array::from_fn(|axis| f64::separation::<true, _>(own[axis], other[axis], rulers[axis])))
         })
     }
 
@@ -227,10 +227,10 @@ impl Neighbors {
     }
 
     /// Whether anybody is further from its anchor than half the skin, or nowhere.
-    fn has_moved(&mut self, positions: Positions<'_>, crew: &Crew) -> bool {
+    fn has_moved(&mut self, positions: Positions<'_>, executor: &Executor) -> bool {
         let anchors = Positions { axes: self.anchors.each_ref().map(Vec::as_slice), dimension: self.dimension };
         let (count, limit) = (self.count, 0.25 * self.skin * self.skin);
-        crew.sweep(Chunks::new(&mut self.moved, 1), &|moved| {
+        executor.for_each_block(BlockedSlice::new(&mut self.moved, 1), &|moved| {
             let particles = moved.start * BLOCK..((moved.start + 1) * BLOCK).min(count);
             let square = |particle: usize| {
                 let (now, then) = (positions.get(particle), anchors.get(particle));
@@ -239,21 +239,21 @@ impl Neighbors {
             // A NaN is not within the limit.
             moved.items[0] = !particles.fold(true, |all, particle| all & (square(particle) <= limit));
         });
-        crew.stopped() || self.moved.contains(&true)
+        executor.stopped() || self.moved.contains(&true)
     }
 
-    /// Sorts the particles at `positions` [m] into places, from which lists can be made.
+    /// Sorts the particles at `positions` [m] into slots, from which lists can be made.
     ///
     /// # Errors
     /// If a position is so far away that its rounding is no longer small beside the cutoff.
-    pub fn arrange(&mut self, positions: [&[f64]; AXES], crew: &Crew) -> Result<()> {
+    pub fn arrange(&mut self, positions: [&[f64]; AXES], executor: &Executor) -> Result<()> {
         self.built = false;
         for (anchor, axis) in self.anchors.iter_mut().zip(positions).take(self.dimension) {
             anchor.copy_from_slice(&axis[..self.count]);
         }
         let anchors = Positions { axes: self.anchors.each_ref().map(Vec::as_slice), dimension: self.dimension };
         let count = self.count;
-        crew.sweep(Chunks::new(&mut self.bounds, 1), &|bounds| {
+        executor.for_each_block(BlockedSlice::new(&mut self.bounds, 1), &|bounds| {
             let particles = bounds.start * BLOCK..((bounds.start + 1) * BLOCK).min(count);
             bounds.items[0] = particles.map(|particle| anchors.get(particle)).fold(Bounds::EMPTY, |bounds, point| {
                 let there = point.iter().all(|coordinate| coordinate.is_finite());
@@ -263,10 +263,10 @@ impl Neighbors {
         let bounds = self.bounds.iter().fold(Bounds::EMPTY, Bounds::with);
         check_spacing(bounds.low.iter().chain(&bounds.high), self.cutoff)?;
         self.grid = Grid::new(count, self.dimension, &self.domain.period, self.support(), &bounds);
-        self.sort.sort(&self.grid, anchors, crew);
+        self.sort.sort(&self.grid, anchors, executor);
         let order = &self.sort.order;
         for (sorted, axis) in self.sorted.iter_mut().zip(anchors.axes).take(self.dimension) {
-            crew.sweep(Chunks::new(&mut sorted[..count], BLOCK), &|mine| {
+            executor.for_each_block(BlockedSlice::new(&mut sorted[..count], BLOCK), &|mine| {
                 mine.items.iter_mut().zip(&order[mine.start..]).for_each(|(to, &particle)| *to = axis[particle as usize]);
             });
         }
@@ -279,7 +279,7 @@ fn candidates<'a>(grid: &'a Grid, sort: &'a Sort, sorted: &'a [Vec<f64>; AXES], 
     Candidates { grid, starts: &sort.starts, columns: sorted.each_ref().map(Vec::as_slice), metric }
 }
 
-/// The neighbors of some places, which are looked at once.
+/// The neighbors of some slots, which are looked at once.
 #[derive(Debug)]
 pub struct Listed {
     ends: Vec<usize>,
@@ -287,7 +287,7 @@ pub struct Listed {
 }
 
 impl Listed {
-    /// The neighbors of each of the places.
+    /// The neighbors of each of the slots.
     pub fn each(&self) -> impl Iterator<Item = &[u32]> {
         let starts = [0].into_iter().chain(self.ends.iter().copied());
         starts.zip(&self.ends).map(|(start, &end)| self.segment.list(start, end))

@@ -29,7 +29,7 @@ mod tests {
 
     #[test]
     fn neighbors_in_space_are_neighbors_in_memory() {
-        // A shuffled lattice of 32³: in rows of cells of two, neighbors along x are some 8 places apart.
+        // A shuffled lattice of 32³: in rows of cells of two, neighbors along x are some 8 slots apart.
         let count = 32 * 32 * 32;
         let point = |index: usize| DVec3::new((index % 32) as f64, (index / 32 % 32) as f64, (index / 1024) as f64);
         let positions: Vec<DVec3> = (0..count).map(|index| point(index * 12_345 % count)).collect();

@@ -1,13 +1,13 @@
 //! Sums over neighbors: the loop that all pair laws share.
 //!
-//! What a law reads of a particle is one [`Record`], kept in the order of places. The neighbors of a particle are taken in
+//! What a law reads of a particle is one [`Record`], kept in the order of slots. The neighbors of a particle are taken in
 //! groups of lanes: their records are interleaved into registers, the law gives its terms for every lane, and each lane adds
 //! up its own. At the end the lanes are folded in one tree, so that the bits are the same at every SIMD level and for any
 //! number of threads.
 
 use super::{BLOCK, List, Neighbors};
-use crate::math::{AXES, Placed, Real, Vector};
-use crate::parallel::{Chunks, Crew};
+use crate::math::{AXES, Coordinate, Real, Vector};
+use crate::parallel::{BlockedSlice, Executor};
 use crate::simd::{Isa, Kernel, LANES, Lanes, LevelKernel, Number, Pack, Record, Table, WORDS, dispatch, dispatch_level};
 
 /// Two particles, as the first of them sees the second; or several, one in each lane.
@@ -18,7 +18,7 @@ pub struct Pair<N> {
     /// That of the other.
     pub other: Record<N>,
     /// The vector from the other particle to this one [m].
-    pub apart: [N; AXES],
+    pub separation: [N; AXES],
     /// Its square [m²].
     pub square: N,
 }
@@ -28,7 +28,7 @@ pub trait PairLaw<V: Vector, const SUMS: usize>: Copy + Sync {
     /// The law as one particle sees it, for all of its pairs: what depends on that particle alone is settled here.
     #[must_use]
     #[inline(always)]
-    fn facing(self, _own: &Record<V::Scalar>) -> Self {
+    fn for_particle(self, _own: &Record<V::Scalar>) -> Self {
         self
     }
 
@@ -39,12 +39,12 @@ pub trait PairLaw<V: Vector, const SUMS: usize>: Copy + Sync {
     fn terms<N: Number<Scalar = V::Scalar>>(&self, pair: &Pair<N>) -> [N; SUMS];
 }
 
-/// The records of all particles, in the order of places.
+/// The records of all particles, in the order of slots.
 #[derive(Debug)]
 pub struct Records<V: Vector> {
-    /// One per place, and a group of lanes more.
+    /// One per slot, and a group of lanes more.
     words: Table<V::Scalar>,
-    rulers: [<V::Scalar as Placed>::Ruler; AXES],
+    rulers: [<V::Scalar as Coordinate>::Ruler; AXES],
     periodic: bool,
 }
 
@@ -69,22 +69,22 @@ impl<V: Vector> Records<V> {
         &mut self,
         neighbors: &Neighbors,
         positions: [&[f64]; AXES],
-        crew: &Crew,
+        executor: &Executor,
         each: &(impl Fn(usize, &mut Record<V::Scalar>) + Sync),
     ) {
         let (order, rulers) = (neighbors.order(), self.rulers);
-        crew.sweep(Chunks::new(&mut self.words[..neighbors.count()], BLOCK), &|mine| {
+        executor.for_each_block(BlockedSlice::new(&mut self.words[..neighbors.count()], BLOCK), &|mine| {
             let order = &order[mine.start..];
             dispatch(Fill::<V, _> { records: mine.items, order, positions, rulers, each });
         });
     }
 
-    /// Changes the record at one place, but for its position.
-    pub fn write(&mut self, place: usize, change: impl FnOnce(&mut [V::Scalar])) {
-        change(&mut self.words[place][V::DIMENSION..]);
+    /// Changes the record at one slot, but for its position.
+    pub fn write(&mut self, slot: usize, change: impl FnOnce(&mut [V::Scalar])) {
+        change(&mut self.words[slot][V::DIMENSION..]);
     }
 
-    /// The sums of a law over the neighbors of each particle, into `sums`, in the order of places.
+    /// The sums of a law over the neighbors of each particle, into `sums`, in the order of slots.
     ///
     /// # Panics
     /// If `neighbors` are not those that the records were made for, or `sums` has another length.
@@ -93,21 +93,21 @@ impl<V: Vector> Records<V> {
         neighbors: &Neighbors,
         law: L,
         sums: &mut [[V::Scalar; SUMS]],
-        crew: &Crew,
+        executor: &Executor,
     ) {
         let count = neighbors.count();
         assert!(self.words.len() == count + LANES && sums.len() == count, "one record and sum per particle");
-        crew.sweep(Chunks::new(sums, BLOCK), &|mine| {
-            let sweep = Sweep { records: self, neighbors, law, start: mine.start, sums: mine.items, crew };
+        executor.for_each_block(BlockedSlice::new(sums, BLOCK), &|mine| {
+            let for_each_block = Sweep { records: self, neighbors, law, start: mine.start, sums: mine.items, executor };
             if V::Scalar::WRAPS || !self.periodic {
-                dispatch_level(Wrapped::<V, L, SUMS, false>(sweep));
+                dispatch_level(Wrapped::<V, L, SUMS, false>(for_each_block));
             } else {
-                dispatch_level(Wrapped::<V, L, SUMS, true>(sweep));
+                dispatch_level(Wrapped::<V, L, SUMS, true>(for_each_block));
             }
         });
     }
 
-    /// The sums of laws over lists of neighbors of particles at some places, each given to `take` with its place.
+    /// The sums of laws over lists of neighbors of particles at some slots, each given to `take` with its slot.
     pub fn sum_few<'a, L: PairLaw<V, SUMS>, const SUMS: usize>(
         &self,
         few: impl Iterator<Item = (usize, List<'a>, L)>,
@@ -127,7 +127,7 @@ struct Fill<'a, V: Vector, F> {
     records: &'a mut [Record<V::Scalar>],
     order: &'a [u32],
     positions: [&'a [f64]; AXES],
-    rulers: [<V::Scalar as Placed>::Ruler; AXES],
+    rulers: [<V::Scalar as Coordinate>::Ruler; AXES],
     each: &'a F,
 }
 
@@ -140,7 +140,7 @@ impl<V: Vector, F: Fn(usize, &mut Record<V::Scalar>)> Kernel for Fill<'_, V, F> 
             *words = [V::Scalar::ZERO; WORDS];
             (self.each)(particle as usize, words);
             for axis in 0..V::DIMENSION {
-                words[axis] = V::Scalar::place(self.positions[axis][particle as usize], self.rulers[axis]);
+                words[axis] = V::Scalar::encode(self.positions[axis][particle as usize], self.rulers[axis]);
             }
         }
     }
@@ -153,7 +153,7 @@ struct Sweep<'a, V: Vector, L, const SUMS: usize> {
     law: L,
     start: usize,
     sums: &'a mut [[V::Scalar; SUMS]],
-    crew: &'a Crew,
+    executor: &'a Executor,
 }
 
 /// The sums of one block, with or without periods.
@@ -164,9 +164,9 @@ impl<V: Vector, L: PairLaw<V, SUMS>, const SUMS: usize, const PERIODIC: bool> Le
 
     #[inline(always)]
     fn run<I: Isa>(self, _isa: I) {
-        let Sweep { records, neighbors, law, start, sums, crew } = self.0;
-        for (place, sum) in (start..).zip(sums).take_while(|_| !crew.stopped()) {
-            *sum = around::<V, L, I::Pack<V::Scalar>, SUMS, PERIODIC>(records, neighbors.list(place), &law, place);
+        let Sweep { records, neighbors, law, start, sums, executor } = self.0;
+        for (slot, sum) in (start..).zip(sums).take_while(|_| !executor.stopped()) {
+            *sum = around::<V, L, I::Pack<V::Scalar>, SUMS, PERIODIC>(records, neighbors.list(slot), &law, slot);
         }
     }
 }
@@ -189,22 +189,22 @@ where
 
     #[inline(always)]
     fn run<I: Isa>(mut self, _isa: I) {
-        for (place, list, law) in self.each {
-            (self.take)(place, around::<V, L, I::Pack<V::Scalar>, SUMS, PERIODIC>(self.records, list, &law, place));
+        for (slot, list, law) in self.each {
+            (self.take)(slot, around::<V, L, I::Pack<V::Scalar>, SUMS, PERIODIC>(self.records, list, &law, slot));
         }
     }
 }
 
-/// The sums of the particle at one place over a list.
+/// The sums of the particle at one slot over a list.
 #[inline(always)]
 fn around<V: Vector, L: PairLaw<V, SUMS>, P: Pack<Scalar = V::Scalar>, const SUMS: usize, const PERIODIC: bool>(
     records: &Records<V>,
     List { segment, range }: List<'_>,
     law: &L,
-    place: usize,
+    slot: usize,
 ) -> [V::Scalar; SUMS] {
-    let own = records.words[place];
-    let law = law.facing(&own);
+    let own = records.words[slot];
+    let law = law.for_particle(&own);
     let own = splat::<P>(&own);
     let groups = segment.groups(range.start, range.end);
     let mut lanes = [[V::Scalar::ZERO; LANES]; SUMS];
@@ -247,22 +247,22 @@ where
 fn pair<V: Vector, P: Pack<Scalar = V::Scalar>, const PERIODIC: bool>(
     own: Record<P>,
     other: Record<P>,
-    rulers: &[<V::Scalar as Placed>::Ruler; AXES],
+    rulers: &[<V::Scalar as Coordinate>::Ruler; AXES],
     number: usize,
     first: usize,
 ) -> Pair<P> {
-    let mut apart = [P::constant(0.0); AXES];
+    let mut separation = [P::constant(0.0); AXES];
     for axis in 0..V::DIMENSION {
-        apart[axis] = V::Scalar::apart::<PERIODIC, P>(own[axis], other[axis], rulers[axis]);
+        separation[axis] = V::Scalar::separation::<PERIODIC, P>(own[axis], other[axis], rulers[axis]);
     }
-    let mut square = apart[0] * apart[0];
+    let mut square = separation[0] * separation[0];
     for axis in 1..V::DIMENSION {
-        square += apart[axis] * apart[axis];
+        square += separation[axis] * separation[axis];
     }
     // Added from a table, because compilers make branches of a comparison with the lane.
     let table = Rest::<V::Scalar>::TABLE;
     square += P::load(&table.as_flattened()[LANES + first - number.min(LANES)..]);
-    Pair { own, other, apart, square }
+    Pair { own, other, separation, square }
 }
 
 /// What is added to the squares of the lanes: nothing as long as there are neighbors, then infinity.

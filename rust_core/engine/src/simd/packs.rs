@@ -39,7 +39,7 @@ pub trait Number: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = 
     /// How far a place is above another: for single numbers the difference of their bits as integers, modulo 2³², for double
     /// ones that of the numbers.
     #[must_use]
-    fn place_difference(self, other: Self) -> Self;
+    fn coordinate_difference(self, other: Self) -> Self;
 }
 
 /// As many numbers as a register of a level holds: a whole part of [`LANES`].
@@ -143,7 +143,7 @@ macro_rules! scalar {
             }
 
             #[inline(always)]
-            fn place_difference(self, other: $number) -> $number {
+            fn coordinate_difference(self, other: $number) -> $number {
                 let ($one, $other) = (self, other);
                 $difference
             }
@@ -240,8 +240,8 @@ impl<T: Packed> Number for Four<T> {
     }
 
     #[inline(always)]
-    fn place_difference(self, other: Self) -> Self {
-        Self(self.each(other, T::place_difference))
+    fn coordinate_difference(self, other: Self) -> Self {
+        Self(self.each(other, T::coordinate_difference))
     }
 }
 

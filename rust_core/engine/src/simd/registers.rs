@@ -26,7 +26,7 @@ macro_rules! register {
         both: |$m:ident, $n:ident| $both:expr,
         select: |$o:ident, $p:ident, $q:ident| $select:expr,
         has_bit: |$x:ident, $bit:ident| $has_bit:expr,
-        place_difference: |$s:ident, $t:ident| $difference:expr,
+        coordinate_difference: |$s:ident, $t:ident| $difference:expr,
         transpose: $transpose:ident
     ) => {
         /// A register of this width.
@@ -101,7 +101,7 @@ macro_rules! register {
             }
 
             #[inline(always)]
-            fn place_difference(self, other: Self) -> Self {
+            fn coordinate_difference(self, other: Self) -> Self {
                 let ($s, $t) = (self.0, other.0);
                 Self(unsafe { $difference })
             }
@@ -162,7 +162,7 @@ register!(
     both: |m, n| m & n,
     select: |mask, one, other| _mm512_mask_blend_ps(mask, other, one),
     has_bit: |x, bit| _mm512_test_epi32_mask(_mm512_castps_si512(x), _mm512_set1_epi32(1 << bit)),
-    place_difference: |one, other| _mm512_cvtepi32_ps(_mm512_sub_epi32(_mm512_castps_si512(one), _mm512_castps_si512(other))),
+    coordinate_difference: |one, other| _mm512_cvtepi32_ps(_mm512_sub_epi32(_mm512_castps_si512(one), _mm512_castps_si512(other))),
     transpose: sixteen_singles
 );
 
@@ -174,7 +174,7 @@ register!(
     both: |m, n| m & n,
     select: |mask, one, other| _mm512_mask_blend_pd(mask, other, one),
     has_bit: |x, bit| _mm512_test_epi64_mask(_mm512_castpd_si512(x), _mm512_set1_epi64(1 << bit)),
-    place_difference: |one, other| _mm512_sub_pd(one, other),
+    coordinate_difference: |one, other| _mm512_sub_pd(one, other),
     transpose: eight_doubles
 );
 
@@ -189,7 +189,7 @@ register!(
         let one = _mm256_set1_epi32(1 << bit);
         _mm256_castsi256_ps(_mm256_cmpeq_epi32(_mm256_and_si256(_mm256_castps_si256(x), one), one))
     },
-    place_difference: |one, other| _mm256_cvtepi32_ps(_mm256_sub_epi32(_mm256_castps_si256(one), _mm256_castps_si256(other))),
+    coordinate_difference: |one, other| _mm256_cvtepi32_ps(_mm256_sub_epi32(_mm256_castps_si256(one), _mm256_castps_si256(other))),
     transpose: eight_singles
 );
 
@@ -204,7 +204,7 @@ register!(
         let one = _mm256_set1_epi64x(1 << bit);
         _mm256_castsi256_pd(_mm256_cmpeq_epi64(_mm256_and_si256(_mm256_castpd_si256(x), one), one))
     },
-    place_difference: |one, other| _mm256_sub_pd(one, other),
+    coordinate_difference: |one, other| _mm256_sub_pd(one, other),
     transpose: four_doubles
 );
 

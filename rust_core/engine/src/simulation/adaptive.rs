@@ -21,7 +21,7 @@ use super::monitor::Steps;
 use super::{Segment, Simulation};
 use crate::error::{Error, Result};
 use crate::math::Vector;
-use crate::stability::Bound;
+use crate::stability::SpectralBound;
 
 /// How to choose the steps.
 #[derive(Debug, Clone, Copy)]
@@ -75,7 +75,7 @@ impl<V: Vector> Simulation<V> {
 
     /// Steps that divide the interval by powers of two, and suit both of their ends.
     fn advance_in_blocks(&mut self, interval: f64, rule: &Rule, interrupted: &dyn Fn() -> bool) -> Result<()> {
-        let varies = self.system.law().forces().iter().any(|force| force.present_bound_varies());
+        let varies = self.system.dynamics().forces().iter().any(|force| force.present_bound_varies());
         let (start, finest) = (self.segment.time(), interval / FINEST as f64);
         let mut allowed = self.allowed(rule)?;
         self.expect(allowed.min(interval));
@@ -123,8 +123,8 @@ impl<V: Vector> Simulation<V> {
 
     /// The largest step that the rule allows in the present state [s].
     pub(super) fn allowed(&mut self, rule: &Rule) -> Result<f64> {
-        let bound = self.bound(Bound::at_present)?;
-        let limit = (self.limit)(&bound, &mut self.memo).dt();
+        let bound = self.bound(SpectralBound::at_present)?;
+        let limit = (self.limit)(&bound, &mut self.cache).dt();
         Ok(if limit.is_infinite() { rule.free } else { rule.safety * limit })
     }
 

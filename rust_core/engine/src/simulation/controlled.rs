@@ -83,7 +83,7 @@ impl<V: Vector> Simulation<V> {
     /// The largest error of any particle [m]: of its position, or of its velocity times the step.
     fn estimate(&self, [x, v]: [usize; 2], h: f64) -> f64 {
         let state = self.system.state();
-        let length = |memory: usize, index: usize| state.memory[memory].get(index).widen().length();
+        let length = |registers: usize, index: usize| state.registers[registers].get(index).widen().length();
         let error = |index: usize| length(x, index).max(h * length(v, index));
         (0..state.count()).map(error).fold(0.0, f64::max)
     }

@@ -16,8 +16,8 @@ use super::{Simulation, Vigilance, World};
 use crate::audit::{self, Energy};
 use crate::error::{Divergence, Error, Result};
 use crate::math::{Real, Vector};
-use crate::parallel::ALONE;
-use crate::stability::Bound;
+use crate::parallel::SERIAL;
+use crate::stability::SpectralBound;
 use crate::systems::matter::{Interval, Record};
 
 /// The fewest steps after a diagnosis that may be taken again.
@@ -155,7 +155,7 @@ impl<V: Vector> Simulation<V> {
     }
 
     /// Whether the balance that has risen in the next step has not risen too far in the one after that. Where a force sets in,
-    /// the first step meters none of its work, and where all was at rest there is nothing to compare its kinetic energy with.
+    /// the first step tallies none of its work, and where all was at rest there is nothing to compare its kinetic energy with.
     fn is_onset(&mut self, interrupted: &dyn Fn() -> bool) -> Result<bool> {
         match self.advance(2, Record::LastStep, interrupted) {
             Err(error) if stops_a_step(&error) => return Ok(false),
@@ -182,7 +182,7 @@ impl<V: Vector> Simulation<V> {
     /// Which activities to record, and up to which one nothing is to be diagnosed.
     fn attention(&self, rule: Steps) -> (Record, f64) {
         // In steps that never double the energy only its overflow has to be looked for.
-        let tame = self.system.is_linear() && self.certified(&ALONE).is_ok_and(|limit| 2.0 * self.segment.dt <= limit);
+        let tame = self.system.is_linear() && self.certified(&SERIAL).is_ok_and(|limit| 2.0 * self.segment.dt <= limit);
         match self.monitor.vigilance {
             Vigilance::OutOfRange => (Record::LastStep, f64::MAX),
             Vigilance::EveryStep => (Record::EveryStep, -1.0),
@@ -221,10 +221,11 @@ impl<V: Vector> Simulation<V> {
             return Ok(Finding::Good);
         }
         let time = self.segment.time();
-        let energy = match self.system.ask(interrupted, |law, state, crew| audit::energy(law, state, time, crew)) {
-            Err(error) if is_scattered(&error) => return Ok(Finding::OutOfRange(self.scatter())),
-            outcome => outcome?,
-        };
+        let energy =
+            match self.system.ask(interrupted, |dynamics, state, executor| audit::energy(dynamics, state, time, executor)) {
+                Err(error) if is_scattered(&error) => return Ok(Finding::OutOfRange(self.scatter())),
+                outcome => outcome?,
+            };
         // Energies are squares: they leave the range of numbers long before the state does.
         if !energy.balance().is_finite() {
             return Ok(Finding::OutOfRange(self.divergence(self.fastest(), "energy", "is not finite".to_owned())));
@@ -246,15 +247,15 @@ impl<V: Vector> Simulation<V> {
         if self.steps > 0 {
             return;
         }
-        let (law, state) = (self.system.law(), self.system.state());
-        let kick = law.kick(&law.moment_of(state, self.segment.time(), &ALONE), dt);
+        let (dynamics, state) = (self.system.dynamics(), self.system.state());
+        let kick = dynamics.kick(&dynamics.view_of(state, self.segment.time(), &SERIAL), dt);
         self.monitor.expect(kick);
     }
 
     fn fastest(&self) -> usize {
-        let (law, state) = (self.system.law(), self.system.state());
-        let kinetic = |index: usize| law.properties.mass[index] * state.velocity.get(index).widen().length_squared();
-        let mobile = (0..state.count()).filter(|&index| !law.properties.is_fixed(index));
+        let (dynamics, state) = (self.system.dynamics(), self.system.state());
+        let kinetic = |index: usize| dynamics.properties.mass[index] * state.velocity.get(index).widen().length_squared();
+        let mobile = (0..state.count()).filter(|&index| !dynamics.properties.is_fixed(index));
         mobile.max_by(|&one, &other| kinetic(one).total_cmp(&kinetic(other))).unwrap_or(0)
     }
 
@@ -270,7 +271,7 @@ impl<V: Vector> Simulation<V> {
     }
 
     fn divergence(&self, index: usize, quantity: &'static str, cause: String) -> Divergence {
-        let particle = self.system.law().properties.caller.get(index).map_or(0, |&caller| caller as usize);
+        let particle = self.system.dynamics().properties.caller.get(index).map_or(0, |&caller| caller as usize);
         Divergence { step: 0, time: 0.0, particle, quantity, cause, hint: String::new() }
     }
 
@@ -288,7 +289,7 @@ impl<V: Vector> Simulation<V> {
 
     /// What to do about a divergence; asked for at the last good state.
     fn hint(&self) -> Result<String> {
-        let (limit, dt) = ((self.sharpened)(self.bound(Bound::directed)?), self.segment.dt);
+        let (limit, dt) = ((self.sharpened)(self.bound(SpectralBound::directed)?), self.segment.dt);
         if limit.stability == 0.0 {
             let certain = if limit.endured > 0.0 { "certain to be stable" } else { "stable" };
             return Ok(format!("no dt is {certain} with {} here: take another integrator", self.plan.integrator));

@@ -98,9 +98,9 @@ impl Modes {
             largest(ratio) / frequency.min(damping.highest.rate / (2.0 * ratio))
         };
         let corner = (damping.highest.rate / (2.0 * frequency)).atan();
-        let stiff = valley(along, (damping.least / (2.0 * frequency)).atan(), corner);
+        let stiff = minimize(along, (damping.least / (2.0 * frequency)).atan(), corner);
         let slowest = (damping.highest.rate / (2.0 * stiffness.least.sqrt())).atan();
-        let damped = if damping.highest.rate > 0.0 { valley(along, corner, slowest) } else { f64::INFINITY };
+        let damped = if damping.highest.rate > 0.0 { minimize(along, corner, slowest) } else { f64::INFINITY };
         let binding = if largest(0.0) / frequency <= by_damping { stiffness } else { damping };
         let margin = if damping.least < damping.highest.rate { coupled } else { 1.0 };
         (margin * stiff.min(damped), binding.highest.term)
@@ -139,7 +139,7 @@ fn peak(function: impl Fn(f64) -> f64, low: f64, high: f64) -> f64 {
 }
 
 /// The least value of a function between `low` and `high`.
-fn valley(function: impl Fn(f64) -> f64, low: f64, high: f64) -> f64 {
+fn minimize(function: impl Fn(f64) -> f64, low: f64, high: f64) -> f64 {
     if low >= high {
         return function(high);
     }
@@ -153,9 +153,9 @@ fn valley(function: impl Fn(f64) -> f64, low: f64, high: f64) -> f64 {
 /// The limits that an integrator had for the boxes of modes of the bound before. Most of them stay the same from step to
 /// step, and a box with damping takes thousands of trial steps.
 #[derive(Debug, Default)]
-pub struct Memo(Vec<(Modes, (f64, &'static str))>);
+pub struct LimitCache(Vec<(Modes, (f64, &'static str))>);
 
-impl Memo {
+impl LimitCache {
     /// Becomes that of these boxes; finds the limits of those that are new. Gives the least, and the term that sets it.
     pub fn least(&mut self, boxes: &[Modes], method: &Method) -> (f64, &'static str) {
         let known = std::mem::take(&mut self.0);

@@ -29,7 +29,7 @@ pub struct Row {
 
 /// The stiffness, or the damping, of all terms.
 #[derive(Debug, Clone)]
-pub struct Rows {
+pub struct GershgorinRows {
     /// What the springs are called.
     springs: &'static str,
     /// The ends of each spring.
@@ -42,7 +42,7 @@ pub struct Rows {
     leading: Vec<(f64, &'static str)>,
 }
 
-impl Rows {
+impl GershgorinRows {
     pub fn new(springs: &'static str) -> Self {
         Self { springs, ends: Vec::new(), joined: Vec::new(), alone: Vec::new(), leading: Vec::new() }
     }

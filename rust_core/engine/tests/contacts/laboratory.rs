@@ -4,7 +4,7 @@
 use glam::DVec3;
 use physcore_engine::contacts::{Before, Contacts};
 use physcore_engine::math::{Real, Vector};
-use physcore_engine::matter::{Channel, Columns, Matter, Properties};
+use physcore_engine::matter::{Columns, EnergySink, Matter, Properties};
 use physcore_engine::scene::{Body, Scene, Term, Value};
 use physcore_engine::simd::padded;
 
@@ -99,7 +99,7 @@ impl<V: Vector> Laboratory<V> {
             matter.position.set(index, V::narrow(ball.position));
             matter.velocity.set(index, V::narrow(ball.velocity));
         }
-        contacts.admit(&mut matter.position, &properties).expect("everybody inside");
+        contacts.project_inside(&mut matter.position, &properties).expect("everybody inside");
         let before = [Columns::zeros(balls.len()), Columns::zeros(balls.len())];
         Self { contacts, properties, matter, gravity, before }
     }
@@ -146,6 +146,6 @@ impl<V: Vector> Laboratory<V> {
     }
 
     pub fn dissipated(&self) -> f64 {
-        self.matter.metered(Channel::Contact)
+        self.matter.tallied(EnergySink::Contact)
     }
 }

@@ -62,24 +62,24 @@ fn admission() {
         ..Body::default()
     };
     scene.bodies.push(second);
-    let admit = |scene: &Scene| {
+    let project_inside = |scene: &Scene| {
         let properties = properties::<DVec2>(scene);
         let all: Vec<DVec3> = scene.bodies.iter().flat_map(|body| &body.positions).copied().collect();
         let mut position = Columns::from_fn(all.len(), |index| all[index].truncate());
         let contacts = Contacts::build(scene, &properties).expect("fine").expect("a floor");
-        contacts.admit(&mut position, &properties).map(|pushed| (pushed, position))
+        contacts.project_inside(&mut position, &properties).map(|pushed| (pushed, position))
     };
-    let error = admit(&scene).expect_err("a center below the floor");
+    let error = project_inside(&scene).expect_err("a center below the floor");
     assert_eq!(path(&error), "bodies[1].positions[1]");
     assert!(error.to_string().contains("boundaries[0] (plane)") && error.to_string().contains("2.500e-1 m"), "{error}");
     scene.bodies[1].positions[1].y = 0.25;
-    let (pushed, position) = admit(&scene).expect("all inside");
+    let (pushed, position) = project_inside(&scene).expect("all inside");
     assert_eq!(pushed, 1);
     assert_eq!(position.get(1), DVec2::new(0.0, 0.1));
     // On other bodies the floor does not act.
     scene.bodies[1].positions[1].y = -0.25;
     scene.boundaries[0].on = Some(vec![0]);
-    assert_eq!(admit(&scene).expect("not concerned").0, 0);
+    assert_eq!(project_inside(&scene).expect("not concerned").0, 0);
 }
 
 /// Fixed particles and those of other bodies pass; so do the empty lanes at the end of a block.

@@ -102,7 +102,7 @@ fn rest_in_a_corner() {
     }
 }
 
-/// A ball thrown into a box with losses ends in a corner or on the floor, at rest, with all its energy metered.
+/// A ball thrown into a box with losses ends in a corner or on the floor, at rest, with all its energy tallied.
 #[test]
 fn everything_comes_to_rest() {
     let balls: Vec<Ball> = (0..50)

@@ -3,7 +3,7 @@
 use physcore_engine::error::Error;
 use physcore_engine::math::AXES;
 use physcore_engine::neighbors::{Domain, Neighbors};
-use physcore_engine::parallel::Crew;
+use physcore_engine::parallel::Executor;
 
 use crate::laboratory::{by_particle, cloud, search, view};
 
@@ -65,7 +65,7 @@ fn a_particle_that_is_nowhere_has_no_neighbors_and_costs_nothing() {
     points[1].fill(f64::NAN);
     points[1][7] = 0.0;
     let neighbors = search(&points, 3, &Domain::default(), 1.0, 0.1).unwrap();
-    assert!((0..count).all(|place| neighbors.of(place).is_empty()));
+    assert!((0..count).all(|slot| neighbors.of(slot).is_empty()));
 }
 
 #[test]
@@ -74,7 +74,7 @@ fn all_particles_in_one_cell_are_neighbors_of_each_other() {
         for side in [0.0, 1e-3] {
             let points = cloud(count, [side; AXES], 3);
             let neighbors = search(&points, 3, &Domain::default(), 1.0, 0.0).unwrap();
-            assert!((0..count).all(|place| neighbors.of(place).len() == count - 1));
+            assert!((0..count).all(|slot| neighbors.of(slot).len() == count - 1));
         }
     }
 }
@@ -94,8 +94,8 @@ fn a_failed_update_is_made_up_for_by_the_next() {
     let mut neighbors = search(&points, 3, &Domain::default(), 1.0, 0.1).unwrap();
     let good = by_particle(&neighbors);
     let kept = std::mem::replace(&mut points[0][3], 1e20);
-    assert!(neighbors.update(view(&points), &Crew::alone()).is_err());
+    assert!(neighbors.update(view(&points), &Executor::serial()).is_err());
     points[0][3] = kept;
-    assert!(neighbors.update(view(&points), &Crew::alone()).unwrap());
+    assert!(neighbors.update(view(&points), &Executor::serial()).unwrap());
     assert_eq!(by_particle(&neighbors), good);
 }

@@ -3,7 +3,7 @@
 use physcore_engine::error::Result;
 use physcore_engine::math::AXES;
 use physcore_engine::neighbors::{Domain, Neighbors};
-use physcore_engine::parallel::{Crew, Team};
+use physcore_engine::parallel::{Executor, ThreadPool};
 
 /// Positions, one array per axis.
 pub type Points = [Vec<f64>; AXES];
@@ -29,30 +29,30 @@ pub fn cloud(count: usize, sides: [f64; AXES], seed: u64) -> Points {
 }
 
 /// Runs `job` with some number of threads.
-pub fn with_threads<R: Send>(threads: usize, job: impl FnOnce(&Crew) -> R + Send) -> R {
+pub fn with_threads<R: Send>(threads: usize, job: impl FnOnce(&Executor) -> R + Send) -> R {
     let mut result = None;
-    Team::new(threads).run(&|| false, |crew| result = Some(job(crew))).expect("nobody interrupts");
+    ThreadPool::new(threads).run(&|| false, |executor| result = Some(job(executor))).expect("nobody interrupts");
     result.expect("the job has run")
 }
 
 /// A search that has been updated once.
 pub fn search(points: &Points, dimension: usize, domain: &Domain, cutoff: f64, skin: f64) -> Result<Neighbors> {
     let mut neighbors = Neighbors::new(points[0].len(), dimension, domain, cutoff, skin)?;
-    neighbors.update(view(points), &Crew::alone())?;
+    neighbors.update(view(points), &Executor::serial())?;
     Ok(neighbors)
 }
 
 /// The lists in the order of the particles, as sorted particles.
 pub fn by_particle(neighbors: &Neighbors) -> Vec<Vec<u32>> {
-    let list = |&place: &u32| {
-        let mut list: Vec<u32> = neighbors.of(place as usize).iter().map(|&other| neighbors.order()[other as usize]).collect();
+    let list = |&slot: &u32| {
+        let mut list: Vec<u32> = neighbors.of(slot as usize).iter().map(|&other| neighbors.order()[other as usize]).collect();
         list.sort_unstable();
         list
     };
-    neighbors.places().iter().map(list).collect()
+    neighbors.slots().iter().map(list).collect()
 }
 
-/// The lists as they stand, and the order of the places.
+/// The lists as they stand, and the order of the slots.
 pub fn raw(neighbors: &Neighbors) -> (Vec<u32>, Vec<Vec<u32>>) {
-    (neighbors.order().to_vec(), (0..neighbors.count()).map(|place| neighbors.of(place).to_vec()).collect())
+    (neighbors.order().to_vec(), (0..neighbors.count()).map(|slot| neighbors.of(slot).to_vec()).collect())
 }

@@ -2,7 +2,7 @@
 
 use physcore_engine::math::AXES;
 use physcore_engine::neighbors::{Domain, Neighbors, brute};
-use physcore_engine::parallel::Crew;
+use physcore_engine::parallel::Executor;
 
 use crate::laboratory::{by_particle, cloud, disorder, raw, search, view, with_threads};
 
@@ -12,15 +12,15 @@ fn any_number_of_threads_makes_the_same_lists() {
         let points = cloud(20_000, [side; AXES], 9);
         for dimension in [2, 3] {
             let made = |threads| {
-                with_threads(threads, |crew| {
+                with_threads(threads, |executor| {
                     let domain = Domain { period: [period; AXES] };
                     let mut neighbors = Neighbors::new(20_000, dimension, &domain, 1.0, 0.1).unwrap();
-                    neighbors.update(view(&points), crew).unwrap();
+                    neighbors.update(view(&points), executor).unwrap();
                     raw(&neighbors)
                 })
             };
-            let alone = made(1);
-            assert!((2..=4).all(|threads| made(threads) == alone));
+            let serial = made(1);
+            assert!((2..=4).all(|threads| made(threads) == serial));
         }
     }
 }
@@ -35,7 +35,7 @@ fn lists_hold_every_pair_within_the_cutoff_for_as_long_as_they_live() {
     let (mut made, mut kept) = (0, 0);
     for _ in 0..200 {
         points.iter_mut().flatten().for_each(|coordinate| *coordinate += 0.1 * (number() - 0.5));
-        if neighbors.update(view(&points), &Crew::alone()).unwrap() {
+        if neighbors.update(view(&points), &Executor::serial()).unwrap() {
             made += 1;
         } else {
             kept += 1;
@@ -55,10 +55,10 @@ fn lists_are_made_when_somebody_has_moved_by_more_than_half_the_skin() {
     let start = points[1][4000];
     for (moved, made) in [(0.124, false), (0.126, true), (0.126, false), (f64::NAN, true)] {
         points[1][4000] = start + moved;
-        assert_eq!(neighbors.update(view(&points), &Crew::alone()).unwrap(), made, "{moved}");
+        assert_eq!(neighbors.update(view(&points), &Executor::serial()).unwrap(), made, "{moved}");
     }
     let mut always = search(&points, 3, &Domain::default(), 1.0, 0.0).unwrap();
-    assert!(always.update(view(&points), &Crew::alone()).unwrap());
+    assert!(always.update(view(&points), &Executor::serial()).unwrap());
 }
 
 #[test]
@@ -68,10 +68,10 @@ fn lists_come_back_from_their_anchors() {
     let moved = points.clone().map(|axis| axis.into_iter().map(|coordinate| coordinate * 1.5).collect());
     let mut other = search(&moved, 3, &Domain::default(), 1.0, 0.2).unwrap();
     assert_ne!(raw(&other), raw(&made));
-    other.restore(made.anchors(), &Crew::alone()).unwrap();
+    other.restore(made.anchors(), &Executor::serial()).unwrap();
     assert_eq!(raw(&other), raw(&made));
     assert_eq!(other.anchors(), made.anchors());
-    assert!(!other.update(view(&points), &Crew::alone()).unwrap());
+    assert!(!other.update(view(&points), &Executor::serial()).unwrap());
 }
 
 #[test]
@@ -80,7 +80,7 @@ fn lists_no_longer_than_those_before_allocate_nothing() {
     let mut neighbors = search(&states[0], 3, &Domain::default(), 1.0, 0.0).unwrap();
     let update = |neighbors: &mut Neighbors| {
         for state in &states {
-            neighbors.update(view(state), &Crew::alone()).unwrap();
+            neighbors.update(view(state), &Executor::serial()).unwrap();
         }
     };
     update(&mut neighbors);

@@ -57,7 +57,7 @@ fn configuration() -> impl Strategy<Value = Configuration> {
                 }),
             };
             let points = std::array::from_fn(|axis| {
-                let place = |(point, turns, fate): &([(f64, f64); AXES], [i32; AXES], u32)| {
+                let slot = |(point, turns, fate): &([(f64, f64); AXES], [i32; AXES], u32)| {
                     let (part, supports) = point[axis];
                     let unwrapped = domain.lengths()[axis].map_or(0.0, |length| length * f64::from(turns[axis]));
                     match (fate, fate % 3 == axis as u32) {
@@ -71,7 +71,7 @@ fn configuration() -> impl Strategy<Value = Configuration> {
                         }
                     }
                 };
-                particles.iter().map(place).collect()
+                particles.iter().map(slot).collect()
             });
             Configuration { points, dimension, domain, cutoff, skin }
         },
@@ -89,7 +89,7 @@ proptest! {
 
 #[test]
 fn many_particles_have_the_neighbors_of_all_pairs() {
-    // Dense, dilute, and so dilute that the table of buckets goes round; two or three blocks of places.
+    // Dense, dilute, and so dilute that the table of buckets goes round; two or three blocks of slots.
     for (count, side) in [(1500, 6.0), (2500, 25.0), (2500, 3000.0)] {
         for dimension in [2, 3] {
             for periodic in 0..8_u32 {

@@ -6,7 +6,7 @@ use glam::{DVec2, DVec3, Vec2, Vec3};
 use physcore_engine::math::{AXES, Real, Vector};
 use physcore_engine::neighbors::sums::{Pair, PairLaw, Records};
 use physcore_engine::neighbors::{Domain, Neighbors, brute};
-use physcore_engine::parallel::Crew;
+use physcore_engine::parallel::Executor;
 use physcore_engine::simd::{Level, Number};
 
 use crate::laboratory::{Points, cloud, view, with_threads};
@@ -23,7 +23,7 @@ impl<T: Real, V: Vector<Scalar = T>> PairLaw<V, 4> for Weighted<T> {
         let (cutoff, zero) = (N::of(self.cutoff), N::constant(0.0));
         let left = (N::constant(1.0) - pair.square / (cutoff * cutoff)).max(zero);
         let strength = left * left * pair.other[7];
-        let [x, y, z] = pair.apart;
+        let [x, y, z] = pair.separation;
         [strength * x, strength * y, if V::DIMENSION == 3 { strength * z } else { zero }, strength]
     }
 }
@@ -31,16 +31,16 @@ impl<T: Real, V: Vector<Scalar = T>> PairLaw<V, 4> for Weighted<T> {
 /// The sums of the law in the order of the particles, for weights 1, 2, 3, ….
 fn sums<V: Vector>(points: &Points, domain: &Domain, threads: usize) -> Vec<[V::Scalar; 4]> {
     let count = points[0].len();
-    with_threads(threads, |crew| {
+    with_threads(threads, |executor| {
         let mut neighbors = Neighbors::new(count, V::DIMENSION, domain, 1.0, 0.2).unwrap();
-        neighbors.update(view(points), crew).unwrap();
+        neighbors.update(view(points), executor).unwrap();
         let mut records = Records::<V>::new(&neighbors);
-        records.fill(&neighbors, view(points), crew, &|particle, record| {
+        records.fill(&neighbors, view(points), executor, &|particle, record| {
             record[7] = V::Scalar::from_f64((particle + 1) as f64);
         });
         let mut sums = vec![[V::Scalar::ZERO; 4]; count];
-        records.sum(&neighbors, Weighted { cutoff: V::Scalar::ONE }, &mut sums, crew);
-        neighbors.places().iter().map(|&place| sums[place as usize]).collect()
+        records.sum(&neighbors, Weighted { cutoff: V::Scalar::ONE }, &mut sums, executor);
+        neighbors.slots().iter().map(|&slot| sums[slot as usize]).collect()
     })
 }
 
@@ -51,14 +51,14 @@ fn reference(points: &Points, dimension: usize, domain: &Domain) -> Vec<([f64; 4
     let sum = |(particle, list): (usize, Vec<u32>)| {
         let (mut sums, mut magnitude) = ([0.0; 4], 0.0);
         for other in list {
-            let mut apart = [0.0; AXES];
+            let mut separation = [0.0; AXES];
             for axis in 0..dimension {
                 let difference = points[axis][particle] - points[axis][other as usize];
-                apart[axis] = difference - lengths[axis].map_or(0.0, |length| length * (difference / length).round());
+                separation[axis] = difference - lengths[axis].map_or(0.0, |length| length * (difference / length).round());
             }
-            let square: f64 = apart.iter().map(|component| component * component).sum();
+            let square: f64 = separation.iter().map(|component| component * component).sum();
             let strength = (1.0 - square).powi(2) * f64::from(other + 1);
-            (0..AXES).for_each(|axis| sums[axis] += strength * apart[axis]);
+            (0..AXES).for_each(|axis| sums[axis] += strength * separation[axis]);
             sums[3] += strength;
             magnitude += f64::from(other + 1);
         }
@@ -68,7 +68,7 @@ fn reference(points: &Points, dimension: usize, domain: &Domain) -> Vec<([f64; 4
 }
 
 fn check<V: Vector>(side: f64, offset: f64, period: [Option<(f64, f64)>; AXES]) {
-    let points = cloud(2500, [side; AXES], 21).map(|axis| axis.into_iter().map(|place| place + offset).collect());
+    let points = cloud(2500, [side; AXES], 21).map(|axis| axis.into_iter().map(|slot| slot + offset).collect());
     let domain = Domain { period };
     // Every term is made of some ten roundings of a distance of at most 1 and a weight; each coordinate is rounded by the
     // caller too, which counts in f64.
@@ -111,8 +111,8 @@ fn fingerprint(threads: usize) -> u64 {
 
 #[test]
 fn sums_have_the_same_bits_for_any_number_of_threads() {
-    let alone = fingerprint(1);
-    assert!((2..=4).all(|threads| fingerprint(threads) == alone));
+    let serial = fingerprint(1);
+    assert!((2..=4).all(|threads| fingerprint(threads) == serial));
 }
 
 /// Runs in processes of its own at other levels: a process has only one.
@@ -136,12 +136,12 @@ fn sums_have_the_same_bits_at_every_level() {
 fn later_sums_allocate_nothing() {
     let points = cloud(3000, [8.0; AXES], 2);
     let mut neighbors = Neighbors::new(3000, 3, &Domain::default(), 1.0, 0.1).unwrap();
-    neighbors.update(view(&points), &Crew::alone()).unwrap();
+    neighbors.update(view(&points), &Executor::serial()).unwrap();
     let mut records = Records::<Vec3>::new(&neighbors);
     let mut sums = vec![[0.0; 4]; 3000];
     let allocated = allocation_counter::measure(|| {
-        records.fill(&neighbors, view(&points), &Crew::alone(), &|_, record| record[7] = 1.0);
-        records.sum(&neighbors, Weighted { cutoff: 1.0 }, &mut sums, &Crew::alone());
+        records.fill(&neighbors, view(&points), &Executor::serial(), &|_, record| record[7] = 1.0);
+        records.sum(&neighbors, Weighted { cutoff: 1.0 }, &mut sums, &Executor::serial());
     });
     assert_eq!(allocated.count_total, 0, "{allocated:?}");
 }

@@ -123,8 +123,8 @@ impl Probe<'_> {
         let h = self.step / way.iter().fold(0.0, |longest: f64, way| longest.max(way.length()));
         let rounding = ROUNDING * self.force.iter().fold(0.0, |largest: f64, force| largest.max(force.abs().max_element()));
         let alike = |one: DVec3, other: DVec3, h: f64| {
-            let apart = (one - other).length();
-            apart.is_finite() && apart <= SMOOTH * one.length().max(other.length()) + rounding / (NEAR * h)
+            let separation = (one - other).length();
+            separation.is_finite() && separation <= SMOOTH * one.length().max(other.length()) + rounding / (NEAR * h)
         };
         let (ahead, behind) = (self.slopes(&way, h)?, self.slopes(&way, -NEAR * h)?);
         let mut slopes: Vec<DVec3> = ahead
@@ -160,8 +160,8 @@ pub fn displacement(positions: &[DVec3]) -> (f64, f64) {
     let size = if size > 0.0 { size } else { 1.0 };
     let mut sorted = positions.to_vec();
     sorted.sort_by(|one, other| one.x.total_cmp(&other.x).then(one.y.total_cmp(&other.y)).then(one.z.total_cmp(&other.z)));
-    let apart = sorted.windows(2).map(|pair| pair[0].distance(pair[1])).filter(|&apart| apart > 0.0);
-    let nearest = apart.fold(f64::INFINITY, f64::min);
+    let separation = sorted.windows(2).map(|pair| pair[0].distance(pair[1])).filter(|&separation| separation > 0.0);
+    let nearest = separation.fold(f64::INFINITY, f64::min);
     let length = if nearest.is_finite() { nearest } else { 1e-3 * size };
     let third = f64::EPSILON.cbrt();
     ((third * length).max(third * third * size), length)

@@ -6,30 +6,30 @@ use super::Fluids;
 use super::kernel::{self, Kernel, Shape};
 use super::laws::{Continuity, Extrapolation, FORCES, KINDS, Momentum, OBSTACLE, Touch};
 use super::shifting::Shifting;
-use super::start::{self, Kinds, Material};
+use super::start::{self, Material, Materials};
 use super::summation::Summation;
 use super::surface::Surface;
 use super::tension::Tension;
 use super::walls::Walls;
 use crate::error::{Error, Result};
-use crate::forces::vicinity::Vicinity;
+use crate::forces::neighbor_list::NeighborList;
 use crate::math::{Real, Vector};
 use crate::matter::Properties;
 use crate::neighbors::sums::Records;
-use crate::parallel::Crew;
+use crate::parallel::Executor;
 use crate::scene::Scene;
 
 impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
     /// The fluids of a scene, of these kinds.
-    pub fn new(scene: &Scene, properties: &Properties<V>, kinds: Kinds, crew: &Crew) -> Result<Self> {
+    pub fn new(scene: &Scene, properties: &Properties<V>, kinds: Materials, executor: &Executor) -> Result<Self> {
         let kind_of = |index: u32| kinds.of_body[properties.body[index as usize] as usize];
         let members: Vec<u32> = (0..properties.count() as u32).filter(|&index| kind_of(index).is_some()).collect();
         let kind: Vec<u8> = members.iter().filter_map(|&index| kind_of(index)).collect();
         let obstacles: Vec<u32> = (0..).zip(&kind).filter(|(_, kind)| **kind == OBSTACLE).map(|(member, _)| member).collect();
         let common = kinds.first();
         let h = common.smoothing_length;
-        let vicinity = Vicinity::new(scene, properties, members, 2.0 * h)?;
-        let walls = Walls::new(start::walls(scene, properties.origin)?, &vicinity);
+        let neighbor_list = NeighborList::new(scene, properties, members, 2.0 * h)?;
+        let walls = Walls::new(start::walls(scene, properties.origin)?, &neighbor_list);
         let number = V::Scalar::from_f64;
         let kernel = Kernel::<V::Scalar, K>::new(h, common.spacing, V::DIMENSION);
         if !kernel.steepness.is_finite() {
@@ -43,7 +43,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
         let gravity = common.gravity.to_array().map(|g| number(g / common.sound_speed.powi(2)));
         let fall = common.gravity.to_array().map(|g| number(common.density * g / common.sound_speed.powi(2)));
         let density = kinds.each(|fluid| fluid.density);
-        let continuity = Continuity { kernel, diffusion, faced: diffusion[0], density, gravity, fall };
+        let continuity = Continuity { kernel, diffusion, for_particle: diffusion[0], density, gravity, fall };
         let artificial = kinds.pairs(|one, other| mean(one.artificial(), other.artificial()));
         let laminar = kinds.pairs(|one, other| 2.0 * mean(one.viscosity, other.viscosity));
         let contact = kinds.pairs(|_, _| 1.0);
@@ -58,7 +58,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
             met: either(&|other| kind != solid && other == solid),
             meets: either(&|other| kind == solid && other != solid),
         });
-        let momentum = Momentum { kernel, touch, faced: touch[0], density, softening: number(0.01 * h * h) };
+        let momentum = Momentum { kernel, touch, for_particle: touch[0], density, softening: number(0.01 * h * h) };
         let extrapolation = Extrapolation { kernel, density, gravity: common.gravity.to_array().map(number) };
         let waves = kernel::waves::<K>(V::DIMENSION);
         let mut fluids = Self {
@@ -67,7 +67,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
             kept: Vec::new(),
             diffused: vec![0.0; kind.len()],
             met: vec![[V::Scalar::ZERO; 2]; obstacles.len()],
-            records: Records::new(vicinity.neighbors()),
+            records: Records::new(neighbor_list.neighbors()),
             rates: vec![[V::Scalar::ZERO; 2]; kind.len()],
             mirrored: vec![[V::Scalar::ZERO; 2]; kind.len()],
             forces: vec![[V::Scalar::ZERO; FORCES]; kind.len()],
@@ -81,23 +81,23 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
             kinds,
             kind,
             obstacles,
-            vicinity,
+            neighbor_list,
             continuity,
             momentum,
             extrapolation,
             walls,
         };
-        fluids.fill_space(scene, properties, crew)?;
+        fluids.fill_space(scene, properties, executor)?;
         Ok(fluids)
     }
 
     /// Gives every fluid particle the density under the weight of what is above it, and every obstacle the volume that is left
     /// to it by the others: 1/Σ W over obstacles, of N. Akinci et al., ACM Trans. Graph. 31 (2012) 62.
-    fn fill_space(&mut self, scene: &Scene, properties: &Properties<V>, crew: &Crew) -> Result<()> {
+    fn fill_space(&mut self, scene: &Scene, properties: &Properties<V>, executor: &Executor) -> Result<()> {
         let positions = scene.positions();
         // By the index of the particle, relative to the origin.
         let at: Vec<DVec3> = properties.caller.iter().map(|&caller| positions[caller as usize] - properties.origin).collect();
-        let members: Vec<usize> = self.vicinity.members().iter().map(|&index| index as usize).collect();
+        let members: Vec<usize> = self.neighbor_list.members().iter().map(|&index| index as usize).collect();
         let common = self.kinds.first();
         let down = common.gravity.normalize_or_zero();
         let material = |member: usize| self.kinds.fluid(self.kind[member]);
@@ -113,15 +113,15 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
         if self.obstacles.is_empty() {
             return Ok(());
         }
-        self.search(&|axis, index| at[index][axis], crew)?;
-        crew.check()?;
+        self.search(&|axis, index| at[index][axis], executor)?;
+        executor.check()?;
         let weight = weight::<K>(self.kinds.first(), V::DIMENSION);
-        let neighbors = self.vicinity.neighbors();
+        let neighbors = self.neighbor_list.neighbors();
         for &obstacle in &self.obstacles {
-            let place = neighbors.places()[obstacle as usize] as usize;
-            let others = neighbors.of(place).iter().map(|&other| neighbors.order()[other as usize] as usize);
-            let solid = others.zip(neighbors.apart(place)).filter(|&(other, _)| self.kind[other] == OBSTACLE);
-            let near: f64 = solid.map(|(_, apart)| weight(apart.length())).sum();
+            let slot = neighbors.slots()[obstacle as usize] as usize;
+            let others = neighbors.of(slot).iter().map(|&other| neighbors.order()[other as usize] as usize);
+            let solid = others.zip(neighbors.separation(slot)).filter(|&(other, _)| self.kind[other] == OBSTACLE);
+            let near: f64 = solid.map(|(_, separation)| weight(separation.length())).sum();
             let common = self.kinds.first();
             // A lone particle is not as large as the kernel.
             self.mass[obstacle as usize] = (common.density / (near + weight(0.0))).min(2.0 * common.mass);

@@ -67,9 +67,9 @@ impl Image {
         }
     }
 
-    /// The square of the distance from the image of somebody who is `apart` from its original [m²].
-    pub fn square(&self, apart: DVec3) -> f64 {
-        (self.turn * apart - self.shift).length_squared()
+    /// The square of the distance from the image of somebody who is `separation` from its original [m²].
+    pub fn square(&self, separation: DVec3) -> f64 {
+        (self.turn * separation - self.shift).length_squared()
     }
 }
 
@@ -155,18 +155,18 @@ impl<T: Real, L> Mirrored<T, L> {
 
 impl<V: Vector, L: PairLaw<V, SUMS> + Pressed<V, SUMS>, const SUMS: usize> PairLaw<V, SUMS> for Mirrored<V::Scalar, L> {
     #[inline(always)]
-    fn facing(self, own: &Record<V::Scalar>) -> Self {
-        Self { law: self.law.facing(own), ..self }
+    fn for_particle(self, own: &Record<V::Scalar>) -> Self {
+        Self { law: self.law.for_particle(own), ..self }
     }
 
     #[inline(always)]
     fn terms<N: Number<Scalar = V::Scalar>>(&self, pair: &Pair<N>) -> [N; SUMS] {
         let Reflection { turn, shift, velocity, rise, depths } = &self.reflection;
         let zero = N::constant(0.0);
-        let Pair { own, other, apart, square } = pair;
+        let Pair { own, other, separation, square } = pair;
         let (mut image, mut from_image, mut before) = (*other, [zero; AXES], [zero; AXES]);
         for axis in 0..V::DIMENSION {
-            from_image[axis] = dot::<V, N>(&turn[axis], apart) + N::of(shift[axis]);
+            from_image[axis] = dot::<V, N>(&turn[axis], separation) + N::of(shift[axis]);
             before[axis] = other[V::DIMENSION + axis];
         }
         let mut far = from_image[0] * from_image[0];
@@ -177,15 +177,15 @@ impl<V: Vector, L: PairLaw<V, SUMS> + Pressed<V, SUMS>, const SUMS: usize> PairL
             image[V::DIMENSION + axis] = dot::<V, N>(&velocity[axis], &before);
         }
         let content = other[2 * V::DIMENSION + 1];
-        let by = self.law.density(other) * (dot::<V, N>(&rise.0, apart) + N::of(rise.1));
+        let by = self.law.density(other) * (dot::<V, N>(&rise.0, separation) + N::of(rise.1));
         let raised = self.law.raised(content, by);
         image[2 * V::DIMENSION + 1] = raised;
         let infinity = N::of(V::Scalar::INFINITY);
         let mut counts = square.less(infinity);
         for (normal, distance) in depths {
-            counts = N::both(counts, zero.less(dot::<V, N>(normal, apart) + N::of(*distance)));
+            counts = N::both(counts, zero.less(dot::<V, N>(normal, separation) + N::of(*distance)));
         }
-        let image = Pair { own: *own, other: image, apart: from_image, square: N::select(counts, far, infinity) };
+        let image = Pair { own: *own, other: image, separation: from_image, square: N::select(counts, far, infinity) };
         let mut terms = self.law.terms(&image);
         let lift = self.law.lift(&image, raised - content);
         for sum in 0..SUMS {

@@ -138,7 +138,7 @@ impl<T: Real, K: Shape> Kernel<T, K> {
     pub fn new(smoothing_length: f64, spacing: f64, dimension: usize) -> Self {
         let square = smoothing_length * smoothing_length;
         let height = K::HEIGHT[dimension - 2] / if dimension == 2 { square } else { square * smoothing_length };
-        let steepness = height / square / moment::<K>(spacing / smoothing_length, dimension);
+        let steepness = height / square / state_view::<K>(spacing / smoothing_length, dimension);
         Self {
             inverse_support: T::from_f64(0.5 / smoothing_length),
             height: T::from_f64(height),
@@ -179,7 +179,7 @@ impl<T: Real, K: Shape> Kernel<T, K> {
 const STEPS: usize = 200;
 
 /// −Σ Δ^D F x² over a lattice of spacing Δ, for unit smoothing length.
-fn moment<K: Shape>(spacing: f64, dimension: usize) -> f64 {
+fn state_view<K: Shape>(spacing: f64, dimension: usize) -> f64 {
     over_lattice(spacing, dimension, |x, r| -K::HEIGHT[dimension - 2] * K::slope(0.5 * r) * x * x)
 }
 
@@ -187,12 +187,13 @@ fn moment<K: Shape>(spacing: f64, dimension: usize) -> f64 {
 /// multiplied so that a small compression of the lattice is exact, both for unit smoothing length.
 pub fn crowd<K: Shape>(spacing: f64, dimension: usize) -> (f64, f64) {
     let sum = over_lattice(spacing, dimension, |_, r| K::HEIGHT[dimension - 2] * K::value(0.5 * r));
-    (sum, 1.0 / moment::<K>(spacing, dimension))
+    (sum, 1.0 / state_view::<K>(spacing, dimension))
 }
 
 /// Σ Δ^D |∇W| over the neighbors of a particle on a lattice of spacing Δ, for unit smoothing length.
 pub fn closeness<K: Shape>(spacing: f64, dimension: usize) -> f64 {
-    over_lattice(spacing, dimension, |_, r| -K::HEIGHT[dimension - 2] * K::slope(0.5 * r) * r) / moment::<K>(spacing, dimension)
+    over_lattice(spacing, dimension, |_, r| -K::HEIGHT[dimension - 2] * K::slope(0.5 * r) * r)
+        / state_view::<K>(spacing, dimension)
 }
 
 /// Σ Δ^D f(x, r) over the neighbors on a lattice of spacing Δ within two units.

@@ -53,9 +53,9 @@ fn velocity<V: Vector, N: Number>(pair: &Pair<N>, axis: usize) -> N {
 /// v·d.
 #[inline(always)]
 pub fn approach<V: Vector, N: Number>(pair: &Pair<N>) -> N {
-    let mut sum = velocity::<V, N>(pair, 0) * pair.apart[0];
+    let mut sum = velocity::<V, N>(pair, 0) * pair.separation[0];
     for axis in 1..V::DIMENSION {
-        sum += velocity::<V, N>(pair, axis) * pair.apart[axis];
+        sum += velocity::<V, N>(pair, axis) * pair.separation[axis];
     }
     sum
 }
@@ -81,7 +81,7 @@ pub struct Continuity<T, K, const MIXED: bool> {
     pub kernel: Kernel<T, K>,
     /// 2δhc [m²/s] of each pair of kinds, and those of the particle that is faced.
     pub diffusion: [[T; KINDS]; KINDS],
-    pub faced: [T; KINDS],
+    pub for_particle: [T; KINDS],
     /// ρ₀ of each kind [kg/m³].
     pub density: [T; KINDS],
     /// g/c² [1/m], and times ρ₀ of the particle that is faced: the enthalpy that gravity makes per metre.
@@ -91,10 +91,10 @@ pub struct Continuity<T, K, const MIXED: bool> {
 
 impl<V: Vector, K: Shape, const MIXED: bool> PairLaw<V, 2> for Continuity<V::Scalar, K, MIXED> {
     #[inline(always)]
-    fn facing(mut self, own: &Record<V::Scalar>) -> Self {
+    fn for_particle(mut self, own: &Record<V::Scalar>) -> Self {
         if MIXED {
             let kind = usize::from(volume::<V, _>(own).tag());
-            self.faced = self.diffusion[kind];
+            self.for_particle = self.diffusion[kind];
             for axis in 0..V::DIMENSION {
                 self.fall[axis] = self.density[kind] * self.gravity[axis];
             }
@@ -104,12 +104,12 @@ impl<V: Vector, K: Shape, const MIXED: bool> PairLaw<V, 2> for Continuity<V::Sca
 
     #[inline(always)]
     fn terms<N: Number<Scalar = V::Scalar>>(&self, pair: &Pair<N>) -> [N; 2] {
-        let Pair { own, other, apart, square } = pair;
+        let Pair { own, other, separation, square } = pair;
         let weight = self.kernel.slope(volume::<V, N>(other), square.sqrt());
-        let diffusion = pick::<N, MIXED>(volume::<V, N>(other), &self.faced);
+        let diffusion = pick::<N, MIXED>(volume::<V, N>(other), &self.for_particle);
         let mut excess = content::<V, N>(other) - content::<V, N>(own);
         for axis in 0..V::DIMENSION {
-            excess += N::of(self.fall[axis]) * apart[axis];
+            excess += N::of(self.fall[axis]) * separation[axis];
         }
         [approach::<V, N>(pair) * weight, N::constant(0.0) - diffusion * excess * weight]
     }
@@ -143,7 +143,7 @@ pub struct Momentum<T, K, const MIXED: bool> {
     pub kernel: Kernel<T, K>,
     /// What each kind does to each other, and what that of the particle that is faced does.
     pub touch: [Touch<T>; KINDS],
-    pub faced: Touch<T>,
+    pub for_particle: Touch<T>,
     /// ρ₀ of each kind [kg/m³].
     pub density: [T; KINDS],
     /// 0.01 h² [m²].
@@ -152,16 +152,16 @@ pub struct Momentum<T, K, const MIXED: bool> {
 
 impl<V: Vector, K: Shape, const MIXED: bool> PairLaw<V, FORCES> for Momentum<V::Scalar, K, MIXED> {
     #[inline(always)]
-    fn facing(mut self, own: &Record<V::Scalar>) -> Self {
+    fn for_particle(mut self, own: &Record<V::Scalar>) -> Self {
         if MIXED {
-            self.faced = self.touch[usize::from(volume::<V, _>(own).tag())];
+            self.for_particle = self.touch[usize::from(volume::<V, _>(own).tag())];
         }
         self
     }
 
     #[inline(always)]
     fn terms<N: Number<Scalar = V::Scalar>>(&self, pair: &Pair<N>) -> [N; FORCES] {
-        let Pair { own, other, apart, .. } = pair;
+        let Pair { own, other, separation, .. } = pair;
         let weight = self.weight::<V, N>(pair);
         let Viscous { squeeze, shear, approach } = self.viscous::<V, N>(pair, weight);
         let push = squeeze - (content::<V, N>(own) + content::<V, N>(other)) * weight;
@@ -169,14 +169,14 @@ impl<V: Vector, K: Shape, const MIXED: bool> PairLaw<V, FORCES> for Momentum<V::
         let mut drag = N::constant(0.0);
         for axis in 0..V::DIMENSION {
             let velocity = velocity::<V, N>(pair, axis);
-            terms[axis] = push * apart[axis] + shear * velocity;
+            terms[axis] = push * separation[axis] + shear * velocity;
             drag += velocity * velocity;
         }
         terms[VISCOUS] = N::constant(0.0) - (squeeze * approach + shear * drag);
         if MIXED {
             // What an obstacle's pressure takes is stored nowhere: no energy belongs to it. Of a pair's power each counts half.
-            let theirs = pick::<N, MIXED>(volume::<V, N>(other), &self.faced.met) * content::<V, N>(other);
-            let mine = pick::<N, MIXED>(volume::<V, N>(other), &self.faced.meets) * content::<V, N>(own);
+            let theirs = pick::<N, MIXED>(volume::<V, N>(other), &self.for_particle.met) * content::<V, N>(other);
+            let mine = pick::<N, MIXED>(volume::<V, N>(other), &self.for_particle.meets) * content::<V, N>(own);
             terms[SOLID] = N::constant(0.5) * (theirs + mine) * weight * approach;
         }
         terms
@@ -199,14 +199,15 @@ impl<T: Real, K: Shape, const MIXED: bool> Momentum<T, K, MIXED> {
     fn weight<V: Vector<Scalar = T>, N: Number<Scalar = T>>(&self, pair: &Pair<N>) -> N {
         let volume = volume::<V, N>(&pair.other);
         let weight = self.kernel.slope(volume, pair.square.sqrt());
-        if MIXED { weight * pick::<N, MIXED>(volume, &self.faced.contact) } else { weight }
+        if MIXED { weight * pick::<N, MIXED>(volume, &self.for_particle.contact) } else { weight }
     }
 
     #[inline(always)]
     fn viscous<V: Vector<Scalar = T>, N: Number<Scalar = T>>(&self, pair: &Pair<N>, weight: N) -> Viscous<N> {
         let (volume, approach) = (volume::<V, N>(&pair.other), approach::<V, N>(pair));
-        let artificial = pick::<N, MIXED>(volume, &self.faced.artificial) * approach / (pair.square + N::of(self.softening));
-        let laminar = pick::<N, MIXED>(volume, &self.faced.laminar);
+        let artificial =
+            pick::<N, MIXED>(volume, &self.for_particle.artificial) * approach / (pair.square + N::of(self.softening));
+        let laminar = pick::<N, MIXED>(volume, &self.for_particle.laminar);
         Viscous { squeeze: artificial * weight, shear: laminar * weight, approach }
     }
 }
@@ -227,7 +228,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> Pressed<V, FORCES> for Momentum<V::
 
     #[inline(always)]
     fn lift<N: Number<Scalar = V::Scalar>>(&self, pair: &Pair<N>, by: N) -> [N; FORCES] {
-        let Pair { own, apart, .. } = pair;
+        let Pair { own, separation, .. } = pair;
         let weight = self.weight::<V, N>(pair);
         let Viscous { squeeze, shear, approach } = self.viscous::<V, N>(pair, weight);
         let mut terms = [N::constant(0.0); FORCES];
@@ -237,8 +238,8 @@ impl<V: Vector, K: Shape, const MIXED: bool> Pressed<V, FORCES> for Momentum<V::
             let mine = own[V::DIMENSION + axis];
             let relative = velocity::<V, N>(pair, axis);
             // What gravity adds to the pressure of an image is stored nowhere either.
-            terms[SOLID] += by * weight * apart[axis] * mine;
-            let loss = shear * relative * relative - N::constant(2.0) * (squeeze * apart[axis] + shear * relative) * mine;
+            terms[SOLID] += by * weight * separation[axis] * mine;
+            let loss = shear * relative * relative - N::constant(2.0) * (squeeze * separation[axis] + shear * relative) * mine;
             terms[VISCOUS] += loss;
         }
         terms
@@ -247,37 +248,37 @@ impl<V: Vector, K: Shape, const MIXED: bool> Pressed<V, FORCES> for Momentum<V::
 
 /// Crowding: Σ Vⱼ W, by which density is counted.
 #[derive(Debug, Clone, Copy)]
-pub struct Crowding<T, K> {
+pub struct NumberDensity<T, K> {
     pub kernel: Kernel<T, K>,
 }
 
-impl<V: Vector, K: Shape> PairLaw<V, 1> for Crowding<V::Scalar, K> {
+impl<V: Vector, K: Shape> PairLaw<V, 1> for NumberDensity<V::Scalar, K> {
     #[inline(always)]
     fn terms<N: Number<Scalar = V::Scalar>>(&self, pair: &Pair<N>) -> [N; 1] {
         [volume::<V, N>(&pair.other) * self.kernel.value(pair.square.sqrt())]
     }
 }
 
-impl<V: Vector, K: Shape> Pressed<V, 1> for Crowding<V::Scalar, K> {}
+impl<V: Vector, K: Shape> Pressed<V, 1> for NumberDensity<V::Scalar, K> {}
 
 /// Surroundings: Σ Vⱼ ∇W along each axis [1/m], nothing where others are all around and the more the barer a side is; and
 /// Σ Vⱼ |∇W|, the more the closer they are.
 #[derive(Debug, Clone, Copy)]
-pub struct Surroundings<T, K> {
+pub struct KernelGradientSum<T, K> {
     pub kernel: Kernel<T, K>,
 }
 
-/// The sums of [`Surroundings`].
+/// The sums of [`KernelGradientSum`].
 pub const SURROUNDINGS: usize = AXES + 1;
 
-impl<V: Vector, K: Shape> PairLaw<V, SURROUNDINGS> for Surroundings<V::Scalar, K> {
+impl<V: Vector, K: Shape> PairLaw<V, SURROUNDINGS> for KernelGradientSum<V::Scalar, K> {
     #[inline(always)]
     fn terms<N: Number<Scalar = V::Scalar>>(&self, pair: &Pair<N>) -> [N; SURROUNDINGS] {
         let (distance, zero) = (pair.square.sqrt(), N::constant(0.0));
         let weight = self.kernel.slope(volume::<V, N>(&pair.other), distance);
         let mut terms = [zero; SURROUNDINGS];
         for axis in 0..V::DIMENSION {
-            terms[axis] = weight * pair.apart[axis];
+            terms[axis] = weight * pair.separation[axis];
         }
         // Beyond the support the distance is infinite where there is nobody.
         terms[AXES] = N::select(weight.less(zero), zero - weight * distance, zero);
@@ -285,7 +286,7 @@ impl<V: Vector, K: Shape> PairLaw<V, SURROUNDINGS> for Surroundings<V::Scalar, K
     }
 }
 
-impl<V: Vector, K: Shape> Pressed<V, SURROUNDINGS> for Surroundings<V::Scalar, K> {}
+impl<V: Vector, K: Shape> Pressed<V, SURROUNDINGS> for KernelGradientSum<V::Scalar, K> {}
 
 /// The pressure of an obstacle: that of the fluid around it, and what gravity adds on the way: Σ [pⱼ + ρ₀ g·d] W and Σ W, of S.
 /// Adami, X. Y. Hu and N. A. Adams, J. Comput. Phys. 231 (2012) 7057, for obstacles that are not themselves accelerated.
@@ -301,14 +302,14 @@ pub struct Extrapolation<T, K> {
 impl<V: Vector, K: Shape> PairLaw<V, 2> for Extrapolation<V::Scalar, K> {
     #[inline(always)]
     fn terms<N: Number<Scalar = V::Scalar>>(&self, pair: &Pair<N>) -> [N; 2] {
-        let Pair { other, apart, square, .. } = pair;
+        let Pair { other, separation, square, .. } = pair;
         let volume = volume::<V, N>(other);
         // The tag of obstacles has both bits.
         let obstacle = N::both(volume.has_bit(0), volume.has_bit(1));
         let weight = N::select(obstacle, N::constant(0.0), self.kernel.value(square.sqrt()));
         let mut rise = N::constant(0.0);
         for axis in 0..V::DIMENSION {
-            rise += N::of(self.gravity[axis]) * apart[axis];
+            rise += N::of(self.gravity[axis]) * separation[axis];
         }
         [(content::<V, N>(other) + pick::<N, true>(volume, &self.density) * rise) * weight, weight]
     }

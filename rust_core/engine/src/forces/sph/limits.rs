@@ -9,7 +9,7 @@ use super::start::Material;
 use crate::forces::{Field, Flow, Force};
 use crate::math::{Real, Vector};
 use crate::matter::View;
-use crate::stability::Bound;
+use crate::stability::SpectralBound;
 
 impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
     /// How fast it flows at these velocities.
@@ -17,7 +17,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
         let sound = self.kinds.first().sound_speed;
         let square = |index: u32| (0..V::DIMENSION).map(|axis| velocity.axis(axis)[index as usize].to_f64().powi(2)).sum::<f64>();
         let (mut fast, mut all) = (0.0, 0.0);
-        for (&index, _) in self.vicinity.members().iter().zip(&self.kind).filter(|(_, kind)| **kind != OBSTACLE) {
+        for (&index, _) in self.neighbor_list.members().iter().zip(&self.kind).filter(|(_, kind)| **kind != OBSTACLE) {
             all += 1.0;
             fast += if square(index) > (Flow::FAST * sound).powi(2) { 1.0 } else { 0.0 };
         }
@@ -26,8 +26,8 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
 
     /// The strongest force per volume [N/m^D].
     pub fn strongest(&self) -> f64 {
-        let square = |(place, force): (usize, &[V::Scalar; FORCES])| {
-            let pull = self.tension.as_ref().map(|tension| tension.force(place));
+        let square = |(slot, force): (usize, &[V::Scalar; FORCES])| {
+            let pull = self.tension.as_ref().map(|tension| tension.force(slot));
             let along = |axis: usize| force[axis].to_f64() + pull.map_or(0.0, |pull| pull[axis].to_f64());
             (0..V::DIMENSION).map(|axis| along(axis).powi(2)).sum::<f64>()
         };
@@ -35,11 +35,11 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
     }
 
     /// Of all waves that the kernel carries, the one with the shortest step. An obstacle is pushed with the force on the fluid in
-    /// its place. Ripples as short as the kernel are followed as by J. U. Brackbill, D. B. Kothe, C. Zemach, J. Comput. Phys. 100
+    /// its slot. Ripples as short as the kernel are followed as by J. U. Brackbill, D. B. Kothe, C. Zemach, J. Comput. Phys. 100
     /// (1992) 335: √(ρh³/2πσ).
-    pub fn limit(&self, bound: &mut Bound) {
+    pub fn limit(&self, bound: &mut SpectralBound) {
         let h = self.kinds.first().smoothing_length;
-        let diffuses = if self.field() == Field::Carried { 1.0 } else { 0.0 };
+        let diffuses = if self.field() == Field::Continuity { 1.0 } else { 0.0 };
         let bounds: Vec<(f64, f64, f64)> = self
             .kinds
             .materials
@@ -63,7 +63,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
             .collect();
         let heaviest = |one: &&(f64, f64, f64), other: &&(f64, f64, f64)| (one.0 * one.2).total_cmp(&(other.0 * other.2));
         let pressing = bounds.iter().max_by(heaviest).copied().unwrap_or_default();
-        for (member, &index) in self.vicinity.members().iter().enumerate() {
+        for (member, &index) in self.neighbor_list.members().iter().enumerate() {
             let (stiffness, damping, density) = bounds.get(usize::from(self.kind[member])).copied().unwrap_or(pressing);
             let mass = self.mass[member] / self.density[member] * density;
             bound.point(index as usize, "sound", mass * stiffness, 0.0);

@@ -5,7 +5,7 @@
 //! ([`Force::prepare`]). Density and velocity so take turns like position and velocity, and a step of kick–drift–kick may be as
 //! long as that of a leapfrog: 2/ω for the fastest sound wave, twice as long as where both rates are taken at one moment.
 //!
-//! Where density is counted from places ([`summation`]) there is no field, and both sums are where the kick is: any integrator
+//! Where density is summed over positions ([`summation`]) there is no field, and both sums are where the kick is: any integrator
 //! will do.
 //!
 //! [`laws`] holds the sums, [`kernel`] what they weigh with, [`walls`] their images behind walls, [`surface`] what is torn off and
@@ -14,16 +14,16 @@
 
 use std::ops::Range;
 
-use super::vicinity::Vicinity;
-use super::{Drift, Field, Fields, Flow, Force, Moment, Rates, Reach, VelocityDependence};
+use super::neighbor_list::NeighborList;
+use super::{Drift, Field, Fields, Flow, Force, Rates, Reach, StateView, VelocityDependence};
 use crate::error::{Error, Result};
 use crate::math::{Real, Vector};
-use crate::matter::{self, Channel, Power, Properties, Span};
+use crate::matter::{self, EnergySink, Power, Properties, Span};
 use crate::neighbors::sums::Records;
-use crate::parallel::{Chunks, Crew};
+use crate::parallel::{BlockedSlice, Executor};
 use crate::scene::Scene;
 use crate::simd::LANES;
-use crate::stability::Bound;
+use crate::stability::SpectralBound;
 
 mod assembly;
 mod images;
@@ -41,7 +41,7 @@ use images::View;
 use kernel::{CubicSpline, Shape, Wave, WendlandC2, WendlandC4};
 use laws::{Continuity, Extrapolation, FORCES, Momentum, OBSTACLE, SOLID, VISCOUS};
 use shifting::Shifting;
-use start::Kinds;
+use start::Materials;
 use summation::Summation;
 use surface::Surface;
 use tension::Tension;
@@ -54,15 +54,15 @@ const BLOCK: usize = 1024;
 ///
 /// # Errors
 /// If their parameters make no sense together, or there is no kernel of that name.
-pub fn fluid<V: Vector>(scene: &Scene, properties: &Properties<V>, crew: &Crew) -> Result<Option<Box<dyn Force<V>>>> {
+pub fn fluid<V: Vector>(scene: &Scene, properties: &Properties<V>, executor: &Executor) -> Result<Option<Box<dyn Force<V>>>> {
     let Some(body) = scene.bodies.iter().position(|body| body.fluid.is_some()) else { return Ok(None) };
-    let kinds = Kinds::of(scene)?;
+    let kinds = Materials::of(scene)?;
     match scene.bodies[body].fluid.as_ref().map_or("", |fluid| fluid.kernel.as_str()) {
-        "WendlandC2" if !kinds.are_mixed() => with::<V, WendlandC2, false>(scene, properties, kinds, crew),
-        "WendlandC2" => with::<V, WendlandC2, true>(scene, properties, kinds, crew),
+        "WendlandC2" if !kinds.are_mixed() => with::<V, WendlandC2, false>(scene, properties, kinds, executor),
+        "WendlandC2" => with::<V, WendlandC2, true>(scene, properties, kinds, executor),
         // The other kernels are not worth compiling twice.
-        "WendlandC4" => with::<V, WendlandC4, true>(scene, properties, kinds, crew),
-        "CubicSpline" => with::<V, CubicSpline, true>(scene, properties, kinds, crew),
+        "WendlandC4" => with::<V, WendlandC4, true>(scene, properties, kinds, executor),
+        "CubicSpline" => with::<V, CubicSpline, true>(scene, properties, kinds, executor),
         other => Err(Error::parameter(format!("bodies[{body}].kernel"), "WendlandC2, WendlandC4 or CubicSpline", other)),
     }
 }
@@ -70,25 +70,25 @@ pub fn fluid<V: Vector>(scene: &Scene, properties: &Properties<V>, crew: &Crew) 
 fn with<V: Vector, K, const MIXED: bool>(
     scene: &Scene,
     properties: &Properties<V>,
-    kinds: Kinds,
-    crew: &Crew,
+    kinds: Materials,
+    executor: &Executor,
 ) -> Result<Option<Box<dyn Force<V>>>>
 where
     K: Shape,
 {
-    Ok(Some(Box::new(Fluids::<V, K, MIXED>::new(scene, properties, kinds, crew)?)))
+    Ok(Some(Box::new(Fluids::<V, K, MIXED>::new(scene, properties, kinds, executor)?)))
 }
 
 /// Writes what the laws read of every particle: velocity, and the volume and content that `each` gives for a member.
 fn fill<V: Vector>(
     records: &mut Records<V>,
-    (vicinity, kind): (&Vicinity, &[u8]),
+    (neighbor_list, kind): (&NeighborList, &[u8]),
     velocity: &matter::View<'_, V>,
     each: &(impl Fn(usize) -> [f64; 2] + Sync),
-    crew: &Crew,
+    executor: &Executor,
 ) {
-    let members = vicinity.members();
-    records.fill(vicinity.neighbors(), vicinity.positions(), crew, &|member, record| {
+    let members = neighbor_list.members();
+    records.fill(neighbor_list.neighbors(), neighbor_list.positions(), executor, &|member, record| {
         let index = members[member] as usize;
         for axis in 0..V::DIMENSION {
             record[V::DIMENSION + axis] = velocity.axis(axis)[index];
@@ -101,7 +101,7 @@ fn fill<V: Vector>(
 
 /// All particles of fluids, and of the obstacles that they meet.
 struct Fluids<V: Vector, K, const MIXED: bool> {
-    kinds: Kinds,
+    kinds: Materials,
     /// The kind of each member.
     kind: Vec<u8>,
     /// Mass of each member [kg]; of an obstacle, that of the fluid in its place.
@@ -110,13 +110,13 @@ struct Fluids<V: Vector, K, const MIXED: bool> {
     density: Vec<f64>,
     /// The energy that diffusion took from each over the last drift [J].
     diffused: Vec<f64>,
-    /// Density when the chunk began.
+    /// Density when the batch began.
     kept: Vec<f64>,
     /// The members that are obstacles.
     obstacles: Vec<u32>,
     /// What [`Extrapolation`] gives for them.
     met: Vec<[V::Scalar; 2]>,
-    vicinity: Vicinity,
+    neighbor_list: NeighborList,
     records: Records<V>,
     continuity: Continuity<V::Scalar, K, MIXED>,
     momentum: Momentum<V::Scalar, K, MIXED>,
@@ -127,7 +127,7 @@ struct Fluids<V: Vector, K, const MIXED: bool> {
     tension: Option<Tension<V, K, MIXED>>,
     /// Where particles are moved to where there is room.
     shifting: Option<Shifting<V, K>>,
-    /// What [`Continuity`] gives, in the order of places: of the particles, and of their images.
+    /// What [`Continuity`] gives, in the order of slots: of the particles, and of their images.
     rates: Vec<[V::Scalar; 2]>,
     mirrored: Vec<[V::Scalar; 2]>,
     /// What [`Momentum`] gives, likewise.
@@ -136,27 +136,27 @@ struct Fluids<V: Vector, K, const MIXED: bool> {
     surface: Surface<V, K>,
     /// The waves that the kernel carries, for unit smoothing length.
     waves: Vec<Wave>,
-    /// The strongest force per volume [N/m^D] where the forces at hand are not those of the state, and when the chunk began.
+    /// The strongest force per volume [N/m^D] where the forces at hand are not those of the state, and when the batch began.
     strongest: Option<f64>,
     kept_strongest: f64,
 }
 
 impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
     /// Presses on the obstacles, in the records, what the fluid around them does.
-    fn press_obstacles(&mut self, crew: &Crew) {
-        let Self { obstacles, met, vicinity, records, extrapolation, .. } = self;
-        let (neighbors, before) = (vicinity.neighbors(), &*records);
-        crew.sweep(Chunks::new(met, BLOCK), &|mine| {
+    fn press_obstacles(&mut self, executor: &Executor) {
+        let Self { obstacles, met, neighbor_list, records, extrapolation, .. } = self;
+        let (neighbors, before) = (neighbor_list.neighbors(), &*records);
+        executor.for_each_block(BlockedSlice::new(met, BLOCK), &|mine| {
             let end = mine.start + mine.items.len();
             let mut met = mine.items.iter_mut();
-            let places = obstacles[mine.start..end].iter().map(|&obstacle| neighbors.places()[obstacle as usize] as usize);
-            let few = places.map(|place| (place, neighbors.list(place), *extrapolation));
+            let slots = obstacles[mine.start..end].iter().map(|&obstacle| neighbors.slots()[obstacle as usize] as usize);
+            let few = slots.map(|slot| (slot, neighbors.list(slot), *extrapolation));
             before.sum_few(few, |_, sums| met.next().into_iter().for_each(|met| *met = sums));
         });
         for (&obstacle, &[pressed, weight]) in obstacles.iter().zip(&*met) {
             // A fluid does not pull, and is not pulled.
             let pressure = if weight > V::Scalar::ZERO && pressed > V::Scalar::ZERO { pressed / weight } else { V::Scalar::ZERO };
-            records.write(neighbors.places()[obstacle as usize] as usize, |words| words[V::DIMENSION + 1] = pressure);
+            records.write(neighbors.slots()[obstacle as usize] as usize, |words| words[V::DIMENSION + 1] = pressure);
         }
     }
 
@@ -167,12 +167,12 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
     }
 
     /// Counts density where it is not carried along.
-    fn count_density(&mut self, velocity: &matter::View<'_, V>, crew: &Crew) -> Result<()> {
-        let Self { summation, vicinity, records, walls, kinds, kind, mass, density, .. } = self;
+    fn count_density(&mut self, velocity: &matter::View<'_, V>, executor: &Executor) -> Result<()> {
+        let Self { summation, neighbor_list, records, walls, kinds, kind, mass, density, .. } = self;
         let Some(summation) = summation else { return Ok(()) };
         let rest = |member: usize| [mass[member] / kinds.rest_density(kind[member]), 0.0];
-        fill(records, (vicinity, kind), velocity, &rest, crew);
-        summation.count((vicinity, records), walls, (kinds, kind), density, crew)
+        fill(records, (neighbor_list, kind), velocity, &rest, executor);
+        summation.count((neighbor_list, records), walls, (kinds, kind), density, executor)
     }
 
     /// The volume of a member at rest [m^D].
@@ -181,11 +181,11 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
     }
 
     /// Brings lists up to date, and with them who is near a wall.
-    fn search(&mut self, place: &(impl Fn(usize, usize) -> f64 + Sync), crew: &Crew) -> Result<()> {
-        let resumed = self.vicinity.resume(crew)?;
-        let renewed = self.vicinity.update(place, crew)?;
+    fn search(&mut self, position: &(impl Fn(usize, usize) -> f64 + Sync), executor: &Executor) -> Result<()> {
+        let resumed = self.neighbor_list.resume(executor)?;
+        let renewed = self.neighbor_list.update(position, executor)?;
         if resumed || renewed {
-            self.walls.survey(&self.vicinity, crew);
+            self.walls.survey(&self.neighbor_list, executor);
         }
         self.surface.is_stale |= renewed;
         Ok(())
@@ -203,73 +203,76 @@ impl<V: Vector, K: Shape, const MIXED: bool> Force<V> for Fluids<V, K, MIXED> {
 
     fn velocity(&self) -> VelocityDependence {
         let viscous = self.kinds.materials.iter().any(|fluid| fluid.artificial() > 0.0 || fluid.viscosity > 0.0);
-        if viscous || self.field() == Field::Carried { VelocityDependence::Dissipative } else { VelocityDependence::None }
+        if viscous || self.field() == Field::Continuity { VelocityDependence::Dissipative } else { VelocityDependence::None }
     }
 
     fn field(&self) -> Field {
-        if self.summation.is_some() { Field::Counted } else { Field::Carried }
+        if self.summation.is_some() { Field::Summation } else { Field::Continuity }
     }
 
     /// Over a drift volumes and what diffuses are those of its beginning.
     fn order(&self) -> u32 {
-        if self.field() == Field::Carried { 1 } else { u32::MAX }
+        if self.field() == Field::Continuity { 1 } else { u32::MAX }
     }
 
-    fn count(&mut self, at: &Moment<'_, V>, crew: &Crew) -> Result<()> {
+    fn count(&mut self, at: &StateView<'_, V>, executor: &Executor) -> Result<()> {
         if self.summation.is_none() {
             return Ok(());
         }
-        self.search(&|axis, index| at.place(axis, index), crew)?;
-        self.count_density(&at.velocity, crew)
+        self.search(&|axis, index| at.exact_position(axis, index), executor)?;
+        self.count_density(&at.velocity, executor)
     }
 
     /// ρ ← ρ + h dρ/dt, in the middle of the way and at the velocity of the way.
-    fn drift(&mut self, drift: &Drift<'_, V>, crew: &Crew) -> Result<()> {
-        self.search(&|axis, index| drift.middle(axis, index), crew)?;
-        let Self { kinds, kind, mass, density, diffused, vicinity, records, surface, shifting, .. } = self;
+    fn drift(&mut self, drift: &Drift<'_, V>, executor: &Executor) -> Result<()> {
+        self.search(&|axis, index| drift.midpoint(axis, index), executor)?;
+        let Self { kinds, kind, mass, density, diffused, neighbor_list, records, surface, shifting, .. } = self;
         let Self { continuity, rates, mirrored, walls, .. } = self;
         let each = |member: usize| {
             let enthalpy = kinds.fluid(kind[member]).map_or(0.0, |fluid| fluid.enthalpy(density[member]));
             [mass[member] / density[member], enthalpy]
         };
-        fill(records, (vicinity, kind), &drift.velocity, &each, crew);
-        let neighbors = vicinity.neighbors();
-        records.sum(neighbors, *continuity, rates, crew);
+        fill(records, (neighbor_list, kind), &drift.velocity, &each, executor);
+        let neighbors = neighbor_list.neighbors();
+        records.sum(neighbors, *continuity, rates, executor);
         let common = kinds.first();
         let view = View { weight: common.gravity / common.sound_speed.powi(2), sticks: false };
         if !walls.is_empty() {
             mirrored.fill([V::Scalar::ZERO; 2]);
         }
-        walls.add(*continuity, &view, (vicinity, records), mirrored, crew);
+        walls.add(*continuity, &view, (neighbor_list, records), mirrored, executor);
         if let Some(shifting) = shifting {
-            shifting.survey((vicinity, records), walls, drift.h, crew);
+            shifting.survey((neighbor_list, records), walls, drift.h, executor);
         }
-        let places = neighbors.places();
-        let columns = (Chunks::new(density, BLOCK), (Chunks::new(diffused, BLOCK), Chunks::new(&mut surface.holds, BLOCK)));
-        crew.sweep(columns, &|(densities, (losses, holds))| {
-            for (offset, (density, (lost, hold))) in
-                densities.items.iter_mut().zip(losses.items.iter_mut().zip(holds.items)).enumerate()
+        let slots = neighbors.slots();
+        let columns = (
+            BlockedSlice::new(density, BLOCK),
+            (BlockedSlice::new(diffused, BLOCK), BlockedSlice::new(&mut surface.wall_factors, BLOCK)),
+        );
+        executor.for_each_block(columns, &|(densities, (losses, wall_factors))| {
+            for (offset, (density, (lost, wall_factor))) in
+                densities.items.iter_mut().zip(losses.items.iter_mut().zip(wall_factors.items)).enumerate()
             {
                 let member = densities.start + offset;
                 let Some(fluid) = kinds.fluid(kind[member]) else { continue };
-                let place = places[member] as usize;
-                let [squeeze, diffusion] = rates[place].map(Real::to_f64);
-                let [by_walls, through_walls] = mirrored[place].map(Real::to_f64);
+                let slot = slots[member] as usize;
+                let [squeeze, diffusion] = rates[slot].map(Real::to_f64);
+                let [by_walls, through_walls] = mirrored[slot].map(Real::to_f64);
                 let evened = diffusion + through_walls;
-                let change = drift.h * (*density * (squeeze + f64::from(hold.drift) * by_walls) + evened);
+                let change = drift.h * (*density * (squeeze + f64::from(wall_factor.drift) * by_walls) + evened);
                 // What diffusion moves against pressure is gone at once.
                 let middle = *density + 0.5 * change;
                 *lost = -drift.h * fluid.mass * fluid.pressure(middle) / (middle * middle) * evened;
                 *density += change;
-                hold.drifted(*density < fluid.density, by_walls <= 0.0);
+                wall_factor.drifted(*density < fluid.density, by_walls <= 0.0);
             }
         });
         Ok(())
     }
 
     fn spend(&self, block: Range<usize>, energy: &mut Power) {
-        for (index, member, _) in self.vicinity.in_block(block) {
-            energy[Channel::Viscosity as usize][index % LANES] += self.diffused[member];
+        for (index, member, _) in self.neighbor_list.in_block(block) {
+            energy[EnergySink::Viscosity as usize][index % LANES] += self.diffused[member];
         }
     }
 
@@ -279,20 +282,20 @@ impl<V: Vector, K: Shape, const MIXED: bool> Force<V> for Fluids<V, K, MIXED> {
 
     fn displace(&self, block: Range<usize>, ways: &mut Span<'_, V>) {
         let Some(shifting) = &self.shifting else { return };
-        for (index, member, place) in self.vicinity.in_block(block) {
+        for (index, member, slot) in self.neighbor_list.in_block(block) {
             if self.kind[member] != OBSTACLE {
-                ways.set(index, ways.get(index) + shifting.displacement(place));
+                ways.set(index, ways.get(index) + shifting.displacement(slot));
             }
         }
     }
 
-    fn prepare(&mut self, at: &Moment<'_, V>, crew: &Crew) -> Result<()> {
-        self.search(&|axis, index| at.place(axis, index), crew)?;
-        self.count_density(&at.velocity, crew)?;
-        let Self { summation, tension, surface, walls, vicinity, records, kinds, kind, mass, density, .. } = self;
+    fn prepare(&mut self, at: &StateView<'_, V>, executor: &Executor) -> Result<()> {
+        self.search(&|axis, index| at.exact_position(axis, index), executor)?;
+        self.count_density(&at.velocity, executor)?;
+        let Self { summation, tension, surface, walls, neighbor_list, records, kinds, kind, mass, density, .. } = self;
         if let Some(tension) = tension {
             let rest = |member: usize| mass[member] / kinds.rest_density(kind[member]);
-            tension.pull((vicinity, records), walls, kind, &rest, crew);
+            tension.pull((neighbor_list, records), walls, kind, &rest, executor);
         }
         let counted = summation.is_some();
         let each = |member: usize| {
@@ -300,27 +303,29 @@ impl<V: Vector, K: Shape, const MIXED: bool> Force<V> for Fluids<V, K, MIXED> {
             let pressure = kinds.fluid(kind[member]).map_or(0.0, |fluid| fluid.pressure(density));
             if counted { [mass[member] / rest, pressure * (rest / density).powi(2)] } else { [mass[member] / density, pressure] }
         };
-        fill(records, (vicinity, kind), &at.velocity, &each, crew);
+        fill(records, (neighbor_list, kind), &at.velocity, &each, executor);
         if surface.is_stale {
-            surface.survey((vicinity, records), walls, (kinds, kind), density, crew);
+            surface.survey((neighbor_list, records), walls, (kinds, kind), density, executor);
         }
-        self.press_obstacles(crew);
-        let Self { kinds, surface, vicinity, records, momentum, forces, walls, .. } = self;
-        let neighbors = vicinity.neighbors();
-        records.sum(neighbors, *momentum, forces, crew);
+        self.press_obstacles(executor);
+        let Self { kinds, surface, neighbor_list, records, momentum, forces, walls, .. } = self;
+        let neighbors = neighbor_list.neighbors();
+        records.sum(neighbors, *momentum, forces, executor);
         if !walls.is_empty() {
-            for (hold, &place) in surface.holds.iter().zip(neighbors.places()).filter(|(hold, _)| hold.kick < 1.0) {
-                records.write(place as usize, |words| words[V::DIMENSION + 1] *= V::Scalar::from_f64(hold.kick.into()));
+            for (wall_factor, &slot) in
+                surface.wall_factors.iter().zip(neighbors.slots()).filter(|(wall_factor, _)| wall_factor.kick < 1.0)
+            {
+                records.write(slot as usize, |words| words[V::DIMENSION + 1] *= V::Scalar::from_f64(wall_factor.kick.into()));
             }
         }
         let view = View { weight: kinds.first().gravity, sticks: true };
-        walls.add(*momentum, &view, (vicinity, records), forces, crew);
+        walls.add(*momentum, &view, (neighbor_list, records), forces, executor);
         self.strongest = None;
         Ok(())
     }
 
     fn keep(&mut self) {
-        self.vicinity.keep();
+        self.neighbor_list.keep();
         self.kept.copy_from_slice(&self.density);
         self.surface.keep();
         self.kept_strongest = self.strongest();
@@ -330,36 +335,36 @@ impl<V: Vector, K: Shape, const MIXED: bool> Force<V> for Fluids<V, K, MIXED> {
         self.density.copy_from_slice(&self.kept);
         self.surface.undo();
         self.strongest = Some(self.kept_strongest);
-        self.vicinity.undo();
+        self.neighbor_list.undo();
         Ok(())
     }
 
     fn capture(&self) -> Vec<f64> {
-        [self.density.as_slice(), &[self.strongest()], &self.surface.capture(), &self.vicinity.capture()].concat()
+        [self.density.as_slice(), &[self.strongest()], &self.surface.capture(), &self.neighbor_list.capture()].concat()
     }
 
     fn restore(&mut self, numbers: &mut &[f64]) -> Result<()> {
-        super::vicinity::take(numbers, &mut self.density)?;
-        super::vicinity::take(numbers, std::slice::from_mut(self.strongest.insert(0.0)))?;
+        super::neighbor_list::take(numbers, &mut self.density)?;
+        super::neighbor_list::take(numbers, std::slice::from_mut(self.strongest.insert(0.0)))?;
         self.surface.restore(numbers)?;
-        self.vicinity.restore(numbers)
+        self.neighbor_list.restore(numbers)
     }
 
-    fn accumulate(&self, block: Range<usize>, _at: &Moment<'_, V>, rates: &mut Rates<'_, V>) {
-        for (index, member, place) in self.vicinity.in_block(block) {
-            let (volume, force) = (self.volume(member), &self.forces[place]);
+    fn accumulate(&self, block: Range<usize>, _at: &StateView<'_, V>, rates: &mut Rates<'_, V>) {
+        for (index, member, slot) in self.neighbor_list.in_block(block) {
+            let (volume, force) = (self.volume(member), &self.forces[slot]);
             for axis in 0..V::DIMENSION {
                 rates.force.axes[axis][index] += V::Scalar::from_f64(volume) * force[axis];
             }
             if let Some(tension) = &self.tension {
                 let volume = V::Scalar::from_f64(self.rest_volume(member));
-                for (axis, &force) in tension.force(place)[..V::DIMENSION].iter().enumerate() {
+                for (axis, &force) in tension.force(slot)[..V::DIMENSION].iter().enumerate() {
                     rates.force.axes[axis][index] += volume * force;
                 }
             }
             // Of a pair's power each takes half.
-            rates.power[Channel::Viscosity as usize][index % LANES] += 0.5 * volume * force[VISCOUS].to_f64();
-            rates.power[Channel::Contact as usize][index % LANES] += volume * force[SOLID].to_f64();
+            rates.power[EnergySink::Viscosity as usize][index % LANES] += 0.5 * volume * force[VISCOUS].to_f64();
+            rates.power[EnergySink::Contact as usize][index % LANES] += volume * force[SOLID].to_f64();
         }
     }
 
@@ -371,16 +376,16 @@ impl<V: Vector, K: Shape, const MIXED: bool> Force<V> for Fluids<V, K, MIXED> {
         self.tension.is_some()
     }
 
-    fn potential(&self, _block: Range<usize>, _at: &Moment<'_, V>) -> f64 {
+    fn potential(&self, _block: Range<usize>, _at: &StateView<'_, V>) -> f64 {
         0.0
     }
 
     /// By means of lists of its own, because the last forces are not always those of the state.
-    fn potential_of_all(&self, at: &Moment<'_, V>) -> Result<f64> {
-        let (Some(tension), crew) = (&self.tension, at.crew) else { return Ok(0.0) };
-        let vicinity = self.vicinity.anew(&|axis, index| at.place(axis, index), crew)?;
-        let (walls, mut records) = (self.walls.anew(&vicinity, crew), Records::new(vicinity.neighbors()));
-        Ok(tension.energy((&vicinity, &mut records), &walls, &self.kind, &|member| self.rest_volume(member), crew))
+    fn potential_of_all(&self, at: &StateView<'_, V>) -> Result<f64> {
+        let (Some(tension), executor) = (&self.tension, at.executor) else { return Ok(0.0) };
+        let neighbor_list = self.neighbor_list.anew(&|axis, index| at.exact_position(axis, index), executor)?;
+        let (walls, mut records) = (self.walls.anew(&neighbor_list, executor), Records::new(neighbor_list.neighbors()));
+        Ok(tension.energy((&neighbor_list, &mut records), &walls, &self.kind, &|member| self.rest_volume(member), executor))
     }
 
     fn internal(&self) -> f64 {
@@ -395,7 +400,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> Force<V> for Fluids<V, K, MIXED> {
         Some(self.speed(velocity))
     }
 
-    fn bound(&self, _at: &Moment<'_, V>, bound: &mut Bound) -> Result<()> {
+    fn bound(&self, _at: &StateView<'_, V>, bound: &mut SpectralBound) -> Result<()> {
         self.limit(bound);
         Ok(())
     }
@@ -405,7 +410,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> Force<V> for Fluids<V, K, MIXED> {
     }
 
     fn show(&self, fields: &mut Fields) {
-        for (member, &index) in self.vicinity.members().iter().enumerate() {
+        for (member, &index) in self.neighbor_list.members().iter().enumerate() {
             if let Some(fluid) = self.kinds.fluid(self.kind[member]) {
                 fields.density[index as usize] = self.density[member];
                 fields.pressure[index as usize] = fluid.pressure(self.density[member]);
@@ -414,13 +419,13 @@ impl<V: Vector, K: Shape, const MIXED: bool> Force<V> for Fluids<V, K, MIXED> {
     }
 
     fn pairs(&self) -> usize {
-        2 * self.vicinity.pairs()
+        2 * self.neighbor_list.pairs()
     }
 
     fn layout(&self) -> String {
         let shifts =
             self.shifting.as_ref().map_or_else(String::new, |shifting| format!("shifted by A = {}; ", shifting.coefficient()));
-        format!("sound at {:.4} m/s; {shifts}{}", self.kinds.first().sound_speed, self.vicinity.layout())
+        format!("sound at {:.4} m/s; {shifts}{}", self.kinds.first().sound_speed, self.neighbor_list.layout())
     }
 
     fn bytes(&self) -> usize {
@@ -429,7 +434,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> Force<V> for Fluids<V, K, MIXED> {
         let indices = size_of::<u32>() * self.obstacles.len() + self.kind.len();
         let counts = self.summation.as_ref().map_or(0, Summation::bytes);
         let pulls = self.tension.as_ref().map_or(0, Tension::bytes) + self.shifting.as_ref().map_or(0, Shifting::bytes);
-        let parts = self.vicinity.bytes() + self.records.bytes() + self.walls.bytes() + self.surface.bytes();
+        let parts = self.neighbor_list.bytes() + self.records.bytes() + self.walls.bytes() + self.surface.bytes();
         counts + pulls + parts + own + numbers + indices
     }
 }

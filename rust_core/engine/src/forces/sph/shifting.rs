@@ -32,10 +32,10 @@ use super::kernel::{Kernel, Shape};
 use super::laws::{approach, volume};
 use super::start::Material;
 use super::walls::Walls;
-use crate::forces::vicinity::Vicinity;
+use crate::forces::neighbor_list::NeighborList;
 use crate::math::{AXES, Real, Vector};
 use crate::neighbors::sums::{Pair, PairLaw, Records};
-use crate::parallel::Crew;
+use crate::parallel::Executor;
 use crate::simd::Number;
 
 /// The fastest flow in units of the speed of sound.
@@ -51,7 +51,7 @@ const SURFACE: f64 = 0.85;
 /// R, the weight of those who are nearer than they should be.
 const CLOSE: f64 = 0.2;
 
-/// The sums of [`Gathering`]: the gradient of crowding along each axis, ∇·x, and ε².
+/// The sums of [`ShiftingSum`]: the gradient of crowding along each axis, ∇·x, and ε².
 const SUMS: usize = AXES + 2;
 const SPREAD: usize = AXES;
 const STRAIN: usize = AXES + 1;
@@ -59,7 +59,7 @@ const STRAIN: usize = AXES + 1;
 /// Where particles are crowded, Σ Vⱼ [1 + R (W/W(Δ))⁴] ∇W, whether there are any on all sides, ∇·x, and the square of the rate at
 /// which they part or approach, ε².
 #[derive(Debug, Clone, Copy)]
-struct Gathering<T, K> {
+struct ShiftingSum<T, K> {
     kernel: Kernel<T, K>,
     /// 1/W(Δ) [m^D].
     scale: T,
@@ -67,7 +67,7 @@ struct Gathering<T, K> {
     softening: T,
 }
 
-impl<V: Vector, K: Shape> PairLaw<V, SUMS> for Gathering<V::Scalar, K> {
+impl<V: Vector, K: Shape> PairLaw<V, SUMS> for ShiftingSum<V::Scalar, K> {
     #[inline(always)]
     fn terms<N: Number<Scalar = V::Scalar>>(&self, pair: &Pair<N>) -> [N; SUMS] {
         let (distance, zero) = (pair.square.sqrt(), N::constant(0.0));
@@ -76,9 +76,9 @@ impl<V: Vector, K: Shape> PairLaw<V, SUMS> for Gathering<V::Scalar, K> {
         let weight = slope * (N::constant(1.0) + N::constant(CLOSE) * (near * near) * (near * near));
         let (mut terms, mut across) = ([zero; SUMS], zero);
         for axis in 0..V::DIMENSION {
-            terms[axis] = weight * pair.apart[axis];
+            terms[axis] = weight * pair.separation[axis];
             // Not from the square, which is infinite for those who do not count.
-            across += pair.apart[axis] * pair.apart[axis];
+            across += pair.separation[axis] * pair.separation[axis];
         }
         terms[SPREAD] = zero - slope * across;
         let approach = approach::<V, N>(pair);
@@ -87,17 +87,17 @@ impl<V: Vector, K: Shape> PairLaw<V, SUMS> for Gathering<V::Scalar, K> {
     }
 }
 
-impl<V: Vector, K: Shape> Pressed<V, SUMS> for Gathering<V::Scalar, K> {}
+impl<V: Vector, K: Shape> Pressed<V, SUMS> for ShiftingSum<V::Scalar, K> {}
 
 /// The shifting of a scene's fluids.
 pub struct Shifting<V: Vector, K> {
-    law: Gathering<V::Scalar, K>,
+    law: ShiftingSum<V::Scalar, K>,
     /// A.
     coefficient: f64,
     smoothing_length: f64,
     /// c/10 [m/s].
     fastest: f64,
-    /// What the law gives, in the order of places.
+    /// What the law gives, in the order of slots.
     sums: Vec<[V::Scalar; SUMS]>,
     /// The duration of the drift that it belongs to [s].
     dt: f64,
@@ -109,7 +109,7 @@ impl<V: Vector, K: Shape> Shifting<V, K> {
         let number = V::Scalar::from_f64;
         let scale = V::Scalar::ONE / kernel.value(number(common.spacing));
         Self {
-            law: Gathering { kernel, scale, softening: number(0.01 * common.smoothing_length.powi(2)) },
+            law: ShiftingSum { kernel, scale, softening: number(0.01 * common.smoothing_length.powi(2)) },
             coefficient,
             smoothing_length: common.smoothing_length,
             fastest: FASTEST * common.sound_speed,
@@ -120,16 +120,22 @@ impl<V: Vector, K: Shape> Shifting<V, K> {
 
     /// Finds where particles are crowded in the middle of a drift of `dt` seconds, by means of records that hold
     /// volumes and the velocity of the way.
-    pub fn survey(&mut self, (vicinity, records): (&Vicinity, &Records<V>), walls: &Walls, dt: f64, crew: &Crew) {
+    pub fn survey(
+        &mut self,
+        (neighbor_list, records): (&NeighborList, &Records<V>),
+        walls: &Walls,
+        dt: f64,
+        executor: &Executor,
+    ) {
         self.dt = dt;
-        records.sum(vicinity.neighbors(), self.law, &mut self.sums, crew);
+        records.sum(neighbor_list.neighbors(), self.law, &mut self.sums, executor);
         let view = View { weight: DVec3::ZERO, sticks: false };
-        walls.add(self.law, &view, (vicinity, records), &mut self.sums, crew);
+        walls.add(self.law, &view, (neighbor_list, records), &mut self.sums, executor);
     }
 
-    /// The displacement of the particle at a place [m].
-    pub fn displacement(&self, place: usize) -> V {
-        let sums = &self.sums[place];
+    /// The displacement of the particle at a slot [m].
+    pub fn displacement(&self, slot: usize) -> V {
+        let sums = &self.sums[slot];
         if sums[SPREAD].to_f64() < SURFACE * V::DIMENSION as f64 {
             return V::default();
         }

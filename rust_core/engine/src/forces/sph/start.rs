@@ -112,17 +112,17 @@ fn fluids(scene: &Scene) -> impl Iterator<Item = usize> {
 
 /// The kinds of fluid in a scene, and which each body is.
 #[derive(Debug)]
-pub struct Kinds {
+pub struct Materials {
     pub materials: Vec<Material>,
     /// The kind of each body: a fluid, [`OBSTACLE`], or nothing that the fluid meets.
     pub of_body: Vec<Option<u8>>,
-    /// Whether density is counted from places.
+    /// Whether density is summed over positions.
     pub summation: bool,
     /// The coefficient A of shifting.
     pub shifting: f64,
 }
 
-impl Kinds {
+impl Materials {
     /// The kinds in a scene.
     ///
     /// # Errors
@@ -240,7 +240,7 @@ fn check_shifting(scene: &Scene, body: usize, fluid: &Fluid) -> Result<()> {
     }
     if fluid.shifting > 0.0 && fluid.summation {
         return Err(Error::parameter(path, "0 where density is counted by summation", fluid.shifting)
-            .with_hint("the energy of such a fluid is that of its particles' places, and keeps them apart"));
+            .with_hint("the energy of such a fluid is that of its particles' positions, and keeps them apart"));
     }
     if fluid.shifting > 0.0 && fluid.surface_tension > 0.0 {
         return Err(Error::parameter(path, "0 where there is surface tension", fluid.shifting)

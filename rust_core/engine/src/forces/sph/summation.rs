@@ -9,33 +9,33 @@
 //! ```
 //!
 //! which is that of [`super::laws`] with V₀ in place of V and P in place of p (J. Bonet and T.-S. L. Lok, Comput. Methods Appl.
-//! Mech. Eng. 180 (1999) 97): energy then depends on places and velocities alone, and nothing drifts.
+//! Mech. Eng. 180 (1999) 97): energy then depends on positions and velocities alone, and nothing drifts.
 
 use glam::DVec3;
 
 use super::BLOCK;
 use super::images::View;
 use super::kernel::{self, Kernel, Shape};
-use super::laws::Crowding;
-use super::start::Kinds;
+use super::laws::NumberDensity;
+use super::start::Materials;
 use super::walls::Walls;
 use crate::error::{Error, Result};
-use crate::forces::vicinity::Vicinity;
+use crate::forces::neighbor_list::NeighborList;
 use crate::math::{Real, Vector};
 use crate::neighbors::sums::Records;
-use crate::parallel::{Chunks, Crew};
+use crate::parallel::{BlockedSlice, Executor};
 
 /// Where less is counted than this part of ρ₀ at the start, something is missing. Next to a free surface it is 0.8 or less.
 const LEAST: f64 = 0.9;
 
 /// How density is counted.
 pub struct Summation<V: Vector, K> {
-    law: Crowding<V::Scalar, K>,
+    law: NumberDensity<V::Scalar, K>,
     /// S.
     rest: f64,
     /// κ.
     scale: f64,
-    /// What is counted, in the order of places.
+    /// What is counted, in the order of slots.
     counts: Vec<[V::Scalar; 1]>,
     /// Whether it is known that the fluid fills its space.
     is_checked: bool,
@@ -43,10 +43,10 @@ pub struct Summation<V: Vector, K> {
 
 impl<V: Vector, K: Shape> Summation<V, K> {
     /// For `count` particles of fluids that have this kernel in common.
-    pub fn new(kernel: Kernel<V::Scalar, K>, kinds: &Kinds, count: usize) -> Self {
+    pub fn new(kernel: Kernel<V::Scalar, K>, kinds: &Materials, count: usize) -> Self {
         let common = kinds.first();
         let (rest, scale) = kernel::crowd::<K>(common.spacing / common.smoothing_length, V::DIMENSION);
-        Self { law: Crowding { kernel }, rest, scale, counts: vec![[V::Scalar::ZERO]; count], is_checked: false }
+        Self { law: NumberDensity { kernel }, rest, scale, counts: vec![[V::Scalar::ZERO]; count], is_checked: false }
     }
 
     /// Counts the density of every fluid particle [kg/m³], by means of records that hold V₀.
@@ -55,24 +55,24 @@ impl<V: Vector, K: Shape> Summation<V, K> {
     /// If the fluid does not fill its space when it is counted for the first time.
     pub fn count(
         &mut self,
-        (vicinity, records): (&Vicinity, &Records<V>),
+        (neighbor_list, records): (&NeighborList, &Records<V>),
         walls: &Walls,
-        (kinds, kind): (&Kinds, &[u8]),
+        (kinds, kind): (&Materials, &[u8]),
         density: &mut [f64],
-        crew: &Crew,
+        executor: &Executor,
     ) -> Result<()> {
         let Self { law, rest, scale, counts, is_checked } = self;
-        records.sum(vicinity.neighbors(), *law, counts, crew);
+        records.sum(neighbor_list.neighbors(), *law, counts, executor);
         let view = View { weight: DVec3::ZERO, sticks: false };
-        walls.add(*law, &view, (vicinity, records), counts, crew);
-        let places = vicinity.neighbors().places();
-        crew.sweep(Chunks::new(density, BLOCK), &|densities| {
+        walls.add(*law, &view, (neighbor_list, records), counts, executor);
+        let slots = neighbor_list.neighbors().slots();
+        executor.for_each_block(BlockedSlice::new(density, BLOCK), &|densities| {
             for (member, density) in (densities.start..).zip(densities.items) {
                 let Some(fluid) = kinds.fluid(kind[member]) else { continue };
-                *density = fluid.density * (1.0 + *scale * (counts[places[member] as usize][0].to_f64() - *rest));
+                *density = fluid.density * (1.0 + *scale * (counts[slots[member] as usize][0].to_f64() - *rest));
             }
         });
-        if !*is_checked && !crew.stopped() {
+        if !*is_checked && !executor.stopped() {
             *is_checked = true;
             let part = |(kind, density): (&u8, &f64)| kinds.fluid(*kind).map(|fluid| density / fluid.density);
             let least = kind.iter().zip(&*density).filter_map(part).fold(f64::INFINITY, f64::min);

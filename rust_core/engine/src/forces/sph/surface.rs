@@ -13,14 +13,14 @@ use glam::DVec3;
 use super::BLOCK;
 use super::images::View;
 use super::kernel::{self, Kernel, Shape, Wave};
-use super::laws::{SURROUNDINGS, Surroundings};
-use super::start::{Kinds, Material};
+use super::laws::{KernelGradientSum, SURROUNDINGS};
+use super::start::{Material, Materials};
 use super::walls::Walls;
 use crate::error::Result;
-use crate::forces::vicinity::{self, Vicinity};
+use crate::forces::neighbor_list::{self, NeighborList};
 use crate::math::{AXES, Real, Vector};
 use crate::neighbors::sums::Records;
-use crate::parallel::{Chunks, Crew};
+use crate::parallel::{BlockedSlice, Executor};
 
 /// Particles with less around them than this part of Σ Vⱼ |∇W| are at a surface: two thirds is what one in the uppermost row
 /// has, and 0.94 or more one in the second. By ∇·r, which is about the same, E.-S. Lee et al., J. Comput. Phys. 227 (2008) 8417
@@ -29,7 +29,7 @@ const BARE: f64 = 0.8;
 
 /// How much of a particle's pressure passes through walls.
 #[derive(Debug, Clone, Copy)]
-pub struct Hold {
+pub struct WallFactor {
     /// In the kick between two drifts.
     pub kick: f32,
     /// In the next drift.
@@ -38,7 +38,7 @@ pub struct Hold {
     bare: bool,
 }
 
-impl Hold {
+impl WallFactor {
     /// That of a particle in the midst of others.
     const FIRM: Self = Self { kick: 1.0, drift: 1.0, bare: false };
 
@@ -59,19 +59,19 @@ impl Hold {
 /// The particles of fluids and obstacles, as far as their surfaces are concerned.
 #[derive(Debug)]
 pub struct Surface<V: Vector, K> {
-    law: Surroundings<V::Scalar, K>,
-    /// What it gives, in the order of places.
+    law: KernelGradientSum<V::Scalar, K>,
+    /// What it gives, in the order of slots.
     around: Vec<[V::Scalar; SURROUNDINGS]>,
     /// On a lattice: Σ Vⱼ |∇W| [1/m], and the highest frequency over the speed of sound [1/m].
     lattice: [f64; 2],
     /// How walls hold each member.
-    pub holds: Vec<Hold>,
+    pub wall_factors: Vec<WallFactor>,
     /// The highest frequency of sound when the lists were made [1/s].
     highest: f64,
     /// Whether the lists have been made anew since.
     pub is_stale: bool,
-    /// These three when the chunk began.
-    kept: (Vec<Hold>, f64, bool),
+    /// These three when the batch began.
+    kept: (Vec<WallFactor>, f64, bool),
     /// The highest frequency in each block of members [1/s].
     heights: Vec<f64>,
 }
@@ -82,13 +82,13 @@ impl<V: Vector, K: Shape> Surface<V, K> {
         let h = fluid.smoothing_length;
         let highest = waves.iter().map(|wave| wave.frequency).fold(0.0, f64::max);
         Self {
-            law: Surroundings { kernel },
+            law: KernelGradientSum { kernel },
             around: vec![[V::Scalar::ZERO; SURROUNDINGS]; count],
             lattice: [kernel::closeness::<K>(fluid.spacing / h, V::DIMENSION) / h, highest / h],
-            holds: vec![Hold::FIRM; count],
+            wall_factors: vec![WallFactor::FIRM; count],
             highest: 0.0,
             is_stale: false,
-            kept: (vec![Hold::FIRM; count], 0.0, false),
+            kept: (vec![WallFactor::FIRM; count], 0.0, false),
             heights: vec![0.0; count.div_ceil(BLOCK)],
         }
     }
@@ -101,46 +101,49 @@ impl<V: Vector, K: Shape> Surface<V, K> {
     /// Looks at new lists, by means of records that hold volumes.
     pub fn survey(
         &mut self,
-        (vicinity, records): (&Vicinity, &Records<V>),
+        (neighbor_list, records): (&NeighborList, &Records<V>),
         walls: &Walls,
-        (kinds, kind): (&Kinds, &[u8]),
+        (kinds, kind): (&Materials, &[u8]),
         density: &[f64],
-        crew: &Crew,
+        executor: &Executor,
     ) {
-        let Self { law, around, lattice: [closeness, frequency], holds, highest, is_stale, heights, .. } = self;
-        let neighbors = vicinity.neighbors();
-        records.sum(neighbors, *law, around, crew);
-        walls.add(*law, &View { weight: DVec3::ZERO, sticks: false }, (vicinity, records), around, crew);
-        crew.sweep((Chunks::new(holds, BLOCK), Chunks::new(heights, 1)), &|(holds, heights)| {
+        let Self { law, around, lattice: [closeness, frequency], wall_factors, highest, is_stale, heights, .. } = self;
+        let neighbors = neighbor_list.neighbors();
+        records.sum(neighbors, *law, around, executor);
+        walls.add(*law, &View { weight: DVec3::ZERO, sticks: false }, (neighbor_list, records), around, executor);
+        executor.for_each_block((BlockedSlice::new(wall_factors, BLOCK), BlockedSlice::new(heights, 1)), &|(
+            wall_factors,
+            heights,
+        )| {
             heights.items[0] = 0.0;
-            for (member, hold) in (holds.start..).zip(holds.items) {
+            for (member, wall_factor) in (wall_factors.start..).zip(wall_factors.items) {
                 let Some(fluid) = kinds.fluid(kind[member]) else { continue };
-                let sums = around[neighbors.places()[member] as usize].map(Real::to_f64);
+                let sums = around[neighbors.slots()[member] as usize].map(Real::to_f64);
                 let lump = 2.0 * sums[..AXES].iter().map(|sum| sum * sum).sum::<f64>().sqrt();
                 let close = sums[AXES] / *closeness;
                 let height = fluid.sound_at(density[member]) * lump.max(*frequency * close);
                 heights.items[0] = height.max(heights.items[0]);
-                hold.bare = close < BARE;
+                wall_factor.bare = close < BARE;
             }
         });
         (*highest, *is_stale) = (heights.iter().copied().fold(0.0, f64::max), false);
     }
 
-    /// Remembers what it is at the start of a chunk.
+    /// Remembers what it is at the start of a batch.
     pub fn keep(&mut self) {
-        self.kept.0.copy_from_slice(&self.holds);
+        self.kept.0.copy_from_slice(&self.wall_factors);
         (self.kept.1, self.kept.2) = (self.highest, self.is_stale);
     }
 
     /// Goes back to that.
     pub fn undo(&mut self) {
-        self.holds.copy_from_slice(&self.kept.0);
+        self.wall_factors.copy_from_slice(&self.kept.0);
         (self.highest, self.is_stale) = (self.kept.1, self.kept.2);
     }
 
     /// What it keeps from step to step.
     pub fn capture(&self) -> Vec<f64> {
-        self.holds.iter().flat_map(Hold::numbers).chain([self.highest, f64::from(u8::from(self.is_stale))]).collect()
+        self.wall_factors.iter().flat_map(WallFactor::numbers).chain([self.highest, f64::from(u8::from(self.is_stale))]).collect()
     }
 
     /// Goes on from what was captured; takes from the front of `numbers` as many as that was.
@@ -148,19 +151,19 @@ impl<V: Vector, K: Shape> Surface<V, K> {
     /// # Errors
     /// If they are not of its making.
     pub fn restore(&mut self, numbers: &mut &[f64]) -> Result<()> {
-        for hold in &mut self.holds {
-            let mut kept = hold.numbers();
-            vicinity::take(numbers, &mut kept)?;
-            *hold = Hold { kick: kept[0] as f32, drift: kept[1] as f32, bare: kept[2] > 0.0 };
+        for wall_factor in &mut self.wall_factors {
+            let mut kept = wall_factor.numbers();
+            neighbor_list::take(numbers, &mut kept)?;
+            *wall_factor = WallFactor { kick: kept[0] as f32, drift: kept[1] as f32, bare: kept[2] > 0.0 };
         }
         let mut kept = [0.0; 2];
-        vicinity::take(numbers, &mut kept)?;
+        neighbor_list::take(numbers, &mut kept)?;
         (self.highest, self.is_stale) = (kept[0], kept[1] > 0.0);
         Ok(())
     }
 
     /// The memory that it takes [bytes].
     pub fn bytes(&self) -> usize {
-        std::mem::size_of_val(self.around.as_slice()) + 2 * std::mem::size_of_val(self.holds.as_slice())
+        std::mem::size_of_val(self.around.as_slice()) + 2 * std::mem::size_of_val(self.wall_factors.as_slice())
     }
 }

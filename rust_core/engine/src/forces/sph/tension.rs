@@ -14,7 +14,7 @@
 //! layer in balance. To what is left of that, a rearrangement of single particles, pressure is blind, because it knows density
 //! alone; the third part keeps them from collapsing into pairs. At rest nobody is so near.
 //!
-//! Energy, momentum and angular momentum are so those of places and velocities alone. The first part is cohesion as in S. Nugent
+//! Energy, momentum and angular momentum are so those of positions and velocities alone. The first part is cohesion as in S. Nugent
 //! and H. A. Posch, Phys. Rev. E 62 (2000) 4968, by the density around both; the second is the energy of a gradient, J. W. Cahn
 //! and J. E. Hilliard, J. Chem. Phys. 28 (1958) 258, whose simplified force is that of N. Akinci, G. Akinci and M. Teschner, ACM
 //! Trans. Graph. 32 (2013) 182, against area. Between two fluids each has its own: the tension of the interface is their sum.
@@ -24,12 +24,12 @@ use glam::DVec3;
 use super::images::{Pressed, View};
 use super::kernel::{self, Kernel, Shape, Wave};
 use super::laws::{KINDS, OBSTACLE, content, pick, volume};
-use super::start::{Kinds, Material};
+use super::start::{Material, Materials};
 use super::walls::Walls;
-use crate::forces::vicinity::Vicinity;
+use crate::forces::neighbor_list::NeighborList;
 use crate::math::{AXES, Real, Vector};
 use crate::neighbors::sums::{Pair, PairLaw, Records};
-use crate::parallel::Crew;
+use crate::parallel::Executor;
 use crate::simd::{Number, Record};
 
 /// r₀ in units of the distance of particles at rest: balls so large fill a third of the space in 3D, and jam at two thirds.
@@ -45,7 +45,7 @@ const SETTLED: [f64; 2] = [0.75, 0.5];
 /// Images in walls are as their originals.
 const VIEW: View = View { weight: DVec3::ZERO, sticks: false };
 
-/// The sums of [`Cover`]: g along each axis, c S, and the energy of contacts over that of one.
+/// The sums of [`ColorField`]: g along each axis, c S, and the energy of contacts over that of one.
 const COVER: usize = AXES + 2;
 const CROWD: usize = AXES;
 const TOUCH: usize = AXES + 1;
@@ -62,16 +62,16 @@ struct Bonds<T> {
 struct Common<T, K, const MIXED: bool> {
     kernel: Kernel<T, K>,
     bonds: [Bonds<T>; KINDS],
-    faced: Bonds<T>,
+    for_particle: Bonds<T>,
     /// 1/r₀² [1/m²].
     contact: T,
 }
 
 impl<T: Real, K: Shape, const MIXED: bool> Common<T, K, MIXED> {
     #[inline(always)]
-    fn facing<V: Vector<Scalar = T>>(mut self, own: &Record<T>) -> Self {
+    fn for_particle<V: Vector<Scalar = T>>(mut self, own: &Record<T>) -> Self {
         if MIXED {
-            self.faced = self.bonds[usize::from(volume::<V, _>(own).tag())];
+            self.for_particle = self.bonds[usize::from(volume::<V, _>(own).tag())];
         }
         self
     }
@@ -80,25 +80,25 @@ impl<T: Real, K: Shape, const MIXED: bool> Common<T, K, MIXED> {
     #[inline(always)]
     fn kin<V: Vector<Scalar = T>, N: Number<Scalar = T>>(&self, pair: &Pair<N>) -> N {
         let volume = volume::<V, N>(&pair.other);
-        if MIXED { volume * pick::<N, MIXED>(volume, &self.faced.covers) } else { volume }
+        if MIXED { volume * pick::<N, MIXED>(volume, &self.for_particle.covers) } else { volume }
     }
 
     /// (1 − r²/r₀²)₊, and C/V times that.
     #[inline(always)]
     fn overlap<V: Vector<Scalar = T>, N: Number<Scalar = T>>(&self, pair: &Pair<N>) -> [N; 2] {
         let depth = (N::constant(1.0) - pair.square * N::of(self.contact)).max(N::constant(0.0));
-        [depth, depth * pick::<N, MIXED>(volume::<V, N>(&pair.other), &self.faced.touches)]
+        [depth, depth * pick::<N, MIXED>(volume::<V, N>(&pair.other), &self.for_particle.touches)]
     }
 }
 
 /// What covers a particle.
 #[derive(Debug, Clone, Copy)]
-struct Cover<T, K, const MIXED: bool>(Common<T, K, MIXED>);
+struct ColorField<T, K, const MIXED: bool>(Common<T, K, MIXED>);
 
-impl<V: Vector, K: Shape, const MIXED: bool> PairLaw<V, COVER> for Cover<V::Scalar, K, MIXED> {
+impl<V: Vector, K: Shape, const MIXED: bool> PairLaw<V, COVER> for ColorField<V::Scalar, K, MIXED> {
     #[inline(always)]
-    fn facing(self, own: &Record<V::Scalar>) -> Self {
-        Self(self.0.facing::<V>(own))
+    fn for_particle(self, own: &Record<V::Scalar>) -> Self {
+        Self(self.0.for_particle::<V>(own))
     }
 
     #[inline(always)]
@@ -107,7 +107,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> PairLaw<V, COVER> for Cover<V::Scal
         let slope = self.0.kernel.slope(kin, distance);
         let mut terms = [N::constant(0.0); COVER];
         for axis in 0..V::DIMENSION {
-            terms[axis] = slope * pair.apart[axis];
+            terms[axis] = slope * pair.separation[axis];
         }
         terms[CROWD] = kin * self.0.kernel.value(distance);
         let [depth, force] = self.0.overlap::<V, N>(pair);
@@ -116,7 +116,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> PairLaw<V, COVER> for Cover<V::Scal
     }
 }
 
-impl<V: Vector, K: Shape, const MIXED: bool> Pressed<V, COVER> for Cover<V::Scalar, K, MIXED> {}
+impl<V: Vector, K: Shape, const MIXED: bool> Pressed<V, COVER> for ColorField<V::Scalar, K, MIXED> {}
 
 /// The force over Vᵢ, of records that hold b and a.
 #[derive(Debug, Clone, Copy)]
@@ -124,25 +124,25 @@ struct Pull<T, K, const MIXED: bool>(Common<T, K, MIXED>);
 
 impl<V: Vector, K: Shape, const MIXED: bool> PairLaw<V, AXES> for Pull<V::Scalar, K, MIXED> {
     #[inline(always)]
-    fn facing(self, own: &Record<V::Scalar>) -> Self {
-        Self(self.0.facing::<V>(own))
+    fn for_particle(self, own: &Record<V::Scalar>) -> Self {
+        Self(self.0.for_particle::<V>(own))
     }
 
     #[inline(always)]
     fn terms<N: Number<Scalar = V::Scalar>>(&self, pair: &Pair<N>) -> [N; AXES] {
-        let Pair { own, other, apart, .. } = pair;
+        let Pair { own, other, separation, .. } = pair;
         let (kin, distance) = (self.0.kin::<V, N>(pair), pair.square.sqrt());
         let slope = self.0.kernel.slope(kin, distance);
         let (mut terms, mut along) = ([N::constant(0.0); AXES], N::constant(0.0));
         for axis in 0..V::DIMENSION {
             terms[axis] = other[V::DIMENSION + axis] - own[V::DIMENSION + axis];
-            along += terms[axis] * apart[axis];
+            along += terms[axis] * separation[axis];
         }
         let [_, touch] = self.0.overlap::<V, N>(pair);
         let push = self.0.kernel.bend(kin, distance) * along + N::constant(2.0) * touch * N::of(self.0.contact)
             - (content::<V, N>(own) + content::<V, N>(other)) * slope;
         for axis in 0..V::DIMENSION {
-            terms[axis] = slope * terms[axis] + push * apart[axis];
+            terms[axis] = slope * terms[axis] + push * separation[axis];
         }
         terms
     }
@@ -152,7 +152,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> Pressed<V, AXES> for Pull<V::Scalar
 
 /// The surface tension of the fluids of a scene.
 pub struct Tension<V: Vector, K, const MIXED: bool> {
-    cover: Cover<V::Scalar, K, MIXED>,
+    cover: ColorField<V::Scalar, K, MIXED>,
     pull: Pull<V::Scalar, K, MIXED>,
     /// S.
     rest: f64,
@@ -162,14 +162,14 @@ pub struct Tension<V: Vector, K, const MIXED: bool> {
     moduli: [[f64; 2]; KINDS],
     /// What [`Tension::stiffness`] gives of each kind.
     stiffness: [f64; KINDS],
-    /// What the laws give, in the order of places.
+    /// What the laws give, in the order of slots.
     covers: Vec<[V::Scalar; COVER]>,
     forces: Vec<[V::Scalar; AXES]>,
 }
 
 impl<V: Vector, K: Shape, const MIXED: bool> Tension<V, K, MIXED> {
     /// That of `count` particles of these kinds, if any has one.
-    pub fn new(kernel: Kernel<V::Scalar, K>, waves: &[Wave], kinds: &Kinds, count: usize) -> Option<Self> {
+    pub fn new(kernel: Kernel<V::Scalar, K>, waves: &[Wave], kinds: &Materials, count: usize) -> Option<Self> {
         if kinds.materials.iter().all(|fluid| fluid.surface_tension == 0.0) {
             return None;
         }
@@ -188,7 +188,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> Tension<V, K, MIXED> {
         touches.iter_mut().for_each(|row| row[usize::from(OBSTACLE)] = V::Scalar::ZERO);
         let bonds = std::array::from_fn(|kind| Bonds { covers: covers[kind], touches: touches[kind] });
         let contact = V::Scalar::from_f64((CONTACT * common.spacing).powi(-2));
-        let laws = Common { kernel, bonds, faced: bonds[0], contact };
+        let laws = Common { kernel, bonds, for_particle: bonds[0], contact };
         // That of a wave in a lattice, of which the kernel lets `frequency` through, and of a particle between two contacts.
         let rest_scale = rest * scale;
         let stiffness = |fluid: &Material| {
@@ -201,7 +201,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> Tension<V, K, MIXED> {
         let each: [f64; KINDS] = std::array::from_fn(|kind| kinds.materials.get(kind).map_or(0.0, stiffness));
         let stiffest = each.iter().copied().fold(0.0, f64::max);
         Some(Self {
-            cover: Cover(laws),
+            cover: ColorField(laws),
             pull: Pull(laws),
             rest,
             rest_scale,
@@ -215,37 +215,37 @@ impl<V: Vector, K: Shape, const MIXED: bool> Tension<V, K, MIXED> {
 
     /// Finds what covers each particle, by means of records that it writes anew; `volume` is that of a member at rest [m^D].
     fn survey(
-        law: Cover<V::Scalar, K, MIXED>,
-        (vicinity, records): (&Vicinity, &mut Records<V>),
+        law: ColorField<V::Scalar, K, MIXED>,
+        (neighbor_list, records): (&NeighborList, &mut Records<V>),
         walls: &Walls,
         kind: &[u8],
         volume: &(impl Fn(usize) -> f64 + Sync),
         covers: &mut [[V::Scalar; COVER]],
-        crew: &Crew,
+        executor: &Executor,
     ) {
-        let neighbors = vicinity.neighbors();
-        records.fill(neighbors, vicinity.positions(), crew, &|member, record| {
+        let neighbors = neighbor_list.neighbors();
+        records.fill(neighbors, neighbor_list.positions(), executor, &|member, record| {
             record[2 * V::DIMENSION] = V::Scalar::from_f64(volume(member)).tagged(kind[member]);
         });
-        records.sum(neighbors, law, covers, crew);
-        walls.add(law, &VIEW, (vicinity, records), covers, crew);
+        records.sum(neighbors, law, covers, executor);
+        walls.add(law, &VIEW, (neighbor_list, records), covers, executor);
     }
 
     /// Finds the forces, likewise.
     pub fn pull(
         &mut self,
-        (vicinity, records): (&Vicinity, &mut Records<V>),
+        (neighbor_list, records): (&NeighborList, &mut Records<V>),
         walls: &Walls,
         kind: &[u8],
         volume: &(impl Fn(usize) -> f64 + Sync),
-        crew: &Crew,
+        executor: &Executor,
     ) {
         let Self { cover, pull, rest, rest_scale, moduli, covers, forces, .. } = self;
-        Self::survey(*cover, (vicinity, records), walls, kind, volume, covers, crew);
-        let neighbors = vicinity.neighbors();
-        let places = neighbors.places();
-        records.fill(neighbors, vicinity.positions(), crew, &|member, record| {
-            let (cover, [area, gradient]) = (&covers[places[member] as usize], moduli[usize::from(kind[member])]);
+        Self::survey(*cover, (neighbor_list, records), walls, kind, volume, covers, executor);
+        let neighbors = neighbor_list.neighbors();
+        let slots = neighbors.slots();
+        records.fill(neighbors, neighbor_list.positions(), executor, &|member, record| {
+            let (cover, [area, gradient]) = (&covers[slots[member] as usize], moduli[usize::from(kind[member])]);
             for axis in 0..V::DIMENSION {
                 record[V::DIMENSION + axis] = V::Scalar::from_f64(gradient) * cover[axis];
             }
@@ -253,34 +253,34 @@ impl<V: Vector, K: Shape, const MIXED: bool> Tension<V, K, MIXED> {
             let missing = 1.0 - cover[CROWD].to_f64() / *rest;
             record[2 * V::DIMENSION + 1] = V::Scalar::from_f64(-area * missing / *rest_scale);
         });
-        records.sum(neighbors, *pull, forces, crew);
-        walls.add(*pull, &VIEW, (vicinity, records), forces, crew);
+        records.sum(neighbors, *pull, forces, executor);
+        walls.add(*pull, &VIEW, (neighbor_list, records), forces, executor);
     }
 
-    /// The force on the particle at a place, over its volume at rest [N/m^D].
-    pub fn force(&self, place: usize) -> &[V::Scalar; AXES] {
-        &self.forces[place]
+    /// The force on the particle at a slot, over its volume at rest [N/m^D].
+    pub fn force(&self, slot: usize) -> &[V::Scalar; AXES] {
+        &self.forces[slot]
     }
 
     /// The energy of all particles [J], likewise.
     pub fn energy(
         &self,
-        (vicinity, records): (&Vicinity, &mut Records<V>),
+        (neighbor_list, records): (&NeighborList, &mut Records<V>),
         walls: &Walls,
         kind: &[u8],
         volume: &(impl Fn(usize) -> f64 + Sync),
-        crew: &Crew,
+        executor: &Executor,
     ) -> f64 {
         let mut covers = self.covers.clone();
-        Self::survey(self.cover, (vicinity, records), walls, kind, volume, &mut covers, crew);
-        let energy = |(member, &place): (usize, &u32)| {
-            let (cover, [area, gradient]) = (covers[place as usize].map(Real::to_f64), self.moduli[usize::from(kind[member])]);
+        Self::survey(self.cover, (neighbor_list, records), walls, kind, volume, &mut covers, executor);
+        let energy = |(member, &slot): (usize, &u32)| {
+            let (cover, [area, gradient]) = (covers[slot as usize].map(Real::to_f64), self.moduli[usize::from(kind[member])]);
             let missing = 1.0 - cover[CROWD] / self.rest;
             let square: f64 = cover[..V::DIMENSION].iter().map(|along| along * along).sum();
             // Of a contact each has half.
             volume(member) * (0.5 * area * missing * missing + 0.5 * gradient * square + 0.25 * cover[TOUCH])
         };
-        vicinity.neighbors().places().iter().enumerate().map(energy).sum()
+        neighbor_list.neighbors().slots().iter().enumerate().map(energy).sum()
     }
 
     /// The largest stiffness that a particle of a kind meets, over its volume at rest [N/m^(D+1)].

@@ -10,11 +10,11 @@ use glam::DVec3;
 use super::BLOCK;
 use super::images::{Image, Mirror, Mirrored, Pressed, View};
 use crate::boundaries::Wall;
-use crate::forces::vicinity::Vicinity;
+use crate::forces::neighbor_list::NeighborList;
 use crate::math::{AXES, Vector};
 use crate::neighbors::List;
 use crate::neighbors::sums::{PairLaw, Records};
-use crate::parallel::{Chunks, Crew};
+use crate::parallel::{BlockedSlice, Executor};
 use crate::simd::Selection;
 
 /// The most walls that a particle looks into.
@@ -45,7 +45,7 @@ fn meet(one: &Mirror, other: &Mirror) -> bool {
 #[derive(Debug)]
 pub struct Walls {
     sides: Vec<Side>,
-    /// The views into walls from each block of places.
+    /// The views into walls from each block of slots.
     sights: Vec<Sight>,
     /// How far the kernel reaches [m].
     reach: f64,
@@ -64,7 +64,7 @@ struct Sight {
 /// The view of one particle into one wall, or into a corner by way of several.
 #[derive(Debug, Clone, Copy)]
 struct Look {
-    place: u32,
+    slot: u32,
     /// These sides, one after the other.
     sides: [Option<u32>; AXES],
     /// Where the list of those seen ends.
@@ -73,28 +73,28 @@ struct Look {
 
 impl Walls {
     /// These walls, for the particles of a vicinity.
-    pub fn new(sides: Vec<Side>, vicinity: &Vicinity) -> Self {
-        let neighbors = vicinity.neighbors();
+    pub fn new(sides: Vec<Side>, neighbor_list: &NeighborList) -> Self {
+        let neighbors = neighbor_list.neighbors();
         let blocks = if sides.is_empty() { 0 } else { neighbors.count().div_ceil(BLOCK) };
         let sight = || Sight { looks: Vec::new(), seen: neighbors.selection(), others: Vec::new() };
-        let reach = neighbors.support() - vicinity.skin();
+        let reach = neighbors.support() - neighbor_list.skin();
         Self { sides, sights: std::iter::repeat_with(sight).take(blocks).collect(), reach }
     }
 
     /// The same walls, for the particles of another vicinity with lists.
-    pub fn anew(&self, vicinity: &Vicinity, crew: &Crew) -> Self {
-        let mut anew = Self::new(self.sides.clone(), vicinity);
-        anew.survey(vicinity, crew);
+    pub fn anew(&self, neighbor_list: &NeighborList, executor: &Executor) -> Self {
+        let mut anew = Self::new(self.sides.clone(), neighbor_list);
+        anew.survey(neighbor_list, executor);
         anew
     }
 
     /// Lists who is near whose image, or may come to be as long as the lists of neighbors serve.
-    pub fn survey(&mut self, vicinity: &Vicinity, crew: &Crew) {
+    pub fn survey(&mut self, neighbor_list: &NeighborList, executor: &Executor) {
         let Self { sides, sights, .. } = self;
-        let count = vicinity.neighbors().count();
-        crew.sweep(Chunks::new(sights, 1), &|mine| {
+        let count = neighbor_list.neighbors().count();
+        executor.for_each_block(BlockedSlice::new(sights, 1), &|mine| {
             let block = mine.start * BLOCK..((mine.start + 1) * BLOCK).min(count);
-            mine.items.iter_mut().for_each(|sight| sight.survey(block.clone(), sides, vicinity));
+            mine.items.iter_mut().for_each(|sight| sight.survey(block.clone(), sides, neighbor_list));
         });
     }
 
@@ -114,20 +114,20 @@ impl Walls {
         &self,
         law: L,
         view: &View,
-        (vicinity, records): (&Vicinity, &Records<V>),
+        (neighbor_list, records): (&NeighborList, &Records<V>),
         sums: &mut [[V::Scalar; SUMS]],
-        crew: &Crew,
+        executor: &Executor,
     ) {
         if self.is_empty() {
             return;
         }
-        crew.sweep(Chunks::new(sums, BLOCK), &|mine| {
+        executor.for_each_block(BlockedSlice::new(sums, BLOCK), &|mine| {
             let Sight { looks, seen, .. } = &self.sights[mine.start / BLOCK];
             let mut start = 0;
-            let views = looks.iter().filter_map(|&Look { place, sides, end }| {
-                let (place, list) = (place as usize, List { segment: seen, range: start..end });
+            let views = looks.iter().filter_map(|&Look { slot, sides, end }| {
+                let (slot, list) = (slot as usize, List { segment: seen, range: start..end });
                 start = end;
-                let x = vicinity.at(place);
+                let x = neighbor_list.at(slot);
                 let (mut image, mut farthest) = (Image::ITSELF, 0.0_f64);
                 for &side in sides.iter().flatten() {
                     let mirror = self.sides[side as usize].mirror(x, view.sticks);
@@ -135,40 +135,40 @@ impl Walls {
                     image.reflect(&mirror);
                 }
                 // An image is behind its mirror.
-                (farthest < self.reach).then(|| (place, list, Mirrored::new(law, &image, view)))
+                (farthest < self.reach).then(|| (slot, list, Mirrored::new(law, &image, view)))
             });
-            records.sum_few(views, |place, more| {
-                mine.items[place - mine.start].iter_mut().zip(more).for_each(|(sum, more)| *sum += more);
+            records.sum_few(views, |slot, more| {
+                mine.items[slot - mine.start].iter_mut().zip(more).for_each(|(sum, more)| *sum += more);
             });
         });
     }
 }
 
 impl Sight {
-    /// Looks into the walls from all places of a block.
-    fn survey(&mut self, block: std::ops::Range<usize>, sides: &[Side], vicinity: &Vicinity) {
+    /// Looks into the walls from all slots of a block.
+    fn survey(&mut self, block: std::ops::Range<usize>, sides: &[Side], neighbor_list: &NeighborList) {
         self.looks.clear();
         self.seen.clear();
-        let support = vicinity.neighbors().support();
-        for place in block {
-            let x = vicinity.anchor(place);
+        let support = neighbor_list.neighbors().support();
+        for slot in block {
+            let x = neighbor_list.anchor(slot);
             // The mirrors of a particle near a curved wall turn as it moves.
-            let turn = |side: &Side| 2.0 * support * vicinity.skin() * side.wall.curvature(x).abs();
+            let turn = |side: &Side| 2.0 * support * neighbor_list.skin() * side.wall.curvature(x).abs();
             let near = (0..).zip(sides).map(|(number, side)| (number, side.mirror(x, false), turn(side)));
             let mut near = near.filter(|(_, mirror, _)| mirror.distance < support);
             let mirrors: [_; CORNER] = std::array::from_fn(|_| near.next());
             let mirrors = || mirrors.iter().flatten().enumerate();
             if mirrors().next().is_some() {
                 self.others.clear();
-                self.others.extend(vicinity.neighbors().apart(place).chain([DVec3::ZERO]));
+                self.others.extend(neighbor_list.neighbors().separation(slot).chain([DVec3::ZERO]));
             }
             for (first, one) in mirrors() {
-                self.look(place, &[one], vicinity);
+                self.look(slot, &[one], neighbor_list);
                 for (second, other) in mirrors().skip(first + 1).filter(|(_, other)| meet(&one.1, &other.1)) {
-                    self.look(place, &[one, other], vicinity);
+                    self.look(slot, &[one, other], neighbor_list);
                     let thirds = mirrors().skip(second + 1).map(|(_, third)| third);
                     for third in thirds.filter(|third| meet(&one.1, &third.1) && meet(&other.1, &third.1)) {
-                        self.look(place, &[one, other, third], vicinity);
+                        self.look(slot, &[one, other, third], neighbor_list);
                     }
                 }
             }
@@ -176,19 +176,19 @@ impl Sight {
         self.seen.spare();
     }
 
-    /// Lists whom the particle at a place sees by way of these mirrors.
-    fn look(&mut self, place: usize, mirrors: &[&(u32, Mirror, f64)], vicinity: &Vicinity) {
-        let neighbors = vicinity.neighbors();
+    /// Lists whom the particle at a slot sees by way of these mirrors.
+    fn look(&mut self, slot: usize, mirrors: &[&(u32, Mirror, f64)], neighbor_list: &NeighborList) {
+        let neighbors = neighbor_list.neighbors();
         let mut image = Image::ITSELF;
         mirrors.iter().for_each(|(_, mirror, _)| image.reflect(mirror));
         let reach = neighbors.support() + mirrors.iter().map(|(.., turn)| turn).sum::<f64>();
         let before = self.seen.len();
-        for (&other, &apart) in neighbors.of(place).iter().chain(&[place as u32]).zip(&self.others) {
-            self.seen.push(other, image.square(apart) <= reach * reach);
+        for (&other, &separation) in neighbors.of(slot).iter().chain(&[slot as u32]).zip(&self.others) {
+            self.seen.push(other, image.square(separation) <= reach * reach);
         }
         if self.seen.len() > before {
             let sides = std::array::from_fn(|mirror| mirrors.get(mirror).map(|(side, ..)| *side));
-            self.looks.push(Look { place: place as u32, sides, end: self.seen.len() });
+            self.looks.push(Look { slot: slot as u32, sides, end: self.seen.len() });
         }
     }
 }

@@ -2,13 +2,13 @@
 
 use std::ops::Range;
 
-use crate::forces::Moment;
+use crate::forces::StateView;
 use crate::math::{AXES, Real, Vector};
 use crate::scene::Spring;
 
 /// The numbers of one spring, in the precision of the run.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Law<T> {
+pub struct SpringLaw<T> {
     /// Stiffness k [N/m].
     pub stiffness: T,
     /// Damping c along the spring [N·s/m].
@@ -17,7 +17,7 @@ pub struct Law<T> {
     pub rest_length: T,
 }
 
-impl<T: Real> Law<T> {
+impl<T: Real> SpringLaw<T> {
     /// Of a spring that exerts nothing.
     pub const NONE: Self = Self { stiffness: T::ZERO, damping: T::ZERO, rest_length: T::ZERO };
 
@@ -106,7 +106,7 @@ pub struct Run<'a, T> {
 impl<'a, T: Real> Run<'a, T> {
     /// The particles of a range.
     #[inline(always)]
-    pub fn new<V: Vector<Scalar = T>>(at: &Moment<'a, V>, range: &Range<usize>) -> Self {
+    pub fn new<V: Vector<Scalar = T>>(at: &StateView<'a, V>, range: &Range<usize>) -> Self {
         Self {
             position: std::array::from_fn(|axis| at.position.slice(axis, range.clone())),
             velocity: std::array::from_fn(|axis| at.velocity.slice(axis, range.clone())),

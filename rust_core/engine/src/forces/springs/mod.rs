@@ -6,13 +6,13 @@
 
 use std::ops::Range;
 
-use super::{Force, Moment, Rates, Reach, VelocityDependence};
+use super::{Force, Rates, Reach, StateView, VelocityDependence};
 use crate::error::Result;
 use crate::math::{Real, Vector};
 use crate::matter::{Power, Span};
 use crate::scene::Spring;
 use crate::simd::{Kernel, LANES, dispatch, padded};
-use crate::stability::{Bound, Link};
+use crate::stability::{Link, SpectralBound};
 
 mod law;
 mod ordering;
@@ -24,7 +24,7 @@ mod tests;
 
 pub use ordering::ordering;
 
-use law::Law;
+use law::SpringLaw;
 use slices::Slices;
 use stencil::{Scratch, Stencil, TILE};
 use survey::Survey;
@@ -63,11 +63,11 @@ impl<V: Vector> Springs<V> {
 
     /// The smallest r/L among springs with L > 0 whose lower end is in a block; infinite if there are none. Below ½ the
     /// bound on the time step must be made anew.
-    pub fn shortest(&self, block: Range<usize>, at: &Moment<'_, V>) -> f64 {
+    pub fn shortest(&self, block: Range<usize>, at: &StateView<'_, V>) -> f64 {
         self.survey(block, at).shortest.into_iter().fold(f64::INFINITY, f64::min)
     }
 
-    fn survey(&self, block: Range<usize>, at: &Moment<'_, V>) -> Survey {
+    fn survey(&self, block: Range<usize>, at: &StateView<'_, V>) -> Survey {
         dispatch(Surveying { springs: self, block, at })
     }
 }
@@ -85,19 +85,19 @@ impl<V: Vector> Force<V> for Springs<V> {
         if self.damped { VelocityDependence::Dissipative } else { VelocityDependence::None }
     }
 
-    fn accumulate(&self, block: Range<usize>, at: &Moment<'_, V>, rates: &mut Rates<'_, V>) {
+    fn accumulate(&self, block: Range<usize>, at: &StateView<'_, V>, rates: &mut Rates<'_, V>) {
         dispatch(Accumulation { springs: self, block, at, force: rates.force.reborrow(), power: rates.power });
     }
 
     /// A spring's energy ½ k (r − L)² is counted at its lower end.
-    fn potential(&self, block: Range<usize>, at: &Moment<'_, V>) -> f64 {
+    fn potential(&self, block: Range<usize>, at: &StateView<'_, V>) -> f64 {
         self.survey(block, at).energy.into_iter().sum()
     }
 
     /// Along the spring the stiffness is k, across it k (1 − L/r): more than k where r < L/2. Ends in one place exert
     /// nothing, and count with k.
-    fn bound(&self, at: &Moment<'_, V>, bound: &mut Bound) -> Result<()> {
-        let mut add = |i: usize, j: usize, law: &Law<V::Scalar>| {
+    fn bound(&self, at: &StateView<'_, V>, bound: &mut SpectralBound) -> Result<()> {
+        let mut add = |i: usize, j: usize, law: &SpringLaw<V::Scalar>| {
             let offset = at.position.get(j).widen() - at.position.get(i).widen();
             let [rest_length, stiffness, damping] = [law.rest_length, law.stiffness, law.damping].map(Real::to_f64);
             bound.spring(i, j, &Link { offset, rest_length, stiffness, damping });
@@ -111,7 +111,7 @@ impl<V: Vector> Force<V> for Springs<V> {
         true
     }
 
-    fn bound_stands(&self, at: &Moment<'_, V>) -> bool {
+    fn bound_stands(&self, at: &StateView<'_, V>) -> bool {
         self.shortest(0..padded(self.count), at) > HALF
     }
 
@@ -143,7 +143,7 @@ impl<V: Vector> Force<V> for Springs<V> {
 struct Accumulation<'a, V: Vector> {
     springs: &'a Springs<V>,
     block: Range<usize>,
-    at: &'a Moment<'a, V>,
+    at: &'a StateView<'a, V>,
     force: Span<'a, V>,
     power: &'a mut Power,
 }
@@ -180,7 +180,7 @@ impl<V: Vector> Accumulation<'_, V> {
 struct Surveying<'a, V: Vector> {
     springs: &'a Springs<V>,
     block: Range<usize>,
-    at: &'a Moment<'a, V>,
+    at: &'a StateView<'a, V>,
 }
 
 impl<V: Vector> Kernel for Surveying<'_, V> {

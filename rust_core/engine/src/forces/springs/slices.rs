@@ -8,11 +8,11 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-use super::law::{Law, State};
+use super::law::{SpringLaw, State};
 use super::survey::Survey;
-use crate::forces::{Moment, Rates};
+use crate::forces::{Rates, StateView};
 use crate::math::{AXES, Real, Vector};
-use crate::matter::Channel;
+use crate::matter::EnergySink;
 use crate::scene::Spring;
 use crate::simd::{Gather, LANES, Lanes, padded};
 
@@ -39,7 +39,7 @@ pub struct Slices<T> {
 #[derive(Debug)]
 enum Laws<T> {
     /// One law per row, out of a few.
-    Shared { kinds: Vec<Law<T>>, of: Vec<u16> },
+    Shared { kinds: Vec<SpringLaw<T>>, of: Vec<u16> },
     /// One law per spring: stiffness, damping and rest length.
     Own(Vec<[Lanes<T>; 3]>),
 }
@@ -47,12 +47,12 @@ enum Laws<T> {
 /// Looks up what the springs of a row obey.
 trait Source<T>: Copy {
     /// The law of each lane.
-    fn row(self, row: usize) -> impl Fn(usize) -> Law<T>;
+    fn row(self, row: usize) -> impl Fn(usize) -> SpringLaw<T>;
 }
 
-impl<T: Real> Source<T> for (&[Law<T>], &[u16]) {
+impl<T: Real> Source<T> for (&[SpringLaw<T>], &[u16]) {
     #[inline(always)]
-    fn row(self, row: usize) -> impl Fn(usize) -> Law<T> {
+    fn row(self, row: usize) -> impl Fn(usize) -> SpringLaw<T> {
         let law = self.0[self.1[row] as usize];
         move |_| law
     }
@@ -60,9 +60,9 @@ impl<T: Real> Source<T> for (&[Law<T>], &[u16]) {
 
 impl<T: Real> Source<T> for &[[Lanes<T>; 3]] {
     #[inline(always)]
-    fn row(self, row: usize) -> impl Fn(usize) -> Law<T> {
+    fn row(self, row: usize) -> impl Fn(usize) -> SpringLaw<T> {
         let [stiffness, damping, rest_length] = &self[row];
-        move |lane| Law { stiffness: stiffness[lane], damping: damping[lane], rest_length: rest_length[lane] }
+        move |lane| SpringLaw { stiffness: stiffness[lane], damping: damping[lane], rest_length: rest_length[lane] }
     }
 }
 
@@ -80,7 +80,7 @@ impl<T: Real, const ROWS: usize> Side<T, ROWS> {
 
     /// Has `read` fill each column's part.
     #[inline(always)]
-    fn fill<V: Vector<Scalar = T>, const DAMPED: bool>(&mut self, at: &Moment<'_, V>, read: impl Fn(&[T], &mut [Lanes<T>])) {
+    fn fill<V: Vector<Scalar = T>, const DAMPED: bool>(&mut self, at: &StateView<'_, V>, read: impl Fn(&[T], &mut [Lanes<T>])) {
         for axis in 0..V::DIMENSION {
             read(at.position.axis(axis), &mut self.position[axis]);
             if DAMPED {
@@ -115,7 +115,7 @@ impl<T: Real> Side<T, 1> {
 struct End<T> {
     kind: usize,
     partner: u32,
-    law: Law<T>,
+    law: SpringLaw<T>,
 }
 
 impl<T: Real> Slices<T> {
@@ -131,7 +131,7 @@ impl<T: Real> Slices<T> {
         let (mut partners, mut of, mut own) = (Vec::new(), Vec::new(), Vec::new());
         for (slice, arranged) in slices.iter().enumerate() {
             for row in arranged {
-                let law = |lane: usize| row[lane].map_or(Law::NONE, |end| end.law);
+                let law = |lane: usize| row[lane].map_or(SpringLaw::NONE, |end| end.law);
                 partners.extend((0..LANES).map(|lane| row[lane].map_or((slice * LANES + lane) as u32, |end| end.partner)));
                 if shared {
                     of.push(row.iter().flatten().map(|end| end.kind as u16).next().unwrap_or(0));
@@ -167,7 +167,7 @@ impl<T: Real> Slices<T> {
     }
 
     /// Calls `each` with the ends of every spring whose lower end is in a range.
-    pub fn for_each(&self, range: Range<usize>, mut each: impl FnMut(usize, usize, &Law<T>)) {
+    pub fn for_each(&self, range: Range<usize>, mut each: impl FnMut(usize, usize, &SpringLaw<T>)) {
         for slice in range.start / LANES..range.end.div_ceil(LANES) {
             for row in self.rows(slice) {
                 for lane in 0..LANES {
@@ -189,7 +189,7 @@ impl<T: Real> Slices<T> {
     pub fn accumulate<V: Vector<Scalar = T>, const DAMPED: bool>(
         &self,
         block: &Range<usize>,
-        at: &Moment<'_, V>,
+        at: &StateView<'_, V>,
         rates: &mut Rates<'_, V>,
     ) {
         match &self.laws {
@@ -203,7 +203,7 @@ impl<T: Real> Slices<T> {
         &self,
         laws: impl Source<T>,
         block: &Range<usize>,
-        at: &Moment<'_, V>,
+        at: &StateView<'_, V>,
         rates: &mut Rates<'_, V>,
     ) {
         let mut far = Side::<T, ROWS>::EMPTY;
@@ -235,13 +235,13 @@ impl<T: Real> Slices<T> {
                 let sum = &mut rates.force.axes[axis][slice * LANES - block.start..][..LANES];
                 (0..LANES).for_each(|lane| sum[lane] += force[axis][lane]);
             }
-            (0..LANES).for_each(|lane| rates.power[Channel::Damping as usize][lane] += 0.5 * power[lane].to_f64());
+            (0..LANES).for_each(|lane| rates.power[EnergySink::Damping as usize][lane] += 0.5 * power[lane].to_f64());
         }
     }
 
     /// Adds the springs with a lower end in a range to a survey.
     #[inline(always)]
-    pub fn survey<V: Vector<Scalar = T>>(&self, range: &Range<usize>, at: &Moment<'_, V>, survey: &mut Survey) {
+    pub fn survey<V: Vector<Scalar = T>>(&self, range: &Range<usize>, at: &StateView<'_, V>, survey: &mut Survey) {
         match &self.laws {
             Laws::Shared { kinds, of } => self.survey_rows::<V>((kinds.as_slice(), of.as_slice()), range, at, survey),
             Laws::Own(own) => self.survey_rows::<V>(own.as_slice(), range, at, survey),
@@ -253,7 +253,7 @@ impl<T: Real> Slices<T> {
         &self,
         laws: impl Source<T>,
         range: &Range<usize>,
-        at: &Moment<'_, V>,
+        at: &StateView<'_, V>,
         survey: &mut Survey,
     ) {
         let mut far = Side::<T, 1>::EMPTY;
@@ -282,9 +282,9 @@ impl<T: Real> Slices<T> {
 type Row<T> = [Option<End<T>>; LANES];
 
 /// The springs that every particle holds, by kind and then by partner, and the kinds.
-fn ends<T: Real>(springs: &[Spring], count: usize) -> (Vec<Vec<End<T>>>, Vec<Law<T>>) {
-    let laws: Vec<Law<T>> = springs.iter().map(Law::of).collect();
-    let kinds: BTreeMap<[u64; 3], Law<T>> = laws.iter().map(|law| (law.key(), *law)).collect();
+fn ends<T: Real>(springs: &[Spring], count: usize) -> (Vec<Vec<End<T>>>, Vec<SpringLaw<T>>) {
+    let laws: Vec<SpringLaw<T>> = springs.iter().map(SpringLaw::of).collect();
+    let kinds: BTreeMap<[u64; 3], SpringLaw<T>> = laws.iter().map(|law| (law.key(), *law)).collect();
     let number: BTreeMap<[u64; 3], usize> = kinds.keys().enumerate().map(|(kind, key)| (*key, kind)).collect();
     let mut ends = vec![Vec::new(); count];
     for (spring, &law) in springs.iter().zip(&laws) {

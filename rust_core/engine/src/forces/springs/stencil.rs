@@ -8,11 +8,11 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-use super::law::{Law, Run};
+use super::law::{Run, SpringLaw};
 use super::survey::Survey;
-use crate::forces::{Moment, Rates};
+use crate::forces::{Rates, StateView};
 use crate::math::{AXES, Real, Vector};
-use crate::matter::Channel;
+use crate::matter::EnergySink;
 use crate::scene::Spring;
 use crate::simd::{LANES, padded};
 
@@ -48,7 +48,7 @@ pub struct Stencil<T> {
     /// The difference of the indices.
     pub offset: usize,
     /// What they have in common.
-    pub law: Law<T>,
+    pub law: SpringLaw<T>,
     /// The number of springs.
     pub count: usize,
     /// The first group of lanes that has a lower end.
@@ -62,7 +62,7 @@ pub fn find<T: Real>(springs: &[Spring]) -> (Vec<Stencil<T>>, Vec<bool>) {
     let mut kinds: BTreeMap<(u32, [u64; 3]), Vec<usize>> = BTreeMap::new();
     for (index, spring) in springs.iter().enumerate() {
         let [i, j] = spring.ends;
-        kinds.entry((i.abs_diff(j), Law::<T>::of(spring).key())).or_default().push(index);
+        kinds.entry((i.abs_diff(j), SpringLaw::<T>::of(spring).key())).or_default().push(index);
     }
     let mut found: Vec<(Stencil<T>, Vec<usize>)> = kinds.into_values().filter_map(|kind| Stencil::of(springs, &kind)).collect();
     found.sort_by_key(|(stencil, _)| std::cmp::Reverse(stencil.count));
@@ -97,7 +97,7 @@ impl<T: Real> Stencil<T> {
         let tiles = present.chunks(TILE / LANES).filter(|tile| tile.iter().any(|&group| group != 0));
         let places = tiles.map(|tile| tile.len() * LANES).sum::<usize>();
         let stencil =
-            Self { offset: i.abs_diff(j) as usize, law: Law::of(&springs[kind[0]]), count: members.len(), first, present };
+            Self { offset: i.abs_diff(j) as usize, law: SpringLaw::of(&springs[kind[0]]), count: members.len(), first, present };
         (stencil.count * 100 >= DENSITY * places).then_some((stencil, members))
     }
 
@@ -114,7 +114,7 @@ impl<T: Real> Stencil<T> {
     }
 
     /// Calls `each` with the ends of every spring whose lower end is in a range.
-    pub fn for_each(&self, range: Range<usize>, mut each: impl FnMut(usize, usize, &Law<T>)) {
+    pub fn for_each(&self, range: Range<usize>, mut each: impl FnMut(usize, usize, &SpringLaw<T>)) {
         for (start, present) in self.groups(range) {
             (0..LANES)
                 .filter(|lane| present >> lane & 1 == 1)
@@ -128,7 +128,7 @@ impl<T: Real> Stencil<T> {
         &self,
         tile: &Range<usize>,
         block: &Range<usize>,
-        at: &Moment<'_, V>,
+        at: &StateView<'_, V>,
         rates: &mut Rates<'_, V>,
         scratch: &mut Scratch<T>,
     ) {
@@ -158,13 +158,13 @@ impl<T: Real> Stencil<T> {
             for group in scratch.power[lower.start - start..padded(end - start)].as_chunks::<LANES>().0 {
                 (0..LANES).for_each(|lane| power[lane] += group[lane]);
             }
-            (0..LANES).for_each(|lane| rates.power[Channel::Damping as usize][lane] += power[lane].to_f64());
+            (0..LANES).for_each(|lane| rates.power[EnergySink::Damping as usize][lane] += power[lane].to_f64());
         }
     }
 
     /// The part of a range that can hold lower ends: it starts with a group of lanes, and the upper ends are in columns.
     #[inline(always)]
-    fn lower<V: Vector<Scalar = T>>(&self, range: Range<usize>, at: &Moment<'_, V>) -> Range<usize> {
+    fn lower<V: Vector<Scalar = T>>(&self, range: Range<usize>, at: &StateView<'_, V>) -> Range<usize> {
         let last = at.position.axis(0).len().saturating_sub(self.offset);
         range.start.max(self.first * LANES)..range.end.min((self.first + self.present.len()) * LANES).min(last)
     }
@@ -174,7 +174,7 @@ impl<T: Real> Stencil<T> {
     fn compute<V: Vector<Scalar = T>, const DAMPED: bool>(
         &self,
         range: &Range<usize>,
-        at: &Moment<'_, V>,
+        at: &StateView<'_, V>,
         scratch: &mut Scratch<T>,
     ) {
         let (near, far) = (Run::new(at, range), Run::new(at, &(range.start + self.offset..range.end + self.offset)));
@@ -203,7 +203,7 @@ impl<T: Real> Stencil<T> {
 
     /// Adds the springs with a lower end in a range to a survey.
     #[inline(always)]
-    pub fn survey<V: Vector<Scalar = T>>(&self, block: &Range<usize>, at: &Moment<'_, V>, survey: &mut Survey) {
+    pub fn survey<V: Vector<Scalar = T>>(&self, block: &Range<usize>, at: &StateView<'_, V>, survey: &mut Survey) {
         let block = self.lower(block.clone(), at);
         let mut square = [0.0; TILE];
         for start in block.clone().step_by(TILE) {

@@ -1,6 +1,6 @@
 //! How much energy springs hold and how short they are, in double precision.
 
-use super::law::Law;
+use super::law::SpringLaw;
 use crate::math::Real;
 use crate::simd::{LANES, Lanes};
 
@@ -19,7 +19,7 @@ impl Survey {
 
     /// Adds a spring of squared length `square` if it counts.
     #[inline(always)]
-    pub fn add<T: Real>(&mut self, lane: usize, counts: bool, square: f64, law: Law<T>) {
+    pub fn add<T: Real>(&mut self, lane: usize, counts: bool, square: f64, law: SpringLaw<T>) {
         let (length, rest_length) = (square.sqrt(), law.rest_length.to_f64());
         let excess = length - rest_length;
         let energy = 0.5 * law.stiffness.to_f64() * (excess * excess);

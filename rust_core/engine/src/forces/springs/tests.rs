@@ -4,8 +4,8 @@ use glam::{DVec2, DVec3, Vec2, Vec3};
 use proptest::prelude::*;
 
 use super::*;
-use crate::matter::{CHANNELS, Channel, Columns, Properties, View};
-use crate::parallel::ALONE;
+use crate::matter::{Columns, EnergySink, Properties, SINKS, View};
+use crate::parallel::SERIAL;
 
 /// Springs, and the places and velocities of their ends.
 #[derive(Debug, Clone)]
@@ -40,18 +40,18 @@ impl Network {
         Self { springs: self.springs.iter().map(spring).collect(), position: all(&self.position), velocity: all(&self.velocity) }
     }
 
-    fn with<V: Vector, R>(&self, ask: impl FnOnce(&Moment<'_, V>) -> R) -> R {
+    fn with<V: Vector, R>(&self, ask: impl FnOnce(&StateView<'_, V>) -> R) -> R {
         let count = self.count();
         let position = Columns::<V>::from_fn(count, |index| V::narrow(self.position[index]));
         let velocity = Columns::<V>::from_fn(count, |index| V::narrow(self.velocity[index]));
         let properties = Properties::new(vec![1.0; count]);
-        ask(&Moment {
+        ask(&StateView {
             position: position.view(),
             velocity: velocity.view(),
             residual: View::default(),
             properties: &properties,
             time: 0.0,
-            crew: &ALONE,
+            executor: &SERIAL,
         })
     }
 
@@ -59,7 +59,7 @@ impl Network {
     fn outcome<V: Vector>(&self, springs: &Springs<V>, block: usize, simd: bool) -> Outcome {
         self.with::<V, _>(|at| {
             let mut sum = Columns::<V>::zeros(self.count());
-            let (mut rest, mut power) = (sum.span(), [[0.0; LANES]; CHANNELS]);
+            let (mut rest, mut power) = (sum.span(), [[0.0; LANES]; SINKS]);
             for start in (0..padded(self.count())).step_by(block) {
                 let end = (start + block).min(padded(self.count()));
                 let (force, others) = rest.split_at(end - start);
@@ -72,7 +72,7 @@ impl Network {
                 rest = others;
             }
             let force = (0..self.count()).map(|index| sum.get(index).widen()).collect();
-            Outcome { force, power: power[Channel::Damping as usize].iter().sum() }
+            Outcome { force, power: power[EnergySink::Damping as usize].iter().sum() }
         })
     }
 

@@ -3,7 +3,7 @@
 //!
 //! It is the same to the bit however steps are cut into batches, so what follows from it is a function of the trajectory.
 
-use crate::parallel::Chunks;
+use crate::parallel::BlockedSlice;
 
 /// The most steps, and the most numbers, that a batch may record.
 const MOST_STEPS: usize = 1 << 12;
@@ -35,10 +35,10 @@ impl Activity {
     }
 
     /// Room for `steps` numbers of each of `blocks` blocks, to be written and then [added up](Activity::add_up).
-    pub fn record(&mut self, blocks: usize, steps: usize) -> Chunks<'_, f64> {
+    pub fn record(&mut self, blocks: usize, steps: usize) -> BlockedSlice<'_, f64> {
         self.blocks.clear();
         self.blocks.resize(blocks * steps, 0.0);
-        Chunks::new(&mut self.blocks, steps)
+        BlockedSlice::new(&mut self.blocks, steps)
     }
 
     /// Sums what was recorded over all blocks, in their order.

@@ -6,25 +6,25 @@
 //! then gain energy at every bounce.
 
 use crate::contacts::{Before, Contacts};
-use crate::integrators::{Integrator, Register};
+use crate::integrators::{Component, Integrator};
 use crate::math::{Real, Vector};
 use crate::matter::{Blocks, Span};
-use crate::systems::matter::law::Law;
+use crate::systems::matter::dynamics::Dynamics;
 
 /// Resolves the contacts of a block that stands at its stage, since the state `before`.
 pub fn collide<V: Vector, I: Integrator>(
-    law: &Law<V>,
+    dynamics: &Dynamics<V>,
     contacts: &Contacts<V>,
     block: &mut Blocks<'_, V>,
     before: &Before<'_, V>,
     h: f64,
 ) {
-    contacts.resolve(before, block, &law.properties, h);
+    contacts.resolve(before, block, &dynamics.properties, h);
     for axis in 0..V::DIMENSION {
         for index in 0..block.position.len() {
-            let mut register = read(block, axis, index);
-            I::redirect(&mut register, V::Scalar::from_f64(h));
-            for (span, value) in block.memory.iter_mut().zip(register.memory).take(I::MEMORY) {
+            let mut component = read(block, axis, index);
+            I::correct_velocity(&mut component, V::Scalar::from_f64(h));
+            for (span, value) in block.registers.iter_mut().zip(component.registers).take(I::REGISTERS) {
                 if let Some(slot) = span.axes[axis].get_mut(index) {
                     *slot = value;
                 }
@@ -34,7 +34,7 @@ pub fn collide<V: Vector, I: Integrator>(
 }
 
 #[inline(always)]
-fn read<V: Vector>(block: &Blocks<'_, V>, axis: usize, index: usize) -> Register<V::Scalar> {
+fn read<V: Vector>(block: &Blocks<'_, V>, axis: usize, index: usize) -> Component<V::Scalar> {
     let number = |span: &Span<'_, V>| span.axes[axis].get(index).copied().unwrap_or_default();
-    Register { x: number(&block.position), v: number(&block.velocity), memory: block.memory.each_ref().map(number) }
+    Component { x: number(&block.position), v: number(&block.velocity), registers: block.registers.each_ref().map(number) }
 }

@@ -6,19 +6,19 @@ use crate::error::Result;
 use crate::forces::{Field, Rates};
 use crate::integrators::Integrator;
 use crate::math::Vector;
-use crate::matter::{Blocks, CHANNELS, Columns, Matter, Span};
-use crate::parallel::{Chunks, Crew, Split};
+use crate::matter::{Blocks, Columns, Matter, SINKS, Span};
+use crate::parallel::{BlockedSlice, Executor, Split};
 use crate::simd::LANES;
 use crate::systems::matter::Interval;
 use crate::systems::matter::activity::Activity;
 use crate::systems::matter::collisions::collide;
 use crate::systems::matter::displacement::displace;
+use crate::systems::matter::dynamics::Dynamics;
 use crate::systems::matter::kernels::{self, Action, Load};
-use crate::systems::matter::law::Law;
 
 /// Memory for the sweeps.
 #[derive(Debug)]
-pub struct Desk<V: Vector> {
+pub struct Workspace<V: Vector> {
     position: Columns<V>,
     velocity: Columns<V>,
     force: Columns<V>,
@@ -27,7 +27,7 @@ pub struct Desk<V: Vector> {
     activity: Vec<f64>,
 }
 
-impl<V: Vector> Desk<V> {
+impl<V: Vector> Workspace<V> {
     /// Memory for `count` particles in `blocks` blocks, with contacts or without.
     pub fn new(count: usize, blocks: usize, contacts: bool) -> Self {
         let columns = || Columns::zeros(count);
@@ -44,46 +44,53 @@ impl<V: Vector> Desk<V> {
 
 /// Advances `matter` in place. The activity at the end is not a number where a position is not finite.
 pub fn advance<V: Vector, I: Integrator>(
-    law: &mut Law<V>,
+    dynamics: &mut Dynamics<V>,
     matter: &mut Matter<V>,
-    desk: &mut Desk<V>,
+    workspace: &mut Workspace<V>,
     interval: Interval,
     activity: &mut Activity,
-    crew: &Crew,
+    executor: &Executor,
 ) -> Result<()> {
     let stages = I::NODES.len();
     // The last stage's sweep moves on to the first stage of the next step, unless something happens at the step's end.
-    let field = law.field();
-    let drifts = I::TURNS.filter(|_| field == Field::Carried);
-    let counts = field == Field::Counted && !I::ENDS_WITH_FORCES;
-    let moves_on = desk.before.is_none() && !counts && drifts.is_none_or(|turns| turns.drifts.len() == stages);
+    let field = dynamics.field();
+    let drifts = I::DRIFT_KICK.filter(|_| field == Field::Continuity);
+    let counts = field == Field::Summation && !I::ENDS_WITH_FORCES;
+    let moves_on = workspace.before.is_none() && !counts && drifts.is_none_or(|drift_kick| drift_kick.drifts.len() == stages);
     for step in 0..interval.steps {
-        if let Some([position, velocity]) = &mut desk.before {
+        if let Some([position, velocity]) = &mut workspace.before {
             position.copy_from(&matter.position);
             velocity.copy_from(&matter.velocity);
         }
         if step == 0 || !moves_on {
-            sweep::<V, I>(law, matter, desk, interval, 0.0, Action::Point, crew)?;
+            for_each_block::<V, I>(dynamics, matter, workspace, interval, 0.0, Action::StageState, executor)?;
         }
         if I::DRIFTS_FIRST {
-            collisions::<V, I>(law, matter, desk, interval.h, crew);
+            collisions::<V, I>(dynamics, matter, workspace, interval.h, executor);
         }
         for stage in 0..stages {
             let time = interval.time(step, I::NODES[stage]);
-            if let Some(turns) = drifts {
-                drift(law, matter, desk, Some(turns.velocity), (time, turns.drifts[stage] * interval.h), crew)?;
+            if let Some(drift_kick) = drifts {
+                drift(
+                    dynamics,
+                    matter,
+                    workspace,
+                    Some(drift_kick.velocity),
+                    (time, drift_kick.drifts[stage] * interval.h),
+                    executor,
+                )?;
             }
             let next = if stage + 1 < stages { Some(stage + 1) } else { (step + 1 < interval.steps && moves_on).then_some(0) };
-            sweep::<V, I>(law, matter, desk, interval, time, Action::Absorb(stage, next), crew)?;
+            for_each_block::<V, I>(dynamics, matter, workspace, interval, time, Action::StageUpdate(stage, next), executor)?;
         }
-        activity.push(desk.activity.iter().sum());
-        if let Some(&last) = drifts.and_then(|turns| turns.drifts.get(stages)) {
-            drift(law, matter, desk, None, (interval.time(step, 1.0), last * interval.h), crew)?;
+        activity.push(workspace.activity.iter().sum());
+        if let Some(&last) = drifts.and_then(|drift_kick| drift_kick.drifts.get(stages)) {
+            drift(dynamics, matter, workspace, None, (interval.time(step, 1.0), last * interval.h), executor)?;
         }
         if counts {
-            law.count(matter, interval.time(step, 1.0), crew)?;
+            dynamics.count(matter, interval.time(step, 1.0), executor)?;
         }
-        if crew.stopped() {
+        if executor.stopped() {
             break;
         }
     }
@@ -92,82 +99,89 @@ pub fn advance<V: Vector, I: Integrator>(
 
 /// Evaluates the law at the state and fills the carried memory.
 pub fn begin<V: Vector, I: Integrator>(
-    law: &mut Law<V>,
+    dynamics: &mut Dynamics<V>,
     matter: &mut Matter<V>,
-    desk: &mut Desk<V>,
+    workspace: &mut Workspace<V>,
     interval: Interval,
-    crew: &Crew,
+    executor: &Executor,
 ) -> Result<()> {
-    sweep::<V, I>(law, matter, desk, interval, interval.start, Action::Begin, crew)
+    for_each_block::<V, I>(dynamics, matter, workspace, interval, interval.start, Action::Begin, executor)
 }
 
 /// Advances the fields over the drift of `h` seconds that led here, at a time, with the velocity that is remembered or the
-/// present one; meters what they lose on the way, and displaces what they move beside it.
+/// present one; tallies what they lose on the way, and displaces what they move beside it.
 fn drift<V: Vector>(
-    law: &mut Law<V>,
+    dynamics: &mut Dynamics<V>,
     matter: &mut Matter<V>,
-    desk: &mut Desk<V>,
+    workspace: &mut Workspace<V>,
     velocity: Option<usize>,
     (time, h): (f64, f64),
-    crew: &Crew,
+    executor: &Executor,
 ) -> Result<()> {
     if h == 0.0 {
         return Ok(());
     }
-    let way = velocity.map_or(&matter.velocity, |memory| &matter.memory[memory]);
-    law.drift(matter, way.view(), h, crew)?;
-    let law = &*law;
-    crew.sweep(matter.blocks(), &|blocks: Blocks<'_, V>| law.spend(&blocks.range(), &mut blocks.meters[0].energy));
-    if law.displaces() { displace(law, matter, &mut desk.force, time, crew) } else { Ok(()) }
+    let way = velocity.map_or(&matter.velocity, |memory| &matter.registers[memory]);
+    dynamics.drift(matter, way.view(), h, executor)?;
+    let dynamics = &*dynamics;
+    executor
+        .for_each_block(matter.blocks(), &|blocks: Blocks<'_, V>| dynamics.spend(&blocks.range(), &mut blocks.tallies[0].energy));
+    if dynamics.displaces() { displace(dynamics, matter, &mut workspace.force, time, executor) } else { Ok(()) }
 }
 
-fn sweep<V: Vector, I: Integrator>(
-    law: &mut Law<V>,
+fn for_each_block<V: Vector, I: Integrator>(
+    dynamics: &mut Dynamics<V>,
     matter: &mut Matter<V>,
-    desk: &mut Desk<V>,
+    workspace: &mut Workspace<V>,
     interval: Interval,
     time: f64,
     action: Action,
-    crew: &Crew,
+    executor: &Executor,
 ) -> Result<()> {
-    let asks = !matches!(action, Action::Point);
+    let asks = !matches!(action, Action::StageState);
     if asks {
-        law.prepare(matter, time, crew)?;
+        dynamics.prepare(matter, time, executor)?;
     }
-    std::mem::swap(&mut matter.position, &mut desk.position);
-    std::mem::swap(&mut matter.velocity, &mut desk.velocity);
-    let law = &*law;
-    let ends_step = matches!(action, Action::Absorb(stage, _) if stage + 1 == I::NODES.len());
-    let ends_run = ends_step && matches!(action, Action::Absorb(_, None));
-    let at = law.moment(desk.position.view(), desk.velocity.view(), time);
-    let before = desk.before.as_ref().filter(|_| ends_step && !I::DRIFTS_FIRST);
-    let work = (Work { blocks: matter.blocks(), force: desk.force.span() }, Chunks::new(&mut desk.activity, 1));
-    crew.sweep(work, &|(work, activity): (Work<'_, V>, Chunks<'_, f64>)| {
+    std::mem::swap(&mut matter.position, &mut workspace.position);
+    std::mem::swap(&mut matter.velocity, &mut workspace.velocity);
+    let dynamics = &*dynamics;
+    let ends_step = matches!(action, Action::StageUpdate(stage, _) if stage + 1 == I::NODES.len());
+    let ends_run = ends_step && matches!(action, Action::StageUpdate(_, None));
+    let at = dynamics.state_view(workspace.position.view(), workspace.velocity.view(), time);
+    let before = workspace.before.as_ref().filter(|_| ends_step && !I::DRIFTS_FIRST);
+    let work = (Work { blocks: matter.blocks(), force: workspace.force.span() }, BlockedSlice::new(&mut workspace.activity, 1));
+    executor.for_each_block(work, &|(work, activity): (Work<'_, V>, BlockedSlice<'_, f64>)| {
         let Work { mut blocks, mut force } = work;
         let range = blocks.range();
         blocks.position.copy_from(&at.position, range.start);
         blocks.velocity.copy_from(&at.velocity, range.start);
-        let mut power = [[0.0; LANES]; CHANNELS];
+        let mut power = [[0.0; LANES]; SINKS];
         if asks {
-            law.accumulate(&range, &at, &mut Rates { force: force.reborrow(), power: &mut power });
+            dynamics.accumulate(&range, &at, &mut Rates { force: force.reborrow(), power: &mut power });
         }
-        activity.items[0] = kernels::stage::<V, I>(law, &mut blocks, &Load { force, power }, interval.h, action);
-        if let (Some(contacts), Some([position, velocity])) = (&law.contacts, before) {
-            contacts.resolve(&Before::part(position, velocity, &range), &mut blocks, &law.properties, interval.h);
+        activity.items[0] = kernels::stage::<V, I>(dynamics, &mut blocks, &Load { force, power }, interval.h, action);
+        if let (Some(contacts), Some([position, velocity])) = (&dynamics.contacts, before) {
+            contacts.resolve(&Before::part(position, velocity, &range), &mut blocks, &dynamics.properties, interval.h);
         }
         if ends_run {
-            activity.items[0] += kernels::out_of_range(law, &blocks);
+            activity.items[0] += kernels::out_of_range(dynamics, &blocks);
         }
     });
     Ok(())
 }
 
 /// Resolves all contacts within the drift.
-fn collisions<V: Vector, I: Integrator>(law: &Law<V>, matter: &mut Matter<V>, desk: &Desk<V>, h: f64, crew: &Crew) {
-    let (Some(contacts), Some([position, velocity])) = (&law.contacts, &desk.before) else { return };
-    crew.sweep(matter.blocks(), &|mut block: Blocks<'_, V>| {
+fn collisions<V: Vector, I: Integrator>(
+    dynamics: &Dynamics<V>,
+    matter: &mut Matter<V>,
+    workspace: &Workspace<V>,
+    h: f64,
+    executor: &Executor,
+) {
+    let (Some(contacts), Some([position, velocity])) = (&dynamics.contacts, &workspace.before) else { return };
+    executor.for_each_block(matter.blocks(), &|mut block: Blocks<'_, V>| {
         let before = Before::part(position, velocity, &block.range());
-        collide::<V, I>(law, contacts, &mut block, &before, h);
+        collide::<V, I>(dynamics, contacts, &mut block, &before, h);
     });
 }
 

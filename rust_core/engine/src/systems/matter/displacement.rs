@@ -5,37 +5,43 @@
 
 use crate::error::Result;
 use crate::math::Vector;
-use crate::matter::{Blocks, Channel, Columns, Matter};
-use crate::parallel::Crew;
+use crate::matter::{Blocks, Columns, EnergySink, Matter};
+use crate::parallel::Executor;
 use crate::systems::matter::coupled::Work;
-use crate::systems::matter::law::Law;
+use crate::systems::matter::dynamics::Dynamics;
 
 /// Moves all particles that a force displaces, at a time; `ways` is memory.
-pub fn displace<V: Vector>(law: &Law<V>, matter: &mut Matter<V>, ways: &mut Columns<V>, time: f64, crew: &Crew) -> Result<()> {
-    let before = law.potential_of_callbacks(&law.moment_of(matter, time, crew))?;
-    crew.sweep(Work { blocks: matter.blocks(), force: ways.span() }, &|work: Work<'_, V>| {
+pub fn displace<V: Vector>(
+    dynamics: &Dynamics<V>,
+    matter: &mut Matter<V>,
+    ways: &mut Columns<V>,
+    time: f64,
+    executor: &Executor,
+) -> Result<()> {
+    let before = dynamics.potential_of_callbacks(&dynamics.view_of(matter, time, executor))?;
+    executor.for_each_block(Work { blocks: matter.blocks(), force: ways.span() }, &|work: Work<'_, V>| {
         let Work { mut blocks, force: mut ways } = work;
         let (start, count) = (blocks.start, blocks.count);
-        law.displace(&blocks.range(), &mut ways);
+        dynamics.displace(&blocks.range(), &mut ways);
         let potential = |blocks: &Blocks<'_, V>| {
-            let at = law.moment(blocks.position.view(start), blocks.velocity.view(start), time);
-            law.potential(&(start..start + count), &at)
+            let at = dynamics.state_view(blocks.position.view(start), blocks.velocity.view(start), time);
+            dynamics.potential(&(start..start + count), &at)
         };
         let before = potential(&blocks);
         for lane in 0..count {
             let way = ways.get(lane);
             if way != V::default() {
-                let place = blocks.place(lane) + way.widen();
-                let held = law.contacts.as_ref().and_then(|walls| walls.hold(place, &law.properties, start + lane));
-                blocks.set_place(lane, held.unwrap_or(place));
+                let place = blocks.exact_position(lane) + way.widen();
+                let held = dynamics.contacts.as_ref().and_then(|walls| walls.confine(place, &dynamics.properties, start + lane));
+                blocks.set_exact_position(lane, held.unwrap_or(place));
             }
         }
         let gain = potential(&blocks) - before;
-        blocks.meters[0].add(Channel::Work, gain);
+        blocks.tallies[0].add(EnergySink::Work, gain);
     });
-    let gain = law.potential_of_callbacks(&law.moment_of(matter, time, crew))? - before;
-    if let Some(meter) = matter.meters.first_mut() {
-        meter.add(Channel::Work, gain);
+    let gain = dynamics.potential_of_callbacks(&dynamics.view_of(matter, time, executor))? - before;
+    if let Some(tally) = matter.tallies.first_mut() {
+        tally.add(EnergySink::Work, gain);
     }
     Ok(())
 }

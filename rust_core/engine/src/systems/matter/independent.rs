@@ -4,13 +4,13 @@ use crate::contacts::Before;
 use crate::forces::{InverseSquare, Rates};
 use crate::integrators::Integrator;
 use crate::math::{Real, Vector};
-use crate::matter::{Blocks, CHANNELS, Matter, Span};
-use crate::parallel::{Chunks, Crew};
+use crate::matter::{Blocks, Matter, SINKS, Span};
+use crate::parallel::{BlockedSlice, Executor};
 use crate::simd::LANES;
 use crate::systems::matter::activity::Activity;
 use crate::systems::matter::collisions::collide;
+use crate::systems::matter::dynamics::Dynamics;
 use crate::systems::matter::kernels::{self, Action, Load};
-use crate::systems::matter::law::Law;
 use crate::systems::matter::{Interval, Record};
 
 /// Of how many steps one has its activity found where they run in registers. The steps of the clock's segment count, so that
@@ -20,32 +20,32 @@ const SAMPLING: u64 = 32;
 /// Advances `matter` from the state `from`: block by block, each through all steps. The activity at the end is not a number
 /// where a position is not finite.
 pub fn advance<V: Vector, I: Integrator>(
-    law: &Law<V>,
+    dynamics: &Dynamics<V>,
     from: &Matter<V>,
     matter: &mut Matter<V>,
     interval: Interval,
     (activity, record): (&mut Activity, Record),
-    crew: &Crew,
+    executor: &Executor,
 ) {
     // Only linear laws can leave out the activity on the way.
-    let folded = law.is_folded() && law.contacts.is_none();
-    let recorded = if folded && record == Record::LastStep { 1 } else { interval.steps as usize };
-    let work = (matter.blocks(), activity.record(from.meters.len(), recorded));
-    crew.sweep(work, &|(block, activity): (Blocks<'_, V>, Chunks<'_, f64>)| {
+    let fused = dynamics.is_fused() && dynamics.contacts.is_none();
+    let recorded = if fused && record == Record::LastStep { 1 } else { interval.steps as usize };
+    let work = (matter.blocks(), activity.record(from.tallies.len(), recorded));
+    executor.for_each_block(work, &|(block, activity): (Blocks<'_, V>, BlockedSlice<'_, f64>)| {
         let activity = activity.items;
         on_bench::<V, I>(from, block, |bench| {
-            if folded {
+            if fused {
                 for activity in activity.iter_mut() {
-                    kernels::steps::<V, I>(law, &mut bench.block, interval.h, interval.steps / recorded as u64);
-                    *activity = kernels::activity(law, &bench.block);
+                    kernels::steps::<V, I>(dynamics, &mut bench.block, interval.h, interval.steps / recorded as u64);
+                    *activity = kernels::activity(dynamics, &bench.block);
                 }
-            } else if let (Some(force), None) = (law.lone_inverse_square(), &law.contacts) {
-                sampled::<V, I>(law, force, bench, interval, record, activity);
+            } else if let (Some(force), None) = (dynamics.lone_inverse_square(), &dynamics.contacts) {
+                sampled::<V, I>(dynamics, force, bench, interval, record, activity);
             } else {
-                one_by_one::<V, I>(law, bench, interval, activity, crew);
+                one_by_one::<V, I>(dynamics, bench, interval, activity, executor);
             }
             if let Some(last) = activity.last_mut() {
-                *last += kernels::out_of_range(law, &bench.block);
+                *last += kernels::out_of_range(dynamics, &bench.block);
             }
         });
     });
@@ -54,7 +54,7 @@ pub fn advance<V: Vector, I: Integrator>(
 
 /// Steps under an inverse-square law alone, with the activity after those that are sampled.
 fn sampled<V: Vector, I: Integrator>(
-    law: &Law<V>,
+    dynamics: &Dynamics<V>,
     force: InverseSquare<'_, V::Scalar>,
     bench: &mut Bench<'_, V>,
     interval: Interval,
@@ -65,20 +65,20 @@ fn sampled<V: Vector, I: Integrator>(
     while !rest.is_empty() {
         let step = interval.first + interval.steps - rest.len() as u64;
         let steps = (every - step % every).min(rest.len() as u64);
-        kernels::steps_under::<V, I>(law, force, &mut bench.block, interval.h, steps);
+        kernels::point_force_steps::<V, I>(dynamics, force, &mut bench.block, interval.h, steps);
         let (now, later) = rest.split_at_mut(steps as usize);
         if (step + steps).is_multiple_of(every) {
-            now[now.len() - 1] = kernels::activity(law, &bench.block);
+            now[now.len() - 1] = kernels::activity(dynamics, &bench.block);
         }
         rest = later;
     }
 }
 
 /// Evaluates the law at the state `from` and fills the carried memory of `matter`.
-pub fn begin<V: Vector, I: Integrator>(law: &Law<V>, from: &Matter<V>, matter: &mut Matter<V>, interval: Interval) {
-    Crew::alone().sweep(matter.blocks(), &|block: Blocks<'_, V>| {
+pub fn begin<V: Vector, I: Integrator>(dynamics: &Dynamics<V>, from: &Matter<V>, matter: &mut Matter<V>, interval: Interval) {
+    Executor::serial().for_each_block(matter.blocks(), &|block: Blocks<'_, V>| {
         on_bench::<V, I>(from, block, |bench| {
-            run_stage::<V, I>(law, bench, interval, interval.start, Action::Begin);
+            run_stage::<V, I>(dynamics, bench, interval, interval.start, Action::Begin);
         });
     });
 }
@@ -94,78 +94,78 @@ struct Bench<'a, V: Vector> {
 /// Copies a block of `from` onto a bench, works on it there, and copies the result to `block`.
 fn on_bench<V: Vector, I: Integrator>(from: &Matter<V>, mut block: Blocks<'_, V>, work: impl FnOnce(&mut Bench<'_, V>)) {
     let (start, length) = (block.start, block.position.len());
-    block.meters[0] = from.meters[start / from.block];
+    block.tallies[0] = from.tallies[start / from.block];
     let stride = length + LANES;
-    let vectors = 5 + I::MEMORY;
+    let vectors = 5 + I::REGISTERS;
     V::Scalar::with_scratch(vectors * V::DIMENSION * stride, |scratch| {
         let mut columns = scratch.chunks_exact_mut(stride).map(|column| &mut column[..length]);
         let mut span = || Span {
             axes: std::array::from_fn(|axis| if axis < V::DIMENSION { columns.next().unwrap_or_default() } else { &mut [] }),
         };
         let (position, velocity, force, before) = (span(), span(), span(), [span(), span()]);
-        let memory = std::array::from_fn(|kept| if kept < I::MEMORY { span() } else { Span::empty() });
+        let registers = std::array::from_fn(|kept| if kept < I::REGISTERS { span() } else { Span::empty() });
         let mut bench =
-            Bench { block: Blocks::new(start, block.count, position, velocity, memory, &mut *block.meters), force, before };
+            Bench { block: Blocks::new(start, block.count, position, velocity, registers, &mut *block.tallies), force, before };
         bench.block.position.copy_from(&from.position.view(), start);
         bench.block.velocity.copy_from(&from.velocity.view(), start);
-        for (memory, from) in bench.block.memory.iter_mut().zip(&from.memory).take(I::CARRIED) {
-            memory.copy_from(&from.view(), start);
+        for (registers, from) in bench.block.registers.iter_mut().zip(&from.registers).take(I::PERSISTENT) {
+            registers.copy_from(&from.view(), start);
         }
         work(&mut bench);
         let Bench { block: done, .. } = bench;
         block.position.copy_from(&done.position.view(0), 0);
         block.velocity.copy_from(&done.velocity.view(0), 0);
-        for (memory, done) in block.memory.iter_mut().zip(&done.memory).take(I::KEPT) {
-            memory.copy_from(&done.view(0), 0);
+        for (registers, done) in block.registers.iter_mut().zip(&done.registers).take(I::READABLE) {
+            registers.copy_from(&done.view(0), 0);
         }
     });
 }
 
-/// One step after the other, with a contact stage between them, or with forces that are not folded.
+/// One step after the other, with a contact stage between them, or with forces that are not fused.
 fn one_by_one<V: Vector, I: Integrator>(
-    law: &Law<V>,
+    dynamics: &Dynamics<V>,
     bench: &mut Bench<'_, V>,
     interval: Interval,
     activity: &mut [f64],
-    crew: &Crew,
+    executor: &Executor,
 ) {
     for (step, activity) in (0..).zip(activity) {
-        if crew.stopped() {
+        if executor.stopped() {
             return;
         }
-        if law.contacts.is_some() {
+        if dynamics.contacts.is_some() {
             bench.before[0].copy_from(&bench.block.position.view(0), 0);
             bench.before[1].copy_from(&bench.block.velocity.view(0), 0);
         }
-        *activity = if law.is_folded() && (law.contacts.is_none() || !I::DRIFTS_FIRST) {
-            kernels::steps::<V, I>(law, &mut bench.block, interval.h, 1);
-            kernels::activity(law, &bench.block)
+        *activity = if dynamics.is_fused() && (dynamics.contacts.is_none() || !I::DRIFTS_FIRST) {
+            kernels::steps::<V, I>(dynamics, &mut bench.block, interval.h, 1);
+            kernels::activity(dynamics, &bench.block)
         } else {
-            stages::<V, I>(law, bench, interval, step)
+            stages::<V, I>(dynamics, bench, interval, step)
         };
-        if let (Some(contacts), false) = (&law.contacts, I::DRIFTS_FIRST) {
-            contacts.resolve(&Before::spans(&bench.before), &mut bench.block, &law.properties, interval.h);
+        if let (Some(contacts), false) = (&dynamics.contacts, I::DRIFTS_FIRST) {
+            contacts.resolve(&Before::spans(&bench.before), &mut bench.block, &dynamics.properties, interval.h);
         }
     }
 }
 
 /// One step, stage by stage; gives the activity at its end.
-fn stages<V: Vector, I: Integrator>(law: &Law<V>, bench: &mut Bench<'_, V>, interval: Interval, step: u64) -> f64 {
-    run_stage::<V, I>(law, bench, interval, 0.0, Action::Point);
-    if let (Some(contacts), true) = (&law.contacts, I::DRIFTS_FIRST) {
-        collide::<V, I>(law, contacts, &mut bench.block, &Before::spans(&bench.before), interval.h);
+fn stages<V: Vector, I: Integrator>(dynamics: &Dynamics<V>, bench: &mut Bench<'_, V>, interval: Interval, step: u64) -> f64 {
+    run_stage::<V, I>(dynamics, bench, interval, 0.0, Action::StageState);
+    if let (Some(contacts), true) = (&dynamics.contacts, I::DRIFTS_FIRST) {
+        collide::<V, I>(dynamics, contacts, &mut bench.block, &Before::spans(&bench.before), interval.h);
     }
     let mut activity = 0.0;
     for stage in 0..I::NODES.len() {
         let next = (stage + 1 < I::NODES.len()).then_some(stage + 1);
         let time = interval.time(step, I::NODES[stage]);
-        activity = run_stage::<V, I>(law, bench, interval, time, Action::Absorb(stage, next));
+        activity = run_stage::<V, I>(dynamics, bench, interval, time, Action::StageUpdate(stage, next));
     }
     activity
 }
 
 fn run_stage<V: Vector, I: Integrator>(
-    law: &Law<V>,
+    dynamics: &Dynamics<V>,
     bench: &mut Bench<'_, V>,
     interval: Interval,
     time: f64,
@@ -173,10 +173,10 @@ fn run_stage<V: Vector, I: Integrator>(
 ) -> f64 {
     let Bench { block, force, .. } = bench;
     let range = block.range();
-    let mut power = [[0.0; LANES]; CHANNELS];
-    if !matches!(action, Action::Point) {
-        let at = law.moment(block.position.view(range.start), block.velocity.view(range.start), time);
-        law.accumulate(&range, &at, &mut Rates { force: force.reborrow(), power: &mut power });
+    let mut power = [[0.0; LANES]; SINKS];
+    if !matches!(action, Action::StageState) {
+        let at = dynamics.state_view(block.position.view(range.start), block.velocity.view(range.start), time);
+        dynamics.accumulate(&range, &at, &mut Rates { force: force.reborrow(), power: &mut power });
     }
-    kernels::stage::<V, I>(law, block, &Load { force: force.reborrow(), power }, interval.h, action)
+    kernels::stage::<V, I>(dynamics, block, &Load { force: force.reborrow(), power }, interval.h, action)
 }

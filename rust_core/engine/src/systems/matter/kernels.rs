@@ -1,20 +1,20 @@
 //! The inner loops: an integrator's steps or stages over the lanes of one block.
 //!
-//! [`Steps`] runs whole steps of a folded law in registers. [`Stage`] runs one stage with forces that were accumulated
-//! before. Both evaluate the folded law the same way, so a scene pays for the general one only where it needs it.
-//! [`StepsUnder`] runs whole steps under one point law, as the field of a star or a nucleus.
+//! [`Steps`] runs whole steps of a fused law in registers. [`Stage`] runs one stage with forces that were accumulated
+//! before. Both evaluate the fused law the same way, so a scene pays for the general one only where it needs it.
+//! [`PointForceSteps`] runs whole steps under one point law, as the field of a star or a nucleus.
 
 use std::marker::PhantomData;
 
-use crate::forces::affine::{AxisLaw, Coefficients, Varying};
-use crate::forces::{InverseSquare, PointLaw};
-use crate::integrators::{Integrator, Register};
+use crate::forces::linear::{AxisLaw, Coefficients, Varying};
+use crate::forces::{ForceField, InverseSquare};
+use crate::integrators::{Component, Integrator};
 use crate::math::{AXES, Real, Vector};
-use crate::matter::{Blocks, CHANNELS, Channel, MEMORY, Meter, Power, Span};
+use crate::matter::{Blocks, EnergySink, EnergyTally, Power, REGISTERS, SINKS, Span};
 use crate::simd::{Kernel, LANES, Lanes, dispatch};
-use crate::systems::matter::law::Law;
+use crate::systems::matter::dynamics::Dynamics;
 
-/// The folded law along one axis of a block. The loops below read everything that a group of lanes needs into local
+/// The fused law along one axis of a block. The loops below read everything that a group of lanes needs into local
 /// arrays first: only then can the compiler be sure that nothing overlaps, and vectorise them.
 trait AxisForce<T: Real>: Copy {
     /// Whether power is supplied from outside, by wind.
@@ -86,20 +86,20 @@ impl<T: Real> AxisForce<T> for Varying<'_, T> {
     }
 }
 
-/// Whole steps of a block whose forces are all folded.
+/// Whole steps of a block whose forces are all fused.
 struct Steps<'a, T, I> {
     axes: Axes<'a, T>,
-    meter: &'a mut Meter,
+    tally: &'a mut EnergyTally,
     dissipates: bool,
     h: f64,
     number: u64,
     integrator: PhantomData<I>,
 }
 
-/// Advances one block by whole steps under the folded law alone.
-pub fn steps<V: Vector, I: Integrator>(law: &Law<V>, blocks: &mut Blocks<'_, V>, h: f64, steps: u64) {
-    let (axes, meter) = split(law, blocks);
-    dispatch(Steps::<V::Scalar, I> { axes, meter, dissipates: law.affine.dissipates, h, number: steps, integrator: PhantomData });
+/// Advances one block by whole steps under the fused law alone.
+pub fn steps<V: Vector, I: Integrator>(law: &Dynamics<V>, blocks: &mut Blocks<'_, V>, h: f64, steps: u64) {
+    let (axes, tally) = split(law, blocks);
+    dispatch(Steps::<V::Scalar, I> { axes, tally, dissipates: law.linear.dissipates, h, number: steps, integrator: PhantomData });
 }
 
 impl<T: Real, I: Integrator> Kernel for Steps<'_, T, I> {
@@ -122,8 +122,8 @@ impl<T: Real, I: Integrator> Steps<'_, T, I> {
     /// Takes one step, or two with the same bits in one pass over the columns.
     #[inline(always)]
     fn pass<const TWO: bool>(&mut self) {
-        let mut power = [[[0.0; LANES]; CHANNELS]; 2];
-        let mut channels = &[Channel::Drag][..];
+        let mut power = [[[0.0; LANES]; SINKS]; 2];
+        let mut sinks = &[EnergySink::Drag][..];
         for (axis, law) in self.axes.iter_mut().flatten() {
             match *law {
                 AxisLaw::Uniform(same) if self.dissipates => {
@@ -132,36 +132,37 @@ impl<T: Real, I: Integrator> Steps<'_, T, I> {
                 AxisLaw::Uniform(same) => whole_steps::<_, I, TWO>(Uniform::<_, false>(same), axis, self.h, &mut power),
                 AxisLaw::Varying(varying) => {
                     whole_steps::<_, I, TWO>(varying, axis, self.h, &mut power);
-                    channels = &[Channel::Drag, Channel::Work];
+                    sinks = &[EnergySink::Drag, EnergySink::Work];
                 }
             }
         }
         if self.dissipates {
             let weight = if I::NODES.len() == 1 { I::WEIGHTS[0] } else { 1.0 };
             for power in power.iter().take(1 + usize::from(TWO)) {
-                integrate(self.meter, power, channels, self.h * weight, self.h * I::LAST_WEIGHT, true);
+                integrate(self.tally, power, sinks, self.h * weight, self.h * I::LAST_WEIGHT, true);
             }
             if reuses_one_of_many::<I>() {
-                self.meter.last = power[1];
+                self.tally.last = power[1];
             }
         }
     }
 }
 
-/// All channels.
-const ALL: [Channel; CHANNELS] = [Channel::Drag, Channel::Damping, Channel::Contact, Channel::Viscosity, Channel::Work];
+/// All sinks.
+const ALL: [EnergySink; SINKS] =
+    [EnergySink::Drag, EnergySink::Damping, EnergySink::Contact, EnergySink::Viscosity, EnergySink::Work];
 
-/// Adds what passes through some channels of a meter during one stage: the power times `span`, and the power at the last
+/// Adds what passes through some sinks of a tally during one stage: the power times `span`, and the power at the last
 /// stage of the step before times `last_span`. `keep` says that this is the last stage of its step.
 #[inline(always)]
-fn integrate(meter: &mut Meter, power: &Power, channels: &[Channel], span: f64, last_span: f64, keep: bool) {
-    for channel in channels.iter().map(|&channel| channel as usize) {
-        let (now, last) = (power[channel], meter.last[channel]);
+fn integrate(tally: &mut EnergyTally, power: &Power, sinks: &[EnergySink], span: f64, last_span: f64, keep: bool) {
+    for sink in sinks.iter().map(|&sink| sink as usize) {
+        let (now, last) = (power[sink], tally.last[sink]);
         for lane in 0..LANES {
-            meter.energy[channel][lane] += last_span * last[lane] + span * now[lane];
+            tally.energy[sink][lane] += last_span * last[lane] + span * now[lane];
         }
         if keep {
-            meter.last[channel] = now;
+            tally.last[sink] = now;
         }
     }
 }
@@ -170,7 +171,7 @@ fn integrate(meter: &mut Meter, power: &Power, channels: &[Channel], span: f64, 
 struct Axis<'a, T, const W: usize = LANES> {
     x: &'a mut [[T; W]],
     v: &'a mut [[T; W]],
-    memory: [&'a mut [[T; W]]; MEMORY],
+    registers: [&'a mut [[T; W]]; REGISTERS],
     /// What x is short of by rounding; empty where nobody needs it.
     residual: &'a mut [[T; W]],
 }
@@ -179,33 +180,34 @@ struct Axis<'a, T, const W: usize = LANES> {
 /// kernel serves two and three dimensions.
 type Axes<'a, T> = [Option<(Axis<'a, T>, AxisLaw<'a, T>)>; AXES];
 
-/// The axes with their laws and the meter of a block.
-fn split<'a, V: Vector>(law: &'a Law<V>, blocks: &'a mut Blocks<'_, V>) -> (Axes<'a, V::Scalar>, &'a mut Meter) {
+/// The axes with their laws and the tally of a block.
+fn split<'a, V: Vector>(law: &'a Dynamics<V>, blocks: &'a mut Blocks<'_, V>) -> (Axes<'a, V::Scalar>, &'a mut EnergyTally) {
     let (start, length) = (blocks.start, blocks.position.len());
-    let mut columns = columns(&mut blocks.position, &mut blocks.velocity, &mut blocks.memory, &mut blocks.residual).into_iter();
+    let mut columns =
+        columns(&mut blocks.position, &mut blocks.velocity, &mut blocks.registers, &mut blocks.residual).into_iter();
     let axes = std::array::from_fn(|axis| {
         let columns = columns.next().filter(|_| axis < V::DIMENSION);
-        columns.map(|columns| (columns, law.affine.axis(axis, start, length)))
+        columns.map(|columns| (columns, law.linear.axis(axis, start, length)))
     });
-    (axes, &mut blocks.meters[0])
+    (axes, &mut blocks.tallies[0])
 }
 
 /// The columns of every axis; those past the dimension are empty.
 fn columns<'a, V: Vector, const W: usize>(
     position: &'a mut Span<'_, V>,
     velocity: &'a mut Span<'_, V>,
-    memory: &'a mut [Span<'_, V>; MEMORY],
+    registers: &'a mut [Span<'_, V>; REGISTERS],
     residual: &'a mut Span<'_, V>,
 ) -> [Axis<'a, V::Scalar, W>; AXES] {
     let mut x = position.axes.iter_mut().map(|axis| &mut **axis);
     let mut v = velocity.axes.iter_mut().map(|axis| &mut **axis);
-    let mut memory = memory.each_mut().map(|span| span.axes.iter_mut().map(|axis| &mut **axis));
+    let mut registers = registers.each_mut().map(|span| span.axes.iter_mut().map(|axis| &mut **axis));
     let mut residual = residual.axes.iter_mut().map(|axis| &mut **axis);
     let lanes = |column: Option<&'a mut [V::Scalar]>| column.map_or(&mut [][..], |column| column.as_chunks_mut().0);
     std::array::from_fn(|_| Axis {
         x: lanes(x.next()),
         v: lanes(v.next()),
-        memory: memory.each_mut().map(|axes| lanes(axes.next())),
+        registers: registers.each_mut().map(|axes| lanes(axes.next())),
         residual: lanes(residual.next()),
     })
 }
@@ -227,33 +229,33 @@ fn whole_steps<T: Real, I: Integrator, const TWO: bool>(
     power: &mut [Power; 2],
 ) {
     let step = T::from_f64(h);
-    let Axis { x, v, memory, .. } = axis;
+    let Axis { x, v, registers, .. } = axis;
     let (mut drag, mut second_drag) = ([T::ZERO; LANES], [T::ZERO; LANES]);
     let (mut work, mut second_work) = ([T::ZERO; LANES], [T::ZERO; LANES]);
     for (group, (x, v)) in x.iter_mut().zip(v.iter_mut()).enumerate() {
         let coefficients = law.group(group);
-        let mut registers = Registers::<T>::load(x, v, memory, group, I::CARRIED);
+        let mut components = ComponentGroup::<T>::load(x, v, registers, group, I::PERSISTENT);
         for lane in 0..LANES {
-            let mut register = registers.lane(lane);
-            let (passed, last) = one_step::<T, I, _>(&law, &coefficients, lane, &mut register, step);
+            let mut component = components.lane(lane);
+            let (passed, last) = one_step::<T, I, _>(&law, &coefficients, lane, &mut component, step);
             drag[lane] += passed.0;
             work[lane] += passed.1;
             if TWO {
-                let (passed, _) = one_step::<T, I, _>(&law, &coefficients, lane, &mut register, step);
+                let (passed, _) = one_step::<T, I, _>(&law, &coefficients, lane, &mut component, step);
                 second_drag[lane] += passed.0;
                 second_work[lane] += passed.1;
             } else if reuses_one_of_many::<I>() {
                 second_drag[lane] += last.0;
                 second_work[lane] += last.1;
             }
-            registers.set(lane, &register);
+            components.set(lane, &component);
         }
-        registers.store(x, v, memory, group, I::KEPT);
+        components.store(x, v, registers, group, I::READABLE);
     }
     for (power, [drag, work]) in power.iter_mut().zip([[&drag, &work], [&second_drag, &second_work]]) {
-        add_power(&mut power[Channel::Drag as usize], drag, law.unit());
+        add_power(&mut power[EnergySink::Drag as usize], drag, law.unit());
         if supplies(&law) {
-            add_power(&mut power[Channel::Work as usize], work, law.unit());
+            add_power(&mut power[EnergySink::Work as usize], work, law.unit());
         }
     }
 }
@@ -265,27 +267,27 @@ fn one_step<T: Real, I: Integrator, L: AxisForce<T>>(
     law: &L,
     coefficients: &L::Group,
     lane: usize,
-    register: &mut Register<T>,
+    component: &mut Component<T>,
     h: T,
 ) -> ((T, T), (T, T)) {
     let (mut drag, mut work) = (T::ZERO, T::ZERO);
     let mut last = (T::ZERO, T::ZERO);
     for stage in 0..I::NODES.len() {
-        I::point(stage, register, h);
-        let (dissipated, supplied) = law.power(coefficients, lane, register.v);
+        I::stage_state(stage, component, h);
+        let (dissipated, supplied) = law.power(coefficients, lane, component.v);
         // A single stage's weight is left to `integrate`: it would cost a multiplication per lane.
         let weigh = |power: T| if I::NODES.len() == 1 { power } else { T::from_f64(I::WEIGHTS[stage]) * power };
         drag = if stage == 0 { weigh(dissipated) } else { drag + weigh(dissipated) };
         work = if stage == 0 { weigh(supplied) } else { work + weigh(supplied) };
         last = (dissipated, supplied);
-        let a = law.acceleration(coefficients, lane, register.x, register.v);
-        I::absorb(stage, register, a, h);
+        let a = law.acceleration(coefficients, lane, component.x, component.v);
+        I::stage_update(stage, component, a, h);
     }
     ((drag, work), last)
 }
 
 /// The registers of one group of lanes. One array for each: an array of arrays would be moved about in memory.
-struct Registers<T, const W: usize = LANES> {
+struct ComponentGroup<T, const W: usize = LANES> {
     x: [T; W],
     v: [T; W],
     a: [T; W],
@@ -296,7 +298,7 @@ struct Registers<T, const W: usize = LANES> {
     f: [T; W],
 }
 
-impl<T: Real, const W: usize> Registers<T, W> {
+impl<T: Real, const W: usize> ComponentGroup<T, W> {
     const ZERO: Self = {
         let zero = [T::ZERO; W];
         Self { x: zero, v: zero, a: zero, b: zero, c: zero, d: zero, e: zero, f: zero }
@@ -304,32 +306,32 @@ impl<T: Real, const W: usize> Registers<T, W> {
 
     /// Reads positions, velocities and the first `used` memories.
     #[inline(always)]
-    fn load(x: &[T; W], v: &[T; W], memory: &[&mut [[T; W]]; MEMORY], group: usize, used: usize) -> Self {
-        let kept = |index: usize| if index < used { memory[index][group] } else { [T::ZERO; W] };
+    fn load(x: &[T; W], v: &[T; W], registers: &[&mut [[T; W]]; REGISTERS], group: usize, used: usize) -> Self {
+        let kept = |index: usize| if index < used { registers[index][group] } else { [T::ZERO; W] };
         Self { x: *x, v: *v, a: kept(0), b: kept(1), c: kept(2), d: kept(3), e: kept(4), f: kept(5) }
     }
 
     /// Writes the same.
     #[inline(always)]
-    fn store(&self, x: &mut [T; W], v: &mut [T; W], memory: &mut [&mut [[T; W]]; MEMORY], group: usize, used: usize) {
+    fn store(&self, x: &mut [T; W], v: &mut [T; W], registers: &mut [&mut [[T; W]]; REGISTERS], group: usize, used: usize) {
         *x = self.x;
         *v = self.v;
         for (index, values) in [&self.a, &self.b, &self.c, &self.d, &self.e, &self.f].into_iter().enumerate().take(used) {
-            memory[index][group] = *values;
+            registers[index][group] = *values;
         }
     }
 
     #[inline(always)]
-    fn lane(&self, lane: usize) -> Register<T> {
-        let memory = [self.a[lane], self.b[lane], self.c[lane], self.d[lane], self.e[lane], self.f[lane]];
-        Register { x: self.x[lane], v: self.v[lane], memory }
+    fn lane(&self, lane: usize) -> Component<T> {
+        let registers = [self.a[lane], self.b[lane], self.c[lane], self.d[lane], self.e[lane], self.f[lane]];
+        Component { x: self.x[lane], v: self.v[lane], registers }
     }
 
     #[inline(always)]
-    fn set(&mut self, lane: usize, register: &Register<T>) {
-        self.x[lane] = register.x;
-        self.v[lane] = register.v;
-        [self.a[lane], self.b[lane], self.c[lane], self.d[lane], self.e[lane], self.f[lane]] = register.memory;
+    fn set(&mut self, lane: usize, component: &Component<T>) {
+        self.x[lane] = component.x;
+        self.v[lane] = component.v;
+        [self.a[lane], self.b[lane], self.c[lane], self.d[lane], self.e[lane], self.f[lane]] = component.registers;
     }
 
     /// Turns positions that are relative to `x` into the nearest ones that there are, and into the residual. Their sum
@@ -337,32 +339,32 @@ impl<T: Real, const W: usize> Registers<T, W> {
     #[inline(always)]
     fn settle<I: Integrator>(&mut self, x: &Lanes<T>, residual: &mut Lanes<T>) {
         for lane in 0..LANES {
-            let mut register = self.lane(lane);
-            let (from, by) = (x[lane], register.x);
+            let mut component = self.lane(lane);
+            let (from, by) = (x[lane], component.x);
             let sum = from + by;
             let moved = sum - from;
             residual[lane] = (from - (sum - moved)) + (by - moved);
-            register.x = sum;
-            if let Some(place) = I::PLACE {
-                register.memory[place] -= by - residual[lane];
+            component.x = sum;
+            if let Some(place) = I::POSITION_REGISTER {
+                component.registers[place] -= by - residual[lane];
             }
-            self.set(lane, &register);
+            self.set(lane, &component);
         }
     }
 
     /// Changes every lane's register.
     #[inline(always)]
-    fn each(&mut self, change: impl Fn(&mut Register<T>, usize)) {
+    fn each(&mut self, change: impl Fn(&mut Component<T>, usize)) {
         for lane in 0..W {
-            let mut register = self.lane(lane);
-            change(&mut register, lane);
-            self.set(lane, &register);
+            let mut component = self.lane(lane);
+            change(&mut component, lane);
+            self.set(lane, &component);
         }
     }
 }
 
 /// Whole steps of a block under a lone conservative point law.
-struct StepsUnder<'a, 'b, V: Vector, I, L> {
+struct PointForceSteps<'a, 'b, V: Vector, I, L> {
     law: L,
     members: &'a [V::Scalar],
     inverse_mass: &'a [V::Scalar],
@@ -373,8 +375,8 @@ struct StepsUnder<'a, 'b, V: Vector, I, L> {
 }
 
 /// Advances one block by whole steps under an inverse-square law alone.
-pub fn steps_under<V: Vector, I: Integrator>(
-    law: &Law<V>,
+pub fn point_force_steps<V: Vector, I: Integrator>(
+    law: &Dynamics<V>,
     InverseSquare { law: force, members }: InverseSquare<'_, V::Scalar>,
     block: &mut Blocks<'_, V>,
     h: f64,
@@ -382,10 +384,10 @@ pub fn steps_under<V: Vector, I: Integrator>(
 ) {
     let members = &members[block.range()];
     let inverse_mass = &law.properties.inverse_mass[block.range()];
-    dispatch(StepsUnder::<V, I, _> { law: force, members, inverse_mass, block, h, number: steps, integrator: PhantomData });
+    dispatch(PointForceSteps::<V, I, _> { law: force, members, inverse_mass, block, h, number: steps, integrator: PhantomData });
 }
 
-impl<V: Vector, I: Integrator, L: PointLaw<V>> Kernel for StepsUnder<'_, '_, V, I, L> {
+impl<V: Vector, I: Integrator, L: ForceField<V>> Kernel for PointForceSteps<'_, '_, V, I, L> {
     type Output = ();
 
     #[inline(always)]
@@ -395,7 +397,7 @@ impl<V: Vector, I: Integrator, L: PointLaw<V>> Kernel for StepsUnder<'_, '_, V, 
     }
 }
 
-impl<V: Vector, I: Integrator, L: PointLaw<V>> StepsUnder<'_, '_, V, I, L> {
+impl<V: Vector, I: Integrator, L: ForceField<V>> PointForceSteps<'_, '_, V, I, L> {
     /// Takes all steps, `W` particles at a time.
     #[inline(always)]
     fn steps<const W: usize>(self) {
@@ -403,38 +405,38 @@ impl<V: Vector, I: Integrator, L: PointLaw<V>> StepsUnder<'_, '_, V, I, L> {
         let step = V::Scalar::from_f64(h);
         let (members, inverse_mass) = (members.as_chunks::<W>().0, inverse_mass.as_chunks::<W>().0);
         let [mut x, mut y, mut z] =
-            columns::<V, W>(&mut block.position, &mut block.velocity, &mut block.memory, &mut block.residual);
+            columns::<V, W>(&mut block.position, &mut block.velocity, &mut block.registers, &mut block.residual);
         for _ in 0..number {
             for (group, (members, inverse_mass)) in members.iter().zip(inverse_mass).enumerate() {
                 let (members, inverse_mass) = (*members, *inverse_mass);
-                let mut first = Registers::load(&x.x[group], &x.v[group], &x.memory, group, I::CARRIED);
-                let mut second = Registers::load(&y.x[group], &y.v[group], &y.memory, group, I::CARRIED);
-                let mut third = Registers::ZERO;
+                let mut first = ComponentGroup::load(&x.x[group], &x.v[group], &x.registers, group, I::PERSISTENT);
+                let mut second = ComponentGroup::load(&y.x[group], &y.v[group], &y.registers, group, I::PERSISTENT);
+                let mut third = ComponentGroup::ZERO;
                 if V::DIMENSION > 2 {
-                    third = Registers::load(&z.x[group], &z.v[group], &z.memory, group, I::CARRIED);
+                    third = ComponentGroup::load(&z.x[group], &z.v[group], &z.registers, group, I::PERSISTENT);
                 }
                 for lane in 0..W {
                     // A force times an inverse mass is an acceleration.
                     let weight = members[lane] * inverse_mass[lane];
-                    let mut registers = [first.lane(lane), second.lane(lane), third.lane(lane)];
+                    let mut components = [first.lane(lane), second.lane(lane), third.lane(lane)];
                     for stage in 0..I::NODES.len() {
                         for axis in 0..V::DIMENSION {
-                            I::point(stage, &mut registers[axis], step);
+                            I::stage_state(stage, &mut components[axis], step);
                         }
-                        let at = |of: fn(&Register<V::Scalar>) -> V::Scalar| std::array::from_fn(|axis| of(&registers[axis]));
-                        let a = law.at(weight, at(|register| register.x), at(|register| register.v)).force;
+                        let at = |of: fn(&Component<V::Scalar>) -> V::Scalar| std::array::from_fn(|axis| of(&components[axis]));
+                        let a = law.at(weight, at(|component| component.x), at(|component| component.v)).force;
                         for axis in 0..V::DIMENSION {
-                            I::absorb(stage, &mut registers[axis], a[axis], step);
+                            I::stage_update(stage, &mut components[axis], a[axis], step);
                         }
                     }
-                    first.set(lane, &registers[0]);
-                    second.set(lane, &registers[1]);
-                    third.set(lane, &registers[2]);
+                    first.set(lane, &components[0]);
+                    second.set(lane, &components[1]);
+                    third.set(lane, &components[2]);
                 }
-                first.store(&mut x.x[group], &mut x.v[group], &mut x.memory, group, I::KEPT);
-                second.store(&mut y.x[group], &mut y.v[group], &mut y.memory, group, I::KEPT);
+                first.store(&mut x.x[group], &mut x.v[group], &mut x.registers, group, I::READABLE);
+                second.store(&mut y.x[group], &mut y.v[group], &mut y.registers, group, I::READABLE);
                 if V::DIMENSION > 2 {
-                    third.store(&mut z.x[group], &mut z.v[group], &mut z.memory, group, I::KEPT);
+                    third.store(&mut z.x[group], &mut z.v[group], &mut z.registers, group, I::READABLE);
                 }
             }
         }
@@ -447,17 +449,17 @@ pub enum Action {
     /// Begins a run: fills the carried memory.
     Begin,
     /// Only moves to where the first stage asks for the forces.
-    Point,
+    StageState,
     /// Takes it in as that of a stage, and moves on to another stage.
-    Absorb(usize, Option<usize>),
+    StageUpdate(usize, Option<usize>),
 }
 
-/// The forces and powers of one block that are not folded.
+/// The forces and powers of one block that are not fused.
 #[derive(Debug)]
 pub struct Load<'a, V: Vector> {
     /// The force on every particle [N].
     pub force: Span<'a, V>,
-    /// The power through each channel [W].
+    /// The power through each sink [W].
     pub power: Power,
 }
 
@@ -467,7 +469,7 @@ struct Stage<'a, T, I> {
     inverse_mass: &'a [Lanes<T>],
     inertia: &'a [Lanes<T>],
     power: Power,
-    meter: &'a mut Meter,
+    tally: &'a mut EnergyTally,
     dissipates: bool,
     h: f64,
     action: Action,
@@ -476,7 +478,7 @@ struct Stage<'a, T, I> {
 
 /// Runs one stage of one block, and gives the activity at the stage.
 pub fn stage<V: Vector, I: Integrator>(
-    law: &Law<V>,
+    law: &Dynamics<V>,
     blocks: &mut Blocks<'_, V>,
     load: &Load<'_, V>,
     h: f64,
@@ -485,15 +487,15 @@ pub fn stage<V: Vector, I: Integrator>(
     let inverse_mass = law.properties.inverse_mass[blocks.range()].as_chunks().0;
     let inertia = law.properties.inertia[blocks.range()].as_chunks().0;
     let force = load.force.axes.each_ref().map(|axis| axis.as_chunks().0);
-    let (axes, meter) = split(law, blocks);
+    let (axes, tally) = split(law, blocks);
     dispatch(Stage::<V::Scalar, I> {
         axes,
         force,
         inverse_mass,
         inertia,
         power: load.power,
-        meter,
-        dissipates: law.affine.dissipates,
+        tally,
+        dissipates: law.linear.dissipates,
         h,
         action,
         integrator: PhantomData,
@@ -505,7 +507,7 @@ impl<T: Real, I: Integrator> Kernel for Stage<'_, T, I> {
 
     #[inline(always)]
     fn run(self) -> f64 {
-        let Self { mut axes, force, inverse_mass, inertia, mut power, meter, dissipates, h, action, .. } = self;
+        let Self { mut axes, force, inverse_mass, inertia, mut power, tally, dissipates, h, action, .. } = self;
         let mut squares = [T::ZERO; LANES];
         for ((axis, law), force) in axes.iter_mut().flatten().zip(force) {
             let push = Push { force, inverse_mass, inertia };
@@ -517,11 +519,11 @@ impl<T: Real, I: Integrator> Kernel for Stage<'_, T, I> {
             }
         }
         match action {
-            Action::Begin => meter.last = power,
-            Action::Point => {}
-            Action::Absorb(stage, _) => {
+            Action::Begin => tally.last = power,
+            Action::StageState => {}
+            Action::StageUpdate(stage, _) => {
                 let last = if stage == 0 { h * I::LAST_WEIGHT } else { 0.0 };
-                integrate(meter, &power, &ALL, h * I::WEIGHTS[stage], last, stage + 1 == I::NODES.len());
+                integrate(tally, &power, &ALL, h * I::WEIGHTS[stage], last, stage + 1 == I::NODES.len());
             }
         }
         kinetic(&squares)
@@ -547,70 +549,70 @@ fn one_stage<T: Real, I: Integrator>(
     (power, squares): (&mut Power, &mut Lanes<T>),
 ) {
     let step = T::from_f64(h);
-    let Axis { x, v, memory, residual } = axis;
+    let Axis { x, v, registers, residual } = axis;
     let mut drag = [T::ZERO; LANES];
     let mut work = [T::ZERO; LANES];
     let mut moved = *squares;
     for (group, (x, v)) in x.iter_mut().zip(v.iter_mut()).enumerate() {
         let coefficients = law.group(group);
         let (force, inverse_mass, inertia) = (push.force[group], push.inverse_mass[group], push.inertia[group]);
-        let mut registers = Registers::<T>::load(x, v, memory, group, I::MEMORY);
+        let mut components = ComponentGroup::<T>::load(x, v, registers, group, I::REGISTERS);
         let mut a = [T::ZERO; LANES];
         for lane in 0..LANES {
-            let register = registers.lane(lane);
-            let (dissipated, supplied) = law.power(&coefficients, lane, register.v);
+            let component = components.lane(lane);
+            let (dissipated, supplied) = law.power(&coefficients, lane, component.v);
             drag[lane] += dissipated;
             work[lane] += supplied;
-            moved[lane] += inertia[lane] * (register.v * register.v);
-            a[lane] = force[lane] * inverse_mass[lane] + law.acceleration(&coefficients, lane, register.x, register.v);
+            moved[lane] += inertia[lane] * (component.v * component.v);
+            a[lane] = force[lane] * inverse_mass[lane] + law.acceleration(&coefficients, lane, component.x, component.v);
         }
         // Integrators only ever add to a position, so that they can as well move what it is short of.
         if let Some(residual) = residual.get(group) {
-            registers.x = *residual;
+            components.x = *residual;
         }
         match action {
-            Action::Begin => registers.each(|register, lane| I::begin(register, a[lane])),
-            Action::Point => point::<T, I>(0, &mut registers, step),
-            Action::Absorb(stage, next) => {
-                absorb::<T, I>(stage, &mut registers, &a, step);
+            Action::Begin => components.each(|component, lane| I::begin(component, a[lane])),
+            Action::StageState => stage_state::<T, I>(0, &mut components, step),
+            Action::StageUpdate(stage, next) => {
+                stage_update::<T, I>(stage, &mut components, &a, step);
                 if let Some(next) = next {
-                    // A step ends in the same bits, whether the next one follows in this sweep or in another chunk.
+                    // A step ends in the same bits, whether the next one follows in this sweep or in another batch.
                     if let (0, Some(residual)) = (next, residual.get_mut(group)) {
-                        registers.settle::<I>(x, residual);
-                        (*x, registers.x) = (registers.x, *residual);
+                        components.settle::<I>(x, residual);
+                        (*x, components.x) = (components.x, *residual);
                     }
-                    point::<T, I>(next, &mut registers, step);
+                    stage_state::<T, I>(next, &mut components, step);
                 }
             }
         }
         if let Some(residual) = residual.get_mut(group) {
-            registers.settle::<I>(x, residual);
+            components.settle::<I>(x, residual);
         }
-        registers.store(x, v, memory, group, I::MEMORY);
+        components.store(x, v, registers, group, I::REGISTERS);
     }
     *squares = moved;
-    add_power(&mut power[Channel::Drag as usize], &drag, law.unit());
+    add_power(&mut power[EnergySink::Drag as usize], &drag, law.unit());
     if supplies(&law) {
-        add_power(&mut power[Channel::Work as usize], &work, law.unit());
+        add_power(&mut power[EnergySink::Work as usize], &work, law.unit());
     }
 }
 
 /// Moves a group to the point of a stage. The stage is a constant in each loop: only then can it be vectorised.
 #[inline(always)]
-fn point<T: Real, I: Integrator>(stage: usize, registers: &mut Registers<T>, h: T) {
+fn stage_state<T: Real, I: Integrator>(stage: usize, components: &mut ComponentGroup<T>, h: T) {
     for constant in 0..I::NODES.len() {
         if stage == constant {
-            registers.each(|register, _| I::point(constant, register, h));
+            components.each(|component, _| I::stage_state(constant, component, h));
         }
     }
 }
 
 /// Lets a group take in the accelerations of a stage.
 #[inline(always)]
-fn absorb<T: Real, I: Integrator>(stage: usize, registers: &mut Registers<T>, a: &Lanes<T>, h: T) {
+fn stage_update<T: Real, I: Integrator>(stage: usize, components: &mut ComponentGroup<T>, a: &Lanes<T>, h: T) {
     for constant in 0..I::NODES.len() {
         if stage == constant {
-            registers.each(|register, lane| I::absorb(constant, register, a[lane], h));
+            components.each(|component, lane| I::stage_update(constant, component, a[lane], h));
         }
     }
 }
@@ -636,7 +638,7 @@ fn kinetic<T: Real, const W: usize>(squares: &[T; W]) -> f64 {
 
 /// The activity of a block: the kinetic energy [J], ½ Σ m v², rough in single precision, and not finite as soon as one
 /// velocity is not.
-pub fn activity<V: Vector>(law: &Law<V>, blocks: &Blocks<'_, V>) -> f64 {
+pub fn activity<V: Vector>(law: &Dynamics<V>, blocks: &Blocks<'_, V>) -> f64 {
     dispatch(Activity { columns: &blocks.velocity, weights: &law.properties.inertia[blocks.range()] })
 }
 
@@ -664,7 +666,7 @@ impl<V: Vector> Kernel for Activity<'_, '_, V> {
 }
 
 /// 0 where all positions of a block and its kinetic energy are finite, else not a number: 0·∞ is none.
-pub fn out_of_range<V: Vector>(law: &Law<V>, blocks: &Blocks<'_, V>) -> f64 {
+pub fn out_of_range<V: Vector>(law: &Dynamics<V>, blocks: &Blocks<'_, V>) -> f64 {
     dispatch(OutOfRange { blocks, weights: &law.properties.inertia[blocks.range()] })
 }
 

@@ -4,20 +4,20 @@ mod activity;
 mod collisions;
 mod coupled;
 mod displacement;
+mod dynamics;
 mod independent;
 mod kernels;
-mod law;
 
-pub use law::Law;
+pub use dynamics::Dynamics;
 
 use activity::Activity;
-use coupled::Desk;
+use coupled::Workspace;
 
 use crate::error::{Error, Result};
 use crate::integrators::Integrator;
 use crate::math::Vector;
 use crate::matter::{Columns, Matter};
-use crate::parallel::{ALONE, Crew, Team};
+use crate::parallel::{Executor, SERIAL, ThreadPool};
 
 /// Which activities of a batch are recorded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -67,14 +67,14 @@ const COUPLED_BLOCK: usize = 4096;
 
 /// Particles with their law of motion.
 pub struct MatterSystem<V: Vector> {
-    law: Law<V>,
+    dynamics: Dynamics<V>,
     state: Matter<V>,
     /// The state at the last batch's start.
     kept: Matter<V>,
     activity: Activity,
-    desk: Option<Desk<V>>,
+    workspace: Option<Workspace<V>>,
     stepper: Box<dyn Stepper<V>>,
-    team: Team,
+    pool: ThreadPool,
     /// A rough idea of what a step costs [s].
     cost: f64,
 }
@@ -82,7 +82,7 @@ pub struct MatterSystem<V: Vector> {
 impl<V: Vector> MatterSystem<V> {
     /// The number of particles in a block, for independent particles or others.
     pub fn block<I: Integrator>(independent: bool) -> usize {
-        match (independent, I::MEMORY) {
+        match (independent, I::REGISTERS) {
             (false, _) => COUPLED_BLOCK,
             (true, 0..=2) => INDEPENDENT_BLOCK,
             // More memory per particle, fewer particles in the same cache.
@@ -91,28 +91,38 @@ impl<V: Vector> MatterSystem<V> {
     }
 
     /// A system at a given state.
-    pub fn new<I: Integrator>(law: Law<V>, mut state: Matter<V>, threads: usize) -> Self {
+    pub fn new<I: Integrator>(dynamics: Dynamics<V>, mut state: Matter<V>, threads: usize) -> Self {
         // What is only kept between the stages of a step need not outlive a block that runs through whole steps.
-        let kept = if law.is_independent() { I::KEPT } else { I::MEMORY };
-        state.memory = vec![Columns::zeros(state.count()); kept];
+        let kept = if dynamics.is_independent() { I::READABLE } else { I::REGISTERS };
+        state.registers = vec![Columns::zeros(state.count()); kept];
         let count = state.count() as f64;
         // Nanoseconds on a common core; only the sizes of batches hang on them, never a bit of the result.
-        let per_particle = if law.is_folded() && law.contacts.is_none() { 1.0 } else { 8.0 };
-        let per_stage = 500.0 + count * per_particle + 6.0 * law.pairs() as f64;
+        let per_particle = if dynamics.is_fused() && dynamics.contacts.is_none() { 1.0 } else { 8.0 };
+        let per_stage = 500.0 + count * per_particle + 6.0 * dynamics.pairs() as f64;
         let cost = 1e-9 * I::NODES.len() as f64 * per_stage;
         let threads = if cost < WORTH_SHARING { 1 } else { threads };
-        let desk = (!law.is_independent()).then(|| Desk::new(state.count(), state.meters.len(), law.contacts.is_some()));
+        let workspace =
+            (!dynamics.is_independent()).then(|| Workspace::new(state.count(), state.tallies.len(), dynamics.contacts.is_some()));
         let kept = state.clone();
         let stepper = Box::new(By::<I>(std::marker::PhantomData));
-        let mut system = Self { law, state, kept, activity: Activity::default(), desk, stepper, team: Team::new(threads), cost };
-        let blocks = if system.desk.is_none() { system.state.meters.len() } else { 0 };
+        let mut system = Self {
+            dynamics,
+            state,
+            kept,
+            activity: Activity::default(),
+            workspace,
+            stepper,
+            pool: ThreadPool::new(threads),
+            cost,
+        };
+        let blocks = if system.workspace.is_none() { system.state.tallies.len() } else { 0 };
         system.activity = Activity::new(blocks, system.batch().min(system.most_recorded()));
         system
     }
 
     /// What acts.
-    pub fn law(&self) -> &Law<V> {
-        &self.law
+    pub fn dynamics(&self) -> &Dynamics<V> {
+        &self.dynamics
     }
 
     /// The state.
@@ -127,16 +137,16 @@ impl<V: Vector> MatterSystem<V> {
 
     /// The number of threads that it uses.
     pub fn threads(&self) -> usize {
-        self.team.threads()
+        self.pool.threads()
     }
 
     /// The number of steps in a batch: as many as fit into [`BATCH`], but not so few that moving the state in and out of the
     /// caches, or keeping a copy of it, takes longer than the steps. An interrupt abandons a batch between two blocks. A
     /// function of the user's is called in the order of time and never again for the same step, so it takes one at a time.
     pub fn batch(&self) -> u64 {
-        let least = match &self.desk {
-            _ if self.law.callbacks() > 0 => return 1,
-            None if self.law.is_folded() => 200.0,
+        let least = match &self.workspace {
+            _ if self.dynamics.callbacks() > 0 => return 1,
+            None if self.dynamics.is_fused() => 200.0,
             None => 25.0,
             Some(_) => 5.0,
         };
@@ -145,63 +155,64 @@ impl<V: Vector> MatterSystem<V> {
 
     /// The most steps in a batch in which the activity after every one is recorded.
     pub fn most_recorded(&self) -> u64 {
-        Activity::most_steps(self.state.meters.len())
+        Activity::most_steps(self.state.tallies.len())
     }
 
     /// Whether what acts on each particle is linear in its position and velocity and the same at all times. Steps of at most
     /// half of the limit of stability then never double the energy: the invariant of an oscillator's step is elongated by
     /// 1/√(1 − ½²) at the most.
     pub fn is_linear(&self) -> bool {
-        self.desk.is_none() && self.law.is_folded() && self.law.contacts.is_none()
+        self.workspace.is_none() && self.dynamics.is_fused() && self.dynamics.contacts.is_none()
     }
 
     /// The memory that it takes [bytes].
     pub fn bytes(&self) -> usize {
-        let desk = self.desk.as_ref().map_or(0, Desk::bytes);
+        let workspace = self.workspace.as_ref().map_or(0, Workspace::bytes);
         let properties = self.state.count() * (5 * size_of::<f64>() + 2 * size_of::<V::Scalar>());
-        self.law.bytes() + self.state.bytes() + self.kept.bytes() + self.activity.bytes() + desk + properties
+        self.dynamics.bytes() + self.state.bytes() + self.kept.bytes() + self.activity.bytes() + workspace + properties
     }
 
     /// Goes on from a state that is complete with what the integrator carries.
     pub fn resume(&mut self) {
-        self.law.observe(&self.state.velocity);
+        self.dynamics.observe(&self.state.velocity);
     }
 
     /// Begins anew from the positions and velocities: the integrator has nothing to carry on from.
     ///
     /// # Errors
-    /// If it fails, or the crew was asked to stop.
-    pub fn begin(&mut self, time: f64, crew: &Crew) -> Result<()> {
+    /// If it fails, or the executor was asked to stop.
+    pub fn begin(&mut self, time: f64, executor: &Executor) -> Result<()> {
         self.resume();
-        let Self { law, state, kept, activity, desk, stepper, .. } = self;
+        let Self { dynamics, state, kept, activity, workspace, stepper, .. } = self;
         kept.copy_from(state);
         let interval = Interval { start: time, first: 0, h: 0.0, steps: 0 };
         let record = (activity, Record::LastStep);
-        stepper.begin(Job { law, from: kept, state, record, desk: desk.as_mut(), interval }, crew)?;
-        crew.check()
+        stepper.begin(Job { dynamics, from: kept, state, record, workspace: workspace.as_mut(), interval }, executor)?;
+        executor.check()
     }
 
     /// Takes steps, or none of them if it fails.
     pub fn advance(&mut self, interval: Interval, record: Record, interrupted: &dyn Fn() -> bool) -> Result<()> {
-        let Self { law, state, kept, activity, desk, stepper, team, cost } = self;
+        let Self { dynamics, state, kept, activity, workspace, stepper, pool, cost } = self;
         activity.clear();
-        law.forces_mut().iter_mut().for_each(|force| force.keep());
-        if desk.is_some() {
+        dynamics.forces_mut().iter_mut().for_each(|force| force.keep());
+        if workspace.is_some() {
             kept.copy_from(state);
         } else {
             std::mem::swap(kept, state);
         }
         let short = *cost * interval.steps as f64 <= SHORT;
         let mut outcome = Ok(());
-        let mut job = |crew: &Crew| {
+        let mut job = |executor: &Executor| {
             let record = (&mut *activity, record);
-            outcome = stepper.advance(Job { law, from: kept, state, record, desk: desk.as_mut(), interval }, crew);
+            outcome =
+                stepper.advance(Job { dynamics, from: kept, state, record, workspace: workspace.as_mut(), interval }, executor);
         };
         let ended = if short {
-            job(&Crew::alone());
+            job(&Executor::serial());
             Ok(())
         } else {
-            team.run(interrupted, job)
+            pool.run(interrupted, job)
         };
         let outcome = ended.and(outcome);
         if outcome.is_err() {
@@ -222,32 +233,32 @@ impl<V: Vector> MatterSystem<V> {
     pub fn ask<T: Send>(
         &mut self,
         interrupted: &dyn Fn() -> bool,
-        question: impl FnOnce(&Law<V>, &Matter<V>, &Crew) -> Result<T> + Send,
+        question: impl FnOnce(&Dynamics<V>, &Matter<V>, &Executor) -> Result<T> + Send,
     ) -> Result<T> {
         let is_long = self.is_long();
-        let Self { law, state, team, .. } = self;
+        let Self { dynamics, state, pool, .. } = self;
         if !is_long {
-            return question(law, state, &ALONE);
+            return question(dynamics, state, &SERIAL);
         }
         let mut answer = Err(Error::Interrupted);
-        team.run(interrupted, |crew| answer = question(law, state, crew))?;
+        pool.run(interrupted, |executor| answer = question(dynamics, state, executor))?;
         answer
     }
 
     /// Goes back to the state before the last [`MatterSystem::advance`].
     pub fn rollback(&mut self) -> Result<()> {
         std::mem::swap(&mut self.kept, &mut self.state);
-        self.law.forces_mut().iter_mut().try_for_each(|force| force.undo())
+        self.dynamics.forces_mut().iter_mut().try_for_each(|force| force.undo())
     }
 
     /// What the forces keep from step to step.
     pub fn recollection(&self) -> Vec<f64> {
-        self.law.forces().iter().flat_map(|force| force.capture()).collect()
+        self.dynamics.forces().iter().flat_map(|force| force.capture()).collect()
     }
 
     /// Goes on from what the forces kept.
     pub fn recollect(&mut self, mut numbers: &[f64]) -> Result<()> {
-        self.law.forces_mut().iter_mut().try_for_each(|force| force.restore(&mut numbers))?;
+        self.dynamics.forces_mut().iter_mut().try_for_each(|force| force.restore(&mut numbers))?;
         if numbers.is_empty() { Ok(()) } else { Err(Error::State("it holds more than the forces of this scene keep".to_owned())) }
     }
 
@@ -260,40 +271,40 @@ impl<V: Vector> MatterSystem<V> {
 
 /// What a stepper works on.
 struct Job<'a, V: Vector> {
-    law: &'a mut Law<V>,
+    dynamics: &'a mut Dynamics<V>,
     /// The state at the beginning, which stays as it is.
     from: &'a Matter<V>,
     state: &'a mut Matter<V>,
     /// Where the activity goes, and which.
     record: (&'a mut Activity, Record),
-    desk: Option<&'a mut Desk<V>>,
+    workspace: Option<&'a mut Workspace<V>>,
     interval: Interval,
 }
 
-/// An integrator with its type erased, once for whole chunks.
+/// An integrator with its type erased, once for whole batches.
 trait Stepper<V: Vector>: Send + Sync {
     /// Evaluates the law at the state and fills the carried memory.
-    fn begin(&self, job: Job<'_, V>, crew: &Crew) -> Result<()>;
+    fn begin(&self, job: Job<'_, V>, executor: &Executor) -> Result<()>;
     /// Takes all steps of the interval.
-    fn advance(&self, job: Job<'_, V>, crew: &Crew) -> Result<()>;
+    fn advance(&self, job: Job<'_, V>, executor: &Executor) -> Result<()>;
 }
 
 struct By<I>(std::marker::PhantomData<I>);
 
 impl<V: Vector, I: Integrator> Stepper<V> for By<I> {
-    fn begin(&self, Job { law, from, state, desk, interval, .. }: Job<'_, V>, crew: &Crew) -> Result<()> {
-        if let Some(desk) = desk {
-            return coupled::begin::<V, I>(law, state, desk, interval, crew);
+    fn begin(&self, Job { dynamics, from, state, workspace, interval, .. }: Job<'_, V>, executor: &Executor) -> Result<()> {
+        if let Some(workspace) = workspace {
+            return coupled::begin::<V, I>(dynamics, state, workspace, interval, executor);
         }
-        independent::begin::<V, I>(law, from, state, interval);
+        independent::begin::<V, I>(dynamics, from, state, interval);
         Ok(())
     }
 
-    fn advance(&self, Job { law, from, state, record, desk, interval }: Job<'_, V>, crew: &Crew) -> Result<()> {
-        if let Some(desk) = desk {
-            return coupled::advance::<V, I>(law, state, desk, interval, record.0, crew);
+    fn advance(&self, Job { dynamics, from, state, record, workspace, interval }: Job<'_, V>, executor: &Executor) -> Result<()> {
+        if let Some(workspace) = workspace {
+            return coupled::advance::<V, I>(dynamics, state, workspace, interval, record.0, executor);
         }
-        independent::advance::<V, I>(law, from, state, interval, record, crew);
+        independent::advance::<V, I>(dynamics, from, state, interval, record, executor);
         Ok(())
     }
 }

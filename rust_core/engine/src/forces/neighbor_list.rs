@@ -11,7 +11,7 @@ use crate::error::{Error, Result};
 use crate::math::{AXES, Real, Vector};
 use crate::matter::Properties;
 use crate::neighbors::{Domain, Neighbors};
-use crate::parallel::{Chunks, Crew};
+use crate::parallel::{BlockedSlice, Executor};
 use crate::scene::Scene;
 
 /// The skin in units of the distance between particles. A list then lives some steps, and is not much longer than need be.
@@ -23,20 +23,20 @@ const SAMPLE: f64 = 4.0;
 /// Particles whose positions are copied at a time.
 const BLOCK: usize = 1024;
 
-/// Stands for the slot of a particle that is no member.
-const NOBODY: u32 = u32::MAX;
+/// Stands for the member number of a particle that is none.
+const NOT_A_MEMBER: u32 = u32::MAX;
 
 /// The positions of some particles, and lists of their neighbors.
 #[derive(Debug)]
-pub struct Vicinity {
+pub struct NeighborList {
     /// These particles, by their index.
     members: Vec<u32>,
     /// The member that each particle is.
-    slots: Vec<u32>,
+    member_of: Vec<u32>,
     neighbors: Neighbors,
     /// Exact positions relative to the origin, one array per axis [m].
     positions: [Vec<f64>; AXES],
-    /// What the lists were made from when the chunk began.
+    /// What the lists were made from when the batch began.
     kept: [Vec<f64>; AXES],
     /// Whether they have been made anew since.
     renewed: bool,
@@ -45,7 +45,7 @@ pub struct Vicinity {
     skin: f64,
 }
 
-impl Vicinity {
+impl NeighborList {
     /// The vicinity up to a cutoff [m] of the `members` of a scene, which are given by their index.
     ///
     /// # Errors
@@ -53,31 +53,31 @@ impl Vicinity {
     pub fn new<V: Vector>(scene: &Scene, properties: &Properties<V>, members: Vec<u32>, cutoff: f64) -> Result<Self> {
         refuse_tiny::<V::Scalar>(cutoff)?;
         let domain = domain(scene, properties.origin);
-        let skin = skin::<V>(&places(scene, properties, &members), &domain, cutoff);
+        let skin = skin::<V>(&initial_positions(scene, properties, &members), &domain, cutoff);
         let columns = || std::array::from_fn(|axis| vec![0.0; if axis < V::DIMENSION { members.len() } else { 0 }]);
         let neighbors = Neighbors::new(members.len(), V::DIMENSION, &domain, cutoff, skin)?;
-        let mut slots = vec![NOBODY; properties.count()];
-        members.iter().zip(0..).for_each(|(&index, slot)| slots[index as usize] = slot);
+        let mut member_of = vec![NOT_A_MEMBER; properties.count()];
+        members.iter().zip(0..).for_each(|(&index, member)| member_of[index as usize] = member);
         let (positions, kept) = (columns(), columns());
-        Ok(Self { members, slots, neighbors, positions, kept, renewed: false, undone: false, skin })
+        Ok(Self { members, member_of, neighbors, positions, kept, renewed: false, undone: false, skin })
     }
 
-    /// Brings positions and lists up to date, and says whether the lists are new. `place` gives the position of a particle along
+    /// Brings positions and lists up to date, and says whether the lists are new. `position` gives that of a particle along
     /// an axis, relative to the origin [m].
     ///
     /// # Errors
     /// If positions are too far away to tell distances, or the lists do not fit into memory.
-    pub fn update(&mut self, place: &(impl Fn(usize, usize) -> f64 + Sync), crew: &Crew) -> Result<bool> {
-        self.resume(crew)?;
+    pub fn update(&mut self, position: &(impl Fn(usize, usize) -> f64 + Sync), executor: &Executor) -> Result<bool> {
+        self.resume(executor)?;
         let (dimension, members) = (self.neighbors.dimension(), &self.members);
         for (axis, column) in self.positions.iter_mut().enumerate().take(dimension) {
-            crew.sweep(Chunks::new(column, BLOCK), &|mine| {
+            executor.for_each_block(BlockedSlice::new(column, BLOCK), &|mine| {
                 let members = &members[mine.start..];
-                mine.items.iter_mut().zip(members).for_each(|(to, &member)| *to = place(axis, member as usize));
+                mine.items.iter_mut().zip(members).for_each(|(to, &member)| *to = position(axis, member as usize));
             });
         }
         // Said beforehand, because a failure leaves no lists behind.
-        let renewed = self.neighbors.update(self.positions.each_ref().map(Vec::as_slice), crew);
+        let renewed = self.neighbors.update(self.positions.each_ref().map(Vec::as_slice), executor);
         self.renewed |= *renewed.as_ref().unwrap_or(&true);
         renewed
     }
@@ -85,13 +85,13 @@ impl Vicinity {
     /// The same members at another moment, with lists of their own.
     ///
     /// # Errors
-    /// As [`Vicinity::update`].
-    pub fn anew(&self, place: &(impl Fn(usize, usize) -> f64 + Sync), crew: &Crew) -> Result<Self> {
-        let Self { members, slots, neighbors, positions, kept, skin, .. } = self;
+    /// As [`NeighborList::update`].
+    pub fn anew(&self, position: &(impl Fn(usize, usize) -> f64 + Sync), executor: &Executor) -> Result<Self> {
+        let Self { members, member_of, neighbors, positions, kept, skin, .. } = self;
         let (count, dimension, cutoff) = (neighbors.count(), neighbors.dimension(), neighbors.support() - skin);
         let mut anew = Self {
             members: members.clone(),
-            slots: slots.clone(),
+            member_of: member_of.clone(),
             neighbors: Neighbors::new(count, dimension, neighbors.domain(), cutoff, *skin)?,
             positions: positions.clone(),
             kept: kept.clone(),
@@ -99,7 +99,7 @@ impl Vicinity {
             undone: false,
             skin: *skin,
         };
-        anew.update(place, crew)?;
+        anew.update(position, executor)?;
         Ok(anew)
     }
 
@@ -108,12 +108,12 @@ impl Vicinity {
         &self.members
     }
 
-    /// The members in a block: their number in it, which member each is, and its place.
+    /// The members in a block: their number in it, which member each is, and its slot.
     pub fn in_block(&self, block: Range<usize>) -> impl Iterator<Item = (usize, usize, usize)> {
-        let slots = self.slots[block.start..block.end.min(self.slots.len())].iter().enumerate();
-        let places = self.neighbors.places();
-        let members = slots.filter(|(_, slot)| **slot != NOBODY);
-        members.map(|(index, &slot)| (index, slot as usize, places[slot as usize] as usize))
+        let member_of = self.member_of[block.start..block.end.min(self.member_of.len())].iter().enumerate();
+        let slots = self.neighbors.slots();
+        let members = member_of.filter(|(_, member)| **member != NOT_A_MEMBER);
+        members.map(|(index, &member)| (index, member as usize, slots[member as usize] as usize))
     }
 
     /// The lists.
@@ -131,18 +131,18 @@ impl Vicinity {
         self.positions.each_ref().map(Vec::as_slice)
     }
 
-    /// The position of the member at a place relative to the origin [m].
-    pub fn at(&self, place: usize) -> DVec3 {
-        self.vector(self.positions(), place)
+    /// The position of the member at a slot relative to the origin [m].
+    pub fn at(&self, slot: usize) -> DVec3 {
+        self.vector(self.positions(), slot)
     }
 
     /// Where that member was when the lists were made [m].
-    pub fn anchor(&self, place: usize) -> DVec3 {
-        self.vector(self.neighbors.anchors(), place)
+    pub fn anchor(&self, slot: usize) -> DVec3 {
+        self.vector(self.neighbors.anchors(), slot)
     }
 
-    fn vector(&self, columns: [&[f64]; AXES], place: usize) -> DVec3 {
-        let member = self.neighbors.order()[place] as usize;
+    fn vector(&self, columns: [&[f64]; AXES], slot: usize) -> DVec3 {
+        let member = self.neighbors.order()[slot] as usize;
         DVec3::from_array(columns.map(|axis| axis.get(member).copied().unwrap_or(0.0)))
     }
 
@@ -163,13 +163,13 @@ impl Vicinity {
     /// Makes the lists that were gone back to, and says whether there were others.
     ///
     /// # Errors
-    /// As [`Vicinity::update`].
-    pub fn resume(&mut self, crew: &Crew) -> Result<bool> {
+    /// As [`NeighborList::update`].
+    pub fn resume(&mut self, executor: &Executor) -> Result<bool> {
         let undone = self.undone;
         if undone {
-            self.neighbors.restore(self.kept.each_ref().map(Vec::as_slice), crew)?;
-            // Whoever is stopped before the end of this chunk makes them once more, and what hangs on them.
-            (self.renewed, self.undone) = (true, crew.stopped());
+            self.neighbors.restore(self.kept.each_ref().map(Vec::as_slice), executor)?;
+            // Whoever is stopped before the end of this batch makes them once more, and what hangs on them.
+            (self.renewed, self.undone) = (true, executor.stopped());
         }
         Ok(undone)
     }
@@ -189,7 +189,7 @@ impl Vicinity {
     /// How many neighbors are listed, of all particles together; a guess while there are no lists.
     pub fn pairs(&self) -> usize {
         let count = self.neighbors.count();
-        let listed = (0..count).map(|place| self.neighbors.of(place).len()).sum();
+        let listed = (0..count).map(|slot| self.neighbors.of(slot).len()).sum();
         if listed == 0 { TYPICAL * count } else { listed }
     }
 
@@ -205,11 +205,11 @@ impl Vicinity {
     /// The memory that it takes [bytes].
     pub fn bytes(&self) -> usize {
         let columns = self.positions.iter().chain(&self.kept).map(|column| std::mem::size_of_val(column.as_slice()));
-        self.neighbors.bytes() + columns.sum::<usize>() + size_of::<u32>() * (self.members.len() + self.slots.len())
+        self.neighbors.bytes() + columns.sum::<usize>() + size_of::<u32>() * (self.members.len() + self.member_of.len())
     }
 }
 
-/// The number of neighbors that a particle is taken to have where that only decides how long a chunk of steps is.
+/// The number of neighbors that a particle is taken to have where that only decides how long a batch of steps is.
 const TYPICAL: usize = 20;
 
 /// Fills a column from the front of captured numbers.
@@ -244,19 +244,20 @@ fn domain(scene: &Scene, origin: DVec3) -> Domain {
 }
 
 /// Where the members are at the start, relative to the origin [m].
-fn places<V: Vector>(scene: &Scene, properties: &Properties<V>, members: &[u32]) -> Vec<DVec3> {
+fn initial_positions<V: Vector>(scene: &Scene, properties: &Properties<V>, members: &[u32]) -> Vec<DVec3> {
     let positions = scene.positions();
-    let place = |&member: &u32| positions[properties.caller[member as usize] as usize] - properties.origin;
-    members.iter().map(place).collect()
+    let position = |&member: &u32| positions[properties.caller[member as usize] as usize] - properties.origin;
+    members.iter().map(position).collect()
 }
 
-/// The skin for particles at these places, from the space that there is for each where they are: in wide cells that hold any.
-fn skin<V: Vector>(places: &[DVec3], domain: &Domain, cutoff: f64) -> f64 {
+/// The skin for particles at these positions, from the space that there is for each where they are: in wide cells that hold any.
+fn skin<V: Vector>(positions: &[DVec3], domain: &Domain, cutoff: f64) -> f64 {
     let cell = SAMPLE * cutoff;
-    let mut cells: Vec<[i64; AXES]> = places.iter().map(|place| (*place / cell).floor().as_i64vec3().to_array()).collect();
+    let mut cells: Vec<[i64; AXES]> =
+        positions.iter().map(|position| (*position / cell).floor().as_i64vec3().to_array()).collect();
     cells.sort_unstable();
     cells.dedup();
-    let space = cells.len() as f64 / places.len().max(1) as f64;
+    let space = cells.len() as f64 / positions.len().max(1) as f64;
     let distance = cell * libm::pow(space, 1.0 / V::DIMENSION as f64);
     let room = domain.lengths().iter().flatten().map(|length| 0.5 * length - cutoff).fold(f64::INFINITY, f64::min);
     (SKIN * distance).min(cutoff).min(0.999 * room).max(0.0)

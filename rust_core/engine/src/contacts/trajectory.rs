@@ -24,7 +24,7 @@ use crate::boundaries::{Gap, Path};
 /// The most impacts and slides within one step.
 const EVENTS: usize = 64;
 /// The most walls that a particle touches at once.
-pub(super) const TOUCHES: usize = 8;
+pub(super) const MOST_CONTACTS: usize = 8;
 
 /// What one particle meets.
 #[derive(Clone, Copy)]
@@ -46,7 +46,7 @@ pub(super) struct End {
 
 /// A wall that a particle touches.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Touch {
+pub(super) struct Contact {
     /// Its place among the surfaces.
     pub surface: usize,
     /// The unit normal into the allowed side.
@@ -61,33 +61,33 @@ pub(super) struct Touch {
 
 /// The walls that a particle touches.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Touches {
-    items: [Touch; TOUCHES],
+pub(super) struct ContactSet {
+    items: [Contact; MOST_CONTACTS],
     count: usize,
 }
 
-impl Touches {
-    pub fn as_slice(&self) -> &[Touch] {
+impl ContactSet {
+    pub fn as_slice(&self) -> &[Contact] {
         &self.items[..self.count]
     }
 
-    pub fn add(&mut self, touch: Touch) {
-        if self.count < TOUCHES {
-            self.items[self.count] = touch;
+    pub fn add(&mut self, contact: Contact) {
+        if self.count < MOST_CONTACTS {
+            self.items[self.count] = contact;
             self.count += 1;
         }
     }
 
     pub fn contain(&self, surface: usize) -> bool {
-        self.as_slice().iter().any(|touch| touch.surface == surface)
+        self.as_slice().iter().any(|contact| contact.surface == surface)
     }
 }
 
 impl<'a> Walls<'a> {
     /// Flies a step of `h` again that an integrator did along `path` from the velocity `start`; None if it touches nothing.
-    pub fn fly(&self, path: &Path, start: DVec3, h: f64) -> Option<End> {
-        let (time, surface) = self.first(path, h, &self.touches(path.position, None), &Touches::default())?;
-        let flight = Flight {
+    pub fn trajectory(&self, path: &Path, start: DVec3, h: f64) -> Option<End> {
+        let (time, surface) = self.first(path, h, &self.contacts(path.position, None), &ContactSet::default())?;
+        let trajectory = Trajectory {
             walls: *self,
             position: path.at(time),
             velocity: start + path.acceleration * time,
@@ -95,7 +95,7 @@ impl<'a> Walls<'a> {
             left: h - time,
             lost: 0.0,
         };
-        Some(flight.finish(surface))
+        Some(trajectory.finish(surface))
     }
 
     fn acting(&self) -> impl Iterator<Item = (usize, &'a Surface)> {
@@ -104,25 +104,25 @@ impl<'a> Walls<'a> {
     }
 
     /// The walls that a particle at `x` touches; `hit` is one of them whatever rounding says.
-    fn touches(&self, x: DVec3, hit: Option<usize>) -> Touches {
-        let mut touches = Touches::default();
+    fn contacts(&self, x: DVec3, hit: Option<usize>) -> ContactSet {
+        let mut contacts = ContactSet::default();
         for (index, surface) in self.acting() {
             let (distance, normal) = surface.wall.distance(x);
             let slack = surface.slack(self.rounding, x, self.radius);
             if distance - self.radius <= slack || hit == Some(index) {
                 let curvature = surface.wall.curvature(x);
-                touches.add(Touch { surface: index, normal, curvature, friction: surface.friction, slack });
+                contacts.add(Contact { surface: index, normal, curvature, friction: surface.friction, slack });
             }
         }
-        touches
+        contacts
     }
 
     /// The first contact along `path` within `duration`, beside those walls that the particle slides on anyway.
-    fn first(&self, path: &Path, duration: f64, touches: &Touches, slides: &Touches) -> Option<(f64, usize)> {
+    fn first(&self, path: &Path, duration: f64, contacts: &ContactSet, slides: &ContactSet) -> Option<(f64, usize)> {
         let mut first = None;
         let mut duration = duration;
         for (index, surface) in self.acting().filter(|(index, _)| !slides.contain(*index)) {
-            let gap = Gap::new(&surface.wall, path, self.radius, touches.contain(index));
+            let gap = Gap::new(&surface.wall, path, self.radius, contacts.contain(index));
             if let Some(time) = gap.first_contact(duration) {
                 first = Some((time, index));
                 duration = time;
@@ -132,9 +132,9 @@ impl<'a> Walls<'a> {
     }
 
     /// `x`, moved onto the walls that the particle slides on.
-    fn onto(&self, slides: &Touches, mut x: DVec3) -> DVec3 {
-        let gap = |touch: &Touch, x: DVec3| {
-            let (distance, normal) = self.surfaces[touch.surface].wall.distance(x);
+    fn onto(&self, slides: &ContactSet, mut x: DVec3) -> DVec3 {
+        let gap = |contact: &Contact, x: DVec3| {
+            let (distance, normal) = self.surfaces[contact.surface].wall.distance(x);
             (self.radius - distance, normal)
         };
         match slides.as_slice() {
@@ -167,7 +167,7 @@ pub(super) fn pushes(cosine: f64, first: f64, second: f64) -> [f64; 2] {
 }
 
 /// A particle on its way.
-struct Flight<'a> {
+struct Trajectory<'a> {
     walls: Walls<'a>,
     position: DVec3,
     velocity: DVec3,
@@ -179,17 +179,17 @@ struct Flight<'a> {
     lost: f64,
 }
 
-impl Flight<'_> {
+impl Trajectory<'_> {
     /// From the contact with one wall to the end of the step.
     fn finish(mut self, surface: usize) -> End {
         let mut hit = Some(surface);
         for _ in 0..EVENTS {
-            let touches = self.walls.touches(self.position, hit);
-            if let Some(touch) = self.approached(&touches) {
-                self.bounce(&touch);
-                hit = Some(touch.surface);
+            let contacts = self.walls.contacts(self.position, hit);
+            if let Some(contact) = self.approached(&contacts) {
+                self.bounce(&contact);
+                hit = Some(contact.surface);
             } else if self.left > 0.0 {
-                hit = self.go_on(&touches);
+                hit = self.go_on(&contacts);
             } else {
                 break;
             }
@@ -203,47 +203,48 @@ impl Flight<'_> {
     }
 
     /// The touched wall that the particle runs into fastest.
-    fn approached(&self, touches: &Touches) -> Option<Touch> {
+    fn approached(&self, contacts: &ContactSet) -> Option<Contact> {
         let mut fastest = (-self.still(), None);
-        for touch in touches.as_slice() {
-            let speed = touch.normal.dot(self.velocity);
+        for contact in contacts.as_slice() {
+            let speed = contact.normal.dot(self.velocity);
             if speed < fastest.0 {
-                fastest = (speed, Some(*touch));
+                fastest = (speed, Some(*contact));
             }
         }
         fastest.1
     }
 
-    fn bounce(&mut self, touch: &Touch) {
-        let Surface { restitution, friction, .. } = self.walls.surfaces[touch.surface];
+    fn bounce(&mut self, contact: &Contact) {
+        let Surface { restitution, friction, .. } = self.walls.surfaces[contact.surface];
         // Divided by n², so that a normal whose length is off by rounding does not add energy at every bounce.
-        let normal = touch.normal / touch.normal.length_squared();
+        let normal = contact.normal / contact.normal.length_squared();
         let speed = -normal.dot(self.velocity);
-        let slip = self.velocity + touch.normal * speed;
-        let press = -(touch.normal.dot(self.acceleration) + touch.curvature * slip.length_squared());
+        let slip = self.velocity + contact.normal * speed;
+        let press = -(contact.normal.dot(self.acceleration) + contact.curvature * slip.length_squared());
         let rebound = restitution * speed;
-        let settles = 2.0 * rebound <= (1.0 - restitution) * press * self.left || rebound * rebound <= 2.0 * press * touch.slack;
+        let settles =
+            2.0 * rebound <= (1.0 - restitution) * press * self.left || rebound * rebound <= 2.0 * press * contact.slack;
         let restitution = if settles { 0.0 } else { restitution };
         let slipping = slip.length();
         let stopped = (friction * (1.0 + restitution) * speed).min(slipping);
         let kept = slipping - stopped;
         self.lost += 0.5 * ((1.0 - restitution) * (1.0 + restitution) * speed * speed + stopped * (slipping + kept));
         let share = if stopped > 0.0 { kept / slipping } else { 1.0 };
-        self.velocity = slip * share + touch.normal * (restitution * speed);
+        self.velocity = slip * share + contact.normal * (restitution * speed);
     }
 
     /// Flies or slides on to the next event, and says which wall it then meets.
-    fn go_on(&mut self, touches: &Touches) -> Option<usize> {
+    fn go_on(&mut self, contacts: &ContactSet) -> Option<usize> {
         let still = self.still();
-        match Support::of(touches, &mut self.velocity, self.acceleration, self.left, still) {
-            None => self.fall(touches),
-            Some(support) => self.slide(touches, &support),
+        match Support::of(contacts, &mut self.velocity, self.acceleration, self.left, still) {
+            None => self.fall(contacts),
+            Some(support) => self.slide(contacts, &support),
         }
     }
 
-    fn fall(&mut self, touches: &Touches) -> Option<usize> {
+    fn fall(&mut self, contacts: &ContactSet) -> Option<usize> {
         let path = Path { position: self.position, velocity: self.velocity, acceleration: self.acceleration };
-        let next = self.walls.first(&path, self.left, touches, &Touches::default());
+        let next = self.walls.first(&path, self.left, contacts, &ContactSet::default());
         let time = next.map_or(self.left, |(time, _)| time);
         self.position = path.at(time);
         self.velocity = path.slope(time);
@@ -254,7 +255,7 @@ impl Flight<'_> {
     /// Slides on the supporting walls: a velocity Verlet step within the surface, with the friction along the velocity
     /// at its middle. On planes this is the exact parabola, and energy is exact; on a sphere it stays on the surface, and
     /// its energy is off by O(h²) without drift, as Verlet's is.
-    fn slide(&mut self, touches: &Touches, support: &Support) -> Option<usize> {
+    fn slide(&mut self, contacts: &ContactSet, support: &Support) -> Option<usize> {
         let Slip { acceleration, duration, stops, rests } = support.slip(self.velocity, self.left);
         if rests && duration == 0.0 {
             self.position = self.walls.onto(&support.slides, self.position);
@@ -264,16 +265,16 @@ impl Flight<'_> {
         // In units of the duration: a slide may be so short that nothing can be divided by its square.
         let way = self.velocity * duration;
         let bend = if support.curvature > 0.0 {
-            (self.glide(support, acceleration, duration) - self.position - way) * 2.0
+            (self.slide_to(support, acceleration, duration) - self.position - way) * 2.0
         } else {
             acceleration * (duration * duration)
         };
         let path = Path { position: self.position, velocity: way, acceleration: bend };
-        let next = self.walls.first(&path, 1.0, touches, &support.slides);
+        let next = self.walls.first(&path, 1.0, contacts, &support.slides);
         let time = next.map_or(duration, |(share, _)| share * duration);
         let stops = stops && next.is_none();
         let middle = self.velocity + acceleration * (0.5 * time);
-        self.position = self.glide(support, acceleration, time);
+        self.position = self.slide_to(support, acceleration, time);
         self.left -= time;
         let drag = support.acceleration - acceleration;
         if support.curvature > 0.0 && !stops {
@@ -291,7 +292,7 @@ impl Flight<'_> {
     }
 
     /// Where a slide with the given acceleration along the surface leads.
-    fn glide(&self, support: &Support, acceleration: DVec3, time: f64) -> DVec3 {
+    fn slide_to(&self, support: &Support, acceleration: DVec3, time: f64) -> DVec3 {
         let way = (self.velocity + acceleration * (0.5 * time)) * time;
         // A tangent of length R tan φ is wanted for an arc of length R φ: tan φ = φ + φ³/3 + O(φ⁵).
         let angle = support.curvature * support.curvature * way.length_squared();

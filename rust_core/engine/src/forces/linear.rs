@@ -1,4 +1,4 @@
-//! Uniform gravity, linear drag, wind and harmonic wells, folded into one law a = a₀ + b v + c x per particle, which the
+//! Uniform gravity, linear drag, wind and harmonic wells, fused into one law a = a₀ + b v + c x per particle, which the
 //! integrators' kernels evaluate in registers.
 
 use glam::DVec3;
@@ -7,9 +7,9 @@ use crate::math::{AXES, Real, Vector};
 use crate::matter::Properties;
 use crate::simd::{Lanes, padded};
 
-/// What the foldable forces add up to, in double precision and absolute coordinates.
+/// What the linear forces add up to, in double precision and absolute coordinates.
 #[derive(Debug)]
-pub struct Fold {
+pub struct Fusion {
     /// a₀ [m/s²].
     pub acceleration: Vec<DVec3>,
     /// b [1/s].
@@ -18,11 +18,11 @@ pub struct Fold {
     pub well: Vec<f64>,
     /// The coefficient γ of linear drag [N·s/m].
     pub drag: Vec<f64>,
-    /// The wind that drag is relative to [m/s]; None until a drag has been folded.
+    /// The wind that drag is relative to [m/s]; None until a drag has been fused.
     pub wind: Option<DVec3>,
 }
 
-impl Fold {
+impl Fusion {
     /// Nothing, for `count` particles.
     pub fn new(count: usize) -> Self {
         Self {
@@ -48,10 +48,10 @@ pub struct Coefficients<T> {
     pub drag: T,
 }
 
-/// The folded law in the precision of the state. Where all particles have the same coefficients, these are kept once;
+/// The fused law in the precision of the state. Where all particles have the same coefficients, these are kept once;
 /// only the last block, whose padding must not move, has them particle by particle.
 #[derive(Debug)]
-pub struct Affine<V: Vector> {
+pub struct LinearForce<V: Vector> {
     uniform: Option<[Coefficients<V::Scalar>; AXES]>,
     /// The first particle that the arrays hold.
     first: usize,
@@ -88,9 +88,9 @@ pub struct Varying<'a, T> {
     pub wind: T,
 }
 
-impl<V: Vector> Affine<V> {
-    /// The law that was folded, for blocks of `block` particles.
-    pub fn new(fold: &Fold, properties: &Properties<V>, block: usize) -> Self {
+impl<V: Vector> LinearForce<V> {
+    /// The law that was fused, for blocks of `block` particles.
+    pub fn new(fold: &Fusion, properties: &Properties<V>, block: usize) -> Self {
         let count = properties.count();
         let coefficients = |index: usize| {
             let a0 = (fold.acceleration[index] + properties.origin * fold.well[index]).to_array();

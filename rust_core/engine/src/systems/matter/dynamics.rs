@@ -4,48 +4,53 @@ use std::ops::Range;
 
 use crate::contacts::Contacts;
 use crate::error::Result;
-use crate::forces::affine::{Affine, Fold};
-use crate::forces::{Drift, Field, Force, InverseSquare, Moment, Rates, Reach, VelocityDependence};
+use crate::forces::linear::{Fusion, LinearForce};
+use crate::forces::{Drift, Field, Force, InverseSquare, Rates, Reach, StateView, VelocityDependence};
 use crate::math::{Real, Vector};
-use crate::matter::{CHANNELS, Channel, Columns, Matter, Power, Properties, Span, View};
-use crate::parallel::{ALONE, Crew};
+use crate::matter::{Columns, EnergySink, Matter, Power, Properties, SINKS, Span, View};
+use crate::parallel::{Executor, SERIAL};
 use crate::simd::{LANES, padded};
-use crate::stability::Bound;
+use crate::stability::SpectralBound;
 
-fn moment<'a, V: Vector>(properties: &'a Properties<V>, matter: &'a Matter<V>, time: f64, crew: &'a Crew) -> Moment<'a, V> {
+fn state_view<'a, V: Vector>(
+    properties: &'a Properties<V>,
+    matter: &'a Matter<V>,
+    time: f64,
+    executor: &'a Executor,
+) -> StateView<'a, V> {
     let (position, velocity, residual) = (matter.position.view(), matter.velocity.view(), matter.residual.view());
-    Moment { position, velocity, residual, properties, time, crew }
+    StateView { position, velocity, residual, properties, time, executor }
 }
 
 /// The forces and contacts of a scene.
-pub struct Law<V: Vector> {
+pub struct Dynamics<V: Vector> {
     /// Mass and everything else that does not change.
     pub properties: Properties<V>,
-    /// What acts on a particle whatever the others do, as far as it could be folded.
-    pub affine: Affine<V>,
+    /// What acts on a particle whatever the others do, as far as it could be fused.
+    pub linear: LinearForce<V>,
     /// The contact stage, if there are boundaries.
     pub contacts: Option<Contacts<V>>,
-    /// All forces, folded ones first, then in the order in which they accumulate.
+    /// All forces, fused ones first, then in the order in which they accumulate.
     forces: Vec<Box<dyn Force<V>>>,
-    /// How many of them are folded.
-    folded: usize,
-    /// How many of them are folded or pass between particles; the others are pointwise.
+    /// How many of them are fused.
+    fused: usize,
+    /// How many of them are fused or pass between particles; the others are pointwise.
     together: usize,
     /// Whether a fixed particle moves, so that what holds it on its way does work.
     driven: bool,
 }
 
-impl<V: Vector> Law<V> {
+impl<V: Vector> Dynamics<V> {
     /// Sorts the forces for blocks of `block` particles.
     pub fn new(properties: Properties<V>, forces: Vec<Box<dyn Force<V>>>, contacts: Option<Contacts<V>>, block: usize) -> Self {
-        let mut fold = Fold::new(properties.count());
-        let (folded, others): (Vec<_>, Vec<_>) = forces.into_iter().partition(|force| force.fold(&properties, &mut fold));
+        let mut fold = Fusion::new(properties.count());
+        let (fused, others): (Vec<_>, Vec<_>) = forces.into_iter().partition(|force| force.fold(&properties, &mut fold));
         let (pointwise, together): (Vec<_>, Vec<_>) = others.into_iter().partition(|force| force.reach() == Reach::Pointwise);
-        let affine = Affine::new(&fold, &properties, block);
-        let count = folded.len();
+        let linear = LinearForce::new(&fold, &properties, block);
+        let count = fused.len();
         let passing = count + together.len();
-        let forces = folded.into_iter().chain(together).chain(pointwise).collect();
-        Self { properties, affine, contacts, forces, folded: count, together: passing, driven: false }
+        let forces = fused.into_iter().chain(together).chain(pointwise).collect();
+        Self { properties, linear, contacts, forces, fused: count, together: passing, driven: false }
     }
 
     /// Looks whether any fixed particle moves.
@@ -61,12 +66,12 @@ impl<V: Vector> Law<V> {
 
     /// Whether no particle feels another.
     pub fn is_independent(&self) -> bool {
-        self.folded == self.together
+        self.fused == self.together
     }
 
-    /// Whether all forces are folded.
-    pub fn is_folded(&self) -> bool {
-        self.folded == self.forces.len()
+    /// Whether all forces are fused.
+    pub fn is_fused(&self) -> bool {
+        self.fused == self.forces.len()
     }
 
     /// How many of the forces are functions of the user's.
@@ -88,20 +93,20 @@ impl<V: Vector> Law<V> {
     }
 
     /// The matter at a moment, for the forces to look at.
-    pub fn moment<'a>(&'a self, position: View<'a, V>, velocity: View<'a, V>, time: f64) -> Moment<'a, V> {
-        Moment { position, velocity, residual: View::default(), properties: &self.properties, time, crew: &ALONE }
+    pub fn state_view<'a>(&'a self, position: View<'a, V>, velocity: View<'a, V>, time: f64) -> StateView<'a, V> {
+        StateView { position, velocity, residual: View::default(), properties: &self.properties, time, executor: &SERIAL }
     }
 
     /// All matter at a moment.
-    pub fn moment_of<'a>(&'a self, matter: &'a Matter<V>, time: f64, crew: &'a Crew) -> Moment<'a, V> {
-        moment(&self.properties, matter, time, crew)
+    pub fn view_of<'a>(&'a self, matter: &'a Matter<V>, time: f64, executor: &'a Executor) -> StateView<'a, V> {
+        state_view(&self.properties, matter, time, executor)
     }
 
     /// Lets every force do what must be done for all particles at once.
-    pub fn prepare(&mut self, matter: &Matter<V>, time: f64, crew: &Crew) -> Result<()> {
-        let Self { properties, forces, folded, together, .. } = self;
-        let at = moment(properties, matter, time, crew);
-        forces[*folded..*together].iter_mut().try_for_each(|force| force.prepare(&at, crew))
+    pub fn prepare(&mut self, matter: &Matter<V>, time: f64, executor: &Executor) -> Result<()> {
+        let Self { properties, forces, fused, together, .. } = self;
+        let at = state_view(properties, matter, time, executor);
+        forces[*fused..*together].iter_mut().try_for_each(|force| force.prepare(&at, executor))
     }
 
     /// How the forces come by their fields.
@@ -110,22 +115,22 @@ impl<V: Vector> Law<V> {
     }
 
     /// Counts the fields at the end of a step where no force was asked for.
-    pub fn count(&mut self, matter: &Matter<V>, time: f64, crew: &Crew) -> Result<()> {
+    pub fn count(&mut self, matter: &Matter<V>, time: f64, executor: &Executor) -> Result<()> {
         let Self { properties, forces, .. } = self;
-        let at = moment(properties, matter, time, crew);
-        forces.iter_mut().try_for_each(|force| force.count(&at, crew))
+        let at = state_view(properties, matter, time, executor);
+        forces.iter_mut().try_for_each(|force| force.count(&at, executor))
     }
 
-    /// Adds the energy that the fields lost over the last drift to what passed through the channels of a block [J].
+    /// Adds the energy that the fields lost over the last drift to what passed through the sinks of a block [J].
     pub fn spend(&self, block: &Range<usize>, energy: &mut Power) {
         self.forces.iter().for_each(|force| force.spend(block.clone(), energy));
     }
 
     /// Advances the fields over the drift that led to a state.
-    pub fn drift(&mut self, matter: &Matter<V>, velocity: View<'_, V>, h: f64, crew: &Crew) -> Result<()> {
+    pub fn drift(&mut self, matter: &Matter<V>, velocity: View<'_, V>, h: f64, executor: &Executor) -> Result<()> {
         let Self { properties, forces, .. } = self;
-        let drift = Drift { end: moment(properties, matter, 0.0, crew), velocity, h };
-        forces.iter_mut().try_for_each(|force| force.drift(&drift, crew))
+        let drift = Drift { end: state_view(properties, matter, 0.0, executor), velocity, h };
+        forces.iter_mut().try_for_each(|force| force.drift(&drift, executor))
     }
 
     /// Whether any force moves particles beside their velocity.
@@ -142,13 +147,13 @@ impl<V: Vector> Law<V> {
     }
 
     /// The potential energy of the particles of one block in fields that are the same whatever the others do [J].
-    pub fn potential(&self, block: &Range<usize>, at: &Moment<'_, V>) -> f64 {
+    pub fn potential(&self, block: &Range<usize>, at: &StateView<'_, V>) -> f64 {
         let fields = self.forces.iter().filter(|force| force.reach() == Reach::Pointwise && force.has_potential());
         fields.map(|force| force.potential(block.clone(), at)).sum()
     }
 
     /// The potential energy that functions of the user's give to all particles [J].
-    pub fn potential_of_callbacks(&self, at: &Moment<'_, V>) -> Result<f64> {
+    pub fn potential_of_callbacks(&self, at: &StateView<'_, V>) -> Result<f64> {
         let callbacks = self.forces.iter().filter(|force| force.reach() == Reach::Whole && force.has_potential());
         callbacks.map(|force| force.potential_of_all(at)).sum()
     }
@@ -158,13 +163,13 @@ impl<V: Vector> Law<V> {
         &mut self.forces
     }
 
-    /// Sets the forces and powers of one block to those of all terms that are not folded.
+    /// Sets the forces and powers of one block to those of all terms that are not fused.
     #[inline]
-    pub fn accumulate(&self, block: &Range<usize>, at: &Moment<'_, V>, rates: &mut Rates<'_, V>) {
+    pub fn accumulate(&self, block: &Range<usize>, at: &StateView<'_, V>, rates: &mut Rates<'_, V>) {
         for axis in 0..V::DIMENSION {
             rates.force.axes[axis].fill(V::Scalar::ZERO);
         }
-        for force in &self.forces[self.folded..self.together] {
+        for force in &self.forces[self.fused..self.together] {
             force.accumulate(block.clone(), at, rates);
         }
         if self.driven {
@@ -177,16 +182,16 @@ impl<V: Vector> Law<V> {
 
     /// The kinetic energy that the accelerations of a moment give in `h` seconds from rest [J], ½ m |a|² h² summed up: the
     /// smallest energy that steps of `h` can resolve.
-    pub fn kick(&self, at: &Moment<'_, V>, h: f64) -> f64 {
+    pub fn kick(&self, at: &StateView<'_, V>, h: f64) -> f64 {
         let count = self.properties.count();
         let mut force = Columns::<V>::zeros(count);
-        let mut power = [[0.0; LANES]; CHANNELS];
+        let mut power = [[0.0; LANES]; SINKS];
         self.accumulate(&(0..padded(count)), at, &mut Rates { force: force.span(), power: &mut power });
         let energy = |index: usize| {
             let inverse_mass = self.properties.inverse_mass[index];
             let a = V::from_axes(|axis| {
                 let (x, v) = (at.position.axis(axis)[index], at.velocity.axis(axis)[index]);
-                force.axis(axis)[index] * inverse_mass + self.affine.acceleration(axis, index, x, v)
+                force.axis(axis)[index] * inverse_mass + self.linear.acceleration(axis, index, x, v)
             });
             0.5 * self.properties.mass[index] * a.widen().length_squared() * h * h
         };
@@ -194,17 +199,17 @@ impl<V: Vector> Law<V> {
     }
 
     /// What keeps a fixed particle on its way against the forces F of its partners does the work −F·v.
-    fn count_reactions(&self, block: &Range<usize>, at: &Moment<'_, V>, rates: &mut Rates<'_, V>) {
+    fn count_reactions(&self, block: &Range<usize>, at: &StateView<'_, V>, rates: &mut Rates<'_, V>) {
         for index in block.start..block.end.min(self.properties.count()) {
             if self.properties.is_fixed(index) {
                 let force = rates.force.get(index - block.start).widen();
-                rates.power[Channel::Work as usize][index % LANES] -= force.dot(at.velocity.get(index).widen());
+                rates.power[EnergySink::Work as usize][index % LANES] -= force.dot(at.velocity.get(index).widen());
             }
         }
     }
 
     /// The bound on the time step at a moment, from one without terms for these particles.
-    pub fn bound(&self, at: &Moment<'_, V>, mut bound: Bound) -> Result<Bound> {
+    pub fn bound(&self, at: &StateView<'_, V>, mut bound: SpectralBound) -> Result<SpectralBound> {
         self.forces.iter().try_for_each(|force| force.bound(at, &mut bound))?;
         Ok(bound)
     }
@@ -217,6 +222,6 @@ impl<V: Vector> Law<V> {
     /// The memory that it takes [bytes].
     pub fn bytes(&self) -> usize {
         let contacts = self.contacts.as_ref().map_or(0, Contacts::bytes);
-        self.affine.bytes() + contacts + self.forces.iter().map(|force| force.bytes()).sum::<usize>()
+        self.linear.bytes() + contacts + self.forces.iter().map(|force| force.bytes()).sum::<usize>()
     }
 }
