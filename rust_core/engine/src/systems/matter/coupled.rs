@@ -14,7 +14,7 @@ use crate::systems::matter::activity::Activity;
 use crate::systems::matter::collisions::collide;
 use crate::systems::matter::displacement::displace;
 use crate::systems::matter::dynamics::Dynamics;
-use crate::systems::matter::kernels::{self, Action, Load};
+use crate::systems::matter::kernels::{self, Action, Evaluation};
 
 /// Memory for the sweeps.
 #[derive(Debug)]
@@ -149,9 +149,12 @@ fn for_each_block<V: Vector, I: Integrator>(
     let ends_run = ends_step && matches!(action, Action::StageUpdate(_, None));
     let at = dynamics.state_view(workspace.position.view(), workspace.velocity.view(), time);
     let before = workspace.before.as_ref().filter(|_| ends_step && !I::DRIFTS_FIRST);
-    let work = (Work { blocks: matter.blocks(), force: workspace.force.span() }, BlockedSlice::new(&mut workspace.activity, 1));
-    executor.for_each_block(work, &|(work, activity): (Work<'_, V>, BlockedSlice<'_, f64>)| {
-        let Work { mut blocks, mut force } = work;
+    let work = (
+        BlocksWithForces { blocks: matter.blocks(), force: workspace.force.span() },
+        BlockedSlice::new(&mut workspace.activity, 1),
+    );
+    executor.for_each_block(work, &|(work, activity): (BlocksWithForces<'_, V>, BlockedSlice<'_, f64>)| {
+        let BlocksWithForces { mut blocks, mut force } = work;
         let range = blocks.range();
         blocks.position.copy_from(&at.position, range.start);
         blocks.velocity.copy_from(&at.velocity, range.start);
@@ -159,7 +162,7 @@ fn for_each_block<V: Vector, I: Integrator>(
         if asks {
             dynamics.accumulate(&range, &at, &mut Rates { force: force.reborrow(), power: &mut power });
         }
-        activity.items[0] = kernels::stage::<V, I>(dynamics, &mut blocks, &Load { force, power }, interval.h, action);
+        activity.items[0] = kernels::stage::<V, I>(dynamics, &mut blocks, &Evaluation { force, power }, interval.h, action);
         if let (Some(contacts), Some([position, velocity])) = (&dynamics.contacts, before) {
             contacts.resolve(&Before::part(position, velocity, &range), &mut blocks, &dynamics.properties, interval.h);
         }
@@ -186,12 +189,12 @@ fn collisions<V: Vector, I: Integrator>(
 }
 
 /// Blocks with their forces.
-pub struct Work<'a, V: Vector> {
+pub struct BlocksWithForces<'a, V: Vector> {
     pub blocks: Blocks<'a, V>,
     pub force: Span<'a, V>,
 }
 
-impl<V: Vector> Split for Work<'_, V> {
+impl<V: Vector> Split for BlocksWithForces<'_, V> {
     fn blocks(&self) -> usize {
         self.blocks.blocks()
     }

@@ -7,7 +7,7 @@ use crate::error::Result;
 use crate::math::Vector;
 use crate::matter::{Blocks, Columns, EnergySink, Matter};
 use crate::parallel::Executor;
-use crate::systems::matter::coupled::Work;
+use crate::systems::matter::coupled::BlocksWithForces;
 use crate::systems::matter::dynamics::Dynamics;
 
 /// Moves all particles that a force displaces, at a time; `ways` is memory.
@@ -19,8 +19,11 @@ pub fn displace<V: Vector>(
     executor: &Executor,
 ) -> Result<()> {
     let before = dynamics.potential_of_callbacks(&dynamics.view_of(matter, time, executor))?;
-    executor.for_each_block(Work { blocks: matter.blocks(), force: ways.span() }, &|work: Work<'_, V>| {
-        let Work { mut blocks, force: mut ways } = work;
+    executor.for_each_block(BlocksWithForces { blocks: matter.blocks(), force: ways.span() }, &|work: BlocksWithForces<
+        '_,
+        V,
+    >| {
+        let BlocksWithForces { mut blocks, force: mut ways } = work;
         let (start, count) = (blocks.start, blocks.count);
         dynamics.displace(&blocks.range(), &mut ways);
         let potential = |blocks: &Blocks<'_, V>| {

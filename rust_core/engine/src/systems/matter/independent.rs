@@ -10,7 +10,7 @@ use crate::simd::LANES;
 use crate::systems::matter::activity::Activity;
 use crate::systems::matter::collisions::collide;
 use crate::systems::matter::dynamics::Dynamics;
-use crate::systems::matter::kernels::{self, Action, Load};
+use crate::systems::matter::kernels::{self, Action, Evaluation};
 use crate::systems::matter::{Interval, Record};
 
 /// Of how many steps one has its activity found where they run in registers. The steps of the clock's segment count, so that
@@ -33,19 +33,19 @@ pub fn advance<V: Vector, I: Integrator>(
     let work = (matter.blocks(), activity.record(from.tallies.len(), recorded));
     executor.for_each_block(work, &|(block, activity): (Blocks<'_, V>, BlockedSlice<'_, f64>)| {
         let activity = activity.items;
-        on_bench::<V, I>(from, block, |bench| {
+        in_buffers::<V, I>(from, block, |buffers| {
             if fused {
                 for activity in activity.iter_mut() {
-                    kernels::steps::<V, I>(dynamics, &mut bench.block, interval.h, interval.steps / recorded as u64);
-                    *activity = kernels::activity(dynamics, &bench.block);
+                    kernels::steps::<V, I>(dynamics, &mut buffers.block, interval.h, interval.steps / recorded as u64);
+                    *activity = kernels::activity(dynamics, &buffers.block);
                 }
             } else if let (Some(force), None) = (dynamics.lone_inverse_square(), &dynamics.contacts) {
-                sampled::<V, I>(dynamics, force, bench, interval, record, activity);
+                sampled::<V, I>(dynamics, force, buffers, interval, record, activity);
             } else {
-                one_by_one::<V, I>(dynamics, bench, interval, activity, executor);
+                one_by_one::<V, I>(dynamics, buffers, interval, activity, executor);
             }
             if let Some(last) = activity.last_mut() {
-                *last += kernels::out_of_range(dynamics, &bench.block);
+                *last += kernels::out_of_range(dynamics, &buffers.block);
             }
         });
     });
@@ -56,7 +56,7 @@ pub fn advance<V: Vector, I: Integrator>(
 fn sampled<V: Vector, I: Integrator>(
     dynamics: &Dynamics<V>,
     force: InverseSquare<'_, V::Scalar>,
-    bench: &mut Bench<'_, V>,
+    buffers: &mut BlockBuffers<'_, V>,
     interval: Interval,
     record: Record,
     mut rest: &mut [f64],
@@ -65,10 +65,10 @@ fn sampled<V: Vector, I: Integrator>(
     while !rest.is_empty() {
         let step = interval.first + interval.steps - rest.len() as u64;
         let steps = (every - step % every).min(rest.len() as u64);
-        kernels::point_force_steps::<V, I>(dynamics, force, &mut bench.block, interval.h, steps);
+        kernels::point_force_steps::<V, I>(dynamics, force, &mut buffers.block, interval.h, steps);
         let (now, later) = rest.split_at_mut(steps as usize);
         if (step + steps).is_multiple_of(every) {
-            now[now.len() - 1] = kernels::activity(dynamics, &bench.block);
+            now[now.len() - 1] = kernels::activity(dynamics, &buffers.block);
         }
         rest = later;
     }
@@ -77,22 +77,22 @@ fn sampled<V: Vector, I: Integrator>(
 /// Evaluates the law at the state `from` and fills the carried memory of `matter`.
 pub fn begin<V: Vector, I: Integrator>(dynamics: &Dynamics<V>, from: &Matter<V>, matter: &mut Matter<V>, interval: Interval) {
     Executor::serial().for_each_block(matter.blocks(), &|block: Blocks<'_, V>| {
-        on_bench::<V, I>(from, block, |bench| {
-            run_stage::<V, I>(dynamics, bench, interval, interval.start, Action::Begin);
+        in_buffers::<V, I>(from, block, |buffers| {
+            run_stage::<V, I>(dynamics, buffers, interval, interval.start, Action::Begin);
         });
     });
 }
 
 /// A block on the calling thread's scratch memory, with all that a step needs. Its columns lie close together but not at
 /// the same place in every page, where they would push each other out of the first-level cache.
-struct Bench<'a, V: Vector> {
+struct BlockBuffers<'a, V: Vector> {
     block: Blocks<'a, V>,
     force: Span<'a, V>,
     before: [Span<'a, V>; 2],
 }
 
-/// Copies a block of `from` onto a bench, works on it there, and copies the result to `block`.
-fn on_bench<V: Vector, I: Integrator>(from: &Matter<V>, mut block: Blocks<'_, V>, work: impl FnOnce(&mut Bench<'_, V>)) {
+/// Copies a block of `from` onto a buffers, works on it there, and copies the result to `block`.
+fn in_buffers<V: Vector, I: Integrator>(from: &Matter<V>, mut block: Blocks<'_, V>, work: impl FnOnce(&mut BlockBuffers<'_, V>)) {
     let (start, length) = (block.start, block.position.len());
     block.tallies[0] = from.tallies[start / from.block];
     let stride = length + LANES;
@@ -104,15 +104,18 @@ fn on_bench<V: Vector, I: Integrator>(from: &Matter<V>, mut block: Blocks<'_, V>
         };
         let (position, velocity, force, before) = (span(), span(), span(), [span(), span()]);
         let registers = std::array::from_fn(|kept| if kept < I::REGISTERS { span() } else { Span::empty() });
-        let mut bench =
-            Bench { block: Blocks::new(start, block.count, position, velocity, registers, &mut *block.tallies), force, before };
-        bench.block.position.copy_from(&from.position.view(), start);
-        bench.block.velocity.copy_from(&from.velocity.view(), start);
-        for (registers, from) in bench.block.registers.iter_mut().zip(&from.registers).take(I::PERSISTENT) {
+        let mut buffers = BlockBuffers {
+            block: Blocks::new(start, block.count, position, velocity, registers, &mut *block.tallies),
+            force,
+            before,
+        };
+        buffers.block.position.copy_from(&from.position.view(), start);
+        buffers.block.velocity.copy_from(&from.velocity.view(), start);
+        for (registers, from) in buffers.block.registers.iter_mut().zip(&from.registers).take(I::PERSISTENT) {
             registers.copy_from(&from.view(), start);
         }
-        work(&mut bench);
-        let Bench { block: done, .. } = bench;
+        work(&mut buffers);
+        let BlockBuffers { block: done, .. } = buffers;
         block.position.copy_from(&done.position.view(0), 0);
         block.velocity.copy_from(&done.velocity.view(0), 0);
         for (registers, done) in block.registers.iter_mut().zip(&done.registers).take(I::READABLE) {
@@ -124,7 +127,7 @@ fn on_bench<V: Vector, I: Integrator>(from: &Matter<V>, mut block: Blocks<'_, V>
 /// One step after the other, with a contact stage between them, or with forces that are not fused.
 fn one_by_one<V: Vector, I: Integrator>(
     dynamics: &Dynamics<V>,
-    bench: &mut Bench<'_, V>,
+    buffers: &mut BlockBuffers<'_, V>,
     interval: Interval,
     activity: &mut [f64],
     executor: &Executor,
@@ -134,49 +137,54 @@ fn one_by_one<V: Vector, I: Integrator>(
             return;
         }
         if dynamics.contacts.is_some() {
-            bench.before[0].copy_from(&bench.block.position.view(0), 0);
-            bench.before[1].copy_from(&bench.block.velocity.view(0), 0);
+            buffers.before[0].copy_from(&buffers.block.position.view(0), 0);
+            buffers.before[1].copy_from(&buffers.block.velocity.view(0), 0);
         }
         *activity = if dynamics.is_fused() && (dynamics.contacts.is_none() || !I::DRIFTS_FIRST) {
-            kernels::steps::<V, I>(dynamics, &mut bench.block, interval.h, 1);
-            kernels::activity(dynamics, &bench.block)
+            kernels::steps::<V, I>(dynamics, &mut buffers.block, interval.h, 1);
+            kernels::activity(dynamics, &buffers.block)
         } else {
-            stages::<V, I>(dynamics, bench, interval, step)
+            stages::<V, I>(dynamics, buffers, interval, step)
         };
         if let (Some(contacts), false) = (&dynamics.contacts, I::DRIFTS_FIRST) {
-            contacts.resolve(&Before::spans(&bench.before), &mut bench.block, &dynamics.properties, interval.h);
+            contacts.resolve(&Before::spans(&buffers.before), &mut buffers.block, &dynamics.properties, interval.h);
         }
     }
 }
 
 /// One step, stage by stage; gives the activity at its end.
-fn stages<V: Vector, I: Integrator>(dynamics: &Dynamics<V>, bench: &mut Bench<'_, V>, interval: Interval, step: u64) -> f64 {
-    run_stage::<V, I>(dynamics, bench, interval, 0.0, Action::StageState);
+fn stages<V: Vector, I: Integrator>(
+    dynamics: &Dynamics<V>,
+    buffers: &mut BlockBuffers<'_, V>,
+    interval: Interval,
+    step: u64,
+) -> f64 {
+    run_stage::<V, I>(dynamics, buffers, interval, 0.0, Action::StageState);
     if let (Some(contacts), true) = (&dynamics.contacts, I::DRIFTS_FIRST) {
-        collide::<V, I>(dynamics, contacts, &mut bench.block, &Before::spans(&bench.before), interval.h);
+        collide::<V, I>(dynamics, contacts, &mut buffers.block, &Before::spans(&buffers.before), interval.h);
     }
     let mut activity = 0.0;
     for stage in 0..I::NODES.len() {
         let next = (stage + 1 < I::NODES.len()).then_some(stage + 1);
         let time = interval.time(step, I::NODES[stage]);
-        activity = run_stage::<V, I>(dynamics, bench, interval, time, Action::StageUpdate(stage, next));
+        activity = run_stage::<V, I>(dynamics, buffers, interval, time, Action::StageUpdate(stage, next));
     }
     activity
 }
 
 fn run_stage<V: Vector, I: Integrator>(
     dynamics: &Dynamics<V>,
-    bench: &mut Bench<'_, V>,
+    buffers: &mut BlockBuffers<'_, V>,
     interval: Interval,
     time: f64,
     action: Action,
 ) -> f64 {
-    let Bench { block, force, .. } = bench;
+    let BlockBuffers { block, force, .. } = buffers;
     let range = block.range();
     let mut power = [[0.0; LANES]; SINKS];
     if !matches!(action, Action::StageState) {
         let at = dynamics.state_view(block.position.view(range.start), block.velocity.view(range.start), time);
         dynamics.accumulate(&range, &at, &mut Rates { force: force.reborrow(), power: &mut power });
     }
-    kernels::stage::<V, I>(dynamics, block, &Load { force: force.reborrow(), power }, interval.h, action)
+    kernels::stage::<V, I>(dynamics, block, &Evaluation { force: force.reborrow(), power }, interval.h, action)
 }

@@ -1,0 +1,18 @@
+//! The inner loops: an integrator's steps or stages over the lanes of one block.
+//!
+//! [`linear_steps`] runs whole steps of the linear force in registers. [`stage`] runs one stage with forces that were accumulated
+//! before. Both evaluate the linear force the same way, so a scene pays for the general one only where it needs it.
+//! [`point_force_steps`] runs whole steps under one force field, as that of a star or a nucleus.
+
+mod activity;
+mod axis_force;
+mod components;
+mod linear_steps;
+mod point_force_steps;
+mod power;
+mod stage;
+
+pub use activity::{activity, out_of_range};
+pub use linear_steps::steps;
+pub use point_force_steps::point_force_steps;
+pub use stage::{Action, Evaluation, stage};

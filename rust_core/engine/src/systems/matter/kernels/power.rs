@@ -1,0 +1,39 @@
+//! The power that passes through the sinks of a block, integrated over the stages of its steps.
+
+use crate::integrators::Integrator;
+use crate::math::Real;
+use crate::matter::{EnergySink, EnergyTally, Power, SINKS};
+use crate::simd::{LANES, Lanes};
+
+/// All sinks.
+pub(super) const ALL: [EnergySink; SINKS] =
+    [EnergySink::Drag, EnergySink::Damping, EnergySink::Contact, EnergySink::Viscosity, EnergySink::Work];
+
+/// Adds what passes through some sinks of a tally during one stage: the power times `span`, and the power at the last
+/// stage of the step before times `last_span`. `keep` says that this is the last stage of its step.
+#[inline(always)]
+pub(super) fn integrate(tally: &mut EnergyTally, power: &Power, sinks: &[EnergySink], span: f64, last_span: f64, keep: bool) {
+    for sink in sinks.iter().map(|&sink| sink as usize) {
+        let (now, last) = (power[sink], tally.last[sink]);
+        for lane in 0..LANES {
+            tally.energy[sink][lane] += last_span * last[lane] + span * now[lane];
+        }
+        if keep {
+            tally.last[sink] = now;
+        }
+    }
+}
+
+/// Whether a method of several stages begins with the evaluation that ended the step before. The power of that one is then
+/// kept apart from the weighted sum of all, where two steps in one pass would have that of the second.
+#[inline(always)]
+pub(super) const fn reuses_one_of_many<I: Integrator>() -> bool {
+    I::LAST_WEIGHT != 0.0 && I::NODES.len() > 1
+}
+
+#[inline(always)]
+pub(super) fn add_power<T: Real>(power: &mut Lanes<f64>, sums: &Lanes<T>, unit: f64) {
+    for lane in 0..LANES {
+        power[lane] += unit * sums[lane].to_f64();
+    }
+}

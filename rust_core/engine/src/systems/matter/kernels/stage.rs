@@ -1,0 +1,188 @@
+//! One stage of a step, with forces that were accumulated before and the linear force on top.
+
+use std::marker::PhantomData;
+
+use super::activity::kinetic;
+use super::axis_force::{AxisForce, Uniform, supplies};
+use super::components::{Axes, Axis, ComponentGroup, split};
+use super::power::{ALL, add_power, integrate};
+use crate::forces::linear::AxisLaw;
+use crate::integrators::Integrator;
+use crate::math::{AXES, Real, Vector};
+use crate::matter::{Blocks, EnergySink, EnergyTally, Power, Span};
+use crate::simd::{Kernel, LANES, Lanes, dispatch};
+use crate::systems::matter::dynamics::Dynamics;
+
+/// What a stage does with the acceleration.
+#[derive(Debug, Clone, Copy)]
+pub enum Action {
+    /// Begins a run: fills the carried memory.
+    Begin,
+    /// Only moves to where the first stage asks for the forces.
+    StageState,
+    /// Takes it in as that of a stage, and moves on to another stage.
+    StageUpdate(usize, Option<usize>),
+}
+
+/// The forces and powers of one block that are not fused.
+#[derive(Debug)]
+pub struct Evaluation<'a, V: Vector> {
+    /// The force on every particle [N].
+    pub force: Span<'a, V>,
+    /// The power through each sink [W].
+    pub power: Power,
+}
+
+struct Stage<'a, T, I> {
+    axes: Axes<'a, T>,
+    force: [&'a [Lanes<T>]; AXES],
+    inverse_mass: &'a [Lanes<T>],
+    inertia: &'a [Lanes<T>],
+    power: Power,
+    tally: &'a mut EnergyTally,
+    dissipates: bool,
+    h: f64,
+    action: Action,
+    integrator: PhantomData<I>,
+}
+
+/// Runs one stage of one block, and gives the activity at the stage.
+pub fn stage<V: Vector, I: Integrator>(
+    dynamics: &Dynamics<V>,
+    blocks: &mut Blocks<'_, V>,
+    evaluation: &Evaluation<'_, V>,
+    h: f64,
+    action: Action,
+) -> f64 {
+    let inverse_mass = dynamics.properties.inverse_mass[blocks.range()].as_chunks().0;
+    let inertia = dynamics.properties.inertia[blocks.range()].as_chunks().0;
+    let force = evaluation.force.axes.each_ref().map(|axis| axis.as_chunks().0);
+    let (axes, tally) = split(dynamics, blocks);
+    dispatch(Stage::<V::Scalar, I> {
+        axes,
+        force,
+        inverse_mass,
+        inertia,
+        power: evaluation.power,
+        tally,
+        dissipates: dynamics.linear.dissipates,
+        h,
+        action,
+        integrator: PhantomData,
+    })
+}
+
+impl<T: Real, I: Integrator> Kernel for Stage<'_, T, I> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn run(self) -> f64 {
+        let Self { mut axes, force, inverse_mass, inertia, mut power, tally, dissipates, h, action, .. } = self;
+        let mut squares = [T::ZERO; LANES];
+        for ((axis, law), force) in axes.iter_mut().flatten().zip(force) {
+            let input = AxisInput { force, inverse_mass, inertia };
+            let sums = (&mut power, &mut squares);
+            match *law {
+                AxisLaw::Uniform(same) if dissipates => one_stage::<_, I>(Uniform::<_, true>(same), input, axis, h, action, sums),
+                AxisLaw::Uniform(same) => one_stage::<_, I>(Uniform::<_, false>(same), input, axis, h, action, sums),
+                AxisLaw::Varying(varying) => one_stage::<_, I>(varying, input, axis, h, action, sums),
+            }
+        }
+        match action {
+            Action::Begin => tally.last = power,
+            Action::StageState => {}
+            Action::StageUpdate(stage, _) => {
+                let last = if stage == 0 { h * I::LAST_WEIGHT } else { 0.0 };
+                integrate(tally, &power, &ALL, h * I::WEIGHTS[stage], last, stage + 1 == I::NODES.len());
+            }
+        }
+        kinetic(&squares)
+    }
+}
+
+/// Forces of one axis, what divides them, and the inertia.
+#[derive(Clone, Copy)]
+struct AxisInput<'a, T> {
+    force: &'a [Lanes<T>],
+    inverse_mass: &'a [Lanes<T>],
+    inertia: &'a [Lanes<T>],
+}
+
+/// One stage of every lane along one axis. Adds to the powers, and m v² at the stage.
+#[inline(always)]
+fn one_stage<T: Real, I: Integrator>(
+    law: impl AxisForce<T>,
+    input: AxisInput<'_, T>,
+    axis: &mut Axis<'_, T>,
+    h: f64,
+    action: Action,
+    (power, squares): (&mut Power, &mut Lanes<T>),
+) {
+    let step = T::from_f64(h);
+    let Axis { x, v, registers, residual } = axis;
+    let mut drag = [T::ZERO; LANES];
+    let mut work = [T::ZERO; LANES];
+    let mut moved = *squares;
+    for (group, (x, v)) in x.iter_mut().zip(v.iter_mut()).enumerate() {
+        let coefficients = law.group(group);
+        let (force, inverse_mass, inertia) = (input.force[group], input.inverse_mass[group], input.inertia[group]);
+        let mut components = ComponentGroup::<T>::load(x, v, registers, group, I::REGISTERS);
+        let mut a = [T::ZERO; LANES];
+        for lane in 0..LANES {
+            let component = components.lane(lane);
+            let (dissipated, supplied) = law.power(&coefficients, lane, component.v);
+            drag[lane] += dissipated;
+            work[lane] += supplied;
+            moved[lane] += inertia[lane] * (component.v * component.v);
+            a[lane] = force[lane] * inverse_mass[lane] + law.acceleration(&coefficients, lane, component.x, component.v);
+        }
+        // Integrators only ever add to a position, so that they can as well move what it is short of.
+        if let Some(residual) = residual.get(group) {
+            components.x = *residual;
+        }
+        match action {
+            Action::Begin => components.each(|component, lane| I::begin(component, a[lane])),
+            Action::StageState => stage_state::<T, I>(0, &mut components, step),
+            Action::StageUpdate(stage, next) => {
+                stage_update::<T, I>(stage, &mut components, &a, step);
+                if let Some(next) = next {
+                    // A step ends in the same bits, whether the next one follows in this sweep or in another batch.
+                    if let (0, Some(residual)) = (next, residual.get_mut(group)) {
+                        components.settle::<I>(x, residual);
+                        (*x, components.x) = (components.x, *residual);
+                    }
+                    stage_state::<T, I>(next, &mut components, step);
+                }
+            }
+        }
+        if let Some(residual) = residual.get_mut(group) {
+            components.settle::<I>(x, residual);
+        }
+        components.store(x, v, registers, group, I::REGISTERS);
+    }
+    *squares = moved;
+    add_power(&mut power[EnergySink::Drag as usize], &drag, law.unit());
+    if supplies(&law) {
+        add_power(&mut power[EnergySink::Work as usize], &work, law.unit());
+    }
+}
+
+/// Moves a group to the point of a stage. The stage is a constant in each loop: only then can it be vectorised.
+#[inline(always)]
+fn stage_state<T: Real, I: Integrator>(stage: usize, components: &mut ComponentGroup<T>, h: T) {
+    for constant in 0..I::NODES.len() {
+        if stage == constant {
+            components.each(|component, _| I::stage_state(constant, component, h));
+        }
+    }
+}
+
+/// Lets a group take in the accelerations of a stage.
+#[inline(always)]
+fn stage_update<T: Real, I: Integrator>(stage: usize, components: &mut ComponentGroup<T>, a: &Lanes<T>, h: T) {
+    for constant in 0..I::NODES.len() {
+        if stage == constant {
+            components.each(|component, lane| I::stage_update(constant, component, a[lane], h));
+        }
+    }
+}
