@@ -11,7 +11,7 @@ const LAYERS: [&[&str]; 17] = [
     &["math"],
     &["scene"],
     &["parallel"],
-    &["columns", "meter"],
+    &["columns", "tally"],
     &["neighbors"],
     &["matter"],
     &["integrators"],

@@ -20,13 +20,13 @@ use crate::parallel::Executor;
 use crate::scene::Scene;
 
 impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
-    /// The fluids of a scene, of these kinds.
-    pub fn new(scene: &Scene, properties: &Properties<V>, kinds: Materials, executor: &Executor) -> Result<Self> {
-        let kind_of = |index: u32| kinds.of_body[properties.body[index as usize] as usize];
+    /// The fluids of a scene, of these materials.
+    pub fn new(scene: &Scene, properties: &Properties<V>, materials: Materials, executor: &Executor) -> Result<Self> {
+        let kind_of = |index: u32| materials.of_body[properties.body[index as usize] as usize];
         let members: Vec<u32> = (0..properties.count() as u32).filter(|&index| kind_of(index).is_some()).collect();
         let kind: Vec<u8> = members.iter().filter_map(|&index| kind_of(index)).collect();
         let obstacles: Vec<u32> = (0..).zip(&kind).filter(|(_, kind)| **kind == OBSTACLE).map(|(member, _)| member).collect();
-        let common = kinds.first();
+        let common = materials.first();
         let h = common.smoothing_length;
         let neighbor_list = NeighborList::new(scene, properties, members, 2.0 * h)?;
         let walls = Walls::new(start::walls(scene, properties.origin)?, &neighbor_list);
@@ -37,16 +37,16 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
             return Err(Error::parameter("precision", "f64", found).with_hint("the kernel is steeper than it can hold"));
         }
         let same = |one: &Material, other: &Material| one == other;
-        let mut diffusion = kinds.pairs(|one, other| if same(one, other) { one.diffusion() } else { 0.0 });
+        let mut diffusion = materials.pairs(|one, other| if same(one, other) { one.diffusion() } else { 0.0 });
         diffusion[usize::from(OBSTACLE)].fill(V::Scalar::ZERO);
         diffusion.iter_mut().for_each(|row| row[usize::from(OBSTACLE)] = V::Scalar::ZERO);
         let gravity = common.gravity.to_array().map(|g| number(g / common.sound_speed.powi(2)));
         let fall = common.gravity.to_array().map(|g| number(common.density * g / common.sound_speed.powi(2)));
-        let density = kinds.each(|fluid| fluid.density);
+        let density = materials.each(|fluid| fluid.density);
         let continuity = Continuity { kernel, diffusion, for_particle: diffusion[0], density, gravity, fall };
-        let artificial = kinds.pairs(|one, other| mean(one.artificial(), other.artificial()));
-        let laminar = kinds.pairs(|one, other| 2.0 * mean(one.viscosity, other.viscosity));
-        let contact = kinds.pairs(|_, _| 1.0);
+        let artificial = materials.pairs(|one, other| mean(one.artificial(), other.artificial()));
+        let laminar = materials.pairs(|one, other| 2.0 * mean(one.viscosity, other.viscosity));
+        let contact = materials.pairs(|_, _| 1.0);
         let solid = usize::from(OBSTACLE);
         let either = |is: &dyn Fn(usize) -> bool| -> [V::Scalar; KINDS] {
             std::array::from_fn(|other| if is(other) { V::Scalar::ONE } else { V::Scalar::ZERO })
@@ -62,7 +62,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
         let extrapolation = Extrapolation { kernel, density, gravity: common.gravity.to_array().map(number) };
         let waves = kernel::waves::<K>(V::DIMENSION);
         let mut fluids = Self {
-            mass: kind.iter().map(|&kind| kinds.fluid(kind).unwrap_or(common).mass).collect(),
+            mass: kind.iter().map(|&kind| materials.fluid(kind).unwrap_or(common).mass).collect(),
             density: Vec::new(),
             kept: Vec::new(),
             diffused: vec![0.0; kind.len()],
@@ -72,13 +72,13 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
             mirrored: vec![[V::Scalar::ZERO; 2]; kind.len()],
             forces: vec![[V::Scalar::ZERO; FORCES]; kind.len()],
             surface: Surface::new(kernel, common, &waves, kind.len()),
-            tension: Tension::new(kernel, &waves, &kinds, kind.len()),
+            tension: Tension::new(kernel, &waves, &materials, kind.len()),
             waves,
             strongest: None,
             kept_strongest: 0.0,
-            summation: kinds.summation.then(|| Summation::new(kernel, &kinds, kind.len())),
-            shifting: (kinds.shifting > 0.0).then(|| Shifting::new(kernel, common, kinds.shifting, kind.len())),
-            kinds,
+            summation: materials.summation.then(|| Summation::new(kernel, &materials, kind.len())),
+            shifting: (materials.shifting > 0.0).then(|| Shifting::new(kernel, common, materials.shifting, kind.len())),
+            materials,
             kind,
             obstacles,
             neighbor_list,
@@ -98,9 +98,9 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
         // By the index of the particle, relative to the origin.
         let at: Vec<DVec3> = properties.caller.iter().map(|&caller| positions[caller as usize] - properties.origin).collect();
         let members: Vec<usize> = self.neighbor_list.members().iter().map(|&index| index as usize).collect();
-        let common = self.kinds.first();
+        let common = self.materials.first();
         let down = common.gravity.normalize_or_zero();
-        let material = |member: usize| self.kinds.fluid(self.kind[member]);
+        let material = |member: usize| self.materials.fluid(self.kind[member]);
         let fluid: Vec<usize> = (0..members.len()).filter(|&member| material(member).is_some()).collect();
         let heads: Vec<(f64, f64)> =
             fluid.iter().map(|&member| (at[members[member]].dot(down), material(member).map_or(0.0, |of| of.density))).collect();
@@ -115,14 +115,14 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
         }
         self.search(&|axis, index| at[index][axis], executor)?;
         executor.check()?;
-        let weight = weight::<K>(self.kinds.first(), V::DIMENSION);
+        let weight = weight::<K>(self.materials.first(), V::DIMENSION);
         let neighbors = self.neighbor_list.neighbors();
         for &obstacle in &self.obstacles {
             let slot = neighbors.slots()[obstacle as usize] as usize;
             let others = neighbors.of(slot).iter().map(|&other| neighbors.order()[other as usize] as usize);
             let solid = others.zip(neighbors.separation(slot)).filter(|&(other, _)| self.kind[other] == OBSTACLE);
             let near: f64 = solid.map(|(_, separation)| weight(separation.length())).sum();
-            let common = self.kinds.first();
+            let common = self.materials.first();
             // A lone particle is not as large as the kernel.
             self.mass[obstacle as usize] = (common.density / (near + weight(0.0))).min(2.0 * common.mass);
         }

@@ -13,7 +13,7 @@
 //! viscosity is J. J. Monaghan and R. A. Gingold's, J. Comput. Phys. 52 (1983) 374; the laminar one that of J. P. Morris, P. J.
 //! Fox and Y. Zhu, J. Comput. Phys. 136 (1997) 214, which is far more accurate in shear.
 //!
-//! Where several kinds of matter meet (`MIXED`), ρ₀, α and μ are those of the pair, nothing diffuses from kind to kind, and
+//! Where several materials of matter meet (`MIXED`), ρ₀, α and μ are those of the pair, nothing diffuses from kind to kind, and
 //! obstacles do not push each other. The kind of a particle is the tag of its volume.
 
 use super::images::Pressed;
@@ -22,7 +22,7 @@ use crate::math::{AXES, Real, Vector};
 use crate::neighbors::sums::{Pair, PairLaw};
 use crate::simd::{Number, Record};
 
-/// The number of kinds of matter: fluids, and obstacles.
+/// The number of materials of matter: fluids, and obstacles.
 pub const KINDS: usize = 4;
 /// The tag of obstacles.
 pub const OBSTACLE: u8 = 3;
@@ -79,7 +79,7 @@ where
 #[derive(Debug, Clone, Copy)]
 pub struct Continuity<T, K, const MIXED: bool> {
     pub kernel: Kernel<T, K>,
-    /// 2δhc [m²/s] of each pair of kinds, and those of the particle that is faced.
+    /// 2δhc [m²/s] of each pair of materials, and those of the particle that is faced.
     pub diffusion: [[T; KINDS]; KINDS],
     pub for_particle: [T; KINDS],
     /// ρ₀ of each kind [kg/m³].
@@ -123,7 +123,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> Pressed<V, 2> for Continuity<V::Sca
     }
 }
 
-/// What two kinds do to each other.
+/// What two materials do to each other.
 #[derive(Debug, Clone, Copy)]
 pub struct Touch<T> {
     /// αhcρ₀ [Pa·s].

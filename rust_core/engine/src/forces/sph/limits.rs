@@ -14,7 +14,7 @@ use crate::stability::SpectralBound;
 impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
     /// How fast it flows at these velocities.
     pub fn speed(&self, velocity: View<'_, V>) -> Flow {
-        let sound = self.kinds.first().sound_speed;
+        let sound = self.materials.first().sound_speed;
         let square = |index: u32| (0..V::DIMENSION).map(|axis| velocity.axis(axis)[index as usize].to_f64().powi(2)).sum::<f64>();
         let (mut fast, mut all) = (0.0, 0.0);
         for (&index, _) in self.neighbor_list.members().iter().zip(&self.kind).filter(|(_, kind)| **kind != OBSTACLE) {
@@ -38,11 +38,11 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
     /// its slot. Ripples as short as the kernel are followed as by J. U. Brackbill, D. B. Kothe, C. Zemach, J. Comput. Phys. 100
     /// (1992) 335: √(ρh³/2πσ).
     pub fn limit(&self, bound: &mut SpectralBound) {
-        let h = self.kinds.first().smoothing_length;
+        let h = self.materials.first().smoothing_length;
         let diffuses = if self.field() == Field::Continuity { 1.0 } else { 0.0 };
         let bounds: Vec<(f64, f64, f64)> = self
-            .kinds
             .materials
+            .fluids
             .iter()
             .zip(0..)
             .map(|(fluid, kind)| {
@@ -74,9 +74,9 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
             }
         }
         let strongest = self.strongest();
-        let lightest = self.kinds.materials.iter().map(|fluid| fluid.density).fold(f64::INFINITY, f64::min);
+        let lightest = self.materials.fluids.iter().map(|fluid| fluid.density).fold(f64::INFINITY, f64::min);
         let ripple = |fluid: &Material| (fluid.density * h.powi(3) / (TAU * fluid.surface_tension)).sqrt();
-        let ripples = self.kinds.materials.iter().filter(|fluid| fluid.surface_tension > 0.0).map(ripple);
+        let ripples = self.materials.fluids.iter().filter(|fluid| fluid.surface_tension > 0.0).map(ripple);
         ripples.for_each(|dt| bound.accuracy("surface tension", dt));
         // What has diverged has no scale left.
         if strongest.is_finite() {

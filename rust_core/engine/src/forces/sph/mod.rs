@@ -56,13 +56,13 @@ const BLOCK: usize = 1024;
 /// If their parameters make no sense together, or there is no kernel of that name.
 pub fn fluid<V: Vector>(scene: &Scene, properties: &Properties<V>, executor: &Executor) -> Result<Option<Box<dyn Force<V>>>> {
     let Some(body) = scene.bodies.iter().position(|body| body.fluid.is_some()) else { return Ok(None) };
-    let kinds = Materials::of(scene)?;
+    let materials = Materials::of(scene)?;
     match scene.bodies[body].fluid.as_ref().map_or("", |fluid| fluid.kernel.as_str()) {
-        "WendlandC2" if !kinds.are_mixed() => with::<V, WendlandC2, false>(scene, properties, kinds, executor),
-        "WendlandC2" => with::<V, WendlandC2, true>(scene, properties, kinds, executor),
+        "WendlandC2" if !materials.are_mixed() => with::<V, WendlandC2, false>(scene, properties, materials, executor),
+        "WendlandC2" => with::<V, WendlandC2, true>(scene, properties, materials, executor),
         // The other kernels are not worth compiling twice.
-        "WendlandC4" => with::<V, WendlandC4, true>(scene, properties, kinds, executor),
-        "CubicSpline" => with::<V, CubicSpline, true>(scene, properties, kinds, executor),
+        "WendlandC4" => with::<V, WendlandC4, true>(scene, properties, materials, executor),
+        "CubicSpline" => with::<V, CubicSpline, true>(scene, properties, materials, executor),
         other => Err(Error::parameter(format!("bodies[{body}].kernel"), "WendlandC2, WendlandC4 or CubicSpline", other)),
     }
 }
@@ -70,13 +70,13 @@ pub fn fluid<V: Vector>(scene: &Scene, properties: &Properties<V>, executor: &Ex
 fn with<V: Vector, K, const MIXED: bool>(
     scene: &Scene,
     properties: &Properties<V>,
-    kinds: Materials,
+    materials: Materials,
     executor: &Executor,
 ) -> Result<Option<Box<dyn Force<V>>>>
 where
     K: Shape,
 {
-    Ok(Some(Box::new(Fluids::<V, K, MIXED>::new(scene, properties, kinds, executor)?)))
+    Ok(Some(Box::new(Fluids::<V, K, MIXED>::new(scene, properties, materials, executor)?)))
 }
 
 /// Writes what the laws read of every particle: velocity, and the volume and content that `each` gives for a member.
@@ -101,7 +101,7 @@ fn fill<V: Vector>(
 
 /// All particles of fluids, and of the obstacles that they meet.
 struct Fluids<V: Vector, K, const MIXED: bool> {
-    kinds: Materials,
+    materials: Materials,
     /// The kind of each member.
     kind: Vec<u8>,
     /// Mass of each member [kg]; of an obstacle, that of the fluid in its place.
@@ -163,21 +163,21 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
     /// The volume of a member [m^D]: that at rest where density is counted.
     fn volume(&self, member: usize) -> f64 {
         let counted = self.summation.is_some();
-        self.mass[member] / if counted { self.kinds.rest_density(self.kind[member]) } else { self.density[member] }
+        self.mass[member] / if counted { self.materials.rest_density(self.kind[member]) } else { self.density[member] }
     }
 
     /// Counts density where it is not carried along.
     fn count_density(&mut self, velocity: &matter::View<'_, V>, executor: &Executor) -> Result<()> {
-        let Self { summation, neighbor_list, records, walls, kinds, kind, mass, density, .. } = self;
+        let Self { summation, neighbor_list, records, walls, materials, kind, mass, density, .. } = self;
         let Some(summation) = summation else { return Ok(()) };
-        let rest = |member: usize| [mass[member] / kinds.rest_density(kind[member]), 0.0];
+        let rest = |member: usize| [mass[member] / materials.rest_density(kind[member]), 0.0];
         fill(records, (neighbor_list, kind), velocity, &rest, executor);
-        summation.count((neighbor_list, records), walls, (kinds, kind), density, executor)
+        summation.count((neighbor_list, records), walls, (materials, kind), density, executor)
     }
 
     /// The volume of a member at rest [m^D].
     fn rest_volume(&self, member: usize) -> f64 {
-        self.mass[member] / self.kinds.rest_density(self.kind[member])
+        self.mass[member] / self.materials.rest_density(self.kind[member])
     }
 
     /// Brings lists up to date, and with them who is near a wall.
@@ -202,7 +202,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> Force<V> for Fluids<V, K, MIXED> {
     }
 
     fn velocity(&self) -> VelocityDependence {
-        let viscous = self.kinds.materials.iter().any(|fluid| fluid.artificial() > 0.0 || fluid.viscosity > 0.0);
+        let viscous = self.materials.fluids.iter().any(|fluid| fluid.artificial() > 0.0 || fluid.viscosity > 0.0);
         if viscous || self.field() == Field::Continuity { VelocityDependence::Dissipative } else { VelocityDependence::None }
     }
 
@@ -226,16 +226,16 @@ impl<V: Vector, K: Shape, const MIXED: bool> Force<V> for Fluids<V, K, MIXED> {
     /// ρ ← ρ + h dρ/dt, in the middle of the way and at the velocity of the way.
     fn drift(&mut self, drift: &Drift<'_, V>, executor: &Executor) -> Result<()> {
         self.search(&|axis, index| drift.midpoint(axis, index), executor)?;
-        let Self { kinds, kind, mass, density, diffused, neighbor_list, records, surface, shifting, .. } = self;
+        let Self { materials, kind, mass, density, diffused, neighbor_list, records, surface, shifting, .. } = self;
         let Self { continuity, rates, mirrored, walls, .. } = self;
         let each = |member: usize| {
-            let enthalpy = kinds.fluid(kind[member]).map_or(0.0, |fluid| fluid.enthalpy(density[member]));
+            let enthalpy = materials.fluid(kind[member]).map_or(0.0, |fluid| fluid.enthalpy(density[member]));
             [mass[member] / density[member], enthalpy]
         };
         fill(records, (neighbor_list, kind), &drift.velocity, &each, executor);
         let neighbors = neighbor_list.neighbors();
         records.sum(neighbors, *continuity, rates, executor);
-        let common = kinds.first();
+        let common = materials.first();
         let view = View { weight: common.gravity / common.sound_speed.powi(2), sticks: false };
         if !walls.is_empty() {
             mirrored.fill([V::Scalar::ZERO; 2]);
@@ -254,7 +254,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> Force<V> for Fluids<V, K, MIXED> {
                 densities.items.iter_mut().zip(losses.items.iter_mut().zip(wall_factors.items)).enumerate()
             {
                 let member = densities.start + offset;
-                let Some(fluid) = kinds.fluid(kind[member]) else { continue };
+                let Some(fluid) = materials.fluid(kind[member]) else { continue };
                 let slot = slots[member] as usize;
                 let [squeeze, diffusion] = rates[slot].map(Real::to_f64);
                 let [by_walls, through_walls] = mirrored[slot].map(Real::to_f64);
@@ -292,23 +292,23 @@ impl<V: Vector, K: Shape, const MIXED: bool> Force<V> for Fluids<V, K, MIXED> {
     fn prepare(&mut self, at: &StateView<'_, V>, executor: &Executor) -> Result<()> {
         self.search(&|axis, index| at.exact_position(axis, index), executor)?;
         self.count_density(&at.velocity, executor)?;
-        let Self { summation, tension, surface, walls, neighbor_list, records, kinds, kind, mass, density, .. } = self;
+        let Self { summation, tension, surface, walls, neighbor_list, records, materials, kind, mass, density, .. } = self;
         if let Some(tension) = tension {
-            let rest = |member: usize| mass[member] / kinds.rest_density(kind[member]);
+            let rest = |member: usize| mass[member] / materials.rest_density(kind[member]);
             tension.pull((neighbor_list, records), walls, kind, &rest, executor);
         }
         let counted = summation.is_some();
         let each = |member: usize| {
-            let (density, rest) = (density[member], kinds.rest_density(kind[member]));
-            let pressure = kinds.fluid(kind[member]).map_or(0.0, |fluid| fluid.pressure(density));
+            let (density, rest) = (density[member], materials.rest_density(kind[member]));
+            let pressure = materials.fluid(kind[member]).map_or(0.0, |fluid| fluid.pressure(density));
             if counted { [mass[member] / rest, pressure * (rest / density).powi(2)] } else { [mass[member] / density, pressure] }
         };
         fill(records, (neighbor_list, kind), &at.velocity, &each, executor);
         if surface.is_stale {
-            surface.survey((neighbor_list, records), walls, (kinds, kind), density, executor);
+            surface.survey((neighbor_list, records), walls, (materials, kind), density, executor);
         }
         self.press_obstacles(executor);
-        let Self { kinds, surface, neighbor_list, records, momentum, forces, walls, .. } = self;
+        let Self { materials, surface, neighbor_list, records, momentum, forces, walls, .. } = self;
         let neighbors = neighbor_list.neighbors();
         records.sum(neighbors, *momentum, forces, executor);
         if !walls.is_empty() {
@@ -318,7 +318,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> Force<V> for Fluids<V, K, MIXED> {
                 records.write(slot as usize, |words| words[V::DIMENSION + 1] *= V::Scalar::from_f64(wall_factor.kick.into()));
             }
         }
-        let view = View { weight: kinds.first().gravity, sticks: true };
+        let view = View { weight: materials.first().gravity, sticks: true };
         walls.add(*momentum, &view, (neighbor_list, records), forces, executor);
         self.strongest = None;
         Ok(())
@@ -390,7 +390,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> Force<V> for Fluids<V, K, MIXED> {
 
     fn internal(&self) -> f64 {
         let energy = |member: usize| {
-            let fluid = self.kinds.fluid(self.kind[member]);
+            let fluid = self.materials.fluid(self.kind[member]);
             fluid.map_or(0.0, |fluid| fluid.mass * fluid.energy(self.density[member]))
         };
         (0..self.kind.len()).map(energy).sum()
@@ -411,7 +411,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> Force<V> for Fluids<V, K, MIXED> {
 
     fn show(&self, fields: &mut Fields) {
         for (member, &index) in self.neighbor_list.members().iter().enumerate() {
-            if let Some(fluid) = self.kinds.fluid(self.kind[member]) {
+            if let Some(fluid) = self.materials.fluid(self.kind[member]) {
                 fields.density[index as usize] = self.density[member];
                 fields.pressure[index as usize] = fluid.pressure(self.density[member]);
             }
@@ -425,7 +425,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> Force<V> for Fluids<V, K, MIXED> {
     fn layout(&self) -> String {
         let shifts =
             self.shifting.as_ref().map_or_else(String::new, |shifting| format!("shifted by A = {}; ", shifting.coefficient()));
-        format!("sound at {:.4} m/s; {shifts}{}", self.kinds.first().sound_speed, self.neighbor_list.layout())
+        format!("sound at {:.4} m/s; {shifts}{}", self.materials.first().sound_speed, self.neighbor_list.layout())
     }
 
     fn bytes(&self) -> usize {

@@ -110,10 +110,10 @@ fn fluids(scene: &Scene) -> impl Iterator<Item = usize> {
     (0..scene.bodies.len()).filter(|&body| scene.bodies[body].fluid.is_some())
 }
 
-/// The kinds of fluid in a scene, and which each body is.
+/// The materials of a scene, and which each body is.
 #[derive(Debug)]
 pub struct Materials {
-    pub materials: Vec<Material>,
+    pub fluids: Vec<Material>,
     /// The kind of each body: a fluid, [`OBSTACLE`], or nothing that the fluid meets.
     pub of_body: Vec<Option<u8>>,
     /// Whether density is summed over positions.
@@ -123,12 +123,12 @@ pub struct Materials {
 }
 
 impl Materials {
-    /// The kinds in a scene.
+    /// Those of a scene.
     ///
     /// # Errors
     /// If they are too many or have different kernels, or the speed of sound can neither be found nor is given.
     pub fn of(scene: &Scene) -> Result<Self> {
-        let mut kinds = Self { materials: Vec::new(), of_body: vec![None; scene.bodies.len()], summation: false, shifting: 0.0 };
+        let mut materials = Self { fluids: Vec::new(), of_body: vec![None; scene.bodies.len()], summation: false, shifting: 0.0 };
         let mut shared: Option<(usize, &Fluid)> = None;
         for (body, fluid) in scene.bodies.iter().enumerate().filter_map(|(body, matter)| Some((body, matter.fluid.as_ref()?))) {
             let (first, model) = *shared.get_or_insert((body, fluid));
@@ -146,38 +146,38 @@ impl Materials {
                 )
                 .with_hint("fluids of one scene may differ in density, viscosity and surface tension alone"));
             }
-            kinds.summation = fluid.summation;
-            kinds.shifting = fluid.shifting;
+            materials.summation = fluid.summation;
+            materials.shifting = fluid.shifting;
             check_shifting(scene, body, fluid)?;
             let material = Material::of(scene, fluid)?;
-            let known = kinds.materials.iter().position(|other| *other == material);
-            if known.is_none() && kinds.materials.len() == usize::from(OBSTACLE) {
+            let known = materials.fluids.iter().position(|other| *other == material);
+            if known.is_none() && materials.fluids.len() == usize::from(OBSTACLE) {
                 return Err(Error::parameter(format!("bodies[{body}]"), "at most three kinds of fluid", "a fourth"));
             }
-            kinds.of_body[body] = Some(known.unwrap_or(kinds.materials.len()) as u8);
-            kinds.materials.extend(known.is_none().then_some(material));
+            materials.of_body[body] = Some(known.unwrap_or(materials.fluids.len()) as u8);
+            materials.fluids.extend(known.is_none().then_some(material));
             if fluid.obstacles {
-                let solids = kinds.of_body.iter_mut().zip(&scene.bodies).filter(|(_, matter)| matter.fluid.is_none());
+                let solids = materials.of_body.iter_mut().zip(&scene.bodies).filter(|(_, matter)| matter.fluid.is_none());
                 solids.for_each(|(kind, _)| *kind = Some(OBSTACLE));
             }
         }
-        Ok(kinds)
+        Ok(materials)
     }
 
     /// Whether there is more than one kind of matter.
     pub fn are_mixed(&self) -> bool {
-        self.materials.len() > 1 || self.of_body.contains(&Some(OBSTACLE))
+        self.fluids.len() > 1 || self.of_body.contains(&Some(OBSTACLE))
     }
 
     /// What the fluids have in common, and the first of them.
     pub fn first(&self) -> &Material {
-        &self.materials[0]
+        &self.fluids[0]
     }
 
     /// The fluid of a kind; none for obstacles.
     #[inline(always)]
     pub fn fluid(&self, kind: u8) -> Option<&Material> {
-        self.materials.get(usize::from(kind))
+        self.fluids.get(usize::from(kind))
     }
 
     /// The density at rest of a kind [kg/m³]; for obstacles that of the first fluid.
@@ -187,19 +187,17 @@ impl Materials {
 
     /// A number of each kind of fluid, 0 for obstacles.
     pub fn each<T: Real>(&self, of: impl Fn(&Material) -> f64) -> [T; KINDS] {
-        std::array::from_fn(|kind| T::from_f64(self.materials.get(kind).map_or(0.0, &of)))
+        std::array::from_fn(|kind| T::from_f64(self.fluids.get(kind).map_or(0.0, &of)))
     }
 
-    /// A number of each pair of kinds. Obstacles are as what they touch; to each other they are nothing.
+    /// A number of each pair of materials. Obstacles are as what they touch; to each other they are nothing.
     pub fn pairs<T: Real>(&self, of: impl Fn(&Material, &Material) -> f64) -> [[T; KINDS]; KINDS] {
         let pair = |one: Option<&Material>, other: Option<&Material>| match (one, other) {
             (Some(one), Some(other)) => of(one, other),
             (Some(fluid), None) | (None, Some(fluid)) => of(fluid, fluid),
             (None, None) => 0.0,
         };
-        std::array::from_fn(|one| {
-            std::array::from_fn(|other| T::from_f64(pair(self.materials.get(one), self.materials.get(other))))
-        })
+        std::array::from_fn(|one| std::array::from_fn(|other| T::from_f64(pair(self.fluids.get(one), self.fluids.get(other)))))
     }
 }
 

@@ -1,7 +1,7 @@
 //! Density by summation: counted from where the particles are.
 //!
 //! ρᵢ = ρ₀ [1 + κ (Σ V₀ W − S)], where V₀ is the volume of a particle at rest and S and κ are such that a lattice at rest has
-//! the density ρ₀, and a small compression of it is exact. Particles of all kinds count alike, so that a light fluid is not
+//! the density ρ₀, and a small compression of it is exact. Particles of all materials count alike, so that a light fluid is not
 //! squeezed by a heavy one next to it. With E = Σ m e(ρ) and p = ρ² de/dρ the force is
 //!
 //! ```text
@@ -43,8 +43,8 @@ pub struct Summation<V: Vector, K> {
 
 impl<V: Vector, K: Shape> Summation<V, K> {
     /// For `count` particles of fluids that have this kernel in common.
-    pub fn new(kernel: Kernel<V::Scalar, K>, kinds: &Materials, count: usize) -> Self {
-        let common = kinds.first();
+    pub fn new(kernel: Kernel<V::Scalar, K>, materials: &Materials, count: usize) -> Self {
+        let common = materials.first();
         let (rest, scale) = kernel::crowd::<K>(common.spacing / common.smoothing_length, V::DIMENSION);
         Self { law: NumberDensity { kernel }, rest, scale, counts: vec![[V::Scalar::ZERO]; count], is_checked: false }
     }
@@ -57,7 +57,7 @@ impl<V: Vector, K: Shape> Summation<V, K> {
         &mut self,
         (neighbor_list, records): (&NeighborList, &Records<V>),
         walls: &Walls,
-        (kinds, kind): (&Materials, &[u8]),
+        (materials, kind): (&Materials, &[u8]),
         density: &mut [f64],
         executor: &Executor,
     ) -> Result<()> {
@@ -68,16 +68,16 @@ impl<V: Vector, K: Shape> Summation<V, K> {
         let slots = neighbor_list.neighbors().slots();
         executor.for_each_block(BlockedSlice::new(density, BLOCK), &|densities| {
             for (member, density) in (densities.start..).zip(densities.items) {
-                let Some(fluid) = kinds.fluid(kind[member]) else { continue };
+                let Some(fluid) = materials.fluid(kind[member]) else { continue };
                 *density = fluid.density * (1.0 + *scale * (counts[slots[member] as usize][0].to_f64() - *rest));
             }
         });
         if !*is_checked && !executor.stopped() {
             *is_checked = true;
-            let part = |(kind, density): (&u8, &f64)| kinds.fluid(*kind).map(|fluid| density / fluid.density);
+            let part = |(kind, density): (&u8, &f64)| materials.fluid(*kind).map(|fluid| density / fluid.density);
             let least = kind.iter().zip(&*density).filter_map(part).fold(f64::INFINITY, f64::min);
             if least < LEAST {
-                let body = kinds.of_body.iter().position(|of| *of == Some(0)).unwrap_or(0);
+                let body = materials.of_body.iter().position(|of| *of == Some(0)).unwrap_or(0);
                 let found = format!("a particle in surroundings of {:.0} % of the density at rest", 100.0 * least);
                 return Err(Error::parameter(format!("bodies[{body}].density_from"), "a fluid that fills its space", found)
                     .with_hint("summation has nothing to count beyond a free surface; continuity has no need of it"));

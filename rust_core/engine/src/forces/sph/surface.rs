@@ -103,7 +103,7 @@ impl<V: Vector, K: Shape> Surface<V, K> {
         &mut self,
         (neighbor_list, records): (&NeighborList, &Records<V>),
         walls: &Walls,
-        (kinds, kind): (&Materials, &[u8]),
+        (materials, kind): (&Materials, &[u8]),
         density: &[f64],
         executor: &Executor,
     ) {
@@ -117,7 +117,7 @@ impl<V: Vector, K: Shape> Surface<V, K> {
         )| {
             heights.items[0] = 0.0;
             for (member, wall_factor) in (wall_factors.start..).zip(wall_factors.items) {
-                let Some(fluid) = kinds.fluid(kind[member]) else { continue };
+                let Some(fluid) = materials.fluid(kind[member]) else { continue };
                 let sums = around[neighbors.slots()[member] as usize].map(Real::to_f64);
                 let lump = 2.0 * sums[..AXES].iter().map(|sum| sum * sum).sum::<f64>().sqrt();
                 let close = sums[AXES] / *closeness;

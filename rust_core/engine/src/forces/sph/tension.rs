@@ -50,7 +50,7 @@ const COVER: usize = AXES + 2;
 const CROWD: usize = AXES;
 const TOUCH: usize = AXES + 1;
 
-/// Which kinds hold together: 1 or 0 for those that cover each other, and C/V for those that touch each other.
+/// Which materials hold together: 1 or 0 for those that cover each other, and C/V for those that touch each other.
 #[derive(Debug, Clone, Copy)]
 struct Bonds<T> {
     covers: [T; KINDS],
@@ -168,21 +168,21 @@ pub struct Tension<V: Vector, K, const MIXED: bool> {
 }
 
 impl<V: Vector, K: Shape, const MIXED: bool> Tension<V, K, MIXED> {
-    /// That of `count` particles of these kinds, if any has one.
-    pub fn new(kernel: Kernel<V::Scalar, K>, waves: &[Wave], kinds: &Materials, count: usize) -> Option<Self> {
-        if kinds.materials.iter().all(|fluid| fluid.surface_tension == 0.0) {
+    /// That of `count` particles of these materials, if any has one.
+    pub fn new(kernel: Kernel<V::Scalar, K>, waves: &[Wave], materials: &Materials, count: usize) -> Option<Self> {
+        if materials.fluids.iter().all(|fluid| fluid.surface_tension == 0.0) {
             return None;
         }
-        let common = kinds.first();
+        let common = materials.first();
         let ratio = common.spacing / common.smoothing_length;
         let (rest, scale) = kernel::crowd::<K>(ratio, V::DIMENSION);
         let unit = moduli::<K>(ratio, V::DIMENSION);
         let h = common.smoothing_length;
         let tension = |fluid: &Material| fluid.surface_tension / SETTLED[V::DIMENSION - 2];
         let of = |fluid: &Material| [unit[0] / h, unit[1] * h].map(|modulus| modulus * tension(fluid));
-        let covers = kinds.pairs(|one, other| if one == other { 1.0 } else { 0.0 });
+        let covers = materials.pairs(|one, other| if one == other { 1.0 } else { 0.0 });
         let firm = |fluid: &Material| FIRMNESS * tension(fluid) / fluid.spacing;
-        let mut touches = kinds.pairs(|one, other| if one == other { firm(one) } else { 0.0 });
+        let mut touches = materials.pairs(|one, other| if one == other { firm(one) } else { 0.0 });
         // A wall of obstacles is held off by its pressure.
         touches[usize::from(OBSTACLE)].fill(V::Scalar::ZERO);
         touches.iter_mut().for_each(|row| row[usize::from(OBSTACLE)] = V::Scalar::ZERO);
@@ -198,7 +198,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> Tension<V, K, MIXED> {
             let contacts = 2.0 * 4.0 * firm(fluid) / (CONTACT * fluid.spacing).powi(2);
             waves.iter().map(through).fold(0.0, f64::max) + contacts
         };
-        let each: [f64; KINDS] = std::array::from_fn(|kind| kinds.materials.get(kind).map_or(0.0, stiffness));
+        let each: [f64; KINDS] = std::array::from_fn(|kind| materials.fluids.get(kind).map_or(0.0, stiffness));
         let stiffest = each.iter().copied().fold(0.0, f64::max);
         Some(Self {
             cover: ColorField(laws),
@@ -207,7 +207,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> Tension<V, K, MIXED> {
             rest_scale,
             // An obstacle is pulled with the force on the fluid in its place.
             stiffness: std::array::from_fn(|kind| if kind == usize::from(OBSTACLE) { stiffest } else { each[kind] }),
-            moduli: std::array::from_fn(|kind| kinds.materials.get(kind).map_or([0.0; 2], of)),
+            moduli: std::array::from_fn(|kind| materials.fluids.get(kind).map_or([0.0; 2], of)),
             covers: vec![[V::Scalar::ZERO; COVER]; count],
             forces: vec![[V::Scalar::ZERO; AXES]; count],
         })

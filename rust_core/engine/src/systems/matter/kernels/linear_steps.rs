@@ -25,7 +25,14 @@ struct Steps<'a, T, I> {
 /// Advances one block by whole steps under the fused law alone.
 pub fn steps<V: Vector, I: Integrator>(dynamics: &Dynamics<V>, blocks: &mut Blocks<'_, V>, h: f64, steps: u64) {
     let (axes, tally) = split(dynamics, blocks);
-    dispatch(Steps::<V::Scalar, I> { axes, tally, dissipates: dynamics.linear.dissipates, h, number: steps, integrator: PhantomData });
+    dispatch(Steps::<V::Scalar, I> {
+        axes,
+        tally,
+        dissipates: dynamics.linear.dissipates,
+        h,
+        number: steps,
+        integrator: PhantomData,
+    });
 }
 
 impl<T: Real, I: Integrator> Kernel for Steps<'_, T, I> {
