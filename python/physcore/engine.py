@@ -47,8 +47,8 @@ def describe(scene: Scene) -> dict[str, object]:
 
 def snapshot(world: World, scene: Scene) -> Snapshot:
     """The present state of all particles. Positions are where they have gone: `show` puts them into the domain."""
-    fields = {"densities": world.densities(), "pressures": world.pressures()} if scene.fluids else {}
-    return Snapshot(world.time, world.positions(), world.velocities(), fields=fields)
+    fields = {name: world.read(name) for name, _ in world.fields()}
+    return Snapshot(world.time, fields.pop("positions"), fields.pop("velocities"), fields=fields)
 
 
 def show(positions: FloatArray, scene: Scene) -> FloatArray:

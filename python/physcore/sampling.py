@@ -19,14 +19,19 @@ from physcore.state import Frame, Snapshot
 
 def energy(world: World) -> Energy:
     """The energy budget of a world at its present step; warns where it is not finite, after on_divergence="ignore"."""
-    record = world.energy()
+    rows = world.energy()
+
+    def of(kind: str) -> dict[str, float]:
+        return {name: energy for row, name, energy in rows if row == kind}
+
+    dissipated_by = of("dissipated")
     budget = Energy(
-        kinetic=record["kinetic"],
-        by_term=record["potential"],
-        internal=record["internal"],
-        dissipated=record["dissipated"],
-        dissipated_by=record["dissipated_by"],
-        work=record["work"],
+        kinetic=sum(of("kinetic").values()),
+        by_term=of("potential"),
+        internal=sum(of("internal").values(), start=0.0),
+        dissipated=sum(dissipated_by.values()),
+        dissipated_by=dissipated_by,
+        work=sum(of("work").values()),
         time=world.time,
     )
     if not math.isfinite(budget.balance):

@@ -126,12 +126,12 @@ class Simulation:
     @property
     def positions(self) -> FloatArray:
         """Positions of all particles, body by body [m], shape (N, D), within the periodic domain; a copy."""
-        return engine.show(self._world.positions(), self._scene)
+        return engine.show(self._world.read("positions"), self._scene)
 
     @property
     def velocities(self) -> FloatArray:
         """Velocities of all particles, body by body [m/s], shape (N, D); a copy."""
-        return self._world.velocities()
+        return self._world.read("velocities")
 
     @property
     def plan(self) -> Plan:
@@ -231,10 +231,8 @@ class Simulation:
         Raises:
             SceneError: a shape does not fit, or a value is not finite.
         """
-        self._world.set(
-            self._whole(positions, self._world.positions, "set.positions"),
-            self._whole(velocities, self._world.velocities, "set.velocities"),
-        )
+        given = {"positions": positions, "velocities": velocities}
+        self._world.write({name: self._whole(values, name) for name, values in given.items() if values is not None})
 
     def energy(self) -> Energy:
         """The energy budget of the present state.
@@ -319,14 +317,12 @@ class Simulation:
         """What a recording says of how it came about."""
         return self.plan, self.provenance
 
-    def _whole(self, given: State, present: object, path: str) -> FloatArray | None:
-        """New values (N, D) for all particles, or None."""
-        shape = (self._scene.particles, self._scene.dimension)
-        if given is None:
-            return None
+    def _whole(self, given: State, field: str) -> FloatArray:
+        """The values of a field (N, D) for all particles."""
+        path, shape = f"set.{field}", (self._scene.particles, self._scene.dimension)
         if not isinstance(given, Mapping):
             return broadcast(given, shape, path)
-        values: FloatArray = present()  # type: ignore[operator]
+        values: FloatArray = self._world.read(field)
         for key, part in given.items():
             try:
                 where = self._scene.slice(key)
@@ -341,7 +337,7 @@ def _numbers(value: object, path: str) -> NDArray[np.generic]:
     if not isinstance(value, np.ndarray):
         raise FileError(f"{path}: must be an array, got {shown(value)}")
     steps = value.dtype.kind in "iu" and value.size > 0 and int(value.max()) > MOST
-    if steps or np.isnan(value).any() or (path.endswith(("clock", "columns")) and not np.isfinite(value).all()):
+    if steps or np.isnan(value).any() or (path.endswith(("clock", "system")) and not np.isfinite(value).all()):
         raise FileError(f"{path}: must be finite numbers, with at most {MOST} steps")
     return value
 

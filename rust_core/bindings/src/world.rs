@@ -4,13 +4,14 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, RwLock, RwLockReadGuard, RwLockWriteGuard, TryLockError};
 
-use numpy::{PyArray1, PyArray2, PyReadonlyArray1, ToPyArray};
+use numpy::{PyArray1, PyArrayMethods, PyReadonlyArray1, ToPyArray};
 use physcore_engine::error::{Error, Result as EngineResult};
-use physcore_engine::forces::Flow;
+use physcore_engine::forces::Mach;
+use physcore_engine::ledger::Class;
 use physcore_engine::memory;
 use physcore_engine::parallel::{Executor, SERIAL, attend};
-use physcore_engine::simulation::{self, Adaptation, Capture, Numerics, Rule, Segment, Vigilance};
-use physcore_engine::stability::{Kind, Limit};
+use physcore_engine::simulation::{Adaptation, Checkpoint, Numerics, Rule, Segment, Simulation, Vigilance};
+use physcore_engine::stability::{Horizon, Kind, Limit};
 use pyo3::gc::{PyTraverseError, PyVisit};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -36,7 +37,7 @@ pub struct World {
     threads: usize,
 }
 
-type Shared = Arc<RwLock<Box<dyn simulation::World>>>;
+type Shared = Arc<RwLock<Simulation>>;
 
 /// Why the world could not do what it was asked to.
 enum Failure {
@@ -73,7 +74,7 @@ impl Drop for Claim {
 }
 
 /// The world, to look at.
-fn looked_at(inner: &RwLock<Box<dyn simulation::World>>) -> Result<RwLockReadGuard<'_, Box<dyn simulation::World>>, Failure> {
+fn looked_at(inner: &RwLock<Simulation>) -> Result<RwLockReadGuard<'_, Simulation>, Failure> {
     inner.try_read().map_err(|error| match error {
         TryLockError::WouldBlock => Failure::Busy,
         TryLockError::Poisoned(_) => Failure::Lost,
@@ -82,9 +83,9 @@ fn looked_at(inner: &RwLock<Box<dyn simulation::World>>) -> Result<RwLockReadGua
 
 /// The world, to change, as soon as nobody looks at it.
 fn changed<'a>(
-    inner: &'a RwLock<Box<dyn simulation::World>>,
+    inner: &'a RwLock<Simulation>,
     interrupted: &dyn Fn() -> bool,
-) -> Result<RwLockWriteGuard<'a, Box<dyn simulation::World>>, Failure> {
+) -> Result<RwLockWriteGuard<'a, Simulation>, Failure> {
     loop {
         match inner.try_write() {
             Ok(guard) => return Ok(guard),
@@ -98,7 +99,7 @@ fn changed<'a>(
 impl World {
     /// The bytes that it takes now.
     fn memory(&self, py: Python<'_>) -> PyResult<usize> {
-        self.glance(py, |world| world.memory())
+        self.glance(py, physcore_engine::simulation::Simulation::memory)
     }
 
     fn claim(&self, py: Python<'_>) -> PyResult<Claim> {
@@ -109,59 +110,55 @@ impl World {
     }
 
     /// What is there without any work.
-    fn glance<T>(&self, py: Python<'_>, look: impl FnOnce(&dyn simulation::World) -> T) -> PyResult<T> {
-        looked_at(&self.inner).map(|world| look(world.as_ref())).map_err(|failure| failure.raised(py))
+    fn glance<T>(&self, py: Python<'_>, look: impl FnOnce(&Simulation) -> T) -> PyResult<T> {
+        looked_at(&self.inner).map(|world| look(&world)).map_err(|failure| failure.raised(py))
     }
 
     /// Lets the engine copy what takes so many bytes.
-    fn copy<T: Send>(&self, py: Python<'_>, bytes: usize, copy: impl FnOnce(&dyn simulation::World) -> T + Send) -> PyResult<T> {
+    fn copy<T: Send>(&self, py: Python<'_>, bytes: usize, copy: impl FnOnce(&Simulation) -> T + Send) -> PyResult<T> {
         let hint = || "for a copy of what there is; record fewer channels, or free some arrays".to_owned();
         memory::check("state", bytes, 0, hint).map_err(|error| exception(py, error))?;
         self.look(py, copy)
     }
 
     /// Lets the engine look at the world.
-    fn look<T: Send>(&self, py: Python<'_>, look: impl FnOnce(&dyn simulation::World) -> T + Send) -> PyResult<T> {
+    fn look<T: Send>(&self, py: Python<'_>, look: impl FnOnce(&Simulation) -> T + Send) -> PyResult<T> {
         if self.changing.load(Ordering::Acquire) {
             return Err(Failure::Busy.raised(py));
         }
-        without_gil(py, || Ok(look(looked_at(&self.inner)?.as_ref())))
+        without_gil(py, || Ok(look(&*looked_at(&self.inner)?)))
     }
 
     /// Lets the engine find out what may take long.
     fn ask<T: Send + 'static>(
         &self,
         py: Python<'_>,
-        question: impl FnOnce(&dyn simulation::World, &Executor) -> EngineResult<T> + Send + 'static,
+        question: impl FnOnce(&Simulation, &Executor) -> EngineResult<T> + Send + 'static,
     ) -> PyResult<T> {
-        if !self.glance(py, |world| world.is_long())? {
+        if !self.glance(py, physcore_engine::simulation::Simulation::is_long)? {
             return self.look(py, |world| question(world, &SERIAL))?.map_err(|error| exception(py, error));
         }
         let (inner, threads) = (Arc::clone(&self.inner), self.threads);
-        let job = move |executor: &Executor| Ok(question(looked_at(&inner)?.as_ref(), executor)?);
+        let job = move |executor: &Executor| Ok(question(&*looked_at(&inner)?, executor)?);
         without_gil(py, || attend(threads, &interrupted, job)?)
     }
 
     /// Lets the engine change the world. A panic becomes an exception, and poisons the world.
-    fn change<T: Send>(
-        &self,
-        py: Python<'_>,
-        work: impl FnOnce(&mut dyn simulation::World) -> EngineResult<T> + Send,
-    ) -> PyResult<T> {
+    fn change<T: Send>(&self, py: Python<'_>, work: impl FnOnce(&mut Simulation) -> EngineResult<T> + Send) -> PyResult<T> {
         let _claim = self.claim(py)?;
-        without_gil(py, || Ok(work(changed(&self.inner, &interrupted)?.as_mut())?))
+        without_gil(py, || Ok(work(&mut *changed(&self.inner, &interrupted)?)?))
     }
 
     /// The same where it may take long before the first step. It is changed all the same by who does not wait for the end.
     fn change_at_length<T: Send + 'static>(
         &self,
         py: Python<'_>,
-        work: impl FnOnce(&mut dyn simulation::World, &Executor) -> EngineResult<T> + Send + 'static,
+        work: impl FnOnce(&mut Simulation, &Executor) -> EngineResult<T> + Send + 'static,
     ) -> PyResult<T> {
         let (claim, inner) = (self.claim(py)?, Arc::clone(&self.inner));
         let job = move |executor: &Executor| {
             let _claim = claim;
-            Ok(work(changed(&inner, &|| executor.stopped())?.as_mut(), executor)?)
+            Ok(work(&mut *changed(&inner, &|| executor.stopped())?, executor)?)
         };
         without_gil(py, || attend(self.threads, &interrupted, job)?)
     }
@@ -205,20 +202,20 @@ impl World {
         integrator: String,
         precision: String,
         threads: Option<usize>,
-        runaway: f64,
+        max_energy_growth: f64,
         on_divergence: &str,
     ) -> PyResult<Self> {
         let (scene, functions) = scene::read(scene)?;
         let vigilance = match on_divergence {
             "ignore" => Vigilance::OutOfRange,
             "substep" => Vigilance::EveryStep,
-            _ => Vigilance::Agitated,
+            _ => Vigilance::Active,
         };
-        let numerics = Numerics { integrator, precision, threads, runaway, vigilance };
+        let numerics = Numerics { integrator, precision, threads, max_energy_growth, vigilance };
         let (dimension, count, calls_back) = (scene.dimension, scene.count(), !functions.is_empty());
         let threads = numerics.threads().map_err(|error| exception(py, error))?;
         let things = count + scene.bodies.iter().map(|body| body.springs.len()).sum::<usize>();
-        let build = move |executor: &Executor| simulation::build(&scene, &numerics, executor);
+        let build = move |executor: &Executor| Simulation::new(&scene, &numerics, executor);
         let inner = without_gil(py, || {
             Ok(if things < FEW && !calls_back { build(&SERIAL) } else { attend(threads, &interrupted, build)? }?)
         })?;
@@ -235,8 +232,8 @@ impl World {
     /// Takes n steps of dt seconds, and gives the Mach number from which on a flow is fast, the largest share of a fluid that
     /// was ever seen to be, and its speed of sound [m/s]; nothing without a fluid.
     fn step(&self, py: Python<'_>, n: u64, dt: f64) -> PyResult<Option<(f64, f64, f64)>> {
-        let flow = self.change(py, |world| world.step(n, dt, &interrupted).map(|()| world.flow()))?;
-        Ok(flow.map(|flow| (Flow::FAST, flow.fast, flow.sound)))
+        let mach = self.change(py, |world| world.step(n, dt, &interrupted).map(|()| world.mach()))?;
+        Ok(mach.map(|mach| (Mach::FAST, mach.fast, mach.sound)))
     }
 
     /// Advances by an interval [s] in adaptive steps, and gives the same as `step`.
@@ -249,13 +246,14 @@ impl World {
         tolerance: Option<f64>,
     ) -> PyResult<Option<(f64, f64, f64)>> {
         let rule = Rule { safety, free, tolerance };
-        let flow = self.change(py, |world| world.run(interval, &rule, &interrupted).map(|()| world.flow()))?;
-        Ok(flow.map(|flow| (Flow::FAST, flow.fast, flow.sound)))
+        let mach = self.change(py, |world| world.run(interval, &rule, &interrupted).map(|()| world.mach()))?;
+        Ok(mach.map(|mach| (Mach::FAST, mach.fast, mach.sound)))
     }
 
     /// Of the adaptive steps so far: how many were taken back, how many diverged, and the smallest and the largest [s].
     fn adaptation(&self, py: Python<'_>) -> PyResult<(u64, u64, f64, f64)> {
-        let Adaptation { rejected, failed, range: [smallest, largest], .. } = self.glance(py, |world| world.adaptation())?;
+        let Adaptation { rejected, failed, range: [smallest, largest], .. } =
+            self.glance(py, physcore_engine::simulation::Simulation::adaptation)?;
         Ok((rejected, failed, smallest, largest))
     }
 
@@ -266,7 +264,7 @@ impl World {
 
     #[getter]
     fn steps(&self, py: Python<'_>) -> PyResult<u64> {
-        self.glance(py, |world| world.steps())
+        self.glance(py, physcore_engine::simulation::Simulation::steps)
     }
 
     #[getter]
@@ -274,106 +272,97 @@ impl World {
         self.glance(py, |world| world.segment().dt)
     }
 
-    fn positions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let numbers = self.copy(py, 2 * VECTOR * self.count, |world| scene::flat(&world.positions(), self.dimension))?;
-        scene::rows(py, numbers, self.dimension)
+    /// The names and units of the fields.
+    fn fields(&self, py: Python<'_>) -> PyResult<Vec<(&'static str, &'static str)>> {
+        self.glance(py, |world| world.fields().iter().map(|field| (field.name, field.unit)).collect())
     }
 
-    fn velocities<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let numbers = self.copy(py, 2 * VECTOR * self.count, |world| scene::flat(&world.velocities(), self.dimension))?;
-        scene::rows(py, numbers, self.dimension)
+    /// A field: a row for each element, or a number where it has one component.
+    fn read<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
+        let bytes = 2 * VECTOR * self.count;
+        let Some((field, values)) = self.copy(py, bytes, |world| world.read(name))? else {
+            return Err(InternalError::new_err(format!("there is no field {name:?}")));
+        };
+        let array = PyArray1::from_vec(py, values);
+        if field.components == 1 { Ok(array.into_any()) } else { Ok(array.reshape([field.count, field.components])?.into_any()) }
     }
 
-    fn densities<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        Ok(PyArray1::from_vec(py, self.copy(py, 2 * VECTOR * self.count, |world| world.fields().density)?))
+    /// Replace fields by name.
+    fn write(&self, py: Python<'_>, fields: &Bound<'_, PyDict>) -> PyResult<()> {
+        let fields: Vec<(String, Vec<f64>)> = fields
+            .iter()
+            .map(|(name, values)| Ok((name.extract()?, scene::copied(&values.call_method0("ravel")?.extract()?)?)))
+            .collect::<PyResult<_>>()?;
+        self.change_at_length(py, move |world, executor| {
+            let fields: Vec<(&str, &[f64])> = fields.iter().map(|(name, values)| (name.as_str(), values.as_slice())).collect();
+            world.write(&fields, executor)
+        })
     }
 
-    fn pressures<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        Ok(PyArray1::from_vec(py, self.copy(py, 2 * VECTOR * self.count, |world| world.fields().pressure)?))
-    }
-
-    fn set(&self, py: Python<'_>, positions: Option<&Bound<'_, PyAny>>, velocities: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
-        let positions = positions.map(scene::vectors).transpose()?;
-        let velocities = velocities.map(scene::vectors).transpose()?;
-        self.change_at_length(py, move |world, executor| world.set(positions.as_deref(), velocities.as_deref(), executor))
-    }
-
-    fn energy<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let energy = if self.functions.is_empty() {
-            self.ask(py, |world, executor| world.energy(executor))?
+    /// The energy budget, as (class, name, energy) [J].
+    fn energy(&self, py: Python<'_>) -> PyResult<Vec<(&'static str, &'static str, f64)>> {
+        let ledger = if self.functions.is_empty() {
+            self.ask(py, physcore_engine::simulation::Simulation::energy)?
         } else {
             // Whoever is called may try to change the world, which must be refused and cannot wait.
             self.change_at_length(py, |world, executor| world.energy(executor))?
         };
-        let (record, potential, dissipated) = (PyDict::new(py), PyDict::new(py), PyDict::new(py));
-        for (name, value) in &energy.potential {
-            potential.set_item(name, value)?;
-        }
-        for (name, value) in ["drag", "damping", "contacts", "viscosity"].iter().zip(energy.dissipated) {
-            dissipated.set_item(name, value)?;
-        }
-        record.set_item("kinetic", energy.kinetic)?;
-        record.set_item("potential", potential)?;
-        record.set_item("internal", energy.internal)?;
-        record.set_item("dissipated", energy.dissipated())?;
-        record.set_item("dissipated_by", dissipated)?;
-        record.set_item("work", energy.work)?;
-        Ok(record)
+        Ok(ledger.rows().iter().map(|row| (class(row.class), row.name, row.energy)).collect())
     }
 
     fn momentum<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        let (momentum, _) = self.look(py, |world| world.momenta())?;
+        let (momentum, _) = self.look(py, physcore_engine::simulation::Simulation::momenta)?;
         Ok(momentum.to_array()[..self.dimension].to_pyarray(py))
     }
 
     fn angular_momentum<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        let (_, angular) = self.look(py, |world| world.momenta())?;
+        let (_, angular) = self.look(py, physcore_engine::simulation::Simulation::momenta)?;
         let components = angular.to_array();
         Ok(if self.dimension == 2 { components[2..].to_pyarray(py) } else { components.to_pyarray(py) })
     }
 
     fn limit<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        limit_record(py, self.ask(py, |world, executor| world.limit(executor))?)
+        limit_record(py, self.ask(py, |world, executor| world.limit(Horizon::Sharp, executor))?)
     }
 
     fn certified(&self, py: Python<'_>) -> PyResult<f64> {
-        self.ask(py, |world, executor| world.certified(executor))
+        self.ask(py, |world, executor| Ok(world.limit(Horizon::Certified, executor)?.stability))
     }
 
     fn present_limit<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        limit_record(py, self.ask(py, |world, executor| world.present_limit(executor))?)
+        limit_record(py, self.ask(py, |world, executor| world.limit(Horizon::Present, executor))?)
     }
 
     fn plan<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let (plan, memory, findings) = self.glance(py, |world| (world.plan().clone(), world.memory(), world.findings()))?;
+        let plan = self.look(py, Simulation::plan)?;
+        let stages = plan.stages;
         let record = PyDict::new(py);
-        record.set_item("stages", &plan.stages)?;
-        record.set_item("dimension", plan.dimension)?;
-        record.set_item("precision", plan.precision)?;
-        record.set_item("integrator", plan.integrator)?;
-        record.set_item("order", plan.order)?;
-        record.set_item("evaluations", plan.evaluations)?;
-        record.set_item("pairs", plan.pairs)?;
-        record.set_item("limit_varies", plan.limit_varies)?;
-        record.set_item("memory", memory)?;
+        record.set_item("stages", &stages.names)?;
+        record.set_item("dimension", stages.dimension)?;
+        record.set_item("precision", stages.precision)?;
+        record.set_item("integrator", stages.method)?;
+        record.set_item("order", stages.order)?;
+        record.set_item("evaluations", stages.evaluations)?;
+        record.set_item("pairs", stages.pairs)?;
+        record.set_item("limit_varies", stages.limit_varies)?;
+        record.set_item("memory", plan.memory)?;
         record.set_item("threads", plan.threads)?;
         record.set_item("simd", plan.simd)?;
-        record.set_item("layout", &plan.layout)?;
-        record.set_item("left_out", &plan.left_out)?;
-        record.set_item("notes", [plan.notes, findings].concat())?;
+        record.set_item("layout", &stages.layout)?;
+        record.set_item("left_out", &stages.left_out)?;
+        record.set_item("notes", stages.notes)?;
         Ok(record)
     }
 
     fn capture<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let capture = self.copy(py, self.memory(py)?, |world| world.capture())?;
+        let checkpoint = self.copy(py, self.memory(py)?, physcore_engine::simulation::Simulation::capture)?;
         let record = PyDict::new(py);
-        record.set_item("clock", [capture.segment.start, capture.segment.dt].to_pyarray(py))?;
-        record.set_item("steps", [capture.segment.steps, capture.steps].to_pyarray(py))?;
-        record.set_item("columns", PyArray1::from_vec(py, capture.columns))?;
-        record.set_item("meters", PyArray1::from_vec(py, capture.tallies))?;
-        record.set_item("watch", capture.watch.to_pyarray(py))?;
-        record.set_item("forces", PyArray1::from_vec(py, capture.forces))?;
-        let Adaptation { rejected, failed, range, control } = capture.adaptation;
+        record.set_item("clock", [checkpoint.segment.start, checkpoint.segment.dt].to_pyarray(py))?;
+        record.set_item("steps", [checkpoint.segment.steps, checkpoint.steps].to_pyarray(py))?;
+        record.set_item("system", PyArray1::from_vec(py, checkpoint.system))?;
+        record.set_item("tallies", PyArray1::from_vec(py, checkpoint.tallies))?;
+        record.set_item("monitor", checkpoint.monitor.to_pyarray(py))?;
+        let Adaptation { rejected, failed, range, control } = checkpoint.adaptation;
         record.set_item("adaptation", [range, control].as_flattened().to_pyarray(py))?;
         record.set_item("taken_back", [rejected, failed].to_pyarray(py))?;
         Ok(record)
@@ -384,20 +373,29 @@ impl World {
         let [segment, steps] = numbers(state, "steps")?;
         let [smallest, largest, wanted, last] = numbers(state, "adaptation")?;
         let [rejected, failed] = numbers(state, "taken_back")?;
-        let capture = Capture {
+        let checkpoint = Checkpoint {
             segment: Segment { start, steps: segment, dt },
             steps,
-            columns: column(state, "columns")?,
-            tallies: column(state, "meters")?,
-            watch: numbers(state, "watch")?,
+            system: column(state, "system")?,
+            tallies: column(state, "tallies")?,
+            monitor: numbers(state, "monitor")?,
             adaptation: Adaptation { rejected, failed, range: [smallest, largest], control: [wanted, last] },
-            forces: column(state, "forces")?,
         };
-        self.change(py, |world| world.restore(&capture))
+        self.change(py, |world| world.restore(&checkpoint))
     }
 
     fn state_hash(&self, py: Python<'_>) -> PyResult<String> {
-        self.copy(py, self.memory(py)?, |world| world.state_hash())
+        self.copy(py, self.memory(py)?, physcore_engine::simulation::Simulation::state_hash)
+    }
+}
+
+fn class(class: Class) -> &'static str {
+    match class {
+        Class::Kinetic => "kinetic",
+        Class::Potential => "potential",
+        Class::Internal => "internal",
+        Class::Dissipated => "dissipated",
+        Class::Work => "work",
     }
 }
 

@@ -15,7 +15,7 @@ use physcore_engine::math::Real;
 use physcore_engine::parallel::SERIAL;
 use physcore_engine::scene::{Body, Scene, Spring, Term, Value};
 use physcore_engine::simd::{Kernel, LANES, Lanes, Level, dispatch};
-use physcore_engine::simulation::{Numerics, Vigilance, World, build};
+use physcore_engine::simulation::{Numerics, Simulation, Vigilance};
 
 /// The time step [s].
 const STEP: f64 = 1e-4;
@@ -173,15 +173,16 @@ fn term(kind: &str, values: &[(&str, Value)]) -> Term {
     Term { path: "forces".to_owned(), kind: kind.to_owned(), on: None, values }
 }
 
-fn world(dimension: usize, precision: &str, body: Body, forces: Vec<Term>) -> Box<dyn World> {
+fn world(dimension: usize, precision: &str, body: Body, forces: Vec<Term>) -> Simulation {
     let numerics = Numerics {
         integrator: "VelocityVerlet".to_owned(),
         precision: precision.to_owned(),
         threads: Some(1),
-        runaway: 1e6,
-        vigilance: Vigilance::Agitated,
+        max_energy_growth: 1e6,
+        vigilance: Vigilance::Active,
     };
-    build(&Scene { dimension, bodies: vec![body], forces, ..Scene::default() }, &numerics, &SERIAL).expect("the scene is sound")
+    Simulation::new(&Scene { dimension, bodies: vec![body], forces, ..Scene::default() }, &numerics, &SERIAL)
+        .expect("the scene is sound")
 }
 
 /// The CPU time that all threads of this process have taken [s].
@@ -214,7 +215,7 @@ fn race(mut one: impl FnMut(), mut other: impl FnMut()) -> [f64; 2] {
 }
 
 /// Races a scene with its hand-written loop, then whole batches with halves, and prints what came of it.
-fn report(title: &str, precision: &str, updates: f64, world: &mut dyn World, [steps, batch]: [u64; 2], bare: impl FnMut()) {
+fn report(title: &str, precision: &str, updates: f64, world: &mut Simulation, [steps, batch]: [u64; 2], bare: impl FnMut()) {
     let world = RefCell::new(world);
     let step = |steps: u64| world.borrow_mut().step(steps, STEP, &|| false).expect("nothing diverges");
     let [engine, bare] = race(|| step(steps), bare);
@@ -243,7 +244,7 @@ fn fall<T: Real>(count: usize, block: usize, [steps, batch]: [u64; 2]) {
     ];
     let mut world = world(3, T::NAME, dust, forces);
     let bare = || (0..count / block).for_each(|_| dispatch(Fall { axes: &mut axes, steps }));
-    report("particles, gravity, drag", T::NAME, count as f64, &mut *world, [steps, batch], bare);
+    report("particles, gravity, drag", T::NAME, count as f64, &mut world, [steps, batch], bare);
 }
 
 fn cloth<T: Real>(columns: usize, rows: usize, [steps, batch]: [u64; 2]) {
@@ -281,7 +282,7 @@ fn cloth<T: Real>(columns: usize, rows: usize, [steps, batch]: [u64; 2]) {
         let (x, v, p, f, scratch) = (&mut x, &mut v, &mut p, &mut f, &mut scratch);
         dispatch(Sheet { columns, x, v, p, f, present, scratch, steps });
     };
-    report("springs of a cloth", T::NAME, work, &mut *world, [steps, batch], bare);
+    report("springs of a cloth", T::NAME, work, &mut world, [steps, batch], bare);
 }
 
 fn main() {

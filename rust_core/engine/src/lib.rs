@@ -1,18 +1,21 @@
 //! physcore's engine. The way of the data:
 //!
-//! [`scene::Scene`] says what there is → [`plan::Plan`] is what that requires → [`simulation::Simulation`] owns the state
-//! and the clock, and lets a [`systems::System`] advance it: [`systems`] drive an integrator ([`integrators`]) over
-//! [`matter`], asking the [`forces`] for accelerations (those between pairs go by the lists of [`neighbors`]) and the
-//! [`boundaries`] for contacts, block by block, on the threads of [`parallel`] and at the SIMD level of [`simd`] →
-//! [`audit`] proves the energy, [`stability`] bounds the step.
+//! [`scene::Scene`] says what there is → [`systems::build`] compiles it into a [`systems::System`], a state with its law of
+//! motion → [`simulation::Simulation`] is a clock and a divergence monitor over it → [`ledger::Ledger`] is its energy budget,
+//! [`plan::Plan`] says what it does, [`stability`] bounds the step.
+//!
+//! Matter advances by a method, as an explicit integrator ([`integrators`]), which asks the [`forces`] for accelerations (those
+//! between pairs go by the lists of [`neighbors`]) and the [`boundaries`] for contacts, block by block, on the threads of
+//! [`parallel`] and at the SIMD level of [`simd`].
 
-pub mod audit;
 pub mod boundaries;
 pub mod columns;
 pub mod contacts;
 pub mod error;
 pub mod forces;
+pub mod history;
 pub mod integrators;
+pub mod ledger;
 pub mod math;
 pub mod matter;
 pub mod memory;

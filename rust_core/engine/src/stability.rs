@@ -32,6 +32,17 @@ const MOST_OSCILLATORS: usize = 256;
 /// A limit within this factor of the truth is called the limit: what Lanczos' method leaves open.
 const NEARLY: f64 = 1.1;
 
+/// The states for which a limit of the time step holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Horizon {
+    /// The motion ahead, as the springs stand: the sharpest limit.
+    Sharp,
+    /// The motion ahead, wherever springs turn that are not shorter than half of their rest length.
+    Certified,
+    /// One step from this state.
+    Present,
+}
+
 /// What sets the largest time step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
@@ -98,8 +109,7 @@ pub struct SpectralBound {
     body: Vec<u32>,
     stiffness: GershgorinRows,
     damping: GershgorinRows,
-    /// Whether the springs' directions are noted, which takes longer than the rest.
-    directed: bool,
+    horizon: Horizon,
     stiffness_edges: Vec<Edge>,
     damping_edges: Vec<Edge>,
     /// About the largest ω² and γ of each body, from below and from above; empty before they are looked for.
@@ -107,7 +117,6 @@ pub struct SpectralBound {
     /// What acts on each particle in every direction, everywhere and at any speed: [N/m] and [N·s/m]; empty if nothing does.
     steady: Vec<[f64; 2]>,
     accuracy: Option<(&'static str, f64)>,
-    present: bool,
     /// [`Integrator::limit`].
     largest: fn(f64) -> f64,
     /// [`Integrator::oscillator`].
@@ -116,22 +125,26 @@ pub struct SpectralBound {
 
 impl SpectralBound {
     /// A bound without terms, for particles of these masses [kg], infinite where fixed, that belong to these bodies.
-    pub fn new(mass: &[f64], body: &[u32]) -> Self {
+    pub fn new(mass: &[f64], body: &[u32], horizon: Horizon) -> Self {
         Self {
             inverse_mass: mass.iter().map(|mass| mass.recip()).collect(),
             body: body.to_vec(),
             stiffness: GershgorinRows::new("springs"),
             damping: GershgorinRows::new("spring damping"),
-            directed: false,
+            horizon,
             stiffness_edges: Vec::new(),
             damping_edges: Vec::new(),
             spectra: [const { Vec::new() }; 2],
             steady: Vec::new(),
             accuracy: None,
-            present: false,
             largest: VelocityVerlet::limit,
             oscillator: VelocityVerlet::oscillator,
         }
+    }
+
+    /// The states for which it holds.
+    pub fn horizon(&self) -> Horizon {
+        self.horizon
     }
 
     /// The same for the waves of a field as this integrator advances them; without this, as velocity Verlet does.
@@ -151,26 +164,6 @@ impl SpectralBound {
         timed.min_by(|(one, _), (other, _)| one.total_cmp(other)).map_or([0.0; 2], |(_, oscillator)| oscillator)
     }
 
-    /// The same, which can be [`SpectralBound::sharpened`].
-    pub fn directed(mass: &[f64], body: &[u32]) -> Self {
-        Self { directed: true, ..Self::new(mass, body) }
-    }
-
-    /// The same for one step from the present state, not for all of the motion ahead.
-    pub fn at_present(mass: &[f64], body: &[u32]) -> Self {
-        Self { present: true, ..Self::new(mass, body) }
-    }
-
-    /// Whether it is for one step from the present state.
-    pub fn is_present(&self) -> bool {
-        self.present
-    }
-
-    /// Whether it has to hold for a while from now on, and not only as matters stand.
-    pub fn is_ahead(&self) -> bool {
-        !self.directed && !self.present
-    }
-
     /// A spring between two particles of one body.
     ///
     /// Its stiffness across is k (1 − l₀/l) at the length l. That lies between −k and k while l ≥ l₀/2; the row of a shorter
@@ -185,7 +178,8 @@ impl SpectralBound {
         let compression = if length > 0.0 { (rest_length / length - 1.0).min(f64::MAX) } else { -1.0 };
         self.stiffness.join(count, i, j, stiffness * compression.max(1.0));
         self.damping.join(count, i, j, damping);
-        if self.directed {
+        if self.horizon == Horizon::Sharp {
+            // The springs' directions take longer than the rest.
             let (direction, damping_across) = if length > 0.0 { (offset / length, 0.0) } else { (DVec3::X, damping) };
             self.stiffness_edges.push(Edge { ends, direction, along: stiffness, across: -stiffness * compression });
             if damping != 0.0 {

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use glam::DVec3;
 use physcore_engine::parallel::SERIAL;
 use physcore_engine::scene::{Body, Fluid, Scene, Spring, Term, Value};
-use physcore_engine::simulation::{Numerics, Vigilance, build};
+use physcore_engine::simulation::{Numerics, Simulation, Vigilance};
 
 fn term(path: &str, kind: &str, values: &[(&str, Value)]) -> Term {
     let values: BTreeMap<_, _> = values.iter().map(|(name, value)| ((*name).to_owned(), value.clone())).collect();
@@ -60,10 +60,10 @@ fn steps_allocate_nothing() {
                 integrator: integrator.to_owned(),
                 precision: "f64".to_owned(),
                 threads: Some(1),
-                runaway: 1e6,
+                max_energy_growth: 1e6,
                 vigilance: Vigilance::OutOfRange,
             };
-            let mut world = build(&scene, &numerics, &SERIAL).unwrap();
+            let mut world = Simulation::new(&scene, &numerics, &SERIAL).unwrap();
             world.step(10, 1e-3, &|| false).unwrap();
             let allocated = allocation_counter::measure(|| (0..10).for_each(|_| world.step(1, 1e-3, &|| false).unwrap()));
             // A step may end with an audit, which lists the names of the forces.
@@ -116,10 +116,10 @@ fn steps_of_a_shifted_fluid_allocate_nothing() {
         integrator: "VelocityVerlet".to_owned(),
         precision: "f32".to_owned(),
         threads: Some(1),
-        runaway: 1e6,
+        max_energy_growth: 1e6,
         vigilance: Vigilance::OutOfRange,
     };
-    let mut world = build(&scene, &numerics, &SERIAL).unwrap();
+    let mut world = Simulation::new(&scene, &numerics, &SERIAL).unwrap();
     world.step(200, 5e-4, &|| false).unwrap();
     let allocated = allocation_counter::measure(|| (0..10).for_each(|_| world.step(1, 5e-4, &|| false).unwrap()));
     // As above.

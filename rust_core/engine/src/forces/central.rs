@@ -10,12 +10,13 @@ use glam::DVec3;
 
 use super::linear::Fusion;
 use super::pointwise::{self, ForceField, PointRate};
-use super::{Force, Rates, Reach, StateView, VelocityDependence};
+use super::{About, Force, Rates, Reach, StateView, Validity};
 use crate::error::Result;
+use crate::history::History;
 use crate::math::{AXES, Real, Vector};
 use crate::matter::Properties;
 use crate::scene::Term;
-use crate::stability::SpectralBound;
+use crate::stability::{Horizon, SpectralBound};
 
 /// How many steps an automatic time step gives the fastest turn around the center.
 const STEPS_PER_TURN: f64 = 100.0;
@@ -78,27 +79,21 @@ impl<V: Vector> Central<V> {
     }
 }
 
+impl<V: Vector> History for Central<V> {}
+
 impl<V: Vector> Force<V> for Central<V> {
-    fn name(&self) -> &'static str {
-        "central"
+    fn about(&self) -> About {
+        About { bytes: std::mem::size_of_val(self.members.as_slice()), ..About::new("central", Reach::Pointwise) }
     }
 
-    fn reach(&self) -> Reach {
-        Reach::Pointwise
-    }
-
-    fn velocity(&self) -> VelocityDependence {
-        VelocityDependence::None
-    }
-
-    fn fold(&self, properties: &Properties<V>, fold: &mut Fusion) -> bool {
+    fn fuse(&self, properties: &Properties<V>, fusion: &mut Fusion) -> bool {
         if self.exponent != 1.0 {
             return false;
         }
         for index in self.members(0..properties.count()) {
             let rate = self.strength / properties.mass[index];
-            fold.well[index] -= rate;
-            fold.acceleration[index] += self.center * rate;
+            fusion.well[index] -= rate;
+            fusion.acceleration[index] += self.center * rate;
         }
         true
     }
@@ -144,7 +139,7 @@ impl<V: Vector> Force<V> for Central<V> {
                 bound.steady(index, self.strength, 0.0);
             } else if self.strength != 0.0 {
                 let from_center = properties.origin + at.position.get(index).widen() - self.center;
-                let distance = if bound.is_present() {
+                let distance = if bound.horizon() == Horizon::Present {
                     from_center.length()
                 } else {
                     self.closest(mass, from_center, at.velocity.get(index).widen())
@@ -160,12 +155,8 @@ impl<V: Vector> Force<V> for Central<V> {
         Ok(())
     }
 
-    fn present_bound_varies(&self) -> bool {
-        self.exponent != 1.0
-    }
-
-    fn bytes(&self) -> usize {
-        std::mem::size_of_val(self.members.as_slice())
+    fn validity(&self, _at: &StateView<'_, V>, horizon: Horizon) -> Validity {
+        if horizon == Horizon::Present && self.exponent != 1.0 { Validity::Now } else { Validity::Always }
     }
 }
 

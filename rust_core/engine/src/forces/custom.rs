@@ -8,14 +8,16 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use glam::DVec3;
 
-use super::{Force, Rates, Reach, StateView, VelocityDependence};
+use super::{About, Force, Rates, Reach, StateView, Validity, VelocityDependence};
 use crate::error::{Error, Result};
+use crate::history::History;
+use crate::ledger::{Class, Ledger};
 use crate::math::{Real, Vector};
 use crate::matter::{Columns, EnergySink};
 use crate::parallel::Executor;
 use crate::scene::{Callback, Term};
 use crate::simd::LANES;
-use crate::stability::SpectralBound;
+use crate::stability::{Horizon, SpectralBound};
 use gradient::{Gradient, Probe};
 
 /// How many steps an automatic time step gives a turn of the velocities, which the integrators follow and do not damp.
@@ -95,20 +97,50 @@ impl<V: Vector> Custom<V> {
         let by_velocity = Probe { given: &at_speeds, force: &force, root: &root, dimension: V::DIMENSION, step }.gradient()?;
         Ok([by_position, by_velocity])
     }
+
+    /// The potential energy of its particles [J].
+    fn potential_energy(&self, at: &StateView<'_, V>) -> Result<f64> {
+        if self.members.is_empty() {
+            return Ok(0.0);
+        }
+        let path = || self.path("potential");
+        let energy = self.callback.potential(&self.positions(at)).map_err(|failure| failure.at(path()))?;
+        if energy.is_finite() { Ok(energy) } else { Err(Error::parameter(path(), "a finite energy", format!("{energy} J"))) }
+    }
+
+    /// The gradients that were found last, for the plan.
+    fn findings(&self) -> String {
+        match *self.found.lock().unwrap_or_else(PoisonError::into_inner) {
+            Some([by_position, by_velocity]) => {
+                let turn = by_velocity.rotation;
+                let turns = if turn > 0.0 { format!(", velocities turn at {turn:.3e} 1/s") } else { String::new() };
+                format!(
+                    "stiffness per mass up to {:.3e} 1/s², damping per mass up to {:.3e} 1/s{turns}",
+                    by_position.norm, by_velocity.norm
+                )
+            }
+            None => String::new(),
+        }
+    }
 }
 
+impl<V: Vector> History for Custom<V> {}
+
 impl<V: Vector> Force<V> for Custom<V> {
-    fn name(&self) -> &'static str {
-        "custom"
-    }
-
-    fn reach(&self) -> Reach {
-        Reach::Whole
-    }
-
     /// The function is given velocities, so it has to be expected that it uses them.
-    fn velocity(&self) -> VelocityDependence {
-        VelocityDependence::Dissipative
+    fn about(&self) -> About {
+        let calls = gradient::MOST_CALLS;
+        About {
+            velocity: VelocityDependence::Dissipative,
+            potential: self.callback.has_potential().then_some("custom"),
+            callback: true,
+            bytes: self.force.bytes() + std::mem::size_of_val(self.members.as_slice()),
+            layout: format!(
+                "a function, called in every evaluation, and up to {calls} times whenever the limit of the time step is looked at"
+            ),
+            findings: self.findings(),
+            ..About::new("custom", Reach::Whole)
+        }
     }
 
     fn prepare(&mut self, at: &StateView<'_, V>, _crew: &Executor) -> Result<()> {
@@ -138,21 +170,12 @@ impl<V: Vector> Force<V> for Custom<V> {
         }
     }
 
-    fn has_potential(&self) -> bool {
-        self.callback.has_potential()
-    }
-
-    fn potential(&self, _block: Range<usize>, _at: &StateView<'_, V>) -> f64 {
-        0.0
-    }
-
-    fn potential_of_all(&self, at: &StateView<'_, V>) -> Result<f64> {
-        if self.members.is_empty() {
-            return Ok(0.0);
+    fn energy(&self, at: &StateView<'_, V>, ledger: &mut Ledger) -> Result<()> {
+        if !self.callback.has_potential() {
+            return Ok(());
         }
-        let path = || self.path("potential");
-        let energy = self.callback.potential(&self.positions(at)).map_err(|failure| failure.at(path()))?;
-        if energy.is_finite() { Ok(energy) } else { Err(Error::parameter(path(), "a finite energy", format!("{energy} J"))) }
+        ledger.add(Class::Potential, "custom", self.potential_energy(at)?);
+        Ok(())
     }
 
     /// The norms of its gradients, for every particle: it may couple any of them with any other.
@@ -167,7 +190,7 @@ impl<V: Vector> Force<V> for Custom<V> {
         let turn = by_velocity.rotation;
         let frequency = 0.5 * turn + (0.25 * turn * turn + by_position.norm).sqrt();
         let stiffness = if turn > 0.0 { frequency * frequency } else { by_position.norm };
-        let growth = if bound.is_ahead() { GROWTH } else { 1.0 };
+        let growth = if bound.horizon() == Horizon::Certified { GROWTH } else { 1.0 };
         for &index in self.members.iter().filter(|&&index| !at.properties.is_fixed(index)) {
             let mass = at.properties.mass[index];
             bound.point(index, "custom", growth * growth * stiffness * mass, growth * by_velocity.norm * mass);
@@ -178,32 +201,7 @@ impl<V: Vector> Force<V> for Custom<V> {
         Ok(())
     }
 
-    fn bound_varies(&self) -> bool {
-        true
-    }
-
-    fn layout(&self) -> String {
-        let calls = gradient::MOST_CALLS;
-        format!(
-            "a function, called in every evaluation, and up to {calls} times whenever the limit of the time step is looked at"
-        )
-    }
-
-    fn findings(&self) -> String {
-        match *self.found.lock().unwrap_or_else(PoisonError::into_inner) {
-            Some([by_position, by_velocity]) => {
-                let turn = by_velocity.rotation;
-                let turns = if turn > 0.0 { format!(", velocities turn at {turn:.3e} 1/s") } else { String::new() };
-                format!(
-                    "stiffness per mass up to {:.3e} 1/s², damping per mass up to {:.3e} 1/s{turns}",
-                    by_position.norm, by_velocity.norm
-                )
-            }
-            None => String::new(),
-        }
-    }
-
-    fn bytes(&self) -> usize {
-        self.force.bytes() + std::mem::size_of_val(self.members.as_slice())
+    fn validity(&self, _at: &StateView<'_, V>, _horizon: Horizon) -> Validity {
+        Validity::Now
     }
 }

@@ -8,13 +8,14 @@ use glam::DVec3;
 
 use super::linear::Fusion;
 use super::pointwise::{self, ForceField, PointRate};
-use super::{Force, Rates, Reach, StateView, VelocityDependence};
+use super::{About, Force, Rates, Reach, StateView, Validity, VelocityDependence};
 use crate::error::Result;
+use crate::history::History;
 use crate::math::{AXES, Real, Vector};
 use crate::matter::Properties;
 use crate::scene::Term;
 use crate::simd::Number;
-use crate::stability::SpectralBound;
+use crate::stability::{Horizon, SpectralBound};
 
 /// Linear or quadratic drag in a uniform wind.
 #[derive(Debug)]
@@ -43,29 +44,28 @@ impl<V: Vector> Drag<V> {
     }
 }
 
+impl<V: Vector> History for Drag<V> {}
+
 impl<V: Vector> Force<V> for Drag<V> {
-    fn name(&self) -> &'static str {
-        "drag"
+    fn about(&self) -> About {
+        About {
+            velocity: VelocityDependence::Dissipative,
+            potential: None,
+            bytes: std::mem::size_of_val(self.members.as_slice()),
+            ..About::new("drag", Reach::Pointwise)
+        }
     }
 
-    fn reach(&self) -> Reach {
-        Reach::Pointwise
-    }
-
-    fn velocity(&self) -> VelocityDependence {
-        VelocityDependence::Dissipative
-    }
-
-    fn fold(&self, properties: &Properties<V>, fold: &mut Fusion) -> bool {
-        if self.quadratic != 0.0 || fold.wind.is_some_and(|wind| wind != self.wind) {
+    fn fuse(&self, properties: &Properties<V>, fusion: &mut Fusion) -> bool {
+        if self.quadratic != 0.0 || fusion.wind.is_some_and(|wind| wind != self.wind) {
             return false;
         }
-        fold.wind = Some(self.wind);
+        fusion.wind = Some(self.wind);
         for index in (0..properties.count()).filter(|&index| self.acts_on(index)) {
             let rate = self.linear / properties.mass[index];
-            fold.drag[index] += self.linear;
-            fold.rate[index] -= rate;
-            fold.acceleration[index] += self.wind * rate;
+            fusion.drag[index] += self.linear;
+            fusion.rate[index] -= rate;
+            fusion.acceleration[index] += self.wind * rate;
         }
         true
     }
@@ -73,15 +73,7 @@ impl<V: Vector> Force<V> for Drag<V> {
     fn accumulate(&self, block: Range<usize>, at: &StateView<'_, V>, rates: &mut Rates<'_, V>) {
         let [linear, quadratic] = [self.linear, self.quadratic].map(V::Scalar::from_f64);
         let wind = self.wind.to_array().map(V::Scalar::from_f64);
-        pointwise::accumulate::<V>(Law { linear, quadratic, wind }, &self.members, block, at, rates);
-    }
-
-    fn has_potential(&self) -> bool {
-        false
-    }
-
-    fn potential(&self, _block: Range<usize>, _at: &StateView<'_, V>) -> f64 {
-        0.0
+        pointwise::accumulate::<V>(DragLaw { linear, quadratic, wind }, &self.members, block, at, rates);
     }
 
     /// The damping is the larger eigenvalue of −∂F/∂v, γ + 2q|u|.
@@ -94,23 +86,19 @@ impl<V: Vector> Force<V> for Drag<V> {
         Ok(())
     }
 
-    fn bound_varies(&self) -> bool {
-        self.quadratic != 0.0
-    }
-
-    fn bytes(&self) -> usize {
-        std::mem::size_of_val(self.members.as_slice())
+    fn validity(&self, _at: &StateView<'_, V>, _horizon: Horizon) -> Validity {
+        if self.quadratic == 0.0 { Validity::Always } else { Validity::Now }
     }
 }
 
 #[derive(Clone, Copy)]
-struct Law<T> {
+struct DragLaw<T> {
     linear: T,
     quadratic: T,
     wind: [T; AXES],
 }
 
-impl<V: Vector> ForceField<V> for Law<V::Scalar> {
+impl<V: Vector> ForceField<V> for DragLaw<V::Scalar> {
     #[inline(always)]
     fn at(&self, member: V::Scalar, _x: [V::Scalar; AXES], v: [V::Scalar; AXES]) -> PointRate<V::Scalar> {
         let mut relative = [V::Scalar::ZERO; AXES];

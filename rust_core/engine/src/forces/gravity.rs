@@ -5,12 +5,13 @@ use std::ops::Range;
 use glam::DVec3;
 
 use super::linear::Fusion;
-use super::{Force, Reach, StateView, VelocityDependence};
+use super::{About, Force, Reach, StateView, Validity};
 use crate::error::Result;
+use crate::history::History;
 use crate::math::Vector;
 use crate::matter::Properties;
 use crate::scene::Term;
-use crate::stability::SpectralBound;
+use crate::stability::{Horizon, SpectralBound};
 
 /// A uniform acceleration of the particles that are not fixed.
 #[derive(Debug)]
@@ -28,21 +29,15 @@ impl Gravity {
     }
 }
 
+impl History for Gravity {}
+
 impl<V: Vector> Force<V> for Gravity {
-    fn name(&self) -> &'static str {
-        "gravity"
+    fn about(&self) -> About {
+        About::new("gravity", Reach::Pointwise)
     }
 
-    fn reach(&self) -> Reach {
-        Reach::Pointwise
-    }
-
-    fn velocity(&self) -> VelocityDependence {
-        VelocityDependence::None
-    }
-
-    fn fold(&self, _properties: &Properties<V>, fold: &mut Fusion) -> bool {
-        for (sum, _) in fold.acceleration.iter_mut().zip(&self.members).filter(|(_, member)| **member) {
+    fn fuse(&self, _properties: &Properties<V>, fusion: &mut Fusion) -> bool {
+        for (sum, _) in fusion.acceleration.iter_mut().zip(&self.members).filter(|(_, member)| **member) {
             *sum += self.acceleration;
         }
         true
@@ -59,5 +54,9 @@ impl<V: Vector> Force<V> for Gravity {
 
     fn bound(&self, _at: &StateView<'_, V>, _bound: &mut SpectralBound) -> Result<()> {
         Ok(())
+    }
+
+    fn validity(&self, _at: &StateView<'_, V>, _horizon: Horizon) -> Validity {
+        Validity::Always
     }
 }

@@ -3,15 +3,18 @@
 use std::ops::Range;
 
 use crate::error::{Error, Result};
+use crate::history::History;
+use crate::ledger::{Class, Ledger};
 use crate::math::{Real, Vector};
 use crate::matter::{Power, Properties, Span, View};
 use crate::parallel::Executor;
 use crate::scene::{Scene, Term};
 use crate::simd::padded;
-use crate::stability::SpectralBound;
+use crate::stability::{Horizon, SpectralBound};
 
 mod central;
 mod custom;
+pub mod density;
 mod drag;
 mod gravity;
 mod lennard_jones;
@@ -24,6 +27,7 @@ pub mod sph;
 pub mod springs;
 
 pub use central::InverseSquare;
+pub use density::{DensityEvolution, Drift, Fields, Mach, Scheme};
 use linear::Fusion;
 pub use pointwise::ForceField;
 
@@ -53,48 +57,6 @@ impl<V: Vector> StateView<'_, V> {
     }
 }
 
-/// The way of all particles through a drift: with constant velocity to where they are at its end.
-#[derive(Debug, Clone, Copy)]
-pub struct Drift<'a, V: Vector> {
-    /// The matter at its end.
-    pub end: StateView<'a, V>,
-    /// The velocity of the way [m/s].
-    pub velocity: View<'a, V>,
-    /// Its duration [s].
-    pub h: f64,
-}
-
-impl<V: Vector> Drift<'_, V> {
-    /// The position of a particle relative to the origin along one axis, in the middle of the way [m].
-    #[inline(always)]
-    pub fn midpoint(&self, axis: usize, index: usize) -> f64 {
-        self.end.exact_position(axis, index) - 0.5 * self.h * self.velocity.axis(axis)[index].to_f64()
-    }
-}
-
-/// Density and pressure of the particles that are fluid, NaN for the others.
-#[derive(Debug, Clone, Default)]
-pub struct Fields {
-    /// Density [kg/m³].
-    pub density: Vec<f64>,
-    /// Pressure [Pa].
-    pub pressure: Vec<f64>,
-}
-
-/// How fast a fluid flows beside its sound.
-#[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
-pub struct Flow {
-    /// The share of its particles that are faster than [`Flow::FAST`].
-    pub fast: f64,
-    /// The speed of sound [m/s].
-    pub sound: f64,
-}
-
-impl Flow {
-    /// The Mach number from which on it is fast: density is then off by about the square of it, two percent.
-    pub const FAST: f64 = 0.15;
-}
-
 /// What the forces do to one block.
 #[derive(Debug)]
 pub struct Rates<'a, V: Vector> {
@@ -113,7 +75,7 @@ pub enum Reach {
     Network,
     /// It depends on whoever is near.
     Pairs,
-    /// It depends on everything: asked for all at once, in [`Force::prepare`].
+    /// It depends on everything: found for all at once, in [`Force::prepare`].
     Whole,
 }
 
@@ -126,171 +88,121 @@ pub enum VelocityDependence {
     Dissipative,
 }
 
-/// How a force comes by a field of its own.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Field {
-    /// It has none.
-    None,
-    /// It is counted from where the particles are, whenever forces are asked for.
-    Summation,
-    /// It is carried along and changes with the motion.
-    Continuity,
+/// At which states a force's part of the bound on the time step is the same.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Validity {
+    /// At all.
+    Always,
+    /// At every state of which it says so.
+    Here,
+    /// At none but this.
+    Now,
+}
+
+/// What is known of a force before it acts.
+#[derive(Debug, Clone)]
+pub struct About {
+    /// Its name in the plan and in the budget: `gravity`.
+    pub name: &'static str,
+    /// How far it reaches.
+    pub reach: Reach,
+    /// How it depends on velocity.
+    pub velocity: VelocityDependence,
+    /// The order in time to which it can be followed, at best.
+    pub order: u32,
+    /// The name of its potential energy in the budget, if it has one.
+    pub potential: Option<&'static str>,
+    /// Whether it is a function of the user's, which is called in the order of time.
+    pub callback: bool,
+    /// About how many springs or other pairs it consists of.
+    pub pairs: usize,
+    /// The memory that it takes [bytes].
+    pub bytes: usize,
+    /// Its layout, for the plan; empty if there is nothing to say.
+    pub layout: String,
+    /// What was found when it was last asked for its part of the bound on the time step, for the plan; empty likewise.
+    pub findings: String,
+}
+
+impl About {
+    /// A conservative force without pairs or memory.
+    pub fn new(name: &'static str, reach: Reach) -> Self {
+        Self {
+            name,
+            reach,
+            velocity: VelocityDependence::None,
+            order: u32::MAX,
+            potential: Some(name),
+            callback: false,
+            pairs: 0,
+            bytes: 0,
+            layout: String::new(),
+            findings: String::new(),
+        }
+    }
 }
 
 /// A law that accelerates matter, and its share of the energy budget.
-pub trait Force<V: Vector>: Send + Sync {
-    /// Its name in the plan and in the audit: `gravity`.
-    fn name(&self) -> &'static str;
+pub trait Force<V: Vector>: History + Send + Sync {
+    /// What is known of it before it acts.
+    fn about(&self) -> About;
 
-    /// How far it reaches.
-    fn reach(&self) -> Reach;
-
-    /// How it depends on velocity.
-    fn velocity(&self) -> VelocityDependence;
-
-    /// How it comes by its field, such as the density of a fluid.
-    fn field(&self) -> Field {
-        Field::None
-    }
-
-    /// The order in time to which it can be followed, at best.
-    fn order(&self) -> u32 {
-        u32::MAX
-    }
-
-    /// Counts its field at the end of a step where no force was asked for.
-    fn count(&mut self, _at: &StateView<'_, V>, _crew: &Executor) -> Result<()> {
-        Ok(())
-    }
-
-    /// Advances its field over a drift.
-    fn drift(&mut self, _drift: &Drift<'_, V>, _crew: &Executor) -> Result<()> {
-        Ok(())
-    }
-
-    /// Adds the energy that its field lost over the last drift to what passed through the sinks of a block [J].
-    fn spend(&self, _block: Range<usize>, _energy: &mut Power) {}
-
-    /// Whether it moves particles beside their velocity, after a drift.
-    fn displaces(&self) -> bool {
-        false
-    }
-
-    /// Adds where it moves the particles of `block` after the last drift [m] to `ways`. Their velocities stay, and what that
-    /// changes in pointwise and user-given potentials counts as work.
-    fn displace(&self, _block: Range<usize>, _ways: &mut Span<'_, V>) {}
-
-    /// Work that must be done for all particles before any block is asked for.
-    fn prepare(&mut self, _at: &StateView<'_, V>, _crew: &Executor) -> Result<()> {
-        Ok(())
-    }
-
-    /// Remembers, at the start of a batch of steps, what it keeps from step to step.
-    fn keep(&mut self) {}
-
-    /// Goes back to what it last kept.
-    fn undo(&mut self) -> Result<()> {
-        Ok(())
-    }
-
-    /// What it keeps from step to step, as far as the bits of its forces depend on it.
-    fn capture(&self) -> Vec<f64> {
-        Vec::new()
-    }
-
-    /// Goes on from what it kept when it was captured; takes from the front of `numbers` as many as it gave.
+    /// Does what must be done for all particles before any block is asked for.
     ///
     /// # Errors
-    /// If they are not of its making.
-    fn restore(&mut self, _numbers: &mut &[f64]) -> Result<()> {
+    /// If that fails.
+    fn prepare(&mut self, _at: &StateView<'_, V>, _executor: &Executor) -> Result<()> {
         Ok(())
-    }
-
-    /// Adds itself to the fused law if it can. It is then not asked to accumulate.
-    fn fold(&self, _properties: &Properties<V>, _fold: &mut Fusion) -> bool {
-        false
     }
 
     /// Adds the force on each particle of `block` and the power that it dissipates or supplies there.
     fn accumulate(&self, _block: Range<usize>, _at: &StateView<'_, V>, _rates: &mut Rates<'_, V>) {}
 
-    /// Itself as an inverse-square law, if it is one: of the forces that cannot be fused, this one is worth a kernel of its
-    /// own, in which independent particles run through whole steps.
-    fn inverse_square(&self, _properties: &Properties<V>) -> Option<InverseSquare<'_, V::Scalar>> {
-        None
-    }
-
-    /// What the audit calls its potential energy.
-    fn potential_name(&self) -> &'static str {
-        self.name()
-    }
-
-    /// Whether it has a potential energy, which the audit then names.
-    fn has_potential(&self) -> bool {
-        true
-    }
-
-    /// The potential energy of the particles of `block` [J]; what two particles share is split between them.
-    fn potential(&self, block: Range<usize>, at: &StateView<'_, V>) -> f64;
-
-    /// The potential energy that belongs to no block [J].
-    fn potential_of_all(&self, _at: &StateView<'_, V>) -> Result<f64> {
-        Ok(0.0)
-    }
-
-    /// The internal energy of its field [J].
-    fn internal(&self) -> f64 {
+    /// The potential energy of the particles of `block` [J]; that of two particles is split between them, or counts at one.
+    fn potential(&self, _block: Range<usize>, _at: &StateView<'_, V>) -> f64 {
         0.0
     }
 
-    /// Writes its field, by the index of the particle.
-    fn show(&self, _fields: &mut Fields) {}
-
-    /// How fast its fluid flows at these velocities, if it is one.
-    fn flow(&self, _velocity: View<'_, V>) -> Option<Flow> {
-        None
+    /// Adds its energies to the budget.
+    ///
+    /// # Errors
+    /// If a function of the user's fails, or the executor was asked to stop.
+    fn energy(&self, at: &StateView<'_, V>, ledger: &mut Ledger) -> Result<()> {
+        if let Some(name) = self.about().potential {
+            ledger.add_blocks(Class::Potential, name, |block| self.potential(block, at));
+        }
+        Ok(())
     }
 
-    /// Adds its stiffness and damping, as they are at this moment, to the bound on the time step. Where it knows what is
-    /// ahead it counts that too, but not if [`SpectralBound::is_present`].
+    /// Adds its stiffness and damping in this state to the bound on the time step. If that is [certified](Horizon::Certified),
+    /// it counts what is known to be ahead too.
     ///
     /// # Errors
     /// If a function of the user's fails.
     fn bound(&self, at: &StateView<'_, V>, bound: &mut SpectralBound) -> Result<()>;
 
-    /// Whether its part of that bound changes as the matter moves.
-    fn bound_varies(&self) -> bool {
+    /// At which states its part of that bound is the one of this state.
+    fn validity(&self, at: &StateView<'_, V>, horizon: Horizon) -> Validity;
+
+    /// Adds itself to the linear force if it can. It is then not asked to accumulate.
+    fn fuse(&self, _properties: &Properties<V>, _fusion: &mut Fusion) -> bool {
         false
     }
 
-    /// Whether its part of that bound is the one that it is at every moment at which this holds.
-    fn bound_stands(&self, _at: &StateView<'_, V>) -> bool {
-        !self.bound_varies()
+    /// Itself as an inverse-square force, if it is one: of the forces that cannot be fused, this one is worth a kernel of its
+    /// own, in which independent particles run through whole steps.
+    fn inverse_square(&self, _properties: &Properties<V>) -> Option<InverseSquare<'_, V::Scalar>> {
+        None
     }
 
-    /// Whether its part of the bound on one step, which does not look ahead, changes as the matter moves.
-    fn present_bound_varies(&self) -> bool {
-        self.bound_varies()
+    /// The evolution of density that belongs to it, if there is one.
+    fn density(&self) -> Option<&dyn DensityEvolution<V>> {
+        None
     }
 
-    /// About how many springs or other pairs it consists of.
-    fn pairs(&self) -> usize {
-        0
-    }
-
-    /// How it is laid out, for the plan; empty if there is nothing to say.
-    fn layout(&self) -> String {
-        String::new()
-    }
-
-    /// What it found when it was last asked for its part of the bound, for the plan; empty if there is nothing to say.
-    fn findings(&self) -> String {
-        String::new()
-    }
-
-    /// The memory that it takes [bytes].
-    fn bytes(&self) -> usize {
-        0
+    /// The same, to advance it.
+    fn density_mut(&mut self) -> Option<&mut dyn DensityEvolution<V>> {
+        None
     }
 }
 

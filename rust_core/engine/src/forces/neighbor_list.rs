@@ -1,13 +1,14 @@
 //! Who is near whom among the members of a pair force, from step to step.
 //!
 //! The sums over lists depend on when the lists were made, by rounding. So the positions that they were made from are part of
-//! what a checkpoint holds, and of what is undone.
+//! what a checkpoint holds, and are rolled back.
 
 use std::ops::Range;
 
 use glam::DVec3;
 
 use crate::error::{Error, Result};
+use crate::history::{Archive, History};
 use crate::math::{AXES, Real, Vector};
 use crate::matter::Properties;
 use crate::neighbors::{Domain, Neighbors};
@@ -37,11 +38,11 @@ pub struct NeighborList {
     /// Exact positions relative to the origin, one array per axis [m].
     positions: [Vec<f64>; AXES],
     /// What the lists were made from when the batch began.
-    kept: [Vec<f64>; AXES],
+    saved: [Vec<f64>; AXES],
     /// Whether they have been made anew since.
     renewed: bool,
     /// Whether those of then are to be made again before anything else.
-    undone: bool,
+    rolled_back: bool,
     skin: f64,
 }
 
@@ -58,8 +59,8 @@ impl NeighborList {
         let neighbors = Neighbors::new(members.len(), V::DIMENSION, &domain, cutoff, skin)?;
         let mut member_of = vec![NOT_A_MEMBER; properties.count()];
         members.iter().zip(0..).for_each(|(&index, member)| member_of[index as usize] = member);
-        let (positions, kept) = (columns(), columns());
-        Ok(Self { members, member_of, neighbors, positions, kept, renewed: false, undone: false, skin })
+        let (positions, saved) = (columns(), columns());
+        Ok(Self { members, member_of, neighbors, positions, saved, renewed: false, rolled_back: false, skin })
     }
 
     /// Brings positions and lists up to date, and says whether the lists are new. `position` gives that of a particle along
@@ -87,16 +88,16 @@ impl NeighborList {
     /// # Errors
     /// As [`NeighborList::update`].
     pub fn anew(&self, position: &(impl Fn(usize, usize) -> f64 + Sync), executor: &Executor) -> Result<Self> {
-        let Self { members, member_of, neighbors, positions, kept, skin, .. } = self;
+        let Self { members, member_of, neighbors, positions, saved, skin, .. } = self;
         let (count, dimension, cutoff) = (neighbors.count(), neighbors.dimension(), neighbors.support() - skin);
         let mut anew = Self {
             members: members.clone(),
             member_of: member_of.clone(),
             neighbors: Neighbors::new(count, dimension, neighbors.domain(), cutoff, *skin)?,
             positions: positions.clone(),
-            kept: kept.clone(),
+            saved: saved.clone(),
             renewed: false,
-            undone: false,
+            rolled_back: false,
             skin: *skin,
         };
         anew.update(position, executor)?;
@@ -146,44 +147,18 @@ impl NeighborList {
         DVec3::from_array(columns.map(|axis| axis.get(member).copied().unwrap_or(0.0)))
     }
 
-    /// Remembers what the lists were made from.
-    pub fn keep(&mut self) {
-        if self.renewed {
-            self.kept.iter_mut().zip(self.neighbors.anchors()).for_each(|(kept, anchors)| kept.copy_from_slice(anchors));
-            self.renewed = false;
-        }
-    }
-
-    /// Goes back to the lists that were last kept. They are made when they are needed: whoever interrupts a step has not the
-    /// time.
-    pub fn undo(&mut self) {
-        self.undone |= std::mem::take(&mut self.renewed);
-    }
-
     /// Makes the lists that were gone back to, and says whether there were others.
     ///
     /// # Errors
     /// As [`NeighborList::update`].
     pub fn resume(&mut self, executor: &Executor) -> Result<bool> {
-        let undone = self.undone;
-        if undone {
-            self.neighbors.restore(self.kept.each_ref().map(Vec::as_slice), executor)?;
+        let rolled_back = self.rolled_back;
+        if rolled_back {
+            self.neighbors.restore(self.saved.each_ref().map(Vec::as_slice), executor)?;
             // Whoever is stopped before the end of this batch makes them once more, and what hangs on them.
-            (self.renewed, self.undone) = (true, executor.stopped());
+            (self.renewed, self.rolled_back) = (true, executor.stopped());
         }
-        Ok(undone)
-    }
-
-    /// What the lists were made from [m].
-    pub fn capture(&self) -> Vec<f64> {
-        if self.undone { self.kept.concat() } else { self.neighbors.anchors().concat() }
-    }
-
-    /// Goes back to the lists that were captured; takes its part from the front of `numbers`.
-    pub fn restore(&mut self, numbers: &mut &[f64]) -> Result<()> {
-        self.kept.iter_mut().try_for_each(|column| take(numbers, column))?;
-        (self.renewed, self.undone) = (false, true);
-        Ok(())
+        Ok(rolled_back)
     }
 
     /// How many neighbors are listed, of all particles together; a guess while there are no lists.
@@ -204,25 +179,40 @@ impl NeighborList {
 
     /// The memory that it takes [bytes].
     pub fn bytes(&self) -> usize {
-        let columns = self.positions.iter().chain(&self.kept).map(|column| std::mem::size_of_val(column.as_slice()));
+        let columns = self.positions.iter().chain(&self.saved).map(|column| std::mem::size_of_val(column.as_slice()));
         self.neighbors.bytes() + columns.sum::<usize>() + size_of::<u32>() * (self.members.len() + self.member_of.len())
+    }
+}
+
+/// The positions that the lists were made from. After a rollback the lists are made when they are needed: whoever interrupts a
+/// step has not the time.
+impl History for NeighborList {
+    fn save(&mut self) {
+        if self.renewed {
+            self.saved.iter_mut().zip(self.neighbors.anchors()).for_each(|(saved, anchors)| saved.copy_from_slice(anchors));
+            self.renewed = false;
+        }
+    }
+
+    fn rollback(&mut self) {
+        self.rolled_back |= std::mem::take(&mut self.renewed);
+    }
+
+    fn capture(&self, archive: &mut Archive) {
+        let saved = self.saved.each_ref().map(Vec::as_slice);
+        let anchors = if self.rolled_back { saved } else { self.neighbors.anchors() };
+        archive.write(anchors.into_iter().flatten().copied());
+    }
+
+    fn restore(&mut self, archive: &mut Archive) -> Result<()> {
+        self.saved.iter_mut().try_for_each(|column| archive.read_into(column))?;
+        (self.renewed, self.rolled_back) = (false, true);
+        Ok(())
     }
 }
 
 /// The number of neighbors that a particle is taken to have where that only decides how long a batch of steps is.
 const TYPICAL: usize = 20;
-
-/// Fills a column from the front of captured numbers.
-///
-/// # Errors
-/// If there are too few.
-pub fn take(numbers: &mut &[f64], column: &mut [f64]) -> Result<()> {
-    let foreign = || Error::State("it does not belong to this scene".to_owned());
-    let (mine, rest) = numbers.split_at_checked(column.len()).ok_or_else(foreign)?;
-    column.copy_from_slice(mine);
-    *numbers = rest;
-    Ok(())
-}
 
 /// Refuses cutoffs [m] of which the precision of the run cannot hold the square, down to the distances that it tells apart.
 fn refuse_tiny<T: Real>(cutoff: f64) -> Result<()> {

@@ -10,8 +10,10 @@ use std::ops::Range;
 use glam::{DMat3, DVec3};
 
 use super::neighbor_list::NeighborList;
-use super::{Force, Rates, Reach, StateView, VelocityDependence};
+use super::{About, Force, Rates, Reach, StateView, Validity, VelocityDependence};
 use crate::error::Result;
+use crate::history::{Archive, History};
+use crate::ledger::{Class, Ledger};
 use crate::math::{AXES, Coordinate, Real, Vector};
 use crate::matter::{EnergySink, Properties};
 use crate::neighbors::Neighbors;
@@ -19,7 +21,7 @@ use crate::neighbors::sums::{Pair, PairLaw, Records};
 use crate::parallel::{BlockedSlice, Executor};
 use crate::scene::Scene;
 use crate::simd::{LANES, Number, Record};
-use crate::stability::SpectralBound;
+use crate::stability::{Horizon, SpectralBound};
 
 /// The force on a particle along each axis, and the power that its pairs dissipate.
 pub const SUMS: usize = AXES + 1;
@@ -176,17 +178,34 @@ impl<V: Vector, L: Interaction<V>> Pairs<V, L> {
 const BUFFERS: usize = 16;
 const PAIRS: usize = 2048;
 
+impl<V: Vector, L: Interaction<V>> History for Pairs<V, L> {
+    fn save(&mut self) {
+        self.neighbor_list.save();
+    }
+
+    fn rollback(&mut self) {
+        self.neighbor_list.rollback();
+    }
+
+    fn capture(&self, archive: &mut Archive) {
+        self.neighbor_list.capture(archive);
+    }
+
+    fn restore(&mut self, archive: &mut Archive) -> Result<()> {
+        self.neighbor_list.restore(archive)
+    }
+}
+
 impl<V: Vector, L: Interaction<V>> Force<V> for Pairs<V, L> {
-    fn name(&self) -> &'static str {
-        L::NAME
-    }
-
-    fn reach(&self) -> Reach {
-        Reach::Pairs
-    }
-
-    fn velocity(&self) -> VelocityDependence {
-        self.law.velocity()
+    fn about(&self) -> About {
+        let own = std::mem::size_of_val(self.sums.as_slice()) + std::mem::size_of_val(self.attributes.as_slice());
+        About {
+            velocity: self.law.velocity(),
+            pairs: self.neighbor_list.pairs(),
+            bytes: self.neighbor_list.bytes() + self.records.bytes() + own,
+            layout: self.neighbor_list.layout(),
+            ..About::new(L::NAME, Reach::Pairs)
+        }
     }
 
     fn prepare(&mut self, at: &StateView<'_, V>, executor: &Executor) -> Result<()> {
@@ -204,23 +223,6 @@ impl<V: Vector, L: Interaction<V>> Force<V> for Pairs<V, L> {
         Ok(())
     }
 
-    fn keep(&mut self) {
-        self.neighbor_list.keep();
-    }
-
-    fn undo(&mut self) -> Result<()> {
-        self.neighbor_list.undo();
-        Ok(())
-    }
-
-    fn capture(&self) -> Vec<f64> {
-        self.neighbor_list.capture()
-    }
-
-    fn restore(&mut self, numbers: &mut &[f64]) -> Result<()> {
-        self.neighbor_list.restore(numbers)
-    }
-
     fn accumulate(&self, block: Range<usize>, _at: &StateView<'_, V>, rates: &mut Rates<'_, V>) {
         for (index, _, slot) in self.neighbor_list.in_block(block) {
             let sums = &self.sums[slot];
@@ -232,17 +234,14 @@ impl<V: Vector, L: Interaction<V>> Force<V> for Pairs<V, L> {
         }
     }
 
-    fn potential(&self, _block: Range<usize>, _at: &StateView<'_, V>) -> f64 {
-        0.0
-    }
-
-    fn potential_of_all(&self, at: &StateView<'_, V>) -> Result<f64> {
+    fn energy(&self, at: &StateView<'_, V>, ledger: &mut Ledger) -> Result<()> {
         let mut energy = 0.0;
         let potential = |pair: [usize; 2], separation: DVec3| {
             self.law.potential(pair.map(|member| self.attributes[member]), separation.length())
         };
         self.for_each(at, potential, |_, potential| energy += potential)?;
-        Ok(energy)
+        ledger.add(Class::Potential, L::NAME, energy);
+        Ok(())
     }
 
     /// For a pair of the matrix A ≥ 0 and displacements u, w of its particles (u − w)ᵀA(u − w) ≤ 2uᵀAu + 2wᵀAw: no frequency of
@@ -272,22 +271,7 @@ impl<V: Vector, L: Interaction<V>> Force<V> for Pairs<V, L> {
         Ok(())
     }
 
-    fn bound_varies(&self) -> bool {
-        true
-    }
-
-    fn pairs(&self) -> usize {
-        self.neighbor_list.pairs()
-    }
-
-    fn layout(&self) -> String {
-        self.neighbor_list.layout()
-    }
-
-    fn bytes(&self) -> usize {
-        self.neighbor_list.bytes()
-            + self.records.bytes()
-            + std::mem::size_of_val(self.sums.as_slice())
-            + std::mem::size_of_val(self.attributes.as_slice())
+    fn validity(&self, _at: &StateView<'_, V>, _horizon: Horizon) -> Validity {
+        Validity::Now
     }
 }

@@ -20,8 +20,8 @@
 use super::monitor::Steps;
 use super::{Segment, Simulation};
 use crate::error::{Error, Result};
-use crate::math::Vector;
-use crate::stability::SpectralBound;
+use crate::parallel::SERIAL;
+use crate::stability::Horizon;
 
 /// How to choose the steps.
 #[derive(Debug, Clone, Copy)]
@@ -58,25 +58,29 @@ pub(super) enum Trial {
     Diverged(Error),
 }
 
-impl<V: Vector> Simulation<V> {
+impl Simulation {
     /// Advances by an interval [s] in steps of the rule's.
     pub(super) fn advance_adaptively(&mut self, interval: f64, rule: &Rule, interrupted: &dyn Fn() -> bool) -> Result<()> {
         if !(interval.is_finite() && interval > 0.0) {
             return Err(Error::parameter("interval", "a finite number > 0", interval));
         }
-        match (rule.tolerance, self.error) {
-            (None, _) => self.advance_in_blocks(interval, rule, interrupted),
-            (Some(tolerance), Some(error)) => self.advance_by_errors(interval, rule, (tolerance, error), interrupted),
-            (Some(_), None) => {
-                Err(Error::parameter("integrator", "one that estimates its errors, for a tolerance", self.plan.integrator))
+        match rule.tolerance {
+            None => self.advance_in_blocks(interval, rule, interrupted),
+            Some(tolerance) => {
+                let estimates = || {
+                    let found = self.system.stages().method;
+                    Error::parameter("integrator", "one that estimates its errors, for a tolerance", found)
+                };
+                let (_, order) = self.system.error(0.0).ok_or_else(estimates)?;
+                self.advance_by_errors(interval, rule, (tolerance, order), interrupted)
             }
         }
     }
 
     /// Steps that divide the interval by powers of two, and suit both of their ends.
     fn advance_in_blocks(&mut self, interval: f64, rule: &Rule, interrupted: &dyn Fn() -> bool) -> Result<()> {
-        let varies = self.system.dynamics().forces().iter().any(|force| force.present_bound_varies());
-        let (start, finest) = (self.segment.time(), interval / FINEST as f64);
+        let varies = self.system.limit_varies(Horizon::Present, self.time());
+        let (start, finest) = (self.time(), interval / FINEST as f64);
         let mut allowed = self.allowed(rule)?;
         self.expect(allowed.min(interval));
         let (mut place, mut failures, mut since) = (0, 0, 0);
@@ -87,7 +91,7 @@ impl<V: Vector> Simulation<V> {
             while block > 1 && block as f64 * finest > allowed {
                 block /= 2;
             }
-            let before = (self.segment, self.monitor, self.flow);
+            let before = (self.segment, self.monitor, self.mach);
             let h = block as f64 * finest;
             self.segment = Segment { start, steps: place / block, dt: h };
             let halved = match self.attempt(before.0, interrupted)? {
@@ -100,7 +104,7 @@ impl<V: Vector> Simulation<V> {
                         self.count(h);
                         false
                     } else {
-                        self.rollback(1)?;
+                        self.rollback(1);
                         self.adaptation.rejected += 1;
                         true
                     }
@@ -111,7 +115,7 @@ impl<V: Vector> Simulation<V> {
                 }
             };
             if halved {
-                (self.segment, self.monitor, self.flow) = before;
+                (self.segment, self.monitor, self.mach) = before;
                 block /= 2;
             } else {
                 block = largest(place);
@@ -123,8 +127,7 @@ impl<V: Vector> Simulation<V> {
 
     /// The largest step that the rule allows in the present state [s].
     pub(super) fn allowed(&mut self, rule: &Rule) -> Result<f64> {
-        let bound = self.bound(SpectralBound::at_present)?;
-        let limit = (self.limit)(&bound, &mut self.cache).dt();
+        let limit = self.limit(Horizon::Present, &SERIAL)?.dt();
         Ok(if limit.is_infinite() { rule.free } else { rule.safety * limit })
     }
 
@@ -161,7 +164,7 @@ impl<V: Vector> Simulation<V> {
     pub(super) fn poll(&self, since: &mut u64, unfinished: bool, interrupted: &dyn Fn() -> bool) -> Result<()> {
         *since += 1;
         // Looking at the limit takes a few times as long as a step.
-        if 4 * *since < self.system.batch() {
+        if 4 * *since < self.system.most_steps() {
             return Ok(());
         }
         *since = 0;

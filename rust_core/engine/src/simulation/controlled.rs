@@ -11,7 +11,6 @@
 use super::adaptive::{FINEST, Trial};
 use super::{Rule, Segment, Simulation};
 use crate::error::Result;
-use crate::math::Vector;
 
 /// What is aimed at, as a fraction of the step that would just do.
 const SAFETY: f64 = 0.9;
@@ -21,16 +20,16 @@ const GROW: f64 = 5.0;
 /// The smallest and the largest error that count, in units of the tolerance: beyond them the step changes as fast as it may.
 const COUNT: [f64; 2] = [1e-4, 1e4];
 
-impl<V: Vector> Simulation<V> {
-    /// Steps whose estimated error is at most `tolerance` [m], kept in the memories `error`.
+impl Simulation {
+    /// Steps whose estimated error is at most `tolerance` [m], by a method of an order.
     pub(super) fn advance_by_errors(
         &mut self,
         interval: f64,
         rule: &Rule,
-        (tolerance, error): (f64, [usize; 2]),
+        (tolerance, order): (f64, u32),
         interrupted: &dyn Fn() -> bool,
     ) -> Result<()> {
-        let end = self.segment.time() + interval;
+        let end = self.time() + interval;
         // Not below what the clock can tell apart.
         let finest = (interval / FINEST as f64).max(4.0 * f64::EPSILON * end);
         if self.adaptation.control[0] == 0.0 {
@@ -38,22 +37,23 @@ impl<V: Vector> Simulation<V> {
             self.adaptation.control = [if first > 0.0 { first } else { rule.free }, 1.0];
         }
         self.expect(self.adaptation.control[0].min(interval));
-        let order = f64::from(self.order);
+        let order = f64::from(order);
         let power = |error: f64, exponent: f64| libm::pow(error, exponent / order);
         let (mut failures, mut since) = (0, 0);
         loop {
-            let time = self.segment.time();
+            let time = self.time();
             let left = end - time;
             if left <= finest {
                 return Ok(());
             }
             let [wanted, last] = self.adaptation.control;
             let (h, ends) = fit(wanted.max(finest), left);
-            let before = (self.segment, self.monitor, self.flow);
+            let before = (self.segment, self.monitor, self.mach);
             self.segment = Segment { start: time, steps: 0, dt: h };
             match self.attempt(before.0, interrupted)? {
                 Trial::Taken => {
-                    let found = (self.estimate(error, h) / tolerance).clamp(COUNT[0], COUNT[1]);
+                    let error = self.system.error(h).map_or(0.0, |(error, _)| error);
+                    let found = (error / tolerance).clamp(COUNT[0], COUNT[1]);
                     if found <= 1.0 || h <= finest {
                         self.count(h);
                         let next = h * change(power(found, -0.7) * power(last, 0.4));
@@ -64,28 +64,20 @@ impl<V: Vector> Simulation<V> {
                         }
                         failures = 0;
                     } else {
-                        self.rollback(1)?;
+                        self.rollback(1);
                         self.adaptation.rejected += 1;
-                        (self.segment, self.monitor, self.flow) = before;
+                        (self.segment, self.monitor, self.mach) = before;
                         self.adaptation.control[0] = h * change(power(found, -1.0)).min(SAFETY);
                     }
                 }
                 Trial::Diverged(error) => {
                     self.fail(&mut failures, h <= finest, error)?;
-                    (self.segment, self.monitor, self.flow) = before;
+                    (self.segment, self.monitor, self.mach) = before;
                     self.adaptation.control[0] = 0.5 * h;
                 }
             }
             self.poll(&mut since, true, interrupted)?;
         }
-    }
-
-    /// The largest error of any particle [m]: of its position, or of its velocity times the step.
-    fn estimate(&self, [x, v]: [usize; 2], h: f64) -> f64 {
-        let state = self.system.state();
-        let length = |registers: usize, index: usize| state.registers[registers].get(index).widen().length();
-        let error = |index: usize| length(x, index).max(h * length(v, index));
-        (0..state.count()).map(error).fold(0.0, f64::max)
     }
 }
 

@@ -3,7 +3,7 @@
 //! After every step the activity, the kinetic energy at the step's last evaluation of the forces, is compared with a threshold
 //! (in every 32nd step, where nothing but an inverse-square field acts). Where it is above, or not a number, the state is
 //! diagnosed: a number that is not finite is a divergence, and so is an energy balance that has risen by more than
-//! `runaway` times the largest energy that the motion has shown, the scale. The threshold then becomes twice the scale, or
+//! `max_energy_growth` times the largest energy that the motion has shown, the scale. The threshold then becomes twice the scale, or
 //! twice the activity if that is larger, so the budget is computed each time the motion has doubled, and nowhere else.
 //!
 //! A rise has to last for one more step, so that the onset of a force is none.
@@ -12,13 +12,12 @@
 //! rolled back and taken again up to that step. So that little is taken twice, batches are no longer than the time since
 //! the last diagnosis. What has failed leaves no trace in the scale.
 
-use super::{Simulation, Vigilance, World};
-use crate::audit::{self, Energy};
+use super::{Simulation, Vigilance};
 use crate::error::{Divergence, Error, Result};
-use crate::math::{Real, Vector};
+use crate::ledger::{Class, Ledger};
 use crate::parallel::SERIAL;
-use crate::stability::SpectralBound;
-use crate::systems::matter::{Interval, Record};
+use crate::stability::Horizon;
+use crate::systems::{Fault, Record};
 
 /// The fewest steps after a diagnosis that may be taken again.
 const SHORTEST: u64 = 8;
@@ -54,7 +53,7 @@ impl Finding {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Monitor {
     /// How much the balance may rise, in units of the scale; infinite where only numbers that are not finite count.
-    pub runaway: f64,
+    pub max_energy_growth: f64,
     /// Which states are diagnosed.
     pub vigilance: Vigilance,
     /// The largest energy that the motion has shown [J].
@@ -71,24 +70,43 @@ pub(super) struct Monitor {
 
 impl Monitor {
     /// A monitor that has seen nothing.
-    pub fn new(runaway: f64, vigilance: Vigilance) -> Self {
-        Self { runaway, vigilance, scale: 0.0, lowest: f64::INFINITY, balance: 0.0, threshold: 0.0, quiet: 0 }
+    pub fn new(max_energy_growth: f64, vigilance: Vigilance) -> Self {
+        Self { max_energy_growth, vigilance, scale: 0.0, lowest: f64::INFINITY, balance: 0.0, threshold: 0.0, quiet: 0 }
+    }
+
+    /// Begins at a state with this energy.
+    pub fn begin(&mut self, energy: &Ledger, epsilon: f64) {
+        self.balance = energy.balance();
+        self.observe(energy, 0.0, epsilon);
     }
 
     /// Takes in the energy and the activity [J] of a state; gives by how much the balance has risen if that is too much.
-    pub fn observe(&mut self, energy: &Energy, activity: f64, epsilon: f64) -> Option<f64> {
+    pub fn observe(&mut self, energy: &Ledger, activity: f64, epsilon: f64) -> Option<f64> {
+        let kinetic = energy.sum(Class::Kinetic);
+        let activity = activity.max(kinetic);
         let rise = (energy.balance() - self.balance).max(0.0);
-        let potential = energy.total() - energy.kinetic;
+        let potential = energy.total() - kinetic;
         self.lowest = self.lowest.min(potential);
         // What has risen for no reason must not pass for energy of the motion. Rounding makes noise on the scale of the
         // numbers that the balance is the sum of; a few roundings per term, and a wide margin.
-        let shown = energy.kinetic + (potential - self.lowest) + energy.dissipated() + energy.work.abs() - rise;
+        let (dissipated, work) = (energy.sum(Class::Dissipated), energy.sum(Class::Work));
+        let shown = kinetic + (potential - self.lowest) + dissipated + work.abs() - rise;
         self.scale = self.scale.max(shown).max(1e-3 * epsilon * energy.magnitude());
         // Beyond the second a rise is too much: what moves at a step's evaluation is up to five times the kinetic energy, at
         // the limit of stability, and that is at most scale + rise.
-        let most = (1.0 + self.runaway).max(8.0) * self.scale;
+        let most = (1.0 + self.max_energy_growth).max(8.0) * self.scale;
         self.threshold = (2.0 * self.scale.max(activity)).min(most).min(f64::MAX);
-        (rise > self.runaway * self.scale).then_some(rise)
+        (rise > self.max_energy_growth * self.scale).then_some(rise)
+    }
+
+    /// What it remembers, for checkpoints.
+    pub fn capture(&self) -> [f64; 4] {
+        [self.scale, self.lowest, self.balance, self.threshold]
+    }
+
+    /// Goes on from that.
+    pub fn restore(&mut self, numbers: [f64; 4]) {
+        [self.scale, self.lowest, self.balance, self.threshold] = numbers;
     }
 
     /// Takes in an energy that a step cannot resolve.
@@ -97,7 +115,7 @@ impl Monitor {
     }
 }
 
-impl<V: Vector> Simulation<V> {
+impl Simulation {
     /// Takes up to `most` steps, which follow the motion or are equal, and gives how many. Each is one that the monitor lets pass.
     pub(super) fn batch(&mut self, most: u64, rule: Steps, interrupted: &dyn Fn() -> bool) -> Result<u64> {
         let (record, threshold) = self.attention(rule);
@@ -114,16 +132,16 @@ impl<V: Vector> Simulation<V> {
         let activity = self.system.activity();
         let Some(first) = activity.iter().position(|&activity| is_above(activity, threshold)) else {
             self.monitor.quiet = self.monitor.quiet.saturating_add(steps);
-            let flow = self.fastest_flow();
-            if flow > self.flow {
-                self.flow = flow;
+            let mach = self.system.mach();
+            if mach > self.mach {
+                self.mach = mach;
             }
             return Ok(steps);
         };
         // What is not finite is seen in the step after it, or at the end of a batch.
         let known = steps == 1 || (activity.len() as u64 == steps && activity[first].is_finite());
         if !known {
-            self.rollback(steps)?;
+            self.rollback(steps);
             return self.batch(steps / 2, rule, interrupted);
         }
         self.examine(first as u64 + 1, steps, interrupted)
@@ -133,7 +151,7 @@ impl<V: Vector> Simulation<V> {
     /// the simulation stands at the step before.
     fn examine(&mut self, step: u64, steps: u64, interrupted: &dyn Fn() -> bool) -> Result<u64> {
         if step < steps {
-            self.rollback(steps)?;
+            self.rollback(steps);
             self.advance(step, Record::LastStep, interrupted)?;
         }
         let finding = self.diagnose_or_roll_back(step, interrupted)?;
@@ -141,8 +159,8 @@ impl<V: Vector> Simulation<V> {
             self.monitor.quiet = 0;
             return Ok(step);
         };
-        let (number, time) = (self.steps, self.segment.time());
-        self.rollback(step)?;
+        let (number, time) = (self.steps, self.time());
+        self.rollback(step);
         if step > 1 {
             self.advance(step - 1, Record::LastStep, interrupted)?;
         }
@@ -162,7 +180,7 @@ impl<V: Vector> Simulation<V> {
             outcome => outcome?,
         }
         let finding = self.diagnose_or_roll_back(2, interrupted)?;
-        self.rollback(2)?;
+        self.rollback(2);
         Ok(matches!(finding, Finding::Good))
     }
 
@@ -174,7 +192,7 @@ impl<V: Vector> Simulation<V> {
             self.monitor = before;
         }
         if finding.is_err() {
-            self.rollback(steps)?;
+            self.rollback(steps);
         }
         finding
     }
@@ -182,62 +200,42 @@ impl<V: Vector> Simulation<V> {
     /// Which activities to record, and up to which one nothing is to be diagnosed.
     fn attention(&self, rule: Steps) -> (Record, f64) {
         // In steps that never double the energy only its overflow has to be looked for.
-        let tame = self.system.is_linear() && self.certified(&SERIAL).is_ok_and(|limit| 2.0 * self.segment.dt <= limit);
+        let certified = || self.limit(Horizon::Certified, &SERIAL);
+        let tame = self.system.is_linear() && certified().is_ok_and(|limit| 2.0 * self.segment.dt <= limit.stability);
         match self.monitor.vigilance {
             Vigilance::OutOfRange => (Record::LastStep, f64::MAX),
             Vigilance::EveryStep => (Record::EveryStep, -1.0),
-            Vigilance::Agitated if tame => (Record::LastStep, LARGEST),
-            Vigilance::Agitated if self.monitor.runaway.is_infinite() => (Record::EveryStep, LARGEST),
-            Vigilance::Agitated if rule == Steps::Adaptive => (Record::EveryStep, self.monitor.threshold),
-            Vigilance::Agitated => (Record::Sampled, self.monitor.threshold),
+            Vigilance::Active if tame => (Record::LastStep, LARGEST),
+            Vigilance::Active if self.monitor.max_energy_growth.is_infinite() => (Record::EveryStep, LARGEST),
+            Vigilance::Active if rule == Steps::Adaptive => (Record::EveryStep, self.monitor.threshold),
+            Vigilance::Active => (Record::Sampled, self.monitor.threshold),
         }
-    }
-
-    /// Goes back to before the last [`Simulation::advance`], of `steps` steps.
-    pub(super) fn rollback(&mut self, steps: u64) -> Result<()> {
-        self.system.rollback()?;
-        self.segment.steps -= steps;
-        self.steps -= steps;
-        Ok(())
-    }
-
-    fn advance(&mut self, steps: u64, record: Record, interrupted: &dyn Fn() -> bool) -> Result<()> {
-        let interval = Interval { start: self.segment.start, first: self.segment.steps, h: self.segment.dt, steps };
-        self.system.advance(interval, record, interrupted)?;
-        self.segment.steps += steps;
-        self.steps += steps;
-        Ok(())
     }
 
     /// What is wrong with the present state, if anything is; its energy is taken in.
     fn diagnose(&mut self, interrupted: &dyn Fn() -> bool) -> Result<Finding> {
-        let state = self.system.state();
-        for (quantity, columns) in [("position", &state.position), ("velocity", &state.velocity)] {
-            if let Some(index) = columns.out_of_range() {
-                return Ok(Finding::OutOfRange(self.divergence(index, quantity, "is not finite".to_owned())));
-            }
+        if let Some(Fault { element, quantity }) = self.system.fault() {
+            return Ok(Finding::OutOfRange(divergence(element, quantity, "is not finite".to_owned())));
         }
         if self.monitor.vigilance == Vigilance::OutOfRange {
             return Ok(Finding::Good);
         }
-        let time = self.segment.time();
-        let energy =
-            match self.system.ask(interrupted, |dynamics, state, executor| audit::energy(dynamics, state, time, executor)) {
-                Err(error) if is_scattered(&error) => return Ok(Finding::OutOfRange(self.scatter())),
-                outcome => outcome?,
-            };
+        let energy = match self.audit(interrupted) {
+            Err(error) if is_scattered(&error) => return Ok(Finding::OutOfRange(self.scatter())),
+            outcome => outcome?,
+        };
         // Energies are squares: they leave the range of numbers long before the state does.
         if !energy.balance().is_finite() {
-            return Ok(Finding::OutOfRange(self.divergence(self.fastest(), "energy", "is not finite".to_owned())));
+            return Ok(Finding::OutOfRange(divergence(self.system.fastest(), "energy", "is not finite".to_owned())));
         }
         let activity = self.system.activity().last().copied().unwrap_or_default();
-        let rise = self.monitor.observe(&energy, activity.max(energy.kinetic), V::Scalar::EPSILON);
+        let rise = self.monitor.observe(&energy, activity, self.epsilon);
         Ok(rise.map_or(Finding::Good, |rise| {
             let scale = self.monitor.scale;
             let cause = format!(
                 "has run away: the energy balance rose by {rise:.3e} J, where the largest energy of the motion was {scale:.3e} J"
             );
-            Finding::Risen(self.divergence(self.fastest(), "energy", cause))
+            Finding::Risen(divergence(self.system.fastest(), "energy", cause))
         }))
     }
 
@@ -247,32 +245,19 @@ impl<V: Vector> Simulation<V> {
         if self.steps > 0 {
             return;
         }
-        let (dynamics, state) = (self.system.dynamics(), self.system.state());
-        let kick = dynamics.kick(&dynamics.view_of(state, self.segment.time(), &SERIAL), dt);
-        self.monitor.expect(kick);
-    }
-
-    fn fastest(&self) -> usize {
-        let (dynamics, state) = (self.system.dynamics(), self.system.state());
-        let kinetic = |index: usize| dynamics.properties.mass[index] * state.velocity.get(index).widen().length_squared();
-        let mobile = (0..state.count()).filter(|&index| !dynamics.properties.is_fixed(index));
-        mobile.max_by(|&one, &other| kinetic(one).total_cmp(&kinetic(other))).unwrap_or(0)
+        let energy = self.system.resolvable(self.time(), dt);
+        self.monitor.expect(energy);
     }
 
     /// What is wrong where neighbors can no longer be searched.
     fn scatter(&self) -> Divergence {
-        self.divergence(self.fastest(), "position", "is so far away that it cannot be told who is near whom".to_owned())
+        divergence(self.system.fastest(), "position", "is so far away that it cannot be told who is near whom".to_owned())
     }
 
     /// The error of a step, `steps` from here, in which neighbors could not be searched.
     fn scattered(&self, steps: u64) -> Error {
-        let time = self.segment.time() + steps as f64 * self.segment.dt;
+        let time = self.time() + steps as f64 * self.segment.dt;
         Error::Diverged(Box::new(Divergence { step: self.steps + steps, time, ..self.scatter() }))
-    }
-
-    fn divergence(&self, index: usize, quantity: &'static str, cause: String) -> Divergence {
-        let particle = self.system.dynamics().properties.caller.get(index).map_or(0, |&caller| caller as usize);
-        Divergence { step: 0, time: 0.0, particle, quantity, cause, hint: String::new() }
     }
 
     /// Adds to a divergence what to do about it.
@@ -289,10 +274,10 @@ impl<V: Vector> Simulation<V> {
 
     /// What to do about a divergence; asked for at the last good state.
     fn hint(&self) -> Result<String> {
-        let (limit, dt) = ((self.sharpened)(self.bound(SpectralBound::directed)?), self.segment.dt);
+        let (limit, dt) = (self.limit(Horizon::Sharp, &SERIAL)?, self.segment.dt);
         if limit.stability == 0.0 {
             let certain = if limit.endured > 0.0 { "certain to be stable" } else { "stable" };
-            return Ok(format!("no dt is {certain} with {} here: take another integrator", self.plan.integrator));
+            return Ok(format!("no dt is {certain} with {} here: take another integrator", self.system.stages().method));
         }
         let (most, name, term) = (limit.dt(), limit.name(), limit.term);
         Ok(if dt > most {
@@ -303,6 +288,11 @@ impl<V: Vector> Simulation<V> {
             format!("nothing bounds dt at the last good state; try dt = {:.3e} s", 0.25 * dt)
         })
     }
+}
+
+/// A divergence at an element, without the step and the hint.
+fn divergence(particle: usize, quantity: &'static str, cause: String) -> Divergence {
+    Divergence { step: 0, time: 0.0, particle, quantity, cause, hint: String::new() }
 }
 
 /// Whether an activity is above a threshold; one that is not a number is.

@@ -1,3 +1,185 @@
-//! Systems: a state with its law of motion.
+//! Systems: a state with its law of motion, its own notion of a step, of its budget and of the fields that it has.
+//!
+//! To add one: give it a folder, and its line in [`build`]. A [simulation](crate::simulation) is a clock, a divergence monitor
+//! and a ledger over a system, and knows nothing of particles.
 
 pub mod matter;
+
+use glam::DVec3;
+
+use crate::error::{Error, Result};
+use crate::forces::Mach;
+use crate::history::History;
+use crate::integrators::with_integrator;
+use crate::ledger::Ledger;
+use crate::parallel::Executor;
+use crate::plan::Stages;
+use crate::scene::Scene;
+use crate::stability::{Horizon, Limit};
+
+/// Equal steps to take.
+#[derive(Debug, Clone, Copy)]
+pub struct Interval {
+    /// When the clock's segment began [s].
+    pub start: f64,
+    /// The steps taken in that segment before these.
+    pub first: u64,
+    /// The length of each [s].
+    pub h: f64,
+    /// Their number.
+    pub steps: u64,
+}
+
+impl Interval {
+    /// The time at a fraction of one of the steps [s]: the same bits however the steps are cut into intervals.
+    pub fn time(&self, step: u64, node: f64) -> f64 {
+        self.start + ((self.first + step) as f64 + node) * self.h
+    }
+}
+
+/// Which activities of a batch of steps are recorded.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Record {
+    /// Those of all steps.
+    EveryStep,
+    /// Those of all steps, but of steps beside which finding the activity takes long: of these every 32nd.
+    Sampled,
+    /// That of the last step at least: all that is known where linear forces run in registers.
+    LastStep,
+}
+
+/// An element of a system, in the caller's order, and a quantity of it that is not finite.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Fault {
+    /// Its index.
+    pub element: usize,
+    /// The name of the quantity: `position`.
+    pub quantity: &'static str,
+}
+
+/// A quantity that can be read, and where it lives.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct FieldInfo {
+    /// Its name: `positions`.
+    pub name: &'static str,
+    /// Its unit.
+    pub unit: &'static str,
+    /// The number of its elements.
+    pub count: usize,
+    /// The number of components of each.
+    pub components: usize,
+}
+
+/// A state with its law of motion, whatever its dimension and precision.
+pub trait System: History + Send + Sync {
+    /// What it does in every step.
+    fn stages(&self) -> Stages;
+
+    /// The memory that it takes now [bytes].
+    fn bytes(&self) -> usize;
+
+    /// About the duration of a step on one core [s]; only the sizes of batches and the number of threads depend on it, never a
+    /// bit of the result.
+    fn cost(&self) -> f64;
+
+    /// The largest number of steps in a batch.
+    fn most_steps(&self) -> u64;
+
+    /// The largest number of steps in a batch of which every activity is recorded.
+    fn most_recorded(&self) -> u64;
+
+    /// Begins anew from the present fields: there is nothing to carry on from.
+    ///
+    /// # Errors
+    /// If its rates cannot be evaluated, or the executor was asked to stop.
+    fn begin(&mut self, time: f64, executor: &Executor) -> Result<()>;
+
+    /// Takes steps after [saving](History::save) itself.
+    ///
+    /// # Errors
+    /// If a step cannot be taken, or the executor was asked to stop. It must then be [rolled back](History::rollback).
+    fn advance(&mut self, interval: Interval, record: Record, executor: &Executor) -> Result<()>;
+
+    /// The activity after each recorded step of the last batch [J]: the kinetic energy, or another quantity that grows without
+    /// bound where the solution does; not a number, or infinite, where the state is.
+    fn activity(&self) -> &[f64];
+
+    /// Whether its steps are linear in the state and the same at all times. Steps of at most half of the limit of stability then
+    /// never double the energy: the invariant of an oscillator's step is elongated by 1/√(1 − ½²) at the most.
+    fn is_linear(&self) -> bool;
+
+    /// Whether its method is stable on no oscillator, so that its energy may grow at any step.
+    fn gains_energy(&self) -> bool;
+
+    /// The limit of the time step.
+    ///
+    /// # Errors
+    /// If a function of the user's fails, or the executor was asked to stop.
+    fn limit(&self, horizon: Horizon, time: f64, executor: &Executor) -> Result<Limit>;
+
+    /// Whether that limit changes with the state.
+    fn limit_varies(&self, horizon: Horizon, time: f64) -> bool;
+
+    /// The estimated error of the last step of `h` seconds [m], and the order of the method, where a pair is embedded in it.
+    fn error(&self, h: f64) -> Option<(f64, u32)>;
+
+    /// The energy budget.
+    ///
+    /// # Errors
+    /// As [`System::limit`].
+    fn audit(&self, time: f64, executor: &Executor) -> Result<Ledger>;
+
+    /// The same of a state to begin from, refused where it is out of the range of numbers.
+    ///
+    /// # Errors
+    /// Besides, if it is.
+    fn finite_audit(&self, time: f64, executor: &Executor) -> Result<Ledger>;
+
+    /// The momentum [kg·m/s] and the angular momentum about the origin of coordinates [kg·m²/s].
+    fn momenta(&self) -> (DVec3, DVec3);
+
+    /// The smallest energy that steps of `h` seconds can resolve [J]: the kinetic energy that the present rates give from rest.
+    fn resolvable(&self, time: f64, h: f64) -> f64;
+
+    /// The first element with a quantity that is not finite.
+    fn fault(&self) -> Option<Fault>;
+
+    /// The element with the most kinetic energy, in the caller's order.
+    fn fastest(&self) -> usize;
+
+    /// The Mach number of its flow, if it is a fluid.
+    fn mach(&self) -> Option<Mach>;
+
+    /// The quantities that can be read.
+    fn fields(&self) -> Vec<FieldInfo>;
+
+    /// The values of one of them, element by element in the caller's order.
+    fn read(&self, field: usize) -> Vec<f64>;
+
+    /// Replaces fields by name and begins anew; the change of energy counts as work.
+    ///
+    /// # Errors
+    /// If a field is not there or cannot be replaced, a value is out of range, or as [`System::begin`]. Nothing has changed then.
+    fn write(&mut self, fields: &[(&str, &[f64])], time: f64, executor: &Executor) -> Result<()>;
+
+    /// What has left and entered so far, part by part, for checkpoints.
+    fn tallies(&self) -> Vec<f64>;
+
+    /// Goes on from such numbers.
+    ///
+    /// # Errors
+    /// If they belong to something else.
+    fn restore_tallies(&mut self, numbers: &[f64]) -> Result<()>;
+}
+
+/// The registry: the system of a scene, advanced by the method of that name in `f32` or `f64`.
+///
+/// # Errors
+/// If the scene or the numerics make no sense or do not fit into memory, or the executor was asked to stop.
+pub fn build(scene: &Scene, method: &str, precision: &str, executor: &Executor) -> Result<Box<dyn System>> {
+    with_integrator!(
+        method,
+        I => matter::build::<I>(scene, precision, executor),
+        Err(Error::parameter("integrator", "the name of an integrator", method))
+    )
+}

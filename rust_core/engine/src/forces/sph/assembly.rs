@@ -64,7 +64,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
         let mut fluids = Self {
             mass: kind.iter().map(|&kind| materials.fluid(kind).unwrap_or(common).mass).collect(),
             density: Vec::new(),
-            kept: Vec::new(),
+            saved_density: Vec::new(),
             diffused: vec![0.0; kind.len()],
             met: vec![[V::Scalar::ZERO; 2]; obstacles.len()],
             records: Records::new(neighbor_list.neighbors()),
@@ -75,7 +75,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
             tension: Tension::new(kernel, &waves, &materials, kind.len()),
             waves,
             strongest: None,
-            kept_strongest: 0.0,
+            saved_strongest: 0.0,
             summation: materials.summation.then(|| Summation::new(kernel, &materials, kind.len())),
             shifting: (materials.shifting > 0.0).then(|| Shifting::new(kernel, common, materials.shifting, kind.len())),
             materials,
@@ -109,7 +109,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
         for (&member, pressure) in fluid.iter().zip(pressures) {
             self.density[member] = material(member).map_or(common.density, |of| of.density_under(pressure));
         }
-        self.kept.clone_from(&self.density);
+        self.saved_density.clone_from(&self.density);
         if self.obstacles.is_empty() {
             return Ok(());
         }

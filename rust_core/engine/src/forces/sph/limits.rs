@@ -6,22 +6,22 @@ use super::Fluids;
 use super::kernel::{Shape, Wave};
 use super::laws::{FORCES, OBSTACLE};
 use super::start::Material;
-use crate::forces::{Field, Flow, Force};
+use crate::forces::{DensityEvolution, Mach, Scheme};
 use crate::math::{Real, Vector};
 use crate::matter::View;
 use crate::stability::SpectralBound;
 
 impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
     /// How fast it flows at these velocities.
-    pub fn speed(&self, velocity: View<'_, V>) -> Flow {
+    pub fn speed(&self, velocity: View<'_, V>) -> Mach {
         let sound = self.materials.first().sound_speed;
         let square = |index: u32| (0..V::DIMENSION).map(|axis| velocity.axis(axis)[index as usize].to_f64().powi(2)).sum::<f64>();
         let (mut fast, mut all) = (0.0, 0.0);
         for (&index, _) in self.neighbor_list.members().iter().zip(&self.kind).filter(|(_, kind)| **kind != OBSTACLE) {
             all += 1.0;
-            fast += if square(index) > (Flow::FAST * sound).powi(2) { 1.0 } else { 0.0 };
+            fast += if square(index) > (Mach::FAST * sound).powi(2) { 1.0 } else { 0.0 };
         }
-        Flow { fast: fast / all, sound }
+        Mach { fast: fast / all, sound }
     }
 
     /// The strongest force per volume [N/m^D].
@@ -39,7 +39,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
     /// (1992) 335: √(ρh³/2πσ).
     pub fn limit(&self, bound: &mut SpectralBound) {
         let h = self.materials.first().smoothing_length;
-        let diffuses = if self.field() == Field::Continuity { 1.0 } else { 0.0 };
+        let diffuses = if self.scheme() == Scheme::Continuity { 1.0 } else { 0.0 };
         let bounds: Vec<(f64, f64, f64)> = self
             .materials
             .fluids

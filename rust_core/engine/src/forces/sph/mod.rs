@@ -1,7 +1,7 @@
 //! Weakly compressible fluids: smoothed particle hydrodynamics.
 //!
 //! Density is a field of its own, which changes with the motion. A step of drifts and kicks has a sum over neighbors for each:
-//! in the middle of a drift density is advanced by the motion ([`Force::drift`]), and where a kick is the pressures push
+//! in the middle of a drift density is advanced by the motion ([`DensityEvolution::drift`]), and where a kick is the pressures push
 //! ([`Force::prepare`]). Density and velocity so take turns like position and velocity, and a step of kick–drift–kick may be as
 //! long as that of a leapfrog: 2/ω for the fastest sound wave, twice as long as where both rates are taken at one moment.
 //!
@@ -15,15 +15,17 @@
 use std::ops::Range;
 
 use super::neighbor_list::NeighborList;
-use super::{Drift, Field, Fields, Flow, Force, Rates, Reach, StateView, VelocityDependence};
+use super::{About, DensityEvolution, Drift, Fields, Force, Mach, Rates, Reach, Scheme, StateView, Validity, VelocityDependence};
 use crate::error::{Error, Result};
+use crate::history::{Archive, History};
+use crate::ledger::{Class, Ledger};
 use crate::math::{Real, Vector};
 use crate::matter::{self, EnergySink, Power, Properties, Span};
 use crate::neighbors::sums::Records;
 use crate::parallel::{BlockedSlice, Executor};
 use crate::scene::Scene;
 use crate::simd::LANES;
-use crate::stability::SpectralBound;
+use crate::stability::{Horizon, SpectralBound};
 
 mod assembly;
 mod images;
@@ -111,7 +113,7 @@ struct Fluids<V: Vector, K, const MIXED: bool> {
     /// The energy that diffusion took from each over the last drift [J].
     diffused: Vec<f64>,
     /// Density when the batch began.
-    kept: Vec<f64>,
+    saved_density: Vec<f64>,
     /// The members that are obstacles.
     obstacles: Vec<u32>,
     /// What [`Extrapolation`] gives for them.
@@ -138,7 +140,7 @@ struct Fluids<V: Vector, K, const MIXED: bool> {
     waves: Vec<Wave>,
     /// The strongest force per volume [N/m^D] where the forces at hand are not those of the state, and when the batch began.
     strongest: Option<f64>,
-    kept_strongest: f64,
+    saved_strongest: f64,
 }
 
 impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
@@ -190,32 +192,62 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
         self.surface.is_stale |= renewed;
         Ok(())
     }
+
+    /// The energy of surface tension [J], by means of lists of its own: the last forces are not always those of the state.
+    fn tension_energy(&self, tension: &Tension<V, K, MIXED>, at: &StateView<'_, V>) -> Result<f64> {
+        let executor = at.executor;
+        let neighbor_list = self.neighbor_list.anew(&|axis, index| at.exact_position(axis, index), executor)?;
+        let (walls, mut records) = (self.walls.anew(&neighbor_list, executor), Records::new(neighbor_list.neighbors()));
+        Ok(tension.energy((&neighbor_list, &mut records), &walls, &self.kind, &|member| self.rest_volume(member), executor))
+    }
+
+    /// The memory that it takes [bytes].
+    fn bytes(&self) -> usize {
+        let own = 2 * std::mem::size_of_val(self.rates.as_slice()) + std::mem::size_of_val(self.forces.as_slice());
+        let numbers = 4 * size_of::<f64>() * self.density.len();
+        let indices = size_of::<u32>() * self.obstacles.len() + self.kind.len();
+        let counts = self.summation.as_ref().map_or(0, Summation::bytes);
+        let pulls = self.tension.as_ref().map_or(0, Tension::bytes) + self.shifting.as_ref().map_or(0, Shifting::bytes);
+        let parts = self.neighbor_list.bytes() + self.records.bytes() + self.walls.bytes() + self.surface.bytes();
+        counts + pulls + parts + own + numbers + indices
+    }
 }
 
-impl<V: Vector, K: Shape, const MIXED: bool> Force<V> for Fluids<V, K, MIXED> {
-    fn name(&self) -> &'static str {
-        "fluid"
+impl<V: Vector, K: Shape, const MIXED: bool> History for Fluids<V, K, MIXED> {
+    fn save(&mut self) {
+        self.neighbor_list.save();
+        self.saved_density.copy_from_slice(&self.density);
+        self.surface.save();
+        self.saved_strongest = self.strongest();
     }
 
-    fn reach(&self) -> Reach {
-        Reach::Pairs
+    fn rollback(&mut self) {
+        self.density.copy_from_slice(&self.saved_density);
+        self.surface.rollback();
+        self.strongest = Some(self.saved_strongest);
+        self.neighbor_list.rollback();
     }
 
-    fn velocity(&self) -> VelocityDependence {
-        let viscous = self.materials.fluids.iter().any(|fluid| fluid.artificial() > 0.0 || fluid.viscosity > 0.0);
-        if viscous || self.field() == Field::Continuity { VelocityDependence::Dissipative } else { VelocityDependence::None }
+    fn capture(&self, archive: &mut Archive) {
+        archive.write(self.density.iter().copied().chain([self.strongest()]));
+        self.surface.capture(archive);
+        self.neighbor_list.capture(archive);
     }
 
-    fn field(&self) -> Field {
-        if self.summation.is_some() { Field::Summation } else { Field::Continuity }
+    fn restore(&mut self, archive: &mut Archive) -> Result<()> {
+        archive.read_into(&mut self.density)?;
+        self.strongest = Some(archive.read(1)?[0]);
+        self.surface.restore(archive)?;
+        self.neighbor_list.restore(archive)
+    }
+}
+
+impl<V: Vector, K: Shape, const MIXED: bool> DensityEvolution<V> for Fluids<V, K, MIXED> {
+    fn scheme(&self) -> Scheme {
+        if self.summation.is_some() { Scheme::Summation } else { Scheme::Continuity }
     }
 
-    /// Over a drift volumes and what diffuses are those of its beginning.
-    fn order(&self) -> u32 {
-        if self.field() == Field::Continuity { 1 } else { u32::MAX }
-    }
-
-    fn count(&mut self, at: &StateView<'_, V>, executor: &Executor) -> Result<()> {
+    fn sum(&mut self, at: &StateView<'_, V>, executor: &Executor) -> Result<()> {
         if self.summation.is_none() {
             return Ok(());
         }
@@ -270,22 +302,54 @@ impl<V: Vector, K: Shape, const MIXED: bool> Force<V> for Fluids<V, K, MIXED> {
         Ok(())
     }
 
-    fn spend(&self, block: Range<usize>, energy: &mut Power) {
+    fn dissipated(&self, block: Range<usize>, energy: &mut Power) {
         for (index, member, _) in self.neighbor_list.in_block(block) {
             energy[EnergySink::Viscosity as usize][index % LANES] += self.diffused[member];
         }
     }
 
-    fn displaces(&self) -> bool {
+    fn shifts(&self) -> bool {
         self.shifting.is_some()
     }
 
-    fn displace(&self, block: Range<usize>, ways: &mut Span<'_, V>) {
+    fn shift(&self, block: Range<usize>, displacements: &mut Span<'_, V>) {
         let Some(shifting) = &self.shifting else { return };
         for (index, member, slot) in self.neighbor_list.in_block(block) {
             if self.kind[member] != OBSTACLE {
-                ways.set(index, ways.get(index) + shifting.displacement(slot));
+                displacements.set(index, displacements.get(index) + shifting.displacement(slot));
             }
+        }
+    }
+
+    fn mach(&self, velocity: matter::View<'_, V>) -> Mach {
+        self.speed(velocity)
+    }
+
+    fn export(&self, fields: &mut Fields) {
+        for (member, &index) in self.neighbor_list.members().iter().enumerate() {
+            if let Some(fluid) = self.materials.fluid(self.kind[member]) {
+                fields.density[index as usize] = self.density[member];
+                fields.pressure[index as usize] = fluid.pressure(self.density[member]);
+            }
+        }
+    }
+}
+
+impl<V: Vector, K: Shape, const MIXED: bool> Force<V> for Fluids<V, K, MIXED> {
+    /// Over a drift volumes and what diffuses are those of its beginning: continuity is of order 1.
+    fn about(&self) -> About {
+        let viscous = self.materials.fluids.iter().any(|fluid| fluid.artificial() > 0.0 || fluid.viscosity > 0.0);
+        let continuity = self.scheme() == Scheme::Continuity;
+        let shifts =
+            self.shifting.as_ref().map_or_else(String::new, |shifting| format!("shifted by A = {}; ", shifting.coefficient()));
+        About {
+            velocity: if viscous || continuity { VelocityDependence::Dissipative } else { VelocityDependence::None },
+            order: if continuity { 1 } else { u32::MAX },
+            potential: self.tension.as_ref().map(|_| "surface tension"),
+            pairs: 2 * self.neighbor_list.pairs(),
+            bytes: self.bytes(),
+            layout: format!("sound at {:.4} m/s; {shifts}{}", self.materials.first().sound_speed, self.neighbor_list.layout()),
+            ..About::new("fluid", Reach::Pairs)
         }
     }
 
@@ -324,32 +388,6 @@ impl<V: Vector, K: Shape, const MIXED: bool> Force<V> for Fluids<V, K, MIXED> {
         Ok(())
     }
 
-    fn keep(&mut self) {
-        self.neighbor_list.keep();
-        self.kept.copy_from_slice(&self.density);
-        self.surface.keep();
-        self.kept_strongest = self.strongest();
-    }
-
-    fn undo(&mut self) -> Result<()> {
-        self.density.copy_from_slice(&self.kept);
-        self.surface.undo();
-        self.strongest = Some(self.kept_strongest);
-        self.neighbor_list.undo();
-        Ok(())
-    }
-
-    fn capture(&self) -> Vec<f64> {
-        [self.density.as_slice(), &[self.strongest()], &self.surface.capture(), &self.neighbor_list.capture()].concat()
-    }
-
-    fn restore(&mut self, numbers: &mut &[f64]) -> Result<()> {
-        super::neighbor_list::take(numbers, &mut self.density)?;
-        super::neighbor_list::take(numbers, std::slice::from_mut(self.strongest.insert(0.0)))?;
-        self.surface.restore(numbers)?;
-        self.neighbor_list.restore(numbers)
-    }
-
     fn accumulate(&self, block: Range<usize>, _at: &StateView<'_, V>, rates: &mut Rates<'_, V>) {
         for (index, member, slot) in self.neighbor_list.in_block(block) {
             let (volume, force) = (self.volume(member), &self.forces[slot]);
@@ -368,36 +406,16 @@ impl<V: Vector, K: Shape, const MIXED: bool> Force<V> for Fluids<V, K, MIXED> {
         }
     }
 
-    fn potential_name(&self) -> &'static str {
-        "surface tension"
-    }
-
-    fn has_potential(&self) -> bool {
-        self.tension.is_some()
-    }
-
-    fn potential(&self, _block: Range<usize>, _at: &StateView<'_, V>) -> f64 {
-        0.0
-    }
-
-    /// By means of lists of its own, because the last forces are not always those of the state.
-    fn potential_of_all(&self, at: &StateView<'_, V>) -> Result<f64> {
-        let (Some(tension), executor) = (&self.tension, at.executor) else { return Ok(0.0) };
-        let neighbor_list = self.neighbor_list.anew(&|axis, index| at.exact_position(axis, index), executor)?;
-        let (walls, mut records) = (self.walls.anew(&neighbor_list, executor), Records::new(neighbor_list.neighbors()));
-        Ok(tension.energy((&neighbor_list, &mut records), &walls, &self.kind, &|member| self.rest_volume(member), executor))
-    }
-
-    fn internal(&self) -> f64 {
+    fn energy(&self, at: &StateView<'_, V>, ledger: &mut Ledger) -> Result<()> {
+        if let Some(tension) = &self.tension {
+            ledger.add(Class::Potential, "surface tension", self.tension_energy(tension, at)?);
+        }
         let energy = |member: usize| {
             let fluid = self.materials.fluid(self.kind[member]);
             fluid.map_or(0.0, |fluid| fluid.mass * fluid.energy(self.density[member]))
         };
-        (0..self.kind.len()).map(energy).sum()
-    }
-
-    fn flow(&self, velocity: matter::View<'_, V>) -> Option<Flow> {
-        Some(self.speed(velocity))
+        ledger.add(Class::Internal, "fluid", (0..self.kind.len()).map(energy).sum());
+        Ok(())
     }
 
     fn bound(&self, _at: &StateView<'_, V>, bound: &mut SpectralBound) -> Result<()> {
@@ -405,36 +423,15 @@ impl<V: Vector, K: Shape, const MIXED: bool> Force<V> for Fluids<V, K, MIXED> {
         Ok(())
     }
 
-    fn bound_varies(&self) -> bool {
-        true
+    fn validity(&self, _at: &StateView<'_, V>, _horizon: Horizon) -> Validity {
+        Validity::Now
     }
 
-    fn show(&self, fields: &mut Fields) {
-        for (member, &index) in self.neighbor_list.members().iter().enumerate() {
-            if let Some(fluid) = self.materials.fluid(self.kind[member]) {
-                fields.density[index as usize] = self.density[member];
-                fields.pressure[index as usize] = fluid.pressure(self.density[member]);
-            }
-        }
+    fn density(&self) -> Option<&dyn DensityEvolution<V>> {
+        Some(self)
     }
 
-    fn pairs(&self) -> usize {
-        2 * self.neighbor_list.pairs()
-    }
-
-    fn layout(&self) -> String {
-        let shifts =
-            self.shifting.as_ref().map_or_else(String::new, |shifting| format!("shifted by A = {}; ", shifting.coefficient()));
-        format!("sound at {:.4} m/s; {shifts}{}", self.materials.first().sound_speed, self.neighbor_list.layout())
-    }
-
-    fn bytes(&self) -> usize {
-        let own = 2 * std::mem::size_of_val(self.rates.as_slice()) + std::mem::size_of_val(self.forces.as_slice());
-        let numbers = 4 * size_of::<f64>() * self.density.len();
-        let indices = size_of::<u32>() * self.obstacles.len() + self.kind.len();
-        let counts = self.summation.as_ref().map_or(0, Summation::bytes);
-        let pulls = self.tension.as_ref().map_or(0, Tension::bytes) + self.shifting.as_ref().map_or(0, Shifting::bytes);
-        let parts = self.neighbor_list.bytes() + self.records.bytes() + self.walls.bytes() + self.surface.bytes();
-        counts + pulls + parts + own + numbers + indices
+    fn density_mut(&mut self) -> Option<&mut dyn DensityEvolution<V>> {
+        Some(self)
     }
 }

@@ -17,7 +17,8 @@ use super::laws::{KernelGradientSum, SURROUNDINGS};
 use super::start::{Material, Materials};
 use super::walls::Walls;
 use crate::error::Result;
-use crate::forces::neighbor_list::{self, NeighborList};
+use crate::forces::neighbor_list::NeighborList;
+use crate::history::{Archive, History};
 use crate::math::{AXES, Real, Vector};
 use crate::neighbors::sums::Records;
 use crate::parallel::{BlockedSlice, Executor};
@@ -50,7 +51,7 @@ impl WallFactor {
         (self.kick, self.drift) = (0.5 * (self.drift + next), next);
     }
 
-    /// As numbers to be kept.
+    /// As numbers to be saved.
     fn numbers(&self) -> [f64; 3] {
         [f64::from(self.kick), f64::from(self.drift), f64::from(u8::from(self.bare))]
     }
@@ -71,7 +72,7 @@ pub struct Surface<V: Vector, K> {
     /// Whether the lists have been made anew since.
     pub is_stale: bool,
     /// These three when the batch began.
-    kept: (Vec<WallFactor>, f64, bool),
+    saved: (Vec<WallFactor>, f64, bool),
     /// The highest frequency in each block of members [1/s].
     heights: Vec<f64>,
 }
@@ -88,7 +89,7 @@ impl<V: Vector, K: Shape> Surface<V, K> {
             wall_factors: vec![WallFactor::FIRM; count],
             highest: 0.0,
             is_stale: false,
-            kept: (vec![WallFactor::FIRM; count], 0.0, false),
+            saved: (vec![WallFactor::FIRM; count], 0.0, false),
             heights: vec![0.0; count.div_ceil(BLOCK)],
         }
     }
@@ -129,41 +130,38 @@ impl<V: Vector, K: Shape> Surface<V, K> {
         (*highest, *is_stale) = (heights.iter().copied().fold(0.0, f64::max), false);
     }
 
-    /// Remembers what it is at the start of a batch.
-    pub fn keep(&mut self) {
-        self.kept.0.copy_from_slice(&self.wall_factors);
-        (self.kept.1, self.kept.2) = (self.highest, self.is_stale);
-    }
-
-    /// Goes back to that.
-    pub fn undo(&mut self) {
-        self.wall_factors.copy_from_slice(&self.kept.0);
-        (self.highest, self.is_stale) = (self.kept.1, self.kept.2);
-    }
-
-    /// What it keeps from step to step.
-    pub fn capture(&self) -> Vec<f64> {
-        self.wall_factors.iter().flat_map(WallFactor::numbers).chain([self.highest, f64::from(u8::from(self.is_stale))]).collect()
-    }
-
-    /// Goes on from what was captured; takes from the front of `numbers` as many as that was.
-    ///
-    /// # Errors
-    /// If they are not of its making.
-    pub fn restore(&mut self, numbers: &mut &[f64]) -> Result<()> {
-        for wall_factor in &mut self.wall_factors {
-            let mut kept = wall_factor.numbers();
-            neighbor_list::take(numbers, &mut kept)?;
-            *wall_factor = WallFactor { kick: kept[0] as f32, drift: kept[1] as f32, bare: kept[2] > 0.0 };
-        }
-        let mut kept = [0.0; 2];
-        neighbor_list::take(numbers, &mut kept)?;
-        (self.highest, self.is_stale) = (kept[0], kept[1] > 0.0);
-        Ok(())
-    }
-
     /// The memory that it takes [bytes].
     pub fn bytes(&self) -> usize {
         std::mem::size_of_val(self.around.as_slice()) + 2 * std::mem::size_of_val(self.wall_factors.as_slice())
+    }
+}
+
+/// How walls hold each member, and the highest frequency of sound.
+impl<V: Vector, K> History for Surface<V, K> {
+    fn save(&mut self) {
+        self.saved.0.copy_from_slice(&self.wall_factors);
+        (self.saved.1, self.saved.2) = (self.highest, self.is_stale);
+    }
+
+    fn rollback(&mut self) {
+        self.wall_factors.copy_from_slice(&self.saved.0);
+        (self.highest, self.is_stale) = (self.saved.1, self.saved.2);
+    }
+
+    fn capture(&self, archive: &mut Archive) {
+        archive.write(self.wall_factors.iter().flat_map(WallFactor::numbers));
+        archive.write([self.highest, f64::from(u8::from(self.is_stale))]);
+    }
+
+    fn restore(&mut self, archive: &mut Archive) -> Result<()> {
+        for wall_factor in &mut self.wall_factors {
+            let mut numbers = wall_factor.numbers();
+            archive.read_into(&mut numbers)?;
+            *wall_factor = WallFactor { kick: numbers[0] as f32, drift: numbers[1] as f32, bare: numbers[2] > 0.0 };
+        }
+        let mut numbers = [0.0; 2];
+        archive.read_into(&mut numbers)?;
+        (self.highest, self.is_stale) = (numbers[0], numbers[1] > 0.0);
+        Ok(())
     }
 }

@@ -6,13 +6,14 @@
 
 use std::ops::Range;
 
-use super::{Force, Rates, Reach, StateView, VelocityDependence};
+use super::{About, Force, Rates, Reach, StateView, Validity, VelocityDependence};
 use crate::error::Result;
+use crate::history::History;
 use crate::math::{Real, Vector};
 use crate::matter::{Power, Span};
 use crate::scene::Spring;
 use crate::simd::{Kernel, LANES, dispatch, padded};
-use crate::stability::{Link, SpectralBound};
+use crate::stability::{Horizon, Link, SpectralBound};
 
 mod law;
 mod ordering;
@@ -67,22 +68,39 @@ impl<V: Vector> Springs<V> {
         self.survey(block, at).shortest.into_iter().fold(f64::INFINITY, f64::min)
     }
 
+    /// How the plan describes them: `6 stencils of 597241 springs`,
+    /// `slices of 16 particles with 40 springs, 3 kinds`.
+    fn layout(&self) -> String {
+        let plural = |number: usize, noun: &str| if number == 1 { format!("1 {noun}") } else { format!("{number} {noun}s") };
+        let stencils = (!self.stencils.is_empty()).then(|| {
+            let springs: usize = self.stencils.iter().map(|stencil| stencil.count).sum();
+            format!("{} of {}", plural(self.stencils.len(), "stencil"), plural(springs, "spring"))
+        });
+        let slices = self.slices.as_ref().map(|slices| {
+            let kinds = slices.kinds().map_or_else(|| "each of its own kind".to_owned(), |kinds| plural(kinds, "kind"));
+            format!("slices of {LANES} particles with {}, {kinds}", plural(slices.count, "spring"))
+        });
+        let parts: Vec<String> = stencils.into_iter().chain(slices).collect();
+        if parts.is_empty() { "no springs".to_owned() } else { parts.join("; ") }
+    }
+
     fn survey(&self, block: Range<usize>, at: &StateView<'_, V>) -> Survey {
         dispatch(Surveying { springs: self, block, at })
     }
 }
 
+impl<V: Vector> History for Springs<V> {}
+
 impl<V: Vector> Force<V> for Springs<V> {
-    fn name(&self) -> &'static str {
-        "springs"
-    }
-
-    fn reach(&self) -> Reach {
-        Reach::Network
-    }
-
-    fn velocity(&self) -> VelocityDependence {
-        if self.damped { VelocityDependence::Dissipative } else { VelocityDependence::None }
+    fn about(&self) -> About {
+        let (stencils, slices) = (&self.stencils, self.slices.as_ref());
+        About {
+            velocity: if self.damped { VelocityDependence::Dissipative } else { VelocityDependence::None },
+            pairs: stencils.iter().map(|stencil| stencil.count).sum::<usize>() + slices.map_or(0, |slices| slices.count),
+            bytes: stencils.iter().map(Stencil::bytes).sum::<usize>() + slices.map_or(0, Slices::bytes),
+            layout: self.layout(),
+            ..About::new("springs", Reach::Network)
+        }
     }
 
     fn accumulate(&self, block: Range<usize>, at: &StateView<'_, V>, rates: &mut Rates<'_, V>) {
@@ -107,36 +125,8 @@ impl<V: Vector> Force<V> for Springs<V> {
         Ok(())
     }
 
-    fn bound_varies(&self) -> bool {
-        true
-    }
-
-    fn bound_stands(&self, at: &StateView<'_, V>) -> bool {
-        self.shortest(0..padded(self.count), at) > HALF
-    }
-
-    fn pairs(&self) -> usize {
-        self.stencils.iter().map(|stencil| stencil.count).sum::<usize>() + self.slices.as_ref().map_or(0, |slices| slices.count)
-    }
-
-    /// How the plan describes them: `6 stencils of 597241 springs`,
-    /// `slices of 16 particles with 40 springs, 3 kinds`.
-    fn layout(&self) -> String {
-        let plural = |number: usize, noun: &str| if number == 1 { format!("1 {noun}") } else { format!("{number} {noun}s") };
-        let stencils = (!self.stencils.is_empty()).then(|| {
-            let springs: usize = self.stencils.iter().map(|stencil| stencil.count).sum();
-            format!("{} of {}", plural(self.stencils.len(), "stencil"), plural(springs, "spring"))
-        });
-        let slices = self.slices.as_ref().map(|slices| {
-            let kinds = slices.kinds().map_or_else(|| "each of its own kind".to_owned(), |kinds| plural(kinds, "kind"));
-            format!("slices of {LANES} particles with {}, {kinds}", plural(slices.count, "spring"))
-        });
-        let parts: Vec<String> = stencils.into_iter().chain(slices).collect();
-        if parts.is_empty() { "no springs".to_owned() } else { parts.join("; ") }
-    }
-
-    fn bytes(&self) -> usize {
-        self.stencils.iter().map(Stencil::bytes).sum::<usize>() + self.slices.as_ref().map_or(0, Slices::bytes)
+    fn validity(&self, at: &StateView<'_, V>, _horizon: Horizon) -> Validity {
+        if self.shortest(0..padded(self.count), at) > HALF { Validity::Here } else { Validity::Now }
     }
 }
 

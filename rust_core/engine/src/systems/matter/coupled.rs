@@ -3,13 +3,13 @@
 
 use crate::contacts::Before;
 use crate::error::Result;
-use crate::forces::{Field, Rates};
+use crate::forces::{Rates, Scheme};
 use crate::integrators::Integrator;
 use crate::math::Vector;
 use crate::matter::{Blocks, Columns, Matter, SINKS, Span};
 use crate::parallel::{BlockedSlice, Executor, Split};
 use crate::simd::LANES;
-use crate::systems::matter::Interval;
+use crate::systems::Interval;
 use crate::systems::matter::activity::Activity;
 use crate::systems::matter::collisions::collide;
 use crate::systems::matter::displacement::displace;
@@ -53,10 +53,9 @@ pub fn advance<V: Vector, I: Integrator>(
 ) -> Result<()> {
     let stages = I::NODES.len();
     // The last stage's sweep moves on to the first stage of the next step, unless something happens at the step's end.
-    let field = dynamics.field();
-    let drifts = I::DRIFT_KICK.filter(|_| field == Field::Continuity);
-    let counts = field == Field::Summation && !I::ENDS_WITH_FORCES;
-    let moves_on = workspace.before.is_none() && !counts && drifts.is_none_or(|drift_kick| drift_kick.drifts.len() == stages);
+    let drifts = I::DRIFT_KICK.filter(|_| dynamics.scheme == Some(Scheme::Continuity));
+    let sums = dynamics.scheme == Some(Scheme::Summation) && !I::ENDS_WITH_FORCES;
+    let moves_on = workspace.before.is_none() && !sums && drifts.is_none_or(|drift_kick| drift_kick.drifts.len() == stages);
     for step in 0..interval.steps {
         if let Some([position, velocity]) = &mut workspace.before {
             position.copy_from(&matter.position);
@@ -87,8 +86,8 @@ pub fn advance<V: Vector, I: Integrator>(
         if let Some(&last) = drifts.and_then(|drift_kick| drift_kick.drifts.get(stages)) {
             drift(dynamics, matter, workspace, None, (interval.time(step, 1.0), last * interval.h), executor)?;
         }
-        if counts {
-            dynamics.count(matter, interval.time(step, 1.0), executor)?;
+        if sums {
+            dynamics.sum_density(matter, interval.time(step, 1.0), executor)?;
         }
         if executor.stopped() {
             break;
@@ -122,11 +121,12 @@ fn drift<V: Vector>(
         return Ok(());
     }
     let way = velocity.map_or(&matter.velocity, |memory| &matter.registers[memory]);
-    dynamics.drift(matter, way.view(), h, executor)?;
+    dynamics.drift_density(matter, way.view(), h, executor)?;
     let dynamics = &*dynamics;
-    executor
-        .for_each_block(matter.blocks(), &|blocks: Blocks<'_, V>| dynamics.spend(&blocks.range(), &mut blocks.tallies[0].energy));
-    if dynamics.displaces() { displace(dynamics, matter, &mut workspace.force, time, executor) } else { Ok(()) }
+    executor.for_each_block(matter.blocks(), &|blocks: Blocks<'_, V>| {
+        dynamics.diffused(&blocks.range(), &mut blocks.tallies[0].energy);
+    });
+    if dynamics.shifts { displace(dynamics, matter, &mut workspace.force, time, executor) } else { Ok(()) }
 }
 
 fn for_each_block<V: Vector, I: Integrator>(

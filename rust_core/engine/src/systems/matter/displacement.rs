@@ -10,38 +10,39 @@ use crate::parallel::Executor;
 use crate::systems::matter::coupled::BlocksWithForces;
 use crate::systems::matter::dynamics::Dynamics;
 
-/// Moves all particles that a force displaces, at a time; `ways` is memory.
+/// Moves all particles that a force displaces, at a time; `displacements` is memory.
 pub fn displace<V: Vector>(
     dynamics: &Dynamics<V>,
     matter: &mut Matter<V>,
-    ways: &mut Columns<V>,
+    displacements: &mut Columns<V>,
     time: f64,
     executor: &Executor,
 ) -> Result<()> {
     let before = dynamics.potential_of_callbacks(&dynamics.view_of(matter, time, executor))?;
-    executor.for_each_block(BlocksWithForces { blocks: matter.blocks(), force: ways.span() }, &|work: BlocksWithForces<
-        '_,
-        V,
-    >| {
-        let BlocksWithForces { mut blocks, force: mut ways } = work;
-        let (start, count) = (blocks.start, blocks.count);
-        dynamics.displace(&blocks.range(), &mut ways);
-        let potential = |blocks: &Blocks<'_, V>| {
-            let at = dynamics.state_view(blocks.position.view(start), blocks.velocity.view(start), time);
-            dynamics.potential(&(start..start + count), &at)
-        };
-        let before = potential(&blocks);
-        for lane in 0..count {
-            let way = ways.get(lane);
-            if way != V::default() {
-                let place = blocks.exact_position(lane) + way.widen();
-                let held = dynamics.contacts.as_ref().and_then(|walls| walls.confine(place, &dynamics.properties, start + lane));
-                blocks.set_exact_position(lane, held.unwrap_or(place));
+    executor.for_each_block(
+        BlocksWithForces { blocks: matter.blocks(), force: displacements.span() },
+        &|work: BlocksWithForces<'_, V>| {
+            let BlocksWithForces { mut blocks, force: mut displacements } = work;
+            let (start, count) = (blocks.start, blocks.count);
+            dynamics.shift(&blocks.range(), &mut displacements);
+            let potential = |blocks: &Blocks<'_, V>| {
+                let at = dynamics.state_view(blocks.position.view(start), blocks.velocity.view(start), time);
+                dynamics.potential(&(start..start + count), &at)
+            };
+            let before = potential(&blocks);
+            for lane in 0..count {
+                let displacement = displacements.get(lane);
+                if displacement != V::default() {
+                    let position = blocks.exact_position(lane) + displacement.widen();
+                    let held =
+                        dynamics.contacts.as_ref().and_then(|walls| walls.confine(position, &dynamics.properties, start + lane));
+                    blocks.set_exact_position(lane, held.unwrap_or(position));
+                }
             }
-        }
-        let gain = potential(&blocks) - before;
-        blocks.tallies[0].add(EnergySink::Work, gain);
-    });
+            let gain = potential(&blocks) - before;
+            blocks.tallies[0].add(EnergySink::Work, gain);
+        },
+    );
     let gain = dynamics.potential_of_callbacks(&dynamics.view_of(matter, time, executor))? - before;
     if let Some(tally) = matter.tallies.first_mut() {
         tally.add(EnergySink::Work, gain);

@@ -5,7 +5,8 @@ use std::ops::Range;
 use crate::contacts::Contacts;
 use crate::error::Result;
 use crate::forces::linear::{Fusion, LinearForce};
-use crate::forces::{Drift, Field, Force, InverseSquare, Rates, Reach, StateView, VelocityDependence};
+use crate::forces::{DensityEvolution, Drift, Force, InverseSquare, Rates, Reach, Scheme, StateView, VelocityDependence};
+use crate::ledger::{Class, Ledger};
 use crate::math::{Real, Vector};
 use crate::matter::{Columns, EnergySink, Matter, Power, Properties, SINKS, Span, View};
 use crate::parallel::{Executor, SERIAL};
@@ -26,31 +27,51 @@ fn state_view<'a, V: Vector>(
 pub struct Dynamics<V: Vector> {
     /// Mass and everything else that does not change.
     pub properties: Properties<V>,
-    /// What acts on a particle whatever the others do, as far as it could be fused.
+    /// The forces that depend on the particle alone, as far as they could be fused.
     pub linear: LinearForce<V>,
     /// The contact stage, if there are boundaries.
     pub contacts: Option<Contacts<V>>,
+    /// How density follows the particles, if there is a fluid.
+    pub scheme: Option<Scheme>,
+    /// Whether a force displaces particles beside their velocity.
+    pub shifts: bool,
+    /// How the forces depend on velocity.
+    pub velocity: VelocityDependence,
+    /// The number of forces that are functions of the user's.
+    pub callbacks: usize,
     /// All forces, fused ones first, then in the order in which they accumulate.
     forces: Vec<Box<dyn Force<V>>>,
-    /// How many of them are fused.
+    /// The number of those that are fused.
     fused: usize,
-    /// How many of them are fused or pass between particles; the others are pointwise.
+    /// The number of those that are fused or pass between particles; the others are pointwise.
     together: usize,
-    /// Whether a fixed particle moves, so that what holds it on its way does work.
+    /// Whether a fixed particle moves, so that its reaction does work.
     driven: bool,
 }
 
 impl<V: Vector> Dynamics<V> {
     /// Sorts the forces for blocks of `block` particles.
     pub fn new(properties: Properties<V>, forces: Vec<Box<dyn Force<V>>>, contacts: Option<Contacts<V>>, block: usize) -> Self {
-        let mut fold = Fusion::new(properties.count());
-        let (fused, others): (Vec<_>, Vec<_>) = forces.into_iter().partition(|force| force.fold(&properties, &mut fold));
-        let (pointwise, together): (Vec<_>, Vec<_>) = others.into_iter().partition(|force| force.reach() == Reach::Pointwise);
-        let linear = LinearForce::new(&fold, &properties, block);
-        let count = fused.len();
-        let passing = count + together.len();
-        let forces = fused.into_iter().chain(together).chain(pointwise).collect();
-        Self { properties, linear, contacts, forces, fused: count, together: passing, driven: false }
+        let mut fusion = Fusion::new(properties.count());
+        let (fused, others): (Vec<_>, Vec<_>) = forces.into_iter().partition(|force| force.fuse(&properties, &mut fusion));
+        let (pointwise, coupled): (Vec<_>, Vec<_>) =
+            others.into_iter().partition(|force| force.about().reach == Reach::Pointwise);
+        let (count, together) = (fused.len(), fused.len() + coupled.len());
+        let forces: Vec<_> = fused.into_iter().chain(coupled).chain(pointwise).collect();
+        let mut densities = forces.iter().filter_map(|force| force.density());
+        Self {
+            linear: LinearForce::new(&fusion, &properties, block),
+            properties,
+            contacts,
+            scheme: densities.clone().next().map(DensityEvolution::scheme),
+            shifts: densities.any(DensityEvolution::shifts),
+            velocity: forces.iter().map(|force| force.about().velocity).max().unwrap_or(VelocityDependence::None),
+            callbacks: forces.iter().filter(|force| force.about().callback).count(),
+            fused: count,
+            together,
+            forces,
+            driven: false,
+        }
     }
 
     /// Looks whether any fixed particle moves.
@@ -64,6 +85,11 @@ impl<V: Vector> Dynamics<V> {
         &self.forces
     }
 
+    /// The same, to save and to restore.
+    pub fn forces_mut(&mut self) -> &mut [Box<dyn Force<V>>] {
+        &mut self.forces
+    }
+
     /// Whether no particle feels another.
     pub fn is_independent(&self) -> bool {
         self.fused == self.together
@@ -74,12 +100,7 @@ impl<V: Vector> Dynamics<V> {
         self.fused == self.forces.len()
     }
 
-    /// How many of the forces are functions of the user's.
-    pub fn callbacks(&self) -> usize {
-        self.forces.iter().filter(|force| force.reach() == Reach::Whole).count()
-    }
-
-    /// The inverse-square law that alone acts here, if it is so.
+    /// The inverse-square force that alone acts here, if it is so.
     pub fn lone_inverse_square(&self) -> Option<InverseSquare<'_, V::Scalar>> {
         match self.forces.as_slice() {
             [force] => force.inverse_square(&self.properties),
@@ -87,17 +108,12 @@ impl<V: Vector> Dynamics<V> {
         }
     }
 
-    /// Whether any force depends on velocity.
-    pub fn is_dissipative(&self) -> bool {
-        self.forces.iter().any(|force| force.velocity() != VelocityDependence::None)
-    }
-
-    /// The matter at a moment, for the forces to look at.
+    /// The matter of a block, or all of it, at a time.
     pub fn state_view<'a>(&'a self, position: View<'a, V>, velocity: View<'a, V>, time: f64) -> StateView<'a, V> {
         StateView { position, velocity, residual: View::default(), properties: &self.properties, time, executor: &SERIAL }
     }
 
-    /// All matter at a moment.
+    /// All matter at a time.
     pub fn view_of<'a>(&'a self, matter: &'a Matter<V>, time: f64, executor: &'a Executor) -> StateView<'a, V> {
         state_view(&self.properties, matter, time, executor)
     }
@@ -109,58 +125,50 @@ impl<V: Vector> Dynamics<V> {
         forces[*fused..*together].iter_mut().try_for_each(|force| force.prepare(&at, executor))
     }
 
-    /// How the forces come by their fields.
-    pub fn field(&self) -> Field {
-        self.forces.iter().map(|force| force.field()).max().unwrap_or(Field::None)
-    }
-
-    /// Counts the fields at the end of a step where no force was asked for.
-    pub fn count(&mut self, matter: &Matter<V>, time: f64, executor: &Executor) -> Result<()> {
+    /// Sums density over the positions at the end of a step where no force was asked for.
+    pub fn sum_density(&mut self, matter: &Matter<V>, time: f64, executor: &Executor) -> Result<()> {
         let Self { properties, forces, .. } = self;
         let at = state_view(properties, matter, time, executor);
-        forces.iter_mut().try_for_each(|force| force.count(&at, executor))
+        forces.iter_mut().filter_map(|force| force.density_mut()).try_for_each(|density| density.sum(&at, executor))
     }
 
-    /// Adds the energy that the fields lost over the last drift to what passed through the sinks of a block [J].
-    pub fn spend(&self, block: &Range<usize>, energy: &mut Power) {
-        self.forces.iter().for_each(|force| force.spend(block.clone(), energy));
-    }
-
-    /// Advances the fields over the drift that led to a state.
-    pub fn drift(&mut self, matter: &Matter<V>, velocity: View<'_, V>, h: f64, executor: &Executor) -> Result<()> {
+    /// Advances density over the drift that led to a state.
+    pub fn drift_density(&mut self, matter: &Matter<V>, velocity: View<'_, V>, h: f64, executor: &Executor) -> Result<()> {
         let Self { properties, forces, .. } = self;
         let drift = Drift { end: state_view(properties, matter, 0.0, executor), velocity, h };
-        forces.iter_mut().try_for_each(|force| force.drift(&drift, executor))
+        forces.iter_mut().filter_map(|force| force.density_mut()).try_for_each(|density| density.drift(&drift, executor))
     }
 
-    /// Whether any force moves particles beside their velocity.
-    pub fn displaces(&self) -> bool {
-        self.forces.iter().any(|force| force.displaces())
+    /// Adds the energy that diffusion of density took over the last drift to what passed through the sinks of a block [J].
+    pub fn diffused(&self, block: &Range<usize>, energy: &mut Power) {
+        let densities = self.forces.iter().filter_map(|force| force.density());
+        densities.for_each(|density| density.dissipated(block.clone(), energy));
     }
 
-    /// Where the forces move the particles of one block beside their velocity [m].
-    pub fn displace(&self, block: &Range<usize>, ways: &mut Span<'_, V>) {
+    /// The displacements of the particles of one block beside their velocity [m].
+    pub fn shift(&self, block: &Range<usize>, displacements: &mut Span<'_, V>) {
         for axis in 0..V::DIMENSION {
-            ways.axes[axis].fill(V::Scalar::ZERO);
+            displacements.axes[axis].fill(V::Scalar::ZERO);
         }
-        self.forces.iter().filter(|force| force.displaces()).for_each(|force| force.displace(block.clone(), ways));
+        let densities = self.forces.iter().filter_map(|force| force.density());
+        densities.for_each(|density| density.shift(block.clone(), displacements));
     }
 
-    /// The potential energy of the particles of one block in fields that are the same whatever the others do [J].
+    /// The potential energy of the particles of one block in pointwise forces [J].
     pub fn potential(&self, block: &Range<usize>, at: &StateView<'_, V>) -> f64 {
-        let fields = self.forces.iter().filter(|force| force.reach() == Reach::Pointwise && force.has_potential());
-        fields.map(|force| force.potential(block.clone(), at)).sum()
+        let pointwise = self.forces[..self.fused].iter().chain(&self.forces[self.together..]);
+        pointwise.map(|force| force.potential(block.clone(), at)).sum()
     }
 
     /// The potential energy that functions of the user's give to all particles [J].
     pub fn potential_of_callbacks(&self, at: &StateView<'_, V>) -> Result<f64> {
-        let callbacks = self.forces.iter().filter(|force| force.reach() == Reach::Whole && force.has_potential());
-        callbacks.map(|force| force.potential_of_all(at)).sum()
-    }
-
-    /// The forces, to make them remember or go back.
-    pub fn forces_mut(&mut self) -> &mut [Box<dyn Force<V>>] {
-        &mut self.forces
+        if self.callbacks == 0 {
+            return Ok(0.0);
+        }
+        let mut ledger = Ledger::new(0, 1);
+        let mut callbacks = self.forces.iter().filter(|force| force.about().callback);
+        callbacks.try_for_each(|force| force.energy(at, &mut ledger))?;
+        Ok(ledger.sum(Class::Potential))
     }
 
     /// Sets the forces and powers of one block to those of all terms that are not fused.
@@ -180,7 +188,7 @@ impl<V: Vector> Dynamics<V> {
         }
     }
 
-    /// The kinetic energy that the accelerations of a moment give in `h` seconds from rest [J], ½ m |a|² h² summed up: the
+    /// The kinetic energy that the accelerations at a state give in `h` seconds from rest [J], ½ m |a|² h² summed up: the
     /// smallest energy that steps of `h` can resolve.
     pub fn kick(&self, at: &StateView<'_, V>, h: f64) -> f64 {
         let count = self.properties.count();
@@ -216,12 +224,12 @@ impl<V: Vector> Dynamics<V> {
 
     /// About how many springs and other pairs there are.
     pub fn pairs(&self) -> usize {
-        self.forces.iter().map(|force| force.pairs()).sum()
+        self.forces.iter().map(|force| force.about().pairs).sum()
     }
 
     /// The memory that it takes [bytes].
     pub fn bytes(&self) -> usize {
         let contacts = self.contacts.as_ref().map_or(0, Contacts::bytes);
-        self.linear.bytes() + contacts + self.forces.iter().map(|force| force.bytes()).sum::<usize>()
+        self.linear.bytes() + contacts + self.forces.iter().map(|force| force.about().bytes).sum::<usize>()
     }
 }

@@ -11,7 +11,7 @@ use crate::systems::matter::activity::Activity;
 use crate::systems::matter::collisions::collide;
 use crate::systems::matter::dynamics::Dynamics;
 use crate::systems::matter::kernels::{self, Action, Evaluation};
-use crate::systems::matter::{Interval, Record};
+use crate::systems::{Interval, Record};
 
 /// Of how many steps one has its activity found where they run in registers. The steps of the clock's segment count, so that
 /// it does not depend on how they were asked for.

@@ -1,151 +1,233 @@
-//! Matter: particles and what acts on them, advanced by an integrator.
+//! Matter: particles and what acts on them, advanced by a method.
 
 mod activity;
+mod budget;
 mod collisions;
+mod compile;
 mod coupled;
 mod displacement;
 mod dynamics;
+mod fields;
 mod independent;
 mod kernels;
+mod method;
 
-pub use dynamics::Dynamics;
+use std::sync::{Mutex, OnceLock, PoisonError};
+
+use glam::{DVec2, DVec3, Vec2, Vec3};
 
 use activity::Activity;
 use coupled::Workspace;
+use dynamics::Dynamics;
+use method::{Explicit, Job, Method};
 
 use crate::error::{Error, Result};
+use crate::forces::{Mach, Validity};
+use crate::history::{Archive, History};
 use crate::integrators::Integrator;
-use crate::math::Vector;
-use crate::matter::{Columns, Matter};
-use crate::parallel::{Executor, SERIAL, ThreadPool};
+use crate::ledger::{Class, Ledger};
+use crate::math::{Real, Vector};
+use crate::matter::{Columns, EnergyTally, Matter, SINKS};
+use crate::parallel::{Executor, SERIAL};
+use crate::plan::Stages;
+use crate::scene::Scene;
+use crate::simd::LANES;
+use crate::stability::{Horizon, Limit, LimitCache, SpectralBound};
+use crate::systems::{Fault, FieldInfo, Interval, Record, System};
 
-/// Which activities of a batch are recorded.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Record {
-    /// Those of all steps.
-    EveryStep,
-    /// Those of all steps, but under an inverse-square law alone, where it takes a tenth of the time of a step: there that of
-    /// every 32nd.
-    Sampled,
-    /// That of the last step at least: all that is known where linear laws run in registers.
-    LastStep,
-}
-
-/// Equal steps to take.
-#[derive(Debug, Clone, Copy)]
-pub struct Interval {
-    /// When the clock's segment began [s].
-    pub start: f64,
-    /// The steps taken in that segment before these.
-    pub first: u64,
-    /// The length of each [s].
-    pub h: f64,
-    /// Their number.
-    pub steps: u64,
-}
-
-impl Interval {
-    /// The time at a fraction of one of the steps [s]: the same bits however the steps are cut into intervals.
-    pub fn time(&self, step: u64, node: f64) -> f64 {
-        self.start + ((self.first + step) as f64 + node) * self.h
-    }
-}
-
-/// How long a batch of steps should take [s]: long enough that what is done once per batch costs little, short enough that
+/// The duration of a batch of steps [s]: long enough that what is done once per batch costs little, short enough that
 /// little is lost when somebody interrupts it.
 const BATCH: f64 = 0.05;
-/// The longest job that the calling thread does by itself, deaf to interrupts [s].
-const SHORT: f64 = 2e-3;
-/// The work that is worth sharing among threads [s].
-const WORTH_SHARING: f64 = 2e-4;
-/// Particles in a block that runs many steps: position, velocity and memory in three dimensions fit into the first-level
+/// Particles in a block that runs many steps: position, velocity and registers in three dimensions fit into the first-level
 /// cache.
 const INDEPENDENT_BLOCK: usize = 512;
 /// Particles in a block that looks at its neighbors: large against the rows of a grid that it shares with other blocks,
 /// small against the second-level cache.
 const COUPLED_BLOCK: usize = 4096;
 
-/// Particles with their law of motion.
-pub struct MatterSystem<V: Vector> {
+/// Compiles a scene for an integrator.
+///
+/// # Errors
+/// As [`crate::systems::build`].
+pub fn build<I: Integrator>(scene: &Scene, precision: &str, executor: &Executor) -> Result<Box<dyn System>> {
+    match (scene.dimension, precision) {
+        (2, "f32") => Ok(Box::new(compile::compile::<Vec2, I>(scene, executor)?)),
+        (3, "f32") => Ok(Box::new(compile::compile::<Vec3, I>(scene, executor)?)),
+        (2, "f64") => Ok(Box::new(compile::compile::<DVec2, I>(scene, executor)?)),
+        (3, "f64") => Ok(Box::new(compile::compile::<DVec3, I>(scene, executor)?)),
+        (2 | 3, other) => Err(Error::parameter("precision", "f32 or f64", other)),
+        (other, _) => Err(Error::parameter("scene.dimension", "2 or 3", other)),
+    }
+}
+
+/// Particles with their dynamics.
+struct MatterSystem<V: Vector> {
     dynamics: Dynamics<V>,
     state: Matter<V>,
-    /// The state at the last batch's start.
-    kept: Matter<V>,
+    /// The state at the start of the last batch.
+    saved: Matter<V>,
     activity: Activity,
     workspace: Option<Workspace<V>>,
-    stepper: Box<dyn Stepper<V>>,
-    pool: ThreadPool,
-    /// A rough idea of what a step costs [s].
+    method: Box<dyn Method<V>>,
+    stages: Stages,
     cost: f64,
+    cache: Mutex<LimitCache>,
+    /// The certified limit, while it holds.
+    certified: OnceLock<Limit>,
 }
 
 impl<V: Vector> MatterSystem<V> {
     /// The number of particles in a block, for independent particles or others.
-    pub fn block<I: Integrator>(independent: bool) -> usize {
+    fn block<I: Integrator>(independent: bool) -> usize {
         match (independent, I::REGISTERS) {
             (false, _) => COUPLED_BLOCK,
             (true, 0..=2) => INDEPENDENT_BLOCK,
-            // More memory per particle, fewer particles in the same cache.
+            // More registers per particle, fewer particles in the same cache.
             (true, _) => INDEPENDENT_BLOCK / 2,
         }
     }
 
     /// A system at a given state.
-    pub fn new<I: Integrator>(dynamics: Dynamics<V>, mut state: Matter<V>, threads: usize) -> Self {
+    fn new<I: Integrator>(dynamics: Dynamics<V>, mut state: Matter<V>, stages: Stages) -> Self {
         // What is only kept between the stages of a step need not outlive a block that runs through whole steps.
-        let kept = if dynamics.is_independent() { I::READABLE } else { I::REGISTERS };
-        state.registers = vec![Columns::zeros(state.count()); kept];
+        let registers = if dynamics.is_independent() { I::READABLE } else { I::REGISTERS };
+        state.registers = vec![Columns::zeros(state.count()); registers];
         let count = state.count() as f64;
-        // Nanoseconds on a common core; only the sizes of batches hang on them, never a bit of the result.
         let per_particle = if dynamics.is_fused() && dynamics.contacts.is_none() { 1.0 } else { 8.0 };
         let per_stage = 500.0 + count * per_particle + 6.0 * dynamics.pairs() as f64;
+        // Nanoseconds on a common core.
         let cost = 1e-9 * I::NODES.len() as f64 * per_stage;
-        let threads = if cost < WORTH_SHARING { 1 } else { threads };
-        let workspace =
-            (!dynamics.is_independent()).then(|| Workspace::new(state.count(), state.tallies.len(), dynamics.contacts.is_some()));
-        let kept = state.clone();
-        let stepper = Box::new(By::<I>(std::marker::PhantomData));
+        let blocks = state.tallies.len();
+        let workspace = (!dynamics.is_independent()).then(|| Workspace::new(state.count(), blocks, dynamics.contacts.is_some()));
         let mut system = Self {
+            saved: state.clone(),
             dynamics,
             state,
-            kept,
             activity: Activity::default(),
             workspace,
-            stepper,
-            pool: ThreadPool::new(threads),
+            method: Box::new(Explicit::<I>::NEW),
+            stages,
             cost,
+            cache: Mutex::default(),
+            certified: OnceLock::new(),
         };
-        let blocks = if system.workspace.is_none() { system.state.tallies.len() } else { 0 };
-        system.activity = Activity::new(blocks, system.batch().min(system.most_recorded()));
+        let blocks = if system.workspace.is_none() { blocks } else { 0 };
+        system.activity = Activity::new(blocks, system.most_steps().min(system.most_recorded()));
         system
     }
 
-    /// What acts.
-    pub fn dynamics(&self) -> &Dynamics<V> {
-        &self.dynamics
+    /// Goes on from a state that is complete with what persists of the method.
+    fn resume(&mut self) {
+        self.dynamics.observe(&self.state.velocity);
     }
 
-    /// The state.
-    pub fn state(&self) -> &Matter<V> {
-        &self.state
+    /// Whether a certified limit is the same at every state of which this holds.
+    fn limit_holds(&self, time: f64) -> bool {
+        let at = self.dynamics.view_of(&self.state, time, &SERIAL);
+        self.dynamics.forces().iter().all(|force| force.validity(&at, Horizon::Certified) != Validity::Now)
     }
 
-    /// The state, to change between runs; [`MatterSystem::begin`] or [`MatterSystem::resume`] must follow.
-    pub fn state_mut(&mut self) -> &mut Matter<V> {
-        &mut self.state
+    /// Two particles at the same place, in the caller's order.
+    fn coincident(&self) -> Option<[u32; 2]> {
+        let caller = &self.dynamics.properties.caller;
+        let position = |index: usize| self.state.exact_position(index).to_array();
+        let mut positions: Vec<_> = (0..self.state.count()).map(|index| (position(index), caller[index])).collect();
+        positions.sort_by(|(one, _), (other, _)| one.partial_cmp(other).unwrap_or(std::cmp::Ordering::Equal));
+        let pairs = positions.windows(2).filter(|pair| pair[0].0 == pair[1].0);
+        pairs.map(|pair| [pair[0].1.min(pair[1].1), pair[0].1.max(pair[1].1)]).min()
     }
 
-    /// The number of threads that it uses.
-    pub fn threads(&self) -> usize {
-        self.pool.threads()
+    fn caller(&self, index: usize) -> usize {
+        self.dynamics.properties.caller.get(index).map_or(0, |&caller| caller as usize)
     }
 
-    /// The number of steps in a batch: as many as fit into [`BATCH`], but not so few that moving the state in and out of the
-    /// caches, or keeping a copy of it, takes longer than the steps. An interrupt abandons a batch between two blocks. A
-    /// function of the user's is called in the order of time and never again for the same step, so it takes one at a time.
-    pub fn batch(&self) -> u64 {
+    /// The columns that make up the state, in a fixed order.
+    fn columns(&self) -> impl Iterator<Item = &Columns<V>> {
+        let state = &self.state;
+        let persistent = state.registers.iter().take(self.method.persistent());
+        [&state.position, &state.velocity, &state.residual].into_iter().chain(persistent)
+    }
+
+    fn capture_forces(&self, archive: &mut Archive) {
+        self.dynamics.forces().iter().for_each(|force| force.capture(archive));
+    }
+
+    fn restore_forces(&mut self, archive: &mut Archive) -> Result<()> {
+        self.dynamics.forces_mut().iter_mut().try_for_each(|force| force.restore(archive))
+    }
+}
+
+/// Positions, velocities, residuals, the persistent registers of the method, and the histories of the forces.
+impl<V: Vector> History for MatterSystem<V> {
+    fn save(&mut self) {
+        self.dynamics.forces_mut().iter_mut().for_each(|force| force.save());
+        if self.workspace.is_some() {
+            self.saved.copy_from(&self.state);
+        } else {
+            // The steps of independent particles read the saved state and write the other.
+            std::mem::swap(&mut self.saved, &mut self.state);
+        }
+    }
+
+    fn rollback(&mut self) {
+        std::mem::swap(&mut self.saved, &mut self.state);
+        self.dynamics.forces_mut().iter_mut().for_each(|force| force.rollback());
+    }
+
+    fn capture(&self, archive: &mut Archive) {
+        for columns in self.columns() {
+            for axis in 0..V::DIMENSION {
+                archive.write(columns.axis(axis)[..columns.count()].iter().map(|number| number.to_f64()));
+            }
+        }
+        self.capture_forces(archive);
+    }
+
+    fn restore(&mut self, archive: &mut Archive) -> Result<()> {
+        let count = V::DIMENSION * self.columns().map(Columns::count).sum::<usize>();
+        // Read as a whole, so that nothing has changed where it is too short.
+        let mut numbers = archive.read(count)?.iter();
+        let (state, persistent) = (&mut self.state, self.method.persistent());
+        let columns = [&mut state.position, &mut state.velocity, &mut state.residual];
+        for columns in columns.into_iter().chain(state.registers.iter_mut().take(persistent)) {
+            let count = columns.count();
+            for axis in columns.span().axes.iter_mut().take(V::DIMENSION) {
+                axis[..count].iter_mut().zip(&mut numbers).for_each(|(slot, &number)| *slot = V::Scalar::from_f64(number));
+            }
+        }
+        self.resume();
+        self.restore_forces(archive)
+    }
+}
+
+impl<V: Vector> System for MatterSystem<V> {
+    fn stages(&self) -> Stages {
+        let known = self.dynamics.forces().iter().map(|force| force.about()).filter(|about| !about.findings.is_empty());
+        let findings = known.map(|about| format!("{}: {}", about.name, about.findings));
+        Stages {
+            pairs: self.dynamics.pairs(),
+            limit_varies: self.limit_varies(Horizon::Certified, 0.0),
+            notes: self.stages.notes.iter().cloned().chain(findings).collect(),
+            ..self.stages.clone()
+        }
+    }
+
+    fn bytes(&self) -> usize {
+        let workspace = self.workspace.as_ref().map_or(0, Workspace::bytes);
+        let properties = self.state.count() * (5 * size_of::<f64>() + 2 * size_of::<V::Scalar>());
+        self.dynamics.bytes() + self.state.bytes() + self.saved.bytes() + self.activity.bytes() + workspace + properties
+    }
+
+    fn cost(&self) -> f64 {
+        self.cost
+    }
+
+    /// As many as fit into [`BATCH`], but not so few that moving the state in and out of the caches, or keeping a copy of it,
+    /// takes longer than the steps. A function of the user's is called in the order of time and never again for the same step,
+    /// so it takes one at a time.
+    fn most_steps(&self) -> u64 {
         let least = match &self.workspace {
-            _ if self.dynamics.callbacks() > 0 => return 1,
+            _ if self.dynamics.callbacks > 0 => return 1,
             None if self.dynamics.is_fused() => 200.0,
             None => 25.0,
             Some(_) => 5.0,
@@ -153,158 +235,148 @@ impl<V: Vector> MatterSystem<V> {
         (BATCH / self.cost).clamp(least, 1e6) as u64
     }
 
-    /// The most steps in a batch in which the activity after every one is recorded.
-    pub fn most_recorded(&self) -> u64 {
+    fn most_recorded(&self) -> u64 {
         Activity::most_steps(self.state.tallies.len())
     }
 
-    /// Whether what acts on each particle is linear in its position and velocity and the same at all times. Steps of at most
-    /// half of the limit of stability then never double the energy: the invariant of an oscillator's step is elongated by
-    /// 1/√(1 − ½²) at the most.
-    pub fn is_linear(&self) -> bool {
-        self.workspace.is_none() && self.dynamics.is_fused() && self.dynamics.contacts.is_none()
-    }
-
-    /// The memory that it takes [bytes].
-    pub fn bytes(&self) -> usize {
-        let workspace = self.workspace.as_ref().map_or(0, Workspace::bytes);
-        let properties = self.state.count() * (5 * size_of::<f64>() + 2 * size_of::<V::Scalar>());
-        self.dynamics.bytes() + self.state.bytes() + self.kept.bytes() + self.activity.bytes() + workspace + properties
-    }
-
-    /// Goes on from a state that is complete with what the integrator carries.
-    pub fn resume(&mut self) {
-        self.dynamics.observe(&self.state.velocity);
-    }
-
-    /// Begins anew from the positions and velocities: the integrator has nothing to carry on from.
-    ///
-    /// # Errors
-    /// If it fails, or the executor was asked to stop.
-    pub fn begin(&mut self, time: f64, executor: &Executor) -> Result<()> {
+    fn begin(&mut self, time: f64, executor: &Executor) -> Result<()> {
         self.resume();
-        let Self { dynamics, state, kept, activity, workspace, stepper, .. } = self;
-        kept.copy_from(state);
+        let Self { dynamics, state, saved, activity, workspace, method, .. } = self;
+        saved.copy_from(state);
         let interval = Interval { start: time, first: 0, h: 0.0, steps: 0 };
         let record = (activity, Record::LastStep);
-        stepper.begin(Job { dynamics, from: kept, state, record, workspace: workspace.as_mut(), interval }, executor)?;
+        method.begin(Job { dynamics, from: saved, state, record, workspace: workspace.as_mut(), interval }, executor)?;
         executor.check()
     }
 
-    /// Takes steps, or none of them if it fails.
-    pub fn advance(&mut self, interval: Interval, record: Record, interrupted: &dyn Fn() -> bool) -> Result<()> {
-        let Self { dynamics, state, kept, activity, workspace, stepper, pool, cost } = self;
+    fn advance(&mut self, interval: Interval, record: Record, executor: &Executor) -> Result<()> {
+        self.save();
+        let Self { dynamics, state, saved, activity, workspace, method, .. } = self;
         activity.clear();
-        dynamics.forces_mut().iter_mut().for_each(|force| force.keep());
-        if workspace.is_some() {
-            kept.copy_from(state);
-        } else {
-            std::mem::swap(kept, state);
-        }
-        let short = *cost * interval.steps as f64 <= SHORT;
-        let mut outcome = Ok(());
-        let mut job = |executor: &Executor| {
-            let record = (&mut *activity, record);
-            outcome =
-                stepper.advance(Job { dynamics, from: kept, state, record, workspace: workspace.as_mut(), interval }, executor);
-        };
-        let ended = if short {
-            job(&Executor::serial());
-            Ok(())
-        } else {
-            pool.run(interrupted, job)
-        };
-        let outcome = ended.and(outcome);
-        if outcome.is_err() {
-            self.rollback()?;
-        }
-        outcome
+        let record = (activity, record);
+        method.advance(Job { dynamics, from: saved, state, record, workspace: workspace.as_mut(), interval }, executor)?;
+        executor.check()
     }
 
-    /// Whether it takes long to go through all of the forces.
-    pub fn is_long(&self) -> bool {
-        self.cost >= WORTH_SHARING
-    }
-
-    /// Finds something out that may take long, and asks `interrupted` meanwhile whether to stop.
-    ///
-    /// # Errors
-    /// If it fails, or was stopped.
-    pub fn ask<T: Send>(
-        &mut self,
-        interrupted: &dyn Fn() -> bool,
-        question: impl FnOnce(&Dynamics<V>, &Matter<V>, &Executor) -> Result<T> + Send,
-    ) -> Result<T> {
-        let is_long = self.is_long();
-        let Self { dynamics, state, pool, .. } = self;
-        if !is_long {
-            return question(dynamics, state, &SERIAL);
-        }
-        let mut answer = Err(Error::Interrupted);
-        pool.run(interrupted, |executor| answer = question(dynamics, state, executor))?;
-        answer
-    }
-
-    /// Goes back to the state before the last [`MatterSystem::advance`].
-    pub fn rollback(&mut self) -> Result<()> {
-        std::mem::swap(&mut self.kept, &mut self.state);
-        self.dynamics.forces_mut().iter_mut().try_for_each(|force| force.undo())
-    }
-
-    /// What the forces keep from step to step.
-    pub fn recollection(&self) -> Vec<f64> {
-        self.dynamics.forces().iter().flat_map(|force| force.capture()).collect()
-    }
-
-    /// Goes on from what the forces kept.
-    pub fn recollect(&mut self, mut numbers: &[f64]) -> Result<()> {
-        self.dynamics.forces_mut().iter_mut().try_for_each(|force| force.restore(&mut numbers))?;
-        if numbers.is_empty() { Ok(()) } else { Err(Error::State("it holds more than the forces of this scene keep".to_owned())) }
-    }
-
-    /// The activity after each step of the last advance, or after its last step alone [J]: not a number, or infinite, where
-    /// a velocity is, or at the end a position.
-    pub fn activity(&self) -> &[f64] {
+    fn activity(&self) -> &[f64] {
         self.activity.steps()
     }
-}
 
-/// What a stepper works on.
-struct Job<'a, V: Vector> {
-    dynamics: &'a mut Dynamics<V>,
-    /// The state at the beginning, which stays as it is.
-    from: &'a Matter<V>,
-    state: &'a mut Matter<V>,
-    /// Where the activity goes, and which.
-    record: (&'a mut Activity, Record),
-    workspace: Option<&'a mut Workspace<V>>,
-    interval: Interval,
-}
-
-/// An integrator with its type erased, once for whole batches.
-trait Stepper<V: Vector>: Send + Sync {
-    /// Evaluates the law at the state and fills the carried memory.
-    fn begin(&self, job: Job<'_, V>, executor: &Executor) -> Result<()>;
-    /// Takes all steps of the interval.
-    fn advance(&self, job: Job<'_, V>, executor: &Executor) -> Result<()>;
-}
-
-struct By<I>(std::marker::PhantomData<I>);
-
-impl<V: Vector, I: Integrator> Stepper<V> for By<I> {
-    fn begin(&self, Job { dynamics, from, state, workspace, interval, .. }: Job<'_, V>, executor: &Executor) -> Result<()> {
-        if let Some(workspace) = workspace {
-            return coupled::begin::<V, I>(dynamics, state, workspace, interval, executor);
-        }
-        independent::begin::<V, I>(dynamics, from, state, interval);
-        Ok(())
+    fn is_linear(&self) -> bool {
+        self.workspace.is_none() && self.dynamics.is_fused() && self.dynamics.contacts.is_none()
     }
 
-    fn advance(&self, Job { dynamics, from, state, record, workspace, interval }: Job<'_, V>, executor: &Executor) -> Result<()> {
-        if let Some(workspace) = workspace {
-            return coupled::advance::<V, I>(dynamics, state, workspace, interval, record.0, executor);
+    fn gains_energy(&self) -> bool {
+        self.method.gains_energy()
+    }
+
+    fn limit(&self, horizon: Horizon, time: f64, executor: &Executor) -> Result<Limit> {
+        let holds = horizon == Horizon::Certified && self.limit_holds(time);
+        if let (true, Some(&known)) = (holds, self.certified.get()) {
+            return Ok(known);
         }
-        independent::advance::<V, I>(dynamics, from, state, interval, record, executor);
+        let properties = &self.dynamics.properties;
+        let empty = self.method.bound(SpectralBound::new(&properties.mass, &properties.body, horizon));
+        let bound = self.dynamics.bound(&self.dynamics.view_of(&self.state, time, executor), empty)?;
+        executor.check()?;
+        if horizon == Horizon::Sharp {
+            return Ok(self.method.sharp_limit(bound));
+        }
+        let limit = self.method.limit(&bound, &mut self.cache.lock().unwrap_or_else(PoisonError::into_inner));
+        Ok(if holds { *self.certified.get_or_init(|| limit) } else { limit })
+    }
+
+    fn limit_varies(&self, horizon: Horizon, time: f64) -> bool {
+        let at = self.dynamics.view_of(&self.state, time, &SERIAL);
+        self.dynamics.forces().iter().any(|force| force.validity(&at, horizon) != Validity::Always)
+    }
+
+    /// The largest of any particle: of its position, or of its velocity times the step.
+    fn error(&self, h: f64) -> Option<(f64, u32)> {
+        let [x, v] = self.method.error()?.map(|register| &self.state.registers[register]);
+        let length = |columns: &Columns<V>, index: usize| columns.get(index).widen().length();
+        let errors = (0..self.state.count()).map(|index| length(x, index).max(h * length(v, index)));
+        Some((errors.fold(0.0, f64::max), self.method.order()))
+    }
+
+    fn audit(&self, time: f64, executor: &Executor) -> Result<Ledger> {
+        budget::energy(&self.dynamics, &self.state, time, executor)
+    }
+
+    fn finite_audit(&self, time: f64, executor: &Executor) -> Result<Ledger> {
+        let ledger = self.audit(time, executor)?;
+        if ledger.balance().is_finite() {
+            return Ok(ledger);
+        }
+        let found = ledger.rows().iter().find(|row| !row.energy.is_finite()).map_or_else(
+            || "a sum that is not".to_owned(),
+            |row| {
+                let name = match row.class {
+                    Class::Kinetic => "kinetic",
+                    Class::Internal => "internal",
+                    _ => row.name,
+                };
+                format!("{name} energy of {} J", row.energy)
+            },
+        );
+        let error = Error::parameter("scene", "an energy that is finite", found);
+        Err(match self.coincident() {
+            Some([one, other]) => error.with_hint(format!("particles {one} and {other} are at the same place")),
+            None => error.with_hint("particles too fast, too heavy or too close to each other"),
+        })
+    }
+
+    fn momenta(&self) -> (DVec3, DVec3) {
+        budget::momenta(&self.dynamics, &self.state)
+    }
+
+    fn resolvable(&self, time: f64, h: f64) -> f64 {
+        self.dynamics.kick(&self.dynamics.view_of(&self.state, time, &SERIAL), h)
+    }
+
+    fn fault(&self) -> Option<Fault> {
+        let columns = [("position", &self.state.position), ("velocity", &self.state.velocity)];
+        let mut faults = columns.into_iter().filter_map(|(quantity, columns)| Some((quantity, columns.out_of_range()?)));
+        faults.next().map(|(quantity, index)| Fault { element: self.caller(index), quantity })
+    }
+
+    fn fastest(&self) -> usize {
+        let kinetic = |index: usize| budget::kinetic(&self.dynamics, &self.state, index);
+        let mobile = (0..self.state.count()).filter(|&index| !self.dynamics.properties.is_fixed(index));
+        self.caller(mobile.max_by(|&one, &other| kinetic(one).total_cmp(&kinetic(other))).unwrap_or(0))
+    }
+
+    fn mach(&self) -> Option<Mach> {
+        let densities = self.dynamics.forces().iter().find_map(|force| force.density());
+        densities.map(|density| density.mach(self.state.velocity.view()))
+    }
+
+    fn fields(&self) -> Vec<FieldInfo> {
+        self.field_infos()
+    }
+
+    fn read(&self, field: usize) -> Vec<f64> {
+        self.values(field)
+    }
+
+    fn write(&mut self, fields: &[(&str, &[f64])], time: f64, executor: &Executor) -> Result<()> {
+        self.replace(fields, time, executor)
+    }
+
+    fn tallies(&self) -> Vec<f64> {
+        self.state.tallies.iter().flat_map(|tally| tally.energy.iter().chain(&tally.last).flatten()).copied().collect()
+    }
+
+    fn restore_tallies(&mut self, numbers: &[f64]) -> Result<()> {
+        let per_tally = 2 * SINKS * LANES;
+        if numbers.len() != self.state.tallies.len() * per_tally {
+            return Err(Error::State("it does not belong to this scene and these numerics".to_owned()));
+        }
+        for (tally, numbers) in self.state.tallies.iter_mut().zip(numbers.chunks_exact(per_tally)) {
+            *tally = EnergyTally::ZERO;
+            let slots = tally.energy.iter_mut().chain(&mut tally.last).flatten();
+            slots.zip(numbers).for_each(|(slot, &number)| *slot = number);
+        }
         Ok(())
     }
 }

@@ -1,0 +1,259 @@
+//! A scene compiled into exactly the stages that it requires, in their order.
+
+use glam::DVec3;
+
+use super::MatterSystem;
+use super::dynamics::Dynamics;
+use crate::contacts::Contacts;
+use crate::error::{Error, Result};
+use crate::forces::springs::{self, Springs};
+use crate::forces::{self, About, Force, Reach, Scheme, VelocityDependence};
+use crate::integrators::{self, BlanesMoan4, BlanesMoan6, Integrator, with_integrator};
+use crate::math::{Real, Vector};
+use crate::matter::{Columns, Matter, Properties};
+use crate::memory;
+use crate::neighbors;
+use crate::parallel::Executor;
+use crate::plan::Stages;
+use crate::scene::{Scene, Spring};
+
+mod precision;
+
+/// Compiles a scene for an integrator.
+///
+/// # Errors
+/// If the scene makes no sense or does not fit into registers, or the executor was asked to stop.
+pub fn compile<V: Vector, I: Integrator>(scene: &Scene, executor: &Executor) -> Result<MatterSystem<V>> {
+    let count = scene.count();
+    memory::check("scene", footprint::<V, I>(scene), 0, || {
+        format!("for {count} particles and what {} keeps of each; take fewer particles or precision=\"f32\"", I::NAME)
+    })?;
+    let springs = scene.springs();
+    let order = ordering(scene, &springs);
+    executor.check()?;
+    let properties = properties::<V>(scene, &order);
+    precision::check::<V>(scene, &springs, &properties)?;
+    let springs = renumbered(springs, &order);
+    executor.check()?;
+
+    let (mut all, mut stages): (Vec<Box<dyn Force<V>>>, Vec<String>) = (Vec::new(), Vec::new());
+    let mut notes = Vec::new();
+    if !springs.is_empty() {
+        all.push(Box::new(Springs::<V>::new(&springs, count)));
+    }
+    if let Some(fluid) = forces::sph::fluid(scene, &properties, executor)? {
+        let continuity = fluid.density().is_some_and(|density| density.scheme() == Scheme::Continuity);
+        if let (true, Some(reason)) = (continuity, integrators::refuses_fields::<I>()) {
+            let mut fit = Vec::new();
+            with_integrator!(each Other => if integrators::refuses_fields::<Other>().is_none() {
+                fit.push(format!("{}()", Other::NAME));
+            });
+            let expected = format!("{} for a fluid that carries its density along", fit.join(", "));
+            return Err(Error::parameter("integrator", expected, I::NAME).with_hint(reason));
+        }
+        all.push(fluid);
+    }
+    for term in &scene.forces {
+        executor.check()?;
+        all.extend(forces::build(scene, term, &properties)?);
+    }
+    let contacts = Contacts::build(scene, &properties)?;
+    let known: Vec<About> = all.iter().map(|force| force.about()).collect();
+    for About { name, layout, reach, .. } in &known {
+        if !layout.is_empty() {
+            notes.push(format!("{name}: {layout}"));
+        }
+        if *reach == Reach::Pairs && stages.first().is_none_or(|stage| stage != "neighbors") {
+            stages.insert(0, "neighbors".to_owned());
+        }
+        if !stages.iter().any(|stage| stage == name) {
+            stages.push((*name).to_owned());
+        }
+    }
+    stages.push(I::NAME.to_owned());
+    if contacts.is_some() {
+        // Where the positions stand before the forces are asked for, contacts come first.
+        stages.insert(if I::DRIFTS_FIRST { 0 } else { stages.len() }, "contacts".to_owned());
+    }
+
+    let independent = known.iter().all(|force| force.reach == Reach::Pointwise);
+    let pairs = known.iter().any(|force| force.reach == Reach::Pairs);
+    let mut state = state::<V>(scene, &properties, MatterSystem::<V>::block::<I>(independent), pairs)?;
+    if let Some(contacts) = &contacts {
+        let pushed = contacts.project_inside(&mut state.position, &properties)?;
+        if pushed > 0 {
+            notes.push(format!("contacts: {pushed} particles overlapped a boundary at the start and were moved to its surface"));
+        }
+    }
+    let left_out = left_out(&known, independent, contacts.is_some());
+    let bends = contacts.is_none() && known.iter().any(|force| force.name != "gravity");
+    let layout = if independent {
+        format!("blocks of {} independent particles, many steps while a block is in the cache", state.block)
+    } else {
+        format!("a sweep over blocks of {} particles per evaluation", state.block)
+    };
+    let dynamics = Dynamics::new(properties, all, contacts, state.block);
+    let dissipative = dynamics.velocity != VelocityDependence::None;
+    let nominal = if dissipative { I::ORDER_DISSIPATIVE } else { I::ORDER };
+    let order = known.iter().map(|force| force.order).fold(nominal, u32::min);
+    notes.extend(advice::<I>(dissipative, bends && dynamics.scheme != Some(Scheme::Continuity)));
+    executor.check()?;
+    let stages = Stages {
+        names: stages,
+        dimension: V::DIMENSION,
+        precision: V::Scalar::NAME,
+        method: I::NAME,
+        order,
+        evaluations: I::NODES.len(),
+        pairs: dynamics.pairs(),
+        limit_varies: false,
+        layout,
+        left_out,
+        notes,
+    };
+    Ok(MatterSystem::new::<I>(dynamics, state, stages))
+}
+
+/// What a particle takes beside its state [bytes]: its properties, and while the scene is compiled its index in two orders.
+const PROPERTIES: usize = 100;
+/// What a particle that has neighbors, one of a fluid, and a spring take, without lists of neighbors [bytes].
+const NEIGHBOR: usize = 250;
+const FLUID: usize = 600;
+const SPRING: usize = 250;
+
+/// About the most memory that a scene takes while it is compiled, and when it is: without lists of neighbors, which are counted
+/// when they are made [bytes].
+fn footprint<V: Vector, I: Integrator>(scene: &Scene) -> usize {
+    let springs: usize = scene.bodies.iter().map(|body| body.springs.len()).sum();
+    let independent = springs == 0 && !forces::are_between_pairs(scene);
+    let registers = if independent { I::READABLE } else { I::REGISTERS };
+    // The state with a copy of it, and what sweeps over it take.
+    let columns = 2 * (2 + registers) + if independent { 0 } else { 6 };
+    let vector = V::DIMENSION * size_of::<V::Scalar>();
+    let fluid = scene.bodies.iter().any(|body| body.fluid.is_some());
+    let neighbor = if forces::are_between_pairs(scene) { NEIGHBOR } else { 0 } + if fluid { FLUID } else { 0 };
+    scene.count() * (columns * vector + PROPERTIES + neighbor) + springs * SPRING
+}
+
+/// What to take instead. Where nothing but gravity acts, or contacts break every step's order, there is nothing to gain.
+fn advice<I: Integrator>(dissipative: bool, bends: bool) -> Option<String> {
+    match (I::ORDER, dissipative) {
+        _ if !bends => None,
+        (1, false) => Some("order 1: VelocityVerlet costs the same and is of order 2".to_owned()),
+        (1, true) => Some(
+            "order 1: VelocityVerlet costs the same per step and is of order 2; where damping limits the step it bears half of it"
+                .to_owned(),
+        ),
+        (_, false) if ![BlanesMoan4::NAME, BlanesMoan6::NAME].contains(&I::NAME) => Some(format!(
+            "nothing here depends on velocity: with dt below {:.0}% of the stability limit {} keeps energy better at equal cost, and its energy error does not grow",
+            100.0 * worth::<I, BlanesMoan4>().min(1.0),
+            BlanesMoan4::NAME
+        )),
+        (_, true) if I::ORDER_DISSIPATIVE < I::ORDER => Some(format!(
+            "forces depend on velocity: {} is only of order {} here; RungeKutta4 keeps order 4, VelocityVerlet gives order 2 with one evaluation instead of {}",
+            I::NAME,
+            I::ORDER_DISSIPATIVE,
+            I::NODES.len()
+        )),
+        _ => None,
+    }
+}
+
+/// The fraction of the limit of one integrator below which another one, at as many evaluations per second, takes steps of no
+/// more than half of its own limit.
+fn worth<I: Integrator, Other: Integrator>() -> f64 {
+    let reach = |limit: f64, evaluations: usize| limit / evaluations as f64;
+    0.5 * reach(Other::limit(0.0), Other::NODES.len()) / reach(I::limit(0.0), I::NODES.len())
+}
+
+fn left_out(forces: &[About], independent: bool, contacts: bool) -> Vec<&'static str> {
+    let mut absent = Vec::new();
+    if forces.iter().all(|force| force.reach != Reach::Pairs) {
+        absent.push("neighbors");
+    }
+    if forces.iter().all(|force| force.name != "springs") {
+        absent.push("springs");
+    }
+    if independent {
+        absent.push("sweeps between stages");
+    }
+    if !contacts {
+        absent.push("contacts");
+    }
+    absent
+}
+
+/// Index in the engine's order → index in the caller's: springs want partners near each other, and pairs want neighbors so.
+fn ordering(scene: &Scene, springs: &[Spring]) -> Vec<u32> {
+    if springs.is_empty() && forces::are_between_pairs(scene) {
+        return neighbors::ordering(&scene.positions(), scene.dimension);
+    }
+    springs::ordering(springs, scene.count()).unwrap_or_else(|| (0..scene.count() as u32).collect())
+}
+
+/// Masses and the like in the engine's order, and the origin: the middle of all positions.
+fn properties<V: Vector>(scene: &Scene, order: &[u32]) -> Properties<V> {
+    let bodies = || scene.bodies.iter().flat_map(|body| 0..body.positions.len()).zip(owners(scene));
+    let ordered = |values: Vec<f64>| -> Vec<f64> { order.iter().map(|&caller| values[caller as usize]).collect() };
+    let of = |value: &dyn Fn(usize, usize) -> f64| ordered(bodies().map(|(index, body)| value(body, index)).collect());
+    let mass = of(&|body, index| if scene.bodies[body].fixed[index] { f64::INFINITY } else { scene.bodies[body].mass[index] });
+    let owner: Vec<u32> = owners(scene).map(|body| body as u32).collect();
+    Properties {
+        charge: of(&|body, index| scene.bodies[body].charge[index]),
+        radius: of(&|body, index| scene.bodies[body].radius[index]),
+        body: order.iter().map(|&caller| owner[caller as usize]).collect(),
+        caller: order.to_vec(),
+        origin: origin::<V>(scene),
+        ..Properties::new(mass)
+    }
+}
+
+fn owners(scene: &Scene) -> impl Iterator<Item = usize> {
+    scene.bodies.iter().enumerate().flat_map(|(body, matter)| std::iter::repeat_n(body, matter.positions.len()))
+}
+
+/// Single precision is relative to the middle of all positions, rounded to a number that both precisions hold; double
+/// precision needs no origin.
+fn origin<V: Vector>(scene: &Scene) -> DVec3 {
+    let positions = || scene.bodies.iter().flat_map(|body| &body.positions);
+    if V::Scalar::NAME == "f64" || positions().next().is_none() {
+        return DVec3::ZERO;
+    }
+    let low = positions().copied().fold(DVec3::INFINITY, DVec3::min);
+    let high = positions().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
+    (0.5 * low + 0.5 * high).as_vec3().as_dvec3()
+}
+
+fn renumbered(springs: Vec<Spring>, order: &[u32]) -> Vec<Spring> {
+    let mut engine = vec![0; order.len()];
+    order.iter().enumerate().for_each(|(index, &caller)| engine[caller as usize] = index as u32);
+    springs.into_iter().map(|spring| Spring { ends: spring.ends.map(|end| engine[end as usize]), ..spring }).collect()
+}
+
+/// The initial state in the engine's order. `exact` asks for positions that are more exact than single precision.
+fn state<V: Vector>(scene: &Scene, properties: &Properties<V>, block: usize, exact: bool) -> Result<Matter<V>> {
+    let count = properties.count();
+    let positions = scene.positions();
+    let velocities: Vec<DVec3> = scene.bodies.iter().flat_map(|body| &body.velocities).copied().collect();
+    let mut state = Matter::zeros(count, 0, block);
+    if exact && V::Scalar::NAME == "f32" {
+        state.residual = Columns::zeros(count);
+    }
+    (0..count)
+        .for_each(|index| state.set_exact_position(index, positions[properties.caller[index] as usize] - properties.origin));
+    state.velocity = Columns::from_fn(count, |index| V::narrow(velocities[properties.caller[index] as usize]));
+    for (name, columns, given) in [("positions", &state.position, &positions), ("velocities", &state.velocity, &velocities)] {
+        if let Some(index) = columns.out_of_range() {
+            let (caller, body) = (properties.caller[index] as usize, properties.body[index] as usize);
+            let first = scene.bodies[..body].iter().map(|body| body.positions.len()).sum::<usize>();
+            return Err(out_of_range::<V>(&format!("bodies[{body}].{name}[{}]", caller - first), given[caller]));
+        }
+    }
+    Ok(state)
+}
+
+/// The error of a vector at `path` that the precision of the run cannot hold.
+pub fn out_of_range<V: Vector>(path: &str, found: DVec3) -> Error {
+    let found = &found.to_array()[..V::DIMENSION];
+    Error::parameter(path, format!("numbers in the range of {}", V::Scalar::NAME), format!("{found:?}"))
+}

@@ -1,0 +1,109 @@
+//! The fields of matter, in the caller's order and in double precision.
+
+use glam::DVec3;
+
+use super::MatterSystem;
+use super::compile::out_of_range;
+use crate::error::{Error, Result};
+use crate::forces::Fields;
+use crate::math::Vector;
+use crate::matter::{Columns, EnergySink};
+use crate::parallel::Executor;
+use crate::systems::{FieldInfo, System};
+
+/// The number of fields of matter without a fluid.
+const MOTION: usize = 2;
+/// The names and units of all fields.
+const FIELDS: [(&str, &str); 4] = [("positions", "m"), ("velocities", "m/s"), ("densities", "kg/m³"), ("pressures", "Pa")];
+
+impl<V: Vector> MatterSystem<V> {
+    /// The fields: those of a fluid only where there is one.
+    pub(super) fn field_infos(&self) -> Vec<FieldInfo> {
+        let number = if self.dynamics.scheme.is_some() { FIELDS.len() } else { MOTION };
+        let info = |(index, &(name, unit)): (usize, &(&'static str, &'static str))| {
+            let components = if index < MOTION { V::DIMENSION } else { 1 };
+            FieldInfo { name, unit, count: self.state.count(), components }
+        };
+        FIELDS[..number].iter().enumerate().map(info).collect()
+    }
+
+    /// The values of a field.
+    pub(super) fn values(&self, field: usize) -> Vec<f64> {
+        let (state, properties) = (&self.state, &self.dynamics.properties);
+        match field {
+            0 => self.vectors(|index| properties.origin + state.exact_position(index)),
+            1 => self.vectors(|index| state.velocity.get(index).widen()),
+            _ => {
+                let nothing = || vec![f64::NAN; properties.count()];
+                let mut fields = Fields { density: nothing(), pressure: nothing() };
+                let densities = self.dynamics.forces().iter().filter_map(|force| force.density());
+                densities.for_each(|density| density.export(&mut fields));
+                let mut ordered = nothing();
+                let values = if field == MOTION { fields.density } else { fields.pressure };
+                properties.caller.iter().zip(values).for_each(|(&caller, value)| ordered[caller as usize] = value);
+                ordered
+            }
+        }
+    }
+
+    fn vectors(&self, of: impl Fn(usize) -> DVec3) -> Vec<f64> {
+        let mut values = vec![0.0; V::DIMENSION * self.state.count()];
+        for (index, &caller) in self.dynamics.properties.caller.iter().enumerate() {
+            let first = V::DIMENSION * caller as usize;
+            values[first..first + V::DIMENSION].copy_from_slice(&of(index).to_array()[..V::DIMENSION]);
+        }
+        values
+    }
+
+    /// Replaces positions or velocities or both.
+    pub(super) fn replace(&mut self, fields: &[(&str, &[f64])], time: f64, executor: &Executor) -> Result<()> {
+        let before = self.audit(time, executor)?.total();
+        let mut state = self.state.clone();
+        for &(name, values) in fields {
+            let properties = &self.dynamics.properties;
+            let expected = V::DIMENSION * state.count();
+            if values.len() != expected {
+                return Err(Error::parameter(format!("set.{name}"), format!("{expected} numbers"), values.len()));
+            }
+            let of = |index: usize| {
+                let first = V::DIMENSION * properties.caller[index] as usize;
+                let mut vector = [0.0; 3];
+                vector[..V::DIMENSION].copy_from_slice(&values[first..first + V::DIMENSION]);
+                DVec3::from_array(vector)
+            };
+            let columns = match name {
+                "positions" => {
+                    (0..state.count()).for_each(|index| state.set_exact_position(index, of(index) - properties.origin));
+                    &state.position
+                }
+                "velocities" => {
+                    state.velocity = Columns::from_fn(state.count(), |index| V::narrow(of(index)));
+                    &state.velocity
+                }
+                _ => return Err(Error::parameter(format!("set.{name}"), "positions or velocities", name)),
+            };
+            if let Some(index) = columns.out_of_range() {
+                let path = format!("set.{name}[{}]", properties.caller[index]);
+                return Err(out_of_range::<V>(&path, of(index)));
+            }
+            if let ("positions", Some(contacts)) = (name, &self.dynamics.contacts) {
+                contacts.project_inside(&mut state.position, properties)?;
+            }
+        }
+        let mut archive = crate::history::Archive::default();
+        self.capture_forces(&mut archive);
+        let previous = std::mem::replace(&mut self.state, state);
+        // First the forces, because the energy of some of them follows from it.
+        let done = self.begin(time, executor).and_then(|()| self.finite_audit(time, executor)).map(|energy| {
+            if let Some(tally) = self.state.tallies.first_mut() {
+                tally.add(EnergySink::Work, energy.total() - before);
+            }
+        });
+        if done.is_err() {
+            self.state = previous;
+            self.resume();
+            self.restore_forces(&mut archive)?;
+        }
+        done
+    }
+}
