@@ -77,7 +77,7 @@ fn bench<V: Vector>(criterion: &mut Criterion, columns: usize, rows: usize, shuf
     let mut power = [[0.0; LANES]; SINKS];
     let mut group = criterion.benchmark_group(format!("{columns}x{rows}"));
     group.throughput(Throughput::Elements(springs.len() as u64));
-    let name = format!("{} {}D {}", force.layout(), V::DIMENSION, V::Scalar::NAME);
+    let name = format!("{} {}D {}", force.about().layout, V::DIMENSION, V::Scalar::NAME);
     group.bench_function(format!("force, {name}"), |bencher| {
         bencher.iter(|| {
             let mut rest = sum.span();

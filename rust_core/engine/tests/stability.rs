@@ -8,7 +8,7 @@ use physcore_engine::integrators::{
     BlanesMoan4, BlanesMoan6, BogackiShampine3, Component, DormandPrince5, ExplicitEuler, Integrator, McLachlan2, Pefrl,
     RungeKutta4, SemiImplicitEuler, VelocityVerlet,
 };
-use physcore_engine::stability::{Kind, Limit, Link, SpectralBound};
+use physcore_engine::stability::{Horizon, Kind, Limit, Link, SpectralBound};
 use proptest::prelude::*;
 
 type Matrix = Vec<Vec<f64>>;
@@ -42,7 +42,7 @@ struct Network {
 impl Network {
     fn bound(&self) -> SpectralBound {
         let mass: Vec<f64> = self.particles.iter().map(|particle| particle.mass).collect();
-        let mut bound = SpectralBound::directed(&mass, &vec![0; mass.len()]);
+        let mut bound = SpectralBound::new(&mass, &vec![0; mass.len()], Horizon::Sharp);
         for spring in &self.springs {
             let [from, to] = [spring.ends.0, spring.ends.1].map(|end| DVec3::from_array(self.particles[end].position));
             let (offset, stiffness, damping) = (to - from, spring.stiffness, spring.damping);
@@ -367,7 +367,7 @@ fn link(stiffness: f64, damping: f64) -> Link {
 
 /// One particle of 1 kg on a spring from a fixed one.
 fn oscillator(stiffness: f64, damping: f64) -> SpectralBound {
-    let mut bound = SpectralBound::new(&[1.0, f64::INFINITY], &[0, 0]);
+    let mut bound = SpectralBound::new(&[1.0, f64::INFINITY], &[0, 0], Horizon::Certified);
     bound.spring(0, 1, &link(stiffness, damping));
     bound
 }
@@ -375,7 +375,7 @@ fn oscillator(stiffness: f64, damping: f64) -> SpectralBound {
 /// A chain's fastest mode has ω = 2√(k/m) cos(π/2N), and the bound is 2√(k/m).
 #[test]
 fn the_bound_of_a_chain_is_tight() {
-    let mut bound = SpectralBound::new(&[2.0; 50], &[0; 50]);
+    let mut bound = SpectralBound::new(&[2.0; 50], &[0; 50], Horizon::Certified);
     (1..50).for_each(|j| bound.spring(j - 1, j, &link(800.0, 0.0)));
     let truth = 2.0 / (2.0 * (800.0_f64 / 2.0).sqrt() * (std::f64::consts::PI / 100.0).cos());
     let ratio = bound.limit::<VelocityVerlet>().dt() / truth;
@@ -421,7 +421,7 @@ fn the_bound_of_a_lattice_is_of_the_right_size() {
 #[test]
 fn a_spring_shorter_than_half_is_bounded_across() {
     for (length, stiffest) in [(1.0, 5.0), (0.5, 5.0), (0.25, 15.0)] {
-        let mut bound = SpectralBound::new(&[1.0, 1.0], &[0, 0]);
+        let mut bound = SpectralBound::new(&[1.0, 1.0], &[0, 0], Horizon::Certified);
         let offset = DVec3::new(0.6, 0.0, 0.8) * length;
         bound.spring(0, 1, &Link { offset, rest_length: 1.0, stiffness: 5.0, damping: 0.0 });
         let exact = 2.0 / f64::sqrt(2.0 * stiffest);
@@ -439,9 +439,9 @@ fn nothing_limits_what_feels_nothing() {
         certified: f64::INFINITY,
         endured: f64::INFINITY,
     };
-    assert_eq!(SpectralBound::new(&[], &[]).limit::<VelocityVerlet>(), nothing);
-    assert_eq!(SpectralBound::new(&[1.0, 2.0], &[0, 0]).limit::<ExplicitEuler>(), nothing);
-    let mut fixed = SpectralBound::new(&[f64::INFINITY; 2], &[0, 0]);
+    assert_eq!(SpectralBound::new(&[], &[], Horizon::Certified).limit::<VelocityVerlet>(), nothing);
+    assert_eq!(SpectralBound::new(&[1.0, 2.0], &[0, 0], Horizon::Certified).limit::<ExplicitEuler>(), nothing);
+    let mut fixed = SpectralBound::new(&[f64::INFINITY; 2], &[0, 0], Horizon::Certified);
     fixed.spring(0, 1, &link(1e8, 1e3));
     fixed.point(0, "well", 1e8, 1e3);
     assert_eq!(fixed.limit::<RungeKutta4>(), nothing);
@@ -461,7 +461,7 @@ fn explicit_euler_is_stable_only_with_damping_everywhere() {
 fn assert_sharp<I: Integrator>() {
     for (ratio, frequency) in [(0.0, 3.0), (0.1, 0.2), (0.3, 5.0), (0.5, 1.0), (0.9, 7.0), (1.0, 1.0), (2.5, 1.0), (40.0, 0.1)] {
         let (mass, stiffness, damping) = (2.0, 2.0 * frequency * frequency, 2.0 * 2.0 * ratio * frequency);
-        let mut bound = SpectralBound::directed(&[mass, mass, f64::INFINITY], &[0, 0, 0]);
+        let mut bound = SpectralBound::new(&[mass, mass, f64::INFINITY], &[0, 0, 0], Horizon::Sharp);
         // The other one swings half as fast at the same damping ratio.
         for (i, slower) in [(0, 1.0), (1, 0.5)] {
             bound.point(i, "central", stiffness * slower * slower, 0.0);
@@ -500,7 +500,7 @@ fn the_bound_of_independent_oscillators_is_the_limit_of_the_integrator() {
 fn different_oscillators_are_looked_at_one_by_one() {
     let limit = |count: u32| {
         let mass: Vec<f64> = (0..count).map(|i| 1.0 + f64::from(i)).collect();
-        let mut bound = SpectralBound::new(&mass, &vec![0; mass.len()]);
+        let mut bound = SpectralBound::new(&mass, &vec![0; mass.len()], Horizon::Certified);
         for i in 0..mass.len() {
             bound.point(i, "central", 1.0, 0.0);
             bound.point(i, "drag", 0.0, 2.0);
@@ -518,7 +518,7 @@ fn different_oscillators_are_looked_at_one_by_one() {
 /// What holds a fixed particle may be stiffer than any number: it does not move.
 #[test]
 fn a_fixed_particle_may_be_held_by_any_stiffness() {
-    let mut bound = SpectralBound::new(&[1.0, f64::INFINITY, 1.0], &[0; 3]);
+    let mut bound = SpectralBound::new(&[1.0, f64::INFINITY, 1.0], &[0; 3], Horizon::Certified);
     bound.spring(0, 1, &link(1e308, 1e308));
     bound.spring(1, 2, &link(1e308, 1e308));
     let limit = bound.sharp_limit::<VelocityVerlet>();
@@ -529,7 +529,7 @@ fn a_fixed_particle_may_be_held_by_any_stiffness() {
 /// Two particles in equal wells: ω² = 2k/m + p/m, the row's two sources added, not their worst cases.
 #[test]
 fn the_sources_of_a_row_are_summed() {
-    let mut bound = SpectralBound::new(&[2.0, 2.0], &[0, 0]);
+    let mut bound = SpectralBound::new(&[2.0, 2.0], &[0, 0], Horizon::Certified);
     bound.spring(0, 1, &link(30.0, 0.0));
     bound.point(0, "well", 10.0, 0.0);
     bound.point(1, "well", 10.0, 0.0);
@@ -539,7 +539,7 @@ fn the_sources_of_a_row_are_summed() {
 /// A stiff body without drag and a soft one with much: neither makes the other's step smaller.
 #[test]
 fn bodies_are_bounded_apart() {
-    let mut both = SpectralBound::new(&[1.0, f64::INFINITY, 1.0], &[0, 0, 1]);
+    let mut both = SpectralBound::new(&[1.0, f64::INFINITY, 1.0], &[0, 0, 1], Horizon::Certified);
     both.spring(0, 1, &link(100.0, 0.0));
     both.point(2, "drag", 0.0, 9.0);
     // Verlet: 2/ω = 0.2 s for the first, m/b = 1/9 s for the second.
