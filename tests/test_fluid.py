@@ -164,11 +164,10 @@ class Rising:
     def __getattr__(self, name: str) -> Any:
         return getattr(self._world, name)
 
-    def densities(self) -> np.ndarray:
-        return np.concatenate([[math.nan], np.full(len(WATER), 1000.0 + self._world.time)])
-
-    def pressures(self) -> np.ndarray:
-        return 100.0 * (self.densities() - 1000.0)
+    def read(self, name: str) -> np.ndarray:
+        density = np.concatenate([[math.nan], np.full(len(WATER), 1000.0 + self._world.time)])
+        own = {"densities": density, "pressures": 100.0 * (density - 1000.0)}
+        return own[name] if name in own else self._world.read(name)
 
 
 engine_world = engine.World
