@@ -32,8 +32,8 @@ from physcore.schema import of, record, several, table
 from physcore.serial import pack_numerics, pack_scene, unpack_numerics, unpack_scene
 from physcore.state import Frame, Snapshot
 
-State = ArrayLike | Mapping[BodyKey, ArrayLike] | None
-"""New values for all particles, for some bodies, or none."""
+State = ArrayLike | Mapping[BodyKey, ArrayLike]
+"""New values for all particles, or for some bodies."""
 
 
 class Simulation:
@@ -220,7 +220,7 @@ class Simulation:
         with Progress(count, "simulating", shown) as bar:
             return collect(frames, count, self._scene, float(fps), kept, self._end, bar.update)
 
-    def set(self, positions: State = None, velocities: State = None) -> None:
+    def set(self, positions: State | None = None, velocities: State | None = None) -> None:
         """Replace the state between two steps; the change of energy counts as work.
 
         Args:

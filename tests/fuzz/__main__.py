@@ -30,7 +30,7 @@ START = 20
 MEMORY = 4 << 30
 """What a worker may use [bytes]."""
 SILENCE = 60.0
-"""A worker that has begun no call for so long hangs [s]."""
+"""A worker that has begun no call for so long hangs [s]; before its first one it may take ten times as long."""
 JOURNAL = 1 << 16
 """The size of what a worker writes down [bytes]."""
 
@@ -110,13 +110,16 @@ def launch(name: str, count: int, seed: int) -> dict[str, Any]:
                 now = journal.read_bytes()
                 if now != last:
                     last, since = now, time.monotonic()
-                elif time.monotonic() - since > SILENCE:
+                elif time.monotonic() - since > (SILENCE if now[0] else 10.0 * SILENCE):
                     process.kill()
         if process.returncode > 0:
             raise RuntimeError(f"{name}: the worker failed:\n{log.read_text(errors='replace')}")
         outcome: dict[str, Any] = json.loads(result.read_text()) if result.exists() else {"found": {}}
         if process.returncode < 0:
-            examples, calls, example = journal.read_bytes().partition(b"\0")[0].decode("utf-8", "replace").split(" ", 2)
+            begun = (
+                journal.read_bytes().partition(b"\0")[0].decode("utf-8", "replace") or "0 0 before the first example"
+            )
+            examples, calls, example = begun.split(" ", 2)
             why = "hangs" if process.returncode == -signal.SIGKILL else f"ends the process ({process.returncode})"
             outcome["found"][why] = {"times": 1, "script": example}
             outcome |= {"calls": int(calls) + 1, "examples": int(examples) + 1}
@@ -139,6 +142,8 @@ def fuzz(calls: int | None, processes: int, seed: int, names: list[str]) -> int:
         totals[name][0] += done
         totals[name][1] += time.monotonic() - begin
         for kind, fault in outcome["found"].items():
+            if (name, kind) not in found:
+                print(f"{name}: found: {kind}\n    {fault['script'][:1000]}", file=sys.stderr, flush=True)
             known = found.setdefault((name, kind), {"times": 0, "script": fault["script"]})
             known["times"] = known["times"] + fault["times"]
             known["script"] = min(known["script"], fault["script"], key=len)
