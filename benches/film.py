@@ -30,10 +30,10 @@ from PIL import Image, ImageDraw
 
 import physcore as pc
 from physcore._core import Gif
-from physcore.film.panels import Stage
-from physcore.film.sources import sources
-from physcore.film.themes import resolve
+from physcore.film.colors.themes import resolve
+from physcore.film.renderer import Stage
 from physcore.film.writers import delays
+from physcore.simulation.sources import sources
 
 SIZE = (640, 480)
 DISCS = 5000

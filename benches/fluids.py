@@ -15,7 +15,7 @@ from rivals.fluids_numba import NumbaFluid, Tank
 from rivals.jit import with_threads
 
 import physcore as pc
-from physcore.numerics import Precision
+from physcore.numerics.choices import Precision
 
 G = 9.81
 HEIGHT = 1.0

@@ -16,7 +16,7 @@ import pytest
 import physcore as pc
 from physcore import styles
 from physcore.film import Follow, Keyframes, Orbit, Theme, Window, evidence
-from physcore.film.themes import DARK
+from physcore.film.colors.themes import DARK
 
 
 class Hostile:
@@ -264,7 +264,7 @@ def test_any_value_of_any_argument_is_taken_or_refused_by_name(call, parameter, 
         ),
         (lambda: pc.Simulation(SCENE, dt=np.array([1, 2])), "dt: must be a number"),
         (lambda: simulation().set({0: [0.0, 0.0], "none": 1.0}), "set.positions: no body 'none'"),
-        (lambda: SCENE.targets(0), "targets.influence: must be a force or a boundary, got 0"),
+        (lambda: SCENE.targets(0), "targets.item: must be a force or a boundary, got 0"),
         (lambda: list(simulation().frames(0.05, fps=5e-324)), "fps: must be ≥ 1e-100"),
         (lambda: simulation().record(1.0, fps=1e300), "fps: must be ≤ 1e.100"),
         (lambda: simulation().record(1.0, fps=1e13, channels=()), "duration: 10000000000001 frames .* GB are free"),

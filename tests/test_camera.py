@@ -15,10 +15,10 @@ from hypothesis import strategies as st
 
 import physcore as pc
 from physcore.film import DARK, Follow, Keyframes, Orbit, Window
-from physcore.film.camera import fit
-from physcore.film.moving import middle, smooth
-from physcore.film.panels import Stage
-from physcore.film.sources import sources
+from physcore.film.camera.track import middle, smooth
+from physcore.film.camera.view import fit
+from physcore.film.renderer import Stage
+from physcore.simulation.sources import sources
 
 SIZE = (160, 120)
 SHARP = {"labels": (), "color_bar": False}

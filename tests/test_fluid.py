@@ -11,10 +11,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import physcore as pc
-from physcore import engine
-from physcore.kernels import KERNELS
-from physcore.numerics import check
-from physcore.overlaps import closer_than
+from physcore.numerics.choices import check
+from physcore.scene.kernels import KERNELS
+from physcore.scene.overlaps import closer_than
+from physcore.simulation import engine
 
 WATER = pc.block((0.0, 0.0), (1.0, 0.5), 0.1)
 

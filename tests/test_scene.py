@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from physcore.integrators import INTEGRATORS
 
 import physcore as pc
 from physcore.boundaries import BOUNDARIES
 from physcore.forces import FORCES
-from physcore.integrators import INTEGRATORS
 
 ONE = pc.Particles([[0.0, 1.0]], name="one")
 TWO = pc.Particles([[0.0, 1.0], [2.0, 3.0]], name="two")

@@ -22,16 +22,16 @@ from hypothesis import strategies as st
 from PIL import Image
 
 import physcore as pc
-from physcore.evidence import Drift
-from physcore.film import DARK, LIGHT, Follow, Orbit, Window, gif_bytes, spool
-from physcore.film.colormaps import COLORMAPS, LUMA, sequential
-from physcore.film.foot import Foot, bars
-from physcore.film.lettering import ADVANCE, ends, wrapped
-from physcore.film.panels import Stage
-from physcore.film.sources import Running, sources
-from physcore.film.spool import Spool
+from physcore.film import DARK, LIGHT, Follow, Orbit, Window, frame_cache, gif_bytes
+from physcore.film.colors.colormaps import COLORMAPS, LUMA, sequential
+from physcore.film.colors.themes import LEGIBLE, contrast, legible
+from physcore.film.frame_cache import Spool
+from physcore.film.labels.footer import Foot, bars
+from physcore.film.labels.text import ADVANCE, ends, wrapped
+from physcore.film.renderer import Stage
 from physcore.film.styles.base import Scale
-from physcore.film.themes import LEGIBLE, contrast, legible
+from physcore.simulation.evidence import Drift
+from physcore.simulation.sources import Running, sources
 
 SIZE = (320, 240)
 
@@ -121,8 +121,8 @@ def test_the_same_bytes_spooled_simulated_again_and_recorded(tmp_path: Path, mon
 
     monkeypatch.setattr(Spool, "close", watched)
     for name, share, trial in (("spooled", 1.0, np.inf), ("refused", 0.0, np.inf), ("slow", 1.0, -1.0)):
-        monkeypatch.setattr(spool, "SHARE", share)
-        monkeypatch.setattr(spool, "TRIAL", trial)
+        monkeypatch.setattr(frame_cache, "SHARE", share)
+        monkeypatch.setattr(frame_cache, "TRIAL", trial)
         if name == "slow":
             monkeypatch.setattr(Spool, "_write", slow)
         pc.film(scene, tmp_path / f"{name}.gif", duration=0.5, fps=20, **options)
@@ -166,7 +166,7 @@ def test_a_full_disk_does_not_fail_the_film(room: int, when: str, monkeypatch: p
             return super().seek(offset, whence)
 
     monkeypatch.setattr(tempfile, "TemporaryFile", lambda **options: Small())
-    monkeypatch.setattr(spool, "TRIAL", np.inf)
+    monkeypatch.setattr(frame_cache, "TRIAL", np.inf)
     found = Spool(Running(rope(), 0.5, 20.0, {}))
     first = [moment.positions for moment in found.first()]
     assert found.whole == (when == "reading")
@@ -192,7 +192,7 @@ def runs(monkeypatch: pytest.MonkeyPatch) -> list[int]:
 def test_a_film_that_depends_on_nothing_is_simulated_once(
     runs: list[int], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(spool, "SHARE", 0.0)
+    monkeypatch.setattr(frame_cache, "SHARE", 0.0)
     closed: dict[str, Any] = {"camera": Window((-1.0, -2.0), (2.0, 1.0)), "style": pc.styles.Strain(range=0.5)}
     for options, expected in [
         (closed, 1),
@@ -211,8 +211,8 @@ def test_a_film_that_depends_on_nothing_is_simulated_once(
     pc.film(pc.simulate(rope(), 0.5, fps=20), tmp_path / "recorded.gif", **closed)
     assert (tmp_path / "once.gif").read_bytes() == (tmp_path / "recorded.gif").read_bytes()
     runs.clear()
-    monkeypatch.setattr(spool, "SHARE", 1.0)
-    monkeypatch.setattr(spool, "TRIAL", np.inf)
+    monkeypatch.setattr(frame_cache, "SHARE", 1.0)
+    monkeypatch.setattr(frame_cache, "TRIAL", np.inf)
     pc.film(rope(), tmp_path / "film.gif", duration=0.5, fps=20)
     assert runs == [11]
 

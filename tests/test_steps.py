@@ -7,11 +7,11 @@ import re
 
 import numpy as np
 import pytest
+from physcore.integrators import INTEGRATORS
 
 import physcore as pc
-from physcore import engine
-from physcore.integrators import INTEGRATORS
-from physcore.numerics import Limit, largest_step
+from physcore.numerics.choices import Limit, largest_step
+from physcore.simulation import engine
 
 FALLING = pc.Scene(pc.Particles([[0.0, 0.0]]), pc.Gravity((0.0, -9.81)))
 

@@ -12,10 +12,10 @@ from PIL import Image
 
 import physcore as pc
 from physcore.film import DARK, Orbit, Window
-from physcore.film.camera import Face, View, fit
-from physcore.film.sources import Moment, Recorded, sources
+from physcore.film.camera.view import Face, View, fit
 from physcore.film.styles import fields
 from physcore.film.styles.base import Part
+from physcore.simulation.sources import Moment, Recorded, sources
 
 SIZE = (240, 180)
 

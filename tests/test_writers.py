@@ -20,10 +20,10 @@ import pytest
 from PIL import Image
 
 import physcore as pc
-from physcore.evidence import Drift
-from physcore.film import evidence, gif_bytes, spool
+from physcore.film import evidence, frame_cache, gif_bytes
 from physcore.film.writers import WRITERS, delays
-from physcore.serial import unpack_numerics
+from physcore.simulation.evidence import Drift
+from physcore.simulation.serial import unpack_numerics
 
 SIZE = (160, 120)
 MOVING = [kind.suffixes[0] for kind in WRITERS if kind.suffixes != (".png",)]
@@ -346,7 +346,7 @@ def test_a_scene_with_code_has_no_hash_and_says_so(tmp_path: Path) -> None:
 
 
 def test_a_scene_that_does_not_repeat_itself_is_noticed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(spool, "SHARE", 0.0)  # frames that were put aside are drawn as they were
+    monkeypatch.setattr(frame_cache, "SHARE", 0.0)  # frames that were put aside are drawn as they were
     random = np.random.default_rng(1)
     scene = pc.Scene(pc.Particles([[0.0, 0.0]]), pc.CustomForce(lambda time, x, v: random.normal(size=x.shape)))
     with pytest.raises(pc.InternalError, match="CustomForce"):

@@ -11,9 +11,9 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+from physcore.integrators import INTEGRATORS
 
 import physcore as pc
-from physcore.integrators import INTEGRATORS
 
 STEPS = 60
 """Steps that a contract takes where the number does not matter: several chunks, and some rebuilt neighbor lists."""

@@ -35,7 +35,7 @@ VALID = {
     },
     **{
         "cameras": "{0.0: film.Window((0, 0), (1, 1))}",
-        "influence": "pc.Gravity((0.0, -9.81))",
+        "item": "pc.Gravity((0.0, -9.81))",
         "items": "pc.Gravity((0.0, 0.0))",
     },
     **{"by_term": "{}", "dissipated_by": "{}", "channels": "{}", "bodies": "0", "part": "(0.0, 1.0)", "budget": "0.01"},
@@ -191,7 +191,14 @@ def prepare() -> None:
 
     What is imported late is imported here: a call that is stopped in the middle of an import leaves half a module.
     """
-    for name in ("matplotlib.pyplot", "matplotlib.colors", "h5py", "imageio_ffmpeg", "PIL.Image", "physcore.tradeoff"):
+    for name in (
+        "matplotlib.pyplot",
+        "matplotlib.colors",
+        "h5py",
+        "imageio_ffmpeg",
+        "PIL.Image",
+        "physcore.studies.tradeoff",
+    ):
         with suppress(ImportError):
             import_module(name)
     particles = pc.Particles([[0.0, 0.5], [0.4, 0.5]], velocities=[0.1, 0.0], radius=0.01, name="balls")

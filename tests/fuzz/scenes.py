@@ -35,7 +35,7 @@ def scenes(draw: st.DrawFn) -> str:
     """A scene as a text."""
     dimension = draw(st.sampled_from([2, 2, 3]))
     items = [draw(_body(dimension)) for _ in range(draw(st.sampled_from([1, 1, 2])))]
-    items += [draw(_influence(dimension)) for _ in range(draw(st.integers(0, 3)))]
+    items += [draw(_acting(dimension)) for _ in range(draw(st.integers(0, 3)))]
     if draw(st.integers(0, 5)) == 5:
         side = draw(SIZE)
         items.append(f"pc.Periodic([-2 * {side}] * {dimension}, [2 * {side}] * {dimension})")
@@ -77,7 +77,7 @@ def _body(draw: st.DrawFn, dimension: int) -> str:
 
 
 @st.composite
-def _influence(draw: st.DrawFn, dimension: int) -> str:
+def _acting(draw: st.DrawFn, dimension: int) -> str:
     zero, number = f"[0.0] * {dimension}", lambda: draw(NUMBER)
     makers: list[Callable[[], str]] = [
         lambda: f"pc.Gravity({GRAVITY[dimension]})",

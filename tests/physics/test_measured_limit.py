@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import physcore as pc
-from physcore.stability import RUNAWAY, STEPS
+from physcore.studies.stability import RUNAWAY, STEPS
 from physics.laboratory import ALL, LONG, amplification, largest_step, line, name, network
 
 STABLE = [integrator for integrator in ALL if not isinstance(integrator, pc.ExplicitEuler)]

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import physcore as pc
-from physcore.audit import audit
+from physcore.studies.audit import audit
 
 DT = 0.02
 

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 import physcore as pc
-from physcore.tradeoff import reference
-from physcore.tradeoff.budget import Budget
-from physcore.tradeoff.chaos import Chaos, twin
-from physcore.tradeoff.experiment import Choice, Experiment
-from physcore.tradeoff.restarts import bias
+from physcore.studies.tradeoff import reference
+from physcore.studies.tradeoff.budget import Budget
+from physcore.studies.tradeoff.chaos import Chaos, twin
+from physcore.studies.tradeoff.experiment import Choice, Experiment
+from physcore.studies.tradeoff.restarts import bias
 from physics.laboratory import ALL, LONG, name, network
 
 Case = tuple[pc.Scene, float]

@@ -1,7 +1,7 @@
 """Films: what a recording or a running simulation looks like, as a GIF, WebP, APNG or MP4, or a still picture.
 
 `film` is the recipe; a style says how bodies look (`styles`), a camera from where they are seen (`camera`), a theme in
-which colors (`themes`), a writer in which format (`writers`). To add a style or a format: one file in `styles/` or
+which colors (`colors`), a writer in which format (`writers`). To add a style or a format: one file in `styles/` or
 `writers/` and one line there.
 """
 
@@ -11,13 +11,15 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 from physcore.film.filming import film, gif_bytes
+from physcore.film.notebook import html
+from physcore.simulation.recording import show_with
 
 if TYPE_CHECKING:
     from physcore.film import styles
-    from physcore.film.camera import Orbit, Window
-    from physcore.film.moving import Follow, Keyframes
-    from physcore.film.proof import evidence
-    from physcore.film.themes import DARK, LIGHT, Theme
+    from physcore.film.camera.track import Follow, Keyframes
+    from physcore.film.camera.view import Orbit, Window
+    from physcore.film.colors.themes import DARK, LIGHT, Theme
+    from physcore.film.metadata import evidence
 
 __all__ = [
     "DARK",
@@ -34,16 +36,19 @@ __all__ = [
 ]
 
 _HOMES = {
-    "DARK": "themes",
-    "LIGHT": "themes",
-    "Follow": "moving",
-    "Keyframes": "moving",
-    "Orbit": "camera",
-    "Theme": "themes",
-    "Window": "camera",
-    "evidence": "proof",
+    "DARK": "colors.themes",
+    "LIGHT": "colors.themes",
+    "Follow": "camera.track",
+    "Keyframes": "camera.track",
+    "Orbit": "camera.view",
+    "Theme": "colors.themes",
+    "Window": "camera.view",
+    "evidence": "metadata",
 }
 """Where names live that are looked up when they are asked for: not every script draws."""
+
+
+show_with(html)
 
 
 def __getattr__(name: str) -> object:

@@ -11,18 +11,18 @@ from typing import TYPE_CHECKING, Unpack
 from physcore.checks import count as whole_number
 from physcore.checks import flag, text, word
 from physcore.errors import FileError, SceneError
-from physcore.numerics import Options
+from physcore.numerics.choices import Options
 
 # Drawing is imported where it is used: it takes as long as the rest of physcore.
 if TYPE_CHECKING:
-    from physcore.film.foot import Label
-    from physcore.film.inset import Inset
-    from physcore.film.moving import Camera, Follow
+    from physcore.film.camera.track import Camera, Follow
+    from physcore.film.colors.themes import Color, Theme, ThemeName
+    from physcore.film.labels.diagram import Inset
+    from physcore.film.labels.footer import Label
     from physcore.film.styles import Style
-    from physcore.film.themes import Color, Theme, ThemeName
     from physcore.film.writers import Film, Quality, Writer
-    from physcore.recording import Recording
-    from physcore.scene import Scene
+    from physcore.scene.scene import Scene
+    from physcore.simulation.recording import Recording
 
 
 def film(
@@ -102,12 +102,12 @@ def film(
         PhyscoreError: what the format needs is not installed.
         SimulationDiverged: the scene blew up while it was filmed.
     """
-    from physcore.files import require_writable
-    from physcore.film.panels import Stage
-    from physcore.film.proof import proof, sidecar_of, write_sidecar
-    from physcore.film.sources import sources
+    from physcore.film.metadata import proof, sidecar_of, write_sidecar
+    from physcore.film.renderer import Stage
     from physcore.film.writers import WRITERS, Reel
-    from physcore.formats import writable
+    from physcore.simulation.sources import sources
+    from physcore.storage.files import require_writable
+    from physcore.storage.formats import writable
 
     writer, target = writable(path, WRITERS), Path(path)
     if flag(sidecar, "sidecar"):
@@ -140,11 +140,11 @@ def gif_bytes(
     speed: float = 1.0,
 ) -> bytes:
     """The bytes of the GIF that `film` would write, for a notebook or a server; the arguments are those of `film`."""
-    from physcore.film.panels import Stage
-    from physcore.film.proof import proof
-    from physcore.film.sources import sources
-    from physcore.film.themes import resolve
+    from physcore.film.colors.themes import resolve
+    from physcore.film.metadata import proof
+    from physcore.film.renderer import Stage
     from physcore.film.writers import GifWriter, Reel
+    from physcore.simulation.sources import sources
 
     found = sources(recording, None, None, {})
     rate = GifWriter.rate(found[0].fps, speed)
@@ -177,7 +177,7 @@ def _check_bytes(quality: object, max_bytes: object, writer: Writer) -> None:
 
 
 def _colors(theme: Theme | ThemeName, background: Color | str | None) -> Theme:
-    from physcore.film.themes import color, legible, resolve
+    from physcore.film.colors.themes import color, legible, resolve
 
     chosen = resolve(theme)
     return chosen if background is None else legible(replace(chosen, background=color(background, "background")))

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from physcore.checks import count as whole_number
 from physcore.checks import items, shown, text
 from physcore.errors import SceneError
-from physcore.film.lettering import text_height
+from physcore.film.labels.text import text_height
 
 MARGIN = 0.03
 """Free space around the motion, as a fraction of a panel's shorter side."""

@@ -9,10 +9,10 @@ import numpy as np
 
 from physcore._core import Canvas
 from physcore.checks import FloatArray
-from physcore.film.camera import PixelArray, View
-from physcore.film.themes import Color, Theme
-from physcore.periodic import Periodic
-from physcore.scene import Scene
+from physcore.film.camera.view import PixelArray, View
+from physcore.film.colors.themes import Color, Theme
+from physcore.scene.periodic import Periodic
+from physcore.scene.scene import Scene
 
 SHADING = 0.62
 GRID = 10

@@ -6,10 +6,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
-from physcore.bodies import Body
 from physcore.checks import number
 from physcore.errors import SceneError
-from physcore.forces.base import Force
+from physcore.scene.bodies import Body
+from physcore.scene.items import Force
 
 LINEAR, HERTZIAN = 1.0, 1.5
 

@@ -10,15 +10,15 @@ from pathlib import Path
 from typing import Unpack
 
 from physcore.checks import flag
-from physcore.film.sources import sources
-from physcore.formats import writable
-from physcore.numerics import Options
+from physcore.numerics.choices import Options
 from physcore.output.base import Trajectory, TrajectoryWriter
 from physcore.output.extended_xyz import ExtendedXyzWriter
 from physcore.output.h5md import H5mdWriter
 from physcore.output.vtk import VtkWriter
-from physcore.recording import Recording
-from physcore.scene import Scene
+from physcore.scene.scene import Scene
+from physcore.simulation.recording import Recording
+from physcore.simulation.sources import sources
+from physcore.storage.formats import writable
 
 FORMATS: tuple[type[TrajectoryWriter], ...] = (ExtendedXyzWriter, VtkWriter, H5mdWriter)
 """Every format that a trajectory can be exported to."""

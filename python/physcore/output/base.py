@@ -11,13 +11,13 @@ from typing import cast
 
 import numpy as np
 
-from physcore.bodies import Body, SpringNetwork
 from physcore.checks import FloatArray, IntArray
-from physcore.energy import Energy
-from physcore.film.sources import Recorded, Running, Source
-from physcore.formats import Format
-from physcore.periodic import Periodic
 from physcore.progress import Progress
+from physcore.scene.bodies import Body, SpringNetwork
+from physcore.scene.periodic import Periodic
+from physcore.simulation.energy import Energy
+from physcore.simulation.sources import Recorded, Running, Source
+from physcore.storage.formats import Format
 
 FIELDS = {"densities": "density", "pressures": "pressure"}
 """What one of them is called, where a column or an array is named after what a particle has."""

@@ -11,9 +11,9 @@ from typing import ClassVar
 
 import numpy as np
 
-from physcore.files import replacing
 from physcore.output.base import Sample, Trajectory, TrajectoryWriter
-from physcore.periodic import Periodic
+from physcore.scene.periodic import Periodic
+from physcore.storage.files import replacing
 
 SPECIES = "X"
 """What readers know as an atom of no element; bodies are told apart by the column `body`."""

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any, BinaryIO, ClassVar
 import numpy as np
 
 from physcore.checks import FloatArray
-from physcore.files import replacing
 from physcore.output.base import Sample, Trajectory, TrajectoryWriter
-from physcore.periodic import Periodic
-from physcore.provenance import version
+from physcore.scene.periodic import Periodic
+from physcore.simulation.provenance import version
+from physcore.storage.files import replacing
 
 if TYPE_CHECKING:
     import h5py

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from physcore.checks import text
 from physcore.errors import FileError
-from physcore.files import held, replacing, sweep, temporary_name, unwritable
 from physcore.output.base import Sample, Trajectory, TrajectoryWriter
+from physcore.storage.files import held, replacing, sweep, temporary_name, unwritable
 
 FRAMES = "frames"
 """What the folder of frames is called in its temporary name, until its content is known."""

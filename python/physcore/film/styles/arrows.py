@@ -8,12 +8,12 @@ import numpy as np
 
 from physcore._core import Canvas, norms, tint
 from physcore.checks import number
-from physcore.film.camera import PixelArray, View
-from physcore.film.sources import Moment
+from physcore.film.camera.view import PixelArray, View
+from physcore.film.colors.themes import Theme
 from physcore.film.styles.base import Painter
 from physcore.film.styles.field_style import FieldPainter, FieldStyle
 from physcore.film.styles.fields import Field
-from physcore.film.themes import Theme
+from physcore.simulation.sources import Moment
 
 HEAD = 0.34
 """Length of an arrow's head over that of the longest arrow."""

@@ -12,14 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from physcore._core import Canvas
-from physcore.bodies import Body
 from physcore.checks import BoolArray, FloatArray, IntArray, number
-from physcore.film.camera import PixelArray, View
-from physcore.film.colormaps import ColormapName, sequential
-from physcore.film.sources import Moment, Source
-from physcore.film.themes import Theme
-from physcore.influence import On, chosen
-from physcore.periodic import Periodic
+from physcore.film.camera.view import PixelArray, View
+from physcore.film.colors.colormaps import ColormapName, sequential
+from physcore.film.colors.themes import Theme
+from physcore.scene.bodies import Body
+from physcore.scene.items import On, chosen
+from physcore.scene.periodic import Periodic
+from physcore.simulation.sources import Moment, Source
 
 InkArray = NDArray[np.uint8]
 """Red, green, blue and opacity, 0–255, shape (N, 4)."""

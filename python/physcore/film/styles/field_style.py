@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from physcore._core import norms
-from physcore.film.colormaps import ColormapName, sequential
-from physcore.film.sources import Moment, Source
+from physcore.film.colors.colormaps import ColormapName, sequential
+from physcore.film.colors.themes import Theme
 from physcore.film.styles.base import Painter, Part, Scale, Style, table, typical
 from physcore.film.styles.fields import UNITS, Field, Of, check_field, field
-from physcore.film.themes import Theme
+from physcore.simulation.sources import Moment, Source
 
 
 @dataclass(frozen=True)

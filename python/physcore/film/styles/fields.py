@@ -9,17 +9,17 @@ from typing import Literal, Protocol, TypeAlias
 
 import numpy as np
 
-from physcore.bodies import Particles
 from physcore.checks import FloatArray, IntArray, is_word, regular, shown
 from physcore.errors import PhyscoreError, SceneError
-from physcore.film.camera import View
-from physcore.film.sources import Moment, Source
+from physcore.film.camera.view import View
 from physcore.film.styles.base import Part, places
 from physcore.film.styles.base import sums as row_sums
 from physcore.forces import CustomForce, LennardJones, Repulsion
-from physcore.integrators import SemiImplicitEuler
-from physcore.scene import Scene
-from physcore.simulation import Simulation, unwarned
+from physcore.numerics.integrators import SemiImplicitEuler
+from physcore.scene.bodies import Particles
+from physcore.scene.scene import Scene
+from physcore.simulation.simulation import Simulation, unwarned
+from physcore.simulation.sources import Moment, Source
 
 FieldFunction: TypeAlias = Callable[[float, FloatArray], FloatArray]
 """`function(time, positions)` gives vectors for positions (N, D), as those of a CustomForce do."""

@@ -7,16 +7,16 @@ from typing import Literal
 
 import numpy as np
 
-from physcore import fluid
 from physcore._core import Canvas, norms, tint
-from physcore.bodies import Body
 from physcore.checks import FloatArray, flag, word
 from physcore.errors import SceneError
-from physcore.film.camera import View
-from physcore.film.colormaps import ColormapName, sequential
-from physcore.film.sources import Moment, Source
+from physcore.film.camera.view import View
+from physcore.film.colors.colormaps import ColormapName, sequential
+from physcore.film.colors.themes import Theme, mixed
 from physcore.film.styles.base import FOG, SHADING, Painter, Part, Scale, Style, places, typical
-from physcore.film.themes import Theme, mixed
+from physcore.scene import fluid
+from physcore.scene.bodies import Body
+from physcore.simulation.sources import Moment, Source
 
 ColorBy = Literal["speed", "pressure", "density"]
 

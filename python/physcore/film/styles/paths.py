@@ -9,13 +9,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from physcore._core import Canvas
-from physcore.bodies import Body
 from physcore.checks import FloatArray, IntArray, number, regular, shown
 from physcore.errors import SceneError
-from physcore.film.camera import View
-from physcore.film.sources import Moment, Source
+from physcore.film.camera.view import View
+from physcore.film.colors.themes import Theme
 from physcore.film.styles.base import Painter, Part, Style, body_color, inks, straight
-from physcore.film.themes import Theme
+from physcore.scene.bodies import Body
+from physcore.simulation.sources import Moment, Source
 
 FRESH = 0.85
 """How much of its body's color a path has, beside the background's."""

@@ -12,9 +12,9 @@ import numpy as np
 from physcore._core import Canvas, norms, tint
 from physcore.checks import FloatArray, number, word
 from physcore.errors import SceneError
-from physcore.film.camera import PixelArray, View
-from physcore.film.colormaps import ColormapName, sequential
-from physcore.film.sources import Moment, Source
+from physcore.film.camera.view import PixelArray, View
+from physcore.film.colors.colormaps import ColormapName, sequential
+from physcore.film.colors.themes import Theme
 from physcore.film.styles.base import (
     FOG,
     SHADING,
@@ -29,7 +29,7 @@ from physcore.film.styles.base import (
     straight,
     typical,
 )
-from physcore.film.themes import Theme
+from physcore.simulation.sources import Moment, Source
 
 ColorBy = Literal["speed", "energy", "body"]
 

@@ -7,15 +7,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from physcore._core import Canvas
-from physcore.bodies import Body, SpringNetwork
 from physcore.checks import BoolArray, FloatArray, IntArray
 from physcore.errors import SceneError
-from physcore.film.camera import View
-from physcore.film.colormaps import diverging, look_up
-from physcore.film.sources import Moment, Source
+from physcore.film.camera.view import View
+from physcore.film.colors.colormaps import diverging, look_up
+from physcore.film.colors.themes import Theme
 from physcore.film.styles.base import Painter, Part, Scale, Style, inks, typical
-from physcore.film.themes import Theme
-from physcore.periodic import Periodic
+from physcore.scene.bodies import Body, SpringNetwork
+from physcore.scene.periodic import Periodic
+from physcore.simulation.sources import Moment, Source
 
 WIDTHS = (1.0, 3.4)
 """The thinnest and the thickest line that is chosen by itself [pixels]."""

@@ -8,15 +8,15 @@ from typing import ClassVar
 import numpy as np
 
 from physcore._core import Canvas, tint
-from physcore.bodies import Body
 from physcore.checks import number
 from physcore.errors import SceneError
-from physcore.film.camera import View
-from physcore.film.sources import Moment, Source
+from physcore.film.camera.view import View
+from physcore.film.colors.themes import Theme
 from physcore.film.styles.base import Painter, Part
 from physcore.film.styles.field_style import FieldPainter, FieldStyle
 from physcore.film.styles.fields import Field, pattern
-from physcore.film.themes import Theme
+from physcore.scene.bodies import Body
+from physcore.simulation.sources import Moment, Source
 
 STEP = 3.0
 """Length of a step along a streamline [pixels]."""

@@ -10,17 +10,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from physcore._core import Canvas, Texture
-from physcore.bodies import Body, SpringNetwork
 from physcore.checks import FloatArray, IntArray, file_path, frozen, is_word, regular
 from physcore.errors import FileError, SceneError
-from physcore.film.camera import Orbit, View
-from physcore.film.colormaps import diverging, look_up
+from physcore.film.camera.view import Orbit, View
+from physcore.film.colors.colormaps import diverging, look_up
+from physcore.film.colors.themes import Color, Theme, color
 from physcore.film.pictures import opened
-from physcore.film.sources import Moment, Source
 from physcore.film.styles.base import Painter, Part, Scale, Style, body_color, inks, places, straight, sums, typical
 from physcore.film.styles.strain import rooted, strain_scale
-from physcore.film.themes import Color, Theme, color
-from physcore.periodic import Periodic
+from physcore.scene.bodies import Body, SpringNetwork
+from physcore.scene.periodic import Periodic
+from physcore.simulation.sources import Moment, Source
 
 LAMP = np.array([-0.408, 0.577, 0.707])
 """Direction to the lamp: left, up, toward the eye; where that of balls stands too."""

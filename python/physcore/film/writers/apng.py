@@ -17,10 +17,10 @@ from typing import BinaryIO, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from physcore.files import replacing
 from physcore.film.writers.base import Film, Reel, Writer, delays
 from physcore.film.writers.patches import patches
 from physcore.film.writers.png import KEYWORD, text_of
+from physcore.storage.files import replacing
 
 TICKS = 1000
 """Delays are given in milliseconds."""

@@ -12,9 +12,9 @@ from typing import ClassVar, Literal, get_args
 from physcore._core import Canvas
 from physcore.checks import span
 from physcore.errors import SceneError
-from physcore.film.panels import Stage
-from physcore.formats import Format
+from physcore.film.renderer import Stage
 from physcore.progress import Progress
+from physcore.storage.formats import Format
 
 Quality = Literal["fast", "high"]
 QUALITIES: tuple[Quality, ...] = get_args(Quality)

@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import BinaryIO, ClassVar
 
 from physcore._core import Gif
-from physcore.files import held, replacing
 from physcore.film.writers.base import Film, Reel, Writer, delays
 from physcore.film.writers.budget import Cut
+from physcore.storage.files import held, replacing
 
 TICKS = 100
 """Delays are hundredths of a second."""

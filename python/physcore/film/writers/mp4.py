@@ -12,8 +12,8 @@ from typing import IO, TYPE_CHECKING, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from physcore.files import replacing
 from physcore.film.writers.base import Film, Reel, Writer
+from physcore.storage.files import replacing
 
 # What runs another program is imported where it is used: it takes as long as half of physcore.
 if TYPE_CHECKING:

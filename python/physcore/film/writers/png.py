@@ -6,8 +6,8 @@ from collections import deque
 from pathlib import Path
 from typing import ClassVar
 
-from physcore.files import replacing
 from physcore.film.writers.base import Film, Reel, Writer
+from physcore.storage.files import replacing
 
 KEYWORD = "physcore"
 """Under which the evidence stands."""

@@ -14,10 +14,10 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from physcore.files import replacing
 from physcore.film.pictures import opened
 from physcore.film.writers.base import Film, Reel, Writer, delays
 from physcore.film.writers.patches import Patch, patches
+from physcore.storage.files import replacing
 
 TICKS = 1000
 """Delays are milliseconds."""

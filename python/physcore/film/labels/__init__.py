@@ -1,0 +1,1 @@
+"""What is written and drawn beside the picture: text, the footer, and the diagram of the energy."""

@@ -1,0 +1,68 @@
+"""What a film says of how it came about: written into it and beside it, and read back."""
+
+from __future__ import annotations
+
+import json
+import os
+import struct
+from collections.abc import Sequence
+from pathlib import Path
+
+from physcore.checks import file_path
+from physcore.errors import FileError, SceneError
+from physcore.film.writers import WRITERS
+from physcore.simulation.evidence import Evidence
+from physcore.simulation.sources import Source
+from physcore.storage.files import replacing
+from physcore.storage.formats import format_of
+from physcore.storage.schema import anything, several, table
+
+SIDECAR = ".json"
+"""What the name of the file beside a film has at its end."""
+
+
+def proof(found: Sequence[Source]) -> str:
+    """What goes into a film: everything on which its bits depend, and so not the machine."""
+    panels = [{name: value for name, value in source.evidence.items() if name != "machine"} for source in found]
+    return json.dumps(panels, allow_nan=False, separators=(",", ":"))
+
+
+def sidecar_of(target: Path) -> Path:
+    """The file beside a film."""
+    return target.with_name(target.name + SIDECAR)
+
+
+def write_sidecar(found: Sequence[Source], target: Path) -> None:
+    """Write the file beside a film.
+
+    Raises:
+        FileError: it cannot be written.
+    """
+    text = json.dumps([source.evidence for source in found], allow_nan=False, indent=2)
+    with replacing(sidecar_of(target)) as file:
+        file.write(text.encode() + b"\n")
+
+
+def evidence(path: str | os.PathLike[str]) -> list[Evidence]:
+    """What a film, or the JSON file beside it, says of how it came about: one dictionary for each panel.
+
+    Their keys are explained in `physcore.evidence`. To check a film, compare "scene" with `scene.hash()`, simulate that
+    scene with the same numerics and the same steps, and compare "state" with `Simulation.state_hash()`.
+
+    Raises:
+        SceneError: the name ends like no film's.
+        FileError: the file is missing or damaged, or says nothing.
+    """
+    target = file_path(path)
+    try:
+        text = target.read_text("utf-8") if target.suffix == SIDECAR else format_of(target, WRITERS).evidence(target)
+        if text is None:
+            raise ValueError("says nothing of how it came about")
+        panels: list[Evidence] = list(several(table(anything))(json.loads(text), "evidence"))
+        return panels
+    except SceneError:
+        raise
+    except OSError as error:
+        raise FileError(f"{target}: cannot be read: {error.strerror or error}") from error
+    except (ValueError, TypeError, IndexError, RecursionError, struct.error, MemoryError) as error:
+        raise FileError(f"{target}: is damaged: {error}") from error
