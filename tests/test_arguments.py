@@ -15,7 +15,7 @@ import pytest
 
 import physcore as pc
 from physcore import styles
-from physcore.film import Follow, Keyframes, Orbit, Theme, Window, evidence
+from physcore.film import Follow, Keyframes, Orbit, Theme, Window, provenance
 from physcore.film.colors.themes import DARK
 
 
@@ -164,7 +164,7 @@ CALLS: dict[str, tuple[Callable[..., object], dict[str, Any]]] = {
     "export a scene": (pc.export, {"recording": SCENE, "path": Path("x.xyz"), "duration": 1e-3}),
     "film": (pc.film, {"recording": RECORDING, "path": "film.png", "size": (64, 48)}),
     "film a scene": (pc.film, {"recording": SCENE, "path": "film.png", "duration": 1e-3, "size": (64, 48)}),
-    "evidence": (evidence, {"path": "/nowhere/x.gif"}),
+    "provenance": (provenance, {"path": "/nowhere/x.gif"}),
     "stability_limit": (pc.stability_limit, {"scene": SCENE, "integrator": pc.VelocityVerlet()}),
     "tradeoff": (
         pc.tradeoff,
@@ -195,7 +195,7 @@ def parameters(function: Callable[..., object]) -> list[str]:
     return [*names, *(NUMERICS if any(each.kind == each.VAR_KEYWORD for each in given) else ())]
 
 
-@pytest.mark.parametrize("call", [call for call in CALLS if call not in ("load", "evidence")])
+@pytest.mark.parametrize("call", [call for call in CALLS if call not in ("load", "provenance")])
 def test_what_is_right_is_taken(call, tmp_path, monkeypatch):
     """So that the errors below are those of one argument."""
     monkeypatch.chdir(tmp_path)

@@ -20,7 +20,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import physcore as pc
-from physcore.film import evidence
+from physcore.film import provenance
 from physcore.film.writers import WRITERS
 from physcore.storage import archive, files
 
@@ -270,14 +270,14 @@ def test_a_damaged_film_says_nothing_but_a_file_error(kind, tmp_path):
     path = tmp_path / f"film{kind.suffixes[0]}"
     pc.film(pc.simulate(SCENE, 0.1), path, size=(64, 48), sidecar=False)
     whole, generator = path.read_bytes(), np.random.default_rng(1)
-    assert evidence(path)
+    assert provenance(path)
     for _ in range(60):
         content = bytearray(whole)
         for place in generator.integers(len(whole), size=30).tolist():
             content[place] = int(generator.integers(256))
         path.write_bytes(bytes(content[: int(generator.integers(len(whole)))]))
         with suppress(pc.FileError):
-            evidence(path)
+            provenance(path)
 
 
 @pytest.mark.parametrize("text", ["[" * 100_000, "3", "[3]", '{"a": 1}', "nothing", "\xff"])
@@ -285,7 +285,7 @@ def test_evidence_that_is_none_is_refused(text, tmp_path):
     path = tmp_path / "film.gif.json"
     path.write_bytes(text.encode("latin-1"))
     with pytest.raises(pc.FileError, match=r"film\.gif\.json"):
-        evidence(path)
+        provenance(path)
 
 
 @pytest.mark.parametrize(

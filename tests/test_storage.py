@@ -13,7 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import physcore as pc
-from physcore.film import evidence
+from physcore.film import provenance
 from physcore.simulation.serial import unpack_scene
 from physcore.storage import archive
 
@@ -159,7 +159,7 @@ def test_a_file_of_before_the_history_was_kept_still_loads(tmp_path):
     assert isinstance(recording, pc.Recording)
     assert recording.provenance is None
     pc.film(recording, tmp_path / "film.gif", size=(64, 48))
-    (panel,) = evidence(tmp_path / "film.gif")
+    (panel,) = provenance(tmp_path / "film.gif")
     assert panel["scene"] == SCENE.hash()
     assert panel["state"] is panel["segments"] is panel["numerics"] is None
 

@@ -55,7 +55,7 @@ VALID = {
     **{
         "Floor.height": "-1.0",
         "load.path": "'checkpoint'",
-        "evidence.path": "'film.gif'",
+        "provenance.path": "'film.gif'",
         "Simulation.path": "'out.physcore'",
     },
     **dict.fromkeys(

@@ -10,6 +10,7 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING
 
+from physcore.errors import warn
 from physcore.film.filming import film, gif_bytes
 from physcore.film.notebook import html
 from physcore.simulation.recording import show_with
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
     from physcore.film.camera.track import Follow, Keyframes
     from physcore.film.camera.view import Orbit, Window
     from physcore.film.colors.themes import DARK, LIGHT, Theme
-    from physcore.film.metadata import evidence
+    from physcore.film.metadata import provenance
 
 __all__ = [
     "DARK",
@@ -29,13 +30,13 @@ __all__ = [
     "Orbit",
     "Theme",
     "Window",
-    "evidence",
     "film",
     "gif_bytes",
+    "provenance",
     "styles",
 ]
 
-_HOMES = {
+_MODULES = {
     "DARK": "colors.themes",
     "LIGHT": "colors.themes",
     "Follow": "camera.track",
@@ -43,15 +44,18 @@ _HOMES = {
     "Orbit": "camera.view",
     "Theme": "colors.themes",
     "Window": "camera.view",
-    "evidence": "metadata",
+    "provenance": "metadata",
 }
-"""Where names live that are looked up when they are asked for: not every script draws."""
+"""The modules of names that are looked up when they are asked for: not every script draws."""
 
 
 show_with(html)
 
 
 def __getattr__(name: str) -> object:
-    if name not in _HOMES:
+    if name == "evidence":
+        warn("physcore.film.evidence is now physcore.film.provenance", DeprecationWarning)
+        name = "provenance"
+    if name not in _MODULES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return getattr(import_module(f"{__name__}.{_HOMES[name]}"), name)
+    return getattr(import_module(f"{__name__}.{_MODULES[name]}"), name)

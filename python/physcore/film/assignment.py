@@ -1,4 +1,4 @@
-"""Who draws what: the styles that were asked for become painters of bodies."""
+"""The assignment of bodies to painters, by the styles that were asked for."""
 
 from __future__ import annotations
 
@@ -47,9 +47,12 @@ def painters(source: Source, styles: list[Style], theme: Theme) -> list[Painter]
     return found
 
 
-def share_scales(cast: list[list[Painter]]) -> None:
+def share_scales(painters: list[list[Painter]]) -> None:
     """Let painters of equal styles, in all panels, agree on what a color means."""
-    for each in (painter for panel in cast for painter in panel):
+    for each in (painter for panel in painters for painter in panel):
         each.top = max(
-            other.top for panel in cast for other in panel if type(other) is type(each) and other.style == each.style
+            other.top
+            for panel in painters
+            for other in panel
+            if type(other) is type(each) and other.style == each.style
         )

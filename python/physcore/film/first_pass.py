@@ -13,7 +13,7 @@ from physcore.film.scenery import grounds, landmarks
 from physcore.film.styles import Painter
 from physcore.scene.scene import Scene
 from physcore.simulation.energy import Energy
-from physcore.simulation.sources import Moment, Source
+from physcore.simulation.sources import Source, SourceFrame
 
 SAMPLES = 8
 """How many frames are kept to choose the palette from."""
@@ -59,8 +59,8 @@ class Bounds:
         self.lower[empty] = self.upper[empty] = 0.0
 
 
-class Trail:
-    """Where followed particles go, and how much room they take."""
+class FollowedPath:
+    """The path of followed particles, and the extent of what is around it."""
 
     def __init__(self, follow: Follow, scene: Scene, axes: FloatArray, count: int) -> None:
         self._chosen, self._domain = follow.particles(scene), scene.periodic
@@ -83,11 +83,11 @@ class Trail:
             step = shift if self._domain is None else self._domain.nearest(shift)
             center = self.centers[frame - 1] + self._mass @ step / self._mass.sum()
         self._last, self.centers[frame] = points, center
-        apart = points - center
-        self.around.add(apart if self._domain is None else self._domain.nearest(apart), margin, frame)
+        offsets = points - center
+        self.around.add(offsets if self._domain is None else self._domain.nearest(offsets), margin, frame)
 
     def smoothed(self, width: float) -> FloatArray:
-        """The path of the camera (F, D) [m], for a bell of so many frames; what is around is then around that."""
+        """The path of the camera (F, D) [m], for a Gaussian of so many frames; what is around is then around that."""
         path = smooth(self.centers, width)
         off = np.einsum("kij,kj->ki", self.around.axes, self.centers - path)
         self.around.lower += off
@@ -96,16 +96,16 @@ class Trail:
 
 
 @dataclass(eq=False)
-class Survey:
+class FirstPass:
     """What was seen of one source."""
 
     whole: Bounds
     """Along the axes of the scene, over the whole film."""
     boxes: list[Bounds]
     """For each camera that there is to choose from."""
-    trail: Trail | None
+    path: FollowedPath | None
     """Of what is followed."""
-    samples: list[tuple[int, Moment]]
+    samples: list[tuple[int, SourceFrame]]
     """Some frames with their numbers, from the whole film, at most SAMPLES."""
     energies: list[Energy]
     """The energy budget at each frame, as far as it is known."""
@@ -113,55 +113,55 @@ class Survey:
     """The last time step [s]."""
 
 
-def survey(
+def first_pass(
     source: Source,
-    moments: Iterable[Moment],
+    frames: Iterable[SourceFrame],
     count: int,
     painters: Sequence[Painter],
     axes: Sequence[FloatArray],
     follow: Follow | None,
     tick: Callable[[int], None],
-) -> Survey:
-    """Look at every moment of a source.
+) -> FirstPass:
+    """Look at every frame of a source.
 
     Args:
         source: what to look at.
-        moments: those to look at, from the start; the last one stays for the rest of the film.
+        frames: those to look at, from the start; the last one stays for the rest of the film.
         count: how many frames the film has.
-        painters: told of every moment.
+        painters: told of every frame.
         axes: those of each camera that there is to choose from, shape (K, D, D) with K = 1 or one for each frame.
         follow: what to follow.
-        tick: told how many moments have been seen.
+        tick: told how many frames have been seen.
     """
     scene = source.scene
     radius = max(float(body.radius.max(initial=0.0)) for body in scene.bodies)
     margin = max([radius, *(painter.margin for painter in painters)])
     whole, boxes = Bounds(np.eye(scene.dimension)[np.newaxis]), [Bounds(each) for each in axes]
-    trail = None if follow is None else Trail(follow, scene, axes[0], count)
+    path = None if follow is None else FollowedPath(follow, scene, axes[0], count)
     kept = set(np.linspace(0, source.count - 1, SAMPLES).round().astype(int).tolist())
-    found = Survey(whole, boxes, trail, [], [], None)
+    found = FirstPass(whole, boxes, path, [], [], None)
 
     def place(positions: FloatArray, index: int) -> None:
         for box in boxes:
             box.add(positions, margin, index)
-        if trail is not None:
-            trail.add(positions, margin, index)
+        if path is not None:
+            path.add(positions, margin, index)
 
     index = -1
-    for index, moment in enumerate(moments):
+    for index, frame in enumerate(frames):
         for painter in painters:
-            painter.observe(moment)
-        whole.add(moment.positions, margin)
-        place(moment.positions, index)
+            painter.observe(frame)
+        whole.add(frame.positions, margin)
+        place(frame.positions, index)
         if index in kept:
-            found.samples.append((index, moment))
-        if moment.energy is not None:
-            found.energies.append(moment.energy)
-        found.dt = moment.dt
+            found.samples.append((index, frame))
+        if frame.energy is not None:
+            found.energies.append(frame.energy)
+        found.dt = frame.dt
         tick(index + 1)
-    if trail is not None or any(len(box.axes) > 1 for box in boxes):
+    if path is not None or any(len(box.axes) > 1 for box in boxes):
         for later in range(index + 1, count):
-            place(moment.positions, later)
+            place(frame.positions, later)
     _add_scenery(scene, whole, boxes)
     return found
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from physcore.checks import FloatArray
 from physcore.simulation.energy import Energy
-from physcore.simulation.sources import Moment, Source
+from physcore.simulation.sources import Source, SourceFrame
 
 SHARE = 0.25
 """How much of the free disk the frames may take."""
@@ -23,10 +23,10 @@ NUMBERS = ("kinetic", "internal", "dissipated", "work", "time")
 """What an energy budget is made of."""
 
 
-class Spool:
-    """The moments of a source, which the first pass writes to a file without a name and later ones read back.
+class FrameCache:
+    """The frames of a source, which the first pass writes to a file without a name and later ones read back.
 
-    Exactly: every number is kept as it is, so that films from both ways have the same bytes. The moments come from the
+    Exactly: every number is kept as it is, so that films from both ways have the same bytes. The frames come from the
     source again where writing and reading take longer than simulating, where they would take more than a quarter of the
     free disk, or where the disk says no.
 
@@ -40,24 +40,24 @@ class Spool:
         self._layout: list[tuple[str, tuple[int, ...]]] = []
         self._terms: dict[str, list[str]] = {}
         self.whole = False
-        """Whether all moments are in the file."""
+        """Whether all frames are in the file."""
 
-    def first(self) -> Iterator[Moment]:
-        """All moments, from the source; on the way they are put aside, while that is worth it."""
+    def first(self) -> Iterator[SourceFrame]:
+        """All frames, from the source; on the way they are put aside, while that is worth it."""
         simulated = written = 0.0
         last = time.perf_counter()
-        for index, moment in enumerate(self._source.moments()):
+        for index, frame in enumerate(self._source.frames()):
             now = time.perf_counter()
             simulated += now - last
             if index == 0:
-                self._open(moment)
+                self._open(frame)
             if self._file is not None:
-                self._write(moment)
+                self._write(frame)
                 written += time.perf_counter() - now
                 # What was written is still to be read.
                 if simulated + written > TRIAL and 2.0 * written > simulated:
                     self.close()
-            yield moment
+            yield frame
             last = time.perf_counter()
         if self._file is not None:
             try:
@@ -66,19 +66,19 @@ class Spool:
             except OSError:
                 self.close()
 
-    def again(self) -> Iterator[Moment]:
-        """All moments once more."""
+    def again(self) -> Iterator[SourceFrame]:
+        """All frames once more."""
         read = 0
         if self.whole and self._file is not None:
             self._file.seek(0)
             for _ in range(self._source.count):
-                moment = self._read(self._file)
-                if moment is None:  # a file that was cut off by someone
+                frame = self._read(self._file)
+                if frame is None:  # a file that was cut off by someone
                     break
-                yield moment
+                yield frame
                 read += 1
         if read < self._source.count:
-            yield from islice(self._source.moments(), read, None)
+            yield from islice(self._source.frames(), read, None)
 
     def close(self) -> None:
         """Give the disk back."""
@@ -88,36 +88,36 @@ class Spool:
             with suppress(OSError):  # a full disk says no once more
                 file.close()
 
-    def _open(self, moment: Moment) -> None:
+    def _open(self, frame: SourceFrame) -> None:
         """Make room, if there is enough for as many frames like this one."""
         import shutil  # these two take longer to import than the rest of film
         import tempfile
 
-        self._layout = [("positions", moment.positions.shape), *((k, v.shape) for k, v in moment.more.items())]
-        self._terms = {name: list(getattr(moment.energy, name, ())) for name in TERMS}
+        self._layout = [("positions", frame.positions.shape), *((k, v.shape) for k, v in frame.more.items())]
+        self._terms = {name: list(getattr(frame.energy, name, ())) for name in TERMS}
         with suppress(OSError):
-            needed = self._source.count * sum(part.nbytes for part in self._parts(moment))
+            needed = self._source.count * sum(part.nbytes for part in self._parts(frame))
             if needed <= SHARE * shutil.disk_usage(tempfile.gettempdir()).free:
                 self._file = tempfile.TemporaryFile(prefix="physcore-", buffering=1 << 20)  # noqa: SIM115 - see close
 
-    def _parts(self, moment: Moment) -> list[FloatArray]:
-        """All numbers of a moment."""
-        arrays = [moment.channel(name) for name, _ in self._layout]
-        assert moment.energy is not None  # simulations have it
-        numbers = [getattr(moment.energy, name) for name in NUMBERS]
-        numbers += [getattr(moment.energy, kind)[name] for kind in TERMS for name in self._terms[kind]]
-        return [np.array([moment.time, moment.dt, *numbers]), *arrays]
+    def _parts(self, frame: SourceFrame) -> list[FloatArray]:
+        """All numbers of a frame."""
+        arrays = [frame.channel(name) for name, _ in self._layout]
+        assert frame.energy is not None  # simulations have it
+        numbers = [getattr(frame.energy, name) for name in NUMBERS]
+        numbers += [getattr(frame.energy, kind)[name] for kind in TERMS for name in self._terms[kind]]
+        return [np.array([frame.time, frame.dt, *numbers]), *arrays]
 
-    def _write(self, moment: Moment) -> None:
+    def _write(self, frame: SourceFrame) -> None:
         assert self._file is not None  # it was asked before
         try:
-            for part in self._parts(moment):
+            for part in self._parts(frame):
                 self._file.write(np.ascontiguousarray(part, dtype=np.float64).data)
         except OSError:
             self.close()
 
-    def _read(self, file: IO[bytes]) -> Moment | None:
-        """The next moment; None where the file ends too early."""
+    def _read(self, file: IO[bytes]) -> SourceFrame | None:
+        """The next frame; None where the file ends too early."""
         names = [(kind, name) for kind in TERMS for name in self._terms[kind]]
         shapes = [(2 + len(NUMBERS) + len(names),), *(shape for _, shape in self._layout)]
         parts = [np.empty(shape) for shape in shapes]
@@ -130,4 +130,4 @@ class Spool:
         for (kind, name), value in zip(names, values[len(NUMBERS) :], strict=True):
             budget[kind][name] = value
         more = {name: part for (name, _), part in zip(self._layout[1:], rest, strict=True)}
-        return Moment(float(when), positions, more, Energy(**budget), float(dt))
+        return SourceFrame(float(when), positions, more, Energy(**budget), float(dt))

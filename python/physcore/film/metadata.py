@@ -11,7 +11,7 @@ from pathlib import Path
 from physcore.checks import file_path
 from physcore.errors import FileError, SceneError
 from physcore.film.writers import WRITERS
-from physcore.simulation.evidence import Evidence
+from physcore.simulation.provenance_record import ProvenanceRecord
 from physcore.simulation.sources import Source
 from physcore.storage.files import replacing
 from physcore.storage.formats import format_of
@@ -21,9 +21,9 @@ SIDECAR = ".json"
 """What the name of the file beside a film has at its end."""
 
 
-def proof(found: Sequence[Source]) -> str:
+def metadata(found: Sequence[Source]) -> str:
     """What goes into a film: everything on which its bits depend, and so not the machine."""
-    panels = [{name: value for name, value in source.evidence.items() if name != "machine"} for source in found]
+    panels = [{name: value for name, value in source.provenance.items() if name != "machine"} for source in found]
     return json.dumps(panels, allow_nan=False, separators=(",", ":"))
 
 
@@ -38,15 +38,15 @@ def write_sidecar(found: Sequence[Source], target: Path) -> None:
     Raises:
         FileError: it cannot be written.
     """
-    text = json.dumps([source.evidence for source in found], allow_nan=False, indent=2)
+    text = json.dumps([source.provenance for source in found], allow_nan=False, indent=2)
     with replacing(sidecar_of(target)) as file:
         file.write(text.encode() + b"\n")
 
 
-def evidence(path: str | os.PathLike[str]) -> list[Evidence]:
+def provenance(path: str | os.PathLike[str]) -> list[ProvenanceRecord]:
     """What a film, or the JSON file beside it, says of how it came about: one dictionary for each panel.
 
-    Their keys are explained in `physcore.evidence`. To check a film, compare "scene" with `scene.hash()`, simulate that
+    Their keys are those of `ProvenanceRecord`. To check a film, compare "scene" with `scene.hash()`, simulate that
     scene with the same numerics and the same steps, and compare "state" with `Simulation.state_hash()`.
 
     Raises:
@@ -55,10 +55,10 @@ def evidence(path: str | os.PathLike[str]) -> list[Evidence]:
     """
     target = file_path(path)
     try:
-        text = target.read_text("utf-8") if target.suffix == SIDECAR else format_of(target, WRITERS).evidence(target)
+        text = target.read_text("utf-8") if target.suffix == SIDECAR else format_of(target, WRITERS).provenance(target)
         if text is None:
             raise ValueError("says nothing of how it came about")
-        panels: list[Evidence] = list(several(table(anything))(json.loads(text), "evidence"))
+        panels: list[ProvenanceRecord] = list(several(table(anything))(json.loads(text), "provenance"))
         return panels
     except SceneError:
         raise

@@ -9,9 +9,10 @@ import os
 from pathlib import Path
 from typing import Unpack
 
-from physcore.checks import flag
+from physcore.checks import flag, shown
+from physcore.errors import SceneError
 from physcore.numerics.choices import Options
-from physcore.output.base import Trajectory, TrajectoryWriter
+from physcore.output.base import ExportJob, TrajectoryWriter
 from physcore.output.extended_xyz import ExtendedXyzWriter
 from physcore.output.h5md import H5mdWriter
 from physcore.output.vtk import VtkWriter
@@ -65,4 +66,8 @@ def export(
     writer, target = writable(path, FORMATS), Path(path)
     bar = None if progress is None else flag(progress, "progress")
     (source,) = sources([recording], duration, fps, numerics)
-    writer.write(Trajectory(source, bar), target)
+    if not source.audited:
+        raise SceneError(
+            f"recording: must be a Scene or what simulate(…) gives, with its energies, got {shown(recording)}"
+        )
+    writer.write(ExportJob(source, bar), target)

@@ -7,7 +7,6 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import cast
 
 import numpy as np
 
@@ -16,7 +15,7 @@ from physcore.progress import Progress
 from physcore.scene.bodies import Body, SpringNetwork
 from physcore.scene.periodic import Periodic
 from physcore.simulation.energy import Energy
-from physcore.simulation.sources import Recorded, Running, Source
+from physcore.simulation.sources import Source
 from physcore.storage.formats import Format
 
 FIELDS = {"densities": "density", "pressures": "pressure"}
@@ -62,11 +61,11 @@ class Springs:
         return strain
 
 
-class Trajectory:
+class ExportJob:
     """What a writer gets: what does not change, and the frames."""
 
     def __init__(self, source: Source, progress: bool | None) -> None:
-        self._source = cast(Recorded | Running, source)
+        self._source = source
         self._progress = progress
 
     @property
@@ -114,20 +113,12 @@ class Trajectory:
     def samples(self) -> Iterator[Sample]:
         """All frames from the start, counted on the progress bar."""
         with Progress(self.count, "exporting", self._progress) as bar:
-            for index, (time, positions, more, energy) in enumerate(self._frames()):
-                velocities = _in_space(more["velocities"]) if "velocities" in more else None
-                fields = {name: more[channel] for channel, name in FIELDS.items() if channel in more}
-                yield Sample(index, time, _in_space(positions), velocities, fields, energy)
+            for index, frame in enumerate(self._source.frames()):
+                velocities = _in_space(frame.more["velocities"]) if "velocities" in frame.more else None
+                fields = {name: frame.more[channel] for channel, name in FIELDS.items() if channel in frame.more}
+                assert frame.energy is not None  # `export` has asked
+                yield Sample(index, frame.time, _in_space(frame.positions), velocities, fields, frame.energy)
                 bar.update(index + 1)
-
-    def _frames(self) -> Iterator[tuple[float, FloatArray, Mapping[str, FloatArray], Energy]]:
-        """Time, positions, what there is beside them, and the energy budget, of each frame."""
-        if isinstance(self._source, Recorded):
-            for index, moment in enumerate(self._source.moments()):
-                yield moment.time, moment.positions, moment.more, self._source.recording.energy.at(index)
-        else:
-            for frame in self._source.frames():
-                yield frame.time, frame.positions, {"velocities": frame.velocities, **frame.fields}, frame.energy
 
     @property
     def _bodies(self) -> tuple[Body, ...]:
@@ -141,7 +132,7 @@ class TrajectoryWriter(Format, ABC):
     """A format of trajectories."""
 
     @abstractmethod
-    def write(self, trajectory: Trajectory, target: Path) -> None:
+    def write(self, job: ExportJob, target: Path) -> None:
         """Write all frames; the file appears under its name when it is whole, and until then what was there stays.
 
         Raises:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO, ClassVar
 import numpy as np
 
 from physcore.checks import FloatArray
-from physcore.output.base import Sample, Trajectory, TrajectoryWriter
+from physcore.output.base import ExportJob, Sample, TrajectoryWriter
 from physcore.scene.periodic import Periodic
 from physcore.simulation.provenance import version
 from physcore.storage.files import replacing
@@ -43,16 +43,16 @@ class H5mdWriter(TrajectoryWriter):
 
         return None if find_spec("h5py") else "H5MD needs h5py: pip install 'physcore[hdf5]'; a .xyz needs nothing"
 
-    def write(self, trajectory: Trajectory, target: Path) -> None:
+    def write(self, job: ExportJob, target: Path) -> None:
         """Write all frames."""
         import h5py
 
         with replacing(target) as temporary:
             disk = _Disk(temporary)
             with h5py.File(disk, "w", libver="v110") as file:
-                _describe(file, trajectory)
-                series = _Series(file, trajectory.count, _edges(trajectory.domain))
-                for sample in trajectory.samples():
+                _describe(file, job)
+                series = _Series(file, job.count, _edges(job.domain))
+                for sample in job.samples():
                     series.put(sample)
                     disk.check()
             disk.check()
@@ -95,7 +95,7 @@ class _Disk:
             self._failure = self._failure or error
 
 
-def _describe(file: h5py.File, trajectory: Trajectory) -> None:
+def _describe(file: h5py.File, job: ExportJob) -> None:
     """All that does not change."""
     head = file.create_group("h5md")
     head.attrs["version"] = np.array([1, 1], dtype=np.int32)
@@ -104,12 +104,12 @@ def _describe(file: h5py.File, trajectory: Trajectory) -> None:
     creator.attrs["name"], creator.attrs["version"] = "physcore", version()
     file.create_group("parameters/units").attrs.update(UNITS)
     group = file.create_group("particles/all")
-    edges, box = _edges(trajectory.domain), group.create_group("box")
+    edges, box = _edges(job.domain), group.create_group("box")
     box.attrs["dimension"] = np.int32(3)
     box.attrs["boundary"] = ["periodic" if np.isfinite(length) else "none" for length in edges]
-    for name, values in trajectory.constants.items():
+    for name, values in job.constants.items():
         group.create_dataset(name, data=values)
-    group.create_dataset("species", data=trajectory.body)
+    group.create_dataset("species", data=job.body)
     file.create_group("observables")
 
 

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from physcore.checks import text
 from physcore.errors import FileError
-from physcore.output.base import Sample, Trajectory, TrajectoryWriter
+from physcore.output.base import ExportJob, Sample, TrajectoryWriter
 from physcore.storage.files import held, replacing, sweep, temporary_name, unwritable
 
 FRAMES = "frames"
@@ -35,7 +35,7 @@ class VtkWriter(TrajectoryWriter):
 
     suffixes: ClassVar = (".pvd",)
 
-    def write(self, trajectory: Trajectory, target: Path) -> None:
+    def write(self, job: ExportJob, target: Path) -> None:
         """Write all frames, and then the list of them."""
         import shutil
 
@@ -46,7 +46,7 @@ class VtkWriter(TrajectoryWriter):
             sweep(home, FRAMES)
             new.mkdir(parents=True)
             with held(new):
-                times, folder = _write_frames(trajectory, new, home)
+                times, folder = _write_frames(job, new, home)
             old = _listed(target)
             with replacing(target) as file:
                 file.write(_collection(f"{home.name}/{folder}", times))
@@ -62,13 +62,13 @@ class VtkWriter(TrajectoryWriter):
                 home.rmdir()
 
 
-def _write_frames(trajectory: Trajectory, new: Path, home: Path) -> tuple[list[float], str]:
+def _write_frames(job: ExportJob, new: Path, home: Path) -> tuple[list[float], str]:
     """Write the frames into a new folder and give it its name; their times [s], and that name."""
     import hashlib
 
     digest, times = hashlib.blake2b(digest_size=8), []
-    for sample in trajectory.samples():
-        content = _poly_data(trajectory, sample)
+    for sample in job.samples():
+        content = _poly_data(job, sample)
         digest.update(content)
         with replacing(new / _name(sample.index)) as file:
             file.write(content)
@@ -122,11 +122,11 @@ class _Appended:
         return element
 
 
-def _poly_data(trajectory: Trajectory, sample: Sample) -> bytes:
+def _poly_data(job: ExportJob, sample: Sample) -> bytes:
     """One frame."""
-    count, springs, data = trajectory.particles, trajectory.springs, _Appended()
-    points = {**trajectory.constants, **sample.fields}
-    on_points = [data.add(name, values) for name, values in points.items()] + [data.add("body", trajectory.body)]
+    count, springs, data = job.particles, job.springs, _Appended()
+    points = {**job.constants, **sample.fields}
+    on_points = [data.add(name, values) for name, values in points.items()] + [data.add("body", job.body)]
     if sample.velocities is not None:
         on_points.append(data.add("velocity", sample.velocities, 3))
     strain = np.concatenate([np.full(count, np.nan), springs.strain(sample.positions)])

@@ -118,3 +118,31 @@ class EnergySeries(Budget[FloatArray]):
         axes.set(xlabel="time [s]", ylabel="energy [J]")
         axes.legend(frameon=False)
         return axes
+
+
+class Drift:
+    """The drift of an energy balance, as `EnergySeries.drift` counts it, from one budget at a time."""
+
+    def __init__(self) -> None:
+        self._seen: list[FloatArray] = []
+        """Of balance, kinetic, potential and internal energy [J]: the first, the smallest and the largest values."""
+
+    def add(self, energy: Energy) -> float:
+        """Look at one budget, and give its drift by all that was seen so far."""
+        values = np.array([energy.balance, energy.kinetic, energy.potential, energy.internal])
+        first, lower, upper = self._seen or [values] * 3
+        self._seen = [first, np.minimum(lower, values), np.maximum(upper, values)]
+        return self._relative(abs(energy.balance - first[0]))
+
+    @property
+    def largest(self) -> float:
+        """The largest one of all."""
+        first, lower, upper = self._seen
+        return self._relative(max(upper[0] - first[0], first[0] - lower[0]))
+
+    def _relative(self, change: float) -> float:
+        """A change in units of the energy that has been in motion."""
+        _, lower, upper = self._seen
+        _, _, potential, internal = upper - lower
+        scale = upper[1] + potential + internal
+        return float(change / scale if scale > 0 else change)

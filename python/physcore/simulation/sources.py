@@ -10,17 +10,19 @@ import numpy as np
 
 from physcore import memory
 from physcore.checks import FloatArray, shown, span
-from physcore.errors import SceneError
+from physcore.errors import InternalError, SceneError
 from physcore.numerics.choices import FRAMES_PER_SECOND, Options, check
 from physcore.scene.scene import Scene
-from physcore.simulation.energy import Energy, EnergySeries
-from physcore.simulation.evidence import Evidence, Run, evidence
+from physcore.simulation.energy import Drift, Energy
+from physcore.simulation.frames import frame_count
+from physcore.simulation.provenance_record import ProvenanceRecord, provenance_record, record_of
 from physcore.simulation.recording import Recording
+from physcore.simulation.simulation import Simulation
 
 
 @dataclass(frozen=True, eq=False)
-class Moment:
-    """What there is to draw at one time."""
+class SourceFrame:
+    """Positions, fields and energy at one time, as far as a source has them."""
 
     time: float
     """[s]"""
@@ -63,17 +65,17 @@ class Source(Protocol):
 
     @property
     def audited(self) -> bool:
-        """Whether moments have energies and time steps."""
+        """Whether frames have energies and time steps."""
 
     def has(self, channel: str) -> bool:
-        """Whether moments have velocities, densities or pressures."""
+        """Whether frames have velocities, densities or pressures."""
 
     @property
-    def evidence(self) -> Evidence:
-        """What is known of how it came about."""
+    def provenance(self) -> ProvenanceRecord:
+        """The provenance of what is shown, as far as it is known."""
 
-    def moments(self) -> Iterator[Moment]:
-        """All moments from the start."""
+    def frames(self) -> Iterator[SourceFrame]:
+        """All frames from the start."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,9 +105,9 @@ class Recorded:
         return len(self.recording.times)
 
     @property
-    def evidence(self) -> Evidence:
-        """What the recording says of how it came about."""
-        return evidence(self.recording)
+    def provenance(self) -> ProvenanceRecord:
+        """The provenance of the recording."""
+        return provenance_record(self.recording)
 
     @property
     def integrator(self) -> str | None:
@@ -121,7 +123,7 @@ class Recorded:
         """Whether something was recorded."""
         return channel in self.recording.channels
 
-    def moments(self) -> Iterator[Moment]:
+    def frames(self) -> Iterator[SourceFrame]:
         """The frames in order."""
         positions, channels = self.recording.positions, self.recording.channels
         dt = self.recording.plan.dt if self.audited else None
@@ -129,12 +131,27 @@ class Recorded:
             more: dict[str, FloatArray] = {
                 name: values[index] for name, values in channels.items() if name != "positions"
             }
-            energy = _budget(self.recording.energy, index) if self.audited else None
-            yield Moment(float(time), positions[index], more, energy, dt)
+            energy = self.recording.energy.at(index) if self.audited else None
+            yield SourceFrame(float(time), positions[index], more, energy, dt)
 
 
-class Running(Run):
-    """A simulation that is run anew for each pass."""
+class Running:
+    """A scene that is simulated from its start as often as it is looked at, one frame at a time, with the same bits."""
+
+    audited = True
+    """A simulation knows its energy."""
+
+    def __init__(self, scene: Scene, duration: float, fps: float, numerics: Options) -> None:
+        self.scene = scene
+        self.duration = duration
+        self.fps = fps
+        self.numerics = numerics
+        self._provenance: ProvenanceRecord | None = None
+
+    @property
+    def count(self) -> int:
+        """How many frames there are."""
+        return frame_count(self.duration, self.fps)
 
     @property
     def times(self) -> FloatArray:
@@ -147,33 +164,46 @@ class Running(Run):
         """The integrator's name."""
         return type(check(self.numerics, self.scene).integrator).__name__
 
-    @property
-    def audited(self) -> bool:
-        """A simulation knows its energy."""
-        return True
-
     def has(self, channel: str) -> bool:
         """A simulation has all that there is."""
         return channel in ("positions", "velocities") or bool(self.scene.fluids)
 
-    def moments(self) -> Iterator[Moment]:
-        """Simulate from the start."""
-        for frame in self.frames():
+    def frames(self) -> Iterator[SourceFrame]:
+        """Simulate from the start.
+
+        Raises:
+            InternalError: the bits were not those of the last time.
+        """
+        simulation, drift, first = Simulation(self.scene, **self.numerics), Drift(), None
+        for frame in simulation.frames(self.duration, self.fps):
+            first, last = first or frame, frame
+            drift.add(frame.energy)
             more = {"velocities": frame.velocities, **frame.fields}
-            yield Moment(frame.time, frame.positions, more, frame.energy, frame.dt)
+            yield SourceFrame(frame.time, frame.positions, more, frame.energy, frame.dt)
+        assert first is not None
+        found = record_of(
+            self.scene,
+            simulation.plan,
+            simulation.provenance,
+            duration=last.time - first.time,
+            fps=self.fps,
+            energy_drift=drift.largest,
+            momentum=[first.momentum.tolist(), last.momentum.tolist()],
+        )
+        if self._provenance not in (None, found):
+            custom = any(force.is_code for force in self.scene.forces)
+            cause = "its CustomForce gives other values for the same arguments" if custom else "please report it"
+            raise InternalError(f"the scene did not repeat itself when it was simulated again: {cause}")
+        self._provenance = found
 
-
-def _budget(series: EnergySeries, index: int) -> Energy:
-    """The energy budget at one frame of a recording."""
-    return Energy(
-        kinetic=float(series.kinetic[index]),
-        by_term={name: float(values[index]) for name, values in series.by_term.items()},
-        internal=float(series.internal[index]),
-        dissipated=float(series.dissipated[index]),
-        dissipated_by={name: float(values[index]) for name, values in series.dissipated_by.items()},
-        work=float(series.work[index]),
-        time=float(series.times[index]),
-    )
+    @property
+    def provenance(self) -> ProvenanceRecord:
+        """What it did; it is run to its end if it was not."""
+        if self._provenance is None:
+            for _ in self.frames():
+                pass
+        assert self._provenance is not None
+        return self._provenance
 
 
 def sources(source: object, duration: float | None, fps: float | None, numerics: Options) -> list[Source]:

@@ -10,27 +10,28 @@ import numpy as np
 from physcore.checks import FloatArray
 from physcore.errors import SceneError
 from physcore.film.camera.track import Camera, Follow, still
-from physcore.film.camera.view import Area, Face, Orbit, Still, View, Window, aim, frame, look_at
-from physcore.film.first_pass import Bounds, Survey
-from physcore.film.scenery import GRID, Setting
+from physcore.film.camera.view import Area, Face, Orbit, Still, View, Window, aim, look_at
+from physcore.film.camera.view import frame as fit
+from physcore.film.first_pass import Bounds, FirstPass
+from physcore.film.scenery import GRID, Scenery
 from physcore.scene.periodic import Periodic
-from physcore.simulation.sources import Moment, Source
+from physcore.simulation.sources import Source, SourceFrame
 
 LOW, HIGH = Orbit(), Orbit(elevation=52.0)
 """From where a 3D scene is seen by itself: from above if it is flat."""
 FLAT = 0.25
 """A scene whose height is below this fraction of its width is flat."""
-ROOM = 2.0
-"""A followed body gets so many times the room that it takes."""
+MARGIN = 2.0
+"""The extent of the view around a followed body, over that of the body."""
 AROUND = 0.1
-"""And it sees at least this fraction of all that happens."""
+"""The least extent of that view, as a fraction of that of all that happens."""
 GROUND = 0.54
 """Half the width of the ground in 3D, as a fraction of what happens upon it."""
 
 
 @dataclass(frozen=True, eq=False)
-class Shots:
-    """The cameras to choose from, each as it is at every frame, or once if it does not move."""
+class CameraTrack:
+    """The path of the camera: the cameras to choose from, each as it is at every frame, or once if it stands still."""
 
     choices: list[list[Still]]
     follow: Follow | None
@@ -51,7 +52,7 @@ class Shots:
         return self.follow is None and all(_is_closed(each) for stills in self.choices for each in stills)
 
 
-def shots(camera: Camera | Follow | None, found: Sequence[Source], clock: FloatArray) -> Shots:
+def camera_track(camera: Camera | Follow | None, found: Sequence[Source], clock: FloatArray) -> CameraTrack:
     """The cameras of a film whose frames are at some times [s].
 
     Raises:
@@ -75,12 +76,12 @@ def shots(camera: Camera | Follow | None, found: Sequence[Source], clock: FloatA
         if any(isinstance(each, Orbit) and each.target is not None for each in choices[0]):
             raise SceneError("Follow.camera: must have no target; the bodies are what it looks at")
         choices = [stills * len(clock) if len(stills) == 1 else stills for stills in choices]
-    return Shots(choices, follow)
+    return CameraTrack(choices, follow)
 
 
 @dataclass(eq=False)
-class Scope:
-    """What one panel has to show: the centers of its views, and how far things reach from there.
+class Extent:
+    """The extent of one panel: the centers of its views, and how far things reach from there.
 
     All arrays have one row for each frame, or a single one if the view does not change.
     """
@@ -92,7 +93,7 @@ class Scope:
     """Half the size of what has to be in the picture [m], shape (K, D)."""
     seen: FloatArray
     """Half the size of all that there is [m], shape (K, D)."""
-    setting: Setting
+    scenery: Scenery
     """Where the scenery is."""
     domain: Periodic | None
     """The periodic domain, if it is shown from a body in it."""
@@ -101,7 +102,7 @@ class Scope:
 
     def magnification(self, area: Area, inset: float) -> float:
         """The least number of pixels per meter in a rectangle."""
-        framing = frame(self.stills, self.shown, area, inset, self.seen)
+        framing = fit(self.stills, self.shown, area, inset, self.seen)
         if isinstance(self.stills[0], Window):
             return min(aim(each, self.centers[0], framing, area).scale for each in self.stills)
         return framing.scale
@@ -115,73 +116,73 @@ class Scope:
 
 
 @dataclass(eq=False)
-class Sight:
-    """What one panel sees in each frame."""
+class PanelView:
+    """The view of one panel in each frame."""
 
-    scope: Scope
+    extent: Extent
     area: Area
     inset: float
 
     def __post_init__(self) -> None:
-        scope = self.scope
-        self._framing = frame(scope.stills, scope.shown, self.area, self.inset, scope.seen)
-        self._standing = self._view(0) if len(scope.stills) == 1 else None
+        extent = self.extent
+        self._framing = fit(extent.stills, extent.shown, self.area, self.inset, extent.seen)
+        self._standing = self._view(0) if len(extent.stills) == 1 else None
 
-    def view(self, index: int) -> View:
+    def at(self, index: int) -> View:
         """The view of a frame."""
         return self._view(index) if self._standing is None else self._standing
 
-    def setting(self, view: View) -> Setting:
+    def scenery(self, view: View) -> Scenery:
         """Where the scenery is in a view."""
-        setting, left, right = self.scope.setting, self.area[0], self.area[2]
+        scenery, left, right = self.extent.scenery, self.area[0], self.area[2]
         if view.flat:  # the ground goes on beyond the picture
             wide = float(right - left + self.area[3]) / view.scale
-            setting = replace(setting, middle=view.center, size=max(setting.size, wide))
-        if self.scope.domain is None:
-            return setting
+            scenery = replace(scenery, middle=view.center, size=max(scenery.size, wide))
+        if self.extent.domain is None:
+            return scenery
         center = view.axes.T @ view.center
-        lower = np.where(np.isfinite(self.scope.domain.lengths), center - self.scope.domain.lengths / 2, -np.inf)
-        upper = np.where(np.isfinite(self.scope.domain.lengths), center + self.scope.domain.lengths / 2, np.inf)
+        lower = np.where(np.isfinite(self.extent.domain.lengths), center - self.extent.domain.lengths / 2, -np.inf)
+        upper = np.where(np.isfinite(self.extent.domain.lengths), center + self.extent.domain.lengths / 2, np.inf)
         if not view.flat:  # the ground comes along, and its grid stays where it is
-            step = 2.0 * setting.size / GRID
-            setting = replace(setting, middle=step * np.rint(center / step))
-        return replace(setting, domain=Periodic(lower, upper))
+            step = 2.0 * scenery.size / GRID
+            scenery = replace(scenery, middle=step * np.rint(center / step))
+        return replace(scenery, domain=Periodic(lower, upper))
 
-    def moment(self, moment: Moment, view: View) -> Moment:
-        """A moment as it is shown: around a followed body everything is where it is nearest to it."""
-        if self.scope.domain is None:
-            return moment
+    def shown(self, frame: SourceFrame, view: View) -> SourceFrame:
+        """A frame as it is shown: around a followed body everything is where it is nearest to it."""
+        if self.extent.domain is None:
+            return frame
         center = view.axes.T @ view.center
-        return replace(moment, positions=center + self.scope.domain.nearest(moment.positions - center))
+        return replace(frame, positions=center + self.extent.domain.nearest(frame.positions - center))
 
     def _view(self, index: int) -> View:
-        index = min(index, len(self.scope.stills) - 1)
-        return aim(self.scope.stills[index], self.scope.centers[index], self._framing, self.area)
+        index = min(index, len(self.extent.stills) - 1)
+        return aim(self.extent.stills[index], self.extent.centers[index], self._framing, self.area)
 
 
-def scopes(shots: Shots, surveys: Sequence[Survey], found: Sequence[Source]) -> list[Scope]:
+def extents(track: CameraTrack, passes: Sequence[FirstPass], found: Sequence[Source]) -> list[Extent]:
     """What each panel has to show, so that all of them share one camera and one scale."""
-    whole = _merged([seen.whole for seen in surveys])
+    whole = _merged([seen.whole for seen in passes])
     lower, upper = whole.lower[0], whole.upper[0]
-    chosen = _choice(upper - lower) if len(shots.choices) > 1 else 0
-    stills, box = shots.choices[chosen], _merged([seen.boxes[chosen] for seen in surveys])
+    chosen = _choice(upper - lower) if len(track.choices) > 1 else 0
+    stills, box = track.choices[chosen], _merged([seen.boxes[chosen] for seen in passes])
     axes = box.axes
-    if shots.follow is None:
+    if track.follow is None:
         centers = [_centers(stills, axes, box, (lower + upper) / 2)] * len(found)
         shown = seen = np.maximum(box.upper - centers[0], centers[0] - box.lower)
     else:
-        paths = [_path(each, shots.follow, source) for source, each in zip(found, surveys, strict=True)]
+        paths = [_path(each, track.follow, source) for source, each in zip(found, passes, strict=True)]
         centers = [np.einsum("kij,kj->ki", axes, path) for path in paths]
         reaches = [_reach(source.scene.periodic, whole, path) for source, path in zip(found, paths, strict=True)]
         seen = np.abs(axes) @ np.max(reaches, axis=0)
-        bodies = [np.maximum(each.upper, -each.lower).max(axis=0) for each in _around(surveys)]
+        bodies = [np.maximum(each.upper, -each.lower).max(axis=0) for each in _around(passes)]
         least = AROUND * np.max((box.upper - box.lower) / 2, axis=0)
-        shown = np.tile(np.maximum(ROOM * np.max(bodies, axis=0), least), (len(stills), 1))
+        shown = np.tile(np.maximum(MARGIN * np.max(bodies, axis=0), least), (len(stills), 1))
     result = []
     for source, center in zip(found, centers, strict=True):
-        setting = _setting(shots, source, stills, lower, upper, axes[0].T @ center[0])
-        domain = source.scene.periodic if shots.follow is not None else None
-        result.append(Scope(stills, center, shown, seen, setting, domain, shots.follow is not None))
+        scenery = _scenery(track, source, stills, lower, upper, axes[0].T @ center[0])
+        domain = source.scene.periodic if track.follow is not None else None
+        result.append(Extent(stills, center, shown, seen, scenery, domain, track.follow is not None))
     return result
 
 
@@ -193,15 +194,15 @@ def _centers(stills: Sequence[Still], axes: FloatArray, box: Bounds, middle: Flo
     return np.stack([axis @ (middle if at is None else at) for axis, at in zip(axes, targets, strict=True)])
 
 
-def _path(seen: Survey, follow: Follow, source: Source) -> FloatArray:
+def _path(seen: FirstPass, follow: Follow, source: Source) -> FloatArray:
     """Where the camera is that follows (F, D) [m]."""
-    assert seen.trail is not None  # the survey knew what to follow
-    return seen.trail.smoothed(follow.smoothing * source.fps)
+    assert seen.path is not None  # the first pass knew what to follow
+    return seen.path.smoothed(follow.smoothing * source.fps)
 
 
-def _around(surveys: Sequence[Survey]) -> list[Bounds]:
+def _around(passes: Sequence[FirstPass]) -> list[Bounds]:
     """What is around the paths of the cameras."""
-    return [seen.trail.around for seen in surveys if seen.trail is not None]
+    return [seen.path.around for seen in passes if seen.path is not None]
 
 
 def _reach(domain: Periodic | None, whole: Bounds, path: FloatArray) -> FloatArray:
@@ -213,16 +214,21 @@ def _reach(domain: Periodic | None, whole: Bounds, path: FloatArray) -> FloatArr
     return np.where(np.isfinite(domain.lengths), domain.lengths / 2, away)
 
 
-def _setting(
-    shots: Shots, source: Source, stills: Sequence[Still], lower: FloatArray, upper: FloatArray, center: FloatArray
-) -> Setting:
+def _scenery(
+    track: CameraTrack,
+    source: Source,
+    stills: Sequence[Still],
+    lower: FloatArray,
+    upper: FloatArray,
+    center: FloatArray,
+) -> Scenery:
     """The ground under all that happens; it stays where it is when the camera moves."""
     extent = upper - lower
     if len(extent) == 2:
-        return Setting(source.scene.periodic, center, float(np.linalg.norm(extent)))
+        return Scenery(source.scene.periodic, center, float(np.linalg.norm(extent)))
     widths = [float(extent[0]), float(extent[1])]
-    widths += [each.extent for each in stills if isinstance(each, Orbit) and each.extent is not None and shots.closed]
-    return Setting(source.scene.periodic, (lower + upper) / 2 if shots.moving else center, GROUND * max(widths))
+    widths += [each.extent for each in stills if isinstance(each, Orbit) and each.extent is not None and track.closed]
+    return Scenery(source.scene.periodic, (lower + upper) / 2 if track.moving else center, GROUND * max(widths))
 
 
 def _merged(boxes: Sequence[Bounds]) -> Bounds:

@@ -13,7 +13,7 @@ from physcore.film.styles import Painter
 from physcore.film.styles.base import FOG, SHADING
 
 PITCH = 6
-"""From one swatch to the next [pixels]; each has edges, where colors mix with the background."""
+"""From one sample to the next [pixels]; each has edges, where colors mix with the background."""
 COLUMNS = 64
 """How many colors of a scale are shown."""
 FLAT = (1.0, 1.0, 1.0, 1.0, 1.0, 0.65, 0.5, 0.35, 0.2)
@@ -22,16 +22,16 @@ DEEP = tuple(np.linspace(1.0, 1.0 - FOG, 8).tolist())
 """The same in 3D, where what is far away fades into the background."""
 
 
-def swatches(cast: Sequence[Painter], bodies: int, theme: Theme, *, flat: bool) -> Canvas:
+def palette_samples(painters: Sequence[Painter], bodies: int, theme: Theme, *, flat: bool) -> Canvas:
     """A canvas with the colors of the painters' scales, of so many bodies and of the theme, from fresh to faded.
 
     Args:
-        cast: the painters.
+        painters: what draws the film.
         bodies: how many bodies there are.
         theme: the colors.
         flat: whether the film is in 2D, where nothing is lit from the side.
     """
-    tables = [painter.scale.table for painter in cast if painter.scale is not None]
+    tables = [painter.scale.table for painter in painters if painter.scale is not None]
     named = np.array([*theme.bodies[:bodies], theme.text, theme.label, theme.edge, theme.surface, theme.solid], float)
     strengths = FLAT if flat else DEEP
     canvas = Canvas(COLUMNS * PITCH, PITCH * (len(strengths) * len(tables) + 1), theme.background)

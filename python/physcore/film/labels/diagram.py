@@ -79,13 +79,13 @@ class Diagram:
         area: the part of the panel that is free of text.
         text: the height of its text [pixels].
         theme: the colors.
-        crowd: where things are in some frames (N, 2) [pixels]; the emptiest corner is taken.
+        occupied: where things are in some frames (N, 2) [pixels]; the emptiest corner is taken.
 
     Raises:
         SceneError: the panel is too small.
     """
 
-    def __init__(self, history: History, panel: int, area: Area, text: int, theme: Theme, crowd: PixelArray) -> None:
+    def __init__(self, history: History, panel: int, area: Area, text: int, theme: Theme, occupied: PixelArray) -> None:
         left, top, right, bottom = area
         if right - left < LEAST[0] or bottom - top < LEAST[1]:
             raise SceneError(
@@ -98,7 +98,7 @@ class Diagram:
         self._words = self._legend(columns, ends(*history.range))
         width = columns * advance(text) + 2 * pad
         height = max(HEIGHT * (bottom - top), (len(self._words) + 1.5) * text + 2 * pad)
-        self._box = _corner(area, width, height, text // 2, crowd)
+        self._box = _corner(area, width, height, text // 2, occupied)
         inner = self._box[0] + pad, self._box[1] + pad + len(self._words) * text, self._box[2] - pad, self._box[3] - pad
         self._pad, self._lines = pad, self._placed(history, panel, inner)
         low, high = history.range
@@ -157,14 +157,14 @@ class Diagram:
         ]
 
 
-def _corner(area: Area, width: float, height: float, gap: float, crowd: PixelArray) -> Area:
+def _corner(area: Area, width: float, height: float, gap: float, occupied: PixelArray) -> Area:
     """The corner of an area in which there is least; of equals the first of upper right, upper left and below."""
     left, top, right, bottom = area
     xs, ys = {"right": right - gap - width, "left": left + gap}, {"upper": top + gap, "lower": bottom - gap - height}
     boxes = [(x, y, x + width, y + height) for y in ys.values() for x in xs.values()]
 
     def count(box: Area) -> int:
-        return int(((crowd >= box[:2]) & (crowd <= box[2:])).all(axis=1).sum())
+        return int(((occupied >= box[:2]) & (occupied <= box[2:])).all(axis=1).sum())
 
     return min(boxes, key=count)
 

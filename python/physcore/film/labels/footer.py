@@ -16,8 +16,7 @@ from physcore.film.colors.colormaps import look_up
 from physcore.film.colors.themes import Color, Theme
 from physcore.film.labels.text import GAP, advance, ends, wrapped
 from physcore.film.styles.base import Scale
-from physcore.simulation.energy import Energy
-from physcore.simulation.evidence import Drift
+from physcore.simulation.energy import Drift, Energy
 from physcore.simulation.sources import Source
 
 Label = Literal["time", "dt", "integrator", "energy"]
@@ -79,7 +78,7 @@ def bars(scales: Sequence[Scale | None]) -> list[Bar]:
     return list(result.values())
 
 
-class Foot:
+class Footer:
     """The lines below the picture.
 
     Args:

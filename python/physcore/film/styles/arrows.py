@@ -13,7 +13,7 @@ from physcore.film.colors.themes import Theme
 from physcore.film.styles.base import Painter
 from physcore.film.styles.field_style import FieldPainter, FieldStyle
 from physcore.film.styles.fields import Field
-from physcore.simulation.sources import Moment
+from physcore.simulation.sources import SourceFrame
 
 HEAD = 0.34
 """Length of an arrow's head over that of the longest arrow."""
@@ -65,10 +65,10 @@ class ArrowsPainter(FieldPainter):
         del pixels
         return self._style.spacing / 2
 
-    def paint(self, canvas: Canvas, moment: Moment, view: View, pixels: float) -> None:
+    def paint(self, canvas: Canvas, frame: SourceFrame, view: View, pixels: float) -> None:
         """Add arrows, above what is at the same place."""
         del pixels
-        places, vectors = self._field.samples(moment, view, self._style.spacing)
+        places, vectors = self._field.samples(frame, view, self._style.spacing)
         values = norms(vectors)
         shown = np.isfinite(values) & (values > LEAST * self.top)
         places, vectors, values = places[shown], vectors[shown], values[shown]

@@ -19,7 +19,7 @@ from physcore.film.colors.themes import Theme
 from physcore.scene.bodies import Body
 from physcore.scene.items import On, chosen
 from physcore.scene.periodic import Periodic
-from physcore.simulation.sources import Moment, Source
+from physcore.simulation.sources import Source, SourceFrame
 
 InkArray = NDArray[np.uint8]
 """Red, green, blue and opacity, 0–255, shape (N, 4)."""
@@ -36,7 +36,7 @@ TYPICAL = 99.5
 
 @dataclass(frozen=True, eq=False)
 class Part:
-    """A body, and where its particles are in a moment's arrays."""
+    """A body, and where its particles are in a frame's arrays."""
 
     body: Body
     where: slice
@@ -122,7 +122,7 @@ class Painter(ABC):
         return True
 
     def begin(self) -> None:  # noqa: B027 - most painters remember nothing
-        """Forget earlier moments: the film starts."""
+        """Forget earlier frames: the film starts."""
 
     @property
     def margin(self) -> float:
@@ -130,7 +130,7 @@ class Painter(ABC):
         return 0.0
 
     @abstractmethod
-    def observe(self, moment: Moment) -> None:
+    def observe(self, frame: SourceFrame) -> None:
         """Take a frame into account; called for each one before any is drawn."""
 
     @abstractmethod
@@ -138,12 +138,12 @@ class Painter(ABC):
         """How far drawings reach beyond the particles' centers [pixels], in a panel of so many pixels."""
 
     @abstractmethod
-    def paint(self, canvas: Canvas, moment: Moment, view: View, pixels: float) -> None:
+    def paint(self, canvas: Canvas, frame: SourceFrame, view: View, pixels: float) -> None:
         """Add the bodies to the painting of a panel of so many pixels."""
 
 
 def places(parts: Sequence[Part]) -> slice | IntArray:
-    """Where the particles of some bodies are in the arrays of moments; a slice, which copies nothing, if it can be."""
+    """Where the particles of some bodies are in the arrays of frames; a slice, which copies nothing, if it can be."""
     if all(one.where.stop == other.where.start for one, other in pairwise(parts)):
         return slice(parts[0].where.start, parts[-1].where.stop)
     return np.concatenate([np.arange(part.where.start, part.where.stop) for part in parts])

@@ -11,7 +11,7 @@ from physcore.film.colors.colormaps import ColormapName, sequential
 from physcore.film.colors.themes import Theme
 from physcore.film.styles.base import Painter, Part, Scale, Style, table, typical
 from physcore.film.styles.fields import UNITS, Field, Of, check_field, field
-from physcore.simulation.sources import Moment, Source
+from physcore.simulation.sources import Source, SourceFrame
 
 
 @dataclass(frozen=True)
@@ -60,7 +60,7 @@ class FieldPainter(Painter):
         quantity, unit = UNITS.get(self._of, ("field", ""))
         return None if self._plain else Scale(quantity, unit, (0.0, self.top), self._table)
 
-    def observe(self, moment: Moment) -> None:
+    def observe(self, frame: SourceFrame) -> None:
         """Find the end of the scale."""
         if not self.settled:
-            self.top = max(self.top, typical(norms(self._field.known(moment))))
+            self.top = max(self.top, typical(norms(self._field.known(frame))))

@@ -15,7 +15,7 @@ from physcore.film.colors.themes import Theme
 from physcore.film.styles.base import Painter, Part, Scale, Style, inks, typical
 from physcore.scene.bodies import Body, SpringNetwork
 from physcore.scene.periodic import Periodic
-from physcore.simulation.sources import Moment, Source
+from physcore.simulation.sources import Source, SourceFrame
 
 WIDTHS = (1.0, 3.4)
 """The thinnest and the thickest line that is chosen by itself [pixels]."""
@@ -100,26 +100,26 @@ class StrainPainter(Painter):
         """What the colors mean."""
         return strain_scale(self.top, self._table)
 
-    def observe(self, moment: Moment) -> None:
+    def observe(self, frame: SourceFrame) -> None:
         """Find the end of the color scale."""
         if self._style.range is None:
-            self.top = max(self.top, typical(np.abs(self._strain(moment))))
+            self.top = max(self.top, typical(np.abs(self._strain(frame))))
 
     def inset(self, pixels: float) -> float:
         """A line's half width, or a pin."""
         del pixels
         return max(WIDTHS[1], self._style.width or 0.0) / 2 + PIN
 
-    def paint(self, canvas: Canvas, moment: Moment, view: View, pixels: float) -> None:
+    def paint(self, canvas: Canvas, frame: SourceFrame, view: View, pixels: float) -> None:
         """Add lines, and pins above them."""
-        points, depth, _ = view.project(moment.positions)
+        points, depth, _ = view.project(frame.positions)
         first, second = self._pairs.T
         ends, between = points[second], None if depth is None else (depth[first] + depth[second]) / 2
         if self._domain is not None:  # A spring that crosses a face sticks out of it.
-            ends, there, _ = view.project(moment.positions[first] + self._apart(moment))
+            ends, there, _ = view.project(frame.positions[first] + self._apart(frame))
             between = None if depth is None or there is None else (depth[first] + there) / 2
         farness = None if between is None else view.farness(between)
-        colors = look_up(self._table, rooted(self._strain(moment) / self.top))
+        colors = look_up(self._table, rooted(self._strain(frame) / self.top))
         ink = inks(colors, self._theme, farness)
         ink[self._brace, 3] = round(255 * FAINT)
         widths = self._widths(view)
@@ -129,9 +129,9 @@ class StrainPainter(Painter):
         radii = np.full(len(self._fixed), radius, dtype=np.float32)
         canvas.discs(points[self._fixed], radii, pins, None if depth is None else depth[self._fixed])
 
-    def _strain(self, moment: Moment) -> FloatArray:
+    def _strain(self, frame: SourceFrame) -> FloatArray:
         """Length over rest length less one, (M,). Where the rest length is 0, the mean length takes its place."""
-        apart = self._apart(moment)
+        apart = self._apart(frame)
         length = np.sqrt(np.einsum("md,md->m", apart, apart))
         rest = self._rest
         if not (rest > 0.0).all():
@@ -139,10 +139,10 @@ class StrainPainter(Painter):
         strain: FloatArray = (length - self._rest) / rest
         return strain
 
-    def _apart(self, moment: Moment) -> FloatArray:
+    def _apart(self, frame: SourceFrame) -> FloatArray:
         """From the first to the second end of each spring [m], (M, D); positions within a domain tear springs apart."""
         first, second = self._pairs.T
-        apart = moment.positions[second] - moment.positions[first]
+        apart = frame.positions[second] - frame.positions[first]
         return apart if self._domain is None else self._domain.nearest(apart)
 
     def _widths(self, view: View) -> np.ndarray:

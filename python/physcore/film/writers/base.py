@@ -12,7 +12,7 @@ from typing import ClassVar, Literal, get_args
 from physcore._core import Canvas
 from physcore.checks import span
 from physcore.errors import SceneError
-from physcore.film.renderer import Stage
+from physcore.film.renderer import Renderer
 from physcore.progress import Progress
 from physcore.storage.formats import Format
 
@@ -44,10 +44,10 @@ class Film:
 
 
 @dataclass(frozen=True, eq=False)
-class Reel:
+class FilmJob:
     """A film to be written, one frame at a time."""
 
-    stage: Stage
+    renderer: Renderer
     """What draws it."""
     rate: float
     """Frames per second."""
@@ -55,20 +55,20 @@ class Reel:
     """How much care is taken of colors, where a format has few."""
     max_bytes: int | None
     """How large the file may become, where a format can be made smaller."""
-    tell: Callable[[], str]
+    describe: Callable[[], str]
     """Gives what the film says of how it came about, in ASCII; a scene that was not simulated yet is, so ask late."""
     progress: bool | None
     """Whether to show a progress bar, as in `film`."""
 
     @property
-    def evidence(self) -> str:
+    def provenance(self) -> str:
         """What it says of how it came about."""
-        return self.tell()
+        return self.describe()
 
     def frames(self, stride: int = 1) -> Iterator[Canvas]:
         """Every frame, or every second, third, …; each canvas is valid until the next is asked for."""
-        with Progress(self.stage.count, "drawing", self.progress) as bar:
-            for index, canvas in enumerate(self.stage.frames()):
+        with Progress(self.renderer.count, "drawing", self.progress) as bar:
+            for index, canvas in enumerate(self.renderer.frames()):
                 if index % stride == 0:
                     yield canvas
                 bar.update(index + 1)
@@ -108,7 +108,7 @@ class Writer(Format, ABC):
     """Whether it can be made to fit into a number of bytes."""
 
     @abstractmethod
-    def write(self, reel: Reel, target: Path) -> Film:
+    def write(self, job: FilmJob, target: Path) -> Film:
         """Write a film; it appears under its name when it is whole, and until then what was there stays.
 
         Raises:
@@ -116,13 +116,13 @@ class Writer(Format, ABC):
         """
 
     @classmethod
-    def written(cls, reel: Reel, target: Path) -> Film:
-        """What was written, if it shows the whole reel."""
-        return Film(target, target.stat().st_size, reel.stage.size, reel.stage.count, reel.rate)
+    def written(cls, job: FilmJob, target: Path) -> Film:
+        """What was written, if it shows the whole job."""
+        return Film(target, target.stat().st_size, job.renderer.size, job.renderer.count, job.rate)
 
     @staticmethod
     @abstractmethod
-    def evidence(path: Path) -> str | None:
+    def provenance(path: Path) -> str | None:
         """What a file says of how it came about; None if it says nothing.
 
         Raises:

@@ -12,7 +12,7 @@ from typing import IO, TYPE_CHECKING, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from physcore.film.writers.base import Film, Reel, Writer
+from physcore.film.writers.base import Film, FilmJob, Writer
 from physcore.storage.files import replacing
 
 # What runs another program is imported where it is used: it takes as long as half of physcore.
@@ -46,29 +46,29 @@ class Mp4Writer(Writer):
         """FFmpeg, if it is not there."""
         return None if _ffmpeg() else "an MP4 needs FFmpeg: pip install 'physcore[video]'; a .webp needs nothing"
 
-    def write(self, reel: Reel, target: Path) -> Film:
+    def write(self, job: FilmJob, target: Path) -> Film:
         """Write a film; a side of odd length gets one more row or column, because colors have half the resolution."""
         import subprocess
         import tempfile
 
-        frames = (_even(canvas.pixels()) for canvas in reel.frames())
+        frames = (_even(canvas.pixels()) for canvas in job.frames())
         first = next(frames)
         with (
             replacing(target) as file,
             tempfile.NamedTemporaryFile() as notes,
             tempfile.TemporaryFile() as complaints,
         ):
-            notes.write(b";FFMETADATA1\ncomment=" + _escaped(reel.evidence).encode() + b"\n")
+            notes.write(b";FFMETADATA1\ncomment=" + _escaped(job.provenance).encode() + b"\n")
             notes.flush()
-            command = _command(first.shape[:2], reel.rate, notes.name, file.name)
+            command = _command(first.shape[:2], job.rate, notes.name, file.name)
             with subprocess.Popen(command, stdin=subprocess.PIPE, stderr=complaints, bufsize=0) as encoder:
                 _feed(encoder, chain([first], frames))
             if encoder.returncode != 0:
                 raise OSError(_cause(encoder.returncode, complaints))
-        return self.written(reel, target)
+        return self.written(job, target)
 
     @staticmethod
-    def evidence(path: Path) -> str | None:
+    def provenance(path: Path) -> str | None:
         """The comment. Source: Apple, "QuickTime File Format", metadata; every box has a length and a kind."""
         content = path.read_bytes()
         start, end = 0, len(content)

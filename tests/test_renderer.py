@@ -25,12 +25,12 @@ import physcore as pc
 from physcore.film import DARK, LIGHT, Follow, Orbit, Window, frame_cache, gif_bytes
 from physcore.film.colors.colormaps import COLORMAPS, LUMA, sequential
 from physcore.film.colors.themes import LEGIBLE, contrast, legible
-from physcore.film.frame_cache import Spool
-from physcore.film.labels.footer import Foot, bars
+from physcore.film.frame_cache import FrameCache
+from physcore.film.labels.footer import Footer, bars
 from physcore.film.labels.text import ADVANCE, ends, wrapped
-from physcore.film.renderer import Stage
+from physcore.film.renderer import Renderer
 from physcore.film.styles.base import Scale
-from physcore.simulation.evidence import Drift
+from physcore.simulation.energy import Drift
 from physcore.simulation.sources import Running, sources
 
 SIZE = (320, 240)
@@ -46,14 +46,14 @@ def dust(lower: tuple[float, ...], upper: tuple[float, ...]) -> pc.Recording:
     return pc.simulate(pc.Scene(pc.Particles(np.concatenate([points, [lower, upper]]))), 0.1)
 
 
-def stage(items: Any, size: Any = SIZE, **options: Any) -> Stage:
+def renderer(items: Any, size: Any = SIZE, **options: Any) -> Renderer:
     found = sources(items, options.pop("duration", None), options.pop("fps", None), {})
     style, camera, theme = options.pop("style", None), options.pop("camera", None), options.pop("theme", DARK)
-    return Stage(found, size, style, camera, theme, options.pop("titles", None), False, **options)
+    return Renderer(found, size, style, camera, theme, options.pop("titles", None), False, **options)
 
 
 def pictures(items: Any, size: Any = SIZE, **options: Any) -> list[np.ndarray]:
-    with stage(items, size, **options) as made:
+    with renderer(items, size, **options) as made:
         return [canvas.pixels().astype(int) for canvas in made.frames()]
 
 
@@ -72,11 +72,11 @@ def pictures(items: Any, size: Any = SIZE, **options: Any) -> list[np.ndarray]:
 )
 def test_the_format_suits_the_motion(upper: tuple[float, float], format: tuple[int, int]) -> None:
     recording = dust((0.0, 0.0), upper)
-    with stage(recording, None) as made:
+    with renderer(recording, None) as made:
         assert made.size == format
-    with stage(recording, (100, 300)) as made:
+    with renderer(recording, (100, 300)) as made:
         assert made.size == (100, 300)
-    with stage(recording, None, camera=Window((0.0, 0.0), upper)) as made:
+    with renderer(recording, None, camera=Window((0.0, 0.0), upper)) as made:
         assert made.size == format
     with Image.open(io.BytesIO(gif_bytes(recording))) as image:
         assert image.size == format
@@ -85,7 +85,7 @@ def test_the_format_suits_the_motion(upper: tuple[float, float], format: tuple[i
 @pytest.mark.parametrize("panels", [1, 2, 3, 4, 7])
 @pytest.mark.parametrize("upper", [(1.0, 1.0), (1.0, 9.0), (9.0, 1.0), (4.0, 3.0)])
 def test_any_format_is_even_and_of_a_usual_size(panels: int, upper: tuple[float, float]) -> None:
-    with stage([dust((0.0, 0.0), upper)] * panels, None) as made:
+    with renderer([dust((0.0, 0.0), upper)] * panels, None) as made:
         width, height = made.size
     assert width % 2 == height % 2 == 0
     assert width <= 1280 + 2
@@ -95,13 +95,13 @@ def test_any_format_is_even_and_of_a_usual_size(panels: int, upper: tuple[float,
 def test_who_says_how_much_is_shown_gets_the_usual_format() -> None:
     tall = dust((0.0, 0.0, 0.0), (1.0, 1.0, 9.0))
     for camera in (Orbit(extent=3.0), Follow(0)):
-        with stage(tall, None, camera=camera) as made:
+        with renderer(tall, None, camera=camera) as made:
             assert made.size == (640, 480)
-    with stage(tall, None) as made:
+    with renderer(tall, None) as made:
         assert made.size == (416, 740)
 
 
-# One pass, two, or spooled.
+# One pass, two, or cached.
 
 
 def test_the_same_bytes_spooled_simulated_again_and_recorded(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -109,32 +109,32 @@ def test_the_same_bytes_spooled_simulated_again_and_recorded(tmp_path: Path, mon
     scene = pc.Scene(fluid, pc.Gravity((0.0, -9.81)), pc.Box((0.0, 0.0), (1.0, 1.0)))
     options: dict[str, Any] = {"size": SIZE, "labels": ("time", "dt", "integrator", "energy"), "inset": "energy"}
     ways = []
-    close, write = Spool.close, Spool._write
+    close, write = FrameCache.close, FrameCache._write
 
-    def slow(self: Spool, moment: Any) -> None:
+    def slow(self: FrameCache, frame: Any) -> None:
         time.sleep(0.02)  # a disk that takes its time
-        write(self, moment)
+        write(self, frame)
 
-    def watched(self: Spool) -> None:
+    def watched(self: FrameCache) -> None:
         ways.append(self.whole)
         close(self)
 
-    monkeypatch.setattr(Spool, "close", watched)
-    for name, share, trial in (("spooled", 1.0, np.inf), ("refused", 0.0, np.inf), ("slow", 1.0, -1.0)):
+    monkeypatch.setattr(FrameCache, "close", watched)
+    for name, share, trial in (("cached", 1.0, np.inf), ("refused", 0.0, np.inf), ("slow", 1.0, -1.0)):
         monkeypatch.setattr(frame_cache, "SHARE", share)
         monkeypatch.setattr(frame_cache, "TRIAL", trial)
         if name == "slow":
-            monkeypatch.setattr(Spool, "_write", slow)
+            monkeypatch.setattr(FrameCache, "_write", slow)
         pc.film(scene, tmp_path / f"{name}.gif", duration=0.5, fps=20, **options)
     assert ways == [True, False, False, False]  # the slow one is closed at once, and again at the end
     pc.film(pc.simulate(scene, 0.5, fps=20), tmp_path / "recorded.gif", **options)
-    assert len({(tmp_path / f"{name}.gif").read_bytes() for name in ("spooled", "refused", "slow", "recorded")}) == 1
+    assert len({(tmp_path / f"{name}.gif").read_bytes() for name in ("cached", "refused", "slow", "recorded")}) == 1
 
 
 def test_what_was_spooled_is_exact() -> None:
     fluid = pc.Fluid(pc.block((0.0, 0.0), (0.3, 0.3), 0.05), 0.05)
     scene = pc.Scene(fluid, rope().bodies[0], pc.Gravity((0.0, -9.81)), pc.Box((-1.0, -1.0), (1.5, 1.0)))
-    found = Spool(Running(scene, 0.3, 20.0, {}))
+    found = FrameCache(Running(scene, 0.3, 20.0, {}))
     first = list(found.first())
     assert found.whole
     again = list(found.again())
@@ -167,25 +167,25 @@ def test_a_full_disk_does_not_fail_the_film(room: int, when: str, monkeypatch: p
 
     monkeypatch.setattr(tempfile, "TemporaryFile", lambda **options: Small())
     monkeypatch.setattr(frame_cache, "TRIAL", np.inf)
-    found = Spool(Running(rope(), 0.5, 20.0, {}))
-    first = [moment.positions for moment in found.first()]
+    found = FrameCache(Running(rope(), 0.5, 20.0, {}))
+    first = [frame.positions for frame in found.first()]
     assert found.whole == (when == "reading")
-    np.testing.assert_array_equal(first, [moment.positions for moment in found.again()])
+    np.testing.assert_array_equal(first, [frame.positions for frame in found.again()])
 
 
 @pytest.fixture
 def runs(monkeypatch: pytest.MonkeyPatch) -> list[int]:
-    """How many moments each run of a simulation gave."""
+    """How many frames each run of a simulation gave."""
     counts: list[int] = []
-    moments = Running.moments
+    frames = Running.frames
 
     def counted(self: Running) -> Iterator[Any]:
         counts.append(0)
-        for moment in moments(self):
+        for frame in frames(self):
             counts[-1] += 1
-            yield moment
+            yield frame
 
-    monkeypatch.setattr(Running, "moments", counted)
+    monkeypatch.setattr(Running, "frames", counted)
     return counts
 
 
@@ -259,7 +259,7 @@ def test_no_temporary_file_is_left_when_the_process_is_killed(tmp_path: Path) ->
         deadline = time.monotonic() + 60.0
         while not any(str(room) in target and "deleted" in target for target in _open_files(process.pid)):
             assert process.poll() is None, "the film ended before it could be killed"
-            assert time.monotonic() < deadline, "no frame was spooled"
+            assert time.monotonic() < deadline, "no frame was cached"
             time.sleep(0.01)
     finally:
         process.send_signal(signal.SIGKILL)
@@ -342,11 +342,11 @@ def test_a_color_bar_shows_the_scale_and_equal_scales_once() -> None:
 
 def test_labels_keep_their_width() -> None:
     clock = np.linspace(0.0, 120.0, 1201)
-    foot = Foot(("time", "dt", "integrator", "energy"), clock, 10.0, [("RungeKutta4", 1e-3)], [])
-    lines = [foot._lines(16, 640, [error], frame) for frame, error in ((0, 0.0), (99, 3.21e-17), (1200, 0.5))]
+    footer = Footer(("time", "dt", "integrator", "energy"), clock, 10.0, [("RungeKutta4", 1e-3)], [])
+    lines = [footer._lines(16, 640, [error], frame) for frame, error in ((0, 0.0), (99, 3.21e-17), (1200, 0.5))]
     assert len({len(line) for _, line in lines}) == 1
     assert lines[1][1] == "  9.90 s  dt 0.001 s  RungeKutta4  energy error 3.2e-17"
-    narrow = foot._lines(16, 200, [0.0], 0)[0][0]
+    narrow = footer._lines(16, 200, [0.0], 0)[0][0]
     assert narrow == ["dt 0.001 s", "RungeKutta4", "energy error 0.0e+00"] or all(len(line) <= 26 for line in narrow)
     assert wrapped(["aa", "bb", "cc"], 6) == ["aa  bb", "cc"]
 
@@ -355,7 +355,7 @@ def test_the_energy_error_so_far_ends_as_that_of_the_recording() -> None:
     recording = pc.simulate(rope(), 1.0, dt=2e-3)
     drift = Drift()
     (source,) = sources(recording, None, None, {})
-    errors = [drift.add(moment.energy) for moment in source.moments() if moment.energy is not None]
+    errors = [drift.add(frame.energy) for frame in source.frames() if frame.energy is not None]
     assert errors[0] == 0.0
     assert errors[-1] == pytest.approx(abs(recording.energy.drift[-1]), rel=1e-9)
     assert errors[-1] > 0.0
@@ -415,7 +415,7 @@ def test_the_curves_of_the_energy_grow_from_left_to_right(theme: Any, size: tupl
     stone = pc.simulate(pc.Scene(pc.Particles([[0.0, 0.0]]), pc.Gravity((0.0, -10.0))), 1.0, fps=10)
     style = pc.styles.Points(color="body", size=1.0, trail=0.0)
     camera = Window((50.0, 50.0), (51.0, 51.0))  # the stone is out of sight
-    with stage(stone, size, inset="energy", theme=theme, camera=camera, style=style) as made:
+    with renderer(stone, size, inset="energy", theme=theme, camera=camera, style=style) as made:
         diagram = made._panels[0].diagram
         assert diagram is not None
         found = [canvas.pixels().astype(int) for canvas in made.frames()]
