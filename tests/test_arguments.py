@@ -125,7 +125,7 @@ CALLS: dict[str, tuple[Callable[..., object], dict[str, Any]]] = {
     "Gravity": (pc.Gravity, {"acceleration": (0.0, -1.0)}),
     "Drag": (pc.Drag, {"linear": 1.0}),
     "CentralForce": (pc.CentralForce, {"center": (0.0, 0.0), "strength": 1.0}),
-    "Repulsion": (pc.Repulsion, {"stiffness": 1.0}),
+    "SoftSpheres": (pc.SoftSpheres, {"stiffness": 1.0}),
     "LennardJones": (pc.LennardJones, {"epsilon": 1.0, "sigma": 1.0}),
     "CustomForce": (pc.CustomForce, {"function": lambda time, x, v: -x}),
     "Floor": (pc.Floor, {}),
@@ -185,13 +185,14 @@ CALLS["simulate to an accuracy"] = (
 )
 LEGITIMATE = {("step", "n", "a huge count"), ("tradeoff", "observe", "a class")}
 """What takes a year, and a function of the user's that fails by itself."""
-NUMERICS = ("integrator", "dt", "precision", "threads", "runaway", "on_divergence")
+NUMERICS = ("integrator", "dt", "precision", "threads", "max_energy_growth", "on_divergence")
 
 
 def parameters(function: Callable[..., object]) -> list[str]:
     """The arguments that can be given by name."""
     given = inspect.signature(function).parameters.values()
     names = [each.name for each in given if each.kind in (each.POSITIONAL_OR_KEYWORD, each.KEYWORD_ONLY)]
+    names = [name for name in names if name != "runaway"]  # the deprecated name of max_energy_growth
     return [*names, *(NUMERICS if any(each.kind == each.VAR_KEYWORD for each in given) else ())]
 
 

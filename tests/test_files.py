@@ -120,7 +120,7 @@ def test_a_file_with_a_wrong_entry_is_a_file_error_or_another_right_file(held, k
         ("recording", ("plan", "dt_limit"), "none", "plan.dt_limit: must be a number, got 'none'"),
         ("recording", ("energy", "by_term", "springs"), 3, "energy.by_term.springs: must be an array"),
         ("simulation", ("world", "clock"), np.array([np.nan, 1.0]), "world.clock: must be finite"),
-        ("simulation", ("pace", "limits"), [{}], "pace.limits: must be a list of 0 or 2"),
+        ("simulation", ("stepper", "limits"), [{}], "stepper.limits: must be a list of 0 or 2"),
         (
             "simulation",
             ("scene", "bodies", 0, "kind"),

@@ -85,7 +85,7 @@ def test_drag_and_pair_forces_spare_a_fluid_that_is_not_named():
     water, grains = pc.Fluid(WATER, 0.1), pc.Particles([[2.0, 2.0]], radius=0.1)
     forces = (
         pc.Drag(1.0),
-        pc.Repulsion(10.0),
+        pc.SoftSpheres(10.0),
         pc.LennardJones(1.0, 0.1),
         pc.Gravity((0.0, -1.0)),
         pc.Drag(1.0, on=water),

@@ -87,7 +87,7 @@ def test_a_body_has_its_part():
     assert (recording[BALL].positions == recording.positions[:, 2:]).all()
     assert (recording["ball"].velocities == recording.velocities[:, 2:]).all()
     assert (recording[0].positions == still.positions).all()
-    assert repr(recording[0]) == "Track(16 frames: positions (16, 2, 2), velocities (16, 2, 2))"
+    assert repr(recording[0]) == "Trajectory(16 frames: positions (16, 2, 2), velocities (16, 2, 2))"
     assert (recording[still].times == recording.times).all()
 
 

@@ -54,7 +54,13 @@ def test_an_interrupted_run_ends_in_the_same_bits(tmp_path):
 
 
 def test_a_checkpoint_keeps_scene_and_numerics(tmp_path):
-    numerics = {"integrator": pc.VelocityVerlet(), "dt": 1e-4, "precision": "f64", "threads": 1, "runaway": 1e5}
+    numerics = {
+        "integrator": pc.VelocityVerlet(),
+        "dt": 1e-4,
+        "precision": "f64",
+        "threads": 1,
+        "max_energy_growth": 1e5,
+    }
     simulation = pc.Simulation(SCENE, **numerics)
     simulation.save(tmp_path / "state")
     loaded = pc.load(tmp_path / "state")
@@ -88,7 +94,7 @@ def test_a_scene_of_pairs_and_fluids_comes_back_as_it_was():
     )
     oil = pc.Fluid(pc.block((0.4, 0.0), (0.8, 0.2), 0.1), 0.1)
     grains = pc.Particles([[0.0, 0.5]], radius=0.01)
-    pairs = (pc.Repulsion(1.0, 0.1, 0.5, 0.2, 1.5), pc.LennardJones(1.0, 0.1, on=[grains, water]))
+    pairs = (pc.SoftSpheres(1.0, 0.1, 0.5, 0.2, 1.5), pc.LennardJones(1.0, 0.1, on=[grains, water]))
     scene = pc.Scene(water, oil, grains, *pairs, pc.Periodic((-1.0, -np.inf), (1.0, np.inf)))
     content = json.loads(json.dumps(scene.packed(), default=lambda values: values.tolist()))
     loaded = unpack_scene(content)
@@ -142,7 +148,7 @@ def test_a_file_of_before_the_history_was_kept_still_loads(tmp_path):
     simulation.step(10)
     simulation.save(path)
     kind, content = archive.read(path)
-    assert content["pace"].pop("segments") == [{"start": 0.0, "steps": 10, "dt": 1e-3}]
+    assert content["stepper"].pop("segments") == [{"start": 0.0, "steps": 10, "dt": 1e-3}]
     archive.write(path, kind, content)
     loaded = pc.load(path)
     assert isinstance(loaded, pc.Simulation)

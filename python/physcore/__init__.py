@@ -24,9 +24,10 @@ from physcore.errors import (
     SceneError,
     SimulationDiverged,
     StabilityWarning,
+    warn,
 )
 from physcore.film import film
-from physcore.forces import CentralForce, CustomForce, Drag, Force, Gravity, LennardJones, Repulsion
+from physcore.forces import CentralForce, CustomForce, Drag, Force, Gravity, LennardJones, SoftSpheres
 from physcore.numerics.choices import AdaptiveStep, AutoStep
 from physcore.numerics.integrators import (
     PEFRL,
@@ -103,7 +104,6 @@ __all__ = [
     "Plan",
     "Plane",
     "Recording",
-    "Repulsion",
     "RungeKutta4",
     "Scene",
     "SceneError",
@@ -111,6 +111,7 @@ __all__ = [
     "Simulation",
     "SimulationDiverged",
     "Snapshot",
+    "SoftSpheres",
     "Sphere",
     "SpringNetwork",
     "StabilityWarning",
@@ -135,11 +136,14 @@ __all__ = [
 
 
 def __getattr__(name: str) -> object:
-    """The version and the styles of films, looked up when asked for: they take as long as all other imports."""
+    """The version and the styles of films, which take as long as all other imports, and names of before."""
     if name == "styles":
         from physcore.film import styles
 
         return styles
+    if name == "Repulsion":
+        warn("Repulsion is now SoftSpheres", DeprecationWarning)
+        return SoftSpheres
     if name != "__version__":
         raise AttributeError(f"module 'physcore' has no attribute {name!r}")
     from importlib.metadata import version

@@ -104,7 +104,10 @@ LONG = (
 PARTS = ("Energy", "EnergySeries", "Frame", "MeasuredLimit", "Plan", "Recording", "Snapshot", "Tradeoff", "Painter")
 """Results: nobody but physcore makes them, and they take what they are given."""
 
-INTERNAL = ("from_content",)
+DEPRECATED = ("runaway",)
+"""Arguments that warn; `test_deprecated.py` gives them."""
+
+INTERNAL = ("from_content", "packed")
 """Methods that only physcore calls."""
 
 
@@ -174,12 +177,16 @@ def _entrance(thing: Any, source: str, name: str, owner: str, *, keys: bool = Fa
     for parameter in inspect.signature(thing).parameters.values():
         match parameter.kind:
             case parameter.VAR_KEYWORD:
-                numerics = tuple(option for option in inspect.signature(pc.Simulation).parameters if option != "scene")
+                numerics = tuple(
+                    option
+                    for option in inspect.signature(pc.Simulation).parameters
+                    if option not in ("scene", *DEPRECATED)
+                )
                 parameters |= dict.fromkeys(numerics)
             case parameter.VAR_POSITIONAL:
                 rest = parameter.name
                 parameters[rest] = VALID[rest]
-            case _ if parameter.name != "self":
+            case _ if parameter.name not in ("self", *DEPRECATED):
                 needed = parameter.default is parameter.empty
                 valid = VALID.get(f"{owner}.{parameter.name}", VALID.get(parameter.name, "1.0"))
                 parameters[parameter.name] = valid if needed else None

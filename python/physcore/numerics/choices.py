@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Literal, TypedDict
 
 from physcore.checks import MOST, count, is_word, number, shown, span, word
-from physcore.errors import SceneError
+from physcore.errors import SceneError, warn
 from physcore.numerics.integrators import INTEGRATORS, Integrator, SemiImplicitEuler, VelocityVerlet
 from physcore.scene.scene import Scene
 
@@ -17,7 +17,7 @@ PRECISIONS: tuple[Precision, ...] = ("f32", "f64", "auto")
 DIVERGENCE_RULES: tuple[DivergenceRule, ...] = ("raise", "substep", "ignore")
 LimitKind = Literal["stability", "accuracy", "none"]
 
-RUNAWAY = {"raise": 1e6, "ignore": 1e6, "substep": 1.0}
+MAX_ENERGY_GROWTH = {"raise": 1e6, "ignore": 1e6, "substep": 1.0}
 """How many times the largest energy so far the energy balance may rise, where nothing is said. A step that is to be
 taken again in parts has to be noticed before it has spoilt the state."""
 
@@ -100,8 +100,10 @@ class Options(TypedDict, total=False):
     dt: float | StepRule | Literal["auto"]
     precision: Precision
     threads: int | None
-    runaway: float | None
+    max_energy_growth: float | None
     on_divergence: DivergenceRule
+    runaway: float | None
+    """The deprecated name of max_energy_growth."""
 
 
 @dataclass(frozen=True)
@@ -112,7 +114,7 @@ class Numerics:
     dt: float | StepRule
     precision: Literal["f32", "f64"]
     threads: int | None
-    runaway: float
+    max_energy_growth: float
     on_divergence: DivergenceRule
 
 
@@ -124,7 +126,7 @@ def check(options: Options, scene: Scene) -> Numerics:
     """
     threads = options.get("threads")
     rule = word(options.get("on_divergence", "raise"), "on_divergence", DIVERGENCE_RULES)
-    runaway = options.get("runaway")
+    growth = _max_energy_growth(options)
     integrator, dt = _integrator(options.get("integrator", "auto")), _dt(options.get("dt", "auto"))
     if isinstance(dt, AdaptiveStep) and dt.tolerance is not None and not integrator.embedded:
         able = " or ".join(f"{kind.__name__}()" for kind in INTEGRATORS if kind.embedded)
@@ -137,9 +139,20 @@ def check(options: Options, scene: Scene) -> Numerics:
         dt=dt,
         precision=_precision(options.get("precision", "auto"), scene),
         threads=None if threads is None else count(threads, "threads", least=1, most=MOST_THREADS),
-        runaway=RUNAWAY[rule] if runaway is None else number(runaway, "runaway", above=0.0),
+        max_energy_growth=MAX_ENERGY_GROWTH[rule] if growth is None else number(growth, "max_energy_growth", above=0.0),
         on_divergence=rule,
     )
+
+
+def _max_energy_growth(options: Options) -> float | None:
+    """The choice under its name, or under that of before."""
+    growth, before = options.get("max_energy_growth"), options.get("runaway")
+    if before is None:
+        return growth
+    warn("runaway= is now max_energy_growth=", DeprecationWarning)
+    if growth is not None:
+        raise SceneError("runaway: is the old name of max_energy_growth, which is given too")
+    return before
 
 
 def _integrator(value: object) -> Integrator:

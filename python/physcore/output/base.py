@@ -53,11 +53,12 @@ class Springs:
     def strain(self, positions: FloatArray) -> FloatArray:
         """Length over rest length less one, (M,); not a number where the rest length is zero."""
         first, second = self.pairs.T
-        apart = positions[second] - positions[first]
-        if self.domain is not None:  # Positions within a domain tear springs apart.
-            apart[:, : self.domain.dimension] = self.domain.nearest(apart[:, : self.domain.dimension])
+        separation = positions[second] - positions[first]
+        if self.domain is not None:  # Of positions within a domain: that of the nearest images.
+            axes = self.domain.dimension
+            separation[:, :axes] = self.domain.nearest(separation[:, :axes])
         rest = np.where(self.rest_length > 0.0, self.rest_length, np.nan)
-        strain: FloatArray = np.linalg.norm(apart, axis=1) / rest - 1.0
+        strain: FloatArray = np.linalg.norm(separation, axis=1) / rest - 1.0
         return strain
 
 

@@ -157,8 +157,8 @@ class Fluid(Body):
 def describe_pair(points: FloatArray, pair: tuple[int, int], spacing: float) -> str:
     """How close two particles are, in words."""
     one, other = pair
-    apart = float(np.linalg.norm(points[one] - points[other]))
-    return f"{one} and {other} are {apart:.3g} m apart, which is less than half the spacing of {spacing:g} m"
+    separation = float(np.linalg.norm(points[one] - points[other]))
+    return f"{one} and {other} are {separation:.3g} m apart, which is less than half the spacing of {spacing:g} m"
 
 
 def _mass(density: float, spacing: float, dimension: int) -> float:

@@ -32,10 +32,17 @@ class SceneItem:
     on: On = field(default=None, kw_only=True)
     """The body or bodies that it acts on; None: all, but for fluids where it spares them."""
 
+    kind: ClassVar[str]
+    """The name of the class in hashes, files and the engine: its own, where it does not say another."""
     spares_fluids: ClassVar[bool] = False
     """Whether it acts on a fluid only where that is named."""
     is_code: ClassVar[bool] = False
     """Whether it is made of functions of the user's, which are not written into files."""
+
+    def __init_subclass__(cls) -> None:
+        super().__init_subclass__()
+        if "kind" not in cls.__dict__:
+            cls.kind = cls.__name__
 
     def __post_init__(self) -> None:
         self._set(on=chosen(self.on, f"{type(self).__name__}.on"))
@@ -73,7 +80,7 @@ class SceneItem:
         values = {
             name: np.array(value) if isinstance(value, tuple) else value for name, value in self.parameters().items()
         }
-        return {"type": type(self).__name__, **values}
+        return {"type": self.kind, **values}
 
 
 @dataclass(frozen=True)

@@ -35,8 +35,8 @@ def _closer_than(points: FloatArray, distance: float) -> tuple[int, int] | None:
     order = np.argsort(keys, kind="stable")
     keys, sorted_points = keys[order], points[order]
     for first, second in _candidates(keys, strides):
-        apart = sorted_points[first] - sorted_points[second]
-        close = np.einsum("nd,nd->n", apart, apart) < distance**2
+        separation = sorted_points[first] - sorted_points[second]
+        close = np.einsum("nd,nd->n", separation, separation) < distance**2
         if close.any():
             found = int(np.argmax(close))
             one, other = sorted((int(order[first[found]]), int(order[second[found]])))

@@ -18,7 +18,12 @@ def pack(value: Any) -> Tree:
     if not is_dataclass(value):
         return value
     names = inspect.signature(type(value)).parameters
-    return {"kind": type(value).__name__, "fields": {name: pack(getattr(value, name)) for name in names}}
+    return {"kind": kind_of(type(value)), "fields": {name: pack(getattr(value, name)) for name in names}}
+
+
+def kind_of(kind: type[Any]) -> str:
+    """The name of a class in files and hashes."""
+    return kind.kind if issubclass(kind, SceneItem) else kind.__name__
 
 
 def pack_items(items: Sequence[SceneItem], bodies: Sequence[Body], path: str) -> list[Tree]:

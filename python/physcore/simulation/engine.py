@@ -29,7 +29,7 @@ def build(scene: Scene, numerics: Numerics) -> World:
         type(numerics.integrator).__name__,
         numerics.precision,
         numerics.threads,
-        numerics.runaway,
+        numerics.max_energy_growth,
         numerics.on_divergence,
     )
 

@@ -14,7 +14,7 @@ from physcore.scene.scene import Scene
 from physcore.simulation import engine
 from physcore.simulation.energy import Energy
 from physcore.simulation.state import Frame, Snapshot
-from physcore.simulation.stepper import TOUCH, Pace
+from physcore.simulation.stepper import TIME_TOLERANCE, Stepper
 
 
 def energy(world: World) -> Energy:
@@ -61,7 +61,7 @@ def frame_count(duration: float, fps: float) -> int:
     return math.floor(intervals) + 1
 
 
-def frames(world: World, scene: Scene, pace: Pace, duration: float, fps: float) -> Iterator[Frame]:
+def frames(world: World, scene: Scene, stepper: Stepper, duration: float, fps: float) -> Iterator[Frame]:
     """Advance by a duration, and give a frame at each start + k/fps; the first one is the present state.
 
     A given time step stays as it is, and a frame between two steps is a cubic Hermite interpolation of both; with
@@ -73,47 +73,47 @@ def frames(world: World, scene: Scene, pace: Pace, duration: float, fps: float) 
     """
     start = world.time
     count = frame_count(duration, fps)
-    if pace.fixed is not None:
-        steps_to(duration, pace.fixed, TOUCH)  # Refuses more than can be counted.
-    sampled = _stepped if pace.fixed is None else _interpolated
-    for index, sample in enumerate(sampled(world, scene, pace, count, fps)):
+    if stepper.fixed is not None:
+        steps_to(duration, stepper.fixed, TIME_TOLERANCE)  # Refuses more than can be counted.
+    sampled = _stepped if stepper.fixed is None else _interpolated
+    for index, sample in enumerate(sampled(world, scene, stepper, count, fps)):
         here = world.steps
-        yield replace(sample, time=start + index / fps, dt=pace.dt, positions=engine.show(sample.positions, scene))
+        yield replace(sample, time=start + index / fps, dt=stepper.dt, positions=engine.show(sample.positions, scene))
         if world.steps != here:
             raise PhyscoreError(
                 f"this simulation took {world.steps - here} steps between two of its frames, which would no longer be "
                 "at their times: step it before or after, not meanwhile, and not from another thread"
             )
     left = duration - (world.time - start)
-    if left > TOUCH * pace.dt:
-        pace.run(left, fps)
+    if left > TIME_TOLERANCE * stepper.dt:
+        stepper.run(left, fps)
 
 
-def _stepped(world: World, scene: Scene, pace: Pace, count: int, fps: float) -> Iterator[Frame]:
+def _stepped(world: World, scene: Scene, stepper: Stepper, count: int, fps: float) -> Iterator[Frame]:
     """Frames on the steps of a time step that divides the frame interval."""
     for index in range(count):
         if index > 0:
-            pace.run(1.0 / fps, fps)
+            stepper.run(1.0 / fps, fps)
         yield frame(world, scene)
 
 
-def _interpolated(world: World, scene: Scene, pace: Pace, count: int, fps: float) -> Iterator[Frame]:
+def _interpolated(world: World, scene: Scene, stepper: Stepper, count: int, fps: float) -> Iterator[Frame]:
     """Frames between steps of a given size: `before` is the last step at or before a frame, `done` the present step."""
-    dt = pace.dt
+    dt = stepper.dt
     done, before = 0, frame(world, scene)
     for index in range(count):
         target = index / (fps * dt)
         nearest = round(target)
-        on_step = abs(target - nearest) <= TOUCH
+        on_step = abs(target - nearest) <= TIME_TOLERANCE
         first = nearest if on_step else math.floor(target)
         if done <= first:
-            pace.step(first - done)
+            stepper.step(first - done)
             done, before = first, frame(world, scene)
         if on_step:
             yield before
             continue
         if done == first:
-            pace.step(1)
+            stepper.step(1)
             done += 1
         yield hermite(before, engine.snapshot(world, scene), target - first, dt)
 

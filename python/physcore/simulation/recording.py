@@ -52,7 +52,7 @@ def check_channels(channels: object, *, fluids: bool) -> tuple[Channel, ...]:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Track:
+class Trajectory:
     """Positions, velocities and what else was recorded over time, of a whole scene or of one body."""
 
     times: FloatArray
@@ -95,7 +95,7 @@ class Track:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Recording(Track):
+class Recording(Trajectory):
     """Frames of a simulation at a fixed rate; `recording[body]` gives the part of one body.
 
     Save one with `save`, read it back with `physcore.load`, draw it with `physcore.film`.
@@ -116,11 +116,11 @@ class Recording(Track):
     provenance: Provenance | None = None
     """The steps that were taken, and the hash of the state at the end; None in files of an earlier physcore."""
 
-    def __getitem__(self, body: BodyKey) -> Track:
+    def __getitem__(self, body: BodyKey) -> Trajectory:
         part = self.scene.slice(body)
         wet = isinstance(self.scene.bodies[self.scene.index(body)], Fluid)
         mine = {name: values for name, values in self.channels.items() if wet or name not in FLUID_CHANNELS}
-        return Track(self.times, {name: values[:, part] for name, values in mine.items()})
+        return Trajectory(self.times, {name: values[:, part] for name, values in mine.items()})
 
     def __repr__(self) -> str:
         return (

@@ -16,7 +16,7 @@ from physcore.numerics.integrators import INTEGRATORS
 from physcore.scene.bodies import Body, Particles, SpringNetwork
 from physcore.scene.fluid import Fluid
 from physcore.scene.kernels import KERNELS
-from physcore.scene.packing import pack
+from physcore.scene.packing import kind_of, pack
 from physcore.scene.periodic import Periodic
 from physcore.scene.scene import Scene
 from physcore.storage.archive import Tree
@@ -25,7 +25,7 @@ from physcore.storage.schema import anything, maybe, record, several, table, tex
 _BODIES = (Particles, SpringNetwork, Fluid)
 _RULES = (*INTEGRATORS, AutoStep, AdaptiveStep)
 _KINDS: dict[str, type[Any]] = {
-    kind.__name__: kind for kind in (*_BODIES, *KERNELS, *FORCES, *BOUNDARIES, Periodic, *_RULES)
+    kind_of(kind): kind for kind in (*_BODIES, *KERNELS, *FORCES, *BOUNDARIES, Periodic, *_RULES)
 }
 
 _SCENE = record(bodies=several(anything), forces=several(anything), boundaries=several(anything), periodic=anything)
@@ -62,14 +62,14 @@ def unpack_numerics(tree: Tree, path: str = "numerics") -> Options:
     Raises:
         FileError: the tree has something else.
     """
-    content = record(dict.fromkeys(Options.__annotations__, anything))(tree, path)
+    content = record({entry.name: anything for entry in fields(Numerics)})(tree, path)
     return cast(Options, {name: _unpack_value(value, f"{path}.{name}", _RULES) for name, value in content.items()})
 
 
 def _unpack(tree: Tree, path: str, kinds: tuple[type[Any], ...]) -> Any:
     """The thing of one of some kinds that `pack` was given."""
     thing = _THING(tree, path)
-    kind = _KINDS[word(*(each.__name__ for each in kinds))(thing["kind"], f"{path}.kind")]
+    kind = _KINDS[word(*map(kind_of, kinds))(thing["kind"], f"{path}.kind")]
     parameters = inspect.signature(kind).parameters.values()
     optional = {each.name: anything for each in parameters if each.default is not each.empty}
     required = {each.name: anything for each in parameters if each.default is each.empty}

@@ -39,7 +39,7 @@ from physcore.simulation.provenance import SEGMENTS, Provenance, version
 from physcore.simulation.recording import CHANNELS, Channel, Recording, check_channels, collect
 from physcore.simulation.serial import pack_numerics, unpack_numerics, unpack_scene
 from physcore.simulation.state import Frame, Snapshot
-from physcore.simulation.stepper import Captured, Pace
+from physcore.simulation.stepper import Captured, Stepper
 from physcore.storage import archive
 from physcore.storage.schema import of, record, several, table
 
@@ -59,11 +59,12 @@ class Simulation:
             fluid and "f64" for all others.
         threads: how many threads may share the work; None: PHYSCORE_NUM_THREADS, or all that the process may use. The
             results have the same bits for any number.
-        runaway: how many times the largest energy so far the energy balance may rise before it counts as diverged;
-            None: 1e6, and 1 with on_divergence="substep".
+        max_energy_growth: how many times the largest energy so far the energy balance may rise before it counts as
+            diverged; None: 1e6, and 1 with on_divergence="substep".
         on_divergence: "raise"; "substep": take a step that fails again in halves, quarters and so on, down to 1/1024 of
             it, and warn; the energy budget is then looked at in each step, which takes about as long as the forces; or
             "ignore": go on until a position or velocity is not finite; energies, which are squares, cease to be before.
+        runaway: the deprecated name of `max_energy_growth`.
 
     Raises:
         SceneError: a choice is not valid, dt="auto" finds no stable step, a particle starts outside a boundary, or the
@@ -83,8 +84,9 @@ class Simulation:
         precision: Precision = "auto",
         threads: int | None = None,
         *,
-        runaway: float | None = None,
+        max_energy_growth: float | None = None,
         on_divergence: DivergenceRule = "raise",
+        runaway: float | None = None,
     ) -> None:
         require_scene(scene)
         options = Options(
@@ -92,17 +94,18 @@ class Simulation:
             dt=dt,
             precision=precision,
             threads=threads,
-            runaway=runaway,
+            max_energy_growth=max_energy_growth,
             on_divergence=on_divergence,
+            runaway=runaway,
         )
         self._build(scene, check(options, scene))
-        self._pace.begin()
+        self._stepper.begin()
 
     def _build(self, scene: Scene, numerics: Numerics) -> None:
         self._scene = scene
         self._numerics = numerics
         self._world = engine.build(scene, numerics)
-        self._pace = Pace(self._world, scene, numerics)
+        self._stepper = Stepper(self._world, scene, numerics)
 
     @property
     def scene(self) -> Scene:
@@ -127,12 +130,12 @@ class Simulation:
     @property
     def substeps(self) -> int:
         """How many steps failed and were taken again in parts, with on_divergence="substep" or adaptive steps."""
-        return self._pace.rescued
+        return self._stepper.substepped
 
     @property
     def dt(self) -> float:
         """The time step [s]: of the last step taken, and before the first one that of the next."""
-        return self._pace.dt
+        return self._stepper.dt
 
     @property
     def positions(self) -> FloatArray:
@@ -147,13 +150,13 @@ class Simulation:
     @property
     def plan(self) -> Plan:
         """What one step does, and what was chosen."""
-        plan = engine.plan(self._world, self._pace.limit, self.dt)
-        return replace(plan, substeps=self.substeps, notes=(*plan.notes, *self._pace.notes()))
+        plan = engine.plan(self._world, self._stepper.limit, self.dt)
+        return replace(plan, substeps=self.substeps, notes=(*plan.notes, *self._stepper.notes()))
 
     @property
     def provenance(self) -> Provenance:
         """What it takes, beside the scene, to compute the present state again."""
-        return Provenance(version(), pack_numerics(self._numerics), self._pace.segments, self.state_hash())
+        return Provenance(version(), pack_numerics(self._numerics), self._stepper.segments, self.state_hash())
 
     def __getitem__(self, body: BodyKey) -> Snapshot:
         """The present state of one body, given itself, its index or its name; a Fluid's has densities and pressures."""
@@ -178,7 +181,7 @@ class Simulation:
             SimulationDiverged: the state blew up; the simulation stands at the last good step.
             KeyboardInterrupt: Ctrl-C; the simulation stands at a whole step and can go on.
         """
-        self._pace.step(n)
+        self._stepper.step(n)
 
     def run(self, duration: float) -> None:
         """Advance by `duration` [s]: ⌈duration/dt⌉ steps; with dt="auto" or adaptive steps the last one ends exactly
@@ -187,7 +190,7 @@ class Simulation:
         Raises:
             SimulationDiverged, KeyboardInterrupt: as for `step`.
         """
-        self._pace.run(span(duration, "run.duration", empty=True))
+        self._stepper.run(span(duration, "run.duration", empty=True))
 
     def frames(self, duration: float, fps: float = FRAMES_PER_SECOND) -> Iterator[Frame]:
         """Advance by `duration` [s] and give `fps` frames per second on the way, in constant memory.
@@ -201,7 +204,7 @@ class Simulation:
             SimulationDiverged, KeyboardInterrupt: as for `step`.
         """
         interval, rate = span(duration, "duration", empty=True), span(fps, "fps")
-        return sampling.frames(self._world, self._scene, self._pace, interval, rate)
+        return sampling.frames(self._world, self._scene, self._stepper, interval, rate)
 
     def record(
         self,
@@ -276,7 +279,7 @@ class Simulation:
         content = {
             "scene": self._scene.packed(),
             "numerics": pack_numerics(self._numerics),
-            "pace": self._pace.capture(),
+            "stepper": self._stepper.capture(),
             "world": self._world.capture(),
         }
         archive.write(path, "simulation", content)
@@ -289,18 +292,18 @@ class Simulation:
             FileError: an entry is missing or wrong; with its path.
         """
         limits = several(of(Limit), lengths=(0, 2))
-        pace = of(Captured, absent=("segments",), limits=limits, segments=SEGMENTS)
-        shape = record(scene=unpack_scene, numerics=unpack_numerics, pace=pace, world=table(_numbers))
+        stepper = of(Captured, absent=("segments",), limits=limits, segments=SEGMENTS)
+        shape = record(scene=unpack_scene, numerics=unpack_numerics, stepper=stepper, world=table(_numbers))
         checked = shape(content, "")
         numerics = check(checked["numerics"], checked["scene"])
-        simulation = cls._resumed(checked["scene"], numerics, checked["pace"], checked["world"])
+        simulation = cls._resumed(checked["scene"], numerics, checked["stepper"], checked["world"])
         if not (np.isfinite(simulation.positions).all() and np.isfinite(simulation.velocities).all()):
             raise FileError("world.columns: must be finite in the precision of the run")
         return simulation
 
     def __copy__(self) -> Simulation:
         """A simulation of the same scene that goes on from the present state by itself, with the same bits."""
-        return self._resumed(self._scene, self._numerics, self._pace.capture(), self._world.capture())
+        return self._resumed(self._scene, self._numerics, self._stepper.capture(), self._world.capture())
 
     def __reduce__(self) -> tuple[object, ...]:
         """Pickle the scene and the present state.
@@ -311,18 +314,18 @@ class Simulation:
         for position, force in enumerate(self._scene.forces):
             if isinstance(force, CustomForce):
                 _require_pickles(force, f"forces[{position}]")
-        state = (self._scene, self._numerics, self._pace.capture(), self._world.capture())
+        state = (self._scene, self._numerics, self._stepper.capture(), self._world.capture())
         return type(self)._resumed, state
 
     def __deepcopy__(self, memo: dict[int, object]) -> Simulation:
         return self.__copy__()  # A scene never changes, and its bodies stay keys into the copy.
 
     @classmethod
-    def _resumed(cls, scene: Scene, numerics: Numerics, pace: archive.Tree, world: archive.Tree) -> Simulation:
+    def _resumed(cls, scene: Scene, numerics: Numerics, stepper: archive.Tree, world: archive.Tree) -> Simulation:
         """A simulation in a state that was captured. Its limits were looked at when the run began."""
         simulation = cls.__new__(cls)
         simulation._build(scene, numerics)
-        simulation._pace.restore(pace)
+        simulation._stepper.restore(stepper)
         simulation._world.restore(world)
         return simulation
 

@@ -1,4 +1,4 @@
-"""The pace of a simulation: how many steps of what size take it where it should go."""
+"""The stepper of a simulation: the number and the size of its steps."""
 
 from __future__ import annotations
 
@@ -28,11 +28,11 @@ from physcore.scene.scene import Scene
 from physcore.simulation import engine
 from physcore.simulation.provenance import Segment, segments_from
 
-WATCH = 256
-"""With dt="auto", the limit of stability is looked at again whenever the number of steps is a multiple of this. Fixed
-multiples, so that the bits do not depend on how the steps were asked for."""
+CHECK_INTERVAL = 256
+"""Steps between two looks at the limit of stability with dt="auto": at fixed multiples of this number, so that the bits
+do not depend on how the steps were asked for."""
 
-FLUID_WATCH = 8
+FLUID_CHECK_INTERVAL = 8
 """The same where there is a fluid: at a tenth of the speed of sound and half of the limit, nobody comes farther in so
 many steps than its neighbor was."""
 
@@ -40,33 +40,34 @@ RECOVERED = 1.25
 """By which factor the limit must have risen for the time step to follow it."""
 
 SLOWEST = 64
-"""How many times smaller than at the start a watched time step becomes at most: a spring that is pressed to nothing has
-no direction, and no time step resolves it."""
+"""The largest ratio of the time step at the start to one that follows the limit: a spring pressed to nothing has no
+direction, and no time step resolves it."""
 
-SPRAY = 1e-3
-"""The share of a fluid that may be too fast for its sound: drops that are shot out by others, however fast sound is."""
+FAST_SHARE = 1e-3
+"""Share of a fluid's particles that may exceed the Mach number without a warning: spray does, however fast sound is."""
 
 HALVINGS = 10
 """How often a step that fails is halved at most."""
 
-TOUCH = 1e-6
-"""Times closer together than this fraction of a step are the same time."""
+TIME_TOLERANCE = 1e-6
+"""Times closer together than this fraction of a step are equal."""
 
 
 class Captured(TypedDict):
-    """What of a pace is saved."""
+    """The state of a stepper, for checkpoints."""
 
-    rescued: int
+    substepped: int
     limits: list[dict[str, Any]]
     segments: list[dict[str, Any]] | None
 
 
-class Pace:
+class Stepper:
     """Steps a world with a time step that is given, or chosen from the limit of stability.
 
     The limit is that of the springs as they stand. The certified one, which is lower and which no time step exceeds,
-    holds wherever they turn, while none is shorter than half its rest length. With dt="auto" it is watched: a time step
-    that is no longer certified is replaced by a smaller one, and comes back when the reason has gone.
+    holds wherever they turn, while none is shorter than half its rest length. With dt="auto" it is
+    looked at again and again: a time step that is no longer certified is replaced by a smaller one, and comes back when
+    the reason has gone.
     """
 
     def __init__(self, world: World, scene: Scene, numerics: Numerics) -> None:
@@ -77,14 +78,14 @@ class Pace:
         self._limits: tuple[Limit, Limit] | None = None
         """With dt="auto" the limit at the start, and the one that the time step keeps to."""
         self._varies = world.plan()["limit_varies"]
-        self._pause = FLUID_WATCH if scene.fluids else WATCH
+        self._interval = FLUID_CHECK_INTERVAL if scene.fluids else CHECK_INTERVAL
         self._stepping = threading.Lock()
-        self._hasty = False
-        self._rescued = 0
+        self._mach_warned = False
+        self._substepped = 0
         self._segments: list[Segment] | None = []
 
     def begin(self) -> None:
-        """Look at the limits before the first step; one of a pace that was captured goes on with `restore`.
+        """Look at the limits before the first step; one of a stepper that was captured goes on with `restore`.
 
         Raises:
             SceneError: no time step is certain to be stable.
@@ -109,9 +110,9 @@ class Pace:
         return self._limits[1] if self._limits else engine.limit(self._world)
 
     @property
-    def rescued(self) -> int:
+    def substepped(self) -> int:
         """How many steps failed and were taken again in parts."""
-        return self._rescued if self._adaptive is None else self._world.adaptation()[1]
+        return self._substepped if self._adaptive is None else self._world.adaptation()[1]
 
     @property
     def dt(self) -> float:
@@ -138,16 +139,16 @@ class Pace:
             return self._advance_by(left, self.fixed)
         with self._alone():
             while left > 0:
-                self._watch()
-                chunk = min(left, self._until_watch())
-                left -= self._advance(chunk, self._largest(FRAMES_PER_SECOND))
+                self._check_limit()
+                batch = min(left, self._until_check())
+                left -= self._advance(batch, self._largest(FRAMES_PER_SECOND))
         return None
 
     def run(self, duration: float, fps: float = FRAMES_PER_SECOND) -> None:
         """Advance by a duration [s]: to its end with dt="auto", to the first step at or after it with a given dt."""
         interval = number(duration, "run.duration", least=0.0)
         if self.fixed is not None:
-            return self._advance_by(max(0, steps_to(interval, self.fixed, TOUCH)), self.fixed)
+            return self._advance_by(max(0, steps_to(interval, self.fixed, TIME_TOLERANCE)), self.fixed)
         if interval == 0.0:
             return None
         if self._adaptive is not None:
@@ -155,10 +156,10 @@ class Pace:
         with self._alone():
             steps, dt = divide(interval, self._largest(fps))
             while steps > 0:
-                if self._watch():
+                if self._check_limit():
                     steps, dt = divide(steps * dt, self._largest(fps))
-                chunk = min(steps, self._until_watch())
-                steps -= self._advance(chunk, dt)
+                batch = min(steps, self._until_check())
+                steps -= self._advance(batch, dt)
         return None
 
     def notes(self) -> list[str]:
@@ -180,16 +181,16 @@ class Pace:
 
     def _adapt(self, interval: float, fps: float, rule: AdaptiveStep) -> None:
         """Advance by an interval [s] in steps that follow the motion."""
-        before = self.rescued
+        before = self.substepped
         try:
             flow = self._world.run(interval, rule.safety, free_step(fps), rule.tolerance)
         except SimulationDiverged as error:
             self._complete(error)
             raise
-        if before == 0 < self.rescued:
+        if before == 0 < self.substepped:
             cause = "safety" if rule.tolerance is None else "tolerance"
             warn(f"a step that follows the motion diverged and was halved: take a smaller {cause}", StabilityWarning)
-        self._warn_if_hasty(*flow or (0.0, 0.0, 0.0))
+        self._warn_of_mach_number(*flow or (0.0, 0.0, 0.0))
 
     def _advance_by(self, steps: int, dt: float) -> None:
         """Take all of some steps."""
@@ -200,7 +201,7 @@ class Pace:
 
     @contextmanager
     def _alone(self) -> Iterator[None]:
-        """Between two chunks of steps the world would let another thread in, and neither would end where it should."""
+        """Between two batches of steps the world would let another thread in, and neither would end where it should."""
         if not self._stepping.acquire(blocking=False):
             raise PhyscoreError(
                 "this simulation is running, in another thread or around this call: wait until that has ended"
@@ -220,9 +221,9 @@ class Pace:
                 self._complete(error)
                 raise
             taken = self._world.steps - before + 1
-            self._rescue(error, dt)
+            self._substep(error, dt)
             return taken
-        self._warn_if_hasty(*flow or (0.0, 0.0, 0.0))
+        self._warn_of_mach_number(*flow or (0.0, 0.0, 0.0))
         return steps
 
     def _take(self, steps: int, dt: float) -> tuple[float, float, float] | None:
@@ -246,7 +247,7 @@ class Pace:
         else:
             self._segments.append(new)
 
-    def _rescue(self, error: SimulationDiverged, dt: float) -> None:
+    def _substep(self, error: SimulationDiverged, dt: float) -> None:
         """Take a step that failed again in parts, halving what is left of it whenever one of them fails.
 
         Raises:
@@ -255,9 +256,9 @@ class Pace:
         message = (
             f"a step failed ({error.cause}) and is taken again in parts; take a smaller dt where this happens often"
         )
-        if self._rescued == 0:
+        if self._substepped == 0:
             warn(f"at {error.time:.4g} s {message}", StabilityWarning)
-        self._rescued += 1
+        self._substepped += 1
         left, parts = 1, 1
         for _ in range(HALVINGS):
             left, parts = 2 * left, 2 * parts
@@ -277,10 +278,10 @@ class Pace:
         state = engine.snapshot(self._world, self._scene)
         error.last_good = replace(state, positions=engine.show(state.positions, self._scene))
 
-    def _warn_if_hasty(self, mach: float, share: float, sound: float) -> None:
-        if self._hasty or share <= SPRAY:
+    def _warn_of_mach_number(self, mach: float, share: float, sound: float) -> None:
+        if self._mach_warned or share <= FAST_SHARE:
             return
-        self._hasty = True
+        self._mach_warned = True
         message = (
             f"{share:.1%} of a fluid's particles are faster than Mach {mach} where sound has {sound:.3g} m/s: there "
             f"density is off by about Mach squared, {mach**2:.1%} and more, and one percent is meant; raise sound_speed"
@@ -292,12 +293,12 @@ class Pace:
         assert isinstance(rule, StepRule)
         return largest_step(self.limit, rule, self._numerics.integrator, fps)
 
-    def _until_watch(self) -> int:
-        return self._pause - self._world.steps % self._pause if self._varies else sys.maxsize
+    def _until_check(self) -> int:
+        return self._interval - self._world.steps % self._interval if self._varies else sys.maxsize
 
-    def _watch(self) -> bool:
+    def _check_limit(self) -> bool:
         """Look at the limit if it is time to; say whether the time step has to change."""
-        if not self._varies or self._world.steps == 0 or self._world.steps % self._pause != 0:
+        if not self._varies or self._world.steps == 0 or self._world.steps % self._interval != 0:
             return False
         assert self._limits
         first, kept = self._limits
@@ -343,11 +344,11 @@ class Pace:
         """What the choice of later time steps depends on, beside the world, and what was counted."""
         segments = None if self._segments is None else [asdict(segment) for segment in self._segments]
         limits = [vars(limit) for limit in self._limits or ()]
-        return {"rescued": self._rescued, "limits": limits, "segments": segments}
+        return {"substepped": self._substepped, "limits": limits, "segments": segments}
 
     def restore(self, state: Captured) -> None:
-        """Go on as the pace that was captured."""
-        self._rescued = state["rescued"]
+        """Go on as the stepper that was captured."""
+        self._substepped = state["substepped"]
         segments = segments_from(state.get("segments"))
         self._segments = None if segments is None else list(segments)
         if state["limits"]:

@@ -21,7 +21,7 @@ STEPS = 2000
 NUDGE = 1e-9
 """How fast every particle is sent off, as a fraction of the scene's extent in one step at the limit, so that whatever
 can grow is there to grow."""
-RUNAWAY = 1e3
+MAX_ENERGY_GROWTH = 1e3
 """How many times its largest energy a run must gain to count as unstable."""
 RESOLUTION = 1e-3
 """How well the limit is found, as a fraction of itself."""
@@ -126,7 +126,7 @@ def _bisect(scene: Scene, integrator: Integrator, theory: float) -> float:
 def _stable(scene: Scene, integrator: Integrator, dt: float, theory: float) -> bool:
     """Whether a run holds for 2000 steps."""
     with unwarned():
-        run = Simulation(scene, integrator, dt, "f64", runaway=RUNAWAY)
+        run = Simulation(scene, integrator, dt, "f64", max_energy_growth=MAX_ENERGY_GROWTH)
     extent = float(np.ptp(run.positions, axis=0).max()) or 1.0
     run.set(velocities=nudged(run, NUDGE * extent / theory, seed=0))
     try:

@@ -14,7 +14,7 @@ from physcore.errors import PhyscoreError, SceneError
 from physcore.film.camera.view import View
 from physcore.film.styles.base import Part, places
 from physcore.film.styles.base import sums as row_sums
-from physcore.forces import CustomForce, LennardJones, Repulsion
+from physcore.forces import CustomForce, LennardJones, SoftSpheres
 from physcore.numerics.integrators import SemiImplicitEuler
 from physcore.scene.bodies import Particles
 from physcore.scene.scene import Scene
@@ -31,7 +31,7 @@ MARGIN = 2
 """Empty squares around those that hold particles."""
 KICK = 2.0**-20
 """How long probes feel the forces [s]; from rest, semi-implicit Euler gives the acceleration times this, exactly."""
-INTERNAL = (CustomForce, LennardJones, Repulsion)
+INTERNAL = (CustomForce, LennardJones, SoftSpheres)
 """Forces between particles, and those whose function knows its particles: they are no field in space."""
 UNITS = {"velocities": ("speed", "m/s"), "acceleration": ("acceleration", "m/s²")}
 

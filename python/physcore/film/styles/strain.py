@@ -131,19 +131,19 @@ class StrainPainter(Painter):
 
     def _strain(self, frame: SourceFrame) -> FloatArray:
         """Length over rest length less one, (M,). Where the rest length is 0, the mean length takes its place."""
-        apart = self._apart(frame)
-        length = np.sqrt(np.einsum("md,md->m", apart, apart))
+        separation = self._separation(frame)
+        length = np.sqrt(np.einsum("md,md->m", separation, separation))
         rest = self._rest
         if not (rest > 0.0).all():
             rest = np.where(rest > 0.0, rest, max(float(length.mean()), NEVER))
         strain: FloatArray = (length - self._rest) / rest
         return strain
 
-    def _apart(self, frame: SourceFrame) -> FloatArray:
-        """From the first to the second end of each spring [m], (M, D); positions within a domain tear springs apart."""
+    def _separation(self, frame: SourceFrame) -> FloatArray:
+        """Separation of the two ends of each spring [m], (M, D), in a domain that of the nearest images."""
         first, second = self._pairs.T
-        apart = frame.positions[second] - frame.positions[first]
-        return apart if self._domain is None else self._domain.nearest(apart)
+        separation = frame.positions[second] - frame.positions[first]
+        return separation if self._domain is None else self._domain.nearest(separation)
 
     def _widths(self, view: View) -> np.ndarray:
         """Widths (M,) [pixels]: a rope is thicker than the threads of a cloth."""

@@ -178,11 +178,11 @@ class SurfacePainter(Painter):
 
     def _strain(self, positions: FloatArray) -> FloatArray:
         """The mean strain of each particle's springs (N,)."""
-        apart = positions[self._pairs[:, 1]] - positions[self._pairs[:, 0]]
+        separation = positions[self._pairs[:, 1]] - positions[self._pairs[:, 0]]
         if self._domain is not None:
-            apart = self._domain.nearest(apart)
+            separation = self._domain.nearest(separation)
         rest = np.maximum(self._rest, NEVER)
-        strain = np.sqrt(np.einsum("md,md->m", apart, apart)) / rest - 1.0
+        strain = np.sqrt(np.einsum("md,md->m", separation, separation)) / rest - 1.0
         total = np.bincount(self._pairs.ravel(), weights=np.repeat(strain, 2), minlength=len(positions))
         mean: FloatArray = total / self._degree
         return mean

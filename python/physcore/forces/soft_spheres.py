@@ -1,4 +1,4 @@
-"""Contact between soft spheres."""
+"""Contact of soft spheres."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ LINEAR, HERTZIAN = 1.0, 1.5
 
 
 @dataclass(frozen=True)
-class Repulsion(Force):
-    """Particles push each other apart where they overlap, as soft spheres of their radii.
+class SoftSpheres(Force):
+    """Contact of soft spheres: particles repel each other where they overlap, as spheres of their radii.
 
     Two particles a distance d apart overlap by δ = r_i + r_j − |d|. While δ > 0 they push with the normal force
 
@@ -51,24 +51,26 @@ class Repulsion(Force):
     tangential_damping: float | None = None
     exponent: float = LINEAR
 
+    kind: ClassVar[str] = "Repulsion"
+    """Under the name that hashes, files and the engine know."""
     spares_fluids: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        damping = number(self.damping, "Repulsion.damping", least=0.0)
+        damping = number(self.damping, "SoftSpheres.damping", least=0.0)
         tangential = damping if self.tangential_damping is None else self.tangential_damping
         self._set(
-            stiffness=number(self.stiffness, "Repulsion.stiffness", above=0.0),
+            stiffness=number(self.stiffness, "SoftSpheres.stiffness", above=0.0),
             damping=damping,
-            friction=number(self.friction, "Repulsion.friction", least=0.0),
-            tangential_damping=number(tangential, "Repulsion.tangential_damping", least=0.0),
-            exponent=number(self.exponent, "Repulsion.exponent"),
+            friction=number(self.friction, "SoftSpheres.friction", least=0.0),
+            tangential_damping=number(tangential, "SoftSpheres.tangential_damping", least=0.0),
+            exponent=number(self.exponent, "SoftSpheres.exponent"),
         )
         if self.exponent not in (LINEAR, HERTZIAN):
-            raise SceneError(f"Repulsion.exponent: must be 1 (linear) or 1.5 (Hertzian), got {self.exponent:g}")
+            raise SceneError(f"SoftSpheres.exponent: must be 1 (linear) or 1.5 (Hertzian), got {self.exponent:g}")
         if self.friction > 0.0 and self.tangential_damping == 0.0:
             raise SceneError(
-                "Repulsion.tangential_damping: must be > 0 where there is friction, got 0; friction grows with the "
+                "SoftSpheres.tangential_damping: must be > 0 where there is friction, got 0; friction grows with the "
                 "sliding speed, by this coefficient [N·s/m], up to μ F_n"
             )
 
@@ -76,6 +78,6 @@ class Repulsion(Force):
         """Refuse points: they never overlap."""
         if any(len(body) for body in bodies) and not any(body.radius.any() for body in bodies):
             raise SceneError(
-                f"{path}: Repulsion acts between particles that overlap, and all that it acts on have the radius 0; "
+                f"{path}: SoftSpheres acts between particles that overlap, and all that it acts on have the radius 0; "
                 "give them a size: Particles(…, radius=…)"
             )
