@@ -116,7 +116,7 @@ class StrainPainter(Painter):
         first, second = self._pairs.T
         ends, between = points[second], None if depth is None else (depth[first] + depth[second]) / 2
         if self._domain is not None:  # A spring that crosses a face sticks out of it.
-            ends, there, _ = view.project(frame.positions[first] + self._apart(frame))
+            ends, there, _ = view.project(frame.positions[first] + self._separation(frame))
             between = None if depth is None or there is None else (depth[first] + there) / 2
         farness = None if between is None else view.farness(between)
         colors = look_up(self._table, rooted(self._strain(frame) / self.top))
