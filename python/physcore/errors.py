@@ -1,4 +1,4 @@
-"""What can go wrong, as exceptions that say where, what was expected and what to do."""
+"""Exceptions that say where, what was expected and what to do, and warnings."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class InternalError(PhyscoreError):
 
 
 class State(Protocol):
-    """What an error tells of a state; a `Snapshot` has it."""
+    """The state that an error gives; a `Snapshot` is one."""
 
     @property
     def time(self) -> float:

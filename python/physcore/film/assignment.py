@@ -34,7 +34,7 @@ def asked(style: object, found: Sequence[Source]) -> list[Style]:
 
 
 def painters(source: Source, styles: list[Style], theme: Theme) -> list[Painter]:
-    """What draws a source: the first style that draws a body gets it, and points what no style draws; overlays add."""
+    """The painters of a source: a body goes to the first style that draws it, or else to points; overlays add."""
     parts = [Part(body, source.scene.slice(body)) for body in source.scene.bodies]
     left = list(parts)
     found = []

@@ -1,4 +1,4 @@
-"""One look at a whole film before it is drawn: where things go, and how far the scales of color reach."""
+"""The first pass over a film, before it is drawn: bounds of the motion, and ranges of the color scales."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ class FollowedPath:
         self.centers = np.zeros((count, scene.dimension))
         """The center of mass at each frame [m]; over faces of the domain it goes on."""
         self.around = Bounds(axes)
-        """What is around it, along the axes of each frame."""
+        """Bounds of the followed particles around it, along the axes of each frame."""
 
     def add(self, positions: FloatArray, margin: float, frame: int) -> None:
         """Take a frame into account."""
@@ -97,7 +97,7 @@ class FollowedPath:
 
 @dataclass(eq=False)
 class FirstPass:
-    """What was seen of one source."""
+    """Bounds, samples and energies of one source."""
 
     whole: Bounds
     """Along the axes of the scene, over the whole film."""

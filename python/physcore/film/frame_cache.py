@@ -20,7 +20,7 @@ TRIAL = 0.05
 """For how long simulating and writing are compared before one of them is called the slower one [s]."""
 TERMS = ("by_term", "dissipated_by")
 NUMBERS = ("kinetic", "internal", "dissipated", "work", "time")
-"""What an energy budget is made of."""
+"""The parts of an energy budget."""
 
 
 class FrameCache:

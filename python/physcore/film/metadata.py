@@ -1,4 +1,4 @@
-"""What a film says of how it came about: written into it and beside it, and read back."""
+"""Metadata of films: the provenance records of their panels, written into and beside them, and read back."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ from physcore.storage.formats import format_of
 from physcore.storage.schema import anything, several, table
 
 SIDECAR = ".json"
-"""What the name of the file beside a film has at its end."""
+"""The suffix of the file beside a film."""
 
 
 def metadata(found: Sequence[Source]) -> str:
-    """What goes into a film: everything on which its bits depend, and so not the machine."""
+    """The metadata of a film: everything on which its bits depend, and so not the machine."""
     panels = [{name: value for name, value in source.provenance.items() if name != "machine"} for source in found]
     return json.dumps(panels, allow_nan=False, separators=(",", ":"))
 
@@ -44,7 +44,7 @@ def write_sidecar(found: Sequence[Source], target: Path) -> None:
 
 
 def provenance(path: str | os.PathLike[str]) -> list[ProvenanceRecord]:
-    """What a film, or the JSON file beside it, says of how it came about: one dictionary for each panel.
+    """The provenance of a film, from itself or the JSON file beside it: one dictionary for each panel.
 
     Their keys are those of `ProvenanceRecord`. To check a film, compare "scene" with `scene.hash()`, simulate that
     scene with the same numerics and the same steps, and compare "state" with `Simulation.state_hash()`.

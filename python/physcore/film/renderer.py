@@ -160,7 +160,7 @@ class Renderer:
         return all(painter.settled for painter in chain.from_iterable(self._painters))
 
     def _look_at_all(self, track: CameraTrack, progress: bool | None) -> list[FirstPass]:
-        """See the whole film, or only its first frame if that is enough."""
+        """The first pass over each source: over the whole film, or its first frame if that is enough."""
         passes = []
         for index, (source, painters) in enumerate(zip(self._found, self._painters, strict=True)):
             with Progress(source.count, "first pass", False if self._once else progress) as bar:
@@ -169,7 +169,7 @@ class Renderer:
         return passes
 
     def _first(self, index: int) -> Iterable[SourceFrame]:
-        """What is looked at before anything is drawn."""
+        """The frames of a source that the first pass goes through."""
         source = self._found[index]
         if self._once:
             frames = source.frames()

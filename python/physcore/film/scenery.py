@@ -25,7 +25,7 @@ class Scenery:
     """The place of scenery that has no end or no place of its own."""
 
     domain: Periodic | None
-    """What a frame is drawn around."""
+    """The periodic domain, drawn as a frame."""
     middle: FloatArray
     """The middle of the ground in 3D, the middle of the view in 2D [m], shape (D,)."""
     size: float

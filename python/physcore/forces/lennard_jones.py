@@ -9,7 +9,7 @@ from physcore.checks import number, span
 from physcore.scene.items import Force
 
 CUTOFF = 2.5
-"""Where the force ends by default, in units of sigma."""
+"""The cutoff by default, in units of sigma."""
 
 
 @dataclass(frozen=True)

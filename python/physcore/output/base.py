@@ -1,4 +1,4 @@
-"""What all formats of trajectories have in common: what they get, in three dimensions, one frame at a time."""
+"""Formats of trajectories: the job that a writer is given, in three dimensions, one frame at a time."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from physcore.simulation.sources import Source
 from physcore.storage.formats import Format
 
 FIELDS = {"densities": "density", "pressures": "pressure"}
-"""What one of them is called, where a column or an array is named after what a particle has."""
+"""The name of a channel in the singular, for the column or the array of a particle's values."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,7 +63,7 @@ class Springs:
 
 
 class ExportJob:
-    """What a writer gets: what does not change, and the frames."""
+    """A trajectory to be written: what does not change, and the frames."""
 
     def __init__(self, source: Source, progress: bool | None) -> None:
         self._source = source
@@ -91,7 +91,7 @@ class ExportJob:
 
     @cached_property
     def constants(self) -> dict[str, FloatArray]:
-        """What each particle keeps, by name, each of shape (N,): mass [kg], and radius [m] and charge [C] if any."""
+        """Constants of the particles by name, each of shape (N,): mass [kg], and radius [m] and charge [C] if any."""
         every = {name: self._gather(name) for name in ("mass", "radius", "charge")}
         return {name: values for name, values in every.items() if name == "mass" or values.any()}
 

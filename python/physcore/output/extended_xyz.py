@@ -16,7 +16,7 @@ from physcore.scene.periodic import Periodic
 from physcore.storage.files import replacing
 
 SPECIES = "X"
-"""What readers know as an atom of no element; bodies are told apart by the column `body`."""
+"""The species that readers know as an atom of no element; bodies are told apart by the column `body`."""
 
 
 class ExtendedXyzWriter(TrajectoryWriter):
@@ -41,7 +41,7 @@ class ExtendedXyzWriter(TrajectoryWriter):
 
 
 def _columns(job: ExportJob, sample: Sample) -> tuple[list[list[float]], str]:
-    """What stands behind the species, column by column, and the names of all."""
+    """The columns after the species, and the names of all."""
     vectors = {"pos": sample.positions}
     if sample.velocities is not None:
         vectors["velo"] = sample.velocities

@@ -122,7 +122,7 @@ def _edges(domain: Periodic | None) -> FloatArray:
 
 
 class _Series:
-    """What changes with time; the place for all frames is laid out with the first of them, and filled one by one."""
+    """The elements that change with time: their data sets are made with the first frame, and filled one by one."""
 
     def __init__(self, file: h5py.File, count: int, edges: FloatArray) -> None:
         self._file, self._count = file, count
@@ -153,9 +153,9 @@ class _Series:
 
     def _begin(self, path: str, shape: tuple[int, ...]) -> None:
         """Lay out an element: step and time are one data set for all that are taken together."""
-        group, room = self._file.create_group(path), path.partition("/")[0]
+        group, parent = self._file.create_group(path), path.partition("/")[0]
         self._values[path] = group.create_dataset("value", (self._count, *shape), dtype="<f8")
-        first = next(name for name in self._values if name.startswith(room))
+        first = next(name for name in self._values if name.startswith(parent))
         if first == path:
             group.create_dataset("step", data=np.arange(self._count))
             group.create_dataset("time", (self._count,), dtype="<f8")

@@ -19,9 +19,9 @@ from physcore.output.base import ExportJob, Sample, TrajectoryWriter
 from physcore.storage.files import held, replacing, sweep, temporary_name, unwritable
 
 FRAMES = "frames"
-"""What the folder of frames is called in its temporary name, until its content is known."""
+"""The folder of frames in its temporary name, until its content is known."""
 TYPES = {np.dtype("float64"): "Float64", np.dtype("int64"): "Int64"}
-"""What VTK calls them."""
+"""Names of the types in VTK."""
 
 
 class VtkWriter(TrajectoryWriter):
@@ -39,19 +39,19 @@ class VtkWriter(TrajectoryWriter):
         """Write all frames, and then the list of them."""
         import shutil
 
-        home = target.with_suffix("")
-        text(home.name, "path")  # It stands in the list, which is XML.
-        new = home / temporary_name(FRAMES)
+        frames_folder = target.with_suffix("")
+        text(frames_folder.name, "path")  # It stands in the list, which is XML.
+        new = frames_folder / temporary_name(FRAMES)
         try:
-            sweep(home, FRAMES)
+            sweep(frames_folder, FRAMES)
             new.mkdir(parents=True)
             with held(new):
-                times, folder = _write_frames(job, new, home)
+                times, folder = _write_frames(job, new, frames_folder)
             old = _listed(target)
             with replacing(target) as file:
-                file.write(_collection(f"{home.name}/{folder}", times))
+                file.write(_collection(f"{frames_folder.name}/{folder}", times))
             if old not in (None, folder):
-                shutil.rmtree(home / str(old), ignore_errors=True)
+                shutil.rmtree(frames_folder / str(old), ignore_errors=True)
         except OSError as error:
             if isinstance(error, FileError) and str(target) in str(error):
                 raise
@@ -59,10 +59,10 @@ class VtkWriter(TrajectoryWriter):
         finally:
             shutil.rmtree(new, ignore_errors=True)
             with suppress(OSError):  # It has the frames, or it was made for nothing.
-                home.rmdir()
+                frames_folder.rmdir()
 
 
-def _write_frames(job: ExportJob, new: Path, home: Path) -> tuple[list[float], str]:
+def _write_frames(job: ExportJob, new: Path, frames_folder: Path) -> tuple[list[float], str]:
     """Write the frames into a new folder and give it its name; their times [s], and that name."""
     import hashlib
 
@@ -73,7 +73,7 @@ def _write_frames(job: ExportJob, new: Path, home: Path) -> tuple[list[float], s
         with replacing(new / _name(sample.index)) as file:
             file.write(content)
         times.append(sample.time)
-    folder = home / digest.hexdigest()
+    folder = frames_folder / digest.hexdigest()
     if not folder.exists():  # If it does, it is the same.
         new.rename(folder)
     return times, folder.name

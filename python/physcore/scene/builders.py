@@ -38,7 +38,7 @@ Pinned: TypeAlias = str | tuple[str, ...] | ArrayLike | None
 Offset: TypeAlias = tuple[int, ...]
 
 ROPE_BYTES, CLOTH_BYTES, SOFT_BODY_BYTES = 220, 850, 1050
-"""What a particle takes with its springs while they are joined, at most [bytes]."""
+"""Memory of a particle with its springs while they are joined, at most [bytes]."""
 
 
 @dataclass(frozen=True)

@@ -100,7 +100,7 @@ class Scene:
         raise KeyError(f"no body {shown(key)}: this scene has {len(self.bodies)}, and of names {names}")
 
     def slice(self, key: BodyKey) -> slice:
-        """Where the particles of a body are in the results."""
+        """The slice of a body's particles in the results."""
         index = self.index(key)
         start = sum(len(body) for body in self.bodies[:index])
         return slice(start, start + len(self.bodies[index]))

@@ -19,24 +19,24 @@ Amount = TypeVar("Amount", float, FloatArray)
 
 @dataclass(frozen=True, eq=False)
 class Budget(Generic[Amount]):
-    """Where the energy is, and where it went; everything in joules."""
+    """An energy budget; everything in joules."""
 
     kinetic: Amount
-    """Of all particles that are not fixed."""
+    """Kinetic energy of all particles that are not fixed."""
     by_term: Mapping[str, Amount]
     """Potential energy by the force that it belongs to, such as `by_term["springs"]` or
     `by_term["surface tension"]`."""
     internal: Amount
-    """Of the compression of fluids."""
+    """Internal energy: of the compression of fluids."""
     dissipated: Amount
-    """What drag, damping, viscosity and contacts have taken since the start: the time integral of their own power. In a
-    fluid some of it may be given back."""
+    """Energy dissipated by drag, damping, viscosity and contacts since the start: the time integral of their power. In
+    a fluid some of it may be given back."""
     dissipated_by: Mapping[str, Amount]
     """The same by what took it: `dissipated_by["drag"]`, `["damping"]` (of springs and between grains), `["viscosity"]`
     (of fluids, and the diffusion of their density) and `["contacts"]`: restitution and friction, and what the pressure
     of walls and obstacles takes from a fluid beside them, an error of the images that vanishes with its spacing."""
     work: Amount
-    """What wind, custom forces, fixed particles that move, shifting and `Simulation.set` have put in since the start,
+    """Work done by wind, custom forces, fixed particles that move, shifting and `Simulation.set` since the start,
     each metered by itself; exactly 0 where there is none of them."""
 
     @property

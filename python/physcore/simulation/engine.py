@@ -114,7 +114,7 @@ def _body(body: Body) -> dict[str, object]:
 
 
 def _fluid(fluid: Fluid) -> dict[str, object]:
-    """What makes a body a fluid; a speed of sound of None is the engine's to find."""
+    """The parameters of a fluid; a speed of sound of None is the engine's to find."""
     return {
         "spacing": fluid.spacing,
         "density": fluid.density,

@@ -16,7 +16,7 @@ _KINDS: dict[str, Callable[[dict[str, archive.Tree]], Simulation | Recording]] =
     "simulation": Simulation.from_content,
     "recording": Recording.from_content,
 }
-"""What a file can hold."""
+"""The kinds of content of a file."""
 
 
 def load(path: str | os.PathLike[str]) -> Simulation | Recording:

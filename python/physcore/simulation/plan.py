@@ -13,7 +13,7 @@ class Plan:
     """Exactly the stages that a scene requires, and the choices that were made; `print` it."""
 
     stages: tuple[str, ...]
-    """What one step does, in order."""
+    """The stages of one step, in order."""
     dimension: int
     """2 or 3."""
     precision: str
@@ -37,7 +37,7 @@ class Plan:
     limit_term: str
     """The term that limits the time step."""
     memory: int
-    """What the simulation takes [bytes]."""
+    """Memory of the simulation [bytes]."""
     threads: int
     """Threads that share the work."""
     simd: str
@@ -45,7 +45,7 @@ class Plan:
     layout: str
     """How particles and springs are laid out in memory."""
     left_out: tuple[str, ...]
-    """What this scene does not need."""
+    """The stages that this scene does not need."""
     notes: tuple[str, ...]
     """Advice."""
     substeps: int = 0

@@ -1,4 +1,4 @@
-"""Where a state comes from: what it takes, beside the scene, to compute it again and to tell whether that succeeded."""
+"""The provenance of a state: what it takes, beside the scene, to compute it again and to check that."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ class Provenance:
 
     @classmethod
     def from_content(cls, content: Tree, path: str = "provenance") -> Self:
-        """What `content` gave.
+        """The provenance that `content` gave.
 
         Raises:
             FileError: it is something else.
@@ -65,7 +65,7 @@ def segments_from(content: Tree) -> tuple[Segment, ...] | None:
 
 
 SEGMENTS: Rule = maybe(several(of(Segment)))
-"""What a file has of the steps that were taken."""
+"""The rule for the segments in a file."""
 
 
 def _scalar(value: Tree, path: str) -> Tree:

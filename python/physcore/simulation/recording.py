@@ -25,9 +25,9 @@ from physcore.storage.schema import Sizes, anything, maybe, of, real, record, se
 
 Channel = Literal["positions", "velocities", "densities", "pressures"]
 CHANNELS: tuple[Channel, ...] = ("positions", "velocities")
-"""What is recorded by default."""
+"""The channels that are recorded by default."""
 FLUID_CHANNELS: tuple[Channel, ...] = ("densities", "pressures")
-"""What can be recorded of fluids too."""
+"""The channels that fluids have beside."""
 AMOUNTS = ("kinetic", "internal", "dissipated", "work")
 """The parts of the energy budget that are one number each."""
 TERMS = 8
@@ -58,7 +58,7 @@ class Trajectory:
     times: FloatArray
     """Time of each frame [s], shape (F,)."""
     channels: dict[Channel, FloatArray]
-    """What was recorded, by name: vectors of shape (F, N, D), numbers of shape (F, N)."""
+    """The channels by name: vectors of shape (F, N, D), numbers of shape (F, N)."""
 
     @property
     def positions(self) -> FloatArray:
@@ -110,9 +110,9 @@ class Recording(Trajectory):
     fps: float
     """Frames per second of simulated time."""
     scene: Scene
-    """What was simulated."""
+    """The scene that was simulated."""
     plan: Plan
-    """How it was simulated."""
+    """The plan by which it was simulated."""
     provenance: Provenance | None = None
     """The steps that were taken, and the hash of the state at the end; None in files of an earlier physcore."""
 

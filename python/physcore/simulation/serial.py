@@ -81,7 +81,7 @@ def _unpack(tree: Tree, path: str, kinds: tuple[type[Any], ...]) -> Any:
 
 @contextmanager
 def _named(path: str) -> Iterator[None]:
-    """What a class refuses is wrong in the file."""
+    """A value that a class refuses is an error in the file."""
     try:
         yield
     except SceneError as error:

@@ -109,7 +109,7 @@ class Simulation:
 
     @property
     def scene(self) -> Scene:
-        """What is simulated."""
+        """The scene that is simulated."""
         return self._scene
 
     @property
@@ -149,13 +149,13 @@ class Simulation:
 
     @property
     def plan(self) -> Plan:
-        """What one step does, and what was chosen."""
+        """The plan: the stages of one step, and the choices that were made."""
         plan = engine.plan(self._world, self._stepper.limit, self.dt)
         return replace(plan, substeps=self.substeps, notes=(*plan.notes, *self._stepper.notes()))
 
     @property
     def provenance(self) -> Provenance:
-        """What it takes, beside the scene, to compute the present state again."""
+        """The provenance of the present state: what it takes, beside the scene, to compute it again."""
         return Provenance(version(), pack_numerics(self._numerics), self._stepper.segments, self.state_hash())
 
     def __getitem__(self, body: BodyKey) -> Snapshot:
@@ -330,7 +330,7 @@ class Simulation:
         return simulation
 
     def _end(self) -> tuple[Plan, Provenance]:
-        """What a recording says of how it came about."""
+        """The plan and the provenance of a recording."""
         return self.plan, self.provenance
 
     def _whole(self, given: State, present: object, path: str) -> FloatArray | None:

@@ -1,4 +1,4 @@
-"""Where the frames of a film come from: a recording, or a simulation that runs while it is filmed."""
+"""Sources of frames, for films and exports: a recording, or a simulation that runs meanwhile."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ class Source(Protocol):
 
     @property
     def scene(self) -> Scene:
-        """What is shown."""
+        """The scene."""
 
     @property
     def fps(self) -> float:
@@ -86,7 +86,7 @@ class Recorded:
 
     @property
     def scene(self) -> Scene:
-        """What was recorded."""
+        """The scene that was recorded."""
         return self.recording.scene
 
     @property
@@ -198,7 +198,7 @@ class Running:
 
     @property
     def provenance(self) -> ProvenanceRecord:
-        """What it did; it is run to its end if it was not."""
+        """Its provenance; it is run to its end if it was not."""
         if self._provenance is None:
             for _ in self.frames():
                 pass

@@ -1,4 +1,4 @@
-"""Where particles are and how they move, at one moment."""
+"""The state of particles at one time: positions, velocities and fields."""
 
 from __future__ import annotations
 

@@ -163,7 +163,7 @@ class Stepper:
         return None
 
     def notes(self) -> list[str]:
-        """What the plan says about steps that are not all equal."""
+        """Notes of the plan about steps that are not all equal."""
         if self._adaptive is None:
             return []
         by = (
@@ -341,7 +341,7 @@ class Stepper:
         warn(message, StabilityWarning)
 
     def capture(self) -> Captured:
-        """What the choice of later time steps depends on, beside the world, and what was counted."""
+        """The state of the stepper beside that of the world: limits, segments and counts."""
         segments = None if self._segments is None else [asdict(segment) for segment in self._segments]
         limits = [vars(limit) for limit in self._limits or ()]
         return {"substepped": self._substepped, "limits": limits, "segments": segments}

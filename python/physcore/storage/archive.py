@@ -38,7 +38,7 @@ _NPY_HEADER = re.compile(
     rb"'shape': \((?P<shape>[0-9, ]{0,200})\), \} *\n",
     re.DOTALL,
 )
-"""What NumPy writes before an array of numbers, in version 1.0 of its format."""
+"""The header that NumPy writes before an array of numbers, in version 1.0 of its format."""
 
 Tree = Any
 """None, bool, int, float, str, bytes or an array, or lists and dicts (with string keys) of these."""

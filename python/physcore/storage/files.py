@@ -72,12 +72,12 @@ def require_writable(path: str | os.PathLike[str]) -> Path:
 
 
 def unwritable(path: Path, error: OSError) -> FileError:
-    """What to raise for what the system says of a file that is written."""
+    """The error for what the system says of a file that is written."""
     return FileError(f"{path}: cannot be written: {error.strerror or error}")
 
 
 def temporary_name(name: str) -> str:
-    """What a file or a folder is called until it is whole."""
+    """The name of a file or a folder until it is whole."""
     import secrets
 
     return f".{name}.{secrets.token_hex(DIGITS // 2)}.tmp"
@@ -161,7 +161,7 @@ def _is_temporary(name: str, prefix: str) -> bool:
 
 
 def _target(path: Path) -> Path:
-    """What is replaced when a file is written.
+    """The file that is replaced when one is written.
 
     Raises:
         OSError: it cannot be replaced.

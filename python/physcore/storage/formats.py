@@ -19,7 +19,7 @@ class Format:
 
     @classmethod
     def missing(cls) -> str | None:
-        """What has to be installed first, as a sentence; None if nothing."""
+        """The package that has to be installed first, as a sentence; None if none."""
         return None
 
 
@@ -42,7 +42,7 @@ def format_of(path: str | os.PathLike[str], formats: Sequence[type[Kind]]) -> ty
 
 
 def writable(path: str | os.PathLike[str], formats: Sequence[type[Kind]]) -> Kind:
-    """What writes to a path.
+    """The format that writes to a path.
 
     Raises:
         SceneError: the name has none of the known endings.

@@ -81,7 +81,7 @@ def maybe(rule: Rule) -> Rule:
 
 
 def either(first: type, one: Rule, other: Rule) -> Rule:
-    """What one rule says of values of a type, and another one of all others."""
+    """One rule for values of a type, and another one for all others."""
     return lambda value, path: (one if isinstance(value, first) else other)(value, path)
 
 
@@ -137,7 +137,7 @@ def flag(value: Any, path: str) -> bool:
 
 
 def anything(value: Any, path: str) -> Any:
-    """What is checked elsewhere."""
+    """No rule: it is checked elsewhere."""
     del path
     return value
 

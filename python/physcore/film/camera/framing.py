@@ -1,4 +1,4 @@
-"""What a camera leaves open, found from the motion; and so what each panel sees in each frame."""
+"""Framing: what a camera leaves open is found from the motion, and gives the view of each panel in each frame."""
 
 from __future__ import annotations
 
@@ -88,13 +88,13 @@ class Extent:
 
     stills: list[Still]
     centers: FloatArray
-    """What is looked at, along each camera's axes [m], shape (K, D)."""
+    """Centers of the views, along each camera's axes [m], shape (K, D)."""
     shown: FloatArray
     """Half the size of what has to be in the picture [m], shape (K, D)."""
     seen: FloatArray
     """Half the size of all that there is [m], shape (K, D)."""
     scenery: Scenery
-    """Where the scenery is."""
+    """The place of the scenery."""
     domain: Periodic | None
     """The periodic domain, if it is shown from a body in it."""
     follows: bool
@@ -133,7 +133,7 @@ class PanelView:
         return self._view(index) if self._standing is None else self._standing
 
     def scenery(self, view: View) -> Scenery:
-        """Where the scenery is in a view."""
+        """The place of the scenery in a view."""
         scenery, left, right = self.extent.scenery, self.area[0], self.area[2]
         if view.flat:  # the ground goes on beyond the picture
             wide = float(right - left + self.area[3]) / view.scale
@@ -161,7 +161,7 @@ class PanelView:
 
 
 def extents(track: CameraTrack, passes: Sequence[FirstPass], found: Sequence[Source]) -> list[Extent]:
-    """What each panel has to show, so that all of them share one camera and one scale."""
+    """The extent of each panel, so that all of them share one camera and one scale."""
     whole = _merged([seen.whole for seen in passes])
     lower, upper = whole.lower[0], whole.upper[0]
     chosen = _choice(upper - lower) if len(track.choices) > 1 else 0
@@ -187,7 +187,7 @@ def extents(track: CameraTrack, passes: Sequence[FirstPass], found: Sequence[Sou
 
 
 def _centers(stills: Sequence[Still], axes: FloatArray, box: Bounds, middle: FloatArray) -> FloatArray:
-    """What each camera looks at, along its axes (K, D) [m]."""
+    """Centers of each camera's view, along its axes (K, D) [m]."""
     if len(stills) == 1 and look_at(stills[0]) is None:
         return (box.lower + box.upper) / 2  # along the axes of a camera that stands, the box is the smallest
     targets = [look_at(each) for each in stills]
@@ -195,13 +195,13 @@ def _centers(stills: Sequence[Still], axes: FloatArray, box: Bounds, middle: Flo
 
 
 def _path(seen: FirstPass, follow: Follow, source: Source) -> FloatArray:
-    """Where the camera is that follows (F, D) [m]."""
+    """The path of a camera that follows (F, D) [m]."""
     assert seen.path is not None  # the first pass knew what to follow
     return seen.path.smoothed(follow.smoothing * source.fps)
 
 
 def _around(passes: Sequence[FirstPass]) -> list[Bounds]:
-    """What is around the paths of the cameras."""
+    """Bounds of the followed particles around the paths of the cameras."""
     return [seen.path.around for seen in passes if seen.path is not None]
 
 

@@ -19,11 +19,11 @@ from physcore.scene.scene import BodyKey, Scene
 
 Easing = Literal["smooth", "linear"]
 OPEN = ("target", "extent")
-"""What an Orbit may leave to be found from the motion."""
+"""The parameters that an Orbit may leave to be found from the motion."""
 TAIL = 4.0
-"""Where the bell that smooths a path is cut off [standard deviations]."""
+"""Cutoff of the Gaussian that smooths a path [standard deviations]."""
 NARROW = 0.1
-"""A bell that has fallen to e⁻⁵⁰ at the next frame smooths nothing [frames]."""
+"""Standard deviation below which a Gaussian, e⁻⁵⁰ at the next frame, smooths nothing [frames]."""
 
 
 @dataclass(frozen=True)
@@ -85,7 +85,7 @@ Camera = Window | Orbit | Keyframes | Callable[[float], Window | Orbit]
 class Follow:
     """A camera that keeps a body in the middle of the picture.
 
-    It looks at the center of mass of the particles that can move, smoothed over the film with a bell (a Gaussian) in
+    It looks at the center of mass of the particles that can move, smoothed over the film with a Gaussian in
     time: it begins to turn before the body does, never overshoots and keeps up with an even motion. In a periodic
     domain the body stays in the middle, and everything else is shown where it is nearest to it.
 
@@ -94,7 +94,7 @@ class Follow:
         camera: from where to look and how much to show: an Orbit in 3D, a Window in 2D (of which only the size counts),
             Keyframes or a function of these; without a target. None, or no extent: so much that the body fills at most
             half of the picture, and sees at least a tenth of all that happens.
-        smoothing: standard deviation of the bell [s of the simulation]; 0: exactly at the center of mass.
+        smoothing: standard deviation of the Gaussian [s of the simulation]; 0: exactly at the center of mass.
 
     Raises:
         SceneError: an argument is not valid.
@@ -152,7 +152,7 @@ def between(first: Window | Orbit, second: Window | Orbit, fraction: float) -> W
 
 
 def still(camera: Camera, time: float, *, flat: bool) -> Still:
-    """What a camera is at a time [s].
+    """A camera as it is at a time [s].
 
     Raises:
         SceneError: it is not a Window in 2D, or not an Orbit in 3D.
@@ -165,17 +165,17 @@ def still(camera: Camera, time: float, *, flat: bool) -> Still:
 
 
 def smooth(path: FloatArray, width: float) -> FloatArray:
-    """A path (F, D) smoothed with a bell whose standard deviation is `width` frames.
+    """A path (F, D) smoothed with a Gaussian whose standard deviation is `width` frames.
 
     Beyond its ends the path goes on mirrored in them, so that an even motion stays as it is, and so do the ends.
     """
     reach = min(math.ceil(TAIL * width), len(path) - 1)
     if reach == 0 or width < NARROW:
         return path
-    bell = np.exp(-0.5 * (np.arange(-reach, reach + 1) / width) ** 2)
+    weights = np.exp(-0.5 * (np.arange(-reach, reach + 1) / width) ** 2)
     before, after = 2.0 * path[0] - path[reach:0:-1], 2.0 * path[-1] - path[-2 : -2 - reach : -1]
     longer = np.concatenate([before, path, after])
-    columns = [np.convolve(column, bell / bell.sum(), mode="valid") for column in longer.T]
+    columns = [np.convolve(column, weights / weights.sum(), mode="valid") for column in longer.T]
     return np.stack(columns, axis=1)
 
 

@@ -111,7 +111,7 @@ class View:
 
     axes: FloatArray
     center: FloatArray
-    """What is shown in the middle, along the camera's axes [m], shape (D,)."""
+    """The center of the view, along the camera's axes [m], shape (D,)."""
     scale: float
     """Pixels per meter at the center."""
     middle: tuple[float, float]
@@ -157,7 +157,7 @@ class View:
 
 @dataclass(frozen=True)
 class Framing:
-    """What cameras leave open, found so that everything fits; one for a whole film."""
+    """Framing: what cameras leave open, found so that everything fits; one for a whole film."""
 
     scale: float
     """Pixels per meter at the center."""

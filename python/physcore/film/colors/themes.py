@@ -43,7 +43,7 @@ class Theme:
 
     background: Color
     surface: Color
-    """What fills solid ground."""
+    """The color of solid ground."""
     edge: Color
     """The outlines of boundaries."""
     solid: Color

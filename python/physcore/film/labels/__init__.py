@@ -1,1 +1,1 @@
-"""What is written and drawn beside the picture: text, the footer, and the diagram of the energy."""
+"""Labels of a film: text, the footer, and the diagram of the energy."""

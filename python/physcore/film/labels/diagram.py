@@ -45,7 +45,7 @@ def check_inset(inset: object, found: Sequence[Source]) -> Inset | None:
 
 @dataclass(frozen=True, eq=False)
 class History:
-    """What the diagrams of all panels have in common: the curves' names, and ranges that hold for the whole film."""
+    """Energies of all panels: the curves' names, and ranges that hold for the whole film."""
 
     energies: Sequence[Sequence[Energy]]
     """Of each panel, frame by frame."""
@@ -54,7 +54,7 @@ class History:
 
     @property
     def names(self) -> list[str]:
-        """What is drawn: internal energy only where there is some."""
+        """The names of the curves: internal energy only where there is some."""
         internal = any(energy.internal != 0.0 for panel in self.energies for energy in panel)
         return ["kinetic", "potential", *(["internal"] if internal else []), "total"]
 

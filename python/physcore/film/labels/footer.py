@@ -1,4 +1,4 @@
-"""What stands below the picture: the time, how it was computed, and what the colors mean."""
+"""The footer of a film: the time, how it was computed, and what the colors mean."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from physcore.simulation.sources import Source
 
 Label = Literal["time", "dt", "integrator", "energy"]
 LABELS: tuple[Label, ...] = ("time", "dt", "integrator", "energy")
-"""What can be written below the picture."""
+"""The labels of the footer."""
 LINE = 1.3
 """From one line to the next, in heights of the text."""
 WIDEST, NARROWEST = 8, 4
@@ -142,7 +142,7 @@ class Footer:
         return [wrapped(own, each) for own in pieces], time
 
     def _own(self, panel: int, error: float) -> list[str]:
-        """What is written of one panel, always in the same width."""
+        """The labels of one panel, always in the same width."""
         integrator, dt = self._facts[panel]
         said = {"integrator": integrator, "dt": f"dt {dt or 0.0:.3g} s", "energy": f"energy error {error:.1e}"}
         return [said[label] or "" for label in self._labels if label != "time"]

@@ -49,7 +49,7 @@ class Arrows(FieldStyle):
         self._set(spacing=number(self.spacing, "Arrows.spacing", least=6.0))
 
     def field_painter(self, shown: Field, theme: Theme) -> Painter:
-        """What draws arrows."""
+        """The painter of arrows."""
         return ArrowsPainter(self, shown, theme)
 
 

@@ -29,7 +29,7 @@ FOG = 0.55
 SHADING = 0.45
 """How much the light matters on balls."""
 MANY = 50_000
-"""So many values say what is typical of any number."""
+"""The largest number of values of which a percentile is taken."""
 TYPICAL = 99.5
 """The top of a color scale is this percentile of a frame, so that one outlier does not take all color for itself."""
 
@@ -44,7 +44,7 @@ class Part:
 
 @dataclass(frozen=True, eq=False)
 class Scale:
-    """What colors mean: a quantity, and the values at the ends of a table of colors."""
+    """A scale of colors: a quantity, and its values at the ends of a table of colors."""
 
     quantity: str
     """A word or two, such as "speed"."""
@@ -100,20 +100,20 @@ class Style(ABC):
 
     @abstractmethod
     def painter(self, source: Source, parts: list[Part], theme: Theme) -> Painter:
-        """What draws the given bodies, frame by frame."""
+        """A painter of the given bodies, frame by frame."""
 
 
 class Painter(ABC):
     """Draws some bodies of one source; it first sees the whole film, to find ranges that hold for all of it."""
 
     style: Style
-    """What it draws by."""
+    """The style that it draws by."""
     top: float = 0.0
     """The value at the end of the color scale. Panels with equal styles share it, so that a color means one thing."""
 
     @property
     def scale(self) -> Scale | None:
-        """What its colors mean, once the film has been seen; None if they mean no quantity."""
+        """The scale of its colors, after the first pass; None if they mean no quantity."""
         return None
 
     @property
@@ -143,7 +143,7 @@ class Painter(ABC):
 
 
 def places(parts: Sequence[Part]) -> slice | IntArray:
-    """Where the particles of some bodies are in the arrays of frames; a slice, which copies nothing, if it can be."""
+    """Indices of the particles of some bodies in the arrays of frames; a slice, which copies nothing, if it can be."""
     if all(one.where.stop == other.where.start for one, other in pairwise(parts)):
         return slice(parts[0].where.start, parts[-1].where.stop)
     return np.concatenate([np.arange(part.where.start, part.where.stop) for part in parts])

@@ -1,4 +1,4 @@
-"""What the styles that show vector fields have in common."""
+"""The base of the styles that show vector fields."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class FieldStyle(Style):
 
     @abstractmethod
     def field_painter(self, shown: Field, theme: Theme) -> Painter:
-        """What draws a field."""
+        """The painter of a field."""
 
 
 class FieldPainter(Painter):
@@ -56,7 +56,7 @@ class FieldPainter(Painter):
 
     @property
     def scale(self) -> Scale | None:
-        """What the colors mean, where there is more than one."""
+        """The scale of colors, where there is more than one."""
         quantity, unit = UNITS.get(self._of, ("field", ""))
         return None if self._plain else Scale(quantity, unit, (0.0, self.top), self._table)
 

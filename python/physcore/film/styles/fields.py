@@ -177,7 +177,7 @@ def _widened(counts: FloatArray, sums: FloatArray) -> tuple[FloatArray, FloatArr
 
 
 def _acceleration(scene: Scene) -> FieldFunction:
-    """What one kilogram and one coulomb at rest would feel of a scene's forces [m/s²]."""
+    """Acceleration of one kilogram and one coulomb at rest by a scene's forces [m/s²]."""
     forces = [replace(force, on=None) for force in scene.forces if not isinstance(force, INTERNAL)]
 
     def felt(time: float, places: FloatArray) -> FloatArray:

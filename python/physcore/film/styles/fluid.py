@@ -21,7 +21,7 @@ from physcore.simulation.sources import Source, SourceFrame
 ColorBy = Literal["speed", "pressure", "density"]
 
 CHANNEL = {"speed": "velocities", "pressure": "pressures", "density": "densities"}
-"""What a film of each color needs."""
+"""The channel that each color shows."""
 UNITS = {"speed": "m/s", "pressure": "Pa"}
 FULL = 1.6
 """A lump's diameter over its spacing: discs on a square lattice just cover the plane, √2, so that water is closed."""
@@ -102,7 +102,7 @@ class FluidPainter(Painter):
 
     @property
     def scale(self) -> Scale:
-        """What the colors mean."""
+        """The scale of colors."""
         if self._style.color == "density":
             return Scale("density / at rest", "", (1.0 - self.top, 1.0 + self.top), self._table)
         return Scale(self._style.color, UNITS[self._style.color], (0.0, self.top), self._table)
@@ -142,7 +142,7 @@ class FluidPainter(Painter):
         canvas.discs(centers, radii, ink, depth, 0.0 if view.flat else SHADING)
 
     def _values(self, frame: SourceFrame) -> FloatArray:
-        """What the color shows, (N,)."""
+        """The quantity that the color shows, (N,)."""
         values: FloatArray = frame.channel(CHANNEL[self._style.color])[self._where]
         match self._style.color:
             case "speed":

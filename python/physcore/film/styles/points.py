@@ -124,7 +124,7 @@ class PointsPainter(Painter):
 
     @property
     def scale(self) -> Scale | None:
-        """What the colors mean."""
+        """The scale of colors."""
         return None if self._color == "body" else Scale(self._color, UNITS[self._color], (0.0, self.top), self._table)
 
     @property
@@ -212,7 +212,7 @@ class PointsPainter(Painter):
         canvas.lines(np.concatenate([tails, tips], axis=1), 2.0 * radii, faint, depth)
 
     def _values(self, frame: SourceFrame) -> FloatArray:
-        """What the color shows, (N,)."""
+        """The quantity that the color shows, (N,)."""
         velocities = frame.channel("velocities")[self._where]
         speeds = norms(velocities)
         return speeds if self._color == "speed" else 0.5 * self._mass * speeds**2

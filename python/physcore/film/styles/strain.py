@@ -97,7 +97,7 @@ class StrainPainter(Painter):
 
     @property
     def scale(self) -> Scale:
-        """What the colors mean."""
+        """The scale of colors."""
         return strain_scale(self.top, self._table)
 
     def observe(self, frame: SourceFrame) -> None:
@@ -155,7 +155,7 @@ class StrainPainter(Painter):
 
 
 def rooted(strain: FloatArray) -> FloatArray:
-    """Where strains from -1 to 1 stand on a table of colors, 0–1: it goes with their root, so that small ones show."""
+    """Places of strains from -1 to 1 on a table of colors, 0–1: by their square root, so that small ones show."""
     fraction: FloatArray = 0.5 + 0.5 * np.sign(strain) * np.sqrt(np.abs(strain))
     return fraction
 

@@ -71,7 +71,7 @@ class Streamlines(FieldStyle):
         return super().painter(source, parts, theme)
 
     def field_painter(self, shown: Field, theme: Theme) -> Painter:
-        """What draws streamlines."""
+        """The painter of streamlines."""
         return StreamlinesPainter(self, shown, theme)
 
 

@@ -138,7 +138,7 @@ class SurfacePainter(Painter):
 
     @property
     def scale(self) -> Scale | None:
-        """What the colors mean."""
+        """The scale of colors."""
         return strain_scale(self.top, self._table) if self._style.color == "strain" else None
 
     def observe(self, frame: SourceFrame) -> None:

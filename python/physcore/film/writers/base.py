@@ -1,4 +1,4 @@
-"""What all formats of films have in common: what they get, and how long each frame is shown."""
+"""Formats of films: the job that a writer is given, the base of writers, and the display time of frames."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class Film:
     """A film that was written."""
 
     path: Path
-    """Where it is."""
+    """The path of its file."""
     bytes: int
     """How large it is."""
     size: tuple[int, int]
@@ -48,7 +48,7 @@ class FilmJob:
     """A film to be written, one frame at a time."""
 
     renderer: Renderer
-    """What draws it."""
+    """The renderer of its frames."""
     rate: float
     """Frames per second."""
     quality: Quality
@@ -56,13 +56,13 @@ class FilmJob:
     max_bytes: int | None
     """How large the file may become, where a format can be made smaller."""
     describe: Callable[[], str]
-    """Gives what the film says of how it came about, in ASCII; a scene that was not simulated yet is, so ask late."""
+    """Gives the provenance record, as JSON in ASCII; a scene that was not simulated yet is, so ask late."""
     progress: bool | None
     """Whether to show a progress bar, as in `film`."""
 
     @property
     def provenance(self) -> str:
-        """What it says of how it came about."""
+        """The provenance record, as JSON in ASCII."""
         return self.describe()
 
     def frames(self, stride: int = 1) -> Iterator[Canvas]:
@@ -78,7 +78,7 @@ class Writer(Format, ABC):
     """A format of films."""
 
     name: ClassVar[str]
-    """What it is called in a sentence."""
+    """Its name in a sentence."""
     fastest: ClassVar[float] = math.inf
     """Frames per second that every viewer shows."""
     longest: ClassVar[float] = math.inf
@@ -117,13 +117,13 @@ class Writer(Format, ABC):
 
     @classmethod
     def written(cls, job: FilmJob, target: Path) -> Film:
-        """What was written, if it shows the whole job."""
+        """The film that was written, if it shows the whole job."""
         return Film(target, target.stat().st_size, job.renderer.size, job.renderer.count, job.rate)
 
     @staticmethod
     @abstractmethod
     def provenance(path: Path) -> str | None:
-        """What a file says of how it came about; None if it says nothing.
+        """The provenance record in a file; None if there is none.
 
         Raises:
             OSError, ValueError: the file cannot be read.

@@ -28,9 +28,9 @@ ENCODER = (
     *("-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc", "bt709"),
     *("-fflags", "+bitexact", "-flags:v", "+bitexact", "-movflags", "+faststart"),
 )
-"""What every player shows, and a film can begin before it has been loaded to its end."""
+"""Options of the encoder: every player shows it, and it can begin before it has been loaded to its end."""
 COMMENT = (b"moov", b"udta", b"meta", b"ilst", b"\xa9cmt", b"data")
-"""Where in the boxes of a file the comment is."""
+"""The path of the comment through the boxes of a file."""
 
 
 class Mp4Writer(Writer):
@@ -93,7 +93,7 @@ def _ffmpeg() -> str:
 
 
 def _command(shape: tuple[int, ...], rate: float, notes: str, target: str) -> list[str]:
-    """What makes a film of the frames that come in."""
+    """The command that encodes the frames that come in."""
     height, width = shape
     frames = ("-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{width}x{height}", "-framerate", str(exact(rate)))
     inputs = ("-f", "ffmetadata", "-i", notes, *frames, "-i", "pipe:0", "-map", "1:v", "-map_metadata", "0")

@@ -25,7 +25,7 @@ QUALITY = 90
 """Of 100. A film takes 0.4 to 0.9 of a GIF's bytes, and thin lines lose a little of their color; without loss it would
 take twice a GIF's, and that is what APNG is for."""
 ANIMATED, DESCRIBED = 0x02, 0x08
-"""What a film has: several frames, and EXIF."""
+"""Flags of a film: several frames, and EXIF."""
 REPLACE = b"\x02"
 """A frame takes the place of what is there, and stays."""
 DESCRIPTION = 0x010E
