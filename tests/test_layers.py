@@ -1,4 +1,4 @@
-"""The architecture as a test: rooms import from their left alone, and modules never import each other in a circle."""
+"""The architecture as a test: folders import from their left alone, modules never in a circle."""
 
 from __future__ import annotations
 

@@ -58,7 +58,7 @@ def export(
         numerics: for a scene: integrator, dt, precision, threads, … as in Simulation.
 
     Raises:
-        SceneError: an argument is not valid, or the recording has no positions.
+        SceneError: an argument is not valid, or the recording has no positions or no energies.
         FileError: the file cannot be written.
         PhyscoreError: what the format needs is not installed.
         SimulationDiverged: the scene blew up.

@@ -85,12 +85,17 @@ class SceneItem:
 
 @dataclass(frozen=True)
 class Force(SceneItem):
-    """A force on the particles of some bodies. To add one: a file in `forces`, a line in `FORCES`, its twin in Rust."""
+    """A force on the particles of some bodies.
+
+    To add one: a file in `forces`, a line in `FORCES`, and its counterpart in Rust.
+    """
 
 
 @dataclass(frozen=True)
 class Boundary(SceneItem):
-    """A wall that particles bounce off. To add one: a file in `boundaries`, a line in `BOUNDARIES`, its twin in Rust.
+    """A wall that particles bounce off.
+
+    To add one: a file in `boundaries`, a line in `BOUNDARIES`, and its counterpart in Rust.
 
     A contact happens at center ± radius. It turns the normal velocity v_n into −restitution · v_n, and the tangential
     impulse follows Coulomb: at most friction times the normal impulse, and never more than what stops the sliding.

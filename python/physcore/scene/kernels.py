@@ -14,7 +14,7 @@ NARROWEST, WIDEST = 0.6, 4.0
 class Kernel:
     """A weight W(q) of the distance r = q h, zero from q = 2 on. Kernels of the same kind and smoothing are equal.
 
-    To add one: a class here, a line in `KERNELS`, and its twin in Rust.
+    To add one: a class here, a line in `KERNELS`, and its counterpart in Rust.
     """
 
     smoothing: float

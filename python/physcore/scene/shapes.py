@@ -43,7 +43,7 @@ def block(lower: Vector, upper: Vector, spacing: float) -> FloatArray:
                 f"{start:g} m, got {end:g} m"
             )
         counts.append(cells)
-    _require_room(math.prod(counts), len(counts), "block.spacing")
+    _require_memory(math.prod(counts), len(counts), "block.spacing")
     return np.array(low) + step * _centers(counts)
 
 
@@ -88,7 +88,7 @@ def cylinder(center: Vector, radius: float, height: float, spacing: float) -> Fl
     layers = _cells(tall, step)
     if layers < 1:
         raise SceneError(f"cylinder.height: must be at least one spacing of {step:g} m, got {tall:g} m")
-    _require_room(layers * len(disc), 3, "cylinder.spacing")
+    _require_memory(layers * len(disc), 3, "cylinder.spacing")
     heights = step * (np.arange(layers) + 0.5)
     points: FloatArray = np.column_stack([np.tile(disc, (layers, 1)), np.repeat(heights, len(disc))])
     points += np.array(base)
@@ -100,7 +100,7 @@ def _cells(extent: float, step: float, whole: Callable[[float], int] = round) ->
     return whole(min(max(extent / step, -1.0), MOST + 1.0))
 
 
-def _require_room(cells: int, dimension: int, path: str) -> None:
+def _require_memory(cells: int, dimension: int, path: str) -> None:
     """Refuse what does not fit into memory.
 
     Raises:
@@ -119,7 +119,7 @@ def _round(radius: float, spacing: float, dimension: int, path: str) -> FloatArr
     """The cells of a lattice around the origin whose centers are within a radius."""
     step = span(spacing, f"{path}.spacing")
     half = _cells(radius, step, math.floor) + 1
-    _require_room((2 * half) ** dimension, dimension, f"{path}.spacing")
+    _require_memory((2 * half) ** dimension, dimension, f"{path}.spacing")
     points: FloatArray = step * (_centers([2 * half] * dimension) - half)
     inside: FloatArray = points[np.einsum("nd,nd->n", points, points) <= radius**2]
     if len(inside) == 0:

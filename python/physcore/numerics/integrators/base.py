@@ -10,7 +10,7 @@ from typing import ClassVar
 class Integrator:
     """A way to advance x' = v, v' = a(x, v, t). Integrators of the same kind and parameters are equal.
 
-    To add one: a file here, a line in `INTEGRATORS`, and its twin in Rust.
+    To add one: a file here, a line in `INTEGRATORS`, and its counterpart in Rust.
     """
 
     order: ClassVar[int]
