@@ -38,9 +38,9 @@ test-rust: | check
 test-python: $(VENV)/tools.stamp
 	$(BIN)/python -m pytest -m 'not long' --numprocesses auto
 
-test-long: $(VENV)/tools.stamp ## run every test with the full number of examples, and write docs/reports/test-long.md
+test-long: $(VENV)/tools.stamp ## run every test with the full number of examples
 	PROPTEST_CASES=2000 PROPTEST_MAX_GLOBAL_REJECTS=100000 cargo test --locked --workspace --release -- --include-ignored
-	PHYSCORE_TESTS=long $(BIN)/python -m pytest --report=docs/reports/test-long.md
+	PHYSCORE_TESTS=long $(BIN)/python -m pytest
 
 fuzz: $(VENV)/tools.stamp ## call everything with hostile values, CALLS=1000000 times on all cores, and say what was found
 	$(BIN)/python tests/fuzz --calls $(CALLS)

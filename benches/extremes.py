@@ -127,7 +127,7 @@ def _not_a_number() -> str:
 
 def _crowd() -> str:
     atoms = pc.Particles(1e-3 * np.random.default_rng(1).random((2000, 2)), radius=1.0)
-    run = pc.Simulation(pc.Scene(atoms, pc.Repulsion(stiffness=1e-3)))
+    run = pc.Simulation(pc.Scene(atoms, pc.SoftSpheres(stiffness=1e-3)))
     run.step(100)
     return f"all {len(run.positions)} are neighbors of all, and 100 steps are taken"
 

@@ -1,12 +1,12 @@
 """The film of 5000 discs with trails beside other ways to write a GIF, all in one run: `python benches/film.py`.
 
-Ours is `physcore.film` from the recording to the file: survey, palette, drawing and encoding; then drawing alone, and
-encoding alone in each quality, one frame after the other. ffmpeg, where imageio-ffmpeg is installed, encodes our
+Ours is `physcore.film` from the recording to the file: first pass, palette, drawing and encoding; then drawing alone,
+and encoding alone in each quality, one frame after the other. ffmpeg, where imageio-ffmpeg is installed, encodes our
 frames, with those of its statistics and dithering that keep them best. Pillow draws the same positions with ImageDraw,
 without anti-aliasing and trails, and encodes them with its defaults (a palette for each frame) or with one palette for
 all. Matplotlib, where it is installed, draws a scatter plot in FuncAnimation without trails, a tenth as many frames.
-Before these, a million particles at 800×600 are drawn and encoded on one core, in processor time, after a survey that
-is not counted.
+Before these, a million particles at 800×600 are drawn and encoded on one core, in processor time, after a first pass
+that is not counted.
 
 The last column is the peak signal-to-noise ratio of what Pillow decodes against the frames as they were drawn, the mean
 over the frames [dB].
@@ -30,10 +30,10 @@ from PIL import Image, ImageDraw
 
 import physcore as pc
 from physcore._core import Gif
-from physcore.film.panels import Stage
-from physcore.film.sources import sources
-from physcore.film.themes import resolve
+from physcore.film.colors.themes import resolve
+from physcore.film.renderer import Renderer
 from physcore.film.writers import delays
+from physcore.simulation.sources import sources
 
 SIZE = (640, 480)
 DISCS = 5000
@@ -101,27 +101,27 @@ def matplotlib_animation(recording: pc.Recording, frames: int, path: Path) -> No
     pyplot.close(figure)
 
 
-def stage_of(recording: pc.Recording) -> Stage:
+def renderer_of(recording: pc.Recording) -> Renderer:
     """What `physcore.film` draws."""
-    return Stage(sources(recording, None, None, {}), SIZE, STYLE, None, resolve("dark"), None, False)
+    return Renderer(sources(recording, None, None, {}), SIZE, STYLE, None, resolve("dark"), None, False)
 
 
 def encode(recording: pc.Recording, path: Path, quality: Literal["fast", "high"]) -> float:
     """Wall time per frame of palette and encoding, one frame after the other, without drawing [ms]."""
-    stage = stage_of(recording)
-    gif = Gif(path, stage.reserved, quality=quality)
+    renderer = renderer_of(recording)
+    gif = Gif(path, renderer.reserved, quality=quality)
     spent = 0.0
-    for canvas in stage.samples():
+    for canvas in renderer.samples():
         start = time.perf_counter()
         gif.observe(canvas)
         spent += time.perf_counter() - start
-    for canvas, delay in zip(stage.frames(), delays(stage.count, FPS, 100), strict=True):
+    for canvas, delay in zip(renderer.frames(), delays(renderer.count, FPS, 100), strict=True):
         start = time.perf_counter()
         gif.frame(canvas, delay)
         gif.written()  # waits for the other thread
         spent += time.perf_counter() - start
     gif.finish()
-    return 1000.0 * spent / stage.count
+    return 1000.0 * spent / renderer.count
 
 
 def million(dimension: int) -> float:
@@ -130,12 +130,12 @@ def million(dimension: int) -> float:
     os.sched_setaffinity(0, {min(cores)})
     try:
         found = sources(bouncing(MILLION, dimension, 6), None, None, {})
-        stage = Stage(found, LARGE, None, None, resolve("dark"), None, False)
-        gif = Gif(None, stage.reserved)
-        for canvas in stage.samples():
+        renderer = Renderer(found, LARGE, None, None, resolve("dark"), None, False)
+        gif = Gif(None, renderer.reserved)
+        for canvas in renderer.samples():
             gif.observe(canvas)
         best, start = float("inf"), time.process_time()
-        for canvas in stage.frames():
+        for canvas in renderer.frames():
             gif.frame(canvas, 3)
             gif.written()  # waits for the other thread
             end = time.process_time()
@@ -192,7 +192,7 @@ def milliseconds(work: Callable[[], object], frames: int, repetitions: int) -> f
 def main(frames: int = 120) -> None:
     """Print a line for each way."""
     recording = bouncing(DISCS, 2, frames)
-    drawn = np.array([canvas.pixels() for canvas in stage_of(recording).frames()])[..., :3]
+    drawn = np.array([canvas.pixels() for canvas in renderer_of(recording).frames()])[..., :3]
     print(f"{DISCS} discs with trails, {SIZE[0]}×{SIZE[1]}, {frames} frames: from positions to a GIF")
     with tempfile.TemporaryDirectory() as folder:
 
@@ -207,7 +207,7 @@ def main(frames: int = 120) -> None:
             options = {"size": SIZE, "style": STYLE, "quality": quality}
             spent = milliseconds(lambda options=options: pc.film(recording, path, **options), frames, 3)  # type: ignore[misc]
             row(f"physcore.film, quality={quality!r}", spent, path)
-        row("  drawing alone", milliseconds(lambda: sum(1 for _ in stage_of(recording).frames()), frames, 3))
+        row("  drawing alone", milliseconds(lambda: sum(1 for _ in renderer_of(recording).frames()), frames, 3))
         for quality in qualities:
             spent = min(encode(recording, path, quality) for _ in range(3))
             row(f"  encoding alone, quality={quality!r}", spent, path)

@@ -15,7 +15,7 @@ from rivals.fluids_numba import NumbaFluid, Tank
 from rivals.jit import with_threads
 
 import physcore as pc
-from physcore.numerics import Precision
+from physcore.numerics.choices import Precision
 
 G = 9.81
 HEIGHT = 1.0
@@ -200,7 +200,7 @@ def grains(rows: int) -> pc.Scene:
     velocities = np.random.default_rng(5).normal(0.0, 0.1, places.shape)
     spheres = pc.Particles(places, velocities, mass=1e-3, radius=0.52 / rows)
     bounds = pc.Box((-0.1, -0.1, 0.0), (1.1, DEPTH + 0.1, 2.0))
-    return pc.Scene(spheres, pc.Repulsion(1e3, damping=0.1, friction=0.3), pc.Gravity((0.0, 0.0, -G)), bounds)
+    return pc.Scene(spheres, pc.SoftSpheres(1e3, damping=0.1, friction=0.3), pc.Gravity((0.0, 0.0, -G)), bounds)
 
 
 def liquid(rows: int) -> pc.Scene:

@@ -11,7 +11,7 @@ from rivals.jit import with_threads
 from rivals.particles import NumpyFalling, NumpyOrbit, Swarm, numba_falling, numba_orbit
 
 import physcore as pc
-from physcore.numerics import Precision
+from physcore.numerics.choices import Precision
 
 COUNT = 1_000_000
 STEP = 1e-4

@@ -12,7 +12,7 @@ from rivals.springs import Bincount, Maker, Slices
 from rivals.springs_numba import numba_network
 
 import physcore as pc
-from physcore.numerics import Precision
+from physcore.numerics.choices import Precision
 
 STEP = 1e-4
 GRAVITY = -9.81

@@ -1,4 +1,4 @@
-"""How the tests run: with fewer examples by default, with the full number in `make test-long`, and dated reports."""
+"""How the tests run: with fewer examples by default, with the full number in `make test-long`, and a report."""
 
 from __future__ import annotations
 

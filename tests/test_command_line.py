@@ -12,7 +12,7 @@ import pytest
 from PIL import Image
 
 from physcore.__main__ import main
-from physcore.film import evidence
+from physcore.film import provenance
 from physcore.film.writers import WRITERS
 from physcore.gallery import DEMOS, caption, demo
 from physcore.gallery.figure import Figure
@@ -49,7 +49,7 @@ def test_a_demo_writes_its_gif_shows_progress_and_prints_the_audit(capsys, tmp_p
 def test_a_demo_is_filmed_in_any_format(kind, capsys, tmp_path):
     path = tmp_path / f"rope{kind.suffixes[0]}"
     assert main(["demo", "rope", "-o", str(path)]) == 0
-    (panel,) = evidence(path)
+    (panel,) = provenance(path)
     assert panel["scene"] == demo("rope").scene().hash()
     assert str(path) in capsys.readouterr().out
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import physcore as pc
-from physcore.audit import audit
+from physcore.studies.audit import audit
 
 SERIES = pc.EnergySeries(
     kinetic=np.array([0.0, 3.0, 1.0]),

@@ -20,9 +20,9 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import physcore as pc
-from physcore import files, storage
-from physcore.film import evidence
+from physcore.film import provenance
 from physcore.film.writers import WRITERS
+from physcore.storage import archive, files
 
 SCENE = pc.Scene(
     pc.cloth((3, 3), 0.1, 10.0, 0.1, pinned="top", name="cloth"),
@@ -39,7 +39,7 @@ def contents(tmp: Path) -> dict[str, dict[str, Any]]:
     simulation.step(3)
     simulation.save(tmp / "simulation")
     pc.simulate(SCENE, 0.1, channels=("positions", "densities")).save(tmp / "recording")
-    return {kind: storage.read(tmp / kind)[1] for kind in ("simulation", "recording")}
+    return {kind: archive.read(tmp / kind)[1] for kind in ("simulation", "recording")}
 
 
 @pytest.fixture(scope="module")
@@ -94,7 +94,7 @@ def test_a_file_with_a_wrong_entry_is_a_file_error_or_another_right_file(held, k
     path, trees = held
     told: list[str] = []
     for place in entries(trees[kind]):
-        storage.write(path, kind, changed(trees[kind], place, value))
+        archive.write(path, kind, changed(trees[kind], place, value))
         try:
             loaded = pc.load(path)
         except pc.FileError as error:
@@ -120,7 +120,7 @@ def test_a_file_with_a_wrong_entry_is_a_file_error_or_another_right_file(held, k
         ("recording", ("plan", "dt_limit"), "none", "plan.dt_limit: must be a number, got 'none'"),
         ("recording", ("energy", "by_term", "springs"), 3, "energy.by_term.springs: must be an array"),
         ("simulation", ("world", "clock"), np.array([np.nan, 1.0]), "world.clock: must be finite"),
-        ("simulation", ("pace", "limits"), [{}], "pace.limits: must be a list of 0 or 2"),
+        ("simulation", ("stepper", "limits"), [{}], "stepper.limits: must be a list of 0 or 2"),
         (
             "simulation",
             ("scene", "bodies", 0, "kind"),
@@ -134,7 +134,7 @@ def test_a_file_with_a_wrong_entry_is_a_file_error_or_another_right_file(held, k
 )
 def test_a_wrong_entry_is_named(held, kind, place, value, message):
     path, trees = held
-    storage.write(path, kind, changed(trees[kind], place, value))
+    archive.write(path, kind, changed(trees[kind], place, value))
     with pytest.raises(pc.FileError, match=message):
         pc.load(path)
 
@@ -142,26 +142,26 @@ def test_a_wrong_entry_is_named(held, kind, place, value, message):
 def test_a_state_that_the_precision_of_its_run_cannot_hold_is_refused(tmp_path):
     dust = pc.Particles([[0.0, 0.0], [1.0, 1.0]])
     pc.Simulation(pc.Scene(dust), dt=1e-3, precision="f32").save(tmp_path / "state")
-    kind, tree = storage.read(tmp_path / "state")
+    kind, tree = archive.read(tmp_path / "state")
     far = changed(tree, ("scene", "bodies", 0, "fields", "positions"), 1e300 * (1.0 + dust.positions))
-    storage.write(tmp_path / "state", kind, far)
+    archive.write(tmp_path / "state", kind, far)
     with pytest.raises(pc.FileError, match="state: "):
         pc.load(tmp_path / "state")
 
 
-def signed(archive: bytes) -> bytes:
-    """An archive with the trailer that `storage` would have written; it has to have a comment of that length."""
-    size = len(archive) - storage._TRAILER_SIZE
-    return archive[:size] + storage._trailer(storage._digest(io.BytesIO(archive), size))
+def signed(content: bytes) -> bytes:
+    """An archive with the trailer that `archive` would have written; it has to have a comment of that length."""
+    size = len(content) - archive._TRAILER_SIZE
+    return content[:size] + archive._trailer(archive._digest(io.BytesIO(content), size))
 
 
 def packed(members: dict[str, bytes], compression: int = zipfile.ZIP_STORED) -> bytes:
     """An archive of some members with a right checksum."""
     buffer = io.BytesIO()
-    with zipfile.ZipFile(buffer, "w", compression) as archive:
+    with zipfile.ZipFile(buffer, "w", compression) as zipped:
         for name, content in members.items():
-            archive.writestr(name, content)
-        archive.comment = storage._trailer("0" * 64)
+            zipped.writestr(name, content)
+        zipped.comment = archive._trailer("0" * 64)
     return signed(buffer.getvalue())
 
 
@@ -223,7 +223,7 @@ def test_any_bytes_with_a_right_checksum_are_a_file_error_or_a_valid_object(held
     """Some bytes of a right file changed: in its arrays, its header or its directory."""
     path, trees = held
     kind = data.draw(st.sampled_from(sorted(trees)))
-    storage.write(path, kind, trees[kind])
+    archive.write(path, kind, trees[kind])
     content = bytearray(path.read_bytes())
     for _ in range(data.draw(st.integers(1, 8))):
         where = data.draw(st.integers(0, 3000)) - 3000 * data.draw(st.booleans())
@@ -270,14 +270,14 @@ def test_a_damaged_film_says_nothing_but_a_file_error(kind, tmp_path):
     path = tmp_path / f"film{kind.suffixes[0]}"
     pc.film(pc.simulate(SCENE, 0.1), path, size=(64, 48), sidecar=False)
     whole, generator = path.read_bytes(), np.random.default_rng(1)
-    assert evidence(path)
+    assert provenance(path)
     for _ in range(60):
         content = bytearray(whole)
         for place in generator.integers(len(whole), size=30).tolist():
             content[place] = int(generator.integers(256))
         path.write_bytes(bytes(content[: int(generator.integers(len(whole)))]))
         with suppress(pc.FileError):
-            evidence(path)
+            provenance(path)
 
 
 @pytest.mark.parametrize("text", ["[" * 100_000, "3", "[3]", '{"a": 1}', "nothing", "\xff"])
@@ -285,7 +285,7 @@ def test_evidence_that_is_none_is_refused(text, tmp_path):
     path = tmp_path / "film.gif.json"
     path.write_bytes(text.encode("latin-1"))
     with pytest.raises(pc.FileError, match=r"film\.gif\.json"):
-        evidence(path)
+        provenance(path)
 
 
 @pytest.mark.parametrize(
@@ -301,7 +301,7 @@ KILLED = """
 import os, signal, sys
 import physcore as pc
 from physcore.film import Window
-from physcore.files import replacing
+from physcore.storage.files import replacing
 
 def end(time, x, v):
     if time > 0.4:

@@ -16,8 +16,8 @@ from PIL import Image
 import physcore as pc
 from physcore._core import Canvas, Gif
 from physcore.film import DARK, LIGHT, Orbit, Window, gif_bytes
-from physcore.film.camera import fit
-from physcore.film.colormaps import COLORMAPS, look_up, sequential
+from physcore.film.camera.view import fit
+from physcore.film.colors.colormaps import COLORMAPS, look_up, sequential
 from physcore.film.styles.strain import covered
 from physcore.film.writers import delays
 

@@ -11,10 +11,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import physcore as pc
-from physcore import engine
-from physcore.kernels import KERNELS
-from physcore.numerics import check
-from physcore.overlaps import closer_than
+from physcore.numerics.choices import check
+from physcore.scene.kernels import KERNELS
+from physcore.scene.overlaps import closer_than
+from physcore.simulation import engine
 
 WATER = pc.block((0.0, 0.0), (1.0, 0.5), 0.1)
 
@@ -85,7 +85,7 @@ def test_drag_and_pair_forces_spare_a_fluid_that_is_not_named():
     water, grains = pc.Fluid(WATER, 0.1), pc.Particles([[2.0, 2.0]], radius=0.1)
     forces = (
         pc.Drag(1.0),
-        pc.Repulsion(10.0),
+        pc.SoftSpheres(10.0),
         pc.LennardJones(1.0, 0.1),
         pc.Gravity((0.0, -1.0)),
         pc.Drag(1.0, on=water),

@@ -102,7 +102,7 @@ def test_one_large_grain_among_small_ones_is_refused():
     program = """
     radius = np.full(30_000, 0.1)
     radius[0] = 60.0
-    scene = pc.Scene(pc.Particles(50.0 * random.random((30_000, 3)), radius=radius), pc.Repulsion(1.0))
+    scene = pc.Scene(pc.Particles(50.0 * random.random((30_000, 3)), radius=radius), pc.SoftSpheres(1.0))
     leave(500)
     print(refusal(pc.Simulation, scene))
     """

@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from itertools import count
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -287,6 +288,9 @@ def test_what_cannot_be_exported_is_refused_before_it_is_simulated(suffix: str, 
         )
     with pytest.raises(pc.SceneError, match="positions were not recorded"):
         pc.export(pc.simulate(SCENES["3D"], 0.1, channels=("velocities",)), path)
+    bare = SimpleNamespace(scene=scene, times=np.zeros(1), positions=np.zeros((1, 3, 3)), fps=1.0, channels={})
+    with pytest.raises(pc.SceneError, match=r"recording: must be a Scene or what simulate\(…\) gives"):
+        pc.export(bare, path)  # type: ignore[arg-type]
     assert not list(tmp_path.iterdir())
 
 

@@ -17,7 +17,7 @@ WATER = pc.Fluid(pc.block((0.0, -1.0), (0.3, -0.7), 0.1), 0.1)
 SCENES = {
     "springs": pc.Scene(CLOTH, pc.Gravity((0.0, -9.81), on=CLOTH), pc.Floor(-1.0)),
     "a fluid": pc.Scene(WATER, pc.Gravity((0.0, -9.81)), pc.Box((-0.5, -1.0), (0.5, 1.0))),
-    "grains": pc.Scene(pc.Particles([[0.0, 0.0], [0.15, 0.0]], radius=0.1), pc.Repulsion(100.0, 0.1)),
+    "grains": pc.Scene(pc.Particles([[0.0, 0.0], [0.15, 0.0]], radius=0.1), pc.SoftSpheres(100.0, 0.1)),
 }
 NUMERICS = [{}, {"dt": 1e-4}, {"dt": pc.AdaptiveStep()}]
 

@@ -8,9 +8,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import physcore as pc
-from physcore.energy import Energy
-from physcore.sampling import hermite
-from physcore.state import Frame, Snapshot
+from physcore.simulation.energy import Energy
+from physcore.simulation.frames import hermite
+from physcore.simulation.state import Frame, Snapshot
 
 BALL = pc.Particles([[0.0, 1.0]], velocities=[[2.0, 5.0]], name="ball")
 THROW = pc.Scene(BALL, pc.Gravity((0.0, -9.81)))
@@ -87,7 +87,7 @@ def test_a_body_has_its_part():
     assert (recording[BALL].positions == recording.positions[:, 2:]).all()
     assert (recording["ball"].velocities == recording.velocities[:, 2:]).all()
     assert (recording[0].positions == still.positions).all()
-    assert repr(recording[0]) == "Track(16 frames: positions (16, 2, 2), velocities (16, 2, 2))"
+    assert repr(recording[0]) == "Trajectory(16 frames: positions (16, 2, 2), velocities (16, 2, 2))"
     assert (recording[still].times == recording.times).all()
 
 

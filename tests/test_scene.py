@@ -53,9 +53,9 @@ def test_values_compare_by_value():
 def test_pair_forces_fill_in_what_follows_from_the_rest():
     assert pc.LennardJones(1.0, 2.0).cutoff == 5.0
     assert pc.LennardJones(1.0, 2.0) == pc.LennardJones(1.0, 2.0, cutoff=5.0)
-    assert pc.Repulsion(1.0, 0.5).tangential_damping == 0.5
-    assert pc.Repulsion(1.0, 0.5, tangential_damping=0.25).tangential_damping == 0.25
-    described = pc.Repulsion(10, 1, exponent=1.5).describe(2)
+    assert pc.SoftSpheres(1.0, 0.5).tangential_damping == 0.5
+    assert pc.SoftSpheres(1.0, 0.5, tangential_damping=0.25).tangential_damping == 0.25
+    described = pc.SoftSpheres(10, 1, exponent=1.5).describe(2)
     assert described == {
         "type": "Repulsion",
         "stiffness": 10.0,
@@ -77,9 +77,9 @@ def test_a_floor_is_a_plane_with_all_that_it_says():
 
 
 def test_one_radius_is_enough_for_repulsion():
-    pc.Scene(ONE, pc.Particles([[1.0, 1.0]], radius=0.1), pc.Repulsion(1.0))
-    pc.Scene(pc.Particles([[0.0, 0.0], [1.0, 0.0]], radius=[0.0, 0.1]), pc.Repulsion(1.0))
-    pc.Scene(pc.Particles(np.empty((0, 2))), pc.Repulsion(1.0))
+    pc.Scene(ONE, pc.Particles([[1.0, 1.0]], radius=0.1), pc.SoftSpheres(1.0))
+    pc.Scene(pc.Particles([[0.0, 0.0], [1.0, 0.0]], radius=[0.0, 0.1]), pc.SoftSpheres(1.0))
+    pc.Scene(pc.Particles(np.empty((0, 2))), pc.SoftSpheres(1.0))
 
 
 def test_a_force_acts_on_one_body_or_several():
@@ -127,20 +127,23 @@ def test_every_integrator_names_its_order_and_its_source(kind):
         (lambda: pc.Drag(-1.0), "Drag.linear: must be ≥ 0, got -1"),
         (lambda: pc.Drag(quadratic="fast"), "Drag.quadratic: must be a number, got 'fast'"),
         (lambda: pc.CentralForce((0, 0), 1.0, softening=-1.0), "CentralForce.softening: must be ≥ 0"),
-        (lambda: pc.Repulsion(0.0), "Repulsion.stiffness: must be > 0"),
-        (lambda: pc.Repulsion(1.0, -1.0), "Repulsion.damping: must be ≥ 0"),
+        (lambda: pc.SoftSpheres(0.0), "SoftSpheres.stiffness: must be > 0"),
+        (lambda: pc.SoftSpheres(1.0, -1.0), "SoftSpheres.damping: must be ≥ 0"),
         (
-            lambda: pc.Repulsion(1.0, exponent=2.0),
-            r"Repulsion.exponent: must be 1 \(linear\) or 1.5 \(Hertzian\), got 2",
-        ),
-        (lambda: pc.Repulsion(1.0, friction=0.5), "Repulsion.tangential_damping: must be > 0 where there is friction"),
-        (
-            lambda: pc.Repulsion(1.0, 1.0, friction=0.5, tangential_damping=0.0),
-            "Repulsion.tangential_damping: must be > 0 where there is friction",
+            lambda: pc.SoftSpheres(1.0, exponent=2.0),
+            r"SoftSpheres.exponent: must be 1 \(linear\) or 1.5 \(Hertzian\), got 2",
         ),
         (
-            lambda: pc.Scene(ONE, pc.Particles([[1.0, 1.0]], radius=0.1), DOWN, pc.Repulsion(1.0, on=ONE)),
-            r"forces\[1\]: Repulsion acts .* radius 0; give them a size: Particles\(…, radius=…\)",
+            lambda: pc.SoftSpheres(1.0, friction=0.5),
+            "SoftSpheres.tangential_damping: must be > 0 where there is friction",
+        ),
+        (
+            lambda: pc.SoftSpheres(1.0, 1.0, friction=0.5, tangential_damping=0.0),
+            "SoftSpheres.tangential_damping: must be > 0 where there is friction",
+        ),
+        (
+            lambda: pc.Scene(ONE, pc.Particles([[1.0, 1.0]], radius=0.1), DOWN, pc.SoftSpheres(1.0, on=ONE)),
+            r"forces\[1\]: SoftSpheres acts .* radius 0; give them a size: Particles\(…, radius=…\)",
         ),
         (lambda: pc.LennardJones(0.0, 1.0), "LennardJones.epsilon: must be > 0"),
         (lambda: pc.LennardJones(1.0, -1.0), "LennardJones.sigma: must be > 0"),

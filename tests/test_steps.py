@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 import physcore as pc
-from physcore import engine
 from physcore.integrators import INTEGRATORS
-from physcore.numerics import Limit, largest_step
+from physcore.numerics.choices import Limit, largest_step
+from physcore.simulation import engine
 
 FALLING = pc.Scene(pc.Particles([[0.0, 0.0]]), pc.Gravity((0.0, -9.81)))
 
@@ -177,7 +177,7 @@ def test_explicit_euler_warns_once_and_has_no_automatic_step():
         ({"threads": 0}, "threads: must be ≥ 1, got 0"),
         ({"threads": 1.5}, "threads: must be a whole number"),
         ({"threads": 10**6}, "threads: must be ≤ 1024"),
-        ({"runaway": 0.0}, "runaway: must be > 0"),
+        ({"max_energy_growth": 0.0}, "max_energy_growth: must be > 0"),
         ({"on_divergence": "stop"}, "on_divergence: must be 'raise', 'substep' or 'ignore'"),
     ],
 )

@@ -13,9 +13,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import physcore as pc
-from physcore import storage
-from physcore.film import evidence
-from physcore.serial import pack_scene, unpack_scene
+from physcore.film import provenance
+from physcore.simulation.serial import unpack_scene
+from physcore.storage import archive
 
 WIND = pc.Drag(0.001, wind=(0.1, 0.0))
 BODIES = (
@@ -54,7 +54,13 @@ def test_an_interrupted_run_ends_in_the_same_bits(tmp_path):
 
 
 def test_a_checkpoint_keeps_scene_and_numerics(tmp_path):
-    numerics = {"integrator": pc.VelocityVerlet(), "dt": 1e-4, "precision": "f64", "threads": 1, "runaway": 1e5}
+    numerics = {
+        "integrator": pc.VelocityVerlet(),
+        "dt": 1e-4,
+        "precision": "f64",
+        "threads": 1,
+        "max_energy_growth": 1e5,
+    }
     simulation = pc.Simulation(SCENE, **numerics)
     simulation.save(tmp_path / "state")
     loaded = pc.load(tmp_path / "state")
@@ -88,9 +94,9 @@ def test_a_scene_of_pairs_and_fluids_comes_back_as_it_was():
     )
     oil = pc.Fluid(pc.block((0.4, 0.0), (0.8, 0.2), 0.1), 0.1)
     grains = pc.Particles([[0.0, 0.5]], radius=0.01)
-    pairs = (pc.Repulsion(1.0, 0.1, 0.5, 0.2, 1.5), pc.LennardJones(1.0, 0.1, on=[grains, water]))
+    pairs = (pc.SoftSpheres(1.0, 0.1, 0.5, 0.2, 1.5), pc.LennardJones(1.0, 0.1, on=[grains, water]))
     scene = pc.Scene(water, oil, grains, *pairs, pc.Periodic((-1.0, -np.inf), (1.0, np.inf)))
-    content = json.loads(json.dumps(pack_scene(scene), default=lambda values: values.tolist()))
+    content = json.loads(json.dumps(scene.packed(), default=lambda values: values.tolist()))
     loaded = unpack_scene(content)
     assert loaded.periodic == scene.periodic
     assert loaded.forces[0] == scene.forces[0]
@@ -129,7 +135,7 @@ def test_any_truncation_and_any_flipped_bit_is_noticed(tmp_path):
 
 def test_a_file_of_another_version_says_so(tmp_path, monkeypatch):
     path = tmp_path / "state"
-    monkeypatch.setattr(storage, "VERSION", 2)
+    monkeypatch.setattr(archive, "VERSION", 2)
     pc.Simulation(SCENE).save(path)
     monkeypatch.undo()
     with pytest.raises(pc.FileError, match="format version '2'; this physcore reads version 1"):
@@ -141,9 +147,9 @@ def test_a_file_of_before_the_history_was_kept_still_loads(tmp_path):
     simulation, path = pc.Simulation(SCENE, dt=1e-3), tmp_path / "state"
     simulation.step(10)
     simulation.save(path)
-    kind, content = storage.read(path)
-    assert content["pace"].pop("segments") == [{"start": 0.0, "steps": 10, "dt": 1e-3}]
-    storage.write(path, kind, content)
+    kind, content = archive.read(path)
+    assert content["stepper"].pop("segments") == [{"start": 0.0, "steps": 10, "dt": 1e-3}]
+    archive.write(path, kind, content)
     loaded = pc.load(path)
     assert isinstance(loaded, pc.Simulation)
     loaded.step(10)
@@ -152,14 +158,14 @@ def test_a_file_of_before_the_history_was_kept_still_loads(tmp_path):
     assert loaded.provenance.segments is None
 
     pc.simulate(SCENE, 0.1).save(path)
-    kind, content = storage.read(path)
+    kind, content = archive.read(path)
     del content["provenance"]
-    storage.write(path, kind, content)
+    archive.write(path, kind, content)
     recording = pc.load(path)
     assert isinstance(recording, pc.Recording)
     assert recording.provenance is None
     pc.film(recording, tmp_path / "film.gif", size=(64, 48))
-    (panel,) = evidence(tmp_path / "film.gif")
+    (panel,) = provenance(tmp_path / "film.gif")
     assert panel["scene"] == SCENE.hash()
     assert panel["state"] is panel["segments"] is panel["numerics"] is None
 
@@ -228,10 +234,10 @@ def test_a_custom_force_cannot_be_saved_and_the_message_says_why(tmp_path):
 def test_nothing_is_pickled(tmp_path):
     path = tmp_path / "state"
     pc.Simulation(SCENE).save(path)
-    with zipfile.ZipFile(path) as archive:
-        names = archive.namelist()
+    with zipfile.ZipFile(path) as zipped:
+        names = zipped.namelist()
         for name in names:
-            assert name == "header.json" or archive.read(name).startswith(b"\x93NUMPY")
+            assert name == "header.json" or zipped.read(name).startswith(b"\x93NUMPY")
     with np.load(path, allow_pickle=False) as arrays:
         assert all(arrays[name].dtype != object for name in arrays.files if name != "header.json")
 
@@ -249,5 +255,5 @@ LEAVES = st.none() | st.booleans() | st.integers(0, 2**64 - 1) | st.floats(allow
 @given(tree=st.dictionaries(st.text("abc", min_size=1), st.recursive(LEAVES, lambda t: st.lists(t, max_size=4))))
 def test_a_tree_of_values_comes_back_as_it_was(tmp_path_factory, tree):
     path = tmp_path_factory.mktemp("tree") / "file"
-    storage.write(path, "kind", tree)
-    assert storage.read(path) == ("kind", tree)
+    archive.write(path, "kind", tree)
+    assert archive.read(path) == ("kind", tree)

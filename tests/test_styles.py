@@ -12,10 +12,10 @@ from PIL import Image
 
 import physcore as pc
 from physcore.film import DARK, Orbit, Window
-from physcore.film.camera import Face, View, fit
-from physcore.film.sources import Moment, Recorded, sources
+from physcore.film.camera.view import Face, View, fit
 from physcore.film.styles import fields
 from physcore.film.styles.base import Part
+from physcore.simulation.sources import Recorded, SourceFrame, sources
 
 SIZE = (240, 180)
 
@@ -43,13 +43,13 @@ def view(lower: tuple[float, float], upper: tuple[float, float]) -> View:
     return fit(Window(lower, upper), np.array(lower), np.array(upper), (0, 0, *SIZE), 0.0)
 
 
-def moment(positions: np.ndarray, velocities: np.ndarray) -> Moment:
+def frame(positions: np.ndarray, velocities: np.ndarray) -> SourceFrame:
     """One time of a recording."""
     recording: Any = SimpleNamespace(
         scene=None, times=np.zeros(1), positions=positions[np.newaxis], fps=30.0,
         channels={"positions": positions[np.newaxis], "velocities": velocities[np.newaxis]},
     )  # fmt: skip
-    return next(Recorded(recording).moments())
+    return next(Recorded(recording).frames())
 
 
 class Sheet:
@@ -238,7 +238,7 @@ def test_mean_velocities_are_those_of_a_rigid_rotation(dimension: int) -> None:
     box = np.full(dimension, -1.0), np.full(dimension, 1.0)
     seen = fit(Face() if dimension == 2 else Orbit(), *box, (0, 0, *SIZE), 0.0)
     shown = fields.Motion(np.arange(len(positions)))
-    places, vectors = shown.samples(moment(positions, velocities), seen, 20.0)
+    places, vectors = shown.samples(frame(positions, velocities), seen, 20.0)
     assert 10 < len(places) < 200
     np.testing.assert_allclose(vectors, places @ spin.T, atol=1e-13)
 
@@ -246,7 +246,7 @@ def test_mean_velocities_are_those_of_a_rigid_rotation(dimension: int) -> None:
 def test_a_smoothed_uniform_flow_is_uniform_and_ends_where_nothing_is() -> None:
     positions = np.random.default_rng(1).uniform(0.5, 1.5, size=(400, 2))
     shown = fields.Motion(np.arange(len(positions)))
-    at = shown.around(moment(positions, np.tile([0.3, -0.4], (400, 1))), view((0.0, 0.0), (4.0, 3.0)), 10.0)
+    at = shown.around(frame(positions, np.tile([0.3, -0.4], (400, 1))), view((0.0, 0.0), (4.0, 3.0)), 10.0)
     inside = np.random.default_rng(2).uniform(0.6, 1.4, size=(50, 2))
     np.testing.assert_allclose(at(inside), np.tile([0.3, -0.4], (50, 1)), atol=1e-14)
     assert np.isnan(at(np.array([[3.5, 2.5], [-40.0, 0.0]]))).all()
@@ -273,7 +273,7 @@ def test_arrows_point_along_the_field_and_are_as_long_as_it_is_large() -> None:
     source = sources(pc.simulate(scene, 0.1, progress=False), None, None, {})[0]
     style = pc.styles.Arrows(lambda time, x: x[:, :1] * np.array([0.6, 0.8]), spacing=30.0, top=4.0)
     painter, sheet = style.painter(source, part(scene), DARK), Sheet()
-    painter.paint(sheet, moment(np.zeros((2, 2)), np.zeros((2, 2))), view((0.0, 0.0), (4.0, 3.0)), 1.0)  # type: ignore[arg-type]
+    painter.paint(sheet, frame(np.zeros((2, 2)), np.zeros((2, 2))), view((0.0, 0.0), (4.0, 3.0)), 1.0)  # type: ignore[arg-type]
     corners = sheet.drawn["triangles"][0].reshape(-1, 3, 2)
     tails, tips = sheet.drawn["lines"][0][:, :2], corners[:, 0]
     along = (tips - tails) * np.array([1.0, -1.0])
@@ -291,7 +291,7 @@ def test_streamlines_of_a_rotation_are_circles() -> None:
     source = sources(pc.simulate(scene, 0.1, progress=False), None, None, {})[0]
     style = pc.styles.Streamlines(lambda time, x: np.stack([-x[:, 1], x[:, 0]], axis=1), top=2.0)
     painter, sheet = style.painter(source, part(scene), DARK), Sheet()
-    painter.paint(sheet, moment(np.zeros((2, 2)), np.zeros((2, 2))), view((-2.0, -1.5), (2.0, 1.5)), 1.0)  # type: ignore[arg-type]
+    painter.paint(sheet, frame(np.zeros((2, 2)), np.zeros((2, 2))), view((-2.0, -1.5), (2.0, 1.5)), 1.0)  # type: ignore[arg-type]
     past = sheet.drawn["trails"][0].astype(float) - np.array([SIZE[0] / 2, SIZE[1] / 2])
     radius = np.linalg.norm(past, axis=2)
     outer = radius[-1] > 20.0
@@ -335,10 +335,10 @@ def test_the_colors_of_strain_are_those_of_its_scale(style: pc.styles.Style, tmp
     source: Any = SimpleNamespace(scene=pc.Scene(cloth), count=2, fps=1.0, times=np.arange(2.0), has=lambda name: True)
     painter = style.painter(source, part(source.scene), DARK)
     drawn_out = cloth.positions * np.array([1.1, 1.1])
-    painter.observe(moment(cloth.positions * 1.2, np.zeros((10, 2))))
+    painter.observe(frame(cloth.positions * 1.2, np.zeros((10, 2))))
     scale, sheet = painter.scale, Sheet()
     assert scale is not None
-    painter.paint(sheet, moment(drawn_out, np.zeros((10, 2))), view((0.0, 0.0), (2.0, 1.5)), 1.0)  # type: ignore[arg-type]
+    painter.paint(sheet, frame(drawn_out, np.zeros((10, 2))), view((0.0, 0.0), (2.0, 1.5)), 1.0)  # type: ignore[arg-type]
     shown = (sheet.drawn["lines"][2] if "lines" in sheet.drawn else sheet.drawn["triangles"][1])[0, :3].astype(float)
     low, high = scale.ends
     place = (0.1 - low) / (high - low) * (len(scale.table) - 1)

@@ -14,8 +14,8 @@ import numpy as np
 import pytest
 
 import physcore as pc
-from physcore import engine
-from physcore.numerics import Options, check
+from physcore.numerics.choices import Options, check
+from physcore.simulation import engine
 
 NEEDS_TIMERS = pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="needs interval timers")
 

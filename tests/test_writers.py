@@ -1,4 +1,4 @@
-"""Every format of films: whole, in real time, the same for the same scene, and with the evidence of what it shows."""
+"""Every format of films: whole, in real time, the same for the same scene, and with the provenance of what it shows."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ import pytest
 from PIL import Image
 
 import physcore as pc
-from physcore.evidence import Drift
-from physcore.film import evidence, gif_bytes, spool
+from physcore.film import frame_cache, gif_bytes, provenance
 from physcore.film.writers import WRITERS, delays
-from physcore.serial import unpack_numerics
+from physcore.simulation.energy import Drift
+from physcore.simulation.serial import unpack_numerics
 
 SIZE = (160, 120)
 MOVING = [kind.suffixes[0] for kind in WRITERS if kind.suffixes != (".png",)]
@@ -254,10 +254,10 @@ def test_the_evidence_travels_with_the_film(suffix: str, tmp_path: Path) -> None
         f"{recorded.name}.json",
         streamed.name,
     ]
-    (panel,) = evidence(recorded)
-    assert evidence(streamed) == [panel]
+    (panel,) = provenance(recorded)
+    assert provenance(streamed) == [panel]
     assert recorded.read_bytes() == streamed.read_bytes()
-    (beside,) = evidence(f"{recorded}.json")
+    (beside,) = provenance(f"{recorded}.json")
     assert beside.pop("machine") == {"threads": recording.plan.threads, "simd": recording.plan.simd}
     assert beside == panel
     assert panel["physcore"] == pc.__version__
@@ -293,7 +293,7 @@ def fluid() -> pc.Scene:
 def test_the_evidence_is_enough_to_do_it_again(scene: pc.Scene, numerics: Any, segments: int, tmp_path: Path) -> None:
     path = tmp_path / "film.gif"
     pc.film(scene, path, duration=0.6, size=SIZE, **numerics)
-    (panel,) = evidence(path)
+    (panel,) = provenance(path)
     assert scene.hash() == panel["scene"]
     assert len(panel["segments"]) >= segments
     simulation = None
@@ -328,25 +328,25 @@ def test_each_panel_has_its_evidence(tmp_path: Path) -> None:
     path = tmp_path / "film.gif"
     coarse, fine = pc.simulate(SCENE, 0.2, dt=2e-3), pc.simulate(SCENE, 0.2, dt=1e-3)
     pc.film([coarse, fine], path, size=SIZE)
-    assert [panel["segments"][0]["dt"] for panel in evidence(path)] == [2e-3, 1e-3]
-    assert [panel["state"] for panel in evidence(path)] == [each.provenance.state_hash for each in (coarse, fine)]  # type: ignore[union-attr]
+    assert [panel["segments"][0]["dt"] for panel in provenance(path)] == [2e-3, 1e-3]
+    assert [panel["state"] for panel in provenance(path)] == [each.provenance.state_hash for each in (coarse, fine)]  # type: ignore[union-attr]
 
 
 def test_a_film_in_memory_has_the_evidence_too(tmp_path: Path) -> None:
     recording = pc.simulate(SCENE, 0.2)
     path = tmp_path / "film.gif"
     path.write_bytes(gif_bytes(recording, size=SIZE))
-    assert evidence(path)[0]["scene"] == SCENE.hash()
+    assert provenance(path)[0]["scene"] == SCENE.hash()
 
 
 def test_a_scene_with_code_has_no_hash_and_says_so(tmp_path: Path) -> None:
     scene = pc.Scene(pc.Particles([[0.0, 0.0]]), pc.CustomForce(lambda time, x, v: -x))
     pc.film(scene, tmp_path / "film.gif", duration=0.1, size=SIZE)
-    assert evidence(tmp_path / "film.gif")[0]["scene"] is None
+    assert provenance(tmp_path / "film.gif")[0]["scene"] is None
 
 
 def test_a_scene_that_does_not_repeat_itself_is_noticed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(spool, "SHARE", 0.0)  # frames that were put aside are drawn as they were
+    monkeypatch.setattr(frame_cache, "SHARE", 0.0)  # frames that were put aside are drawn as they were
     random = np.random.default_rng(1)
     scene = pc.Scene(pc.Particles([[0.0, 0.0]]), pc.CustomForce(lambda time, x, v: random.normal(size=x.shape)))
     with pytest.raises(pc.InternalError, match="CustomForce"):
@@ -358,7 +358,7 @@ def test_adaptive_steps_leave_their_range(tmp_path: Path) -> None:
     orbit = pc.Particles([[1.0, 0.0]], velocities=[[0.0, 0.5]])
     scene = pc.Scene(orbit, pc.CentralForce((0.0, 0.0), 1.0, exponent=-2.0))
     pc.film(scene, tmp_path / "film.gif", duration=2.0, fps=10, size=SIZE, dt=pc.AdaptiveStep())
-    (segment,) = evidence(tmp_path / "film.gif")[0]["segments"]
+    (segment,) = provenance(tmp_path / "film.gif")[0]["segments"]
     assert 0.0 < segment["dt"][0] < segment["dt"][1]
 
 
@@ -387,10 +387,10 @@ def test_equal_scenes_have_one_hash_and_others_another() -> None:
 def test_what_says_nothing_is_no_evidence(suffix: str, tmp_path: Path) -> None:
     path = tmp_path / f"film{suffix}"
     with pytest.raises(pc.FileError, match="cannot be read: No such file"):
-        evidence(path)
+        provenance(path)
     path.write_bytes(b"rubbish" * 10)
     with pytest.raises(pc.FileError, match=f"film{suffix}: "):
-        evidence(path)
+        provenance(path)
 
 
 def test_delays_are_whole_units_that_add_up() -> None:

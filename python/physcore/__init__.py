@@ -14,11 +14,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from physcore.accuracy import simulate
-from physcore.bodies import Body, Particles, SpringNetwork
 from physcore.boundaries import Boundary, Box, Floor, Plane, Sphere
-from physcore.builders import cloth, rope, soft_body
-from physcore.energy import Energy, EnergySeries
 from physcore.errors import (
     AccuracyError,
     FileError,
@@ -28,11 +24,12 @@ from physcore.errors import (
     SceneError,
     SimulationDiverged,
     StabilityWarning,
+    warn,
 )
 from physcore.film import film
-from physcore.fluid import Fluid
-from physcore.forces import CentralForce, CustomForce, Drag, Force, Gravity, LennardJones, Repulsion
-from physcore.integrators import (
+from physcore.forces import CentralForce, CustomForce, Drag, Force, Gravity, LennardJones, SoftSpheres
+from physcore.numerics.choices import AdaptiveStep, AutoStep
+from physcore.numerics.integrators import (
     PEFRL,
     BlanesMoan4,
     BlanesMoan6,
@@ -45,19 +42,23 @@ from physcore.integrators import (
     SemiImplicitEuler,
     VelocityVerlet,
 )
-from physcore.kernels import CubicSpline, Kernel, WendlandC2, WendlandC4
-from physcore.loading import load
-from physcore.numerics import AdaptiveStep, AutoStep
 from physcore.output import export
-from physcore.periodic import Periodic
-from physcore.plan import Plan
-from physcore.recording import Recording
-from physcore.scene import Scene
-from physcore.shapes import ball, block, cylinder
-from physcore.simulation import Simulation
-from physcore.stability import MeasuredLimit, stability_limit
-from physcore.state import Frame, Snapshot
-from physcore.tradeoff import Tradeoff, tradeoff
+from physcore.scene.bodies import Body, Particles, SpringNetwork
+from physcore.scene.builders import cloth, rope, soft_body
+from physcore.scene.fluid import Fluid
+from physcore.scene.kernels import CubicSpline, Kernel, WendlandC2, WendlandC4
+from physcore.scene.periodic import Periodic
+from physcore.scene.scene import Scene
+from physcore.scene.shapes import ball, block, cylinder
+from physcore.simulation.energy import Energy, EnergySeries
+from physcore.simulation.loading import load
+from physcore.simulation.plan import Plan
+from physcore.simulation.recording import Recording
+from physcore.simulation.simulation import Simulation
+from physcore.simulation.state import Frame, Snapshot
+from physcore.studies.accuracy import simulate
+from physcore.studies.stability import MeasuredLimit, stability_limit
+from physcore.studies.tradeoff import Tradeoff, tradeoff
 
 if TYPE_CHECKING:
     from physcore.film import styles
@@ -103,7 +104,6 @@ __all__ = [
     "Plan",
     "Plane",
     "Recording",
-    "Repulsion",
     "RungeKutta4",
     "Scene",
     "SceneError",
@@ -111,6 +111,7 @@ __all__ = [
     "Simulation",
     "SimulationDiverged",
     "Snapshot",
+    "SoftSpheres",
     "Sphere",
     "SpringNetwork",
     "StabilityWarning",
@@ -135,11 +136,14 @@ __all__ = [
 
 
 def __getattr__(name: str) -> object:
-    """The version and the styles of films, looked up when asked for: they take as long as all other imports."""
+    """The version and the styles of films, which take as long as all other imports, and names of before."""
     if name == "styles":
         from physcore.film import styles
 
         return styles
+    if name == "Repulsion":
+        warn("Repulsion is now SoftSpheres", DeprecationWarning)
+        return SoftSpheres
     if name != "__version__":
         raise AttributeError(f"module 'physcore' has no attribute {name!r}")
     from importlib.metadata import version

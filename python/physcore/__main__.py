@@ -78,10 +78,10 @@ def _list(options: argparse.Namespace) -> int:
 
 
 def _demo(options: argparse.Namespace) -> int:
-    from physcore.audit import audit
     from physcore.film.writers import WRITERS
-    from physcore.formats import writable
     from physcore.gallery import DEMOS, caption, demo
+    from physcore.storage.formats import writable
+    from physcore.studies.audit import audit
 
     name = options.name or DEMOS[0]
     if not _exists(name):
@@ -124,9 +124,9 @@ def _gallery(options: argparse.Namespace) -> int:
 
 
 def _tradeoff(options: argparse.Namespace) -> int:
-    from physcore.files import require_writable
     from physcore.gallery import caption, demo
-    from physcore.tradeoff.drawing import require_plottable
+    from physcore.storage.files import require_writable
+    from physcore.studies.tradeoff.drawing import require_plottable
 
     if not _exists(options.name):
         return 2
@@ -167,7 +167,7 @@ def _exists(name: str) -> bool:
 
 
 def _bench(options: argparse.Namespace) -> int:
-    from physcore.benchmark import main as bench
+    from physcore.studies.benchmark import main as bench
 
     bench()
     return 0

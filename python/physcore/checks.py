@@ -35,7 +35,7 @@ SHORTEST, LONGEST = 1e-100, 1e100
 """The range of lengths [m], times [s] and rates [1/s]: products and quotients of two are neither zero nor infinite."""
 
 MANY = 10**6
-"""So many numbers are worth a look at how much memory there is."""
+"""The number of entries from which the free memory is looked at."""
 
 DEEPEST = 8
 """How deep lists are nested at most."""
@@ -62,7 +62,7 @@ _SHORT = _Short()
 
 
 def shown(value: object) -> str:
-    """What a user passed, as a message quotes it: in one line, and cut where it is long."""
+    """A value as a message quotes it: in one line, and cut where it is long."""
     try:
         text = _SHORT.repr(value)
     except Exception:
@@ -180,7 +180,7 @@ def vector(value: object, path: str, *, finite: bool = True) -> tuple[float, ...
 
 
 def regular(value: object, path: str) -> np.ndarray:
-    """What NumPy makes of a value, as long as that has one shape and nothing is masked."""
+    """The array that NumPy makes of a value, as long as that has one shape and nothing is masked."""
     try:
         depth = _depth(value)
         result = np.asarray(value) if 0 <= depth <= DEEPEST else None
@@ -260,7 +260,7 @@ def frozen(values: np.ndarray) -> np.ndarray:
 
 
 def _real(value: object, path: str) -> float:
-    """What Python makes a float of, but for what only looks like a number: truth values, text and masked entries."""
+    """A value as a float, but for what only looks like a number: truth values, text and masked entries."""
     try:
         if isinstance(value, (bool, np.bool_, str, np.complexfloating, np.timedelta64)) or _masked(value):
             raise TypeError
@@ -276,7 +276,7 @@ def _real(value: object, path: str) -> float:
 
 
 def _nature(value: object) -> str:
-    """What is wrong with a value that is no number, where its type says it."""
+    """The reason why a value is no number, where its type says it."""
     if _masked(value):
         return ", which is masked"
     kind = value.dtype.kind if isinstance(value, (np.ndarray, np.generic)) else ""

@@ -1,13 +1,13 @@
-"""What can go wrong, as exceptions that say where, what was expected and what to do."""
+"""Exceptions that say where, what was expected and what to do, and warnings."""
 
 from __future__ import annotations
 
 import sys
 import warnings
-from typing import TYPE_CHECKING
+from typing import Protocol
 
-if TYPE_CHECKING:
-    from physcore.state import Snapshot
+import numpy as np
+from numpy.typing import NDArray
 
 
 class PhyscoreError(Exception):
@@ -26,6 +26,30 @@ class InternalError(PhyscoreError):
     """physcore broke a promise to itself; please report it with the script that led here."""
 
 
+class State(Protocol):
+    """The state that an error gives; a `Snapshot` is one."""
+
+    @property
+    def time(self) -> float:
+        """[s]"""
+
+    @property
+    def positions(self) -> NDArray[np.float64]:
+        """[m], shape (N, D); within the periodic domain."""
+
+    @property
+    def velocities(self) -> NDArray[np.float64]:
+        """[m/s], shape (N, D)."""
+
+    @property
+    def densities(self) -> NDArray[np.float64]:
+        """[kg/m³], shape (N,), where there is a fluid."""
+
+    @property
+    def pressures(self) -> NDArray[np.float64]:
+        """[Pa], shape (N,), where there is a fluid."""
+
+
 class SimulationDiverged(PhyscoreError, ArithmeticError):
     """The simulation blew up, and stands at the last good state.
 
@@ -36,7 +60,7 @@ class SimulationDiverged(PhyscoreError, ArithmeticError):
         quantity: what went wrong there ("position", "velocity", "energy").
         cause: one sentence on why.
         hint: what to change, with a time step that would hold.
-        last_good: the state before the failed step; finite, not necessarily accurate.
+        last_good: a Snapshot, the state before the failed step; finite, not necessarily accurate.
     """
 
     def __init__(
@@ -49,7 +73,7 @@ class SimulationDiverged(PhyscoreError, ArithmeticError):
         quantity: str,
         cause: str,
         hint: str,
-        last_good: Snapshot | None = None,
+        last_good: State | None = None,
     ) -> None:
         super().__init__(message)
         self.step = step

@@ -104,7 +104,7 @@ def harmonic() -> pc.CustomForce:
 
 ROOM = pc.Box((-1.1,) * 3, (1.1,) * 3, restitution=0.8, friction=0.3)
 PERIODIC = pc.Periodic((0.0, 0.0, -np.inf), (6.0, 6.0, np.inf))
-GRAINS = pc.Repulsion(50.0, 0.2, 0.3, 0.1, exponent=1.5)
+GRAINS = pc.SoftSpheres(50.0, 0.2, 0.3, 0.1, exponent=1.5)
 DOWN = pc.Gravity((0.0, 0.0, -9.81))
 STAR = pc.CentralForce((0.0, 0.0, 0.0), 1.0, softening=0.1)
 

@@ -35,7 +35,7 @@ VALID = {
     },
     **{
         "cameras": "{0.0: film.Window((0, 0), (1, 1))}",
-        "influence": "pc.Gravity((0.0, -9.81))",
+        "item": "pc.Gravity((0.0, -9.81))",
         "items": "pc.Gravity((0.0, 0.0))",
     },
     **{"by_term": "{}", "dissipated_by": "{}", "channels": "{}", "bodies": "0", "part": "(0.0, 1.0)", "budget": "0.01"},
@@ -55,7 +55,7 @@ VALID = {
     **{
         "Floor.height": "-1.0",
         "load.path": "'checkpoint'",
-        "evidence.path": "'film.gif'",
+        "provenance.path": "'film.gif'",
         "Simulation.path": "'out.physcore'",
     },
     **dict.fromkeys(
@@ -104,7 +104,10 @@ LONG = (
 PARTS = ("Energy", "EnergySeries", "Frame", "MeasuredLimit", "Plan", "Recording", "Snapshot", "Tradeoff", "Painter")
 """Results: nobody but physcore makes them, and they take what they are given."""
 
-INTERNAL = ("from_content",)
+DEPRECATED = ("runaway",)
+"""Arguments that warn; `test_deprecated.py` gives them."""
+
+INTERNAL = ("from_content", "packed")
 """Methods that only physcore calls."""
 
 
@@ -174,12 +177,16 @@ def _entrance(thing: Any, source: str, name: str, owner: str, *, keys: bool = Fa
     for parameter in inspect.signature(thing).parameters.values():
         match parameter.kind:
             case parameter.VAR_KEYWORD:
-                numerics = tuple(option for option in inspect.signature(pc.Simulation).parameters if option != "scene")
+                numerics = tuple(
+                    option
+                    for option in inspect.signature(pc.Simulation).parameters
+                    if option not in ("scene", *DEPRECATED)
+                )
                 parameters |= dict.fromkeys(numerics)
             case parameter.VAR_POSITIONAL:
                 rest = parameter.name
                 parameters[rest] = VALID[rest]
-            case _ if parameter.name != "self":
+            case _ if parameter.name not in ("self", *DEPRECATED):
                 needed = parameter.default is parameter.empty
                 valid = VALID.get(f"{owner}.{parameter.name}", VALID.get(parameter.name, "1.0"))
                 parameters[parameter.name] = valid if needed else None
@@ -191,7 +198,14 @@ def prepare() -> None:
 
     What is imported late is imported here: a call that is stopped in the middle of an import leaves half a module.
     """
-    for name in ("matplotlib.pyplot", "matplotlib.colors", "h5py", "imageio_ffmpeg", "PIL.Image", "physcore.tradeoff"):
+    for name in (
+        "matplotlib.pyplot",
+        "matplotlib.colors",
+        "h5py",
+        "imageio_ffmpeg",
+        "PIL.Image",
+        "physcore.studies.tradeoff",
+    ):
         with suppress(ImportError):
             import_module(name)
     particles = pc.Particles([[0.0, 0.5], [0.4, 0.5]], velocities=[0.1, 0.0], radius=0.01, name="balls")

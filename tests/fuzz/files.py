@@ -14,7 +14,7 @@ from oracle import Target, attempt, require_finite
 from values import NAMES, evaluate
 
 import physcore as pc
-from physcore import storage
+from physcore.storage import archive
 
 BASES = ("checkpoint", "recording", "adaptive", "wet")
 LEAF = [
@@ -91,7 +91,7 @@ def prepare() -> None:
 
 @cache
 def _content(name: str) -> tuple[str, Any, bytes]:
-    return *storage.read(name), Path(name).read_bytes()
+    return *archive.read(name), Path(name).read_bytes()
 
 
 def _places(tree: Any, place: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
@@ -116,7 +116,7 @@ def check(example: tuple[str, list[tuple[str, int, int]], tuple[str, int, int] |
         Path("damaged").write_bytes(data)
         script = f"{what} of {base}: {first % len(_content(base)[2])}, {second % 8}"
     else:
-        tree, script = copy.deepcopy(tree), f"kind, tree = storage.read({base!r})"
+        tree, script = copy.deepcopy(tree), f"kind, tree = archive.read({base!r})"
         for change, where, other in changes:
             places = _places(tree)
             place, second_place = places[where % len(places)], places[other % len(places)]
@@ -128,7 +128,7 @@ def check(example: tuple[str, list[tuple[str, int, int]], tuple[str, int, int] |
                 script += f" with tree{_written(second_place)}"
             try:
                 _change(tree, change, place, second_place)
-                storage.write("damaged", kind, tree)
+                archive.write("damaged", kind, tree)
             except Exception:
                 return 0
     thing = attempt(lambda: _loaded(Path("damaged")), f"{script}; pc.load")

@@ -35,7 +35,7 @@ def scenes(draw: st.DrawFn) -> str:
     """A scene as a text."""
     dimension = draw(st.sampled_from([2, 2, 3]))
     items = [draw(_body(dimension)) for _ in range(draw(st.sampled_from([1, 1, 2])))]
-    items += [draw(_influence(dimension)) for _ in range(draw(st.integers(0, 3)))]
+    items += [draw(_acting(dimension)) for _ in range(draw(st.integers(0, 3)))]
     if draw(st.integers(0, 5)) == 5:
         side = draw(SIZE)
         items.append(f"pc.Periodic([-2 * {side}] * {dimension}, [2 * {side}] * {dimension})")
@@ -77,7 +77,7 @@ def _body(draw: st.DrawFn, dimension: int) -> str:
 
 
 @st.composite
-def _influence(draw: st.DrawFn, dimension: int) -> str:
+def _acting(draw: st.DrawFn, dimension: int) -> str:
     zero, number = f"[0.0] * {dimension}", lambda: draw(NUMBER)
     makers: list[Callable[[], str]] = [
         lambda: f"pc.Gravity({GRAVITY[dimension]})",
@@ -86,7 +86,7 @@ def _influence(draw: st.DrawFn, dimension: int) -> str:
         lambda: f"pc.Drag({number()}, wind=[{number()}] * {dimension})",
         lambda: f"pc.CentralForce([0.3] * {dimension}, {number()}, {draw(st.integers(-3, 2))}, softening={number()})",
         lambda: f"pc.LennardJones({number()}, {number()})",
-        lambda: f"pc.Repulsion({number()}, {number()}, {draw(st.sampled_from(['0.0', '0.5']))})",
+        lambda: f"pc.SoftSpheres({number()}, {number()}, {draw(st.sampled_from(['0.0', '0.5']))})",
         lambda: f"pc.Floor(-{number()}, restitution={draw(st.sampled_from(['0.0', '0.5', '1.0']))})",
         lambda: f"pc.Box([-{number()}] * {dimension}, [9e9] * {dimension})",
         lambda: f"pc.Sphere({zero}, 1e9, inside=True)",

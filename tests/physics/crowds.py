@@ -13,11 +13,11 @@ import physcore as pc
 from physics.laboratory import Array
 
 LAWS: dict[str, pc.Force] = {
-    "linear": pc.Repulsion(100.0),
-    "Hertz": pc.Repulsion(100.0, exponent=1.5),
-    "damped": pc.Repulsion(100.0, 2.0),
-    "rubbing": pc.Repulsion(100.0, 2.0, 0.4, 1.0),
-    "rubbing Hertz": pc.Repulsion(100.0, 2.0, 0.4, 1.0, exponent=1.5),
+    "linear": pc.SoftSpheres(100.0),
+    "Hertz": pc.SoftSpheres(100.0, exponent=1.5),
+    "damped": pc.SoftSpheres(100.0, 2.0),
+    "rubbing": pc.SoftSpheres(100.0, 2.0, 0.4, 1.0),
+    "rubbing Hertz": pc.SoftSpheres(100.0, 2.0, 0.4, 1.0, exponent=1.5),
     "atoms": pc.LennardJones(1.0, 0.9),
 }
 CONSERVATIVE = ("linear", "Hertz", "atoms")
@@ -119,7 +119,7 @@ def central(law: pc.Force, reach: Array) -> tuple[Callable[[Array], Array], Call
             return 24.0 * e * (2.0 * (s / r) ** 12 - (s / r) ** 6) / r
 
         return lambda r: f(r) - f(c), lambda r: u(r) - u(c) + (r - c) * f(c)
-    assert isinstance(law, pc.Repulsion)
+    assert isinstance(law, pc.SoftSpheres)
     k, p = law.stiffness, law.exponent
 
     def overlap(r: Array) -> Array:
@@ -134,7 +134,7 @@ def pair_forces(crowd: Crowd, near: Pairs) -> Array:
     elastic = central(law, near.reach)[0](near.distance)
     if isinstance(law, pc.LennardJones):
         return elastic[:, None] * near.normal
-    assert isinstance(law, pc.Repulsion)
+    assert isinstance(law, pc.SoftSpheres)
     parting = np.einsum("pd,pd->p", near.velocity, near.normal)
     push = np.maximum(elastic - law.damping * parting, 0.0)
     sliding = near.velocity - parting[:, None] * near.normal
@@ -171,7 +171,7 @@ def rounding(crowd: Crowd, epsilon: float) -> Array:
     h = 1e-6
     size = np.linalg.norm(pair_forces(crowd, near), axis=1)
     change = np.abs(force(near.distance + h) - force(near.distance - h)) / (2.0 * h) + size / near.distance
-    if isinstance(crowd.law, pc.Repulsion):
+    if isinstance(crowd.law, pc.SoftSpheres):
         loss = crowd.law.damping + (crowd.law.tangential_damping or 0.0)
         change += loss * np.linalg.norm(near.velocity, axis=1) / near.distance
     counts, total = np.zeros(len(crowd.positions)), np.zeros(len(crowd.positions))

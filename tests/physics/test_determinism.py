@@ -58,7 +58,7 @@ def scenes(large: bool) -> dict[str, pc.Scene]:
         "network": pc.Scene(shuffled, down),
         "grains": pc.Scene(
             pc.Particles(sites, motion, radius=sizes, mass=sizes**3),
-            pc.Repulsion(50.0, 0.2, 0.3, 0.1, exponent=1.5),
+            pc.SoftSpheres(50.0, 0.2, 0.3, 0.1, exponent=1.5),
             down,
             domain,
             pc.Floor(-1.0),
@@ -126,7 +126,7 @@ def small() -> dict[str, pc.Scene]:
         "network": pc.Scene(net.body(), pc.Gravity((0.0, -1.0)), pc.Drag(0.1), pc.Floor(-2.0, restitution=0.5)),
         "orbit": pc.Scene(orbit, pc.CentralForce((0.0, 0.0), 1.0, softening=0.1)),
         "folded": pc.Scene(orbit, pc.CentralForce((0.0, 0.0), 1.0, exponent=1.0), pc.Drag(0.1)),
-        "grains": pc.Scene(pc.Particles(sites, motion, radius=0.45), pc.Repulsion(100.0, 0.2, 0.3), domain),
+        "grains": pc.Scene(pc.Particles(sites, motion, radius=0.45), pc.SoftSpheres(100.0, 0.2, 0.3), domain),
         "atoms": pc.Scene(pc.Particles(sites, motion), pc.LennardJones(1.0, 0.9), domain),
     }
 

@@ -283,7 +283,7 @@ def test_a_rope_that_whips_above_the_limit_fails_at_one_step(seed):
 )
 def test_random_networks_fail_at_one_step_however_it_is_reached(seed, factor, integrator, precision, rule, pieces):
     scene = pc.Scene(network(seed, 2, 7, damping=0.1, motion=1.0).body(fixed=[0]), pc.Gravity((0.0, -1.0)))
-    numerics = {"precision": precision, "on_divergence": rule, "runaway": 10.0}
+    numerics = {"precision": precision, "on_divergence": rule, "max_energy_growth": 10.0}
     dt = factor * edge(scene, integrator)
     with unwarned():
         whole, parts = (simulation(scene, integrator, dt, **numerics) for _ in range(2))

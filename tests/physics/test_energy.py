@@ -238,7 +238,7 @@ FIELDS = {
     ],
     pc.CustomForce: lambda d: [pc.CustomForce(lambda t, x, v: -4.0 * x**3, potential=lambda x: float((x**4).sum()))],
     # The grains overlap by 0.15 m or more, or not at all; the atoms have a cutoff between them, and one beyond all.
-    pc.Repulsion: lambda d: [pc.Repulsion(10.0, exponent=exponent) for exponent in (1.0, 1.5)],
+    pc.SoftSpheres: lambda d: [pc.SoftSpheres(10.0, exponent=exponent) for exponent in (1.0, 1.5)],
     pc.LennardJones: lambda d: [pc.LennardJones(1.0, 0.6, cutoff) for cutoff in (None, 2.4)],
     pc.Drag: lambda d: [],
 }

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import physcore as pc
-from physcore.stability import RUNAWAY, STEPS
+from physcore.studies.stability import MAX_ENERGY_GROWTH, STEPS
 from physics.laboratory import ALL, LONG, amplification, largest_step, line, name, network
 
 STABLE = [integrator for integrator in ALL if not isinstance(integrator, pc.ExplicitEuler)]
@@ -19,7 +19,7 @@ runs may step over it."""
 WELL = pc.Scene(pc.Particles([[1.0, 0.0]]), pc.CentralForce((0.0, 0.0), 1.0, exponent=1.0))
 
 
-def runaway(integrator: pc.Integrator, gain: float) -> float:
+def growing_step(integrator: pc.Integrator, gain: float) -> float:
     """The ω dt from which an oscillation's energy grows by `gain` (ω dt)² in the steps of a trial, as a multiple of the
     limit of theory: (ω dt)² times that of the motion is the energy of the first kick, against which a trial judges.
 
@@ -39,7 +39,7 @@ def test_a_lone_oscillator_has_the_limit_of_theory(integrator):
     assert found.theory == pc.stability_limit(WELL, integrator)
     assert found.margin >= -2e-3
     if name(integrator) not in RESONANT:
-        assert found.measured == pytest.approx(found.theory * runaway(integrator, RUNAWAY), rel=2e-3)
+        assert found.measured == pytest.approx(found.theory * growing_step(integrator, MAX_ENERGY_GROWTH), rel=2e-3)
     assert f"{found.theory:.4g} s" in str(found)
 
 
@@ -53,7 +53,7 @@ def test_a_chain_has_the_limit_of_its_highest_mode(integrator):
     highest = 20.0 * math.cos(0.5 * math.pi / count)
     ratio = found.measured * highest / pc.stability_limit(WELL, integrator)
     assert ratio >= 1.0 - 3e-3
-    assert name(integrator) in RESONANT or ratio <= runaway(integrator, 1000.0 * RUNAWAY) * (1.0 + 3e-3)
+    assert name(integrator) in RESONANT or ratio <= growing_step(integrator, 1000.0 * MAX_ENERGY_GROWTH) * (1.0 + 3e-3)
 
 
 @pytest.mark.parametrize("seed", range(50 if LONG else 5))

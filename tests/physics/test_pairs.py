@@ -192,7 +192,7 @@ def test_a_force_that_names_bodies_acts_on_them_and_between_them(law):
 def test_fixed_grains_push_and_are_not_pushed():
     """The fixed one is left out of the momentum; the energy of the pair goes to the other."""
     body = pc.Particles([[0.0, 0.0], [0.9, 0.0]], mass=2.0, radius=0.5, fixed=[0])
-    run = simulation(pc.Scene(body, pc.Repulsion(100.0)), pc.VelocityVerlet(), 1e-4)
+    run = simulation(pc.Scene(body, pc.SoftSpheres(100.0)), pc.VelocityVerlet(), 1e-4)
     run.step(5000)
     assert run.positions[0].tolist() == [0.0, 0.0]
     # ½ k δ² = ½ m v²; Verlet keeps the energy of a linear contact to (ω dt)²/4 = 1e-7, and loses dt²-terms at its end.
@@ -221,7 +221,7 @@ def trimer() -> pc.Scene:
 def pressed(damping: float) -> pc.Scene:
     """Three grains that a well presses into each other all the time."""
     body = pc.Particles([[-0.5, 0.0], [0.5, 0.1], [0.0, 0.7]], [[0.5, 0.0], [0.0, -0.5], [0.1, 0.2]], radius=1.0)
-    return pc.Scene(body, pc.Repulsion(40.0, damping), pc.CentralForce((0.0, 0.2), 80.0, exponent=1.0))
+    return pc.Scene(body, pc.SoftSpheres(40.0, damping), pc.CentralForce((0.0, 0.2), 80.0, exponent=1.0))
 
 
 SMOOTH = {"trimer": trimer(), "pressed": pressed(0.0), "pressed and damped": pressed(1.0)}
@@ -286,7 +286,7 @@ def test_the_energy_of_a_liquid_swings_with_the_square_of_the_step_and_does_not_
     assert swings[0] / swings[1] == pytest.approx(4.0, rel=0.3)
 
 
-def collide(law: pc.Repulsion, speed: float, dt: float, steps: int) -> pc.Simulation:
+def collide(law: pc.SoftSpheres, speed: float, dt: float, steps: int) -> pc.Simulation:
     """Two grains of 1 and 3 kg that touch head on at the start."""
     body = pc.Particles([[0.0, 0.0], [1.0, 0.0]], [[speed, 0.0], [0.0, 0.0]], mass=[1.0, 3.0], radius=0.5)
     run = simulation(pc.Scene(body, law), pc.VelocityVerlet(), dt)
@@ -310,7 +310,7 @@ def test_a_damped_contact_has_the_restitution_of_schwager_and_poschel(damping):
     beta = damping / (2.0 * REDUCED)
     omega = np.sqrt(stiffness / REDUCED - beta**2)
     expected = np.exp(-beta / omega * (np.pi - np.arctan2(2.0 * beta * omega, omega**2 - beta**2)))
-    run = collide(pc.Repulsion(stiffness, damping), 2.0, dt, 6000)
+    run = collide(pc.SoftSpheres(stiffness, damping), 2.0, dt, 6000)
     parting = np.diff(run.velocities[:, 0])[0] / 2.0
     assert parting == pytest.approx(expected, abs=4.0 * damping / REDUCED * dt + (omega * dt) ** 2)
     # The power that is metered is that of the same force: what is lost of ½ m v² is what was dissipated.
@@ -322,7 +322,7 @@ def test_a_hertzian_contact_yields_as_far_as_hertz_says():
     """2/5 k δ^(5/2) = ½ m v². At its deepest the overlap is flat: samples miss it by (ω dt)²/8 ~ 1e-6."""
     stiffness, speed, dt = 100.0, 2.0, 1e-4
     deepest = (1.25 * REDUCED * speed**2 / stiffness) ** 0.4
-    run = collide(pc.Repulsion(stiffness, exponent=1.5), speed, dt, 0)
+    run = collide(pc.SoftSpheres(stiffness, exponent=1.5), speed, dt, 0)
     overlaps = []
     for _ in range(6000):
         run.step(1)
@@ -365,7 +365,7 @@ def test_grains_at_rest_are_stepped_so_that_they_can_meet(height):
         pc.Particles([[0.0, 0.0]], radius=0.1, fixed=True),
         pc.Particles([[0.0, height]], mass=0.1, radius=0.1),
     )
-    scene = pc.Scene(anvil, ball, pc.Repulsion(1e6, exponent=1.5), pc.Gravity((0.0, -9.81)))
+    scene = pc.Scene(anvil, ball, pc.SoftSpheres(1e6, exponent=1.5), pc.Gravity((0.0, -9.81)))
     run = pc.Simulation(scene)
     run.run(1.05 * np.sqrt(2.0 * height / 9.81))
     assert run[ball].velocities[0, 1] > 0.0
@@ -377,7 +377,7 @@ def test_single_precision_is_refused_where_distances_have_no_square_in_it():
 
     def grains(size: float, precision: str) -> pc.Simulation:
         pair = pc.Particles([[0.0, 0.0], [1.9 * size, 0.0]], radius=size)
-        return pc.Simulation(pc.Scene(pair, pc.Repulsion(1.0)), dt=1e-3, precision=precision)
+        return pc.Simulation(pc.Scene(pair, pc.SoftSpheres(1.0)), dt=1e-3, precision=precision)
 
     with pytest.raises(pc.SceneError, match="precision: expected f64, got f32 for forces that reach"):
         grains(1e-28, "f32")
@@ -425,7 +425,7 @@ def test_no_mode_of_a_heap_is_faster_than_the_limit_says(dimension, seed, record
     positions += rng.uniform(-0.1, 0.1, positions.shape)
     radii = rng.uniform(0.45, 0.6, len(positions))
     masses = radii**dimension
-    scene = pc.Scene(pc.Particles(positions, mass=masses, radius=radii), pc.Repulsion(100.0))
+    scene = pc.Scene(pc.Particles(positions, mass=masses, radius=radii), pc.SoftSpheres(100.0))
     allowed = 4.0 / pc.stability_limit(scene, pc.VelocityVerlet()) ** 2
     found = fastest(positions, radii, masses, 100.0)
     record_property("ω² beside the bound", f"{found / allowed:.2f}")
@@ -438,7 +438,7 @@ def test_the_limit_of_a_triangular_lattice_is_that_of_theory():
     corners = np.stack(np.meshgrid(np.arange(6), np.arange(3), indexing="ij"), axis=-1).reshape(-1, 1, 2)
     positions = (corners * [1.0, np.sqrt(3.0)] + cell).reshape(-1, 2) + 0.25
     lattice = pc.Particles(positions, mass=2.0, radius=0.5 + 1e-9)
-    scene = pc.Scene(lattice, pc.Repulsion(100.0), pc.Periodic((0.0, 0.0), (6.0, 3.0 * np.sqrt(3.0))))
+    scene = pc.Scene(lattice, pc.SoftSpheres(100.0), pc.Periodic((0.0, 0.0), (6.0, 3.0 * np.sqrt(3.0))))
     assert pc.stability_limit(scene, pc.VelocityVerlet()) == pytest.approx(2.0 / np.sqrt(6.0 * 100.0 / 2.0), rel=1e-6)
 
 
@@ -455,7 +455,7 @@ def test_the_limit_of_flying_grains_is_that_of_their_hardest_impact(dimension, a
     grains = pc.Particles(np.arange(3.0)[:, None] * np.eye(dimension)[-1], flying, mass=masses, radius=0.2)
     overlap = (2.5 * 0.1 * 2.0**2 / 1e4) ** 0.4
     stiffness = 2.0 * aligned * 1.5 * 1e4 * np.sqrt(overlap)
-    limit = pc.stability_limit(pc.Scene(grains, pc.Repulsion(1e4, exponent=1.5)), pc.VelocityVerlet())
+    limit = pc.stability_limit(pc.Scene(grains, pc.SoftSpheres(1e4, exponent=1.5)), pc.VelocityVerlet())
     assert limit == pytest.approx(2.0 / np.sqrt(stiffness / 0.05), rel=1e-12)
 
 

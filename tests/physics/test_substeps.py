@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import physcore as pc
-from physcore.audit import audit
+from physcore.studies.audit import audit
 
 DT = 0.02
 
@@ -29,7 +29,7 @@ def run(scene: pc.Scene, **numerics) -> pc.Simulation:
 def test_a_collision_that_is_too_fast_for_the_step_is_taken_in_parts():
     """The same step without it throws the atoms apart with many times their energy."""
     with pytest.raises(pc.SimulationDiverged):
-        run(meeting(), on_divergence="raise", runaway=1.0).step(100)
+        run(meeting(), on_divergence="raise", max_energy_growth=1.0).step(100)
     simulation = run(meeting())
     energy = simulation.energy().total
     with pytest.warns(pc.StabilityWarning, match="a step failed .* and is taken again in parts"):

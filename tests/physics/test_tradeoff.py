@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 import physcore as pc
-from physcore.tradeoff import reference
-from physcore.tradeoff.budget import Budget
-from physcore.tradeoff.chaos import Chaos, twin
-from physcore.tradeoff.experiment import Choice, Experiment
-from physcore.tradeoff.restarts import bias
+from physcore.studies.tradeoff import reference
+from physcore.studies.tradeoff.budget import Budget
+from physcore.studies.tradeoff.chaos import Chaos, twin
+from physcore.studies.tradeoff.experiment import Choice, Experiment
+from physcore.studies.tradeoff.restarts import bias
 from physics.laboratory import ALL, LONG, name, network
 
 Case = tuple[pc.Scene, float]
@@ -63,7 +63,7 @@ def grains(seed: int, count: int, dimension: int) -> Case:
     places = pc.block((0.0,) * dimension, (float(count),) * dimension, 1.0)
     velocities = np.random.default_rng(seed).normal(size=places.shape)
     domain = pc.Periodic((0.0,) * dimension, (float(count),) * dimension)
-    return pc.Scene(pc.Particles(places, velocities, radius=0.45), pc.Repulsion(stiffness=200.0), domain), 20.0
+    return pc.Scene(pc.Particles(places, velocities, radius=0.45), pc.SoftSpheres(stiffness=200.0), domain), 20.0
 
 
 def billiard(angle: float, *obstacles: pc.Boundary) -> Case:

@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 import physcore as pc
-from physcore.stability import nudged
-from physcore.tradeoff.chaos import FAR, LOST, NUDGE, Chaos, judge
-from physcore.tradeoff.restarts import Windows
+from physcore.studies.stability import nudged
+from physcore.studies.tradeoff.chaos import FAR, LOST, NUDGE, Chaos, judge
+from physcore.studies.tradeoff.restarts import Windows
 from physics.laboratory import EPSILON, Array
 from validation.converged import Springs, trajectory
 

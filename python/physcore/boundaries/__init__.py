@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from physcore.boundaries.base import Boundary
 from physcore.boundaries.box import Box
 from physcore.boundaries.plane import Floor, Plane
 from physcore.boundaries.sphere import Sphere
+from physcore.scene.items import Boundary
 
 BOUNDARIES: tuple[type[Boundary], ...] = (
     Floor,

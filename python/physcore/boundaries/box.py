@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from physcore.boundaries.base import Boundary
 from physcore.checks import Vector, vector
 from physcore.errors import SceneError
+from physcore.scene.items import Boundary
 
 
 @dataclass(frozen=True)

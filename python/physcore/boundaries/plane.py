@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from physcore.boundaries.base import Boundary
 from physcore.checks import Vector, number, vector
 from physcore.errors import SceneError
+from physcore.scene.items import Boundary
 
 
 @dataclass(frozen=True)

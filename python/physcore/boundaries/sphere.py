@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from physcore.boundaries.base import Boundary
 from physcore.checks import Vector, flag, number, vector
+from physcore.scene.items import Boundary
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,7 @@
 """Films: what a recording or a running simulation looks like, as a GIF, WebP, APNG or MP4, or a still picture.
 
 `film` is the recipe; a style says how bodies look (`styles`), a camera from where they are seen (`camera`), a theme in
-which colors (`themes`), a writer in which format (`writers`). To add a style or a format: one file in `styles/` or
+which colors (`colors`), a writer in which format (`writers`). To add a style or a format: one file in `styles/` or
 `writers/` and one line there.
 """
 
@@ -10,14 +10,17 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING
 
+from physcore.errors import warn
 from physcore.film.filming import film, gif_bytes
+from physcore.film.notebook import html
+from physcore.simulation.recording import show_with
 
 if TYPE_CHECKING:
     from physcore.film import styles
-    from physcore.film.camera import Orbit, Window
-    from physcore.film.moving import Follow, Keyframes
-    from physcore.film.proof import evidence
-    from physcore.film.themes import DARK, LIGHT, Theme
+    from physcore.film.camera.track import Follow, Keyframes
+    from physcore.film.camera.view import Orbit, Window
+    from physcore.film.colors.themes import DARK, LIGHT, Theme
+    from physcore.film.metadata import provenance
 
 __all__ = [
     "DARK",
@@ -27,26 +30,32 @@ __all__ = [
     "Orbit",
     "Theme",
     "Window",
-    "evidence",
     "film",
     "gif_bytes",
+    "provenance",
     "styles",
 ]
 
-_HOMES = {
-    "DARK": "themes",
-    "LIGHT": "themes",
-    "Follow": "moving",
-    "Keyframes": "moving",
-    "Orbit": "camera",
-    "Theme": "themes",
-    "Window": "camera",
-    "evidence": "proof",
+_MODULES = {
+    "DARK": "colors.themes",
+    "LIGHT": "colors.themes",
+    "Follow": "camera.track",
+    "Keyframes": "camera.track",
+    "Orbit": "camera.view",
+    "Theme": "colors.themes",
+    "Window": "camera.view",
+    "provenance": "metadata",
 }
-"""Where names live that are looked up when they are asked for: not every script draws."""
+"""The modules of names that are looked up when they are asked for: not every script draws."""
+
+
+show_with(html)
 
 
 def __getattr__(name: str) -> object:
-    if name not in _HOMES:
+    if name == "evidence":
+        warn("physcore.film.evidence is now physcore.film.provenance", DeprecationWarning)
+        name = "provenance"
+    if name not in _MODULES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return getattr(import_module(f"{__name__}.{_HOMES[name]}"), name)
+    return getattr(import_module(f"{__name__}.{_MODULES[name]}"), name)

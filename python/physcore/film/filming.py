@@ -11,18 +11,18 @@ from typing import TYPE_CHECKING, Unpack
 from physcore.checks import count as whole_number
 from physcore.checks import flag, text, word
 from physcore.errors import FileError, SceneError
-from physcore.numerics import Options
+from physcore.numerics.choices import Options
 
 # Drawing is imported where it is used: it takes as long as the rest of physcore.
 if TYPE_CHECKING:
-    from physcore.film.foot import Label
-    from physcore.film.inset import Inset
-    from physcore.film.moving import Camera, Follow
+    from physcore.film.camera.track import Camera, Follow
+    from physcore.film.colors.themes import Color, Theme, ThemeName
+    from physcore.film.labels.diagram import Inset
+    from physcore.film.labels.footer import Label
     from physcore.film.styles import Style
-    from physcore.film.themes import Color, Theme, ThemeName
     from physcore.film.writers import Film, Quality, Writer
-    from physcore.recording import Recording
-    from physcore.scene import Scene
+    from physcore.scene.scene import Scene
+    from physcore.simulation.recording import Recording
 
 
 def film(
@@ -55,8 +55,8 @@ def film(
     of the free disk, unless simulating again, which gives the same bits, takes less time than writing and reading. One
     pass is enough where nothing depends on the whole film: with a Window, or Orbits with target and extent, styles
     whose ends of the color scale are given (`top`, `range`), no inset and no label "dt". The file appears under its
-    name when it is whole; until then, and on any failure, what was there stays. It carries the evidence of how it came
-    about, which `physcore.film.evidence` reads: a hash of the scene, the numerics, the steps taken, the drift of the
+    name when it is whole; until then, and on any failure, what was there stays. It carries its provenance,
+    which `physcore.film.provenance` reads: a hash of the scene, the numerics, the steps taken, the drift of the
     energy and the hash of the last state.
 
     All formats keep real time and show every frame. A .gif, of 255 colors and at most 50 frames per second, is shown
@@ -88,8 +88,8 @@ def film(
         max_bytes: how large a GIF may become. Where it would be larger, it is made again, and first the picture becomes
             smaller, down to half as wide; then every second frame is left out, as long as ten a second are left; then
             half of the colors, down to 32; and at last the picture shrinks to a quarter.
-        sidecar: whether to write the evidence into a file beside the film too, such as film.gif.json; there it has the
-            number of threads as well, which the film itself does not depend on.
+        sidecar: whether to write the provenance into a file beside the film too, such as film.gif.json; there it has
+            the number of threads as well, which the film itself does not depend on.
         progress: whether to show a progress bar; None: on a terminal, when it takes longer than a second.
         numerics: for a scene: integrator, dt, precision, threads, … as in Simulation.
 
@@ -102,12 +102,12 @@ def film(
         PhyscoreError: what the format needs is not installed.
         SimulationDiverged: the scene blew up while it was filmed.
     """
-    from physcore.files import require_writable
-    from physcore.film.panels import Stage
-    from physcore.film.proof import proof, sidecar_of, write_sidecar
-    from physcore.film.sources import sources
-    from physcore.film.writers import WRITERS, Reel
-    from physcore.formats import writable
+    from physcore.film.metadata import metadata, sidecar_of, write_sidecar
+    from physcore.film.renderer import Renderer
+    from physcore.film.writers import WRITERS, FilmJob
+    from physcore.simulation.sources import sources
+    from physcore.storage.files import require_writable
+    from physcore.storage.formats import writable
 
     writer, target = writable(path, WRITERS), Path(path)
     if flag(sidecar, "sidecar"):
@@ -118,10 +118,12 @@ def film(
     with_bar = flag(color_bar, "color_bar")
     _check_bytes(quality, max_bytes, writer)
     colors, heads = _colors(theme, background), _titles(title, titles)
-    stage = Stage(found, size, style, camera, colors, heads, shown, labels=labels, color_bar=with_bar, inset=inset)
+    renderer = Renderer(
+        found, size, style, camera, colors, heads, shown, labels=labels, color_bar=with_bar, inset=inset
+    )
     try:
-        with stage:
-            written = writer.write(Reel(stage, rate, quality, max_bytes, lambda: proof(found), shown), target)
+        with renderer:
+            written = writer.write(FilmJob(renderer, rate, quality, max_bytes, lambda: metadata(found), shown), target)
     except FileError:
         raise
     except OSError as error:
@@ -140,16 +142,16 @@ def gif_bytes(
     speed: float = 1.0,
 ) -> bytes:
     """The bytes of the GIF that `film` would write, for a notebook or a server; the arguments are those of `film`."""
-    from physcore.film.panels import Stage
-    from physcore.film.proof import proof
-    from physcore.film.sources import sources
-    from physcore.film.themes import resolve
-    from physcore.film.writers import GifWriter, Reel
+    from physcore.film.colors.themes import resolve
+    from physcore.film.metadata import metadata
+    from physcore.film.renderer import Renderer
+    from physcore.film.writers import FilmJob, GifWriter
+    from physcore.simulation.sources import sources
 
     found = sources(recording, None, None, {})
     rate = GifWriter.rate(found[0].fps, speed)
-    with Stage(found, size, style, None, resolve(theme), None, False) as stage:
-        return GifWriter.content(Reel(stage, rate, "fast", None, lambda: proof(found), False))
+    with Renderer(found, size, style, None, resolve(theme), None, False) as renderer:
+        return GifWriter.content(FilmJob(renderer, rate, "fast", None, lambda: metadata(found), False))
 
 
 def _titles(title: str | None, titles: Sequence[str] | None) -> Sequence[str] | None:
@@ -177,7 +179,7 @@ def _check_bytes(quality: object, max_bytes: object, writer: Writer) -> None:
 
 
 def _colors(theme: Theme | ThemeName, background: Color | str | None) -> Theme:
-    from physcore.film.themes import color, legible, resolve
+    from physcore.film.colors.themes import color, legible, resolve
 
     chosen = resolve(theme)
     return chosen if background is None else legible(replace(chosen, background=color(background, "background")))

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from physcore.checks import count as whole_number
 from physcore.checks import items, shown, text
 from physcore.errors import SceneError
-from physcore.film.lettering import text_height
+from physcore.film.labels.text import text_height
 
 MARGIN = 0.03
 """Free space around the motion, as a fraction of a panel's shorter side."""
@@ -31,9 +31,9 @@ class Layout:
 
     size: tuple[int, int]
     panels: int
-    head: bool
+    header: bool
     """Whether there are titles."""
-    foot: int
+    footer: int
     """Height of the lines below the panels [pixels]."""
 
     @property
@@ -49,7 +49,7 @@ class Layout:
     def area(self, index: int) -> tuple[int, int, int, int]:
         """The part of a panel that is free of text."""
         left, _, right, bottom = self.panel(index)
-        return left, round(1.5 * self.text) if self.head else 0, right, bottom - self.foot
+        return left, round(1.5 * self.text) if self.header else 0, right, bottom - self.footer
 
     def pixels(self, index: int) -> float:
         """The size of a panel."""

@@ -9,10 +9,10 @@ import numpy as np
 
 from physcore._core import Canvas
 from physcore.checks import FloatArray
-from physcore.film.camera import PixelArray, View
-from physcore.film.themes import Color, Theme
-from physcore.periodic import Periodic
-from physcore.scene import Scene
+from physcore.film.camera.view import PixelArray, View
+from physcore.film.colors.themes import Color, Theme
+from physcore.scene.periodic import Periodic
+from physcore.scene.scene import Scene
 
 SHADING = 0.62
 GRID = 10
@@ -21,11 +21,11 @@ SEGMENTS = 48
 
 
 @dataclass(frozen=True, eq=False)
-class Setting:
-    """Where the scenery is that has no end or no place of its own."""
+class Scenery:
+    """The place of scenery that has no end or no place of its own."""
 
     domain: Periodic | None
-    """What a frame is drawn around."""
+    """The periodic domain, drawn as a frame."""
     middle: FloatArray
     """The middle of the ground in 3D, the middle of the view in 2D [m], shape (D,)."""
     size: float
@@ -62,23 +62,23 @@ def grounds(scene: Scene, lower: FloatArray, upper: FloatArray) -> FloatArray:
     return np.concatenate(points)
 
 
-def draw_behind(canvas: Canvas, scene: Scene, view: View, theme: Theme, setting: Setting) -> None:
+def draw_behind(canvas: Canvas, scene: Scene, view: View, theme: Theme, scenery: Scenery) -> None:
     """Draw at once what is behind everything that moves."""
     for kind, boundary in _described(scene):
         if kind == "Plane":
-            (_half_plane if view.flat else _ground)(canvas, boundary, view, theme, setting)
+            (_half_plane if view.flat else _ground)(canvas, boundary, view, theme, scenery)
         elif kind == "Box":
             _box(canvas, boundary, view, theme, front=False)
         elif kind == "Sphere" and (view.flat or boundary["inside"]):
             (_circle if view.flat else _bowl)(canvas, boundary, view, theme)
-    _domain(canvas, view, theme, setting, front=False)
+    _domain(canvas, view, theme, scenery, front=False)
     if view.flat:
         for center in _centers(scene):
             _disc(canvas, view, center, 0.0, theme.edge, extra=3.0)
     canvas.paint()
 
 
-def draw_among(canvas: Canvas, scene: Scene, view: View, theme: Theme, setting: Setting) -> None:
+def draw_among(canvas: Canvas, scene: Scene, view: View, theme: Theme, scenery: Scenery) -> None:
     """Add to the painting what hides things that move, and is hidden by them."""
     for kind, boundary in _described(scene):
         if kind == "Sphere" and not view.flat and not boundary["inside"]:
@@ -86,7 +86,7 @@ def draw_among(canvas: Canvas, scene: Scene, view: View, theme: Theme, setting: 
         elif kind == "Box" and not view.flat:
             _box(canvas, boundary, view, theme, front=True)
     if not view.flat:
-        _domain(canvas, view, theme, setting, front=True)
+        _domain(canvas, view, theme, scenery, front=True)
         for center in _centers(scene):
             _disc(canvas, view, center, 0.0, theme.edge, extra=3.0, shading=SHADING)
 
@@ -114,21 +114,21 @@ def _corners(lower: FloatArray, upper: FloatArray) -> FloatArray:
     return np.where(upper_in, upper, lower)
 
 
-def _half_plane(canvas: Canvas, plane: dict[str, FloatArray], view: View, theme: Theme, setting: Setting) -> None:
+def _half_plane(canvas: Canvas, plane: dict[str, FloatArray], view: View, theme: Theme, scenery: Scenery) -> None:
     """Solid ground on the side that the normal points away from."""
     normal = plane["normal"]
     along = np.array([normal[1], -normal[0]])
-    foot = plane["point"] + ((setting.middle - plane["point"]) @ along) * along
-    far = 4.0 * setting.size
+    foot = plane["point"] + ((scenery.middle - plane["point"]) @ along) * along
+    far = 4.0 * scenery.size
     corners = [foot - far * along, foot + far * along, foot + far * (along - normal), foot - far * (along + normal)]
     pixels = view.project(np.array(corners))[0]
     canvas.polygon(pixels, (*theme.surface, 255))
     _lines(canvas, pixels[np.newaxis, :2], theme.edge, 1.5)
 
 
-def _ground(canvas: Canvas, plane: dict[str, FloatArray], view: View, theme: Theme, setting: Setting) -> None:
+def _ground(canvas: Canvas, plane: dict[str, FloatArray], view: View, theme: Theme, scenery: Scenery) -> None:
     """A square of a plane under the middle of what happens, with a grid for the eye to hold on to."""
-    normal, middle, size = plane["normal"], setting.middle, setting.size
+    normal, middle, size = plane["normal"], scenery.middle, scenery.size
     foot = middle - ((middle - plane["point"]) @ normal) * normal
     helper = np.eye(3)[int(np.argmin(np.abs(normal)))]
     first = np.cross(normal, helper)
@@ -143,12 +143,12 @@ def _ground(canvas: Canvas, plane: dict[str, FloatArray], view: View, theme: The
     _lines(canvas, pixels, theme.edge, 1.0, alpha=80)
 
 
-def _domain(canvas: Canvas, view: View, theme: Theme, setting: Setting, *, front: bool) -> None:
+def _domain(canvas: Canvas, view: View, theme: Theme, scenery: Scenery, *, front: bool) -> None:
     """A thin frame around the periodic domain; along an axis that is not periodic, lines without an end."""
-    if setting.domain is None:
+    if scenery.domain is None:
         return
-    lower, upper = _finite(setting.domain, setting.middle - setting.size, setting.middle + setting.size)
-    open_axes = np.flatnonzero(np.isinf(setting.domain.lengths)).tolist()
+    lower, upper = _finite(scenery.domain, scenery.middle - scenery.size, scenery.middle + scenery.size)
+    open_axes = np.flatnonzero(np.isinf(scenery.domain.lengths)).tolist()
     _box(canvas, {"lower": lower, "upper": upper}, view, theme, front=front, thin=True, along=open_axes or None)
 
 

@@ -2,22 +2,30 @@
 
 from __future__ import annotations
 
-from physcore.forces.base import Force
+from physcore.errors import warn
 from physcore.forces.central import CentralForce
 from physcore.forces.custom import CustomForce
 from physcore.forces.drag import Drag
 from physcore.forces.gravity import Gravity
 from physcore.forces.lennard_jones import LennardJones
-from physcore.forces.repulsion import Repulsion
+from physcore.forces.soft_spheres import SoftSpheres
+from physcore.scene.items import Force
 
 FORCES: tuple[type[Force], ...] = (
     Gravity,
     Drag,
     CentralForce,
     CustomForce,
-    Repulsion,
+    SoftSpheres,
     LennardJones,
 )
 """Every force; what is registered here can be saved, and is tested."""
 
-__all__ = ["FORCES", "CentralForce", "CustomForce", "Drag", "Force", "Gravity", "LennardJones", "Repulsion"]
+__all__ = ["FORCES", "CentralForce", "CustomForce", "Drag", "Force", "Gravity", "LennardJones", "SoftSpheres"]
+
+
+def __getattr__(name: str) -> object:
+    if name != "Repulsion":
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    warn("Repulsion is now SoftSpheres", DeprecationWarning)
+    return SoftSpheres

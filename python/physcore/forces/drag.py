@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from physcore.checks import Vector, number, vector
-from physcore.forces.base import Force
+from physcore.scene.items import Force
 
 
 @dataclass(frozen=True)

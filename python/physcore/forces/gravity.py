@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from physcore.checks import Vector, vector
-from physcore.forces.base import Force
+from physcore.scene.items import Force
 
 
 @dataclass(frozen=True)

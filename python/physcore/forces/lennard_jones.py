@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from physcore.checks import number, span
-from physcore.forces.base import Force
+from physcore.scene.items import Force
 
 CUTOFF = 2.5
-"""Where the force ends by default, in units of sigma."""
+"""The cutoff by default, in units of sigma."""
 
 
 @dataclass(frozen=True)

@@ -14,8 +14,8 @@ from importlib import import_module
 from typing import Protocol, cast
 
 from physcore.gallery.figure import Figure
-from physcore.recording import Recording
-from physcore.scene import Scene
+from physcore.scene.scene import Scene
+from physcore.simulation.recording import Recording
 
 DEMOS = (
     "cloth",

@@ -42,8 +42,8 @@ def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
     recording = recordings["argon"]
     places, domain = recording.positions[-1], recording.scene.periodic
     assert domain is not None
-    apart = [np.linalg.norm(domain.nearest(places[one + 1 :] - place), axis=1) for one, place in enumerate(places)]
-    distances = np.concatenate([each[each < 1.4] for each in apart])
+    separation = [np.linalg.norm(domain.nearest(places[one + 1 :] - place), axis=1) for one, place in enumerate(places)]
+    distances = np.concatenate([each[each < 1.4] for each in separation])
     candidates = np.linspace(1.05, 1.2, 1501)
     lowest = candidates[np.argmin([lattice_energy(distance) for distance in candidates])]
     return Figure("distance of neighbors", float(np.median(distances)), float(lowest), "in a cold lattice", 0.02, "σ")
@@ -53,8 +53,8 @@ def lattice_energy(distance: float) -> float:
     """Half the energy of an atom's bonds in a hexagonal lattice, with the shifted force of LennardJones [ε]."""
     steps = np.arange(-4, 5)
     i, j = (index.ravel() for index in np.meshgrid(steps, steps))
-    apart = distance * np.sqrt(i * i + i * j + j * j)
-    apart = apart[(apart > 0.0) & (apart < 2.5)]
+    separation = distance * np.sqrt(i * i + i * j + j * j)
+    separation = separation[(separation > 0.0) & (separation < 2.5)]
     cut = 4.0 * (2.5**-12 - 2.5**-6)
     slope = 24.0 * (2.5**-7 - 2.0 * 2.5**-13)
-    return 0.5 * float((4.0 * (apart**-12 - apart**-6) - cut - (apart - 2.5) * slope).sum())
+    return 0.5 * float((4.0 * (separation**-12 - separation**-6) - cut - (separation - 2.5) * slope).sum())

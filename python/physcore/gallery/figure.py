@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from physcore.recording import Recording
+from physcore.simulation.recording import Recording
 
 DIGITS = (3, 7)
 """The fewest and the most significant digits that are written; in between as many as show the error."""

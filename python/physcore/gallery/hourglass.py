@@ -46,8 +46,8 @@ def scene(grains: int = GRAINS, neck: float = NECK) -> pc.Scene:
     largest, layers = 0.5 * math.sqrt(SAND / grains), 6
     centers = np.array([[-BEND - neck / 2, 0.0], [BEND + neck / 2, 0.0]])
     places = pc.block((-WIDTH, 0.0), (WIDTH, FILL), 2 * largest)
-    apart = np.hypot(np.abs(places[:, 0]) - centers[1, 0], places[:, 1])
-    places = places[apart > BEND + 1.2 * largest]  # room to shake them
+    separation = np.hypot(np.abs(places[:, 0]) - centers[1, 0], places[:, 1])
+    places = places[separation > BEND + 1.2 * largest]  # room to shake them
     generator = np.random.default_rng(3)
     radii = largest * generator.uniform(0.75, 1.0, len(places))
     places += (largest - radii)[:, np.newaxis] * generator.uniform(-1.0, 1.0, places.shape)
@@ -63,7 +63,7 @@ def scene(grains: int = GRAINS, neck: float = NECK) -> pc.Scene:
     return pc.Scene(
         *sand,
         pc.Gravity((0.0, -9.81)),
-        pc.Repulsion(STIFFNESS, damping, friction=0.5, tangential_damping=damping / 2.0),
+        pc.SoftSpheres(STIFFNESS, damping, friction=0.5, tangential_damping=damping / 2.0),
         pc.Drag(quadratic=mass * 9.81 / TERMINAL**2),
         *(pc.Sphere(tuple(center), BEND, restitution=0.0, friction=0.3) for center in centers),
         pc.Floor(-HEIGHT, restitution=0.0, friction=0.5),

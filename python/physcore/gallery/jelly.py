@@ -41,8 +41,8 @@ def main(path: str | os.PathLike[str] = "jelly.gif", progress: bool | None = Non
     # Every impact rings at frequencies close to the limit of stability: a quarter of it resolves them.
     recording = pc.simulate(scene(), duration=DURATION, fps=30, dt=pc.AutoStep(safety=0.25), progress=progress)
     style = pc.styles.Surface(color="strain", range=0.1)
-    room = Window((-0.84, -0.64), (1.98, 0.84))  # for the diagram beside the box
-    pc.film(recording, path, size=(640, 370), style=style, camera=room, inset="energy", progress=progress)
+    camera = Window((-0.84, -0.64), (1.98, 0.84))  # for the diagram beside the box
+    pc.film(recording, path, size=(640, 370), style=style, camera=camera, inset="energy", progress=progress)
     return {"jelly": recording}
 
 

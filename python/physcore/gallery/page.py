@@ -15,11 +15,11 @@ from typing import cast
 import physcore
 from physcore.checks import file_path
 from physcore.errors import FileError
-from physcore.files import replacing, require_writable
 from physcore.film.pictures import opened
 from physcore.gallery import caption, demo
 from physcore.gallery.figure import Figure
-from physcore.recording import Recording
+from physcore.simulation.recording import Recording
+from physcore.storage.files import replacing, require_writable
 
 INDEX = "index.html"
 """The file that is opened."""

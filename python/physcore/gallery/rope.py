@@ -26,8 +26,8 @@ def main(path: str | os.PathLike[str] = "rope.gif", progress: bool | None = None
     """Simulate it and draw it."""
     # The tip cracks with frequencies close to the limit of stability: a fifth of it keeps the budget closed there too.
     recording = pc.simulate(scene(), duration=DURATION, fps=30, dt=pc.AutoStep(safety=0.2), progress=progress)
-    style, room = pc.styles.Strain(width=4.0), Window((-1.15, -1.2), (1.15, 0.85))  # for the diagram above the rope
-    pc.film(recording, path, size=(640, 600), style=style, camera=room, inset="energy", progress=progress)
+    style, camera = pc.styles.Strain(width=4.0), Window((-1.15, -1.2), (1.15, 0.85))  # for the diagram above the rope
+    pc.film(recording, path, size=(640, 600), style=style, camera=camera, inset="energy", progress=progress)
     return {"rope": recording}
 
 

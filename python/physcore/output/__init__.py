@@ -9,16 +9,17 @@ import os
 from pathlib import Path
 from typing import Unpack
 
-from physcore.checks import flag
-from physcore.film.sources import sources
-from physcore.formats import writable
-from physcore.numerics import Options
-from physcore.output.base import Trajectory, TrajectoryWriter
+from physcore.checks import flag, shown
+from physcore.errors import SceneError
+from physcore.numerics.choices import Options
+from physcore.output.base import ExportJob, TrajectoryWriter
 from physcore.output.extended_xyz import ExtendedXyzWriter
 from physcore.output.h5md import H5mdWriter
 from physcore.output.vtk import VtkWriter
-from physcore.recording import Recording
-from physcore.scene import Scene
+from physcore.scene.scene import Scene
+from physcore.simulation.recording import Recording
+from physcore.simulation.sources import sources
+from physcore.storage.formats import writable
 
 FORMATS: tuple[type[TrajectoryWriter], ...] = (ExtendedXyzWriter, VtkWriter, H5mdWriter)
 """Every format that a trajectory can be exported to."""
@@ -57,7 +58,7 @@ def export(
         numerics: for a scene: integrator, dt, precision, threads, … as in Simulation.
 
     Raises:
-        SceneError: an argument is not valid, or the recording has no positions.
+        SceneError: an argument is not valid, or the recording has no positions or no energies.
         FileError: the file cannot be written.
         PhyscoreError: what the format needs is not installed.
         SimulationDiverged: the scene blew up.
@@ -65,4 +66,8 @@ def export(
     writer, target = writable(path, FORMATS), Path(path)
     bar = None if progress is None else flag(progress, "progress")
     (source,) = sources([recording], duration, fps, numerics)
-    writer.write(Trajectory(source, bar), target)
+    if not source.audited:
+        raise SceneError(
+            f"recording: must be a Scene or what simulate(…) gives, with its energies, got {shown(recording)}"
+        )
+    writer.write(ExportJob(source, bar), target)

@@ -1,4 +1,4 @@
-"""What all formats of trajectories have in common: what they get, in three dimensions, one frame at a time."""
+"""Formats of trajectories: the job that a writer is given, in three dimensions, one frame at a time."""
 
 from __future__ import annotations
 
@@ -7,20 +7,19 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import cast
 
 import numpy as np
 
-from physcore.bodies import Body, SpringNetwork
 from physcore.checks import FloatArray, IntArray
-from physcore.energy import Energy
-from physcore.film.sources import Recorded, Running, Source
-from physcore.formats import Format
-from physcore.periodic import Periodic
 from physcore.progress import Progress
+from physcore.scene.bodies import Body, SpringNetwork
+from physcore.scene.periodic import Periodic
+from physcore.simulation.energy import Energy
+from physcore.simulation.sources import Source
+from physcore.storage.formats import Format
 
 FIELDS = {"densities": "density", "pressures": "pressure"}
-"""What one of them is called, where a column or an array is named after what a particle has."""
+"""The name of a channel in the singular, for the column or the array of a particle's values."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,19 +53,20 @@ class Springs:
     def strain(self, positions: FloatArray) -> FloatArray:
         """Length over rest length less one, (M,); not a number where the rest length is zero."""
         first, second = self.pairs.T
-        apart = positions[second] - positions[first]
-        if self.domain is not None:  # Positions within a domain tear springs apart.
-            apart[:, : self.domain.dimension] = self.domain.nearest(apart[:, : self.domain.dimension])
+        separation = positions[second] - positions[first]
+        if self.domain is not None:  # Of positions within a domain: that of the nearest images.
+            axes = self.domain.dimension
+            separation[:, :axes] = self.domain.nearest(separation[:, :axes])
         rest = np.where(self.rest_length > 0.0, self.rest_length, np.nan)
-        strain: FloatArray = np.linalg.norm(apart, axis=1) / rest - 1.0
+        strain: FloatArray = np.linalg.norm(separation, axis=1) / rest - 1.0
         return strain
 
 
-class Trajectory:
-    """What a writer gets: what does not change, and the frames."""
+class ExportJob:
+    """A trajectory to be written: what does not change, and the frames."""
 
     def __init__(self, source: Source, progress: bool | None) -> None:
-        self._source = cast(Recorded | Running, source)
+        self._source = source
         self._progress = progress
 
     @property
@@ -91,7 +91,7 @@ class Trajectory:
 
     @cached_property
     def constants(self) -> dict[str, FloatArray]:
-        """What each particle keeps, by name, each of shape (N,): mass [kg], and radius [m] and charge [C] if any."""
+        """Constants of the particles by name, each of shape (N,): mass [kg], and radius [m] and charge [C] if any."""
         every = {name: self._gather(name) for name in ("mass", "radius", "charge")}
         return {name: values for name, values in every.items() if name == "mass" or values.any()}
 
@@ -114,20 +114,12 @@ class Trajectory:
     def samples(self) -> Iterator[Sample]:
         """All frames from the start, counted on the progress bar."""
         with Progress(self.count, "exporting", self._progress) as bar:
-            for index, (time, positions, more, energy) in enumerate(self._frames()):
-                velocities = _in_space(more["velocities"]) if "velocities" in more else None
-                fields = {name: more[channel] for channel, name in FIELDS.items() if channel in more}
-                yield Sample(index, time, _in_space(positions), velocities, fields, energy)
+            for index, frame in enumerate(self._source.frames()):
+                velocities = _in_space(frame.more["velocities"]) if "velocities" in frame.more else None
+                fields = {name: frame.more[channel] for channel, name in FIELDS.items() if channel in frame.more}
+                assert frame.energy is not None  # `export` has asked
+                yield Sample(index, frame.time, _in_space(frame.positions), velocities, fields, frame.energy)
                 bar.update(index + 1)
-
-    def _frames(self) -> Iterator[tuple[float, FloatArray, Mapping[str, FloatArray], Energy]]:
-        """Time, positions, what there is beside them, and the energy budget, of each frame."""
-        if isinstance(self._source, Recorded):
-            for index, moment in enumerate(self._source.moments()):
-                yield moment.time, moment.positions, moment.more, self._source.recording.energy.at(index)
-        else:
-            for frame in self._source.frames():
-                yield frame.time, frame.positions, {"velocities": frame.velocities, **frame.fields}, frame.energy
 
     @property
     def _bodies(self) -> tuple[Body, ...]:
@@ -141,7 +133,7 @@ class TrajectoryWriter(Format, ABC):
     """A format of trajectories."""
 
     @abstractmethod
-    def write(self, trajectory: Trajectory, target: Path) -> None:
+    def write(self, job: ExportJob, target: Path) -> None:
         """Write all frames; the file appears under its name when it is whole, and until then what was there stays.
 
         Raises:

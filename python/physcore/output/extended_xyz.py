@@ -11,12 +11,12 @@ from typing import ClassVar
 
 import numpy as np
 
-from physcore.files import replacing
-from physcore.output.base import Sample, Trajectory, TrajectoryWriter
-from physcore.periodic import Periodic
+from physcore.output.base import ExportJob, Sample, TrajectoryWriter
+from physcore.scene.periodic import Periodic
+from physcore.storage.files import replacing
 
 SPECIES = "X"
-"""What readers know as an atom of no element; bodies are told apart by the column `body`."""
+"""The species that readers know as an atom of no element; bodies are told apart by the column `body`."""
 
 
 class ExtendedXyzWriter(TrajectoryWriter):
@@ -27,29 +27,29 @@ class ExtendedXyzWriter(TrajectoryWriter):
 
     suffixes: ClassVar = (".xyz", ".extxyz")
 
-    def write(self, trajectory: Trajectory, target: Path) -> None:
+    def write(self, job: ExportJob, target: Path) -> None:
         """Write all frames."""
-        cell = _cell(trajectory.domain)
+        cell = _cell(job.domain)
         with replacing(target) as file:
-            for sample in trajectory.samples():
-                columns, names = _columns(trajectory, sample)
+            for sample in job.samples():
+                columns, names = _columns(job, sample)
                 energy = {name: getattr(sample.energy, name) for name in ("kinetic", "potential", "internal", "total")}
                 values = {"Time": sample.time, **energy}
                 head = f"{cell} Properties={names} " + " ".join(f"{name}={value!r}" for name, value in values.items())
                 rows = (f"{SPECIES} {' '.join(map(repr, row))}" for row in zip(*columns, strict=True))
-                file.write("\n".join([str(trajectory.particles), head, *rows, ""]).encode())
+                file.write("\n".join([str(job.particles), head, *rows, ""]).encode())
 
 
-def _columns(trajectory: Trajectory, sample: Sample) -> tuple[list[list[float]], str]:
-    """What stands behind the species, column by column, and the names of all."""
+def _columns(job: ExportJob, sample: Sample) -> tuple[list[list[float]], str]:
+    """The columns after the species, and the names of all."""
     vectors = {"pos": sample.positions}
     if sample.velocities is not None:
         vectors["velo"] = sample.velocities
-    numbers = {**trajectory.constants, **sample.fields}
+    numbers = {**job.constants, **sample.fields}
     names = [f"{name}:R:3" for name in vectors] + [f"{name}:R:1" for name in numbers]
     values = [column.tolist() for array in vectors.values() for column in array.T]
     values += [array.tolist() for array in numbers.values()]
-    return [*values, trajectory.body.tolist()], ":".join(["species:S:1", *names, "body:I:1"])
+    return [*values, job.body.tolist()], ":".join(["species:S:1", *names, "body:I:1"])
 
 
 def _cell(domain: Periodic | None) -> str:

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any, BinaryIO, ClassVar
 import numpy as np
 
 from physcore.checks import FloatArray
-from physcore.files import replacing
-from physcore.output.base import Sample, Trajectory, TrajectoryWriter
-from physcore.periodic import Periodic
-from physcore.provenance import version
+from physcore.output.base import ExportJob, Sample, TrajectoryWriter
+from physcore.scene.periodic import Periodic
+from physcore.simulation.provenance import version
+from physcore.storage.files import replacing
 
 if TYPE_CHECKING:
     import h5py
@@ -43,16 +43,16 @@ class H5mdWriter(TrajectoryWriter):
 
         return None if find_spec("h5py") else "H5MD needs h5py: pip install 'physcore[hdf5]'; a .xyz needs nothing"
 
-    def write(self, trajectory: Trajectory, target: Path) -> None:
+    def write(self, job: ExportJob, target: Path) -> None:
         """Write all frames."""
         import h5py
 
         with replacing(target) as temporary:
             disk = _Disk(temporary)
             with h5py.File(disk, "w", libver="v110") as file:
-                _describe(file, trajectory)
-                series = _Series(file, trajectory.count, _edges(trajectory.domain))
-                for sample in trajectory.samples():
+                _describe(file, job)
+                series = _Series(file, job.count, _edges(job.domain))
+                for sample in job.samples():
                     series.put(sample)
                     disk.check()
             disk.check()
@@ -95,7 +95,7 @@ class _Disk:
             self._failure = self._failure or error
 
 
-def _describe(file: h5py.File, trajectory: Trajectory) -> None:
+def _describe(file: h5py.File, job: ExportJob) -> None:
     """All that does not change."""
     head = file.create_group("h5md")
     head.attrs["version"] = np.array([1, 1], dtype=np.int32)
@@ -104,12 +104,12 @@ def _describe(file: h5py.File, trajectory: Trajectory) -> None:
     creator.attrs["name"], creator.attrs["version"] = "physcore", version()
     file.create_group("parameters/units").attrs.update(UNITS)
     group = file.create_group("particles/all")
-    edges, box = _edges(trajectory.domain), group.create_group("box")
+    edges, box = _edges(job.domain), group.create_group("box")
     box.attrs["dimension"] = np.int32(3)
     box.attrs["boundary"] = ["periodic" if np.isfinite(length) else "none" for length in edges]
-    for name, values in trajectory.constants.items():
+    for name, values in job.constants.items():
         group.create_dataset(name, data=values)
-    group.create_dataset("species", data=trajectory.body)
+    group.create_dataset("species", data=job.body)
     file.create_group("observables")
 
 
@@ -122,7 +122,7 @@ def _edges(domain: Periodic | None) -> FloatArray:
 
 
 class _Series:
-    """What changes with time; the place for all frames is laid out with the first of them, and filled one by one."""
+    """The elements that change with time: their data sets are made with the first frame, and filled one by one."""
 
     def __init__(self, file: h5py.File, count: int, edges: FloatArray) -> None:
         self._file, self._count = file, count
@@ -153,9 +153,9 @@ class _Series:
 
     def _begin(self, path: str, shape: tuple[int, ...]) -> None:
         """Lay out an element: step and time are one data set for all that are taken together."""
-        group, room = self._file.create_group(path), path.partition("/")[0]
+        group, parent = self._file.create_group(path), path.partition("/")[0]
         self._values[path] = group.create_dataset("value", (self._count, *shape), dtype="<f8")
-        first = next(name for name in self._values if name.startswith(room))
+        first = next(name for name in self._values if name.startswith(parent))
         if first == path:
             group.create_dataset("step", data=np.arange(self._count))
             group.create_dataset("time", (self._count,), dtype="<f8")

@@ -15,13 +15,13 @@ from numpy.typing import NDArray
 
 from physcore.checks import text
 from physcore.errors import FileError
-from physcore.files import held, replacing, sweep, temporary_name, unwritable
-from physcore.output.base import Sample, Trajectory, TrajectoryWriter
+from physcore.output.base import ExportJob, Sample, TrajectoryWriter
+from physcore.storage.files import held, replacing, sweep, temporary_name, unwritable
 
 FRAMES = "frames"
-"""What the folder of frames is called in its temporary name, until its content is known."""
+"""The folder of frames in its temporary name, until its content is known."""
 TYPES = {np.dtype("float64"): "Float64", np.dtype("int64"): "Int64"}
-"""What VTK calls them."""
+"""Names of the types in VTK."""
 
 
 class VtkWriter(TrajectoryWriter):
@@ -35,23 +35,23 @@ class VtkWriter(TrajectoryWriter):
 
     suffixes: ClassVar = (".pvd",)
 
-    def write(self, trajectory: Trajectory, target: Path) -> None:
+    def write(self, job: ExportJob, target: Path) -> None:
         """Write all frames, and then the list of them."""
         import shutil
 
-        home = target.with_suffix("")
-        text(home.name, "path")  # It stands in the list, which is XML.
-        new = home / temporary_name(FRAMES)
+        frames_folder = target.with_suffix("")
+        text(frames_folder.name, "path")  # It stands in the list, which is XML.
+        new = frames_folder / temporary_name(FRAMES)
         try:
-            sweep(home, FRAMES)
+            sweep(frames_folder, FRAMES)
             new.mkdir(parents=True)
             with held(new):
-                times, folder = _write_frames(trajectory, new, home)
+                times, folder = _write_frames(job, new, frames_folder)
             old = _listed(target)
             with replacing(target) as file:
-                file.write(_collection(f"{home.name}/{folder}", times))
+                file.write(_collection(f"{frames_folder.name}/{folder}", times))
             if old not in (None, folder):
-                shutil.rmtree(home / str(old), ignore_errors=True)
+                shutil.rmtree(frames_folder / str(old), ignore_errors=True)
         except OSError as error:
             if isinstance(error, FileError) and str(target) in str(error):
                 raise
@@ -59,21 +59,21 @@ class VtkWriter(TrajectoryWriter):
         finally:
             shutil.rmtree(new, ignore_errors=True)
             with suppress(OSError):  # It has the frames, or it was made for nothing.
-                home.rmdir()
+                frames_folder.rmdir()
 
 
-def _write_frames(trajectory: Trajectory, new: Path, home: Path) -> tuple[list[float], str]:
+def _write_frames(job: ExportJob, new: Path, frames_folder: Path) -> tuple[list[float], str]:
     """Write the frames into a new folder and give it its name; their times [s], and that name."""
     import hashlib
 
     digest, times = hashlib.blake2b(digest_size=8), []
-    for sample in trajectory.samples():
-        content = _poly_data(trajectory, sample)
+    for sample in job.samples():
+        content = _poly_data(job, sample)
         digest.update(content)
         with replacing(new / _name(sample.index)) as file:
             file.write(content)
         times.append(sample.time)
-    folder = home / digest.hexdigest()
+    folder = frames_folder / digest.hexdigest()
     if not folder.exists():  # If it does, it is the same.
         new.rename(folder)
     return times, folder.name
@@ -122,11 +122,11 @@ class _Appended:
         return element
 
 
-def _poly_data(trajectory: Trajectory, sample: Sample) -> bytes:
+def _poly_data(job: ExportJob, sample: Sample) -> bytes:
     """One frame."""
-    count, springs, data = trajectory.particles, trajectory.springs, _Appended()
-    points = {**trajectory.constants, **sample.fields}
-    on_points = [data.add(name, values) for name, values in points.items()] + [data.add("body", trajectory.body)]
+    count, springs, data = job.particles, job.springs, _Appended()
+    points = {**job.constants, **sample.fields}
+    on_points = [data.add(name, values) for name, values in points.items()] + [data.add("body", job.body)]
     if sample.velocities is not None:
         on_points.append(data.add("velocity", sample.velocities, 3))
     strain = np.concatenate([np.full(count, np.nan), springs.strain(sample.positions)])

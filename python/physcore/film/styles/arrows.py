@@ -8,12 +8,12 @@ import numpy as np
 
 from physcore._core import Canvas, norms, tint
 from physcore.checks import number
-from physcore.film.camera import PixelArray, View
-from physcore.film.sources import Moment
+from physcore.film.camera.view import PixelArray, View
+from physcore.film.colors.themes import Theme
 from physcore.film.styles.base import Painter
 from physcore.film.styles.field_style import FieldPainter, FieldStyle
 from physcore.film.styles.fields import Field
-from physcore.film.themes import Theme
+from physcore.simulation.sources import SourceFrame
 
 HEAD = 0.34
 """Length of an arrow's head over that of the longest arrow."""
@@ -49,7 +49,7 @@ class Arrows(FieldStyle):
         self._set(spacing=number(self.spacing, "Arrows.spacing", least=6.0))
 
     def field_painter(self, shown: Field, theme: Theme) -> Painter:
-        """What draws arrows."""
+        """The painter of arrows."""
         return ArrowsPainter(self, shown, theme)
 
 
@@ -65,10 +65,10 @@ class ArrowsPainter(FieldPainter):
         del pixels
         return self._style.spacing / 2
 
-    def paint(self, canvas: Canvas, moment: Moment, view: View, pixels: float) -> None:
+    def paint(self, canvas: Canvas, frame: SourceFrame, view: View, pixels: float) -> None:
         """Add arrows, above what is at the same place."""
         del pixels
-        places, vectors = self._field.samples(moment, view, self._style.spacing)
+        places, vectors = self._field.samples(frame, view, self._style.spacing)
         values = norms(vectors)
         shown = np.isfinite(values) & (values > LEAST * self.top)
         places, vectors, values = places[shown], vectors[shown], values[shown]

@@ -12,14 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from physcore._core import Canvas
-from physcore.bodies import Body
 from physcore.checks import BoolArray, FloatArray, IntArray, number
-from physcore.film.camera import PixelArray, View
-from physcore.film.colormaps import ColormapName, sequential
-from physcore.film.sources import Moment, Source
-from physcore.film.themes import Theme
-from physcore.influence import On, chosen
-from physcore.periodic import Periodic
+from physcore.film.camera.view import PixelArray, View
+from physcore.film.colors.colormaps import ColormapName, sequential
+from physcore.film.colors.themes import Theme
+from physcore.scene.bodies import Body
+from physcore.scene.items import On, chosen
+from physcore.scene.periodic import Periodic
+from physcore.simulation.sources import Source, SourceFrame
 
 InkArray = NDArray[np.uint8]
 """Red, green, blue and opacity, 0–255, shape (N, 4)."""
@@ -29,14 +29,14 @@ FOG = 0.55
 SHADING = 0.45
 """How much the light matters on balls."""
 MANY = 50_000
-"""So many values say what is typical of any number."""
+"""The largest number of values of which a percentile is taken."""
 TYPICAL = 99.5
 """The top of a color scale is this percentile of a frame, so that one outlier does not take all color for itself."""
 
 
 @dataclass(frozen=True, eq=False)
 class Part:
-    """A body, and where its particles are in a moment's arrays."""
+    """A body, and where its particles are in a frame's arrays."""
 
     body: Body
     where: slice
@@ -44,7 +44,7 @@ class Part:
 
 @dataclass(frozen=True, eq=False)
 class Scale:
-    """What colors mean: a quantity, and the values at the ends of a table of colors."""
+    """A scale of colors: a quantity, and its values at the ends of a table of colors."""
 
     quantity: str
     """A word or two, such as "speed"."""
@@ -100,20 +100,20 @@ class Style(ABC):
 
     @abstractmethod
     def painter(self, source: Source, parts: list[Part], theme: Theme) -> Painter:
-        """What draws the given bodies, frame by frame."""
+        """A painter of the given bodies, frame by frame."""
 
 
 class Painter(ABC):
     """Draws some bodies of one source; it first sees the whole film, to find ranges that hold for all of it."""
 
     style: Style
-    """What it draws by."""
+    """The style that it draws by."""
     top: float = 0.0
     """The value at the end of the color scale. Panels with equal styles share it, so that a color means one thing."""
 
     @property
     def scale(self) -> Scale | None:
-        """What its colors mean, once the film has been seen; None if they mean no quantity."""
+        """The scale of its colors, after the first pass; None if they mean no quantity."""
         return None
 
     @property
@@ -122,7 +122,7 @@ class Painter(ABC):
         return True
 
     def begin(self) -> None:  # noqa: B027 - most painters remember nothing
-        """Forget earlier moments: the film starts."""
+        """Forget earlier frames: the film starts."""
 
     @property
     def margin(self) -> float:
@@ -130,7 +130,7 @@ class Painter(ABC):
         return 0.0
 
     @abstractmethod
-    def observe(self, moment: Moment) -> None:
+    def observe(self, frame: SourceFrame) -> None:
         """Take a frame into account; called for each one before any is drawn."""
 
     @abstractmethod
@@ -138,12 +138,12 @@ class Painter(ABC):
         """How far drawings reach beyond the particles' centers [pixels], in a panel of so many pixels."""
 
     @abstractmethod
-    def paint(self, canvas: Canvas, moment: Moment, view: View, pixels: float) -> None:
+    def paint(self, canvas: Canvas, frame: SourceFrame, view: View, pixels: float) -> None:
         """Add the bodies to the painting of a panel of so many pixels."""
 
 
 def places(parts: Sequence[Part]) -> slice | IntArray:
-    """Where the particles of some bodies are in the arrays of moments; a slice, which copies nothing, if it can be."""
+    """Indices of the particles of some bodies in the arrays of frames; a slice, which copies nothing, if it can be."""
     if all(one.where.stop == other.where.start for one, other in pairwise(parts)):
         return slice(parts[0].where.start, parts[-1].where.stop)
     return np.concatenate([np.arange(part.where.start, part.where.stop) for part in parts])

@@ -1,4 +1,4 @@
-"""What the styles that show vector fields have in common."""
+"""The base of the styles that show vector fields."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from physcore._core import norms
-from physcore.film.colormaps import ColormapName, sequential
-from physcore.film.sources import Moment, Source
+from physcore.film.colors.colormaps import ColormapName, sequential
+from physcore.film.colors.themes import Theme
 from physcore.film.styles.base import Painter, Part, Scale, Style, table, typical
 from physcore.film.styles.fields import UNITS, Field, Of, check_field, field
-from physcore.film.themes import Theme
+from physcore.simulation.sources import Source, SourceFrame
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,7 @@ class FieldStyle(Style):
 
     @abstractmethod
     def field_painter(self, shown: Field, theme: Theme) -> Painter:
-        """What draws a field."""
+        """The painter of a field."""
 
 
 class FieldPainter(Painter):
@@ -56,11 +56,11 @@ class FieldPainter(Painter):
 
     @property
     def scale(self) -> Scale | None:
-        """What the colors mean, where there is more than one."""
+        """The scale of colors, where there is more than one."""
         quantity, unit = UNITS.get(self._of, ("field", ""))
         return None if self._plain else Scale(quantity, unit, (0.0, self.top), self._table)
 
-    def observe(self, moment: Moment) -> None:
+    def observe(self, frame: SourceFrame) -> None:
         """Find the end of the scale."""
         if not self.settled:
-            self.top = max(self.top, typical(norms(self._field.known(moment))))
+            self.top = max(self.top, typical(norms(self._field.known(frame))))

@@ -9,17 +9,17 @@ from typing import Literal, Protocol, TypeAlias
 
 import numpy as np
 
-from physcore.bodies import Particles
 from physcore.checks import FloatArray, IntArray, is_word, regular, shown
 from physcore.errors import PhyscoreError, SceneError
-from physcore.film.camera import View
-from physcore.film.sources import Moment, Source
+from physcore.film.camera.view import View
 from physcore.film.styles.base import Part, places
 from physcore.film.styles.base import sums as row_sums
-from physcore.forces import CustomForce, LennardJones, Repulsion
-from physcore.integrators import SemiImplicitEuler
-from physcore.scene import Scene
-from physcore.simulation import Simulation, unwarned
+from physcore.forces import CustomForce, LennardJones, SoftSpheres
+from physcore.numerics.integrators import SemiImplicitEuler
+from physcore.scene.bodies import Particles
+from physcore.scene.scene import Scene
+from physcore.simulation.simulation import Simulation, unwarned
+from physcore.simulation.sources import Source, SourceFrame
 
 FieldFunction: TypeAlias = Callable[[float, FloatArray], FloatArray]
 """`function(time, positions)` gives vectors for positions (N, D), as those of a CustomForce do."""
@@ -31,7 +31,7 @@ MARGIN = 2
 """Empty squares around those that hold particles."""
 KICK = 2.0**-20
 """How long probes feel the forces [s]; from rest, semi-implicit Euler gives the acceleration times this, exactly."""
-INTERNAL = (CustomForce, LennardJones, Repulsion)
+INTERNAL = (CustomForce, LennardJones, SoftSpheres)
 """Forces between particles, and those whose function knows its particles: they are no field in space."""
 UNITS = {"velocities": ("speed", "m/s"), "acceleration": ("acceleration", "m/s²")}
 
@@ -39,13 +39,13 @@ UNITS = {"velocities": ("speed", "m/s"), "acceleration": ("acceleration", "m/s²
 class Field(Protocol):
     """Something that has a vector at every place where it can be shown."""
 
-    def samples(self, moment: Moment, view: View, spacing: float) -> tuple[FloatArray, FloatArray]:
+    def samples(self, frame: SourceFrame, view: View, spacing: float) -> tuple[FloatArray, FloatArray]:
         """Places (M, D) about `spacing` pixels apart, and the vectors (M, D) there."""
 
-    def known(self, moment: Moment) -> FloatArray:
+    def known(self, frame: SourceFrame) -> FloatArray:
         """Vectors (N, D) where the particles are."""
 
-    def around(self, moment: Moment, view: View, spacing: float) -> Callable[[FloatArray], FloatArray]:
+    def around(self, frame: SourceFrame, view: View, spacing: float) -> Callable[[FloatArray], FloatArray]:
         """The vectors at any places in the plane (M, 2), resolved to `spacing` [pixels]; NaN where nothing is."""
 
 
@@ -82,9 +82,9 @@ class Motion:
     where: slice | IntArray
     """Which particles count."""
 
-    def samples(self, moment: Moment, view: View, spacing: float) -> tuple[FloatArray, FloatArray]:
+    def samples(self, frame: SourceFrame, view: View, spacing: float) -> tuple[FloatArray, FloatArray]:
         """The mean position and velocity of the particles in each square that holds any."""
-        positions, velocities = moment.positions[self.where], moment.channel("velocities")[self.where]
+        positions, velocities = frame.positions[self.where], frame.channel("velocities")[self.where]
         squares = np.floor(view.project(positions)[0] / np.float32(spacing)).astype(np.int64)
         squares -= squares.min(axis=0, initial=0)
         keys = squares[:, 1] * (squares[:, 0].max(initial=0) + 1) + squares[:, 0]
@@ -92,21 +92,21 @@ class Motion:
         means = [row_sums(index, values, len(counts)) / counts[:, np.newaxis] for values in (positions, velocities)]
         return means[0], means[1]
 
-    def known(self, moment: Moment) -> FloatArray:
+    def known(self, frame: SourceFrame) -> FloatArray:
         """The velocities."""
-        velocities: FloatArray = moment.channel("velocities")[self.where]
+        velocities: FloatArray = frame.channel("velocities")[self.where]
         return velocities
 
-    def around(self, moment: Moment, view: View, spacing: float) -> Callable[[FloatArray], FloatArray]:
+    def around(self, frame: SourceFrame, view: View, spacing: float) -> Callable[[FloatArray], FloatArray]:
         """Bilinear between the means of squares; an empty square has the mean of its neighbors."""
         size = spacing / view.scale
-        positions = moment.positions[self.where]
+        positions = frame.positions[self.where]
         lowest = np.floor(positions.min(axis=0) / size) - MARGIN
         squares = (positions / size - lowest).astype(np.int64)
         columns, rows = (int(most) + 1 + MARGIN for most in squares.max(axis=0))
         index = squares[:, 1] * columns + squares[:, 0]
         counts = np.bincount(index, minlength=rows * columns).astype(float)
-        sums = row_sums(index, self.known(moment), rows * columns)
+        sums = row_sums(index, self.known(frame), rows * columns)
         counts, sums = _widened(counts.reshape(rows, columns), sums.reshape(rows, columns, 2))
         with np.errstate(invalid="ignore"):
             means = sums / counts[..., np.newaxis]
@@ -129,19 +129,19 @@ class Space:
 
     function: FieldFunction
 
-    def samples(self, moment: Moment, view: View, spacing: float) -> tuple[FloatArray, FloatArray]:
+    def samples(self, frame: SourceFrame, view: View, spacing: float) -> tuple[FloatArray, FloatArray]:
         """The function on a square pattern in 2D, and on a cubic one through what is seen in 3D."""
         places = pattern(view, spacing)
-        return places, self.at(moment.time, places)
+        return places, self.at(frame.time, places)
 
-    def known(self, moment: Moment) -> FloatArray:
+    def known(self, frame: SourceFrame) -> FloatArray:
         """The function where the particles are."""
-        return self.at(moment.time, moment.positions)
+        return self.at(frame.time, frame.positions)
 
-    def around(self, moment: Moment, view: View, spacing: float) -> Callable[[FloatArray], FloatArray]:
+    def around(self, frame: SourceFrame, view: View, spacing: float) -> Callable[[FloatArray], FloatArray]:
         """The function itself."""
         del view, spacing
-        return lambda places: self.at(moment.time, places)
+        return lambda places: self.at(frame.time, places)
 
     def at(self, time: float, places: FloatArray) -> FloatArray:
         """The vectors (M, D) at some places.
@@ -177,7 +177,7 @@ def _widened(counts: FloatArray, sums: FloatArray) -> tuple[FloatArray, FloatArr
 
 
 def _acceleration(scene: Scene) -> FieldFunction:
-    """What one kilogram and one coulomb at rest would feel of a scene's forces [m/s²]."""
+    """Acceleration of one kilogram and one coulomb at rest by a scene's forces [m/s²]."""
     forces = [replace(force, on=None) for force in scene.forces if not isinstance(force, INTERNAL)]
 
     def felt(time: float, places: FloatArray) -> FloatArray:

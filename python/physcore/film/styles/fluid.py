@@ -7,21 +7,21 @@ from typing import Literal
 
 import numpy as np
 
-from physcore import fluid
 from physcore._core import Canvas, norms, tint
-from physcore.bodies import Body
 from physcore.checks import FloatArray, flag, word
 from physcore.errors import SceneError
-from physcore.film.camera import View
-from physcore.film.colormaps import ColormapName, sequential
-from physcore.film.sources import Moment, Source
+from physcore.film.camera.view import View
+from physcore.film.colors.colormaps import ColormapName, sequential
+from physcore.film.colors.themes import Theme, mixed
 from physcore.film.styles.base import FOG, SHADING, Painter, Part, Scale, Style, places, typical
-from physcore.film.themes import Theme, mixed
+from physcore.scene import fluid
+from physcore.scene.bodies import Body
+from physcore.simulation.sources import Source, SourceFrame
 
 ColorBy = Literal["speed", "pressure", "density"]
 
 CHANNEL = {"speed": "velocities", "pressure": "pressures", "density": "densities"}
-"""What a film of each color needs."""
+"""The channel that each color shows."""
 UNITS = {"speed": "m/s", "pressure": "Pa"}
 FULL = 1.6
 """A lump's diameter over its spacing: discs on a square lattice just cover the plane, √2, so that water is closed."""
@@ -102,7 +102,7 @@ class FluidPainter(Painter):
 
     @property
     def scale(self) -> Scale:
-        """What the colors mean."""
+        """The scale of colors."""
         if self._style.color == "density":
             return Scale("density / at rest", "", (1.0 - self.top, 1.0 + self.top), self._table)
         return Scale(self._style.color, UNITS[self._style.color], (0.0, self.top), self._table)
@@ -117,23 +117,23 @@ class FluidPainter(Painter):
         """The radius of the largest lump [m]."""
         return float(self._radius.max(initial=0.0))
 
-    def observe(self, moment: Moment) -> None:
+    def observe(self, frame: SourceFrame) -> None:
         """Find the end of the color scale."""
         if self._style.top is None:
-            self.top = max(self.top, typical(np.abs(self._values(moment)), TYPICAL))
+            self.top = max(self.top, typical(np.abs(self._values(frame)), TYPICAL))
 
     def inset(self, pixels: float) -> float:
         """A rim: the radius is part of what the camera is fitted to."""
         del pixels
         return SMALLEST + 1.0
 
-    def paint(self, canvas: Canvas, moment: Moment, view: View, pixels: float) -> None:
+    def paint(self, canvas: Canvas, frame: SourceFrame, view: View, pixels: float) -> None:
         """Add lumps."""
         del pixels
-        centers, depth, scale = view.project(moment.positions[self._where])
+        centers, depth, scale = view.project(frame.positions[self._where])
         least = -self.top if self._style.color == "density" else 0.0
         ends = (least, self.top)
-        ink = tint(self._values(moment), ends, self._table, self._theme.background, depth, (view.reach, FOG))
+        ink = tint(self._values(frame), ends, self._table, self._theme.background, depth, (view.reach, FOG))
         radii = np.maximum(scale * self._radius, np.float32(SMALLEST))
         if self._style.surface:
             reach = (FLAT_REACH if view.flat else DEEP_REACH) * 2.0 / FULL * radii
@@ -141,9 +141,9 @@ class FluidPainter(Painter):
             return
         canvas.discs(centers, radii, ink, depth, 0.0 if view.flat else SHADING)
 
-    def _values(self, moment: Moment) -> FloatArray:
-        """What the color shows, (N,)."""
-        values: FloatArray = moment.channel(CHANNEL[self._style.color])[self._where]
+    def _values(self, frame: SourceFrame) -> FloatArray:
+        """The quantity that the color shows, (N,)."""
+        values: FloatArray = frame.channel(CHANNEL[self._style.color])[self._where]
         match self._style.color:
             case "speed":
                 return norms(values)

@@ -9,13 +9,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from physcore._core import Canvas
-from physcore.bodies import Body
 from physcore.checks import FloatArray, IntArray, number, regular, shown
 from physcore.errors import SceneError
-from physcore.film.camera import View
-from physcore.film.sources import Moment, Source
+from physcore.film.camera.view import View
+from physcore.film.colors.themes import Theme
 from physcore.film.styles.base import Painter, Part, Style, body_color, inks, straight
-from physcore.film.themes import Theme
+from physcore.scene.bodies import Body
+from physcore.simulation.sources import Source, SourceFrame
 
 FRESH = 0.85
 """How much of its body's color a path has, beside the background's."""
@@ -82,7 +82,7 @@ class PathsPainter(Painter):
         """Forget the ways."""
         self._past = []
 
-    def observe(self, moment: Moment) -> None:
+    def observe(self, frame: SourceFrame) -> None:
         """Nothing depends on the film."""
 
     def inset(self, pixels: float) -> float:
@@ -90,16 +90,16 @@ class PathsPainter(Painter):
         del pixels
         return self._width / 2 + 0.5
 
-    def paint(self, canvas: Canvas, moment: Moment, view: View, pixels: float) -> None:
+    def paint(self, canvas: Canvas, frame: SourceFrame, view: View, pixels: float) -> None:
         """Add lines."""
         del pixels
-        self._past.append(moment.positions[self._where])
+        self._past.append(frame.positions[self._where])
         past = np.stack(self._past)
-        moments, count, dimension = past.shape
+        frames, count, dimension = past.shape
         points, depth, _ = view.project(past.reshape(-1, dimension))
         whole = straight(self._domain, np.diff(past, axis=0)).ravel()
         farness = None if depth is None else view.farness(depth[count:])
-        ink = inks(np.tile(self._colors, (moments - 1, 1)), self._theme, farness)
+        ink = inks(np.tile(self._colors, (frames - 1, 1)), self._theme, farness)
         ends = np.concatenate([points[:-count], points[count:]], axis=1)[whole]
         widths = np.full(len(ends), self._width, dtype=np.float32)
         canvas.lines(ends, widths, ink[whole], None if depth is None else depth[count:][whole])

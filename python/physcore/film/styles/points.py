@@ -12,9 +12,9 @@ import numpy as np
 from physcore._core import Canvas, norms, tint
 from physcore.checks import FloatArray, number, word
 from physcore.errors import SceneError
-from physcore.film.camera import PixelArray, View
-from physcore.film.colormaps import ColormapName, sequential
-from physcore.film.sources import Moment, Source
+from physcore.film.camera.view import PixelArray, View
+from physcore.film.colors.colormaps import ColormapName, sequential
+from physcore.film.colors.themes import Theme
 from physcore.film.styles.base import (
     FOG,
     SHADING,
@@ -29,7 +29,7 @@ from physcore.film.styles.base import (
     straight,
     typical,
 )
-from physcore.film.themes import Theme
+from physcore.simulation.sources import Source, SourceFrame
 
 ColorBy = Literal["speed", "energy", "body"]
 
@@ -124,7 +124,7 @@ class PointsPainter(Painter):
 
     @property
     def scale(self) -> Scale | None:
-        """What the colors mean."""
+        """The scale of colors."""
         return None if self._color == "body" else Scale(self._color, UNITS[self._color], (0.0, self.top), self._table)
 
     @property
@@ -136,20 +136,20 @@ class PointsPainter(Painter):
         """Forget the paths."""
         self._past.clear()
 
-    def observe(self, moment: Moment) -> None:
+    def observe(self, frame: SourceFrame) -> None:
         """Find the top of the color scale."""
         if not self.settled:
-            self.top = max(self.top, typical(self._values(moment)))
+            self.top = max(self.top, typical(self._values(frame)))
 
     def inset(self, pixels: float) -> float:
         """A radius."""
         return self._chosen(pixels) + 1.0
 
-    def paint(self, canvas: Canvas, moment: Moment, view: View, pixels: float) -> None:
+    def paint(self, canvas: Canvas, frame: SourceFrame, view: View, pixels: float) -> None:
         """Add trails, then halos, then discs."""
-        positions = moment.positions[self._where]
+        positions = frame.positions[self._where]
         centers, depth, scale = view.project(positions)
-        fraction = None if self._color == "body" else self._values(moment) / (self.top or 1.0)
+        fraction = None if self._color == "body" else self._values(frame) / (self.top or 1.0)
         ink = self._inks(fraction, depth, view)
         radii = self._radii(scale, view, pixels)
         if self._past.maxlen != 1:
@@ -158,7 +158,7 @@ class PointsPainter(Painter):
         if self._style.glow > 0.0:
             self._paint_halos(canvas, centers, radii, ink, depth, fraction)
         if self._style.blur > 0.0:
-            self._paint_streaks(canvas, moment, view, radii, ink)
+            self._paint_streaks(canvas, frame, view, radii, ink)
             return
         shading = 0.0 if view.flat or radii.max(initial=0.0) < 2.0 else SHADING
         canvas.discs(centers, radii, ink, depth, shading)
@@ -166,16 +166,16 @@ class PointsPainter(Painter):
     def _paint_trails(self, canvas: Canvas, view: View, ink: InkArray, width: float) -> None:
         """Lines along the last positions that fade with age."""
         past = np.stack(self._past)
-        moments, count, dimension = past.shape
+        frames, count, dimension = past.shape
         pixels, depth, _ = view.project(past.reshape(-1, dimension))
         gaps = None if self._domain is None else ~straight(self._domain, np.diff(past, axis=0))
         canvas.trails(
-            pixels.reshape(moments, count, 2),
+            pixels.reshape(frames, count, 2),
             np.full(count, width, dtype=np.float32),
             ink,
             (self._theme.background, TRAIL),
             gaps,
-            None if depth is None else depth.reshape(moments, count),
+            None if depth is None else depth.reshape(frames, count),
         )
 
     def _paint_halos(
@@ -200,10 +200,10 @@ class PointsPainter(Painter):
             sum(self._theme.background) > BRIGHT,
         )
 
-    def _paint_streaks(self, canvas: Canvas, moment: Moment, view: View, radii: PixelArray, ink: InkArray) -> None:
+    def _paint_streaks(self, canvas: Canvas, frame: SourceFrame, view: View, radii: PixelArray, ink: InkArray) -> None:
         """Discs drawn out along their velocities, with the opacity that leaves their light the same."""
-        half = 0.5 * self._style.blur / self._fps * moment.channel("velocities")[self._where]
-        positions = moment.positions[self._where]
+        half = 0.5 * self._style.blur / self._fps * frame.channel("velocities")[self._where]
+        positions = frame.positions[self._where]
         (tails, before, _), (tips, after, _) = view.project(positions - half), view.project(positions + half)
         length = np.sqrt(np.einsum("nd,nd->n", tips - tails, tips - tails))
         faint = ink.copy()
@@ -211,9 +211,9 @@ class PointsPainter(Painter):
         depth = None if before is None or after is None else 0.5 * (before + after)
         canvas.lines(np.concatenate([tails, tips], axis=1), 2.0 * radii, faint, depth)
 
-    def _values(self, moment: Moment) -> FloatArray:
-        """What the color shows, (N,)."""
-        velocities = moment.channel("velocities")[self._where]
+    def _values(self, frame: SourceFrame) -> FloatArray:
+        """The quantity that the color shows, (N,)."""
+        velocities = frame.channel("velocities")[self._where]
         speeds = norms(velocities)
         return speeds if self._color == "speed" else 0.5 * self._mass * speeds**2
 

@@ -7,15 +7,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from physcore._core import Canvas
-from physcore.bodies import Body, SpringNetwork
 from physcore.checks import BoolArray, FloatArray, IntArray
 from physcore.errors import SceneError
-from physcore.film.camera import View
-from physcore.film.colormaps import diverging, look_up
-from physcore.film.sources import Moment, Source
+from physcore.film.camera.view import View
+from physcore.film.colors.colormaps import diverging, look_up
+from physcore.film.colors.themes import Theme
 from physcore.film.styles.base import Painter, Part, Scale, Style, inks, typical
-from physcore.film.themes import Theme
-from physcore.periodic import Periodic
+from physcore.scene.bodies import Body, SpringNetwork
+from physcore.scene.periodic import Periodic
+from physcore.simulation.sources import Source, SourceFrame
 
 WIDTHS = (1.0, 3.4)
 """The thinnest and the thickest line that is chosen by itself [pixels]."""
@@ -97,29 +97,29 @@ class StrainPainter(Painter):
 
     @property
     def scale(self) -> Scale:
-        """What the colors mean."""
+        """The scale of colors."""
         return strain_scale(self.top, self._table)
 
-    def observe(self, moment: Moment) -> None:
+    def observe(self, frame: SourceFrame) -> None:
         """Find the end of the color scale."""
         if self._style.range is None:
-            self.top = max(self.top, typical(np.abs(self._strain(moment))))
+            self.top = max(self.top, typical(np.abs(self._strain(frame))))
 
     def inset(self, pixels: float) -> float:
         """A line's half width, or a pin."""
         del pixels
         return max(WIDTHS[1], self._style.width or 0.0) / 2 + PIN
 
-    def paint(self, canvas: Canvas, moment: Moment, view: View, pixels: float) -> None:
+    def paint(self, canvas: Canvas, frame: SourceFrame, view: View, pixels: float) -> None:
         """Add lines, and pins above them."""
-        points, depth, _ = view.project(moment.positions)
+        points, depth, _ = view.project(frame.positions)
         first, second = self._pairs.T
         ends, between = points[second], None if depth is None else (depth[first] + depth[second]) / 2
         if self._domain is not None:  # A spring that crosses a face sticks out of it.
-            ends, there, _ = view.project(moment.positions[first] + self._apart(moment))
+            ends, there, _ = view.project(frame.positions[first] + self._separation(frame))
             between = None if depth is None or there is None else (depth[first] + there) / 2
         farness = None if between is None else view.farness(between)
-        colors = look_up(self._table, rooted(self._strain(moment) / self.top))
+        colors = look_up(self._table, rooted(self._strain(frame) / self.top))
         ink = inks(colors, self._theme, farness)
         ink[self._brace, 3] = round(255 * FAINT)
         widths = self._widths(view)
@@ -129,21 +129,21 @@ class StrainPainter(Painter):
         radii = np.full(len(self._fixed), radius, dtype=np.float32)
         canvas.discs(points[self._fixed], radii, pins, None if depth is None else depth[self._fixed])
 
-    def _strain(self, moment: Moment) -> FloatArray:
+    def _strain(self, frame: SourceFrame) -> FloatArray:
         """Length over rest length less one, (M,). Where the rest length is 0, the mean length takes its place."""
-        apart = self._apart(moment)
-        length = np.sqrt(np.einsum("md,md->m", apart, apart))
+        separation = self._separation(frame)
+        length = np.sqrt(np.einsum("md,md->m", separation, separation))
         rest = self._rest
         if not (rest > 0.0).all():
             rest = np.where(rest > 0.0, rest, max(float(length.mean()), NEVER))
         strain: FloatArray = (length - self._rest) / rest
         return strain
 
-    def _apart(self, moment: Moment) -> FloatArray:
-        """From the first to the second end of each spring [m], (M, D); positions within a domain tear springs apart."""
+    def _separation(self, frame: SourceFrame) -> FloatArray:
+        """Separation of the two ends of each spring [m], (M, D), in a domain that of the nearest images."""
         first, second = self._pairs.T
-        apart = moment.positions[second] - moment.positions[first]
-        return apart if self._domain is None else self._domain.nearest(apart)
+        separation = frame.positions[second] - frame.positions[first]
+        return separation if self._domain is None else self._domain.nearest(separation)
 
     def _widths(self, view: View) -> np.ndarray:
         """Widths (M,) [pixels]: a rope is thicker than the threads of a cloth."""
@@ -155,7 +155,7 @@ class StrainPainter(Painter):
 
 
 def rooted(strain: FloatArray) -> FloatArray:
-    """Where strains from -1 to 1 stand on a table of colors, 0–1: it goes with their root, so that small ones show."""
+    """Places of strains from -1 to 1 on a table of colors, 0–1: by their square root, so that small ones show."""
     fraction: FloatArray = 0.5 + 0.5 * np.sign(strain) * np.sqrt(np.abs(strain))
     return fraction
 

@@ -8,15 +8,15 @@ from typing import ClassVar
 import numpy as np
 
 from physcore._core import Canvas, tint
-from physcore.bodies import Body
 from physcore.checks import number
 from physcore.errors import SceneError
-from physcore.film.camera import View
-from physcore.film.sources import Moment, Source
+from physcore.film.camera.view import View
+from physcore.film.colors.themes import Theme
 from physcore.film.styles.base import Painter, Part
 from physcore.film.styles.field_style import FieldPainter, FieldStyle
 from physcore.film.styles.fields import Field, pattern
-from physcore.film.themes import Theme
+from physcore.scene.bodies import Body
+from physcore.simulation.sources import Source, SourceFrame
 
 STEP = 3.0
 """Length of a step along a streamline [pixels]."""
@@ -71,7 +71,7 @@ class Streamlines(FieldStyle):
         return super().painter(source, parts, theme)
 
     def field_painter(self, shown: Field, theme: Theme) -> Painter:
-        """What draws streamlines."""
+        """The painter of streamlines."""
         return StreamlinesPainter(self, shown, theme)
 
 
@@ -87,10 +87,10 @@ class StreamlinesPainter(FieldPainter):
         del pixels
         return self._style.width / 2 + 0.5
 
-    def paint(self, canvas: Canvas, moment: Moment, view: View, pixels: float) -> None:
+    def paint(self, canvas: Canvas, frame: SourceFrame, view: View, pixels: float) -> None:
         """Add lines that end on the pattern."""
         del pixels
-        at, step = self._field.around(moment, view, 0.5 * self._style.spacing), STEP / view.scale
+        at, step = self._field.around(frame, view, 0.5 * self._style.spacing), STEP / view.scale
         places = pattern(view, self._style.spacing)
         values = np.linalg.norm(at(places), axis=1)
         places, values = places[values > LEAST * self.top], values[values > LEAST * self.top]

@@ -10,17 +10,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from physcore._core import Canvas, Texture
-from physcore.bodies import Body, SpringNetwork
 from physcore.checks import FloatArray, IntArray, file_path, frozen, is_word, regular
 from physcore.errors import FileError, SceneError
-from physcore.film.camera import Orbit, View
-from physcore.film.colormaps import diverging, look_up
+from physcore.film.camera.view import Orbit, View
+from physcore.film.colors.colormaps import diverging, look_up
+from physcore.film.colors.themes import Color, Theme, color
 from physcore.film.pictures import opened
-from physcore.film.sources import Moment, Source
 from physcore.film.styles.base import Painter, Part, Scale, Style, body_color, inks, places, straight, sums, typical
 from physcore.film.styles.strain import rooted, strain_scale
-from physcore.film.themes import Color, Theme, color
-from physcore.periodic import Periodic
+from physcore.scene.bodies import Body, SpringNetwork
+from physcore.scene.periodic import Periodic
+from physcore.simulation.sources import Source, SourceFrame
 
 LAMP = np.array([-0.408, 0.577, 0.707])
 """Direction to the lamp: left, up, toward the eye; where that of balls stands too."""
@@ -138,30 +138,30 @@ class SurfacePainter(Painter):
 
     @property
     def scale(self) -> Scale | None:
-        """What the colors mean."""
+        """The scale of colors."""
         return strain_scale(self.top, self._table) if self._style.color == "strain" else None
 
-    def observe(self, moment: Moment) -> None:
+    def observe(self, frame: SourceFrame) -> None:
         """Find the end of the color scale."""
         if not self.settled:
-            self.top = max(self.top, typical(np.abs(self._strain(moment.positions))[self._where]))
+            self.top = max(self.top, typical(np.abs(self._strain(frame.positions))[self._where]))
 
     def inset(self, pixels: float) -> float:
         """A rim."""
         del pixels
         return 1.5
 
-    def paint(self, canvas: Canvas, moment: Moment, view: View, pixels: float) -> None:
+    def paint(self, canvas: Canvas, frame: SourceFrame, view: View, pixels: float) -> None:
         """Add triangles."""
         del pixels
-        corners, depth, _ = view.project(moment.positions)
-        light = np.ones(len(corners)) if view.flat else self._light(moment.positions, view)
-        colors = self._colors(moment.positions) * light[:, np.newaxis]
+        corners, depth, _ = view.project(frame.positions)
+        light = np.ones(len(corners)) if view.flat else self._light(frame.positions, view)
+        colors = self._colors(frame.positions) * light[:, np.newaxis]
         ink = inks(np.clip(colors, 0.0, 255.0), self._theme, None if depth is None else view.farness(depth))
         faces, spots = self._faces, self._spots
         if self._domain is not None:
             # A triangle that reaches across a face of the domain would cross the picture.
-            whole = straight(self._domain, np.diff(moment.positions[faces[:, [0, 1, 2, 0]]], axis=1)).all(axis=1)
+            whole = straight(self._domain, np.diff(frame.positions[faces[:, [0, 1, 2, 0]]], axis=1)).all(axis=1)
             faces, spots = faces[whole], spots[whole]
         canvas.triangles(
             np.ascontiguousarray(corners[faces].reshape(-1, 6)),
@@ -178,11 +178,11 @@ class SurfacePainter(Painter):
 
     def _strain(self, positions: FloatArray) -> FloatArray:
         """The mean strain of each particle's springs (N,)."""
-        apart = positions[self._pairs[:, 1]] - positions[self._pairs[:, 0]]
+        separation = positions[self._pairs[:, 1]] - positions[self._pairs[:, 0]]
         if self._domain is not None:
-            apart = self._domain.nearest(apart)
+            separation = self._domain.nearest(separation)
         rest = np.maximum(self._rest, NEVER)
-        strain = np.sqrt(np.einsum("md,md->m", apart, apart)) / rest - 1.0
+        strain = np.sqrt(np.einsum("md,md->m", separation, separation)) / rest - 1.0
         total = np.bincount(self._pairs.ravel(), weights=np.repeat(strain, 2), minlength=len(positions))
         mean: FloatArray = total / self._degree
         return mean

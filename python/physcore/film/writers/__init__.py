@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from physcore.film.writers.apng import ApngWriter
-from physcore.film.writers.base import QUALITIES, Film, Quality, Reel, Writer, delays
+from physcore.film.writers.base import QUALITIES, Film, FilmJob, Quality, Writer, delays
 from physcore.film.writers.gif import GifWriter
 from physcore.film.writers.mp4 import Mp4Writer
 from physcore.film.writers.png import PngWriter
@@ -12,4 +12,4 @@ from physcore.film.writers.webp import WebpWriter
 WRITERS: tuple[type[Writer], ...] = (GifWriter, WebpWriter, ApngWriter, Mp4Writer, PngWriter)
 """Every format that a film can have."""
 
-__all__ = ["QUALITIES", "WRITERS", "Film", "GifWriter", "Quality", "Reel", "Writer", "delays"]
+__all__ = ["QUALITIES", "WRITERS", "Film", "FilmJob", "GifWriter", "Quality", "Writer", "delays"]

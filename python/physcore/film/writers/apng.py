@@ -17,10 +17,10 @@ from typing import BinaryIO, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from physcore.files import replacing
-from physcore.film.writers.base import Film, Reel, Writer, delays
+from physcore.film.writers.base import Film, FilmJob, Writer, delays
 from physcore.film.writers.patches import patches
 from physcore.film.writers.png import KEYWORD, text_of
+from physcore.storage.files import replacing
 
 TICKS = 1000
 """Delays are given in milliseconds."""
@@ -36,11 +36,11 @@ class ApngWriter(Writer):
     fastest: ClassVar = 90.0  # Browsers slow delays of 10 ms and less down to 100 ms.
     longest: ClassVar = 65535 / TICKS
 
-    def write(self, reel: Reel, target: Path) -> Film:
+    def write(self, job: FilmJob, target: Path) -> Film:
         """Write a film."""
-        count, order = reel.stage.count, 0
+        count, order = job.renderer.count, 0
         with replacing(target) as file:
-            shown = zip(patches(reel.frames()), delays(count, reel.rate, TICKS), strict=True)
+            shown = zip(patches(job.frames()), delays(count, job.rate, TICKS), strict=True)
             for index, (patch, delay) in enumerate(shown):
                 height, width, _ = patch.pixels.shape
                 header, parts = _compressed(patch.pixels)
@@ -57,11 +57,11 @@ class ApngWriter(Writer):
                     else:
                         _chunk(file, b"fdAT", struct.pack(">I", order) + part)
                         order += 1
-            _chunk(file, b"tEXt", KEYWORD.encode() + b"\0" + reel.evidence.encode())
+            _chunk(file, b"tEXt", KEYWORD.encode() + b"\0" + job.provenance.encode())
             _chunk(file, b"IEND", b"")
-        return self.written(reel, target)
+        return self.written(job, target)
 
-    evidence = staticmethod(text_of)
+    provenance = staticmethod(text_of)
 
 
 def _chunk(file: BinaryIO, kind: bytes, content: bytes) -> None:

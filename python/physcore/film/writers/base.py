@@ -1,4 +1,4 @@
-"""What all formats of films have in common: what they get, and how long each frame is shown."""
+"""Formats of films: the job that a writer is given, the base of writers, and the display time of frames."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from typing import ClassVar, Literal, get_args
 from physcore._core import Canvas
 from physcore.checks import span
 from physcore.errors import SceneError
-from physcore.film.panels import Stage
-from physcore.formats import Format
+from physcore.film.renderer import Renderer
 from physcore.progress import Progress
+from physcore.storage.formats import Format
 
 Quality = Literal["fast", "high"]
 QUALITIES: tuple[Quality, ...] = get_args(Quality)
@@ -25,7 +25,7 @@ class Film:
     """A film that was written."""
 
     path: Path
-    """Where it is."""
+    """The path of its file."""
     bytes: int
     """How large it is."""
     size: tuple[int, int]
@@ -44,31 +44,31 @@ class Film:
 
 
 @dataclass(frozen=True, eq=False)
-class Reel:
+class FilmJob:
     """A film to be written, one frame at a time."""
 
-    stage: Stage
-    """What draws it."""
+    renderer: Renderer
+    """The renderer of its frames."""
     rate: float
     """Frames per second."""
     quality: Quality
     """How much care is taken of colors, where a format has few."""
     max_bytes: int | None
     """How large the file may become, where a format can be made smaller."""
-    tell: Callable[[], str]
-    """Gives what the film says of how it came about, in ASCII; a scene that was not simulated yet is, so ask late."""
+    describe: Callable[[], str]
+    """Gives the provenance record, as JSON in ASCII; a scene that was not simulated yet is, so ask late."""
     progress: bool | None
     """Whether to show a progress bar, as in `film`."""
 
     @property
-    def evidence(self) -> str:
-        """What it says of how it came about."""
-        return self.tell()
+    def provenance(self) -> str:
+        """The provenance record, as JSON in ASCII."""
+        return self.describe()
 
     def frames(self, stride: int = 1) -> Iterator[Canvas]:
         """Every frame, or every second, third, …; each canvas is valid until the next is asked for."""
-        with Progress(self.stage.count, "drawing", self.progress) as bar:
-            for index, canvas in enumerate(self.stage.frames()):
+        with Progress(self.renderer.count, "drawing", self.progress) as bar:
+            for index, canvas in enumerate(self.renderer.frames()):
                 if index % stride == 0:
                     yield canvas
                 bar.update(index + 1)
@@ -78,7 +78,7 @@ class Writer(Format, ABC):
     """A format of films."""
 
     name: ClassVar[str]
-    """What it is called in a sentence."""
+    """Its name in a sentence."""
     fastest: ClassVar[float] = math.inf
     """Frames per second that every viewer shows."""
     longest: ClassVar[float] = math.inf
@@ -108,7 +108,7 @@ class Writer(Format, ABC):
     """Whether it can be made to fit into a number of bytes."""
 
     @abstractmethod
-    def write(self, reel: Reel, target: Path) -> Film:
+    def write(self, job: FilmJob, target: Path) -> Film:
         """Write a film; it appears under its name when it is whole, and until then what was there stays.
 
         Raises:
@@ -116,14 +116,14 @@ class Writer(Format, ABC):
         """
 
     @classmethod
-    def written(cls, reel: Reel, target: Path) -> Film:
-        """What was written, if it shows the whole reel."""
-        return Film(target, target.stat().st_size, reel.stage.size, reel.stage.count, reel.rate)
+    def written(cls, job: FilmJob, target: Path) -> Film:
+        """The film that was written, if it shows the whole job."""
+        return Film(target, target.stat().st_size, job.renderer.size, job.renderer.count, job.rate)
 
     @staticmethod
     @abstractmethod
-    def evidence(path: Path) -> str | None:
-        """What a file says of how it came about; None if it says nothing.
+    def provenance(path: Path) -> str | None:
+        """The provenance record in a file; None if there is none.
 
         Raises:
             OSError, ValueError: the file cannot be read.

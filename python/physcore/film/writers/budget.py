@@ -14,12 +14,12 @@ SLOWEST = 10.0
 FEWEST = 32
 """Colors that are always left."""
 ROOM = 0.95
-"""What part of the bytes is aimed at, because the size of a film is only estimated."""
+"""The fraction of the bytes that is aimed at, because the size of a film is only estimated."""
 
 
 @dataclass(frozen=True)
 class Cut:
-    """What is left of a film: at first everything."""
+    """A reduction of a film: size, rate and colors; at first none."""
 
     scale: float = 1.0
     """The width of the picture, over that asked for."""

@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import BinaryIO, ClassVar
 
 from physcore._core import Gif
-from physcore.files import held, replacing
-from physcore.film.writers.base import Film, Reel, Writer, delays
+from physcore.film.writers.base import Film, FilmJob, Writer, delays
 from physcore.film.writers.budget import Cut
+from physcore.storage.files import held, replacing
 
 TICKS = 100
 """Delays are hundredths of a second."""
@@ -31,27 +31,27 @@ class GifWriter(Writer):
 
     budgeted: ClassVar = True
 
-    def write(self, reel: Reel, target: Path) -> Film:
+    def write(self, job: FilmJob, target: Path) -> Film:
         """Write a film, as often as it takes to find what fits into the bytes that are allowed."""
-        cut, whole = Cut(), reel.stage.size
+        cut, whole = Cut(), job.renderer.size
         while True:
             try:
-                _write_file(reel, target, cut)
+                _write_file(job, target, cut)
             except TooLargeError as error:
-                cut = cut.deeper(error.excess, reel.rate, error.limit)
-                reel.stage.resize(cut.size(whole))
+                cut = cut.deeper(error.excess, job.rate, error.limit)
+                job.renderer.resize(cut.size(whole))
             else:
-                frames = ceil(reel.stage.count / cut.stride)
-                size, rate = target.stat().st_size, reel.rate / cut.stride
-                return Film(target, size, reel.stage.size, frames, rate, cut.colors)
+                frames = ceil(job.renderer.count / cut.stride)
+                size, rate = target.stat().st_size, job.rate / cut.stride
+                return Film(target, size, job.renderer.size, frames, rate, cut.colors)
 
     @staticmethod
-    def content(reel: Reel) -> bytes:
+    def content(job: FilmJob) -> bytes:
         """The bytes of a film, without a file."""
-        return _write(reel, None, Cut()) or b""
+        return _write(job, None, Cut()) or b""
 
     @staticmethod
-    def evidence(path: Path) -> str | None:
+    def provenance(path: Path) -> str | None:
         """The last comment. Source: CompuServe, "Graphics Interchange Format, Version 89a", 1990."""
         comment = None
         with path.open("rb") as file:
@@ -81,7 +81,7 @@ class TooLargeError(Exception):
         """How many times more, as far as can be told."""
 
 
-def _write_file(reel: Reel, target: Path, cut: Cut) -> None:
+def _write_file(job: FilmJob, target: Path, cut: Cut) -> None:
     """Write what is left of all frames under a temporary name first, which is locked as long as it is there.
 
     Raises:
@@ -90,32 +90,32 @@ def _write_file(reel: Reel, target: Path, cut: Cut) -> None:
     with ExitStack() as until_replaced, replacing(target) as file:
         part = Path(f"{file.name}.part")
         try:
-            _write(reel, part, cut)
+            _write(job, part, cut)
             until_replaced.enter_context(held(part))
             os.replace(part, file.name)
         finally:
             part.unlink(missing_ok=True)
 
 
-def _write(reel: Reel, target: Path | None, cut: Cut) -> bytes | None:
+def _write(job: FilmJob, target: Path | None, cut: Cut) -> bytes | None:
     """Write what is left of all frames, and give their bytes if there is no file to put them into.
 
     Raises:
         TooLargeError: they are too many; nothing was written.
     """
-    stage, limit = reel.stage, reel.max_bytes
-    times = delays(ceil(stage.count / cut.stride), reel.rate / cut.stride, TICKS)
-    with closing(Gif(target, stage.reserved, quality=reel.quality, colors=cut.colors)) as gif:
-        for canvas in stage.samples():
+    renderer, limit = job.renderer, job.max_bytes
+    times = delays(ceil(renderer.count / cut.stride), job.rate / cut.stride, TICKS)
+    with closing(Gif(target, renderer.reserved, quality=job.quality, colors=cut.colors)) as gif:
+        for canvas in renderer.samples():
             gif.observe(canvas)
-        for index, (canvas, delay) in enumerate(zip(reel.frames(cut.stride), times, strict=True)):
+        for index, (canvas, delay) in enumerate(zip(job.frames(cut.stride), times, strict=True)):
             gif.frame(canvas, delay)
             if limit is not None and (index % LOOK == LOOK - 1 or index == len(times) - 1):
                 _refuse_if_too_large(gif.written(), limit, (index + 1) / len(times))
-        evidence = reel.evidence
+        provenance = job.provenance
         if limit is not None:
-            _refuse_if_too_large(gif.written() + len(evidence) + SMALL, limit, 1.0)
-        gif.comment(evidence)
+            _refuse_if_too_large(gif.written() + len(provenance) + SMALL, limit, 1.0)
+        gif.comment(provenance)
         return gif.finish()
 
 

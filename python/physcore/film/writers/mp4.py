@@ -12,8 +12,8 @@ from typing import IO, TYPE_CHECKING, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from physcore.files import replacing
-from physcore.film.writers.base import Film, Reel, Writer
+from physcore.film.writers.base import Film, FilmJob, Writer
+from physcore.storage.files import replacing
 
 # What runs another program is imported where it is used: it takes as long as half of physcore.
 if TYPE_CHECKING:
@@ -28,9 +28,9 @@ ENCODER = (
     *("-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc", "bt709"),
     *("-fflags", "+bitexact", "-flags:v", "+bitexact", "-movflags", "+faststart"),
 )
-"""What every player shows, and a film can begin before it has been loaded to its end."""
+"""Options of the encoder: every player shows it, and it can begin before it has been loaded to its end."""
 COMMENT = (b"moov", b"udta", b"meta", b"ilst", b"\xa9cmt", b"data")
-"""Where in the boxes of a file the comment is."""
+"""The path of the comment through the boxes of a file."""
 
 
 class Mp4Writer(Writer):
@@ -46,29 +46,29 @@ class Mp4Writer(Writer):
         """FFmpeg, if it is not there."""
         return None if _ffmpeg() else "an MP4 needs FFmpeg: pip install 'physcore[video]'; a .webp needs nothing"
 
-    def write(self, reel: Reel, target: Path) -> Film:
+    def write(self, job: FilmJob, target: Path) -> Film:
         """Write a film; a side of odd length gets one more row or column, because colors have half the resolution."""
         import subprocess
         import tempfile
 
-        frames = (_even(canvas.pixels()) for canvas in reel.frames())
+        frames = (_even(canvas.pixels()) for canvas in job.frames())
         first = next(frames)
         with (
             replacing(target) as file,
             tempfile.NamedTemporaryFile() as notes,
             tempfile.TemporaryFile() as complaints,
         ):
-            notes.write(b";FFMETADATA1\ncomment=" + _escaped(reel.evidence).encode() + b"\n")
+            notes.write(b";FFMETADATA1\ncomment=" + _escaped(job.provenance).encode() + b"\n")
             notes.flush()
-            command = _command(first.shape[:2], reel.rate, notes.name, file.name)
+            command = _command(first.shape[:2], job.rate, notes.name, file.name)
             with subprocess.Popen(command, stdin=subprocess.PIPE, stderr=complaints, bufsize=0) as encoder:
                 _feed(encoder, chain([first], frames))
             if encoder.returncode != 0:
                 raise OSError(_cause(encoder.returncode, complaints))
-        return self.written(reel, target)
+        return self.written(job, target)
 
     @staticmethod
-    def evidence(path: Path) -> str | None:
+    def provenance(path: Path) -> str | None:
         """The comment. Source: Apple, "QuickTime File Format", metadata; every box has a length and a kind."""
         content = path.read_bytes()
         start, end = 0, len(content)
@@ -93,7 +93,7 @@ def _ffmpeg() -> str:
 
 
 def _command(shape: tuple[int, ...], rate: float, notes: str, target: str) -> list[str]:
-    """What makes a film of the frames that come in."""
+    """The command that encodes the frames that come in."""
     height, width = shape
     frames = ("-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{width}x{height}", "-framerate", str(exact(rate)))
     inputs = ("-f", "ffmetadata", "-i", notes, *frames, "-i", "pipe:0", "-map", "1:v", "-map_metadata", "0")

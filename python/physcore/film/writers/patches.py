@@ -1,4 +1,4 @@
-"""What has changed from frame to frame, for formats that draw each frame over the one before."""
+"""Differences between frames, for formats that draw each frame over the one before."""
 
 from __future__ import annotations
 

@@ -6,11 +6,11 @@ from collections import deque
 from pathlib import Path
 from typing import ClassVar
 
-from physcore.files import replacing
-from physcore.film.writers.base import Film, Reel, Writer
+from physcore.film.writers.base import Film, FilmJob, Writer
+from physcore.storage.files import replacing
 
 KEYWORD = "physcore"
-"""Under which the evidence stands."""
+"""Under which the provenance stands."""
 
 
 def text_of(path: Path) -> str | None:
@@ -38,16 +38,16 @@ class PngWriter(Writer):
     suffixes: ClassVar = (".png",)
     name: ClassVar = "a PNG"
 
-    def write(self, reel: Reel, target: Path) -> Film:
+    def write(self, job: FilmJob, target: Path) -> Film:
         """Write the last frame."""
         from PIL import Image
         from PIL.PngImagePlugin import PngInfo
 
-        last = deque(reel.frames(), maxlen=1)[0]
+        last = deque(job.frames(), maxlen=1)[0]
         texts = PngInfo()
-        texts.add_text(KEYWORD, reel.evidence)
+        texts.add_text(KEYWORD, job.provenance)
         with replacing(target) as file:
             Image.fromarray(last.pixels()).save(file, format="PNG", pnginfo=texts)
-        return Film(target, target.stat().st_size, reel.stage.size, 1, reel.rate)
+        return Film(target, target.stat().st_size, job.renderer.size, 1, job.rate)
 
-    evidence = staticmethod(text_of)
+    provenance = staticmethod(text_of)

@@ -14,10 +14,10 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from physcore.files import replacing
 from physcore.film.pictures import opened
-from physcore.film.writers.base import Film, Reel, Writer, delays
+from physcore.film.writers.base import Film, FilmJob, Writer, delays
 from physcore.film.writers.patches import Patch, patches
+from physcore.storage.files import replacing
 
 TICKS = 1000
 """Delays are milliseconds."""
@@ -25,11 +25,11 @@ QUALITY = 90
 """Of 100. A film takes 0.4 to 0.9 of a GIF's bytes, and thin lines lose a little of their color; without loss it would
 take twice a GIF's, and that is what APNG is for."""
 ANIMATED, DESCRIBED = 0x02, 0x08
-"""What a film has: several frames, and EXIF."""
+"""Flags of a film: several frames, and EXIF."""
 REPLACE = b"\x02"
 """A frame takes the place of what is there, and stays."""
 DESCRIPTION = 0x010E
-"""The EXIF tag that holds the evidence: ImageDescription."""
+"""The EXIF tag that holds the provenance: ImageDescription."""
 
 
 class WebpWriter(Writer):
@@ -40,13 +40,13 @@ class WebpWriter(Writer):
     fastest: ClassVar = 90.0  # Browsers slow delays of 10 ms and less down to 100 ms.
     longest: ClassVar = (2**24 - 1) / TICKS
 
-    def write(self, reel: Reel, target: Path) -> Film:
+    def write(self, job: FilmJob, target: Path) -> Film:
         """Write a film."""
         from PIL import Image
 
         with replacing(target) as file:
             file.write(b"RIFF\0\0\0\0WEBP")
-            shown = zip(patches(reel.frames()), delays(reel.stage.count, reel.rate, TICKS), strict=True)
+            shown = zip(patches(job.frames()), delays(job.renderer.count, job.rate, TICKS), strict=True)
             for index, (patch, delay) in enumerate(shown):
                 if index == 0:
                     height, width, _ = patch.pixels.shape
@@ -55,15 +55,15 @@ class WebpWriter(Writer):
                     file.write(_chunk(b"ANIM", struct.pack("<IH", 0, 0)))  # for ever
                 file.write(_chunk(b"ANMF", _frame(patch, delay)))
             exif = Image.Exif()
-            exif[DESCRIPTION] = reel.evidence
+            exif[DESCRIPTION] = job.provenance
             file.write(_chunk(b"EXIF", exif.tobytes().removeprefix(b"Exif\0\0")))
             size = file.tell()
             file.seek(4)
             file.write(struct.pack("<I", size - 8))
-        return self.written(reel, target)
+        return self.written(job, target)
 
     @staticmethod
-    def evidence(path: Path) -> str | None:
+    def provenance(path: Path) -> str | None:
         """The description in the EXIF data."""
         with opened(path) as image:
             text = image.getexif().get(DESCRIPTION)

@@ -1,0 +1,252 @@
+"""Framing: what a camera leaves open is found from the motion, and gives the view of each panel in each frame."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from physcore.checks import FloatArray
+from physcore.errors import SceneError
+from physcore.film.camera.track import Camera, Follow, still
+from physcore.film.camera.view import Area, Face, Orbit, Still, View, Window, aim, look_at
+from physcore.film.camera.view import frame as fit
+from physcore.film.first_pass import Bounds, FirstPass
+from physcore.film.scenery import GRID, Scenery
+from physcore.scene.periodic import Periodic
+from physcore.simulation.sources import Source, SourceFrame
+
+LOW, HIGH = Orbit(), Orbit(elevation=52.0)
+"""From where a 3D scene is seen by itself: from above if it is flat."""
+FLAT = 0.25
+"""A scene whose height is below this fraction of its width is flat."""
+MARGIN = 2.0
+"""The extent of the view around a followed body, over that of the body."""
+AROUND = 0.1
+"""The least extent of that view, as a fraction of that of all that happens."""
+GROUND = 0.54
+"""Half the width of the ground in 3D, as a fraction of what happens upon it."""
+
+
+@dataclass(frozen=True, eq=False)
+class CameraTrack:
+    """The path of the camera: the cameras to choose from, each as it is at every frame, or once if it stands still."""
+
+    choices: list[list[Still]]
+    follow: Follow | None
+
+    @property
+    def axes(self) -> list[FloatArray]:
+        """The axes of each choice, shape (K, D, D)."""
+        return [np.stack([each.axes for each in stills]) for stills in self.choices]
+
+    @property
+    def moving(self) -> bool:
+        """Whether the view changes from frame to frame."""
+        return self.follow is not None or len(self.choices[0]) > 1
+
+    @property
+    def closed(self) -> bool:
+        """Whether nothing is left to be found from the motion."""
+        return self.follow is None and all(_is_closed(each) for stills in self.choices for each in stills)
+
+
+def camera_track(camera: Camera | Follow | None, found: Sequence[Source], clock: FloatArray) -> CameraTrack:
+    """The cameras of a film whose frames are at some times [s].
+
+    Raises:
+        SceneError: panels are of different dimensions, or the camera is not for theirs.
+    """
+    dimensions = {source.scene.dimension for source in found}
+    if len(dimensions) > 1:
+        raise SceneError("recording: panels must all be in 2D or all in 3D")
+    flat = dimensions == {2}
+    follow = camera if isinstance(camera, Follow) else None
+    inner = camera.camera if isinstance(camera, Follow) else camera
+    if inner is None:
+        standing: list[Still] = [Face()] if flat else [LOW] if follow else [LOW, HIGH]
+        choices = [[each] for each in standing]
+    else:
+        stills = [still(inner, time, flat=flat) for time in clock.tolist()]
+        choices = [stills[:1] if all(each == stills[0] for each in stills) else stills]
+    if follow is not None:
+        for source in found:
+            follow.particles(source.scene)
+        if any(isinstance(each, Orbit) and each.target is not None for each in choices[0]):
+            raise SceneError("Follow.camera: must have no target; the bodies are what it looks at")
+        choices = [stills * len(clock) if len(stills) == 1 else stills for stills in choices]
+    return CameraTrack(choices, follow)
+
+
+@dataclass(eq=False)
+class Extent:
+    """The extent of one panel: the centers of its views, and how far things reach from there.
+
+    All arrays have one row for each frame, or a single one if the view does not change.
+    """
+
+    stills: list[Still]
+    centers: FloatArray
+    """Centers of the views, along each camera's axes [m], shape (K, D)."""
+    shown: FloatArray
+    """Half the size of what has to be in the picture [m], shape (K, D)."""
+    seen: FloatArray
+    """Half the size of all that there is [m], shape (K, D)."""
+    scenery: Scenery
+    """The place of the scenery."""
+    domain: Periodic | None
+    """The periodic domain, if it is shown from a body in it."""
+    follows: bool
+    """Whether a body stays in the middle."""
+
+    def magnification(self, area: Area, inset: float) -> float:
+        """The least number of pixels per meter in a rectangle."""
+        framing = fit(self.stills, self.shown, area, inset, self.seen)
+        if isinstance(self.stills[0], Window):
+            return min(aim(each, self.centers[0], framing, area).scale for each in self.stills)
+        return framing.scale
+
+    @property
+    def given(self) -> bool:
+        """Whether how much is shown does not go by the format: it was given, or is what is around a body."""
+        if self.follows and not isinstance(self.stills[0], Window):
+            return True
+        return any(isinstance(each, Orbit) and each.extent is not None for each in self.stills)
+
+
+@dataclass(eq=False)
+class PanelView:
+    """The view of one panel in each frame."""
+
+    extent: Extent
+    area: Area
+    inset: float
+
+    def __post_init__(self) -> None:
+        extent = self.extent
+        self._framing = fit(extent.stills, extent.shown, self.area, self.inset, extent.seen)
+        self._standing = self._view(0) if len(extent.stills) == 1 else None
+
+    def at(self, index: int) -> View:
+        """The view of a frame."""
+        return self._view(index) if self._standing is None else self._standing
+
+    def scenery(self, view: View) -> Scenery:
+        """The place of the scenery in a view."""
+        scenery, left, right = self.extent.scenery, self.area[0], self.area[2]
+        if view.flat:  # the ground goes on beyond the picture
+            wide = float(right - left + self.area[3]) / view.scale
+            scenery = replace(scenery, middle=view.center, size=max(scenery.size, wide))
+        if self.extent.domain is None:
+            return scenery
+        center = view.axes.T @ view.center
+        lower = np.where(np.isfinite(self.extent.domain.lengths), center - self.extent.domain.lengths / 2, -np.inf)
+        upper = np.where(np.isfinite(self.extent.domain.lengths), center + self.extent.domain.lengths / 2, np.inf)
+        if not view.flat:  # the ground comes along, and its grid stays where it is
+            step = 2.0 * scenery.size / GRID
+            scenery = replace(scenery, middle=step * np.rint(center / step))
+        return replace(scenery, domain=Periodic(lower, upper))
+
+    def shown(self, frame: SourceFrame, view: View) -> SourceFrame:
+        """A frame as it is shown: around a followed body everything is where it is nearest to it."""
+        if self.extent.domain is None:
+            return frame
+        center = view.axes.T @ view.center
+        return replace(frame, positions=center + self.extent.domain.nearest(frame.positions - center))
+
+    def _view(self, index: int) -> View:
+        index = min(index, len(self.extent.stills) - 1)
+        return aim(self.extent.stills[index], self.extent.centers[index], self._framing, self.area)
+
+
+def extents(track: CameraTrack, passes: Sequence[FirstPass], found: Sequence[Source]) -> list[Extent]:
+    """The extent of each panel, so that all of them share one camera and one scale."""
+    whole = _merged([seen.whole for seen in passes])
+    lower, upper = whole.lower[0], whole.upper[0]
+    chosen = _choice(upper - lower) if len(track.choices) > 1 else 0
+    stills, box = track.choices[chosen], _merged([seen.boxes[chosen] for seen in passes])
+    axes = box.axes
+    if track.follow is None:
+        centers = [_centers(stills, axes, box, (lower + upper) / 2)] * len(found)
+        shown = seen = np.maximum(box.upper - centers[0], centers[0] - box.lower)
+    else:
+        paths = [_path(each, track.follow, source) for source, each in zip(found, passes, strict=True)]
+        centers = [np.einsum("kij,kj->ki", axes, path) for path in paths]
+        reaches = [_reach(source.scene.periodic, whole, path) for source, path in zip(found, paths, strict=True)]
+        seen = np.abs(axes) @ np.max(reaches, axis=0)
+        bodies = [np.maximum(each.upper, -each.lower).max(axis=0) for each in _around(passes)]
+        least = AROUND * np.max((box.upper - box.lower) / 2, axis=0)
+        shown = np.tile(np.maximum(MARGIN * np.max(bodies, axis=0), least), (len(stills), 1))
+    result = []
+    for source, center in zip(found, centers, strict=True):
+        scenery = _scenery(track, source, stills, lower, upper, axes[0].T @ center[0])
+        domain = source.scene.periodic if track.follow is not None else None
+        result.append(Extent(stills, center, shown, seen, scenery, domain, track.follow is not None))
+    return result
+
+
+def _centers(stills: Sequence[Still], axes: FloatArray, box: Bounds, middle: FloatArray) -> FloatArray:
+    """Centers of each camera's view, along its axes (K, D) [m]."""
+    if len(stills) == 1 and look_at(stills[0]) is None:
+        return (box.lower + box.upper) / 2  # along the axes of a camera that stands, the box is the smallest
+    targets = [look_at(each) for each in stills]
+    return np.stack([axis @ (middle if at is None else at) for axis, at in zip(axes, targets, strict=True)])
+
+
+def _path(seen: FirstPass, follow: Follow, source: Source) -> FloatArray:
+    """The path of a camera that follows (F, D) [m]."""
+    assert seen.path is not None  # the first pass knew what to follow
+    return seen.path.smoothed(follow.smoothing * source.fps)
+
+
+def _around(passes: Sequence[FirstPass]) -> list[Bounds]:
+    """Bounds of the followed particles around the paths of the cameras."""
+    return [seen.path.around for seen in passes if seen.path is not None]
+
+
+def _reach(domain: Periodic | None, whole: Bounds, path: FloatArray) -> FloatArray:
+    """How far things go from a path along the axes of the scene (D,) [m]; half a period in a domain."""
+    away = np.maximum(whole.upper - path, path - whole.lower).max(axis=0)
+    if domain is None:
+        result: FloatArray = away
+        return result
+    return np.where(np.isfinite(domain.lengths), domain.lengths / 2, away)
+
+
+def _scenery(
+    track: CameraTrack,
+    source: Source,
+    stills: Sequence[Still],
+    lower: FloatArray,
+    upper: FloatArray,
+    center: FloatArray,
+) -> Scenery:
+    """The ground under all that happens; it stays where it is when the camera moves."""
+    extent = upper - lower
+    if len(extent) == 2:
+        return Scenery(source.scene.periodic, center, float(np.linalg.norm(extent)))
+    widths = [float(extent[0]), float(extent[1])]
+    widths += [each.extent for each in stills if isinstance(each, Orbit) and each.extent is not None and track.closed]
+    return Scenery(source.scene.periodic, (lower + upper) / 2 if track.moving else center, GROUND * max(widths))
+
+
+def _merged(boxes: Sequence[Bounds]) -> Bounds:
+    """Boxes that hold those of all panels."""
+    result = Bounds(boxes[0].axes)
+    for each in boxes:
+        result.merge(each)
+    return result
+
+
+def _choice(extent: FloatArray) -> int:
+    """Which camera suits the shape of what happens."""
+    width, depth, height = extent
+    return int(height < FLAT * max(width, depth))
+
+
+def _is_closed(camera: Still) -> bool:
+    """Whether a camera says both where it looks and how much it shows."""
+    if isinstance(camera, Orbit):
+        return camera.target is not None and camera.extent is not None
+    return isinstance(camera, Window)

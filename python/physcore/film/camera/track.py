@@ -1,0 +1,214 @@
+"""Cameras that move: between keyframes, after a body, or as a function of time says."""
+
+from __future__ import annotations
+
+import math
+from bisect import bisect_right
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Literal, cast
+
+import numpy as np
+
+from physcore.checks import BoolArray, FloatArray, number, shown, span, word
+from physcore.errors import SceneError
+from physcore.film.camera.view import Orbit, Still, Window
+from physcore.scene.bodies import Body
+from physcore.scene.periodic import Periodic
+from physcore.scene.scene import BodyKey, Scene
+
+Easing = Literal["smooth", "linear"]
+OPEN = ("target", "extent")
+"""The parameters that an Orbit may leave to be found from the motion."""
+TAIL = 4.0
+"""Cutoff of the Gaussian that smooths a path [standard deviations]."""
+NARROW = 0.1
+"""Standard deviation below which a Gaussian, e⁻⁵⁰ at the next frame, smooths nothing [frames]."""
+
+
+@dataclass(frozen=True)
+class Keyframes:
+    """A camera that goes from one to the next, for orbits, zooms and looking around.
+
+    Angles and targets change evenly, an `extent` (and the size of a Window) by equal factors in equal times, so that a
+    zoom looks even; a target moves along with the zoom. Before the first time and after the last one the camera stands
+    still. What all of them leave as None is found from the motion, once for the whole film.
+
+    Args:
+        cameras: what the camera is at some times [s]; all of them Windows, or all of them Orbits.
+        easing: "smooth": at rest at each of the times (3w² − 2w³ in between); "linear": with a constant speed between
+            them.
+
+    Raises:
+        SceneError: a time is not a finite number, the cameras are of different kinds, or one of them leaves open what
+            another one gives.
+    """
+
+    cameras: Mapping[float, Window | Orbit]
+    easing: Easing = "smooth"
+
+    def __post_init__(self) -> None:
+        given = cast(object, self.cameras)
+        if not isinstance(given, Mapping) or not given:
+            raise SceneError(f"Keyframes.cameras: must be like {{time: camera, …}}, got {shown(given)}")
+        word(self.easing, "Keyframes.easing", ("smooth", "linear"))
+        timed = {number(time, "Keyframes.cameras"): camera for time, camera in self.cameras.items()}
+        ordered = [(time, timed[time]) for time in sorted(timed)]
+        first = ordered[0][1]
+        for time, camera in ordered:
+            path, kind = f"Keyframes.cameras[{time:g}]", Window if isinstance(first, Window) else Orbit
+            if not isinstance(camera, kind):
+                raise SceneError(f"{path}: must be like the first one, a Window or an Orbit, got {shown(camera)}")
+            for name in OPEN:
+                if isinstance(first, Orbit) and (getattr(camera, name) is None) != (getattr(first, name) is None):
+                    raise SceneError(f"{path}.{name}: give it in all keyframes or in none")
+        object.__setattr__(self, "cameras", dict(ordered))
+
+    def __call__(self, time: float) -> Window | Orbit:
+        """The camera at a time [s]."""
+        times = list(self.cameras)
+        after = bisect_right(times, time)
+        if after in (0, len(times)):
+            return self.cameras[times[max(after - 1, 0)]]
+        start, end = times[after - 1], times[after]
+        fraction = (time - start) / (end - start)
+        if self.easing == "smooth":
+            fraction *= fraction * (3.0 - 2.0 * fraction)
+        return between(self.cameras[start], self.cameras[end], fraction)
+
+
+Camera = Window | Orbit | Keyframes | Callable[[float], Window | Orbit]
+"""A camera that stands, or one that says where it is at a time [s]."""
+
+
+@dataclass(frozen=True)
+class Follow:
+    """A camera that keeps a body in the middle of the picture.
+
+    It looks at the center of mass of the particles that can move, smoothed over the film with a Gaussian in
+    time: it begins to turn before the body does, never overshoots and keeps up with an even motion. In a periodic
+    domain the body stays in the middle, and everything else is shown where it is nearest to it.
+
+    Args:
+        bodies: the body, its index or its name, or several of them; each panel must have them.
+        camera: from where to look and how much to show: an Orbit in 3D, a Window in 2D (of which only the size counts),
+            Keyframes or a function of these; without a target. None, or no extent: so much that the body fills at most
+            half of the picture, and sees at least a tenth of all that happens.
+        smoothing: standard deviation of the Gaussian [s of the simulation]; 0: exactly at the center of mass.
+
+    Raises:
+        SceneError: an argument is not valid.
+    """
+
+    bodies: BodyKey | Sequence[BodyKey]
+    camera: Camera | None = None
+    smoothing: float = 0.5
+
+    def __post_init__(self) -> None:
+        keys = cast(object, (self.bodies,) if isinstance(self.bodies, (Body, int, str)) else self.bodies)
+        if not isinstance(keys, Sequence) or not keys or not all(isinstance(key, (Body, int, str)) for key in keys):
+            raise SceneError(f"Follow.bodies: must be a body or several ([one, two]), got {shown(self.bodies)}")
+        object.__setattr__(self, "bodies", tuple(keys))
+        object.__setattr__(self, "smoothing", span(self.smoothing, "Follow.smoothing", empty=True))
+        if not _is_camera(self.camera):
+            raise SceneError(
+                f"Follow.camera: must be a Window, an Orbit, Keyframes or a function, got {shown(self.camera)}"
+            )
+
+    def particles(self, scene: Scene) -> BoolArray:
+        """Which particles (N,) of a scene are followed: those of the bodies that can move, or all if none can."""
+        chosen, free = np.zeros(scene.particles, dtype=bool), np.zeros(scene.particles, dtype=bool)
+        assert isinstance(self.bodies, tuple)  # made so by __post_init__
+        for key in self.bodies:
+            try:
+                where, body = scene.slice(key), scene.bodies[scene.index(key)]
+            except (KeyError, IndexError) as error:
+                raise SceneError(f"Follow.bodies: {error.args[0]}") from None
+            chosen[where], free[where] = True, ~body.fixed
+        return free if free.any() else chosen
+
+
+def between(first: Window | Orbit, second: Window | Orbit, fraction: float) -> Window | Orbit:
+    """The camera at a fraction of the way from one to another of its kind."""
+    if isinstance(first, Window) and isinstance(second, Window):
+        size, other = (math.sqrt(math.prod(np.subtract(each.upper, each.lower))) for each in (first, second))
+        along = _zoomed(size, other, fraction)
+        lower, upper = _mix(first.lower, second.lower, along), _mix(first.upper, second.upper, along)
+        return Window((lower[0], lower[1]), (upper[0], upper[1]))
+    assert isinstance(first, Orbit)
+    assert isinstance(second, Orbit)
+    along, extent, target = fraction, first.extent, first.target
+    if first.extent is not None and second.extent is not None:
+        extent = first.extent ** (1.0 - fraction) * second.extent**fraction
+        along = _zoomed(first.extent, second.extent, fraction)
+    if first.target is not None and second.target is not None:
+        x, y, z = _mix(first.target, second.target, along)
+        target = (x, y, z)
+    angles = {
+        name: (1.0 - fraction) * getattr(first, name) + fraction * getattr(second, name)
+        for name in ("azimuth", "elevation", "field_of_view", "aperture")
+    }
+    return replace(first, target=target, extent=extent, **angles)
+
+
+def still(camera: Camera, time: float, *, flat: bool) -> Still:
+    """A camera as it is at a time [s].
+
+    Raises:
+        SceneError: it is not a Window in 2D, or not an Orbit in 3D.
+    """
+    now = camera(time) if callable(camera) and not isinstance(camera, type) else camera
+    if not isinstance(now, Window if flat else Orbit):
+        when = "" if now is camera else f" at {time:g} s"
+        raise SceneError(f"camera: must be {'a Window in 2D' if flat else 'an Orbit in 3D'}{when}, got {shown(now)}")
+    return now
+
+
+def smooth(path: FloatArray, width: float) -> FloatArray:
+    """A path (F, D) smoothed with a Gaussian whose standard deviation is `width` frames.
+
+    Beyond its ends the path goes on mirrored in them, so that an even motion stays as it is, and so do the ends.
+    """
+    reach = min(math.ceil(TAIL * width), len(path) - 1)
+    if reach == 0 or width < NARROW:
+        return path
+    weights = np.exp(-0.5 * (np.arange(-reach, reach + 1) / width) ** 2)
+    before, after = 2.0 * path[0] - path[reach:0:-1], 2.0 * path[-1] - path[-2 : -2 - reach : -1]
+    longer = np.concatenate([before, path, after])
+    columns = [np.convolve(column, weights / weights.sum(), mode="valid") for column in longer.T]
+    return np.stack(columns, axis=1)
+
+
+def middle(points: FloatArray, mass: FloatArray, domain: Periodic | None) -> FloatArray:
+    """The center of mass [m] of points (N, D), which a face of the domain may part.
+
+    Along a periodic axis it is taken about the mean direction on a circle as long as the period.
+
+    Source: L. Bai, D. Breen, "Calculating center of mass in an unbounded 2D environment", J. Graphics Tools 13 (4), 53
+    (2008).
+    """
+    weight = mass / mass.sum()
+    if domain is None:
+        mean: FloatArray = weight @ points
+        return mean
+    lengths = domain.lengths
+    turns = 2.0 * np.pi * np.where(np.isfinite(lengths), points / lengths, 0.0)
+    turn = np.arctan2(weight @ np.sin(turns), weight @ np.cos(turns)) / (2.0 * np.pi)
+    about = np.where(np.isfinite(lengths), turn * np.where(np.isfinite(lengths), lengths, 0.0), points[0])
+    center: FloatArray = about + weight @ domain.nearest(points - about)
+    return domain.wrap(center)
+
+
+def _is_camera(value: object) -> bool:
+    """Whether it can be a camera: Orbit itself is none, though it can be called with a number."""
+    return value is None or isinstance(value, (Window, Orbit)) or (callable(value) and not isinstance(value, type))
+
+
+def _zoomed(first: float, second: float, fraction: float) -> float:
+    """How far a zoom from one size to another has come, so that what it goes toward stays in its place."""
+    ratio = second / first
+    return fraction if abs(ratio - 1.0) < 1e-9 else (ratio**fraction - 1.0) / (ratio - 1.0)
+
+
+def _mix(first: Sequence[float], second: Sequence[float], fraction: float) -> tuple[float, ...]:
+    return tuple((1.0 - fraction) * one + fraction * other for one, other in zip(first, second, strict=True))

@@ -1,0 +1,1 @@
+"""Colors of themes, color maps, and samples for palettes."""

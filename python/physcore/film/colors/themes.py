@@ -1,0 +1,163 @@
+"""The colors of a film."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields, replace
+from typing import Literal, TypeAlias
+
+from physcore.checks import items, number, shown
+from physcore.errors import SceneError
+
+Color: TypeAlias = tuple[int, int, int]
+"""Red, green and blue in sRGB, each from 0 to 255."""
+
+ThemeName = Literal["dark", "light"]
+
+LEGIBLE = 4.5
+"""The least contrast of text and its ground that the Web Content Accessibility Guidelines ask for, on level AA."""
+
+
+def color(value: object, path: str) -> Color:
+    """A color from three numbers 0–255 or a string like "#10c0ff".
+
+    Raises:
+        SceneError: it is neither.
+    """
+    if isinstance(value, str) and len(value) == 7 and value.startswith("#"):
+        try:
+            red, green, blue = bytes.fromhex(value[1:])
+        except ValueError:
+            pass
+        else:
+            return (red, green, blue)
+    if isinstance(value, (tuple, list)) and len(value) == 3:
+        red, green, blue = value
+        if all(isinstance(channel, int) and 0 <= channel <= 255 for channel in value):
+            return (red, green, blue)
+    raise SceneError(f"{path}: must be like '#10c0ff' or (16, 192, 255), got {shown(value)}")
+
+
+@dataclass(frozen=True)
+class Theme:
+    """Colors that go together; every pair that must be told apart differs in lightness too."""
+
+    background: Color
+    surface: Color
+    """The color of solid ground."""
+    edge: Color
+    """The outlines of boundaries."""
+    solid: Color
+    """Balls that things fall upon."""
+    text: Color
+    """Titles, and particles that are held in place."""
+    label: Color
+    """The time."""
+    compressed: Color
+    relaxed: Color
+    stretched: Color
+    bodies: tuple[Color, ...]
+    """One color for each body, in turn; told apart by the color-blind."""
+    part: tuple[float, float]
+    """Which part of a color map stands out against the background, as fractions of its length."""
+
+    def __post_init__(self) -> None:
+        names = [entry.name for entry in fields(self) if entry.name not in ("bodies", "part")]
+        values: dict[str, object] = {name: color(getattr(self, name), f"Theme.{name}") for name in names}
+        bodies = items(self.bodies, "Theme.bodies", "colors")
+        if not bodies:
+            raise SceneError("Theme.bodies: must have at least one color")
+        values["bodies"] = tuple(color(each, f"Theme.bodies[{index}]") for index, each in enumerate(bodies))
+        part = items(self.part, "Theme.part", "two fractions")
+        values["part"] = tuple(number(each, "Theme.part", least=0.0, most=1.0) for each in part)
+        if len(part) != 2:
+            raise SceneError(f"Theme.part: must be two fractions, got {shown(self.part)}")
+        for name, value in values.items():
+            object.__setattr__(self, name, value)
+
+
+DARK = Theme(
+    background=(15, 18, 24),
+    surface=(29, 35, 46),
+    edge=(92, 104, 124),
+    solid=(94, 112, 143),
+    text=(236, 239, 244),
+    label=(148, 158, 174),
+    compressed=(45, 140, 255),
+    relaxed=(132, 143, 162),
+    stretched=(255, 76, 56),
+    # After Okabe and Ito, "Color Universal Design" (2008), lightened for a dark ground.
+    bodies=((86, 180, 233), (240, 170, 40), (40, 190, 140), (232, 116, 60), (222, 140, 190), (240, 228, 66)),
+    part=(0.3, 1.0),
+)
+"""For projectors and screens: light shapes on a ground that is nearly black."""
+
+LIGHT = Theme(
+    background=(252, 252, 250),
+    surface=(232, 233, 235),
+    edge=(140, 148, 160),
+    solid=(176, 188, 206),
+    text=(24, 29, 38),
+    label=(96, 106, 122),
+    compressed=(0, 92, 220),
+    relaxed=(150, 156, 166),
+    stretched=(214, 34, 20),
+    # Okabe and Ito, "Color Universal Design" (2008).
+    bodies=((0, 114, 178), (213, 94, 0), (0, 158, 115), (204, 121, 167), (180, 130, 0), (86, 180, 233)),
+    part=(0.0, 0.88),
+)
+"""For documents with a white page."""
+
+THEMES: dict[str, Theme] = {"dark": DARK, "light": LIGHT}
+
+
+def resolve(theme: object) -> Theme:
+    """A theme, given itself or its name.
+
+    Raises:
+        SceneError: there is no such theme.
+    """
+    if isinstance(theme, Theme):
+        return theme
+    if isinstance(theme, str) and theme in THEMES:
+        return THEMES[theme]
+    raise SceneError(f"theme: must be one of {', '.join(map(repr, THEMES))} or a Theme, got {shown(theme)}")
+
+
+def mixed(one: Color, other: Color, share: float) -> Color:
+    """A color between two others, with such a share of the second."""
+    red, green, blue = (round(p + (q - p) * share) for p, q in zip(one, other, strict=True))
+    return (red, green, blue)
+
+
+def contrast(first: Color, second: Color) -> float:
+    """How well two colors are told apart, from 1 to 21: the ratio of their luminances.
+
+    Source: Web Content Accessibility Guidelines 2.2 (W3C, 2023), "contrast ratio" and "relative luminance".
+    """
+    lighter, darker = sorted((_luminance(first), _luminance(second)), reverse=True)
+    return (lighter + 0.05) / (darker + 0.05)
+
+
+def legible(theme: Theme) -> Theme:
+    """The theme with text and label moved toward white or black as far as they need to stand out from its background.
+
+    A contrast of LEGIBLE is always reached: against any color one of the two has at least √21 = 4.58.
+    """
+    ends: tuple[Color, Color] = ((255, 255, 255), (0, 0, 0))
+    toward = max(ends, key=lambda end: contrast(end, theme.background))
+    return replace(theme, text=_moved(theme.text, toward, theme), label=_moved(theme.label, toward, theme))
+
+
+def _moved(color: Color, toward: Color, theme: Theme) -> Color:
+    """The nearest color on the way to another one that is legible."""
+    for step in range(17):
+        moved = mixed(color, toward, step / 16)
+        if contrast(moved, theme.background) >= LEGIBLE:
+            break
+    return moved
+
+
+def _luminance(color: Color) -> float:
+    """Relative luminance, from 0 to 1."""
+    linear = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in (value / 255 for value in color)]
+    return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]

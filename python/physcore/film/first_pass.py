@@ -1,0 +1,177 @@
+"""The first pass over a film, before it is drawn: bounds of the motion, and ranges of the color scales."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from physcore.checks import FloatArray
+from physcore.film.camera.track import Follow, middle, smooth
+from physcore.film.scenery import grounds, landmarks
+from physcore.film.styles import Painter
+from physcore.scene.scene import Scene
+from physcore.simulation.energy import Energy
+from physcore.simulation.sources import Source, SourceFrame
+
+SAMPLES = 8
+"""How many frames are kept to choose the palette from."""
+
+
+@dataclass(eq=False)
+class Bounds:
+    """The smallest boxes, along some axes, that hold what was added: one for a whole film, or one for each frame."""
+
+    axes: FloatArray
+    """Unit vectors of each box, shape (K, D, D)."""
+    lower: FloatArray = field(init=False)
+    upper: FloatArray = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.lower, self.upper = np.full(self.axes.shape[:2], np.inf), np.full(self.axes.shape[:2], -np.inf)
+
+    def add(self, points: FloatArray, margin: float = 0.0, frame: int = 0) -> None:
+        """Take points (N, D) [m] of a frame into account, with so much around each."""
+        if len(points) == 0:
+            return
+        index = min(frame, len(self.axes) - 1)
+        local = self.axes[index] @ points.T  # one row per axis: NumPy finds the least of a row several times faster
+        lower, upper = local.min(axis=1), local.max(axis=1)
+        if not (np.isfinite(lower).all() and np.isfinite(upper).all()):
+            self.add(points[np.isfinite(points).all(axis=1)], margin, frame)
+            return
+        self.lower[index] = np.minimum(self.lower[index], lower - margin)
+        self.upper[index] = np.maximum(self.upper[index], upper + margin)
+
+    def add_to_all(self, points: FloatArray, margin: float = 0.0) -> None:
+        """Take what stands still into account in every frame."""
+        for frame in range(len(self.axes)):
+            self.add(points, margin, frame)
+
+    def merge(self, other: Bounds) -> None:
+        """Take other boxes along the same axes into account."""
+        self.lower, self.upper = np.minimum(self.lower, other.lower), np.maximum(self.upper, other.upper)
+
+    def settle(self) -> None:
+        """Become points where nothing was added."""
+        empty = ~np.isfinite(self.lower).all(axis=1)
+        self.lower[empty] = self.upper[empty] = 0.0
+
+
+class FollowedPath:
+    """The path of followed particles, and the extent of what is around it."""
+
+    def __init__(self, follow: Follow, scene: Scene, axes: FloatArray, count: int) -> None:
+        self._chosen, self._domain = follow.particles(scene), scene.periodic
+        self._mass = np.concatenate([body.mass for body in scene.bodies])[self._chosen]
+        self._last: FloatArray | None = None
+        self.centers = np.zeros((count, scene.dimension))
+        """The center of mass at each frame [m]; over faces of the domain it goes on."""
+        self.around = Bounds(axes)
+        """Bounds of the followed particles around it, along the axes of each frame."""
+
+    def add(self, positions: FloatArray, margin: float, frame: int) -> None:
+        """Take a frame into account."""
+        points = positions[self._chosen]
+        if len(points) == 0:
+            return
+        if self._last is None:
+            center = middle(points, self._mass, self._domain)
+        else:
+            shift = points - self._last
+            step = shift if self._domain is None else self._domain.nearest(shift)
+            center = self.centers[frame - 1] + self._mass @ step / self._mass.sum()
+        self._last, self.centers[frame] = points, center
+        offsets = points - center
+        self.around.add(offsets if self._domain is None else self._domain.nearest(offsets), margin, frame)
+
+    def smoothed(self, width: float) -> FloatArray:
+        """The path of the camera (F, D) [m], for a Gaussian of so many frames; what is around is then around that."""
+        path = smooth(self.centers, width)
+        off = np.einsum("kij,kj->ki", self.around.axes, self.centers - path)
+        self.around.lower += off
+        self.around.upper += off
+        return path
+
+
+@dataclass(eq=False)
+class FirstPass:
+    """Bounds, samples and energies of one source."""
+
+    whole: Bounds
+    """Along the axes of the scene, over the whole film."""
+    boxes: list[Bounds]
+    """For each camera that there is to choose from."""
+    path: FollowedPath | None
+    """Of what is followed."""
+    samples: list[tuple[int, SourceFrame]]
+    """Some frames with their numbers, from the whole film, at most SAMPLES."""
+    energies: list[Energy]
+    """The energy budget at each frame, as far as it is known."""
+    dt: float | None
+    """The last time step [s]."""
+
+
+def first_pass(
+    source: Source,
+    frames: Iterable[SourceFrame],
+    count: int,
+    painters: Sequence[Painter],
+    axes: Sequence[FloatArray],
+    follow: Follow | None,
+    tick: Callable[[int], None],
+) -> FirstPass:
+    """Look at every frame of a source.
+
+    Args:
+        source: what to look at.
+        frames: those to look at, from the start; the last one stays for the rest of the film.
+        count: how many frames the film has.
+        painters: told of every frame.
+        axes: those of each camera that there is to choose from, shape (K, D, D) with K = 1 or one for each frame.
+        follow: what to follow.
+        tick: told how many frames have been seen.
+    """
+    scene = source.scene
+    radius = max(float(body.radius.max(initial=0.0)) for body in scene.bodies)
+    margin = max([radius, *(painter.margin for painter in painters)])
+    whole, boxes = Bounds(np.eye(scene.dimension)[np.newaxis]), [Bounds(each) for each in axes]
+    path = None if follow is None else FollowedPath(follow, scene, axes[0], count)
+    kept = set(np.linspace(0, source.count - 1, SAMPLES).round().astype(int).tolist())
+    found = FirstPass(whole, boxes, path, [], [], None)
+
+    def place(positions: FloatArray, index: int) -> None:
+        for box in boxes:
+            box.add(positions, margin, index)
+        if path is not None:
+            path.add(positions, margin, index)
+
+    index = -1
+    for index, frame in enumerate(frames):
+        for painter in painters:
+            painter.observe(frame)
+        whole.add(frame.positions, margin)
+        place(frame.positions, index)
+        if index in kept:
+            found.samples.append((index, frame))
+        if frame.energy is not None:
+            found.energies.append(frame.energy)
+        found.dt = frame.dt
+        tick(index + 1)
+    if path is not None or any(len(box.axes) > 1 for box in boxes):
+        for later in range(index + 1, count):
+            place(frame.positions, later)
+    _add_scenery(scene, whole, boxes)
+    return found
+
+
+def _add_scenery(scene: Scene, whole: Bounds, boxes: Sequence[Bounds]) -> None:
+    """Take what stands still into account."""
+    for box in (whole, *boxes):
+        for points, around in landmarks(scene):
+            box.add_to_all(points, around)
+        box.settle()
+    ground = grounds(scene, whole.lower[0], whole.upper[0])
+    for box in (whole, *boxes):
+        box.add_to_all(ground)

@@ -1,0 +1,133 @@
+"""Frames of a simulation that are put aside in a first pass, where reading them is cheaper than simulating again."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from contextlib import suppress
+from itertools import islice
+from typing import IO, Any
+
+import numpy as np
+
+from physcore.checks import FloatArray
+from physcore.simulation.energy import Energy
+from physcore.simulation.sources import Source, SourceFrame
+
+SHARE = 0.25
+"""How much of the free disk the frames may take."""
+TRIAL = 0.05
+"""For how long simulating and writing are compared before one of them is called the slower one [s]."""
+TERMS = ("by_term", "dissipated_by")
+NUMBERS = ("kinetic", "internal", "dissipated", "work", "time")
+"""The parts of an energy budget."""
+
+
+class FrameCache:
+    """The frames of a source, which the first pass writes to a file without a name and later ones read back.
+
+    Exactly: every number is kept as it is, so that films from both ways have the same bytes. The frames come from the
+    source again where writing and reading take longer than simulating, where they would take more than a quarter of the
+    free disk, or where the disk says no.
+
+    Args:
+        source: what to go through.
+    """
+
+    def __init__(self, source: Source) -> None:
+        self._source = source
+        self._file: IO[bytes] | None = None
+        self._layout: list[tuple[str, tuple[int, ...]]] = []
+        self._terms: dict[str, list[str]] = {}
+        self.whole = False
+        """Whether all frames are in the file."""
+
+    def first(self) -> Iterator[SourceFrame]:
+        """All frames, from the source; on the way they are put aside, while that is worth it."""
+        simulated = written = 0.0
+        last = time.perf_counter()
+        for index, frame in enumerate(self._source.frames()):
+            now = time.perf_counter()
+            simulated += now - last
+            if index == 0:
+                self._open(frame)
+            if self._file is not None:
+                self._write(frame)
+                written += time.perf_counter() - now
+                # What was written is still to be read.
+                if simulated + written > TRIAL and 2.0 * written > simulated:
+                    self.close()
+            yield frame
+            last = time.perf_counter()
+        if self._file is not None:
+            try:
+                self._file.flush()
+                self.whole = True
+            except OSError:
+                self.close()
+
+    def again(self) -> Iterator[SourceFrame]:
+        """All frames once more."""
+        read = 0
+        if self.whole and self._file is not None:
+            self._file.seek(0)
+            for _ in range(self._source.count):
+                frame = self._read(self._file)
+                if frame is None:  # a file that was cut off by someone
+                    break
+                yield frame
+                read += 1
+        if read < self._source.count:
+            yield from islice(self._source.frames(), read, None)
+
+    def close(self) -> None:
+        """Give the disk back."""
+        self.whole = False
+        if self._file is not None:
+            file, self._file = self._file, None
+            with suppress(OSError):  # a full disk says no once more
+                file.close()
+
+    def _open(self, frame: SourceFrame) -> None:
+        """Make room, if there is enough for as many frames like this one."""
+        import shutil  # these two take longer to import than the rest of film
+        import tempfile
+
+        self._layout = [("positions", frame.positions.shape), *((k, v.shape) for k, v in frame.more.items())]
+        self._terms = {name: list(getattr(frame.energy, name, ())) for name in TERMS}
+        with suppress(OSError):
+            needed = self._source.count * sum(part.nbytes for part in self._parts(frame))
+            if needed <= SHARE * shutil.disk_usage(tempfile.gettempdir()).free:
+                self._file = tempfile.TemporaryFile(prefix="physcore-", buffering=1 << 20)  # noqa: SIM115 - see close
+
+    def _parts(self, frame: SourceFrame) -> list[FloatArray]:
+        """All numbers of a frame."""
+        arrays = [frame.channel(name) for name, _ in self._layout]
+        assert frame.energy is not None  # simulations have it
+        numbers = [getattr(frame.energy, name) for name in NUMBERS]
+        numbers += [getattr(frame.energy, kind)[name] for kind in TERMS for name in self._terms[kind]]
+        return [np.array([frame.time, frame.dt, *numbers]), *arrays]
+
+    def _write(self, frame: SourceFrame) -> None:
+        assert self._file is not None  # it was asked before
+        try:
+            for part in self._parts(frame):
+                self._file.write(np.ascontiguousarray(part, dtype=np.float64).data)
+        except OSError:
+            self.close()
+
+    def _read(self, file: IO[bytes]) -> SourceFrame | None:
+        """The next frame; None where the file ends too early."""
+        names = [(kind, name) for kind in TERMS for name in self._terms[kind]]
+        shapes = [(2 + len(NUMBERS) + len(names),), *(shape for _, shape in self._layout)]
+        parts = [np.empty(shape) for shape in shapes]
+        for part in parts:
+            if part.size and file.readinto(part.data.cast("B")) != part.nbytes:  # type: ignore[attr-defined]
+                return None
+        (when, dt, *numbers), positions, *rest = parts
+        values = [float(value) for value in numbers]
+        budget: dict[str, Any] = dict(zip(NUMBERS, values, strict=False)) | {kind: {} for kind in TERMS}
+        for (kind, name), value in zip(names, values[len(NUMBERS) :], strict=True):
+            budget[kind][name] = value
+        more = {name: part for (name, _), part in zip(self._layout[1:], rest, strict=True)}
+        return SourceFrame(float(when), positions, more, Energy(**budget), float(dt))

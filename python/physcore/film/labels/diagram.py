@@ -1,0 +1,176 @@
+"""A small diagram in a corner of a panel that is drawn while the film runs: energy against time."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from physcore._core import Canvas
+from physcore.checks import FloatArray, is_word, shown
+from physcore.errors import SceneError
+from physcore.film.camera.view import Area, PixelArray
+from physcore.film.colors.themes import Color, Theme
+from physcore.film.labels.text import GAP, advance, ends, wrapped
+from physcore.simulation.energy import Energy
+from physcore.simulation.sources import Source
+
+Inset = Literal["energy"]
+WIDTH, HEIGHT = 0.4, 0.36
+"""Of the diagram, as fractions of its panel."""
+COLUMNS = 17
+"""The least width of its legend, in characters: two words side by side."""
+LEAST = (140, 110)
+"""The smallest area of a panel that has room for it [pixels]."""
+OPACITY = 215
+"""Of its ground, out of 255: what moves behind it shows through, and the curves stand out."""
+FRAME = 90
+"""Of its frame."""
+
+
+def check_inset(inset: object, found: Sequence[Source]) -> Inset | None:
+    """The diagram that was asked for.
+
+    Raises:
+        SceneError: there is no such diagram, or its energies were not recorded.
+    """
+    if inset is not None and not is_word(inset, "energy"):
+        raise SceneError(f"inset: must be 'energy' or None, got {shown(inset)}")
+    if inset is not None and not all(source.audited for source in found):
+        raise SceneError("inset: 'energy' is known of a Scene and of what simulate(…) gives, and of nothing else")
+    return None if inset is None else "energy"
+
+
+@dataclass(frozen=True, eq=False)
+class History:
+    """Energies of all panels: the curves' names, and ranges that hold for the whole film."""
+
+    energies: Sequence[Sequence[Energy]]
+    """Of each panel, frame by frame."""
+    duration: float
+    """From the first to the last frame [s]."""
+
+    @property
+    def names(self) -> list[str]:
+        """The names of the curves: internal energy only where there is some."""
+        internal = any(energy.internal != 0.0 for panel in self.energies for energy in panel)
+        return ["kinetic", "potential", *(["internal"] if internal else []), "total"]
+
+    def curves(self, panel: int) -> FloatArray:
+        """Energies (C, F) [J] of one panel."""
+        return np.array([[getattr(energy, name) for energy in self.energies[panel]] for name in self.names])
+
+    @property
+    def range(self) -> tuple[float, float]:
+        """The least and the largest energy of all panels, with zero [J]."""
+        values = np.concatenate([self.curves(panel).ravel() for panel in range(len(self.energies))])
+        finite = values[np.isfinite(values)]
+        return min(float(finite.min(initial=0.0)), 0.0), max(float(finite.max(initial=0.0)), 0.0)
+
+
+class Diagram:
+    """The diagram of one panel.
+
+    Args:
+        history: the energies.
+        panel: which of them.
+        area: the part of the panel that is free of text.
+        text: the height of its text [pixels].
+        theme: the colors.
+        occupied: where things are in some frames (N, 2) [pixels]; the emptiest corner is taken.
+
+    Raises:
+        SceneError: the panel is too small.
+    """
+
+    def __init__(self, history: History, panel: int, area: Area, text: int, theme: Theme, occupied: PixelArray) -> None:
+        left, top, right, bottom = area
+        if right - left < LEAST[0] or bottom - top < LEAST[1]:
+            raise SceneError(
+                f"size: a panel with an inset needs {LEAST[0]} × {LEAST[1]} pixels beside its text, got "
+                f"{right - left:g} × {bottom - top:g}"
+            )
+        self._text, self._theme, self._names = text, theme, history.names
+        pad = text // 3
+        columns = max(COLUMNS, int((WIDTH * (right - left) - 2 * pad) // advance(text)))
+        self._words = self._legend(columns, ends(*history.range))
+        width = columns * advance(text) + 2 * pad
+        height = max(HEIGHT * (bottom - top), (len(self._words) + 1.5) * text + 2 * pad)
+        self._box = _corner(area, width, height, text // 2, occupied)
+        inner = self._box[0] + pad, self._box[1] + pad + len(self._words) * text, self._box[2] - pad, self._box[3] - pad
+        self._pad, self._lines = pad, self._placed(history, panel, inner)
+        low, high = history.range
+        self._zero = inner[3] + (inner[3] - inner[1]) * low / ((high - low) or 1.0)
+        self._sides = inner[0], inner[2]
+
+    @property
+    def colors(self) -> list[Color]:
+        """One for each curve; the total is like the text."""
+        return [*self._theme.bodies[: len(self._names) - 1], self._theme.text]
+
+    def draw(self, canvas: Canvas, frame: int) -> None:
+        """Draw it over a panel that has been painted, with the curves up to a frame."""
+        left, top, right, bottom = self._box
+        corners = np.array([[left, top], [right, top], [right, bottom], [left, bottom]], dtype=np.float32)
+        canvas.polygon(corners, (*self._theme.background, OPACITY))
+        self._write(canvas)
+        _stroke(canvas, np.concatenate([corners, corners[:1]]), self._theme.edge, 1.0, alpha=FRAME)
+        _stroke(canvas, np.array([[self._sides[0], self._zero], [self._sides[1], self._zero]]), self._theme.edge, 1.0)
+        width = self._text / 10
+        # The total lies below, and wider: where it is one of the others, both are seen.
+        for curve, color in reversed(list(zip(self._lines, self.colors, strict=True))):
+            drawn, own = curve[: frame + 1], 2.0 * width if curve is self._lines[-1] else width
+            keep = np.unique((2.0 * drawn[:, 0]).round(), return_index=True)[1]  # the others would not be seen
+            _stroke(canvas, np.concatenate([drawn[keep], drawn[-1:]]), color, own)
+            ink = np.array([[*color, 255]], dtype=np.uint8)
+            canvas.discs(drawn[-1:].astype(np.float32), np.array([0.7 * own + 1.0], dtype=np.float32), ink)
+        canvas.paint()
+
+    def _legend(self, columns: int, limits: tuple[str, str]) -> list[list[tuple[str, int | None]]]:
+        """Lines of words, each with the number of its curve."""
+        head = f"{limits[0]} to {limits[1]} J"
+        named = f"energy {head}"
+        legend: list[list[tuple[str, int | None]]] = [[(named if len(named) <= columns else head, None)]]
+        lines = [line.split(GAP) for line in wrapped(self._names, columns)]
+        return legend + [[(name, self._names.index(name)) for name in line] for line in lines]
+
+    def _write(self, canvas: Canvas) -> None:
+        """Write the range and the legend."""
+        for row, words in enumerate(self._words):
+            x, y = round(self._box[0]) + self._pad, round(self._box[1]) + self._pad // 2 + row * self._text
+            for word, curve in words:
+                color = self._theme.label if curve is None else self.colors[curve]
+                canvas.text(word, x, y, self._text, (*color, 255), -1)
+                x += (len(word) + len(GAP)) * advance(self._text)
+
+    def _placed(self, history: History, panel: int, inner: Area) -> list[FloatArray]:
+        """The points (F, 2) of each curve [pixels]."""
+        left, top, right, bottom = inner
+        low, high = history.range
+        times = np.array([energy.time for energy in history.energies[panel]])
+        x = left + (right - left) * (times - times[:1]) / (history.duration or 1.0)
+        curves = history.curves(panel)
+        return [
+            np.stack([x, bottom - (bottom - top) * (curve - low) / ((high - low) or 1.0)], axis=1) for curve in curves
+        ]
+
+
+def _corner(area: Area, width: float, height: float, gap: float, occupied: PixelArray) -> Area:
+    """The corner of an area in which there is least; of equals the first of upper right, upper left and below."""
+    left, top, right, bottom = area
+    xs, ys = {"right": right - gap - width, "left": left + gap}, {"upper": top + gap, "lower": bottom - gap - height}
+    boxes = [(x, y, x + width, y + height) for y in ys.values() for x in xs.values()]
+
+    def count(box: Area) -> int:
+        return int(((occupied >= box[:2]) & (occupied <= box[2:])).all(axis=1).sum())
+
+    return min(boxes, key=count)
+
+
+def _stroke(canvas: Canvas, points: FloatArray, color: Color, width: float, alpha: int = 255) -> None:
+    """Add a line through points (N, 2)."""
+    sides = np.concatenate([points[:-1], points[1:]], axis=1).astype(np.float32)
+    inks = np.tile(np.array([*color, alpha], dtype=np.uint8), (len(sides), 1))
+    canvas.lines(sides, np.full(len(sides), width, dtype=np.float32), inks)

@@ -1,0 +1,291 @@
+"""The renderer of a film: panels side by side, and everything that is drawn in them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from itertools import chain
+from types import TracebackType
+from typing import Self
+
+import numpy as np
+
+from physcore._core import Canvas
+from physcore.checks import FloatArray
+from physcore.film import assignment
+from physcore.film.camera.framing import CameraTrack, Extent, PanelView, camera_track, extents
+from physcore.film.camera.track import Camera, Follow
+from physcore.film.colors.samples import palette_samples
+from physcore.film.colors.themes import Color, Theme
+from physcore.film.first_pass import FirstPass, first_pass
+from physcore.film.frame_cache import FrameCache
+from physcore.film.labels.diagram import Diagram, History, Inset, check_inset
+from physcore.film.labels.footer import Bar, Footer, Label, bars, check_labels
+from physcore.film.labels.text import text_height
+from physcore.film.layout import Layout, best, check_size, check_titles
+from physcore.film.scenery import draw_among, draw_behind
+from physcore.film.styles import Painter, Style
+from physcore.progress import Progress
+from physcore.simulation.sources import Running, Source, SourceFrame
+
+
+@dataclass(eq=False)
+class Panel:
+    """One source, its rectangle and what draws it."""
+
+    source: Source
+    painters: list[Painter]
+    rectangle: tuple[int, int, int, int]
+    """Left, top, right and bottom [pixels]."""
+    free: tuple[int, int, int, int]
+    """The part of it that is not for text; what moves stays in it, however near the camera goes."""
+    pixels: float
+    """The size of the rectangle."""
+    view: PanelView
+    samples: list[tuple[int, SourceFrame]]
+    diagram: Diagram | None = None
+
+
+class Renderer:
+    """The canvas with its panels, frame by frame.
+
+    What depends on the whole film is found when it is made, in a first pass. Where nothing does, because the camera
+    says where it is and how much it shows, and each painter knows its colors, there is only one pass. Close it at the
+    end: it may have put frames aside.
+
+    Args:
+        found: the sources, one for each panel.
+        size: width and height [pixels]; None: as suits the motion.
+        style, camera: as in `film`.
+        theme: the colors.
+        titles: of the panels, or one over all.
+        progress, labels, color_bar, inset: as in `film`.
+
+    Raises:
+        SceneError: an argument is not valid.
+    """
+
+    def __init__(
+        self,
+        found: Sequence[Source],
+        size: tuple[int, int] | None,
+        style: Style | Sequence[Style] | None,
+        camera: Camera | Follow | None,
+        theme: Theme,
+        titles: Sequence[str] | None,
+        progress: bool | None,
+        *,
+        labels: Sequence[Label] = ("time",),
+        color_bar: bool = True,
+        inset: Inset | None = None,
+    ) -> None:
+        self._theme, self._found, asked = theme, found, check_size(size)
+        self._titles, self._labels = check_titles(titles, len(found)), check_labels(labels, found)
+        diagram = check_inset(inset, found)
+        styles = assignment.asked(style, found)
+        self._painters = [assignment.painters(source, styles, theme) for source in found]
+        self.count = max(source.count for source in found)
+        self._clock = _clock(found, self.count)
+        track = camera_track(camera, found, self._clock)
+        self._once = track.closed and diagram is None and "dt" not in self._labels and self._settled
+        self._caches: list[FrameCache | None] = [None] * len(found)
+        self._opened: list[Iterator[SourceFrame]] = []
+        try:
+            passes = self._look_at_all(track, progress)
+            assignment.share_scales(self._painters)
+            self._footer = self._make_footer(passes, color_bar)
+            self._passes, self._extents = passes, extents(track, passes, found)
+            self._diagrammed, self._moving = diagram is not None, track.moving
+            self.resize(asked)
+        except BaseException:
+            self.close()
+            raise
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Give back the disk that frames were put aside on."""
+        for cache in self._caches:
+            if cache is not None:
+                cache.close()
+
+    def resize(self, size: tuple[int, int] | None) -> None:
+        """Draw everything in another size [pixels] from now on; None: as suits the motion."""
+        self._panels = self._lay_out(size, self._extents, self._passes)
+        if self._diagrammed:
+            self._add_diagrams(self._passes)
+        self._canvas = self._prepared()
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """Width and height of the picture [pixels]."""
+        return self._layout.size
+
+    @property
+    def reserved(self) -> list[Color]:
+        """Colors that the film needs exactly."""
+        return [self._theme.background]
+
+    def samples(self) -> Iterator[Canvas]:
+        """Some frames of the film, to choose its palette from; each canvas is valid until the next is asked for."""
+        for index in range(max(len(panel.samples) for panel in self._panels)):
+            for painter in chain.from_iterable(self._painters):
+                painter.begin()  # samples are far apart: no trail joins them
+            chosen = [panel.samples[min(index, len(panel.samples) - 1)] for panel in self._panels]
+            yield self._draw([index for index, _ in chosen], [frame for _, frame in chosen])
+        if self._once:
+            for source, painters in zip(self._found, self._painters, strict=True):
+                yield palette_samples(painters, len(source.scene.bodies), self._theme, flat=source.scene.dimension == 2)
+
+    def frames(self) -> Iterator[Canvas]:
+        """Every frame; each canvas is valid until the next is asked for. A panel that ends early keeps its last."""
+        for painter in chain.from_iterable(self._painters):
+            painter.begin()
+        self._footer.begin()
+        running, self._opened = self._opened or [self._again(index) for index in range(len(self._found))], []
+        frames = [next(each) for each in running]
+        for index in range(self.count):
+            yield self._draw([index] * len(frames), frames)
+            frames = [next(each, frame) for each, frame in zip(running, frames, strict=True)]
+
+    @property
+    def _settled(self) -> bool:
+        """Whether each painter knows its colors already."""
+        return all(painter.settled for painter in chain.from_iterable(self._painters))
+
+    def _look_at_all(self, track: CameraTrack, progress: bool | None) -> list[FirstPass]:
+        """The first pass over each source: over the whole film, or its first frame if that is enough."""
+        passes = []
+        for index, (source, painters) in enumerate(zip(self._found, self._painters, strict=True)):
+            with Progress(source.count, "first pass", False if self._once else progress) as bar:
+                frames = self._first(index)
+                passes.append(first_pass(source, frames, self.count, painters, track.axes, track.follow, bar.update))
+        return passes
+
+    def _first(self, index: int) -> Iterable[SourceFrame]:
+        """The frames of a source that the first pass goes through."""
+        source = self._found[index]
+        if self._once:
+            frames = source.frames()
+            first = next(frames)
+            self._opened.append(chain([first], frames))
+            return [first]
+        if not isinstance(source, Running):
+            return source.frames()
+        cache = self._caches[index] = FrameCache(source)
+        return cache.first()
+
+    def _again(self, index: int) -> Iterator[SourceFrame]:
+        """All frames of a source once more."""
+        cache = self._caches[index]
+        return self._found[index].frames() if cache is None else cache.again()
+
+    def _make_footer(self, passes: Sequence[FirstPass], color_bar: bool) -> Footer:
+        """The lines below the picture."""
+        facts = [
+            (source.integrator if "integrator" in self._labels else None, seen.dt)
+            for source, seen in zip(self._found, passes, strict=True)
+        ]
+        scales: list[Bar] = bars([each.scale for each in chain.from_iterable(self._painters)]) if color_bar else []
+        return Footer(self._labels, self._clock, self._found[0].fps, facts, scales)
+
+    def _layout_of(self, size: tuple[int, int]) -> Layout:
+        footer = self._footer.height(text_height(size[1]), size[0])
+        return Layout(size, len(self._found), bool(self._titles), footer)
+
+    def _inset(self, layout: Layout, index: int) -> float:
+        """How far from a panel's edge the motion stays [pixels]."""
+        pixels = layout.pixels(index)
+        return layout.margin(index) + max(painter.inset(pixels) for painter in self._painters[index])
+
+    def _lay_out(self, size: tuple[int, int] | None, found: list[Extent], passes: Sequence[FirstPass]) -> list[Panel]:
+        """Divide the picture and fit the camera, which all panels share."""
+
+        def magnification(candidate: tuple[int, int]) -> float:
+            layout = self._layout_of(candidate)
+            return min(
+                extent.magnification(layout.area(index), self._inset(layout, index))
+                for index, extent in enumerate(found)
+            )
+
+        if size is None:
+            size = best(len(found), magnification, fixed=any(extent.given for extent in found))
+        self._layout = layout = self._layout_of(size)
+        panels = []
+        for index, (source, painters, extent, seen) in enumerate(
+            zip(self._found, self._painters, found, passes, strict=True)
+        ):
+            view = PanelView(extent, layout.area(index), self._inset(layout, index))
+            free = layout.area(index)
+            panels.append(Panel(source, painters, layout.panel(index), free, layout.pixels(index), view, seen.samples))
+        return panels
+
+    def _add_diagrams(self, passes: Sequence[FirstPass]) -> None:
+        """Give each panel its inset."""
+        history = History([seen.energies for seen in passes], float(self._clock[-1] - self._clock[0]))
+        for number, panel in enumerate(self._panels):
+            occupied = [np.empty((0, 2), dtype=np.float32)]
+            for index, frame in panel.samples:
+                view = panel.view.at(index)
+                occupied.append(view.project(panel.view.shown(frame, view).positions)[0])
+            area, text = self._layout.area(number), self._layout.text
+            panel.diagram = Diagram(history, number, area, text, self._theme, np.concatenate(occupied))
+
+    def _prepared(self) -> Canvas:
+        """A canvas with all that does not move."""
+        canvas = Canvas(*self.size, self._theme.background)
+        if not self._moving:
+            self._draw_scenery(canvas, 0)
+            self._write_titles(canvas)
+            canvas.keep()
+        return canvas
+
+    def _draw_scenery(self, canvas: Canvas, index: int) -> None:
+        """Draw what is behind everything."""
+        for panel in self._panels:
+            canvas.clip(*panel.rectangle)
+            view = panel.view.at(index)
+            draw_behind(canvas, panel.source.scene, view, self._theme, panel.view.scenery(view))
+        canvas.clip(0, 0, *self.size)
+
+    def _write_titles(self, canvas: Canvas) -> None:
+        shared, text = len(self._titles) == 1, self._layout.text
+        for panel, title in zip(self._panels, self._titles, strict=False):
+            left, _, right, _ = (0, 0, self.size[0], 0) if shared else panel.rectangle
+            canvas.text(title, (left + right) // 2, text // 3, text, (*self._theme.text, 255), 0)
+
+    def _draw(self, indices: Sequence[int], frames: Sequence[SourceFrame]) -> Canvas:
+        """One frame of the film, from one of each panel with its index."""
+        canvas, clock = self._canvas, max(indices)
+        canvas.clear()
+        if self._moving:
+            self._draw_scenery(canvas, clock)
+        for panel, index, frame in zip(self._panels, indices, frames, strict=True):
+            view = panel.view.at(clock)
+            shown = panel.view.shown(frame, view)
+            canvas.clip(*panel.free)
+            canvas.lens(view.blur, view.distance)
+            draw_among(canvas, panel.source.scene, view, self._theme, panel.view.scenery(view))
+            for painter in panel.painters:
+                painter.paint(canvas, shown, view, panel.pixels)
+            canvas.paint()
+            if panel.diagram is not None:
+                panel.diagram.draw(canvas, index)
+        canvas.clip(0, 0, *self.size)
+        if self._moving:
+            self._write_titles(canvas)
+        self._footer.draw(canvas, self.size, self._layout.text, self._theme, clock, [each.energy for each in frames])
+        return canvas
+
+
+def _clock(found: Sequence[Source], count: int) -> FloatArray:
+    """The time of each frame of the film [s]; a panel that ends early stays at its last."""
+    each = [source.times[np.minimum(np.arange(count), source.count - 1)] for source in found]
+    clock: FloatArray = np.max(each, axis=0)
+    return clock

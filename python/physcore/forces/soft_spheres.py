@@ -1,0 +1,83 @@
+"""Contact of soft spheres."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import ClassVar
+
+from physcore.checks import number
+from physcore.errors import SceneError
+from physcore.scene.bodies import Body
+from physcore.scene.items import Force
+
+LINEAR, HERTZIAN = 1.0, 1.5
+
+
+@dataclass(frozen=True)
+class SoftSpheres(Force):
+    """Contact of soft spheres: particles repel each other where they overlap, as spheres of their radii.
+
+    Two particles a distance d apart overlap by δ = r_i + r_j − |d|. While δ > 0 they push with the normal force
+
+        F_n = max(0, k δ^exponent + damping · u_n),     u_n the speed of their approach,
+
+    which never pulls, and rub with the tangential force
+
+        F_t = −min(γ_t |v_t|, μ F_n) v_t/|v_t|,         v_t their relative velocity across the normal.
+
+    Particles have no spin: friction acts on their centers, so that a rolling grain slides, and angular momentum is kept
+    only without friction.
+
+    Args:
+        stiffness: k [N/m] if linear, [N/m^1.5] if Hertzian; above zero.
+        damping: along the normal [N·s/m], at least zero.
+        friction: Coulomb's coefficient μ, at least zero.
+        tangential_damping: γ_t [N·s/m], at least zero; None: as `damping`. It only matters with friction.
+        exponent: 1 for a linear contact, 1.5 for Hertz's contact of elastic spheres.
+        on: the body or bodies that it acts on, among themselves and between them; all but fluids by default.
+
+    Raises:
+        SceneError: a value is out of range or not finite, there is friction without damping, or (when the scene is
+            made) no particle that it acts on has a radius.
+
+    Source: P. A. Cundall, O. D. L. Strack, Géotechnique 29, 47 (1979); H. Hertz, J. reine angew. Math. 92, 156 (1881);
+    the friction of P. K. Haff, B. T. Werner, Powder Technol. 48, 239 (1986).
+    """
+
+    stiffness: float
+    damping: float = 0.0
+    friction: float = 0.0
+    tangential_damping: float | None = None
+    exponent: float = LINEAR
+
+    kind: ClassVar[str] = "Repulsion"
+    """Under the name that hashes, files and the engine know."""
+    spares_fluids: ClassVar[bool] = True
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        damping = number(self.damping, "SoftSpheres.damping", least=0.0)
+        tangential = damping if self.tangential_damping is None else self.tangential_damping
+        self._set(
+            stiffness=number(self.stiffness, "SoftSpheres.stiffness", above=0.0),
+            damping=damping,
+            friction=number(self.friction, "SoftSpheres.friction", least=0.0),
+            tangential_damping=number(tangential, "SoftSpheres.tangential_damping", least=0.0),
+            exponent=number(self.exponent, "SoftSpheres.exponent"),
+        )
+        if self.exponent not in (LINEAR, HERTZIAN):
+            raise SceneError(f"SoftSpheres.exponent: must be 1 (linear) or 1.5 (Hertzian), got {self.exponent:g}")
+        if self.friction > 0.0 and self.tangential_damping == 0.0:
+            raise SceneError(
+                "SoftSpheres.tangential_damping: must be > 0 where there is friction, got 0; friction grows with the "
+                "sliding speed, by this coefficient [N·s/m], up to μ F_n"
+            )
+
+    def check(self, bodies: Sequence[Body], path: str) -> None:
+        """Refuse points: they never overlap."""
+        if any(len(body) for body in bodies) and not any(body.radius.any() for body in bodies):
+            raise SceneError(
+                f"{path}: SoftSpheres acts between particles that overlap, and all that it acts on have the radius 0; "
+                "give them a size: Particles(…, radius=…)"
+            )

@@ -1,0 +1,1 @@
+"""How a scene is computed: integrators, the choices beside the scene, and the arithmetic of time steps."""

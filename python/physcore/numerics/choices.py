@@ -1,0 +1,250 @@
+"""How a scene is computed: the choices beside it, checked, and the rules for choosing the time step."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Literal, TypedDict
+
+from physcore.checks import MOST, count, is_word, number, shown, span, word
+from physcore.errors import SceneError, warn
+from physcore.numerics.integrators import INTEGRATORS, Integrator, SemiImplicitEuler, VelocityVerlet
+from physcore.scene.scene import Scene
+
+DivergenceRule = Literal["raise", "ignore", "substep"]
+Precision = Literal["f32", "f64", "auto"]
+PRECISIONS: tuple[Precision, ...] = ("f32", "f64", "auto")
+DIVERGENCE_RULES: tuple[DivergenceRule, ...] = ("raise", "substep", "ignore")
+LimitKind = Literal["stability", "accuracy", "none"]
+
+MAX_ENERGY_GROWTH = {"raise": 1e6, "ignore": 1e6, "substep": 1.0}
+"""How many times the largest energy so far the energy balance may rise, where nothing is said. A step that is to be
+taken again in parts has to be noticed before it has spoilt the state."""
+
+FRAMES_PER_SECOND = 30.0
+"""The frame rate where none is asked for."""
+
+MOST_THREADS = 1024
+"""More than any machine has; a larger number is a mistake, and would take the system's threads."""
+
+STEPS_PER_FREE_FRAME = 4
+"""Steps per frame where nothing limits the time step."""
+
+
+@dataclass(frozen=True)
+class AutoStep:
+    """Choose the time step from the limit of stability of the scene.
+
+    Args:
+        safety: the largest fraction of the limit to use, above 0 and at most 1. At one half, Verlet runs the fastest
+            oscillation 5 % too fast (arcsin(½)/½ = 1.047); the error of slower ones falls with their frequency squared.
+            A fraction near 1 of the limit of springs as they stand would not hold when they turn: the step is never
+            above the certified limit, which does.
+
+    Raises:
+        SceneError: `safety` is out of range.
+    """
+
+    safety: float = 0.5
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "safety", number(self.safety, "AutoStep.safety", above=0.0, most=1.0))
+
+
+@dataclass(frozen=True)
+class AdaptiveStep:
+    """Let the time step follow the motion: small where it is fast, large where it is slow.
+
+    Without a tolerance, for conservative scenes and any integrator: each frame interval, or what `run` is given, is
+    halved as often as need be, and a step is as long as `safety` times the scene's limit allows at its beginning *and*
+    at its end; it is tried, and taken back where the end asks for less. Such a choice is the same backwards in time,
+    but for rare steps, so that with a symplectic integrator the energy has no drift of one sign.
+
+    With a tolerance, for scenes with friction or drag: the step follows the integrator's own estimate of its error,
+    for which there are two: DormandPrince5(), and BogackiShampine3() for errors of a hundredth, or where stability
+    limits the step. One whose error is larger than the tolerance is taken back.
+
+    All particles share the step. Each step looks at the limits of all particles, on one thread, which for springs and
+    pairs takes as long as about ten evaluations of their forces: there it pays where the step changes by more than
+    that in a run. A step that diverges is halved up to ten times before that is an error.
+
+    Args:
+        safety: the largest fraction of the limit to use, above 0 and at most 1. The limit of a central force is a
+            hundredth of a turn at the particle's present distance.
+        tolerance: the largest error of one step [m]: of any particle's position, or of its velocity times the step.
+
+    Sources: D. M. Hernandez, W. Dehnen, Mon. Not. R. Astron. Soc. 522, 4639 (2023); E. Hairer, S. P. Nørsett,
+    G. Wanner, "Solving Ordinary Differential Equations I", § II.4; G. Söderlind, Numer. Algorithms 31, 281 (2002).
+
+    Raises:
+        SceneError: `safety` or `tolerance` is out of range.
+    """
+
+    safety: float = 0.5
+    tolerance: float | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "safety", number(self.safety, "AdaptiveStep.safety", above=0.0, most=1.0))
+        if self.tolerance is not None:
+            object.__setattr__(self, "tolerance", number(self.tolerance, "AdaptiveStep.tolerance", above=0.0))
+
+
+StepRule = AutoStep | AdaptiveStep
+"""How to choose the time step."""
+
+
+class Options(TypedDict, total=False):
+    """The numerical choices as keyword arguments; `Simulation` explains them."""
+
+    integrator: Integrator | Literal["auto"]
+    dt: float | StepRule | Literal["auto"]
+    precision: Precision
+    threads: int | None
+    max_energy_growth: float | None
+    on_divergence: DivergenceRule
+    runaway: float | None
+    """The deprecated name of max_energy_growth."""
+
+
+@dataclass(frozen=True)
+class Numerics:
+    """The same choices, checked, with every "auto" but the time step's resolved."""
+
+    integrator: Integrator
+    dt: float | StepRule
+    precision: Literal["f32", "f64"]
+    threads: int | None
+    max_energy_growth: float
+    on_divergence: DivergenceRule
+
+
+def check(options: Options, scene: Scene) -> Numerics:
+    """Check numerical choices, and make those for a scene that were left open.
+
+    Raises:
+        SceneError: a choice is not valid; the message starts with its name.
+    """
+    threads = options.get("threads")
+    rule = word(options.get("on_divergence", "raise"), "on_divergence", DIVERGENCE_RULES)
+    growth = _max_energy_growth(options)
+    integrator, dt = _integrator(options.get("integrator", "auto")), _dt(options.get("dt", "auto"))
+    if isinstance(dt, AdaptiveStep) and dt.tolerance is not None and not integrator.embedded:
+        able = " or ".join(f"{kind.__name__}()" for kind in INTEGRATORS if kind.embedded)
+        raise SceneError(
+            f"dt: AdaptiveStep(tolerance=…) needs an integrator that estimates its errors, {able}, "
+            f"got {type(integrator).__name__}(); without a tolerance the step follows the scene's limit"
+        )
+    return Numerics(
+        integrator=integrator,
+        dt=dt,
+        precision=_precision(options.get("precision", "auto"), scene),
+        threads=None if threads is None else count(threads, "threads", least=1, most=MOST_THREADS),
+        max_energy_growth=MAX_ENERGY_GROWTH[rule] if growth is None else number(growth, "max_energy_growth", above=0.0),
+        on_divergence=rule,
+    )
+
+
+def _max_energy_growth(options: Options) -> float | None:
+    """The choice under its name, or under that of before."""
+    growth, before = options.get("max_energy_growth"), options.get("runaway")
+    if before is None:
+        return growth
+    warn("runaway= is now max_energy_growth=", DeprecationWarning)
+    if growth is not None:
+        raise SceneError("runaway: is the old name of max_energy_growth, which is given too")
+    return before
+
+
+def _integrator(value: object) -> Integrator:
+    if is_word(value, "auto"):
+        return VelocityVerlet()
+    if isinstance(value, INTEGRATORS):
+        return value
+    known = ", ".join(f"{kind.__name__}()" for kind in INTEGRATORS)
+    missing = f"; write {value.__name__}()" if isinstance(value, type) else ""
+    raise SceneError(f"integrator: must be one of {known} or 'auto', got {shown(value)}{missing}")
+
+
+def _dt(value: object) -> float | StepRule:
+    if isinstance(value, StepRule):
+        return value
+    if is_word(value, "auto"):
+        return AutoStep()
+    if isinstance(value, (str, type)):
+        raise SceneError(f"dt: must be a number of seconds, 'auto', AutoStep(…) or AdaptiveStep(…), got {shown(value)}")
+    return span(value, "dt")
+
+
+def _precision(value: object, scene: Scene) -> Literal["f32", "f64"]:
+    """Double, but for fluids: what their particles do not resolve is far above the rounding of single precision."""
+    match word(value, "precision", PRECISIONS):
+        case "auto":
+            return "f32" if scene.fluids else "f64"
+        case chosen:
+            return chosen
+
+
+@dataclass(frozen=True)
+class Limit:
+    """The largest time step that a scene allows with an integrator."""
+
+    dt: float
+    """[s]; inf where nothing limits it, 0.0 where no step is certain to be stable."""
+    kind: LimitKind
+    """Whether stability or accuracy limits it."""
+    term: str
+    """The term that binds."""
+    stability: float
+    """The limit of stability alone [s]."""
+    accuracy: float
+    """The limit of accuracy alone [s]."""
+    certified: float
+    """The limit of stability that holds wherever springs turn, while none is shorter than half its rest length [s]."""
+    endured: float = math.inf
+    """No step above this is stable in the present state [s]: the true limit lies between `stability` and this. Where it
+    is known exactly, as for particles under harmonic central forces and linear drag alone, the two are equal, but for
+    integrators that are stable on both sides of a resonance; inf where no such step is known."""
+
+
+def largest_step(limit: Limit, rule: StepRule, integrator: Integrator, fps: float) -> float:
+    """The largest time step [s] that the rule allows.
+
+    Raises:
+        SceneError: no time step is certain to be stable.
+    """
+    if limit.dt <= 0.0:
+        others = [kind for kind in (SemiImplicitEuler, VelocityVerlet) if not isinstance(integrator, kind)]
+        advice = f", or use {' or '.join(f'{kind.__name__}()' for kind in others)}" if len(others) > 1 else ""
+        certain = "certain to be stable" if limit.endured > 0.0 else "stable"
+        raise SceneError(
+            f"dt: no time step is {certain} with {type(integrator).__name__} in this scene (because of {limit.term}); "
+            f"choose dt yourself and accept the growth of energy{advice}"
+        )
+    if math.isinf(limit.dt):
+        return free_step(fps)
+    return min(rule.safety * limit.dt, limit.certified)
+
+
+def free_step(fps: float) -> float:
+    """The time step where nothing limits it [s]."""
+    return 1.0 / (STEPS_PER_FREE_FRAME * fps)
+
+
+def steps_to(interval: float, dt: float, slack: float) -> int:
+    """The fewest steps of dt [s] that fill an interval [s], up to a fraction `slack` of a step.
+
+    Raises:
+        SceneError: they are too many to count.
+    """
+    steps = interval / dt - slack if dt > 0.0 else math.inf
+    if steps > MOST:
+        raise SceneError(
+            f"duration: {interval:g} s are {steps:.1e} steps of {dt:g} s, which is more than can be counted"
+        )
+    return math.ceil(steps)
+
+
+def divide(interval: float, largest: float) -> tuple[int, float]:
+    """The fewest equal steps of at most `largest` that fill an interval: (number, dt)."""
+    steps = max(1, steps_to(interval, largest, 1e-9))
+    return steps, interval / steps

@@ -1,0 +1,44 @@
+"""Integrators, one file each."""
+
+from __future__ import annotations
+
+from physcore.numerics.integrators.base import Integrator
+from physcore.numerics.integrators.blanes_moan_4 import BlanesMoan4
+from physcore.numerics.integrators.blanes_moan_6 import BlanesMoan6
+from physcore.numerics.integrators.bogacki_shampine_3 import BogackiShampine3
+from physcore.numerics.integrators.dormand_prince_5 import DormandPrince5
+from physcore.numerics.integrators.explicit_euler import ExplicitEuler
+from physcore.numerics.integrators.mclachlan_2 import McLachlan2
+from physcore.numerics.integrators.pefrl import PEFRL
+from physcore.numerics.integrators.runge_kutta_4 import RungeKutta4
+from physcore.numerics.integrators.semi_implicit_euler import SemiImplicitEuler
+from physcore.numerics.integrators.velocity_verlet import VelocityVerlet
+
+INTEGRATORS: tuple[type[Integrator], ...] = (
+    ExplicitEuler,
+    SemiImplicitEuler,
+    VelocityVerlet,
+    McLachlan2,
+    RungeKutta4,
+    PEFRL,
+    BlanesMoan4,
+    BlanesMoan6,
+    BogackiShampine3,
+    DormandPrince5,
+)
+"""Every integrator; what is registered here can be saved, and is tested for its order."""
+
+__all__ = [
+    "INTEGRATORS",
+    "PEFRL",
+    "BlanesMoan4",
+    "BlanesMoan6",
+    "BogackiShampine3",
+    "DormandPrince5",
+    "ExplicitEuler",
+    "Integrator",
+    "McLachlan2",
+    "RungeKutta4",
+    "SemiImplicitEuler",
+    "VelocityVerlet",
+]

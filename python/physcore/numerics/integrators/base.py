@@ -1,0 +1,21 @@
+"""The base of all integrators."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+
+@dataclass(frozen=True)
+class Integrator:
+    """A way to advance x' = v, v' = a(x, v, t). Integrators of the same kind and parameters are equal.
+
+    To add one: a file here, a line in `INTEGRATORS`, and its counterpart in Rust.
+    """
+
+    order: ClassVar[int]
+    """Nominal order: the error at a fixed time shrinks like dt^order. `plan.order` is what holds in a scene."""
+    symplectic: ClassVar[bool]
+    """Whether it keeps the area in phase space: without dissipation its energy error then stays bounded."""
+    embedded: ClassVar[bool] = False
+    """Whether it estimates the error of each step, from a method of the order below that is embedded in it."""

@@ -1,0 +1,26 @@
+"""Explicit Euler, for teaching."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from physcore.numerics.integrators.base import Integrator
+
+
+@dataclass(frozen=True)
+class ExplicitEuler(Integrator):
+    """Explicit Euler, order 1, one force evaluation: for teaching, not for work.
+
+        x ← x + v dt,   v ← v + a(x, v) dt   (both from the old state)
+
+    It feeds energy into every undamped oscillation, at any time step, so orbits spiral out; its limit of stability
+    there is zero, and ω dt ≤ 2ξ at a damping ratio ξ up to 1. Use SemiImplicitEuler or VelocityVerlet, which cost the
+    same.
+
+    Source: L. Euler, "Institutionum calculi integralis", 1768; E. Hairer, C. Lubich, G. Wanner, "Geometric Numerical
+    Integration", 2nd ed. 2006, § I.1.
+    """
+
+    order: ClassVar[int] = 1
+    symplectic: ClassVar[bool] = False

@@ -1,0 +1,380 @@
+"""Spring networks that everybody needs: a rope, a cloth and a block of jelly.
+
+All are pieces of a lattice. Springs are listed kind by kind and row by row, and every kind has one stiffness, one
+damping and one exact rest length, so that the engine sees the regularity and runs it as a stencil.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import product
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from physcore import memory
+from physcore.checks import (
+    LONGEST,
+    SHORTEST,
+    BoolArray,
+    FloatArray,
+    IntArray,
+    Vector,
+    count,
+    items,
+    mask,
+    number,
+    shown,
+    span,
+    vector,
+)
+from physcore.errors import SceneError
+from physcore.scene.bodies import SpringNetwork
+
+Pinned: TypeAlias = str | tuple[str, ...] | ArrayLike | None
+Offset: TypeAlias = tuple[int, ...]
+
+ROPE_BYTES, CLOTH_BYTES, SOFT_BODY_BYTES = 220, 850, 1050
+"""Memory of a particle with its springs while they are joined, at most [bytes]."""
+
+
+@dataclass(frozen=True)
+class _Kind:
+    """One kind of spring in a lattice: it joins every particle to the ones at the given offsets."""
+
+    offsets: tuple[Offset, ...]
+    rest_length: float
+    stiffness: float
+    damping: float
+
+
+def rope(
+    particles: int,
+    length: float,
+    stiffness: float,
+    damping: float = 0.0,
+    mass: ArrayLike = 1.0,
+    start: Vector | None = None,
+    direction: Vector | None = None,
+    pinned: Pinned = None,
+    *,
+    velocities: ArrayLike = 0.0,
+    radius: ArrayLike = 0.0,
+    name: str | None = None,
+) -> SpringNetwork:
+    """A straight chain of particles, each joined to the next by a spring.
+
+    Args:
+        particles: how many, at least 2; there are particles − 1 springs.
+        length: from the first to the last particle [m]; every spring is at rest.
+        stiffness: of each spring [N/m]; a rope of n springs in a row is n times softer.
+        damping: along each spring [N·s/m].
+        mass: per particle [kg], one or (particles,).
+        start: where the first particle is [m]; the origin by default. Three numbers make the rope 3D.
+        direction: where the rope points to; +x by default; its length does not matter.
+        pinned: "start", "end", "both", a bool mask, or integer indices.
+        velocities, radius, name: as in Particles.
+
+    Raises:
+        SceneError: a parameter is out of range or of the wrong shape.
+    """
+    nodes = count(particles, "rope.particles", least=2)
+    memory.require(float(ROPE_BYTES * nodes), f"{nodes} particles", "rope.particles")
+    whole = span(length, "rope.length")
+    spacing = whole / (nodes - 1)
+    origin, (axis,) = _frame(start, None if direction is None else [direction], 1, "rope.start", "rope.direction")
+    along = whole * np.arange(nodes) / (nodes - 1)
+    edges = {"start": np.array([0]), "end": np.array([nodes - 1]), "both": np.array([0, nodes - 1])}
+    kind = _Kind(((1,),), spacing, *_strength(stiffness, damping, "rope."))
+    return _lattice(
+        (nodes,),
+        origin + along[:, None] * axis,
+        [kind],
+        mass=mass,
+        fixed=_pins(pinned, edges, nodes, "rope.pinned"),
+        velocities=velocities,
+        radius=radius,
+        name=name,
+    )
+
+
+def cloth(
+    shape: tuple[int, int],
+    spacing: float,
+    stiffness: float,
+    damping: float = 0.0,
+    mass: ArrayLike = 1.0,
+    origin: Vector | None = None,
+    axes: tuple[Vector, Vector] | None = None,
+    shear_stiffness: float | None = None,
+    bend_stiffness: float | None = None,
+    pinned: Pinned = None,
+    *,
+    shear_damping: float | None = None,
+    bend_damping: float | None = None,
+    velocities: ArrayLike = 0.0,
+    radius: ArrayLike = 0.0,
+    name: str | None = None,
+) -> SpringNetwork:
+    """A rectangular cloth of structural, shear and bend springs (Provot 1995), at rest.
+
+    Structural springs join neighbors in a row and in a column, shear springs the diagonals of each cell, bend springs
+    every second particle of a row and of a column. Particles are listed row by row from the lower left.
+
+    Args:
+        shape: (columns, rows), each at least 2.
+        spacing: between neighbors [m].
+        stiffness: of each structural spring [N/m].
+        damping: along each structural spring [N·s/m].
+        mass: per particle [kg], one or (columns · rows,).
+        origin: of the lower left particle [m]; zero by default. Three numbers make the cloth 3D.
+        axes: the directions of a row and of a column, perpendicular; +x and +y by default.
+        shear_stiffness, bend_stiffness: [N/m]; None: the same as `stiffness`; 0 leaves those springs out, unless their
+            damping is given.
+        pinned: "top", "bottom", "left", "right", "corners", "top corners", "bottom corners", a tuple of these,
+            a bool mask, or integer indices.
+        shear_damping, bend_damping: [N·s/m]; None: the same as `damping`.
+        velocities, radius, name: as in Particles.
+
+    Raises:
+        SceneError: a parameter is out of range or of the wrong shape.
+
+    Source: X. Provot, "Deformation constraints in a mass-spring model to describe rigid cloth behavior",
+    Graphics Interface 1995.
+    """
+    columns, rows = _shape(shape, (2,), "cloth.shape", CLOTH_BYTES)
+    step = span(spacing, "cloth.spacing")
+    corner, directions = _frame(origin, axes, 2, "cloth.origin", "cloth.axes")
+    structural = _strength(stiffness, damping, "cloth.")
+    shear = _strength(shear_stiffness, shear_damping, "cloth.shear_", structural)
+    bend = _strength(bend_stiffness, bend_damping, "cloth.bend_", structural)
+    kinds = [
+        _Kind(((1, 0), (0, 1)), step, *structural),
+        _Kind(((1, 1), (-1, 1)), step * math.sqrt(2.0), *shear),
+        _Kind(((2, 0), (0, 2)), 2.0 * step, *bend),
+    ]
+    grid = np.arange(columns * rows).reshape(rows, columns)
+    edges = {
+        "bottom": grid[0],
+        "top": grid[-1],
+        "left": grid[:, 0],
+        "right": grid[:, -1],
+        "corners": grid[[0, 0, -1, -1], [0, -1, 0, -1]],
+        "top corners": grid[-1, [0, -1]],
+        "bottom corners": grid[0, [0, -1]],
+    }
+    return _lattice(
+        (columns, rows),
+        corner + _grid((columns, rows), step) @ directions,
+        kinds,
+        faces=_faces(grid),
+        mass=mass,
+        fixed=_pins(pinned, edges, columns * rows, "cloth.pinned"),
+        velocities=velocities,
+        radius=radius,
+        name=name,
+    )
+
+
+def soft_body(
+    shape: tuple[int, int] | tuple[int, int, int],
+    spacing: float,
+    stiffness: float,
+    damping: float = 0.0,
+    mass: ArrayLike = 1.0,
+    origin: Vector | None = None,
+    shear_stiffness: float | None = None,
+    pinned: Pinned = None,
+    *,
+    shear_damping: float | None = None,
+    velocities: ArrayLike = 0.0,
+    radius: ArrayLike = 0.0,
+    name: str | None = None,
+) -> SpringNetwork:
+    """A block of jelly: a lattice of springs along its axes and along the diagonals of its faces, at rest.
+
+    Particles are listed along x first, then along y, then along z.
+
+    Args:
+        shape: (columns, rows) in 2D, (columns, rows, layers) in 3D; each at least 2.
+        spacing: between neighbors along an axis [m].
+        stiffness: of each spring along an axis [N/m].
+        damping: along each of them [N·s/m].
+        mass: per particle [kg], one or (N,).
+        origin: of the particle with the smallest coordinates [m]; zero by default.
+        shear_stiffness: of each diagonal [N/m]; None: the same as `stiffness`; 0 leaves the diagonals out, unless their
+            damping is given.
+        pinned: "left" and "right" (along x), "bottom" and "top" (along the last axis), in 3D also "front" and "back"
+            (along y), a tuple of these, a bool mask, or integer indices.
+        shear_damping: along each diagonal [N·s/m]; None: the same as `damping`.
+        velocities, radius, name: as in Particles.
+
+    Raises:
+        SceneError: a parameter is out of range or of the wrong shape.
+    """
+    nodes = _shape(shape, (2, 3), "soft_body.shape", SOFT_BODY_BYTES)
+    dimension = len(nodes)
+    step = span(spacing, "soft_body.spacing")
+    corner, directions = _frame(
+        (0.0,) * dimension if origin is None else origin, None, dimension, "soft_body.origin", "soft_body.shape"
+    )
+    axial = _strength(stiffness, damping, "soft_body.")
+    shear = _strength(shear_stiffness, shear_damping, "soft_body.shear_", axial)
+    # The first half of all offsets, in the sense that the opposite of each is left out: no pair is listed twice.
+    offsets = [
+        offset[::-1]
+        for offset in product((-1, 0, 1), repeat=dimension)
+        if next((component for component in offset if component), -1) > 0
+    ]
+    kinds = [
+        _Kind(tuple(o for o in offsets if np.abs(o).sum() == 1), step, *axial),
+        _Kind(tuple(o for o in offsets if np.abs(o).sum() == 2), step * math.sqrt(2.0), *shear),
+    ]
+    grid = np.arange(math.prod(nodes)).reshape(nodes[::-1])
+    edges = {"left": grid[..., 0], "right": grid[..., -1], "bottom": grid[0], "top": grid[-1]}
+    if dimension == 2:
+        faces = _faces(grid)
+    else:
+        edges |= {"front": grid[:, 0], "back": grid[:, -1]}
+        # Columns times rows point outward on the right, at the front and on top; the opposite sides are turned over.
+        outward = ("right", "front", "top")
+        faces = np.concatenate([_faces(side if name in outward else side.T) for name, side in edges.items()])
+    return _lattice(
+        nodes,
+        corner + _grid(nodes, step) @ directions,
+        kinds,
+        faces=faces,
+        mass=mass,
+        fixed=_pins(pinned, edges, grid.size, "soft_body.pinned"),
+        velocities=velocities,
+        radius=radius,
+        name=name,
+    )
+
+
+def _lattice(
+    shape: tuple[int, ...],
+    positions: FloatArray,
+    kinds: Sequence[_Kind],
+    *,
+    faces: IntArray | None = None,
+    mass: ArrayLike,
+    fixed: BoolArray,
+    velocities: ArrayLike,
+    radius: ArrayLike,
+    name: str | None,
+) -> SpringNetwork:
+    """Join the particles of a lattice by every kind of spring that has any strength."""
+    present = [kind for kind in kinds if kind.stiffness > 0 or kind.damping > 0]
+    links = [np.concatenate([_links(shape, offset) for offset in kind.offsets]) for kind in present]
+    sizes = [len(pairs) for pairs in links]
+    return SpringNetwork(
+        positions,
+        np.concatenate([np.empty((0, 2), dtype=np.int64), *links]),
+        stiffness=np.repeat([kind.stiffness for kind in present], sizes),
+        damping=np.repeat([kind.damping for kind in present], sizes),
+        rest_length=np.repeat([kind.rest_length for kind in present], sizes),
+        mass=mass,
+        fixed=fixed,
+        velocities=velocities,
+        radius=radius,
+        name=name,
+        faces=faces,
+    )
+
+
+def _faces(grid: IntArray) -> IntArray:
+    """Two triangles (T, 3) for each cell of a grid of particles (rows, columns), going round to the left; the diagonals
+    of neighboring cells alternate, so that a surface bends alike both ways.
+    """
+    first, second, third, fourth = (
+        part.ravel() for part in (grid[:-1, :-1], grid[:-1, 1:], grid[1:, 1:], grid[1:, :-1])
+    )
+    even = (np.indices((len(grid) - 1, len(grid[0]) - 1)).sum(axis=0) % 2 == 0).ravel()
+    one = np.where(even[:, None], np.stack([first, second, third], axis=1), np.stack([first, second, fourth], axis=1))
+    other = np.where(even[:, None], np.stack([first, third, fourth], axis=1), np.stack([second, third, fourth], axis=1))
+    return np.concatenate([one, other])
+
+
+def _links(shape: tuple[int, ...], offset: Offset) -> IntArray:
+    """Index pairs (M, 2) of all lattice particles that have another one at `offset`, row by row."""
+    grid = np.arange(math.prod(shape), dtype=np.int64).reshape(shape[::-1])
+    first = tuple(slice(max(0, -o), size - max(0, o)) for o, size in zip(offset, shape, strict=True))
+    second = tuple(slice(max(0, o), size + min(0, o)) for o, size in zip(offset, shape, strict=True))
+    return np.stack([grid[first[::-1]].ravel(), grid[second[::-1]].ravel()], axis=1)
+
+
+def _grid(shape: tuple[int, ...], spacing: float) -> FloatArray:
+    """Lattice coordinates (N, len(shape)) [m], the first axis fastest."""
+    indices = np.indices(shape[::-1], dtype=np.float64).reshape(len(shape), -1)[::-1].T
+    return np.ascontiguousarray(indices * spacing)
+
+
+def _frame(
+    origin: Vector | None, axes: Sequence[Vector] | None, rank: int, origin_path: str, axes_path: str
+) -> tuple[FloatArray, FloatArray]:
+    """The origin (D,) and `rank` unit directions (rank, D); what is not given is zero, and +x, +y, +z."""
+    start = None if origin is None else vector(origin, origin_path)
+    if axes is not None:
+        axes = items(axes, axes_path, f"{rank} directions")
+    paths = [axes_path] if rank == 1 else [f"{axes_path}[{index}]" for index in range(len(axes or ()))]
+    directions = None if axes is None else [vector(axis, path) for axis, path in zip(axes, paths, strict=True)]
+    dimension = len(start) if start is not None else len(directions[0]) if directions else max(rank, 2)
+    if dimension < rank:
+        raise SceneError(f"{origin_path}: must have {rank} components, got {dimension}")
+    if directions is None:
+        directions = [tuple(row) for row in np.eye(dimension)[:rank].tolist()]
+    if len(directions) != rank or any(len(direction) != dimension for direction in directions):
+        raise SceneError(
+            f"{axes_path}: must be {rank} × {dimension} numbers, got {shown(axes)} with the origin {shown(origin)}"
+        )
+    matrix = np.array(directions)
+    largest = np.abs(matrix).max(axis=1, keepdims=True)
+    if (largest == 0.0).any():
+        raise SceneError(f"{axes_path}: a direction must not be zero")
+    if not ((largest >= SHORTEST) & (largest <= LONGEST)).all():
+        matrix /= largest  # Squares would be out of the range of numbers.
+    matrix /= np.linalg.norm(matrix, axis=1)[:, None]
+    if np.abs(matrix @ matrix.T - np.eye(rank)).max() > 1e-9:
+        raise SceneError(f"{axes_path}: must be perpendicular, got {shown(axes)}")
+    return np.zeros(dimension) if start is None else np.array(start), matrix
+
+
+def _shape(shape: object, ranks: tuple[int, ...], path: str, size: int) -> tuple[int, ...]:
+    """Checked numbers of particles along each axis, each particle of so many bytes."""
+    given = shape.tolist() if isinstance(shape, np.ndarray) and shape.ndim == 1 else shape
+    if not isinstance(given, (tuple, list)) or len(given) not in ranks:
+        names = " or ".join(f"({', '.join(('columns', 'rows', 'layers')[:rank])})" for rank in ranks)
+        numbers = " or ".join(str(rank) for rank in ranks)
+        raise SceneError(f"{path}: must be {numbers} whole numbers, got {shown(shape)}; write {names}")
+    numbers_of = tuple(count(each, f"{path}[{axis}]", least=2) for axis, each in enumerate(given))
+    particles = math.prod(numbers_of)
+    memory.require(float(size * particles), f"{particles} particles with their springs", path)
+    return numbers_of
+
+
+def _strength(
+    stiffness: float | None, damping: float | None, prefix: str, default: tuple[float, float] = (0.0, 0.0)
+) -> tuple[float, float]:
+    """Checked (stiffness, damping) of one kind of spring; one whose stiffness is set to 0 has no damping by default."""
+    k = default[0] if stiffness is None else number(stiffness, f"{prefix}stiffness", least=0.0)
+    if damping is None:
+        return k, (0.0 if stiffness is not None and k == 0.0 else default[1])
+    return k, number(damping, f"{prefix}damping", least=0.0)
+
+
+def _pins(pinned: Pinned, edges: Mapping[str, IntArray], nodes: int, path: str) -> BoolArray:
+    """A bool mask from the name of an edge, several names, a mask, or indices."""
+    names = (pinned,) if isinstance(pinned, str) else pinned
+    if not isinstance(names, (tuple, list)) or not any(isinstance(name, str) for name in names):
+        return mask(pinned, nodes, path)
+    chosen = np.zeros(nodes, dtype=np.bool_)
+    for name in names:
+        if not isinstance(name, str) or name not in edges:
+            known = ", ".join(map(repr, edges))
+            raise SceneError(f"{path}: must be one of {known}, a mask or indices, got {shown(name)}")
+        chosen[edges[name]] = True
+    return chosen

@@ -1,0 +1,87 @@
+"""Smoothing kernels: how a fluid's quantities are spread around its particles."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from physcore.checks import number
+
+NARROWEST, WIDEST = 0.6, 4.0
+"""The least and the greatest smoothing: the support of 2h has to reach the next particle, and every one in it costs."""
+
+
+@dataclass(frozen=True)
+class Kernel:
+    """A weight W(q) of the distance r = q h, zero from q = 2 on. Kernels of the same kind and smoothing are equal.
+
+    To add one: a class here, a line in `KERNELS`, and its counterpart in Rust.
+    """
+
+    smoothing: float
+    """The smoothing length h over the spacing of the particles; the support is 2h."""
+
+    def __post_init__(self) -> None:
+        path = f"{type(self).__name__}.smoothing"
+        object.__setattr__(self, "smoothing", number(self.smoothing, path, least=NARROWEST, most=WIDEST))
+
+
+@dataclass(frozen=True)
+class WendlandC2(Kernel):
+    """W(q) = α (1 − q/2)⁴ (1 + 2q), with α = 7/(4π h²) in 2D and 21/(16π h³) in 3D.
+
+    Its Fourier transform is positive, so that particles do not pair up.
+
+    Args:
+        smoothing: the smoothing length h over the spacing, from 0.6 to 4; the support is 2h.
+
+    Raises:
+        SceneError: `smoothing` is out of range.
+
+    Source: H. Wendland, Adv. Comput. Math. 4, 389 (1995); W. Dehnen, H. Aly, MNRAS 425, 1068 (2012).
+    """
+
+    smoothing: float = 1.5
+
+
+@dataclass(frozen=True)
+class WendlandC4(Kernel):
+    """W(q) = α (1 − q/2)⁶ (1 + 3q + 35/12 q²), with α = 9/(4π h²) in 2D and 495/(256π h³) in 3D.
+
+    Smoother than WendlandC2, for more neighbors.
+
+    Args:
+        smoothing: the smoothing length h over the spacing, from 0.6 to 4; the support is 2h.
+
+    Raises:
+        SceneError: `smoothing` is out of range.
+
+    Source: H. Wendland, Adv. Comput. Math. 4, 389 (1995); W. Dehnen, H. Aly, MNRAS 425, 1068 (2012).
+    """
+
+    smoothing: float = 1.5
+
+
+@dataclass(frozen=True)
+class CubicSpline(Kernel):
+    """W(q) = α (1 − 3/2 q² + 3/4 q³) up to q = 1, then α (2 − q)³/4, with α = 10/(7π h²) in 2D and 1/(π h³) in 3D.
+
+    The classical kernel. Particles pair up under it when the smoothing is large.
+
+    Args:
+        smoothing: the smoothing length h over the spacing, from 0.6 to 4; the support is 2h.
+
+    Raises:
+        SceneError: `smoothing` is out of range.
+
+    Source: J. J. Monaghan, J. C. Lattanzio, Astron. Astrophys. 149, 135 (1985).
+    """
+
+    smoothing: float = 1.5
+
+
+KERNELS: tuple[type[Kernel], ...] = (
+    WendlandC2,
+    WendlandC4,
+    CubicSpline,
+)
+"""Every kernel; what is registered here can be saved, and is tested."""

@@ -1,0 +1,210 @@
+"""A scene says what is there, and nothing about how it is computed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from physcore.checks import shown
+from physcore.errors import SceneError
+from physcore.scene.bodies import Body
+from physcore.scene.fluid import CLOSEST, Fluid, describe_pair
+from physcore.scene.items import Boundary, Force, SceneItem
+from physcore.scene.overlaps import closer_than
+from physcore.scene.packing import pack, pack_items
+from physcore.scene.periodic import Periodic
+from physcore.storage.archive import Tree, digest
+
+BodyKey = Body | int | str
+"""How a body is asked for: by itself, by its index in the scene, or by its name."""
+
+
+@dataclass(frozen=True, eq=False, init=False, repr=False)
+class Scene:
+    """Bodies, forces and boundaries, in 2D or 3D. Immutable; the dimension follows from the positions.
+
+    Args:
+        items: bodies (Particles, SpringNetwork, Fluid), forces, boundaries and at most one Periodic domain, in any
+            order. Results list the particles body by body in the order given here.
+
+    Raises:
+        SceneError: there is no body, the dimensions differ, a body or a name is there twice, a force acts on a body
+            that is not in the scene or has nothing to act on, or fluids overlap.
+    """
+
+    bodies: tuple[Body, ...]
+    forces: tuple[Force, ...]
+    boundaries: tuple[Boundary, ...]
+    periodic: Periodic | None
+    """The domain that repeats itself, or None."""
+
+    def __init__(self, *items: Body | Force | Boundary | Periodic) -> None:
+        for position, item in enumerate(items):
+            if not isinstance(item, (Body, Force, Boundary, Periodic)):
+                raise SceneError(
+                    f"items[{position}]: must be a body, a force, a boundary or a Periodic domain, "
+                    f"got {shown(item)}{_advice(item)}"
+                )
+        kinds = {"bodies": Body, "forces": Force, "boundaries": Boundary}
+        for field, kind in kinds.items():
+            object.__setattr__(self, field, tuple(item for item in items if isinstance(item, kind)))
+        self._check_bodies()
+        self._set_domain([item for item in items if isinstance(item, Periodic)])
+        self._check_fluids()
+        self._check_items("forces", self.forces)
+        self._check_items("boundaries", self.boundaries)
+
+    @property
+    def dimension(self) -> int:
+        """2 or 3."""
+        return self.bodies[0].dimension
+
+    @property
+    def particles(self) -> int:
+        """The number of particles in all bodies together."""
+        return sum(len(body) for body in self.bodies)
+
+    @property
+    def fluids(self) -> tuple[Fluid, ...]:
+        """The bodies that are fluids."""
+        return tuple(body for body in self.bodies if isinstance(body, Fluid))
+
+    def targets(self, item: SceneItem) -> tuple[Body, ...]:
+        """The bodies that a force or a boundary of this scene acts on.
+
+        Raises:
+            SceneError: it is neither.
+        """
+        if not isinstance(item, SceneItem):
+            raise SceneError(f"targets.item: must be a force or a boundary, got {shown(item)}")
+        named = item.bodies()
+        if named is not None:
+            return named
+        return tuple(body for body in self.bodies if not (item.spares_fluids and isinstance(body, Fluid)))
+
+    def index(self, key: BodyKey) -> int:
+        """The position of a body among the bodies of this scene.
+
+        Raises:
+            KeyError: there is no such body.
+        """
+        for position, body in enumerate(self.bodies):
+            if key is body or (isinstance(key, str) and key == body.name):
+                return position
+        whole = isinstance(key, (int, np.integer)) and not isinstance(key, (bool, np.timedelta64))
+        number = int(key) if whole else len(self.bodies)  # type: ignore[arg-type]
+        if -len(self.bodies) <= number < len(self.bodies):
+            return number % len(self.bodies)
+        names = ", ".join(repr(body.name) for body in self.bodies if body.name is not None) or "none"
+        raise KeyError(f"no body {shown(key)}: this scene has {len(self.bodies)}, and of names {names}")
+
+    def slice(self, key: BodyKey) -> slice:
+        """The slice of a body's particles in the results."""
+        index = self.index(key)
+        start = sum(len(body) for body in self.bodies[:index])
+        return slice(start, start + len(self.bodies[index]))
+
+    def hash(self) -> str:
+        """A hash of everything that was said of the scene: the same for equal scenes, in every process and machine.
+
+        A version of physcore whose classes have further arguments gives another one.
+
+        Raises:
+            FileError: the scene has a CustomForce, whose function is code.
+        """
+        return digest(self.packed())
+
+    def packed(self) -> Tree:
+        """The scene as a tree of plain values, for files and hashes.
+
+        Raises:
+            FileError: the scene has a CustomForce, whose function is code.
+        """
+        return {
+            "bodies": [pack(body) for body in self.bodies],
+            "forces": pack_items(self.forces, self.bodies, "forces"),
+            "boundaries": pack_items(self.boundaries, self.bodies, "boundaries"),
+            "periodic": pack(self.periodic),
+        }
+
+    def __repr__(self) -> str:
+        domain = () if self.periodic is None else (self.periodic,)
+        parts = [repr(item) for item in (*self.bodies, *self.forces, *self.boundaries, *domain)]
+        return f"Scene({', '.join(parts)})"
+
+    def _check_bodies(self) -> None:
+        """There is at least one body, each once, all of one dimension."""
+        if not self.bodies:
+            raise SceneError("Scene: must have at least one body, such as Particles, SpringNetwork or Fluid")
+        names: set[str] = set()
+        for position, body in enumerate(self.bodies):
+            if body in self.bodies[:position]:
+                raise SceneError(f"bodies[{position}]: the same body is in the scene twice; build a second one")
+            if body.name is not None and body.name in names:
+                raise SceneError(f"bodies[{position}].name: {body.name!r} is already the name of another body")
+            if body.name is not None:
+                names.add(body.name)
+            if body.dimension != self.dimension:
+                raise SceneError(
+                    f"bodies[{position}].positions: {body.dimension}D, but the first body is {self.dimension}D"
+                )
+
+    def _set_domain(self, domains: list[Periodic]) -> None:
+        """There is at most one domain, of the scene's dimension."""
+        if len(domains) > 1:
+            raise SceneError(f"periodic: there must be at most one Periodic domain, got {len(domains)}")
+        if domains and domains[0].dimension != self.dimension:
+            raise SceneError(
+                f"periodic.lower: Periodic must have {self.dimension} components in this {self.dimension}D scene, "
+                f"got {domains[0].dimension}"
+            )
+        object.__setattr__(self, "periodic", domains[0] if domains else None)
+
+    def _check_fluids(self) -> None:
+        """No two particles of fluids are in the same place; each fluid has looked at its own."""
+        fluids = self.fluids
+        if not fluids or (len(fluids) == 1 and self.periodic is None):
+            return
+        spacing = min(fluid.spacing for fluid in fluids)
+        points = np.concatenate([fluid.positions for fluid in fluids])
+        origins = np.arange(len(points))
+        if self.periodic is not None:
+            points, origins = self.periodic.with_images(points, CLOSEST * spacing)
+        pair = closer_than(points, CLOSEST * spacing)
+        if pair is None:
+            return
+        starts = np.cumsum([0, *(len(fluid) for fluid in fluids)])
+        owners = [fluids[int(np.searchsorted(starts, origins[end], side="right")) - 1] for end in pair]
+        first, second = (f"bodies[{self.index(owner)}]" for owner in owners)
+        where = f"particles of {first} and {second}" if first != second else f"particles of {first}, across the domain"
+        raise SceneError(f"{second}.positions: overlapping bodies: {where}, {describe_pair(points, pair, spacing)}")
+
+    def _check_items(self, path: str, items: tuple[SceneItem, ...]) -> None:
+        """Vectors have the scene's dimension, and `on` names bodies of the scene."""
+        for position, item in enumerate(items):
+            name = item.mismatch(self.dimension)
+            if name is not None:
+                size = len(item.parameters()[name])  # type: ignore[arg-type]
+                raise SceneError(
+                    f"{path}[{position}].{name}: {type(item).__name__} must have {self.dimension} components "
+                    f"in this {self.dimension}D scene, got {size}"
+                )
+            for body in item.bodies() or ():
+                if body not in self.bodies:
+                    raise SceneError(f"{path}[{position}].on: {body!r} is not in the scene; add it as an item too")
+            targets = self.targets(item)
+            if not targets and item.on is None:
+                raise SceneError(
+                    f"{path}[{position}].on: {type(item).__name__} acts on fluids only where they are named: on=fluid"
+                )
+            item.check(targets, f"{path}[{position}]")
+
+
+def _advice(item: object) -> str:
+    """A hint for the usual mistakes."""
+    if isinstance(item, type):
+        return f"; write {item.__name__}(…)"
+    if isinstance(item, (list, tuple)):
+        return "; unpack it: Scene(*items)"
+    return ""

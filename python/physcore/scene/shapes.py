@@ -1,0 +1,127 @@
+"""Shapes filled with particles: the centers of the cells of a square or cubic lattice that are inside."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+
+from physcore import memory
+from physcore.checks import MOST, FloatArray, Vector, span, vector
+from physcore.errors import SceneError
+
+COPIES = 3
+"""Arrays of coordinates that are in memory at once while a shape is filled."""
+
+
+def block(lower: Vector, upper: Vector, spacing: float) -> FloatArray:
+    """A rectangle in 2D, a cuboid in 3D.
+
+    Args:
+        lower: the corner with the smallest coordinates [m].
+        upper: the corner with the largest coordinates [m].
+        spacing: the edge of a cell [m]. There are round(extent / spacing) cells along each axis, the first one in the
+            lower corner.
+
+    Returns:
+        The centers of all cells [m], shape (N, D), along x first.
+
+    Raises:
+        SceneError: the extent along an axis is less than one cell, or a value is not finite.
+    """
+    step = span(spacing, "block.spacing")
+    low, high = vector(lower, "block.lower"), vector(upper, "block.upper")
+    if len(low) != len(high):
+        raise SceneError(f"block.upper: must have {len(low)} components like the lower corner, got {len(high)}")
+    counts = []
+    for axis, (start, end) in enumerate(zip(low, high, strict=True)):
+        cells = _cells(end - start, step)
+        if cells < 1:
+            raise SceneError(
+                f"block.upper[{axis}]: must be at least one spacing, {step:g} m, above the lower corner at "
+                f"{start:g} m, got {end:g} m"
+            )
+        counts.append(cells)
+    _require_memory(math.prod(counts), len(counts), "block.spacing")
+    return np.array(low) + step * _centers(counts)
+
+
+def ball(center: Vector, radius: float, spacing: float) -> FloatArray:
+    """A disc in 2D, a ball in 3D.
+
+    Args:
+        center: [m].
+        radius: [m], above zero.
+        spacing: the edge of a cell [m].
+
+    Returns:
+        The centers of the cells that are inside [m], shape (N, D), along x first.
+
+    Raises:
+        SceneError: the shape has no room for a cell, or a value is not finite.
+    """
+    middle = vector(center, "ball.center")
+    return np.array(middle) + _round(span(radius, "ball.radius"), spacing, len(middle), "ball")
+
+
+def cylinder(center: Vector, radius: float, height: float, spacing: float) -> FloatArray:
+    """An upright cylinder in 3D.
+
+    Args:
+        center: the middle of its base [m].
+        radius: [m], above zero.
+        height: along z [m], at least one spacing; there are round(height / spacing) layers, the first one on the base.
+        spacing: the edge of a cell [m].
+
+    Returns:
+        The centers of the cells that are inside [m], shape (N, 3), along x first.
+
+    Raises:
+        SceneError: the shape has no room for a cell, or a value is not finite.
+    """
+    base = vector(center, "cylinder.center")
+    if len(base) != 3:
+        raise SceneError(f"cylinder.center: must have 3 components, got {len(base)}; in 2D take a block")
+    step, tall = span(spacing, "cylinder.spacing"), span(height, "cylinder.height")
+    disc = _round(span(radius, "cylinder.radius"), step, 2, "cylinder")
+    layers = _cells(tall, step)
+    if layers < 1:
+        raise SceneError(f"cylinder.height: must be at least one spacing of {step:g} m, got {tall:g} m")
+    _require_memory(layers * len(disc), 3, "cylinder.spacing")
+    heights = step * (np.arange(layers) + 0.5)
+    points: FloatArray = np.column_stack([np.tile(disc, (layers, 1)), np.repeat(heights, len(disc))])
+    points += np.array(base)
+    return points
+
+
+def _cells(extent: float, step: float, whole: Callable[[float], int] = round) -> int:
+    """How many cells an extent [m] has; one more than can be counted, where they are more than that."""
+    return whole(min(max(extent / step, -1.0), MOST + 1.0))
+
+
+def _require_memory(cells: int, dimension: int, path: str) -> None:
+    """Refuse what does not fit into memory.
+
+    Raises:
+        SceneError: it does not.
+    """
+    memory.require(COPIES * 8.0 * dimension * cells, f"{cells:.4g} cells", path, "make it larger")
+
+
+def _centers(counts: list[int]) -> FloatArray:
+    """The centers of cells of size 1 from the origin on, shape (N, D), the first axis fastest."""
+    indices = np.indices(counts[::-1], dtype=np.float64).reshape(len(counts), -1)[::-1].T
+    return np.ascontiguousarray(indices + 0.5)
+
+
+def _round(radius: float, spacing: float, dimension: int, path: str) -> FloatArray:
+    """The cells of a lattice around the origin whose centers are within a radius."""
+    step = span(spacing, f"{path}.spacing")
+    half = _cells(radius, step, math.floor) + 1
+    _require_memory((2 * half) ** dimension, dimension, f"{path}.spacing")
+    points: FloatArray = step * (_centers([2 * half] * dimension) - half)
+    inside: FloatArray = points[np.einsum("nd,nd->n", points, points) <= radius**2]
+    if len(inside) == 0:
+        raise SceneError(f"{path}.radius: a radius of {radius:g} m has no room for a cell of {step:g} m")
+    return inside

@@ -1,0 +1,148 @@
+"""The energy budget: at one moment, and over the frames of a recording."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING, Generic, TypeVar
+
+import numpy as np
+
+from physcore.checks import FloatArray
+from physcore.errors import PhyscoreError
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+Amount = TypeVar("Amount", float, FloatArray)
+
+
+@dataclass(frozen=True, eq=False)
+class Budget(Generic[Amount]):
+    """An energy budget; everything in joules."""
+
+    kinetic: Amount
+    """Kinetic energy of all particles that are not fixed."""
+    by_term: Mapping[str, Amount]
+    """Potential energy by the force that it belongs to, such as `by_term["springs"]` or
+    `by_term["surface tension"]`."""
+    internal: Amount
+    """Internal energy: of the compression of fluids."""
+    dissipated: Amount
+    """Energy dissipated by drag, damping, viscosity and contacts since the start: the time integral of their power. In
+    a fluid some of it may be given back."""
+    dissipated_by: Mapping[str, Amount]
+    """The same by what took it: `dissipated_by["drag"]`, `["damping"]` (of springs and between grains), `["viscosity"]`
+    (of fluids, and the diffusion of their density) and `["contacts"]`: restitution and friction, and what the pressure
+    of walls and obstacles takes from a fluid beside them, an error of the images that vanishes with its spacing."""
+    work: Amount
+    """Work done by wind, custom forces, fixed particles that move, shifting and `Simulation.set` since the start,
+    each metered by itself; exactly 0 where there is none of them."""
+
+    @property
+    def potential(self) -> Amount:
+        """The sum over all terms."""
+        zero: Amount = self.kinetic - self.kinetic if not self.by_term else 0.0  # type: ignore[assignment]
+        return sum(self.by_term.values(), start=zero)
+
+    @property
+    def total(self) -> Amount:
+        """Kinetic, potential and internal energy."""
+        return self.kinetic + self.potential + self.internal
+
+    @property
+    def balance(self) -> Amount:
+        """total + dissipated − work: constant, up to the integrator's error."""
+        return self.total + self.dissipated - self.work
+
+
+@dataclass(frozen=True, eq=False)
+class Energy(Budget[float]):
+    """The energy budget at one moment, in joules."""
+
+    time: float
+    """When it was taken [s]."""
+
+
+@dataclass(frozen=True, eq=False)
+class EnergySeries(Budget[FloatArray]):
+    """The energy budget over time, in joules; every array has the shape (F,)."""
+
+    times: FloatArray
+    """When each was taken [s]: at the last step at or before each frame."""
+
+    @property
+    def drift(self) -> FloatArray:
+        """(balance − balance[0]) / (largest kinetic energy + ranges of the potential and the internal energy).
+
+        0 where nothing moves.
+        """
+        change = self.balance - self.balance[0]
+        scale = self.kinetic.max() + np.ptp(self.potential) + np.ptp(self.internal)
+        drift: FloatArray = change / scale if scale > 0 else change
+        return drift
+
+    def at(self, index: int) -> Energy:
+        """The budget of one frame."""
+        values = {entry.name: getattr(self, entry.name) for entry in fields(self)}
+        parts = {
+            name: {term: float(series[index]) for term, series in value.items()}
+            for name, value in values.items()
+            if isinstance(value, Mapping)
+        }
+        whole = {name: float(value[index]) for name, value in values.items() if name not in parts and name != "times"}
+        return Energy(**whole, **parts, time=float(self.times[index]))  # type: ignore[arg-type]
+
+    def plot(self, axes: Axes | None = None) -> Axes:
+        """Draw the budget over time with Matplotlib (`pip install "physcore[plot]"`).
+
+        Args:
+            axes: where to draw; a new figure by default.
+
+        Raises:
+            PhyscoreError: Matplotlib is not installed.
+        """
+        if axes is None:
+            try:
+                from matplotlib import pyplot
+            except ImportError:
+                raise PhyscoreError('plotting needs Matplotlib: pip install "physcore[plot]"') from None
+            axes = pyplot.subplots(layout="constrained")[1]
+        curves = {"kinetic": self.kinetic, **{f"potential: {name}": values for name, values in self.by_term.items()}}
+        for label, values in curves.items():
+            axes.plot(self.times, values, label=label)
+        for label, values in {"internal": self.internal, "dissipated": self.dissipated, "work": self.work}.items():
+            if np.any(values):
+                axes.plot(self.times, values, "-" if label == "internal" else "--", label=label)
+        axes.plot(self.times, self.balance, color="black", label="balance = total + dissipated − work")
+        axes.set(xlabel="time [s]", ylabel="energy [J]")
+        axes.legend(frameon=False)
+        return axes
+
+
+class Drift:
+    """The drift of an energy balance, as `EnergySeries.drift` counts it, from one budget at a time."""
+
+    def __init__(self) -> None:
+        self._seen: list[FloatArray] = []
+        """Of balance, kinetic, potential and internal energy [J]: the first, the smallest and the largest values."""
+
+    def add(self, energy: Energy) -> float:
+        """Look at one budget, and give its drift by all that was seen so far."""
+        values = np.array([energy.balance, energy.kinetic, energy.potential, energy.internal])
+        first, lower, upper = self._seen or [values] * 3
+        self._seen = [first, np.minimum(lower, values), np.maximum(upper, values)]
+        return self._relative(abs(energy.balance - first[0]))
+
+    @property
+    def largest(self) -> float:
+        """The largest one of all."""
+        first, lower, upper = self._seen
+        return self._relative(max(upper[0] - first[0], first[0] - lower[0]))
+
+    def _relative(self, change: float) -> float:
+        """A change in units of the energy that has been in motion."""
+        _, lower, upper = self._seen
+        _, _, potential, internal = upper - lower
+        scale = upper[1] + potential + internal
+        return float(change / scale if scale > 0 else change)

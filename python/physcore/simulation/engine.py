@@ -1,0 +1,138 @@
+"""The way to the engine: a scene and its numerics in, a World out. No other file builds one."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from physcore._core import World
+from physcore.checks import FloatArray, IntArray
+from physcore.numerics.choices import Limit, Numerics
+from physcore.scene.bodies import Body, SpringNetwork
+from physcore.scene.fluid import Fluid
+from physcore.scene.items import SceneItem
+from physcore.scene.scene import Scene
+from physcore.simulation.plan import Plan
+from physcore.simulation.state import Snapshot
+
+_NO_PAIRS: IntArray = np.empty((0, 2), dtype=np.int64)
+_NO_VALUES: FloatArray = np.empty(0)
+
+
+def build(scene: Scene, numerics: Numerics) -> World:
+    """Hand a scene to the engine.
+
+    Raises:
+        SceneError: the engine cannot do what was asked, or a particle starts outside of a boundary.
+    """
+    return World(
+        describe(scene),
+        type(numerics.integrator).__name__,
+        numerics.precision,
+        numerics.threads,
+        numerics.max_energy_growth,
+        numerics.on_divergence,
+    )
+
+
+def describe(scene: Scene) -> dict[str, object]:
+    """A scene as plain dictionaries, numbers and arrays."""
+    return {
+        "dimension": scene.dimension,
+        "bodies": [_body(body) for body in scene.bodies],
+        "forces": [_item(force, scene) for force in scene.forces],
+        "boundaries": [_item(boundary, scene) for boundary in scene.boundaries],
+        "periodic": None if scene.periodic is None else (scene.periodic.lower, scene.periodic.upper),
+    }
+
+
+def snapshot(world: World, scene: Scene) -> Snapshot:
+    """The present state of all particles. Positions are where they have gone: `show` puts them into the domain."""
+    fields = {name: world.read(name) for name, _ in world.fields()}
+    return Snapshot(world.time, fields.pop("positions"), fields.pop("velocities"), fields=fields)
+
+
+def show(positions: FloatArray, scene: Scene) -> FloatArray:
+    """Positions as the user sees them: within the periodic domain, if there is one."""
+    return positions if scene.periodic is None else scene.periodic.wrap(positions)
+
+
+def limit(world: World) -> Limit:
+    """The limit of the time step in the world's present state."""
+    return Limit(**world.limit())
+
+
+def certified(world: World) -> float:
+    """The limit of stability [s] that holds wherever springs turn, while none is shorter than half its rest length."""
+    return world.certified()
+
+
+def present_limit(world: World) -> Limit:
+    """The limit of one step from the world's present state [s], whatever is ahead; a certified one."""
+    return Limit(**world.present_limit())
+
+
+def plan(world: World, bound: Limit, dt: float) -> Plan:
+    """The plan of a world, with the time step and its limit."""
+    facts = world.plan()
+    return Plan(
+        stages=tuple(facts["stages"]),
+        dimension=facts["dimension"],
+        precision=facts["precision"],
+        integrator=facts["integrator"],
+        order=facts["order"],
+        evaluations=facts["evaluations"],
+        pairs=facts["pairs"],
+        dt=dt,
+        dt_limit=bound.dt,
+        limit_kind=bound.kind,
+        limit_term=bound.term,
+        memory=facts["memory"],
+        threads=facts["threads"],
+        simd=facts["simd"],
+        layout=facts["layout"],
+        left_out=tuple(facts["left_out"]),
+        notes=tuple(facts["notes"]),
+    )
+
+
+def _body(body: Body) -> dict[str, object]:
+    """A body's arrays, by name; one without springs has none of them."""
+    springs = body if isinstance(body, SpringNetwork) else None
+    return {
+        "positions": body.positions,
+        "velocities": body.velocities,
+        "mass": body.mass,
+        "charge": body.charge,
+        "radius": body.radius,
+        "fixed": body.fixed,
+        "pairs": springs.pairs if springs else _NO_PAIRS,
+        "stiffness": springs.stiffness if springs else _NO_VALUES,
+        "damping": springs.damping if springs else _NO_VALUES,
+        "rest_length": springs.rest_length if springs else _NO_VALUES,
+        "fluid": _fluid(body) if isinstance(body, Fluid) else None,
+    }
+
+
+def _fluid(fluid: Fluid) -> dict[str, object]:
+    """The parameters of a fluid; a speed of sound of None is the engine's to find."""
+    return {
+        "spacing": fluid.spacing,
+        "density": fluid.density,
+        "viscosity": fluid.viscosity,
+        "sound_speed": None if fluid.sound_speed == "auto" else fluid.sound_speed,
+        "artificial_viscosity": fluid.artificial_viscosity,
+        "density_diffusion": fluid.density_diffusion,
+        "surface_tension": fluid.surface_tension,
+        "shifting": fluid.shifting,
+        "summation": fluid.density_from == "summation",
+        "kernel": type(fluid.kernel).__name__,
+        "smoothing": fluid.kernel.smoothing,
+        "obstacles": fluid.obstacles,
+    }
+
+
+def _item(item: SceneItem, scene: Scene) -> dict[str, object]:
+    """A force or boundary with its parameters and the indices of the bodies that it acts on."""
+    targets = scene.targets(item)
+    on = None if targets == scene.bodies else [scene.index(body) for body in targets]
+    return {**item.describe(scene.dimension), "on": on}

@@ -1,0 +1,139 @@
+"""Frames at a fixed rate, whatever the time step: the state of a step, or a cubic between two steps."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+
+from physcore._core import World
+from physcore.checks import MOST
+from physcore.errors import PhyscoreError, SceneError, StabilityWarning, warn
+from physcore.numerics.choices import steps_to
+from physcore.scene.scene import Scene
+from physcore.simulation import engine
+from physcore.simulation.energy import Energy
+from physcore.simulation.state import Frame, Snapshot
+from physcore.simulation.stepper import TIME_TOLERANCE, Stepper
+
+
+def energy(world: World) -> Energy:
+    """The energy budget of a world at its present step; warns where it is not finite, after on_divergence="ignore"."""
+    rows = world.energy()
+
+    def of(kind: str) -> dict[str, float]:
+        return {name: energy for row, name, energy in rows if row == kind}
+
+    dissipated_by = of("dissipated")
+    budget = Energy(
+        kinetic=sum(of("kinetic").values()),
+        by_term=of("potential"),
+        internal=sum(of("internal").values(), start=0.0),
+        dissipated=sum(dissipated_by.values()),
+        dissipated_by=dissipated_by,
+        work=sum(of("work").values()),
+        time=world.time,
+    )
+    if not math.isfinite(budget.balance):
+        warn(
+            f"the energy at t = {world.time:.6g} s is beyond the range of numbers ({budget.balance}): the simulation "
+            'has diverged, which on_divergence="ignore" leaves to you; take the default, "raise", and a smaller dt',
+            StabilityWarning,
+        )
+    return budget
+
+
+def frame(world: World, scene: Scene) -> Frame:
+    """The present step as a frame; its positions are where the particles have gone."""
+    return Frame(
+        **vars(engine.snapshot(world, scene)),
+        dt=world.dt,
+        energy=energy(world),
+        momentum=world.momentum(),
+        angular_momentum=world.angular_momentum(),
+    )
+
+
+def frame_count(duration: float, fps: float) -> int:
+    """How many frames a duration [s] has, the first and the last one included.
+
+    Raises:
+        SceneError: they are too many to count.
+    """
+    intervals = duration * fps + 1e-6
+    if intervals > MOST:
+        raise SceneError(f"duration: {duration:g} s at {fps:g} frames per second are more frames than can be counted")
+    return math.floor(intervals) + 1
+
+
+def frames(world: World, scene: Scene, stepper: Stepper, duration: float, fps: float) -> Iterator[Frame]:
+    """Advance by a duration, and give a frame at each start + k/fps; the first one is the present state.
+
+    A given time step stays as it is, and a frame between two steps is a cubic Hermite interpolation of both; with
+    dt="auto" every frame falls on a step. The steps taken are those of a run without frames. Positions are put into the
+    periodic domain at the very end: between two of them on different sides there is nothing to interpolate.
+
+    Raises:
+        PhyscoreError: somebody else stepped the world between two frames.
+    """
+    start = world.time
+    count = frame_count(duration, fps)
+    if stepper.fixed is not None:
+        steps_to(duration, stepper.fixed, TIME_TOLERANCE)  # Refuses more than can be counted.
+    sampled = _stepped if stepper.fixed is None else _interpolated
+    for index, sample in enumerate(sampled(world, scene, stepper, count, fps)):
+        here = world.steps
+        yield replace(sample, time=start + index / fps, dt=stepper.dt, positions=engine.show(sample.positions, scene))
+        if world.steps != here:
+            raise PhyscoreError(
+                f"this simulation took {world.steps - here} steps between two of its frames, which would no longer be "
+                "at their times: step it before or after, not meanwhile, and not from another thread"
+            )
+    left = duration - (world.time - start)
+    if left > TIME_TOLERANCE * stepper.dt:
+        stepper.run(left, fps)
+
+
+def _stepped(world: World, scene: Scene, stepper: Stepper, count: int, fps: float) -> Iterator[Frame]:
+    """Frames on the steps of a time step that divides the frame interval."""
+    for index in range(count):
+        if index > 0:
+            stepper.run(1.0 / fps, fps)
+        yield frame(world, scene)
+
+
+def _interpolated(world: World, scene: Scene, stepper: Stepper, count: int, fps: float) -> Iterator[Frame]:
+    """Frames between steps of a given size: `before` is the last step at or before a frame, `done` the present step."""
+    dt = stepper.dt
+    done, before = 0, frame(world, scene)
+    for index in range(count):
+        target = index / (fps * dt)
+        nearest = round(target)
+        on_step = abs(target - nearest) <= TIME_TOLERANCE
+        first = nearest if on_step else math.floor(target)
+        if done <= first:
+            stepper.step(first - done)
+            done, before = first, frame(world, scene)
+        if on_step:
+            yield before
+            continue
+        if done == first:
+            stepper.step(1)
+            done += 1
+        yield hermite(before, engine.snapshot(world, scene), target - first, dt)
+
+
+def hermite(before: Frame, after: Snapshot, fraction: float, dt: float) -> Frame:
+    """The cubic through positions and velocities at both ends of a step, and its derivative; the audit is `before`'s.
+
+    Written in differences, so that what does not move stays where it is to the bit. The error is of order dt⁴ for
+    positions, dt³ for velocities, and dt² for densities and pressures, which go straight from one end to the other.
+    Source: C. de Boor, "A Practical Guide to Splines", 1978, chapter IV.
+    """
+    s, r = fraction, 1.0 - fraction
+    shift = after.positions - before.positions
+    v0, v1 = before.velocities, after.velocities
+    positions = before.positions + s * s * (3.0 - 2.0 * s) * shift + dt * s * r * (r * v0 - s * v1)
+    velocities = 6.0 * s * r * (shift / dt) + r * (1.0 - 3.0 * s) * v0 + s * (3.0 * s - 2.0) * v1
+    fields = {name: values + s * (after.fields[name] - values) for name, values in before.fields.items()}
+    return replace(before, positions=positions, velocities=velocities, fields=fields)

@@ -1,0 +1,259 @@
+"""A recording: arrays over time, and the audit that goes with them."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Callable, Iterable
+from dataclasses import asdict, dataclass, fields
+from typing import Literal, Self
+
+import numpy as np
+
+from physcore import memory
+from physcore.checks import FloatArray, is_word, words
+from physcore.errors import SceneError
+from physcore.scene.fluid import Fluid
+from physcore.scene.scene import BodyKey, Scene
+from physcore.simulation.energy import EnergySeries
+from physcore.simulation.plan import Plan
+from physcore.simulation.provenance import Provenance
+from physcore.simulation.serial import unpack_scene
+from physcore.simulation.state import Frame
+from physcore.storage import archive
+from physcore.storage.schema import Sizes, anything, maybe, of, real, record, several, table, word
+
+Channel = Literal["positions", "velocities", "densities", "pressures"]
+CHANNELS: tuple[Channel, ...] = ("positions", "velocities")
+"""The channels that are recorded by default."""
+FLUID_CHANNELS: tuple[Channel, ...] = ("densities", "pressures")
+"""The channels that fluids have beside."""
+AMOUNTS = ("kinetic", "internal", "dissipated", "work")
+"""The parts of the energy budget that are one number each."""
+TERMS = 8
+"""About how many forces and frictions there are, each with an energy of its own."""
+
+
+def check_channels(channels: object, *, fluids: bool) -> tuple[Channel, ...]:
+    """The channels to record; `fluids` says whether the scene has any.
+
+    Raises:
+        SceneError: they are not some of CHANNELS, or of FLUID_CHANNELS where there are fluids.
+    """
+    known = (*CHANNELS, *FLUID_CHANNELS) if fluids else CHANNELS
+    hint = ""
+    if isinstance(channels, str):
+        hint = f'; write ("{channels}",)' if channels in known else ""
+    elif isinstance(channels, (tuple, list)) and any(
+        is_word(each, name) for each in channels for name in FLUID_CHANNELS
+    ):
+        hint = "" if fluids else "; only a Fluid has densities and pressures"
+    return words(channels, "channels", known, hint)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Trajectory:
+    """Positions, velocities and what else was recorded over time, of a whole scene or of one body."""
+
+    times: FloatArray
+    """Time of each frame [s], shape (F,)."""
+    channels: dict[Channel, FloatArray]
+    """The channels by name: vectors of shape (F, N, D), numbers of shape (F, N)."""
+
+    @property
+    def positions(self) -> FloatArray:
+        """[m], shape (F, N, D); within the periodic domain."""
+        return self._channel("positions")
+
+    @property
+    def velocities(self) -> FloatArray:
+        """[m/s], shape (F, N, D)."""
+        return self._channel("velocities")
+
+    @property
+    def densities(self) -> FloatArray:
+        """[kg/m³], shape (F, N); not a number for particles that are not a fluid's."""
+        return self._channel("densities")
+
+    @property
+    def pressures(self) -> FloatArray:
+        """[Pa], shape (F, N); not a number for particles that are not a fluid's."""
+        return self._channel("pressures")
+
+    def __len__(self) -> int:
+        return len(self.times)
+
+    def __repr__(self) -> str:
+        shapes = ", ".join(f"{name} {values.shape}" for name, values in self.channels.items())
+        return f"{type(self).__name__}({len(self)} frames: {shapes or 'nothing'})"
+
+    def _channel(self, name: Channel) -> FloatArray:
+        if name not in self.channels:
+            whose = "; only a Fluid has them" if name in FLUID_CHANNELS else ""
+            raise SceneError(f"channels: {name} were not recorded; ask for them with channels=({name!r}, …){whose}")
+        return self.channels[name]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Recording(Trajectory):
+    """Frames of a simulation at a fixed rate; `recording[body]` gives the part of one body.
+
+    Save one with `save`, read it back with `physcore.load`, draw it with `physcore.film`.
+    """
+
+    energy: EnergySeries
+    """The energy budget, of the last step at or before each frame: `energy.times`."""
+    momentum: FloatArray
+    """Total momentum at `energy.times` [kg·m/s], shape (F, D)."""
+    angular_momentum: FloatArray
+    """Total angular momentum about the origin at `energy.times` [kg·m²/s], shape (F, 1) in 2D, (F, 3) in 3D."""
+    fps: float
+    """Frames per second of simulated time."""
+    scene: Scene
+    """The scene that was simulated."""
+    plan: Plan
+    """The plan by which it was simulated."""
+    provenance: Provenance | None = None
+    """The steps that were taken, and the hash of the state at the end; None in files of an earlier physcore."""
+
+    def __getitem__(self, body: BodyKey) -> Trajectory:
+        part = self.scene.slice(body)
+        wet = isinstance(self.scene.bodies[self.scene.index(body)], Fluid)
+        mine = {name: values for name, values in self.channels.items() if wet or name not in FLUID_CHANNELS}
+        return Trajectory(self.times, {name: values[:, part] for name, values in mine.items()})
+
+    def __repr__(self) -> str:
+        return (
+            f"Recording({len(self)} frames at {self.fps:g} per second, {self.scene.particles} particles "
+            f"in {self.scene.dimension}D, energy drift {np.abs(self.energy.drift).max():.1e})"
+        )
+
+    def _repr_html_(self) -> str | None:
+        """For notebooks: what `show_with` was given makes of it, which is a film."""
+        return None if _display is None else _display(self)
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write everything to a NumPy archive, which `physcore.load` and `numpy.load` read.
+
+        Raises:
+            FileError: the file cannot be written, or the scene has a CustomForce.
+        """
+        series = {entry.name: getattr(self.energy, entry.name) for entry in fields(self.energy)}
+        content: dict[str, archive.Tree] = {
+            "times": self.times,
+            **dict[str, FloatArray](self.channels.items()),
+            "channels": list(self.channels),
+            "energy": series,
+            "momentum": self.momentum,
+            "angular_momentum": self.angular_momentum,
+            "fps": self.fps,
+            "scene": self.scene.packed(),
+            "plan": asdict(self.plan),
+            "provenance": None if self.provenance is None else self.provenance.content(),
+        }
+        archive.write(path, "recording", content)
+
+    @classmethod
+    def from_content(cls, content: dict[str, archive.Tree]) -> Self:
+        """Rebuild a recording from the content of its file.
+
+        Raises:
+            FileError: an entry is missing or wrong; with its path.
+        """
+        scene = unpack_scene(content.get("scene"))
+        sizes = Sizes(N=scene.particles, D=scene.dimension, A=_turns(scene))
+        over_time = sizes.array("F")
+        channels = several(word(*CHANNELS, *FLUID_CHANNELS))(content.get("channels"), "channels")
+        numbers, vectors = sizes.array("F", "N"), sizes.array("F", "N", "D", finite=True)
+        rules = {name: numbers if name in FLUID_CHANNELS else vectors for name in channels}
+        terms = {"by_term": table(over_time), "dissipated_by": table(over_time)}
+        amounts = dict.fromkeys(("times", *AMOUNTS), over_time)
+        shape = record(
+            {"provenance": maybe(Provenance.from_content)},
+            scene=anything,
+            channels=anything,
+            times=sizes.array("F", finite=True),
+            fps=real(above=0.0),
+            energy=record(**amounts, **terms),
+            momentum=sizes.array("F", "D"),
+            angular_momentum=sizes.array("F", "A"),
+            plan=of(Plan),
+            **rules,
+        )
+        checked = shape(content, "")
+        return cls(
+            times=checked["times"],
+            channels={name: checked[name] for name in channels},
+            energy=EnergySeries(**checked["energy"]),
+            momentum=checked["momentum"],
+            angular_momentum=checked["angular_momentum"],
+            fps=checked["fps"],
+            scene=scene,
+            plan=Plan(**checked["plan"]),
+            provenance=checked.get("provenance"),
+        )
+
+
+def collect(
+    frames: Iterable[Frame],
+    count: int,
+    scene: Scene,
+    fps: float,
+    channels: tuple[Channel, ...],
+    end: Callable[[], tuple[Plan, Provenance]],
+    tick: Callable[[int], None],
+) -> Recording:
+    """Gather `count` frames into a recording; `tick` is told how many there are so far, `end` is asked at the end.
+
+    Raises:
+        SceneError: the recording would not fit into memory.
+    """
+    numbers = (count, scene.particles)
+    shapes = {name: numbers if name in FLUID_CHANNELS else (*numbers, scene.dimension) for name in channels}
+    audit = count * (len(("times", "times", *AMOUNTS)) + TERMS + scene.dimension + _turns(scene))
+    hint = "lower fps, record fewer channels, or stream: physcore.film(scene, …)"
+    refuse_if_too_large(count, scene.particles, 8 * (audit + sum(map(math.prod, shapes.values()))), hint)
+    data: dict[Channel, FloatArray] = {name: np.empty(shape) for name, shape in shapes.items()}
+    times = np.empty(count)
+    momentum = np.empty((count, scene.dimension))
+    angular_momentum = np.empty((count, _turns(scene)))
+    budget: dict[str, FloatArray] = {name: np.empty(count) for name in ("times", *AMOUNTS)}
+    by_term: dict[str, FloatArray] = {}
+    dissipated_by: dict[str, FloatArray] = {}
+    for index, frame in enumerate(frames):
+        for name in channels:
+            data[name][index] = getattr(frame, name)
+        times[index] = frame.time
+        momentum[index], angular_momentum[index] = frame.momentum, frame.angular_momentum
+        budget["times"][index] = frame.energy.time
+        for amount in AMOUNTS:
+            budget[amount][index] = getattr(frame.energy, amount)
+        for parts, series in ((frame.energy.by_term, by_term), (frame.energy.dissipated_by, dissipated_by)):
+            for term, value in parts.items():
+                series.setdefault(term, np.empty(count))[index] = value
+        tick(index + 1)
+    energy = EnergySeries(by_term=by_term, dissipated_by=dissipated_by, **budget)
+    return Recording(times, data, energy, momentum, angular_momentum, fps, scene, *end())
+
+
+def refuse_if_too_large(frames: int, particles: int, needed: int, hint: str) -> None:
+    """Refuse to begin what needs more bytes than are free.
+
+    Raises:
+        SceneError: it does.
+    """
+    memory.require(needed, f"{frames} frames of {particles} particles", "duration", hint)
+
+
+def _turns(scene: Scene) -> int:
+    """How many components an angular momentum has."""
+    return 1 if scene.dimension == 2 else 3
+
+
+_display: Callable[[Recording], str | None] | None = None
+
+
+def show_with(display: Callable[[Recording], str | None]) -> None:
+    """Let notebooks show recordings as the HTML that a function gives, or as text where it gives None."""
+    global _display
+    _display = display

@@ -1,0 +1,99 @@
+"""Scenes and numerics as trees of plain values, from the arguments of their classes, and back."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import fields
+from typing import Any, cast
+
+from physcore.boundaries import BOUNDARIES
+from physcore.errors import FileError, SceneError
+from physcore.forces import FORCES
+from physcore.numerics.choices import AdaptiveStep, AutoStep, Numerics, Options
+from physcore.numerics.integrators import INTEGRATORS
+from physcore.scene.bodies import Body, Particles, SpringNetwork
+from physcore.scene.fluid import Fluid
+from physcore.scene.kernels import KERNELS
+from physcore.scene.packing import kind_of, pack
+from physcore.scene.periodic import Periodic
+from physcore.scene.scene import Scene
+from physcore.storage.archive import Tree
+from physcore.storage.schema import anything, maybe, record, several, table, text, whole, word
+
+_BODIES = (Particles, SpringNetwork, Fluid)
+_RULES = (*INTEGRATORS, AutoStep, AdaptiveStep)
+_KINDS: dict[str, type[Any]] = {
+    kind_of(kind): kind for kind in (*_BODIES, *KERNELS, *FORCES, *BOUNDARIES, Periodic, *_RULES)
+}
+
+_SCENE = record(bodies=several(anything), forces=several(anything), boundaries=several(anything), periodic=anything)
+_THING = record(kind=text, fields=anything)
+
+
+def unpack_scene(tree: Tree, path: str = "scene") -> Scene:
+    """The scene that `Scene.packed` was asked of.
+
+    Raises:
+        FileError: the tree is no scene's; with the path of the entry.
+    """
+    content = _SCENE(tree, path)
+    bodies = [_unpack(entry, f"{path}.bodies[{index}]", _BODIES) for index, entry in enumerate(content["bodies"])]
+    acting = [
+        _unpack_item(entry, f"{path}.{name}[{index}]", kinds, bodies)
+        for name, kinds in (("forces", FORCES), ("boundaries", BOUNDARIES))
+        for index, entry in enumerate(content[name])
+    ]
+    domain = content["periodic"]
+    items = [] if domain is None else [_unpack(domain, f"{path}.periodic", (Periodic,))]
+    with _named(path):
+        return Scene(*bodies, *acting, *items)
+
+
+def pack_numerics(numerics: Numerics) -> Tree:
+    """Numerical choices as a tree."""
+    return {entry.name: pack(getattr(numerics, entry.name)) for entry in fields(numerics)}
+
+
+def unpack_numerics(tree: Tree, path: str = "numerics") -> Options:
+    """The numerical choices that `pack_numerics` was given, as arguments of Simulation.
+
+    Raises:
+        FileError: the tree has something else.
+    """
+    content = record({entry.name: anything for entry in fields(Numerics)})(tree, path)
+    return cast(Options, {name: _unpack_value(value, f"{path}.{name}", _RULES) for name, value in content.items()})
+
+
+def _unpack(tree: Tree, path: str, kinds: tuple[type[Any], ...]) -> Any:
+    """The thing of one of some kinds that `pack` was given."""
+    thing = _THING(tree, path)
+    kind = _KINDS[word(*map(kind_of, kinds))(thing["kind"], f"{path}.kind")]
+    parameters = inspect.signature(kind).parameters.values()
+    optional = {each.name: anything for each in parameters if each.default is not each.empty}
+    required = {each.name: anything for each in parameters if each.default is each.empty}
+    fields_of = record(optional, **required)(thing["fields"], f"{path}.fields")
+    values = {name: _unpack_value(value, f"{path}.{name}", KERNELS) for name, value in fields_of.items()}
+    with _named(path):
+        return kind(**values)
+
+
+@contextmanager
+def _named(path: str) -> Iterator[None]:
+    """A value that a class refuses is an error in the file."""
+    try:
+        yield
+    except SceneError as error:
+        raise FileError(f"{path}: {error}") from error
+
+
+def _unpack_value(tree: Tree, path: str, kinds: tuple[type[Any], ...]) -> Any:
+    return _unpack(tree, path, kinds) if isinstance(tree, dict) and kinds else tree
+
+
+def _unpack_item(tree: Tree, path: str, kinds: tuple[type[Any], ...], bodies: list[Body]) -> Any:
+    values = table(anything)(_THING(tree, path)["fields"], f"{path}.fields")
+    indices = maybe(several(whole(most=len(bodies) - 1)))(values.get("on"), f"{path}.on")
+    on = None if indices is None else [bodies[index] for index in indices]
+    return _unpack({**tree, "fields": {**values, "on": on}}, path, kinds)

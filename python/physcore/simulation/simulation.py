@@ -1,0 +1,390 @@
+"""A simulation owns state and clock."""
+
+from __future__ import annotations
+
+import os
+import pickle
+import warnings
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import replace
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from physcore.checks import MOST, FloatArray, broadcast, flag, shown, span
+from physcore.errors import FileError, SceneError, StabilityWarning
+from physcore.forces import CustomForce
+from physcore.numerics.choices import (
+    FRAMES_PER_SECOND,
+    DivergenceRule,
+    Limit,
+    Numerics,
+    Options,
+    Precision,
+    StepRule,
+    check,
+)
+from physcore.numerics.integrators import Integrator
+from physcore.progress import Progress
+from physcore.scene.bodies import Body
+from physcore.scene.fluid import Fluid
+from physcore.scene.scene import BodyKey, Scene
+from physcore.simulation import engine
+from physcore.simulation import frames as sampling
+from physcore.simulation.energy import Energy
+from physcore.simulation.plan import Plan
+from physcore.simulation.provenance import SEGMENTS, Provenance, version
+from physcore.simulation.recording import CHANNELS, Channel, Recording, check_channels, collect
+from physcore.simulation.serial import pack_numerics, unpack_numerics, unpack_scene
+from physcore.simulation.state import Frame, Snapshot
+from physcore.simulation.stepper import Captured, Stepper
+from physcore.storage import archive
+from physcore.storage.schema import of, record, several, table
+
+State = ArrayLike | Mapping[BodyKey, ArrayLike]
+"""New values for all particles, or for some bodies."""
+
+
+class Simulation:
+    """The state of a scene, and the clock that moves it on.
+
+    Args:
+        scene: what to simulate.
+        integrator: how to step; "auto" is VelocityVerlet().
+        dt: the time step [s]; "auto" is AutoStep(), which chooses it from the limit of stability of the scene;
+            AdaptiveStep() lets it follow the motion.
+        precision: "f64", or "f32": forces in single precision, energies in double; "auto" is "f32" for scenes with a
+            fluid and "f64" for all others.
+        threads: how many threads may share the work; None: PHYSCORE_NUM_THREADS, or all that the process may use. The
+            results have the same bits for any number.
+        max_energy_growth: how many times the largest energy so far the energy balance may rise before it counts as
+            diverged; None: 1e6, and 1 with on_divergence="substep".
+        on_divergence: "raise"; "substep": take a step that fails again in halves, quarters and so on, down to 1/1024 of
+            it, and warn; the energy budget is then looked at in each step, which takes about as long as the forces; or
+            "ignore": go on until a position or velocity is not finite; energies, which are squares, cease to be before.
+        runaway: the deprecated name of `max_energy_growth`.
+
+    Raises:
+        SceneError: a choice is not valid, dt="auto" finds no stable step, a particle starts outside a boundary, or the
+            scene does not fit into memory.
+        KeyboardInterrupt: Ctrl-C.
+
+    Warns:
+        StabilityWarning: `dt` is above the limit of stability, or a step had to be taken in parts; said once in a run.
+        MachWarning: a thousandth of a fluid flows faster than 0.15 of its speed of sound; said once in a run.
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        integrator: Integrator | Literal["auto"] = "auto",
+        dt: float | StepRule | Literal["auto"] = "auto",
+        precision: Precision = "auto",
+        threads: int | None = None,
+        *,
+        max_energy_growth: float | None = None,
+        on_divergence: DivergenceRule = "raise",
+        runaway: float | None = None,
+    ) -> None:
+        require_scene(scene)
+        options = Options(
+            integrator=integrator,
+            dt=dt,
+            precision=precision,
+            threads=threads,
+            max_energy_growth=max_energy_growth,
+            on_divergence=on_divergence,
+            runaway=runaway,
+        )
+        self._build(scene, check(options, scene))
+        self._stepper.begin()
+
+    def _build(self, scene: Scene, numerics: Numerics) -> None:
+        self._scene = scene
+        self._numerics = numerics
+        self._world = engine.build(scene, numerics)
+        self._stepper = Stepper(self._world, scene, numerics)
+
+    @property
+    def scene(self) -> Scene:
+        """The scene that is simulated."""
+        return self._scene
+
+    @property
+    def integrator(self) -> Integrator:
+        """How it is stepped."""
+        return self._numerics.integrator
+
+    @property
+    def time(self) -> float:
+        """The time of the present state [s]."""
+        return self._world.time
+
+    @property
+    def steps(self) -> int:
+        """How many steps have been taken; one that was taken in parts counts as those."""
+        return self._world.steps
+
+    @property
+    def substeps(self) -> int:
+        """How many steps failed and were taken again in parts, with on_divergence="substep" or adaptive steps."""
+        return self._stepper.substepped
+
+    @property
+    def dt(self) -> float:
+        """The time step [s]: of the last step taken, and before the first one that of the next."""
+        return self._stepper.dt
+
+    @property
+    def positions(self) -> FloatArray:
+        """Positions of all particles, body by body [m], shape (N, D), within the periodic domain; a copy."""
+        return engine.show(self._world.read("positions"), self._scene)
+
+    @property
+    def velocities(self) -> FloatArray:
+        """Velocities of all particles, body by body [m/s], shape (N, D); a copy."""
+        return self._world.read("velocities")
+
+    @property
+    def plan(self) -> Plan:
+        """The plan: the stages of one step, and the choices that were made."""
+        plan = engine.plan(self._world, self._stepper.limit, self.dt)
+        return replace(plan, substeps=self.substeps, notes=(*plan.notes, *self._stepper.notes()))
+
+    @property
+    def provenance(self) -> Provenance:
+        """The provenance of the present state: what it takes, beside the scene, to compute it again."""
+        return Provenance(version(), pack_numerics(self._numerics), self._stepper.segments, self.state_hash())
+
+    def __getitem__(self, body: BodyKey) -> Snapshot:
+        """The present state of one body, given itself, its index or its name; a Fluid's has densities and pressures."""
+        part, whole = self._scene.slice(body), engine.snapshot(self._world, self._scene)
+        wet = isinstance(self._scene.bodies[self._scene.index(body)], Fluid)
+        return Snapshot(
+            whole.time,
+            engine.show(whole.positions[part], self._scene),
+            whole.velocities[part],
+            fields={name: values[part] for name, values in whole.fields.items()} if wet else {},
+        )
+
+    def __repr__(self) -> str:
+        return f"Simulation({self._scene!r}, {self.integrator!r}, time={self.time:g}, steps={self.steps})"
+
+    def step(self, n: int = 1) -> None:
+        """Take n equal steps.
+
+        Raises:
+            SceneError: steps are adaptive, and so not equal: use `run`; or so many particles have come near each other
+                that lists of neighbors no longer fit into memory, and the simulation stands at the last good step.
+            SimulationDiverged: the state blew up; the simulation stands at the last good step.
+            KeyboardInterrupt: Ctrl-C; the simulation stands at a whole step and can go on.
+        """
+        self._stepper.step(n)
+
+    def run(self, duration: float) -> None:
+        """Advance by `duration` [s]: ⌈duration/dt⌉ steps; with dt="auto" or adaptive steps the last one ends exactly
+        there.
+
+        Raises:
+            SimulationDiverged, KeyboardInterrupt: as for `step`.
+        """
+        self._stepper.run(span(duration, "run.duration", empty=True))
+
+    def frames(self, duration: float, fps: float = FRAMES_PER_SECOND) -> Iterator[Frame]:
+        """Advance by `duration` [s] and give `fps` frames per second on the way, in constant memory.
+
+        The first frame is the present state. Frames between two steps of a given dt are cubic Hermite interpolations.
+        Who stops early finds the simulation at the last frame, or one step past it.
+
+        Raises:
+            SceneError: an argument is out of range.
+            PhyscoreError: the simulation was stepped between two frames.
+            SimulationDiverged, KeyboardInterrupt: as for `step`.
+        """
+        interval, rate = span(duration, "duration", empty=True), span(fps, "fps")
+        return sampling.frames(self._world, self._scene, self._stepper, interval, rate)
+
+    def record(
+        self,
+        duration: float,
+        fps: float = FRAMES_PER_SECOND,
+        channels: tuple[Channel, ...] = CHANNELS,
+        *,
+        progress: bool | None = None,
+    ) -> Recording:
+        """Advance by `duration` [s] and keep `fps` frames per second.
+
+        Args:
+            duration: [s].
+            fps: frames per second of simulated time.
+            channels: what to keep of each frame: "positions" and "velocities", and with a Fluid "densities" and
+                "pressures".
+            progress: whether to show a progress bar; None: on a terminal, when it takes longer than a second.
+
+        Raises:
+            SceneError: the recording would not fit into memory, or an argument is out of range.
+            SimulationDiverged, KeyboardInterrupt: as for `step`.
+        """
+        kept = check_channels(channels, fluids=bool(self._scene.fluids))
+        shown = None if progress is None else flag(progress, "progress")
+        frames = self.frames(duration, fps)
+        count = sampling.frame_count(float(duration), float(fps))
+        with Progress(count, "simulating", shown) as bar:
+            return collect(frames, count, self._scene, float(fps), kept, self._end, bar.update)
+
+    def set(self, positions: State | None = None, velocities: State | None = None) -> None:
+        """Replace the state between two steps; the change of energy counts as work.
+
+        Args:
+            positions: [m], an array that broadcasts to (N, D), or a mapping from bodies to arrays. They may lie outside
+                of the periodic domain; springs are stretched from one to the other as they are given.
+            velocities: [m/s], likewise.
+
+        Raises:
+            SceneError: a shape does not fit, or a value is not finite.
+        """
+        given = {"positions": positions, "velocities": velocities}
+        self._world.write({name: self._whole(values, name) for name, values in given.items() if values is not None})
+
+    def energy(self) -> Energy:
+        """The energy budget of the present state.
+
+        Warns:
+            StabilityWarning: it is not finite, in a diverging run with on_divergence="ignore".
+        """
+        return sampling.energy(self._world)
+
+    def momentum(self) -> FloatArray:
+        """Total momentum of all particles that are not fixed [kg·m/s], shape (D,)."""
+        return self._world.momentum()
+
+    def angular_momentum(self) -> FloatArray:
+        """Total angular momentum about the origin [kg·m²/s], shape (1,) in 2D and (3,) in 3D."""
+        return self._world.angular_momentum()
+
+    def state_hash(self) -> str:
+        """A hash of everything that the bits of the next step depend on."""
+        return self._world.state_hash()
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write a checkpoint, from which `physcore.load` goes on with the same bits. It does not change the run.
+
+        Raises:
+            FileError: the file cannot be written, or the scene has a CustomForce.
+        """
+        content = {
+            "scene": self._scene.packed(),
+            "numerics": pack_numerics(self._numerics),
+            "stepper": self._stepper.capture(),
+            "world": self._world.capture(),
+        }
+        archive.write(path, "simulation", content)
+
+    @classmethod
+    def from_content(cls, content: dict[str, archive.Tree]) -> Simulation:
+        """Rebuild a simulation from the content of its checkpoint.
+
+        Raises:
+            FileError: an entry is missing or wrong; with its path.
+        """
+        limits = several(of(Limit), lengths=(0, 2))
+        stepper = of(Captured, absent=("segments",), limits=limits, segments=SEGMENTS)
+        shape = record(scene=unpack_scene, numerics=unpack_numerics, stepper=stepper, world=table(_numbers))
+        checked = shape(content, "")
+        numerics = check(checked["numerics"], checked["scene"])
+        simulation = cls._resumed(checked["scene"], numerics, checked["stepper"], checked["world"])
+        if not (np.isfinite(simulation.positions).all() and np.isfinite(simulation.velocities).all()):
+            raise FileError("world.columns: must be finite in the precision of the run")
+        return simulation
+
+    def __copy__(self) -> Simulation:
+        """A simulation of the same scene that goes on from the present state by itself, with the same bits."""
+        return self._resumed(self._scene, self._numerics, self._stepper.capture(), self._world.capture())
+
+    def __reduce__(self) -> tuple[object, ...]:
+        """Pickle the scene and the present state.
+
+        Raises:
+            SceneError: a function of a CustomForce cannot be pickled.
+        """
+        for position, force in enumerate(self._scene.forces):
+            if isinstance(force, CustomForce):
+                _require_pickles(force, f"forces[{position}]")
+        state = (self._scene, self._numerics, self._stepper.capture(), self._world.capture())
+        return type(self)._resumed, state
+
+    def __deepcopy__(self, memo: dict[int, object]) -> Simulation:
+        return self.__copy__()  # A scene never changes, and its bodies stay keys into the copy.
+
+    @classmethod
+    def _resumed(cls, scene: Scene, numerics: Numerics, stepper: archive.Tree, world: archive.Tree) -> Simulation:
+        """A simulation in a state that was captured. Its limits were looked at when the run began."""
+        simulation = cls.__new__(cls)
+        simulation._build(scene, numerics)
+        simulation._stepper.restore(stepper)
+        simulation._world.restore(world)
+        return simulation
+
+    def _end(self) -> tuple[Plan, Provenance]:
+        """The plan and the provenance of a recording."""
+        return self.plan, self.provenance
+
+    def _whole(self, given: State, field: str) -> FloatArray:
+        """The values of a field (N, D) for all particles."""
+        path, shape = f"set.{field}", (self._scene.particles, self._scene.dimension)
+        if not isinstance(given, Mapping):
+            return broadcast(given, shape, path)
+        values: FloatArray = self._world.read(field)
+        for key, part in given.items():
+            try:
+                where = self._scene.slice(key)
+            except KeyError as error:
+                raise SceneError(f"{path}: {error.args[0]}") from None
+            values[where] = broadcast(part, values[where].shape, f"{path}[{shown(key)}]")
+        return values
+
+
+def _numbers(value: object, path: str) -> NDArray[np.generic]:
+    """A part of a captured state: numbers, of which those in the state itself are finite."""
+    if not isinstance(value, np.ndarray):
+        raise FileError(f"{path}: must be an array, got {shown(value)}")
+    steps = value.dtype.kind in "iu" and value.size > 0 and int(value.max()) > MOST
+    if steps or np.isnan(value).any() or (path.endswith(("clock", "system")) and not np.isfinite(value).all()):
+        raise FileError(f"{path}: must be finite numbers, with at most {MOST} steps")
+    return value
+
+
+def _require_pickles(force: CustomForce, path: str) -> None:
+    """Refuse a function that has no name by which another process could find it.
+
+    Raises:
+        SceneError: it has none.
+    """
+    for name in ("function", "potential"):
+        try:
+            pickle.dumps(getattr(force, name))
+        except Exception as error:
+            raise SceneError(
+                f"{path}.{name}: cannot be pickled ({error}); define it with def at the top level of a module"
+            ) from error
+
+
+@contextmanager
+def unwarned() -> Iterator[None]:
+    """For building simulations whose time step is meant to be above the limit, or was warned of before."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", StabilityWarning)
+        yield
+
+
+def require_scene(scene: object) -> None:
+    """Refuse what is no Scene.
+
+    Raises:
+        SceneError: it is none.
+    """
+    if not isinstance(scene, Scene):
+        missing = f"; write Scene({type(scene).__name__}(…), …)" if isinstance(scene, Body) else ""
+        raise SceneError(f"scene: must be a Scene, got {shown(scene)}{missing}")

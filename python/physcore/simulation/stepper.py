@@ -1,0 +1,363 @@
+"""The stepper of a simulation: the number and the size of its steps."""
+
+from __future__ import annotations
+
+import math
+import sys
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import asdict, replace
+from typing import Any, TypedDict
+
+from physcore._core import World
+from physcore.checks import count, number
+from physcore.errors import MachWarning, PhyscoreError, SceneError, SimulationDiverged, StabilityWarning, warn
+from physcore.numerics.choices import (
+    FRAMES_PER_SECOND,
+    AdaptiveStep,
+    Limit,
+    Numerics,
+    StepRule,
+    divide,
+    free_step,
+    largest_step,
+    steps_to,
+)
+from physcore.scene.scene import Scene
+from physcore.simulation import engine
+from physcore.simulation.provenance import Segment, segments_from
+
+CHECK_INTERVAL = 256
+"""Steps between two looks at the limit of stability with dt="auto": at fixed multiples of this number, so that the bits
+do not depend on how the steps were asked for."""
+
+FLUID_CHECK_INTERVAL = 8
+"""The same where there is a fluid: at a tenth of the speed of sound and half of the limit, nobody comes farther in so
+many steps than its neighbor was."""
+
+RECOVERED = 1.25
+"""By which factor the limit must have risen for the time step to follow it."""
+
+SLOWEST = 64
+"""The largest ratio of the time step at the start to one that follows the limit: a spring pressed to nothing has no
+direction, and no time step resolves it."""
+
+FAST_SHARE = 1e-3
+"""Share of a fluid's particles that may exceed the Mach number without a warning: spray does, however fast sound is."""
+
+HALVINGS = 10
+"""How often a step that fails is halved at most."""
+
+TIME_TOLERANCE = 1e-6
+"""Times closer together than this fraction of a step are equal."""
+
+
+class Captured(TypedDict):
+    """The state of a stepper, for checkpoints."""
+
+    substepped: int
+    limits: list[dict[str, Any]]
+    segments: list[dict[str, Any]] | None
+
+
+class Stepper:
+    """Steps a world with a time step that is given, or chosen from the limit of stability.
+
+    The limit is that of the springs as they stand. The certified one, which is lower and which no time step exceeds,
+    holds wherever they turn, while none is shorter than half its rest length. With dt="auto" it is
+    looked at again and again: a time step that is no longer certified is replaced by a smaller one, and comes back when
+    the reason has gone.
+    """
+
+    def __init__(self, world: World, scene: Scene, numerics: Numerics) -> None:
+        self._world = world
+        self._scene = scene
+        self._numerics = numerics
+        self._adaptive = numerics.dt if isinstance(numerics.dt, AdaptiveStep) else None
+        self._limits: tuple[Limit, Limit] | None = None
+        """With dt="auto" the limit at the start, and the one that the time step keeps to."""
+        self._varies = world.plan()["limit_varies"]
+        self._interval = FLUID_CHECK_INTERVAL if scene.fluids else CHECK_INTERVAL
+        self._stepping = threading.Lock()
+        self._mach_warned = False
+        self._substepped = 0
+        self._segments: list[Segment] | None = []
+
+    def begin(self) -> None:
+        """Look at the limits before the first step; one of a stepper that was captured goes on with `restore`.
+
+        Raises:
+            SceneError: no time step is certain to be stable.
+        """
+        if self.fixed is not None:
+            self._warn_if_unstable(self.fixed)
+            return
+        if self._adaptive is None:
+            self._limits = (engine.limit(self._world),) * 2
+        self._largest(FRAMES_PER_SECOND)  # A scene without any stable step is refused here, not at its first step.
+
+    @property
+    def fixed(self) -> float | None:
+        """The time step that was given [s], or None."""
+        return None if isinstance(self._numerics.dt, StepRule) else self._numerics.dt
+
+    @property
+    def limit(self) -> Limit:
+        """The limit that the time step keeps to; of the present state where it follows that, or was given."""
+        if self._adaptive is not None:
+            return engine.present_limit(self._world)
+        return self._limits[1] if self._limits else engine.limit(self._world)
+
+    @property
+    def substepped(self) -> int:
+        """How many steps failed and were taken again in parts."""
+        return self._substepped if self._adaptive is None else self._world.adaptation()[1]
+
+    @property
+    def dt(self) -> float:
+        """The time step in use [s]: of the last step, and before the first one that of the next."""
+        return self.fixed or self._world.dt or self._largest(FRAMES_PER_SECOND)
+
+    @property
+    def segments(self) -> tuple[Segment, ...] | None:
+        """The steps that were taken since the scene's start; None where a checkpoint did not tell."""
+        if self._adaptive is None:
+            return None if self._segments is None else tuple(self._segments)
+        _, _, smallest, largest = self._world.adaptation()
+        return (Segment(0.0, self._world.steps, (smallest, largest)),) if self._world.steps else ()
+
+    def step(self, steps: int) -> None:
+        """Advance by a number of steps."""
+        left = count(steps, "step.n")
+        if self._adaptive is not None:
+            raise SceneError(
+                "dt: adaptive steps are not equal, and end where an interval ends: use run(duration), record or "
+                "frames; or give dt a number, or AutoStep()"
+            )
+        if self.fixed is not None:
+            return self._advance_by(left, self.fixed)
+        with self._alone():
+            while left > 0:
+                self._check_limit()
+                batch = min(left, self._until_check())
+                left -= self._advance(batch, self._largest(FRAMES_PER_SECOND))
+        return None
+
+    def run(self, duration: float, fps: float = FRAMES_PER_SECOND) -> None:
+        """Advance by a duration [s]: to its end with dt="auto", to the first step at or after it with a given dt."""
+        interval = number(duration, "run.duration", least=0.0)
+        if self.fixed is not None:
+            return self._advance_by(max(0, steps_to(interval, self.fixed, TIME_TOLERANCE)), self.fixed)
+        if interval == 0.0:
+            return None
+        if self._adaptive is not None:
+            return self._adapt(interval, fps, self._adaptive)
+        with self._alone():
+            steps, dt = divide(interval, self._largest(fps))
+            while steps > 0:
+                if self._check_limit():
+                    steps, dt = divide(steps * dt, self._largest(fps))
+                batch = min(steps, self._until_check())
+                steps -= self._advance(batch, dt)
+        return None
+
+    def notes(self) -> list[str]:
+        """Notes of the plan about steps that are not all equal."""
+        if self._adaptive is None:
+            return []
+        by = (
+            f"keep their error within {self._adaptive.tolerance:g} m"
+            if self._adaptive.tolerance is not None
+            else f"keep to {self._adaptive.safety:.0%} of the limit at both of their ends, in blocks of halves"
+        )
+        rejected, _, smallest, largest = self._world.adaptation()
+        taken = (
+            f"{self._world.steps} taken, from {smallest:.3g} s to {largest:.3g} s, {rejected} tried and taken back"
+            if self._world.steps
+            else "none taken so far"
+        )
+        return [f"adaptive steps {by}: {taken}"]
+
+    def _adapt(self, interval: float, fps: float, rule: AdaptiveStep) -> None:
+        """Advance by an interval [s] in steps that follow the motion."""
+        before = self.substepped
+        try:
+            flow = self._world.run(interval, rule.safety, free_step(fps), rule.tolerance)
+        except SimulationDiverged as error:
+            self._complete(error)
+            raise
+        if before == 0 < self.substepped:
+            cause = "safety" if rule.tolerance is None else "tolerance"
+            warn(f"a step that follows the motion diverged and was halved: take a smaller {cause}", StabilityWarning)
+        self._warn_of_mach_number(*flow or (0.0, 0.0, 0.0))
+
+    def _advance_by(self, steps: int, dt: float) -> None:
+        """Take all of some steps."""
+        while True:
+            steps -= self._advance(steps, dt)
+            if steps == 0:
+                return
+
+    @contextmanager
+    def _alone(self) -> Iterator[None]:
+        """Between two batches of steps the world would let another thread in, and neither would end where it should."""
+        if not self._stepping.acquire(blocking=False):
+            raise PhyscoreError(
+                "this simulation is running, in another thread or around this call: wait until that has ended"
+            )
+        try:
+            yield
+        finally:
+            self._stepping.release()
+
+    def _advance(self, steps: int, dt: float) -> int:
+        """Take steps, and give how many: up to the first that had to be taken in parts, and that one."""
+        before = self._world.steps
+        try:
+            flow = self._take(steps, dt)
+        except SimulationDiverged as error:
+            if self._numerics.on_divergence != "substep":
+                self._complete(error)
+                raise
+            taken = self._world.steps - before + 1
+            self._substep(error, dt)
+            return taken
+        self._warn_of_mach_number(*flow or (0.0, 0.0, 0.0))
+        return steps
+
+    def _take(self, steps: int, dt: float) -> tuple[float, float, float] | None:
+        """Let the world take steps, and note those that it took."""
+        start, before = self._world.time, self._world.steps
+        try:
+            flow = self._world.step(steps, dt)
+        except BaseException:
+            self._note(Segment(start, self._world.steps - before, dt))
+            raise
+        self._note(Segment(start, steps, dt))
+        return flow
+
+    def _note(self, new: Segment) -> None:
+        """Add steps to the history; like the engine's clock, a segment ends only where the size of the step changes."""
+        if self._segments is None or new.steps == 0:
+            return
+        last = self._segments[-1] if self._segments else None
+        if last is not None and last.dt == new.dt:
+            self._segments[-1] = replace(last, steps=last.steps + new.steps)
+        else:
+            self._segments.append(new)
+
+    def _substep(self, error: SimulationDiverged, dt: float) -> None:
+        """Take a step that failed again in parts, halving what is left of it whenever one of them fails.
+
+        Raises:
+            SimulationDiverged: it fails in the smallest parts as well.
+        """
+        message = (
+            f"a step failed ({error.cause}) and is taken again in parts; take a smaller dt where this happens often"
+        )
+        if self._substepped == 0:
+            warn(f"at {error.time:.4g} s {message}", StabilityWarning)
+        self._substepped += 1
+        left, parts = 1, 1
+        for _ in range(HALVINGS):
+            left, parts = 2 * left, 2 * parts
+            before = self._world.steps
+            try:
+                self._take(left, dt / parts)
+            except SimulationDiverged as failed:
+                left -= self._world.steps - before
+                error = failed
+            else:
+                return
+        self._complete(error)
+        raise error
+
+    def _complete(self, error: SimulationDiverged) -> None:
+        """Put the last good state into a divergence."""
+        state = engine.snapshot(self._world, self._scene)
+        error.last_good = replace(state, positions=engine.show(state.positions, self._scene))
+
+    def _warn_of_mach_number(self, mach: float, share: float, sound: float) -> None:
+        if self._mach_warned or share <= FAST_SHARE:
+            return
+        self._mach_warned = True
+        message = (
+            f"{share:.1%} of a fluid's particles are faster than Mach {mach} where sound has {sound:.3g} m/s: there "
+            f"density is off by about Mach squared, {mach**2:.1%} and more, and one percent is meant; raise sound_speed"
+        )
+        warn(message, MachWarning)
+
+    def _largest(self, fps: float) -> float:
+        rule = self._numerics.dt
+        assert isinstance(rule, StepRule)
+        return largest_step(self.limit, rule, self._numerics.integrator, fps)
+
+    def _until_check(self) -> int:
+        return self._interval - self._world.steps % self._interval if self._varies else sys.maxsize
+
+    def _check_limit(self) -> bool:
+        """Look at the limit if it is time to; say whether the time step has to change."""
+        if not self._varies or self._world.steps == 0 or self._world.steps % self._interval != 0:
+            return False
+        assert self._limits
+        first, kept = self._limits
+        certified = engine.certified(self._world)
+        if kept != first and certified >= first.certified:
+            kept = first
+        elif self._world.dt > certified or (kept != first and certified >= RECOVERED * kept.certified):
+            present = engine.limit(self._world)
+            # What nothing limited at the start, as grains at rest that do not touch, says nothing about how small.
+            least = first.dt / SLOWEST if math.isfinite(first.dt) else 0.0
+            kept = replace(present, dt=max(present.dt, least), certified=max(present.certified, least))
+        else:
+            return False
+        self._limits = first, kept
+        return True
+
+    def _warn_if_unstable(self, dt: float) -> None:
+        # The certified limit is the smaller one, and found in a fraction of the time.
+        if dt <= engine.certified(self._world):
+            return
+        limit = engine.limit(self._world)
+        if dt <= limit.stability:
+            return
+        name = type(self._numerics.integrator).__name__
+        if limit.endured == 0.0:
+            message = (
+                f"{name} is not stable at any time step in this scene ({limit.term}): its energy grows without end"
+            )
+        elif dt > limit.endured:
+            message = (
+                f"dt = {dt:g} s is above the limit of stability of {name} in this scene, {limit.stability:g} s "
+                f"({limit.term}): the simulation will blow up"
+            )
+        else:
+            message = (
+                f"dt = {dt:g} s is above the limit of stability that is certain for {name} in this scene, "
+                f"{limit.stability:g} s ({limit.term}): the simulation may blow up; the true limit may be "
+                f"{_how_much_larger(limit)}, `stability_limit(scene, {name}(), measured=True)` finds it"
+            )
+        warn(message, StabilityWarning)
+
+    def capture(self) -> Captured:
+        """The state of the stepper beside that of the world: limits, segments and counts."""
+        segments = None if self._segments is None else [asdict(segment) for segment in self._segments]
+        limits = [vars(limit) for limit in self._limits or ()]
+        return {"substepped": self._substepped, "limits": limits, "segments": segments}
+
+    def restore(self, state: Captured) -> None:
+        """Go on as the stepper that was captured."""
+        self._substepped = state["substepped"]
+        segments = segments_from(state.get("segments"))
+        self._segments = None if segments is None else list(segments)
+        if state["limits"]:
+            first, kept = (Limit(**limit) for limit in state["limits"])
+            self._limits = first, kept
+
+
+def _how_much_larger(limit: Limit) -> str:
+    """How far the true limit of stability may be above the one that is certain."""
+    if limit.stability == 0.0 or math.isinf(limit.endured):
+        return "larger"
+    return f"up to {limit.endured / limit.stability:.3g} times as large"

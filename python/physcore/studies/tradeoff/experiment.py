@@ -1,0 +1,166 @@
+"""One scene over one duration, to be computed in many ways, and a trial of one of them."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from physcore.checks import FloatArray, array
+from physcore.errors import SceneError, SimulationDiverged
+from physcore.numerics.integrators import Integrator
+from physcore.scene.scene import Scene
+from physcore.simulation.energy import Energy, EnergySeries
+from physcore.simulation.simulation import Simulation, unwarned
+
+SAMPLES = 32
+"""Equal intervals of the duration, at whose ends every run is looked at. Every time step divides them."""
+
+Observer = Callable[[Simulation], ArrayLike]
+"""What is compared between runs: an array of the same shape at every time."""
+
+
+@dataclass(frozen=True)
+class Choice:
+    """A way to compute."""
+
+    integrator: Integrator
+    precision: Literal["f32", "f64"]
+    steps: int
+    """Steps in each of the intervals."""
+
+    def finer(self, factor: int = 2) -> Choice:
+        """The same with `factor` times as many steps."""
+        return Choice(self.integrator, self.precision, self.steps * factor)
+
+
+@dataclass(frozen=True, eq=False)
+class Trial:
+    """One run and what it cost."""
+
+    choice: Choice
+    samples: FloatArray
+    """What was observed at the start and at the end of each interval, shape (33, …); shorter where it diverged."""
+    seconds: float
+    """Spent in stepping, once: for planning, not for comparing."""
+    evaluations: int
+    """Evaluations of the forces."""
+    energy_drift: float
+    """The largest drift of the energy balance, over the same times; infinite where it diverged."""
+    diverged: SimulationDiverged | None
+
+    @property
+    def complete(self) -> bool:
+        """Whether it came to its end with numbers."""
+        return self.diverged is None and bool(np.isfinite(self.samples).all())
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """A scene, how long to compute it, and what to compare."""
+
+    scene: Scene
+    duration: float
+    """[s]"""
+    threads: int | None = None
+    observer: Observer | None = None
+    """None: the positions of all particles."""
+
+    @property
+    def interval(self) -> float:
+        """A 32nd of the duration [s]."""
+        return self.duration / SAMPLES
+
+    def dt(self, choice: Choice) -> float:
+        """The time step of a choice [s]."""
+        return self.interval / choice.steps
+
+    def steps_of(self, largest: float) -> int:
+        """The fewest steps per interval that are no longer than `largest` [s]."""
+        return max(1, int(np.ceil(self.interval / largest - 1e-9)))
+
+    def start(self, choice: Choice) -> Simulation:
+        """A simulation at its start.
+
+        Raises:
+            SceneError: the scene cannot be computed so.
+        """
+        with unwarned():  # Whoever measures where it ends goes beyond.
+            return Simulation(self.scene, choice.integrator, self.dt(choice), choice.precision, self.threads)
+
+    def observe(self, simulation: Simulation) -> FloatArray:
+        """What is compared, of the present state.
+
+        Raises:
+            SceneError: the observer gives no array of finite numbers.
+        """
+        if self.observer is None:
+            return simulation.positions
+        return array(self.observer(simulation), "observe")
+
+    def difference(self, one: FloatArray, other: FloatArray) -> FloatArray:
+        """one − other; of positions in a periodic domain, the way to the nearest image."""
+        if one.shape[1:] != other.shape[1:]:
+            raise SceneError(f"observe: must always give one shape, gave {other.shape[1:]} and then {one.shape[1:]}")
+        change: FloatArray = one - other
+        if self.observer is None and self.scene.periodic is not None:
+            return self.scene.periodic.nearest(change)
+        return change
+
+    def distances(self, one: FloatArray, other: FloatArray) -> FloatArray:
+        """The largest distance of any particle, or of any number that is observed, at each time; shape (F,)."""
+        change = self.difference(one, other)
+        sizes = np.linalg.norm(change, axis=-1) if self.observer is None else np.abs(change)
+        largest: FloatArray = sizes.reshape(len(sizes), -1).max(axis=1)
+        return largest
+
+    def attempt(self, choice: Choice) -> Trial:
+        """Run it once, from start to end or until it diverges.
+
+        Raises:
+            SceneError: the scene cannot be computed so.
+        """
+        simulation = self.start(choice)
+        evaluations = simulation.plan.evaluations
+        samples, budget = [self.observe(simulation)], [simulation.energy()]
+        seconds, diverged = 0.0, None
+        for _ in range(SAMPLES):
+            begin = time.perf_counter()
+            try:
+                simulation.step(choice.steps)
+            except SimulationDiverged as error:
+                diverged = error
+                break
+            finally:
+                seconds += time.perf_counter() - begin
+            samples.append(self.observe(simulation))
+            budget.append(simulation.energy())
+        drift = float("inf") if diverged else float(np.abs(series(budget).drift).max())
+        taken = max(1, simulation.steps)
+        return Trial(choice, _stack(samples), seconds, taken * evaluations, drift, diverged)
+
+
+def series(budget: list[Energy]) -> EnergySeries:
+    """Budgets at several times as one over time."""
+    return EnergySeries(
+        kinetic=np.array([energy.kinetic for energy in budget]),
+        by_term={name: np.array([energy.by_term[name] for energy in budget]) for name in budget[0].by_term},
+        internal=np.array([energy.internal for energy in budget]),
+        dissipated=np.array([energy.dissipated for energy in budget]),
+        dissipated_by={
+            name: np.array([energy.dissipated_by[name] for energy in budget]) for name in budget[0].dissipated_by
+        },
+        work=np.array([energy.work for energy in budget]),
+        times=np.array([energy.time for energy in budget]),
+    )
+
+
+def _stack(samples: list[FloatArray]) -> FloatArray:
+    if any(sample.shape != samples[0].shape for sample in samples):
+        shapes = sorted({sample.shape for sample in samples})
+        raise SceneError(f"observe: must always give one shape, gave {' and '.join(map(str, shapes))}")
+    return np.stack(samples)

@@ -1,0 +1,204 @@
+"""The recipe: check the question, study each scene, and put what was found together."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from itertools import pairwise
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+from physcore.checks import FloatArray, count, flag, items, number, shown, span, words
+from physcore.errors import SceneError
+from physcore.numerics.choices import MOST_THREADS
+from physcore.numerics.integrators import INTEGRATORS, Integrator
+from physcore.progress import Progress
+from physcore.scene.scene import Scene
+from physcore.simulation.recording import refuse_if_too_large
+from physcore.simulation.simulation import Simulation
+from physcore.studies.tradeoff.experiment import SAMPLES, Experiment, Observer
+from physcore.studies.tradeoff.result import Row
+from physcore.studies.tradeoff.trade import Tradeoff
+
+if TYPE_CHECKING:
+    from physcore.studies.tradeoff.search import Study
+
+TICKS = 10
+"""How often in a second the progress bar may move."""
+PRECISIONS: tuple[Literal["f64", "f32"], ...] = ("f64", "f32")
+COPIES = 6
+"""Arrays of samples that are in memory at once: three runs of a reference, the reference, its check and a row."""
+
+
+def tradeoff(
+    scene: Scene | Callable[[float], Scene],
+    duration: float,
+    *,
+    integrators: Sequence[Integrator] | None = None,
+    precisions: Sequence[Literal["f32", "f64"]] = PRECISIONS,
+    dts: Sequence[float] | None = None,
+    resolutions: Sequence[float] | None = None,
+    observe: Observer | None = None,
+    budget: float = 30.0,
+    threads: int | None = None,
+    seed: int = 0,
+    progress: bool | None = None,
+) -> Tradeoff:
+    """Measure what speed costs in accuracy: many integrators, time steps and precisions against a reference.
+
+    Each integrator in each precision begins at 0.95 of its limit of stability and halves its time step until the error
+    is that of the reference, finer steps have stopped to help, or the budget is spent. Every row is compared with the
+    reference at 32 equal times, and timed five times, with all rows in random order. The reference is the best method
+    in double precision at ever finer steps, extrapolated after Richardson, and checked by a method of another family.
+
+    A twin that starts 1e-10 off tells chaos from regular motion. Where trajectories are lost within the duration,
+    errors are taken over short windows that start on the reference, and averages over ensembles find biased methods
+    (T. Boekholt, S. Portegies Zwart, Comput. Astrophys. Cosmol. 2, 2 (2015), for why averages survive chaos).
+
+    Args:
+        scene: what to simulate; or a function that builds it from a resolution.
+        duration: how long to simulate it [s].
+        integrators: what to compare; None: all that can compute the scene.
+        precisions: "f64", "f32" or both.
+        dts: the time steps to try [s], each made a whole fraction of a 32nd of the duration by rounding it down, all of
+            them whatever the budget; None: the search.
+        resolutions: what to call `scene` with, from the coarsest to the finest. The references at all of them say how
+            much of the error is the resolution's: it is added to that of the time steps.
+        observe: what to compare, as a function of the simulation that gives an array of numbers; None: the positions of
+            all particles [m], and the centers of the bodies where there are resolutions.
+        budget: how long all this may take [s], about. The first three rows of each integrator may take as long again,
+            and the very first are always run.
+        threads: as in Simulation.
+        seed: of the twin, the ensembles and the order of the timing.
+        progress: whether to show a progress bar; None: on a terminal.
+
+    Raises:
+        SceneError: an argument is not valid, or the samples would not fit into memory.
+        PhyscoreError: no choice can compute the scene, or every one diverged.
+    """
+    from physcore.studies.tradeoff.report import machine  # What only this needs, `import physcore` need not wait for.
+
+    scenes = _scenes(scene, resolutions)
+    interval, patience = span(duration, "duration"), span(budget, "budget")
+    chosen = [kind() for kind in INTEGRATORS] if integrators is None else _integrators(integrators)
+    steps = None if dts is None else [span(dt, f"dts[{at}]") for at, dt in enumerate(items(dts, "dts", "time steps"))]
+    kinds = words(precisions, "precisions", PRECISIONS)
+    if steps == [] or not kinds:
+        raise SceneError(f"{'precisions' if not kinds else 'dts'}: must not be empty")
+    if observe is not None and not callable(observe):
+        raise SceneError(f"observe: must be a function of a simulation, got {shown(observe)}")
+    observer = observe or (None if resolutions is None else _centers)
+    random, bars = count(seed, "seed"), None if progress is None else flag(progress, "progress")
+    team = None if threads is None else count(threads, "threads", least=1, most=MOST_THREADS)
+    for each in scenes:
+        if observer is None:
+            size = 8 * COPIES * (SAMPLES + 1) * each.particles * each.dimension
+            refuse_if_too_large(SAMPLES + 1, each.particles, size, "observe fewer numbers: observe=…")
+    experiments = [Experiment(each, interval, team, observer) for each in scenes]
+    with Progress(round(TICKS * patience), "measuring", bars) as bar:
+        studies = _studies(experiments, chosen, kinds, steps, random, patience, bar)
+    rows: list[Row] = []
+    for study, resolution, error in zip(
+        studies, resolutions or (None,), _discretization(studies, resolutions), strict=True
+    ):
+        rows += study.rows(resolution, error)
+    notes = dict.fromkeys(note for study in studies for note in study.notes)
+    return Tradeoff(
+        rows=tuple(rows),
+        measure=studies[-1].measure,
+        references=tuple(study.truth for study in studies),
+        chaos=tuple(study.chaos for study in studies),
+        experiments=tuple(study.experiment for study in studies),
+        seed=random,
+        notes=tuple(notes),
+        machine=machine(studies[0].simd),
+    )
+
+
+def _studies(
+    experiments: list[Experiment],
+    integrators: list[Integrator],
+    precisions: Sequence[Literal["f32", "f64"]],
+    dts: list[float] | None,
+    seed: int,
+    patience: float,
+    bar: Progress,
+) -> list[Study]:
+    """Study each experiment with an equal share of the time that is left, then time all of them."""
+    from physcore.studies.tradeoff.budget import Budget
+    from physcore.studies.tradeoff.search import Study
+
+    whole, ticks = Budget(patience), round(TICKS * patience)
+
+    def tick() -> None:
+        bar.update(min(round(TICKS * whole.spent()), ticks))
+
+    studies = [Study(experiment, integrators, precisions, dts, seed, tick) for experiment in experiments]
+    for index, study in enumerate(studies):
+        study.find(whole.share(1.0 / (len(studies) - index)))
+    for study in studies:
+        study.time()
+    bar.update(ticks)
+    return studies
+
+
+def _scenes(scene: Scene | Callable[[float], Scene], resolutions: Sequence[float] | None) -> list[Scene]:
+    """The scene, or one for each resolution."""
+    if isinstance(scene, Scene):
+        if resolutions is not None:
+            raise SceneError("resolutions: the scene must then be a function that builds it from a resolution")
+        return [scene]
+    if not callable(scene):
+        raise SceneError(f"scene: must be a Scene or a function that builds one, got {shown(scene)}")
+    if resolutions is None:
+        raise SceneError("resolutions: must be two or more, the coarsest first, got None")
+    given = items(resolutions, "resolutions", "numbers")
+    checked = [number(each, f"resolutions[{index}]", above=0.0) for index, each in enumerate(given)]
+    if len(checked) < 2 or checked != sorted(set(checked)):
+        raise SceneError(f"resolutions: must be two or more, the coarsest first, got {shown(resolutions)}")
+    scenes = [scene(resolution) for resolution in given]
+    for resolution, built in zip(resolutions, scenes, strict=True):
+        if not isinstance(built, Scene):
+            raise SceneError(f"scene: must give a Scene, gave {shown(built)} at resolution {resolution:g}")
+    return scenes
+
+
+def _integrators(integrators: Sequence[Integrator]) -> list[Integrator]:
+    """Some integrators, each once."""
+    given = items(integrators, "integrators", "integrators")
+    for integrator in given:
+        if not isinstance(integrator, INTEGRATORS):
+            raise SceneError(f"integrators: must be integrators, such as VelocityVerlet(), got {shown(integrator)}")
+    if not given:
+        raise SceneError("integrators: must not be empty")
+    return list(dict.fromkeys(given))
+
+
+def _centers(simulation: Simulation) -> FloatArray:
+    """The mean position of each body [m]."""
+    bodies = simulation.scene.bodies
+    return np.array([simulation[body].positions.mean(axis=0) for body in bodies])
+
+
+def _discretization(studies: list[Study], resolutions: Sequence[float] | None) -> list[float]:
+    """How far the reference of each resolution is from what they tend to.
+
+    The finest one is off by what it changed from the one before, divided by rᵖ − 1, with r the ratio of the two and p
+    the order seen in the last three, at least 1 and 1 if there are two only; the others by that and their distance.
+    """
+    from physcore.studies.tradeoff.reference import Reference
+
+    truths = [study.truth for study in studies]
+    if resolutions is None:
+        return [0.0]
+    samples = [truth.samples for truth in truths if isinstance(truth, Reference)]
+    until = min(study.until() for study in studies)
+    experiment = studies[-1].experiment
+    apart = [float(experiment.distances(each[:until], samples[-1][:until]).max()) for each in samples[:-1]]
+    steps = [float(experiment.distances(one[:until], two[:until]).max()) for one, two in pairwise(samples)]
+    ratio, order = resolutions[-1] / resolutions[-2], 1.0
+    if len(steps) > 1 and steps[-1] > 0.0:
+        order = max(1.0, math.log(steps[-2] / steps[-1]) / math.log(ratio))
+    finest = steps[-1] / (ratio**order - 1.0)
+    return [*(error + finest for error in apart), finest]

@@ -1,0 +1,245 @@
+"""A trade as a table, as sentences, and as a document."""
+
+from __future__ import annotations
+
+import math
+import os
+import platform
+from dataclasses import asdict
+from typing import Any
+
+from physcore.studies.tradeoff.reference import Reference
+from physcore.studies.tradeoff.result import CERTAIN, Measurements, Row
+
+KINDS = {
+    "trajectory": "the largest distance of any particle from the reference over the whole run",
+    "restart": "the largest distance at the end of short windows that start on the reference: trajectories are chaotic",
+    "until the horizon": "the largest distance from the reference until its trajectories are lost to chaos",
+}
+
+
+def machine(simd: str) -> dict[str, Any]:
+    """Where this runs, and with what."""
+    from importlib.metadata import version
+
+    return {
+        "processor": _processor(),
+        "cores": len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count(),
+        "vector instructions": simd,
+        "system": platform.platform(),
+        "python": platform.python_version(),
+        "numpy": version("numpy"),
+        "physcore": version("physcore"),
+    }
+
+
+def _processor() -> str:
+    try:
+        with open("/proc/cpuinfo", encoding="utf-8") as file:
+            for line in file:
+                if line.startswith("model name"):
+                    return line.partition(":")[2].strip()
+    except OSError:
+        pass
+    return platform.processor() or platform.machine()
+
+
+def table(trade: Measurements) -> str:
+    """Every row, with marks: * on the front, ~ an error that the reference hardly resolves, ? a noisy time."""
+    front = set(map(id, trade.front))
+    resolved = trade.rows and trade.rows[0].resolution is not None
+    header = ["", "integrator", "dt [s]", "", *(["resolution"] if resolved else [])]
+    header += ["seconds", "evaluations", "error [m]", "energy drift", "status"]
+    lines = [header, *(_cells(row, id(row) in front) for row in trade.rows)]
+    widths = [max(len(line[column]) for line in lines) for column in range(len(header))]
+    left = {0, 1, 3, len(header) - 1}
+    text = [
+        "  ".join(
+            cell.ljust(width) if column in left else cell.rjust(width)
+            for column, (cell, width) in enumerate(zip(line, widths, strict=True))
+        ).rstrip()
+        for line in lines
+    ]
+    return "\n".join(
+        [
+            f"Error: {KINDS[trade.measure]}; {trade.duration:g} s simulated",
+            *text,
+            "* on the front   ~ below ten times the reference's uncertainty   ? the median time is 5 % above the least",
+        ]
+    )
+
+
+def _cells(row: Row, on_front: bool) -> list[str]:
+    """A line of the table."""
+    return [
+        "*" if on_front else "",
+        type(row.integrator).__name__,
+        f"{row.dt:.4g}",
+        row.precision,
+        *([f"{row.resolution:g}"] if row.resolution is not None else []),
+        f"{row.seconds:.3g}{'?' if row.noisy else ' '}",
+        str(row.evaluations),
+        f"{_error(row)}{' ' if row.certain else '~'}",
+        f"{row.energy_drift:.1e}" if math.isfinite(row.energy_drift) else "—",
+        row.status,
+    ]
+
+
+def _error(row: Row) -> str:
+    return f"{row.total_error:.2e}" if math.isfinite(row.error) else "—"
+
+
+def explanation(trade: Measurements) -> str:
+    """What was found, what it was compared with, and how much of it can be trusted."""
+    parts = [_on_chaos(trade), _on_reference(trade), _on_front(trade), _on_divergence(trade), _on_precision(trade)]
+    parts += [_on_prediction(trade), _on_noise(trade), *trade.notes]
+    return "\n".join(part for part in parts if part)
+
+
+def _on_chaos(trade: Measurements) -> str:
+    chaos = trade.chaos[-1]
+    if not chaos.chaotic:
+        return (
+            f"A twin that starts 1e-10 off moves {chaos.growth[-1]:.2g} times as far off within {trade.duration:g} s: "
+            "trajectories can be compared, and are."
+        )
+    how = (
+        "Errors are therefore taken over short windows that start on a reference, and averages over ensembles of "
+        "neighboring runs show whether a method is biased."
+        if trade.measure == "restart"
+        else "Errors are therefore taken until then; observe something that chaos does not touch to compare whole runs."
+    )
+    return (
+        f"The motion is chaotic: neighbors part by e every {1.0 / chaos.exponent:.3g} s, and after "
+        f"{chaos.horizon:.3g} s no trajectory means anything. {how}"
+    )
+
+
+def _on_reference(trade: Measurements) -> str:
+    experiment, reference = trade.experiments[-1], trade.references[-1]
+    name = f"{type(reference.choice.integrator).__name__} with dt = {experiment.dt(reference.choice):.3g} s"
+    if not isinstance(reference, Reference):
+        doubt = "" if reference.agrees else ", because a method of another family is that far from them"
+        return f"The reference windows are those of {name}, uncertain by {reference.uncertainty:.1e} m{doubt}."
+    order = f"observed order {reference.order:.2f}" if math.isfinite(reference.order) else "no order to be seen"
+    how = "extrapolated" if reference.extrapolated else "not extrapolated, because its errors do not follow its order"
+    text = f"The reference is {name} ({order}, {how}), uncertain by {reference.uncertainty:.1e} m"
+    if reference.check is None:
+        return f"{text}; no method of another family can compute this scene, so nothing has checked it."
+    other = type(reference.check.integrator).__name__
+    if reference.agrees:
+        return f"{text}; {other} agrees with it to {reference.disagreement:.1e} m."
+    return (
+        f"{text}: that is how far {other} is from it, which is more than their own uncertainties allow. Do not trust "
+        f"errors below {CERTAIN * reference.uncertainty:.1e} m."
+    )
+
+
+def _on_front(trade: Measurements) -> str:
+    front = trade.front
+    if not front:
+        return "No row came to an end that can be used."
+    if len(front) == 1:
+        return f"One row is both the fastest and the most accurate: {front[0]}."
+    return f"The fastest is {front[0]}; the most accurate is {front[-1]}; {len(front)} rows are on the front."
+
+
+def _on_divergence(trade: Measurements) -> str:
+    blown = [row for row in trade.rows if row.status == "diverged"]
+    biased = [row for row in trade.rows if row.status == "biased" and row.bias is not None]
+    parts = []
+    if blown:
+        least = {_name(row): min(other.dt for other in blown if _name(other) == _name(row)) for row in blown}
+        parts.append("Blew up: " + "; ".join(f"{name} down to dt = {dt:.3g} s" for name, dt in least.items()) + ".")
+    if biased:
+        listed = "; ".join(
+            f"{_name(row)} at dt = {row.dt:.3g} s, whose {row.bias.quantity} is off by {row.bias.relative:+.1%} "
+            f"± {row.bias.interval:.1%}"
+            for row in biased
+            if row.bias is not None
+        )
+        parts.append(f"Biased: {listed}.")
+    return " ".join(parts)
+
+
+def _name(row: Row) -> str:
+    return f"{type(row.integrator).__name__} {row.precision}"
+
+
+def _on_precision(trade: Measurements) -> str:
+    """Where single precision stops to get better."""
+    single = [row for row in trade.rows if row.precision == "f32" and row.status == "ok"]
+    double = [row for row in trade.rows if row.precision == "f64" and row.status == "ok"]
+    if not single or not double:
+        return ""
+    floor, best = min(row.total_error for row in single), min(row.total_error for row in double)
+    if floor <= 2.0 * best:
+        return f"Single precision gets as far as double, to {floor:.1e} m."
+    return f"Single precision gets no closer than {floor:.1e} m, double to {best:.1e} m."
+
+
+def _on_prediction(trade: Measurements) -> str:
+    misses = [
+        max(row.error / row.prediction.error, row.prediction.error / row.error)
+        for row in trade.held_out
+        if row.prediction is not None and row.error > 0.0 and row.prediction.error > 0.0 and math.isfinite(row.error)
+    ]
+    if not misses:
+        return ""
+    return (
+        f"{len(misses)} of the rows {'was' if len(misses) == 1 else 'were'} predicted from those around before being "
+        f"run; the errors were missed by a factor of {max(misses):.2f} at most."
+    )
+
+
+def _on_noise(trade: Measurements) -> str:
+    noisy = sum(row.noisy for row in trade.rows)
+    if not noisy:
+        return ""
+    return (
+        f"Of {len(trade.rows)} times {noisy} are noisy (median more than 5 % above the least of their repetitions): "
+        "where rows are close, compare evaluations."
+    )
+
+
+def document(trade: Measurements) -> dict[str, Any]:
+    """Everything that was measured, as plain values."""
+    return {
+        "duration": trade.duration,
+        "error": KINDS[trade.measure],
+        "seed": trade.seed,
+        "machine": trade.machine,
+        "chaos": [
+            {"chaotic": chaos.chaotic, "exponent": chaos.exponent, "horizon": _plain(chaos.horizon)}
+            for chaos in trade.chaos
+        ],
+        "references": [
+            {
+                "integrator": type(reference.choice.integrator).__name__,
+                "dt": experiment.dt(reference.choice),
+                "uncertainty": _plain(reference.uncertainty),
+                **(
+                    {"order": _plain(reference.order), "extrapolated": reference.extrapolated}
+                    | {"disagreement": reference.disagreement, "agrees": reference.agrees}
+                    if isinstance(reference, Reference)
+                    else {}
+                ),
+            }
+            for experiment, reference in zip(trade.experiments, trade.references, strict=True)
+        ],
+        "notes": list(trade.notes),
+        "rows": [
+            {
+                **{name: _plain(value) for name, value in asdict(row).items()},
+                "integrator": type(row.integrator).__name__,
+            }
+            for row in trade.rows
+        ],
+    }
+
+
+def _plain(value: Any) -> Any:
+    """The same with None for what JSON has no number for."""
+    if isinstance(value, dict):
+        return {name: _plain(entry) for name, entry in value.items()}
+    return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -1,0 +1,273 @@
+"""The search for the front: ladders of time steps, from the limit of stability downward, within a budget of seconds."""
+
+from __future__ import annotations
+
+import contextlib
+import math
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import Literal
+
+import numpy as np
+
+from physcore.errors import PhyscoreError, SceneError, SimulationDiverged
+from physcore.numerics.integrators import Integrator
+from physcore.studies.tradeoff import reference, restarts
+from physcore.studies.tradeoff.budget import Budget
+from physcore.studies.tradeoff.chaos import Chaos, twin
+from physcore.studies.tradeoff.experiment import Choice, Experiment
+from physcore.studies.tradeoff.ladder import LEAST, REPEATS, Entry, Ladder
+from physcore.studies.tradeoff.reference import Reference
+from physcore.studies.tradeoff.restarts import Windows
+from physcore.studies.tradeoff.result import CERTAIN, Measure, Row
+
+SAFETY = 0.95
+"""The first step of a ladder, as a fraction of its limit."""
+REFERENCE_SHARE = 0.3
+"""How much of the budget the reference may take."""
+ENOUGH = 8
+"""Rows after which a ladder goes on only where the next one may get onto the front."""
+HELD_OUT = 8
+"""Rows between two others that are predicted before they are run, at most."""
+WRONG = 10.0
+"""An error of this many times the largest way in the reference, or an average off by this many times itself, is a
+blow-up, whatever the watch says."""
+
+
+class Study:
+    """Measures one scene; `find` looks for the rows, `time` how long each of them takes, `rows` gives them."""
+
+    def __init__(
+        self,
+        experiment: Experiment,
+        integrators: Sequence[Integrator],
+        precisions: Sequence[Literal["f32", "f64"]],
+        dts: Sequence[float] | None,
+        seed: int,
+        tick: Callable[[], None],
+    ) -> None:
+        self.experiment = experiment
+        self.refused: dict[str, list[str]] = {}
+        """Who cannot compute the scene, by the reason."""
+        self._seed = seed
+        self._tick = tick
+        self._searching = dts is None
+        self.simd = ""
+        self._methods = reference.methods(experiment)
+        self._ladders = [
+            ladder
+            for integrator in integrators
+            for precision in precisions
+            if (ladder := self._ladder(integrator, precision, dts)) is not None
+        ]
+        self.chaos: Chaos
+        self.truth: Reference | Windows
+        self.measure: Measure = "trajectory"
+
+    def find(self, budget: Budget) -> None:
+        """Look for chaos and for a reference, and run every ladder as far as the budget reaches.
+
+        Raises:
+            PhyscoreError: no choice can compute the scene, or every run of the reference diverged.
+        """
+        if not self._ladders:
+            raise PhyscoreError(" ".join(self.notes) or "tradeoff: there is nothing to compare")
+        self._judge(budget.share(REFERENCE_SHARE))
+        while ladders := [ladder for ladder in self._ladders if ladder.next() is not None]:
+            ladder = min(ladders, key=Ladder.cost)
+            held = sum(entry.status != "diverged" for entry in ladder.entries)
+            left = budget.left() - self._timing() + (budget.seconds if held < LEAST else 0.0)
+            if ladder.entries and not ladder.choices and ladder.cost() > left:
+                break
+            self._run(ladder)
+            if ladder.open_ended and (ladder.exhausted(self.truth.uncertainty) or self._left_behind(ladder)):
+                ladder.open_ended = False
+        if self._searching:
+            self._refine(budget)
+
+    def time(self) -> None:
+        """Run everything again, five times, each time in another order, and take the times.
+
+        Whole runs in one call, from a simulation that is built anew and not timed; the run that found the error has
+        warmed everything up. Runs that are too short for a clock are timed several in a row.
+        """
+        generator = np.random.default_rng(self._seed)
+        entries = [entry for ladder in self._ladders for entry in ladder.entries]
+        for _ in range(REPEATS):
+            for index in generator.permutation(len(entries)):
+                entry = entries[index]
+                entry.times.append(sum(self._time_once(entry.choice) for _ in range(entry.runs)) / entry.runs)
+                self._tick()
+
+    @property
+    def notes(self) -> list[str]:
+        """What was left out, and why."""
+        return [f"Left out: {', '.join(names)} ({reason})." for reason, names in self.refused.items()]
+
+    def until(self) -> int:
+        """How many of the samples can be compared."""
+        return max(2, int(np.sum(self.chaos.times <= self.chaos.horizon)))
+
+    def rows(self, resolution: float | None = None, discretization_error: float = 0.0) -> list[Row]:
+        """What was found; `time` comes first."""
+        return [
+            Row(
+                integrator=ladder.integrator,
+                dt=self.experiment.dt(entry.choice),
+                precision=ladder.precision,
+                threads=self.experiment.threads,
+                seconds=float(np.median(entry.times)),
+                least_seconds=min(entry.times),
+                evaluations=entry.evaluations,
+                pair_interactions=entry.evaluations * ladder.pairs,
+                bytes_swept=entry.evaluations * ladder.memory,
+                error=entry.error,
+                error_uncertainty=self.truth.uncertainty,
+                energy_drift=entry.energy_drift,
+                status=entry.status,
+                resolution=resolution,
+                discretization_error=discretization_error,
+                bias=entry.bias,
+                prediction=ladder.prediction(entry) if entry.held_out else None,
+            )
+            for ladder in self._ladders
+            for entry in ladder.entries
+        ]
+
+    def _time_once(self, choice: Choice) -> float:
+        """How long a whole run takes [s], or until it diverges."""
+        simulation = self.experiment.start(choice)
+        begin = time.perf_counter()
+        with contextlib.suppress(SimulationDiverged):
+            simulation.run(self.experiment.duration)
+        return time.perf_counter() - begin
+
+    def _ladder(
+        self, integrator: Integrator, precision: Literal["f32", "f64"], dts: Sequence[float] | None
+    ) -> Ladder | None:
+        """A ladder that begins at its limit, or has the steps that were asked for."""
+        try:
+            plan = self.experiment.start(Choice(integrator, precision, 1)).plan
+        except SceneError as error:
+            name = type(integrator).__name__
+            reason = str(error).replace(f", got {name}", "")
+            self.refused.setdefault(reason, []).append(f"{name} {precision}")
+            return None
+        self.simd = plan.simd
+        method = next(method for method in self._methods if method.integrator == integrator)
+        largest = [SAFETY * reference.largest_step(method, self._methods)] if dts is None else sorted(dts, reverse=True)
+        steps = dict.fromkeys(self.experiment.steps_of(dt) for dt in largest)
+        choices = [Choice(integrator, precision, number) for number in steps]
+        return Ladder(integrator, precision, plan.pairs, plan.memory, choices, open_ended=dts is None)
+
+    def _judge(self, budget: Budget) -> None:
+        """Find out whether trajectories can be compared, and what with."""
+        best = self._methods[0]
+        steps = self.experiment.steps_of(reference.START * best.accurate)
+        choice, self.chaos = self._twin(Choice(best.integrator, "f64", steps))
+        if not self.chaos.chaotic:
+            self.truth = reference.find(self.experiment, self._methods, budget)
+        elif self.experiment.scene.fluids or self.experiment.observer is not None:
+            # The state of a fluid is more than places and velocities, and an observer may look at the past.
+            self.measure = "until the horizon"
+            self.truth = reference.find(self.experiment, self._methods, budget, self.until())
+        else:
+            self.measure = "restart"
+            others = reference.other_family(best, self._methods)
+            self.truth = restarts.windows(self.experiment, choice, others, self.chaos, self._seed, budget)
+            for ladder in self._ladders:
+                ladder.choices = [
+                    replace(choice, steps=restarts.multiple(choice.steps, self.truth.parts))
+                    for choice in ladder.choices
+                ]
+
+    def _twin(self, choice: Choice) -> tuple[Choice, Chaos]:
+        """Run the twin with steps that hold, and give those too: the limit may fall while the scene moves."""
+        for _ in range(reference.DEEPEST):
+            try:
+                return choice, twin(self.experiment, choice, self._seed)
+            except SimulationDiverged:
+                choice = choice.finer()
+        raise PhyscoreError(f"tradeoff: {type(choice.integrator).__name__} diverged at every step")
+
+    def _run(self, ladder: Ladder) -> None:
+        choice = ladder.next()
+        assert choice is not None
+        if ladder.choices:
+            ladder.choices.pop(0)
+        ladder.entries.append(self._try(choice))
+
+    def _try(self, choice: Choice) -> Entry:
+        """Run a choice once, and judge it."""
+        begin = time.perf_counter()
+        trial = self.experiment.attempt(choice)
+        cost = time.perf_counter() - begin
+        entry = Entry(choice, math.inf, trial.energy_drift, trial.evaluations, "diverged", trial.seconds, cost, 0.0)
+        if trial.complete:
+            entry.status = "ok"
+            if isinstance(self.truth, Reference):
+                until = self.until()
+                apart = self.experiment.distances(trial.samples[:until], self.truth.samples[:until])
+                entry.error = float(apart.max())
+                way = self.experiment.distances(self.truth.samples, self.truth.samples[:1]).max()
+                if entry.error > WRONG * way + CERTAIN * self.truth.uncertainty:
+                    entry.status, entry.error = "diverged", math.inf
+            else:
+                self._compare_statistics(entry, self.truth)
+        entry.judging = time.perf_counter() - begin - cost
+        self._tick()
+        return entry
+
+    def _compare_statistics(self, entry: Entry, truth: Windows) -> None:
+        """The error over short windows, and the averages over an ensemble."""
+        entry.error = restarts.error(self.experiment, entry.choice, truth)
+        try:
+            found = restarts.ensemble(self.experiment, entry.choice, truth.nudge, self._seed)
+        except SimulationDiverged:
+            entry.status = "diverged"
+            return
+        entry.bias = restarts.bias(found, truth.averages, truth.doubts)
+        entry.status = "biased" if entry.bias.found else "ok"
+        if abs(entry.bias.relative) > WRONG:
+            entry.status, entry.error = "diverged", math.inf
+
+    def _left_behind(self, ladder: Ladder) -> bool:
+        """Whether a ladder has shown its slope, and what it would reach next is had for less elsewhere."""
+        if len(ladder.entries) < ENOUGH:
+            return False
+        before, last = ladder.entries[-2:]
+        return self._beaten(last.error * last.error / before.error if before.error > 0.0 else 0.0, 2.0 * last.cost)
+
+    def _beaten(self, error: float, cost: float) -> bool:
+        """Whether some row has both a smaller error and a lower cost."""
+        entries = (entry for ladder in self._ladders for entry in ladder.entries if entry.status == "ok")
+        return any(entry.error <= error and entry.cost <= cost for entry in entries)
+
+    def _timing(self) -> float:
+        """What the timing of all rows so far will take [s]."""
+        return REPEATS * sum(entry.runs * entry.cost for ladder in self._ladders for entry in ladder.entries)
+
+    def _refine(self, budget: Budget) -> None:
+        """Spend what is left halfway between two rows of a ladder, where the front has its widest gap; one at least."""
+        parts = self.truth.parts if isinstance(self.truth, Windows) else 1
+        for _ in range(HELD_OUT):
+            gaps = [
+                (not self._beaten(*ladder.between(index)), ladder.gap(index), position, index)
+                for position, ladder in enumerate(self._ladders)
+                for index in range(len(ladder.entries) - 1)
+                if ladder.has_room(index, parts, self.truth.uncertainty)
+            ]
+            if not gaps:
+                return
+            on_front, _, position, index = max(gaps)
+            ladder = self._ladders[position]
+            coarse, fine = ladder.entries[index : index + 2]
+            held_out = any(entry.held_out for ladder in self._ladders for entry in ladder.entries)
+            dear = not on_front or (1 + REPEATS) * fine.cost > budget.left() - self._timing()
+            if held_out and dear:
+                return
+            middle = round(math.sqrt(coarse.choice.steps * fine.choice.steps) / parts) * parts
+            entry = self._try(replace(coarse.choice, steps=middle))
+            entry.held_out = True
+            ladder.entries.insert(index + 1, entry)
