@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from hypothesis import strategies as st
 from oracle import Target, attempt, require
-from physcore.integrators import INTEGRATORS
 from values import evaluate
 
 import physcore as pc
+from physcore.integrators import INTEGRATORS
 
 FRACTION = 50
 """The time step is this fraction of the limit: ω dt ≤ 0.06 for every mode and integrator, as limits are below 3/ω."""

@@ -7,10 +7,10 @@ from typing import Any
 
 from hypothesis import strategies as st
 from oracle import Target, attempt, require, require_finite
-from physcore.integrators import INTEGRATORS
 from values import ATOM, evaluate
 
 import physcore as pc
+from physcore.integrators import INTEGRATORS
 
 RESULTS = [
     *(

@@ -14,9 +14,9 @@ from typing import Any
 import numpy as np
 from hypothesis import strategies as st
 from numpy.typing import NDArray
-from physcore.integrators import INTEGRATORS
 
 import physcore as pc
+from physcore.integrators import INTEGRATORS
 
 LONG = os.environ.get("PHYSCORE_TESTS") == "long"
 """Whether the full number of steps is asked for."""

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from physcore.integrators import INTEGRATORS, Integrator
 
 import physcore as pc
+from physcore.integrators import INTEGRATORS, Integrator
 from physics.laboratory import Array, name
 
 PAIRS = [kind() for kind in INTEGRATORS if kind.embedded]

@@ -7,9 +7,9 @@ import warnings
 
 import numpy as np
 import pytest
-from physcore.integrators import INTEGRATORS
 
 import physcore as pc
+from physcore.integrators import INTEGRATORS
 
 MARGIN = 1.1
 """How much is added to a gradient's norm where it was not found whole: the limit is then lower by its root, 4.7 %."""
