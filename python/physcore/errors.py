@@ -56,7 +56,8 @@ class SimulationDiverged(PhyscoreError, ArithmeticError):
     Attributes:
         step: the step that failed, counted from 1.
         time: the time at which that step would have ended [s].
-        particle: index of the particle that was caught, in scene order.
+        particle: index of the particle, or other element, that was caught, in scene order.
+        element: its name, such as "particle 3".
         quantity: what went wrong there ("position", "velocity", "energy").
         cause: one sentence on why.
         hint: what to change, with a time step that would hold.
@@ -70,6 +71,7 @@ class SimulationDiverged(PhyscoreError, ArithmeticError):
         step: int,
         time: float,
         particle: int,
+        element: str,
         quantity: str,
         cause: str,
         hint: str,
@@ -79,6 +81,7 @@ class SimulationDiverged(PhyscoreError, ArithmeticError):
         self.step = step
         self.time = time
         self.particle = particle
+        self.element = element
         self.quantity = quantity
         self.cause = cause
         self.hint = hint

@@ -39,7 +39,8 @@ fn diverged(py: Python<'_>, divergence: &Divergence) -> PyResult<PyErr> {
     let attributes = PyDict::new(py);
     attributes.set_item("step", divergence.step)?;
     attributes.set_item("time", divergence.time)?;
-    attributes.set_item("particle", divergence.particle)?;
+    attributes.set_item("particle", divergence.index)?;
+    attributes.set_item("element", &divergence.element)?;
     attributes.set_item("quantity", divergence.quantity)?;
     attributes.set_item("cause", &divergence.cause)?;
     attributes.set_item("hint", &divergence.hint)?;

@@ -273,8 +273,8 @@ impl World {
     }
 
     /// The names and units of the fields.
-    fn fields(&self, py: Python<'_>) -> PyResult<Vec<(&'static str, &'static str)>> {
-        self.glance(py, |world| world.fields().iter().map(|field| (field.name, field.unit)).collect())
+    fn fields(&self, py: Python<'_>) -> PyResult<Vec<(String, &'static str)>> {
+        self.glance(py, |world| world.fields().into_iter().map(|field| (field.name, field.unit)).collect())
     }
 
     /// A field: a row for each element, or a number where it has one component.
@@ -335,7 +335,8 @@ impl World {
 
     fn plan<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let plan = self.look(py, Simulation::plan)?;
-        let stages = plan.stages;
+        let mut systems = plan.stages.into_iter();
+        let Some(stages) = systems.next() else { return Err(InternalError::new_err("a scene without a system")) };
         let record = PyDict::new(py);
         record.set_item("stages", &stages.names)?;
         record.set_item("dimension", stages.dimension)?;

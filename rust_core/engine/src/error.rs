@@ -91,14 +91,16 @@ impl Error {
 
 /// Where and how a run diverged.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error("step {step} (t = {time:.6e} s): {quantity} of particle {particle} {cause}; {hint}")]
+#[error("step {step} (t = {time:.6e} s): {quantity} of {element} {cause}; {hint}")]
 pub struct Divergence {
     /// The step that failed, counted from 1.
     pub step: u64,
     /// The time at the end of that step [s].
     pub time: f64,
-    /// The particle that shows it most, in the caller's order.
-    pub particle: usize,
+    /// The name of the element that shows it most: `particle 3`.
+    pub element: String,
+    /// Its index in the caller's order.
+    pub index: usize,
     /// What is wrong: `position`, `velocity` or `energy`.
     pub quantity: &'static str,
     /// Why it counts as diverged.

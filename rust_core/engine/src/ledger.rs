@@ -60,6 +60,11 @@ impl Ledger {
         self.add(class, name, energy);
     }
 
+    /// Adds the rows of another system's budget.
+    pub fn merge(&mut self, other: &Self) {
+        other.rows.iter().for_each(|row| self.add(row.class, row.name, row.energy));
+    }
+
     /// The rows, in the order in which they were added.
     pub fn rows(&self) -> &[Row] {
         &self.rows

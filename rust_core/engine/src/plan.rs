@@ -9,14 +9,16 @@ pub struct Plan {
     pub simd: &'static str,
     /// The memory that it takes now [bytes].
     pub memory: usize,
-    /// The part of its system.
-    pub stages: Stages,
+    /// One part for each system.
+    pub stages: Vec<Stages>,
 }
 
 /// What a system does in every step: exactly the stages that its scene requires.
 #[derive(Debug, Clone)]
 pub struct Stages {
-    /// Their names, in order.
+    /// The name of the item that the system belongs to; empty for matter.
+    pub item: String,
+    /// The names of the stages, in order.
     pub names: Vec<String>,
     /// The number of dimensions of space.
     pub dimension: usize,

@@ -212,10 +212,7 @@ impl Simulation {
             let mut outcome = Ok(());
             pool.run(interrupted, |executor| outcome = system.advance(interval, record, executor)).and(outcome)
         };
-        if outcome.is_err() {
-            self.system.rollback();
-            return outcome;
-        }
+        outcome?;
         self.segment.steps += steps;
         self.steps += steps;
         Ok(())
@@ -242,7 +239,8 @@ impl Simulation {
     pub fn read(&self, name: &str) -> Option<(FieldInfo, Vec<f64>)> {
         let fields = self.system.fields();
         let index = fields.iter().position(|field| field.name == name)?;
-        Some((fields[index], self.system.read(index)))
+        let values = self.system.read(index);
+        Some((fields.into_iter().nth(index)?, values))
     }
 
     /// Replaces fields by name; the change of energy counts as work.

@@ -73,6 +73,16 @@ pub struct Limit {
 }
 
 impl Limit {
+    /// Of what has no limit.
+    pub const NONE: Self = Self {
+        stability: f64::INFINITY,
+        accuracy: f64::INFINITY,
+        term: "",
+        kind: Kind::None,
+        certified: f64::INFINITY,
+        endured: f64::INFINITY,
+    };
+
     /// The largest step [s]: infinite where nothing limits it, 0 where no step is stable.
     pub fn dt(&self) -> f64 {
         self.stability.min(self.accuracy)

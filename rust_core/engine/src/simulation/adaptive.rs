@@ -67,10 +67,8 @@ impl Simulation {
         match rule.tolerance {
             None => self.advance_in_blocks(interval, rule, interrupted),
             Some(tolerance) => {
-                let estimates = || {
-                    let found = self.system.stages().method;
-                    Error::parameter("integrator", "one that estimates its errors, for a tolerance", found)
-                };
+                let expected = "one that estimates its errors, for a tolerance";
+                let estimates = || Error::parameter("integrator", expected, self.method());
                 let (_, order) = self.system.error(0.0).ok_or_else(estimates)?;
                 self.advance_by_errors(interval, rule, (tolerance, order), interrupted)
             }

@@ -17,7 +17,7 @@ use crate::error::{Divergence, Error, Result};
 use crate::ledger::{Class, Ledger};
 use crate::parallel::SERIAL;
 use crate::stability::Horizon;
-use crate::systems::{Fault, Record};
+use crate::systems::{Element, Fault, Record};
 
 /// The fewest steps after a diagnosis that may be taken again.
 const SHORTEST: u64 = 8;
@@ -272,12 +272,17 @@ impl Simulation {
         }
     }
 
+    /// The name of the first system's method.
+    pub(super) fn method(&self) -> &'static str {
+        self.system.stages().first().map_or("", |stages| stages.method)
+    }
+
     /// What to do about a divergence; asked for at the last good state.
     fn hint(&self) -> Result<String> {
         let (limit, dt) = (self.limit(Horizon::Sharp, &SERIAL)?, self.segment.dt);
         if limit.stability == 0.0 {
-            let certain = if limit.endured > 0.0 { "certain to be stable" } else { "stable" };
-            return Ok(format!("no dt is {certain} with {} here: take another integrator", self.system.stages().method));
+            let (certain, method) = (if limit.endured > 0.0 { "certain to be stable" } else { "stable" }, self.method());
+            return Ok(format!("no dt is {certain} with {method} here: take another integrator"));
         }
         let (most, name, term) = (limit.dt(), limit.name(), limit.term);
         Ok(if dt > most {
@@ -291,8 +296,8 @@ impl Simulation {
 }
 
 /// A divergence at an element, without the step and the hint.
-fn divergence(particle: usize, quantity: &'static str, cause: String) -> Divergence {
-    Divergence { step: 0, time: 0.0, particle, quantity, cause, hint: String::new() }
+fn divergence(Element { name, index }: Element, quantity: &'static str, cause: String) -> Divergence {
+    Divergence { step: 0, time: 0.0, element: name, index, quantity, cause, hint: String::new() }
 }
 
 /// Whether an activity is above a threshold; one that is not a number is.

@@ -4,6 +4,7 @@
 //! and a ledger over a system, and knows nothing of particles.
 
 pub mod matter;
+pub mod several;
 
 use glam::DVec3;
 
@@ -48,20 +49,29 @@ pub enum Record {
     LastStep,
 }
 
-/// An element of a system, in the caller's order, and a quantity of it that is not finite.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// An element of a system, such as a particle or a cell.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Element {
+    /// Its name: `particle 3`.
+    pub name: String,
+    /// Its index in the caller's order.
+    pub index: usize,
+}
+
+/// An element with a quantity that is not finite.
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Fault {
-    /// Its index.
-    pub element: usize,
+    /// The element.
+    pub element: Element,
     /// The name of the quantity: `position`.
     pub quantity: &'static str,
 }
 
-/// A quantity that can be read, and where it lives.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// A quantity that can be read.
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub struct FieldInfo {
-    /// Its name: `positions`.
-    pub name: &'static str,
+    /// Its name: `positions`; where a scene has several systems, after the name of its item: `pond.heights`.
+    pub name: String,
     /// Its unit.
     pub unit: &'static str,
     /// The number of its elements.
@@ -72,8 +82,8 @@ pub struct FieldInfo {
 
 /// A state with its law of motion, whatever its dimension and precision.
 pub trait System: History + Send + Sync {
-    /// What it does in every step.
-    fn stages(&self) -> Stages;
+    /// What it does in every step: one part for each system of the scene.
+    fn stages(&self) -> Vec<Stages>;
 
     /// The memory that it takes now [bytes].
     fn bytes(&self) -> usize;
@@ -94,10 +104,11 @@ pub trait System: History + Send + Sync {
     /// If its rates cannot be evaluated, or the executor was asked to stop.
     fn begin(&mut self, time: f64, executor: &Executor) -> Result<()>;
 
-    /// Takes steps after [saving](History::save) itself.
+    /// Takes steps, or none of them if it fails. It [saves](History::save) itself before, and can be
+    /// [rolled back](History::rollback) to there afterwards.
     ///
     /// # Errors
-    /// If a step cannot be taken, or the executor was asked to stop. It must then be [rolled back](History::rollback).
+    /// If a step cannot be taken, or the executor was asked to stop.
     fn advance(&mut self, interval: Interval, record: Record, executor: &Executor) -> Result<()>;
 
     /// The activity after each recorded step of the last batch [J]: the kinetic energy, or another quantity that grows without
@@ -144,8 +155,8 @@ pub trait System: History + Send + Sync {
     /// The first element with a quantity that is not finite.
     fn fault(&self) -> Option<Fault>;
 
-    /// The element with the most kinetic energy, in the caller's order.
-    fn fastest(&self) -> usize;
+    /// The element with the most kinetic energy.
+    fn fastest(&self) -> Element;
 
     /// The Mach number of its flow, if it is a fluid.
     fn mach(&self) -> Option<Mach>;

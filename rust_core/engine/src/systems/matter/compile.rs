@@ -99,6 +99,7 @@ pub fn compile<V: Vector, I: Integrator>(scene: &Scene, executor: &Executor) -> 
     notes.extend(advice::<I>(dissipative, bends && dynamics.scheme != Some(Scheme::Continuity)));
     executor.check()?;
     let stages = Stages {
+        item: String::new(),
         names: stages,
         dimension: V::DIMENSION,
         precision: V::Scalar::NAME,

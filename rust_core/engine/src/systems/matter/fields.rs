@@ -22,7 +22,7 @@ impl<V: Vector> MatterSystem<V> {
         let number = if self.dynamics.scheme.is_some() { FIELDS.len() } else { MOTION };
         let info = |(index, &(name, unit)): (usize, &(&'static str, &'static str))| {
             let components = if index < MOTION { V::DIMENSION } else { 1 };
-            FieldInfo { name, unit, count: self.state.count(), components }
+            FieldInfo { name: name.to_owned(), unit, count: self.state.count(), components }
         };
         FIELDS[..number].iter().enumerate().map(info).collect()
     }

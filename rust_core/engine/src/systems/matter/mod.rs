@@ -33,7 +33,7 @@ use crate::plan::Stages;
 use crate::scene::Scene;
 use crate::simd::LANES;
 use crate::stability::{Horizon, Limit, LimitCache, SpectralBound};
-use crate::systems::{Fault, FieldInfo, Interval, Record, System};
+use crate::systems::{Element, Fault, FieldInfo, Interval, Record, System};
 
 /// The duration of a batch of steps [s]: long enough that what is done once per batch costs little, short enough that
 /// little is lost when somebody interrupts it.
@@ -137,8 +137,9 @@ impl<V: Vector> MatterSystem<V> {
         pairs.map(|pair| [pair[0].1.min(pair[1].1), pair[0].1.max(pair[1].1)]).min()
     }
 
-    fn caller(&self, index: usize) -> usize {
-        self.dynamics.properties.caller.get(index).map_or(0, |&caller| caller as usize)
+    fn element(&self, index: usize) -> Element {
+        let index = self.dynamics.properties.caller.get(index).map_or(0, |&caller| caller as usize);
+        Element { name: format!("particle {index}"), index }
     }
 
     /// The columns that make up the state, in a fixed order.
@@ -201,15 +202,15 @@ impl<V: Vector> History for MatterSystem<V> {
 }
 
 impl<V: Vector> System for MatterSystem<V> {
-    fn stages(&self) -> Stages {
+    fn stages(&self) -> Vec<Stages> {
         let known = self.dynamics.forces().iter().map(|force| force.about()).filter(|about| !about.findings.is_empty());
         let findings = known.map(|about| format!("{}: {}", about.name, about.findings));
-        Stages {
+        vec![Stages {
             pairs: self.dynamics.pairs(),
             limit_varies: self.limit_varies(Horizon::Certified, 0.0),
             notes: self.stages.notes.iter().cloned().chain(findings).collect(),
             ..self.stages.clone()
-        }
+        }]
     }
 
     fn bytes(&self) -> usize {
@@ -253,9 +254,12 @@ impl<V: Vector> System for MatterSystem<V> {
         self.save();
         let Self { dynamics, state, saved, activity, workspace, method, .. } = self;
         activity.clear();
-        let record = (activity, record);
-        method.advance(Job { dynamics, from: saved, state, record, workspace: workspace.as_mut(), interval }, executor)?;
-        executor.check()
+        let job = Job { dynamics, from: saved, state, record: (activity, record), workspace: workspace.as_mut(), interval };
+        let outcome = method.advance(job, executor).and_then(|()| executor.check());
+        if outcome.is_err() {
+            self.rollback();
+        }
+        outcome
     }
 
     fn activity(&self) -> &[f64] {
@@ -337,13 +341,13 @@ impl<V: Vector> System for MatterSystem<V> {
     fn fault(&self) -> Option<Fault> {
         let columns = [("position", &self.state.position), ("velocity", &self.state.velocity)];
         let mut faults = columns.into_iter().filter_map(|(quantity, columns)| Some((quantity, columns.out_of_range()?)));
-        faults.next().map(|(quantity, index)| Fault { element: self.caller(index), quantity })
+        faults.next().map(|(quantity, index)| Fault { element: self.element(index), quantity })
     }
 
-    fn fastest(&self) -> usize {
+    fn fastest(&self) -> Element {
         let kinetic = |index: usize| budget::kinetic(&self.dynamics, &self.state, index);
         let mobile = (0..self.state.count()).filter(|&index| !self.dynamics.properties.is_fixed(index));
-        self.caller(mobile.max_by(|&one, &other| kinetic(one).total_cmp(&kinetic(other))).unwrap_or(0))
+        self.element(mobile.max_by(|&one, &other| kinetic(one).total_cmp(&kinetic(other))).unwrap_or(0))
     }
 
     fn mach(&self) -> Option<Mach> {

@@ -1,0 +1,109 @@
+//! Two systems in one simulation are two simulations in step.
+
+use glam::DVec3;
+
+use super::*;
+use crate::ledger::Class;
+use crate::parallel::SERIAL;
+use crate::scene::{Body, Scene, Spring};
+use crate::systems::matter;
+
+/// A rope that swings about its first particle, with so many particles.
+fn rope(count: u32) -> Scene {
+    let at = |index: u32| DVec3::new(0.11 * f64::from(index), 0.0, 0.0);
+    let spring = |index: u32| Spring { ends: [index, index + 1], stiffness: 50.0, damping: 0.1, rest_length: 0.1 };
+    let body = Body {
+        positions: (0..count).map(at).collect(),
+        velocities: (0..count).map(|index| DVec3::new(0.0, f64::from(index), 0.0)).collect(),
+        mass: vec![0.1; count as usize],
+        charge: vec![0.0; count as usize],
+        radius: vec![0.0; count as usize],
+        fixed: (0..count).map(|index| index == 0).collect(),
+        springs: (0..count - 1).map(spring).collect(),
+        ..Body::default()
+    };
+    Scene { dimension: 2, bodies: vec![body], ..Scene::default() }
+}
+
+fn system(count: u32) -> Box<dyn System> {
+    let mut system = matter::build::<crate::integrators::VelocityVerlet>(&rope(count), "f64", &SERIAL).unwrap();
+    system.begin(0.0, &SERIAL).unwrap();
+    system
+}
+
+fn both() -> Several {
+    let part = |name: &str, count: u32| Part { name: name.to_owned(), system: system(count) };
+    Several::new(vec![part("", 4), part("tail", 7)])
+}
+
+const INTERVAL: Interval = Interval { start: 0.0, first: 0, h: 1e-3, steps: 100 };
+
+fn state(system: &dyn System) -> Vec<f64> {
+    let mut archive = Archive::default();
+    system.capture(&mut archive);
+    archive.into_numbers()
+}
+
+#[test]
+fn each_system_has_the_bits_that_it_has_alone() {
+    let (mut one, mut other, mut both) = (system(4), system(7), both());
+    for system in [&mut *one, &mut *other, &mut both as &mut dyn System] {
+        system.advance(INTERVAL, Record::EveryStep, &SERIAL).unwrap();
+    }
+    assert_eq!(state(&both), [state(&*one), state(&*other)].concat());
+    let sums: Vec<f64> = one.activity().iter().zip(other.activity()).map(|(one, other)| 0.0 + one + other).collect();
+    assert_eq!((both.activity(), both.activity().len()), (sums.as_slice(), 100));
+    // Class by class one more addition than in each budget.
+    let [one, other, both] = [&*one, &*other, &both as &dyn System].map(|system| system.audit(0.1, &SERIAL).unwrap());
+    for class in [Class::Kinetic, Class::Potential, Class::Dissipated] {
+        assert_eq!(both.sum(class), one.sum(class) + other.sum(class));
+    }
+}
+
+#[test]
+fn fields_have_the_names_of_their_items() {
+    let both = both();
+    let fields = both.fields();
+    let names: Vec<_> = fields.iter().map(|field| (field.name.as_str(), field.count)).collect();
+    assert_eq!(names, [("positions", 4), ("velocities", 4), ("tail.positions", 7), ("tail.velocities", 7)]);
+    assert_eq!(both.read(3), system(7).read(1));
+    assert!(both.read(4).is_empty());
+}
+
+#[test]
+fn a_write_that_fails_changes_no_system() {
+    let mut both = both();
+    both.advance(INTERVAL, Record::LastStep, &SERIAL).unwrap();
+    let before = (state(&both), both.tallies());
+    let (still, wrong) = ([0.0; 8], [f64::NAN; 14]);
+    let fields = [("velocities", &still[..]), ("tail.velocities", &wrong[..])];
+    assert!(both.write(&fields, 0.1, &SERIAL).unwrap_err().to_string().contains("set.velocities[0]"));
+    assert_eq!((state(&both), both.tallies()), before);
+    assert!(both.write(&[("heights", &still)], 0.1, &SERIAL).unwrap_err().to_string().starts_with("set.heights"));
+    both.write(&[("velocities", &still), ("tail.velocities", &[0.0; 14])], 0.1, &SERIAL).unwrap();
+    assert_eq!(both.audit(0.1, &SERIAL).unwrap().sum(Class::Kinetic), 0.0);
+}
+
+#[test]
+fn a_checkpoint_holds_all_systems() {
+    let (mut first, mut second) = (both(), both());
+    first.advance(INTERVAL, Record::LastStep, &SERIAL).unwrap();
+    second.restore(&mut Archive::new(state(&first))).unwrap();
+    second.restore_tallies(&first.tallies()).unwrap();
+    let next = Interval { first: 100, ..INTERVAL };
+    for system in [&mut first, &mut second] {
+        system.advance(next, Record::LastStep, &SERIAL).unwrap();
+    }
+    assert_eq!((state(&first), first.tallies()), (state(&second), second.tallies()));
+    first.rollback();
+    assert_ne!(state(&first), state(&second));
+    assert!(second.restore_tallies(&[0.0]).is_err());
+}
+
+#[test]
+fn the_limit_is_that_of_the_stiffest_system() {
+    let (one, other) = (system(4), system(7));
+    let [one, other, both] =
+        [&*one, &*other, &both() as &dyn System].map(|system| system.limit(Horizon::Sharp, 0.0, &SERIAL).unwrap());
+    assert_eq!((both.stability, both.term), (one.stability.min(other.stability), "springs"));
+}
