@@ -57,18 +57,18 @@ class Late(BaseException):
 
 @contextmanager
 def limited(seconds: float) -> Iterator[None]:
-    """Raises Late in a block that takes longer."""
+    """Raises Late in a block that takes longer, in processor time: other work on the machine does not count [s]."""
 
     def ring(number: int, frame: FrameType | None) -> None:
         raise Late
 
-    previous = signal.signal(signal.SIGALRM, ring)
-    signal.setitimer(signal.ITIMER_REAL, seconds)
+    previous = signal.signal(signal.SIGPROF, ring)
+    signal.setitimer(signal.ITIMER_PROF, seconds)
     try:
         yield
     finally:
-        signal.setitimer(signal.ITIMER_REAL, 0.0)
-        signal.signal(signal.SIGALRM, previous)
+        signal.setitimer(signal.ITIMER_PROF, 0.0)
+        signal.signal(signal.SIGPROF, previous)
 
 
 def attempt(
@@ -85,7 +85,7 @@ def attempt(
     Args:
         call: what to call.
         script: the same as a text.
-        seconds: after how long it is stopped [s].
+        seconds: the processor time after which it is stopped [s].
         long: whether that is what it was asked for, and no fault.
         allowed: what else it may raise.
         misused: whether it is called with the wrong arguments: Python says so by a TypeError.
