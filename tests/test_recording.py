@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 import physcore as pc
 from physcore.simulation.energy import Energy
-from physcore.simulation.frames import hermite
+from physcore.simulation.frames import between
 from physcore.simulation.state import Frame, Snapshot
 
 BALL = pc.Particles([[0.0, 1.0]], velocities=[[2.0, 5.0]], name="ball")
@@ -140,23 +140,30 @@ def test_save_and_load_give_the_same_recording(tmp_path):
         assert (archive["positions"] == recording.positions).all()
 
 
+RATES = {"positions": "velocities", "velocities": None}
+
+
+def state(x: float, v: float) -> dict[str, np.ndarray]:
+    return {"positions": np.array([[x]]), "velocities": np.array([[v]])}
+
+
 def frame(x: float, v: float) -> Frame:
     energy = Energy(kinetic=0.0, by_term={}, internal=0.0, dissipated=0.0, dissipated_by={}, work=0.0, time=0.0)
-    return Frame(0.0, np.array([[x]]), np.array([[v]]), 0.1, energy, np.zeros(1), np.zeros(1))
+    return Frame(0.0, state(x, v), 0.1, energy, np.zeros(1), np.zeros(1))
 
 
 @given(coefficients=st.tuples(*[st.floats(-10, 10)] * 4), fraction=st.floats(0, 1), dt=st.floats(0.1, 10))
 def test_the_interpolation_is_exact_for_cubics(coefficients, fraction, dt):
     cubic = np.polynomial.Polynomial(coefficients)
     slope = cubic.deriv()
-    after = Snapshot(dt, np.array([[cubic(dt)]]), np.array([[slope(dt)]]))
-    between = hermite(frame(cubic(0.0), slope(0.0)), after, fraction, dt)
+    after = Snapshot(dt, state(cubic(dt), slope(dt)))
+    found = between(frame(cubic(0.0), slope(0.0)), after, fraction, dt, RATES)
     # Rounding: some ten operations on terms of at most 10 · 4 · 10³ (positions), and that divided by dt (velocities).
     scale = 40.0 * max(1.0, dt) ** 3
-    assert between.positions[0, 0] == pytest.approx(cubic(fraction * dt), abs=30 * 2.0**-53 * scale)
-    assert between.velocities[0, 0] == pytest.approx(slope(fraction * dt), abs=300 * 2.0**-53 * scale / min(1.0, dt))
+    assert found.positions[0, 0] == pytest.approx(cubic(fraction * dt), abs=30 * 2.0**-53 * scale)
+    assert found.velocities[0, 0] == pytest.approx(slope(fraction * dt), abs=300 * 2.0**-53 * scale / min(1.0, dt))
 
 
 @given(x=st.floats(-1e9, 1e9), fraction=st.floats(0, 1))
 def test_what_rests_stays_where_it_is_to_the_bit(x, fraction):
-    assert hermite(frame(x, 0.0), Snapshot(0.1, np.array([[x]]), np.zeros((1, 1))), fraction, 0.1).positions[0, 0] == x
+    assert between(frame(x, 0.0), Snapshot(0.1, state(x, 0.0)), fraction, 0.1, RATES).positions[0, 0] == x

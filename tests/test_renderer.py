@@ -143,9 +143,9 @@ def test_what_was_spooled_is_exact() -> None:
     for one, other in zip(first, again, strict=True):
         assert (one.time, one.dt, vars(one.energy)) == (other.time, other.dt, vars(other.energy))
         np.testing.assert_array_equal(one.positions, other.positions)
-        assert one.more.keys() == other.more.keys()
-        for name in one.more:
-            np.testing.assert_array_equal(one.more[name], other.more[name])  # what is no number stays none
+        assert one.fields.keys() == other.fields.keys()
+        for name in one.fields:
+            np.testing.assert_array_equal(one.fields[name], other.fields[name])  # what is no number stays none
 
 
 @pytest.mark.parametrize("room", [0, 500, 3000])

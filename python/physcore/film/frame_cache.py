@@ -93,7 +93,7 @@ class FrameCache:
         import shutil  # these two take longer to import than the rest of film
         import tempfile
 
-        self._layout = [("positions", frame.positions.shape), *((k, v.shape) for k, v in frame.more.items())]
+        self._layout = [(name, values.shape) for name, values in frame.fields.items()]
         self._terms = {name: list(getattr(frame.energy, name, ())) for name in TERMS}
         with suppress(OSError):
             needed = self._source.count * sum(part.nbytes for part in self._parts(frame))
@@ -102,7 +102,7 @@ class FrameCache:
 
     def _parts(self, frame: SourceFrame) -> list[FloatArray]:
         """All numbers of a frame."""
-        arrays = [frame.channel(name) for name, _ in self._layout]
+        arrays = [frame.fields[name] for name, _ in self._layout]
         assert frame.energy is not None  # simulations have it
         numbers = [getattr(frame.energy, name) for name in NUMBERS]
         numbers += [getattr(frame.energy, kind)[name] for kind in TERMS for name in self._terms[kind]]
@@ -124,10 +124,10 @@ class FrameCache:
         for part in parts:
             if part.size and file.readinto(part.data.cast("B")) != part.nbytes:  # type: ignore[attr-defined]
                 return None
-        (when, dt, *numbers), positions, *rest = parts
+        (when, dt, *numbers), *rest = parts
         values = [float(value) for value in numbers]
         budget: dict[str, Any] = dict(zip(NUMBERS, values, strict=False)) | {kind: {} for kind in TERMS}
         for (kind, name), value in zip(names, values[len(NUMBERS) :], strict=True):
             budget[kind][name] = value
-        more = {name: part for (name, _), part in zip(self._layout[1:], rest, strict=True)}
-        return SourceFrame(float(when), positions, more, Energy(**budget), float(dt))
+        fields = {name: part for (name, _), part in zip(self._layout, rest, strict=True)}
+        return SourceFrame(float(when), fields, Energy(**budget), float(dt))

@@ -115,8 +115,8 @@ class ExportJob:
         """All frames from the start, counted on the progress bar."""
         with Progress(self.count, "exporting", self._progress) as bar:
             for index, frame in enumerate(self._source.frames()):
-                velocities = _in_space(frame.more["velocities"]) if "velocities" in frame.more else None
-                fields = {name: frame.more[channel] for channel, name in FIELDS.items() if channel in frame.more}
+                velocities = _in_space(frame.fields["velocities"]) if "velocities" in frame.fields else None
+                fields = {name: frame.fields[field] for field, name in FIELDS.items() if field in frame.fields}
                 assert frame.energy is not None  # `export` has asked
                 yield Sample(index, frame.time, _in_space(frame.positions), velocities, fields, frame.energy)
                 bar.update(index + 1)

@@ -12,7 +12,7 @@ from physcore.scene.fluid import Fluid
 from physcore.scene.items import SceneItem
 from physcore.scene.scene import Scene
 from physcore.simulation.plan import Plan
-from physcore.simulation.state import Snapshot
+from physcore.simulation.state import FieldInfo, Snapshot
 
 _NO_PAIRS: IntArray = np.empty((0, 2), dtype=np.int64)
 _NO_VALUES: FloatArray = np.empty(0)
@@ -45,10 +45,14 @@ def describe(scene: Scene) -> dict[str, object]:
     }
 
 
-def snapshot(world: World, scene: Scene) -> Snapshot:
-    """The present state of all particles. Positions are where they have gone: `show` puts them into the domain."""
-    fields = {name: world.read(name) for name, _ in world.fields()}
-    return Snapshot(world.time, fields.pop("positions"), fields.pop("velocities"), fields=fields)
+def fields(world: World) -> list[FieldInfo]:
+    """The fields of a world."""
+    return [FieldInfo(name, unit, tuple(shape), rate, state) for name, unit, shape, rate, state in world.fields()]
+
+
+def snapshot(world: World) -> Snapshot:
+    """The present state. Positions are where particles have gone: `show` puts them into the domain."""
+    return Snapshot(world.time, {info.name: world.read(info.name) for info in fields(world)})
 
 
 def show(positions: FloatArray, scene: Scene) -> FloatArray:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 from physcore._core import World
@@ -43,10 +43,10 @@ def energy(world: World) -> Energy:
     return budget
 
 
-def frame(world: World, scene: Scene) -> Frame:
+def frame(world: World) -> Frame:
     """The present step as a frame; its positions are where the particles have gone."""
     return Frame(
-        **vars(engine.snapshot(world, scene)),
+        **vars(engine.snapshot(world)),
         dt=world.dt,
         energy=energy(world),
         momentum=world.momentum(),
@@ -81,9 +81,10 @@ def frames(world: World, scene: Scene, stepper: Stepper, duration: float, fps: f
     if stepper.fixed is not None:
         steps_to(duration, stepper.fixed, TIME_TOLERANCE)  # Refuses more than can be counted.
     sampled = _stepped if stepper.fixed is None else _interpolated
-    for index, sample in enumerate(sampled(world, scene, stepper, count, fps)):
+    for index, sample in enumerate(sampled(world, stepper, count, fps)):
         here = world.steps
-        yield replace(sample, time=start + index / fps, dt=stepper.dt, positions=engine.show(sample.positions, scene))
+        fields = {**sample.fields, "positions": engine.show(sample.positions, scene)}
+        yield replace(sample, time=start + index / fps, dt=stepper.dt, fields=fields)
         if world.steps != here:
             raise PhyscoreError(
                 f"this simulation took {world.steps - here} steps between two of its frames, which would no longer be "
@@ -94,18 +95,19 @@ def frames(world: World, scene: Scene, stepper: Stepper, duration: float, fps: f
         stepper.run(left, fps)
 
 
-def _stepped(world: World, scene: Scene, stepper: Stepper, count: int, fps: float) -> Iterator[Frame]:
+def _stepped(world: World, stepper: Stepper, count: int, fps: float) -> Iterator[Frame]:
     """Frames on the steps of a time step that divides the frame interval."""
     for index in range(count):
         if index > 0:
             stepper.run(1.0 / fps, fps)
-        yield frame(world, scene)
+        yield frame(world)
 
 
-def _interpolated(world: World, scene: Scene, stepper: Stepper, count: int, fps: float) -> Iterator[Frame]:
+def _interpolated(world: World, stepper: Stepper, count: int, fps: float) -> Iterator[Frame]:
     """Frames between steps of a given size: `before` is the last step at or before a frame, `done` the present step."""
     dt = stepper.dt
-    done, before = 0, frame(world, scene)
+    rates = {info.name: info.rate for info in engine.fields(world)}
+    done, before = 0, frame(world)
     for index in range(count):
         target = index / (fps * dt)
         nearest = round(target)
@@ -113,27 +115,30 @@ def _interpolated(world: World, scene: Scene, stepper: Stepper, count: int, fps:
         first = nearest if on_step else math.floor(target)
         if done <= first:
             stepper.step(first - done)
-            done, before = first, frame(world, scene)
+            done, before = first, frame(world)
         if on_step:
             yield before
             continue
         if done == first:
             stepper.step(1)
             done += 1
-        yield hermite(before, engine.snapshot(world, scene), target - first, dt)
+        yield between(before, engine.snapshot(world), target - first, dt, rates)
 
 
-def hermite(before: Frame, after: Snapshot, fraction: float, dt: float) -> Frame:
-    """The cubic through positions and velocities at both ends of a step, and its derivative; the audit is `before`'s.
+def between(before: Frame, after: Snapshot, fraction: float, dt: float, rates: Mapping[str, str | None]) -> Frame:
+    """The fields at a fraction of a step; the audit is `before`'s.
 
-    Written in differences, so that what does not move stays where it is to the bit. The error is of order dt⁴ for
-    positions, dt³ for velocities, and dt² for densities and pressures, which go straight from one end to the other.
-    Source: C. de Boor, "A Practical Guide to Splines", 1978, chapter IV.
+    A field whose rate of change is a field too is the cubic through both at both ends of the step, and its rate the
+    derivative of that; all others go straight from one end to the other. Written in differences, so that what does not
+    change stays as it is to the bit. The error is of order dt⁴ for such fields as positions, dt³ for their rates, and dt²
+    for the others. Source: C. de Boor, "A Practical Guide to Splines", 1978, chapter IV.
     """
     s, r = fraction, 1.0 - fraction
-    shift = after.positions - before.positions
-    v0, v1 = before.velocities, after.velocities
-    positions = before.positions + s * s * (3.0 - 2.0 * s) * shift + dt * s * r * (r * v0 - s * v1)
-    velocities = 6.0 * s * r * (shift / dt) + r * (1.0 - 3.0 * s) * v0 + s * (3.0 * s - 2.0) * v1
     fields = {name: values + s * (after.fields[name] - values) for name, values in before.fields.items()}
-    return replace(before, positions=positions, velocities=velocities, fields=fields)
+    for name, rate in rates.items():
+        if rate is not None:
+            shift = after.fields[name] - before.fields[name]
+            v0, v1 = before.fields[rate], after.fields[rate]
+            fields[name] = before.fields[name] + s * s * (3.0 - 2.0 * s) * shift + dt * s * r * (r * v0 - s * v1)
+            fields[rate] = 6.0 * s * r * (shift / dt) + r * (1.0 - 3.0 * s) * v0 + s * (3.0 * s - 2.0) * v1
+    return replace(before, fields=fields)

@@ -6,7 +6,7 @@ import math
 import os
 from collections.abc import Callable, Iterable
 from dataclasses import asdict, dataclass, fields
-from typing import Literal, Self
+from typing import Self
 
 import numpy as np
 
@@ -23,24 +23,33 @@ from physcore.simulation.state import Frame
 from physcore.storage import archive
 from physcore.storage.schema import Sizes, anything, maybe, of, real, record, several, table, word
 
-Channel = Literal["positions", "velocities", "densities", "pressures"]
-CHANNELS: tuple[Channel, ...] = ("positions", "velocities")
-"""The channels that are recorded by default."""
-FLUID_CHANNELS: tuple[Channel, ...] = ("densities", "pressures")
-"""The channels that fluids have beside."""
+CHANNELS = ("positions", "velocities")
+"""The fields of particles, which are recorded by default."""
+FLUID_CHANNELS = ("densities", "pressures")
+"""The fields that fluids have beside."""
 AMOUNTS = ("kinetic", "internal", "dissipated", "work")
 """The parts of the energy budget that are one number each."""
 TERMS = 8
 """About how many forces and frictions there are, each with an energy of its own."""
 
 
-def check_channels(channels: object, *, fluids: bool) -> tuple[Channel, ...]:
-    """The channels to record; `fluids` says whether the scene has any.
+def field_names(scene: Scene) -> tuple[str, ...]:
+    """The names of the fields that a scene has."""
+    return (*CHANNELS, *FLUID_CHANNELS) if scene.fluids else CHANNELS
+
+
+def body_fields(scene: Scene, body: BodyKey) -> tuple[str, ...]:
+    """Those of one of its bodies."""
+    return (*CHANNELS, *FLUID_CHANNELS) if isinstance(scene.bodies[scene.index(body)], Fluid) else CHANNELS
+
+
+def check_channels(channels: object, scene: Scene) -> tuple[str, ...]:
+    """The fields of a scene to record.
 
     Raises:
-        SceneError: they are not some of CHANNELS, or of FLUID_CHANNELS where there are fluids.
+        SceneError: they are none that the scene has.
     """
-    known = (*CHANNELS, *FLUID_CHANNELS) if fluids else CHANNELS
+    known, fluids = field_names(scene), bool(scene.fluids)
     hint = ""
     if isinstance(channels, str):
         hint = f'; write ("{channels}",)' if channels in known else ""
@@ -57,7 +66,7 @@ class Trajectory:
 
     times: FloatArray
     """Time of each frame [s], shape (F,)."""
-    channels: dict[Channel, FloatArray]
+    channels: dict[str, FloatArray]
     """The channels by name: vectors of shape (F, N, D), numbers of shape (F, N)."""
 
     @property
@@ -87,7 +96,7 @@ class Trajectory:
         shapes = ", ".join(f"{name} {values.shape}" for name, values in self.channels.items())
         return f"{type(self).__name__}({len(self)} frames: {shapes or 'nothing'})"
 
-    def _channel(self, name: Channel) -> FloatArray:
+    def _channel(self, name: str) -> FloatArray:
         if name not in self.channels:
             whose = "; only a Fluid has them" if name in FLUID_CHANNELS else ""
             raise SceneError(f"channels: {name} were not recorded; ask for them with channels=({name!r}, …){whose}")
@@ -118,9 +127,8 @@ class Recording(Trajectory):
 
     def __getitem__(self, body: BodyKey) -> Trajectory:
         part = self.scene.slice(body)
-        wet = isinstance(self.scene.bodies[self.scene.index(body)], Fluid)
-        mine = {name: values for name, values in self.channels.items() if wet or name not in FLUID_CHANNELS}
-        return Trajectory(self.times, {name: values[:, part] for name, values in mine.items()})
+        mine = body_fields(self.scene, body)
+        return Trajectory(self.times, {name: self.channels[name][:, part] for name in self.channels if name in mine})
 
     def __repr__(self) -> str:
         return (
@@ -141,7 +149,7 @@ class Recording(Trajectory):
         series = {entry.name: getattr(self.energy, entry.name) for entry in fields(self.energy)}
         content: dict[str, archive.Tree] = {
             "times": self.times,
-            **dict[str, FloatArray](self.channels.items()),
+            **self.channels,
             "channels": list(self.channels),
             "energy": series,
             "momentum": self.momentum,
@@ -199,7 +207,7 @@ def collect(
     count: int,
     scene: Scene,
     fps: float,
-    channels: tuple[Channel, ...],
+    channels: tuple[str, ...],
     end: Callable[[], tuple[Plan, Provenance]],
     tick: Callable[[int], None],
 ) -> Recording:
@@ -213,7 +221,7 @@ def collect(
     audit = count * (len(("times", "times", *AMOUNTS)) + TERMS + scene.dimension + _turns(scene))
     hint = "lower fps, record fewer channels, or stream: physcore.film(scene, …)"
     refuse_if_too_large(count, scene.particles, 8 * (audit + sum(map(math.prod, shapes.values()))), hint)
-    data: dict[Channel, FloatArray] = {name: np.empty(shape) for name, shape in shapes.items()}
+    data: dict[str, FloatArray] = {name: np.empty(shape) for name, shape in shapes.items()}
     times = np.empty(count)
     momentum = np.empty((count, scene.dimension))
     angular_momentum = np.empty((count, _turns(scene)))
@@ -222,7 +230,7 @@ def collect(
     dissipated_by: dict[str, FloatArray] = {}
     for index, frame in enumerate(frames):
         for name in channels:
-            data[name][index] = getattr(frame, name)
+            data[name][index] = frame.fields[name]
         times[index] = frame.time
         momentum[index], angular_momentum[index] = frame.momentum, frame.angular_momentum
         budget["times"][index] = frame.energy.time

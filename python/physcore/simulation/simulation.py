@@ -29,14 +29,13 @@ from physcore.numerics.choices import (
 from physcore.numerics.integrators import Integrator
 from physcore.progress import Progress
 from physcore.scene.bodies import Body
-from physcore.scene.fluid import Fluid
 from physcore.scene.scene import BodyKey, Scene
 from physcore.simulation import engine
 from physcore.simulation import frames as sampling
 from physcore.simulation.energy import Energy
 from physcore.simulation.plan import Plan
 from physcore.simulation.provenance import SEGMENTS, Provenance, version
-from physcore.simulation.recording import CHANNELS, Channel, Recording, check_channels, collect
+from physcore.simulation.recording import CHANNELS, Recording, body_fields, check_channels, collect
 from physcore.simulation.serial import pack_numerics, unpack_numerics, unpack_scene
 from physcore.simulation.state import Frame, Snapshot
 from physcore.simulation.stepper import Captured, Stepper
@@ -160,14 +159,10 @@ class Simulation:
 
     def __getitem__(self, body: BodyKey) -> Snapshot:
         """The present state of one body, given itself, its index or its name; a Fluid's has densities and pressures."""
-        part, whole = self._scene.slice(body), engine.snapshot(self._world, self._scene)
-        wet = isinstance(self._scene.bodies[self._scene.index(body)], Fluid)
-        return Snapshot(
-            whole.time,
-            engine.show(whole.positions[part], self._scene),
-            whole.velocities[part],
-            fields={name: values[part] for name, values in whole.fields.items()} if wet else {},
-        )
+        part = self._scene.slice(body)
+        names = body_fields(self._scene, body)
+        fields = {name: self._world.read(name)[part] for name in names}
+        return Snapshot(self.time, {**fields, "positions": engine.show(fields["positions"], self._scene)})
 
     def __repr__(self) -> str:
         return f"Simulation({self._scene!r}, {self.integrator!r}, time={self.time:g}, steps={self.steps})"
@@ -210,7 +205,7 @@ class Simulation:
         self,
         duration: float,
         fps: float = FRAMES_PER_SECOND,
-        channels: tuple[Channel, ...] = CHANNELS,
+        channels: tuple[str, ...] = CHANNELS,
         *,
         progress: bool | None = None,
     ) -> Recording:
@@ -227,7 +222,7 @@ class Simulation:
             SceneError: the recording would not fit into memory, or an argument is out of range.
             SimulationDiverged, KeyboardInterrupt: as for `step`.
         """
-        kept = check_channels(channels, fluids=bool(self._scene.fluids))
+        kept = check_channels(channels, self._scene)
         shown = None if progress is None else flag(progress, "progress")
         frames = self.frames(duration, fps)
         count = sampling.frame_count(float(duration), float(fps))

@@ -16,7 +16,7 @@ from physcore.scene.scene import Scene
 from physcore.simulation.energy import Drift, Energy
 from physcore.simulation.frames import frame_count
 from physcore.simulation.provenance_record import ProvenanceRecord, provenance_record, record_of
-from physcore.simulation.recording import Recording
+from physcore.simulation.recording import Recording, field_names
 from physcore.simulation.simulation import Simulation
 
 
@@ -26,18 +26,17 @@ class SourceFrame:
 
     time: float
     """[s]"""
-    positions: FloatArray
-    """[m], shape (N, D)."""
-    more: Mapping[str, FloatArray]
-    """Velocities [m/s], densities [kg/m³] and pressures [Pa] by name, as far as they were recorded."""
+    fields: Mapping[str, FloatArray]
+    """The fields by name, as far as they were recorded; positions [m] always."""
     energy: Energy | None = None
     """The energy budget, where it is known."""
     dt: float | None = None
     """The time step [s], likewise."""
 
-    def channel(self, name: str) -> FloatArray:
-        """One of them, or the positions."""
-        return self.positions if name == "positions" else self.more[name]
+    @property
+    def positions(self) -> FloatArray:
+        """[m], shape (N, D)."""
+        return self.fields["positions"]
 
 
 class Source(Protocol):
@@ -67,8 +66,8 @@ class Source(Protocol):
     def audited(self) -> bool:
         """Whether frames have energies and time steps."""
 
-    def has(self, channel: str) -> bool:
-        """Whether frames have velocities, densities or pressures."""
+    def has(self, field: str) -> bool:
+        """Whether frames have a field of that name."""
 
     @property
     def provenance(self) -> ProvenanceRecord:
@@ -119,20 +118,18 @@ class Recorded:
         """Whether it is a whole recording, and not only positions."""
         return hasattr(self.recording, "energy") and hasattr(self.recording, "plan")
 
-    def has(self, channel: str) -> bool:
-        """Whether something was recorded."""
-        return channel in self.recording.channels
+    def has(self, field: str) -> bool:
+        """Whether it was recorded."""
+        return field in self.recording.channels
 
     def frames(self) -> Iterator[SourceFrame]:
         """The frames in order."""
-        positions, channels = self.recording.positions, self.recording.channels
+        channels = {**self.recording.channels, "positions": self.recording.positions}
         dt = self.recording.plan.dt if self.audited else None
         for index, time in enumerate(self.recording.times):
-            more: dict[str, FloatArray] = {
-                name: values[index] for name, values in channels.items() if name != "positions"
-            }
+            fields: dict[str, FloatArray] = {name: values[index] for name, values in channels.items()}
             energy = self.recording.energy.at(index) if self.audited else None
-            yield SourceFrame(float(time), positions[index], more, energy, dt)
+            yield SourceFrame(float(time), fields, energy, dt)
 
 
 class Running:
@@ -164,9 +161,9 @@ class Running:
         """The integrator's name."""
         return type(check(self.numerics, self.scene).integrator).__name__
 
-    def has(self, channel: str) -> bool:
+    def has(self, field: str) -> bool:
         """A simulation has all that there is."""
-        return channel in ("positions", "velocities") or bool(self.scene.fluids)
+        return field in field_names(self.scene)
 
     def frames(self) -> Iterator[SourceFrame]:
         """Simulate from the start.
@@ -178,8 +175,7 @@ class Running:
         for frame in simulation.frames(self.duration, self.fps):
             first, last = first or frame, frame
             drift.add(frame.energy)
-            more = {"velocities": frame.velocities, **frame.fields}
-            yield SourceFrame(frame.time, frame.positions, more, frame.energy, frame.dt)
+            yield SourceFrame(frame.time, frame.fields, frame.energy, frame.dt)
         assert first is not None
         found = record_of(
             self.scene,

@@ -1,26 +1,49 @@
-"""The state of particles at one time: positions, velocities and fields."""
+"""The state of a scene at one time: its fields by name."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Mapping
+from dataclasses import dataclass
 
 from physcore.checks import FloatArray
 from physcore.errors import SceneError
 from physcore.simulation.energy import Energy
 
 
+@dataclass(frozen=True)
+class FieldInfo:
+    """A quantity that a system of the scene has: of each particle, or of each cell."""
+
+    name: str
+    """"positions"; of a system beside the particles after the name of its item."""
+    unit: str
+    """Its SI unit."""
+    shape: tuple[int, ...]
+    """The shape of its array."""
+    rate: str | None
+    """The name of the field that is its rate of change, if there is one."""
+    state: bool
+    """Whether it is a part of the state, and does not follow from the others."""
+
+
 @dataclass(frozen=True, eq=False)
 class Snapshot:
-    """Positions and velocities at one time, and what fluids have beside them; its arrays are copies."""
+    """The fields of a scene, or of one body, at one time; the arrays are copies."""
 
     time: float
     """[s]"""
-    positions: FloatArray
-    """[m], shape (N, D); within the periodic domain."""
-    velocities: FloatArray
-    """[m/s], shape (N, D)."""
-    fields: dict[str, FloatArray] = field(default_factory=dict, kw_only=True)
-    """Densities and pressures by name, each of shape (N,), where there is a fluid."""
+    fields: Mapping[str, FloatArray]
+    """The fields by name."""
+
+    @property
+    def positions(self) -> FloatArray:
+        """[m], shape (N, D); within the periodic domain."""
+        return self._field("positions")
+
+    @property
+    def velocities(self) -> FloatArray:
+        """[m/s], shape (N, D)."""
+        return self._field("velocities")
 
     @property
     def densities(self) -> FloatArray:

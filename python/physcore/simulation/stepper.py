@@ -275,8 +275,9 @@ class Stepper:
 
     def _complete(self, error: SimulationDiverged) -> None:
         """Put the last good state into a divergence."""
-        state = engine.snapshot(self._world, self._scene)
-        error.last_good = replace(state, positions=engine.show(state.positions, self._scene))
+        state = engine.snapshot(self._world)
+        shown = {"positions": engine.show(state.positions, self._scene)}
+        error.last_good = replace(state, fields={**state.fields, **shown})
 
     def _warn_of_mach_number(self, mach: float, share: float, sound: float) -> None:
         if self._mach_warned or share <= FAST_SHARE:

@@ -16,7 +16,7 @@ from physcore.numerics.choices import FRAMES_PER_SECOND, Options, check
 from physcore.numerics.integrators import INTEGRATORS, Integrator
 from physcore.scene.scene import Scene
 from physcore.simulation.frames import frame_count
-from physcore.simulation.recording import CHANNELS, Channel, Recording, check_channels
+from physcore.simulation.recording import CHANNELS, Recording, check_channels
 from physcore.simulation.simulation import Simulation, require_scene, unwarned
 
 DEEPEST = 30
@@ -38,7 +38,7 @@ def simulate(
     duration: float,
     fps: float = FRAMES_PER_SECOND,
     *,
-    channels: tuple[Channel, ...] = CHANNELS,
+    channels: tuple[str, ...] = CHANNELS,
     progress: bool | None = None,
     accuracy: float | None = None,
     energy_drift: float | None = None,
@@ -76,7 +76,7 @@ def simulate(
         math.inf if accuracy is None else number(accuracy, "accuracy", above=0.0),
         math.inf if energy_drift is None else number(energy_drift, "energy_drift", above=0.0),
     )
-    kept = check_channels(channels, fluids=bool(scene.fluids))
+    kept = check_channels(channels, scene)
     whole, rate = span(duration, "duration", empty=True), span(fps, "fps")
     if frame_count(whole, rate) < 2:
         raise SceneError("fps: there is no frame but the first; ask for more of them, or for a longer duration")
@@ -103,7 +103,7 @@ class Runner:
     scene: Scene
     duration: float
     fps: float
-    channels: tuple[Channel, ...]
+    channels: tuple[str, ...]
     options: Options
     order: int
     """The order that holds in this scene."""
@@ -196,7 +196,7 @@ class Runner:
 
 
 def _runners(
-    scene: Scene, duration: float, fps: float, channels: tuple[Channel, ...], options: Options
+    scene: Scene, duration: float, fps: float, channels: tuple[str, ...], options: Options
 ) -> Iterator[Runner]:
     """All integrators that can compute the scene, or the one that was given; above order 1 where there is a choice."""
     given = options.get("integrator", "auto")

@@ -272,9 +272,12 @@ impl World {
         self.glance(py, |world| world.segment().dt)
     }
 
-    /// The names and units of the fields.
-    fn fields(&self, py: Python<'_>) -> PyResult<Vec<(String, &'static str)>> {
-        self.glance(py, |world| world.fields().into_iter().map(|field| (field.name, field.unit)).collect())
+    /// The fields: the name and the unit of each, the shape of its array, the name of its rate of change if that is a field
+    /// too, and whether it is a part of the state.
+    #[allow(clippy::type_complexity)]
+    fn fields(&self, py: Python<'_>) -> PyResult<Vec<(String, &'static str, Vec<usize>, Option<String>, bool)>> {
+        let fields = self.glance(py, Simulation::fields)?;
+        Ok(fields.into_iter().map(|field| (field.name, field.unit, field.shape, field.rate, field.state)).collect())
     }
 
     /// A field: a row for each element, or a number where it has one component.
@@ -283,8 +286,7 @@ impl World {
         let Some((field, values)) = self.copy(py, bytes, |world| world.read(name))? else {
             return Err(InternalError::new_err(format!("there is no field {name:?}")));
         };
-        let array = PyArray1::from_vec(py, values);
-        if field.components == 1 { Ok(array.into_any()) } else { Ok(array.reshape([field.count, field.components])?.into_any()) }
+        Ok(PyArray1::from_vec(py, values).reshape(field.shape)?.into_any())
     }
 
     /// Replace fields by name.

@@ -153,7 +153,8 @@ class PanelView:
         if self.extent.domain is None:
             return frame
         center = view.axes.T @ view.center
-        return replace(frame, positions=center + self.extent.domain.nearest(frame.positions - center))
+        nearest = {"positions": center + self.extent.domain.nearest(frame.positions - center)}
+        return replace(frame, fields={**frame.fields, **nearest})
 
     def _view(self, index: int) -> View:
         index = min(index, len(self.extent.stills) - 1)

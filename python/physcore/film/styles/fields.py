@@ -84,7 +84,7 @@ class Motion:
 
     def samples(self, frame: SourceFrame, view: View, spacing: float) -> tuple[FloatArray, FloatArray]:
         """The mean position and velocity of the particles in each square that holds any."""
-        positions, velocities = frame.positions[self.where], frame.channel("velocities")[self.where]
+        positions, velocities = frame.positions[self.where], frame.fields["velocities"][self.where]
         squares = np.floor(view.project(positions)[0] / np.float32(spacing)).astype(np.int64)
         squares -= squares.min(axis=0, initial=0)
         keys = squares[:, 1] * (squares[:, 0].max(initial=0) + 1) + squares[:, 0]
@@ -94,7 +94,7 @@ class Motion:
 
     def known(self, frame: SourceFrame) -> FloatArray:
         """The velocities."""
-        velocities: FloatArray = frame.channel("velocities")[self.where]
+        velocities: FloatArray = frame.fields["velocities"][self.where]
         return velocities
 
     def around(self, frame: SourceFrame, view: View, spacing: float) -> Callable[[FloatArray], FloatArray]:

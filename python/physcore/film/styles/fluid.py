@@ -143,7 +143,7 @@ class FluidPainter(Painter):
 
     def _values(self, frame: SourceFrame) -> FloatArray:
         """The quantity that the color shows, (N,)."""
-        values: FloatArray = frame.channel(CHANNEL[self._style.color])[self._where]
+        values: FloatArray = frame.fields[CHANNEL[self._style.color]][self._where]
         match self._style.color:
             case "speed":
                 return norms(values)

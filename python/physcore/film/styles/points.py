@@ -202,7 +202,7 @@ class PointsPainter(Painter):
 
     def _paint_streaks(self, canvas: Canvas, frame: SourceFrame, view: View, radii: PixelArray, ink: InkArray) -> None:
         """Discs drawn out along their velocities, with the opacity that leaves their light the same."""
-        half = 0.5 * self._style.blur / self._fps * frame.channel("velocities")[self._where]
+        half = 0.5 * self._style.blur / self._fps * frame.fields["velocities"][self._where]
         positions = frame.positions[self._where]
         (tails, before, _), (tips, after, _) = view.project(positions - half), view.project(positions + half)
         length = np.sqrt(np.einsum("nd,nd->n", tips - tails, tips - tails))
@@ -213,7 +213,7 @@ class PointsPainter(Painter):
 
     def _values(self, frame: SourceFrame) -> FloatArray:
         """The quantity that the color shows, (N,)."""
-        velocities = frame.channel("velocities")[self._where]
+        velocities = frame.fields["velocities"][self._where]
         speeds = norms(velocities)
         return speeds if self._color == "speed" else 0.5 * self._mass * speeds**2
 

@@ -74,10 +74,12 @@ pub struct FieldInfo {
     pub name: String,
     /// Its unit.
     pub unit: &'static str,
-    /// The number of its elements.
-    pub count: usize,
-    /// The number of components of each.
-    pub components: usize,
+    /// The shape of its array: the elements, and after them the components of each where they are several.
+    pub shape: Vec<usize>,
+    /// The name of the field that is its rate of change, if there is one: between two steps it is then the cubic through both.
+    pub rate: Option<String>,
+    /// Whether it is a part of the state, and does not follow from the others.
+    pub state: bool,
 }
 
 /// A state with its law of motion, whatever its dimension and precision.

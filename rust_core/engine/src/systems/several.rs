@@ -209,7 +209,11 @@ impl System for Several {
     fn fields(&self) -> Vec<FieldInfo> {
         let named = |part: &Part| {
             let fields = part.system.fields().into_iter();
-            fields.map(|field| FieldInfo { name: Self::path(part, &field.name), ..field }).collect::<Vec<_>>()
+            let named = |field: FieldInfo| {
+                let rate = field.rate.as_ref().map(|rate| Self::path(part, rate));
+                FieldInfo { name: Self::path(part, &field.name), rate, ..field }
+            };
+            fields.map(named).collect::<Vec<_>>()
         };
         self.parts.iter().flat_map(named).collect()
     }

@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::MatterSystem;
 use super::compile::out_of_range;
 use crate::error::{Error, Result};
-use crate::forces::Fields;
+use crate::forces::{Fields, Scheme};
 use crate::math::Vector;
 use crate::matter::{Columns, EnergySink};
 use crate::parallel::Executor;
@@ -21,8 +21,12 @@ impl<V: Vector> MatterSystem<V> {
     pub(super) fn field_infos(&self) -> Vec<FieldInfo> {
         let number = if self.dynamics.scheme.is_some() { FIELDS.len() } else { MOTION };
         let info = |(index, &(name, unit)): (usize, &(&'static str, &'static str))| {
-            let components = if index < MOTION { V::DIMENSION } else { 1 };
-            FieldInfo { name: name.to_owned(), unit, count: self.state.count(), components }
+            let count = self.state.count();
+            let shape = if index < MOTION { vec![count, V::DIMENSION] } else { vec![count] };
+            let rate = (name == "positions").then(|| "velocities".to_owned());
+            // Density by continuity is a part of the state, by summation it follows from the positions.
+            let continuity = name == "densities" && self.dynamics.scheme == Some(Scheme::Continuity);
+            FieldInfo { name: name.to_owned(), unit, shape, rate, state: index < MOTION || continuity }
         };
         FIELDS[..number].iter().enumerate().map(info).collect()
     }

@@ -64,8 +64,9 @@ fn each_system_has_the_bits_that_it_has_alone() {
 fn fields_have_the_names_of_their_items() {
     let both = both();
     let fields = both.fields();
-    let names: Vec<_> = fields.iter().map(|field| (field.name.as_str(), field.count)).collect();
+    let names: Vec<_> = fields.iter().map(|field| (field.name.as_str(), field.shape[0])).collect();
     assert_eq!(names, [("positions", 4), ("velocities", 4), ("tail.positions", 7), ("tail.velocities", 7)]);
+    assert_eq!(fields[2].rate.as_deref(), Some("tail.velocities"));
     assert_eq!(both.read(3), system(7).read(1));
     assert!(both.read(4).is_empty());
 }
