@@ -130,8 +130,8 @@ def between(before: Frame, after: Snapshot, fraction: float, dt: float, rates: M
 
     A field whose rate of change is a field too is the cubic through both at both ends of the step, and its rate the
     derivative of that; all others go straight from one end to the other. Written in differences, so that what does not
-    change stays as it is to the bit. The error is of order dt⁴ for such fields as positions, dt³ for their rates, and dt²
-    for the others. Source: C. de Boor, "A Practical Guide to Splines", 1978, chapter IV.
+    change stays as it is to the bit. The error is of order dt⁴ for such fields as positions, dt³ for their rates, and
+    dt² for the others. Source: C. de Boor, "A Practical Guide to Splines", 1978, chapter IV.
     """
     s, r = fraction, 1.0 - fraction
     fields = {name: values + s * (after.fields[name] - values) for name, values in before.fields.items()}
