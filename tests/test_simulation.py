@@ -12,6 +12,7 @@ import pytest
 import physcore as pc
 
 GRAVITY = pc.Gravity((0.0, -10.0))
+LINE = np.arange(5.0)[:, None] * [1.0, 0.0]
 
 
 def test_bodies_are_joined_in_scene_order_and_found_again():
@@ -26,6 +27,21 @@ def test_bodies_are_joined_in_scene_order_and_found_again():
     assert simulation[one].positions.tolist() == [[0.0, -5.0]]
     with pytest.raises(KeyError):
         simulation["three"]
+
+
+@pytest.mark.parametrize(
+    ("items", "pairs"),
+    [
+        ([pc.Particles(LINE, radius=0.1), GRAVITY, pc.Drag(linear=1.0), pc.Drag(quadratic=1.0)], 0),
+        ([pc.rope(5, 1.0, 10.0), GRAVITY], 4),
+        ([pc.Particles(LINE, radius=3.0), pc.SoftSpheres(1.0)], 5 * 4),
+        ([pc.Particles(LINE), pc.LennardJones(1.0, 1.0, cutoff=9.0)], 5 * 4),
+        ([pc.Fluid(pc.block((0.0, 0.0), (0.2, 0.2), 0.1), 0.1, sound_speed=1.0)], 2 * 4 * 3),
+    ],
+)
+def test_the_plan_counts_springs_and_the_neighbors_of_each(items, pairs):
+    """All are near each other here. A fluid goes through its neighbors twice: for densities and for forces."""
+    assert pc.Simulation(pc.Scene(*items), dt=1e-6).plan.pairs == pairs
 
 
 def test_results_are_copies():

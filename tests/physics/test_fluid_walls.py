@@ -41,6 +41,14 @@ def test_the_speed_of_sound_is_ten_times_that_of_a_fall_into_the_wall_below(low)
     assert limits[0] == pytest.approx(limits[1], rel=1e-9)
 
 
+def test_a_wall_in_which_nobody_is_seen_takes_no_memory():
+    """A layer within the support 2h = 0.15 m of its floor, and out of that of its image: less than a byte for each."""
+    layer = np.stack([SPACING * np.arange(1000.0), np.zeros(1000)], axis=1)
+    water = pc.Fluid(layer, SPACING, sound_speed=1.0)
+    near, far = (pc.Simulation(pc.Scene(water, pc.Floor(-depth)), dt=1e-6).plan.memory for depth in (0.125, 5.0))
+    assert near - far < 1000
+
+
 def test_a_drop_slides_down_a_wall_as_fast_as_it_falls():
     """A wall without friction does not hold it: g t²/2 for its center, to the 1 % that compression may mean."""
     cells = pc.block((0.0, 1.0), (0.15, 1.15), SPACING)

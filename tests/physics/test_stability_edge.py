@@ -107,6 +107,17 @@ def test_the_limit_of_a_well_with_drag_is_exact(integrator, ratio):
     assert np.abs(above.positions).max() > 100.0
 
 
+@pytest.mark.parametrize("integrator", ALL, ids=name)
+def test_a_well_too_weak_to_feel_leaves_the_limit_to_drag(integrator):
+    """The fast one of the rates γ/2 ± √(γ²/4 − ω²) is less than that of drag alone by ω²/γ² of it, at most 2.5e-14."""
+    body, drag = pc.Particles([[1.0, 0.0]]), pc.Drag(linear=2.0)
+    limit = pc.stability_limit(pc.Scene(body, drag), integrator)
+    assert 0.0 < limit < np.inf
+    for strength in (1e-13, 1e-20):
+        well = pc.CentralForce((0.0, 0.0), strength, exponent=1.0)
+        assert pc.stability_limit(pc.Scene(body, drag, well), integrator) == pytest.approx(limit, rel=1e-9)
+
+
 def test_explicit_euler_is_held_by_the_least_damped_of_stiff_modes():
     """|g|² = 1 − 2ξy + y² for y = ωh asks for h ≤ γ/ω²: a damped spring elsewhere does not help the stiff one."""
     net = pc.SpringNetwork(

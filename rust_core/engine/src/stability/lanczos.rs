@@ -119,3 +119,19 @@ fn top(diagonal: &[f64], beside: &[f64], highest: f64) -> (f64, f64) {
     }
     (high, beside[last] / square.sqrt())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The matrix (2 1; 1 3) has the eigenvalue λ = (5 + √5)/2 with the vector (1, λ − 2).
+    #[test]
+    fn the_residual_is_the_last_number_times_the_last_entry_of_the_unit_vector() {
+        let exact = 0.5 * (5.0 + 5.0_f64.sqrt());
+        let (found, residual) = top(&[2.0, 3.0], &[1.0, 0.5], 4.0);
+        assert!((found - exact).abs() < 1e-14);
+        assert!((residual - 0.5 * (exact - 2.0) / 1.0_f64.hypot(exact - 2.0)).abs() < 1e-14);
+        // Of one vector the residual is what is left of its image.
+        assert_eq!(top(&[2.0], &[0.5], 4.0).1, 0.5);
+    }
+}

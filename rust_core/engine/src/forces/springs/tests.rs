@@ -362,3 +362,23 @@ fn no_springs_do_nothing() {
     assert_eq!(network.with::<Vec3, _>(|at| springs.shortest(0..16, at)), f64::INFINITY);
     assert_eq!(ordering(&[], 3), None);
 }
+
+/// The places between two networks are in no tile that a stencil visits, so they do not count against it.
+#[test]
+fn ropes_far_apart_are_one_stencil() {
+    let spring = |low: u32| Spring { ends: [low, low + 1], stiffness: 1.0, damping: 0.0, rest_length: 1.0 };
+    let springs: Vec<Spring> = (0..400).chain(100_000..100_400).map(spring).collect();
+    assert_eq!(Springs::<DVec2>::new(&springs, 100_401).layout(), "1 stencil of 800 springs");
+}
+
+/// A hundred chains of ten particles, each a hundred places from the next, joined by as many other springs as a tenth of all.
+/// Reordered, partners would be less than half as far apart; but nine tenths of the springs are in a stencil, so they stay. With
+/// one spring fewer in the stencil they do not.
+#[test]
+fn a_component_of_which_nine_tenths_are_in_stencils_stays() {
+    let chain = (0..900).map(|low| Spring { ends: [low, low + 100], stiffness: 1.0, damping: 0.0, rest_length: 1.0 });
+    let join = |low: u32| Spring { ends: [low, low + 1], stiffness: 1.0, damping: 0.0, rest_length: 2.0 + f64::from(low) };
+    let springs: Vec<Spring> = (0..100).map(join).chain(chain).collect();
+    assert_eq!(ordering(&springs, 1000), None);
+    assert!(ordering(&springs[..springs.len() - 1], 1000).is_some());
+}
