@@ -185,6 +185,18 @@ def test_a_ball_that_rests_on_the_floor_stays_there(integrator):
     assert abs(run.velocities[0, 1]) <= jitter
 
 
+@pytest.mark.parametrize("gravity", [0.01, G, 1000.0])
+def test_a_ball_comes_to_rest_when_infinitely_many_bounces_would_be_over(gravity):
+    """From the speed v they take 2ev/g (1 + e + e² + …), which is 2v/g for e = ½: 1 % later it lies, and not before."""
+    ball, speed = pc.Particles([[0.0, 0.0]], [[0.0, -1.0]]), 1.0
+    for time, lies in ((0.99, False), (1.01, True)):
+        dt = time * 2.0 * speed / gravity
+        scene = pc.Scene(ball, pc.Gravity((0.0, -gravity)), pc.Floor(0.0, restitution=0.5))
+        run = simulation(scene, pc.VelocityVerlet(), dt)
+        run.step(1)
+        assert bool((state(run) == 0.0).all()) == lies
+
+
 def test_an_impulse_at_the_wall_follows_coulomb():
     """Oblique impact: Δv_t = −min(μ (1 + e) |v_n|, |v_t|) along v_t, v_n → −e v_n."""
     for velocity, friction in (([3.0, -4.0], 0.1), ([0.2, -4.0], 0.5)):

@@ -334,3 +334,16 @@ def test_the_energy_of_a_cloth_does_not_depend_on_who_comes_before_it(before):
     others = [pc.Particles(np.zeros((before, 2)) - 1.0)] if before else []
     energy = simulation(pc.Scene(*others, drawn), pc.VelocityVerlet(), 1e-3).energy()
     assert energy.potential == pytest.approx(float((0.5 * 50.0 * (0.1 * lengths) ** 2).sum()), rel=1e-9)
+
+
+@pytest.mark.parametrize("drag", [pc.Drag(linear=0.4), pc.Drag(quadratic=0.3), pc.Drag(0.1, 0.2, wind=(2.0, 1.0))])
+@pytest.mark.parametrize("integrator", ALL, ids=name)
+def test_what_drag_dissipates_is_what_is_lost(integrator, drag):
+    """But for the error of the method, γ dt ≤ 2e-2 of it at first order. Drag has no potential energy."""
+    run = simulation(pc.Scene(pc.Particles([[0.0, 0.0]], [[0.5, -3.0]]), drag), integrator, 1e-2)
+    start = run.energy()
+    run.step(50)
+    end = run.energy()
+    assert end.dissipated > 1.0
+    assert end.dissipated == pytest.approx(start.kinetic - end.kinetic + end.work, rel=2e-2)
+    assert not end.by_term

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import physcore as pc
-from physics.laboratory import EPSILON, assert_same_water, other_ways
+from physics.laboratory import EPSILON, Array, assert_same_water, name, other_ways
 from physics.test_determinism import ENVIRONMENT
 
 SPACING = 0.05
@@ -137,6 +137,91 @@ def test_sound_is_faster_where_water_is_compressed():
     assert ratios.max() > 1.1
     limits = [pc.stability_limit(pc.Scene(water, box, *pull), pc.VelocityVerlet()) for pull in ([down], [])]
     assert limits[0] == pytest.approx(limits[1] * ratios.max() ** -3 * np.sqrt(ratios.min()), rel=1e-9)
+
+
+def differences(values: Array, h: float) -> Array:
+    """Σ V |F| (φⱼ − φᵢ) for a field on a periodic lattice of unit spacing, with F = W'/r of Wendland's C2 [1/m²].
+
+    F is scaled so that the gradient of a linear field is exact: Σ V |F| x² = 1.
+    """
+    axes = tuple(range(values.ndim - 1))
+    ways = np.stack(np.meshgrid(*[np.arange(-4, 5)] * len(axes), indexing="ij"), axis=-1).reshape(-1, len(axes))
+    weights = np.maximum(1.0 - np.linalg.norm(ways, axis=1) / (2.0 * h), 0.0) ** 3
+    weights /= (weights * ways[:, 0] ** 2).sum()
+    near = weights > 0.0
+    pairs = zip(ways[near], weights[near], strict=True)
+    return sum((weight * (np.roll(values, -way, axis=axes) - values) for way, weight in pairs), np.zeros_like(values))
+
+
+@pytest.mark.filterwarnings("ignore::physcore.MachWarning")
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_viscosity_and_diffusion_are_those_of_the_literature(dimension):
+    """Friction as J. P. Morris et al., J. Comput. Phys. 136 (1997) 214: dv/dt = 2μ/ρ Σ V |F| (vⱼ − vᵢ).
+
+    Diffusion as D. Molteni and A. Colagrossi, Comput. Phys. Commun. 180 (2009) 861: dρ/dt = 2δhc Σ V |F| (ρⱼ − ρᵢ).
+
+    A step at some 10 m/s moves drops by 1e-5 m and changes densities by 1e-5 of them. Their pressure so gives 1e-3 m/s²
+    at most, of which half counts; friction gives 0.3 m/s².
+    """
+    side, h, sound, diffusion, dt = 8, 1.5, 10.0, 0.1, 1e-6
+    shape = (side,) * dimension
+    cells = pc.block((0.0,) * dimension, (float(side),) * dimension, 1.0)
+    places = tuple(np.floor(cells).astype(int).T)
+    velocities = 10.0 * np.random.default_rng(5).standard_normal(cells.shape)
+    water = pc.Fluid(
+        cells,
+        1.0,
+        density=500.0,
+        velocities=velocities,
+        viscosity=3.0,
+        sound_speed=sound,
+        artificial_viscosity=0.0,
+        density_diffusion=diffusion,
+    )
+    endless = pc.Periodic((0.0,) * dimension, (float(side),) * dimension)
+    run = pc.Simulation(pc.Scene(water, endless), dt=dt, precision="f64")
+    field = np.zeros((*shape, dimension))
+    field[places] = velocities
+    rubbed = 2.0 * 3.0 / 500.0 * differences(field, h)[places]
+    run.step(1)
+    pressed = (run.velocities - velocities) / dt
+    assert np.abs(pressed - rubbed).max() < 2e-3 * np.abs(rubbed).max()
+    densities = np.zeros((*shape, 1))
+    densities[(*places, 0)] = run[water].densities
+    run.set(velocities=np.zeros_like(velocities))
+    run.step(1)
+    evened = (run[water].densities - densities[(*places, 0)]) / dt
+    expected = 2.0 * diffusion * h * sound * differences(densities, h)[(*places, 0)]
+    assert np.abs(evened - expected).max() < 2e-3 * np.abs(expected).max()
+
+
+@pytest.mark.parametrize("integrator", [pc.SemiImplicitEuler(), pc.VelocityVerlet()], ids=name)
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_the_limit_of_thick_water_is_that_of_the_wave_which_it_damps_most(dimension, integrator):
+    """γ = 2μ/ρ ∫ |F| (1 − cos kx) dV with F = W'/r: the limit is that of a drag of that γ. Sound is too slow to count.
+
+    It grows with k up to kh = 6, the shortest wave that is looked at. Midpoints and 24 directions are good to 1e-3.
+    """
+    spacing, density, viscosity = 0.1, 500.0, 3.0
+    h = 1.5 * spacing
+    cosines = {2: np.cos((np.arange(400) + 0.5) * np.pi / 800), 3: (np.arange(400) + 0.5) / 400}[dimension]
+    r = (np.arange(1000) + 0.5) * 2.0 / 1000  # in units of h, as far as the kernel reaches
+    height, shell = {2: (1.75 / np.pi, 2.0 * np.pi * r), 3: (1.3125 / np.pi, 4.0 * np.pi * r**2)}[dimension]
+    slope = 5.0 * height * (1.0 - 0.5 * r) ** 3  # Wendland's C2
+    integral = (slope * shell * (1.0 - np.cos(6.0 * r[:, None] * cosines)).mean(axis=1)).sum() * 2.0 / 1000
+    damping = 2.0 * viscosity / density / h**2 * integral
+    water = pc.Fluid(
+        pc.block((0.0,) * dimension, (1.0,) * dimension, spacing),
+        spacing,
+        density=density,
+        viscosity=viscosity,
+        sound_speed=1e-3,
+        artificial_viscosity=0.0,
+        density_diffusion=0.0,
+    )
+    limit = pc.stability_limit(pc.Scene(water, pc.Periodic((0.0,) * dimension, (1.0,) * dimension)), integrator)
+    dragged = pc.Scene(pc.Particles([[0.0] * dimension]), pc.Drag(linear=float(damping)))
+    assert limit == pytest.approx(pc.stability_limit(dragged, integrator), rel=1e-3)
 
 
 def test_a_flow_that_is_fast_beside_sound_warns_once():

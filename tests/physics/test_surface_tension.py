@@ -120,6 +120,17 @@ def test_a_lattice_without_a_surface_feels_nothing(kernel):
     assert np.abs(run.velocities).max() / 1e-3 < 1e-10
 
 
+@pytest.mark.parametrize(("dimension", "settled"), [(2, 0.75), (3, 0.5)])
+def test_a_flat_surface_of_a_lattice_has_more_energy_than_it_settles_to(dimension, settled):
+    """σ over the share that is left of it once particles have settled, for each of the two surfaces of a slab."""
+    across = (8.0,) * (dimension - 1)
+    cells = pc.block((0.0,) * dimension, (*across, 10.0), 1.0)
+    water = pc.Fluid(cells, 1.0, density=1.0, sound_speed=20.0, surface_tension=2.0, **STILL)
+    endless = pc.Periodic((*(0.0,) * (dimension - 1), -math.inf), (*across, math.inf))
+    energy = pc.Simulation(pc.Scene(water, endless), dt=1e-6, precision="f64").energy()
+    assert energy.by_term["surface tension"] == pytest.approx(2.0 * 2.0 / settled * 8.0 ** (dimension - 1), rel=1e-12)
+
+
 def test_the_sum_of_energies_is_kept_the_better_the_shorter_the_step():
     """A leapfrog is of second order: half the step, a quarter of the error; half of it, not to ask for too much."""
     drifts = []
@@ -152,6 +163,49 @@ def test_the_time_step_knows_it():
     plan = pc.Simulation(pc.Scene(water), dt=1e-3).plan
     assert plan.limit_term == "surface tension"
     assert plan.dt_limit <= math.sqrt(2.0 * 1.5**3 / (2.0 * math.pi * 3.0)) * (1.0 + 1e-12)
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_two_particles_in_contact_are_stable_within_the_limit(dimension):
+    """The stiffness of their distance, by central differences over 1e-4: just within the contact, where it is largest.
+
+    Sound is too slow to count.
+    """
+
+    def scene(distance: float) -> pc.Scene:
+        pair = [[0.0] * dimension, [distance] + [0.0] * (dimension - 1)]
+        return pc.Scene(pc.Fluid(pair, 1.0, density=1.0, sound_speed=1e-3, surface_tension=1.0, **STILL))
+
+    def parting(distance: float) -> float:
+        run = pc.Simulation(scene(distance), dt=1e-6, precision="f64")
+        run.step(1)
+        return float(run.velocities[1, 0] - run.velocities[0, 0]) / 1e-6
+
+    distance, shift = 0.84, 1e-4
+    square = (parting(distance - shift) - parting(distance + shift)) / (2.0 * shift)
+    assert square > 10.0
+    limit = pc.stability_limit(scene(distance), pc.VelocityVerlet())
+    assert 0.5 * 2.0 / math.sqrt(square) < limit <= 2.0 / math.sqrt(square)
+
+
+@pytest.mark.filterwarnings("ignore::physcore.MachWarning")
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_the_time_step_knows_how_tension_and_friction_accelerate_together(dimension):
+    """√(h/|a|) for the largest |a|, which is read from one short step.
+
+    At 1e3 m/s the way of a step is 1e-5 of a spacing, and rounding 1e-6 of what a velocity changes by. Friction is
+    so weak that tension makes a difference of 2 % and more.
+    """
+    cells, dt = heap(dimension), 1e-8
+    velocities = 1e3 * np.random.default_rng(3).standard_normal(cells.shape)
+    given = {**STILL, "viscosity": 0.01, "sound_speed": 0.1, "surface_tension": 1.0}
+    drop = pc.Fluid(cells, 1.0, density=2.0, velocities=velocities, **given)
+    run = pc.Simulation(pc.Scene(drop), dt=dt, precision="f64")
+    plan = run.plan
+    assert plan.limit_term == "acceleration"
+    run.step(1)
+    largest = np.linalg.norm(run.velocities - velocities, axis=1).max() / dt
+    assert plan.dt_limit == pytest.approx(math.sqrt(1.5 / largest), rel=1e-4)
 
 
 @pytest.mark.parametrize("dimension", [2, 3])
