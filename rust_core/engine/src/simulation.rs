@@ -191,7 +191,7 @@ impl Simulation {
         let (mut left, mut polled) = (steps, Instant::now());
         while left > 0 {
             let most = left.min(self.system.most_steps());
-            left -= self.batch(most, Steps::Equal, interrupted).map_err(|error| self.with_hint(error))?;
+            left -= self.batch(most, Steps::Equal, interrupted).map_err(|error| self.with_hint(error, interrupted))?;
             if left > 0 && polled.elapsed() >= POLL {
                 if interrupted() {
                     return Err(Error::Interrupted);
@@ -283,15 +283,20 @@ impl Simulation {
         self.system.limit(horizon, self.time(), executor)
     }
 
-    /// Finds the budget; asks `interrupted` meanwhile whether to stop where it takes long.
-    fn audit(&mut self, interrupted: &dyn Fn() -> bool) -> Result<Ledger> {
-        let time = self.time();
-        if !self.is_long() {
-            return self.system.audit(time, &SERIAL);
-        }
+    /// Finds something out about the present state, on all threads and asking `interrupted` meanwhile whether to stop where it
+    /// may take long.
+    fn ask<T: Send>(
+        &mut self,
+        interrupted: &dyn Fn() -> bool,
+        question: impl FnOnce(&dyn System, f64, &Executor) -> Result<T> + Send,
+    ) -> Result<T> {
+        let (time, is_long) = (self.time(), self.is_long());
         let Self { system, pool, .. } = self;
-        let mut ledger = Err(Error::Interrupted);
-        pool.run(interrupted, |executor| ledger = system.audit(time, executor))?;
-        ledger
+        if !is_long {
+            return question(system.as_ref(), time, &SERIAL);
+        }
+        let mut answer = Err(Error::Interrupted);
+        pool.run(interrupted, |executor| answer = question(system.as_ref(), time, executor))?;
+        answer
     }
 }

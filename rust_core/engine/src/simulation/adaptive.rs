@@ -20,7 +20,6 @@
 use super::monitor::Steps;
 use super::{Segment, Simulation};
 use crate::error::{Error, Result};
-use crate::parallel::SERIAL;
 use crate::stability::Horizon;
 
 /// How to choose the steps.
@@ -79,7 +78,7 @@ impl Simulation {
     fn advance_in_blocks(&mut self, interval: f64, rule: &Rule, interrupted: &dyn Fn() -> bool) -> Result<()> {
         let varies = self.system.limit_varies(Horizon::Present, self.time());
         let (start, finest) = (self.time(), interval / FINEST as f64);
-        let mut allowed = self.allowed(rule)?;
+        let mut allowed = self.allowed(rule, interrupted)?;
         self.expect(allowed.min(interval));
         let (mut place, mut failures, mut since) = (0, 0, 0);
         // The largest block that begins where we are: it ends where a block of twice its length begins or ends.
@@ -94,7 +93,11 @@ impl Simulation {
             self.segment = Segment { start, steps: place / block, dt: h };
             let halved = match self.attempt(before.0, interrupted)? {
                 Trial::Taken => {
-                    let end = if varies { self.allowed(rule)? } else { allowed };
+                    let end = if varies { self.allowed(rule, interrupted) } else { Ok(allowed) };
+                    let end = end.inspect_err(|_| {
+                        self.rollback(1);
+                        (self.segment, self.monitor, self.mach) = before;
+                    })?;
                     // Written so that a limit that is not a number asks for less.
                     let suits = end >= h;
                     if suits || block == 1 {
@@ -124,8 +127,8 @@ impl Simulation {
     }
 
     /// The largest step that the rule allows in the present state [s].
-    pub(super) fn allowed(&mut self, rule: &Rule) -> Result<f64> {
-        let limit = self.limit(Horizon::Present, &SERIAL)?.dt();
+    pub(super) fn allowed(&mut self, rule: &Rule, interrupted: &dyn Fn() -> bool) -> Result<f64> {
+        let limit = self.ask(interrupted, |system, time, executor| system.limit(Horizon::Present, time, executor))?.dt();
         Ok(if limit.is_infinite() { rule.free } else { rule.safety * limit })
     }
 
@@ -134,7 +137,7 @@ impl Simulation {
         match self.batch(1, Steps::Adaptive, interrupted) {
             Ok(_) => Ok(Trial::Taken),
             Err(Error::Diverged(divergence)) => {
-                let error = self.with_hint(Error::Diverged(divergence));
+                let error = self.with_hint(Error::Diverged(divergence), interrupted);
                 self.segment = before;
                 Ok(Trial::Diverged(error))
             }

@@ -33,7 +33,7 @@ impl Simulation {
         // Not below what the clock can tell apart.
         let finest = (interval / FINEST as f64).max(4.0 * f64::EPSILON * end);
         if self.adaptation.control[0] == 0.0 {
-            let first = self.allowed(rule)?;
+            let first = self.allowed(rule, interrupted)?;
             self.adaptation.control = [if first > 0.0 { first } else { rule.free }, 1.0];
         }
         self.expect(self.adaptation.control[0].min(interval));

@@ -220,7 +220,7 @@ impl Simulation {
         if self.monitor.vigilance == Vigilance::OutOfRange {
             return Ok(Finding::Good);
         }
-        let energy = match self.audit(interrupted) {
+        let energy = match self.ask(interrupted, |system, time, executor| system.audit(time, executor)) {
             Err(error) if is_scattered(&error) => return Ok(Finding::OutOfRange(self.scatter())),
             outcome => outcome?,
         };
@@ -261,11 +261,11 @@ impl Simulation {
     }
 
     /// Adds to a divergence what to do about it.
-    pub(super) fn with_hint(&self, error: Error) -> Error {
+    pub(super) fn with_hint(&mut self, error: Error, interrupted: &dyn Fn() -> bool) -> Error {
         match error {
             Error::Diverged(divergence) => {
-                // A function of the user's may fail where it is asked how stiff it is.
-                let hint = self.hint().unwrap_or_else(|_| format!("try dt = {:.3e} s", 0.25 * self.segment.dt));
+                // A function of the user's may fail where it is asked how stiff it is, and an impatient user may interrupt.
+                let hint = self.hint(interrupted).unwrap_or_else(|_| format!("try dt = {:.3e} s", 0.25 * self.segment.dt));
                 Error::Diverged(Box::new(Divergence { hint, ..*divergence }))
             }
             other => other,
@@ -278,8 +278,9 @@ impl Simulation {
     }
 
     /// What to do about a divergence; asked for at the last good state.
-    fn hint(&self) -> Result<String> {
-        let (limit, dt) = (self.limit(Horizon::Sharp, &SERIAL)?, self.segment.dt);
+    fn hint(&mut self, interrupted: &dyn Fn() -> bool) -> Result<String> {
+        let limit = self.ask(interrupted, |system, time, executor| system.limit(Horizon::Sharp, time, executor))?;
+        let dt = self.segment.dt;
         if limit.stability == 0.0 {
             let (certain, method) = (if limit.endured > 0.0 { "certain to be stable" } else { "stable" }, self.method());
             return Ok(format!("no dt is {certain} with {method} here: take another integrator"));
