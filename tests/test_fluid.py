@@ -99,8 +99,10 @@ def test_drag_and_pair_forces_spare_a_fluid_that_is_not_named():
 
 def test_the_engine_is_told_what_makes_a_fluid():
     water = pc.Fluid(WATER, 0.1, sound_speed=20.0, kernel=pc.CubicSpline(1.3), viscosity=0.0)
-    described = engine.describe(pc.Scene(water, pc.Particles([[2.0, 2.0]])))["bodies"]
-    assert described[0]["fluid"] == {
+    described = engine.describe(pc.Scene(water, pc.Particles([[2.0, 2.0]], name="dust")))["bodies"]
+    columns = {"positions", "velocities", "mass", "charge", "radius", "fixed"}
+    assert [entry["kind"] for entry in described] == ["Fluid", "Particles"]
+    assert {name: value for name, value in described[0]["values"].items() if name not in columns} == {
         "spacing": 0.1,
         "density": 1000.0,
         "viscosity": 0.0,
@@ -109,13 +111,12 @@ def test_the_engine_is_told_what_makes_a_fluid():
         "density_diffusion": 0.1,
         "surface_tension": 0.0,
         "shifting": 0.0,
-        "summation": False,
-        "kernel": "CubicSpline",
+        "density_from": "continuity",
+        "kernel": {"kind": "CubicSpline", "name": None, "on": None, "values": {"smoothing": 1.3}},
         "obstacles": True,
-        "smoothing": 1.3,
     }
-    assert described[1]["fluid"] is None
-    assert engine.describe(pc.Scene(pc.Fluid(WATER, 0.1)))["bodies"][0]["fluid"]["sound_speed"] is None
+    assert set(described[1]["values"]) == columns
+    assert described[1]["name"] == "dust"
 
 
 def brute(points: np.ndarray, distance: float) -> bool:

@@ -20,6 +20,7 @@ LAYERS = [
     "scene",
     "forces",
     "boundaries",
+    "systems",
     "numerics",
     "simulation",
     "film",

@@ -9,6 +9,7 @@ import physcore as pc
 from physcore.boundaries import BOUNDARIES
 from physcore.forces import FORCES
 from physcore.integrators import INTEGRATORS
+from physcore.scene.records import Record
 
 ONE = pc.Particles([[0.0, 1.0]], name="one")
 TWO = pc.Particles([[0.0, 1.0], [2.0, 3.0]], name="two")
@@ -55,25 +56,28 @@ def test_pair_forces_fill_in_what_follows_from_the_rest():
     assert pc.LennardJones(1.0, 2.0) == pc.LennardJones(1.0, 2.0, cutoff=5.0)
     assert pc.SoftSpheres(1.0, 0.5).tangential_damping == 0.5
     assert pc.SoftSpheres(1.0, 0.5, tangential_damping=0.25).tangential_damping == 0.25
-    described = pc.SoftSpheres(10, 1, exponent=1.5).describe(2)
-    assert described == {
-        "type": "Repulsion",
-        "stiffness": 10.0,
-        "damping": 1.0,
-        "friction": 0.0,
-        "tangential_damping": 1.0,
-        "exponent": 1.5,
+    assert Record.of(pc.SoftSpheres(10, 1, exponent=1.5)).described() == {
+        "kind": "Repulsion",
+        "name": None,
+        "on": None,
+        "values": {
+            "stiffness": 10.0,
+            "damping": 1.0,
+            "friction": 0.0,
+            "tangential_damping": 1.0,
+            "exponent": 1.5,
+        },
     }
-    assert pc.LennardJones(1, 2, 3).describe(3) == {"type": "LennardJones", "epsilon": 1.0, "sigma": 2.0, "cutoff": 3.0}
+    told = Record.of(pc.LennardJones(1, 2)).described()
+    assert told["values"] == {"epsilon": 1.0, "sigma": 2.0, "cutoff": 5.0}
 
 
 def test_a_floor_is_a_plane_with_all_that_it_says():
     floor = pc.Floor(2.0, restitution=0.5, friction=0.1, no_slip=True)
     plane = pc.Plane((0.0, 0.0, 2.0), (0.0, 0.0, 1.0), restitution=0.5, friction=0.1, no_slip=True)
-    described, expected = floor.describe(3), plane.describe(3)
-    assert described.keys() == expected.keys()
-    for name, value in expected.items():
-        np.testing.assert_array_equal(described[name], value)
+    assert floor.resolved(3) == plane == plane.resolved(3)
+    on_one = pc.Floor(on=ONE)
+    assert on_one.resolved(2).bodies() == (ONE,)
 
 
 def test_one_radius_is_enough_for_repulsion():

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
@@ -36,12 +36,12 @@ class Plane(Boundary):
             raise SceneError("Plane.normal: must not be zero")
         self._set(point=point, normal=normal)
 
-    def describe(self, dimension: int) -> dict[str, object]:
-        """The engine reads a normal of length one."""
-        description = super().describe(dimension)
+    def resolved(self, dimension: int) -> Plane:
+        """The same plane with a normal of length one."""
+        del dimension
         normal = np.array(self.normal)
         normal /= np.abs(normal).max()
-        return {**description, "normal": normal / np.linalg.norm(normal)}
+        return replace(self, normal=tuple((normal / np.linalg.norm(normal)).tolist()))
 
 
 @dataclass(frozen=True)
@@ -62,8 +62,8 @@ class Floor(Boundary):
         super().__post_init__()
         self._set(height=number(self.height, "Floor.height"))
 
-    def describe(self, dimension: int) -> dict[str, object]:
-        """The engine reads a floor as a plane."""
+    def resolved(self, dimension: int) -> Plane:
+        """A floor is a plane."""
         up = np.eye(dimension)[-1]
-        shared = {"restitution": self.restitution, "friction": self.friction, "no_slip": self.no_slip}
-        return {"type": "Plane", "point": self.height * up, "normal": up, **shared}
+        shared = {entry.name: getattr(self, entry.name) for entry in fields(Boundary)}
+        return Plane(tuple((self.height * up).tolist()), tuple(up.tolist()), **shared)

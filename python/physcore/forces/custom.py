@@ -5,7 +5,6 @@ from __future__ import annotations
 import inspect
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import ClassVar
 
 from physcore.checks import FloatArray, shown
 from physcore.errors import SceneError
@@ -48,8 +47,6 @@ class CustomForce(Force):
 
     function: Callable[[float, FloatArray, FloatArray], FloatArray]
     potential: Callable[[FloatArray], float] | None = None
-
-    is_code: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
         super().__post_init__()

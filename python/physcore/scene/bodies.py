@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -21,6 +21,7 @@ from physcore.checks import (
     text,
 )
 from physcore.errors import SceneError
+from physcore.scene.records import APPEARANCE
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
@@ -60,8 +61,8 @@ class Body:
 
     def _set(self, **values: object) -> None:
         """Fill in the fields; only for constructors, because the dataclass is frozen."""
-        for field, value in values.items():
-            object.__setattr__(self, field, frozen(value) if isinstance(value, np.ndarray) else value)
+        for name, value in values.items():
+            object.__setattr__(self, name, frozen(value) if isinstance(value, np.ndarray) else value)
 
     def _set_particles(
         self,
@@ -156,7 +157,7 @@ class SpringNetwork(Body):
     """Damping along each spring [N·s/m], shape (M,)."""
     rest_length: FloatArray
     """Rest length of each spring [m], shape (M,)."""
-    faces: IntArray
+    faces: IntArray = field(metadata=APPEARANCE)
     """Indices of the corners of each triangle of its surface, shape (T, 3)."""
 
     def __init__(
@@ -182,11 +183,11 @@ class SpringNetwork(Body):
                 rest_length = np.linalg.norm(self.positions[links[:, 1]] - self.positions[links[:, 0]], axis=1)
         springs = {"stiffness": stiffness, "damping": damping, "rest_length": rest_length}
         self._set(pairs=links)
-        for field, value in springs.items():
-            path = f"SpringNetwork.{field}"
+        for column, value in springs.items():
+            path = f"SpringNetwork.{column}"
             values = broadcast(value, (len(links),), path)
             require(values >= 0, values, path, "≥ 0")
-            self._set(**{field: values})
+            self._set(**{column: values})
 
 
 def _indices(value: ArrayLike, width: int, number: int, path: str) -> IntArray:

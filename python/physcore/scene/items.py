@@ -1,4 +1,4 @@
-"""Scene items that act on bodies: their parameters, whom they act on, and the bases of forces and boundaries."""
+"""Scene items beside bodies: their parameters, whom they act on, and the bases of forces, boundaries and systems."""
 
 from __future__ import annotations
 
@@ -6,9 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, fields
 from typing import ClassVar, TypeAlias, cast
 
-import numpy as np
-
-from physcore.checks import flag, number, shown
+from physcore.checks import flag, number, shown, text
 from physcore.errors import SceneError
 from physcore.scene.bodies import Body
 
@@ -27,30 +25,41 @@ def chosen(on: object, path: str) -> tuple[Body, ...] | None:
 
 @dataclass(frozen=True)
 class SceneItem:
-    """Something that acts on bodies; its fields are plain numbers, tuples of numbers for vectors, or None."""
-
-    on: On = field(default=None, kw_only=True)
-    """The body or bodies that it acts on; None: all, but for fluids where it spares them."""
-
-    kind: ClassVar[str]
-    """The name of the class in hashes, files and the engine: its own, where it does not say another."""
-    spares_fluids: ClassVar[bool] = False
-    """Whether it acts on a fluid only where that is named."""
-    is_code: ClassVar[bool] = False
-    """Whether it is made of functions of the user's, which are not written into files."""
-
-    def __init_subclass__(cls) -> None:
-        super().__init_subclass__()
-        if "kind" not in cls.__dict__:
-            cls.kind = cls.__name__
-
-    def __post_init__(self) -> None:
-        self._set(on=chosen(self.on, f"{type(self).__name__}.on"))
+    """Something in a scene beside bodies; its fields are plain numbers, tuples of numbers for vectors, or None."""
 
     def _set(self, **values: object) -> None:
         """Replace what the user passed by its checked form; only for `__post_init__`."""
         for name, value in values.items():
             object.__setattr__(self, name, value)
+
+    def mismatch(self, dimension: int) -> tuple[str, int] | None:
+        """The name and the size of the first vector that has not `dimension` components, or None."""
+        vectors = {entry.name: getattr(self, entry.name) for entry in fields(self) if entry.name != "on"}
+        wrong = (
+            (name, len(value))
+            for name, value in vectors.items()
+            if isinstance(value, tuple) and len(value) != dimension
+        )
+        return next(wrong, None)
+
+    def resolved(self, dimension: int) -> SceneItem:
+        """What stands for it in a scene of `dimension` dimensions: the engine simulates that, and films draw it."""
+        del dimension
+        return self
+
+
+@dataclass(frozen=True)
+class ActingItem(SceneItem):
+    """Something that acts on bodies."""
+
+    on: On = field(default=None, kw_only=True)
+    """The body or bodies that it acts on; None: all, but for fluids where it spares them."""
+
+    spares_fluids: ClassVar[bool] = False
+    """Whether it acts on a fluid only where that is named."""
+
+    def __post_init__(self) -> None:
+        self._set(on=chosen(self.on, f"{type(self).__name__}.on"))
 
     def bodies(self) -> tuple[Body, ...] | None:
         """The bodies that it names, or None."""
@@ -63,28 +72,9 @@ class SceneItem:
             SceneError: it cannot act on them.
         """
 
-    def parameters(self) -> dict[str, object]:
-        """Every field but `on`, by name."""
-        return {entry.name: getattr(self, entry.name) for entry in fields(self) if entry.name != "on"}
-
-    def mismatch(self, dimension: int) -> str | None:
-        """The name of the first vector that has not `dimension` components, or None."""
-        return next(
-            (name for name, value in self.parameters().items() if isinstance(value, tuple) and len(value) != dimension),
-            None,
-        )
-
-    def describe(self, dimension: int) -> dict[str, object]:
-        """The name of its kind and its parameters, as the engine reads them in a scene of `dimension` dimensions."""
-        del dimension
-        values = {
-            name: np.array(value) if isinstance(value, tuple) else value for name, value in self.parameters().items()
-        }
-        return {"type": self.kind, **values}
-
 
 @dataclass(frozen=True)
-class Force(SceneItem):
+class Force(ActingItem):
     """A force on the particles of some bodies.
 
     To add one: a file in `forces`, a line in `FORCES`, and its counterpart in Rust.
@@ -92,7 +82,21 @@ class Force(SceneItem):
 
 
 @dataclass(frozen=True)
-class Boundary(SceneItem):
+class System(SceneItem):
+    """A state with a law of motion of its own, beside that of the bodies.
+
+    To add one: a file in `systems`, a line in `SYSTEMS`, and its counterpart in Rust.
+    """
+
+    name: str | None = field(default=None, kw_only=True)
+    """A name by which results can be asked for."""
+
+    def __post_init__(self) -> None:
+        self._set(name=None if self.name is None else text(self.name, f"{type(self).__name__}.name"))
+
+
+@dataclass(frozen=True)
+class Boundary(ActingItem):
     """A wall that particles bounce off.
 
     To add one: a file in `boundaries`, a line in `BOUNDARIES`, and its counterpart in Rust.

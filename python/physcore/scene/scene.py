@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from physcore.checks import shown
-from physcore.errors import SceneError
+from physcore.errors import FileError, SceneError
 from physcore.scene.bodies import Body
 from physcore.scene.fluid import CLOSEST, Fluid, describe_pair
-from physcore.scene.items import Boundary, Force, SceneItem
+from physcore.scene.items import ActingItem, Boundary, Force, SceneItem, System
 from physcore.scene.overlaps import closer_than
-from physcore.scene.packing import pack, pack_items
 from physcore.scene.periodic import Periodic
+from physcore.scene.records import Record, pack
 from physcore.storage.archive import Tree, digest
 
 BodyKey = Body | int | str
@@ -22,11 +23,11 @@ BodyKey = Body | int | str
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
 class Scene:
-    """Bodies, forces and boundaries, in 2D or 3D. Immutable; the dimension follows from the positions.
+    """Bodies, forces, boundaries and further systems, in 2D or 3D. Immutable; the dimension follows from the positions.
 
     Args:
-        items: bodies (Particles, SpringNetwork, Fluid), forces, boundaries and at most one Periodic domain, in any
-            order. Results list the particles body by body in the order given here.
+        items: bodies (Particles, SpringNetwork, Fluid), forces, boundaries, further systems and at most one Periodic
+            domain, in any order. Results list the particles body by body in the order given here.
 
     Raises:
         SceneError: there is no body, the dimensions differ, a body or a name is there twice, a force acts on a body
@@ -36,17 +37,18 @@ class Scene:
     bodies: tuple[Body, ...]
     forces: tuple[Force, ...]
     boundaries: tuple[Boundary, ...]
+    systems: tuple[System, ...]
     periodic: Periodic | None
     """The domain that repeats itself, or None."""
 
-    def __init__(self, *items: Body | Force | Boundary | Periodic) -> None:
+    def __init__(self, *items: Body | Force | Boundary | System | Periodic) -> None:
         for position, item in enumerate(items):
-            if not isinstance(item, (Body, Force, Boundary, Periodic)):
+            if not isinstance(item, (Body, Force, Boundary, System, Periodic)):
                 raise SceneError(
                     f"items[{position}]: must be a body, a force, a boundary or a Periodic domain, "
                     f"got {shown(item)}{_advice(item)}"
                 )
-        kinds = {"bodies": Body, "forces": Force, "boundaries": Boundary}
+        kinds = {"bodies": Body, "forces": Force, "boundaries": Boundary, "systems": System}
         for field, kind in kinds.items():
             object.__setattr__(self, field, tuple(item for item in items if isinstance(item, kind)))
         self._check_bodies()
@@ -54,6 +56,7 @@ class Scene:
         self._check_fluids()
         self._check_items("forces", self.forces)
         self._check_items("boundaries", self.boundaries)
+        self._check_items("systems", self.systems)
 
     @property
     def dimension(self) -> int:
@@ -70,13 +73,13 @@ class Scene:
         """The bodies that are fluids."""
         return tuple(body for body in self.bodies if isinstance(body, Fluid))
 
-    def targets(self, item: SceneItem) -> tuple[Body, ...]:
+    def targets(self, item: ActingItem) -> tuple[Body, ...]:
         """The bodies that a force or a boundary of this scene acts on.
 
         Raises:
             SceneError: it is neither.
         """
-        if not isinstance(item, SceneItem):
+        if not isinstance(item, ActingItem):
             raise SceneError(f"targets.item: must be a force or a boundary, got {shown(item)}")
         named = item.bodies()
         if named is not None:
@@ -121,16 +124,33 @@ class Scene:
         Raises:
             FileError: the scene has a CustomForce, whose function is code.
         """
-        return {
+        tree = {
             "bodies": [pack(body) for body in self.bodies],
-            "forces": pack_items(self.forces, self.bodies, "forces"),
-            "boundaries": pack_items(self.boundaries, self.bodies, "boundaries"),
+            "forces": self._packed_items("forces", self.forces),
+            "boundaries": self._packed_items("boundaries", self.boundaries),
             "periodic": pack(self.periodic),
         }
+        # Scenes without further systems keep the hash that they had before there were any.
+        return tree | ({"systems": self._packed_items("systems", self.systems)} if self.systems else {})
+
+    def _packed_items(self, path: str, items: Sequence[SceneItem]) -> list[Tree]:
+        """Items; the bodies that they act on by index, because a body is saved once."""
+        trees = []
+        for position, item in enumerate(items):
+            record = Record.of(item)
+            if record.is_code:
+                raise FileError(
+                    f"{path}[{position}]: a {type(item).__name__} cannot be saved, because its function is code; "
+                    "save the arrays that you need with numpy.savez, or express the force by the ones that physcore has"
+                )
+            named = item.bodies() if isinstance(item, ActingItem) else None
+            on = None if named is None else [self.bodies.index(body) for body in named]
+            trees.append(record.packed(on))
+        return trees
 
     def __repr__(self) -> str:
         domain = () if self.periodic is None else (self.periodic,)
-        parts = [repr(item) for item in (*self.bodies, *self.forces, *self.boundaries, *domain)]
+        parts = [repr(item) for item in (*self.bodies, *self.forces, *self.boundaries, *self.systems, *domain)]
         return f"Scene({', '.join(parts)})"
 
     def _check_bodies(self) -> None:
@@ -180,25 +200,28 @@ class Scene:
         where = f"particles of {first} and {second}" if first != second else f"particles of {first}, across the domain"
         raise SceneError(f"{second}.positions: overlapping bodies: {where}, {describe_pair(points, pair, spacing)}")
 
-    def _check_items(self, path: str, items: tuple[SceneItem, ...]) -> None:
-        """Vectors have the scene's dimension, and `on` names bodies of the scene."""
+    def _check_items(self, section: str, items: Sequence[SceneItem]) -> None:
         for position, item in enumerate(items):
-            name = item.mismatch(self.dimension)
-            if name is not None:
-                size = len(item.parameters()[name])  # type: ignore[arg-type]
-                raise SceneError(
-                    f"{path}[{position}].{name}: {type(item).__name__} must have {self.dimension} components "
-                    f"in this {self.dimension}D scene, got {size}"
-                )
-            for body in item.bodies() or ():
-                if body not in self.bodies:
-                    raise SceneError(f"{path}[{position}].on: {body!r} is not in the scene; add it as an item too")
-            targets = self.targets(item)
-            if not targets and item.on is None:
-                raise SceneError(
-                    f"{path}[{position}].on: {type(item).__name__} acts on fluids only where they are named: on=fluid"
-                )
-            item.check(targets, f"{path}[{position}]")
+            self._check_item(f"{section}[{position}]", item)
+
+    def _check_item(self, path: str, item: SceneItem) -> None:
+        """Vectors have the scene's dimension, and `on` names bodies of the scene."""
+        mismatch = item.mismatch(self.dimension)
+        if mismatch is not None:
+            name, size = mismatch
+            raise SceneError(
+                f"{path}.{name}: {type(item).__name__} must have {self.dimension} components "
+                f"in this {self.dimension}D scene, got {size}"
+            )
+        if not isinstance(item, ActingItem):
+            return
+        for body in item.bodies() or ():
+            if body not in self.bodies:
+                raise SceneError(f"{path}.on: {body!r} is not in the scene; add it as an item too")
+        targets = self.targets(item)
+        if not targets and item.on is None:
+            raise SceneError(f"{path}.on: {type(item).__name__} acts on fluids only where they are named: on=fluid")
+        item.check(targets, path)
 
 
 def _advice(item: object) -> str:

@@ -2,20 +2,14 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from physcore._core import World
-from physcore.checks import FloatArray, IntArray
+from physcore.checks import FloatArray
 from physcore.numerics.choices import Limit, Numerics
-from physcore.scene.bodies import Body, SpringNetwork
-from physcore.scene.fluid import Fluid
-from physcore.scene.items import SceneItem
+from physcore.scene.items import ActingItem, SceneItem
+from physcore.scene.records import Record
 from physcore.scene.scene import Scene
 from physcore.simulation.plan import Plan
 from physcore.simulation.state import FieldInfo, Snapshot
-
-_NO_PAIRS: IntArray = np.empty((0, 2), dtype=np.int64)
-_NO_VALUES: FloatArray = np.empty(0)
 
 
 def build(scene: Scene, numerics: Numerics) -> World:
@@ -35,13 +29,14 @@ def build(scene: Scene, numerics: Numerics) -> World:
 
 
 def describe(scene: Scene) -> dict[str, object]:
-    """A scene as plain dictionaries, numbers and arrays."""
+    """A scene as plain dictionaries, numbers and arrays: the records of its items."""
     return {
         "dimension": scene.dimension,
-        "bodies": [_body(body) for body in scene.bodies],
+        "bodies": [Record.of(body).described() for body in scene.bodies],
         "forces": [_item(force, scene) for force in scene.forces],
         "boundaries": [_item(boundary, scene) for boundary in scene.boundaries],
-        "periodic": None if scene.periodic is None else (scene.periodic.lower, scene.periodic.upper),
+        "systems": [_item(system, scene) for system in scene.systems],
+        "periodic": None if scene.periodic is None else Record.of(scene.periodic).described(),
     }
 
 
@@ -99,44 +94,8 @@ def plan(world: World, bound: Limit, dt: float) -> Plan:
     )
 
 
-def _body(body: Body) -> dict[str, object]:
-    """A body's arrays, by name; one without springs has none of them."""
-    springs = body if isinstance(body, SpringNetwork) else None
-    return {
-        "positions": body.positions,
-        "velocities": body.velocities,
-        "mass": body.mass,
-        "charge": body.charge,
-        "radius": body.radius,
-        "fixed": body.fixed,
-        "pairs": springs.pairs if springs else _NO_PAIRS,
-        "stiffness": springs.stiffness if springs else _NO_VALUES,
-        "damping": springs.damping if springs else _NO_VALUES,
-        "rest_length": springs.rest_length if springs else _NO_VALUES,
-        "fluid": _fluid(body) if isinstance(body, Fluid) else None,
-    }
-
-
-def _fluid(fluid: Fluid) -> dict[str, object]:
-    """The parameters of a fluid; a speed of sound of None is the engine's to find."""
-    return {
-        "spacing": fluid.spacing,
-        "density": fluid.density,
-        "viscosity": fluid.viscosity,
-        "sound_speed": None if fluid.sound_speed == "auto" else fluid.sound_speed,
-        "artificial_viscosity": fluid.artificial_viscosity,
-        "density_diffusion": fluid.density_diffusion,
-        "surface_tension": fluid.surface_tension,
-        "shifting": fluid.shifting,
-        "summation": fluid.density_from == "summation",
-        "kernel": type(fluid.kernel).__name__,
-        "smoothing": fluid.kernel.smoothing,
-        "obstacles": fluid.obstacles,
-    }
-
-
 def _item(item: SceneItem, scene: Scene) -> dict[str, object]:
-    """A force or boundary with its parameters and the indices of the bodies that it acts on."""
-    targets = scene.targets(item)
+    """An item as it is in the scene, with the indices of the bodies that it acts on, if not on all."""
+    targets = scene.targets(item) if isinstance(item, ActingItem) else scene.bodies
     on = None if targets == scene.bodies else [scene.index(body) for body in targets]
-    return {**item.describe(scene.dimension), "on": on}
+    return Record.of(item.resolved(scene.dimension)).described(on)

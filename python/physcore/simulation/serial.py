@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import inspect
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import fields
+from itertools import chain
 from typing import Any, cast
 
 from physcore.boundaries import BOUNDARIES
@@ -15,20 +15,29 @@ from physcore.numerics.choices import AdaptiveStep, AutoStep, Numerics, Options
 from physcore.numerics.integrators import INTEGRATORS
 from physcore.scene.bodies import Body, Particles, SpringNetwork
 from physcore.scene.fluid import Fluid
+from physcore.scene.items import SceneItem
 from physcore.scene.kernels import KERNELS
-from physcore.scene.packing import kind_of, pack
 from physcore.scene.periodic import Periodic
+from physcore.scene.records import kind_of, pack, parameters
 from physcore.scene.scene import Scene
 from physcore.storage.archive import Tree
 from physcore.storage.schema import anything, maybe, record, several, table, text, whole, word
+from physcore.systems import SYSTEMS
 
 _BODIES = (Particles, SpringNetwork, Fluid)
 _RULES = (*INTEGRATORS, AutoStep, AdaptiveStep)
+_SECTIONS: dict[str, tuple[type[SceneItem], ...]] = {"forces": FORCES, "boundaries": BOUNDARIES, "systems": SYSTEMS}
 _KINDS: dict[str, type[Any]] = {
-    kind_of(kind): kind for kind in (*_BODIES, *KERNELS, *FORCES, *BOUNDARIES, Periodic, *_RULES)
+    kind_of(kind): kind for kind in (*_BODIES, *KERNELS, *chain(*_SECTIONS.values()), Periodic, *_RULES)
 }
 
-_SCENE = record(bodies=several(anything), forces=several(anything), boundaries=several(anything), periodic=anything)
+_SCENE = record(
+    {"systems": several(anything)},
+    bodies=several(anything),
+    forces=several(anything),
+    boundaries=several(anything),
+    periodic=anything,
+)
 _THING = record(kind=text, fields=anything)
 
 
@@ -42,8 +51,8 @@ def unpack_scene(tree: Tree, path: str = "scene") -> Scene:
     bodies = [_unpack(entry, f"{path}.bodies[{index}]", _BODIES) for index, entry in enumerate(content["bodies"])]
     acting = [
         _unpack_item(entry, f"{path}.{name}[{index}]", kinds, bodies)
-        for name, kinds in (("forces", FORCES), ("boundaries", BOUNDARIES))
-        for index, entry in enumerate(content[name])
+        for name, kinds in _SECTIONS.items()
+        for index, entry in enumerate(content.get(name, ()))
     ]
     domain = content["periodic"]
     items = [] if domain is None else [_unpack(domain, f"{path}.periodic", (Periodic,))]
@@ -70,9 +79,9 @@ def _unpack(tree: Tree, path: str, kinds: tuple[type[Any], ...]) -> Any:
     """The thing of one of some kinds that `pack` was given."""
     thing = _THING(tree, path)
     kind = _KINDS[word(*map(kind_of, kinds))(thing["kind"], f"{path}.kind")]
-    parameters = inspect.signature(kind).parameters.values()
-    optional = {each.name: anything for each in parameters if each.default is not each.empty}
-    required = {each.name: anything for each in parameters if each.default is each.empty}
+    arguments = parameters(kind).values()
+    optional = {each.name: anything for each in arguments if each.default is not each.empty}
+    required = {each.name: anything for each in arguments if each.default is each.empty}
     fields_of = record(optional, **required)(thing["fields"], f"{path}.fields")
     values = {name: _unpack_value(value, f"{path}.{name}", KERNELS) for name, value in fields_of.items()}
     with _named(path):
@@ -95,5 +104,5 @@ def _unpack_value(tree: Tree, path: str, kinds: tuple[type[Any], ...]) -> Any:
 def _unpack_item(tree: Tree, path: str, kinds: tuple[type[Any], ...], bodies: list[Body]) -> Any:
     values = table(anything)(_THING(tree, path)["fields"], f"{path}.fields")
     indices = maybe(several(whole(most=len(bodies) - 1)))(values.get("on"), f"{path}.on")
-    on = None if indices is None else [bodies[index] for index in indices]
-    return _unpack({**tree, "fields": {**values, "on": on}}, path, kinds)
+    on = {} if indices is None else {"on": [bodies[index] for index in indices]}
+    return _unpack({**tree, "fields": {**values, **on}}, path, kinds)

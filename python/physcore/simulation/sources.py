@@ -12,6 +12,7 @@ from physcore import memory
 from physcore.checks import FloatArray, shown, span
 from physcore.errors import InternalError, SceneError
 from physcore.numerics.choices import FRAMES_PER_SECOND, Options, check
+from physcore.scene.records import Record
 from physcore.scene.scene import Scene
 from physcore.simulation.energy import Drift, Energy
 from physcore.simulation.frames import frame_count
@@ -187,7 +188,7 @@ class Running:
             momentum=[first.momentum.tolist(), last.momentum.tolist()],
         )
         if self._provenance not in (None, found):
-            custom = any(force.is_code for force in self.scene.forces)
+            custom = any(Record.of(force).is_code for force in self.scene.forces)
             cause = "its CustomForce gives other values for the same arguments" if custom else "please report it"
             raise InternalError(f"the scene did not repeat itself when it was simulated again: {cause}")
         self._provenance = found

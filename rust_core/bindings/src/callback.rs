@@ -2,58 +2,46 @@
 
 use std::sync::Arc;
 
-use glam::DVec3;
 use numpy::{PyArrayDescrMethods, PyReadonlyArrayDyn, PyUntypedArray, PyUntypedArrayMethods};
 use physcore_engine::error::Cause;
-use physcore_engine::scene::{Callback, Failure};
+use physcore_engine::scene::{Argument, Callback, Failure};
 use pyo3::exceptions::PyValueError;
 use pyo3::gc::{PyTraverseError, PyVisit};
 use pyo3::prelude::*;
+use pyo3::types::{PyFloat, PyTuple};
 
 use crate::scene::array;
 
-/// A Python function that gives forces, with the one that gives their potential.
+/// A Python function, called with vectors of this dimension.
 pub struct Function {
-    force: Py<PyAny>,
-    potential: Option<Py<PyAny>>,
+    function: Py<PyAny>,
     dimension: usize,
 }
 
 impl Function {
-    pub fn new(force: Py<PyAny>, potential: Option<Py<PyAny>>, dimension: usize) -> Self {
-        Self { force, potential, dimension }
+    pub fn new(function: Py<PyAny>, dimension: usize) -> Self {
+        Self { function, dimension }
     }
 
     /// Shows the garbage collector what this refers to.
     pub fn traverse(&self, visit: &PyVisit<'_>) -> Result<(), PyTraverseError> {
-        visit.call(&self.force)?;
-        self.potential.iter().try_for_each(|potential| visit.call(potential))
+        visit.call(&self.function)
     }
 }
 
 impl Callback for Function {
-    fn forces(&self, time: f64, positions: &[DVec3], velocities: &[DVec3]) -> Result<Vec<DVec3>, Failure> {
-        let shape = [positions.len(), self.dimension];
+    fn call(&self, arguments: &[Argument<'_>], what: &str, shape: &[usize]) -> Result<Vec<f64>, Failure> {
+        let expected = if shape.is_empty() { what.to_owned() } else { format!("{what} of shape {}", tuple(shape)) };
         let numbers = Python::attach(|py| {
-            let [positions, velocities] = [positions, velocities].map(|vectors| array(py, vectors, self.dimension));
-            let given = self.force.bind(py).call1((time, positions?, velocities?))?;
-            real(&given, &shape, &format!("forces of shape {}", tuple(&shape)))
+            let object = |argument: &Argument<'_>| match *argument {
+                Argument::Number(number) => Ok(PyFloat::new(py, number).into_any()),
+                Argument::Vectors(vectors) => Ok(array(py, vectors, self.dimension)?.into_any()),
+            };
+            let objects = arguments.iter().map(object).collect::<PyResult<Vec<_>>>()?;
+            let given = self.function.bind(py).call1(PyTuple::new(py, objects)?)?;
+            real(&given, shape, &expected)
         });
-        let row = |row: &[f64]| DVec3::from_array(std::array::from_fn(|axis| row.get(axis).copied().unwrap_or(0.0)));
-        Ok(numbers.map_err(failure)?.chunks_exact(self.dimension).map(row).collect())
-    }
-
-    fn has_potential(&self) -> bool {
-        self.potential.is_some()
-    }
-
-    fn potential(&self, positions: &[DVec3]) -> Result<f64, Failure> {
-        let Some(potential) = &self.potential else { return Ok(0.0) };
-        let number = Python::attach(|py| {
-            let given = potential.bind(py).call1((array(py, positions, self.dimension)?,))?;
-            real(&given, &[], "one energy")
-        });
-        Ok(number.map_err(failure)?[0])
+        numbers.map_err(failure)
     }
 }
 

@@ -7,6 +7,7 @@ mod callback;
 mod canvas;
 mod errors;
 mod gif;
+mod record;
 mod scene;
 mod view;
 mod world;

@@ -214,7 +214,7 @@ impl World {
         let numerics = Numerics { integrator, precision, threads, max_energy_growth, vigilance };
         let (dimension, count, calls_back) = (scene.dimension, scene.count(), !functions.is_empty());
         let threads = numerics.threads().map_err(|error| exception(py, error))?;
-        let things = count + scene.bodies.iter().map(|body| body.springs.len()).sum::<usize>();
+        let things = scene.rows();
         let build = move |executor: &Executor| Simulation::new(&scene, &numerics, executor);
         let inner = without_gil(py, || {
             Ok(if things < FEW && !calls_back { build(&SERIAL) } else { attend(threads, &interrupted, build)? }?)

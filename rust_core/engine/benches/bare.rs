@@ -11,9 +11,10 @@
 use std::cell::RefCell;
 
 use glam::DVec3;
+use physcore_engine::forces::springs::Spring;
 use physcore_engine::math::Real;
 use physcore_engine::parallel::SERIAL;
-use physcore_engine::scene::{Body, Scene, Spring, Term, Value};
+use physcore_engine::scene::{Body, Item, PARTICLES, Scene, Value};
 use physcore_engine::simd::{Kernel, LANES, Lanes, Level, dispatch};
 use physcore_engine::simulation::{Numerics, Simulation, Vigilance};
 
@@ -162,18 +163,13 @@ impl<T: Real> Sheet<'_, T> {
     }
 }
 
-fn body(positions: Vec<DVec3>, velocities: Vec<DVec3>, mass: f64, springs: Vec<Spring>) -> Body {
+fn body(positions: Vec<DVec3>, velocities: Vec<DVec3>, mass: f64, item: Item) -> Body {
     let count = positions.len();
     let (charge, radius, fixed) = (vec![0.0; count], vec![0.0; count], vec![false; count]);
-    Body { positions, velocities, mass: vec![mass; count], charge, radius, fixed, springs, fluid: None }
+    Body { positions, velocities, mass: vec![mass; count], charge, radius, fixed, item }
 }
 
-fn term(kind: &str, values: &[(&str, Value)]) -> Term {
-    let values = values.iter().map(|(name, value)| ((*name).to_owned(), value.clone())).collect();
-    Term { path: "forces".to_owned(), kind: kind.to_owned(), on: None, values }
-}
-
-fn world(dimension: usize, precision: &str, body: Body, forces: Vec<Term>) -> Simulation {
+fn world(dimension: usize, precision: &str, body: Body, forces: Vec<Item>) -> Simulation {
     let numerics = Numerics {
         integrator: "VelocityVerlet".to_owned(),
         precision: precision.to_owned(),
@@ -227,7 +223,8 @@ fn report(title: &str, precision: &str, updates: f64, world: &mut Simulation, [s
 
 fn fall<T: Real>(count: usize, block: usize, [steps, batch]: [u64; 2]) {
     let place = |index: usize| DVec3::new((index as f64).sin(), (index as f64).cos(), 0.3 * index as f64 / count as f64);
-    let dust = body((0..count).map(place).collect(), (0..count).map(|index| place(index + 7)).collect(), 1.0, Vec::new());
+    let dust =
+        body((0..count).map(place).collect(), (0..count).map(|index| place(index + 7)).collect(), 1.0, Item::new(PARTICLES, []));
     let column = |first: usize, axis: usize| -> Vec<Group<T>> {
         let lanes = |group: usize| std::array::from_fn(|lane| T::from_f64(place(first + group * LANES + lane)[axis]));
         (0..block / LANES).map(|group| Group(lanes(group))).collect()
@@ -239,8 +236,8 @@ fn fall<T: Real>(count: usize, block: usize, [steps, batch]: [u64; 2]) {
         gravity: T::from_f64([0.0, 0.0, GRAVITY][axis]),
     });
     let forces = vec![
-        term("Gravity", &[("acceleration", Value::Vector(DVec3::new(0.0, 0.0, GRAVITY)))]),
-        term("Drag", &[("linear", Value::Number(DRAG)), ("quadratic", Value::Number(0.0))]),
+        Item::new("Gravity", [("acceleration", Value::Vector(DVec3::new(0.0, 0.0, GRAVITY)))]),
+        Item::new("Drag", [("linear", Value::Number(DRAG)), ("quadratic", Value::Number(0.0))]),
     ];
     let mut world = world(3, T::NAME, dust, forces);
     let bare = || (0..count / block).for_each(|_| dispatch(Fall { axes: &mut axes, steps }));
@@ -267,7 +264,7 @@ fn cloth<T: Real>(columns: usize, rows: usize, [steps, batch]: [u64; 2]) {
     };
     let springs: Vec<_> = OFFSETS.into_iter().flat_map(kind).collect();
     let work = springs.len() as f64;
-    let sheet = body((0..count).map(place).collect(), (0..count).map(speed).collect(), CLOTH[3], springs);
+    let sheet = body((0..count).map(place).collect(), (0..count).map(speed).collect(), CLOTH[3], Spring::network(&springs));
     let column =
         |of: &dyn Fn(usize) -> DVec3| [0, 1].map(|axis| (0..count).map(|index| T::from_f64(of(index)[axis])).collect::<Vec<_>>());
     let (mut x, mut v, mut p, mut f) = (column(&place), column(&speed), column(&speed), column(&|_| DVec3::ZERO));
@@ -276,7 +273,7 @@ fn cloth<T: Real>(columns: usize, rows: usize, [steps, batch]: [u64; 2]) {
     });
     let mut scratch = [vec![T::ZERO; BLOCK], vec![T::ZERO; BLOCK]];
     let mut world =
-        world(2, T::NAME, sheet, vec![term("Gravity", &[("acceleration", Value::Vector(DVec3::new(0.0, GRAVITY, 0.0)))])]);
+        world(2, T::NAME, sheet, vec![Item::new("Gravity", [("acceleration", Value::Vector(DVec3::new(0.0, GRAVITY, 0.0)))])]);
     let (columns, present) = (columns.cast_signed(), &present);
     let bare = || {
         let (x, v, p, f, scratch) = (&mut x, &mut v, &mut p, &mut f, &mut scratch);

@@ -4,12 +4,11 @@ use std::hint::black_box;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use glam::{DVec2, DVec3, Vec2, Vec3};
-use physcore_engine::forces::springs::{Springs, ordering};
+use physcore_engine::forces::springs::{Spring, Springs, ordering};
 use physcore_engine::forces::{Force, Rates, StateView};
 use physcore_engine::math::{Real, Vector};
 use physcore_engine::matter::{Columns, Properties, SINKS, View};
 use physcore_engine::parallel::SERIAL;
-use physcore_engine::scene::Spring;
 use physcore_engine::simd::{LANES, padded};
 
 /// The number of particles in a block.

@@ -14,7 +14,7 @@ use crate::boundaries::{self, Boundary, Path, Wall};
 use crate::error::{Error, Result};
 use crate::math::{AXES, Real, Vector};
 use crate::matter::{Blocks, Columns, EnergySink, Properties, Span};
-use crate::scene::{Scene, Term, Value};
+use crate::scene::{Item, Scene, Value};
 use crate::simd::{dispatch, padded};
 
 mod clearance;
@@ -119,30 +119,30 @@ impl<V: Vector> Contacts<V> {
             first: starts.collect(),
         };
         let mut sets: Vec<Vec<bool>> = Vec::new();
-        for term in &scene.boundaries {
-            let boundary = boundaries::build(term, scene.dimension, properties.origin)?;
-            let bodies: Vec<bool> = (0..scene.bodies.len()).map(|body| term.acts_on(body)).collect();
+        for item in &scene.boundaries {
+            let boundary = boundaries::build(item, scene.dimension, properties.origin)?;
+            let bodies: Vec<bool> = (0..scene.bodies.len()).map(|body| item.acts_on(body)).collect();
             let set = sets.iter().position(|other| *other == bodies).unwrap_or(sets.len());
             if set == sets.len() {
                 contacts.reach.push(reach(properties, &bodies));
                 sets.push(bodies.clone());
             }
-            contacts.add(term, boundary.as_ref(), &bodies, set)?;
+            contacts.add(item, boundary.as_ref(), &bodies, set)?;
         }
         Ok(Some(contacts))
     }
 
-    fn add(&mut self, term: &Term, boundary: &dyn Boundary, bodies: &[bool], set: usize) -> Result<()> {
-        let restitution = term.number("restitution")?;
+    fn add(&mut self, item: &Item, boundary: &dyn Boundary, bodies: &[bool], set: usize) -> Result<()> {
+        let restitution = item.number("restitution")?;
         if !(0.0..=1.0).contains(&restitution) {
-            return Err(term.wrong("restitution", "a number from 0 to 1", Some(&Value::Number(restitution))));
+            return Err(item.wrong("restitution", "a number from 0 to 1", Some(&Value::Number(restitution))));
         }
-        let friction = term.non_negative("friction")?;
+        let friction = item.non_negative("friction")?;
         let largest = self.reach[set].iter().map(|radius| radius.to_f64()).fold(0.0, f64::max);
         let room = room(boundary.walls());
         if largest > room {
             let found = format!("a particle of radius {largest} m");
-            return Err(Error::parameter(&term.path, format!("particles of at most {room} m radius, which fit into it"), found));
+            return Err(Error::parameter(&item.path, format!("particles of at most {room} m radius, which fit into it"), found));
         }
         let index = self.paths.len();
         self.tests.extend(Test::of(boundary.walls(), set, largest));
@@ -154,7 +154,7 @@ impl<V: Vector> Contacts<V> {
             boundary: index,
         }));
         self.names.push(boundary.name());
-        self.paths.push(term.path.clone());
+        self.paths.push(item.path.clone());
         Ok(())
     }
 

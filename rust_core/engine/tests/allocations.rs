@@ -1,16 +1,10 @@
 //! A step allocates nothing: all memory belongs to the plan.
 
-use std::collections::BTreeMap;
-
 use glam::DVec3;
+use physcore_engine::forces::springs::Spring;
 use physcore_engine::parallel::SERIAL;
-use physcore_engine::scene::{Body, Fluid, Scene, Spring, Term, Value};
+use physcore_engine::scene::{Body, Item, PARTICLES, Scene, Value};
 use physcore_engine::simulation::{Numerics, Simulation, Vigilance};
-
-fn term(path: &str, kind: &str, values: &[(&str, Value)]) -> Term {
-    let values: BTreeMap<_, _> = values.iter().map(|(name, value)| ((*name).to_owned(), value.clone())).collect();
-    Term { path: path.to_owned(), kind: kind.to_owned(), on: None, values }
-}
 
 fn rope(springs: bool) -> Body {
     let count = 40;
@@ -22,20 +16,19 @@ fn rope(springs: bool) -> Body {
         charge: vec![0.0; count as usize],
         radius: vec![0.01; count as usize],
         fixed: (0..count).map(|index| index == 0).collect(),
-        springs: if springs { (0..count - 1).map(spring).collect() } else { Vec::new() },
-        ..Body::default()
+        item: if springs { Spring::network(&(0..count - 1).map(spring).collect::<Vec<_>>()) } else { Item::new(PARTICLES, []) },
     }
 }
 
 #[test]
 fn steps_allocate_nothing() {
     let forces = vec![
-        term("forces[0]", "Gravity", &[("acceleration", Value::Vector(DVec3::new(0.0, 0.0, -9.81)))]),
-        term("forces[1]", "Drag", &[("linear", Value::Number(0.01)), ("quadratic", Value::Number(0.1))]),
+        Item::new("Gravity", [("acceleration", Value::Vector(DVec3::new(0.0, 0.0, -9.81)))]),
+        Item::new("Drag", [("linear", Value::Number(0.01)), ("quadratic", Value::Number(0.1))]),
     ];
     let material = [("restitution", Value::Number(0.5)), ("friction", Value::Number(0.2))];
     let geometry = [("point", Value::Vector(DVec3::ZERO)), ("normal", Value::Vector(DVec3::Z))];
-    let floor = term("boundaries[0]", "Plane", &[&material[..], &geometry[..]].concat());
+    let floor = Item::new("Plane", material.into_iter().chain(geometry));
     for springs in [true, false] {
         for integrator in [
             "ExplicitEuler",
@@ -79,37 +72,36 @@ fn steps_of_a_shifted_fluid_allocate_nothing() {
     let at = |index: i32| spacing * (f64::from(index) + 0.5);
     let positions: Vec<DVec3> = (0..10).flat_map(|x| (0..20).map(move |y| DVec3::new(at(x), at(y), 0.0))).collect();
     let count = positions.len();
-    let fluid = Fluid {
-        spacing,
-        density: 1000.0,
-        viscosity: 1e-3,
-        sound_speed: Some(40.0),
-        artificial_viscosity: 0.02,
-        density_diffusion: 0.1,
-        surface_tension: 0.0,
-        shifting: 6.0,
-        summation: false,
-        kernel: "WendlandC2".to_owned(),
-        smoothing: 1.5,
-        obstacles: true,
-    };
+    let kernel = Item::new("WendlandC2", [("smoothing", Value::Number(1.5))]);
+    let fluid = [
+        ("spacing", Value::Number(spacing)),
+        ("density", Value::Number(1000.0)),
+        ("viscosity", Value::Number(1e-3)),
+        ("sound_speed", Value::Number(40.0)),
+        ("artificial_viscosity", Value::Number(0.02)),
+        ("density_diffusion", Value::Number(0.1)),
+        ("surface_tension", Value::Number(0.0)),
+        ("shifting", Value::Number(6.0)),
+        ("density_from", Value::Text("continuity".to_owned())),
+        ("kernel", Value::Record(Box::new(kernel))),
+        ("obstacles", Value::Flag(true)),
+    ];
     let body = Body {
         velocities: vec![DVec3::ZERO; count],
         mass: vec![1000.0 * spacing * spacing; count],
         charge: vec![0.0; count],
         radius: vec![0.0; count],
         fixed: vec![false; count],
-        fluid: Some(fluid),
+        item: Item::new("Fluid", fluid),
         positions,
-        ..Body::default()
     };
     let material = [("restitution", Value::Number(0.0)), ("friction", Value::Number(0.0))];
     let corners = [("lower", Value::Vector(DVec3::ZERO)), ("upper", Value::Vector(DVec3::new(1.5, 1.5, 0.0)))];
     let scene = Scene {
         dimension: 2,
         bodies: vec![body],
-        forces: vec![term("forces[0]", "Gravity", &[("acceleration", Value::Vector(DVec3::new(0.0, -9.81, 0.0)))])],
-        boundaries: vec![term("boundaries[0]", "Box", &[&material[..], &corners[..]].concat())],
+        forces: vec![Item::new("Gravity", [("acceleration", Value::Vector(DVec3::new(0.0, -9.81, 0.0)))])],
+        boundaries: vec![Item::new("Box", material.into_iter().chain(corners))],
         ..Scene::default()
     };
     let numerics = Numerics {

@@ -1,11 +1,10 @@
 //! Scenes of any size and shape: no panic, and either an error or a finite state. `PROPTEST_CASES` says how many.
 
-use std::collections::BTreeMap;
-
 use glam::DVec3;
 use physcore_engine::error::Error;
+use physcore_engine::forces::springs::Spring;
 use physcore_engine::parallel::SERIAL;
-use physcore_engine::scene::{Body, Fluid, Scene, Spring, Term, Value};
+use physcore_engine::scene::{Body, Item, Scene, Value};
 use physcore_engine::simulation::{Numerics, Simulation, Vigilance};
 use physcore_engine::stability::Horizon;
 use proptest::prelude::*;
@@ -56,7 +55,7 @@ fn body() -> impl Strategy<Value = Body> {
             let place = |index: usize| DVec3::new((index % 2) as f64, (index / 2) as f64, 0.0) * spacing;
             let ends = |index: usize| [index as u32, index as u32 + 1];
             let link = |(stiffness, damping, rest_length): (f64, f64, f64)| {
-                (1..count).map(move |index| Spring { ends: ends(index - 1), stiffness, damping, rest_length }).collect()
+                (1..count).map(|index| Spring { ends: ends(index - 1), stiffness, damping, rest_length }).collect::<Vec<_>>()
             };
             Body {
                 positions: (0..count).map(place).collect(),
@@ -65,39 +64,42 @@ fn body() -> impl Strategy<Value = Body> {
                 charge: vec![0.0; count],
                 radius: vec![if fluid.is_some() { 0.0 } else { radius }; count],
                 fixed: (0..count).map(|index| fixed && fluid.is_none() && index == 0).collect(),
-                springs: if fluid.is_some() { Vec::new() } else { spring.map(link).unwrap_or_default() },
-                fluid: fluid.map(|fluid| Fluid { spacing, ..fluid }),
+                item: match fluid {
+                    Some(mut fluid) => {
+                        fluid.values.insert("spacing".to_owned(), Value::Number(spacing));
+                        fluid
+                    }
+                    None => Spring::network(&spring.map(link).unwrap_or_default()),
+                },
             }
         },
     )
 }
 
-fn fluid() -> impl Strategy<Value = Fluid> {
+fn fluid() -> impl Strategy<Value = Item> {
     let numbers = (positive(), amount(), prop::option::of(positive()), amount(), amount());
     let kernel = select(vec!["WendlandC2", "WendlandC4", "CubicSpline"]);
-    (numbers, kernel, any::<bool>()).prop_map(|((density, viscosity, sound_speed, alpha, tension), kernel, summation)| Fluid {
-        spacing: 1.0,
-        density,
-        viscosity,
-        sound_speed,
-        artificial_viscosity: alpha,
-        density_diffusion: 0.1,
-        surface_tension: tension,
-        shifting: 0.0,
-        summation,
-        kernel: kernel.to_owned(),
-        smoothing: 1.5,
-        obstacles: true,
+    (numbers, kernel, any::<bool>()).prop_map(|((density, viscosity, sound_speed, alpha, tension), kernel, summation)| {
+        let text = |text: &str| Value::Text(text.to_owned());
+        let kernel = Item::new(kernel, [("smoothing", Value::Number(1.5))]);
+        let values = [
+            ("density", Value::Number(density)),
+            ("viscosity", Value::Number(viscosity)),
+            ("sound_speed", sound_speed.map_or_else(|| text("auto"), Value::Number)),
+            ("artificial_viscosity", Value::Number(alpha)),
+            ("density_diffusion", Value::Number(0.1)),
+            ("surface_tension", Value::Number(tension)),
+            ("shifting", Value::Number(0.0)),
+            ("density_from", text(if summation { "summation" } else { "continuity" })),
+            ("kernel", Value::Record(Box::new(kernel))),
+            ("obstacles", Value::Flag(true)),
+        ];
+        Item::new("Fluid", values)
     })
 }
 
-fn term(kind: &str, values: &[(&str, Value)]) -> Term {
-    let values: BTreeMap<_, _> = values.iter().map(|(name, value)| ((*name).to_owned(), value.clone())).collect();
-    Term { path: format!("items.{kind}"), kind: kind.to_owned(), on: None, values }
-}
-
 /// A force with any parameters that Python lets pass.
-fn force() -> impl Strategy<Value = Term> {
+fn force() -> impl Strategy<Value = Item> {
     (select(&FORCES[..]), vector(), number(), amount(), amount(), positive()).prop_map(
         |(kind, vector, signed, first, second, positive)| {
             let values = match kind {
@@ -124,13 +126,13 @@ fn force() -> impl Strategy<Value = Term> {
                     ("exponent", Value::Number(1.0)),
                 ],
             };
-            term(kind, &values)
+            Item::new(kind, values)
         },
     )
 }
 
 /// A plane or a sphere around everything.
-fn boundary() -> impl Strategy<Value = Term> {
+fn boundary() -> impl Strategy<Value = Item> {
     (any::<bool>(), vector(), positive(), 0.0..=1.0_f64, amount()).prop_map(|(plane, vector, size, restitution, friction)| {
         let material =
             [("restitution", Value::Number(restitution)), ("friction", Value::Number(friction)), ("no_slip", Value::Flag(false))];
@@ -139,7 +141,7 @@ fn boundary() -> impl Strategy<Value = Term> {
         } else {
             vec![("center", Value::Vector(DVec3::ZERO)), ("radius", Value::Number(size)), ("inside", Value::Flag(true))]
         };
-        term(if plane { "Plane" } else { "Sphere" }, &[&material[..], &geometry].concat())
+        Item::new(if plane { "Plane" } else { "Sphere" }, material.into_iter().chain(geometry))
     })
 }
 
@@ -148,8 +150,14 @@ fn scene() -> impl Strategy<Value = Scene> {
         (prop::collection::vec(body(), 1..3), prop::collection::vec(force(), 0..3), prop::collection::vec(boundary(), 0..2));
     (2_usize..4, items, prop::option::weighted(0.2, positive())).prop_map(|(dimension, (bodies, forces, boundaries), period)| {
         let corner = |size: f64| DVec3::new(size, size, if dimension == 2 { 0.0 } else { size });
-        let mut scene =
-            Scene { dimension, bodies, forces, boundaries, periodic: period.map(|size| [corner(-size), corner(size)]) };
+        let mut scene = Scene {
+            dimension,
+            bodies,
+            forces,
+            boundaries,
+            periodic: period.map(|size| [corner(-size), corner(size)]),
+            ..Scene::default()
+        };
         if dimension == 2 {
             flatten(&mut scene);
         }
@@ -162,7 +170,7 @@ fn flatten(scene: &mut Scene) {
     for vector in scene.bodies.iter_mut().flat_map(|body| &mut body.velocities) {
         vector.z = 0.0;
     }
-    for value in scene.forces.iter_mut().chain(&mut scene.boundaries).flat_map(|term| term.values.values_mut()) {
+    for value in scene.forces.iter_mut().chain(&mut scene.boundaries).flat_map(|item| item.values.values_mut()) {
         if let Value::Vector(vector) = value {
             vector.z = 0.0;
         }

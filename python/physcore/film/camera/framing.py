@@ -13,7 +13,7 @@ from physcore.film.camera.track import Camera, Follow, still
 from physcore.film.camera.view import Area, Face, Orbit, Still, View, Window, aim, look_at
 from physcore.film.camera.view import frame as fit
 from physcore.film.first_pass import Bounds, FirstPass
-from physcore.film.scenery import GRID, Scenery
+from physcore.film.looks.base import GRID, Scenery
 from physcore.scene.periodic import Periodic
 from physcore.simulation.sources import Source, SourceFrame
 

@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::{Boundary, Wall};
 use crate::error::Result;
 use crate::math::AXES;
-use crate::scene::{Term, Value};
+use crate::scene::{Item, Value};
 
 /// The inside of a box, which users call `Box`.
 #[derive(Debug)]
@@ -14,11 +14,11 @@ pub struct Cuboid {
 }
 
 impl Cuboid {
-    /// The box between the term's corners `lower` and `upper` [m].
-    pub fn new(term: &Term, dimension: usize, origin: DVec3) -> Result<Self> {
-        let (lower, upper) = (term.vector("lower")?, term.vector("upper")?);
+    /// The box between the item's corners `lower` and `upper` [m].
+    pub fn new(item: &Item, dimension: usize, origin: DVec3) -> Result<Self> {
+        let (lower, upper) = (item.vector("lower")?, item.vector("upper")?);
         if (0..dimension).any(|axis| lower[axis] >= upper[axis]) {
-            return Err(term.wrong("upper", &format!("more than lower, {lower}, along every axis"), Some(&Value::Vector(upper))));
+            return Err(item.wrong("upper", &format!("more than lower, {lower}, along every axis"), Some(&Value::Vector(upper))));
         }
         let walls = DVec3::AXES[..dimension.min(AXES)].iter().flat_map(|&normal| {
             let offset = |point: DVec3, normal: DVec3| Wall::Plane { normal, offset: normal.dot(point - origin) };

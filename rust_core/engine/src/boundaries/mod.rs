@@ -7,8 +7,8 @@ use std::fmt::Debug;
 
 use glam::DVec3;
 
-use crate::error::{Error, Result};
-use crate::scene::Term;
+use crate::error::Result;
+use crate::scene::{self, Item};
 
 mod cuboid;
 mod gap;
@@ -39,15 +39,15 @@ pub trait Boundary: Debug + Send + Sync {
     }
 }
 
-/// The boundary that `term` describes in a scene of `dimension` axes, in coordinates relative to `origin`.
+/// The boundary that `item` describes in a scene of `dimension` axes, in coordinates relative to `origin`.
 ///
 /// # Errors
 /// If there is no boundary of that kind, or one of its parameters is not acceptable.
-pub fn build(term: &Term, dimension: usize, origin: DVec3) -> Result<Box<dyn Boundary>> {
-    match term.kind.as_str() {
-        "Plane" => Ok(Box::new(Plane::new(term, origin)?)),
-        "Box" => Ok(Box::new(Cuboid::new(term, dimension, origin)?)),
-        "Sphere" => Ok(Box::new(Sphere::new(term, origin)?)),
-        other => Err(Error::parameter(&term.path, "a boundary: Plane, Box or Sphere", other)),
+pub fn build(item: &Item, dimension: usize, origin: DVec3) -> Result<Box<dyn Boundary>> {
+    match item.kind.as_str() {
+        "Plane" => Ok(Box::new(Plane::new(item, origin)?)),
+        "Box" => Ok(Box::new(Cuboid::new(item, dimension, origin)?)),
+        "Sphere" => Ok(Box::new(Sphere::new(item, origin)?)),
+        _ => Err(scene::unknown(item, "a boundary: Plane, Box or Sphere")),
     }
 }

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::{Boundary, Wall};
 use crate::error::Result;
-use crate::scene::{Term, Value};
+use crate::scene::{Item, Value};
 
 /// The half-space above a plane.
 #[derive(Debug)]
@@ -13,15 +13,15 @@ pub struct Plane {
 }
 
 impl Plane {
-    /// The plane through the term's `point` [m] whose `normal`, of any length, points to the allowed side.
-    pub fn new(term: &Term, origin: DVec3) -> Result<Self> {
-        let direction = term.vector("normal")?;
+    /// The plane through the item's `point` [m] whose `normal`, of any length, points to the allowed side.
+    pub fn new(item: &Item, origin: DVec3) -> Result<Self> {
+        let direction = item.vector("normal")?;
         // Scaled first, so that squares of very long or short normals neither overflow nor vanish.
         let largest = direction.abs().max_element();
         let Some(normal) = (direction / largest).try_normalize() else {
-            return Err(term.wrong("normal", "a vector that is not zero", Some(&Value::Vector(direction))));
+            return Err(item.wrong("normal", "a vector that is not zero", Some(&Value::Vector(direction))));
         };
-        Ok(Self { wall: [Wall::Plane { normal, offset: normal.dot(term.vector("point")? - origin) }] })
+        Ok(Self { wall: [Wall::Plane { normal, offset: normal.dot(item.vector("point")? - origin) }] })
     }
 }
 

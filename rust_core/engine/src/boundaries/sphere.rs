@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::{Boundary, Wall};
 use crate::error::Result;
-use crate::scene::{Term, Value};
+use crate::scene::{Item, Value};
 
 /// The inside or the outside of a sphere.
 #[derive(Debug)]
@@ -13,13 +13,13 @@ pub struct Sphere {
 }
 
 impl Sphere {
-    /// The sphere around the term's `center` [m] with its `radius` [m]; matter stays `inside`, or else outside.
-    pub fn new(term: &Term, origin: DVec3) -> Result<Self> {
-        let radius = term.number("radius")?;
+    /// The sphere around the item's `center` [m] with its `radius` [m]; matter stays `inside`, or else outside.
+    pub fn new(item: &Item, origin: DVec3) -> Result<Self> {
+        let radius = item.number("radius")?;
         if radius <= 0.0 {
-            return Err(term.wrong("radius", "a number > 0", Some(&Value::Number(radius))));
+            return Err(item.wrong("radius", "a number > 0", Some(&Value::Number(radius))));
         }
-        Ok(Self { wall: [Wall::Sphere { center: term.vector("center")? - origin, radius, inside: term.flag("inside")? }] })
+        Ok(Self { wall: [Wall::Sphere { center: item.vector("center")? - origin, radius, inside: item.flag("inside")? }] })
     }
 }
 

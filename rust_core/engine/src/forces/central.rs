@@ -10,12 +10,12 @@ use glam::DVec3;
 
 use super::linear::Fusion;
 use super::pointwise::{self, ForceField, PointRate};
-use super::{About, Force, Rates, Reach, StateView, Validity};
+use super::{About, Declared, Force, Forces, Kind, Rates, Reach, StateView, Validity};
 use crate::error::Result;
 use crate::history::History;
 use crate::math::{AXES, Real, Vector};
 use crate::matter::Properties;
-use crate::scene::Term;
+use crate::scene::Item;
 use crate::stability::{Horizon, SpectralBound};
 
 /// How many steps an automatic time step gives the fastest turn around the center.
@@ -36,11 +36,19 @@ pub struct Central<V: Vector> {
     members: Vec<V::Scalar>,
 }
 
+/// The registry's entry.
+pub fn kind<V: Vector>() -> Kind<V> {
+    let build = |declared: &Declared<'_, V>| -> Result<Forces<V>> {
+        Ok(vec![Box::new(Central::<V>::new(declared.item, declared.mask())?)])
+    };
+    Kind { name: "CentralForce", reach: Reach::Pointwise, build }
+}
+
 impl<V: Vector> Central<V> {
     /// A central force as declared.
-    pub fn new(term: &Term, members: Vec<V::Scalar>) -> Result<Self> {
-        let (strength, exponent) = (term.number("strength")?, term.number("exponent")?);
-        Ok(Self { center: term.vector("center")?, strength, exponent, softening: term.non_negative("softening")?, members })
+    fn new(item: &Item, members: Vec<V::Scalar>) -> Result<Self> {
+        let (strength, exponent) = (item.number("strength")?, item.number("exponent")?);
+        Ok(Self { center: item.vector("center")?, strength, exponent, softening: item.non_negative("softening")?, members })
     }
 
     fn members(&self, block: Range<usize>) -> impl Iterator<Item = usize> {

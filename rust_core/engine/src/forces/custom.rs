@@ -8,14 +8,14 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use glam::DVec3;
 
-use super::{About, Force, Rates, Reach, StateView, Validity, VelocityDependence};
+use super::{About, Declared, Force, Forces, Kind, Rates, Reach, StateView, Validity, VelocityDependence};
 use crate::error::{Error, Result};
 use crate::history::History;
 use crate::ledger::{Class, Ledger};
 use crate::math::{Real, Vector};
 use crate::matter::{Columns, EnergySink};
 use crate::parallel::Executor;
-use crate::scene::{Callback, Term};
+use crate::scene::{Argument, Callback};
 use crate::simd::LANES;
 use crate::stability::{Horizon, SpectralBound};
 use gradient::{Gradient, Probe};
@@ -29,7 +29,10 @@ const GROWTH: f64 = std::f64::consts::SQRT_2;
 
 /// A user's force on given particles. Without a potential, all that it does counts as work from outside.
 pub struct Custom<V: Vector> {
-    callback: Arc<dyn Callback>,
+    /// Gives the forces [N] for the time [s], positions [m] and velocities [m/s].
+    function: Arc<dyn Callback>,
+    /// Gives the potential energy [J] for positions [m].
+    potential: Option<Arc<dyn Callback>>,
     path: String,
     /// The engine's index of each particle that it acts on, in the caller's order.
     members: Vec<usize>,
@@ -39,11 +42,29 @@ pub struct Custom<V: Vector> {
     found: Mutex<Option<[Gradient; 2]>>,
 }
 
+const FUNCTION: &str = "function";
+const POTENTIAL: &str = "potential";
+
+/// The registry's entry.
+pub fn kind<V: Vector>() -> Kind<V> {
+    let build = |declared: &Declared<'_, V>| -> Result<Forces<V>> { Ok(vec![Box::new(Custom::<V>::new(declared)?)]) };
+    Kind { name: "CustomForce", reach: Reach::Whole, build }
+}
+
 impl<V: Vector> Custom<V> {
-    /// A custom force as declared, on `members` in the caller's order, among `count` particles.
-    pub fn new(term: &Term, members: Vec<usize>, count: usize) -> Result<Self> {
-        let (callback, path) = (term.callback("function")?, term.path.clone());
-        Ok(Self { callback, path, members, force: Columns::zeros(count), found: Mutex::new(None) })
+    /// A custom force as declared.
+    fn new(declared: &Declared<'_, V>) -> Result<Self> {
+        let (item, count) = (declared.item, declared.chosen.len());
+        let mut engine = vec![0; count];
+        declared.properties.caller.iter().enumerate().for_each(|(index, &caller)| engine[caller as usize] = index);
+        Ok(Self {
+            function: item.callback(FUNCTION)?,
+            potential: item.optional_callback(POTENTIAL)?,
+            path: item.path.clone(),
+            members: engine.into_iter().filter(|&index| declared.chosen[index]).collect(),
+            force: Columns::zeros(count),
+            found: Mutex::new(None),
+        })
     }
 
     fn positions(&self, at: &StateView<'_, V>) -> Vec<DVec3> {
@@ -60,7 +81,11 @@ impl<V: Vector> Custom<V> {
 
     /// What the function gives, finite or not.
     fn given(&self, time: f64, positions: &[DVec3], velocities: &[DVec3]) -> Result<Vec<DVec3>> {
-        self.callback.forces(time, positions, velocities).map_err(|failure| failure.at(self.path("function")))
+        let arguments = [Argument::Number(time), Argument::Vectors(positions), Argument::Vectors(velocities)];
+        let numbers = self.function.call(&arguments, "forces", &[positions.len(), V::DIMENSION]);
+        let numbers = numbers.map_err(|failure| failure.at(self.path(FUNCTION)))?;
+        let row = |row: &[f64]| DVec3::from_array(std::array::from_fn(|axis| row.get(axis).copied().unwrap_or(0.0)));
+        Ok(numbers.chunks_exact(V::DIMENSION).map(row).collect())
     }
 
     /// The forces [N] at a state, in this precision.
@@ -72,7 +97,7 @@ impl<V: Vector> Custom<V> {
             if forces[row].is_finite() { format!("forces that {} can hold", V::Scalar::NAME) } else { "finite forces".into() };
         let found =
             format!("{components:?} N in row {row}, for the particle at {:?} m", &positions[row].to_array()[..V::DIMENSION]);
-        Err(Error::parameter(self.path("function"), expected, found))
+        Err(Error::parameter(self.path(FUNCTION), expected, found))
     }
 
     /// The gradients of the force on the particles that are free to move.
@@ -99,12 +124,13 @@ impl<V: Vector> Custom<V> {
     }
 
     /// The potential energy of its particles [J].
-    fn potential_energy(&self, at: &StateView<'_, V>) -> Result<f64> {
+    fn potential_energy(&self, potential: &dyn Callback, at: &StateView<'_, V>) -> Result<f64> {
         if self.members.is_empty() {
             return Ok(0.0);
         }
-        let path = || self.path("potential");
-        let energy = self.callback.potential(&self.positions(at)).map_err(|failure| failure.at(path()))?;
+        let path = || self.path(POTENTIAL);
+        let energy = potential.call(&[Argument::Vectors(&self.positions(at))], "one energy", &[]);
+        let energy = energy.map_err(|failure| failure.at(path()))?.first().copied().unwrap_or(f64::NAN);
         if energy.is_finite() { Ok(energy) } else { Err(Error::parameter(path(), "a finite energy", format!("{energy} J"))) }
     }
 
@@ -132,7 +158,7 @@ impl<V: Vector> Force<V> for Custom<V> {
         let calls = gradient::MOST_CALLS;
         About {
             velocity: VelocityDependence::Dissipative,
-            potential: self.callback.has_potential().then_some("custom"),
+            potential: self.potential.is_some().then_some("custom"),
             callback: true,
             bytes: self.force.bytes() + std::mem::size_of_val(self.members.as_slice()),
             layout: format!(
@@ -143,7 +169,7 @@ impl<V: Vector> Force<V> for Custom<V> {
         }
     }
 
-    fn prepare(&mut self, at: &StateView<'_, V>, _crew: &Executor) -> Result<()> {
+    fn prepare(&mut self, at: &StateView<'_, V>, _executor: &Executor) -> Result<()> {
         if self.members.is_empty() {
             return Ok(());
         }
@@ -157,7 +183,7 @@ impl<V: Vector> Force<V> for Custom<V> {
     fn accumulate(&self, block: Range<usize>, at: &StateView<'_, V>, rates: &mut Rates<'_, V>) {
         let mine = self.force.view();
         let work = &mut rates.power[EnergySink::Work as usize];
-        let conservative = self.callback.has_potential();
+        let conservative = self.potential.is_some();
         for axis in 0..V::DIMENSION {
             let velocity = at.velocity.slice(axis, block.clone());
             let forces = mine.slice(axis, block.clone());
@@ -171,10 +197,8 @@ impl<V: Vector> Force<V> for Custom<V> {
     }
 
     fn energy(&self, at: &StateView<'_, V>, ledger: &mut Ledger) -> Result<()> {
-        if !self.callback.has_potential() {
-            return Ok(());
-        }
-        ledger.add(Class::Potential, "custom", self.potential_energy(at)?);
+        let Some(potential) = &self.potential else { return Ok(()) };
+        ledger.add(Class::Potential, "custom", self.potential_energy(potential.as_ref(), at)?);
         Ok(())
     }
 

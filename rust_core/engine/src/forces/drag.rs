@@ -8,12 +8,12 @@ use glam::DVec3;
 
 use super::linear::Fusion;
 use super::pointwise::{self, ForceField, PointRate};
-use super::{About, Force, Rates, Reach, StateView, Validity, VelocityDependence};
+use super::{About, Declared, Force, Forces, Kind, Rates, Reach, StateView, Validity, VelocityDependence};
 use crate::error::Result;
 use crate::history::History;
 use crate::math::{AXES, Real, Vector};
 use crate::matter::Properties;
-use crate::scene::Term;
+use crate::scene::Item;
 use crate::simd::Number;
 use crate::stability::{Horizon, SpectralBound};
 
@@ -30,11 +30,19 @@ pub struct Drag<V: Vector> {
     members: Vec<V::Scalar>,
 }
 
+/// The registry's entry.
+pub fn kind<V: Vector>() -> Kind<V> {
+    let build = |declared: &Declared<'_, V>| -> Result<Forces<V>> {
+        Ok(Drag::<V>::parts(declared.item, &declared.mask())?.into_iter().map(|part| Box::new(part) as _).collect())
+    };
+    Kind { name: "Drag", reach: Reach::Pointwise, build }
+}
+
 impl<V: Vector> Drag<V> {
     /// The linear and the quadratic part of a drag as declared, those that are there: only the first can be fused.
-    pub fn parts(term: &Term, members: &[V::Scalar]) -> Result<Vec<Self>> {
-        let wind = term.optional_vector("wind")?.unwrap_or(DVec3::ZERO);
-        let (linear, quadratic) = (term.non_negative("linear")?, term.non_negative("quadratic")?);
+    fn parts(item: &Item, members: &[V::Scalar]) -> Result<Vec<Self>> {
+        let wind = item.optional_vector("wind")?.unwrap_or(DVec3::ZERO);
+        let (linear, quadratic) = (item.non_negative("linear")?, item.non_negative("quadratic")?);
         let parts = [(linear, 0.0), (0.0, quadratic)].into_iter().filter(|&part| part != (0.0, 0.0));
         Ok(parts.map(|(linear, quadratic)| Self { linear, quadratic, wind, members: members.to_vec() }).collect())
     }

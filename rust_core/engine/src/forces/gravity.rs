@@ -5,12 +5,12 @@ use std::ops::Range;
 use glam::DVec3;
 
 use super::linear::Fusion;
-use super::{About, Force, Reach, StateView, Validity};
+use super::{About, Declared, Force, Forces, Kind, Reach, StateView, Validity};
 use crate::error::Result;
 use crate::history::History;
 use crate::math::Vector;
 use crate::matter::Properties;
-use crate::scene::Term;
+use crate::scene::{Item, Scene};
 use crate::stability::{Horizon, SpectralBound};
 
 /// A uniform acceleration of the particles that are not fixed.
@@ -22,10 +22,29 @@ pub struct Gravity {
     members: Vec<bool>,
 }
 
+const NAME: &str = "Gravity";
+const ACCELERATION: &str = "acceleration";
+
+/// The registry's entry.
+pub fn kind<V: Vector>() -> Kind<V> {
+    let build =
+        |declared: &Declared<'_, V>| -> Result<Forces<V>> { Ok(vec![Box::new(Gravity::new(declared.item, declared.mobile())?)]) };
+    Kind { name: NAME, reach: Reach::Pointwise, build }
+}
+
+/// The acceleration of a body by all uniform gravity of a scene [m/s²].
+///
+/// # Errors
+/// If it is not finite.
+pub fn on_body(scene: &Scene, body: usize) -> Result<DVec3> {
+    let acting = scene.forces.iter().filter(|item| item.kind == NAME && item.acts_on(body));
+    acting.map(|item| item.vector(ACCELERATION)).sum()
+}
+
 impl Gravity {
     /// Gravity as declared, on those `members` that are not fixed.
-    pub fn new(term: &Term, members: Vec<bool>) -> Result<Self> {
-        Ok(Self { acceleration: term.vector("acceleration")?, members })
+    fn new(item: &Item, members: Vec<bool>) -> Result<Self> {
+        Ok(Self { acceleration: item.vector(ACCELERATION)?, members })
     }
 }
 

@@ -4,13 +4,13 @@
 //! force jumps there: F(r) − F(R) and U(r) − U(R) + (r − R) F(R), as in S. Toxvaerd, J. C. Dyre, J. Chem. Phys. 134
 //! (2011) 081102.
 
-use super::pairs::{Directed, Interaction, SUMS};
-use super::{StateView, VelocityDependence};
+use super::pairs::{Directed, Interaction, Pairs, SUMS};
+use super::{Declared, Forces, Kind, Reach, StateView, VelocityDependence};
 use crate::error::Result;
 use crate::math::{Real, Vector};
 use crate::matter::Properties;
 use crate::neighbors::sums::{Pair, PairLaw};
-use crate::scene::{Term, Value};
+use crate::scene::{Item, Value};
 use crate::simd::Number;
 use crate::stability::SpectralBound;
 
@@ -47,12 +47,21 @@ fn uncut(epsilon: f64, sigma: f64, distance: f64) -> [f64; 3] {
     ]
 }
 
+/// The registry's entry.
+pub fn kind<V: Vector>() -> Kind<V> {
+    let build = |declared: &Declared<'_, V>| -> Result<Forces<V>> {
+        let law = LennardJones::<V::Scalar>::new(declared.item)?;
+        Ok(vec![Box::new(Pairs::<V, _>::new(declared.scene, declared.properties, &declared.chosen, law)?)])
+    };
+    Kind { name: "LennardJones", reach: Reach::Pairs, build }
+}
+
 impl<T: Real> LennardJones<T> {
     /// The law as declared.
-    pub fn new(term: &Term) -> Result<Self> {
-        let positive = |name: &str| match term.number(name)? {
+    pub fn new(item: &Item) -> Result<Self> {
+        let positive = |name: &str| match item.number(name)? {
             number if number > 0.0 => Ok(number),
-            number => Err(term.wrong(name, "a number > 0", Some(&Value::Number(number)))),
+            number => Err(item.wrong(name, "a number > 0", Some(&Value::Number(number)))),
         };
         let (epsilon, sigma, cutoff) = (positive("epsilon")?, positive("sigma")?, positive("cutoff")?);
         let [edge, shift, _] = uncut(epsilon, sigma, cutoff);

@@ -1,14 +1,16 @@
-//! Forces, one file each. To add one: write its file, and add its line to [`build`].
+//! Forces, one file each. To add one: write its file, and add its line to [`kinds`].
 
 use std::ops::Range;
 
-use crate::error::{Error, Result};
+use glam::DVec2;
+
+use crate::error::Result;
 use crate::history::History;
 use crate::ledger::{Class, Ledger};
 use crate::math::{Real, Vector};
 use crate::matter::{Power, Properties, Span, View};
 use crate::parallel::Executor;
-use crate::scene::{Scene, Term};
+use crate::scene::{self, Item, Scene};
 use crate::simd::padded;
 use crate::stability::{Horizon, SpectralBound};
 
@@ -206,35 +208,63 @@ pub trait Force<V: Vector>: History + Send + Sync {
     }
 }
 
-/// Whether any force of a scene passes between all particles that are near each other.
-pub fn are_between_pairs(scene: &Scene) -> bool {
-    let of_fluids = scene.bodies.iter().any(|body| body.fluid.is_some());
-    of_fluids || scene.forces.iter().any(|term| ["Repulsion", "LennardJones"].contains(&term.kind.as_str()))
+/// A force that a scene declares, and what it acts on.
+struct Declared<'a, V: Vector> {
+    scene: &'a Scene,
+    item: &'a Item,
+    properties: &'a Properties<V>,
+    /// Which particles it acts on, in the engine's order.
+    chosen: Vec<bool>,
 }
 
-/// The registry: the forces that a term of the scene declares. Pointwise forces don't act on fixed
-/// particles; forces between pairs count with them.
-pub fn build<V: Vector>(scene: &Scene, term: &Term, properties: &Properties<V>) -> Result<Vec<Box<dyn Force<V>>>> {
-    let in_scene = scene.members(term);
-    let chosen: Vec<bool> = properties.caller.iter().map(|&caller| in_scene[caller as usize]).collect();
-    let members: Vec<bool> = chosen.iter().enumerate().map(|(index, &chosen)| chosen && !properties.is_fixed(index)).collect();
-    let mut mask: Vec<V::Scalar> = members.iter().map(|&member| if member { V::Scalar::ONE } else { V::Scalar::ZERO }).collect();
-    mask.resize(padded(members.len()), V::Scalar::ZERO);
-    Ok(match term.kind.as_str() {
-        "Gravity" => vec![Box::new(gravity::Gravity::new(term, members)?)],
-        "Drag" => drag::Drag::<V>::parts(term, &mask)?.into_iter().map(|part| Box::new(part) as _).collect(),
-        "CentralForce" => vec![Box::new(central::Central::<V>::new(term, mask)?)],
-        "CustomForce" => {
-            let mut engine = vec![0; members.len()];
-            properties.caller.iter().enumerate().for_each(|(index, &caller)| engine[caller as usize] = index);
-            let all = (0..members.len()).filter(|&caller| in_scene[caller]).map(|caller| engine[caller]).collect();
-            vec![Box::new(custom::Custom::<V>::new(term, all, members.len())?)]
-        }
-        "Repulsion" => vec![repulsion::force(scene, term, properties, &chosen)?],
-        "LennardJones" => {
-            let law = lennard_jones::LennardJones::<V::Scalar>::new(term)?;
-            vec![Box::new(pairs::Pairs::<V, _>::new(scene, properties, &chosen, law)?)]
-        }
-        other => return Err(Error::parameter(&term.path, "a force", other)),
-    })
+impl<V: Vector> Declared<'_, V> {
+    /// Which of these particles are not fixed: pointwise forces act on no others, those between pairs count with them.
+    fn mobile(&self) -> Vec<bool> {
+        self.chosen.iter().enumerate().map(|(index, &chosen)| chosen && !self.properties.is_fixed(index)).collect()
+    }
+
+    /// The same as 1 and 0, padded.
+    fn mask(&self) -> Vec<V::Scalar> {
+        let mut mask = vec![V::Scalar::ZERO; padded(self.chosen.len())];
+        mask.iter_mut().zip(self.mobile()).filter(|(_, mobile)| *mobile).for_each(|(slot, _)| *slot = V::Scalar::ONE);
+        mask
+    }
+}
+
+/// The forces that one item declares.
+type Forces<V> = Vec<Box<dyn Force<V>>>;
+
+/// A kind of force that a scene can declare.
+struct Kind<V: Vector> {
+    /// Its name.
+    name: &'static str,
+    /// How far such a force reaches.
+    reach: Reach,
+    /// Builds what an item of this kind declares.
+    build: fn(&Declared<'_, V>) -> Result<Forces<V>>,
+}
+
+/// The registry.
+fn kinds<V: Vector>() -> [Kind<V>; 6] {
+    [gravity::kind(), drag::kind(), central::kind(), custom::kind(), repulsion::kind(), lennard_jones::kind()]
+}
+
+/// Whether a force of the scene passes between all particles that are near each other.
+pub fn is_between_pairs(item: &Item) -> bool {
+    kinds::<DVec2>().iter().any(|kind| kind.name == item.kind && kind.reach == Reach::Pairs)
+}
+
+/// Whether any does.
+pub fn are_between_pairs(scene: &Scene) -> bool {
+    sph::is_in(scene) || scene.forces.iter().any(is_between_pairs)
+}
+
+/// The forces that an item of the scene declares.
+pub fn build<V: Vector>(scene: &Scene, item: &Item, properties: &Properties<V>) -> Result<Forces<V>> {
+    let Some(kind) = kinds().into_iter().find(|kind| kind.name == item.kind) else {
+        return Err(scene::unknown(item, "a force"));
+    };
+    let in_scene = scene.members(item);
+    let chosen = properties.caller.iter().map(|&caller| in_scene[caller as usize]).collect();
+    (kind.build)(&Declared { scene, item, properties, chosen })
 }

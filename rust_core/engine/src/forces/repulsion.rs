@@ -10,12 +10,12 @@
 //! their centers.
 
 use super::pairs::{Directed, Interaction, Pairs, SUMS, attribute, relative_velocity};
-use super::{Force, StateView, VelocityDependence};
+use super::{Declared, Forces, Kind, Reach, StateView, VelocityDependence};
 use crate::error::{Error, Result};
 use crate::math::{AXES, Real, Vector};
 use crate::matter::Properties;
 use crate::neighbors::sums::{Pair, PairLaw};
-use crate::scene::{Scene, Term, Value};
+use crate::scene::{Item, Value};
 use crate::simd::Number;
 
 /// The law in the precision of the run.
@@ -40,37 +40,40 @@ pub struct Repulsion<T, const HERTZIAN: bool> {
 /// Cleary, Eng. Comput. 21 (2004) 169.
 const OVERLAP: f64 = 0.01;
 
-/// The force that a term declares between the `chosen` particles.
+/// The registry's entry.
+pub fn kind<V: Vector>() -> Kind<V> {
+    Kind { name: "Repulsion", reach: Reach::Pairs, build }
+}
+
+/// The force as declared.
 ///
 /// # Errors
 /// If a parameter makes no sense, or no particle has a radius.
-pub fn force<V: Vector>(scene: &Scene, term: &Term, properties: &Properties<V>, chosen: &[bool]) -> Result<Box<dyn Force<V>>> {
+fn build<V: Vector>(declared: &Declared<'_, V>) -> Result<Forces<V>> {
+    let Declared { scene, item, properties, chosen } = declared;
     let radii = properties.radius.iter().zip(chosen).filter(|(radius, chosen)| **chosen && **radius > 0.0);
     let (smallest, largest) =
         radii.fold((f64::INFINITY, 0.0_f64), |(least, most), (&radius, _)| (least.min(radius), most.max(radius)));
     if largest == 0.0 {
-        return Err(Error::parameter(&term.path, "particles with a radius", "none that it acts on")
+        return Err(Error::parameter(&item.path, "particles with a radius", "none that it acts on")
             .with_hint("give Particles a radius, or name bodies that have one with on="));
     }
-    match term.number("exponent")? {
-        1.0 => {
-            Ok(Box::new(Pairs::new(scene, properties, chosen, Repulsion::<V::Scalar, false>::new(term, [smallest, largest])?)?))
-        }
-        1.5 => {
-            Ok(Box::new(Pairs::new(scene, properties, chosen, Repulsion::<V::Scalar, true>::new(term, [smallest, largest])?)?))
-        }
-        other => Err(term.wrong("exponent", "1 (linear) or 1.5 (Hertz)", Some(&Value::Number(other)))),
-    }
+    let range = [smallest, largest];
+    Ok(vec![match item.number("exponent")? {
+        1.0 => Box::new(Pairs::new(scene, properties, chosen, Repulsion::<V::Scalar, false>::new(item, range)?)?),
+        1.5 => Box::new(Pairs::new(scene, properties, chosen, Repulsion::<V::Scalar, true>::new(item, range)?)?),
+        other => return Err(item.wrong("exponent", "1 (linear) or 1.5 (Hertz)", Some(&Value::Number(other)))),
+    }])
 }
 
 impl<T: Real, const HERTZIAN: bool> Repulsion<T, HERTZIAN> {
     /// The law as declared, for particles with radii in this range [m].
-    pub fn new(term: &Term, [smallest, largest]: [f64; 2]) -> Result<Self> {
+    pub fn new(item: &Item, [smallest, largest]: [f64; 2]) -> Result<Self> {
         Ok(Self {
-            stiffness: T::from_f64(term.non_negative("stiffness")?),
-            damping: T::from_f64(term.non_negative("damping")?),
-            tangential_damping: T::from_f64(term.non_negative("tangential_damping")?),
-            friction: T::from_f64(term.non_negative("friction")?),
+            stiffness: T::from_f64(item.non_negative("stiffness")?),
+            damping: T::from_f64(item.non_negative("damping")?),
+            tangential_damping: T::from_f64(item.non_negative("tangential_damping")?),
+            friction: T::from_f64(item.non_negative("friction")?),
             cutoff: 2.0 * largest,
             least: OVERLAP * smallest,
         })

@@ -15,7 +15,7 @@ use crate::integrators::with_integrator;
 use crate::ledger::Ledger;
 use crate::parallel::Executor;
 use crate::plan::Stages;
-use crate::scene::Scene;
+use crate::scene::{self, Scene};
 use crate::stability::{Horizon, Limit};
 
 /// Equal steps to take.
@@ -190,6 +190,9 @@ pub trait System: History + Send + Sync {
 /// # Errors
 /// If the scene or the numerics make no sense or do not fit into memory, or the executor was asked to stop.
 pub fn build(scene: &Scene, method: &str, precision: &str, executor: &Executor) -> Result<Box<dyn System>> {
+    if let Some(item) = scene.systems.first() {
+        return Err(scene::unknown(item, "a kind of system"));
+    }
     with_integrator!(
         method,
         I => matter::build::<I>(scene, precision, executor),

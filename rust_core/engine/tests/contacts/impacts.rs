@@ -124,7 +124,7 @@ fn vector(range: f64) -> impl Strategy<Value = DVec3> {
 
 fn total_is_constant<V: Vector>(
     balls: &[Ball],
-    walls: Vec<physcore_engine::scene::Term>,
+    walls: Vec<physcore_engine::scene::Item>,
     h: f64,
     tolerance: f64,
 ) -> Result<(), TestCaseError> {

@@ -5,33 +5,33 @@ use glam::DVec3;
 use physcore_engine::contacts::{Before, Contacts};
 use physcore_engine::math::{Real, Vector};
 use physcore_engine::matter::{Columns, EnergySink, Matter, Properties};
-use physcore_engine::scene::{Body, Scene, Term, Value};
+use physcore_engine::scene::{Body, Item, Scene, Value};
 use physcore_engine::simd::padded;
 
 /// A boundary with its numbers.
-pub fn term(kind: &str, restitution: f64, friction: f64, values: &[(&str, Value)]) -> Term {
-    let mut term = Term { kind: kind.to_owned(), ..Term::default() };
-    term.values.insert("restitution".to_owned(), Value::Number(restitution));
-    term.values.insert("friction".to_owned(), Value::Number(friction));
-    term.values.extend(values.iter().map(|(name, value)| ((*name).to_owned(), value.clone())));
-    term
+pub fn item(kind: &str, restitution: f64, friction: f64, values: &[(&str, Value)]) -> Item {
+    let mut item = Item { kind: kind.to_owned(), ..Item::default() };
+    item.values.insert("restitution".to_owned(), Value::Number(restitution));
+    item.values.insert("friction".to_owned(), Value::Number(friction));
+    item.values.extend(values.iter().map(|(name, value)| ((*name).to_owned(), value.clone())));
+    item
 }
 
-pub fn plane(point: DVec3, normal: DVec3, restitution: f64, friction: f64) -> Term {
-    term("Plane", restitution, friction, &[("point", Value::Vector(point)), ("normal", Value::Vector(normal))])
+pub fn plane(point: DVec3, normal: DVec3, restitution: f64, friction: f64) -> Item {
+    item("Plane", restitution, friction, &[("point", Value::Vector(point)), ("normal", Value::Vector(normal))])
 }
 
-pub fn floor(restitution: f64, friction: f64) -> Term {
+pub fn floor(restitution: f64, friction: f64) -> Item {
     plane(DVec3::ZERO, DVec3::Y, restitution, friction)
 }
 
-pub fn cuboid(lower: DVec3, upper: DVec3, restitution: f64, friction: f64) -> Term {
-    term("Box", restitution, friction, &[("lower", Value::Vector(lower)), ("upper", Value::Vector(upper))])
+pub fn cuboid(lower: DVec3, upper: DVec3, restitution: f64, friction: f64) -> Item {
+    item("Box", restitution, friction, &[("lower", Value::Vector(lower)), ("upper", Value::Vector(upper))])
 }
 
-pub fn sphere(center: DVec3, radius: f64, inside: bool, restitution: f64, friction: f64) -> Term {
+pub fn sphere(center: DVec3, radius: f64, inside: bool, restitution: f64, friction: f64) -> Item {
     let values = [("center", Value::Vector(center)), ("radius", Value::Number(radius)), ("inside", Value::Flag(inside))];
-    term("Sphere", restitution, friction, &values)
+    item("Sphere", restitution, friction, &values)
 }
 
 /// One particle to begin with.
@@ -51,7 +51,7 @@ impl Ball {
 }
 
 /// A scene of one body of balls.
-pub fn scene(dimension: usize, balls: &[Ball], boundaries: Vec<Term>) -> Scene {
+pub fn scene(dimension: usize, balls: &[Ball], boundaries: Vec<Item>) -> Scene {
     let body = Body {
         positions: balls.iter().map(|ball| ball.position).collect(),
         velocities: balls.iter().map(|ball| ball.velocity).collect(),
@@ -61,7 +61,7 @@ pub fn scene(dimension: usize, balls: &[Ball], boundaries: Vec<Term>) -> Scene {
         fixed: balls.iter().map(|ball| ball.fixed).collect(),
         ..Body::default()
     };
-    let named = boundaries.into_iter().enumerate().map(|(index, term)| Term { path: format!("boundaries[{index}]"), ..term });
+    let named = boundaries.into_iter().enumerate().map(|(index, item)| Item { path: format!("boundaries[{index}]"), ..item });
     Scene { dimension, bodies: vec![body], forces: Vec::new(), boundaries: named.collect(), ..Scene::default() }
 }
 
@@ -90,7 +90,7 @@ pub struct Laboratory<V: Vector> {
 }
 
 impl<V: Vector> Laboratory<V> {
-    pub fn new(balls: &[Ball], boundaries: Vec<Term>, gravity: DVec3) -> Self {
+    pub fn new(balls: &[Ball], boundaries: Vec<Item>, gravity: DVec3) -> Self {
         let scene = scene(V::DIMENSION, balls, boundaries);
         let properties = properties(&scene);
         let contacts = Contacts::build(&scene, &properties).expect("acceptable boundaries").expect("some boundary");

@@ -4,7 +4,7 @@ use glam::{DVec2, DVec3};
 use physcore_engine::contacts::Contacts;
 use physcore_engine::error::Error;
 use physcore_engine::matter::Columns;
-use physcore_engine::scene::{Body, Scene, Term};
+use physcore_engine::scene::{Body, Item, Scene};
 
 use crate::laboratory::{Ball, Laboratory, cuboid, floor, plane, properties, scene, sphere};
 
@@ -19,7 +19,7 @@ fn path(error: &Error) -> &str {
     }
 }
 
-fn build(balls: &[Ball], walls: Vec<Term>) -> Result<Option<Contacts<DVec2>>, Error> {
+fn build(balls: &[Ball], walls: Vec<Item>) -> Result<Option<Contacts<DVec2>>, Error> {
     let scene = scene(2, balls, walls);
     Contacts::build(&scene, &properties(&scene))
 }
@@ -40,7 +40,7 @@ fn parameters() {
         (vec![sphere(DVec3::ZERO, 0.0, true, 0.5, 0.0)], "boundaries[0].radius"),
         (vec![sphere(DVec3::ZERO, 0.05, true, 0.5, 0.0)], "boundaries[0]"),
         (vec![cuboid(DVec3::ZERO, DVec3::new(1.0, 0.1, 0.0), 0.5, 0.0)], "boundaries[0]"),
-        (vec![Term { kind: "Torus".to_owned(), ..Term::default() }], "boundaries[0]"),
+        (vec![Item { kind: "Torus".to_owned(), ..Item::default() }], "boundaries[0]"),
     ];
     for (walls, expected) in cases {
         let error = build(&[ball(0.0, 0.0, 0.1)], walls).expect_err(expected);

@@ -3,7 +3,7 @@
 use glam::{DVec2, DVec3, Vec2, Vec3};
 use physcore_engine::boundaries::{self, Boundary};
 use physcore_engine::math::{Real, Vector};
-use physcore_engine::scene::{Term, Value};
+use physcore_engine::scene::{Item, Value};
 use proptest::prelude::*;
 
 use crate::laboratory::{Ball, Laboratory, cuboid, plane, sphere};
@@ -30,9 +30,9 @@ fn flat<V: Vector>(vector: DVec3) -> DVec3 {
 }
 
 /// Runs a ball and checks it after every step. It may be outside by the rounding of its own coordinates.
-fn stays<V: Vector>(ball: Ball, walls: Vec<Term>, gravity: DVec3, h: f64) -> Result<(), TestCaseError> {
+fn stays<V: Vector>(ball: Ball, walls: Vec<Item>, gravity: DVec3, h: f64) -> Result<(), TestCaseError> {
     let shapes: Vec<Box<dyn Boundary>> =
-        walls.iter().map(|term| boundaries::build(term, V::DIMENSION, DVec3::ZERO).expect("fine")).collect();
+        walls.iter().map(|item| boundaries::build(item, V::DIMENSION, DVec3::ZERO).expect("fine")).collect();
     let mut laboratory = Laboratory::<V>::new(&[ball], walls, flat::<V>(gravity));
     for number in 0..20 {
         laboratory.step(h);
@@ -47,7 +47,7 @@ fn stays<V: Vector>(ball: Ball, walls: Vec<Term>, gravity: DVec3, h: f64) -> Res
     Ok(())
 }
 
-fn stays_everywhere(ball: Ball, walls: &[Term], gravity: DVec3, h: f64) -> Result<(), TestCaseError> {
+fn stays_everywhere(ball: Ball, walls: &[Item], gravity: DVec3, h: f64) -> Result<(), TestCaseError> {
     stays::<DVec3>(ball, walls.to_vec(), gravity, h)?;
     stays::<Vec3>(ball, walls.to_vec(), gravity, h)?;
     let ball = Ball { position: flat::<DVec2>(ball.position), velocity: flat::<DVec2>(ball.velocity), ..ball };

@@ -16,14 +16,14 @@ use std::ops::Range;
 
 use super::neighbor_list::NeighborList;
 use super::{About, DensityEvolution, Drift, Fields, Force, Mach, Rates, Reach, Scheme, StateView, Validity, VelocityDependence};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::history::{Archive, History};
 use crate::ledger::{Class, Ledger};
 use crate::math::{Real, Vector};
 use crate::matter::{self, EnergySink, Power, Properties, Span};
 use crate::neighbors::sums::Records;
 use crate::parallel::{BlockedSlice, Executor};
-use crate::scene::Scene;
+use crate::scene::{self, Scene};
 use crate::simd::LANES;
 use crate::stability::{Horizon, SpectralBound};
 
@@ -43,6 +43,7 @@ use images::View;
 use kernel::{CubicSpline, Shape, Wave, WendlandC2, WendlandC4};
 use laws::{Continuity, Extrapolation, FORCES, Momentum, OBSTACLE, SOLID, VISCOUS};
 use shifting::Shifting;
+pub use start::KIND;
 use start::Materials;
 use summation::Summation;
 use surface::Surface;
@@ -57,16 +58,22 @@ const BLOCK: usize = 1024;
 /// # Errors
 /// If their parameters make no sense together, or there is no kernel of that name.
 pub fn fluid<V: Vector>(scene: &Scene, properties: &Properties<V>, executor: &Executor) -> Result<Option<Box<dyn Force<V>>>> {
-    let Some(body) = scene.bodies.iter().position(|body| body.fluid.is_some()) else { return Ok(None) };
+    let Some((_, fluid)) = start::fluids(scene).next() else { return Ok(None) };
     let materials = Materials::of(scene)?;
-    match scene.bodies[body].fluid.as_ref().map_or("", |fluid| fluid.kernel.as_str()) {
+    let kernel = fluid.record("kernel")?;
+    match kernel.kind.as_str() {
         "WendlandC2" if !materials.are_mixed() => with::<V, WendlandC2, false>(scene, properties, materials, executor),
         "WendlandC2" => with::<V, WendlandC2, true>(scene, properties, materials, executor),
         // The other kernels are not worth compiling twice.
         "WendlandC4" => with::<V, WendlandC4, true>(scene, properties, materials, executor),
         "CubicSpline" => with::<V, CubicSpline, true>(scene, properties, materials, executor),
-        other => Err(Error::parameter(format!("bodies[{body}].kernel"), "WendlandC2, WendlandC4 or CubicSpline", other)),
+        _ => Err(scene::unknown(kernel, "WendlandC2, WendlandC4 or CubicSpline")),
     }
+}
+
+/// Whether there is a fluid in a scene.
+pub fn is_in(scene: &Scene) -> bool {
+    start::fluids(scene).next().is_some()
 }
 
 fn with<V: Vector, K, const MIXED: bool>(

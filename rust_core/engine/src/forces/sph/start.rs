@@ -6,8 +6,9 @@ use super::laws::{KINDS, OBSTACLE};
 use super::walls::Side;
 use crate::boundaries::{self, Wall};
 use crate::error::{Error, Result};
+use crate::forces::{gravity, is_between_pairs};
 use crate::math::Real;
-use crate::scene::{Fluid, Scene, Term};
+use crate::scene::{Item, Scene, Value};
 
 /// The exponent γ of the equation of state.
 const GAMMA: i32 = 7;
@@ -94,20 +95,26 @@ impl Material {
     }
 }
 
+/// The kind of a body that is a fluid.
+pub const KIND: &str = "Fluid";
+
+/// What fluids of one scene may differ in.
+const OWN: [&str; 3] = ["density", "viscosity", "surface_tension"];
+
+/// The fluids of a scene: the index of each body that is one, and what it says.
+pub fn fluids(scene: &Scene) -> impl Iterator<Item = (usize, &Item)> {
+    scene.bodies.iter().map(|body| &body.item).enumerate().filter(|(_, item)| item.kind == KIND)
+}
+
 /// The walls that hold the fluid, relative to an origin.
 pub fn walls(scene: &Scene, origin: DVec3) -> Result<Vec<Side>> {
     let mut walls = Vec::new();
-    for term in scene.boundaries.iter().filter(|term| fluids(scene).any(|body| term.acts_on(body))) {
-        let sticks = if term.values.contains_key("no_slip") { term.flag("no_slip")? } else { false };
-        let boundary = boundaries::build(term, scene.dimension, origin)?;
+    for item in scene.boundaries.iter().filter(|item| fluids(scene).any(|(body, _)| item.acts_on(body))) {
+        let sticks = if item.values.contains_key("no_slip") { item.flag("no_slip")? } else { false };
+        let boundary = boundaries::build(item, scene.dimension, origin)?;
         walls.extend(boundary.walls().iter().map(|&wall| Side { wall, sticks }));
     }
     Ok(walls)
-}
-
-/// The indices of the bodies that are fluids.
-fn fluids(scene: &Scene) -> impl Iterator<Item = usize> {
-    (0..scene.bodies.len()).filter(|&body| scene.bodies[body].fluid.is_some())
 }
 
 /// The materials of a scene, and which each body is.
@@ -129,16 +136,10 @@ impl Materials {
     /// If they are too many or have different kernels, or the speed of sound can neither be found nor is given.
     pub fn of(scene: &Scene) -> Result<Self> {
         let mut materials = Self { fluids: Vec::new(), of_body: vec![None; scene.bodies.len()], summation: false, shifting: 0.0 };
-        let mut shared: Option<(usize, &Fluid)> = None;
-        for (body, fluid) in scene.bodies.iter().enumerate().filter_map(|(body, matter)| Some((body, matter.fluid.as_ref()?))) {
+        let mut shared: Option<(usize, &Item)> = None;
+        for (body, fluid) in fluids(scene) {
             let (first, model) = *shared.get_or_insert((body, fluid));
-            let common = Fluid {
-                density: model.density,
-                viscosity: model.viscosity,
-                surface_tension: model.surface_tension,
-                ..fluid.clone()
-            };
-            if common != *model {
+            if !common(fluid).eq(common(model)) {
                 return Err(Error::parameter(
                     format!("bodies[{body}]"),
                     format!("numerics as those of bodies[{first}]"),
@@ -146,9 +147,11 @@ impl Materials {
                 )
                 .with_hint("fluids of one scene may differ in density, viscosity and surface tension alone"));
             }
-            materials.summation = fluid.summation;
-            materials.shifting = fluid.shifting;
-            check_shifting(scene, body, fluid)?;
+            materials.summation = fluid.word("density_from", &["continuity", "summation"])? == "summation";
+            materials.shifting = fluid.non_negative("shifting")?;
+            if materials.shifting > 0.0 {
+                materials.check_shifting(scene, body, fluid)?;
+            }
             let material = Material::of(scene, fluid)?;
             let known = materials.fluids.iter().position(|other| *other == material);
             if known.is_none() && materials.fluids.len() == usize::from(OBSTACLE) {
@@ -156,12 +159,30 @@ impl Materials {
             }
             materials.of_body[body] = Some(known.unwrap_or(materials.fluids.len()) as u8);
             materials.fluids.extend(known.is_none().then_some(material));
-            if fluid.obstacles {
-                let solids = materials.of_body.iter_mut().zip(&scene.bodies).filter(|(_, matter)| matter.fluid.is_none());
+            if fluid.flag("obstacles")? {
+                let solids = materials.of_body.iter_mut().zip(&scene.bodies).filter(|(_, body)| body.item.kind != KIND);
                 solids.for_each(|(kind, _)| *kind = Some(OBSTACLE));
             }
         }
         Ok(materials)
+    }
+
+    /// Looks whether a fluid that is to be shifted may be.
+    fn check_shifting(&self, scene: &Scene, body: usize, fluid: &Item) -> Result<()> {
+        let refused = |expected: &str| fluid.wrong("shifting", expected, Some(&Value::Number(self.shifting)));
+        if self.summation {
+            return Err(refused("0 where density is counted by summation")
+                .with_hint("the energy of such a fluid is that of its particles' positions, and keeps them apart"));
+        }
+        if fluid.number("surface_tension")? > 0.0 {
+            return Err(refused("0 where there is surface tension")
+                .with_hint("what a shift changes in the energy of surfaces is not counted"));
+        }
+        match scene.forces.iter().find(|item| is_between_pairs(item) && item.acts_on(body)) {
+            Some(item) => Err(Error::parameter(format!("{}.on", item.path), "no fluid that is shifted", &fluid.path)
+                .with_hint("what a shift changes in the energy of pairs is not counted")),
+            None => Ok(()),
+        }
     }
 
     /// Whether there is more than one kind of matter.
@@ -201,63 +222,44 @@ impl Materials {
     }
 }
 
+/// What fluids of one scene have in common.
+fn common(fluid: &Item) -> impl Iterator<Item = (&String, &Value)> {
+    fluid.values.iter().filter(|(name, _)| !OWN.contains(&name.as_str()))
+}
+
 impl Material {
     /// That of a fluid of the scene.
-    fn of(scene: &Scene, fluid: &Fluid) -> Result<Self> {
-        let first = fluids(scene).next().unwrap_or(0);
-        let gravity = scene.forces.iter().filter(|term| term.kind == "Gravity" && term.acts_on(first));
-        let mut gravity = gravity.map(|term| term.vector("acceleration")).sum::<Result<DVec3>>()?;
+    fn of(scene: &Scene, fluid: &Item) -> Result<Self> {
+        let first = fluids(scene).next().map_or(0, |(body, _)| body);
+        let mut gravity = gravity::on_body(scene, first)?;
         // Along a periodic axis nothing is below anything.
         if let Some([lower, upper]) = scene.periodic {
             (0..scene.dimension).filter(|&axis| (upper[axis] - lower[axis]).is_finite()).for_each(|axis| gravity[axis] = 0.0);
         }
-        let sound_speed = match fluid.sound_speed {
-            Some(speed) => speed,
-            None => enough_sound(scene, first, gravity)?,
+        let sound_speed = match fluid.values.get("sound_speed") {
+            Some(Value::Text(word)) if word == "auto" => enough_sound(scene, first, gravity)?,
+            _ => fluid.number("sound_speed")?,
         };
+        let (density, spacing) = (fluid.number("density")?, fluid.number("spacing")?);
         Ok(Self {
-            mass: fluid.density * if scene.dimension == 2 { fluid.spacing.powi(2) } else { fluid.spacing.powi(3) },
-            density: fluid.density,
+            mass: density * if scene.dimension == 2 { spacing.powi(2) } else { spacing.powi(3) },
+            density,
             sound_speed,
-            smoothing_length: fluid.smoothing * fluid.spacing,
-            spacing: fluid.spacing,
-            viscosity: fluid.viscosity,
-            artificial_viscosity: fluid.artificial_viscosity,
-            density_diffusion: fluid.density_diffusion,
-            surface_tension: fluid.surface_tension,
+            smoothing_length: fluid.record("kernel")?.number("smoothing")? * spacing,
+            spacing,
+            viscosity: fluid.number("viscosity")?,
+            artificial_viscosity: fluid.number("artificial_viscosity")?,
+            density_diffusion: fluid.number("density_diffusion")?,
+            surface_tension: fluid.number("surface_tension")?,
             gravity,
         })
-    }
-}
-
-/// Looks whether a fluid may be shifted, if it is to be.
-fn check_shifting(scene: &Scene, body: usize, fluid: &Fluid) -> Result<()> {
-    let path = format!("bodies[{body}].shifting");
-    if !(fluid.shifting.is_finite() && fluid.shifting >= 0.0) {
-        return Err(Error::parameter(path, "a finite number ≥ 0", fluid.shifting));
-    }
-    if fluid.shifting > 0.0 && fluid.summation {
-        return Err(Error::parameter(path, "0 where density is counted by summation", fluid.shifting)
-            .with_hint("the energy of such a fluid is that of its particles' positions, and keeps them apart"));
-    }
-    if fluid.shifting > 0.0 && fluid.surface_tension > 0.0 {
-        return Err(Error::parameter(path, "0 where there is surface tension", fluid.shifting)
-            .with_hint("what a shift changes in the energy of surfaces is not counted"));
-    }
-    let pushes = |term: &&Term| ["Repulsion", "LennardJones"].contains(&term.kind.as_str()) && term.acts_on(body);
-    match scene.forces.iter().find(pushes) {
-        Some(term) if fluid.shifting > 0.0 => {
-            Err(Error::parameter(format!("{}.on", term.path), "no fluid that is shifted", format!("bodies[{body}]"))
-                .with_hint("what a shift changes in the energy of pairs is not counted"))
-        }
-        _ => Ok(()),
     }
 }
 
 /// The fastest flow that is to be expected [m/s]: that of the start, or of a fall from the highest fluid to the lowest wall
 /// below any of it.
 fn fastest(scene: &Scene, gravity: DVec3) -> Result<f64> {
-    let bodies = || fluids(scene).map(|body| &scene.bodies[body]);
+    let bodies = || fluids(scene).map(|(body, _)| &scene.bodies[body]);
     let start = bodies().flat_map(|body| &body.velocities).map(|velocity| velocity.length()).fold(0.0, f64::max);
     let fall = match gravity.try_normalize() {
         None => 0.0,
@@ -275,16 +277,18 @@ fn fastest(scene: &Scene, gravity: DVec3) -> Result<f64> {
 
 /// The square of the speed of sound that the tension of a surface asks for [m²/s²]: its pressures, which are of the order of
 /// σ/Δ next to it, then change the density by some percent.
-fn square_for_tension(scene: &Scene) -> f64 {
-    let models = || scene.bodies.iter().filter_map(|body| body.fluid.as_ref());
-    let tension = models().map(|fluid| fluid.surface_tension / fluid.spacing).fold(0.0, f64::max);
-    let lightest = models().map(|fluid| fluid.density).fold(f64::INFINITY, f64::min);
-    TENSION * tension / lightest
+fn square_for_tension(scene: &Scene) -> Result<f64> {
+    let (mut tension, mut lightest) = (0.0_f64, f64::INFINITY);
+    for (_, fluid) in fluids(scene) {
+        tension = tension.max(fluid.number("surface_tension")? / fluid.number("spacing")?);
+        lightest = lightest.min(fluid.number("density")?);
+    }
+    Ok(TENSION * tension / lightest)
 }
 
 /// The speed of sound with which the fluid of a scene is as good as incompressible [m/s].
 fn enough_sound(scene: &Scene, first: usize, gravity: DVec3) -> Result<f64> {
-    let sound = (SOUND * fastest(scene, gravity)?).max(square_for_tension(scene).sqrt());
+    let sound = (SOUND * fastest(scene, gravity)?).max(square_for_tension(scene)?.sqrt());
     if sound > 0.0 {
         return Ok(sound);
     }

@@ -2,9 +2,9 @@
 
 use std::ops::Range;
 
+use super::Spring;
 use crate::forces::StateView;
 use crate::math::{AXES, Real, Vector};
-use crate::scene::Spring;
 
 /// The numbers of one spring, in the precision of the run.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -7,11 +7,11 @@
 use std::ops::Range;
 
 use super::{About, Force, Rates, Reach, StateView, Validity, VelocityDependence};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::history::History;
 use crate::math::{Real, Vector};
 use crate::matter::{Power, Span};
-use crate::scene::Spring;
+use crate::scene::{Array, Item, Scene, Value};
 use crate::simd::{Kernel, LANES, dispatch, padded};
 use crate::stability::{Horizon, Link, SpectralBound};
 
@@ -33,6 +33,81 @@ use survey::Survey;
 /// The r/L below which a spring is stiffer across than along, with a margin for the rounding of single precision: above it
 /// the bound on the time step has the same bits wherever the springs are.
 const HALF: f64 = 0.501;
+
+/// The kind of a body whose particles springs connect.
+pub const KIND: &str = "SpringNetwork";
+
+/// A damped spring between two particles.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Spring {
+    /// The particles at its ends, as indices.
+    pub ends: [u32; 2],
+    /// Stiffness k [N/m].
+    pub stiffness: f64,
+    /// Damping c along the spring [N·s/m].
+    pub damping: f64,
+    /// Rest length L [m].
+    pub rest_length: f64,
+}
+
+impl Spring {
+    /// What a body says of its springs, whose ends are indices within it.
+    pub fn network(springs: &[Self]) -> Item {
+        let column = |of: fn(&Self) -> f64| Value::Numbers(springs.iter().map(of).collect::<Vec<f64>>().into());
+        let ends = springs.iter().flat_map(|spring| spring.ends).collect();
+        let values = [
+            ("pairs", Value::Indices(Array { shape: vec![springs.len(), 2], entries: ends })),
+            ("stiffness", column(|spring| spring.stiffness)),
+            ("damping", column(|spring| spring.damping)),
+            ("rest_length", column(|spring| spring.rest_length)),
+        ];
+        Item::new(KIND, values)
+    }
+}
+
+/// The number of springs in a scene.
+///
+/// # Errors
+/// If a network does not say which particles they connect.
+pub fn count(scene: &Scene) -> Result<usize> {
+    let networks = scene.bodies.iter().filter(|body| body.item.kind == KIND);
+    networks.map(|body| body.item.tuples::<2>("pairs").map(<[_]>::len)).sum()
+}
+
+/// The springs of all bodies, with indices into the whole scene.
+///
+/// # Errors
+/// If a network does not say all about its springs, or one of them connects a particle that is not there.
+pub fn declared(scene: &Scene) -> Result<Vec<Spring>> {
+    let mut springs = Vec::with_capacity(count(scene)?);
+    let mut first = 0;
+    for body in &scene.bodies {
+        let count = body.positions.len();
+        if body.item.kind == KIND {
+            add_network(&body.item, first..first + count as u32, &mut springs)?;
+        }
+        first += count as u32;
+    }
+    Ok(springs)
+}
+
+/// Adds the springs of a network between these particles.
+fn add_network(item: &Item, particles: Range<u32>, springs: &mut Vec<Spring>) -> Result<()> {
+    let pairs = item.tuples::<2>("pairs")?;
+    let numbers = |name: &str| item.numbers(name, pairs.len());
+    let (stiffness, damping, rest_length) = (numbers("stiffness")?, numbers("damping")?, numbers("rest_length")?);
+    if let Some(index) = pairs.iter().position(|ends| ends.iter().any(|&end| end as usize >= particles.len())) {
+        let path = format!("{}.pairs[{index}]", item.path);
+        return Err(Error::parameter(path, format!("two of {} particles", particles.len()), format!("{:?}", pairs[index])));
+    }
+    springs.extend(pairs.iter().enumerate().map(|(index, ends)| Spring {
+        ends: ends.map(|end| end + particles.start),
+        stiffness: stiffness[index],
+        damping: damping[index],
+        rest_length: rest_length[index],
+    }));
+    Ok(())
+}
 
 /// The springs of a scene.
 #[derive(Debug)]

@@ -2,8 +2,8 @@
 
 use std::collections::VecDeque;
 
+use super::Spring;
 use super::stencil;
-use crate::scene::Spring;
 
 /// A component is left as it is if this part of its springs, in percent, is in stencils.
 const STRUCTURED: usize = 90;

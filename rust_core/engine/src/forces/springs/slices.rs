@@ -8,12 +8,12 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
+use super::Spring;
 use super::law::{SpringLaw, State};
 use super::survey::Survey;
 use crate::forces::{Rates, StateView};
 use crate::math::{AXES, Real, Vector};
 use crate::matter::EnergySink;
-use crate::scene::Spring;
 use crate::simd::{Gather, LANES, Lanes, padded};
 
 /// The most kinds of spring that rows are sorted by.

@@ -8,12 +8,12 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
+use super::Spring;
 use super::law::{Run, SpringLaw};
 use super::survey::Survey;
 use crate::forces::{Rates, StateView};
 use crate::math::{AXES, Real, Vector};
 use crate::matter::EnergySink;
-use crate::scene::Spring;
 use crate::simd::{LANES, padded};
 
 /// The number of particles that all stencils visit before they go on, so that these stay in the first cache.

@@ -6,8 +6,8 @@ use super::MatterSystem;
 use super::dynamics::Dynamics;
 use crate::contacts::Contacts;
 use crate::error::{Error, Result};
-use crate::forces::springs::{self, Springs};
-use crate::forces::{self, About, Force, Reach, Scheme, VelocityDependence};
+use crate::forces::springs::{self, Spring, Springs};
+use crate::forces::{self, About, Force, Reach, Scheme, VelocityDependence, sph};
 use crate::integrators::{self, BlanesMoan4, BlanesMoan6, Integrator, with_integrator};
 use crate::math::{Real, Vector};
 use crate::matter::{Columns, Matter, Properties};
@@ -15,7 +15,7 @@ use crate::memory;
 use crate::neighbors;
 use crate::parallel::Executor;
 use crate::plan::Stages;
-use crate::scene::{Scene, Spring};
+use crate::scene::{self, PARTICLES, Scene};
 
 mod precision;
 
@@ -25,10 +25,14 @@ mod precision;
 /// If the scene makes no sense or does not fit into registers, or the executor was asked to stop.
 pub fn compile<V: Vector, I: Integrator>(scene: &Scene, executor: &Executor) -> Result<MatterSystem<V>> {
     let count = scene.count();
-    memory::check("scene", footprint::<V, I>(scene), 0, || {
+    let known = |kind: &str| [PARTICLES, springs::KIND, sph::KIND].contains(&kind);
+    if let Some(body) = scene.bodies.iter().find(|body| !known(&body.item.kind)) {
+        return Err(scene::unknown(&body.item, "a body: Particles, SpringNetwork or Fluid"));
+    }
+    memory::check("scene", footprint::<V, I>(scene)?, 0, || {
         format!("for {count} particles and what {} keeps of each; take fewer particles or precision=\"f32\"", I::NAME)
     })?;
-    let springs = scene.springs();
+    let springs = springs::declared(scene)?;
     let order = ordering(scene, &springs);
     executor.check()?;
     let properties = properties::<V>(scene, &order);
@@ -41,7 +45,7 @@ pub fn compile<V: Vector, I: Integrator>(scene: &Scene, executor: &Executor) -> 
     if !springs.is_empty() {
         all.push(Box::new(Springs::<V>::new(&springs, count)));
     }
-    if let Some(fluid) = forces::sph::fluid(scene, &properties, executor)? {
+    if let Some(fluid) = sph::fluid(scene, &properties, executor)? {
         let continuity = fluid.density().is_some_and(|density| density.scheme() == Scheme::Continuity);
         if let (true, Some(reason)) = (continuity, integrators::refuses_fields::<I>()) {
             let mut fit = Vec::new();
@@ -53,9 +57,9 @@ pub fn compile<V: Vector, I: Integrator>(scene: &Scene, executor: &Executor) -> 
         }
         all.push(fluid);
     }
-    for term in &scene.forces {
+    for item in &scene.forces {
         executor.check()?;
-        all.extend(forces::build(scene, term, &properties)?);
+        all.extend(forces::build(scene, item, &properties)?);
     }
     let contacts = Contacts::build(scene, &properties)?;
     let known: Vec<About> = all.iter().map(|force| force.about()).collect();
@@ -124,16 +128,15 @@ const SPRING: usize = 250;
 
 /// About the most memory that a scene takes while it is compiled, and when it is: without lists of neighbors, which are counted
 /// when they are made [bytes].
-fn footprint<V: Vector, I: Integrator>(scene: &Scene) -> usize {
-    let springs: usize = scene.bodies.iter().map(|body| body.springs.len()).sum();
+fn footprint<V: Vector, I: Integrator>(scene: &Scene) -> Result<usize> {
+    let springs = springs::count(scene)?;
     let independent = springs == 0 && !forces::are_between_pairs(scene);
     let registers = if independent { I::READABLE } else { I::REGISTERS };
     // The state with a copy of it, and what sweeps over it take.
     let columns = 2 * (2 + registers) + if independent { 0 } else { 6 };
     let vector = V::DIMENSION * size_of::<V::Scalar>();
-    let fluid = scene.bodies.iter().any(|body| body.fluid.is_some());
-    let neighbor = if forces::are_between_pairs(scene) { NEIGHBOR } else { 0 } + if fluid { FLUID } else { 0 };
-    scene.count() * (columns * vector + PROPERTIES + neighbor) + springs * SPRING
+    let neighbor = if forces::are_between_pairs(scene) { NEIGHBOR } else { 0 } + if sph::is_in(scene) { FLUID } else { 0 };
+    Ok(scene.count() * (columns * vector + PROPERTIES + neighbor) + springs * SPRING)
 }
 
 /// What to take instead. Where nothing but gravity acts, or contacts break every step's order, there is nothing to gain.

@@ -3,9 +3,10 @@
 use glam::DVec3;
 
 use super::*;
+use crate::forces::springs::Spring;
 use crate::ledger::Class;
 use crate::parallel::SERIAL;
-use crate::scene::{Body, Scene, Spring};
+use crate::scene::{Body, Scene};
 use crate::systems::matter;
 
 /// A rope that swings about its first particle, with so many particles.
@@ -19,8 +20,7 @@ fn rope(count: u32) -> Scene {
         charge: vec![0.0; count as usize],
         radius: vec![0.0; count as usize],
         fixed: (0..count).map(|index| index == 0).collect(),
-        springs: (0..count - 1).map(spring).collect(),
-        ..Body::default()
+        item: Spring::network(&(0..count - 1).map(spring).collect::<Vec<_>>()),
     };
     Scene { dimension: 2, bodies: vec![body], ..Scene::default() }
 }

@@ -3,9 +3,10 @@
 use glam::DVec3;
 
 use crate::error::{Error, Result};
+use crate::forces::springs::Spring;
 use crate::math::{Real, Vector};
 use crate::matter::Properties;
-use crate::scene::{Scene, Spring, Value};
+use crate::scene::{Item, Scene, Value};
 
 /// f32 is refused where the distance between neighboring positions exceeds this fraction of a rest length.
 const COARSEST: f64 = 1e-4;
@@ -19,43 +20,48 @@ pub fn check<V: Vector>(scene: &Scene, springs: &[Spring], properties: &Properti
 
 /// Refuses numbers that the precision makes infinite.
 fn refuse_large<T: Real>(scene: &Scene, origin: DVec3) -> Result<()> {
-    let holds = |path: &dyn Fn() -> String, given: f64, kept: f64| {
-        let error = || Error::parameter(path(), format!("a number in the range of {}", T::NAME), format!("{given:e}"));
-        if T::from_f64(kept).is_finite() { Ok(()) } else { Err(error().with_hint("precision=\"f64\" holds it")) }
-    };
-    let check = |path: &dyn Fn() -> String, value: f64| holds(path, value, value);
-    let check_vector =
-        |path: &dyn Fn() -> String, vector: DVec3| vector.to_array().into_iter().try_for_each(|value| check(path, value));
     for (index, body) in scene.bodies.iter().enumerate() {
         let path = |name: &'static str| move || format!("bodies[{index}].{name}");
-        for spring in &body.springs {
-            check(&path("stiffness"), spring.stiffness)?;
-            check(&path("damping"), spring.damping)?;
-            check(&path("rest_length"), spring.rest_length)?;
-        }
+        check_item::<T>(&body.item)?;
         for (given, kept) in body.positions.iter().flat_map(|&at| at.to_array().into_iter().zip((at - origin).to_array())) {
-            holds(&path("positions"), given, kept)?;
+            check_result::<T>(path("positions"), given, kept)?;
         }
-        body.velocities.iter().try_for_each(|&velocity| check_vector(&path("velocities"), velocity))?;
-        body.radius.iter().try_for_each(|&radius| check(&path("radius"), radius))?;
-        if let Some(fluid) = &body.fluid {
-            check(&path("density"), fluid.density)?;
-            check(&path("viscosity"), fluid.viscosity)?;
-            check(&path("sound_speed"), fluid.sound_speed.unwrap_or(0.0))?;
-            check(&path("surface_tension"), fluid.surface_tension)?;
-        }
+        body.velocities.iter().try_for_each(|&velocity| check_vector::<T>(path("velocities"), velocity))?;
+        body.radius.iter().try_for_each(|&radius| check_number::<T>(path("radius"), radius))?;
     }
-    for term in &scene.forces {
-        for (name, value) in &term.values {
-            let path = || format!("{}.{name}", term.path);
-            match *value {
-                Value::Number(number) => check(&path, number)?,
-                Value::Vector(vector) => check_vector(&path, vector)?,
-                Value::Flag(_) | Value::Callback(_) => {}
-            }
+    scene.forces.iter().try_for_each(check_item::<T>)
+}
+
+/// Refuses an item with a number that the precision makes infinite.
+fn check_item<T: Real>(item: &Item) -> Result<()> {
+    for (name, value) in &item.values {
+        let path = || format!("{}.{name}", item.path);
+        match value {
+            Value::Number(number) => check_number::<T>(path, *number)?,
+            Value::Vector(vector) => check_vector::<T>(path, *vector)?,
+            Value::Numbers(array) => array.entries.iter().try_for_each(|&number| check_number::<T>(path, number))?,
+            Value::Record(inner) => check_item::<T>(inner)?,
+            Value::Flag(_) | Value::Text(_) | Value::Indices(_) | Value::Flags(_) | Value::Callback(_) => {}
         }
     }
     Ok(())
+}
+
+fn check_number<T: Real>(path: impl Fn() -> String, value: f64) -> Result<()> {
+    check_result::<T>(path, value, value)
+}
+
+fn check_vector<T: Real>(path: impl Fn() -> String, vector: DVec3) -> Result<()> {
+    vector.to_array().into_iter().try_for_each(|value| check_number::<T>(&path, value))
+}
+
+/// Refuses a number of which something is kept that the precision makes infinite.
+fn check_result<T: Real>(path: impl Fn() -> String, given: f64, kept: f64) -> Result<()> {
+    if T::from_f64(kept).is_finite() {
+        return Ok(());
+    }
+    let error = Error::parameter(path(), format!("a number in the range of {}", T::NAME), format!("{given:e}"));
+    Err(error.with_hint("precision=\"f64\" holds it"))
 }
 
 fn refuse_coarse<T: Real>(scene: &Scene, springs: &[Spring], origin: DVec3) -> Result<()> {

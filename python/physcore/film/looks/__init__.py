@@ -1,0 +1,28 @@
+"""How boundaries look, one file each."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from physcore.boundaries.box import Box
+from physcore.boundaries.plane import Plane
+from physcore.boundaries.sphere import Sphere
+from physcore.film.looks.base import Look
+from physcore.film.looks.box import BoxLook
+from physcore.film.looks.plane import PlaneLook
+from physcore.film.looks.sphere import SphereLook
+from physcore.scene.items import Boundary, SceneItem
+
+LOOKS: dict[type[Boundary], Callable[[Any], Look]] = {
+    Plane: PlaneLook,
+    Box: BoxLook,
+    Sphere: SphereLook,
+}
+"""The look of each boundary."""
+
+
+def look_of(item: SceneItem) -> Look:
+    """The look of a boundary as it is in its scene; one that has none is not drawn."""
+    looks = (LOOKS[kind](item) for kind in type(item).__mro__ if kind in LOOKS)
+    return next(looks, Look())

@@ -1,0 +1,82 @@
+"""What all looks of boundaries share: where scenery is, and the marks that it is drawn with."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from physcore._core import Canvas
+from physcore.checks import FloatArray
+from physcore.film.camera.view import PixelArray, View
+from physcore.film.colors.themes import Color, Theme
+from physcore.scene.periodic import Periodic
+
+SHADING = 0.62
+GRID = 10
+"""Squares along each side of the ground."""
+
+
+@dataclass(frozen=True, eq=False)
+class Scenery:
+    """The place of scenery that has no end or no place of its own."""
+
+    domain: Periodic | None
+    """The periodic domain, drawn as a frame."""
+    middle: FloatArray
+    """The middle of the ground in 3D, the middle of the view in 2D [m], shape (D,)."""
+    size: float
+    """Half the width of the ground [m]."""
+
+
+class Look:
+    """How a boundary is drawn. To add one: a file in `looks`, and a line in `LOOKS`."""
+
+    def landmarks(self) -> Iterator[tuple[FloatArray, float]]:
+        """Points (P, D) [m], and a distance around them, that belong in the picture."""
+        return iter(())
+
+    def ground(self, lower: FloatArray, upper: FloatArray) -> FloatArray:
+        """Points (P, D) [m] that belong in the picture beside a box along the axes, if it is near."""
+        del upper
+        return np.empty((0, len(lower)))
+
+    def draw_behind(self, canvas: Canvas, view: View, theme: Theme, scenery: Scenery) -> None:
+        """Draw at once what is behind everything that moves."""
+
+    def draw_among(self, canvas: Canvas, view: View, theme: Theme) -> None:
+        """Add to the painting what hides things that move, and is hidden by them."""
+
+
+def corners(lower: FloatArray, upper: FloatArray) -> FloatArray:
+    """The 2^D corners of a box along the axes; the bits of a corner's number say which are upper."""
+    upper_in = np.array(list(np.ndindex(*(2,) * len(lower))), dtype=bool)
+    return np.where(upper_in, upper, lower)
+
+
+def disc(
+    canvas: Canvas,
+    view: View,
+    center: FloatArray,
+    radius: float,
+    color: Color,
+    extra: float = 0.0,
+    shading: float = 0.0,
+) -> None:
+    """Add a disc of a radius [m] and some more pixels."""
+    pixels, depth, scale = view.project(center[np.newaxis])
+    canvas.discs(pixels, scale * np.float32(radius) + np.float32(extra), _ink(color, 1), depth, shading)
+
+
+def lines(
+    canvas: Canvas, ends: PixelArray, color: Color, width: float, alpha: int = 255, depths: PixelArray | None = None
+) -> None:
+    """Add lines between pixels (M, 2, 2)."""
+    count = len(ends)
+    flat = np.ascontiguousarray(ends).reshape(count, 4)
+    canvas.lines(flat, np.full(count, width, dtype=np.float32), _ink(color, count, alpha), depths)
+
+
+def _ink(color: Color, count: int, alpha: int = 255) -> np.ndarray:
+    return np.tile(np.array([*color, alpha], dtype=np.uint8), (count, 1))

@@ -1,0 +1,62 @@
+"""Boxes: their edges."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from physcore._core import Canvas
+from physcore.boundaries.box import Box
+from physcore.checks import FloatArray
+from physcore.film.camera.view import View
+from physcore.film.colors.themes import Theme
+from physcore.film.looks.base import Look, Scenery, corners, lines
+
+
+class BoxLook(Look):
+    """The look of a box."""
+
+    def __init__(self, box: Box) -> None:
+        self.lower, self.upper = np.array(box.lower), np.array(box.upper)
+
+    def landmarks(self) -> Iterator[tuple[FloatArray, float]]:
+        """All corners."""
+        yield corners(self.lower, self.upper), 0.0
+
+    def draw_behind(self, canvas: Canvas, view: View, theme: Theme, scenery: Scenery) -> None:
+        """All edges in 2D, in 3D those behind."""
+        draw_edges(canvas, self.lower, self.upper, view, theme, front=False)
+
+    def draw_among(self, canvas: Canvas, view: View, theme: Theme) -> None:
+        """The edges in front in 3D."""
+        if not view.flat:
+            draw_edges(canvas, self.lower, self.upper, view, theme, front=True)
+
+
+def draw_edges(
+    canvas: Canvas,
+    lower: FloatArray,
+    upper: FloatArray,
+    view: View,
+    theme: Theme,
+    *,
+    front: bool,
+    thin: bool = False,
+    along: list[int] | None = None,
+) -> None:
+    """The edges of a box, or only those along some axes. In 3D those that meet in the farthest corner are behind
+    everything, the others in front.
+    """
+    points = corners(lower, upper)
+    count, dimension = points.shape
+    bits = range(dimension) if along is None else [dimension - 1 - axis for axis in along]
+    pairs = [(i, i | 1 << bit) for i in range(count) for bit in bits if not i & 1 << bit]
+    pixels, depth, _ = view.project(points)
+    if depth is None:
+        lines(canvas, pixels[np.array(pairs)], theme.edge, 1.0 if thin else 2.0)
+        return
+    farthest = int(np.argmax(depth))
+    chosen = np.array([pair for pair in pairs if (farthest not in pair) == front], dtype=int).reshape(-1, 2)
+    depths = np.full(len(chosen), -np.inf if front else np.inf, dtype=np.float32)
+    lines(canvas, pixels[chosen], theme.edge, 0.8 if thin else 1.3, depths=depths)

@@ -1,0 +1,65 @@
+"""Spheres: a ball or the far half of a bowl; circles in 2D."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from physcore._core import Canvas
+from physcore.boundaries.sphere import Sphere
+from physcore.checks import FloatArray
+from physcore.film.camera.view import View
+from physcore.film.colors.themes import Theme
+from physcore.film.looks.base import SHADING, Look, Scenery, disc, lines
+
+MERIDIANS = 12
+SEGMENTS = 48
+
+
+class SphereLook(Look):
+    """The look of a sphere."""
+
+    def __init__(self, sphere: Sphere) -> None:
+        self.center, self.radius, self.inside = np.array(sphere.center), sphere.radius, sphere.inside
+
+    def landmarks(self) -> Iterator[tuple[FloatArray, float]]:
+        """All of it."""
+        yield self.center[np.newaxis], self.radius
+
+    def draw_behind(self, canvas: Canvas, view: View, theme: Theme, scenery: Scenery) -> None:
+        """All of it in 2D, a bowl in 3D."""
+        if view.flat:
+            self._circle(canvas, view, theme)
+        elif self.inside:
+            self._bowl(canvas, view, theme)
+
+    def draw_among(self, canvas: Canvas, view: View, theme: Theme) -> None:
+        """A ball in 3D."""
+        if not view.flat and not self.inside:
+            disc(canvas, view, self.center, self.radius, theme.solid, shading=SHADING)
+
+    def _circle(self, canvas: Canvas, view: View, theme: Theme) -> None:
+        """A round obstacle, or a ring around a hollow."""
+        inner = theme.background if self.inside else theme.surface
+        disc(canvas, view, self.center, self.radius, theme.edge, extra=1.0)
+        disc(canvas, view, self.center, self.radius, inner, extra=-1.0)
+
+    def _bowl(self, canvas: Canvas, view: View, theme: Theme) -> None:
+        """The far half of a hollow sphere, with meridians and parallels."""
+        center, radius = self.center, self.radius
+        disc(canvas, view, center, radius, theme.edge, extra=1.0)
+        disc(canvas, view, center, radius, theme.surface, extra=-0.5)
+        turn = np.linspace(0.0, 2.0 * np.pi, SEGMENTS + 1)
+        curves = []
+        for latitude in np.radians([-60.0, -30.0, 0.0, 30.0, 60.0]):
+            ring = np.stack([np.cos(turn), np.sin(turn), np.full_like(turn, np.tan(latitude))], axis=1)
+            curves.append(np.cos(latitude) * ring)
+        for longitude in np.arange(MERIDIANS // 2) * (2.0 * np.pi / MERIDIANS):
+            level = np.array([np.cos(longitude), np.sin(longitude), 0.0])
+            curves.append(np.cos(turn)[:, np.newaxis] * level + np.sin(turn)[:, np.newaxis] * np.array([0.0, 0.0, 1.0]))
+        eye = view.axes[2]
+        for curve in curves:
+            pixels = view.project(center + radius * curve)[0]
+            behind = (curve[:-1] + curve[1:]) @ eye < 0.0
+            lines(canvas, np.stack([pixels[:-1], pixels[1:]], axis=1)[behind], theme.edge, 1.0, alpha=70)

@@ -1,0 +1,83 @@
+"""Records: what a scene item says of itself, found from the fields of its class, and the forms that it takes."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Mapping
+from dataclasses import dataclass, fields, is_dataclass
+from typing import Any
+
+from physcore.storage.archive import Tree
+
+APPEARANCE: Mapping[str, bool] = {"appearance": True}
+"""Metadata of a field that has no part in the motion, which the engine is not told."""
+_OWN = ("name", "on")
+"""Fields that have a place of their own in the engine's form."""
+
+
+@dataclass(frozen=True, eq=False)
+class Record:
+    """A kind with named values. Whatever describes an item does so through its record, and names neither."""
+
+    kind: str
+    """The name of the class in files, hashes and the engine."""
+    values: dict[str, Any]
+    """Every field by name; first the arguments of the class, in their order, then what follows from them."""
+    arguments: tuple[str, ...]
+    """The names of the arguments."""
+    appearance: frozenset[str]
+    """The names of the fields that have no part in the motion."""
+
+    @classmethod
+    def of(cls, item: object) -> Record:
+        """The record of an item, or of another thing with a dataclass; items in its fields are records too."""
+        own = _declaring(type(item))
+        arguments = tuple(parameters(own))
+        named = {entry.name: entry for entry in fields(own)}
+        values = {name: getattr(item, name) for name in dict.fromkeys((*arguments, *named))}
+        inner = {name: cls.of(value) if is_dataclass(value) else value for name, value in values.items()}
+        appearance = frozenset(name for name, entry in named.items() if "appearance" in entry.metadata)
+        return cls(kind_of(own), inner, arguments, appearance)
+
+    @property
+    def is_code(self) -> bool:
+        """Whether it has functions of the user's, which are not written into files."""
+        return any(callable(value) for value in self.values.values())
+
+    def packed(self, on: list[int] | None = None) -> Tree:
+        """The form of files and hashes: the arguments of its class, the rest follows from them; `on` as below."""
+        values = {name: on if name == "on" else pack(self.values[name]) for name in self.arguments}
+        return {"kind": self.kind, "fields": values}
+
+    def described(self, on: list[int] | None = None) -> dict[str, object]:
+        """The form of the engine: all values, and the indices of the bodies that it acts on; None: all."""
+        values = {
+            name: value.described() if isinstance(value, Record) else value
+            for name, value in self.values.items()
+            if name not in (*_OWN, *self.appearance)
+        }
+        return {"kind": self.kind, "name": self.values.get("name"), "on": on, "values": values}
+
+
+def pack(value: Any) -> Tree:
+    """A record, or a thing that has one, in the form of files and hashes; a plain value as it is."""
+    if isinstance(value, Record):
+        return value.packed()
+    return Record.of(value).packed() if is_dataclass(value) else value
+
+
+def kind_of(kind: type[Any]) -> str:
+    """The name of a class in files, hashes and the engine: its own, where it does not say another as `kind`."""
+    own = _declaring(kind)
+    name: str = vars(own).get("kind", own.__name__)
+    return name
+
+
+def parameters(kind: type[Any]) -> Mapping[str, inspect.Parameter]:
+    """What a class is called with."""
+    return inspect.signature(_declaring(kind)).parameters
+
+
+def _declaring(kind: type[Any]) -> type[Any]:
+    """The class that declares the fields: a subclass without fields of its own is of the same kind."""
+    return next(each for each in kind.__mro__ if "__dataclass_fields__" in vars(each))

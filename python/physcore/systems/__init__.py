@@ -1,0 +1,10 @@
+"""Systems beside matter, one file each: states with laws of motion of their own."""
+
+from __future__ import annotations
+
+from physcore.scene.items import System
+
+SYSTEMS: tuple[type[System], ...] = ()
+"""Every system beside matter; what is registered here can be saved, and is tested."""
+
+__all__ = ["SYSTEMS", "System"]

@@ -1,0 +1,86 @@
+//! Bodies: what all particles have, in columns, and the item that says what else they are.
+
+use glam::DVec3;
+
+use super::{Array, Item, Value};
+use crate::error::Result;
+
+/// Particles.
+#[derive(Debug, Clone)]
+pub struct Body {
+    /// Positions [m].
+    pub positions: Vec<DVec3>,
+    /// Velocities [m/s].
+    pub velocities: Vec<DVec3>,
+    /// Masses [kg].
+    pub mass: Vec<f64>,
+    /// Charges [C].
+    pub charge: Vec<f64>,
+    /// Radii [m].
+    pub radius: Vec<f64>,
+    /// Which particles keep their velocity whatever acts on them.
+    pub fixed: Vec<bool>,
+    /// What they are, with all other values.
+    pub item: Item,
+}
+
+/// The kind of a body that is nothing but particles.
+pub const PARTICLES: &str = "Particles";
+
+impl Default for Body {
+    fn default() -> Self {
+        Self {
+            positions: Vec::new(),
+            velocities: Vec::new(),
+            mass: Vec::new(),
+            charge: Vec::new(),
+            radius: Vec::new(),
+            fixed: Vec::new(),
+            item: Item::new(PARTICLES, []),
+        }
+    }
+}
+
+impl Body {
+    /// The body that an item declares.
+    ///
+    /// # Errors
+    /// If a column is missing, or has not a row for each particle.
+    pub fn new(mut item: Item, dimension: usize) -> Result<Self> {
+        let positions = vectors(&mut item, "positions", None, dimension)?;
+        let count = positions.len();
+        Ok(Self {
+            velocities: vectors(&mut item, "velocities", Some(count), dimension)?,
+            mass: numbers(&mut item, "mass", count)?,
+            charge: numbers(&mut item, "charge", count)?,
+            radius: numbers(&mut item, "radius", count)?,
+            fixed: match item.values.remove("fixed") {
+                Some(Value::Flags(array)) if array.shape == [count] => array.entries,
+                other => return Err(item.wrong("fixed", &format!("true or false for {count} particles"), other.as_ref())),
+            },
+            positions,
+            item,
+        })
+    }
+}
+
+/// Takes rows of vectors out of an item.
+fn vectors(item: &mut Item, name: &str, count: Option<usize>, dimension: usize) -> Result<Vec<DVec3>> {
+    let fits =
+        |array: &Array<f64>| matches!(array.shape[..], [rows, width] if width == dimension && rows == count.unwrap_or(rows));
+    match item.values.remove(name) {
+        Some(Value::Numbers(array)) if fits(&array) => Ok(match dimension {
+            3 => array.entries.as_chunks().0.iter().map(|&row| DVec3::from_array(row)).collect(),
+            _ => array.entries.as_chunks().0.iter().map(|&[x, y]| DVec3::new(x, y, 0.0)).collect(),
+        }),
+        other => Err(item.wrong(name, &format!("a vector of {dimension} components for each particle"), other.as_ref())),
+    }
+}
+
+/// Takes one number for each particle out of an item.
+fn numbers(item: &mut Item, name: &str, count: usize) -> Result<Vec<f64>> {
+    match item.values.remove(name) {
+        Some(Value::Numbers(array)) if array.shape == [count] => Ok(array.entries),
+        other => Err(item.wrong(name, &format!("{count} numbers"), other.as_ref())),
+    }
+}

@@ -1,0 +1,210 @@
+//! Items of a scene: a kind with named values. Who builds what an item declares knows the names; nobody else does.
+
+use std::collections::BTreeMap;
+use std::fmt::{Debug, Formatter};
+use std::sync::Arc;
+
+use glam::DVec3;
+
+use super::Callback;
+use crate::error::{Error, Result};
+
+/// A body, a force, a boundary or another item, as the user declared it.
+#[derive(Debug, Clone, Default)]
+pub struct Item {
+    /// Where it stands in the scene, as in `forces[2]`.
+    pub path: String,
+    /// What it is; in Python the name of its class.
+    pub kind: String,
+    /// What the user calls it.
+    pub name: Option<String>,
+    /// The bodies that it acts on; all of them if this is None.
+    pub on: Option<Vec<usize>>,
+    /// Its values by name; those that are left open are not there.
+    pub values: BTreeMap<String, Value>,
+}
+
+/// Items are equal if they say the same, wherever they stand.
+impl PartialEq for Item {
+    fn eq(&self, other: &Self) -> bool {
+        (&self.kind, &self.name, &self.on, &self.values) == (&other.kind, &other.name, &other.on, &other.values)
+    }
+}
+
+/// A value of an item.
+#[derive(Clone)]
+pub enum Value {
+    /// A number.
+    Number(f64),
+    /// A vector; in 2D its third component is 0.
+    Vector(DVec3),
+    /// Yes or no.
+    Flag(bool),
+    /// A text.
+    Text(String),
+    /// An array of numbers.
+    Numbers(Array<f64>),
+    /// An array of indices.
+    Indices(Array<u32>),
+    /// An array of yes or no.
+    Flags(Array<bool>),
+    /// A function of the user's.
+    Callback(Arc<dyn Callback>),
+    /// An item within the item.
+    Record(Box<Item>),
+}
+
+/// An array with any number of axes, the last of which runs fastest.
+#[derive(Clone, PartialEq)]
+pub struct Array<T> {
+    /// The length of each axis.
+    pub shape: Vec<usize>,
+    /// Its entries, as many as the product of these lengths.
+    pub entries: Vec<T>,
+}
+
+impl<T> Debug for Array<T> {
+    fn fmt(&self, formatter: &mut Formatter<'_>) -> std::fmt::Result {
+        write!(formatter, "an array of shape {:?}", self.shape)
+    }
+}
+
+impl<T> From<Vec<T>> for Array<T> {
+    fn from(entries: Vec<T>) -> Self {
+        Self { shape: vec![entries.len()], entries }
+    }
+}
+
+impl Debug for Value {
+    fn fmt(&self, formatter: &mut Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Number(number) => write!(formatter, "{number}"),
+            Self::Vector(vector) => write!(formatter, "{vector}"),
+            Self::Flag(flag) => write!(formatter, "{flag}"),
+            Self::Text(text) => write!(formatter, "{text}"),
+            Self::Numbers(array) => write!(formatter, "{array:?} of numbers"),
+            Self::Indices(array) => write!(formatter, "{array:?} of indices"),
+            Self::Flags(array) => write!(formatter, "{array:?} of true and false"),
+            Self::Callback(_) => write!(formatter, "a function"),
+            Self::Record(item) => write!(formatter, "{}", item.kind),
+        }
+    }
+}
+
+/// Functions are equal if they are the same one.
+impl PartialEq for Value {
+    fn eq(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Number(one), Self::Number(other)) => one == other,
+            (Self::Vector(one), Self::Vector(other)) => one == other,
+            (Self::Flag(one), Self::Flag(other)) => one == other,
+            (Self::Text(one), Self::Text(other)) => one == other,
+            (Self::Numbers(one), Self::Numbers(other)) => one == other,
+            (Self::Indices(one), Self::Indices(other)) => one == other,
+            (Self::Flags(one), Self::Flags(other)) => one == other,
+            (Self::Callback(one), Self::Callback(other)) => Arc::ptr_eq(one, other),
+            (Self::Record(one), Self::Record(other)) => one == other,
+            _ => false,
+        }
+    }
+}
+
+impl Item {
+    /// An item of a kind with these values, which acts on all bodies.
+    pub fn new(kind: &str, values: impl IntoIterator<Item = (&'static str, Value)>) -> Self {
+        let values = values.into_iter().map(|(name, value)| (name.to_owned(), value)).collect();
+        Self { kind: kind.to_owned(), values, ..Self::default() }
+    }
+
+    /// Whether it acts on a body.
+    pub fn acts_on(&self, body: usize) -> bool {
+        self.on.as_ref().is_none_or(|bodies| bodies.contains(&body))
+    }
+
+    /// A number that must be there and finite.
+    pub fn number(&self, name: &str) -> Result<f64> {
+        match self.values.get(name) {
+            Some(Value::Number(number)) if number.is_finite() => Ok(*number),
+            other => Err(self.wrong(name, "a finite number", other)),
+        }
+    }
+
+    /// A number that must be there, finite and at least 0.
+    pub fn non_negative(&self, name: &str) -> Result<f64> {
+        match self.number(name)? {
+            number if number >= 0.0 => Ok(number),
+            number => Err(self.wrong(name, "a number ≥ 0", Some(&Value::Number(number)))),
+        }
+    }
+
+    /// A vector that must be there and finite.
+    pub fn vector(&self, name: &str) -> Result<DVec3> {
+        match self.values.get(name) {
+            Some(Value::Vector(vector)) if vector.is_finite() => Ok(*vector),
+            other => Err(self.wrong(name, "a finite vector", other)),
+        }
+    }
+
+    /// A vector that may be left out.
+    pub fn optional_vector(&self, name: &str) -> Result<Option<DVec3>> {
+        if self.values.contains_key(name) { self.vector(name).map(Some) } else { Ok(None) }
+    }
+
+    /// Yes or no.
+    pub fn flag(&self, name: &str) -> Result<bool> {
+        match self.values.get(name) {
+            Some(Value::Flag(flag)) => Ok(*flag),
+            other => Err(self.wrong(name, "true or false", other)),
+        }
+    }
+
+    /// One of some words.
+    pub fn word(&self, name: &str, known: &[&'static str]) -> Result<&'static str> {
+        let given = self.values.get(name);
+        let found = known.iter().find(|word| matches!(given, Some(Value::Text(text)) if text == *word));
+        found.copied().ok_or_else(|| self.wrong(name, &known.join(" or "), given))
+    }
+
+    /// A list of numbers, one for each of `count`.
+    pub fn numbers(&self, name: &str, count: usize) -> Result<&[f64]> {
+        match self.values.get(name) {
+            Some(Value::Numbers(array)) if array.shape == [count] => Ok(&array.entries),
+            other => Err(self.wrong(name, &format!("{count} numbers"), other)),
+        }
+    }
+
+    /// Rows of N indices each.
+    pub fn tuples<const N: usize>(&self, name: &str) -> Result<&[[u32; N]]> {
+        match self.values.get(name) {
+            Some(Value::Indices(array)) if matches!(array.shape[..], [_, width] if width == N) => Ok(array.entries.as_chunks().0),
+            other => Err(self.wrong(name, &format!("rows of {N} indices"), other)),
+        }
+    }
+
+    /// An item within it.
+    pub fn record(&self, name: &str) -> Result<&Self> {
+        match self.values.get(name) {
+            Some(Value::Record(item)) => Ok(item),
+            other => Err(self.wrong(name, "an item", other)),
+        }
+    }
+
+    /// A function of the user's.
+    pub fn callback(&self, name: &str) -> Result<Arc<dyn Callback>> {
+        match self.values.get(name) {
+            Some(Value::Callback(callback)) => Ok(Arc::clone(callback)),
+            other => Err(self.wrong(name, "a function", other)),
+        }
+    }
+
+    /// A function that may be left out.
+    pub fn optional_callback(&self, name: &str) -> Result<Option<Arc<dyn Callback>>> {
+        if self.values.contains_key(name) { self.callback(name).map(Some) } else { Ok(None) }
+    }
+
+    /// The error that a value is not what it should be.
+    pub fn wrong(&self, name: &str, expected: &str, found: Option<&Value>) -> Error {
+        let found = found.map_or_else(|| "nothing".to_owned(), |value| format!("{value:?}"));
+        Error::parameter(format!("{}.{name}", self.path), expected, found)
+    }
+}

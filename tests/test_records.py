@@ -1,0 +1,122 @@
+"""Scene items are records: what a class declares as fields is what files, hashes and the engine are told."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+
+import numpy as np
+import pytest
+
+import physcore as pc
+from physcore.boundaries import BOUNDARIES
+from physcore.film.looks import LOOKS, look_of
+from physcore.forces import FORCES
+from physcore.scene.items import System
+from physcore.scene.kernels import KERNELS
+from physcore.scene.records import Record, kind_of, parameters
+from physcore.simulation import engine
+from physcore.systems import SYSTEMS
+
+DUST = pc.Particles([[0.0, 0.0], [1.0, 0.0]], radius=0.1, name="dust")
+NET = pc.SpringNetwork([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]], [[0, 1]], 2.0, faces=[[0, 1, 2]])
+WATER = pc.Fluid(pc.block((2.0, 0.0), (2.4, 0.4), 0.1), 0.1, sound_speed=20.0)
+ARGUMENTS: dict[str, tuple[object, ...]] = {
+    "Gravity": ((0.0, -1.0),),
+    "CentralForce": ((0.0, 0.0), 1.0),
+    "CustomForce": (lambda time, x, v: -x, lambda x: 0.5 * float((x * x).sum())),
+    "Repulsion": (10.0,),
+    "LennardJones": (1.0, 0.1),
+    "Plane": ((0.0, -9.0), (0.0, 2.0)),
+    "Box": ((-9.0, -9.0), (9.0, 9.0)),
+    "Sphere": ((0.0, 0.0), 9.0),
+}
+ITEMS = [
+    DUST,
+    NET,
+    WATER,
+    pc.Periodic((-5.0, -5.0), (5.0, 5.0)),
+    *(kind(*ARGUMENTS.get(kind_of(kind), ())) for kind in (*FORCES, *BOUNDARIES, *SYSTEMS, *KERNELS)),
+]
+
+
+@dataclass(frozen=True)
+class Pond(System):
+    """A system that the engine has never heard of."""
+
+    heights: tuple[float, float]
+
+
+@dataclass(frozen=True, eq=False, init=False, repr=False)
+class Gas(pc.Particles):
+    """A body that the engine has never heard of."""
+
+    temperature: float = 300.0
+
+
+class Sand(pc.SpringNetwork):
+    """A network with a method of the user's."""
+
+    def weight(self) -> float:
+        return 9.81 * float(self.mass.sum())
+
+
+@pytest.mark.parametrize("item", ITEMS, ids=lambda item: type(item).__name__)
+def test_a_record_has_every_field_and_files_hold_every_argument(item):
+    record = Record.of(item)
+    assert set(record.values) == {entry.name for entry in fields(item)}
+    assert list(record.packed()["fields"]) == list(parameters(type(item)))
+    told = record.described()["values"]
+    assert set(told) == set(record.values) - {"name", "on", "faces"}
+    for name, value in told.items():
+        given = getattr(item, name)
+        assert value is given or value == Record.of(given).described(), "values are passed on as they are, uncopied"
+
+
+def test_a_subclass_without_fields_is_of_the_same_kind():
+    net = pc.SpringNetwork([[0.0, 0.0], [2.0, 0.0]], [[0, 1]], 10.0, rest_length=1.0)
+    sand = Sand([[0.0, 0.0], [2.0, 0.0]], [[0, 1]], 10.0, rest_length=1.0)
+    assert pc.Scene(net).hash() == pc.Scene(sand).hash()
+    runs = [pc.Simulation(pc.Scene(body), dt=1e-2) for body in (net, sand)]
+    for run in runs:
+        run.step(10)
+    assert runs[0].state_hash() == runs[1].state_hash()
+    assert "springs" in runs[1].plan.stages
+
+
+def test_the_engine_refuses_what_it_does_not_know_with_its_path():
+    gas = Gas([[0.0, 0.0]])
+    with pytest.raises(pc.SceneError, match=r"^bodies\[1\]: expected a body: .*, got Gas"):
+        pc.Simulation(pc.Scene(DUST, gas))
+    scene = pc.Scene(DUST, Pond((1.0, 2.0)), Pond((1.0, 2.0), name="sea"))
+    with pytest.raises(pc.SceneError, match=r"^systems\[0\]: expected a kind of system, got Pond"):
+        pc.Simulation(scene)
+
+
+def test_a_scene_takes_systems_beside_bodies():
+    pond = Pond((1.0, 2.0), name="pond")
+    scene = pc.Scene(pond, DUST)
+    assert scene.systems == (pond,)
+    assert "Pond" in repr(scene)
+    assert engine.describe(scene)["systems"] == [
+        {"kind": "Pond", "name": "pond", "on": None, "values": {"heights": (1.0, 2.0)}}
+    ]
+    assert "systems" not in pc.Scene(DUST).packed()
+    hashes = {pc.Scene(DUST).hash(), scene.hash(), pc.Scene(DUST, Pond((1.0, 3.0), name="pond")).hash()}
+    assert len(hashes) == 3
+    with pytest.raises(
+        pc.SceneError, match=r"^systems\[0\].heights: Pond must have 2 components in this 2D scene, got 3"
+    ):
+        pc.Scene(DUST, Pond((1.0, 2.0, 3.0)))  # type: ignore[arg-type]
+    with pytest.raises(pc.SceneError, match=r"^Pond.name: "):
+        Pond((1.0, 2.0), name=3)  # type: ignore[arg-type]
+
+
+def test_every_boundary_has_a_look_of_its_own():
+    drawn = [type(look_of(kind(*ARGUMENTS.get(kind.__name__, ())).resolved(2))) for kind in BOUNDARIES]
+    assert set(drawn) == set(LOOKS.values())
+
+
+def test_what_has_no_part_in_the_motion_stays_in_python():
+    told = Record.of(NET).described()["values"]
+    assert "faces" not in told
+    np.testing.assert_array_equal(Record.of(NET).packed()["fields"]["faces"], [[0, 1, 2]])
