@@ -5,17 +5,16 @@ use physcore_engine::error::Error;
 use physcore_engine::forces::{self, StateView, Validity};
 use physcore_engine::matter::{Columns, Properties, View};
 use physcore_engine::parallel::SERIAL;
-use physcore_engine::scene::{Body, Scene, Term, Value};
+use physcore_engine::scene::{Body, Item, Scene, Value};
 use physcore_engine::simulation::{Numerics, Simulation, Vigilance};
 use physcore_engine::stability::Horizon;
 
-fn term(kind: &str, values: &[(&str, Value)]) -> Term {
-    let values = values.iter().map(|(name, value)| ((*name).to_owned(), value.clone())).collect();
-    Term { path: "forces[0]".into(), kind: kind.into(), on: None, values }
+fn item(kind: &str, values: &[(&'static str, Value)]) -> Item {
+    Item { path: "forces[0]".into(), ..Item::new(kind, values.to_vec()) }
 }
 
 /// Unit masses of radius 0.06 m in two dimensions.
-fn scene(positions: &[DVec3], force: Term) -> Scene {
+fn scene(positions: &[DVec3], force: Item) -> Scene {
     let count = positions.len();
     let body = Body {
         positions: positions.to_vec(),
@@ -55,7 +54,7 @@ fn the_limit_of_a_well_alone_is_the_same_everywhere() {
     for exponent in [-2.0, 0.0, 0.99, 1.0, 1.01, 3.0] {
         let values =
             [("center", Value::Vector(DVec3::ZERO)), ("strength", Value::Number(2.0)), ("softening", Value::Number(0.1))];
-        let field = term("CentralForce", &[&values[..], &[("exponent", Value::Number(exponent))]].concat());
+        let field = item("CentralForce", &[&values[..], &[("exponent", Value::Number(exponent))]].concat());
         let built = forces::build::<DVec2>(&scene(&[DVec3::X], field.clone()), &field, &properties).unwrap();
         let expected = if exponent == 1.0 { Validity::Always } else { Validity::Now };
         assert_eq!(built[0].validity(&at, Horizon::Present), expected, "exponent {exponent}");
@@ -67,7 +66,7 @@ fn the_limit_of_a_well_alone_is_the_same_everywhere() {
 fn the_parameters_of_atoms_are_above_zero() {
     let atoms = |epsilon: f64, sigma: f64, cutoff: f64| {
         let values = [("epsilon", epsilon), ("sigma", sigma), ("cutoff", cutoff)];
-        scene(&[DVec3::ZERO, DVec3::X], term("LennardJones", &values.map(|(name, value)| (name, Value::Number(value)))))
+        scene(&[DVec3::ZERO, DVec3::X], item("LennardJones", &values.map(|(name, value)| (name, Value::Number(value)))))
     };
     assert!(simulation(&atoms(1.0, 1.0, 2.5)).is_ok());
     for wrong in [0.0, -1.0] {
@@ -84,7 +83,7 @@ fn the_parameters_of_atoms_are_above_zero() {
 #[test]
 fn the_third_axis_of_a_plane_is_not_periodic() {
     let numbers = [("stiffness", 100.0), ("damping", 0.0), ("friction", 0.0), ("tangential_damping", 0.0), ("exponent", 1.0)];
-    let repulsion = term("Repulsion", &numbers.map(|(name, value)| (name, Value::Number(value))));
+    let repulsion = item("Repulsion", &numbers.map(|(name, value)| (name, Value::Number(value))));
     let positions = [DVec3::new(0.05, 0.5, 0.0), DVec3::new(0.95, 0.5, 0.0)];
     let square = |depth: f64| {
         let periodic = Some([DVec3::new(0.0, 0.0, -depth), DVec3::new(1.0, 1.0, depth)]);
