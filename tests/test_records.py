@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 import pytest
@@ -15,6 +15,7 @@ from physcore.scene.items import System
 from physcore.scene.kernels import KERNELS
 from physcore.scene.records import Record, kind_of, parameters
 from physcore.simulation import engine
+from physcore.simulation.recording import field_names
 from physcore.systems import SYSTEMS
 
 DUST = pc.Particles([[0.0, 0.0], [1.0, 0.0]], radius=0.1, name="dust")
@@ -44,6 +45,13 @@ class Pond(System):
     """A system that the engine has never heard of."""
 
     heights: tuple[float, float]
+
+    @property
+    def dimension(self) -> int:
+        return 2
+
+    def shapes(self) -> dict[str, tuple[int, ...]]:
+        return {"heights": (2,)}
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
@@ -120,3 +128,35 @@ def test_what_has_no_part_in_the_motion_stays_in_python():
     told = Record.of(NET).described()["values"]
     assert "faces" not in told
     np.testing.assert_array_equal(Record.of(NET).packed()["fields"]["faces"], [[0, 1, 2]])
+
+
+def test_a_further_system_has_a_path_a_name_of_its_own_and_the_dimension_of_the_scene():
+    pond, lake = Pond((1.0, 2.0)), Pond((3.0, 4.0), name="lake")
+    scene = pc.Scene(DUST, pond, lake)
+    assert [scene.system(key) for key in (pond, lake, "lake", DUST, 0, "dust")] == [
+        "systems[0]",
+        "lake",
+        "lake",
+        *[None] * 3,
+    ]
+    assert field_names(scene) == ("positions", "velocities", "systems[0].heights", "lake.heights")
+    with pytest.raises(pc.SceneError, match=r"systems\[1\]: the same item is in the scene twice"):
+        pc.Scene(DUST, pond, pond)
+    with pytest.raises(pc.SceneError, match=r"systems\[1\].name: 'lake' is already the name of another item"):
+        pc.Scene(DUST, lake, Pond((0.0, 0.0), name="lake"))
+    with pytest.raises(pc.SceneError, match=r"systems\[0\]: 2D, but the scene is 3D"):
+        pc.Scene(pc.Particles([[0.0, 0.0, 0.0]]), Pond((0.0, 0.0)))
+
+
+def test_a_recording_gives_the_part_of_a_further_system():
+    lake = Pond((3.0, 4.0), name="lake")
+    scene = pc.Scene(DUST, lake)
+    whole = pc.Simulation(pc.Scene(DUST), dt=0.1).record(0.2, fps=10.0)
+    heights = np.arange(6.0).reshape(3, 2)
+    recording = replace(whole, scene=scene, channels={**whole.channels, "lake.heights": heights})
+    for key in (lake, "lake"):
+        np.testing.assert_array_equal(recording[key].heights, heights)
+        assert list(recording[key].channels) == ["heights"]
+    assert list(recording["dust"].channels) == ["positions", "velocities"]
+    with pytest.raises(AttributeError, match="no field 'depth': there are heights"):
+        _ = recording[lake].depth

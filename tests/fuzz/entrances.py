@@ -32,6 +32,7 @@ VALID = {
         "duration": "0.01",
         "spacing": "0.5",
         "body": "0",
+        "item": "0",
     },
     **{
         "cameras": "{0.0: film.Window((0, 0), (1, 1))}",

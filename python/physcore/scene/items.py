@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, field, fields
 from typing import ClassVar, TypeAlias, cast
@@ -90,6 +91,15 @@ class System(SceneItem):
 
     name: str | None = field(default=None, kw_only=True)
     """A name by which results can be asked for."""
+
+    @property
+    @abstractmethod
+    def dimension(self) -> int:
+        """The number of dimensions of space."""
+
+    @abstractmethod
+    def shapes(self) -> dict[str, tuple[int, ...]]:
+        """The shapes of its fields by name, as the engine has them."""
 
     def __post_init__(self) -> None:
         self._set(name=None if self.name is None else text(self.name, f"{type(self).__name__}.name"))

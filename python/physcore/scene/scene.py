@@ -19,6 +19,8 @@ from physcore.storage.archive import Tree, digest
 
 BodyKey = Body | int | str
 """How a body is asked for: by itself, by its index in the scene, or by its name."""
+ItemKey = BodyKey | System
+"""How a body or a further system is asked for: a system by itself or by its name."""
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
@@ -61,7 +63,7 @@ class Scene:
     @property
     def dimension(self) -> int:
         """2 or 3."""
-        return self.bodies[0].dimension
+        return self.bodies[0].dimension if self.bodies else self.systems[0].dimension
 
     @property
     def particles(self) -> int:
@@ -107,6 +109,13 @@ class Scene:
         index = self.index(key)
         start = sum(len(body) for body in self.bodies[:index])
         return slice(start, start + len(self.bodies[index]))
+
+    def system(self, key: object) -> str | None:
+        """The path of a further system, before the names of its fields; None if the key is none of theirs."""
+        for position, system in enumerate(self.systems):
+            if key is system or (isinstance(key, str) and key == system.name):
+                return system.name or f"systems[{position}]"
+        return None
 
     def hash(self) -> str:
         """A hash of everything that was said of the scene: the same for equal scenes, in every process and machine.
@@ -154,10 +163,18 @@ class Scene:
         return f"Scene({', '.join(parts)})"
 
     def _check_bodies(self) -> None:
-        """There is at least one body, each once, all of one dimension."""
-        if not self.bodies:
+        """There is at least one body or further system, each once, all of one dimension, with names of their own."""
+        if not self.bodies and not self.systems:
             raise SceneError("Scene: must have at least one body, such as Particles, SpringNetwork or Fluid")
         names: set[str] = set()
+        for position, system in enumerate(self.systems):
+            if any(system is other for other in self.systems[:position]):
+                raise SceneError(f"systems[{position}]: the same item is in the scene twice; build a second one")
+            if system.name is not None and system.name in names:
+                raise SceneError(f"systems[{position}].name: {system.name!r} is already the name of another item")
+            names |= {system.name} if system.name is not None else set()
+            if system.dimension != self.dimension:
+                raise SceneError(f"systems[{position}]: {system.dimension}D, but the scene is {self.dimension}D")
         for position, body in enumerate(self.bodies):
             if body in self.bodies[:position]:
                 raise SceneError(f"bodies[{position}]: the same body is in the scene twice; build a second one")

@@ -83,7 +83,8 @@ def frames(world: World, scene: Scene, stepper: Stepper, duration: float, fps: f
     sampled = _stepped if stepper.fixed is None else _interpolated
     for index, sample in enumerate(sampled(world, stepper, count, fps)):
         here = world.steps
-        fields = {**sample.fields, "positions": engine.show(sample.positions, scene)}
+        shown = {"positions": engine.show(sample.positions, scene)} if scene.bodies else {}
+        fields = {**sample.fields, **shown}
         yield replace(sample, time=start + index / fps, dt=stepper.dt, fields=fields)
         if world.steps != here:
             raise PhyscoreError(

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import asdict, dataclass, fields
-from typing import Self
+from typing import Self, cast
 
 import numpy as np
 
@@ -14,7 +14,7 @@ from physcore import memory
 from physcore.checks import FloatArray, is_word, words
 from physcore.errors import SceneError
 from physcore.scene.fluid import Fluid
-from physcore.scene.scene import BodyKey, Scene
+from physcore.scene.scene import BodyKey, ItemKey, Scene
 from physcore.simulation.energy import EnergySeries
 from physcore.simulation.plan import Plan
 from physcore.simulation.provenance import Provenance
@@ -24,7 +24,7 @@ from physcore.storage import archive
 from physcore.storage.schema import Sizes, anything, maybe, of, real, record, several, table, word
 
 CHANNELS = ("positions", "velocities")
-"""The fields of particles, which are recorded by default."""
+"""The fields of all particles."""
 FLUID_CHANNELS = ("densities", "pressures")
 """The fields that fluids have beside."""
 AMOUNTS = ("kinetic", "internal", "dissipated", "work")
@@ -35,7 +35,15 @@ TERMS = 8
 
 def field_names(scene: Scene) -> tuple[str, ...]:
     """The names of the fields that a scene has."""
-    return (*CHANNELS, *FLUID_CHANNELS) if scene.fluids else CHANNELS
+    return (*(CHANNELS if scene.bodies else ()), *(FLUID_CHANNELS if scene.fluids else ()), *_system_shapes(scene))
+
+
+def _system_shapes(scene: Scene) -> dict[str, tuple[int, ...]]:
+    """The shapes of the fields of further systems."""
+    shapes = (
+        (scene.system(system), name, shape) for system in scene.systems for name, shape in system.shapes().items()
+    )
+    return {f"{system}.{name}": shape for system, name, shape in shapes}
 
 
 def body_fields(scene: Scene, body: BodyKey) -> tuple[str, ...]:
@@ -44,12 +52,14 @@ def body_fields(scene: Scene, body: BodyKey) -> tuple[str, ...]:
 
 
 def check_channels(channels: object, scene: Scene) -> tuple[str, ...]:
-    """The fields of a scene to record.
+    """The fields of a scene to record; None: all but those of fluids.
 
     Raises:
         SceneError: they are none that the scene has.
     """
     known, fluids = field_names(scene), bool(scene.fluids)
+    if channels is None:
+        return tuple(name for name in known if name not in FLUID_CHANNELS)
     hint = ""
     if isinstance(channels, str):
         hint = f'; write ("{channels}",)' if channels in known else ""
@@ -96,6 +106,14 @@ class Trajectory:
         shapes = ", ".join(f"{name} {values.shape}" for name, values in self.channels.items())
         return f"{type(self).__name__}({len(self)} frames: {shapes or 'nothing'})"
 
+    def __getattr__(self, name: str) -> FloatArray:
+        """A field of a further system over time, such as `recording[wave].displacement`."""
+        channels = self.__dict__.get("channels", {})
+        if name not in channels:
+            raise AttributeError(f"no field {name!r}: there are {', '.join(channels)}")
+        values: FloatArray = channels[name]
+        return values
+
     def _channel(self, name: str) -> FloatArray:
         if name not in self.channels:
             whose = "; only a Fluid has them" if name in FLUID_CHANNELS else ""
@@ -125,7 +143,12 @@ class Recording(Trajectory):
     provenance: Provenance | None = None
     """The steps that were taken, and the hash of the state at the end; None in files of an earlier physcore."""
 
-    def __getitem__(self, body: BodyKey) -> Trajectory:
+    def __getitem__(self, item: ItemKey) -> Trajectory:
+        system = self.scene.system(item)
+        if system is not None:
+            own = {name: values for name, values in self.channels.items() if name.startswith(f"{system}.")}
+            return Trajectory(self.times, {name.removeprefix(f"{system}."): values for name, values in own.items()})
+        body = cast("BodyKey", item)
         part = self.scene.slice(body)
         mine = body_fields(self.scene, body)
         return Trajectory(self.times, {name: self.channels[name][:, part] for name in self.channels if name in mine})
@@ -171,9 +194,13 @@ class Recording(Trajectory):
         scene = unpack_scene(content.get("scene"))
         sizes = Sizes(N=scene.particles, D=scene.dimension, A=_turns(scene))
         over_time = sizes.array("F")
-        channels = several(word(*CHANNELS, *FLUID_CHANNELS))(content.get("channels"), "channels")
-        numbers, vectors = sizes.array("F", "N"), sizes.array("F", "N", "D", finite=True)
-        rules = {name: numbers if name in FLUID_CHANNELS else vectors for name in channels}
+        channels = several(word(*field_names(scene)))(content.get("channels"), "channels")
+        axes = {**dict.fromkeys(CHANNELS, ("F", "N", "D")), **dict.fromkeys(FLUID_CHANNELS, ("F", "N"))}
+        for name, lengths in _system_shapes(scene).items():
+            axes[name] = ("F", *(f"{name}, axis {axis}" for axis in range(len(lengths))))
+            sizes.update(zip(axes[name][1:], lengths, strict=True))
+        # Particles that are no fluid's have no density.
+        rules = {name: sizes.array(*axes[name], finite=name not in FLUID_CHANNELS) for name in channels}
         terms = {"by_term": table(over_time), "dissipated_by": table(over_time)}
         amounts = dict.fromkeys(("times", *AMOUNTS), over_time)
         shape = record(
@@ -207,21 +234,20 @@ def collect(
     count: int,
     scene: Scene,
     fps: float,
-    channels: tuple[str, ...],
+    shapes: Mapping[str, tuple[int, ...]],
     end: Callable[[], tuple[Plan, Provenance]],
     tick: Callable[[int], None],
 ) -> Recording:
-    """Gather `count` frames into a recording; `tick` is told how many there are so far, `end` is asked at the end.
+    """Gather the fields that have `shapes` from `count` frames; `tick` is told their number so far, `end` is asked
+    at the end.
 
     Raises:
         SceneError: the recording would not fit into memory.
     """
-    numbers = (count, scene.particles)
-    shapes = {name: numbers if name in FLUID_CHANNELS else (*numbers, scene.dimension) for name in channels}
     audit = count * (len(("times", "times", *AMOUNTS)) + TERMS + scene.dimension + _turns(scene))
     hint = "lower fps, record fewer channels, or stream: physcore.film(scene, …)"
-    refuse_if_too_large(count, scene.particles, 8 * (audit + sum(map(math.prod, shapes.values()))), hint)
-    data: dict[str, FloatArray] = {name: np.empty(shape) for name, shape in shapes.items()}
+    refuse_if_too_large(count, scene.particles, 8 * (audit + count * sum(map(math.prod, shapes.values()))), hint)
+    data: dict[str, FloatArray] = {name: np.empty((count, *shape)) for name, shape in shapes.items()}
     times = np.empty(count)
     momentum = np.empty((count, scene.dimension))
     angular_momentum = np.empty((count, _turns(scene)))
@@ -229,8 +255,8 @@ def collect(
     by_term: dict[str, FloatArray] = {}
     dissipated_by: dict[str, FloatArray] = {}
     for index, frame in enumerate(frames):
-        for name in channels:
-            data[name][index] = frame.fields[name]
+        for name, values in data.items():
+            values[index] = frame.fields[name]
         times[index] = frame.time
         momentum[index], angular_momentum[index] = frame.momentum, frame.angular_momentum
         budget["times"][index] = frame.energy.time

@@ -8,7 +8,7 @@ import warnings
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
-from typing import Literal
+from typing import Literal, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -29,13 +29,13 @@ from physcore.numerics.choices import (
 from physcore.numerics.integrators import Integrator
 from physcore.progress import Progress
 from physcore.scene.bodies import Body
-from physcore.scene.scene import BodyKey, Scene
+from physcore.scene.scene import BodyKey, ItemKey, Scene
 from physcore.simulation import engine
 from physcore.simulation import frames as sampling
 from physcore.simulation.energy import Energy
 from physcore.simulation.plan import Plan
 from physcore.simulation.provenance import SEGMENTS, Provenance, version
-from physcore.simulation.recording import CHANNELS, Recording, body_fields, check_channels, collect
+from physcore.simulation.recording import Recording, body_fields, check_channels, collect
 from physcore.simulation.serial import pack_numerics, unpack_numerics, unpack_scene
 from physcore.simulation.state import Frame, Snapshot
 from physcore.simulation.stepper import Captured, Stepper
@@ -157,8 +157,16 @@ class Simulation:
         """The provenance of the present state: what it takes, beside the scene, to compute it again."""
         return Provenance(version(), pack_numerics(self._numerics), self._stepper.segments, self.state_hash())
 
-    def __getitem__(self, body: BodyKey) -> Snapshot:
-        """The present state of one body, given itself, its index or its name; a Fluid's has densities and pressures."""
+    def __getitem__(self, item: ItemKey) -> Snapshot:
+        """The present state of one body, given itself, its index or its name; a Fluid's has densities and pressures.
+
+        Of a further system, given itself or its name: its fields.
+        """
+        system = self._scene.system(item)
+        if system is not None:
+            own = [info.name for info in engine.fields(self._world) if info.name.startswith(f"{system}.")]
+            return Snapshot(self.time, {name.removeprefix(f"{system}."): self._world.read(name) for name in own})
+        body = cast("BodyKey", item)
         part = self._scene.slice(body)
         names = body_fields(self._scene, body)
         fields = {name: self._world.read(name)[part] for name in names}
@@ -205,7 +213,7 @@ class Simulation:
         self,
         duration: float,
         fps: float = FRAMES_PER_SECOND,
-        channels: tuple[str, ...] = CHANNELS,
+        channels: tuple[str, ...] | None = None,
         *,
         progress: bool | None = None,
     ) -> Recording:
@@ -214,8 +222,8 @@ class Simulation:
         Args:
             duration: [s].
             fps: frames per second of simulated time.
-            channels: what to keep of each frame: "positions" and "velocities", and with a Fluid "densities" and
-                "pressures".
+            channels: what to keep of each frame, such as "positions" and "velocities", and with a Fluid "densities" and
+                "pressures"; None: all but those of fluids.
             progress: whether to show a progress bar; None: on a terminal, when it takes longer than a second.
 
         Raises:
@@ -227,7 +235,8 @@ class Simulation:
         frames = self.frames(duration, fps)
         count = sampling.frame_count(float(duration), float(fps))
         with Progress(count, "simulating", shown) as bar:
-            return collect(frames, count, self._scene, float(fps), kept, self._end, bar.update)
+            shapes = {info.name: info.shape for info in engine.fields(self._world) if info.name in kept}
+            return collect(frames, count, self._scene, float(fps), shapes, self._end, bar.update)
 
     def set(self, positions: State | None = None, velocities: State | None = None) -> None:
         """Replace the state between two steps; the change of energy counts as work.

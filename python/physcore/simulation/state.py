@@ -60,6 +60,14 @@ class Snapshot:
             raise SceneError(f"{name}: only a Fluid has them")
         return self.fields[name]
 
+    def __getattr__(self, name: str) -> FloatArray:
+        """A field of a further system, such as `simulation[wave].displacement`."""
+        fields = self.__dict__.get("fields", {})
+        if name not in fields:
+            raise AttributeError(f"no field {name!r}: there are {', '.join(fields)}")
+        values: FloatArray = fields[name]
+        return values
+
 
 @dataclass(frozen=True, eq=False)
 class Frame(Snapshot):

@@ -15,8 +15,9 @@ use crate::integrators::with_integrator;
 use crate::ledger::Ledger;
 use crate::parallel::Executor;
 use crate::plan::Stages;
-use crate::scene::{self, Scene};
+use crate::scene::{self, Item, Scene};
 use crate::stability::{Horizon, Limit};
+use several::{Part, Several};
 
 /// Equal steps to take.
 #[derive(Debug, Clone, Copy)]
@@ -185,17 +186,33 @@ pub trait System: History + Send + Sync {
     fn restore_tallies(&mut self, numbers: &[f64]) -> Result<()>;
 }
 
-/// The registry: the system of a scene, advanced by the method of that name in `f32` or `f64`.
+/// The system of a scene, or its systems as one, in `f32` or `f64`: matter, advanced by the method of that name, where there are
+/// bodies, and those that items declare.
 ///
 /// # Errors
 /// If the scene or the numerics make no sense or do not fit into memory, or the executor was asked to stop.
 pub fn build(scene: &Scene, method: &str, precision: &str, executor: &Executor) -> Result<Box<dyn System>> {
-    if let Some(item) = scene.systems.first() {
-        return Err(scene::unknown(item, "a kind of system"));
+    let mut parts = Vec::new();
+    if !scene.bodies.is_empty() || scene.systems.is_empty() {
+        let matter = with_integrator!(
+            method,
+            I => matter::build::<I>(scene, precision, executor),
+            Err(Error::parameter("integrator", "the name of an integrator", method))
+        );
+        parts.push(Part { name: String::new(), system: matter? });
     }
-    with_integrator!(
-        method,
-        I => matter::build::<I>(scene, precision, executor),
-        Err(Error::parameter("integrator", "the name of an integrator", method))
-    )
+    for item in &scene.systems {
+        let name = item.name.clone().unwrap_or_else(|| item.path.clone());
+        parts.push(Part { name, system: declared(item)? });
+    }
+    Ok(match <[Part; 1]>::try_from(parts) {
+        Ok([Part { name, system }]) if name.is_empty() => system,
+        Ok([part]) => Box::new(Several::new(vec![part])),
+        Err(parts) => Box::new(Several::new(parts)),
+    })
+}
+
+/// The registry: the system that an item declares.
+fn declared(item: &Item) -> Result<Box<dyn System>> {
+    Err(scene::unknown(item, "a kind of system"))
 }
