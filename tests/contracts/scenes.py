@@ -175,9 +175,7 @@ SCENES: dict[str, Case] = {
     ),
     "swarm star": Case(lambda: swarm(STAR), 0.01, RK4, large=lambda: swarm(STAR, count=30_000)),
     "swarm star f32": Case(lambda: swarm(STAR), 0.01, F32),
-    "swarm power": Case(
-        lambda: swarm(POWER, dimension=2), 0.01, large=lambda: swarm(POWER, dimension=2, count=30_000)
-    ),
+    "swarm power": Case(lambda: swarm(POWER, dimension=2), 0.01, large=lambda: swarm(POWER, dimension=2, count=30_000)),
     "swarm in a box": Case(lambda: swarm(DOWN, ROOM), 0.01, large=lambda: swarm(DOWN, ROOM, count=30_000)),
     "swarm in a box RungeKutta4": Case(lambda: swarm(DOWN, ROOM), 0.01, RK4),
     "swarm in Python": Case(lambda: swarm(harmonic()), 0.01),
