@@ -49,9 +49,9 @@ def growth(name: str) -> float:
 def tolerance(name: str, run: pc.Simulation, size: float = 1.0) -> float:
     """How far a run of the precision of `run` may part from another, relative to its state.
 
-    Every step rounds each number by an ε of it or a few, with random signs, and what was rounded off grows like any small
-    difference. That was measured in one direction: a factor of 10 covers the others. `size` is how many times larger the
-    numbers are that are rounded.
+    Every step rounds each number by an ε of it or a few, with random signs, and what was rounded off grows like any
+    small difference. That was measured in one direction: a factor of 10 covers the others. `size` is how many times
+    larger the numbers are that are rounded.
     """
     precision = str(run.provenance.numerics["precision"])
     epsilon = float(np.finfo(precision.replace("f", "float")).eps)

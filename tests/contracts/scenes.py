@@ -27,7 +27,7 @@ class Case:
     dt: float
     numerics: dict[str, Any] = field(default_factory=dict)
     large: Callable[[], pc.Scene] | None = None
-    """The same kind of scene with so much work in a step that threads share it; None: that of another case is enough."""
+    """The same kind of scene with so much work in a step that threads share it; None: another case has it."""
 
     @property
     def adaptive(self) -> bool:
@@ -116,6 +116,23 @@ def drops(spacing: float = 0.1) -> pc.Scene:
     return pc.Scene(drop)
 
 
+def layers(spacing: float = 0.1) -> pc.Scene:
+    """Oil over water, and a heavy net that sinks into it."""
+    water = pc.Fluid(pc.block((0.0, 0.0), (0.8, 0.4), spacing), spacing)
+    oil = pc.Fluid(pc.block((0.0, 0.4), (0.8, 0.8), spacing), spacing, 800.0)
+    net = pc.rope(6, 0.5, 2e3, damping=1.0, mass=2.0, start=(0.15, 0.9), velocities=(0.0, -1.0))
+    return pc.Scene(water, oil, net, pc.Gravity((0.0, -9.81)), pc.Box((0.0, 0.0), (0.8, 2.0)))
+
+
+def vortices(spacing: float = 0.1) -> pc.Scene:
+    """Four vortices in a periodic fluid whose density is a sum."""
+    cells = pc.block((0.0, 0.0), (1.0, 1.0), spacing)
+    x, y = 2.0 * np.pi * cells.T
+    flow = 0.5 * np.stack([np.sin(x) * np.cos(y), -np.cos(x) * np.sin(y)], axis=1)
+    water = pc.Fluid(cells, spacing, velocities=flow, sound_speed=10.0, density_from="summation")
+    return pc.Scene(water, pc.Periodic((0.0, 0.0), (1.0, 1.0)))
+
+
 def harmonic() -> pc.CustomForce:
     """A well written in Python, in operations that are rounded alike everywhere."""
     return pc.CustomForce(lambda time, x, v: -3.0 * x, potential=lambda x: 1.5 * float((x * x).sum()))
@@ -149,7 +166,7 @@ def _large_swarm() -> pc.Scene:
 
 
 def _large_grains() -> pc.Scene:
-    return grains(side=16)
+    return grains(side=20)
 
 
 RK4 = {"integrator": pc.RungeKutta4()}
@@ -181,11 +198,19 @@ SCENES: dict[str, Case] = {
     "swarm in Python": Case(lambda: swarm(harmonic()), 0.01),
     "grains": Case(grains, 0.002, large=_large_grains),
     "grains f32": Case(grains, 0.002, F32, large=_large_grains),
-    "atoms": Case(lambda: crowd(ATOMS), 0.002, {"integrator": pc.PEFRL()}, large=lambda: crowd(ATOMS, side=12)),
+    "atoms": Case(lambda: crowd(ATOMS), 0.002, {"integrator": pc.PEFRL()}, large=lambda: crowd(ATOMS, side=18)),
     "atoms 2D f32": Case(lambda: crowd(ATOMS, dimension=2), 0.002, F32),
-    "pool": Case(pool, 1e-3, large=lambda: pool(spacing=0.02)),
+    "pool": Case(pool, 1e-3, large=lambda: pool(spacing=0.0125)),
     "pool f64 McLachlan2": Case(pool, 1e-3, {"precision": "f64", "integrator": pc.McLachlan2()}),
-    "pool 3D": Case(lambda: pool(3), 1e-3, large=lambda: pool(3, spacing=0.05)),
-    "pool shifting": Case(lambda: pool(shifting=1.0), 1e-3, large=lambda: pool(spacing=0.02, shifting=1.0)),
-    "drop": Case(drops, 1e-3, large=lambda: drops(spacing=0.02)),
+    "pool 3D": Case(lambda: pool(3), 1e-3, large=lambda: pool(3, spacing=0.03)),
+    "pool shifting": Case(lambda: pool(shifting=1.0), 1e-3, large=lambda: pool(spacing=0.0125, shifting=1.0)),
+    "pool SemiImplicitEuler": Case(pool, 1e-3, {"integrator": pc.SemiImplicitEuler()}),
+    "layers": Case(layers, 1e-3, large=lambda: layers(spacing=0.01)),
+    "vortices": Case(vortices, 1e-3, large=lambda: vortices(spacing=0.0125)),
+    "vortices RungeKutta4": Case(vortices, 1e-3, {"precision": "f64", **RK4}),
+    "atoms adaptive": Case(lambda: crowd(ATOMS, dimension=2), 0.002, {"dt": pc.AdaptiveStep()}),
+    "swarm star by error": Case(
+        lambda: swarm(STAR, count=5), 0.01, {"dt": pc.AdaptiveStep(tolerance=1e-6), "integrator": pc.BogackiShampine3()}
+    ),
+    "drop": Case(drops, 1e-3, large=lambda: drops(spacing=0.0125)),
 }

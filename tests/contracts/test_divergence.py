@@ -30,17 +30,20 @@ BOUNDED = {
     "swarm power": "likewise",
     "grains": "bounce off each other, and lose more than they gain",
     "grains f32": "likewise",
+    "layers": "is limited as if the heaviest fluid pushed all of the net",
 }
 """Who comes through three times the limit."""
 
 
 def outcome(run: pc.Simulation, pieces: list[int]) -> dict[str, object]:
     """How a run ends whose steps are asked for in pieces: what is said of a divergence, and where it then stands."""
-    said = None
+    said, error = None, None
     try:
         for piece in pieces:
             run.step(piece)
-    except pc.SimulationDiverged as error:
+    except pc.SimulationDiverged as caught:
+        error = caught
+    if error is not None:
         assert error.step == run.steps + 1
         assert error.last_good is not None
         assert error.last_good.time == run.time < error.time

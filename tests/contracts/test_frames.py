@@ -1,4 +1,4 @@
-"""Looking at a run does not change it: however steps are asked for, audited, recorded or filmed, the bits are the same."""
+"""Looking at a run does not change it: the bits are the same however it is asked for, audited, recorded or filmed."""
 
 from __future__ import annotations
 

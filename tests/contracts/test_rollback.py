@@ -57,7 +57,7 @@ def test_a_step_that_cannot_be_taken_leaves_no_trace(name):
 
 @contextmanager
 def interrupted(after: float) -> Iterator[None]:
-    """Raise KeyboardInterrupt, as Ctrl-C does, when the process has computed for so long [s], however busy others are."""
+    """Raise KeyboardInterrupt, as Ctrl-C does, when this process has computed for so long [s]."""
 
     def interrupt(number: int, frame: object) -> None:
         raise KeyboardInterrupt

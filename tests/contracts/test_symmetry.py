@@ -81,9 +81,10 @@ def moves_along(name: str) -> bool:
     return not scene.boundaries and not any(isinstance(force, RESTING) for force in scene.forces)
 
 
+@pytest.mark.filterwarnings("ignore::physcore.MachWarning")
 @pytest.mark.parametrize("name", [name for name in SCENES if moves_along(name)])
 def test_a_uniform_motion_of_all_changes_nothing_else(name):
-    """Galilei's principle; limits of the time step are those of relative motion, so that adaptive steps are the same."""
+    """Galilei's principle. Limits of the time step are those of relative motion: adaptive steps are the same too."""
     compare(name, Transform(axes(name), boost=np.array([1.0, -2.0, 0.5])[: len(axes(name))]), size=4.0)
 
 
@@ -91,7 +92,7 @@ UNITS = [(10, 0, 0), (0, -10, 0), (0, 0, 10), (-10, 20, 10)]
 """Exponents of 2 for length, time and mass; powers of a law's exponents are then powers of two as well."""
 
 
-@pytest.mark.parametrize("length, time, mass", UNITS)
+@pytest.mark.parametrize(("length", "time", "mass"), UNITS)
 @pytest.mark.parametrize("name", [name for name in SCENES if name != "swarm power"])
 def test_other_units_change_no_bit(name, length, time, mass):
     """Powers of two scale every number exactly, away from underflow: nothing has a scale of its own.

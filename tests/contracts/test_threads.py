@@ -13,6 +13,8 @@ import physcore as pc
 from contracts.scenes import SCENES, Case
 
 LARGE = {name: case for name, case in SCENES.items() if case.large is not None}
+BLOCK = 4096
+"""The most particles in a block, which one thread takes whole."""
 SHARED_STEPS = 12
 """A batch of so many steps of a large scene takes more than the 2 ms that the calling thread takes by itself."""
 
@@ -21,7 +23,8 @@ def after(case: Case, threads: int) -> tuple[str, dict[str, object]]:
     """The state and the energy budget of a large scene after some steps."""
     assert case.large is not None
     run = case.simulation(case.large(), dt=case.dt / 10.0, threads=threads)
-    assert run.plan.threads == threads, "the scene is too small to be shared"
+    assert run.scene.particles > BLOCK
+    assert run.plan.threads == threads
     run.step(SHARED_STEPS)
     return run.state_hash(), vars(run.energy())
 
