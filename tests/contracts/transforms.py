@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 import physcore as pc
 from physcore.scene.bodies import Body
-from physcore.scene.items import SceneItem
+from physcore.scene.items import ActingItem
 
 Array = NDArray[np.float64]
 FAR = 1e3
@@ -139,7 +139,7 @@ def _body(body: Body, t: Transform, order: NDArray[np.int64]) -> Body:
     return type(body)(**_changed(body, values, t))
 
 
-def _item(item: SceneItem, t: Transform, bodies: dict[Body, Body]) -> SceneItem:
+def _item(item: ActingItem, t: Transform, bodies: dict[Body, Body]) -> ActingItem:
     on = None if item.bodies() is None else tuple(bodies[body] for body in item.bodies())
     if isinstance(item, pc.CustomForce):
         return _custom(item, t, on)
@@ -147,7 +147,8 @@ def _item(item: SceneItem, t: Transform, bodies: dict[Body, Body]) -> SceneItem:
         up = np.eye(t.axes.shape[1])[-1]
         shared = {"restitution": item.restitution, "friction": item.friction, "no_slip": item.no_slip, "on": on}
         return pc.Plane(tuple(t.points(item.height * up)), tuple(t.directions(up)), **shared)
-    return type(item)(**_changed(item, item.parameters(), t), on=on)
+    values = {entry.name: getattr(item, entry.name) for entry in fields(item) if entry.name != "on"}
+    return type(item)(**_changed(item, values, t), on=on)
 
 
 def _custom(force: pc.CustomForce, t: Transform, on: Any) -> pc.CustomForce:
