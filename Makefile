@@ -15,6 +15,8 @@ WHEEL := $$(echo dist/physcore-*.whl)
 # nextest runs the Rust tests faster and names the slow ones; plain `cargo test` runs the same tests.
 CARGO_TEST := $(if $(shell command -v cargo-nextest),cargo nextest run,cargo test)
 
+TESTED := --locked --workspace --exclude physcore-benches
+
 .DEFAULT_GOAL := help
 .PHONY: help check install demo test test-rust test-python test-long fuzz edges asan validate tradeoff lint format bench clean
 
@@ -32,14 +34,18 @@ install: $(VENV)/package.stamp ## build the release wheel and install it into .v
 
 test: test-rust test-python ## run every test, Rust and Python, in a few minutes
 
+# Unit tests are compiled with debug assertions and overflow checks, and hardly optimized, which is quickest. The other tests
+# use the wheel's profile and the same features of all dependencies, so that the engine is compiled once for both.
 test-rust: | check
-	$(CARGO_TEST) --locked --workspace
+	CARGO_PROFILE_DEV_OPT_LEVEL=0 $(CARGO_TEST) $(TESTED) --lib
+	$(CARGO_TEST) $(TESTED) --release --test '*'
 
 test-python: $(VENV)/tools.stamp
 	$(BIN)/python -m pytest -m 'not long' --numprocesses auto
 
 test-long: $(VENV)/tools.stamp ## run every test with the full number of examples
-	PROPTEST_CASES=2000 PROPTEST_MAX_GLOBAL_REJECTS=100000 cargo test --locked --workspace --release -- --include-ignored
+	PROPTEST_CASES=2000 PROPTEST_MAX_GLOBAL_REJECTS=100000 cargo test $(TESTED) --release -- --include-ignored
+	cargo test $(TESTED)  # with debug assertions and overflow checks, which the tests of `make test` have in part
 	PHYSCORE_TESTS=long $(BIN)/python -m pytest
 
 fuzz: $(VENV)/tools.stamp ## call everything with hostile values, CALLS=1000000 times on all cores, and say what was found

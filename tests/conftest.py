@@ -12,7 +12,7 @@ import pytest
 
 LONG = os.environ.get("PHYSCORE_TESTS") == "long"
 
-hypothesis.settings.register_profile("short", max_examples=25, deadline=None, derandomize=True)
+hypothesis.settings.register_profile("short", max_examples=12, deadline=None, derandomize=True)
 hypothesis.settings.register_profile("long", max_examples=1000, deadline=None)
 hypothesis.settings.load_profile("long" if LONG else "short")
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
-import copy
 import pickle
 
 import numpy as np
@@ -48,24 +46,6 @@ def test_results_are_copies():
     simulation = pc.Simulation(pc.Scene(pc.Particles([[0.0, 0.0]])))
     simulation.positions[:] = 7.0
     assert simulation.positions.tolist() == [[0.0, 0.0]]
-
-
-@pytest.mark.parametrize("twin", [copy.copy, copy.deepcopy])
-@pytest.mark.parametrize("dt", ["auto", 0.1415])
-def test_a_copy_goes_on_by_itself_with_the_same_bits(twin, dt):
-    """0.1415 s is just above the limit √(2/100) s, of which only the first simulation warns."""
-    body = pc.SpringNetwork([[0.0, 0.0], [1.1, 0.0]], [[0, 1]], 100.0, rest_length=1.0)
-    scene = pc.Scene(body, pc.CustomForce(lambda time, x, v: 0.0 * x))
-    with contextlib.nullcontext() if dt == "auto" else pytest.warns(pc.StabilityWarning):
-        first = pc.Simulation(scene, dt=dt)
-    first.step(5)
-    before = first.state_hash()
-    second = twin(first)
-    second.step(5)
-    assert first.state_hash() == before
-    first.step(5)
-    assert second.state_hash() == first.state_hash()
-    assert (second[body].positions == first[body].positions).all()
 
 
 def test_a_fixed_particle_keeps_its_velocity_and_is_left_out_of_the_momentum():

@@ -1,4 +1,4 @@
-"""Threads, signals and processes: the same bits for any number, an answer to Ctrl-C, and life after a fork."""
+"""Threads, signals and processes: who may look at a run, an answer to Ctrl-C, and life after a fork."""
 
 from __future__ import annotations
 
@@ -28,24 +28,6 @@ def running(steps: int = 100, scene: pc.Scene = LANDING, **numerics) -> pc.Simul
     simulation = pc.Simulation(scene, dt=2e-4, **numerics)
     simulation.step(steps)
     return simulation
-
-
-@pytest.mark.parametrize("precision", ["f64", "f32"])
-def test_the_bits_are_the_same_for_any_number_of_threads(precision):
-    simulations = [running(threads=threads, precision=precision) for threads in (1, 2, 3, 7)]
-    assert len({simulation.state_hash() for simulation in simulations}) == 1
-    assert len({simulation.energy().dissipated for simulation in simulations}) == 1
-
-
-@pytest.mark.parametrize("level", ["scalar", "avx2", "avx512"])
-def test_the_bits_are_the_same_on_every_level_of_vector_instructions(level):
-    program = "from test_threads import running; print(running(threads=1).state_hash())"
-    environment = {**os.environ, "PHYSCORE_SIMD": level, "PYTHONPATH": os.path.dirname(__file__)}
-    done = subprocess.run([sys.executable, "-c", program], env=environment, capture_output=True, text=True, check=False)
-    if done.returncode != 0 and "PHYSCORE_SIMD" in done.stderr:
-        pytest.skip(f"this machine has no {level}")
-    assert done.returncode == 0, done.stderr
-    assert done.stdout.strip() == running(threads=1).state_hash()
 
 
 def test_the_number_of_threads_comes_from_the_environment(monkeypatch):
@@ -243,6 +225,7 @@ WATER = pc.Scene(
 
 
 @NEEDS_TIMERS
+@pytest.mark.long
 def test_ctrl_c_is_answered_while_a_simulation_is_built():
     """100 ms are promised, here as below; a shared machine may keep the process waiting that long again."""
     threads = threading.active_count()
@@ -280,6 +263,7 @@ def test_ctrl_c_is_answered_in_the_middle_of_a_step_of_water():
 
 
 @NEEDS_TIMERS
+@pytest.mark.long
 def test_ctrl_c_is_answered_and_the_run_can_go_on():
     small = pc.Scene(pc.rope(1000, 1.0, 1e5, damping=0.01, mass=0.01, pinned="start"), pc.Gravity((0.0, -9.81)))
     simulation, plain = (pc.Simulation(small, dt=1e-5) for _ in range(2))
@@ -318,3 +302,54 @@ if child:
     hashes = done.stdout.split()
     assert len(hashes) == 2
     assert set(hashes) == {running(150).state_hash()}
+
+
+INTERRUPTED = """
+import signal, time
+import physcore as pc
+
+# A shell's background jobs ignore the signal, and so would what they start.
+signal.signal(signal.SIGINT, signal.default_int_handler)
+
+def ready():
+    cloth = pc.cloth((200, 200), 0.01, 100.0, 0.01, mass=1e-3, pinned="top")
+    return pc.Simulation(pc.Scene(cloth, pc.Gravity((0.0, -9.81))), dt=1e-3, threads=2)
+
+simulation = ready()
+print("running", flush=True)
+try:
+    simulation.step(10**9)
+except KeyboardInterrupt:
+    print(time.monotonic(), flush=True)
+steps = simulation.steps
+simulation.step(2)
+plain = ready()
+plain.step(steps + 2)
+print(steps, simulation.state_hash() == plain.state_hash())
+"""
+
+
+@pytest.mark.long
+@pytest.mark.skipif(os.name != "posix", reason="sends SIGINT")
+def test_sigint_is_answered_within_a_tenth_of_a_second_and_leaves_a_whole_step():
+    """The monotonic clock is common to all processes. Python's own way to the except clause takes part of the time, and
+    a busy machine may keep both processes waiting: the best of three counts.
+    """
+    delays = []
+    for _ in range(3):
+        process = subprocess.Popen([sys.executable, "-c", INTERRUPTED], stdout=subprocess.PIPE, text=True)
+        assert process.stdout is not None
+        assert process.stdout.readline() == "running\n"
+        time.sleep(0.3)
+        sent = time.monotonic()
+        process.send_signal(signal.SIGINT)
+        answered = float(process.stdout.readline())
+        steps, same = process.stdout.readline().split()
+        process.stdout.close()
+        assert process.wait(60) == 0
+        assert int(steps) > 0
+        assert same == "True"
+        delays.append(answered - sent)
+        if delays[-1] < 0.1:
+            break
+    assert min(delays) < 0.1

@@ -26,25 +26,46 @@ class Case:
     scene: Callable[[], pc.Scene]
     dt: float
     numerics: dict[str, Any] = field(default_factory=dict)
+    large: Callable[[], pc.Scene] | None = None
+    """The same kind of scene with so much work in a step that threads share it; None: another case has it."""
 
-    def simulation(self, **changes: Any) -> pc.Simulation:
-        """A simulation of it."""
+    @property
+    def adaptive(self) -> bool:
+        """Whether its steps follow the motion."""
+        return isinstance(self.numerics.get("dt"), pc.AdaptiveStep)
+
+    @property
+    def duration(self) -> float:
+        """The duration of `STEPS` steps [s]."""
+        return STEPS * self.dt
+
+    def simulation(self, scene: pc.Scene | None = None, **changes: Any) -> pc.Simulation:
+        """A simulation of it, or of another scene with its numerics."""
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", pc.StabilityWarning)
-            return pc.Simulation(self.scene(), **{"dt": self.dt, **self.numerics, **changes})
+            return pc.Simulation(scene or self.scene(), **{"dt": self.dt, **self.numerics, **changes})
+
+    def advance(self, run: pc.Simulation, steps: int = STEPS) -> pc.Simulation:
+        """Take so many steps, or as long as they would take where steps follow the motion."""
+        if self.adaptive:
+            run.run(steps * self.dt)
+        else:
+            run.step(steps)
+        return run
 
 
 def _random() -> np.random.Generator:
     return np.random.default_rng(20)
 
 
-def network(dimension: int = 2) -> pc.Scene:
+def network(dimension: int = 2, side: int = 5) -> pc.Scene:
     """A shuffled net of damped springs, one end held, under gravity."""
     rng = _random()
-    side = 5
     sites = np.stack(np.meshgrid(*[np.arange(side)] * dimension, indexing="ij"), -1).reshape(-1, dimension)
     positions = sites + rng.uniform(-0.1, 0.1, sites.shape)
-    near = np.argwhere(np.triu(np.abs(sites[:, None] - sites).sum(2) == 1))
+    grid = np.arange(len(sites)).reshape((side,) * dimension)
+    ends = [(np.delete(grid, -1, axis).ravel(), np.delete(grid, 0, axis).ravel()) for axis in range(dimension)]
+    near = np.array(sorted(pair for first, second in ends for pair in zip(first, second, strict=True)))
     body = pc.SpringNetwork(
         positions,
         rng.permutation(near),
@@ -57,24 +78,23 @@ def network(dimension: int = 2) -> pc.Scene:
     return pc.Scene(body, pc.Gravity(-np.eye(dimension)[-1]))
 
 
-def cloth() -> pc.Scene:
+def cloth(shape: tuple[int, int] = (12, 9)) -> pc.Scene:
     """A sheet whose springs run as a stencil, falling on a ball with friction."""
-    sheet = pc.cloth((12, 9), 0.1, 200.0, 0.05, mass=0.01, origin=(-0.55, -0.4, 0.0), pinned="top corners")
+    sheet = pc.cloth(shape, 0.1, 200.0, 0.05, mass=0.01, origin=(-0.55, -0.4, 0.0), pinned="top corners")
     ground = pc.Sphere((0.0, 0.0, -0.43), 0.4, inside=False, restitution=0.2, friction=0.3)
     return pc.Scene(sheet, pc.Gravity((0.0, 0.0, -9.81)), pc.Drag(0.001), ground)
 
 
-def swarm(*items: pc.Force | pc.Boundary, dimension: int = 3) -> pc.Scene:
-    """Independent particles."""
+def swarm(*items: pc.Force | pc.Boundary, dimension: int = 3, count: int = 700) -> pc.Scene:
+    """Independent particles, in more than one block."""
     rng = _random()
-    shape = (700, dimension)  # more than one block
+    shape = (count, dimension)
     return pc.Scene(pc.Particles(rng.uniform(-1.0, 1.0, shape), rng.uniform(-1.0, 1.0, shape), radius=0.01), *items)
 
 
-def crowd(*items: pc.Force | pc.Periodic | pc.Boundary, dimension: int = 3) -> pc.Scene:
+def crowd(*items: pc.Force | pc.Periodic | pc.Boundary, dimension: int = 3, side: int = 6) -> pc.Scene:
     """Particles on a jittered lattice, near enough to feel each other."""
     rng = _random()
-    side = 6
     sites = pc.block((0.0,) * dimension, (float(side),) * dimension, 1.0)
     positions = sites + rng.uniform(-0.2, 0.2, sites.shape)
     motion = rng.uniform(-1.0, 1.0, sites.shape)
@@ -82,19 +102,35 @@ def crowd(*items: pc.Force | pc.Periodic | pc.Boundary, dimension: int = 3) -> p
     return pc.Scene(pc.Particles(positions, motion, radius=radius, mass=radius**2), *items)
 
 
-def pool(dimension: int = 2, **options: Any) -> pc.Scene:
+def pool(dimension: int = 2, spacing: float = 0.1, **options: Any) -> pc.Scene:
     """A block of water that collapses in a box."""
-    spacing = 0.1
     upper = (0.8, 1.2) if dimension == 2 else (0.6, 0.6, 0.8)
     water = pc.Fluid(pc.block((0.0,) * dimension, upper, spacing), spacing, **options)
     down = pc.Gravity(-9.81 * np.eye(dimension)[-1])
     return pc.Scene(water, down, pc.Box((0.0,) * dimension, (1.6,) * dimension))
 
 
-def drops() -> pc.Scene:
-    """A drop with surface tension, counted densities and no walls, beside a net that floats on it."""
-    drop = pc.Fluid(pc.block((-0.5, -0.5), (0.5, 0.5), 0.1), 0.1, surface_tension=5.0, sound_speed=20.0)
+def drops(spacing: float = 0.1) -> pc.Scene:
+    """A square drop, which its surface tension makes round, and no walls."""
+    drop = pc.Fluid(pc.block((-0.5, -0.5), (0.5, 0.5), spacing), spacing, surface_tension=5.0, sound_speed=20.0)
     return pc.Scene(drop)
+
+
+def layers(spacing: float = 0.1) -> pc.Scene:
+    """Oil over water, and a heavy net that sinks into it."""
+    water = pc.Fluid(pc.block((0.0, 0.0), (0.8, 0.4), spacing), spacing)
+    oil = pc.Fluid(pc.block((0.0, 0.4), (0.8, 0.8), spacing), spacing, 800.0)
+    net = pc.rope(6, 0.5, 2e3, damping=1.0, mass=2.0, start=(0.15, 0.9), velocities=(0.0, -1.0))
+    return pc.Scene(water, oil, net, pc.Gravity((0.0, -9.81)), pc.Box((0.0, 0.0), (0.8, 2.0)))
+
+
+def vortices(spacing: float = 0.1) -> pc.Scene:
+    """Four vortices in a periodic fluid whose density is a sum."""
+    cells = pc.block((0.0, 0.0), (1.0, 1.0), spacing)
+    x, y = 2.0 * np.pi * cells.T
+    flow = 0.5 * np.stack([np.sin(x) * np.cos(y), -np.cos(x) * np.sin(y)], axis=1)
+    water = pc.Fluid(cells, spacing, velocities=flow, sound_speed=10.0, density_from="summation")
+    return pc.Scene(water, pc.Periodic((0.0, 0.0), (1.0, 1.0)))
 
 
 def harmonic() -> pc.CustomForce:
@@ -103,37 +139,78 @@ def harmonic() -> pc.CustomForce:
 
 
 ROOM = pc.Box((-1.1,) * 3, (1.1,) * 3, restitution=0.8, friction=0.3)
-PERIODIC = pc.Periodic((0.0, 0.0, -np.inf), (6.0, 6.0, np.inf))
 GRAINS = pc.SoftSpheres(50.0, 0.2, 0.3, 0.1, exponent=1.5)
 DOWN = pc.Gravity((0.0, 0.0, -9.81))
 STAR = pc.CentralForce((0.0, 0.0, 0.0), 1.0, softening=0.1)
+POWER = pc.CentralForce((0.0, 0.0), 1.0, -1.7, 0.1)
+ATOMS = pc.LennardJones(1.0, 0.9)
+BREEZE = pc.Drag(0.1, wind=(1.0, 0.0, 0.5))
+RESISTANCE = pc.Drag(0.0, 0.2)
+
+
+def grains(side: int = 6) -> pc.Scene:
+    """Soft spheres between periodic sides, which fall on a floor."""
+    return crowd(GRAINS, DOWN, pc.Periodic((0.0, 0.0, -np.inf), (side, side, np.inf)), pc.Floor(-1.0), side=side)
+
+
+def _large_network() -> pc.Scene:
+    return network(side=120)
+
+
+def _large_cloth() -> pc.Scene:
+    return cloth((100, 90))
+
+
+def _large_swarm() -> pc.Scene:
+    return swarm(DOWN, BREEZE, count=200_000)
+
+
+def _large_grains() -> pc.Scene:
+    return grains(side=20)
+
+
+RK4 = {"integrator": pc.RungeKutta4()}
+F32 = {"precision": "f32"}
+LARGE = {pc.VelocityVerlet: _large_network, pc.SemiImplicitEuler: _large_network, pc.DormandPrince5: _large_network}
 
 SCENES: dict[str, Case] = {
     **{
-        f"network {kind.__name__}": Case(network, 0.01, {"integrator": kind(), "precision": precision})
+        f"network {kind.__name__}": Case(
+            network, 0.01, {"integrator": kind(), "precision": precision}, large=LARGE.get(kind)
+        )
         for kind, precision in zip(INTEGRATORS, ["f64", "f32"] * len(INTEGRATORS), strict=False)
     },
     "network 3D": Case(lambda: network(3), 0.01),
     "network adaptive": Case(network, 0.01, {"dt": pc.AdaptiveStep()}),
     "network by error": Case(network, 0.01, {"dt": pc.AdaptiveStep(tolerance=1e-5), "integrator": pc.DormandPrince5()}),
-    "cloth": Case(cloth, 0.002),
-    "cloth f32": Case(cloth, 0.002, {"precision": "f32"}),
-    "swarm folded": Case(lambda: swarm(DOWN, pc.Drag(0.1, wind=(1.0, 0.0, 0.5))), 0.01),
-    "swarm folded f32": Case(lambda: swarm(DOWN, pc.Drag(0.1)), 0.01, {"precision": "f32"}),
-    "swarm quadratic drag": Case(lambda: swarm(DOWN, pc.Drag(0.0, 0.2)), 0.01, {"integrator": pc.RungeKutta4()}),
-    "swarm star": Case(lambda: swarm(STAR), 0.01, {"integrator": pc.RungeKutta4()}),
-    "swarm star f32": Case(lambda: swarm(STAR), 0.01, {"precision": "f32"}),
-    "swarm power": Case(lambda: swarm(pc.CentralForce((0.0, 0.0), 1.0, -1.7, 0.1), dimension=2), 0.01),
-    "swarm in a box": Case(lambda: swarm(DOWN, ROOM), 0.01),
-    "swarm in a box RungeKutta4": Case(lambda: swarm(DOWN, ROOM), 0.01, {"integrator": pc.RungeKutta4()}),
+    "cloth": Case(cloth, 0.002, large=_large_cloth),
+    "cloth f32": Case(cloth, 0.002, F32, large=_large_cloth),
+    "swarm folded": Case(lambda: swarm(DOWN, BREEZE), 0.01, large=_large_swarm),
+    "swarm folded f32": Case(lambda: swarm(DOWN, pc.Drag(0.1)), 0.01, F32, large=_large_swarm),
+    "swarm quadratic drag": Case(
+        lambda: swarm(DOWN, RESISTANCE), 0.01, RK4, large=lambda: swarm(DOWN, RESISTANCE, count=30_000)
+    ),
+    "swarm star": Case(lambda: swarm(STAR), 0.01, RK4, large=lambda: swarm(STAR, count=30_000)),
+    "swarm star f32": Case(lambda: swarm(STAR), 0.01, F32),
+    "swarm power": Case(lambda: swarm(POWER, dimension=2), 0.01, large=lambda: swarm(POWER, dimension=2, count=30_000)),
+    "swarm in a box": Case(lambda: swarm(DOWN, ROOM), 0.01, large=lambda: swarm(DOWN, ROOM, count=30_000)),
+    "swarm in a box RungeKutta4": Case(lambda: swarm(DOWN, ROOM), 0.01, RK4),
     "swarm in Python": Case(lambda: swarm(harmonic()), 0.01),
-    "grains": Case(lambda: crowd(GRAINS, DOWN, PERIODIC, pc.Floor(-1.0)), 0.002),
-    "grains f32": Case(lambda: crowd(GRAINS, DOWN, PERIODIC, pc.Floor(-1.0)), 0.002, {"precision": "f32"}),
-    "atoms": Case(lambda: crowd(pc.LennardJones(1.0, 0.9)), 0.002, {"integrator": pc.PEFRL()}),
-    "atoms 2D f32": Case(lambda: crowd(pc.LennardJones(1.0, 0.9), dimension=2), 0.002, {"precision": "f32"}),
-    "pool": Case(pool, 1e-3),
+    "grains": Case(grains, 0.002, large=_large_grains),
+    "grains f32": Case(grains, 0.002, F32, large=_large_grains),
+    "atoms": Case(lambda: crowd(ATOMS), 0.002, {"integrator": pc.PEFRL()}, large=lambda: crowd(ATOMS, side=18)),
+    "atoms 2D f32": Case(lambda: crowd(ATOMS, dimension=2), 0.002, F32),
+    "pool": Case(pool, 1e-3, large=lambda: pool(spacing=0.0125)),
     "pool f64 McLachlan2": Case(pool, 1e-3, {"precision": "f64", "integrator": pc.McLachlan2()}),
-    "pool 3D": Case(lambda: pool(3), 1e-3),
-    "pool shifting": Case(lambda: pool(shifting=1.0), 1e-3),
-    "drop": Case(drops, 1e-3),
+    "pool 3D": Case(lambda: pool(3), 1e-3, large=lambda: pool(3, spacing=0.03)),
+    "pool shifting": Case(lambda: pool(shifting=1.0), 1e-3, large=lambda: pool(spacing=0.0125, shifting=1.0)),
+    "pool SemiImplicitEuler": Case(pool, 1e-3, {"integrator": pc.SemiImplicitEuler()}),
+    "layers": Case(layers, 1e-3, large=lambda: layers(spacing=0.01)),
+    "vortices": Case(vortices, 1e-3, large=lambda: vortices(spacing=0.0125)),
+    "vortices RungeKutta4": Case(vortices, 1e-3, {"precision": "f64", **RK4}),
+    "atoms adaptive": Case(lambda: crowd(ATOMS, dimension=2), 0.002, {"dt": pc.AdaptiveStep()}),
+    "swarm star by error": Case(
+        lambda: swarm(STAR, count=5), 0.01, {"dt": pc.AdaptiveStep(tolerance=1e-6), "integrator": pc.BogackiShampine3()}
+    ),
+    "drop": Case(drops, 1e-3, large=lambda: drops(spacing=0.0125)),
 }

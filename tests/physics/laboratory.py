@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import os
 import warnings
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cache
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -326,24 +325,3 @@ def discrete_energy_error(integrator: pc.Integrator, step: float) -> float:
     what should be kept, v² + x², differs from what is, v² + κ x², by (1 − κ) x².
     """
     return abs(1.0 - discrete_stiffness(integrator, step))
-
-
-def other_ways(start: Callable[[], pc.Simulation], steps: int, part: int, path: Path) -> list[pc.Simulation]:
-    """A run in single steps, with a look at the energy after each, and one through a checkpoint after part of them."""
-    single, first = start(), start()
-    for _ in range(steps):
-        single.step(1)
-        single.energy()
-    first.step(part)
-    first.save(path)
-    second = pc.load(path)
-    assert isinstance(second, pc.Simulation)
-    second.step(steps - part)
-    return [single, second]
-
-
-def assert_same_water(one: pc.Simulation, other: pc.Simulation) -> None:
-    """That states, budgets and pressures are the same to the bit."""
-    assert one.state_hash() == other.state_hash()
-    assert one.energy().balance == other.energy().balance
-    np.testing.assert_array_equal(one["water"].pressures, other["water"].pressures)

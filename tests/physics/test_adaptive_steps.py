@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import os
 import signal
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -63,7 +62,7 @@ def test_the_energy_of_an_eccentric_orbit_has_no_drift(integrator, record_proper
     random, because it is nowhere quite in the middle of its blocks; a drift would have the same sign in all. The mean
     of their slopes is zero within five standard errors: for t with 15 degrees of freedom, but for 2 in 10,000.
     """
-    revolutions = 1000
+    revolutions = 1000 if LONG else 250
     intervals = PERIOD * (0.5 + np.arange(16) / 16 + math.sqrt(2.0) / 100)
     errors = np.array([wander(integrator, interval, revolutions) for interval in intervals])
     parts = np.arange(1, 9) * revolutions / 8
@@ -120,7 +119,7 @@ def test_it_beats_equal_steps_at_equal_cost(record_property):
 def test_a_step_that_was_taken_back_leaves_no_trace(scene, integrator):
     """Where an interval is tried in one step and then taken in two, it is as if the two had been asked for."""
     found = 0
-    for start in np.linspace(0.05, 0.2, 80) if scene == "collision" else np.linspace(0.05, 4.0, 80):
+    for start in np.linspace(0.05, 0.2, 40) if scene == "collision" else np.linspace(0.05, 4.0, 40):
         before = pc.Simulation(SCENES[scene](), integrator, ADAPTIVE, threads=1)
         before.run(float(start))
         limit = before.plan.dt_limit
@@ -144,27 +143,6 @@ def test_a_step_that_was_taken_back_leaves_no_trace(scene, integrator):
     assert found > 0
 
 
-@pytest.mark.parametrize("scene", SCENES)
-def test_the_bits_do_not_depend_on_threads(scene):
-    hashes = set()
-    for threads in (1, 2, 3):
-        run = pc.Simulation(SCENES[scene](), dt=ADAPTIVE, threads=threads)
-        run.run(1.0)
-        hashes.add(run.state_hash())
-    assert len(hashes) == 1
-
-
-@pytest.mark.parametrize("scene", SCENES)
-def test_recording_and_auditing_change_no_bit(scene):
-    """A recording is a run to each of its frames."""
-    recorded, plain = (pc.Simulation(SCENES[scene](), dt=ADAPTIVE, threads=1) for _ in range(2))
-    recorded.record(1.0, fps=20.0)
-    for _ in range(20):
-        plain.run(1.0 / 20.0)
-        plain.energy()
-    assert recorded.state_hash() == plain.state_hash()
-
-
 def test_blocks_are_the_same_in_one_run_and_in_frames_of_half_its_length():
     """Halves of an interval are blocks of it, so a run that stops there takes the same steps, if none is longer."""
     whole, parts = (pc.Simulation(kepler(), dt=ADAPTIVE, threads=1) for _ in range(2))
@@ -174,22 +152,6 @@ def test_blocks_are_the_same_in_one_run_and_in_frames_of_half_its_length():
     assert whole.plan.dt < 0.125
     assert whole.steps == parts.steps
     assert np.array_equal(state(whole), state(parts))
-
-
-@pytest.mark.parametrize("scene", SCENES)
-@pytest.mark.parametrize("integrator", [pc.VelocityVerlet(), pc.PEFRL()], ids=name)
-def test_a_checkpoint_on_the_way_changes_no_bit(scene, integrator, tmp_path: Path):
-    plain = pc.Simulation(SCENES[scene](), integrator, ADAPTIVE)
-    for _ in range(2):
-        plain.run(0.7)
-    first = pc.Simulation(SCENES[scene](), integrator, ADAPTIVE)
-    first.run(0.7)
-    first.save(tmp_path / "half.npz")
-    second = pc.load(tmp_path / "half.npz")
-    assert isinstance(second, pc.Simulation)
-    second.run(0.7)
-    assert second.state_hash() == plain.state_hash()
-    assert second.plan == plain.plan
 
 
 @pytest.mark.parametrize("scene", SCENES)
@@ -264,7 +226,7 @@ def test_a_divergence_is_named_and_leaves_the_last_good_state():
     assert 0.5 - 1.0 / 128.0 / 1024.0 <= run.positions[0, 0] <= 0.5
 
 
-@pytest.mark.skipif(os.name != "posix", reason="sends SIGALRM")
+@pytest.mark.skipif(os.name != "posix", reason="needs interval timers")
 def test_an_interrupt_leaves_a_whole_step_from_which_it_goes_on():
     """An interval without end in sight: it stops soon, and at a time that is a block's end."""
 
@@ -273,14 +235,14 @@ def test_an_interrupt_leaves_a_whole_step_from_which_it_goes_on():
 
     run = pc.Simulation(kepler(), dt=ADAPTIVE, threads=1)
     energy = run.energy().total
-    before = signal.signal(signal.SIGALRM, interrupt)
+    before = signal.signal(signal.SIGPROF, interrupt)
     try:
-        signal.setitimer(signal.ITIMER_REAL, 0.2)
+        signal.setitimer(signal.ITIMER_PROF, 0.05)
         with pytest.raises(KeyboardInterrupt):
             run.run(1e7)
     finally:
-        signal.setitimer(signal.ITIMER_REAL, 0.0)
-        signal.signal(signal.SIGALRM, before)
+        signal.setitimer(signal.ITIMER_PROF, 0.0)
+        signal.signal(signal.SIGPROF, before)
     assert run.steps > 0
     assert (run.time / run.dt).is_integer()
     run.run(1.0)

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import physcore as pc
-from physics.laboratory import ALL, Array, assert_same_water, largest_step, name, other_ways, state, unwarned
+from physics.laboratory import ALL, Array, largest_step, name, state, unwarned
 
 FORWARD = [pc.SemiImplicitEuler(), pc.VelocityVerlet(), pc.McLachlan2()]
 """Splittings without negative substeps."""
@@ -131,17 +130,6 @@ def test_the_budget_closes_with_the_order_of_the_integrator(integrator):
         assert after.dissipated > 0.02 * before.kinetic
     assert np.log2(holes[0] / holes[1]) / 2.0 > integrator.order - 0.2
     assert holes[1] < 1e-3 * after.dissipated
-
-
-@pytest.mark.parametrize("changes", [{}, {"density_from": "summation"}], ids=["carried", "counted"])
-@pytest.mark.parametrize("integrator", [pc.SemiImplicitEuler(), pc.McLachlan2()], ids=name)
-def test_single_steps_a_checkpoint_and_threads_change_no_bit(integrator, changes, tmp_path: Path):
-    start = partial(vortices, integrator, 1e-3, **changes)
-    plain, shared = start(), start(threads=3)
-    for run in (plain, shared):
-        run.step(200)
-    for other in (shared, *other_ways(start, 200, 77, tmp_path / "part.npz")):
-        assert_same_water(other, plain)
 
 
 @pytest.mark.parametrize("dt", ["auto", 2e-4], ids=["auto", "given"])

@@ -101,16 +101,6 @@ def test_obstacles_go_on_across_the_ends_of_a_periodic_domain():
     np.testing.assert_allclose(rows, np.tile(rows[:, :1], 16), atol=1e-9)
 
 
-def test_mixtures_have_the_same_bits_for_any_number_of_threads():
-    hashes = set()
-    for threads in (1, 2, 3):
-        scene = layers(1000.0, 800.0).scene
-        run = pc.Simulation(scene, dt=2e-4, threads=threads)
-        run.step(30)
-        hashes.add(run.state_hash())
-    assert len(hashes) == 1
-
-
 def test_a_fourth_kind_of_fluid_and_other_numerics_are_refused():
     def pools(*fluids: pc.Fluid) -> None:
         pc.Simulation(pc.Scene(*fluids, pc.Box((0.0, 0.0), (9.0, 2.0)), DOWN))

@@ -2,16 +2,11 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
-from functools import partial
-
 import numpy as np
 import pytest
 
 import physcore as pc
-from physics.laboratory import EPSILON, Array, assert_same_water, name, other_ways
-from physics.test_determinism import ENVIRONMENT
+from physics.laboratory import EPSILON, Array, name
 
 SPACING = 0.05
 DT = 5e-4
@@ -24,57 +19,6 @@ def tank(sides: float = 1.0, dimension: int = 2, shifting: float = 0.0, **numeri
     box = pc.Box((0.0,) * dimension, (2.0 * sides, *(0.3,) * (dimension - 2), 2.0 * sides))
     down = pc.Gravity((*(0.0,) * (dimension - 1), -9.81))
     return pc.Simulation(pc.Scene(water, box, down), **{"dt": DT, **numerics})
-
-
-def hashes(threads: int) -> list[str]:
-    """Of states and meters of a flow that is worth sharing, in 2D and 3D and in both precisions."""
-    found = []
-    for dimension, sides in ((2, 4.0), (3, 1.5)):
-        for precision, shifting in (("f32", 0.0), ("f64", 0.0), ("f32", 6.0)):
-            run = tank(sides, dimension, shifting, precision=precision, threads=threads)
-            run.step(20)
-            energy = run.energy()
-            found.append(f"{run.state_hash()} {energy.dissipated.hex()} {energy.internal.hex()} {energy.work.hex()}")
-    return found
-
-
-@pytest.fixture(scope="module")
-def alone() -> list[str]:
-    return hashes(1)
-
-
-def test_any_number_of_threads_gives_the_same_bits(alone):
-    for threads in (2, 3, 4):
-        assert hashes(threads) == alone
-
-
-@pytest.mark.parametrize("level", ["scalar", "avx2", "avx512"])
-def test_every_level_of_vector_instructions_gives_the_same_bits(level, alone):
-    program = "from physics.test_fluids import *; print(*hashes(1), sep='\\n')"
-    environment = {**ENVIRONMENT, "PHYSCORE_SIMD": level}
-    done = subprocess.run([sys.executable, "-c", program], env=environment, capture_output=True, text=True, check=False)
-    if done.returncode != 0 and "PHYSCORE_SIMD" in done.stderr:
-        pytest.skip(f"this machine has no {level}")
-    assert done.returncode == 0, done.stderr
-    assert done.stdout.splitlines() == alone
-
-
-# Where the water meets the far wall, single particles are faster than any fall.
-@pytest.mark.filterwarnings("ignore::physcore.MachWarning")
-@pytest.mark.parametrize("shifting", [0.0, 6.0])
-@pytest.mark.parametrize("precision", ["f32", "f64"])
-@pytest.mark.parametrize("dt", [DT, "auto"])
-def test_a_checkpoint_a_recording_and_single_steps_change_no_bit(dt, precision, shifting, tmp_path):
-    """The checkpoint is taken when the water has reached other walls than those that it started at."""
-    start = partial(tank, dt=dt, precision=precision, shifting=shifting)
-    plain = start()
-    plain.step(400)
-    for other in other_ways(start, 400, 150, tmp_path / "half.npz"):
-        assert_same_water(other, plain)
-    if dt != "auto":
-        recorded = start()
-        recorded.record(400 * DT, fps=37.0, channels=("positions", "densities"))
-        assert recorded.state_hash() == plain.state_hash()
 
 
 def test_water_pushes_and_rubs_in_pairs():

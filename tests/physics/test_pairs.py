@@ -145,18 +145,6 @@ def test_a_crowd_runs_back_to_where_it_came_from(integrator, law, kind):
     assert apart(back, start, people) <= tolerance(people, integrator, 2 * STEPS)
 
 
-@pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("law", LAWS)
-def test_the_order_of_particles_does_not_matter(law, kind):
-    """Another order of sums, so rounding, and nothing else; results keep the caller's order."""
-    people, integrator = crowd(law, 2, kind), pc.VelocityVerlet()
-    order = np.random.default_rng(1).permutation(len(people.mass))
-    arrays = ("positions", "velocities", "radius", "mass")
-    shuffled = people.changed(**{each: getattr(people, each)[order] for each in arrays})
-    there = moved(shuffled, integrator)[:, np.argsort(order)]
-    assert apart(there, moved(people, integrator), people) <= tolerance(people, integrator)
-
-
 @pytest.mark.parametrize("kind", ["strip", "closed"])
 @pytest.mark.parametrize("law", LAWS)
 def test_a_particle_may_stand_for_any_of_its_images(law, kind):

@@ -208,20 +208,6 @@ def test_the_time_step_knows_how_tension_and_friction_accelerate_together(dimens
     assert plan.dt_limit == pytest.approx(math.sqrt(1.5 / largest), rel=1e-4)
 
 
-@pytest.mark.parametrize("dimension", [2, 3])
-def test_its_bits_are_those_of_one_thread_and_of_a_checkpoint(dimension, tmp_path):
-    # More than a block of particles, so that two threads have something to share.
-    cells = pc.block((0.0,) * dimension, ({2: 40.0, 3: 14.0}[dimension],) * dimension, 1.0)
-    scene = pc.Scene(pc.Fluid(cells, 1.0, density=1.0, sound_speed=20.0, surface_tension=1.0))
-    one, two = (pc.Simulation(scene, dt=0.03, threads=threads) for threads in (1, 2))
-    one.step(30)
-    two.step(20)
-    two.save(tmp_path / "drop")
-    later = pc.load(tmp_path / "drop")
-    later.step(10)
-    assert later.state_hash() == one.state_hash()
-
-
 def test_sound_follows_from_it():
     water = pc.Fluid(heap(3), 1.0, density=2.0, surface_tension=3.0)
     assert "sound at 7.7460 m/s" in str(pc.Simulation(pc.Scene(water)).plan)  # √(40 · 3/2)

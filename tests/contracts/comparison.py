@@ -1,0 +1,58 @@
+"""How far two runs may part that differ by rounding alone."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+
+import physcore as pc
+from contracts.scenes import SCENES, STEPS
+from contracts.transforms import Array
+
+SMALL = 1e-7
+"""A difference, relative to the size of a number, that grows as any other small one does."""
+
+
+def state(run: pc.Simulation) -> tuple[Array, Array]:
+    """Positions, which are not wrapped to the periodic domain, and velocities, shape (N, D) each."""
+    return run.positions, run.velocities
+
+
+def difference(scene: pc.Scene, one: tuple[Array, Array], other: tuple[Array, Array]) -> float:
+    """The largest difference of two states, each part relative to its size, and to nearest images."""
+    apart = one[0] - other[0]
+    if scene.periodic is not None:
+        apart = scene.periodic.nearest(apart)
+    speed = max(np.abs(one[1]).max(), 1e-300)
+    return max(float(np.abs(apart).max() / np.abs(one[0]).max()), float(np.abs(one[1] - other[1]).max() / speed))
+
+
+@cache
+def growth(name: str) -> float:
+    """By how much a small random difference grows during the run of a case, in double precision."""
+    case = SCENES[name]
+    plain, shaken = (case.simulation(precision="f64") for _ in range(2))
+    x, v = state(shaken)
+    rng = np.random.default_rng(1)
+    free = ~np.concatenate([body.fixed for body in shaken.scene.bodies])[:, None]
+    speed = max(np.abs(v).max(), np.abs(x).max())  # where all is at rest, that of one size per second
+    shaken.set(
+        x + free * SMALL * np.abs(x).max() * rng.uniform(-1.0, 1.0, x.shape),
+        v + free * SMALL * speed * rng.uniform(-1.0, 1.0, v.shape),
+    )
+    case.advance(plain)
+    case.advance(shaken)
+    return max(1.0, difference(plain.scene, state(plain), state(shaken)) / SMALL)
+
+
+def tolerance(name: str, run: pc.Simulation, size: float = 1.0) -> float:
+    """How far a run of the precision of `run` may part from another, relative to its state.
+
+    Every step rounds each number by an ε of it or a few, with random signs, and what was rounded off grows like any
+    small difference. That was measured in one direction: a factor of 10 covers the others. `size` is how many times
+    larger the numbers are that are rounded.
+    """
+    precision = str(run.provenance.numerics["precision"])
+    epsilon = float(np.finfo(precision.replace("f", "float")).eps)
+    return 10.0 * growth(name) * float(np.sqrt(STEPS)) * epsilon * size

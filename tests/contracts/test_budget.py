@@ -1,0 +1,64 @@
+"""The energy budget closes: total + dissipated − work is constant up to the error of the integrator."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import physcore as pc
+from contracts.scenes import SCENES, Case
+
+FIXED = {name: case for name, case in SCENES.items() if not case.adaptive}
+STEPS, SAMPLES, REFINEMENT = 16, 8, 4
+
+
+def closure(case: Case, refinement: int, precision: str) -> tuple[float, float]:
+    """Root mean square of the change of the balance [J] at common times, and what rounding may add to it.
+
+    Rounding adds an ε of the energies in every step, with random signs: five standard deviations.
+    """
+    run = case.simulation(dt=case.dt / refinement, precision=precision)
+    first = run.energy().balance
+    errors, size = [], 0.0
+    for _ in range(SAMPLES):
+        run.step(refinement * STEPS // SAMPLES)
+        energy = run.energy()
+        errors.append(energy.balance - first)
+        parts = (energy.kinetic, *energy.by_term.values(), energy.internal, energy.dissipated, energy.work)
+        size = max(size, sum(abs(part) for part in parts))
+    epsilon = float(np.finfo(precision.replace("f", "float")).eps)
+    return float(np.sqrt(np.mean(np.square(errors)))), 5.0 * np.sqrt(refinement * STEPS) * epsilon * size
+
+
+@pytest.mark.parametrize("precision", ["f64", "f32"])
+@pytest.mark.parametrize("name", FIXED)
+def test_the_budget_closes_to_the_order_of_the_integrator(name, precision, record_property):
+    """A quarter of the time step leaves 4^−p of the error, and half as much again for the terms of the next orders.
+
+    Nothing that is dissipated or put in may be missing: a part of it that the budget does not see would stay.
+    """
+    case = FIXED[name]
+    order = case.simulation(precision=precision).plan.order
+    coarse, _ = closure(case, 1, precision)
+    fine, rounding = closure(case, REFINEMENT, precision)
+    record_property("order", f"{np.log2(max(coarse, 1e-300) / max(fine, 1e-300)) / np.log2(REFINEMENT):.2f}")
+    assert fine <= 1.5 * coarse / REFINEMENT**order + rounding
+
+
+@pytest.mark.parametrize("name", [name for name, case in SCENES.items() if case.adaptive])
+def test_steps_that_follow_the_motion_close_it_better_the_shorter_they_are(name):
+    """A quarter of the safety makes steps a quarter as long; a quarter of the tolerance, 4^(1/5) of them at order 5."""
+    case = SCENES[name]
+    rule = case.numerics["dt"]
+
+    def drift(rule: pc.AdaptiveStep) -> tuple[float, int]:
+        run = case.simulation(dt=rule)
+        first = run.energy().balance
+        run.run(case.duration)
+        return abs(run.energy().balance - first), run.steps
+
+    finer = pc.AdaptiveStep(rule.safety / 4.0, None if rule.tolerance is None else rule.tolerance / 4.0**5)
+    (coarse, few), (fine, many) = drift(rule), drift(finer)
+    assert many > few
+    order = case.simulation().plan.order
+    assert fine <= 1.5 * coarse * (few / many) ** order

@@ -1,0 +1,78 @@
+"""A run that is saved and loaded, copied or sent to another process on its way ends in the same bits."""
+
+from __future__ import annotations
+
+import copy
+import pickle
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import physcore as pc
+from contracts.scenes import SCENES, STEPS
+
+
+def loaded(run: pc.Simulation, folder: Path) -> pc.Simulation:
+    run.save(folder / "half")
+    result = pc.load(folder / "half")
+    assert isinstance(result, pc.Simulation)
+    return result
+
+
+WAYS: dict[str, Callable[[pc.Simulation, Path], pc.Simulation]] = {
+    "file": loaded,
+    "pickle": lambda run, folder: pickle.loads(pickle.dumps(run)),
+    "copy": lambda run, folder: copy.copy(run),
+    "deep copy": lambda run, folder: copy.deepcopy(run),
+}
+
+
+def outcome(run: pc.Simulation) -> dict[str, Any]:
+    """Everything that two runs of the same bits have in common."""
+    return {"hash": run.state_hash(), "dt": run.dt, "provenance": run.provenance, "energy": vars(run.energy())}
+
+
+def ways(run: pc.Simulation) -> dict[str, Callable[[pc.Simulation, Path], pc.Simulation]]:
+    """How this run can be passed on: functions of the user's are not saved, which tests/test_storage.py holds."""
+    is_code = any(isinstance(force, pc.CustomForce) for force in run.scene.forces)
+    return {name: way for name, way in WAYS.items() if not (is_code and name in ("file", "pickle"))}
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_a_run_goes_on_from_its_checkpoint_in_the_same_bits(name, tmp_path):
+    """And so does the run that was saved. Where steps follow the motion, an interval's end is part of its history."""
+    case = SCENES[name]
+    part = STEPS // 3
+    plain, first = case.simulation(), case.simulation()
+    for steps in (part, STEPS - part):
+        case.advance(plain, steps)
+    case.advance(first, part)
+    present = outcome(first)
+    for way, passed_on in ways(first).items():
+        second = passed_on(first, tmp_path)
+        assert outcome(first) == outcome(second) == present, way
+        case.advance(second, STEPS - part)
+        assert outcome(second) == outcome(plain), way
+    case.advance(first, STEPS - part)
+    assert outcome(first) == outcome(plain)
+
+
+UNBOUNDED = {
+    "network ExplicitEuler": "has no stable step",
+    "swarm quadratic drag": "becomes unstable as it falls, before the limit is looked at again",
+}
+
+
+@pytest.mark.parametrize("name", [name for name, case in SCENES.items() if not case.adaptive and name not in UNBOUNDED])
+def test_limits_that_the_time_step_keeps_to_are_part_of_a_checkpoint(name, tmp_path):
+    """With dt="auto" the limit is looked at every 8 steps in fluids, and every 256 elsewhere: past the checkpoint."""
+    case = SCENES[name]
+    steps, part = (30, 11) if case.scene().fluids else (300, 200)
+    plain, first = case.simulation(dt="auto"), case.simulation(dt="auto")
+    plain.step(steps)
+    first.step(part)
+    second = next(iter(ways(first).values()))(first, tmp_path)
+    second.step(steps - part)
+    assert outcome(second) == outcome(plain)

@@ -1,0 +1,32 @@
+"""Two dimensions are three with one left out."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from contracts.comparison import difference, state, tolerance
+from contracts.scenes import SCENES
+from contracts.transforms import Transform, transformed
+
+LIFT = Transform(np.array([[1.0, 0.0], [0.0, 0.0], [0.0, 1.0]]))
+"""(x, y) → (x, 0, y): up is the last axis in both."""
+
+
+def flat(name: str) -> bool:
+    """Fluids are other in the plane: their kernel is, and what they weigh."""
+    scene = SCENES[name].scene()
+    return scene.dimension == 2 and not scene.fluids
+
+
+@pytest.mark.parametrize("name", [name for name in SCENES if flat(name)])
+def test_a_motion_in_a_plane_is_the_same_in_space(name):
+    """Nothing leaves the plane; the limit of the time step is the same but for the other direction of springs."""
+    case = SCENES[name]
+    scene = case.scene()
+    plain, lifted = case.advance(case.simulation(scene)), case.advance(case.simulation(transformed(scene, LIFT)))
+    (x, v), there = state(plain), state(lifted)
+    assert not there[0][:, 1].any()
+    assert not there[1][:, 1].any()
+    expected = LIFT.points(x), LIFT.velocities(v)
+    assert difference(lifted.scene, expected, there) <= tolerance(name, plain)

@@ -1,0 +1,87 @@
+"""Above the limit of stability a run fails at one step, however its steps were asked for, and stands before it."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from functools import cache
+
+import numpy as np
+import pytest
+
+import physcore as pc
+from contracts.scenes import SCENES
+
+TOTAL = 300
+CUTTINGS = {"one by one": [1] * TOTAL, "unequal": [1, 7, 64, 3, 25, 200], "halves": [TOTAL // 2] * 2}
+
+
+@cache
+def limit(name: str) -> float:
+    """The limit of stability of a case [s]: where steps follow the motion, that of its start."""
+    return SCENES[name].simulation().plan.dt_limit
+
+
+LIMITED = [name for name, case in SCENES.items() if not case.adaptive and 0.0 < limit(name) < math.inf]
+BOUNDED = {
+    "network BlanesMoan6": "is unstable between narrow limits only",
+    "swarm star": "flies apart, away from what limits its steps",
+    "swarm star f32": "likewise",
+    "swarm power": "likewise",
+    "grains": "bounce off each other, and lose more than they gain",
+    "grains f32": "likewise",
+    "layers": "is limited as if the heaviest fluid pushed all of the net",
+}
+"""Who comes through three times the limit."""
+
+
+def outcome(run: pc.Simulation, pieces: list[int]) -> dict[str, object]:
+    """How a run ends whose steps are asked for in pieces: what is said of a divergence, and where it then stands."""
+    said, error = None, None
+    try:
+        for piece in pieces:
+            run.step(piece)
+    except pc.SimulationDiverged as caught:
+        error = caught
+    if error is not None:
+        assert error.step == run.steps + 1
+        assert error.last_good is not None
+        assert error.last_good.time == run.time < error.time
+        assert np.array_equal(error.last_good.positions, run.positions)
+        assert np.array_equal(error.last_good.velocities, run.velocities)
+        said = (error.step, error.time, error.particle, error.quantity, error.cause, error.hint)
+    assert np.isfinite(run.positions).all()
+    assert np.isfinite(run.velocities).all()
+    assert math.isfinite(run.energy().balance)
+    return {"said": said, "steps": run.steps, "time": run.time, "hash": run.state_hash(), "energy": vars(run.energy())}
+
+
+@pytest.mark.parametrize("factor", [1.05, 3.0])
+@pytest.mark.parametrize("name", LIMITED)
+def test_the_step_that_fails_does_not_depend_on_how_steps_were_asked_for(name, factor):
+    """The verdict is a function of the trajectory, and after it, all is as one step earlier."""
+    case = SCENES[name]
+    dt = factor * limit(name)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", pc.MachWarning)
+        run = case.simulation(dt=dt)
+        whole = outcome(run, [TOTAL])
+        for label, pieces in CUTTINGS.items():
+            assert outcome(case.simulation(dt=dt), pieces) == whole, label
+        if whole["said"] is None:
+            return
+        for pieces in ([1], [5]):  # tried again
+            again = outcome(run, pieces)
+            assert again["said"][:4] == whole["said"][:4]
+            assert {**again, "said": None} == {**whole, "said": None}
+        plain = case.simulation(dt=dt)
+        if run.steps > 0:
+            plain.step(run.steps)
+    assert (plain.positions == run.positions).all()
+    assert run.steps == 0 or plain.state_hash() == run.state_hash()
+
+
+@pytest.mark.parametrize("name", [name for name in LIMITED if name not in BOUNDED])
+def test_at_three_times_the_limit_it_fails(name):
+    with pytest.raises(pc.SimulationDiverged):
+        SCENES[name].simulation(dt=3.0 * limit(name)).step(TOTAL)

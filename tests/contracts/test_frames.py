@@ -1,0 +1,94 @@
+"""Looking at a run does not change it: the bits are the same however it is asked for, audited, recorded or filmed."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import physcore as pc
+from contracts.scenes import SCENES, STEPS, Case
+from physcore.film import provenance
+
+FIXED = {name: case for name, case in SCENES.items() if not case.adaptive}
+FRAMES = 7
+"""Frames of a recording: with `rate` most fall between two steps, and those at a third and two thirds on one."""
+
+
+def rate(case: Case) -> float:
+    """Frames per second, so that the last of `FRAMES` is the last step's."""
+    return (FRAMES - 1) / case.duration
+
+
+def budget(run: pc.Simulation) -> dict[str, object]:
+    return vars(run.energy())
+
+
+@pytest.mark.parametrize("name", FIXED)
+def test_steps_may_be_asked_for_one_by_one_with_an_audit_after_each(name):
+    case = FIXED[name]
+    whole, single = case.simulation(), case.simulation()
+    whole.step(STEPS)
+    for _ in range(STEPS):
+        single.step()
+        single.energy()
+        single.momentum()
+    _ = single.plan, single.positions
+    assert single.state_hash() == whole.state_hash()
+    assert budget(single) == budget(whole)
+    assert single.provenance == whole.provenance
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_a_recording_changes_no_bit_and_its_frames_fall_at_their_times(name):
+    """Where steps follow the motion, a recording is a run to each of its frames."""
+    case = SCENES[name]
+    recorded, plain = case.simulation(), case.simulation()
+    recording = recorded.record(case.duration, rate(case))
+    if case.adaptive:
+        for _ in range(FRAMES - 1):
+            plain.run(1.0 / rate(case))
+    else:
+        plain.step(STEPS)
+    assert recorded.state_hash() == plain.state_hash() == recording.provenance.state_hash
+    assert budget(recorded) == budget(plain)
+    assert len(recording) == FRAMES
+    np.testing.assert_array_equal(recording.times, np.arange(FRAMES) / rate(case))
+    np.testing.assert_array_equal(recording.positions[-1], plain.positions)
+    np.testing.assert_array_equal(recording.velocities[-1], plain.velocities)
+    assert recording.energy.total[-1] == plain.energy().total
+
+
+@pytest.mark.parametrize("name", FIXED)
+def test_a_frame_between_two_steps_lies_on_the_cubic_through_them(name):
+    """At the middle of a step: x = (x₀ + x₁)/2 + dt (v₀ − v₁)/8; in a periodic domain up to whole periods."""
+    case = FIXED[name]
+    run = case.simulation()
+    run.step(STEPS // 2)
+    other = case.simulation()
+    other.step(STEPS // 2)
+    frames = run.record(1.5 * case.dt, 2.0 / case.dt)
+    before = other.positions, other.velocities
+    other.step()
+    after = other.positions, other.velocities
+    if run.scene.periodic is not None:
+        after = (before[0] + run.scene.periodic.nearest(after[0] - before[0]), after[1])
+    middle = (before[0] + after[0]) / 2.0 + case.dt * (before[1] - after[1]) / 8.0
+    if run.scene.periodic is not None:
+        middle = run.scene.periodic.wrap(middle)
+    scale = np.abs(middle).max() + np.abs(before[1]).max() * case.dt
+    np.testing.assert_allclose(frames.positions[1], middle, rtol=0.0, atol=8.0 * np.finfo(float).eps * scale)
+
+
+@pytest.mark.filterwarnings("ignore::physcore.StabilityWarning")
+@pytest.mark.parametrize("name", SCENES)
+def test_a_film_shows_the_same_run(name, tmp_path):
+    """It says in which state it ended: that of a recording with as many frames."""
+    case = SCENES[name]
+    numerics = {"dt": case.dt, **case.numerics}
+    scene = case.scene()
+    path = tmp_path / "film.gif"
+    pc.film(scene, path, duration=case.duration, fps=2.0 / case.duration, size=(48, 32), **numerics)
+    recorded = case.simulation(scene)
+    recorded.record(case.duration, 2.0 / case.duration)
+    (panel,) = provenance(path)
+    assert panel["state"] == recorded.state_hash()

@@ -1,0 +1,29 @@
+"""Single precision is that of the arithmetic: beside double precision it is off by what rounding makes, or refused."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import physcore as pc
+from contracts.comparison import difference, state, tolerance
+from contracts.scenes import SCENES
+from contracts.transforms import Transform, transformed
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_single_precision_is_double_precision_within_rounding(name):
+    case = SCENES[name]
+    double, single = (case.advance(case.simulation(precision=precision)) for precision in ("f64", "f32"))
+    assert double.state_hash() != single.state_hash()
+    assert difference(double.scene, state(double), state(single)) <= tolerance(name, single)
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_what_single_precision_cannot_hold_is_refused_with_the_reason(name):
+    """2^130 s is beyond its range, and a velocity of 2^-130 of what it was is below it where positions are not."""
+    case = SCENES[name]
+    scene = case.scene()
+    huge = transformed(scene, Transform(np.eye(scene.dimension), m=2.0**130))
+    with pytest.raises(pc.SceneError, match="f32"):
+        case.simulation(huge, precision="f32")

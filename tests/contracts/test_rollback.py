@@ -1,0 +1,90 @@
+"""A step that fails or is interrupted leaves the state before it, from which the run goes on in the same bits."""
+
+from __future__ import annotations
+
+import signal
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import numpy as np
+import pytest
+
+import physcore as pc
+from contracts.scenes import SCENES, STEPS, Case
+
+FIXED = {name: case for name, case in SCENES.items() if not case.adaptive}
+
+
+class Broken(Exception):
+    """What a function of the user's raises."""
+
+
+def failing(case: Case, time: float) -> pc.Scene:
+    """The scene of a case, and a force that is zero, and that from some time on cannot be evaluated."""
+    scene = case.scene()
+
+    def function(now: float, x: np.ndarray, v: np.ndarray) -> np.ndarray:
+        if now > time:
+            raise Broken
+        return np.zeros_like(x)
+
+    force = pc.CustomForce(function, potential=lambda x: 0.0)
+    domain = [] if scene.periodic is None else [scene.periodic]
+    return pc.Scene(*scene.bodies, *scene.forces, *scene.boundaries, *domain, force)
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_a_step_that_cannot_be_taken_leaves_no_trace(name):
+    """However often it is tried: neighbor lists, tallies and registers of the method are those of the step before."""
+    case = SCENES[name]
+    good = STEPS // 2
+    run = case.simulation(failing(case, (good + 0.25) * case.dt))
+    plain = case.simulation(failing(case, np.inf))
+    for _ in range(3):
+        with pytest.raises(pc.SceneError) as caught:
+            case.advance(run)
+        assert isinstance(caught.value.__cause__, Broken)
+    if not case.adaptive:
+        assert 0 < run.steps <= good + 1  # a method that asks at the end of a step, or within it
+        plain.step(run.steps)
+        assert plain.state_hash() == run.state_hash()
+        assert vars(plain.energy()) == vars(run.energy())
+    state = run.state_hash()
+    with pytest.raises(pc.SceneError):
+        case.advance(run)
+    assert run.state_hash() == state
+
+
+@contextmanager
+def interrupted(after: float) -> Iterator[None]:
+    """Raise KeyboardInterrupt, as Ctrl-C does, when this process has computed for so long [s]."""
+
+    def interrupt(number: int, frame: object) -> None:
+        raise KeyboardInterrupt
+
+    before = signal.signal(signal.SIGPROF, interrupt)
+    signal.setitimer(signal.ITIMER_PROF, after)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_PROF, 0.0)
+        signal.signal(signal.SIGPROF, before)
+
+
+@pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="needs interval timers")
+@pytest.mark.parametrize("name", FIXED)
+def test_an_interrupted_run_stands_at_a_whole_step_and_goes_on(name):
+    """With a hundredth of the time step nothing runs away meanwhile. A batch that was under way is abandoned."""
+    case = FIXED[name]
+    run, plain = (case.simulation(dt=case.dt / 100.0) for _ in range(2))
+    with interrupted(0.02), pytest.raises(KeyboardInterrupt):
+        run.step(10**9)
+    state, steps = run.state_hash(), run.steps
+    assert steps < 10**9
+    run.step(STEPS)
+    if steps > 0:
+        plain.step(steps)
+        assert plain.state_hash() == state
+    plain.step(STEPS)
+    assert plain.state_hash() == run.state_hash()
+    assert vars(plain.energy()) == vars(run.energy())

@@ -1,0 +1,114 @@
+"""What the laws of motion do not care about, the numbers do not either: coordinates, units, the order of particles."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import physcore as pc
+from contracts.comparison import difference, state, tolerance
+from contracts.scenes import SCENES, Case
+from contracts.transforms import Array, Transform, transformed
+
+RESTING = (pc.CentralForce, pc.CustomForce)
+"""Forces that are not the same for who moves along."""
+
+
+def rescaled(case: Case, t: Transform) -> Case:
+    """The numerics of a case in other units."""
+    numerics = dict(case.numerics)
+    rule = numerics.get("dt")
+    if isinstance(rule, pc.AdaptiveStep) and rule.tolerance is not None:
+        numerics["dt"] = pc.AdaptiveStep(rule.safety, rule.tolerance * t.m)
+    return replace(case, dt=case.dt * t.s, numerics=numerics)
+
+
+def compare(name: str, t: Transform, shuffle: bool = False, size: float = 1.0) -> None:
+    """Transforming a scene transforms its motion, within rounding."""
+    case = SCENES[name]
+    scene = case.scene()
+    rng = np.random.default_rng(3)
+    orders = [rng.permutation(len(body)) if shuffle else np.arange(len(body)) for body in scene.bodies]
+    plain, other = case.simulation(scene), rescaled(case, t).simulation(transformed(scene, t, orders))
+    case.advance(plain)
+    rescaled(case, t).advance(other)
+    starts = np.cumsum([0, *map(len, scene.bodies)])
+    order = np.concatenate([start + part for start, part in zip(starts[:-1], orders, strict=True)])
+    x, v = state(plain)
+    shift = np.asarray(t.boost) * case.duration
+    expected = t.points(x[order]) + shift, t.velocities(v[order])
+    assert difference(other.scene, expected, state(other)) <= tolerance(name, plain, size)
+
+
+def axes(name: str) -> Array:
+    return np.eye(SCENES[name].scene().dimension)
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_moving_a_scene_moves_its_motion(name):
+    """Numbers of up to 16 m are rounded where those of about 1 m were."""
+    compare(name, Transform(axes(name), shift=np.array([8.0, -16.0, 4.0])[: len(axes(name))]), size=16.0)
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_turning_a_scene_by_a_quarter_turns_its_motion(name):
+    """In space by a third of a turn about (1, 1, 1): all three axes change their roles."""
+    turn = np.roll(axes(name), 1, axis=0)
+    if len(turn) == 2:
+        turn[0] *= -1.0
+    assert np.linalg.det(turn) == pytest.approx(1.0)
+    compare(name, Transform(turn))
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_a_mirror_changes_signs(name):
+    mirror = axes(name)
+    mirror[0, 0] = -1.0
+    compare(name, Transform(mirror))
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_the_order_of_particles_does_not_matter(name):
+    """A permutation changes the order of sums, so rounding, and nothing else; results keep the caller's order."""
+    compare(name, Transform(axes(name)), shuffle=True)
+
+
+def moves_along(name: str) -> bool:
+    """Whether nothing in a scene stands still by itself."""
+    scene = SCENES[name].scene()
+    return not scene.boundaries and not any(isinstance(force, RESTING) for force in scene.forces)
+
+
+@pytest.mark.filterwarnings("ignore::physcore.MachWarning")
+@pytest.mark.parametrize("name", [name for name in SCENES if moves_along(name)])
+def test_a_uniform_motion_of_all_changes_nothing_else(name):
+    """Galilei's principle. Limits of the time step are those of relative motion: adaptive steps are the same too."""
+    compare(name, Transform(axes(name), boost=np.array([1.0, -2.0, 0.5])[: len(axes(name))]), size=4.0)
+
+
+UNITS = [(10, 0, 0), (0, -10, 0), (0, 0, 10), (-10, 20, 10)]
+"""Exponents of 2 for length, time and mass; powers of a law's exponents are then powers of two as well."""
+
+
+@pytest.mark.parametrize(("length", "time", "mass"), UNITS)
+@pytest.mark.parametrize("name", [name for name in SCENES if name != "swarm power"])
+def test_other_units_change_no_bit(name, length, time, mass):
+    """Powers of two scale every number exactly, away from underflow: nothing has a scale of its own.
+
+    But a power of r whose exponent, −2.7, is itself rounded.
+    """
+    case = SCENES[name]
+    scene = case.scene()
+    t = Transform(np.eye(scene.dimension), m=2.0**length, s=2.0**time, kg=2.0**mass)
+    plain, scaled = case.simulation(scene), rescaled(case, t).simulation(transformed(scene, t))
+    # The stiffness of Hertz's contact takes a root.
+    assert scaled.plan.dt_limit == pytest.approx(plain.plan.dt_limit * t.s, rel=1e-14)
+    case.advance(plain)
+    rescaled(case, t).advance(scaled)
+    assert scaled.steps == plain.steps
+    assert np.array_equal(scaled.positions, plain.positions * t.m)
+    assert np.array_equal(scaled.velocities, plain.velocities * t.unit(1, -1))
+    for part in ("balance", "dissipated", "work"):
+        assert getattr(scaled.energy(), part) == getattr(plain.energy(), part) * t.unit(2, -2, 1), part

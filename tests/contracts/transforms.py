@@ -1,0 +1,178 @@
+"""Scenes in other coordinates and units: what every kind of item becomes in a similarity transformation.
+
+A force, boundary or body joins the contracts about symmetry by one entry in `QUANTITIES`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+import physcore as pc
+from physcore.scene.bodies import Body
+from physcore.scene.items import ActingItem
+
+Array = NDArray[np.float64]
+FAR = 1e3
+"""Where a box ends along an axis that it did not have [m]."""
+
+
+@dataclass(frozen=True)
+class Transform:
+    """x → m (A x + shift), v → (m/s) (A v + boost); A permutes axes, changes signs, or embeds the plane in space."""
+
+    axes: Array
+    """A, shape (new dimension, old dimension)."""
+    shift: Array | float = 0.0
+    boost: Array | float = 0.0
+    m: float = 1.0
+    """What a meter becomes."""
+    s: float = 1.0
+    """What a second becomes."""
+    kg: float = 1.0
+    """What a kilogram becomes."""
+
+    def unit(self, length: float = 0.0, time: float = 0.0, mass: float = 0.0) -> float:
+        """What m^length s^time kg^mass becomes."""
+        return self.m**length * self.s**time * self.kg**mass
+
+    def points(self, x: Any) -> Array:
+        """Positions, shape (…, D)."""
+        return (np.asarray(x) @ self.axes.T + self.shift) * self.m
+
+    def velocities(self, v: Any) -> Array:
+        """Velocities, shape (…, D)."""
+        return (np.asarray(v) @ self.axes.T + self.boost) * self.unit(1, -1)
+
+    def directions(self, a: Any) -> Array:
+        """Vectors that are the same wherever one stands and however one moves, shape (…, D)."""
+        return np.asarray(a) @ self.axes.T
+
+    def corners(self, lower: Any, upper: Any, far: float) -> tuple[tuple[float, ...], tuple[float, ...]]:
+        """Those of a box along the axes; that far away along an axis that is new."""
+        shift = np.broadcast_to(self.shift, len(self.axes))
+        ends = []
+        for axis, start in zip(self.axes, shift, strict=True):
+            partner = int(np.abs(axis).argmax())
+            pair = (axis[partner] * lower[partner], axis[partner] * upper[partner]) if axis.any() else (-far, far)
+            ends.append(sorted((end + start) * self.m for end in pair))
+        return tuple(low for low, _ in ends), tuple(high for _, high in ends)
+
+
+Rule = Callable[[Transform, Any], Any]
+
+
+def scalar(length: float = 0.0, time: float = 0.0, mass: float = 0.0) -> Rule:
+    """A number of these dimensions; None and words stay."""
+    return lambda t, value: value if value is None or isinstance(value, str) else value * t.unit(length, time, mass)
+
+
+def per_volume(length: float = 0.0, time: float = 0.0) -> Rule:
+    """kg m^length s^time per m² in the plane, per m³ in space."""
+    return lambda t, value: scalar(length - len(t.axes), time, 1)(t, value)
+
+
+def vector(length: float = 0.0, time: float = 0.0) -> Rule:
+    """A direction, of a length of these dimensions."""
+    return lambda t, value: tuple(t.directions(value) * t.unit(length, time))
+
+
+def point(t: Transform, value: Any) -> Any:
+    """A position."""
+    return tuple(t.points(value))
+
+
+def wind(t: Transform, value: Any) -> Any:
+    """A velocity; None is zero."""
+    return tuple(t.velocities(np.zeros(t.axes.shape[1]) if value is None else value))
+
+
+RESISTANCE = scalar(0, -1, 1)
+PARTICLES = {"positions": Transform.points, "velocities": Transform.velocities, "radius": scalar(1)}
+MASSES = {**PARTICLES, "mass": scalar(0, 0, 1)}
+QUANTITIES: dict[type, dict[str, Rule]] = {
+    pc.Gravity: {"acceleration": vector(1, -2)},
+    pc.Drag: {"linear": RESISTANCE, "quadratic": scalar(-1, 0, 1), "wind": wind},
+    pc.CentralForce: {"center": point, "softening": scalar(1)},
+    pc.SoftSpheres: {"damping": RESISTANCE, "tangential_damping": RESISTANCE},
+    pc.LennardJones: {"epsilon": scalar(2, -2, 1), "sigma": scalar(1), "cutoff": scalar(1)},
+    pc.Plane: {"point": point, "normal": vector()},
+    pc.Sphere: {"center": point, "radius": scalar(1)},
+    pc.Particles: MASSES,
+    pc.SpringNetwork: {**MASSES, "stiffness": scalar(0, -2, 1), "damping": RESISTANCE, "rest_length": scalar(1)},
+    pc.Fluid: {
+        **PARTICLES,
+        "spacing": scalar(1),
+        "density": per_volume(),
+        "viscosity": per_volume(2, -1),
+        "sound_speed": scalar(1, -1),
+        "surface_tension": per_volume(3, -2),
+    },
+}
+"""The parameters that change; what is not named stays. Laws with an exponent and boxes are below."""
+
+
+def _changed(item: Any, values: dict[str, Any], t: Transform) -> dict[str, Any]:
+    rules = QUANTITIES.get(type(item), {})
+    result = {name: rules[name](t, value) if name in rules else value for name, value in values.items()}
+    if isinstance(item, (pc.CentralForce, pc.SoftSpheres)):  # a force at 1 m, and at an overlap of 1 m
+        name = "strength" if isinstance(item, pc.CentralForce) else "stiffness"
+        result[name] = values[name] * t.unit(1 - item.exponent, -2, 1)
+    if isinstance(item, pc.Box):
+        result["lower"], result["upper"] = t.corners(item.lower, item.upper, FAR)
+    return result
+
+
+def _body(body: Body, t: Transform, order: NDArray[np.int64]) -> Body:
+    """Its particles in another order: particle k is the one that was particle order[k]."""
+    values = {entry.name: getattr(body, entry.name) for entry in fields(body)}
+    if isinstance(body, pc.Fluid):
+        values = {name: value for name, value in values.items() if name not in ("mass", "charge", "radius", "fixed")}
+    for name in {"positions", "velocities", "mass", "charge", "radius", "fixed"} & set(values):
+        values[name] = values[name][order]
+    for name in {"pairs", "faces"} & set(values):
+        values[name] = np.argsort(order)[values[name]]
+    return type(body)(**_changed(body, values, t))
+
+
+def _item(item: ActingItem, t: Transform, bodies: dict[Body, Body]) -> ActingItem:
+    on = None if item.bodies() is None else tuple(bodies[body] for body in item.bodies())
+    if isinstance(item, pc.CustomForce):
+        return _custom(item, t, on)
+    if isinstance(item, pc.Floor):  # which is no floor where another axis is up
+        up = np.eye(t.axes.shape[1])[-1]
+        shared = {"restitution": item.restitution, "friction": item.friction, "no_slip": item.no_slip, "on": on}
+        return pc.Plane(tuple(t.points(item.height * up)), tuple(t.directions(up)), **shared)
+    values = {entry.name: getattr(item, entry.name) for entry in fields(item) if entry.name != "on"}
+    return type(item)(**_changed(item, values, t), on=on)
+
+
+def _custom(force: pc.CustomForce, t: Transform, on: Any) -> pc.CustomForce:
+    """The function in the coordinates that it was written for. Aᵀ is the way back, as A keeps lengths."""
+
+    def back(x: Array) -> Array:
+        return (x / t.m - t.shift) @ t.axes
+
+    def function(time: float, x: Array, v: Array) -> Array:
+        rate = (v / t.unit(1, -1) - t.boost) @ t.axes
+        return t.directions(force.function(time / t.s, back(x), rate)) * t.unit(1, -2, 1)
+
+    def potential(x: Array) -> float:
+        assert force.potential is not None
+        return force.potential(back(x)) * t.unit(2, -2, 1)
+
+    return pc.CustomForce(function, None if force.potential is None else potential, on=on)
+
+
+def transformed(scene: pc.Scene, t: Transform, orders: list[NDArray[np.int64]] | None = None) -> pc.Scene:
+    """The same scene in other coordinates and units, the particles of every body in the given order."""
+    orders = orders or [np.arange(len(body)) for body in scene.bodies]
+    bodies = {body: _body(body, t, order) for body, order in zip(scene.bodies, orders, strict=True)}
+    items = [_item(item, t, bodies) for item in (*scene.forces, *scene.boundaries)]
+    domain = scene.periodic
+    domains = [] if domain is None else [pc.Periodic(*t.corners(domain.lower, domain.upper, np.inf))]
+    return pc.Scene(*bodies.values(), *items, *domains)
