@@ -7,13 +7,13 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from physcore.accuracy import simulate
 from physcore.checks import shown
 from physcore.errors import PhyscoreError, SceneError
 from physcore.files import replacing, require_writable
 from physcore.film import film as film_recordings
 from physcore.film.writers import WRITERS
 from physcore.formats import writable
+from physcore.simulation import Simulation
 from physcore.tradeoff.result import CERTAIN, Row, Tradeoff
 
 if TYPE_CHECKING:
@@ -112,15 +112,10 @@ def film(trade: Tradeoff, path: str | os.PathLike[str], row: Row, fps: float, op
     writable(path, WRITERS)
     position = list(dict.fromkeys(each.resolution for each in trade.rows)).index(row.resolution)
     experiment, reference = trade.experiments[position], trade.references[position]
-    chosen = simulate(experiment.scene, trade.duration, fps, **row.numerics)
-    truth = simulate(
-        experiment.scene,
-        trade.duration,
-        fps,
-        integrator=reference.choice.integrator,
-        dt=experiment.dt(reference.choice),
-        precision="f64",
-    )
+    chosen = Simulation(experiment.scene, **row.numerics).record(trade.duration, fps)
+    truth = Simulation(
+        experiment.scene, reference.choice.integrator, experiment.dt(reference.choice), "f64", experiment.threads
+    ).record(trade.duration, fps)
     name = type(row.integrator).__name__
     titles = [f"{name}, {row.precision}, {row.seconds:.2g} s", f"reference, ±{reference.uncertainty:.0e} m"]
     film_recordings([chosen, truth], path, **{"titles": titles, "size": (960, 480), **options})

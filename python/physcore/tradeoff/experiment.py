@@ -14,11 +14,15 @@ from physcore.checks import FloatArray, array
 from physcore.energy import Energy, EnergySeries
 from physcore.errors import SceneError, SimulationDiverged
 from physcore.integrators import Integrator
+from physcore.numerics import DivergenceRule
+from physcore.recording import Channel, Recording
 from physcore.scene import Scene
 from physcore.simulation import Simulation, unwarned
 
 SAMPLES = 32
-"""Equal intervals of the duration, at whose ends every run is looked at. Every time step divides them."""
+"""Intervals of the duration unless another number is given. Every time step divides them."""
+
+Precision = Literal["f32", "f64"]
 
 Observer = Callable[[Simulation], ArrayLike]
 """What is compared between runs: an array of the same shape at every time."""
@@ -29,7 +33,7 @@ class Choice:
     """A way to compute."""
 
     integrator: Integrator
-    precision: Literal["f32", "f64"]
+    precision: Precision
     steps: int
     """Steps in each of the intervals."""
 
@@ -44,7 +48,8 @@ class Trial:
 
     choice: Choice
     samples: FloatArray
-    """What was observed at the start and at the end of each interval, shape (33, …); shorter where it diverged."""
+    """What was observed at the start and at the end of each interval, shape (intervals + 1, …); shorter where it
+    diverged."""
     seconds: float
     """Spent in stepping, once: for planning, not for comparing."""
     evaluations: int
@@ -52,6 +57,8 @@ class Trial:
     energy_drift: float
     """The largest drift of the energy balance, over the same times; infinite where it diverged."""
     diverged: SimulationDiverged | None
+    recording: Recording | None = None
+    """All its frames, where they were asked for."""
 
     @property
     def complete(self) -> bool:
@@ -69,11 +76,17 @@ class Experiment:
     threads: int | None = None
     observer: Observer | None = None
     """None: the positions of all particles."""
+    intervals: int = SAMPLES
+    """Equal parts of the duration, at whose ends every run is looked at."""
+    runaway: float | None = None
+    """As in Simulation."""
+    on_divergence: DivergenceRule = "raise"
+    """As in Simulation."""
 
     @property
     def interval(self) -> float:
-        """A 32nd of the duration [s]."""
-        return self.duration / SAMPLES
+        """[s]"""
+        return self.duration / self.intervals
 
     def dt(self, choice: Choice) -> float:
         """The time step of a choice [s]."""
@@ -90,7 +103,15 @@ class Experiment:
             SceneError: the scene cannot be computed so.
         """
         with unwarned():  # Whoever measures where it ends goes beyond.
-            return Simulation(self.scene, choice.integrator, self.dt(choice), choice.precision, self.threads)
+            return Simulation(
+                self.scene,
+                choice.integrator,
+                self.dt(choice),
+                choice.precision,
+                self.threads,
+                runaway=self.runaway,
+                on_divergence=self.on_divergence,
+            )
 
     def observe(self, simulation: Simulation) -> FloatArray:
         """What is compared, of the present state.
@@ -118,8 +139,8 @@ class Experiment:
         largest: FloatArray = sizes.reshape(len(sizes), -1).max(axis=1)
         return largest
 
-    def attempt(self, choice: Choice) -> Trial:
-        """Run it once, from start to end or until it diverges.
+    def attempt(self, choice: Choice, intervals: int | None = None) -> Trial:
+        """Run it once, from start to end, of some intervals or of all, or until it diverges.
 
         Raises:
             SceneError: the scene cannot be computed so.
@@ -128,7 +149,7 @@ class Experiment:
         evaluations = simulation.plan.evaluations
         samples, budget = [self.observe(simulation)], [simulation.energy()]
         seconds, diverged = 0.0, None
-        for _ in range(SAMPLES):
+        for _ in range(self.intervals if intervals is None else intervals):
             begin = time.perf_counter()
             try:
                 simulation.step(choice.steps)
@@ -142,6 +163,33 @@ class Experiment:
         drift = float("inf") if diverged else float(np.abs(series(budget).drift).max())
         taken = max(1, simulation.steps)
         return Trial(choice, _stack(samples), seconds, taken * evaluations, drift, diverged)
+
+    def completed(self, choice: Choice, intervals: int | None = None) -> Trial:
+        """The same, of a run that comes to its end.
+
+        Raises:
+            SceneError: the scene cannot be computed so.
+            SimulationDiverged: the run diverged.
+        """
+        trial = self.attempt(choice, intervals)
+        if trial.diverged is not None:
+            raise trial.diverged
+        return trial
+
+    def recorded(self, choice: Choice, duration: float, fps: float, channels: tuple[Channel, ...]) -> Trial:
+        """The same, with a recording of its frames, of a duration [s] that ends less than an interval later.
+
+        Raises:
+            SceneError: the scene cannot be computed so, or the recording would not fit into memory.
+            SimulationDiverged: the run diverged.
+        """
+        simulation = self.start(choice)
+        begin = time.perf_counter()
+        recording = simulation.record(duration, fps, channels, progress=False)
+        seconds = time.perf_counter() - begin
+        taken = simulation.steps * recording.plan.evaluations
+        drift = float(np.abs(recording.energy.drift).max())
+        return Trial(choice, recording.positions, seconds, taken, drift, None, recording)
 
 
 def series(budget: list[Energy]) -> EnergySeries:

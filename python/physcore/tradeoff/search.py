@@ -18,12 +18,11 @@ from physcore.tradeoff.budget import Budget
 from physcore.tradeoff.chaos import Chaos, twin
 from physcore.tradeoff.experiment import Choice, Experiment
 from physcore.tradeoff.ladder import LEAST, REPEATS, Entry, Ladder
+from physcore.tradeoff.methods import SAFETY, halved, largest_step, methods, other_family
 from physcore.tradeoff.reference import Reference
 from physcore.tradeoff.restarts import Windows
 from physcore.tradeoff.result import CERTAIN, Measure, Row
 
-SAFETY = 0.95
-"""The first step of a ladder, as a fraction of its limit."""
 REFERENCE_SHARE = 0.3
 """How much of the budget the reference may take."""
 ENOUGH = 8
@@ -54,7 +53,7 @@ class Study:
         self._tick = tick
         self._searching = dts is None
         self.simd = ""
-        self._methods = reference.methods(experiment)
+        self._methods = methods(experiment)
         self._ladders = [
             ladder
             for integrator in integrators
@@ -156,7 +155,7 @@ class Study:
             return None
         self.simd = plan.simd
         method = next(method for method in self._methods if method.integrator == integrator)
-        largest = [SAFETY * reference.largest_step(method, self._methods)] if dts is None else sorted(dts, reverse=True)
+        largest = [SAFETY * largest_step(method, self._methods)] if dts is None else sorted(dts, reverse=True)
         steps = dict.fromkeys(self.experiment.steps_of(dt) for dt in largest)
         choices = [Choice(integrator, precision, number) for number in steps]
         return Ladder(integrator, precision, plan.pairs, plan.memory, choices, open_ended=dts is None)
@@ -174,7 +173,7 @@ class Study:
             self.truth = reference.find(self.experiment, self._methods, budget, self.until())
         else:
             self.measure = "restart"
-            others = reference.other_family(best, self._methods)
+            others = other_family(best, self._methods)
             self.truth = restarts.windows(self.experiment, choice, others, self.chaos, self._seed, budget)
             for ladder in self._ladders:
                 ladder.choices = [
@@ -184,12 +183,7 @@ class Study:
 
     def _twin(self, choice: Choice) -> tuple[Choice, Chaos]:
         """Run the twin with steps that hold, and give those too: the limit may fall while the scene moves."""
-        for _ in range(reference.DEEPEST):
-            try:
-                return choice, twin(self.experiment, choice, self._seed)
-            except SimulationDiverged:
-                choice = choice.finer()
-        raise PhyscoreError(f"tradeoff: {type(choice.integrator).__name__} diverged at every step")
+        return halved(lambda each: twin(self.experiment, each, self._seed), choice)
 
     def _run(self, ladder: Ladder) -> None:
         choice = ladder.next()
