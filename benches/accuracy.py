@@ -237,7 +237,7 @@ KINDS: dict[str, tuple[Draw, tuple[float, float]]] = {
     "atoms": (atoms, (-7.0, -2.0)),
     "grains": (grains, (-4.0, -2.0)),
     "drag": (drag, (-9.0, -3.0)),
-    "contacts": (contacts, (-8.0, -2.0)),
+    "contacts": (contacts, (-5.0, -2.0)),
     "network": (network, (-8.0, -2.0)),
     "chaos": (chaos, (-6.0, -2.0)),
     "water": (water, (-3.0, -1.5)),

@@ -16,7 +16,8 @@ from physcore.scene import Scene
 from physcore.simulation import Simulation, require_scene
 from physcore.tradeoff.experiment import Choice, Experiment, Trial
 from physcore.tradeoff.methods import SAFETY, largest_step, methods
-from physcore.tradeoff.selection import Candidate, Selection, Target, select
+from physcore.tradeoff.refinement import Target
+from physcore.tradeoff.selection import Candidate, Selection, select
 
 
 def simulate(
@@ -67,9 +68,7 @@ def simulate(
     if frame_count(whole, rate) < 2:
         raise SceneError("fps: there is no frame but the first; ask for more of them, or for a longer duration")
     selection = _search(scene, target, whole, rate, kept, numerics)
-    trial, proof = selection.trial, _proof(selection)
-    assert trial is not None
-    recording = trial.recording or selection.candidate.record(trial.choice).recording
+    recording, proof = selection.trial.recording, _proof(selection)
     assert recording is not None
     print(proof)
     recording = replace(recording, channels={name: recording.channels[name] for name in kept})
@@ -102,21 +101,31 @@ def _search(
     given = options.get("integrator", "auto")
     some = [kind() for kind in INTEGRATORS if kind.order > 1] if is_word(given, "auto") else [numerics.integrator]
     found = methods(experiment, some, numerics.precision)
-    whole = [method for method in found if method.order == method.integrator.order or method.order == 2]
-    candidates = [
-        Candidate(experiment, method, numerics.precision, target, record, experiment.steps_of(SAFETY * largest_step(method, found)))
-        for method in whole or found
-    ]
-    selection = select(candidates)
-    if selection is not None and selection.trial is not None:
-        return selection
+    # Whose order falls in this scene is beaten by those that have the same with fewer evaluations.
+    able = [method for method in found if method.order == method.integrator.order] or found
+    selection = select(
+        [
+            Candidate(
+                experiment,
+                method,
+                numerics.precision,
+                target,
+                experiment.steps_of(SAFETY * largest_step(method, found)),
+                record,
+            )
+            for method in able
+        ]
+    )
+    if selection is not None and selection.proven:
+        trial = selection.trial
+        return replace(selection, trial=trial if trial.recording is not None else record(trial.choice))
     asked = [f"within {target.accuracy:g} m"] * target.compares
     asked += [f"energy drift {target.energy_drift:g}"] * math.isfinite(target.energy_drift)
     reached = "every one diverged"
     error, drift = math.inf, math.inf
     if selection is not None:
         error, drift = selection.error, selection.drift
-        name = type(selection.candidate.method.integrator).__name__
+        name = type(selection.trial.choice.integrator).__name__
         reached = f"the best was {name}, off by {error:.1e} m with a drift of {drift:.1e}"
     raise AccuracyError(
         f"{'accuracy' if target.compares else 'energy_drift'}: no method gets there ({', '.join(asked)}): "
@@ -138,10 +147,11 @@ def _advice(numerics: Options, scene: Scene) -> str:
 
 
 def _proof(selection: Selection) -> str:
-    trial, candidate = selection.trial, selection.candidate
-    assert trial is not None
-    name, dt = type(trial.choice.integrator).__name__, candidate.experiment.dt(trial.choice)
-    within = f"keeps within {selection.error:.1e} m (energy drift {selection.drift:.1e})"
-    if not candidate.target.compares:
-        within = f"keeps within an energy drift of {selection.drift:.1e}"
-    return f"{name} with dt = {dt:.4g} s {within}"
+    """What is known of the run that is returned."""
+    name, dt = type(selection.trial.choice.integrator).__name__, selection.candidate.experiment.dt(selection.trial.choice)
+    if not selection.candidate.target.compares:
+        return f"{name} with dt = {dt:.4g} s keeps within an energy drift of {selection.drift:.1e}"
+    return (
+        f"{name} with dt = {dt:.4g} s keeps within {selection.error:.1e} m (energy drift {selection.drift:.1e}), as runs "
+        "with other steps prove"
+    )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -160,7 +161,7 @@ class Experiment:
                 seconds += time.perf_counter() - begin
             samples.append(self.observe(simulation))
             budget.append(simulation.energy())
-        drift = float("inf") if diverged else float(np.abs(series(budget).drift).max())
+        drift = math.inf if diverged else _largest_drift(series(budget))
         taken = max(1, simulation.steps)
         return Trial(choice, _stack(samples), seconds, taken * evaluations, drift, diverged)
 
@@ -188,7 +189,7 @@ class Experiment:
         recording = simulation.record(duration, fps, channels, progress=False)
         seconds = time.perf_counter() - begin
         taken = simulation.steps * recording.plan.evaluations
-        drift = float(np.abs(recording.energy.drift).max())
+        drift = _largest_drift(recording.energy)
         return Trial(choice, recording.positions, seconds, taken, drift, None, recording)
 
 
@@ -205,6 +206,12 @@ def series(budget: list[Energy]) -> EnergySeries:
         work=np.array([energy.work for energy in budget]),
         times=np.array([energy.time for energy in budget]),
     )
+
+
+def _largest_drift(energy: EnergySeries) -> float:
+    """The largest drift of the energy balance; inf where energies are beyond the range of numbers."""
+    drift = float(np.abs(energy.drift).max())
+    return drift if math.isfinite(drift) else math.inf
 
 
 def _stack(samples: list[FloatArray]) -> FloatArray:

@@ -14,6 +14,8 @@ from physcore.tradeoff.experiment import Choice, Experiment, Precision
 
 SAFETY = 0.95
 """The largest step that is tried, as a fraction of its limit."""
+SHORT = 1 << 40
+"""Steps per interval so many that nobody asks whether they are stable: a plan alone is asked for."""
 BEYOND = 16.0
 """How far beyond a limit of accuracy steps are worth trying."""
 HOPELESS = 1e-2
@@ -51,7 +53,7 @@ def methods(
     found, refusal = [], SceneError("integrator: there is none")
     for integrator in (kind() for kind in INTEGRATORS) if integrators is None else integrators:
         try:
-            plan = experiment.start(Choice(integrator, precision, 1)).plan
+            plan = experiment.start(Choice(integrator, precision, SHORT)).plan
         except SceneError as error:
             refusal = error
             continue

@@ -1,0 +1,135 @@
+"""Refinement: whole runs of one method with falling time steps, and what they prove of each other."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+from physcore.tradeoff.convergence import Convergence, convergence, order_between, stagnant
+from physcore.tradeoff.experiment import Experiment, Precision, Trial
+
+AIM = 0.7
+"""The error that is aimed at, as a fraction of the target."""
+EPSILON: dict[Precision, float] = {"f64": 2.0**-52, "f32": 2.0**-23}
+"""The relative spacing of numbers: no step brings an error or a drift below."""
+
+
+@dataclass(frozen=True)
+class Target:
+    """What is asked for."""
+
+    accuracy: float
+    """The largest distance of any particle from where it should be, at the end of any interval [m]; inf: any."""
+    energy_drift: float
+    """The largest drift of the energy balance; inf: any."""
+
+    @property
+    def compares(self) -> bool:
+        """Whether runs must be compared with each other: a drift is seen in one alone."""
+        return math.isfinite(self.accuracy)
+
+    def met_by(self, error: float, drift: float) -> bool:
+        """Whether both are within what was asked for."""
+        return (error <= self.accuracy or not self.compares) and drift <= self.energy_drift
+
+    def excess(self, error: float, drift: float) -> float:
+        """The error or the drift over what was asked for, whichever is larger."""
+        return max(error / self.accuracy if self.compares else 0.0, drift / self.energy_drift)
+
+
+@dataclass
+class Refinement:
+    """Runs of one method in one precision, by rising number of steps."""
+
+    experiment: Experiment
+    order: int
+    """Of the method, p."""
+    target: Target
+    trials: list[Trial] = field(default_factory=list)
+    """The last three at most."""
+    changes: list[float] = field(default_factory=list)
+    """The largest distance between each run and the one before [m]."""
+    drifts: list[float] = field(default_factory=list)
+    """The largest drift of the energy balance of each run."""
+
+    def add(self, trial: Trial) -> None:
+        """A run with more steps than all so far; or, to measure the order, one with fewer than two."""
+        if self.trials and trial.choice.steps < self.steps[0]:
+            self.changes.insert(0, self.distance(trial, self.trials[0]))
+            self.drifts.insert(0, trial.energy_drift)
+            self.trials.insert(0, trial)
+            return
+        if self.trials:
+            self.changes.append(self.distance(self.trials[-1], trial))
+        self.drifts.append(trial.energy_drift)
+        self.trials = [*self.trials, trial][-3:]
+
+    def clear(self) -> None:
+        """Begin anew."""
+        self.trials, self.changes, self.drifts = [], [], []
+
+    @property
+    def steps(self) -> list[int]:
+        """Steps per interval of the last three runs."""
+        return [trial.choice.steps for trial in self.trials]
+
+    @property
+    def convergence(self) -> Convergence | None:
+        """What the last two or three runs say; None before there are two."""
+        return convergence(self.steps, self.changes[1 - len(self.trials) :], self.order) if self.changes else None
+
+    @property
+    def estimated(self) -> bool:
+        """Whether it is known how far the last run is from the target."""
+        return bool(self.changes if self.target.compares else self.trials)
+
+    @property
+    def asymptotic(self) -> bool:
+        """Whether errors follow the order of the method, as far as that was looked at: it takes three runs."""
+        found = self.convergence
+        return found is None or found.asymptotic or math.isnan(found.order)
+
+    def proven(self) -> tuple[Trial, float] | None:
+        """The run with the longest step that is proven to meet the target, and the bound on its error [m]."""
+        found = self.convergence
+        if found is None:
+            only = [] if self.target.compares else [(self.trials[-1], math.inf)]
+        else:
+            only = [(self.trials[-2], found.coarser), (self.trials[-1], found.finer)]
+        return next((each for each in only if self.target.met_by(each[1], each[0].energy_drift)), None)
+
+    def excess(self) -> float:
+        """Of the last run over the target, as is expected of it once the order is measured."""
+        found = self.convergence
+        return self.target.excess(found.expected if found else 0.0, self.drifts[-1])
+
+    def factor(self) -> float:
+        """How many times as many steps as the last run's meet the target, by the order that was measured."""
+        factors, found = [0.0], self.convergence
+        if found is not None and self.target.compares:
+            error, order = found.expected, float(self.order)
+            if not self.asymptotic:
+                error, order = found.finer, min(max(found.order, 1.0), order)
+            factors.append((error / max(AIM * self.target.accuracy, self.rounding(self.trials[-1]))) ** (1.0 / order))
+        if self.drifts:
+            floor = EPSILON[self.trials[-1].choice.precision]
+            order = order_between(self.steps, self.drifts[-len(self.steps) :], self.order)
+            factors.append((self.drifts[-1] / max(AIM * self.target.energy_drift, floor)) ** (1.0 / order))
+        return max(factors)
+
+    def stagnant(self) -> bool:
+        """Whether smaller steps have stopped to bring what misses the target nearer to it."""
+        if not self.trials:
+            return False
+        samples = self.trials[-1].samples
+        motion = float(self.experiment.distances(samples, samples[:1]).max())
+        drifts = self.drifts if self.drifts[-1] > self.target.energy_drift else []
+        return stagnant(drifts, 1.0) or (self.target.compares and stagnant(self.changes, motion))
+
+    def distance(self, one: Trial, other: Trial) -> float:
+        """The largest of any particle, at the end of any interval [m]."""
+        return float(self.experiment.distances(one.samples, other.samples).max())
+
+    def rounding(self, trial: Trial) -> float:
+        """The spacing of numbers where particles are farthest out [m]."""
+        return EPSILON[trial.choice.precision] * float(abs(trial.samples).max())
