@@ -154,7 +154,7 @@ def well(random: np.random.Generator) -> tuple[pc.Scene, float, float]:
 
 def atoms(random: np.random.Generator) -> tuple[pc.Scene, float, float]:
     """A warm Lennard-Jones gas in a periodic square."""
-    side = int(random.integers(3, 6)) * 1.25
+    side = int(random.integers(4, 7)) * 1.25
     places = pc.block((0.0, 0.0), (side, side), 1.25)
     speeds = random.normal(scale=random.uniform(0.1, 1.0), size=places.shape)
     scene = pc.Scene(
@@ -169,7 +169,11 @@ def grains(random: np.random.Generator) -> tuple[pc.Scene, float, float]:
     places = pc.block((0.0, 0.0), (float(count), float(count)), 1.0)
     spheres = pc.Particles(places, random.normal(size=places.shape), radius=0.4)
     domain = pc.Periodic((0.0, 0.0), (float(count), float(count)))
-    return pc.Scene(spheres, pc.Repulsion(stiffness=random.uniform(100.0, 1000.0)), domain), random.uniform(0.5, 1.5), 1.0
+    return (
+        pc.Scene(spheres, pc.Repulsion(stiffness=random.uniform(100.0, 1000.0)), domain),
+        random.uniform(0.5, 1.5),
+        1.0,
+    )
 
 
 def drag(random: np.random.Generator) -> tuple[pc.Scene, float, float]:
@@ -186,7 +190,11 @@ def contacts(random: np.random.Generator) -> tuple[pc.Scene, float, float]:
     places = random.uniform(0.2, 0.8, (count, 2))
     balls = pc.Particles(places, velocities=random.normal(scale=2.0, size=(count, 2)), radius=0.05)
     air = [pc.Drag(quadratic=random.uniform(0.01, 0.3))] if random.random() < 0.7 else []
-    return pc.Scene(balls, pc.Gravity((0.0, -9.81)), pc.Box((0.0, 0.0), (1.0, 1.0)), *air), random.uniform(0.3, 1.2), 1.0
+    return (
+        pc.Scene(balls, pc.Gravity((0.0, -9.81)), pc.Box((0.0, 0.0), (1.0, 1.0)), *air),
+        random.uniform(0.3, 1.2),
+        1.0,
+    )
 
 
 def network(random: np.random.Generator) -> tuple[pc.Scene, float, float]:
@@ -347,7 +355,9 @@ def farthest(scene: pc.Scene, one: np.ndarray, other: np.ndarray) -> float:
 def main(seeds: tuple[int, ...] = SEEDS[:1], scenes: int = SCENES, only: str = "") -> dict[str, float]:
     """Measure all, and print one line for each."""
     outcomes = []
-    print(f"\naccuracy= and energy_drift= on {scenes} random scenes from each of the seeds {', '.join(map(str, seeds))}")
+    print(
+        f"\naccuracy= and energy_drift= on {scenes} random scenes from each of the seeds {', '.join(map(str, seeds))}"
+    )
     print(
         f"{'scene':<14}{'asked for':<28}{'chosen, steps per frame':<26}{'evaluations':>12}{'cost':>7}{'(time)':>8}"
         f"{'error/allowed':>15}  remarks"

@@ -102,7 +102,7 @@ def _search(
     some = [kind() for kind in INTEGRATORS if kind.order > 1] if is_word(given, "auto") else [numerics.integrator]
     found = methods(experiment, some, numerics.precision)
     # Whose order falls in this scene is beaten by those that have the same with fewer evaluations.
-    able = [method for method in found if method.order == method.integrator.order] or found
+    able = found
     selection = select(
         [
             Candidate(
@@ -148,7 +148,10 @@ def _advice(numerics: Options, scene: Scene) -> str:
 
 def _proof(selection: Selection) -> str:
     """What is known of the run that is returned."""
-    name, dt = type(selection.trial.choice.integrator).__name__, selection.candidate.experiment.dt(selection.trial.choice)
+    name, dt = (
+        type(selection.trial.choice.integrator).__name__,
+        selection.candidate.experiment.dt(selection.trial.choice),
+    )
     if not selection.candidate.target.compares:
         return f"{name} with dt = {dt:.4g} s keeps within an energy drift of {selection.drift:.1e}"
     return (

@@ -5,7 +5,7 @@ difference d of two runs with the steps h and h/r tells both errors: C hᵖ = d/
 are small enough for that, the differences of three runs tell: they shrink as they should, or they do not.
 
 Source: L. F. Richardson, Phil. Trans. R. Soc. A 226, 299 (1927); E. Hairer, S. P. Nørsett, G. Wanner, "Solving Ordinary
-Differential Equations I", 2nd ed. 1993, § II.4.
+Differential Equations I", 2nd ed. 1993, § II.4, and § II.6 for discontinuities.
 """
 
 from __future__ import annotations
@@ -43,31 +43,40 @@ class Convergence:
     """What the latter will be once the order is measured, if it is that of the method."""
 
 
-def convergence(steps: Sequence[int], differences: Sequence[float], order: int) -> Convergence:
+def convergence(steps: Sequence[int], differences: Sequence[float], order: int, *, smooth: bool = True) -> Convergence:
     """Judge runs with rising numbers of steps by the differences between each and the one before.
 
     Of an order that was not measured no more is believed than that it is one at least, over no more than a halving:
-    the coarser run is off by 2d at most then, and the finer by d.
+    with a difference d the coarser run is off by 2d at most then, and the finer by d. As d may be small by chance, the
+    one before, as far as it would have shrunk at order one, counts where it is larger.
 
     Args:
         steps: of the last two or three runs.
         differences: between each two of them in turn, one fewer.
         order: of the method, p.
+        smooth: whether the motion is; impacts leave order one, with a factor that depends on where in a step they come.
+            There three runs are needed.
     """
     ratio = min(steps[-1] / steps[-2], 2.0)
     change = differences[-1]
+    expected = min(SAFETY_FACTOR * change / (ratio**order - 1.0), change / (ratio - 1.0))
+    if len(steps) < 3:
+        coarser, finer = change * ratio / (ratio - 1.0), change / (ratio - 1.0)
+        return Convergence(math.nan, False, coarser if smooth else math.inf, finer if smooth else math.inf, expected)
     measured, asymptotic = math.nan, False
-    if len(differences) > 1 and min(differences[-2:]) > 0.0:
-        powers = [float(count) ** -order for count in steps[-3:]]
-        shrunk = math.log2(differences[-2] / change)
-        due = math.log2((powers[0] - powers[1]) / (powers[1] - powers[2]))
-        measured = shrunk / math.log2(steps[-2] / steps[-3])
-        asymptotic = abs(shrunk - due) < AGREEMENT
-    by_order_one = change / (ratio - 1.0)
-    expected = min(SAFETY_FACTOR * change / (ratio**order - 1.0), by_order_one)
-    return Convergence(
-        measured, asymptotic, change * ratio / (ratio - 1.0), expected if asymptotic else by_order_one, expected
-    )
+    if min(differences) > 0.0:
+        shrunk = math.log2(differences[0] / change)
+        measured = shrunk / math.log2(steps[1] / steps[0])
+        asymptotic = smooth and abs(shrunk + math.log2(_shrinkage(steps, order))) < AGREEMENT
+    envelope = max(change, differences[0] * _shrinkage(steps, 1))
+    finer = expected if asymptotic else envelope / (ratio - 1.0)
+    return Convergence(measured, asymptotic, envelope * ratio / (ratio - 1.0), finer, expected)
+
+
+def _shrinkage(steps: Sequence[int], order: int) -> float:
+    """The second difference of three runs over the first where errors are C hᵖ."""
+    first, second, third = (float(count) ** -order for count in steps)
+    return (second - third) / (first - second)
 
 
 def order_between(steps: Sequence[int], values: Sequence[float], order: int) -> float:

@@ -9,6 +9,7 @@ from typing import Literal
 import numpy as np
 
 from physcore.integrators import Integrator
+from physcore.tradeoff.convergence import stagnant
 from physcore.tradeoff.experiment import Choice
 from physcore.tradeoff.restarts import Bias
 from physcore.tradeoff.result import CERTAIN, Prediction, Status
@@ -23,10 +24,6 @@ LEAST = 3
 """Rows of a ladder that come to an end and may take the budget once more: fewer have no slope."""
 LOWEST = 24
 """Rows of a ladder at most."""
-LEVEL = 0.8
-"""A ladder whose error shrinks less than this, twice, where it was small already, has reached its floor."""
-SMALL = 1e-2
-"""What is small, as a fraction of the largest error seen: where errors are large, they often do not shrink either."""
 
 
 @dataclass
@@ -92,8 +89,7 @@ class Ladder:
         if errors[-1] < CERTAIN * uncertainty:
             return True
         finite = [error for error in errors if math.isfinite(error)]
-        small = bool(finite) and errors[-1] < SMALL * max(finite)
-        return small and errors[-1] > LEVEL * errors[-2] and errors[-2] > LEVEL * errors[-3]
+        return stagnant(errors, max(finite, default=0.0))
 
     def has_room(self, index: int, parts: int, uncertainty: float) -> bool:
         """Whether a row of a multiple of `parts` steps fits between one and the next, both of which count.

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 
+from physcore.checks import FloatArray
 from physcore.tradeoff.convergence import Convergence, convergence, order_between, stagnant
 from physcore.tradeoff.experiment import Experiment, Precision, Trial
 
@@ -55,12 +56,12 @@ class Refinement:
     def add(self, trial: Trial) -> None:
         """A run with more steps than all so far; or, to measure the order, one with fewer than two."""
         if self.trials and trial.choice.steps < self.steps[0]:
-            self.changes.insert(0, self.distance(trial, self.trials[0]))
+            self.changes.insert(0, self.distance(trial.samples, self.trials[0].samples))
             self.drifts.insert(0, trial.energy_drift)
             self.trials.insert(0, trial)
             return
         if self.trials:
-            self.changes.append(self.distance(self.trials[-1], trial))
+            self.changes.append(self.distance(self.trials[-1].samples, trial.samples))
         self.drifts.append(trial.energy_drift)
         self.trials = [*self.trials, trial][-3:]
 
@@ -74,9 +75,17 @@ class Refinement:
         return [trial.choice.steps for trial in self.trials]
 
     @property
+    def smooth(self) -> bool:
+        """Whether no particle can hit anything."""
+        return not self.experiment.scene.boundaries
+
+    @property
     def convergence(self) -> Convergence | None:
         """What the last two or three runs say; None before there are two."""
-        return convergence(self.steps, self.changes[1 - len(self.trials) :], self.order) if self.changes else None
+        if not self.changes:
+            return None
+        changes = self.changes[1 - len(self.trials) :]
+        return convergence(self.steps, changes, self.order, smooth=self.smooth)
 
     @property
     def estimated(self) -> bool:
@@ -121,14 +130,14 @@ class Refinement:
         """Whether smaller steps have stopped to bring what misses the target nearer to it."""
         if not self.trials:
             return False
-        samples = self.trials[-1].samples
-        motion = float(self.experiment.distances(samples, samples[:1]).max())
+        # Impacts leave differences that shrink by fits and starts, long before they are small.
+        motion = self.distance(self.trials[-1].samples, self.trials[-1].samples[:1]) if self.smooth else 0.0
         drifts = self.drifts if self.drifts[-1] > self.target.energy_drift else []
         return stagnant(drifts, 1.0) or (self.target.compares and stagnant(self.changes, motion))
 
-    def distance(self, one: Trial, other: Trial) -> float:
+    def distance(self, one: FloatArray, other: FloatArray) -> float:
         """The largest of any particle, at the end of any interval [m]."""
-        return float(self.experiment.distances(one.samples, other.samples).max())
+        return float(self.experiment.distances(one, other).max())
 
     def rounding(self, trial: Trial) -> float:
         """The spacing of numbers where particles are farthest out [m]."""

@@ -96,7 +96,9 @@ class Candidate:
     def price(self, growth: float) -> float:
         """The same with those of the runs that come before it."""
         last = self.refinement.steps[-1] if self.refinement.trials else 0
-        return self.cost(growth) * sum(1.0 / part for part in (1, 2, 4) if part == 1 or self.needed(growth) > part * last)
+        return self.cost(growth) * sum(
+            1.0 / part for part in (1, 2, 4) if part == 1 or self.needed(growth) > part * last
+        )
 
     def exhausted(self) -> bool:
         """Whether finer steps do not help, or are too many."""
@@ -130,15 +132,15 @@ class Candidate:
         if not runs.trials:
             return max(self._coarsest, math.ceil(needed / 4))
         last = runs.steps[-1]
+        least = math.ceil(last * 2.0 ** (1.0 / self.method.order))
+        if not self.target.compares:
+            return max(least, min(needed, LEAP * last))
         if not runs.estimated or not runs.asymptotic:
             return 2 * last
         if needed <= last:
             # Enough, it seems: what is missing is the order, which a longer step tells for less than a shorter one.
             coarser = runs.steps[0] // 2
             return coarser if len(runs.trials) == 2 and coarser >= self._coarsest else 2 * last
-        least = math.ceil(last * 2.0 ** (1.0 / self.method.order))
-        if not self.target.compares:
-            return max(least, min(needed, LEAP * last))
         part = 1 if needed <= 2 * last else 2 if needed <= 4 * last else 4
         most = LEAP * last if len(runs.trials) == 2 else needed
         return max(least, min(math.ceil(needed / part), most))
@@ -188,7 +190,9 @@ def select(candidates: list[Candidate]) -> Selection | None:
         if runs.estimated and not known and candidate.probed:
             growth *= candidate.observed() / candidate.expected(growth)
         latest = Selection(candidate, runs.trials[-1], runs.convergence.finer if runs.convergence else math.inf, False)
-        if best is None or candidate.target.excess(latest.error, latest.drift) < candidate.target.excess(best.error, best.drift):
+        if best is None or candidate.target.excess(latest.error, latest.drift) < candidate.target.excess(
+            best.error, best.drift
+        ):
             best = latest
         if candidate.exhausted():
             # Rounding adds up with evaluations: who needs more of them comes no closer.
