@@ -155,6 +155,6 @@ def _proof(selection: Selection) -> str:
     if not selection.candidate.target.compares:
         return f"{name} with dt = {dt:.4g} s keeps within an energy drift of {selection.drift:.1e}"
     return (
-        f"{name} with dt = {dt:.4g} s keeps within {selection.error:.1e} m (energy drift {selection.drift:.1e}), as runs "
-        "with other steps prove"
+        f"{name} with dt = {dt:.4g} s keeps within {selection.error:.1e} m (energy drift {selection.drift:.1e}), as "
+        "runs with other steps prove"
     )

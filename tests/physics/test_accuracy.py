@@ -94,11 +94,11 @@ def test_it_can_be_had_in_single_precision_as_far_as_that_goes():
         pc.simulate(ORBIT, 3.0, fps=4.0, accuracy=1e-10, precision="f32")
 
 
-def test_a_fluid_has_one_method_and_its_energy_budget():
+def test_a_fluid_keeps_its_energy_budget():
     water = pc.Fluid(pc.block((0.0, 0.0), (0.2, 0.4), 0.05), 0.05, sound_speed=30.0)
     scene = pc.Scene(water, pc.Gravity((0.0, -9.81)), pc.Box((0.0, 0.0), (0.8, 0.8)))
     recording = pc.simulate(scene, 0.2, fps=20.0, energy_drift=1e-3, channels=("densities",))
-    assert recording.plan.integrator == "VelocityVerlet"
+    assert recording.plan.integrator in ("VelocityVerlet", "McLachlan2")  # the others do not carry densities
     assert recording.densities.shape == (5, 32)
     assert np.abs(recording.energy.drift).max() <= 1e-3
 

@@ -19,12 +19,11 @@ AGREEMENT = 0.5
 SAFETY_FACTOR = 2.0
 """Of an error that the order of the method gives, and not the difference of two runs alone."""
 FLAT = 0.7
-"""A value that shrinks less than this, twice, where it is small, has reached the floor of rounding; with the step
-halved it would halve even at order 1."""
+"""By which factor a value shrinks at least, on average, in each run with half the step: at order one it would halve."""
 SMALL = 1e-3
 """What is small, as a fraction of the scale."""
 STUCK = 6
-"""As often as this a value that is not small may refuse to shrink: else it is chaos, or nothing converges."""
+"""Over how many runs that is looked at; where the value is small, and rounding may rule, over two."""
 
 
 @dataclass(frozen=True)
@@ -88,12 +87,11 @@ def order_between(steps: Sequence[int], values: Sequence[float], order: int) -> 
 
 
 def stagnant(values: Sequence[float], scale: float) -> bool:
-    """Whether smaller steps have stopped to make a value smaller: at the floor of rounding, or because nothing converges.
+    """Whether smaller steps no longer make a value smaller: at the floor of rounding, or because nothing converges.
 
     Args:
         values: differences or errors, in the order of falling steps.
         scale: what they are small or large beside.
     """
-    flat = [later > FLAT * earlier for earlier, later in zip(values, values[1:], strict=False)]
-    least = 2 if values and values[-1] < SMALL * scale else STUCK
-    return len(flat) >= least and all(flat[-least:])
+    runs = 2 if values and values[-1] < SMALL * scale else STUCK
+    return len(values) > runs and values[-1] > FLAT**runs * values[-1 - runs]

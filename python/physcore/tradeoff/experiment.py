@@ -24,6 +24,8 @@ SAMPLES = 32
 """Intervals of the duration unless another number is given. Every time step divides them."""
 
 Precision = Literal["f32", "f64"]
+EPSILON: dict[Precision, float] = {"f64": 2.0**-52, "f32": 2.0**-23}
+"""The relative spacing of numbers."""
 
 Observer = Callable[[Simulation], ArrayLike]
 """What is compared between runs: an array of the same shape at every time."""
@@ -60,6 +62,14 @@ class Trial:
     diverged: SimulationDiverged | None
     recording: Recording | None = None
     """All its frames, where they were asked for."""
+
+    @property
+    def rounding(self) -> float:
+        """What rounding makes relative errors of about [1]: ε√n after n evaluations, for it walks at random.
+
+        Source: D. Brouwer, Astron. J. 46, 149 (1937).
+        """
+        return EPSILON[self.choice.precision] * math.sqrt(self.evaluations)
 
     @property
     def complete(self) -> bool:

@@ -93,8 +93,7 @@ def _extrapolate(experiment: Experiment, method: Method, runs: list[Trial], unti
     With errors C dtᵖ the difference of the last two is 2ᵖ − 1 times the error of the last, which is taken off. What is
     left is smaller than what the same correction changes from the first two runs to the last two: the uncertainty.
     Where the differences do not shrink by 2ᵖ nothing is taken off, and the last difference itself counts. No reference
-    is better than rounding lets it be, which walks at random, √n times as far in n evaluations (D. Brouwer, Astron. J.
-    46, 149, 1937).
+    is better than rounding lets it be.
     """
     coarse, middle, fine = (run.samples[:until] for run in runs)
     first, second = experiment.difference(middle, coarse), experiment.difference(fine, middle)
@@ -108,7 +107,7 @@ def _extrapolate(experiment: Experiment, method: Method, runs: list[Trial], unti
         uncertainty = float(left.max())
     else:
         samples, uncertainty = fine, max(after, before if after > before else 0.0)
-    rounding = float(np.spacing(np.abs(samples).max())) * math.sqrt(runs[-1].evaluations)
+    rounding = runs[-1].rounding * float(np.abs(samples).max())
     return Reference(
         samples, max(uncertainty, rounding), runs[-1].choice, found.order, found.asymptotic, None, 0.0, True
     )

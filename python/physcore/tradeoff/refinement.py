@@ -7,12 +7,10 @@ from dataclasses import dataclass, field
 
 from physcore.checks import FloatArray
 from physcore.tradeoff.convergence import Convergence, convergence, order_between, stagnant
-from physcore.tradeoff.experiment import Experiment, Precision, Trial
+from physcore.tradeoff.experiment import Experiment, Trial
 
 AIM = 0.7
 """The error that is aimed at, as a fraction of the target."""
-EPSILON: dict[Precision, float] = {"f64": 2.0**-52, "f32": 2.0**-23}
-"""The relative spacing of numbers: no step brings an error or a drift below."""
 
 
 @dataclass(frozen=True)
@@ -107,38 +105,56 @@ class Refinement:
             only = [(self.trials[-2], found.coarser), (self.trials[-1], found.finer)]
         return next((each for each in only if self.target.met_by(each[1], each[0].energy_drift)), None)
 
+    @property
+    def goal(self) -> Target:
+        """What is aimed at: somewhat less than the target, but no less than rounding allows."""
+        last = self.trials[-1]
+        extent = float(abs(last.samples).max())
+        return Target(
+            max(AIM * self.target.accuracy, last.rounding * extent), max(AIM * self.target.energy_drift, last.rounding)
+        )
+
     def excess(self) -> float:
-        """Of the last run over the target, as is expected of it once the order is measured."""
+        """Of the last run over the goal, as is expected of it once the order is measured."""
         found = self.convergence
-        return self.target.excess(found.expected if found else 0.0, self.drifts[-1])
+        return self.goal.excess(found.expected if found else 0.0, self.drifts[-1])
 
     def factor(self) -> float:
-        """How many times as many steps as the last run's meet the target, by the order that was measured."""
-        factors, found = [0.0], self.convergence
+        """How many times as many steps as the last run's reach the goal, by the order that was measured.
+
+        With x times as many, errors are x⁻ᵖ and rounding √x times as large: more than where they meet are no use.
+        """
+        found, goal = self.convergence, self.goal
+        order = order_between(self.steps, self.drifts[-len(self.steps) :], self.order)
+        pairs = [(self.drifts[-1], goal.energy_drift, self.target.energy_drift, order)]
         if found is not None and self.target.compares:
-            error, order = found.expected, float(self.order)
+            order, error = float(self.order), found.expected
             if not self.asymptotic:
-                error, order = found.finer, min(max(found.order, 1.0), order)
-            factors.append((error / max(AIM * self.target.accuracy, self.rounding(self.trials[-1]))) ** (1.0 / order))
-        if self.drifts:
-            floor = EPSILON[self.trials[-1].choice.precision]
-            order = order_between(self.steps, self.drifts[-len(self.steps) :], self.order)
-            factors.append((self.drifts[-1] / max(AIM * self.target.energy_drift, floor)) ** (1.0 / order))
-        return max(factors)
+                order, error = min(max(found.order, 1.0), order), found.finer
+            pairs.append((error, goal.accuracy, self.target.accuracy, order))
+        return max(
+            (value / reachable) ** (1.0 / (order if reachable < wanted else order + 0.5))
+            for value, reachable, wanted, order in pairs
+        )
+
+    def doubtful(self) -> bool:
+        """Whether errors do not follow even order one: chaos, or rounding, may rule."""
+        found = self.convergence
+        return self.smooth and found is not None and found.order < 1.0
 
     def stagnant(self) -> bool:
         """Whether smaller steps have stopped to bring what misses the target nearer to it."""
         if not self.trials:
             return False
-        # Impacts leave differences that shrink by fits and starts, long before they are small.
-        motion = self.distance(self.trials[-1].samples, self.trials[-1].samples[:1]) if self.smooth else 0.0
         drifts = self.drifts if self.drifts[-1] > self.target.energy_drift else []
-        return stagnant(drifts, 1.0) or (self.target.compares and stagnant(self.changes, motion))
+        return stagnant(drifts, 1.0) or (self.target.compares and stagnant(self.changes, self._motion()))
 
     def distance(self, one: FloatArray, other: FloatArray) -> float:
         """The largest of any particle, at the end of any interval [m]."""
         return float(self.experiment.distances(one, other).max())
 
-    def rounding(self, trial: Trial) -> float:
-        """The spacing of numbers where particles are farthest out [m]."""
-        return EPSILON[trial.choice.precision] * float(abs(trial.samples).max())
+    def _motion(self) -> float:
+        """The largest distance of any particle from its start [m]; 0 where impacts make differences shrink by fits and
+        starts, long before they are small beside it."""
+        samples = self.trials[-1].samples
+        return self.distance(samples, samples[:1]) if self.smooth else 0.0

@@ -13,9 +13,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from physcore.errors import SimulationDiverged
-from physcore.tradeoff.experiment import Choice, Experiment, Precision, Trial
+from physcore.tradeoff.experiment import EPSILON, Choice, Experiment, Precision, Trial
 from physcore.tradeoff.methods import DEEPEST, Method, halved
-from physcore.tradeoff.refinement import AIM, EPSILON, Refinement, Target
+from physcore.tradeoff.refinement import Refinement, Target
 
 PROBE = 16
 """A probe takes one part in so many of the duration, and one interval at least."""
@@ -69,8 +69,8 @@ class Candidate:
             self._coarsest = choice.steps // factor
             short.add(trial)
         # The coarser run is about as far off as the two are apart.
-        error = max(short.rounding(trial), *short.changes) if self.target.compares else 0.0
-        self._excess = self.target.excess(error, max(short.drifts[0], EPSILON[self._precision]))
+        error = short.changes[-1] if self.target.compares else 0.0
+        self._excess = max(EPSILON[self._precision], short.goal.excess(error, short.drifts[0]))
 
     def expected(self, growth: float) -> float:
         """The excess at the limit at the end of the whole duration, where errors grow so much after the probe."""
@@ -86,7 +86,7 @@ class Candidate:
         most = float(self._coarsest << DEEPEST)
         if self.refinement.estimated:
             return math.ceil(min(self.refinement.steps[-1] * self.refinement.factor(), most))
-        factor = (self.expected(growth) / AIM) ** (1.0 / self.method.order)
+        factor = self.expected(growth) ** (1.0 / self.method.order)
         return max(self._coarsest, math.ceil(min(self._coarsest * factor, most)))
 
     def cost(self, growth: float) -> float:
@@ -99,6 +99,10 @@ class Candidate:
         return self.cost(growth) * sum(
             1.0 / part for part in (1, 2, 4) if part == 1 or self.needed(growth) > part * last
         )
+
+    def next_cost(self, growth: float) -> int:
+        """Evaluations of the forces, per interval, of the next run."""
+        return self.method.evaluations * self._next(growth)
 
     def exhausted(self) -> bool:
         """Whether finer steps do not help, or are too many."""
@@ -168,14 +172,16 @@ class Selection:
 
 
 def select(candidates: list[Candidate]) -> Selection | None:
-    """The run that is first proven to meet the target, of the cheapest candidate; else the best one, if there is any."""
+    """The run that is first proven to meet the target; else the one that comes closest, if any comes to its end."""
     intervals = candidates[0].experiment.intervals
     short = max(1, intervals // PROBE)
     growth = intervals / short  # Until a run of the whole duration tells, errors are taken to grow with time.
     best: Selection | None = None
     left, affordable = list(candidates), math.inf
     while left := [each for each in left if each.cost(growth) <= affordable]:
-        candidate = min(left, key=lambda each: each.price(growth))
+        cheapest = min(left, key=lambda each: each.price(growth))
+        doubtful = [each for each in left if each.refinement.doubtful()]
+        candidate = min(cheapest, *doubtful, key=lambda each: each.next_cost(growth)) if doubtful else cheapest
         runs, known = candidate.refinement, candidate.refinement.estimated
         try:
             if not candidate.probed and len(left) > 1:
