@@ -25,7 +25,7 @@ import numpy as np
 
 import physcore as pc
 
-SEEDS = (11, 12, 13)
+SEEDS = (101, 102, 103)
 SCENES = 24
 RESOLVED = 1e-2
 """How far apart two runs of the reference may be, as a fraction of what was allowed."""
@@ -116,7 +116,7 @@ def jelly(random: np.random.Generator) -> tuple[pc.Scene, float, float]:
     shape = tuple(int(each) for each in random.integers(3, 6, size=2))
     block = pc.soft_body(shape, 0.1, random.uniform(100.0, 1000.0), damping=random.choice([0.0, 0.1]), mass=0.02)
     spin = random.uniform(-3.0, 3.0)
-    places = block.positions + (0.0, 0.2)
+    places = block.positions + np.array([0.0, 0.2])
     kicks = spin * np.stack([-places[:, 1], places[:, 0]], axis=1) + 0.1 * random.normal(size=places.shape)
     body = pc.SpringNetwork(
         places,
@@ -324,7 +324,7 @@ def measure(case: Case) -> Outcome:
 
 
 def true_error(case: Case, recording: pc.Recording) -> tuple[float, float]:
-    """The largest distance from a reference [m], and what its last halving changed, as a fraction of what was allowed."""
+    """The largest distance from a reference [m]; and what its last halving changed, over what was allowed."""
     plan = recording.plan
     other: pc.Integrator = pc.DormandPrince5() if plan.integrator != "DormandPrince5" else pc.RungeKutta4()
     limit = pc.stability_limit(case.scene, other)
@@ -400,8 +400,8 @@ def summary(outcomes: list[Outcome]) -> dict[str, float]:
         if shares:
             tenth = sum(share > 0.1 for share in shares) / len(shares)
             print(
-                f"share of what was allowed, {name} ({len(shares)}): median {median(shares):.2g}, from {min(shares):.1e} "
-                f"to {max(shares):.2g}; above a tenth in {tenth:.0%}"
+                f"share of what was allowed, {name} ({len(shares)}): median {median(shares):.2g}, "
+                f"from {min(shares):.1e} to {max(shares):.2g}; above a tenth in {tenth:.0%}"
             )
     total = math.fsum(math.log(each.evaluations) for each in given) / len(given)
     print(f"evaluations of a call: geometric mean {math.exp(total):.3g}")

@@ -1,4 +1,4 @@
-"""From a wish to a recording: with given numerics, or with those that keep an error within what was asked for."""
+"""From a target to a recording: with given numerics, or with those that keep an error within what was asked for."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from physcore.checks import flag, is_word, number, span
 from physcore.errors import AccuracyError, SceneError
 from physcore.integrators import INTEGRATORS
 from physcore.numerics import FRAMES_PER_SECOND, Options, check
-from physcore.recording import CHANNELS, Channel, Recording, check_channels
+from physcore.recording import CHANNELS, Channel, Recording, check_channels, refuse_if_too_large
 from physcore.sampling import frame_count
 from physcore.scene import Scene
 from physcore.simulation import Simulation, require_scene
@@ -18,6 +18,10 @@ from physcore.tradeoff.experiment import Choice, Experiment, Trial
 from physcore.tradeoff.methods import SAFETY, largest_step, methods
 from physcore.tradeoff.refinement import Target
 from physcore.tradeoff.selection import Candidate, Selection, select
+
+COPIES = 6
+"""Arrays of all positions that are in memory at once: of three runs, of one that is made and recorded, and of what they
+differ by."""
 
 
 def simulate(
@@ -33,9 +37,11 @@ def simulate(
 ) -> Recording:
     """Simulate a scene from its start and record it.
 
-    With `accuracy` or `energy_drift` integrator and time step are chosen: methods race with ever finer steps, and the
-    first that keeps its word wins. What is returned is the run at half of the step that was chosen, which proved it;
-    what was achieved is printed, and is a note of the recording's plan.
+    With `accuracy` or `energy_drift` integrator and time step are chosen: short probes price every integrator, the
+    cheapest goes on with a few runs of the whole duration, whose steps are found from the order that is measured, and
+    the first run that is proven to meet the target is returned. A run is proven by others with other steps: where the
+    errors of three follow the order of the method, by twice the error that this gives; else, and wherever particles can
+    hit something, by no more than order one. What was achieved is printed, and is a note of the recording's plan.
 
     Args:
         scene: what to simulate.
@@ -85,7 +91,10 @@ def _search(
         AccuracyError: none meets the target.
     """
     numerics = check(options, scene)
-    intervals = frame_count(duration, fps) - 1
+    frames = frame_count(duration, fps)
+    size = 8 * COPIES * frames * scene.particles * scene.dimension
+    refuse_if_too_large(frames, scene.particles, size, "or ask for fewer frames: fps=…")
+    intervals = frames - 1
     experiment = Experiment(
         scene,
         intervals / fps,

@@ -16,6 +16,8 @@ from dataclasses import dataclass
 
 AGREEMENT = 0.5
 """How far the measured order may be from the order of the method for the latter to be believed."""
+NEXT = 2.0
+"""How far above it is the order of the next term, which may rule: those of symmetric methods are even."""
 SAFETY_FACTOR = 2.0
 """Of an error that the order of the method gives, and not the difference of two runs alone."""
 FLAT = 0.7
@@ -47,7 +49,8 @@ def convergence(steps: Sequence[int], differences: Sequence[float], order: int, 
 
     Of an order that was not measured no more is believed than that it is one at least, over no more than a halving:
     with a difference d the coarser run is off by 2d at most then, and the finer by d. As d may be small by chance, the
-    one before, as far as it would have shrunk at order one, counts where it is larger.
+    one before, as far as it would have shrunk at order one, counts where it is larger; but not for the coarser run
+    where d has shrunk as the order of the method asks.
 
     Args:
         steps: of the last two or three runs.
@@ -62,14 +65,16 @@ def convergence(steps: Sequence[int], differences: Sequence[float], order: int, 
     if len(steps) < 3:
         coarser, finer = change * ratio / (ratio - 1.0), change / (ratio - 1.0)
         return Convergence(math.nan, False, coarser if smooth else math.inf, finer if smooth else math.inf, expected)
-    measured, asymptotic = math.nan, False
+    measured, asymptotic, regular = math.nan, False, False
     if min(differences) > 0.0:
         shrunk = math.log2(differences[0] / change)
         measured = shrunk / math.log2(steps[1] / steps[0])
-        asymptotic = smooth and abs(shrunk + math.log2(_shrinkage(steps, order))) < AGREEMENT
+        surplus = shrunk + math.log2(_shrinkage(steps, order))
+        asymptotic = smooth and abs(surplus) < AGREEMENT
+        regular = smooth and -AGREEMENT < surplus < NEXT + AGREEMENT
     envelope = max(change, differences[0] * _shrinkage(steps, 1))
-    finer = expected if asymptotic else envelope / (ratio - 1.0)
-    return Convergence(measured, asymptotic, envelope * ratio / (ratio - 1.0), finer, expected)
+    coarser = (change if regular else envelope) * ratio / (ratio - 1.0)
+    return Convergence(measured, asymptotic, coarser, expected if asymptotic else envelope / (ratio - 1.0), expected)
 
 
 def _shrinkage(steps: Sequence[int], order: int) -> float:

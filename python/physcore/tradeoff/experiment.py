@@ -150,8 +150,8 @@ class Experiment:
         largest: FloatArray = sizes.reshape(len(sizes), -1).max(axis=1)
         return largest
 
-    def attempt(self, choice: Choice, intervals: int | None = None) -> Trial:
-        """Run it once, from start to end, of some intervals or of all, or until it diverges.
+    def attempt(self, choice: Choice) -> Trial:
+        """Run it once, from start to end or until it diverges.
 
         Raises:
             SceneError: the scene cannot be computed so.
@@ -160,7 +160,7 @@ class Experiment:
         evaluations = simulation.plan.evaluations
         samples, budget = [self.observe(simulation)], [simulation.energy()]
         seconds, diverged = 0.0, None
-        for _ in range(self.intervals if intervals is None else intervals):
+        for _ in range(self.intervals):
             begin = time.perf_counter()
             try:
                 simulation.step(choice.steps)
@@ -175,14 +175,14 @@ class Experiment:
         taken = max(1, simulation.steps)
         return Trial(choice, _stack(samples), seconds, taken * evaluations, drift, diverged)
 
-    def completed(self, choice: Choice, intervals: int | None = None) -> Trial:
+    def completed(self, choice: Choice) -> Trial:
         """The same, of a run that comes to its end.
 
         Raises:
             SceneError: the scene cannot be computed so.
             SimulationDiverged: the run diverged.
         """
-        trial = self.attempt(choice, intervals)
+        trial = self.attempt(choice)
         if trial.diverged is not None:
             raise trial.diverged
         return trial

@@ -133,7 +133,7 @@ class Refinement:
                 order, error = min(max(found.order, 1.0), order), found.finer
             pairs.append((error, goal.accuracy, self.target.accuracy, order))
         return max(
-            (value / reachable) ** (1.0 / (order if reachable < wanted else order + 0.5))
+            math.pow(value / reachable, 1.0 / (order if reachable < wanted else order + 0.5))
             for value, reachable, wanted, order in pairs
         )
 
@@ -154,7 +154,9 @@ class Refinement:
         return float(self.experiment.distances(one, other).max())
 
     def _motion(self) -> float:
-        """The largest distance of any particle from its start [m]; 0 where impacts make differences shrink by fits and
-        starts, long before they are small beside it."""
+        """The largest distance of any particle from its start [m].
+
+        0 where particles hit something: differences then shrink by fits and starts, long before they are small.
+        """
         samples = self.trials[-1].samples
         return self.distance(samples, samples[:1]) if self.smooth else 0.0

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from physcore.errors import SimulationDiverged
 from physcore.tradeoff.experiment import EPSILON, Choice, Experiment, Precision, Trial
@@ -18,10 +18,9 @@ from physcore.tradeoff.methods import DEEPEST, Method, halved
 from physcore.tradeoff.refinement import Refinement, Target
 
 PROBE = 16
-"""A probe takes one part in so many of the duration, and one interval at least."""
+"""A probe takes one part in so many of the duration."""
 LEAP = 4
-"""By which factor the number of steps grows at most where the order has not been measured, and between the last but two
-runs and the last one where it has: errors are not believed farther than between three runs that are close together."""
+"""By which factor the number of steps grows at most where the order has not been measured."""
 
 
 class Candidate:
@@ -55,22 +54,24 @@ class Candidate:
         self._excess = 0.0
         self._record = record
 
-    def probe(self, intervals: int) -> None:
-        """Find the excess over the target a short time after the start, at the limit.
+    def probe(self) -> None:
+        """Find the excess over the target a short time after the start, at about the limit.
 
         Raises:
             SimulationDiverged: the method diverges at every step.
         """
         self.probed = True
-        short = Refinement(self.experiment, self.method.order, self.target)
-        for factor in (1, 2) if self.target.compares else (1,):
-            choice = self._choice(factor * self._coarsest)
-            choice, trial = halved(lambda each: self.experiment.completed(each, intervals), choice)
-            self._coarsest = choice.steps // factor
-            short.add(trial)
+        parts, experiment = _short(self.experiment)
+        runs = Refinement(experiment, self.method.order, self.target)
+        choice = self._choice(-(-self._coarsest // parts))
+        for _ in (1, 2) if self.target.compares else (1,):
+            choice, trial = halved(experiment.completed, choice)
+            runs.add(trial)
+            choice = choice.finer()
         # The coarser run is about as far off as the two are apart.
-        error = short.changes[-1] if self.target.compares else 0.0
-        self._excess = max(EPSILON[self._precision], short.goal.excess(error, short.drifts[0]))
+        error = runs.changes[-1] if self.target.compares else 0.0
+        excess = max(EPSILON[self._precision], runs.goal.excess(error, runs.drifts[0]))
+        self._excess = excess * math.pow(parts * runs.steps[0] / self._coarsest, self.method.order)
 
     def expected(self, growth: float) -> float:
         """The excess at the limit at the end of the whole duration, where errors grow so much after the probe."""
@@ -79,14 +80,14 @@ class Candidate:
     def observed(self) -> float:
         """The same as the last run shows it, by the order of the method."""
         steps = self.refinement.steps[-1] / self._coarsest
-        return self.refinement.excess() * float(steps**self.method.order)
+        return self.refinement.excess() * math.pow(steps, self.method.order)
 
     def needed(self, growth: float) -> int:
         """Steps per interval that meet the target, as far as is known."""
         most = float(self._coarsest << DEEPEST)
         if self.refinement.estimated:
             return math.ceil(min(self.refinement.steps[-1] * self.refinement.factor(), most))
-        factor = self.expected(growth) ** (1.0 / self.method.order)
+        factor = math.pow(self.expected(growth), 1.0 / self.method.order)
         return max(self._coarsest, math.ceil(min(self._coarsest * factor, most)))
 
     def cost(self, growth: float) -> float:
@@ -136,7 +137,7 @@ class Candidate:
         if not runs.trials:
             return max(self._coarsest, math.ceil(needed / 4))
         last = runs.steps[-1]
-        least = math.ceil(last * 2.0 ** (1.0 / self.method.order))
+        least = math.ceil(last * math.pow(2.0, 1.0 / self.method.order))
         if not self.target.compares:
             return max(least, min(needed, LEAP * last))
         if not runs.estimated or not runs.asymptotic:
@@ -145,6 +146,7 @@ class Candidate:
             # Enough, it seems: what is missing is the order, which a longer step tells for less than a shorter one.
             coarser = runs.steps[0] // 2
             return coarser if len(runs.trials) == 2 and coarser >= self._coarsest else 2 * last
+        # Three runs that prove something are close together, however far from those before.
         part = 1 if needed <= 2 * last else 2 if needed <= 4 * last else 4
         most = LEAP * last if len(runs.trials) == 2 else needed
         return max(least, min(math.ceil(needed / part), most))
@@ -170,12 +172,17 @@ class Selection:
         """The drift of the energy balance of that run."""
         return self.trial.energy_drift
 
+    @property
+    def excess(self) -> float:
+        """The error or the drift over what was asked for, whichever is larger."""
+        return self.candidate.target.excess(self.error, self.drift)
+
 
 def select(candidates: list[Candidate]) -> Selection | None:
     """The run that is first proven to meet the target; else the one that comes closest, if any comes to its end."""
-    intervals = candidates[0].experiment.intervals
-    short = max(1, intervals // PROBE)
-    growth = intervals / short  # Until a run of the whole duration tells, errors are taken to grow with time.
+    experiment = candidates[0].experiment
+    # Until a run of the whole duration tells, errors are taken to grow with time.
+    growth = experiment.duration / _short(experiment)[1].duration
     best: Selection | None = None
     left, affordable = list(candidates), math.inf
     while left := [each for each in left if each.cost(growth) <= affordable]:
@@ -185,7 +192,7 @@ def select(candidates: list[Candidate]) -> Selection | None:
         runs, known = candidate.refinement, candidate.refinement.estimated
         try:
             if not candidate.probed and len(left) > 1:
-                candidate.probe(short)
+                candidate.probe()
                 continue
             candidate.advance(growth)
         except SimulationDiverged:
@@ -193,15 +200,20 @@ def select(candidates: list[Candidate]) -> Selection | None:
             continue
         if (found := runs.proven()) is not None:
             return Selection(candidate, *found, proven=True)
-        if runs.estimated and not known and candidate.probed:
+        if runs.estimated and not known and candidate.probed and 0.0 < candidate.observed() < math.inf:
             growth *= candidate.observed() / candidate.expected(growth)
-        latest = Selection(candidate, runs.trials[-1], runs.convergence.finer if runs.convergence else math.inf, False)
-        if best is None or candidate.target.excess(latest.error, latest.drift) < candidate.target.excess(
-            best.error, best.drift
-        ):
-            best = latest
+        error = runs.convergence.finer if runs.convergence else math.inf
+        latest = Selection(candidate, runs.trials[-1], error, proven=False)
+        best = min((best or latest, latest), key=lambda each: each.excess)
         if candidate.exhausted():
             # Rounding adds up with evaluations: who needs more of them comes no closer.
             left.remove(candidate)
             affordable = min(affordable, float(candidate.method.evaluations * runs.steps[-1]))
     return best
+
+
+def _short(experiment: Experiment) -> tuple[int, Experiment]:
+    """A sixteenth of an experiment, at most; and how many of its intervals make one of the whole."""
+    parts = -(-PROBE // experiment.intervals)
+    intervals = max(1, experiment.intervals // PROBE)
+    return parts, replace(experiment, duration=experiment.interval * intervals / parts, intervals=intervals)
