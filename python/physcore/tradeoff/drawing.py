@@ -64,7 +64,7 @@ def plot(trade: Tradeoff, path: str | os.PathLike[str] | None, axes: Axes | None
         linewidth=9,
         zorder=0,
         solid_capstyle="round",
-        label="front",
+        label="Pareto front",
     )
     for (name, precision, resolution), rows in _series(trade).items():
         label = f"{name}, {precision}" + ("" if resolution is None else f", {resolution:g}")

@@ -1,4 +1,4 @@
-"""What was measured: rows, the front among them, and the choice that meets a wish."""
+"""The work–precision diagram: rows, the Pareto front among them, and the choice that meets a target."""
 
 from __future__ import annotations
 
@@ -144,7 +144,7 @@ class Tradeoff:
 
     @property
     def front(self) -> tuple[Row, ...]:
-        """The rows that no other one beats in both error and time, the fastest first (Pareto's front)."""
+        """The Pareto front: the rows that no other one beats in both error and time, the fastest first."""
         front: list[Row] = []
         for row in sorted(self._good(), key=lambda row: (row.seconds, row.total_error)):
             if not front or row.total_error < front[-1].total_error:
@@ -196,8 +196,8 @@ class Tradeoff:
     def plot(self, path: str | os.PathLike[str] | None = None, axes: Axes | None = None) -> Axes:
         """Draw error against time, both logarithmic, with Matplotlib (`pip install "physcore[plot]"`).
 
-        The front is underlaid, rows that blew up are crosses at the top, and below the shaded line the reference is not
-        good enough to tell.
+        The Pareto front is underlaid, rows that blew up are crosses at the top, and below the shaded line the reference
+        is not good enough to tell.
 
         Args:
             path: where to write the figure, with a suffix that Matplotlib knows; None: nowhere.
