@@ -268,12 +268,23 @@ def test_bounds_hold_for_any_order_from_one(actual, order, share):
 
 
 def test_a_difference_that_is_small_by_chance_is_not_believed():
-    """3.0e-2, 7.6e-3, 3.1e-3 and then 9e-7, as bouncing balls gave: the last one says nothing."""
-    found = convergence([16, 32, 64], [3.1e-3, 9.2e-7], 2)
+    """7.6e-3, 3.1e-3 and then 9e-7, as bouncing balls gave: the last one says nothing."""
+    found = convergence([8, 16, 32, 64], [7.6e-3, 3.1e-3, 9.2e-7], 2)
     assert not found.asymptotic
-    assert found.finer == pytest.approx(3.1e-3 / 2.0)
-    assert math.isinf(convergence([16, 32], [9.2e-7], 2, smooth=False).finer)
-    assert not convergence([16, 32, 64], [4e-3, 1e-3], 2, smooth=False).asymptotic
+    assert found.finer == pytest.approx(7.6e-3 / 4.0)
+    impacts = convergence([8, 16, 32, 64], [7.6e-3, 3.1e-3, 9.2e-7], 2, certain=1)
+    assert impacts.finer == pytest.approx(2.0 * 7.6e-3 / 4.0)
+    assert math.isinf(convergence([16, 32, 64], [3.1e-3, 9.2e-7], 2, certain=1).finer)
+    assert not convergence([16, 32, 64], [4e-3, 1e-3], 2, certain=1).asymptotic
+
+
+def test_an_order_that_kinks_may_take_away_is_not_used():
+    """Errors that follow order six may hide one of order two: the finer run is believed to be off by two thirds of the
+    difference, not by two sixty-thirds.
+    """
+    steps, differences = [1, 2, 4], [1.0 - 2.0**-6, 2.0**-6 - 4.0**-6]
+    assert convergence(steps, differences, 6).finer == pytest.approx(2.0 * differences[1] / 63.0)
+    assert convergence(steps, differences, 6, certain=2).finer == pytest.approx(2.0 * differences[1] / 3.0)
 
 
 def test_rounding_and_chaos_are_told_from_convergence():

@@ -20,6 +20,8 @@ NEXT = 2.0
 """How far above it is the order of the next term, which may rule: those of symmetric methods are even."""
 SAFETY_FACTOR = 2.0
 """Of an error that the order of the method gives, and not the difference of two runs alone."""
+MEMORY = 3
+"""How many differences are looked at where the order is not that of the method."""
 FLAT = 0.7
 """By which factor a value shrinks at least, on average, in each run with half the step: at order one it would halve."""
 SMALL = 1e-3
@@ -44,43 +46,47 @@ class Convergence:
     """What the latter will be once the order is measured, if it is that of the method."""
 
 
-def convergence(steps: Sequence[int], differences: Sequence[float], order: int, *, smooth: bool = True) -> Convergence:
+def convergence(
+    steps: Sequence[int], differences: Sequence[float], order: int, certain: int | None = None
+) -> Convergence:
     """Judge runs with rising numbers of steps by the differences between each and the one before.
 
     Of an order that was not measured no more is believed than that it is one at least, over no more than a halving:
-    with a difference d the coarser run is off by 2d at most then, and the finer by d. As d may be small by chance, the
-    one before, as far as it would have shrunk at order one, counts where it is larger; but not for the coarser run
-    where d has shrunk as the order of the method asks.
+    with a difference d the coarser run is off by 2d at most then, and the finer by d. As d may be small by chance,
+    those before, as far as they would have shrunk at order one, count where they are larger; but not for the coarser
+    run where d has shrunk as the order of the method asks. Impacts leave order one, with a factor that depends on where
+    in a step they come: there it takes four runs, and the bounds are twice as large.
 
     Args:
-        steps: of the last two or three runs.
+        steps: of all runs, two or more.
         differences: between each two of them in turn, one fewer.
         order: of the method, p.
-        smooth: whether the motion is; impacts leave order one, with a factor that depends on where in a step they come.
-            There three runs are needed.
+        certain: the order that is certain where the motion is not smooth: one with impacts; None: it is smooth.
     """
-    ratio = min(steps[-1] / steps[-2], 2.0)
-    change = differences[-1]
-    expected = min(SAFETY_FACTOR * change / (ratio**order - 1.0), change / (ratio - 1.0))
-    if len(steps) < 3:
-        coarser, finer = change * ratio / (ratio - 1.0), change / (ratio - 1.0)
-        return Convergence(math.nan, False, coarser if smooth else math.inf, finer if smooth else math.inf, expected)
-    measured, asymptotic, regular = math.nan, False, False
-    if min(differences) > 0.0:
-        shrunk = math.log2(differences[0] / change)
-        measured = shrunk / math.log2(steps[1] / steps[0])
-        surplus = shrunk + math.log2(_shrinkage(steps, order))
-        asymptotic = smooth and abs(surplus) < AGREEMENT
-        regular = smooth and -AGREEMENT < surplus < NEXT + AGREEMENT
-    envelope = max(change, differences[0] * _shrinkage(steps, 1))
+    ratio, change = min(steps[-1] / steps[-2], 2.0), differences[-1]
+    expected = min(SAFETY_FACTOR * change / (ratio ** (certain or order) - 1.0), change / (ratio - 1.0))
+    measured, asymptotic, regular = math.nan, False, len(steps) < 3
+    if len(steps) > 2 and min(differences[-2:]) > 0.0:
+        shrunk = math.log2(differences[-2] / change)
+        measured = shrunk / math.log2(steps[-2] / steps[-3])
+        surplus = shrunk + math.log2(_shrinkage(steps[-3:-1], steps[-2:], order))
+        asymptotic, regular = abs(surplus) < AGREEMENT, -AGREEMENT < surplus < NEXT + AGREEMENT
+    envelope = max(
+        earlier * _shrinkage(steps[at : at + 2], steps[-2:], 1)
+        for at, earlier in enumerate(differences)
+        if at >= len(differences) - MEMORY
+    )
+    if certain == 1:
+        envelope *= SAFETY_FACTOR if len(differences) >= MEMORY else math.inf
+        asymptotic = regular = False
     coarser = (change if regular else envelope) * ratio / (ratio - 1.0)
     return Convergence(measured, asymptotic, coarser, expected if asymptotic else envelope / (ratio - 1.0), expected)
 
 
-def _shrinkage(steps: Sequence[int], order: int) -> float:
-    """The second difference of three runs over the first where errors are C hᵖ."""
-    first, second, third = (float(count) ** -order for count in steps)
-    return (second - third) / (first - second)
+def _shrinkage(before: Sequence[int], after: Sequence[int], order: int) -> float:
+    """The difference between two runs over that between two others where errors are C hᵖ."""
+    first, second, third, fourth = (float(count) ** -order for count in (*before, *after))
+    return (third - fourth) / (first - second)
 
 
 def order_between(steps: Sequence[int], values: Sequence[float], order: int) -> float:

@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass, field
 
 from physcore.checks import FloatArray
+from physcore.forces import LennardJones, Repulsion
 from physcore.tradeoff.convergence import Convergence, convergence, order_between, stagnant
 from physcore.tradeoff.experiment import Experiment, Trial
 
@@ -51,39 +52,43 @@ class Refinement:
     drifts: list[float] = field(default_factory=list)
     """The largest drift of the energy balance of each run."""
 
+    counts: list[int] = field(default_factory=list)
+    """Steps per interval of each run."""
+
     def add(self, trial: Trial) -> None:
         """A run with more steps than all so far; or, to measure the order, one with fewer than two."""
-        if self.trials and trial.choice.steps < self.steps[0]:
-            self.changes.insert(0, self.distance(trial.samples, self.trials[0].samples))
-            self.drifts.insert(0, trial.energy_drift)
-            self.trials.insert(0, trial)
-            return
+        coarser = bool(self.trials) and trial.choice.steps < self.counts[0]
+        at = 0 if coarser else len(self.counts)
         if self.trials:
-            self.changes.append(self.distance(self.trials[-1].samples, trial.samples))
-        self.drifts.append(trial.energy_drift)
-        self.trials = [*self.trials, trial][-3:]
+            self.changes.insert(at, self.distance(trial.samples, self.trials[0 if coarser else -1].samples))
+        self.drifts.insert(at, trial.energy_drift)
+        self.counts.insert(at, trial.choice.steps)
+        self.trials = [trial, *self.trials] if coarser else [*self.trials, trial][-3:]
 
     def clear(self) -> None:
         """Begin anew."""
-        self.trials, self.changes, self.drifts = [], [], []
+        self.trials, self.changes, self.drifts, self.counts = [], [], [], []
 
     @property
     def steps(self) -> list[int]:
         """Steps per interval of the last three runs."""
-        return [trial.choice.steps for trial in self.trials]
+        return self.counts[-3:]
 
     @property
-    def smooth(self) -> bool:
-        """Whether no particle can hit anything."""
-        return not self.experiment.scene.boundaries
+    def certain(self) -> int | None:
+        """The order that is certain: one where particles can hit something, two where forces between them begin, or
+        end, with a kink or a jump, which comes anywhere in a step; None where the motion is smooth.
+        """
+        scene = self.experiment.scene
+        if scene.boundaries:
+            return 1
+        kinked = scene.fluids or any(isinstance(force, (Repulsion, LennardJones)) for force in scene.forces)
+        return 2 if kinked and self.order > 2 else None
 
     @property
     def convergence(self) -> Convergence | None:
-        """What the last two or three runs say; None before there are two."""
-        if not self.changes:
-            return None
-        changes = self.changes[1 - len(self.trials) :]
-        return convergence(self.steps, changes, self.order, smooth=self.smooth)
+        """What the runs so far say of the last two; None before there are two."""
+        return convergence(self.counts, self.changes, self.order, self.certain) if self.changes else None
 
     @property
     def estimated(self) -> bool:
@@ -140,7 +145,7 @@ class Refinement:
     def doubtful(self) -> bool:
         """Whether errors do not follow even order one: chaos, or rounding, may rule."""
         found = self.convergence
-        return self.smooth and found is not None and found.order < 1.0
+        return self.certain != 1 and found is not None and found.order < 1.0
 
     def stagnant(self) -> bool:
         """Whether smaller steps have stopped to bring what misses the target nearer to it."""
@@ -159,4 +164,4 @@ class Refinement:
         0 where particles hit something: differences then shrink by fits and starts, long before they are small.
         """
         samples = self.trials[-1].samples
-        return self.distance(samples, samples[:1]) if self.smooth else 0.0
+        return self.distance(samples, samples[:1]) if self.certain != 1 else 0.0
