@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from importlib.metadata import version
 from math import isnan
 
+import accuracy
 import film
 import fluids
 import numpy as np
@@ -65,6 +66,9 @@ TARGETS = (
     Target("memory, fluid 3D", 500, "bytes per particle", at_most=True),
     Target("memory, fluid 2D", 500, "bytes per particle", at_most=True),
     Target("import", 0.15, "s", at_most=True),
+    Target("accuracy=, cost", 6.0, "returned runs", at_most=True),
+    Target("accuracy=, share used", 0.1, "of what was allowed"),
+    Target("accuracy=, promises broken", 0.0, "", at_most=True),
 )
 
 
@@ -75,7 +79,7 @@ def main() -> None:
     print(where)
     print(f"physcore {pc.__version__}, NumPy {np.__version__}, Numba {version('numba')}")
     print("physcore audits and watches for divergence in every run; its opponents do neither.")
-    figures = particles.main() | springs.main() | fluids.main() | overheads.main()
+    figures = particles.main() | springs.main() | fluids.main() | overheads.main() | accuracy.main()
     print()
     film.main()
     print(f"\nTargets, as set on a Zen 4 core of about 3.6 GHz; measured here, not scaled: {where}")

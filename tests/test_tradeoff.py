@@ -73,7 +73,7 @@ def test_it_can_be_printed_explained_saved_and_drawn(trade, tmp_path):
     assert text.count("\n") == len(trade.rows) + 2
     assert "evaluations" in text
     said = trade.explain()
-    for word in ("trajectories can be compared", "RungeKutta4", "extrapolated", "on the front", "Single precision"):
+    for word in ("trajectories can be compared", "RungeKutta4", "extrapolated", "the Pareto front", "Single precision"):
         assert word in said
     trade.save(tmp_path / "trade.json")
     content = json.loads((tmp_path / "trade.json").read_text(encoding="utf-8"))

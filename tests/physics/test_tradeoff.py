@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import physcore as pc
-from physcore.studies.tradeoff import reference
+from physcore.studies.tradeoff import methods, reference
 from physcore.studies.tradeoff.budget import Budget
 from physcore.studies.tradeoff.chaos import Chaos, twin
 from physcore.studies.tradeoff.experiment import Choice, Experiment
@@ -135,9 +135,9 @@ CHAOTIC: dict[str, Case] = {
 def twins(case: Case) -> Chaos:
     """What `tradeoff` does to tell chaos."""
     experiment = Experiment(*case, threads=1)
-    methods = reference.methods(experiment)
-    steps = experiment.steps_of(reference.START * methods[0].accurate)
-    return twin(experiment, Choice(methods[0].integrator, "f64", steps), seed=0)
+    best = methods.methods(experiment)[0]
+    steps = experiment.steps_of(reference.START * best.accurate)
+    return twin(experiment, Choice(best.integrator, "f64", steps), seed=0)
 
 
 def test_there_are_twenty_scenes_of_either_kind():
@@ -192,7 +192,7 @@ def test_the_reference_of_an_orbit_is_keplers():
     """After whole revolutions the planet is where it began, and it is uncertain by what it says."""
     case = orbit(0.6)
     experiment = Experiment(*case, threads=1)
-    found = reference.find(experiment, reference.methods(experiment), Budget(2.0))
+    found = reference.find(experiment, methods.methods(experiment), Budget(2.0))
     assert found.agrees
     assert found.uncertainty < 1e-10
     off = np.linalg.norm(found.samples[-1] - found.samples[0])
@@ -209,7 +209,7 @@ def test_a_bad_reference_is_found_out(monkeypatch):
         return honest(self, simulation) + shift * simulation.time
 
     monkeypatch.setattr(Experiment, "observe", crooked)
-    found = reference.find(experiment, reference.methods(experiment), Budget(1.0))
+    found = reference.find(experiment, methods.methods(experiment), Budget(1.0))
     assert not found.agrees
     # Both coordinates are off by 1e-5 of ten seconds.
     assert found.uncertainty == pytest.approx(math.sqrt(2.0) * 1e-4, rel=1e-3)

@@ -11,9 +11,9 @@ from physcore.checks import shown
 from physcore.errors import PhyscoreError, SceneError
 from physcore.film import film as film_recordings
 from physcore.film.writers import WRITERS
+from physcore.simulation.simulation import Simulation
 from physcore.storage.files import replacing, require_writable
 from physcore.storage.formats import writable
-from physcore.studies.accuracy import simulate
 from physcore.studies.tradeoff.result import CERTAIN, Measurements, Row
 
 if TYPE_CHECKING:
@@ -48,7 +48,7 @@ def _suffix(path: str | os.PathLike[str]) -> str:
 
 
 def plot(trade: Measurements, path: str | os.PathLike[str] | None, axes: Axes | None) -> Axes:
-    """Error against time; see `Tradeoff.plot`."""
+    """Error against time; see `Measurements.plot`."""
     if path is not None or axes is None:
         require_plottable(path)
     if axes is None:
@@ -64,7 +64,7 @@ def plot(trade: Measurements, path: str | os.PathLike[str] | None, axes: Axes | 
         linewidth=9,
         zorder=0,
         solid_capstyle="round",
-        label="front",
+        label="Pareto front",
     )
     for (name, precision, resolution), rows in _series(trade).items():
         label = f"{name}, {precision}" + ("" if resolution is None else f", {resolution:g}")
@@ -108,19 +108,14 @@ def _series(trade: Measurements) -> dict[tuple[str, str, float | None], list[Row
 
 
 def film(trade: Measurements, path: str | os.PathLike[str], row: Row, fps: float, options: dict[str, Any]) -> None:
-    """What was chosen beside the reference; see `Tradeoff.film`."""
+    """What was chosen beside the reference; see `Measurements.film`."""
     writable(path, WRITERS)
     position = list(dict.fromkeys(each.resolution for each in trade.rows)).index(row.resolution)
     experiment, reference = trade.experiments[position], trade.references[position]
-    chosen = simulate(experiment.scene, trade.duration, fps, **row.numerics)
-    truth = simulate(
-        experiment.scene,
-        trade.duration,
-        fps,
-        integrator=reference.choice.integrator,
-        dt=experiment.dt(reference.choice),
-        precision="f64",
-    )
+    chosen = Simulation(experiment.scene, **row.numerics).record(trade.duration, fps)
+    truth = Simulation(
+        experiment.scene, reference.choice.integrator, experiment.dt(reference.choice), "f64", experiment.threads
+    ).record(trade.duration, fps)
     name = type(row.integrator).__name__
     titles = [f"{name}, {row.precision}, {row.seconds:.2g} s", f"reference, ±{reference.uncertainty:.0e} m"]
     film_recordings([chosen, truth], path, **{"titles": titles, "size": (960, 480), **options})

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -12,13 +13,19 @@ from numpy.typing import ArrayLike
 
 from physcore.checks import FloatArray, array
 from physcore.errors import SceneError, SimulationDiverged
+from physcore.numerics.choices import DivergenceRule
 from physcore.numerics.integrators import Integrator
 from physcore.scene.scene import Scene
 from physcore.simulation.energy import Energy, EnergySeries
+from physcore.simulation.recording import Recording
 from physcore.simulation.simulation import Simulation, unwarned
 
 SAMPLES = 32
-"""Equal intervals of the duration, at whose ends every run is looked at. Every time step divides them."""
+"""Intervals of the duration unless another number is given. Every time step divides them."""
+
+Precision = Literal["f32", "f64"]
+EPSILON: dict[Precision, float] = {"f64": 2.0**-52, "f32": 2.0**-23}
+"""The relative spacing of numbers."""
 
 Observer = Callable[[Simulation], ArrayLike]
 """What is compared between runs: an array of the same shape at every time."""
@@ -29,7 +36,7 @@ class Choice:
     """A way to compute."""
 
     integrator: Integrator
-    precision: Literal["f32", "f64"]
+    precision: Precision
     steps: int
     """Steps in each of the intervals."""
 
@@ -44,7 +51,8 @@ class Trial:
 
     choice: Choice
     samples: FloatArray
-    """What was observed at the start and at the end of each interval, shape (33, …); shorter where it diverged."""
+    """What was observed at the start and at the end of each interval, shape (intervals + 1, …); shorter where it
+    diverged."""
     seconds: float
     """Spent in stepping, once: for planning, not for comparing."""
     evaluations: int
@@ -52,6 +60,16 @@ class Trial:
     energy_drift: float
     """The largest drift of the energy balance, over the same times; infinite where it diverged."""
     diverged: SimulationDiverged | None
+    recording: Recording | None = None
+    """All its frames, where they were asked for."""
+
+    @property
+    def rounding(self) -> float:
+        """What rounding makes relative errors of about [1]: ε√n after n evaluations, for it walks at random.
+
+        Source: D. Brouwer, Astron. J. 46, 149 (1937).
+        """
+        return EPSILON[self.choice.precision] * math.sqrt(self.evaluations)
 
     @property
     def complete(self) -> bool:
@@ -69,11 +87,17 @@ class Experiment:
     threads: int | None = None
     observer: Observer | None = None
     """None: the positions of all particles."""
+    intervals: int = SAMPLES
+    """Equal parts of the duration, at whose ends every run is looked at."""
+    max_energy_growth: float | None = None
+    """As in Simulation."""
+    on_divergence: DivergenceRule = "raise"
+    """As in Simulation."""
 
     @property
     def interval(self) -> float:
-        """A 32nd of the duration [s]."""
-        return self.duration / SAMPLES
+        """[s]"""
+        return self.duration / self.intervals
 
     def dt(self, choice: Choice) -> float:
         """The time step of a choice [s]."""
@@ -90,7 +114,15 @@ class Experiment:
             SceneError: the scene cannot be computed so.
         """
         with unwarned():  # Whoever measures where it ends goes beyond.
-            return Simulation(self.scene, choice.integrator, self.dt(choice), choice.precision, self.threads)
+            return Simulation(
+                self.scene,
+                choice.integrator,
+                self.dt(choice),
+                choice.precision,
+                self.threads,
+                max_energy_growth=self.max_energy_growth,
+                on_divergence=self.on_divergence,
+            )
 
     def observe(self, simulation: Simulation) -> FloatArray:
         """What is compared, of the present state.
@@ -128,7 +160,7 @@ class Experiment:
         evaluations = simulation.plan.evaluations
         samples, budget = [self.observe(simulation)], [simulation.energy()]
         seconds, diverged = 0.0, None
-        for _ in range(SAMPLES):
+        for _ in range(self.intervals):
             begin = time.perf_counter()
             try:
                 simulation.step(choice.steps)
@@ -139,9 +171,36 @@ class Experiment:
                 seconds += time.perf_counter() - begin
             samples.append(self.observe(simulation))
             budget.append(simulation.energy())
-        drift = float("inf") if diverged else float(np.abs(series(budget).drift).max())
+        drift = math.inf if diverged else _largest_drift(series(budget))
         taken = max(1, simulation.steps)
         return Trial(choice, _stack(samples), seconds, taken * evaluations, drift, diverged)
+
+    def completed(self, choice: Choice) -> Trial:
+        """The same, of a run that comes to its end.
+
+        Raises:
+            SceneError: the scene cannot be computed so.
+            SimulationDiverged: the run diverged.
+        """
+        trial = self.attempt(choice)
+        if trial.diverged is not None:
+            raise trial.diverged
+        return trial
+
+    def recorded(self, choice: Choice, duration: float, fps: float, channels: tuple[str, ...]) -> Trial:
+        """The same, with a recording of its frames, of a duration [s] that ends less than an interval later.
+
+        Raises:
+            SceneError: the scene cannot be computed so, or the recording would not fit into memory.
+            SimulationDiverged: the run diverged.
+        """
+        simulation = self.start(choice)
+        begin = time.perf_counter()
+        recording = simulation.record(duration, fps, channels, progress=False)
+        seconds = time.perf_counter() - begin
+        taken = simulation.steps * recording.plan.evaluations
+        drift = _largest_drift(recording.energy)
+        return Trial(choice, recording.positions, seconds, taken, drift, None, recording)
 
 
 def series(budget: list[Energy]) -> EnergySeries:
@@ -157,6 +216,12 @@ def series(budget: list[Energy]) -> EnergySeries:
         work=np.array([energy.work for energy in budget]),
         times=np.array([energy.time for energy in budget]),
     )
+
+
+def _largest_drift(energy: EnergySeries) -> float:
+    """The largest drift of the energy balance; inf where energies are beyond the range of numbers."""
+    drift = float(np.abs(energy.drift).max())
+    return drift if math.isfinite(drift) else math.inf
 
 
 def _stack(samples: list[FloatArray]) -> FloatArray:

@@ -1,4 +1,4 @@
-"""A ladder: the rows of one integrator in one precision, by falling time step."""
+"""A step-size series: the rows of one integrator in one precision, by falling time step."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from typing import Literal
 import numpy as np
 
 from physcore.numerics.integrators import Integrator
+from physcore.studies.tradeoff.convergence import stagnant
 from physcore.studies.tradeoff.experiment import Choice
 from physcore.studies.tradeoff.restarts import Bias
 from physcore.studies.tradeoff.result import CERTAIN, Prediction, Status
@@ -20,17 +21,13 @@ SHORTEST = 2e-3
 MOST_RUNS = 20
 """Runs in a row at most."""
 LEAST = 3
-"""Rows of a ladder that come to an end and may take the budget once more: fewer have no slope."""
+"""Rows of a series that come to an end and may take the budget once more: fewer have no slope."""
 LOWEST = 24
-"""Rows of a ladder at most."""
-LEVEL = 0.8
-"""A ladder whose error shrinks less than this, twice, where it was small already, has reached its floor."""
-SMALL = 1e-2
-"""What is small, as a fraction of the largest error seen: where errors are large, they often do not shrink either."""
+"""Rows of a series at most."""
 
 
 @dataclass
-class Entry:
+class Measurement:
     """A row in the making."""
 
     choice: Choice
@@ -55,7 +52,7 @@ class Entry:
 
 
 @dataclass
-class Ladder:
+class StepSizeSeries:
     """The rows of one integrator in one precision, by falling time step."""
 
     integrator: Integrator
@@ -64,7 +61,7 @@ class Ladder:
     memory: int
     choices: list[Choice]
     """Yet to run, the coarsest first."""
-    entries: list[Entry] = field(default_factory=list)
+    measurements: list[Measurement] = field(default_factory=list)
     open_ended: bool = True
     """Whether a finer one follows the last of them."""
 
@@ -72,56 +69,61 @@ class Ladder:
         """What to run now."""
         if self.choices:
             return self.choices[0]
-        if not self.open_ended or len(self.entries) >= LOWEST:
+        if not self.open_ended or len(self.measurements) >= LOWEST:
             return None
-        return self.entries[-1].choice.finer()
+        return self.measurements[-1].choice.finer()
 
     def cost(self) -> float:
         """What that will take, with its timing [s]; 0 where nobody knows yet."""
         choice = self.next()
-        if not self.entries or choice is None:
+        if not self.measurements or choice is None:
             return 0.0
-        last = self.entries[-1]
+        last = self.measurements[-1]
         return ((1 + REPEATS) * last.cost + last.judging) * choice.steps / last.choice.steps
 
     def exhausted(self, uncertainty: float) -> bool:
         """Whether finer steps have stopped to help, or the reference can no longer tell."""
-        errors = [entry.error for entry in self.entries]
+        errors = [measurement.error for measurement in self.measurements]
         if len(errors) < LEAST:
             return False
         if errors[-1] < CERTAIN * uncertainty:
             return True
         finite = [error for error in errors if math.isfinite(error)]
-        small = bool(finite) and errors[-1] < SMALL * max(finite)
-        return small and errors[-1] > LEVEL * errors[-2] and errors[-2] > LEVEL * errors[-3]
+        return stagnant(errors, max(finite, default=0.0))
 
     def has_room(self, index: int, parts: int, uncertainty: float) -> bool:
         """Whether a row of a multiple of `parts` steps fits between one and the next, both of which count.
 
         A row that was held out is not what another one is predicted from.
         """
-        coarse, fine = self.entries[index : index + 2]
+        coarse, fine = self.measurements[index : index + 2]
         room = fine.choice.steps >= 2 * coarse.choice.steps and fine.choice.steps - coarse.choice.steps >= 2 * parts
         fresh = not (coarse.held_out or fine.held_out)
         return room and fresh and math.isfinite(coarse.error) and fine.error >= CERTAIN * uncertainty
 
     def gap(self, index: int) -> float:
         """By which factor the error falls from one row to the next; 0 where it does not."""
-        coarse, fine = self.entries[index : index + 2]
+        coarse, fine = self.measurements[index : index + 2]
         return coarse.error / fine.error if coarse.error > fine.error > 0.0 else 0.0
 
     def between(self, index: int) -> tuple[float, float]:
         """Error and cost that are expected halfway from one row to the next, both logarithmic."""
-        coarse, fine = self.entries[index : index + 2]
+        coarse, fine = self.measurements[index : index + 2]
         return math.sqrt(coarse.error * fine.error), math.sqrt(coarse.cost * fine.cost)
 
-    def prediction(self, held_out: Entry) -> Prediction:
+    def prediction(self, held_out: Measurement) -> Prediction:
         """Error and time by straight lines, both logarithmic, through the rows on both sides that were not held out."""
-        others = [entry for entry in self.entries if not entry.held_out and math.isfinite(entry.error)]
-        finer = next(entry for entry in others if entry.choice.steps > held_out.choice.steps)
-        coarser = next(entry for entry in reversed(others) if entry.choice.steps < held_out.choice.steps)
+        others = [
+            measurement
+            for measurement in self.measurements
+            if not measurement.held_out and math.isfinite(measurement.error)
+        ]
+        finer = next(measurement for measurement in others if measurement.choice.steps > held_out.choice.steps)
+        coarser = next(
+            measurement for measurement in reversed(others) if measurement.choice.steps < held_out.choice.steps
+        )
         ends = np.log([coarser.choice.steps, finer.choice.steps])
         at = float(np.log(held_out.choice.steps))
-        errors = np.log([max(entry.error, np.finfo(float).tiny) for entry in (coarser, finer)])
-        seconds = np.log([np.median(entry.times) for entry in (coarser, finer)])
+        errors = np.log([max(measurement.error, np.finfo(float).tiny) for measurement in (coarser, finer)])
+        seconds = np.log([np.median(measurement.times) for measurement in (coarser, finer)])
         return Prediction(float(np.exp(np.interp(at, ends, errors))), float(np.exp(np.interp(at, ends, seconds))))

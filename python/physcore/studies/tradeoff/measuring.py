@@ -1,4 +1,4 @@
-"""The recipe: check the question, study each scene, and put what was found together."""
+"""The recipe: check the question, diagram each scene, and put what was found together."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from physcore.studies.tradeoff.result import Row
 from physcore.studies.tradeoff.trade import Tradeoff
 
 if TYPE_CHECKING:
-    from physcore.studies.tradeoff.search import Study
+    from physcore.studies.tradeoff.search import WorkPrecisionDiagram
 
 TICKS = 10
 """How often in a second the progress bar may move."""
@@ -97,26 +97,26 @@ def tradeoff(
             refuse_if_too_large(SAMPLES + 1, each.particles, size, "observe fewer numbers: observe=…")
     experiments = [Experiment(each, interval, team, observer) for each in scenes]
     with Progress(round(TICKS * patience), "measuring", bars) as bar:
-        studies = _studies(experiments, chosen, kinds, steps, random, patience, bar)
+        diagrams = _diagrams(experiments, chosen, kinds, steps, random, patience, bar)
     rows: list[Row] = []
-    for study, resolution, error in zip(
-        studies, resolutions or (None,), _discretization(studies, resolutions), strict=True
+    for diagram, resolution, error in zip(
+        diagrams, resolutions or (None,), _discretization(diagrams, resolutions), strict=True
     ):
-        rows += study.rows(resolution, error)
-    notes = dict.fromkeys(note for study in studies for note in study.notes)
+        rows += diagram.rows(resolution, error)
+    notes = dict.fromkeys(note for diagram in diagrams for note in diagram.notes)
     return Tradeoff(
         rows=tuple(rows),
-        measure=studies[-1].measure,
-        references=tuple(study.truth for study in studies),
-        chaos=tuple(study.chaos for study in studies),
-        experiments=tuple(study.experiment for study in studies),
+        measure=diagrams[-1].measure,
+        references=tuple(diagram.truth for diagram in diagrams),
+        chaos=tuple(diagram.chaos for diagram in diagrams),
+        experiments=tuple(diagram.experiment for diagram in diagrams),
         seed=random,
         notes=tuple(notes),
-        machine=machine(studies[0].simd),
+        machine=machine(diagrams[0].simd),
     )
 
 
-def _studies(
+def _diagrams(
     experiments: list[Experiment],
     integrators: list[Integrator],
     precisions: Sequence[Literal["f32", "f64"]],
@@ -124,23 +124,25 @@ def _studies(
     seed: int,
     patience: float,
     bar: Progress,
-) -> list[Study]:
-    """Study each experiment with an equal share of the time that is left, then time all of them."""
+) -> list[WorkPrecisionDiagram]:
+    """WorkPrecisionDiagram each experiment with an equal share of the time that is left, then time all of them."""
     from physcore.studies.tradeoff.budget import Budget
-    from physcore.studies.tradeoff.search import Study
+    from physcore.studies.tradeoff.search import WorkPrecisionDiagram
 
     whole, ticks = Budget(patience), round(TICKS * patience)
 
     def tick() -> None:
         bar.update(min(round(TICKS * whole.spent()), ticks))
 
-    studies = [Study(experiment, integrators, precisions, dts, seed, tick) for experiment in experiments]
-    for index, study in enumerate(studies):
-        study.find(whole.share(1.0 / (len(studies) - index)))
-    for study in studies:
-        study.time()
+    diagrams = [
+        WorkPrecisionDiagram(experiment, integrators, precisions, dts, seed, tick) for experiment in experiments
+    ]
+    for index, diagram in enumerate(diagrams):
+        diagram.find(whole.share(1.0 / (len(diagrams) - index)))
+    for diagram in diagrams:
+        diagram.time()
     bar.update(ticks)
-    return studies
+    return diagrams
 
 
 def _scenes(scene: Scene | Callable[[float], Scene], resolutions: Sequence[float] | None) -> list[Scene]:
@@ -181,7 +183,7 @@ def _centers(simulation: Simulation) -> FloatArray:
     return np.array([simulation[body].positions.mean(axis=0) for body in bodies])
 
 
-def _discretization(studies: list[Study], resolutions: Sequence[float] | None) -> list[float]:
+def _discretization(diagrams: list[WorkPrecisionDiagram], resolutions: Sequence[float] | None) -> list[float]:
     """How far the reference of each resolution is from what they tend to.
 
     The finest one is off by what it changed from the one before, divided by rᵖ − 1, with r the ratio of the two and p
@@ -189,12 +191,12 @@ def _discretization(studies: list[Study], resolutions: Sequence[float] | None) -
     """
     from physcore.studies.tradeoff.reference import Reference
 
-    truths = [study.truth for study in studies]
+    truths = [diagram.truth for diagram in diagrams]
     if resolutions is None:
         return [0.0]
     samples = [truth.samples for truth in truths if isinstance(truth, Reference)]
-    until = min(study.until() for study in studies)
-    experiment = studies[-1].experiment
+    until = min(diagram.until() for diagram in diagrams)
+    experiment = diagrams[-1].experiment
     apart = [float(experiment.distances(each[:until], samples[-1][:until]).max()) for each in samples[:-1]]
     steps = [float(experiment.distances(one[:until], two[:until]).max()) for one, two in pairwise(samples)]
     ratio, order = resolutions[-1] / resolutions[-2], 1.0

@@ -2,46 +2,22 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from physcore.checks import FloatArray
-from physcore.errors import PhyscoreError, SceneError
-from physcore.numerics.integrators import INTEGRATORS, Integrator
-from physcore.studies.stability import stability_limit
 from physcore.studies.tradeoff.budget import Budget
+from physcore.studies.tradeoff.convergence import convergence
 from physcore.studies.tradeoff.experiment import SAMPLES, Choice, Experiment, Trial
+from physcore.studies.tradeoff.methods import DEEPEST, Method, halved, largest_step, other_family
 
 START = 0.5
 """The first step is at most this fraction of its limit."""
 LEVELS = 3
 """Runs that an extrapolation takes: at dt, dt/2 and dt/4."""
-BEYOND = 16.0
-"""How far beyond a limit of accuracy steps are worth trying."""
-HOPELESS = 1e-2
-"""A limit below this fraction of the best one is none that anybody would keep: explicit Euler's in a damped net."""
-DEEPEST = 24
-"""Halvings after which a run that still diverges is given up."""
 AGREEMENT = 3.0
 """How many times their uncertainties two methods may be apart before the larger of the two counts for nothing."""
-
-
-@dataclass(frozen=True)
-class Method:
-    """An integrator in a scene."""
-
-    integrator: Integrator
-    order: int
-    """The order that holds there."""
-    limit: float
-    """The largest step worth trying [s]: inf where nothing limits it, 0 where none is stable. A limit of accuracy alone
-    is no reason not to: some methods are accurate where others are lost."""
-    accurate: float
-    """Its largest step by the plan [s]."""
-    evaluations: int
-    """Evaluations of the forces per step."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,41 +40,6 @@ class Reference:
     """How far the two are apart [m]; 0 where there is no other."""
     agrees: bool
     """Whether that is within their uncertainties."""
-
-
-def methods(experiment: Experiment) -> list[Method]:
-    """Every integrator that can compute the scene, the most accurate first.
-
-    Raises:
-        SceneError: there is none; the reason of the last one.
-    """
-    found, refusal = [], SceneError("integrator: there is none")
-    for kind in INTEGRATORS:
-        try:
-            plan = experiment.start(Choice(kind(), "f64", 1)).plan
-        except SceneError as error:
-            refusal = error
-            continue
-        limit = plan.dt_limit
-        if plan.limit_kind == "accuracy":
-            limit = min(stability_limit(experiment.scene, kind()), BEYOND * limit)
-        found.append(Method(kind(), plan.order, limit, plan.dt_limit, plan.evaluations))
-    if not found:
-        raise refusal
-    reach = {method: min(method.limit, experiment.interval) / method.evaluations for method in found}
-    return sorted(found, key=lambda method: (method.order, reach[method]), reverse=True)
-
-
-def other_family(method: Method, candidates: list[Method]) -> list[Method]:
-    """The methods that share no idea with one: splittings beside Runge–Kutta methods; the most accurate first."""
-    return [other for other in candidates if other.integrator.symplectic != method.integrator.symplectic]
-
-
-def largest_step(method: Method, candidates: list[Method]) -> float:
-    """The limit of a method [s]; where no step worth taking is stable, that of the others: it shows how it fails."""
-    best = max((other.limit for other in candidates if 0.0 < other.limit < math.inf), default=math.inf)
-    hopeless = method.limit == 0.0 or method.limit < HOPELESS * best < math.inf
-    return best if hopeless else method.limit
 
 
 def find(experiment: Experiment, candidates: list[Method], budget: Budget, until: int = SAMPLES + 1) -> Reference:
@@ -132,20 +73,16 @@ def _converge(
     best: Reference | None = None
     worse = 0
     for _ in range(DEEPEST):
-        run = experiment.attempt(choice)
-        choice = choice.finer()
-        if not run.complete:
-            runs.clear()
-            continue
-        runs = [*runs, run][-LEVELS:]
+        reached, run = halved(experiment.completed, choice)
+        runs = [*runs, run][-LEVELS:] if reached == choice else [run]
+        choice = reached.finer()
         if len(runs) == LEVELS:
             latest = _extrapolate(experiment, method, runs, until)
             worse = worse + 1 if best is not None and latest.uncertainty > 0.5 * best.uncertainty else 0
             best = latest if best is None or latest.uncertainty < best.uncertainty else best
             if worse == 2 or 2.0 * run.seconds > budget.left():
                 return best
-    if best is None:
-        raise PhyscoreError(f"tradeoff: no reference: {type(method.integrator).__name__} diverged at every step")
+    assert best is not None
     return best
 
 
@@ -155,21 +92,21 @@ def _extrapolate(experiment: Experiment, method: Method, runs: list[Trial], unti
     With errors C dtᵖ the difference of the last two is 2ᵖ − 1 times the error of the last, which is taken off. What is
     left is smaller than what the same correction changes from the first two runs to the last two: the uncertainty.
     Where the differences do not shrink by 2ᵖ nothing is taken off, and the last difference itself counts. No reference
-    is better than rounding lets it be, which walks at random, √n times as far in n evaluations (D. Brouwer, Astron. J.
-    46, 149, 1937).
+    is better than rounding lets it be.
     """
     coarse, middle, fine = (run.samples[:until] for run in runs)
     first, second = experiment.difference(middle, coarse), experiment.difference(fine, middle)
     before = float(experiment.distances(middle, coarse).max())
     after = float(experiment.distances(fine, middle).max())
-    order = math.log2(before / after) if before > 0.0 and after > 0.0 else math.nan
+    found = convergence([run.choice.steps for run in runs], [before, after], method.order)
     gain = 2.0**method.order - 1.0
-    extrapolated = abs(order - method.order) < 0.5
-    if extrapolated:
+    if found.asymptotic:
         samples = fine + second / gain
         left = experiment.distances(samples, middle + first / gain)
         uncertainty = float(left.max())
     else:
         samples, uncertainty = fine, max(after, before if after > before else 0.0)
-    rounding = float(np.spacing(np.abs(samples).max())) * math.sqrt(runs[-1].evaluations)
-    return Reference(samples, max(uncertainty, rounding), runs[-1].choice, order, extrapolated, None, 0.0, True)
+    rounding = runs[-1].rounding * float(np.abs(samples).max())
+    return Reference(
+        samples, max(uncertainty, rounding), runs[-1].choice, found.order, found.asymptotic, None, 0.0, True
+    )

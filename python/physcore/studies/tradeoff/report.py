@@ -45,7 +45,7 @@ def _processor() -> str:
 
 
 def table(trade: Measurements) -> str:
-    """Every row, with marks: * on the front, ~ an error that the reference hardly resolves, ? a noisy time."""
+    """Every row, with marks: * on the Pareto front, ~ an error that the reference hardly resolves, ? a noisy time."""
     front = set(map(id, trade.front))
     resolved = trade.rows and trade.rows[0].resolution is not None
     header = ["", "integrator", "dt [s]", "", *(["resolution"] if resolved else [])]
@@ -64,7 +64,8 @@ def table(trade: Measurements) -> str:
         [
             f"Error: {KINDS[trade.measure]}; {trade.duration:g} s simulated",
             *text,
-            "* on the front   ~ below ten times the reference's uncertainty   ? the median time is 5 % above the least",
+            "* on the Pareto front   ~ below ten times the reference's uncertainty   "
+            "? the median time is 5 % above the least",
         ]
     )
 
@@ -141,7 +142,7 @@ def _on_front(trade: Measurements) -> str:
         return "No row came to an end that can be used."
     if len(front) == 1:
         return f"One row is both the fastest and the most accurate: {front[0]}."
-    return f"The fastest is {front[0]}; the most accurate is {front[-1]}; {len(front)} rows are on the front."
+    return f"The fastest is {front[0]}; the most accurate is {front[-1]}; {len(front)} rows are on the Pareto front."
 
 
 def _on_divergence(trade: Measurements) -> str:

@@ -8,12 +8,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from physcore.checks import FloatArray
-from physcore.errors import PhyscoreError, SceneError, SimulationDiverged
+from physcore.errors import SceneError, SimulationDiverged
 from physcore.studies.stability import nudged
 from physcore.studies.tradeoff.budget import Budget
 from physcore.studies.tradeoff.chaos import Chaos
 from physcore.studies.tradeoff.experiment import SAMPLES, Choice, Experiment
-from physcore.studies.tradeoff.reference import AGREEMENT, DEEPEST, START, Method
+from physcore.studies.tradeoff.methods import Method, halved
+from physcore.studies.tradeoff.reference import AGREEMENT, START
 
 WINDOW_GROWTH = 100.0
 """By how much errors may grow within a window."""
@@ -121,14 +122,7 @@ def _converge(
     experiment: Experiment, choice: Choice, starts: list[tuple[FloatArray, FloatArray]], parts: int, budget: Budget
 ) -> tuple[Choice, FloatArray, float]:
     """The ends of all windows, with the steps that changed them least when halved, and by how much they did."""
-    for _ in range(DEEPEST):
-        try:
-            ends = _ends(experiment, choice, starts, parts)
-            break
-        except SimulationDiverged:
-            choice = choice.finer()
-    else:
-        raise PhyscoreError(f"tradeoff: {type(choice.integrator).__name__} diverged at every step")
+    choice, ends = halved(lambda each: _ends(experiment, each, starts, parts), choice)
     uncertainty = math.inf
     while True:
         finer, before = choice.finer(), budget.left()

@@ -139,7 +139,7 @@ class Measurements:
 
     @property
     def front(self) -> tuple[Row, ...]:
-        """The rows that no other one beats in both error and time, the fastest first (Pareto's front)."""
+        """The Pareto front: the rows that no other one beats in both error and time, the fastest first."""
         front: list[Row] = []
         for row in sorted(self._good(), key=lambda row: (row.seconds, row.total_error)):
             if not front or row.total_error < front[-1].total_error:

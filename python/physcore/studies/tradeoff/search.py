@@ -1,4 +1,4 @@
-"""The search for the front: ladders of time steps, from the limit of stability downward, within a budget of seconds."""
+"""The search for the Pareto front: series of time steps, from the limit of stability downward, within a budget."""
 
 from __future__ import annotations
 
@@ -17,17 +17,16 @@ from physcore.studies.tradeoff import reference, restarts
 from physcore.studies.tradeoff.budget import Budget
 from physcore.studies.tradeoff.chaos import Chaos, twin
 from physcore.studies.tradeoff.experiment import Choice, Experiment
-from physcore.studies.tradeoff.ladder import LEAST, REPEATS, Entry, Ladder
+from physcore.studies.tradeoff.ladder import LEAST, REPEATS, Measurement, StepSizeSeries
+from physcore.studies.tradeoff.methods import SAFETY, halved, largest_step, methods, other_family
 from physcore.studies.tradeoff.reference import Reference
 from physcore.studies.tradeoff.restarts import Windows
 from physcore.studies.tradeoff.result import CERTAIN, Measure, Row
 
-SAFETY = 0.95
-"""The first step of a ladder, as a fraction of its limit."""
 REFERENCE_SHARE = 0.3
 """How much of the budget the reference may take."""
 ENOUGH = 8
-"""Rows after which a ladder goes on only where the next one may get onto the front."""
+"""Rows after which a series goes on only where the next one may get onto the Pareto front."""
 HELD_OUT = 8
 """Rows between two others that are predicted before they are run, at most."""
 WRONG = 10.0
@@ -35,7 +34,7 @@ WRONG = 10.0
 blow-up, whatever the watch says."""
 
 
-class Study:
+class WorkPrecisionDiagram:
     """Measures one scene; `find` looks for the rows, `time` how long each of them takes, `rows` gives them."""
 
     def __init__(
@@ -54,35 +53,35 @@ class Study:
         self._tick = tick
         self._searching = dts is None
         self.simd = ""
-        self._methods = reference.methods(experiment)
-        self._ladders = [
-            ladder
+        self._methods = methods(experiment)
+        self._series = [
+            series
             for integrator in integrators
             for precision in precisions
-            if (ladder := self._ladder(integrator, precision, dts)) is not None
+            if (series := self._new_series(integrator, precision, dts)) is not None
         ]
         self.chaos: Chaos
         self.truth: Reference | Windows
         self.measure: Measure = "trajectory"
 
     def find(self, budget: Budget) -> None:
-        """Look for chaos and for a reference, and run every ladder as far as the budget reaches.
+        """Look for chaos and for a reference, and run every series as far as the budget reaches.
 
         Raises:
             PhyscoreError: no choice can compute the scene, or every run of the reference diverged.
         """
-        if not self._ladders:
+        if not self._series:
             raise PhyscoreError(" ".join(self.notes) or "tradeoff: there is nothing to compare")
         self._judge(budget.share(REFERENCE_SHARE))
-        while ladders := [ladder for ladder in self._ladders if ladder.next() is not None]:
-            ladder = min(ladders, key=Ladder.cost)
-            held = sum(entry.status != "diverged" for entry in ladder.entries)
+        while unfinished := [series for series in self._series if series.next() is not None]:
+            series = min(unfinished, key=StepSizeSeries.cost)
+            held = sum(measurement.status != "diverged" for measurement in series.measurements)
             left = budget.left() - self._timing() + (budget.seconds if held < LEAST else 0.0)
-            if ladder.entries and not ladder.choices and ladder.cost() > left:
+            if series.measurements and not series.choices and series.cost() > left:
                 break
-            self._run(ladder)
-            if ladder.open_ended and (ladder.exhausted(self.truth.uncertainty) or self._left_behind(ladder)):
-                ladder.open_ended = False
+            self._run(series)
+            if series.open_ended and (series.exhausted(self.truth.uncertainty) or self._left_behind(series)):
+                series.open_ended = False
         if self._searching:
             self._refine(budget)
 
@@ -93,11 +92,13 @@ class Study:
         warmed everything up. Runs that are too short for a clock are timed several in a row.
         """
         generator = np.random.default_rng(self._seed)
-        entries = [entry for ladder in self._ladders for entry in ladder.entries]
+        measurements = [measurement for series in self._series for measurement in series.measurements]
         for _ in range(REPEATS):
-            for index in generator.permutation(len(entries)):
-                entry = entries[index]
-                entry.times.append(sum(self._time_once(entry.choice) for _ in range(entry.runs)) / entry.runs)
+            for index in generator.permutation(len(measurements)):
+                measurement = measurements[index]
+                measurement.times.append(
+                    sum(self._time_once(measurement.choice) for _ in range(measurement.runs)) / measurement.runs
+                )
                 self._tick()
 
     @property
@@ -113,26 +114,26 @@ class Study:
         """What was found; `time` comes first."""
         return [
             Row(
-                integrator=ladder.integrator,
-                dt=self.experiment.dt(entry.choice),
-                precision=ladder.precision,
+                integrator=series.integrator,
+                dt=self.experiment.dt(measurement.choice),
+                precision=series.precision,
                 threads=self.experiment.threads,
-                seconds=float(np.median(entry.times)),
-                least_seconds=min(entry.times),
-                evaluations=entry.evaluations,
-                pair_interactions=entry.evaluations * ladder.pairs,
-                bytes_swept=entry.evaluations * ladder.memory,
-                error=entry.error,
+                seconds=float(np.median(measurement.times)),
+                least_seconds=min(measurement.times),
+                evaluations=measurement.evaluations,
+                pair_interactions=measurement.evaluations * series.pairs,
+                bytes_swept=measurement.evaluations * series.memory,
+                error=measurement.error,
                 error_uncertainty=self.truth.uncertainty,
-                energy_drift=entry.energy_drift,
-                status=entry.status,
+                energy_drift=measurement.energy_drift,
+                status=measurement.status,
                 resolution=resolution,
                 discretization_error=discretization_error,
-                bias=entry.bias,
-                prediction=ladder.prediction(entry) if entry.held_out else None,
+                bias=measurement.bias,
+                prediction=series.prediction(measurement) if measurement.held_out else None,
             )
-            for ladder in self._ladders
-            for entry in ladder.entries
+            for series in self._series
+            for measurement in series.measurements
         ]
 
     def _time_once(self, choice: Choice) -> float:
@@ -143,10 +144,10 @@ class Study:
             simulation.run(self.experiment.duration)
         return time.perf_counter() - begin
 
-    def _ladder(
+    def _new_series(
         self, integrator: Integrator, precision: Literal["f32", "f64"], dts: Sequence[float] | None
-    ) -> Ladder | None:
-        """A ladder that begins at its limit, or has the steps that were asked for."""
+    ) -> StepSizeSeries | None:
+        """A series that begins at its limit, or has the steps that were asked for."""
         try:
             plan = self.experiment.start(Choice(integrator, precision, 1)).plan
         except SceneError as error:
@@ -156,10 +157,10 @@ class Study:
             return None
         self.simd = plan.simd
         method = next(method for method in self._methods if method.integrator == integrator)
-        largest = [SAFETY * reference.largest_step(method, self._methods)] if dts is None else sorted(dts, reverse=True)
+        largest = [SAFETY * largest_step(method, self._methods)] if dts is None else sorted(dts, reverse=True)
         steps = dict.fromkeys(self.experiment.steps_of(dt) for dt in largest)
         choices = [Choice(integrator, precision, number) for number in steps]
-        return Ladder(integrator, precision, plan.pairs, plan.memory, choices, open_ended=dts is None)
+        return StepSizeSeries(integrator, precision, plan.pairs, plan.memory, choices, open_ended=dts is None)
 
     def _judge(self, budget: Budget) -> None:
         """Find out whether trajectories can be compared, and what with."""
@@ -174,100 +175,101 @@ class Study:
             self.truth = reference.find(self.experiment, self._methods, budget, self.until())
         else:
             self.measure = "restart"
-            others = reference.other_family(best, self._methods)
+            others = other_family(best, self._methods)
             self.truth = restarts.windows(self.experiment, choice, others, self.chaos, self._seed, budget)
-            for ladder in self._ladders:
-                ladder.choices = [
+            for series in self._series:
+                series.choices = [
                     replace(choice, steps=restarts.multiple(choice.steps, self.truth.parts))
-                    for choice in ladder.choices
+                    for choice in series.choices
                 ]
 
     def _twin(self, choice: Choice) -> tuple[Choice, Chaos]:
         """Run the twin with steps that hold, and give those too: the limit may fall while the scene moves."""
-        for _ in range(reference.DEEPEST):
-            try:
-                return choice, twin(self.experiment, choice, self._seed)
-            except SimulationDiverged:
-                choice = choice.finer()
-        raise PhyscoreError(f"tradeoff: {type(choice.integrator).__name__} diverged at every step")
+        return halved(lambda each: twin(self.experiment, each, self._seed), choice)
 
-    def _run(self, ladder: Ladder) -> None:
-        choice = ladder.next()
+    def _run(self, series: StepSizeSeries) -> None:
+        choice = series.next()
         assert choice is not None
-        if ladder.choices:
-            ladder.choices.pop(0)
-        ladder.entries.append(self._try(choice))
+        if series.choices:
+            series.choices.pop(0)
+        series.measurements.append(self._try(choice))
 
-    def _try(self, choice: Choice) -> Entry:
+    def _try(self, choice: Choice) -> Measurement:
         """Run a choice once, and judge it."""
         begin = time.perf_counter()
         trial = self.experiment.attempt(choice)
         cost = time.perf_counter() - begin
-        entry = Entry(choice, math.inf, trial.energy_drift, trial.evaluations, "diverged", trial.seconds, cost, 0.0)
+        measurement = Measurement(
+            choice, math.inf, trial.energy_drift, trial.evaluations, "diverged", trial.seconds, cost, 0.0
+        )
         if trial.complete:
-            entry.status = "ok"
+            measurement.status = "ok"
             if isinstance(self.truth, Reference):
                 until = self.until()
                 apart = self.experiment.distances(trial.samples[:until], self.truth.samples[:until])
-                entry.error = float(apart.max())
+                measurement.error = float(apart.max())
                 way = self.experiment.distances(self.truth.samples, self.truth.samples[:1]).max()
-                if entry.error > WRONG * way + CERTAIN * self.truth.uncertainty:
-                    entry.status, entry.error = "diverged", math.inf
+                if measurement.error > WRONG * way + CERTAIN * self.truth.uncertainty:
+                    measurement.status, measurement.error = "diverged", math.inf
             else:
-                self._compare_statistics(entry, self.truth)
-        entry.judging = time.perf_counter() - begin - cost
+                self._compare_statistics(measurement, self.truth)
+        measurement.judging = time.perf_counter() - begin - cost
         self._tick()
-        return entry
+        return measurement
 
-    def _compare_statistics(self, entry: Entry, truth: Windows) -> None:
+    def _compare_statistics(self, measurement: Measurement, truth: Windows) -> None:
         """The error over short windows, and the averages over an ensemble."""
-        entry.error = restarts.error(self.experiment, entry.choice, truth)
+        measurement.error = restarts.error(self.experiment, measurement.choice, truth)
         try:
-            found = restarts.ensemble(self.experiment, entry.choice, truth.nudge, self._seed)
+            found = restarts.ensemble(self.experiment, measurement.choice, truth.nudge, self._seed)
         except SimulationDiverged:
-            entry.status = "diverged"
+            measurement.status = "diverged"
             return
-        entry.bias = restarts.bias(found, truth.averages, truth.doubts)
-        entry.status = "biased" if entry.bias.found else "ok"
-        if abs(entry.bias.relative) > WRONG:
-            entry.status, entry.error = "diverged", math.inf
+        measurement.bias = restarts.bias(found, truth.averages, truth.doubts)
+        measurement.status = "biased" if measurement.bias.found else "ok"
+        if abs(measurement.bias.relative) > WRONG:
+            measurement.status, measurement.error = "diverged", math.inf
 
-    def _left_behind(self, ladder: Ladder) -> bool:
-        """Whether a ladder has shown its slope, and what it would reach next is had for less elsewhere."""
-        if len(ladder.entries) < ENOUGH:
+    def _left_behind(self, series: StepSizeSeries) -> bool:
+        """Whether a series has shown its slope, and what it would reach next is had for less elsewhere."""
+        if len(series.measurements) < ENOUGH:
             return False
-        before, last = ladder.entries[-2:]
+        before, last = series.measurements[-2:]
         return self._beaten(last.error * last.error / before.error if before.error > 0.0 else 0.0, 2.0 * last.cost)
 
     def _beaten(self, error: float, cost: float) -> bool:
         """Whether some row has both a smaller error and a lower cost."""
-        entries = (entry for ladder in self._ladders for entry in ladder.entries if entry.status == "ok")
-        return any(entry.error <= error and entry.cost <= cost for entry in entries)
+        measurements = (
+            measurement for series in self._series for measurement in series.measurements if measurement.status == "ok"
+        )
+        return any(measurement.error <= error and measurement.cost <= cost for measurement in measurements)
 
     def _timing(self) -> float:
         """What the timing of all rows so far will take [s]."""
-        return REPEATS * sum(entry.runs * entry.cost for ladder in self._ladders for entry in ladder.entries)
+        return REPEATS * sum(
+            measurement.runs * measurement.cost for series in self._series for measurement in series.measurements
+        )
 
     def _refine(self, budget: Budget) -> None:
-        """Spend what is left halfway between two rows of a ladder, where the front has its widest gap; one at least."""
+        """Spend what is left halfway between two rows of a series, where the front has its widest gap; one at least."""
         parts = self.truth.parts if isinstance(self.truth, Windows) else 1
         for _ in range(HELD_OUT):
             gaps = [
-                (not self._beaten(*ladder.between(index)), ladder.gap(index), position, index)
-                for position, ladder in enumerate(self._ladders)
-                for index in range(len(ladder.entries) - 1)
-                if ladder.has_room(index, parts, self.truth.uncertainty)
+                (not self._beaten(*series.between(index)), series.gap(index), position, index)
+                for position, series in enumerate(self._series)
+                for index in range(len(series.measurements) - 1)
+                if series.has_room(index, parts, self.truth.uncertainty)
             ]
             if not gaps:
                 return
             on_front, _, position, index = max(gaps)
-            ladder = self._ladders[position]
-            coarse, fine = ladder.entries[index : index + 2]
-            held_out = any(entry.held_out for ladder in self._ladders for entry in ladder.entries)
+            series = self._series[position]
+            coarse, fine = series.measurements[index : index + 2]
+            held_out = any(measurement.held_out for series in self._series for measurement in series.measurements)
             dear = not on_front or (1 + REPEATS) * fine.cost > budget.left() - self._timing()
             if held_out and dear:
                 return
             middle = round(math.sqrt(coarse.choice.steps * fine.choice.steps) / parts) * parts
-            entry = self._try(replace(coarse.choice, steps=middle))
-            entry.held_out = True
-            ladder.entries.insert(index + 1, entry)
+            measurement = self._try(replace(coarse.choice, steps=middle))
+            measurement.held_out = True
+            series.measurements.insert(index + 1, measurement)

@@ -1,0 +1,219 @@
+"""The search for the cheapest method and time step that meet a target, and the proof that they do.
+
+Candidates are priced by a short probe at their limit: by its excess over the target and the order of the method it is
+known about how many steps meet the target. The cheapest goes on with runs of the whole duration, with a quarter and
+half of these steps, which tell better how many are needed, and then with as many; where another has become cheaper
+meanwhile, that one goes on. The first run that is proven to meet the target ends the search.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+from physcore.errors import SimulationDiverged
+from physcore.studies.tradeoff.experiment import EPSILON, Choice, Experiment, Precision, Trial
+from physcore.studies.tradeoff.methods import DEEPEST, Method, halved
+from physcore.studies.tradeoff.refinement import Refinement, Target
+
+PROBE = 16
+"""A probe takes one part in so many of the duration."""
+LEAP = 4
+"""By which factor the number of steps grows at most where the order has not been measured."""
+
+
+class Candidate:
+    """A method on its way to the steps that meet the target.
+
+    Args:
+        experiment: what to compute.
+        method: how.
+        precision: "f32" or "f64".
+        target: what is asked for.
+        coarsest: steps per interval at the method's limit.
+        record: makes a run that keeps a recording.
+    """
+
+    def __init__(
+        self,
+        experiment: Experiment,
+        method: Method,
+        precision: Precision,
+        target: Target,
+        coarsest: int,
+        record: Callable[[Choice], Trial],
+    ) -> None:
+        self.experiment = experiment
+        self.method = method
+        self.target = target
+        self.refinement = Refinement(experiment, method.order, target)
+        self.probed = False
+        self._precision: Precision = precision
+        self._coarsest = coarsest
+        self._excess = 0.0
+        self._record = record
+
+    def probe(self) -> None:
+        """Find the excess over the target a short time after the start, at about the limit.
+
+        Raises:
+            SimulationDiverged: the method diverges at every step.
+        """
+        self.probed = True
+        parts, experiment = _short(self.experiment)
+        runs = Refinement(experiment, self.method.order, self.target)
+        choice = self._choice(-(-self._coarsest // parts))
+        for _ in (1, 2) if self.target.compares else (1,):
+            choice, trial = halved(experiment.completed, choice)
+            runs.add(trial)
+            choice = choice.finer()
+        # The coarser run is about as far off as the two are apart.
+        error = runs.changes[-1] if self.target.compares else 0.0
+        excess = max(EPSILON[self._precision], runs.goal.excess(error, runs.drifts[0]))
+        self._excess = excess * math.pow(parts * runs.steps[0] / self._coarsest, self.method.order)
+
+    def expected(self, growth: float) -> float:
+        """The excess at the limit at the end of the whole duration, where errors grow so much after the probe."""
+        return growth * self._excess
+
+    def observed(self) -> float:
+        """The same as the last run shows it, by the order of the method."""
+        steps = self.refinement.steps[-1] / self._coarsest
+        return self.refinement.excess() * math.pow(steps, self.method.order)
+
+    def needed(self, growth: float) -> int:
+        """Steps per interval that meet the target, as far as is known."""
+        most = float(self._coarsest << DEEPEST)
+        if self.refinement.estimated:
+            return math.ceil(min(self.refinement.steps[-1] * self.refinement.factor(), most))
+        factor = math.pow(self.expected(growth), 1.0 / self.method.order)
+        return max(self._coarsest, math.ceil(min(self._coarsest * factor, most)))
+
+    def cost(self, growth: float) -> float:
+        """Evaluations of the forces, per interval, of a run that meets the target."""
+        return float(self.method.evaluations * max(self._coarsest, self.needed(growth)))
+
+    def price(self, growth: float) -> float:
+        """The same with those of the runs that come before it."""
+        last = self.refinement.steps[-1] if self.refinement.trials else 0
+        return self.cost(growth) * sum(
+            1.0 / part for part in (1, 2, 4) if part == 1 or self.needed(growth) > part * last
+        )
+
+    def next_cost(self, growth: float) -> int:
+        """Evaluations of the forces, per interval, of the next run."""
+        return self.method.evaluations * self._next(growth)
+
+    def exhausted(self) -> bool:
+        """Whether finer steps do not help, or are too many."""
+        return self.refinement.stagnant() or self.refinement.steps[-1] >= self._coarsest << DEEPEST
+
+    def advance(self, growth: float) -> None:
+        """Take the next run.
+
+        Raises:
+            SimulationDiverged: the method diverges at every step.
+        """
+        steps, runs = self._next(growth), self.refinement
+        if runs.trials and steps < runs.steps[0]:
+            trial = self.experiment.attempt(self._choice(steps))
+            if trial.complete:
+                runs.add(trial)
+            else:
+                self._coarsest = runs.steps[0]
+            return
+        # It may be what is returned where about that many steps are needed.
+        run = self._record if 2 * steps >= self.needed(growth) else self.experiment.completed
+        choice, trial = halved(run, self._choice(steps))
+        if choice.steps > steps:
+            runs.clear()
+            self._coarsest = choice.steps
+        runs.add(trial)
+
+    def _next(self, growth: float) -> int:
+        """Steps per interval of the next run."""
+        needed, runs = self.needed(growth), self.refinement
+        if not runs.trials:
+            return max(self._coarsest, math.ceil(needed / 4))
+        last = runs.steps[-1]
+        least = math.ceil(last * math.pow(2.0, 1.0 / self.method.order))
+        if not self.target.compares:
+            return max(least, min(needed, LEAP * last))
+        if not runs.estimated or not runs.asymptotic:
+            return 2 * last
+        if needed <= last:
+            # Enough, it seems: what is missing is the order, which a longer step tells for less than a shorter one.
+            coarser = runs.steps[0] // 2
+            return coarser if len(runs.trials) == 2 and coarser >= self._coarsest else 2 * last
+        # Three runs that prove something are close together, however far from those before.
+        part = 1 if needed <= 2 * last else 2 if needed <= 4 * last else 4
+        most = LEAP * last if len(runs.trials) == 2 else needed
+        return max(least, min(math.ceil(needed / part), most))
+
+    def _choice(self, steps: int) -> Choice:
+        return Choice(self.method.integrator, self._precision, steps)
+
+
+@dataclass(frozen=True)
+class Selection:
+    """What the search found."""
+
+    candidate: Candidate
+    trial: Trial
+    """The run that meets the target, or that comes closest to it."""
+    error: float
+    """Bound on the error of that run [m]; inf where nothing was compared."""
+    proven: bool
+    """Whether it meets the target."""
+
+    @property
+    def drift(self) -> float:
+        """The drift of the energy balance of that run."""
+        return self.trial.energy_drift
+
+    @property
+    def excess(self) -> float:
+        """The error or the drift over what was asked for, whichever is larger."""
+        return self.candidate.target.excess(self.error, self.drift)
+
+
+def select(candidates: list[Candidate]) -> Selection | None:
+    """The run that is first proven to meet the target; else the one that comes closest, if any comes to its end."""
+    experiment = candidates[0].experiment
+    # Until a run of the whole duration tells, errors are taken to grow with time.
+    growth = experiment.duration / _short(experiment)[1].duration
+    best: Selection | None = None
+    left, affordable = list(candidates), math.inf
+    while left := [each for each in left if each.cost(growth) <= affordable]:
+        cheapest = min(left, key=lambda each: each.price(growth))
+        doubtful = [each for each in left if each.refinement.doubtful()]
+        candidate = min(cheapest, *doubtful, key=lambda each: each.next_cost(growth)) if doubtful else cheapest
+        runs, known = candidate.refinement, candidate.refinement.estimated
+        try:
+            if not candidate.probed and len(left) > 1:
+                candidate.probe()
+                continue
+            candidate.advance(growth)
+        except SimulationDiverged:
+            left.remove(candidate)
+            continue
+        if (found := runs.proven()) is not None:
+            return Selection(candidate, *found, proven=True)
+        if runs.estimated and not known and candidate.probed and 0.0 < candidate.observed() < math.inf:
+            growth *= candidate.observed() / candidate.expected(growth)
+        error = runs.convergence.finer if runs.convergence else math.inf
+        latest = Selection(candidate, runs.trials[-1], error, proven=False)
+        best = min((best or latest, latest), key=lambda each: each.excess)
+        if candidate.exhausted():
+            # Rounding adds up with evaluations: who needs more of them comes no closer.
+            left.remove(candidate)
+            affordable = min(affordable, float(candidate.method.evaluations * runs.steps[-1]))
+    return best
+
+
+def _short(experiment: Experiment) -> tuple[int, Experiment]:
+    """A sixteenth of an experiment, at most; and how many of its intervals make one of the whole."""
+    parts = -(-PROBE // experiment.intervals)
+    intervals = max(1, experiment.intervals // PROBE)
+    return parts, replace(experiment, duration=experiment.interval * intervals / parts, intervals=intervals)
