@@ -51,8 +51,8 @@ def simulate(
         progress: whether to show a progress bar; None: on a terminal, when it takes longer than a second.
         accuracy: how far any particle may be from where it should be, at any frame [m].
         energy_drift: how far the energy balance may drift, as `Recording.energy.drift` counts it.
-        numerics: integrator, dt, precision, threads, max_energy_growth, on_divergence, as in Simulation; dt is not to be
-            given with `accuracy` or `energy_drift`, and an integrator that is given is the only one that is tried.
+        numerics: integrator, dt, precision, threads, max_energy_growth, on_divergence, as in Simulation; dt is not
+            to be given with `accuracy` or `energy_drift`, and an integrator that is given is the only one tried.
 
     Raises:
         SceneError, SimulationDiverged: as for Simulation.
