@@ -51,8 +51,8 @@ def simulate(
         progress: whether to show a progress bar; None: on a terminal, when it takes longer than a second.
         accuracy: how far any particle may be from where it should be, at any frame [m].
         energy_drift: how far the energy balance may drift, as `Recording.energy.drift` counts it.
-        numerics: integrator, dt, precision, threads, max_energy_growth, on_divergence, as in Simulation; dt is not
-            to be given with `accuracy` or `energy_drift`, and an integrator that is given is the only one tried.
+        numerics: integrator, dt, precision, threads, max_energy_growth, on_divergence, as in Simulation; dt is not to
+            be given with `accuracy` or `energy_drift`, and an integrator that is given is the only one that is tried.
 
     Raises:
         SceneError, SimulationDiverged: as for Simulation.
@@ -110,8 +110,6 @@ def _search(
     given = options.get("integrator", "auto")
     some = [kind() for kind in INTEGRATORS if kind.order > 1] if is_word(given, "auto") else [numerics.integrator]
     found = methods(experiment, some, numerics.precision)
-    # Whose order falls in this scene is beaten by those that have the same with fewer evaluations.
-    able = found
     selection = select(
         [
             Candidate(
@@ -122,7 +120,7 @@ def _search(
                 experiment.steps_of(SAFETY * largest_step(method, found)),
                 record,
             )
-            for method in able
+            for method in found
         ]
     )
     if selection is not None and selection.proven:

@@ -48,7 +48,7 @@ def _suffix(path: str | os.PathLike[str]) -> str:
 
 
 def plot(trade: Measurements, path: str | os.PathLike[str] | None, axes: Axes | None) -> Axes:
-    """Error against time; see `Measurements.plot`."""
+    """Error against time; see `Tradeoff.plot`."""
     if path is not None or axes is None:
         require_plottable(path)
     if axes is None:
@@ -108,7 +108,7 @@ def _series(trade: Measurements) -> dict[tuple[str, str, float | None], list[Row
 
 
 def film(trade: Measurements, path: str | os.PathLike[str], row: Row, fps: float, options: dict[str, Any]) -> None:
-    """What was chosen beside the reference; see `Measurements.film`."""
+    """What was chosen beside the reference; see `Tradeoff.film`."""
     writable(path, WRITERS)
     position = list(dict.fromkeys(each.resolution for each in trade.rows)).index(row.resolution)
     experiment, reference = trade.experiments[position], trade.references[position]

@@ -125,7 +125,7 @@ def _diagrams(
     patience: float,
     bar: Progress,
 ) -> list[WorkPrecisionDiagram]:
-    """WorkPrecisionDiagram each experiment with an equal share of the time that is left, then time all of them."""
+    """Measure each experiment with an equal share of the time that is left, then time all of them."""
     from physcore.studies.tradeoff.budget import Budget
     from physcore.studies.tradeoff.search import WorkPrecisionDiagram
 

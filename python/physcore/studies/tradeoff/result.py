@@ -1,4 +1,4 @@
-"""What was measured: rows, the front among them, and the choice that meets a wish."""
+"""The work–precision diagram: rows, the Pareto front among them, and the choice that meets a target."""
 
 from __future__ import annotations
 

@@ -28,8 +28,8 @@ class Tradeoff(Measurements):
     def plot(self, path: str | os.PathLike[str] | None = None, axes: Axes | None = None) -> Axes:
         """Draw error against time, both logarithmic, with Matplotlib (`pip install "physcore[plot]"`).
 
-        The Pareto front is underlaid, rows that blew up are crosses at the top, and below the shaded line the reference
-        is not good enough to tell.
+        The front is underlaid, rows that blew up are crosses at the top, and below the shaded line the reference is not
+        good enough to tell.
 
         Args:
             path: where to write the figure, with a suffix that Matplotlib knows; None: nowhere.
