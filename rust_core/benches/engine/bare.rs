@@ -222,11 +222,15 @@ fn report(title: &str, precision: &str, updates: f64, world: &mut Simulation, [s
 }
 
 fn fall<T: Real>(count: usize, block: usize, [steps, batch]: [u64; 2]) {
-    let place = |index: usize| DVec3::new((index as f64).sin(), (index as f64).cos(), 0.3 * index as f64 / count as f64);
-    let dust =
-        body((0..count).map(place).collect(), (0..count).map(|index| place(index + 7)).collect(), 1.0, Item::new(PARTICLES, []));
+    let position_of = |index: usize| DVec3::new((index as f64).sin(), (index as f64).cos(), 0.3 * index as f64 / count as f64);
+    let dust = body(
+        (0..count).map(position_of).collect(),
+        (0..count).map(|index| position_of(index + 7)).collect(),
+        1.0,
+        Item::new(PARTICLES, []),
+    );
     let column = |first: usize, axis: usize| -> Vec<Group<T>> {
-        let lanes = |group: usize| std::array::from_fn(|lane| T::from_f64(place(first + group * LANES + lane)[axis]));
+        let lanes = |group: usize| std::array::from_fn(|lane| T::from_f64(position_of(first + group * LANES + lane)[axis]));
         (0..block / LANES).map(|group| Group(lanes(group))).collect()
     };
     let mut axes = [0, 1, 2].map(|axis| Axis {
@@ -246,7 +250,7 @@ fn fall<T: Real>(count: usize, block: usize, [steps, batch]: [u64; 2]) {
 
 fn cloth<T: Real>(columns: usize, rows: usize, [steps, batch]: [u64; 2]) {
     let count = columns * rows;
-    let place = |index: usize| CLOTH[0] * DVec3::new((index % columns) as f64, (index / columns) as f64, 0.0);
+    let position_of = |index: usize| CLOTH[0] * DVec3::new((index % columns) as f64, (index / columns) as f64, 0.0);
     let speed = |index: usize| 0.01 * DVec3::new((index as f64).sin(), (2.0 * index as f64).cos(), 0.0);
     let partner = |index: usize, [across, up]: [isize; 2]| {
         let (column, row) = ((index % columns).cast_signed() + across, (index / columns).cast_signed() + up);
@@ -264,10 +268,10 @@ fn cloth<T: Real>(columns: usize, rows: usize, [steps, batch]: [u64; 2]) {
     };
     let springs: Vec<_> = OFFSETS.into_iter().flat_map(kind).collect();
     let work = springs.len() as f64;
-    let sheet = body((0..count).map(place).collect(), (0..count).map(speed).collect(), CLOTH[3], Spring::network(&springs));
+    let sheet = body((0..count).map(position_of).collect(), (0..count).map(speed).collect(), CLOTH[3], Spring::network(&springs));
     let column =
         |of: &dyn Fn(usize) -> DVec3| [0, 1].map(|axis| (0..count).map(|index| T::from_f64(of(index)[axis])).collect::<Vec<_>>());
-    let (mut x, mut v, mut p, mut f) = (column(&place), column(&speed), column(&speed), column(&|_| DVec3::ZERO));
+    let (mut x, mut v, mut p, mut f) = (column(&position_of), column(&speed), column(&speed), column(&|_| DVec3::ZERO));
     let present = OFFSETS.map(|offset| {
         (0..count).map(|index| if partner(index, offset).is_some() { T::ONE } else { T::ZERO }).collect::<Vec<_>>()
     });

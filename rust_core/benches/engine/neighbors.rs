@@ -88,8 +88,8 @@ fn bench<V: Vector>(criterion: &mut Criterion, side: usize) {
         (state >> 11) as f64 / 9_007_199_254_740_992.0
     };
     let positions: [Vec<f64>; AXES] = std::array::from_fn(|axis| {
-        let place = |particle: usize| (particle / side.pow(axis as u32) % side) as f64 + 0.2 * (number() - 0.5);
-        (0..count).map(place).collect()
+        let coordinate = |particle: usize| (particle / side.pow(axis as u32) % side) as f64 + 0.2 * (number() - 0.5);
+        (0..count).map(coordinate).collect()
     });
     let positions = positions.each_ref().map(Vec::as_slice);
     let velocity: Vec<V::Scalar> = (0..count).map(|_| V::Scalar::from_f64(number() - 0.5)).collect();

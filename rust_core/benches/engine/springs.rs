@@ -45,24 +45,24 @@ fn shuffled(count: usize) -> Vec<u32> {
 fn bench<V: Vector>(criterion: &mut Criterion, columns: usize, rows: usize, shuffle: bool) {
     let count = columns * rows;
     let mut springs = cloth(columns, rows);
-    let mut place: Vec<u32> = (0..count as u32).collect();
+    let mut engine_index: Vec<u32> = (0..count as u32).collect();
     if shuffle {
-        place = shuffled(count);
-        springs.iter_mut().for_each(|spring| spring.ends = spring.ends.map(|end| place[end as usize]));
+        engine_index = shuffled(count);
+        springs.iter_mut().for_each(|spring| spring.ends = spring.ends.map(|end| engine_index[end as usize]));
         let order = ordering(&springs, count).expect("a shuffled cloth can be ordered");
         let mut new = vec![0; count];
         order.iter().enumerate().for_each(|(index, &old)| new[old as usize] = index as u32);
         springs.iter_mut().for_each(|spring| spring.ends = spring.ends.map(|end| new[end as usize]));
-        place.iter_mut().for_each(|index| *index = new[*index as usize]);
+        engine_index.iter_mut().for_each(|index| *index = new[*index as usize]);
     }
     let mut position = Columns::<V>::zeros(count);
     let mut velocity = Columns::<V>::zeros(count);
-    for (index, &place) in place.iter().enumerate() {
+    for (index, &engine_index) in engine_index.iter().enumerate() {
         let (column, row) = ((index % columns) as f64, (index / columns) as f64);
-        position.set(place as usize, V::narrow(DVec3::new(1.01 * column, 0.99 * row, 0.1 * (column * row).sin())));
-        velocity.set(place as usize, V::narrow(DVec3::new(row.sin(), column.sin(), 0.0)));
+        position.set(engine_index as usize, V::narrow(DVec3::new(1.01 * column, 0.99 * row, 0.1 * (column * row).sin())));
+        velocity.set(engine_index as usize, V::narrow(DVec3::new(row.sin(), column.sin(), 0.0)));
     }
-    let properties = Properties::<V> { caller: place, ..Properties::new(vec![1.0; count]) };
+    let properties = Properties::<V> { caller: engine_index, ..Properties::new(vec![1.0; count]) };
     let at = StateView {
         position: position.view(),
         velocity: velocity.view(),

@@ -1,4 +1,4 @@
-//! Arrays of `NumPy` as slices, or an error that says what shape was expected.
+//! `NumPy` arrays as slices, or an error with the expected shape.
 
 use numpy::{PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::exceptions::PyValueError;
@@ -27,7 +27,7 @@ pub(crate) fn column<'a>(array: &'a PyReadonlyArray1<'_, f32>, count: usize, nam
     Ok(values)
 }
 
-/// N depths, if there are any.
+/// Optional depths of N shapes.
 pub(crate) fn depth<'a>(depths: Option<&'a PyReadonlyArray1<'_, f32>>, count: usize) -> PyResult<Option<&'a [f32]>> {
     depths.map(|depths| column(depths, count, "depths")).transpose()
 }

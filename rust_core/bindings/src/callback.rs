@@ -1,4 +1,4 @@
-//! Functions of the user's: called with copies of the state, and what they give checked.
+//! User-defined functions: called with copies of the state; their results are checked.
 
 use std::sync::Arc;
 
@@ -23,7 +23,7 @@ impl Function {
         Self { function, dimension }
     }
 
-    /// Shows the garbage collector what this refers to.
+    /// Visits the Python references, for the garbage collector.
     pub fn traverse(&self, visit: &PyVisit<'_>) -> Result<(), PyTraverseError> {
         visit.call(&self.function)
     }
@@ -45,7 +45,7 @@ impl Callback for Function {
     }
 }
 
-/// Why there are no numbers.
+/// Reason for which a result is refused.
 enum Reason {
     Raised(PyErr),
     Refused { expected: String, found: String },
@@ -64,7 +64,8 @@ fn failure(reason: Reason) -> Failure {
     }
 }
 
-/// The numbers of what a function gave, row by row: whatever is a regular array of real numbers of this shape, or can be made one.
+/// The result of a function as numbers, row by row: any regular array of real numbers of this shape, or a sequence that
+/// converts to one.
 fn real(given: &Bound<'_, PyAny>, shape: &[usize], expected: &str) -> Result<Vec<f64>, Reason> {
     let py = given.py();
     let refused = |found: String| Reason::Refused { expected: format!("{expected}, of real numbers"), found };
@@ -90,17 +91,17 @@ fn real(given: &Bound<'_, PyAny>, shape: &[usize], expected: &str) -> Result<Vec
     Ok(numbers.extract::<PyReadonlyArrayDyn<'_, f64>>()?.as_array().iter().copied().collect())
 }
 
-/// Whether any entry is masked; none is where nobody has loaded `numpy.ma`.
+/// Whether any entry is masked; false where `numpy.ma` is not loaded.
 fn is_masked(given: &Bound<'_, PyAny>) -> PyResult<bool> {
     let py = given.py();
     let modules = py.import("sys")?.getattr("modules")?;
     let Ok(masked) = modules.get_item("numpy.ma") else { return Ok(false) };
-    // A list may hold masked arrays; one that is irregular is refused for that.
+    // A list may hold masked arrays; an irregular list is refused as such.
     let whole = if given.is_instance_of::<PyUntypedArray>() { Ok(given.clone()) } else { masked.call_method1("array", (given,)) };
     whole.map_or(Ok(false), |whole| masked.call_method1("is_masked", (whole,))?.is_truthy())
 }
 
-/// A shape as Python writes it.
+/// A shape in Python's notation.
 fn tuple(shape: &[usize]) -> String {
     match shape {
         [one] => format!("({one},)"),

@@ -14,7 +14,7 @@ use crate::arrays::{column, depth, plane, rows};
 use crate::errors::exception;
 use crate::world::interrupted;
 
-/// Pixels that are drawn on.
+/// A picture of sRGB pixels to draw on.
 #[pyclass(module = "physcore._core")]
 pub struct Canvas {
     pub(crate) picture: physcore_canvas::Canvas,
@@ -29,7 +29,7 @@ impl Canvas {
         Ok(Self { picture, painting: Painting::default() })
     }
 
-    /// Go back to the backdrop.
+    /// Restore the backdrop.
     fn clear(&mut self) {
         self.picture.clear();
     }
@@ -39,12 +39,12 @@ impl Canvas {
         self.picture.keep();
     }
 
-    /// Draw only on these columns and rows from now on.
+    /// Restrict all later drawing to these columns and rows.
     fn clip(&mut self, left: usize, top: usize, right: usize, bottom: usize) {
         self.picture.clip(left, top, right, bottom);
     }
 
-    /// Add discs to the painting; without depths they are painted at once, over all that was added.
+    /// Add discs to the painting; without depths they are painted at once, over everything added before.
     #[pyo3(signature = (centers, radii, colors, depths=None, shading=0.0))]
     fn discs(
         &mut self,
@@ -96,7 +96,8 @@ impl Canvas {
         Ok(())
     }
 
-    /// Add triangles with corners (T, 3, 2), a color at each corner (T, 3, 4) and, with a texture, a place on it for each corner.
+    /// Add triangles with corners (T, 3, 2), corner colors (T, 3, 4) and, with a texture, texture coordinates of the
+    /// corners.
     #[pyo3(signature = (corners, colors, depths=None, texture=None, places=None))]
     fn triangles(
         &mut self,
@@ -113,8 +114,8 @@ impl Canvas {
         let depths = depth(depths.as_ref(), count)?;
         let texture = texture.map(|texture| self.painting.texture(Arc::clone(&texture.texture)));
         for (index, (corners, colors)) in corners.iter().zip(colors).enumerate() {
-            let places = places.map_or([[0.0; 2]; 3], |places| thirds(&places[index]));
-            let triangle = Triangle { corners: thirds(corners), colors: thirds(colors), places };
+            let texture_coordinates = places.map_or([[0.0; 2]; 3], |places| thirds(&places[index]));
+            let triangle = Triangle { corners: thirds(corners), colors: thirds(colors), texture_coordinates };
             self.painting.triangle(triangle, texture, depths.map_or(0.0, |depths| depths[index]));
         }
         Ok(())
@@ -140,7 +141,7 @@ impl Canvas {
         Ok(())
     }
 
-    /// Add particles of a liquid that flow together; `scale` is pixels per meter of depth.
+    /// Add particles of a liquid surface; `scale` is pixels per meter of depth.
     #[pyo3(signature = (centers, radii, colors, sky, depths=None, scale=0.0))]
     fn liquid(
         &mut self,
@@ -162,8 +163,8 @@ impl Canvas {
         Ok(())
     }
 
-    /// Add the last positions (K, N, 2) of things, the oldest first, as lines that grow thinner with age; with `fade`, a background
-    /// and how much of the color is left of the freshest, they fade into that.
+    /// Add trails: the last positions (K, N, 2) of N points, the oldest first, as lines that taper with age. With `fade`, a
+    /// background and the fraction of color left at the fresh end, they fade into that background.
     #[pyo3(signature = (past, widths, colors, fade=None, gaps=None, depths=None))]
     fn trails(
         &mut self,
@@ -187,12 +188,12 @@ impl Canvas {
         Ok(())
     }
 
-    /// Look through a lens at all that is added from now on: pixels of blur per meter from the focus, and the eye's distance [m].
+    /// Apply a thin lens to everything added later: pixels of blur per meter from the focus, and the eye's distance [m].
     fn lens(&mut self, blur: f32, distance: f32) {
         self.painting.look_through(Lens { blur, distance });
     }
 
-    /// Paint all that was added, from the far to the near.
+    /// Paint all added shapes, from the far to the near.
     fn paint(&mut self, py: Python<'_>) -> PyResult<()> {
         if self.painting.len() >= MANY {
             return self.paint_at_length(py, physcore_canvas::Painting::paint);
@@ -226,12 +227,12 @@ impl Canvas {
     }
 }
 
-/// So many shapes may take as long to paint as it takes to answer an interrupt.
+/// Number of shapes that may take as long to paint as an interrupt may wait.
 const MANY: usize = 20_000;
 
 impl Canvas {
-    /// Paints while signals are answered. Who is interrupted is left with an empty canvas: the picture is painted to its end, and
-    /// nobody sees it.
+    /// Paints while signals are handled. After an interrupt the painting is empty: a detached thread finishes the picture
+    /// and drops it.
     fn paint_at_length(
         &mut self,
         py: Python<'_>,
@@ -247,7 +248,7 @@ impl Canvas {
     }
 }
 
-/// A picture to cover surfaces with.
+/// A texture image for surfaces.
 #[pyclass(module = "physcore._core", frozen)]
 pub struct Texture {
     texture: Arc<physcore_canvas::Texture>,

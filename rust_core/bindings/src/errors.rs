@@ -21,8 +21,8 @@ pub fn exception(py: Python<'_>, error: Error) -> PyErr {
     }
 }
 
-/// The exception for one that a function of the user's raised, which is its cause; what is no `Exception`, such as that of
-/// `sys.exit`, is nobody's to explain, and passes as it is.
+/// The exception for an error raised by a user-defined function, with that error as its cause. An error that is no
+/// `Exception`, such as `SystemExit`, passes unchanged.
 fn raised(py: Python<'_>, error: &Error, cause: &Cause) -> PyErr {
     let cause = cause.0.downcast_ref::<PyErr>().map(|raised| raised.clone_ref(py));
     match cause {

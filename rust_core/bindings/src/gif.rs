@@ -10,7 +10,7 @@ use pyo3::types::PyBytes;
 
 use crate::canvas::{Canvas, python_error};
 
-/// A GIF in the making: first some frames are observed, then all are added.
+/// A GIF writer: some frames are observed for the palette, then all frames are appended.
 #[pyclass(module = "physcore._core")]
 pub struct Gif {
     histogram: Histogram,
@@ -25,7 +25,7 @@ enum State {
     Closed,
 }
 
-/// Where the bytes go.
+/// Destination of the encoded bytes.
 enum Sink {
     File(NewFile),
     Memory(Vec<u8>),
@@ -50,7 +50,7 @@ impl Gif {
         Ok(Self { histogram: Histogram::new(quality), reserved, colors, state: State::Observing(sink) })
     }
 
-    /// Let a frame's colors count for the palette.
+    /// Add a frame's colors to the histogram of the palette.
     fn observe(&mut self, py: Python<'_>, canvas: &Canvas) {
         let histogram = &mut self.histogram;
         py.detach(|| histogram.observe(&canvas.picture));
@@ -77,7 +77,7 @@ impl Gif {
         written.map_err(python_error)
     }
 
-    /// Put a text into the file that viewers do not show; only after a frame.
+    /// Append a comment extension, which viewers do not show; only after a frame.
     fn comment(&mut self, text: &str) -> PyResult<()> {
         match &mut self.state {
             State::Writing(gif) => gif.comment(text).map_err(python_error),
@@ -85,7 +85,7 @@ impl Gif {
         }
     }
 
-    /// How many bytes the frames so far take, waiting until they are encoded; 0 before the first.
+    /// Size of the frames appended so far [bytes], after waiting for their encoding; 0 before the first.
     fn written(&mut self, py: Python<'_>) -> PyResult<u64> {
         match &mut self.state {
             State::Writing(gif) => py.detach(|| gif.written()).map_err(python_error),
@@ -93,7 +93,7 @@ impl Gif {
         }
     }
 
-    /// End the film: put the file under its name, or give the bytes.
+    /// End the film: rename the file to its final name, or return the bytes.
     fn finish<'py>(&mut self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyBytes>>> {
         let State::Writing(gif) = std::mem::replace(&mut self.state, State::Closed) else {
             return Err(PyValueError::new_err("a film must have a frame"));
@@ -114,7 +114,7 @@ impl Gif {
         }
     }
 
-    /// Give up: the file under the name stays as it was. Does nothing after `finish`.
+    /// Discard the film: an existing file under the name stays unchanged. No effect after `finish`.
     fn close(&mut self, py: Python<'_>) {
         py.detach(|| self.state = State::Closed);
     }

@@ -12,12 +12,12 @@ mod scene;
 mod view;
 mod world;
 
-/// What `import physcore._core` gives.
+/// The module `physcore._core`.
 #[pymodule(gil_used = false)]
 mod _core {
     use pyo3::prelude::*;
 
-    /// Finds `NumPy` now: an interrupt at its first use would else end in a panic.
+    /// Imports `NumPy` at module initialization: an interrupt during its first use would panic.
     #[pymodule_init]
     fn find_numpy(module: &Bound<'_, PyModule>) -> PyResult<()> {
         module.py().import("numpy")?;

@@ -12,7 +12,7 @@ use crate::arrays::{depth, rows};
 /// Pixels (N, 2), depths behind the center (N,) and pixels per meter (N,).
 type Projected<'py> = (Bound<'py, PyArray2<f32>>, Bound<'py, PyArray1<f32>>, Bound<'py, PyArray1<f32>>);
 
-/// How points become pixels.
+/// The projection of points to pixels.
 #[pyclass(module = "physcore._core", frozen)]
 pub struct Projection(Dimension);
 
@@ -82,8 +82,8 @@ pub fn norms<'py>(py: Python<'py>, vectors: PyReadonlyArray2<'py, f64>) -> PyRes
     Ok(PyArray1::from_vec(py, lengths))
 }
 
-/// The opaque inks (N, 4) of values (N,): the part of the way from `low` to `high` is looked up in a table of colors (K, 3), and what
-/// is far away fades into the background: `fog` is half the depth of all that is seen, and how much the farthest thing fades.
+/// Opaque inks (N, 4) of values (N,): the fraction from `low` to `high` indexes a color table (K, 3). Distant points fade
+/// into the background: `fog` is half the depth range of the scene and the fade of the farthest point.
 #[pyfunction]
 #[pyo3(signature = (values, ends, table, background, depths=None, fog=None))]
 pub fn tint<'py>(

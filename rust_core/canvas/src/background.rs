@@ -1,4 +1,4 @@
-//! A film that is written on a thread of its own, so that the next frame is drawn meanwhile.
+//! A film written on its own thread, while the next frame is drawn.
 
 use std::io::{self, Write};
 use std::sync::mpsc::{SyncSender, channel, sync_channel};
@@ -9,7 +9,7 @@ use crate::canvas::Canvas;
 use crate::error::Error;
 use crate::gif::Gif;
 
-/// Frames that wait while one is encoded. More would only take memory: whoever is slower sets the pace.
+/// Length of the frame queue. A longer one takes memory without a gain: the slower side sets the rate.
 const WAITING: usize = 1;
 
 type Pixels = Vec<[u8; 4]>;
@@ -18,15 +18,15 @@ type Job<W> = Box<dyn FnOnce(&mut Gif<W>) -> Result<(), Error> + Send>;
 /// A [`Gif`] on a thread of its own: the same calls give the same bytes. A failure is reported by one of the calls after.
 pub struct Background<W> {
     size: (usize, usize),
-    /// None when the film has failed.
+    /// The job queue; None after a failure.
     jobs: Option<SyncSender<Job<W>>>,
     thread: Option<JoinHandle<Result<Gif<W>, Error>>>,
-    /// Copies of frames that have been encoded, to be used again.
+    /// Pixel buffers of encoded frames, for reuse.
     spare: Arc<Mutex<Vec<Pixels>>>,
 }
 
 impl<W: Write + Send + 'static> Background<W> {
-    /// Goes on with a film on another thread.
+    /// Moves a film to another thread.
     pub fn new(mut gif: Gif<W>) -> Result<Self, Error> {
         let (jobs, inbox) = sync_channel::<Job<W>>(WAITING);
         let size = gif.size();
@@ -65,7 +65,7 @@ impl<W: Write + Send + 'static> Background<W> {
         self.send(Box::new(move |gif| gif.comment(&text)))
     }
 
-    /// [`Gif::written`], after all that was handed over.
+    /// [`Gif::written`], after all queued frames.
     pub fn written(&mut self) -> Result<u64, Error> {
         let (reply, answer) = channel();
         self.send(Box::new(move |gif| {
@@ -93,7 +93,7 @@ impl<W: Write + Send + 'static> Background<W> {
 }
 
 impl<W> Background<W> {
-    /// Waits until all is written.
+    /// Waits until the queue is empty.
     fn end(&mut self) -> Result<Gif<W>, Error> {
         drop(self.jobs.take());
         let thread = self.thread.take().ok_or_else(closed)?;
@@ -102,7 +102,7 @@ impl<W> Background<W> {
 }
 
 impl<W> Drop for Background<W> {
-    /// What was handed over is written first, so that afterwards nothing is left that could hold the file.
+    /// Queued frames are written first, so that no thread holds the file afterwards.
     fn drop(&mut self) {
         let _ = self.end();
     }

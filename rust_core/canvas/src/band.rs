@@ -1,5 +1,5 @@
-//! Some rows of a canvas, and how shapes are drawn on them. Bands are drawn on at the same time by several threads, each of which
-//! blends all shapes in the same order: the pixels do not depend on how many there are.
+//! Some rows of a canvas, and the rasterization of shapes on them. Several threads draw on bands at the same time, each
+//! blending all shapes in the same order: the pixels do not depend on the number of bands.
 
 use crate::color::Ink;
 use crate::ink::{Paint, Shade};
@@ -59,13 +59,13 @@ impl Band<'_> {
         }
     }
 
-    /// Draws the smallest disc there is: it reaches the centers of four pixels at most, and a million of them are a frame.
+    /// Draws the smallest disc: it covers the centers of at most four pixels, and a frame may hold a million of them.
     #[inline(always)]
     fn speck(&mut self, [x, y]: [f32; 2], color: Ink, opacity: f32) {
         let Rectangle { left, top, right, bottom } = self.clip;
         let inside = x > left as f32 - 1.0 && x < right as f32 + 1.0 && y > top as f32 - 1.0 && y < bottom as f32 + 1.0;
         if !inside {
-            return; // neither is what is not a number
+            return; // NaN is neither
         }
         let paint = Paint::new(color, opacity);
         let (column, row) = ((x + 0.5) as i32 - 1, (y + 0.5) as i32 - 1); // of the upper left of the four
@@ -78,8 +78,8 @@ impl Band<'_> {
         for (amount, corner) in amounts.into_iter().zip(0..) {
             let (column, row) = (column + (corner & 1), row + (corner >> 1));
             if column >= left && column < right && row >= top && row < bottom {
-                let place = (row - self.top) as usize * self.width + column as usize;
-                paint.mix(&mut self.pixels[place], amount);
+                let pixel = (row - self.top) as usize * self.width + column as usize;
+                paint.mix(&mut self.pixels[pixel], amount);
             }
         }
     }
@@ -134,7 +134,7 @@ impl Band<'_> {
                 if coverage > 0.0 {
                     let weights = barycentric(&triangle.corners, doubled, x, y);
                     let [red, green, blue, alpha] = mean(&inks, weights);
-                    let texel = texture.map_or([255.0; 3], |texture| texture.at(mean(&triangle.places, weights)));
+                    let texel = texture.map_or([255.0; 3], |texture| texture.at(mean(&triangle.texture_coordinates, weights)));
                     let lit = |channel: f32, texel: f32| (channel * texel * (1.0 / 255.0) + 0.5) as u8;
                     let color = [lit(red, texel[0]), lit(green, texel[1]), lit(blue, texel[2]), (alpha + 0.5) as u8];
                     Paint::new(color, 1.0).blend(pixel, coverage);
@@ -143,8 +143,8 @@ impl Band<'_> {
         }
     }
 
-    /// Draws a halo: light that falls like (1 − d²/r²)² with the distance d from its center, added as two lights on a screen,
-    /// 1 − (1 − a)(1 − b), so that much of it ends in white and never beyond; a shadow is the same for what is missing to white.
+    /// Draws a halo: light of intensity (1 − d²/r²)² at the distance d from its center, in screen blending, 1 − (1 − a)(1 −
+    /// b), which saturates at white; a shadow is the same for the complement of its color.
     pub(crate) fn halo(&mut self, halo: Halo) {
         let (radius, [x, y]) = (halo.radius, halo.center);
         let Some(area) = self.visible([x - radius, y - radius], [x + radius, y + radius]).filter(|_| radius > 0.0) else {
@@ -168,7 +168,7 @@ impl Band<'_> {
         }
     }
 
-    /// Fills a convex polygon, whose corners may go round either way.
+    /// Fills a convex polygon of either orientation.
     pub(crate) fn polygon(&mut self, corners: &[[f32; 2]], color: Ink) {
         let low = corners.iter().fold([f32::MAX; 2], |low, c| [low[0].min(c[0]), low[1].min(c[1])]);
         let high = corners.iter().fold([f32::MIN; 2], |high, c| [high[0].max(c[0]), high[1].max(c[1])]);
@@ -185,7 +185,7 @@ impl Band<'_> {
         }
     }
 
-    /// Blends `color` into one pixel with a coverage of 0–1; outside the picture nothing happens.
+    /// Blends `color` into one pixel with a coverage of 0–1; no effect outside the picture.
     pub(crate) fn dot(&mut self, x: i32, y: i32, color: Ink, coverage: f32) {
         let Rectangle { left, top, right, bottom } = self.clip;
         if (left..right).contains(&x) && (top..bottom).contains(&y) {
@@ -193,7 +193,7 @@ impl Band<'_> {
         }
     }
 
-    /// The pixels whose centers lie between two corners and inside the clip; none for coordinates that are not numbers.
+    /// The pixels whose centers lie between two corners and inside the clip; None for NaN coordinates.
     fn visible(&self, low: [f32; 2], high: [f32; 2]) -> Option<Rectangle> {
         let Rectangle { left, top, right, bottom } = self.clip;
         let area = Rectangle {
@@ -216,8 +216,8 @@ impl Band<'_> {
     }
 }
 
-/// The edge between pixels that is nearest to a coordinate: centers to its right are the first beyond. Coordinates left of the
-/// picture may be rounded the wrong way, which the clip makes harmless. (`f32::floor` is a call on the oldest x86-64.)
+/// The pixel edge nearest to a coordinate: centers to its right are the first beyond. Coordinates left of the picture may
+/// be rounded the wrong way, which the clip makes harmless. (`f32::floor` is a call on the oldest x86-64.)
 #[inline(always)]
 fn nearest_edge(coordinate: f32) -> i32 {
     (coordinate + 0.5) as i32
@@ -239,23 +239,23 @@ fn edges(corners: &[[f32; 2]]) -> Vec<[f32; 3]> {
     .collect()
 }
 
-/// How far a point is outside of a polygon's sides; less than zero inside.
+/// Signed distance of a point from a convex polygon [pixels], negative inside.
 #[inline(always)]
 fn beyond(edges: &[[f32; 3]], x: f32, y: f32) -> f32 {
     edges.iter().fold(f32::MIN, |most, [nx, ny, c]| most.max(nx * x + ny * y - c))
 }
 
-/// How near a point is to each corner of a triangle whose doubled, signed area is known; outside, the nearest there is.
+/// Barycentric coordinates of a point in a triangle of known doubled signed area, clamped to the triangle.
 #[inline(always)]
 fn barycentric([a, b, c]: &[[f32; 2]; 3], doubled: f32, x: f32, y: f32) -> [f32; 3] {
     let (scale, x, y) = (1.0 / doubled, x - a[0], y - a[1]);
-    let within = |value: f32, most: f32| value.max(0.0).min(most); // not `clamp`, which leaves what is not a number as it is
+    let within = |value: f32, most: f32| value.max(0.0).min(most); // not `clamp`, which keeps NaN
     let second = within((x * (c[1] - a[1]) - y * (c[0] - a[0])) * scale, 1.0);
     let third = within((y * (b[0] - a[0]) - x * (b[1] - a[1])) * scale, 1.0 - second);
     [1.0 - second - third, second, third]
 }
 
-/// The weighted mean of what three corners have.
+/// The weighted mean of three corner values.
 #[inline(always)]
 fn mean<const N: usize>(corners: &[[f32; N]; 3], weights: [f32; 3]) -> [f32; N] {
     let [a, b, c] = corners;

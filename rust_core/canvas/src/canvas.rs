@@ -8,7 +8,7 @@ use crate::error::Error;
 use crate::shapes::{Disc, Halo, Line, Triangle};
 use crate::texture::Texture;
 
-/// A picture in sRGB. Shapes are blended in the order in which they are drawn; whatever lies outside is cut off.
+/// A picture in sRGB. Shapes are blended in the order of drawing and clipped to the picture.
 #[derive(Clone, Debug)]
 pub struct Canvas {
     width: usize,
@@ -46,17 +46,17 @@ impl Canvas {
         &self.pixels
     }
 
-    /// Makes what is on the canvas now the picture that [`Canvas::clear`] goes back to: what does not move is drawn once.
+    /// Makes the present picture the backdrop that [`Canvas::clear`] restores: static shapes are drawn once.
     pub fn keep(&mut self) {
         self.backdrop.copy_from_slice(&self.pixels);
     }
 
-    /// Goes back to the backdrop: what was kept last, at first the background.
+    /// Restores the backdrop: the picture kept last, at first the background.
     pub fn clear(&mut self) {
         self.pixels.copy_from_slice(&self.backdrop);
     }
 
-    /// From now on only this part of the picture is drawn on: columns `left..right`, rows `top..bottom` [pixels].
+    /// Sets the clip of all later drawing: columns `left..right`, rows `top..bottom` [pixels].
     pub fn clip(&mut self, left: usize, top: usize, right: usize, bottom: usize) {
         let (right, bottom) = (right.min(self.width), bottom.min(self.height));
         let (left, top) = (left.min(right), top.min(bottom));
@@ -83,12 +83,12 @@ impl Canvas {
         self.whole().halo(halo);
     }
 
-    /// Fills a convex polygon, whose corners may go round either way.
+    /// Fills a convex polygon of either orientation.
     pub fn polygon(&mut self, corners: &[[f32; 2]], color: Ink) {
         self.whole().polygon(corners, color);
     }
 
-    /// Blends `color` into one pixel with a coverage of 0–1; outside the picture nothing happens.
+    /// Blends `color` into one pixel with a coverage of 0–1; no effect outside the picture.
     pub(crate) fn dot(&mut self, x: i32, y: i32, color: Ink, coverage: f32) {
         self.whole().dot(x, y, color, coverage);
     }
@@ -98,7 +98,7 @@ impl Canvas {
         Band { pixels: &mut self.pixels, width: self.width, top: 0, clip: self.clip }
     }
 
-    /// The rows in at most so many bands of about equal height.
+    /// The rows in at most `count` bands of about equal height.
     pub(crate) fn bands(&mut self, count: usize) -> impl Iterator<Item = Band<'_>> {
         let (width, clip, height) = (self.width, self.clip, self.height.div_ceil(count.max(1)));
         self.pixels.chunks_mut(width * height).enumerate().map(move |(index, pixels)| {

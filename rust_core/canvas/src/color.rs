@@ -3,5 +3,5 @@
 /// Red, green and blue in sRGB, 0–255.
 pub type Rgb = [u8; 3];
 
-/// Red, green and blue in sRGB and opacity, 0–255: what a shape is painted with.
+/// Red, green and blue in sRGB and opacity, 0–255: the color of a shape.
 pub type Ink = [u8; 4];

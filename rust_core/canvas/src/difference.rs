@@ -1,4 +1,4 @@
-//! What has changed from one picture of indices to the next.
+//! Differences between successive pictures of palette indices.
 
 use std::ops::Range;
 
@@ -12,7 +12,7 @@ const SHORTEST_RUN: usize = 32;
 const GROUP: usize = 16;
 const _: () = assert!(SHORTEST_RUN >= 2 * GROUP - 1);
 
-/// Upper left corner and size of what a frame stores [pixels].
+/// Upper left corner and size of the stored part of a frame [pixels].
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Patch {
     pub(crate) left: usize,
@@ -22,7 +22,7 @@ pub(crate) struct Patch {
 }
 
 impl Patch {
-    /// The smallest patch outside which nothing has changed; one pixel if nothing has.
+    /// The bounding rectangle of all changed pixels; one pixel if none has changed.
     pub(crate) fn between(before: &[u8], now: &[u8], width: usize) -> Self {
         let rows = || now.chunks_exact(width).zip(before.chunks_exact(width));
         let Some(top) = rows().position(|(now, before)| now != before) else {
@@ -47,7 +47,7 @@ impl Patch {
         }
     }
 
-    /// Makes long runs that are as `before` transparent in what was cut; returns how many pixels that are.
+    /// Makes long runs of unchanged pixels of a patch transparent; returns their number.
     pub(crate) fn clear_unchanged(&self, before: &[u8], width: usize, symbols: &mut [u8]) -> usize {
         let rows = before.chunks_exact(width).skip(self.top).map(|row| &row[self.left..][..self.width]);
         let mut cleared = 0;

@@ -1,19 +1,19 @@
-//! What can go wrong with a picture or a film.
+//! Errors of pictures and films.
 
 use std::io;
 
-/// Why a canvas could not be made or a film could not be written.
+/// Error of creating a canvas or writing a film.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// A GIF stores its width and height in 16 bits each, and an empty picture cannot be shown.
     #[error("size: each side must be from 1 to 65535 pixels, got {width} × {height}")]
     Size {
-        /// Width asked for [pixels].
+        /// Requested width [pixels].
         width: usize,
-        /// Height asked for [pixels].
+        /// Requested height [pixels].
         height: usize,
     },
-    /// All frames of a film have one size.
+    /// A frame has not the size of the film.
     #[error("frame: must be {expected:?} pixels like the film, got {got:?}")]
     FrameSize {
         /// Width and height of the film [pixels].
@@ -21,10 +21,10 @@ pub enum Error {
         /// Width and height of the frame [pixels].
         got: (usize, usize),
     },
-    /// There are two qualities.
+    /// The quality is neither of the two.
     #[error("quality: must be \"fast\" or \"high\", got {got:?}")]
     Quality {
-        /// What was asked for.
+        /// The requested quality.
         got: String,
     },
     /// The operating system could not write.

@@ -1,4 +1,4 @@
-//! A file that appears under its name only when it is whole.
+//! A file that appears under its name only when it is complete.
 
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufWriter, Write};
@@ -54,7 +54,7 @@ impl Write for NewFile {
 impl Drop for NewFile {
     fn drop(&mut self) {
         if !self.committed {
-            // Nothing more can be done if even that fails; the target is whole either way.
+            // There is no further remedy if that fails; the target is complete either way.
             let _ = fs::remove_file(&self.temporary);
         }
     }

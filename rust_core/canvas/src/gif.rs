@@ -1,4 +1,4 @@
-//! The `GIF89a` container: one global palette, frames that store only what has changed, repeated for ever.
+//! The `GIF89a` container: one global palette, frames that store only changed pixels, in an endless loop.
 //!
 //! A frame is the smallest rectangle that holds every changed pixel, kept on the screen when the next one comes. A frame that
 //! equals the last is still a frame: one transparent pixel. Source: `CompuServe`, "Graphics Interchange Format, version 89a" (1990).
@@ -12,7 +12,7 @@ use crate::lzw::{Encoder, TRANSPARENT};
 use crate::palette::Palette;
 use crate::quality::Quality;
 
-/// Writes frames as they come; its memory does not grow with their number, and equal frames give equal bytes.
+/// Writes frames one by one; memory does not grow with their number, and equal frames give equal bytes.
 pub struct Gif<W> {
     out: W,
     written: u64,
@@ -26,15 +26,15 @@ pub struct Gif<W> {
     indices: Vec<u8>,
     symbols: Vec<u8>,
     bytes: Vec<u8>,
-    /// The same frame stored in another way.
+    /// Bytes of the alternative encoding of a frame.
     rival: Vec<u8>,
 }
 
 impl<W: Write> Gif<W> {
-    /// Begins a film of frames as large as `canvas`, shown over and over.
+    /// Begins a film of frames as large as `canvas`, in an endless loop.
     pub fn new(out: W, canvas: &Canvas, palette: Palette) -> Result<Self, Error> {
         let (width, height) = (canvas.width(), canvas.height());
-        // A table holds 2^bits colors, of which the first is what "transparent" would look like.
+        // A table holds 2^bits colors, the first of which is the transparent index.
         let bits = (palette.colors().len() + 1).next_power_of_two().ilog2().max(1);
         let mut header = b"GIF89a".to_vec();
         header.extend(short(width));
@@ -60,7 +60,7 @@ impl<W: Write> Gif<W> {
         self.append(canvas.pixels(), delay)
     }
 
-    /// Appends a text that viewers do not show, in UTF-8.
+    /// Appends a comment extension in UTF-8, which viewers do not show.
     pub fn comment(&mut self, text: &str) -> Result<(), Error> {
         let mut bytes = b"\x21\xFE".to_vec();
         for block in text.as_bytes().chunks(255) {
@@ -71,12 +71,12 @@ impl<W: Write> Gif<W> {
         self.write(&bytes)
     }
 
-    /// How much has been written so far [bytes]; [`Gif::finish`] adds one.
+    /// Size of the file so far [bytes]; [`Gif::finish`] adds one.
     pub fn written(&self) -> u64 {
         self.written
     }
 
-    /// Ends the film and gives back what it was written to.
+    /// Ends the film and returns its writer.
     pub fn finish(mut self) -> Result<W, Error> {
         self.write(&[0x3B])?;
         self.out.flush()?;
@@ -110,7 +110,7 @@ impl<W: Write> Gif<W> {
         result
     }
 
-    /// What has changed, into `symbols`; its place, and how many of its pixels are transparent.
+    /// Writes the changed patch to `symbols`; returns its rectangle and its number of transparent pixels.
     fn compose(&mut self) -> (Patch, usize) {
         let whole = Patch { left: 0, top: 0, width: self.width, height: self.height };
         let first = self.shown.is_empty();
@@ -120,7 +120,7 @@ impl<W: Write> Gif<W> {
         (patch, cleared)
     }
 
-    /// The blocks of a frame that shows `symbols`, into `bytes`.
+    /// The GIF blocks of a frame of `symbols`, into `bytes`.
     fn store(&mut self, patch: Patch, transparent: bool, delay: u16, bytes: &mut Vec<u8>) {
         bytes.clear();
         // Graphic control: leave the frame in place (disposal 1); its lowest bit says whether one index is transparent.

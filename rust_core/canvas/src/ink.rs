@@ -1,4 +1,4 @@
-//! How colors mix into pixels, and how light falls on balls.
+//! Blending of colors into pixels, and shading of spheres.
 
 use crate::color::Ink;
 
@@ -19,7 +19,7 @@ impl Paint {
         Self { color, ..self }
     }
 
-    /// Mixes into a pixel.
+    /// Blends into a pixel.
     #[inline(always)]
     pub(crate) fn blend(self, pixel: &mut [u8; 4], coverage: f32) {
         self.mix(pixel, self.amount(coverage));
@@ -28,11 +28,12 @@ impl Paint {
     /// The opacity of a coverage of 0–1, in 256ths.
     #[inline(always)]
     pub(crate) fn amount(self, coverage: f32) -> u32 {
-        // Added to 2²³ a small number stands, rounded, in the last bits: several times cheaper than `as`, which minds NaN.
+        // A small number added to 2²³ stands, rounded, in the last bits: several times cheaper than `as`, which handles
+        // NaN.
         (coverage * self.full + 8_388_608.0).to_bits() & 0x1FF
     }
 
-    /// Mixes into a pixel, two channels in one multiplication.
+    /// Blends into a pixel, two channels in one multiplication.
     #[inline(always)]
     pub(crate) fn mix(self, pixel: &mut [u8; 4], amount: u32) {
         const PAIR: u32 = 0x00FF_00FF;
@@ -47,7 +48,7 @@ impl Paint {
 /// Direction to the lamp: left, up, toward the viewer; a unit vector.
 pub(crate) const LAMP: [f32; 3] = [-0.408, -0.577, 0.707];
 
-/// Light on a ball: Lambert's cosine from a lamp above the viewer's left shoulder, and a soft highlight.
+/// Shading of a sphere: Lambert's cosine of a lamp at the upper left, and a specular highlight.
 pub(crate) struct Shade {
     pub(crate) strength: f32,
     pub(crate) per_radius: f32,

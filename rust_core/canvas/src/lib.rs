@@ -1,7 +1,8 @@
-//! Frames and films: anti-aliased discs, lines, polygons and text into pixels, and pixels into a GIF. It knows no physics.
+//! Frames and films: anti-aliased discs, lines, polygons and text into pixels, and pixels into a GIF. It contains no
+//! physics.
 //!
-//! A [`Canvas`] is drawn on; a [`Histogram`] watches a few canvases and gives a [`Palette`]; a [`Gif`] takes canvases, and
-//! [`Background`] lets it do so on a thread of its own, while the next frame is drawn:
+//! Shapes are drawn on a [`Canvas`]; a [`Histogram`] counts the colors of a few canvases for a [`Palette`]; a [`Gif`] takes
+//! canvases, and [`Background`] lets it do so on a thread of its own, while the next frame is drawn:
 //!
 //! ```
 //! use physcore_canvas::{Canvas, Disc, Gif, Histogram, Palette};
@@ -17,12 +18,13 @@
 //! # Ok::<(), physcore_canvas::Error>(())
 //! ```
 //!
-//! The way of the data: `view` finds pixels and inks, `shapes` says how much of a pixel a shape covers, `band` finds those pixels on
-//! some rows of the `canvas`, `ink` mixes colors into them, `painting` puts many shapes in order of depth, `texture` covers surfaces,
-//! `liquid` lets drops flow together, `palette` reduces millions of colors to 255 by `quantize`, `nearest` finds the one of them for
-//! each pixel, `difference` leaves out what has not changed, `lzw` packs the indices, `gif` writes the container, `background` moves
-//! all this to another thread, and `file` makes sure that a file is either the whole new film or what it was before. [`Quality`] says
-//! how fine the histogram and the look-up are, and whether a frame may be stored in two ways of which the smaller is kept.
+//! Data flow: `view` projects points to pixels and maps values to inks, `shapes` defines the coverage of a pixel, `band`
+//! rasterizes on some rows of the `canvas`, `ink` blends colors, `painting` sorts shapes by depth, `texture` covers
+//! surfaces, `liquid` finds liquid surfaces, `palette` reduces millions of colors to 255 by `quantize`, `nearest` finds the
+//! nearest of them for each pixel, `difference` leaves out unchanged pixels, `lzw` compresses the indices, `gif` writes the
+//! container, `background` moves all this to another thread, and `file` makes the file appear only when it is complete.
+//! [`Quality`] sets the resolution of the histogram and the look-up, and whether a frame is stored in the smaller of two
+//! encodings.
 
 mod background;
 mod band;

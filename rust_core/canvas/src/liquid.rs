@@ -1,10 +1,10 @@
-//! Drops that flow together: a liquid as the eye sees it, found on the screen from the particles that it is made of.
+//! Liquid surfaces in screen space, reconstructed from particles.
 //!
-//! In 2D the drops add up to a field, and the liquid is where the field is strong (J. Blinn, "A generalization of algebraic surface
-//! drawing", 1982). In 3D the drops are balls; their front is smoothed on the screen by a filter that does not reach across steps
-//! (N. Truong and C. Yuksel, "A narrow-range filter for screen-space fluid rendering", 2018), its slope gives the light, and how
-//! much liquid lies behind each pixel gives the opacity (W. van der Laan, S. Green and M. Sainz, "Screen space fluid rendering with
-//! curvature flow", 2009).
+//! In 2D the drops add up to a field, whose isoline bounds the liquid (metaballs: J. Blinn, "A generalization of algebraic
+//! surface drawing", 1982). In 3D the drops are spheres; their front is smoothed in screen space by a filter that does not
+//! reach across depth steps (N. Truong and C. Yuksel, "A narrow-range filter for screen-space fluid rendering", 2018), its
+//! slope gives the shading, and the thickness of liquid behind each pixel the opacity (W. van der Laan, S. Green and M.
+//! Sainz, "Screen space fluid rendering with curvature flow", 2009).
 
 #![expect(clippy::cast_possible_wrap, reason = "no side is longer than 65535 pixels")]
 
@@ -18,34 +18,34 @@ use crate::view::opaque;
 pub struct Drop {
     /// Center, as [`Disc::center`](crate::Disc::center) [pixels].
     pub center: [f32; 2],
-    /// How far it reaches [pixels]: in 2D [`Drop::REACH`] times the distance between particles, in 3D about that distance.
+    /// Support radius [pixels]: in 2D [`Drop::REACH`] times the particle spacing, in 3D about that spacing.
     pub radius: f32,
-    /// How far it is beyond the focus, in the unit of depths; without meaning in 2D.
+    /// Depth behind the focus, in the unit of depths; without meaning in 2D.
     pub depth: f32,
-    /// What it is painted with.
+    /// Color and opacity.
     pub color: Ink,
 }
 
 impl Drop {
-    /// How far a drop reaches in 2D, over the distance between particles.
+    /// Support radius of a drop in 2D over the particle spacing.
     pub const REACH: f32 = 1.7;
 }
 
-/// Where there is nothing: farther than anything.
+/// Depth of an empty pixel: beyond any drop.
 const NOTHING: f32 = 1e30;
-/// The edge of a liquid in 2D, as a fraction of the field inside: a drop by itself then has a third of its reach as its radius.
+/// Isovalue of the edge of a liquid in 2D, as a fraction of the field inside: an isolated drop then has a radius of a third
+/// of its support.
 const EDGE: f32 = 0.3;
-/// Where the lighter rim of a liquid in 2D ends.
+/// Isovalue at which the lighter rim of a liquid in 2D ends.
 const RIM: f32 = 0.6;
 const RIM_LIGHT: f32 = 0.35;
-/// Where a liquid in 3D is thinner than this, its edge fades.
+/// Thickness below which the edge of a liquid in 3D fades.
 const BRIM: f32 = 0.3;
-/// How much of what is behind is seen through the thinnest liquid; through one as thick as a drop's reach, a quarter of
-/// that.
+/// Transmittance of the thinnest liquid; a liquid as thick as a drop's support transmits a quarter of that.
 const CLEAR: f32 = 0.45;
 const ROUNDS: usize = 2;
 
-/// The drops of one frame, and the planes of pixels on which they meet; the memory is kept for the next frame.
+/// The drops of one frame, and their screen-space buffers, which are reused for the next frame.
 #[derive(Debug, Default)]
 pub struct Liquid {
     drops: Vec<Drop>,
@@ -53,13 +53,13 @@ pub struct Liquid {
     /// Pixels per unit of depth; 0 in 2D.
     scale: f32,
     width: usize,
-    /// Neighboring pixels farther apart in depth than this belong to different parts of the surface [pixels].
+    /// Depth difference above which neighboring pixels belong to different parts of the surface [pixels].
     range: f32,
-    /// In 3D the depth of the front [pixels].
+    /// Depth of the front in 3D [pixels].
     front: Vec<f32>,
-    /// In 2D the field, in 3D how thick the liquid is, both relative to what is typical inside and to a drop's reach.
+    /// In 2D the field over its mean inside, in 3D the thickness over a drop's support.
     amount: Vec<f32>,
-    /// Sums of the colors of the drops that can be seen, and of their weights.
+    /// Weighted sums of the colors of the visible drops, and of the weights.
     colors: Vec<[f32; 4]>,
     scratch: [Vec<f32>; 3],
 }
@@ -73,13 +73,13 @@ impl Liquid {
         }
     }
 
-    /// Before any drop is added: how many pixels a unit of depth is (0 in 2D), and what is mirrored where the surface is seen under
-    /// a flat angle.
+    /// Begins a frame, before any drop: `scale` in pixels per unit of depth (0 in 2D), and the color reflected at grazing
+    /// angles.
     pub fn begin(&mut self, scale: f32, sky: Rgb) {
         (self.scale, self.sky) = (scale, sky);
     }
 
-    /// How many drops there are.
+    /// The number of drops.
     pub fn len(&self) -> usize {
         self.drops.len()
     }
@@ -89,7 +89,7 @@ impl Liquid {
         self.drops.is_empty()
     }
 
-    /// Finds the surface of what was added, for a canvas of this size.
+    /// Reconstructs the surface of the drops, for a canvas of this size.
     pub(crate) fn settle(&mut self, width: usize, height: usize) {
         self.width = width;
         for (plane, empty) in [(&mut self.front, NOTHING), (&mut self.amount, 0.0)] {
@@ -107,7 +107,7 @@ impl Liquid {
         }
     }
 
-    /// Whether a shape at some depth in front of a pixel is nearer than the liquid there; in 2D everything is.
+    /// Whether a shape at a depth is in front of the liquid at a pixel; always in 2D.
     pub(crate) fn leaves_in_front(&self, [x, y]: [f32; 2], depth: f32) -> bool {
         let (column, row) = (x as usize, y as usize);
         let inside = column < self.width && row < self.front.len() / self.width;
@@ -118,8 +118,8 @@ impl Liquid {
     pub(crate) fn paint(&self, band: &mut Band<'_>) {
         for row in band.rows() {
             for column in 0..self.width {
-                let place = row * self.width + column;
-                if self.amount[place] > 0.0 {
+                let pixel = row * self.width + column;
+                if self.amount[pixel] > 0.0 {
                     let (color, coverage) = if self.scale > 0.0 { self.lit(row, column) } else { self.rimmed(row, column) };
                     band.dot(column as i32, row as i32, color, coverage);
                 }
@@ -127,7 +127,7 @@ impl Liquid {
         }
     }
 
-    /// Forgets the drops.
+    /// Removes all drops.
     pub(crate) fn clear(&mut self) {
         self.drops.clear();
     }
@@ -137,24 +137,25 @@ impl Liquid {
         const INSIDE: f32 = 0.25 * std::f32::consts::PI * Drop::REACH * Drop::REACH;
         let Self { drops, amount, colors, width, .. } = self;
         for drop in drops.iter() {
-            for_each_pixel(drop, *width, amount.len(), |place, square| {
+            for_each_pixel(drop, *width, amount.len(), |pixel, square| {
                 let share = (1.0 - square) * (1.0 - square) * (1.0 - square) / INSIDE;
-                amount[place] += share;
-                tint(&mut colors[place], drop.color, share);
+                amount[pixel] += share;
+                tint(&mut colors[pixel], drop.color, share);
             });
         }
     }
 
-    /// The nearest point of all balls, and the thickness of all of them over their reach.
+    /// The front depth of the union of all spheres, and the sum of their thicknesses over the support.
     fn splat_front(&mut self) {
         let Self { drops, front, amount, width, .. } = self;
         for drop in drops.iter() {
-            for_each_pixel(drop, *width, front.len(), |place, square| {
+            for_each_pixel(drop, *width, front.len(), |pixel, square| {
                 let half = (1.0 - square).max(0.0).sqrt();
                 let near = drop.depth - half * drop.radius;
-                front[place] = if near < front[place] { near } else { front[place] };
-                // Drops overlap: in a liquid whose drops are their reach apart, each stands for r³ of the 4π/3 r³ of its ball.
-                amount[place] += half * (1.5 / std::f32::consts::PI);
+                front[pixel] = if near < front[pixel] { near } else { front[pixel] };
+                // Drops overlap: where their spacing is their support radius, each stands for r³ of the 4π/3 r³ of its
+                // sphere.
+                amount[pixel] += half * (1.5 / std::f32::consts::PI);
             });
         }
     }
@@ -163,16 +164,16 @@ impl Liquid {
     fn splat_visible_colors(&mut self) {
         let Self { drops, front, colors, width, .. } = self;
         for drop in drops.iter() {
-            for_each_pixel(drop, *width, front.len(), |place, square| {
-                let behind = (drop.depth - front[place]) / (2.0 * drop.radius);
+            for_each_pixel(drop, *width, front.len(), |pixel, square| {
+                let behind = (drop.depth - front[pixel]) / (2.0 * drop.radius);
                 let share = (1.0 - square) * (1.0 - behind).max(0.001);
-                tint(&mut colors[place], drop.color, share);
+                tint(&mut colors[pixel], drop.color, share);
             });
         }
     }
 
-    /// Smooths the front over about a drop by the weights (1 − d²)², along rows and columns in turn, leaving out what is a drop farther or
-    /// nearer.
+    /// Narrow-range filter: smooths the front over about a drop by the weights (1 − d²)², along rows and columns in turn,
+    /// without neighbors that differ by more than the range in depth.
     fn smooth(&mut self) {
         let mean = self.drops.iter().map(|drop| drop.radius).sum::<f32>() / self.drops.len().max(1) as f32;
         let reach = (1.5 * mean).clamp(1.0, 32.0);
@@ -186,8 +187,8 @@ impl Liquid {
         }
     }
 
-    /// One pass of the filter over neighbors that are multiples of a stride away. Across the ends of rows it reaches into the next
-    /// row, which is as far as the picture is wide and so, where there is liquid at both edges, blurs a few pixels of them.
+    /// One pass of the filter over neighbors at multiples of a stride. At the ends of rows it wraps into the next row,
+    /// which blurs a few pixels where there is liquid at both edges.
     fn filter(&mut self, stride: usize, weights: &[f32]) {
         let Self { front, range, scratch: [sums, totals, before], .. } = self;
         let count = front.len();
@@ -220,7 +221,7 @@ impl Liquid {
 
     /// The color and coverage of a pixel in 3D: half-Lambert light, a highlight, and the sky where the surface is seen flat.
     fn lit(&self, row: usize, column: usize) -> (Ink, f32) {
-        let place = row * self.width + column;
+        let pixel = row * self.width + column;
         let steepest = 3.0;
         let near = |a: f32, b: f32| (a - b).abs() < self.range;
         let [dx, dy] = self.slope(&self.front, row, column, near).map(|slope| slope.clamp(-steepest, steepest));
@@ -232,20 +233,21 @@ impl Liquid {
         let highlight = 190.0 * (nx * half[0] + ny * half[1] + nz * half[2]).max(0.0).powi(48);
         let mirrored = 0.02 + 0.75 * (1.0 - nz).powi(3);
         let diffuse = 0.55 + 0.45 * light;
-        let color = self.mean(place);
+        let color = self.mean(pixel);
         let channel = |index: usize| {
             let body = color[index] * diffuse;
             (body + (f32::from(self.sky[index]) - body) * mirrored + highlight).clamp(0.0, 255.0) as u8
         };
-        let amount = self.amount[place];
+        let amount = self.amount[pixel];
         let coverage = (amount / BRIM).min(1.0) * (1.0 - CLEAR / ((1.0 + amount) * (1.0 + amount)));
         ([channel(0), channel(1), channel(2), 255], coverage)
     }
 
-    /// How steeply a plane rises to the right and down; of the two sides the gentler, so that steps count on one side only.
+    /// Gradient of a buffer to the right and down; the smaller of the two one-sided differences, so that a depth step
+    /// counts on one side only.
     fn slope(&self, plane: &[f32], row: usize, column: usize, joined: impl Fn(f32, f32) -> bool) -> [f32; 2] {
-        let place = row * self.width + column;
-        let here = plane[place];
+        let pixel = row * self.width + column;
+        let here = plane[pixel];
         let side = |exists: bool, there: usize| {
             let there = if exists { plane[there] } else { here };
             if joined(here, there) { Some(there - here) } else { None }
@@ -257,19 +259,19 @@ impl Liquid {
         };
         let (width, count) = (self.width, plane.len());
         [
-            gentler(side(column + 1 < width, place + 1), side(column > 0, place.wrapping_sub(1))),
-            gentler(side(place + width < count, place + width), side(row > 0, place.wrapping_sub(width))),
+            gentler(side(column + 1 < width, pixel + 1), side(column > 0, pixel.wrapping_sub(1))),
+            gentler(side(pixel + width < count, pixel + width), side(row > 0, pixel.wrapping_sub(width))),
         ]
     }
 
-    /// The mean color of the drops seen at a pixel.
-    fn mean(&self, place: usize) -> [f32; 3] {
-        let [red, green, blue, weight] = self.colors[place];
+    /// The weighted mean color of the drops at a pixel.
+    fn mean(&self, pixel: usize) -> [f32; 3] {
+        let [red, green, blue, weight] = self.colors[pixel];
         [red, green, blue].map(|sum| sum / weight.max(1e-12))
     }
 }
 
-/// Every pixel that a drop reaches, with the square of the distance from its center over its reach.
+/// Visits every pixel in a drop's support, with the squared distance from its center over its radius.
 #[inline(always)]
 fn for_each_pixel(drop: &Drop, width: usize, count: usize, mut visit: impl FnMut(usize, f32)) {
     let ([x, y], radius, height) = (drop.center, drop.radius, count / width.max(1));
@@ -292,7 +294,7 @@ fn tint(sum: &mut [f32; 4], color: Ink, weight: f32) {
     }
 }
 
-/// Adds neighbors that are no farther in depth than a range, each with the same weight.
+/// Adds neighbors within a depth range, with equal weights.
 fn gather(sums: &mut [f32], totals: &mut [f32], here: &[f32], there: &[f32], weight: f32, range: f32) {
     for (((sum, total), here), there) in sums.iter_mut().zip(totals).zip(here).zip(there) {
         let share = if (there - here).abs() < range { weight } else { 0.0 };

@@ -1,15 +1,15 @@
 //! LZW as GIF uses it (Welch 1984; `GIF89a`, appendix F).
 
-/// The index that stands for "as it was" in a frame; no color has it.
+/// The transparent index: the pixel keeps its previous color.
 pub(crate) const TRANSPARENT: u8 = 0;
 
 const GREATEST_CODE: u32 = 4095;
 const SLOTS: usize = 1 << 14;
 
-/// The encoder's dictionary, kept from frame to frame for its memory alone.
+/// The encoder's dictionary, reused from frame to frame for its allocation.
 pub(crate) struct Encoder {
-    /// (string, next symbol) → longer string, in an open-addressed table: 12 + 8 bits of key above 12 bits of code, 0 is free.
-    /// At most a quarter full, so a search looks at little more than one slot.
+    /// (string, next symbol) → longer string, in an open-addressed table: 12 + 8 bits of key above 12 bits of code, 0 is
+    /// free. At most a quarter full, so a search takes little more than one probe.
     slots: Box<[u32; SLOTS]>,
     bytes: Vec<u8>,
 }
@@ -110,7 +110,7 @@ impl<'a> Codes<'a> {
         }
     }
 
-    /// The decoder knows a string one code later than the encoder, so codes grow when `newest` is the first that needs it.
+    /// The decoder adds a string one code later than the encoder, so codes grow when `newest` is the first that needs it.
     #[inline(always)]
     fn widen(&mut self, newest: u32) {
         if newest == 1 << self.width && self.width < 12 {
@@ -135,7 +135,7 @@ impl<'a> Codes<'a> {
 mod tests {
     use super::Encoder;
 
-    /// What the `weezl` crate, which shares no code with this file, reads from the blocks.
+    /// The symbols decoded by the `weezl` crate, which shares no code with this file.
     fn decoded(blocks: &[u8]) -> Vec<u8> {
         let mut codes = Vec::new();
         let mut rest = &blocks[1..];

@@ -35,25 +35,25 @@ impl Centers {
     }
 }
 
-/// The number of the nearest color for each cell of colors that share their upper bits, found when one is first seen.
+/// Look-up table of the nearest color for each cell of colors with the same upper bits, filled on first use.
 #[derive(Clone, Debug)]
 pub(crate) struct Table {
     bits: u32,
     centers: Centers,
-    /// Numbers count from 1; 0 is not yet known.
+    /// Palette numbers, from 1; 0 is not yet known.
     numbers: Vec<u8>,
 }
 
-/// Pixels that are looked up together, so that their cells are found by vector instructions.
+/// Pixels per group, whose cells are computed by vector instructions.
 const GROUP: usize = 16;
 
 impl Table {
-    /// A table that tells 2^`bits` levels of each channel apart.
+    /// A table with 2^`bits` levels of each channel.
     pub(crate) fn new(colors: &[Rgb], bits: u32) -> Self {
         let mut numbers = vec![0; 1 << (3 * bits)];
         for (&[red, green, blue], number) in colors.iter().zip(1..=u8::MAX) {
-            let place = &mut numbers[cell([red, green, blue, 0], bits) as usize];
-            *place = if *place == 0 { number } else { *place }; // a color of the palette stays what it is, those reserved first
+            let entry = &mut numbers[cell([red, green, blue, 0], bits) as usize];
+            *entry = if *entry == 0 { number } else { *entry }; // palette colors map to themselves, reserved ones first
         }
         let centers: Vec<[f32; 3]> = colors.iter().map(|color| color.map(f32::from)).collect();
         Self { bits, centers: Centers::new(&centers), numbers }
@@ -76,12 +76,12 @@ impl Table {
     }
 
     fn number(&mut self, pixel: [u8; 4]) -> u8 {
-        let place = cell(pixel, self.bits) as usize;
-        if self.numbers[place] == 0 {
+        let cell = cell(pixel, self.bits) as usize;
+        if self.numbers[cell] == 0 {
             let [red, green, blue, _] = pixel.map(|channel| middle(channel, self.bits));
-            self.numbers[place] = self.centers.nearest([red, green, blue]) as u8 + 1;
+            self.numbers[cell] = self.centers.nearest([red, green, blue]) as u8 + 1;
         }
-        self.numbers[place]
+        self.numbers[cell]
     }
 }
 

@@ -1,4 +1,4 @@
-//! Many shapes at once, painted from the far to the near.
+//! Depth-sorted drawing of many shapes (painter's algorithm).
 
 use std::sync::Arc;
 use std::thread::available_parallelism;
@@ -10,8 +10,8 @@ use crate::liquid::{Drop, Liquid};
 use crate::shapes::{Disc, Halo, Line, Triangle};
 use crate::texture::Texture;
 
-/// Shapes that wait to be painted together. Those with greater depth come first, and of equal depth those that were added first; a
-/// liquid hides what is behind its front.
+/// Shapes queued for drawing. Those with greater depth are drawn first, equal depths in the order of adding; a liquid hides
+/// shapes behind its front.
 #[derive(Debug, Default)]
 pub struct Painting {
     discs: Vec<Disc>,
@@ -25,12 +25,12 @@ pub struct Painting {
     lens: Lens,
 }
 
-/// What makes things look blurred that are nearer or farther than the focus, at depth 0; by default nothing does.
+/// A thin lens, which blurs shapes in front of and behind the focus, at depth 0; without blur by default.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lens {
-    /// The radius of the disc that a point becomes, per unit of its distance from the focus, close to the focus [pixels].
+    /// Circle of confusion per unit of distance from the focus, close to the focus [pixels].
     pub blur: f32,
-    /// How far the eye is from the focus, in the unit of depths.
+    /// Distance of the eye from the focus, in the unit of depths.
     pub distance: f32,
 }
 
@@ -41,15 +41,15 @@ impl Default for Lens {
 }
 
 impl Lens {
-    /// The radius of the disc that a point at some depth becomes [pixels]: c = b |z| / (1 + z / d), the circle of confusion of a
-    /// thin lens (M. Potmesil and I. Chakravarty, "A lens and aperture camera model for synthetic image generation", 1981).
+    /// Circle of confusion of a point at a depth z [pixels]: c = b |z| / (1 + z / d), for a thin lens (M. Potmesil and I.
+    /// Chakravarty, "A lens and aperture camera model for synthetic image generation", 1981).
     fn confusion(self, depth: f32) -> f32 {
         const NEAREST: f32 = 0.05;
         self.blur * depth.abs() / (1.0 + depth / self.distance).max(NEAREST)
     }
 }
 
-/// So many shapes are drawn sooner by one thread than others are woken.
+/// Number of shapes below which one thread is faster than several.
 const FEW: usize = 1000;
 
 #[derive(Clone, Copy, Debug)]
@@ -67,18 +67,18 @@ enum Shape {
 }
 
 impl Painting {
-    /// Looks through a lens at all that is added from now on.
+    /// Applies a lens to everything added later.
     pub fn look_through(&mut self, lens: Lens) {
         self.lens = lens;
     }
 
-    /// Adds a disc; `depth` is its distance from the viewer beyond the focus, in any unit.
+    /// Adds a disc; `depth` is its distance behind the focus, in any unit.
     pub fn disc(&mut self, disc: Disc, depth: f32) {
         self.add(depth, Shape::Disc(self.discs.len() as u32));
         self.discs.push(if self.lens.blur > 0.0 { disc.blurred(self.lens.confusion(depth)) } else { disc });
     }
 
-    /// Paints everything that was added, and then discs without depth, which are not kept: a million of them need no memory.
+    /// Paints all queued shapes, then discs without depth, which are not stored: a million of them take no memory.
     pub fn paint_discs(&mut self, canvas: &mut Canvas, discs: &(impl Iterator<Item = Disc> + Clone + Sync)) {
         self.paint(canvas);
         let draw = |band: &mut Band<'_>| discs.clone().for_each(|disc| band.disc(disc));
@@ -103,13 +103,13 @@ impl Painting {
         self.halos.push(halo);
     }
 
-    /// Lets triangles use a texture until the painting is painted.
+    /// Registers a texture for triangles, until the painting is painted.
     pub fn texture(&mut self, texture: Arc<Texture>) -> u16 {
         self.textures.push(texture);
         (self.textures.len() - 1) as u16
     }
 
-    /// Before any drop is added: how many pixels a unit of depth is (0 in 2D), and what a liquid mirrors.
+    /// Begins a liquid, before any drop: pixels per unit of depth (0 in 2D), and the reflected color.
     pub fn begin_liquid(&mut self, scale: f32, sky: Rgb) {
         self.liquid.begin(scale, sky);
     }
@@ -119,17 +119,17 @@ impl Painting {
         self.liquid.drop(drop);
     }
 
-    /// How many shapes and drops were added.
+    /// The number of queued shapes and drops.
     pub fn len(&self) -> usize {
         self.order.len() + self.liquid.len()
     }
 
-    /// Whether nothing was added.
+    /// Whether no shape or drop is queued.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// Paints everything that was added and forgets it; the memory is kept for the next frame.
+    /// Paints all queued shapes and empties the queue; the memory is reused for the next frame.
     pub fn paint(&mut self, canvas: &mut Canvas) {
         if self.has_depth {
             radsort::sort_by_key(&mut self.order, |entry| -entry.depth); // stable, and ten times faster for millions
@@ -173,7 +173,7 @@ impl Painting {
         }
     }
 
-    /// The middle of a shape [pixels].
+    /// The center of a shape [pixels].
     fn anchor(&self, entry: &Entry) -> [f32; 2] {
         match entry.shape {
             Shape::Disc(index) => self.discs[index as usize].center,
@@ -195,12 +195,12 @@ impl Painting {
     }
 }
 
-/// How many threads are worth waking for so many shapes.
+/// The number of threads worth using for `shapes` shapes.
 fn threads(shapes: usize) -> usize {
     if shapes < FEW { 1 } else { available_parallelism().map_or(1, usize::from) }
 }
 
-/// Does the same on all rows, divided among threads.
+/// Draws on all rows, divided among threads.
 fn in_bands(canvas: &mut Canvas, threads: usize, draw: &(impl Fn(&mut Band<'_>) + Sync)) {
     std::thread::scope(|scope| {
         let mut bands = canvas.bands(threads);

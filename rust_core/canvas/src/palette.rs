@@ -1,6 +1,6 @@
 //! One palette for a whole film: up to 255 colors chosen from a few of its frames.
 //!
-//! Colors are compared as bytes of sRGB, which look about equally spaced to the eye. Oklab keeps less of a film by that measure,
+//! Colors are compared as bytes of sRGB, which are about perceptually uniform. Oklab has a larger error by that measure,
 //! and its roots and powers depend in their last bit on the machine.
 
 use crate::canvas::Canvas;
@@ -9,14 +9,14 @@ use crate::nearest::{Table, cell};
 use crate::quality::Quality;
 use crate::quantize::{Sample, quantize};
 
-/// How often each color was seen, in cells of 8 × 8 × 8 colors or finer.
+/// Histogram of colors, in cells of 8 × 8 × 8 colors or finer.
 #[derive(Clone, Debug)]
 pub struct Histogram {
     quality: Quality,
     cells: Vec<Tally>,
 }
 
-/// The number of pixels in a cell and the sums of their channels: what lies alone in its cell keeps its color exactly.
+/// The number of pixels in a cell and the sums of their channels: a color alone in its cell is kept exactly.
 #[derive(Clone, Copy, Debug, Default)]
 struct Tally {
     count: u64,
@@ -30,7 +30,7 @@ impl Default for Histogram {
 }
 
 impl Histogram {
-    /// An empty histogram, as fine as the quality asks.
+    /// An empty histogram of the resolution of a quality.
     pub fn new(quality: Quality) -> Self {
         Self { quality, cells: vec![Tally::default(); 1 << (3 * quality.histogram_bits())] }
     }
@@ -46,7 +46,7 @@ impl Histogram {
         }
     }
 
-    /// The mean color of each cell in which something was seen, and how often.
+    /// The mean color and the count of each occupied cell.
     fn colors(&self) -> impl Iterator<Item = (Rgb, u64)> {
         let seen = self.cells.iter().filter(|tally| tally.count > 0);
         seen.map(|&Tally { count, sums }| (sums.map(|sum| ((sum + count / 2) / count) as u8), count))
@@ -62,8 +62,8 @@ pub struct Palette {
 }
 
 impl Palette {
-    /// At most `most` colors, those that suit what was seen best. The ones `reserved` are in the palette exactly; so are all, if
-    /// they are few and no two lie in one cell.
+    /// At most `most` colors, fitted to a histogram. The `reserved` ones are contained exactly; so are all colors, if they
+    /// are few and no two share a cell.
     pub fn new(histogram: &Histogram, reserved: &[Rgb], most: u8) -> Self {
         let most = usize::from(most.max(1));
         let mut colors: Vec<Rgb> = Vec::new();
@@ -93,7 +93,7 @@ impl Palette {
         &self.colors
     }
 
-    /// What the histogram was made for.
+    /// The quality of the histogram.
     pub fn quality(&self) -> Quality {
         self.quality
     }

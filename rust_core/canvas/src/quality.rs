@@ -1,24 +1,24 @@
-//! How much time goes into the colors and the size of a film.
+//! Trade-off between the time and the color error and size of a film.
 //!
-//! There is no dithering in either. Two colors mixed in a pattern that stands still on the screen were tried: they keep less of
-//! each frame, and the pattern makes films of smooth gradients two to three times as large.
+//! Neither dithers. Ordered dithering with a static pattern was tried: its error per frame is larger, and films of smooth
+//! gradients become two to three times as large.
 
 use std::str::FromStr;
 
 use crate::error::Error;
 
-/// How much time goes into the colors and the size of a film.
+/// Trade-off between the time and the color error and size of a film.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Quality {
-    /// Colors are told apart in cells of 4 × 4 × 4 when the nearest of the palette is looked up.
+    /// The nearest palette color is looked up in cells of 4 × 4 × 4 colors.
     #[default]
     Fast,
-    /// In cells of 2 × 2 × 2, by a palette from a finer histogram, and each frame is stored in the smaller of two ways.
+    /// Cells of 2 × 2 × 2, a palette from a finer histogram, and each frame in the smaller of two encodings.
     High,
 }
 
 impl Quality {
-    /// Bits per channel of the histogram that the palette is found from.
+    /// Bits per channel of the palette's histogram.
     ///
     /// On `benches/film.py` a bit more gives 0.3 dB and takes four times as long, once for a film.
     pub(crate) fn histogram_bits(self) -> u32 {

@@ -1,5 +1,5 @@
-//! Few colors that stand for many: a variance cut (split the box with the greatest spread at its mean; after Wu 1991), improved
-//! by a few rounds of k-means (Lloyd 1982).
+//! Color quantization: a variance cut (split the box with the greatest spread at its mean; after Wu 1991), improved by a
+//! few rounds of k-means (Lloyd 1982).
 
 use crate::color::Rgb;
 use crate::nearest::Centers;
@@ -9,7 +9,7 @@ const ROUNDS: usize = 3;
 
 type Color = [f32; 3];
 
-/// A color that was seen and how much it counts.
+/// A color and its weight.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Sample {
     color: Color,
@@ -17,15 +17,15 @@ pub(crate) struct Sample {
 }
 
 impl Sample {
-    /// Weighed by the area to the power of ¾: least squares would take the area itself, but then a small thing in a bright color
-    /// is nothing beside a large dark surface. On `benches/film.py` this costs 0.3 dB, the root 1.6.
+    /// Weight by area^¾: least squares would take the area itself, which neglects small bright objects beside a large dark
+    /// surface. On `benches/film.py` this costs 0.3 dB, the square root 1.6.
     pub(crate) fn new(color: Rgb, count: u64) -> Self {
         let root = (count as f32).sqrt();
         Self { color: color.map(f32::from), weight: root * root.sqrt() }
     }
 }
 
-/// At most `count` colors near which the samples lie.
+/// At most `count` colors that minimize the weighted squared distances of the samples.
 pub(crate) fn quantize(mut samples: Vec<Sample>, count: usize) -> Vec<Rgb> {
     let mut centers = variance_cut(&mut samples, count);
     for _ in 0..ROUNDS {
@@ -45,7 +45,8 @@ pub(crate) fn quantize(mut samples: Vec<Sample>, count: usize) -> Vec<Rgb> {
     centers.into_iter().map(|center| center.map(|channel| channel.round() as u8)).collect()
 }
 
-/// Cuts the samples into parts, always the one with the greatest spread, at the mean of its widest channel; gives the parts' means.
+/// Cuts the samples into parts, always the one with the greatest spread, at the mean of its widest channel; returns the
+/// means of the parts.
 fn variance_cut(samples: &mut [Sample], count: usize) -> Vec<Color> {
     if count == 0 {
         return Vec::new();
@@ -67,7 +68,7 @@ fn variance_cut(samples: &mut [Sample], count: usize) -> Vec<Color> {
     parts.iter().map(|part| part.mean).collect()
 }
 
-/// A range of the samples, the mean of its colors and how far they lie from it.
+/// A range of the samples, with its mean color and spread.
 struct Part {
     start: usize,
     length: usize,

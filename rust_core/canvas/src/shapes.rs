@@ -1,8 +1,8 @@
-//! What can be drawn, and how much of each pixel it covers.
+//! Shapes and their coverage of pixels.
 //!
-//! Coverage is a ramp across the edge, clamp(½ − signed distance / softness, 0, 1) at the pixel's center; what is in focus has a
-//! softness of one pixel. Summed over a plane of pixels (exactly, when averaged over the shape's sub-pixel offset) such a ramp of
-//! softness s gives
+//! Coverage is a ramp across the edge, clamp(½ − signed distance / softness, 0, 1) at the pixel's center; a shape in focus
+//! has a softness of one pixel. Summed over a plane of pixels (exactly, when averaged over the shape's sub-pixel offset)
+//! such a ramp of softness s gives
 //!
 //! - for a disc of radius r ≥ s/2: ∫₀¹ π(r − s/2 + st)² dt = π(r² + s²/12), so a disc is drawn with √(r² − s²/12): its area is πr²;
 //! - for a line of width w ≥ s: w per unit length, as it should be.
@@ -12,18 +12,18 @@
 
 use crate::color::Ink;
 
-/// A filled disc; `shading` above 0 makes it look like a ball lit from the upper left.
+/// A filled disc; `shading` above 0 shades it as a sphere lit from the upper left.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Disc {
     /// Center, x to the right and y down from the upper left corner of the picture [pixels].
     pub center: [f32; 2],
     /// Radius [pixels].
     pub radius: f32,
-    /// What it is painted with.
+    /// Color and opacity.
     pub color: Ink,
-    /// How much the light matters: 0 is flat, 1 is black on the far side.
+    /// Contrast of the shading: 0 is flat, 1 is black on the far side.
     pub shading: f32,
-    /// Over how many pixels its edge fades; 1 is sharp.
+    /// Width of the edge [pixels]; 1 is sharp.
     pub softness: f32,
 }
 
@@ -36,38 +36,38 @@ pub struct Line {
     pub to: [f32; 2],
     /// Width [pixels].
     pub width: f32,
-    /// What it is painted with.
+    /// Color and opacity.
     pub color: Ink,
-    /// Over how many pixels its edge fades; 1 is sharp.
+    /// Width of the edge [pixels]; 1 is sharp.
     pub softness: f32,
 }
 
-/// A part of a lit surface. It is painted half a pixel larger than it is, so that no seam shows where two of them meet.
+/// A triangle of a shaded surface, drawn half a pixel larger, so that no seam shows between adjacent ones.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Triangle {
     /// Corners, as [`Disc::center`] [pixels].
     pub corners: [[f32; 2]; 3],
-    /// What each corner is painted with; in between, the mean by nearness. A texture is multiplied by it.
+    /// Corner colors, interpolated by barycentric coordinates. A texture multiplies them.
     pub colors: [Ink; 3],
-    /// Where each corner lies on the texture, 0–1 to the right and up; without meaning if there is none.
-    pub places: [[f32; 2]; 3],
+    /// Texture coordinates of the corners, 0–1 to the right and up; unused without a texture.
+    pub texture_coordinates: [[f32; 2]; 3],
 }
 
-/// Light around something that shines: it brightens what is behind it; or a shadow of its color, for light grounds.
+/// A glow, which adds light to the background; or a shadow of its color, for light backgrounds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Halo {
     /// Center, as [`Disc::center`] [pixels].
     pub center: [f32; 2],
-    /// Where the light has faded away [pixels].
+    /// Radius at which the light vanishes [pixels].
     pub radius: f32,
     /// The light at the center.
     pub color: Ink,
-    /// Whether it takes away the light that its color lacks, instead of adding its own.
+    /// Whether it subtracts the complement of its color instead of adding its color.
     pub shadow: bool,
 }
 
 impl Disc {
-    /// The same disc seen out of focus: every point of it becomes a disc of this radius [pixels].
+    /// The disc out of focus: a convolution with a circle of confusion of this radius [pixels].
     #[must_use]
     pub fn blurred(self, confusion: f32) -> Self {
         let (radius, softness, share) = blurred(self.radius, confusion, 2);
@@ -76,7 +76,7 @@ impl Disc {
 }
 
 impl Line {
-    /// The same line seen out of focus: every point of it becomes a disc of this radius [pixels].
+    /// The line out of focus: a convolution with a circle of confusion of this radius [pixels].
     #[must_use]
     pub fn blurred(self, confusion: f32) -> Self {
         let (half, softness, share) = blurred(0.5 * self.width, confusion, 1);
@@ -84,7 +84,8 @@ impl Line {
     }
 }
 
-/// Half the size, the softness and the part of the opacity of a shape that is blurred in so many directions: the light stays.
+/// Half the size, the softness and the opacity factor of a shape blurred in this number of directions: total light is
+/// conserved.
 fn blurred(half: f32, confusion: f32, directions: i32) -> (f32, f32, f32) {
     let larger = half.max(confusion);
     (larger, 2.0 * half.min(confusion), if confusion > half { (half / confusion).powi(directions) } else { 1.0 })
@@ -103,7 +104,7 @@ pub(crate) fn ramp(signed_distance: f32) -> f32 {
     if coverage < 1.0 { coverage } else { 1.0 }
 }
 
-/// The radius to draw with and the factor of opacity, so that a disc covers πr² pixels however small it is.
+/// Drawn radius and opacity factor for which a disc covers πr² pixels, however small.
 pub(crate) fn drawn_radius(radius: f32, softness: f32) -> (f32, f32) {
     const TWELFTH: f32 = 1.0 / 12.0;
     let (square, soft) = (radius.max(0.0) * radius.max(0.0), softness * softness);
@@ -114,8 +115,8 @@ pub(crate) fn drawn_radius(radius: f32, softness: f32) -> (f32, f32) {
     }
 }
 
-/// Half the width to draw with and the factor of opacity, so that a line covers its width however thin it is.
+/// Drawn half width and opacity factor for which a line covers its width, however thin.
 pub(crate) fn drawn_half_width(width: f32, softness: f32) -> (f32, f32) {
-    let width = width.max(0.0); // and not a number becomes nothing
+    let width = width.max(0.0); // NaN becomes 0
     (0.5 * width.max(softness), (width / softness).min(1.0))
 }

@@ -1,4 +1,4 @@
-//! Small labels: anti-aliased glyphs of Noto Sans Mono, drawn beforehand for four sizes.
+//! Text labels: anti-aliased glyphs of Noto Sans Mono, pre-rendered in four sizes.
 
 #![expect(clippy::cast_possible_wrap, reason = "no label is longer than a picture is wide by far")]
 
@@ -7,7 +7,7 @@ use noto_sans_mono_bitmap::{FontWeight, RasterHeight, get_raster, get_raster_wid
 use crate::canvas::Canvas;
 use crate::color::Ink;
 
-/// Which part of a label stands at the given x.
+/// Alignment of a label at the given x.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Align {
     /// Its left end.

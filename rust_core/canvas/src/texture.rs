@@ -1,9 +1,9 @@
-//! Pictures that surfaces are covered with.
+//! Texture images of surfaces.
 
 use crate::color::Rgb;
 use crate::error::Error;
 
-/// A picture in sRGB that is looked up at any place, its texels joined smoothly.
+/// A picture in sRGB with bilinear interpolation.
 #[derive(Clone, Debug)]
 pub struct Texture {
     width: usize,
@@ -20,12 +20,12 @@ impl Texture {
         Ok(Self { width, texels })
     }
 
-    /// The color at a place, 0–1 to the right and up from the lower left corner; beyond the edges, that of the edge.
+    /// The color at texture coordinates 0–1, to the right and up from the lower left corner; clamped to the edges.
     #[inline(always)]
     pub(crate) fn at(&self, [right, up]: [f32; 2]) -> [f32; 3] {
         let height = self.texels.len() / self.width;
-        let (column, x) = place(right, self.width);
-        let (row, y) = place(1.0 - up, height);
+        let (column, x) = texel_at(right, self.width);
+        let (row, y) = texel_at(1.0 - up, height);
         let (next, below) = ((column + 1).min(self.width - 1), (row + 1).min(height - 1));
         let texel = |row: usize, column: usize| self.texels[row * self.width + column];
         let corners = [texel(row, column), texel(row, next), texel(below, column), texel(below, next)];
@@ -40,8 +40,8 @@ impl Texture {
     }
 }
 
-/// The texel whose center lies before a fraction of so many texels, and how far beyond it that is.
-fn place(fraction: f32, count: usize) -> (usize, f32) {
+/// The texel whose center precedes a coordinate 0–1 of `count` texels, and the offset from it in texels.
+fn texel_at(fraction: f32, count: usize) -> (usize, f32) {
     let position = (fraction * count as f32 - 0.5).clamp(0.0, (count - 1) as f32);
     let index = position as usize;
     (index, position - index as f32)

@@ -1,28 +1,29 @@
-//! Where things have been: lines that grow thinner, and fade, with age.
+//! Trails of moving points: lines that taper and fade with age.
 
 use crate::color::{Ink, Rgb};
 use crate::shapes::Line;
 use crate::view::{Fog, opaque};
 
-/// The last positions of N things at K times, the oldest first.
+/// The last positions of N points at K times, the oldest first.
 #[derive(Clone, Copy, Debug)]
 pub struct Trails<'a> {
-    /// Positions of all things at one time after the other, K·N in all [pixels].
+    /// Positions of all points, time by time, K·N in all [pixels].
     pub past: &'a [[f32; 2]],
-    /// Width of each thing's trail at its fresh end [pixels].
+    /// Width of each point's trail at its fresh end [pixels].
     pub widths: &'a [f32],
-    /// Color of each thing's trail at its fresh end.
+    /// Color of each point's trail at its fresh end.
     pub colors: &'a [Ink],
-    /// What trails fade into, and how much of the color is left at the fresh end. They fade by color, not by opacity: where two
-    /// opaque lines meet, no joint shows. Without it they only grow thinner, as fits a ground of many colors.
+    /// Background that trails fade into, and the fraction of color left at the fresh end. They fade by color, not by
+    /// opacity: joints of opaque lines do not show. Without it they only taper, as fits a multicolored background.
     pub fade: Option<(Rgb, f32)>,
-    /// Whether a thing has not gone the straight way from one time to the next, (K−1)·N in all.
+    /// Whether a point's path between two times is not straight, (K−1)·N in all.
     pub gaps: Option<&'a [bool]>,
-    /// Depths of all things, K·N in all.
+    /// Depths of all points, K·N in all.
     pub depths: Option<&'a [f32]>,
 }
 
-/// A piece of a trail is at least so long, if the trail is [pixels]: nobody sees shorter ones, and half of the lines are saved.
+/// Minimum length of a segment, if the trail is that long [pixels]: shorter ones are not visible, and half of the lines are
+/// saved.
 const SHORTEST: f32 = 5.0;
 
 impl Trails<'_> {
@@ -50,8 +51,8 @@ impl Trails<'_> {
         })
     }
 
-    /// For each thing at each time how many times ago the line that ends there begins; 0 where none ends. Lines are counted from
-    /// the fresh end, so that they move with it.
+    /// For each point and time, the number of times since the start of the line that ends there; 0 where none ends. Lines
+    /// are counted from the fresh end, so that they move with it.
     fn joints(&self, count: usize, moments: usize) -> Vec<u8> {
         let mut joints = vec![0; self.past.len()];
         for index in 0..count {
@@ -59,7 +60,7 @@ impl Trails<'_> {
             for step in (1..moments).rev() {
                 let before = (step - 1) * count + index;
                 if self.gaps.is_some_and(|gaps| gaps[before]) {
-                    // The line ends where it was before the gap, and the next one begins there.
+                    // The line ends before the gap, and the next one begins there.
                     joints[end * count + index] = (end - step) as u8;
                     end = step - 1;
                     continue;

@@ -1,27 +1,27 @@
-//! From points in space to pixels, and from values to inks: what is done for every particle of every frame.
+//! Projection of points to pixels and of values to inks: the work per particle and frame.
 
 use crate::color::{Ink, Rgb};
 
-/// How points in 2D or 3D become pixels.
+/// The projection of points in 2D or 3D to pixels.
 #[derive(Clone, Copy, Debug)]
 pub struct Projection<const D: usize> {
     /// Unit vectors to the right, up and, in 3D, toward the eye.
     pub axes: [[f64; D]; D],
-    /// What is shown in the middle, along these axes.
+    /// Coordinates of the center along these axes.
     pub center: [f64; D],
     /// Pixels per unit of length at the center.
     pub scale: f64,
     /// The middle of the picture [pixels].
     pub middle: [f64; 2],
-    /// From the eye to the center; infinite for an orthographic view.
+    /// Distance from the eye to the center; infinite for an orthographic projection.
     pub distance: f64,
 }
 
-/// Nothing is drawn nearer to the eye than this fraction of its distance from the center.
+/// Near plane, as a fraction of the eye's distance from the center.
 const NEAREST: f64 = 0.05;
 
 impl<const D: usize> Projection<D> {
-    /// The pixel of a point, how far it is behind the center, and pixels per unit of length there.
+    /// The pixel of a point, its depth behind the center, and pixels per unit of length there.
     #[inline(always)]
     pub fn project(&self, point: [f64; D]) -> ([f32; 2], f32, f32) {
         let mut local = [0.0; D];
@@ -37,19 +37,19 @@ impl<const D: usize> Projection<D> {
     }
 }
 
-/// Far things fade into the background.
+/// Depth fog: distant points fade into the background.
 #[derive(Clone, Copy, Debug)]
 pub struct Fog {
-    /// Half the depth of all that is seen.
+    /// Half the depth range of the scene.
     pub reach: f32,
-    /// How much of its color the farthest thing loses.
+    /// Fraction of color that the farthest point loses.
     pub strength: f32,
-    /// What it fades to.
+    /// Color of the fog.
     pub background: Rgb,
 }
 
 impl Fog {
-    /// A color as it is seen at some depth behind the center.
+    /// A color with fog at a depth behind the center.
     #[inline(always)]
     pub fn seen(&self, color: [f32; 3], depth: f32) -> [f32; 3] {
         let share = self.strength * (0.5 + 0.5 * depth / self.reach).clamp(0.0, 1.0);
@@ -61,7 +61,7 @@ impl Fog {
     }
 }
 
-/// The entry at a fraction of a table's length; beyond its ends, and for what is not a number, the ends.
+/// The entry at a fraction of a table's length; clamped to its ends, also for NaN.
 #[inline(always)]
 pub fn look_up<T>(table: &[T], fraction: f64) -> &T {
     let last = table.len() - 1;

@@ -45,8 +45,8 @@ fn shown(bytes: &[u8]) -> (Vec<Vec<[u8; 3]>>, Vec<u16>) {
         for (index, &number) in frame.buffer.iter().enumerate() {
             let (column, row) = (index % usize::from(frame.width), index / usize::from(frame.width));
             if frame.transparent != Some(number) {
-                let place = (row + usize::from(frame.top)) * width + column + usize::from(frame.left);
-                screen[place] = table[usize::from(number)];
+                let pixel = (row + usize::from(frame.top)) * width + column + usize::from(frame.left);
+                screen[pixel] = table[usize::from(number)];
             }
         }
         screens.push(screen.clone());

@@ -80,7 +80,7 @@ proptest! {
         for (i, j) in (0..cells).flat_map(|i| (0..cells).map(move |j| (i, j))) {
             let [a, b, c, d] = [corner(i, j), corner(i + 1, j), corner(i + 1, j + 1), corner(i, j + 1)];
             for corners in [[a, b, c], [a, c, d]] {
-                painting.triangle(Triangle { corners, colors: [WHITE; 3], places: [[0.0; 2]; 3] }, None, 0.0);
+                painting.triangle(Triangle { corners, colors: [WHITE; 3], texture_coordinates: [[0.0; 2]; 3] }, None, 0.0);
             }
         }
         painting.paint(&mut canvas);
@@ -116,7 +116,7 @@ proptest! {
         canvas.clip(10, 20, 30, 40);
         let (a, b, c) = ([values[0], values[1]], [values[2], values[3]], [values[4], values[5]]);
         painting.look_through(Lens { blur: values[6].abs().min(1e3), distance: values[7] });
-        painting.triangle(Triangle { corners: [a, b, c], colors: [WHITE; 3], places: [a, b, c] }, None, values[6]);
+        painting.triangle(Triangle { corners: [a, b, c], colors: [WHITE; 3], texture_coordinates: [a, b, c] }, None, values[6]);
         painting.halo(Halo { center: a, radius: values[4].abs().min(1e4), color: WHITE, shadow: false }, values[7]);
         painting.disc(Disc { center: b, radius: values[4].abs().min(1e3), color: WHITE, shading: 0.5, softness: 1.0 }, values[5]);
         painting.begin_liquid(if deep { 1.0 } else { 0.0 }, [255; 3]);
@@ -151,7 +151,7 @@ fn colors_and_textures_are_those_of_the_corners() {
     let corners = [[10.0, 80.0], [80.0, 80.0], [10.0, 10.0]];
     let colors = [[255, 0, 0, 255], [0, 255, 0, 255], [0, 0, 255, 255]];
     let mut canvas = plain(0);
-    canvas.triangle(&Triangle { corners, colors, places: [[0.0; 2]; 3] }, None);
+    canvas.triangle(&Triangle { corners, colors, texture_coordinates: [[0.0; 2]; 3] }, None);
     for ([x, y], channel) in [([11, 79], 0), ([78, 79], 1), ([11, 12], 2)] {
         let color = at(&canvas, x, y);
         // A pixel from the corner the two other colors have each about 1/70 of the weight.
@@ -160,9 +160,9 @@ fn colors_and_textures_are_those_of_the_corners() {
 
     let texture = Arc::new(Texture::new(2, vec![[200, 0, 0], [0, 200, 0], [0, 0, 200], [200; 3]]).expect("four texels"));
     let (mut painting, mut canvas) = (Painting::default(), plain(0));
-    let (places, gray) = ([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]], [128, 128, 128, 255]);
+    let (texture_coordinates, gray) = ([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]], [128, 128, 128, 255]);
     let texture = painting.texture(texture);
-    painting.triangle(Triangle { corners, colors: [gray; 3], places }, Some(texture), 0.0);
+    painting.triangle(Triangle { corners, colors: [gray; 3], texture_coordinates }, Some(texture), 0.0);
     painting.paint(&mut canvas);
     for ([x, y], color) in [([14, 76], [0, 0, 100]), ([74, 79], [100, 100, 100]), ([11, 16], [100, 0, 0])] {
         assert_eq!(at(&canvas, x, y), color); // half as bright as the texel, whose edge ends at the picture's edge

@@ -1,4 +1,4 @@
-//! One vector per particle, as one array per component: the form of all bulk data.
+//! Structure of arrays: one vector per particle, one array per component. All bulk data has this form.
 
 use std::ops::Range;
 
@@ -18,7 +18,7 @@ impl<V: Vector> Columns<V> {
         Self { axes: vec![vec![V::Scalar::ZERO; padded(count)]; V::DIMENSION], count }
     }
 
-    /// The vectors that `each` gives for every particle.
+    /// The vectors `each(index)` of all particles.
     pub fn from_fn(count: usize, each: impl Fn(usize) -> V) -> Self {
         let mut columns = Self::zeros(count);
         (0..count).for_each(|index| columns.set(index, each(index)));
@@ -47,7 +47,7 @@ impl<V: Vector> Columns<V> {
         (0..self.count).find(|&index| !self.get(index).widen().is_finite())
     }
 
-    /// Copies all vectors of `other`, which has as many.
+    /// Copies all vectors of `other`, which has the same count.
     pub fn copy_from(&mut self, other: &Self) {
         for (mine, theirs) in self.axes.iter_mut().zip(&other.axes) {
             mine.copy_from_slice(theirs);
@@ -60,24 +60,24 @@ impl<V: Vector> Columns<V> {
         &self.axes[axis]
     }
 
-    /// All of it, to read.
+    /// A read-only view of all vectors.
     pub fn view(&self) -> View<'_, V> {
         View { start: 0, axes: std::array::from_fn(|axis| self.axes.get(axis).map_or(&[][..], Vec::as_slice)) }
     }
 
-    /// All of it, to write.
+    /// A mutable span of all vectors.
     pub fn span(&mut self) -> Span<'_, V> {
         let mut arrays = self.axes.iter_mut();
         Span { axes: std::array::from_fn(|_| arrays.next().map_or(&mut [][..], Vec::as_mut_slice)) }
     }
 
-    /// The memory that the arrays take [bytes].
+    /// Memory of the arrays [bytes].
     pub fn bytes(&self) -> usize {
         self.axes.iter().map(|axis| std::mem::size_of_val(axis.as_slice())).sum()
     }
 }
 
-/// Columns, or a range of them, to read. Particles keep their index in the whole.
+/// A read-only view of columns or a range of them. Indices are those of the whole.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct View<'a, V: Vector> {
     start: usize,
@@ -91,7 +91,7 @@ impl<'a, V: Vector> View<'a, V> {
         self.axes[axis]
     }
 
-    /// The components of a range of particles along one axis; nothing for an axis past the dimension.
+    /// The components of a range of particles along one axis; empty for an axis past the dimension.
     #[inline(always)]
     pub fn slice(&self, axis: usize, range: Range<usize>) -> &'a [V::Scalar] {
         if axis < V::DIMENSION { &self.axes[axis][range.start - self.start..range.end - self.start] } else { &[] }
@@ -104,7 +104,7 @@ impl<'a, V: Vector> View<'a, V> {
     }
 }
 
-/// A range of columns, to write: one slice per axis, padding included.
+/// A mutable range of columns: one slice per axis, padding included.
 #[derive(Debug)]
 pub struct Span<'a, V: Vector> {
     /// The components along each axis; those past the dimension are empty.
@@ -123,12 +123,12 @@ impl<V: Vector> Span<'_, V> {
         self.axes[0].len()
     }
 
-    /// Whether there is nothing in it.
+    /// Whether it is empty.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// The first `length` particles, and the others. A span that is empty from the start stays so on both sides.
+    /// Splits after `length` particles. An empty span gives two empty spans.
     #[must_use]
     pub fn split_at(mut self, length: usize) -> (Self, Self) {
         let others = std::array::from_fn(|axis| {
@@ -140,13 +140,13 @@ impl<V: Vector> Span<'_, V> {
         (self, Self { axes: others })
     }
 
-    /// The same to read; `start` is the index of its first particle.
+    /// A read-only view; `start` is the index of its first particle.
     #[inline(always)]
     pub fn view(&self, start: usize) -> View<'_, V> {
         View { start, axes: self.axes.each_ref().map(|axis| &**axis) }
     }
 
-    /// A shorter borrow of the same span.
+    /// A reborrow of the span.
     #[inline(always)]
     pub fn reborrow(&mut self) -> Span<'_, V> {
         Span { axes: self.axes.each_mut().map(|axis| &mut **axis) }
@@ -166,7 +166,7 @@ impl<V: Vector> Span<'_, V> {
         }
     }
 
-    /// Copies as many vectors as it holds, from particle `start` on.
+    /// Fills the span with vectors of `from`, beginning at particle `start`.
     pub fn copy_from(&mut self, from: &View<'_, V>, start: usize) {
         for axis in 0..V::DIMENSION {
             let slice = &mut *self.axes[axis];

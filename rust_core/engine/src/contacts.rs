@@ -1,10 +1,10 @@
-//! The contact stage: what a boundary does to particles, after the integrator and within the same step.
+//! The contact stage: impacts, sliding and rest of particles on walls, after the integrator and within the same step.
 //!
-//! The integrator moves every particle as if there were no walls. [`Contacts::resolve`] then looks at the step's path, a
-//! parabola: groups of lanes that certainly stay clear are done ([`clearance`]); any other particle goes back to the
-//! start of the step and flies it again in double precision, from impact to impact ([`trajectory`]), sliding where it rests
-//! on walls ([`support`]). What an impact or friction takes is tallied as exactly the kinetic energy that is lost, so
-//! that total + dissipated stays as constant as it is without walls.
+//! The integrator moves every particle without walls. [`Contacts::resolve`] then tests the path of the step, a parabola:
+//! groups of lanes with certain clearance are done ([`clearance`]); the trajectory of any other particle is integrated
+//! again from the start of the step in double precision, from impact to impact ([`trajectory`]), with sliding on supporting
+//! walls ([`support`]). The kinetic energy lost in impacts and friction is tallied exactly, so total + dissipated energy is
+//! as constant as without walls.
 
 use std::ops::Range;
 
@@ -24,19 +24,19 @@ mod trajectory;
 use clearance::{Sweep, Test};
 use trajectory::Walls;
 
-/// How many units of rounding a particle may be from a wall and still count as touching it: a distance is a sum of four
-/// products and differences, each off by half a unit, of a position that is itself rounded along each axis.
-const TOUCH: f64 = 4.0;
+/// Contact tolerance in units of rounding: a distance is a sum of four products and differences, each off by half a unit,
+/// of a position that is itself rounded along each axis.
+const CONTACT_TOLERANCE: f64 = 4.0;
 
-/// How often a particle is pushed off the walls at the end of a step, before it is left where it is.
+/// Maximum number of projections out of the walls at the end of a step.
 const ROUNDS: u32 = 8;
 
-/// All walls of a scene, and what they are made of.
+/// All walls of a scene with their contact parameters.
 #[derive(Debug)]
 pub struct Contacts<V: Vector> {
     surfaces: Vec<Surface>,
     tests: Vec<Test<V::Scalar>>,
-    /// The radius of every particle [m], minus infinity where it never touches; one column per set of bodies.
+    /// Particle radii [m], −∞ without contact; one column per set of bodies.
     reach: Vec<Vec<V::Scalar>>,
     names: Vec<&'static str>,
     /// The path of every boundary in the scene.
@@ -45,13 +45,13 @@ pub struct Contacts<V: Vector> {
     first: Vec<usize>,
 }
 
-/// A wall with its material.
+/// A wall with its contact parameters.
 #[derive(Debug, Clone)]
 pub(crate) struct Surface {
     wall: Wall,
-    /// e: the share of the normal speed that an impact gives back.
+    /// Coefficient of restitution e.
     restitution: f64,
-    /// Coulomb's coefficient μ.
+    /// Coulomb's coefficient of friction μ.
     friction: f64,
     /// Whether it acts on each body.
     bodies: Vec<bool>,
@@ -60,24 +60,24 @@ pub(crate) struct Surface {
 }
 
 impl Surface {
-    /// How far from the wall a particle at `x` counts as touching, beyond its radius [m], where numbers are rounded by
-    /// `rounding` of their size.
+    /// Contact tolerance of a particle at `x` beyond its radius [m], for numbers with the relative rounding error
+    /// `rounding`.
     fn slack(&self, rounding: f64, x: DVec3, radius: f64) -> f64 {
-        TOUCH * rounding * (x.abs().max_element() + self.wall.extent() + radius)
+        CONTACT_TOLERANCE * rounding * (x.abs().max_element() + self.wall.extent() + radius)
     }
 }
 
 /// A block's state at the start of the step.
 #[derive(Debug, Clone, Copy)]
 pub struct Before<'a, V: Vector> {
-    /// Positions relative to the origin [m], padding included; what is past the dimension is not looked at.
+    /// Positions relative to the origin [m], padding included; unused past the dimension.
     pub position: [&'a [V::Scalar]; AXES],
-    /// Velocities [m/s], likewise.
+    /// Velocities [m/s], padding included; unused past the dimension.
     pub velocity: [&'a [V::Scalar]; AXES],
 }
 
 impl<'a, V: Vector> Before<'a, V> {
-    /// The state in two spans, positions and velocities.
+    /// The state from two spans, positions and velocities.
     pub fn spans([position, velocity]: &'a [Span<'_, V>; 2]) -> Self {
         let part = |span: &'a Span<'_, V>| span.axes.each_ref().map(|axis| &**axis);
         Self { position: part(position), velocity: part(velocity) }
@@ -158,13 +158,13 @@ impl<V: Vector> Contacts<V> {
         Ok(())
     }
 
-    /// The memory that they take [bytes].
+    /// Memory [bytes].
     pub fn bytes(&self) -> usize {
         let reach: usize = self.reach.iter().map(|column| std::mem::size_of_val(column.as_slice())).sum();
         reach + std::mem::size_of_val(self.surfaces.as_slice()) + std::mem::size_of_val(self.tests.as_slice())
     }
 
-    /// Lets initial positions in: particles whose surface overlaps a wall are pushed back along its normal. Gives their
+    /// Projects initial positions inside: particles whose surface overlaps a wall are moved along its normal. Returns their
     /// number.
     ///
     /// # Errors
@@ -192,15 +192,15 @@ impl<V: Vector> Contacts<V> {
 
     fn outside(&self, surface: &Surface, properties: &Properties<V>, index: usize, x: DVec3, distance: f64) -> Error {
         let body = properties.body[index] as usize;
-        let place = properties.caller[index] as usize - self.first[body];
+        let index_in_body = properties.caller[index] as usize - self.first[body];
         let (boundary, kind) = (&self.paths[surface.boundary], self.names[surface.boundary]);
         let expected = format!("a center on the allowed side of {boundary} ({kind})");
         let found = format!("{}, which is {:.3e} m outside", x + properties.origin, -distance);
-        Error::parameter(format!("bodies[{body}].positions[{place}]"), expected, found)
+        Error::parameter(format!("bodies[{body}].positions[{index_in_body}]"), expected, found)
     }
 
-    /// Where the walls hold a particle that was moved to `x`; None if it stays clear of them, and so does what the state
-    /// makes of that.
+    /// The position of a particle displaced to `x` after projection inside the walls; None if `x`, as rounded in the state,
+    /// is clear of them.
     pub fn confine(&self, x: DVec3, properties: &Properties<V>, index: usize) -> Option<DVec3> {
         let (body, radius) = (properties.body[index] as usize, properties.radius[index]);
         let rounded = V::narrow(x).widen();
@@ -209,20 +209,21 @@ impl<V: Vector> Contacts<V> {
         is_entered.then(|| self.inside(x, body, radius).widen())
     }
 
-    /// The position next to `x`, as the state can hold it, where a particle of `radius` is outside no wall; if there is
-    /// one nearby.
+    /// The nearest representable position to `x` at which a particle of `radius` is outside no wall, if the projections
+    /// find one.
     fn inside(&self, x: DVec3, body: usize, radius: f64) -> V {
         let mut position = V::narrow(x);
         for round in 0..ROUNDS {
             let mut clear = true;
-            // In a narrow wedge each push off one wall leads into the other: then all that are near push together.
+            // In a narrow wedge the projection out of one wall leads into the other: then all nearby walls project
+            // together.
             let together = if round < ROUNDS / 2 { DVec3::ZERO } else { self.away(position.widen(), body, radius) };
             for surface in self.surfaces.iter().filter(|surface| surface.bodies[body]) {
                 let x = position.widen();
                 let (distance, normal) = surface.wall.distance(x);
                 if distance < radius {
                     let way = if together.dot(normal) > 0.0 { together / together.dot(normal) } else { normal };
-                    // A push may be rounded back to where it came from; the next ones reach further.
+                    // A projection may be rounded back to its start; later ones reach further.
                     let extra = 0.25 * f64::from(1 << round) * V::Scalar::EPSILON * x.abs().max_element();
                     position = V::narrow(x + way * (radius - distance + extra));
                     clear = false;
@@ -235,7 +236,7 @@ impl<V: Vector> Contacts<V> {
         position
     }
 
-    /// The mean direction away from the walls that a particle touches.
+    /// The mean normal of the touched walls.
     fn away(&self, x: DVec3, body: usize, radius: f64) -> DVec3 {
         let mut away = DVec3::ZERO;
         for surface in self.surfaces.iter().filter(|surface| surface.bodies[body]) {
@@ -252,7 +253,7 @@ impl<V: Vector> Contacts<V> {
         dispatch(Sweep { contacts: self, before, block, properties, h });
     }
 
-    /// Flies one particle's step again, if it does touch a wall.
+    /// Integrates one particle's step again, from contact to contact, if it touches a wall.
     #[cold]
     #[inline(never)]
     fn trajectory(&self, before: &Before<'_, V>, block: &mut Blocks<'_, V>, properties: &Properties<V>, h: f64, lane: usize) {
@@ -264,7 +265,7 @@ impl<V: Vector> Contacts<V> {
             return;
         }
         let acceleration = (v_new - v_old) / h;
-        // The parabola through both positions; its slope is the velocity up to what the integrator makes of it.
+        // The parabola through both positions; its slope is the velocity up to the truncation error of the integrator.
         let path = Path { position: x_old, velocity: (x_new - x_old) / h - acceleration * (0.5 * h), acceleration };
         let walls = Walls { surfaces: &self.surfaces, body, radius, rounding: V::Scalar::EPSILON };
         if let Some(end) = walls.trajectory(&path, v_old, h) {
@@ -278,7 +279,7 @@ impl<V: Vector> Contacts<V> {
     }
 }
 
-/// The radius of every particle of the given bodies that can move, minus infinity for all others and the padding.
+/// The radii of the movable particles of the given bodies, −∞ for all others and the padding.
 fn reach<V: Vector>(properties: &Properties<V>, bodies: &[bool]) -> Vec<V::Scalar> {
     let mut reach = vec![V::Scalar::from_f64(f64::NEG_INFINITY); padded(properties.count())];
     for (index, radius) in properties.radius.iter().enumerate() {
@@ -289,7 +290,7 @@ fn reach<V: Vector>(properties: &Properties<V>, bodies: &[bool]) -> Vec<V::Scala
     reach
 }
 
-/// The largest radius that fits between the walls of one boundary.
+/// The largest particle radius that fits between the walls of one boundary.
 fn room(walls: &[Wall]) -> f64 {
     let mut room = f64::INFINITY;
     for (index, wall) in walls.iter().enumerate() {

@@ -1,14 +1,14 @@
-//! What is kept from step to step beside the state, such as the positions that neighbor lists were made from.
+//! History: data that persist from step to step besides the state, such as the positions of the last list build.
 
 use crate::error::{Error, Result};
 
-/// Something that later steps depend on, beside the scene: saved and rolled back when a batch of steps fails, captured in
-/// checkpoints and restored from them. What keeps nothing implements nothing.
+/// Persistent data that later steps depend on, besides the scene: saved and rolled back when a batch of steps fails,
+/// captured in checkpoints and restored from them. The defaults are those of no data.
 pub trait History {
     /// Saves it at the start of a batch of steps.
     fn save(&mut self) {}
 
-    /// Goes back to what was last saved.
+    /// Returns to the last saved data.
     fn rollback(&mut self) {}
 
     /// Writes it to an archive, as far as the bits of later steps depend on it.
@@ -23,7 +23,7 @@ pub trait History {
     }
 }
 
-/// Numbers in the order in which they are written and read.
+/// A sequence of numbers, written and read in order.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Archive {
     numbers: Vec<f64>,

@@ -1,22 +1,23 @@
 //! The energy budget: rows of energies by class and name.
 //!
-//! Dissipation and work are time integrals of the terms' own power, so the balance, total + dissipated − work, is constant up to
-//! the error of the integrator. All of it is in double precision, summed block by block in the order of the particles.
+//! Dissipation and work are time integrals of the terms' own power, so the balance, total + dissipated − work, is constant
+//! up to the truncation error of the integrator. All sums are in double precision, summed block by block in the order of
+//! the particles.
 
 use std::ops::Range;
 
-/// Where an energy stands in the budget.
+/// The class of an energy in the budget.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Class {
-    /// Of the motion of everything that is not fixed.
+    /// Kinetic energy of everything that is not fixed.
     Kinetic,
-    /// Of a force.
+    /// Potential energy of a force.
     Potential,
-    /// Of the compression of fluids.
+    /// Internal energy of the compression of fluids.
     Internal,
-    /// Taken out since the start.
+    /// Energy dissipated since the start.
     Dissipated,
-    /// Put in since the start: by drivers, wind, user-defined forces, fixed particles that move, and the shifting of fluids.
+    /// Work done on the system since the start: by drivers, wind, user-defined forces, fixed particles that move, and the shifting of fluids.
     Work,
 }
 
@@ -27,7 +28,7 @@ pub struct Row {
     pub class: Class,
     /// Its name within the class, such as that of the force.
     pub name: &'static str,
-    /// [J].
+    /// Energy [J].
     pub energy: f64,
 }
 
@@ -53,7 +54,7 @@ impl Ledger {
         }
     }
 
-    /// Adds the sum of the energies [J] that `of` gives for each block.
+    /// Adds the sum of the energies `of(block)` [J] over all blocks.
     pub fn add_blocks(&mut self, class: Class, name: &'static str, of: impl Fn(Range<usize>) -> f64) {
         let blocks = 0..self.count.div_ceil(self.block);
         let energy = blocks.map(|index| of(index * self.block..((index + 1) * self.block).min(self.count))).sum();
@@ -85,7 +86,7 @@ impl Ledger {
         self.total() + self.sum(Class::Dissipated) - self.sum(Class::Work)
     }
 
-    /// The size of the numbers that the balance is the sum of [J].
+    /// Magnitude of the terms of the balance [J], the scale of its rounding error.
     pub fn magnitude(&self) -> f64 {
         let potential = self.rows.iter().filter(|row| row.class == Class::Potential).fold(0.0, |sum, row| sum + row.energy.abs());
         self.sum(Class::Kinetic)

@@ -1,12 +1,12 @@
-//! physcore's engine. The way of the data:
+//! physcore's engine. Data flow:
 //!
-//! [`scene::Scene`] says what there is → [`systems::build`] compiles it into a [`systems::System`], a state with its law of
-//! motion → [`simulation::Simulation`] is a clock and a divergence monitor over it → [`ledger::Ledger`] is its energy budget,
-//! [`plan::Plan`] says what it does, [`stability`] bounds the step.
+//! [`scene::Scene`] declares the model → [`systems::build`] compiles it into a [`systems::System`], a state with its law of
+//! motion → [`simulation::Simulation`] is a clock and a divergence monitor over it → [`ledger::Ledger`] is its energy
+//! budget, [`plan::Plan`] describes its steps, [`stability`] bounds the time step.
 //!
-//! Matter advances by a method, as an explicit integrator ([`integrators`]), which asks the [`forces`] for accelerations (those
-//! between pairs go by the lists of [`neighbors`]) and the [`boundaries`] for contacts, block by block, on the threads of
-//! [`parallel`] and at the SIMD level of [`simd`].
+//! Matter advances by a method, such as an explicit integrator ([`integrators`]), which evaluates the [`forces`] (those
+//! between pairs by the lists of [`neighbors`]) and resolves contacts with the [`boundaries`], block by block, on the
+//! threads of [`parallel`] and at the SIMD level of [`simd`].
 
 pub mod boundaries;
 pub mod columns;

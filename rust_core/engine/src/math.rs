@@ -1,4 +1,4 @@
-//! Precision and dimension: the only file that names f32 or f64, two or three dimensions.
+//! Precision and dimension: the only file that depends on f32 or f64, two or three dimensions.
 //!
 //! Everything else is written once over [`Real`] and [`Vector`]. The vectors themselves are glam's; bulk state is one
 //! array per component ([`crate::matter::Columns`]), six times as fast as an array of vectors.
@@ -9,9 +9,9 @@ use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
 use glam::{DVec2, DVec3, Vec2, Vec3};
 
-mod places;
+mod coordinate;
 
-pub use places::Coordinate;
+pub use coordinate::Coordinate;
 
 /// A floating-point number: f32 or f64.
 pub trait Real:
@@ -39,11 +39,11 @@ pub trait Real:
     const ONE: Self;
     /// ∞.
     const INFINITY: Self;
-    /// The distance from 1 to the next number.
+    /// Machine epsilon ε.
     const EPSILON: f64;
-    /// The largest number.
+    /// The largest finite number.
     const MAX: f64;
-    /// The name that users know it by.
+    /// The name in scenes and plans.
     const NAME: &'static str;
 
     /// The nearest number to `value`.
@@ -52,13 +52,13 @@ pub trait Real:
     fn to_f64(self) -> f64;
     /// Whether this is neither infinite nor NaN.
     fn is_finite(self) -> bool;
-    /// This number with one of four tags in its two lowest bits, where it is not missed.
+    /// This number with one of four tags in its two lowest bits, below any relevant precision.
     #[must_use]
     fn tagged(self, tag: u8) -> Self;
     /// Its tag.
     fn tag(self) -> u8;
-    /// Lends the calling thread's scratch memory of `length` numbers, holding anything. It begins at a cache line: a vector
-    /// that straddles two costs twice.
+    /// Lends the calling thread's scratch buffer of `length` numbers, uninitialized, to `work`. It begins at a cache line,
+    /// because a vector that straddles two costs twice.
     fn with_scratch<R>(length: usize, work: impl FnOnce(&mut [Self]) -> R) -> R;
 }
 
@@ -108,7 +108,7 @@ macro_rules! real {
             }
 
             fn with_scratch<R>(length: usize, work: impl FnOnce(&mut [Self]) -> R) -> R {
-                // Taken out while lent, so that a nested loan gets memory of its own instead of a panic.
+                // Taken out while lent, so that a nested loan allocates instead of panicking.
                 let mut memory = $scratch.with(RefCell::take);
                 if memory.len() < length + CACHE_LINE {
                     memory.resize(length + CACHE_LINE, 0.0);
@@ -125,7 +125,7 @@ macro_rules! real {
 real!(f32, u32, SCRATCH_F32);
 real!(f64, u64, SCRATCH_F64);
 
-/// The most axes that a vector has. What is kept per axis is kept for this many; those past the dimension stay empty.
+/// Maximum number of axes. Per-axis arrays have this length; those past the dimension stay empty.
 pub const AXES: usize = 3;
 
 /// A vector in two or three dimensions: the value type of geometry and parameters.
@@ -149,7 +149,7 @@ pub trait Vector:
     /// The number of axes.
     const DIMENSION: usize;
 
-    /// The vector whose components `each` gives.
+    /// The vector with the components `each(axis)`.
     fn from_axes(each: impl FnMut(usize) -> Self::Scalar) -> Self;
     /// One component.
     fn axis(self, axis: usize) -> Self::Scalar;

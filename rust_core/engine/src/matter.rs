@@ -1,4 +1,4 @@
-//! The state of everything Lagrangian, cut into fixed blocks.
+//! The state of all particles, in fixed blocks.
 
 use std::ops::Range;
 
@@ -10,12 +10,12 @@ use crate::parallel::Split;
 use crate::simd::padded;
 pub use crate::tally::{EnergySink, EnergyTally, Power, SINKS};
 
-/// What never changes while a simulation runs.
+/// The constant properties of particles.
 #[derive(Debug, Clone)]
 pub struct Properties<V: Vector> {
     /// 1/m [1/kg], 0 for a fixed particle; padded with zeros to whole groups of lanes.
     pub inverse_mass: Vec<V::Scalar>,
-    /// Mass m [kg] in the precision of the forces, 0 for a fixed particle; padded likewise.
+    /// Mass m [kg] in the precision of the forces, 0 for a fixed particle; padded with zeros.
     pub inertia: Vec<V::Scalar>,
     /// Mass m [kg], infinite for a fixed particle.
     pub mass: Vec<f64>,
@@ -25,7 +25,7 @@ pub struct Properties<V: Vector> {
     pub radius: Vec<f64>,
     /// The body that each particle belongs to.
     pub body: Vec<u32>,
-    /// The place of each particle in the caller's order.
+    /// The index of each particle in the caller's order.
     pub caller: Vec<u32>,
     /// The point that positions are relative to [m]; the third component is 0 in 2D.
     pub origin: DVec3,
@@ -58,39 +58,39 @@ impl<V: Vector> Properties<V> {
         self.mass.len()
     }
 
-    /// Whether a particle keeps its velocity whatever acts on it.
+    /// Whether a particle has a prescribed velocity.
     pub fn is_fixed(&self, index: usize) -> bool {
         self.mass[index].is_infinite()
     }
 }
 
-/// The state of everything Lagrangian.
+/// The state of all particles.
 #[derive(Debug, Clone)]
 pub struct Matter<V: Vector> {
     /// Positions relative to the origin [m].
     pub position: Columns<V>,
     /// Velocities [m/s].
     pub velocity: Columns<V>,
-    /// What the integrator remembers from step to step or keeps between its stages.
+    /// Registers of the integrator, persistent or between its stages.
     pub registers: Vec<Columns<V>>,
-    /// What the positions are short of the exact ones by rounding [m], where particles need to know how far apart they are
-    /// more exactly than that; elsewhere without particles.
+    /// Low-order part of the positions [m]: exact = position + residual, for forces that need separations beyond the
+    /// precision of the state; else empty.
     pub residual: Columns<V>,
-    /// The energy that has left and entered, one tally per block.
+    /// Energy dissipated and supplied, one tally per block.
     pub tallies: Vec<EnergyTally>,
     /// The number of particles in a block.
     pub block: usize,
 }
 
-/// The exact position [m] of what the state holds, and of what that is short of by rounding where it is kept.
+/// The exact position [m] of a position and its residual, if there is one.
 fn exact<V: Vector>(position: V, residual: Option<V>) -> DVec3 {
     position.widen() + residual.map_or(DVec3::ZERO, V::widen)
 }
 
-/// What the state holds of a position [m], and what that is short of by rounding.
-fn parts<V: Vector>(place: DVec3) -> (V, V) {
-    let position = V::narrow(place);
-    (position, V::narrow(place - position.widen()))
+/// Splits a position [m] into its rounded value and the residual.
+fn parts<V: Vector>(exact: DVec3) -> (V, V) {
+    let position = V::narrow(exact);
+    (position, V::narrow(exact - position.widen()))
 }
 
 impl<V: Vector> Matter<V> {
@@ -128,20 +128,20 @@ impl<V: Vector> Matter<V> {
     }
 
     /// Moves a particle to a position relative to the origin [m], as exactly as the state can hold it.
-    pub fn set_exact_position(&mut self, index: usize, place: DVec3) {
-        let (position, residual) = parts(place);
+    pub fn set_exact_position(&mut self, index: usize, exact: DVec3) {
+        let (position, residual) = parts(exact);
         self.position.set(index, position);
         if self.residual.count() > 0 {
             self.residual.set(index, residual);
         }
     }
 
-    /// The energy that has passed through one sink so far [J], summed block by block.
+    /// Energy through one sink so far [J], summed block by block.
     pub fn tallied(&self, sink: EnergySink) -> f64 {
         self.tallies.iter().map(|tally| tally.total(sink)).sum()
     }
 
-    /// The memory that it takes [bytes].
+    /// Memory [bytes].
     pub fn bytes(&self) -> usize {
         let registers: usize = self.registers.iter().map(Columns::bytes).sum();
         self.position.bytes()
@@ -151,7 +151,7 @@ impl<V: Vector> Matter<V> {
             + std::mem::size_of_val(self.tallies.as_slice())
     }
 
-    /// All blocks, to write.
+    /// All blocks, mutable.
     pub fn blocks(&mut self) -> Blocks<'_, V> {
         let mut registers = self.registers.iter_mut();
         Blocks {
@@ -167,10 +167,10 @@ impl<V: Vector> Matter<V> {
     }
 }
 
-/// The most vectors per particle that an integrator may remember. Each has as many as it asks for; the others are empty.
+/// Maximum number of registers (vectors per particle) of an integrator. Unused ones are empty.
 pub const REGISTERS: usize = 6;
 
-/// Consecutive blocks of matter, to write.
+/// Consecutive mutable blocks of matter.
 #[derive(Debug)]
 pub struct Blocks<'a, V: Vector> {
     /// The index of the first particle.
@@ -182,9 +182,9 @@ pub struct Blocks<'a, V: Vector> {
     pub position: Span<'a, V>,
     /// Velocities [m/s].
     pub velocity: Span<'a, V>,
-    /// What the integrator remembers.
+    /// Registers of the integrator.
     pub registers: [Span<'a, V>; REGISTERS],
-    /// What the positions are short of by rounding [m]; empty where nobody needs it.
+    /// Low-order part of the positions [m]; empty if unused.
     pub residual: Span<'a, V>,
     /// One tally per block.
     pub tallies: &'a mut [EnergyTally],
@@ -209,8 +209,8 @@ impl<'a, V: Vector> Blocks<'a, V> {
     }
 
     /// Moves a particle of these to a position relative to the origin [m], as exactly as the state can hold it.
-    pub fn set_exact_position(&mut self, lane: usize, place: DVec3) {
-        let (position, residual) = parts(place);
+    pub fn set_exact_position(&mut self, lane: usize, exact: DVec3) {
+        let (position, residual) = parts(exact);
         self.position.set(lane, position);
         if !self.residual.is_empty() {
             self.residual.set(lane, residual);
@@ -235,14 +235,14 @@ impl<V: Vector> Split for Blocks<'_, V> {
         let (position, other_position) = self.position.split_at(length);
         let (velocity, other_velocity) = self.velocity.split_at(length);
         let (residual, other_residual) = self.residual.split_at(length);
-        let (tallies, other_meters) = self.tallies.split_at_mut(blocks);
+        let (tallies, other_tallies) = self.tallies.split_at_mut(blocks);
         let mut others: [Span<'_, V>; REGISTERS] = std::array::from_fn(|_| Span::empty());
         let registers = {
             let mut other = others.iter_mut();
             self.registers.map(|span| {
                 let (first, rest) = span.split_at(length);
-                if let Some(place) = other.next() {
-                    *place = rest;
+                if let Some(slot) = other.next() {
+                    *slot = rest;
                 }
                 first
             })
@@ -256,7 +256,7 @@ impl<V: Vector> Split for Blocks<'_, V> {
             velocity: other_velocity,
             registers: others,
             residual: other_residual,
-            tallies: other_meters,
+            tallies: other_tallies,
         };
         (first, rest)
     }

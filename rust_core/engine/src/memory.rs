@@ -1,18 +1,18 @@
-//! Memory: how much can be had. Rust ends the process where an allocation fails, so whatever is large is counted, and refused
-//! if need be, before it is taken.
+//! Available memory. Rust aborts the process where an allocation fails, so large allocations are estimated, and refused if
+//! need be, beforehand.
 //!
-//! What can be had is the least of what Linux tells: `MemAvailable`, what the control groups (version 2 or 1) leave of their
-//! limits, and what the limits of the process leave of its address space and of its data.
+//! Available memory is the least of the figures of Linux: `MemAvailable`, the remainder of the limits of the control groups
+//! (version 2 or 1), and of the limits of the process on its address space and data.
 
 use std::fs::read_to_string;
 use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Result};
 
-/// Less than this is taken without asking [bytes].
+/// Size below which allocations are not checked [bytes].
 pub const SMALL: usize = 1 << 24;
 
-/// Bytes that can be had without swapping, where the system tells.
+/// Memory available without swapping [bytes], where the system tells.
 pub fn available() -> Option<u64> {
     let read = |path: &str| read_to_string(path).unwrap_or_default();
     let free = number_after(&read("/proc/meminfo"), "MemAvailable:").map(|kilobytes| 1024 * kilobytes);
@@ -26,7 +26,7 @@ pub fn available() -> Option<u64> {
     groups.chain(process).chain([free]).flatten().min()
 }
 
-/// Refuses what does not fit: `needed` bytes in all, of which `held` are held already and will be used again.
+/// Refuses allocations that do not fit: `needed` bytes in all, of which `held` are held already and will be reused.
 ///
 /// # Errors
 /// [`Error::Memory`] if it is more than [`SMALL`], and more than there is.
@@ -40,27 +40,27 @@ pub fn check(what: &str, needed: usize, held: usize, hint: impl FnOnce() -> Stri
     }
 }
 
-/// What to say where `needed` bytes were counted, or tried, and are not to be had.
+/// The error for `needed` bytes that are not available.
 pub fn refusal(what: &str, needed: usize, available: u64, hint: impl FnOnce() -> String) -> Error {
     Error::Memory { what: what.to_owned(), needed: needed as u64, available, hint: hint() }
 }
 
-/// The number behind a label at the beginning of a line; none where it says `unlimited`.
+/// The number after a label at the beginning of a line; None for `unlimited`.
 fn number_after(text: &str, label: &str) -> Option<u64> {
     text.lines().find_map(|line| line.strip_prefix(label))?.split_whitespace().next()?.parse().ok()
 }
 
-/// The files of a control group that tell of its memory.
+/// The memory files of a control group.
 struct Group {
     folder: PathBuf,
     limit: &'static str,
     usage: &'static str,
-    /// What of the usage is files that are given up when memory runs short.
+    /// The file cache within the usage, which is reclaimed when memory runs short.
     files: &'static str,
 }
 
 impl Group {
-    /// Bytes that it leaves, if it has a limit.
+    /// Remaining memory [bytes], if there is a limit.
     fn left(&self, read: &dyn Fn(&Path) -> Option<String>) -> Option<u64> {
         let number = |name: &str| read(&self.folder.join(name))?.trim().parse::<u64>().ok();
         let (limit, usage) = (number(self.limit)?, number(self.usage)?);
@@ -69,8 +69,8 @@ impl Group {
     }
 }
 
-/// The control groups that the process is in, and all that these are in, from the text of `/proc/self/cgroup`. A container
-/// often sees its own group at the root.
+/// The control groups of the process and their ancestors, from the text of `/proc/self/cgroup`. A container often sees its
+/// own group at the root.
 fn groups(text: &str) -> Vec<Group> {
     let mut groups = Vec::new();
     for line in text.lines() {

@@ -1,8 +1,8 @@
 //! Threads: the only file that names rayon.
 //!
-//! Work is cut along fixed blocks by recursion, and each half owns what it writes; so neither locks nor unsafe code are
-//! needed, and the bits cannot depend on who ran what. A long job runs inside a pool while the calling thread waits and
-//! asks now and then whether to stop ([`ThreadPool::run`], [`attend`]); a short one runs on the calling thread.
+//! Work is divided along fixed blocks by recursion, and each half owns its output; so neither locks nor unsafe code are
+//! needed, and the bits cannot depend on scheduling. A long job runs in a pool while the calling thread waits and polls for
+//! interrupts ([`ThreadPool::run`], [`attend`]); a short one runs on the calling thread.
 
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -12,14 +12,14 @@ use std::time::Duration;
 
 use crate::error::{Error, Result};
 
-/// How often a long job asks whether to stop.
+/// Interval of polling for interrupts in a long job.
 const POLL: Duration = Duration::from_millis(20);
 
-/// Work that can be cut in two between blocks.
+/// Work that can be divided between blocks.
 pub trait Split: Sized + Send {
     /// The number of blocks.
     fn blocks(&self) -> usize;
-    /// The first `blocks` blocks, and the others.
+    /// Splits after `blocks` blocks.
     fn split_at(self, blocks: usize) -> (Self, Self);
 }
 
@@ -34,7 +34,7 @@ impl<A: Split, B: Split> Split for (A, B) {
     }
 }
 
-/// Items to write, in blocks of one size.
+/// A mutable slice in blocks of one size.
 #[derive(Debug)]
 pub struct BlockedSlice<'a, T> {
     /// The index of the first item in the whole.
@@ -63,14 +63,14 @@ impl<T: Send> Split for BlockedSlice<'_, T> {
     }
 }
 
-/// What a running job knows of its thread pool.
+/// Access of a running job to its thread pool, with its stop flag.
 #[derive(Debug)]
 pub struct Executor {
     threads: usize,
     stop: AtomicBool,
 }
 
-/// An executor of the calling thread that nobody stops.
+/// An executor of the calling thread without interrupts.
 pub static SERIAL: Executor = Executor::serial();
 
 impl Executor {
@@ -79,20 +79,20 @@ impl Executor {
         Self { threads: 1, stop: AtomicBool::new(false) }
     }
 
-    /// Ends what was asked to end.
+    /// Reports an interrupt.
     ///
     /// # Errors
-    /// [`Error::Interrupted`] if the job was asked to end early.
+    /// [`Error::Interrupted`] after an interrupt.
     pub fn check(&self) -> Result<()> {
         if self.stopped() { Err(Error::Interrupted) } else { Ok(()) }
     }
 
-    /// The number of threads that it can use.
+    /// The number of threads.
     pub fn threads(&self) -> usize {
         self.threads
     }
 
-    /// Whether the job was asked to end early; the state that it leaves behind is then thrown away.
+    /// Whether the job is interrupted; its results are then discarded.
     #[inline]
     pub fn stopped(&self) -> bool {
         self.stop.load(Ordering::Relaxed)
@@ -118,7 +118,7 @@ impl Executor {
     }
 }
 
-/// A thread pool of threads of the simulation's own.
+/// The thread pool of a simulation.
 #[derive(Debug)]
 pub struct ThreadPool {
     threads: usize,
@@ -127,12 +127,12 @@ pub struct ThreadPool {
 }
 
 impl ThreadPool {
-    /// A thread pool of `threads` threads. They start with the first job that needs them.
+    /// A thread pool of `threads` threads, which start with the first job that needs them.
     pub fn new(threads: usize) -> Self {
         Self { threads, pool: None, process: std::process::id() }
     }
 
-    /// The number of threads to use where the user gave none: `PHYSCORE_NUM_THREADS`, or all that this process may use.
+    /// The default number of threads: `PHYSCORE_NUM_THREADS`, or all that this process may use.
     pub fn default_threads() -> Result<usize> {
         match std::env::var("PHYSCORE_NUM_THREADS") {
             Ok(text) => match text.parse() {
@@ -148,26 +148,26 @@ impl ThreadPool {
         self.threads
     }
 
-    /// Runs a long job in the pool, asking `interrupted` every 20 ms whether to stop.
+    /// Runs a long job in the pool, polling `interrupted` every 20 ms.
     ///
     /// # Errors
-    /// [`Error::Interrupted`] if it was stopped: the job has then ended early.
+    /// [`Error::Interrupted`] after an interrupt: the job has then ended early.
     pub fn run(&mut self, interrupted: &dyn Fn() -> bool, job: impl FnOnce(&Executor) + Send) -> Result<()> {
         let executor = Executor { threads: self.threads, stop: AtomicBool::new(false) };
         let Some(pool) = self.pool() else {
             job(&Executor::serial());
             return Ok(());
         };
-        let (ended, bell) = (Mutex::new(false), Condvar::new());
+        let (ended, condition) = (Mutex::new(false), Condvar::new());
         pool.in_place_scope(|scope| {
             scope.spawn(|_| {
                 // Set on the way out of a panic too, so that the wait below ends and the scope passes the panic on.
-                let _ended = RingWhenDropped(&ended, &bell);
+                let _ended = NotifyOnDrop(&ended, &condition);
                 job(&executor);
             });
             let mut guard = ended.lock().unwrap_or_else(PoisonError::into_inner);
             while !*guard {
-                let (next, wait) = bell.wait_timeout(guard, POLL).unwrap_or_else(PoisonError::into_inner);
+                let (next, wait) = condition.wait_timeout(guard, POLL).unwrap_or_else(PoisonError::into_inner);
                 guard = next;
                 if wait.timed_out() && !*guard && !executor.stopped() && interrupted() {
                     executor.stop.store(true, Ordering::Relaxed);
@@ -178,7 +178,7 @@ impl ThreadPool {
     }
 
     /// The pool; built anew after a fork, whose child has none of its threads. The parent's is left alone there, because
-    /// one of its locks may have been held at the fork. None where the system gives no threads.
+    /// one of its locks may have been held at the fork. None if no threads can be created.
     fn pool(&mut self) -> Option<&rayon::ThreadPool> {
         if self.process != std::process::id() {
             std::mem::forget(self.pool.take());
@@ -192,8 +192,8 @@ impl ThreadPool {
     }
 }
 
-/// Runs a long job that owns all that it needs, on threads of its own, asking `interrupted` every 20 ms whether to stop. The
-/// caller does not wait for a job that was stopped: it ends at its next look at the executor, and drops what it holds.
+/// Runs a long job that owns its data on separate threads, polling `interrupted` every 20 ms. The caller does not wait for
+/// an interrupted job: it ends at its next check of the executor, and drops its data.
 ///
 /// # Errors
 /// [`Error::Interrupted`] if it was stopped.
@@ -211,7 +211,7 @@ pub fn attend<T: Send + 'static>(
     let executor = Arc::new(Executor { threads, stop: AtomicBool::new(false) });
     let (result, outcome) = channel();
     let its = Arc::clone(&executor);
-    // A panic is handed over too: on a thread of the pool nobody would see it. A result that nobody waits for is dropped.
+    // A panic is passed on too, because on a pool thread it would be lost. An unclaimed result is dropped.
     pool.spawn(move || drop(result.send(catch_unwind(AssertUnwindSafe(|| job(&its))))));
     loop {
         match outcome.recv_timeout(POLL) {
@@ -226,9 +226,9 @@ pub fn attend<T: Send + 'static>(
     }
 }
 
-struct RingWhenDropped<'a>(&'a Mutex<bool>, &'a Condvar);
+struct NotifyOnDrop<'a>(&'a Mutex<bool>, &'a Condvar);
 
-impl Drop for RingWhenDropped<'_> {
+impl Drop for NotifyOnDrop<'_> {
     fn drop(&mut self) {
         *self.0.lock().unwrap_or_else(PoisonError::into_inner) = true;
         self.1.notify_one();

@@ -1,19 +1,19 @@
 //! The plan: the stages of a step and their figures, for people to read.
 
-/// What a simulation does in every step.
+/// The plan of a simulation.
 #[derive(Debug, Clone)]
 pub struct Plan {
-    /// The number of threads that it uses.
+    /// The number of threads.
     pub threads: usize,
     /// The level of vector instructions.
     pub simd: &'static str,
-    /// The memory that it takes now [bytes].
+    /// Present memory [bytes].
     pub memory: usize,
     /// One part for each system.
     pub stages: Vec<Stages>,
 }
 
-/// What a system does in every step: exactly the stages that its scene requires.
+/// The stages of a system's step: exactly those that its scene requires.
 #[derive(Debug, Clone)]
 pub struct Stages {
     /// The name of the item that the system belongs to; empty for matter.
@@ -28,16 +28,16 @@ pub struct Stages {
     pub method: &'static str,
     /// The order of convergence that holds in this scene.
     pub order: u32,
-    /// Evaluations of its rates per step.
+    /// Evaluations of the rates per step.
     pub evaluations: usize,
-    /// About how many springs and pairs of neighbors an evaluation goes through.
+    /// Approximate number of springs and neighbor pairs per evaluation.
     pub pairs: usize,
-    /// Whether the limit of the time step changes with the state, so that it has to be watched.
+    /// Whether the limit of the time step changes with the state, so that it has to be monitored.
     pub limit_varies: bool,
-    /// The layout of its work in memory.
+    /// The memory layout of its data.
     pub layout: String,
-    /// What this scene does not need and does not pay for.
+    /// Features that this scene does not need and that cost nothing.
     pub left_out: Vec<&'static str>,
-    /// What the user may want to know.
+    /// Notes for the user.
     pub notes: Vec<String>,
 }

@@ -23,7 +23,7 @@ use crate::stability::{Horizon, Limit};
 use crate::systems::{self, FieldInfo, Interval, Record, System};
 use monitor::{Monitor, Steps};
 
-/// How to compute.
+/// The numerical choices of a run.
 #[derive(Debug, Clone)]
 pub struct Numerics {
     /// The integrator's name.
@@ -32,20 +32,20 @@ pub struct Numerics {
     pub precision: String,
     /// The number of threads; None for all that the process may use.
     pub threads: Option<usize>,
-    /// A run counts as diverged when the energy balance has risen by this many times the largest energy so far.
+    /// Divergence threshold: rise of the energy balance in units of the largest energy so far.
     pub max_energy_growth: f64,
-    /// Which states the divergence monitor diagnoses.
+    /// The states that the divergence monitor diagnoses.
     pub vigilance: Vigilance,
 }
 
-/// Which states the divergence monitor diagnoses.
+/// The states that the divergence monitor diagnoses.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Vigilance {
-    /// Those whose fields are not finite.
+    /// States with fields that are not finite.
     OutOfRange,
-    /// Those with more activity than the motion has shown so far.
+    /// States with more activity than any before.
     Active,
-    /// Each one, at the cost of a budget per step.
+    /// Every state, at the cost of an energy budget per step.
     EveryStep,
 }
 
@@ -53,7 +53,7 @@ impl Numerics {
     /// The number of threads that may be used.
     ///
     /// # Errors
-    /// If none may, or the environment says no number.
+    /// If it is 0, or the environment variable is not a number.
     pub fn threads(&self) -> Result<usize> {
         match self.threads {
             Some(0) => Err(Error::parameter("threads", "a whole number ≥ 1", 0)),
@@ -63,14 +63,14 @@ impl Numerics {
     }
 }
 
-/// The clock: equal steps since a time.
+/// The clock: a segment of equal steps.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Segment {
-    /// When it began [s].
+    /// Start time [s].
     pub start: f64,
-    /// The number of steps of `dt` since then.
+    /// Number of steps of `dt` since then.
     pub steps: u64,
-    /// Their length [s].
+    /// Step size [s].
     pub dt: f64,
 }
 
@@ -85,34 +85,34 @@ impl Segment {
 pub struct Simulation {
     system: Box<dyn System>,
     pool: ThreadPool,
-    /// The distance from 1 to the next number of the state.
+    /// Machine epsilon of the state.
     epsilon: f64,
     adaptation: Adaptation,
     segment: Segment,
-    /// All steps taken so far.
+    /// Number of steps taken so far.
     steps: u64,
     monitor: Monitor,
-    /// The fastest flow that the monitor has seen.
+    /// The largest Mach number that the monitor has recorded.
     mach: Option<Mach>,
 }
 
-/// How often a long call asks whether it was interrupted.
+/// Interval of polling for interrupts in a long call.
 const POLL: Duration = Duration::from_millis(20);
-/// The longest batch that the calling thread runs by itself, deaf to interrupts [s].
+/// The longest batch on the calling thread alone, without polling for interrupts [s].
 const SHORT: f64 = 2e-3;
-/// The duration of a step that is worth sharing among threads [s].
+/// The shortest duration of a step that is divided among threads [s].
 const WORTH_SHARING: f64 = 2e-4;
 
 impl Simulation {
     /// Compiles a scene.
     ///
     /// # Errors
-    /// If the scene or the numerics make no sense or do not fit into memory, or the executor was asked to stop.
+    /// If the scene or the numerics are invalid or do not fit into memory, or on an interrupt.
     pub fn new(scene: &Scene, numerics: &Numerics, executor: &Executor) -> Result<Self> {
         Level::check()?;
         let threads = numerics.threads()?;
         let system = systems::build(scene, &numerics.integrator, &numerics.precision, executor)?;
-        // A method that is stable on no oscillator may gain energy as it likes: that is what it is shown for.
+        // An unconditionally unstable method may gain energy without limit: it serves to demonstrate that.
         let growth = if system.gains_energy() { f64::INFINITY } else { numerics.max_energy_growth };
         let threads = if system.cost() < WORTH_SHARING { 1 } else { threads };
         let mut simulation = Self {
@@ -131,22 +131,22 @@ impl Simulation {
         Ok(simulation)
     }
 
-    /// What it does.
+    /// The plan.
     pub fn plan(&self) -> Plan {
         Plan { threads: self.pool.threads(), simd: Level::current().name(), memory: self.memory(), stages: self.system.stages() }
     }
 
-    /// The memory that it takes now [bytes].
+    /// Present memory [bytes].
     pub fn memory(&self) -> usize {
         self.system.bytes()
     }
 
-    /// The time and how it was reached.
+    /// The present segment of the clock.
     pub fn segment(&self) -> Segment {
         self.segment
     }
 
-    /// All steps taken so far.
+    /// Number of steps taken so far.
     pub fn steps(&self) -> u64 {
         self.steps
     }
@@ -155,10 +155,10 @@ impl Simulation {
         self.segment.time()
     }
 
-    /// Takes `steps` steps of `dt` seconds, asking now and then whether it was interrupted.
+    /// Takes `steps` steps of `dt` seconds, polling `interrupted`.
     ///
     /// # Errors
-    /// If a step fails: the simulation then stands at the step before.
+    /// If a step fails: the simulation then stands at the last good step.
     pub fn step(&mut self, steps: u64, dt: f64, interrupted: &dyn Fn() -> bool) -> Result<()> {
         if !(dt.is_finite() && dt > 0.0) {
             return Err(Error::parameter("dt", "a finite number > 0", dt));
@@ -179,7 +179,7 @@ impl Simulation {
         outcome
     }
 
-    /// Advances by `interval` seconds in steps that a rule chooses; the last one ends exactly there.
+    /// Advances by `interval` seconds in steps chosen by a rule; the last one ends exactly there.
     ///
     /// # Errors
     /// As [`Simulation::step`].
@@ -202,7 +202,7 @@ impl Simulation {
         Ok(())
     }
 
-    /// Takes steps, or none of them if that fails.
+    /// Takes steps, all or none.
     fn advance(&mut self, steps: u64, record: Record, interrupted: &dyn Fn() -> bool) -> Result<()> {
         let interval = Interval { start: self.segment.start, first: self.segment.steps, h: self.segment.dt, steps };
         let Self { system, pool, .. } = self;
@@ -218,14 +218,14 @@ impl Simulation {
         Ok(())
     }
 
-    /// Goes back to before the last [`Simulation::advance`], of `steps` steps.
+    /// Rolls back the last [`Simulation::advance`], of `steps` steps.
     fn rollback(&mut self, steps: u64) {
         self.system.rollback();
         self.segment.steps -= steps;
         self.steps -= steps;
     }
 
-    /// What adaptive steps remember.
+    /// The state of the step-size control.
     pub fn adaptation(&self) -> Adaptation {
         self.adaptation
     }
@@ -252,12 +252,12 @@ impl Simulation {
         self.system.write(fields, time, executor)
     }
 
-    /// The fastest flow of a fluid that was seen where the monitor looked, if there is a fluid.
+    /// The largest Mach number at diagnosed states, if there is a fluid.
     pub fn mach(&self) -> Option<Mach> {
         self.mach
     }
 
-    /// Whether its budget and its limits may take long to find.
+    /// Whether its budget and limits may take long to compute.
     pub fn is_long(&self) -> bool {
         self.system.cost() >= WORTH_SHARING
     }
@@ -265,7 +265,7 @@ impl Simulation {
     /// The energy budget now.
     ///
     /// # Errors
-    /// If a function of the user's fails, or the executor was asked to stop.
+    /// If a user-defined function fails, or on an interrupt.
     pub fn energy(&self, executor: &Executor) -> Result<Ledger> {
         self.system.audit(self.time(), executor)
     }

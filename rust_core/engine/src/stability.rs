@@ -1,4 +1,5 @@
-//! The largest time step: a certified bound from the stiffness and damping of all terms, and a sharper one as they stand.
+//! The limit of the time step: a certified bound from the stiffness and damping of all terms, and a sharper one for the
+//! present configuration.
 //!
 //! Linearized about any state, a scene obeys M x'' + C x' + K x = 0 with symmetric K and C. Three facts make a bound:
 //!
@@ -9,8 +10,9 @@
 //!    M⁻¹C. Splittings of several stages multiply K by C, and so reduce only where they commute: without damping, or with
 //!    the same γ for all. Elsewhere their bound is measured, not proved, and has the margin [`Integrator::COUPLED`].
 //! 2. **Rows bound the eigenvalues**: see [`rows`]. Bodies share no spring, so each has a bound of its own. A negative ω²
-//!    (a buckling spring) grows in truth as well, and limits no step. Rows know no directions, so that they hold while the
-//!    springs turn; as the springs stand, the eigenvalues may be half of that, and [`SpectralBound::sharpened`] finds them ([`lanczos`]).
+//!    (a buckling spring) is a physical instability, and limits no step. Rows do not depend on directions, so they hold
+//!    while the springs rotate; for the present directions, the eigenvalues may be half of that, and
+//!    [`SpectralBound::sharpened`] computes them ([`lanczos`]).
 //! 3. **The box of modes.** All modes of a body have ω ≤ Ω and Γ₀ ≤ γ ≤ Γ: see [`modes`]. A particle in harmonic wells and under
 //!    linear drag alone is an oscillator of its own, with one ω and one γ, and its limit is that of the integrator itself.
 
@@ -26,54 +28,55 @@ pub use modes::LimitCache;
 use modes::{Band, Method, Modes};
 use rows::{GershgorinRows, Row};
 
-/// How many different oscillators are looked at one by one: their limits take as long as those of a few boxes of modes.
+/// Maximum number of distinct oscillators with separate limits, which take as long as those of a few boxes of modes.
 const MOST_OSCILLATORS: usize = 256;
 
-/// A limit within this factor of the truth is called the limit: what Lanczos' method leaves open.
+/// Ratio to the true limit within which a bound is called the limit: the uncertainty of Lanczos' method.
 const NEARLY: f64 = 1.1;
 
 /// The states for which a limit of the time step holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Horizon {
-    /// The motion ahead, as the springs stand: the sharpest limit.
+    /// The motion ahead, for the present directions of the springs: the sharpest limit.
     Sharp,
-    /// The motion ahead, wherever springs turn that are not shorter than half of their rest length.
+    /// The motion ahead, for all directions of springs with r ≥ l₀/2.
     Certified,
     /// One step from this state.
     Present,
 }
 
-/// What sets the largest time step.
+/// The kind of a limit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
-    /// A larger step would let the solution grow without bound.
+    /// A larger step is unstable.
     Stability,
-    /// A larger step would be stable and wrong.
+    /// A larger step is stable and inaccurate.
     Accuracy,
-    /// Nothing does.
+    /// There is no limit.
     None,
 }
 
-/// The largest time step, and what sets it.
+/// The largest time step, with the term and the kind that set it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limit {
-    /// The largest stable step [s]: infinite where nothing limits it, 0 where no step is stable.
+    /// The largest stable step [s]: infinite without limit, 0 where no step is stable.
     pub stability: f64,
-    /// The largest accurate step [s]: infinite where nothing limits it.
+    /// The largest accurate step [s]: infinite without limit.
     pub accuracy: f64,
-    /// The term that binds, empty where none does: `springs`, `spring damping`, `drag`, `central`.
+    /// The binding term, empty without limit: `springs`, `spring damping`, `drag`, `central`.
     pub term: &'static str,
-    /// Which of the two binds.
+    /// The kind of the binding limit.
     pub kind: Kind,
-    /// The largest step that is stable wherever the springs turn [s]; smaller than the other where that was sharpened.
+    /// The largest step that is stable for all directions of the springs [s]; smaller than `stability` where that was
+    /// sharpened.
     pub certified: f64,
-    /// No step above this is stable as matters stand [s]: the true limit is between `stability` and this. Infinite where no such step
-    /// is known, or none was looked for.
+    /// Upper bound of the stable steps in the present configuration [s]: the true limit is between `stability` and this.
+    /// Infinite where it is unknown.
     pub endured: f64,
 }
 
 impl Limit {
-    /// Of what has no limit.
+    /// No limit.
     pub const NONE: Self = Self {
         stability: f64::INFINITY,
         accuracy: f64::INFINITY,
@@ -83,12 +86,12 @@ impl Limit {
         endured: f64::INFINITY,
     };
 
-    /// The largest step [s]: infinite where nothing limits it, 0 where no step is stable.
+    /// The largest step [s]: infinite without limit, 0 where no step is stable.
     pub fn dt(&self) -> f64 {
         self.stability.min(self.accuracy)
     }
 
-    /// What it is called: beyond a limit of stability a run need not be unstable, unless the limit is known exactly.
+    /// The name of the limit: beyond a bound of stability a run need not be unstable, unless the limit is known exactly.
     pub fn name(&self) -> &'static str {
         match self.kind {
             Kind::Accuracy => "limit of accuracy",
@@ -98,23 +101,23 @@ impl Limit {
     }
 }
 
-/// A spring as it stands.
+/// A spring in its present configuration.
 #[derive(Debug, Clone, Copy)]
 pub struct Link {
-    /// From one end to the other [m].
+    /// Vector from one end to the other [m].
     pub offset: DVec3,
-    /// l₀ [m].
+    /// Rest length l₀ [m].
     pub rest_length: f64,
-    /// k [N/m].
+    /// Stiffness k [N/m].
     pub stiffness: f64,
-    /// c, along the spring [N·s/m].
+    /// Longitudinal damping c [N·s/m].
     pub damping: f64,
 }
 
-/// What the terms of a scene contribute to the bound.
+/// The spectral bound: contributions of the terms of a scene to the bounds of ω² and γ.
 #[derive(Debug, Clone)]
 pub struct SpectralBound {
-    /// 1/m [1/kg], 0 where fixed.
+    /// Inverse mass 1/m [1/kg], 0 where fixed.
     inverse_mass: Vec<f64>,
     body: Vec<u32>,
     stiffness: GershgorinRows,
@@ -122,9 +125,9 @@ pub struct SpectralBound {
     horizon: Horizon,
     stiffness_edges: Vec<Edge>,
     damping_edges: Vec<Edge>,
-    /// About the largest ω² and γ of each body, from below and from above; empty before they are looked for.
+    /// Estimates of the largest ω² and γ of each body, from below and from above; empty before they are computed.
     spectra: [Vec<[f64; 2]>; 2],
-    /// What acts on each particle in every direction, everywhere and at any speed: [N/m] and [N·s/m]; empty if nothing does.
+    /// Isotropic and constant stiffness [N/m] and damping [N·s/m] of each particle; empty without any.
     steady: Vec<[f64; 2]>,
     accuracy: Option<(&'static str, f64)>,
     /// [`Integrator::limit`].
@@ -134,7 +137,7 @@ pub struct SpectralBound {
 }
 
 impl SpectralBound {
-    /// A bound without terms, for particles of these masses [kg], infinite where fixed, that belong to these bodies.
+    /// A bound without terms, for particles of these masses [kg], infinite where fixed, in these bodies.
     pub fn new(mass: &[f64], body: &[u32], horizon: Horizon) -> Self {
         Self {
             inverse_mass: mass.iter().map(|mass| mass.recip()).collect(),
@@ -152,19 +155,19 @@ impl SpectralBound {
         }
     }
 
-    /// The states for which it holds.
+    /// The horizon: the states for which it holds.
     pub fn horizon(&self) -> Horizon {
         self.horizon
     }
 
-    /// The same for the waves of a field as this integrator advances them; without this, as velocity Verlet does.
+    /// The bound for waves of a field as this integrator advances them; the default is velocity Verlet.
     #[must_use]
     pub fn stepped_by<I: Integrator>(self) -> Self {
         Self { largest: I::limit, oscillator: I::oscillator, ..self }
     }
 
-    /// Of waves in a field the one that asks for the shortest step, as the ω² [1/s²] and γ [1/s] of an oscillator of that
-    /// step. A wave is its frequency, the damping of its velocity and the decay of its field [1/s].
+    /// The wave of a field with the shortest step, as the ω² [1/s²] and γ [1/s] of an oscillator with that limit. A wave is
+    /// its frequency, the damping of its velocity and the decay of its field [1/s].
     pub fn shortest(&self, waves: impl Iterator<Item = [f64; 3]>) -> [f64; 2] {
         let oscillators = waves.map(|[frequency, damping, decay]| (self.oscillator)(frequency, damping, decay));
         let timed = oscillators.map(|[frequency, damping]| {
@@ -174,10 +177,10 @@ impl SpectralBound {
         timed.min_by(|(one, _), (other, _)| one.total_cmp(other)).map_or([0.0; 2], |(_, oscillator)| oscillator)
     }
 
-    /// A spring between two particles of one body.
+    /// Adds a spring between two particles of one body.
     ///
-    /// Its stiffness across is k (1 − l₀/l) at the length l. That lies between −k and k while l ≥ l₀/2; the row of a shorter
-    /// one takes k (l₀/l − 1). Without a length it has no direction, and the matrix takes k, and c, in all.
+    /// Its transverse stiffness is k (1 − l₀/l) at the length l. That lies between −k and k while l ≥ l₀/2; the row of a
+    /// shorter one takes k (l₀/l − 1). At zero length it has no direction, and the matrix is isotropic with k, and c.
     pub fn spring(&mut self, i: usize, j: usize, link: &Link) {
         if self.inverse_mass[i] == 0.0 && self.inverse_mass[j] == 0.0 {
             return;
@@ -189,7 +192,7 @@ impl SpectralBound {
         self.stiffness.join(count, i, j, stiffness * compression.max(1.0));
         self.damping.join(count, i, j, damping);
         if self.horizon == Horizon::Sharp {
-            // The springs' directions take longer than the rest.
+            // The directions of springs cost more than the rest.
             let (direction, damping_across) = if length > 0.0 { (offset / length, 0.0) } else { (DVec3::X, damping) };
             self.stiffness_edges.push(Edge { ends, direction, along: stiffness, across: -stiffness * compression });
             if damping != 0.0 {
@@ -198,27 +201,28 @@ impl SpectralBound {
         }
     }
 
-    /// The same with the largest eigenvalues as the springs stand, where they are below the rows.
+    /// The bound with the largest eigenvalues for the present directions of the springs, where they are below the rows.
     #[must_use]
     pub fn sharpened(mut self) -> Self {
         self.spectra = [self.spectrum(&self.stiffness, &self.stiffness_edges), self.spectrum(&self.damping, &self.damping_edges)];
         self
     }
 
-    /// About the largest eigenvalue of each body with springs, from below and from above; 0 and infinite for the others.
+    /// Estimates of the largest eigenvalue of each body with springs, from below and from above; 0 and infinite for the
+    /// others.
     fn spectrum(&self, rows: &GershgorinRows, edges: &[Edge]) -> Vec<[f64; 2]> {
         let bodies = self.bodies();
-        let around = rows.around(&self.inverse_mass);
+        let row_bounds = rows.at_particles(&self.inverse_mass);
         let alone = rows.points(&self.inverse_mass);
         let mut members = vec![Vec::new(); bodies];
-        let mut place = Vec::with_capacity(self.body.len());
+        let mut index_in_body = Vec::with_capacity(self.body.len());
         for (index, &body) in self.body.iter().enumerate() {
-            place.push(members[body as usize].len() as u32);
+            index_in_body.push(members[body as usize].len() as u32);
             members[body as usize].push(index);
         }
         let mut own = vec![Vec::new(); bodies];
         for edge in edges {
-            let ends = edge.ends.map(|end| place[end as usize]);
+            let ends = edge.ends.map(|end| index_in_body[end as usize]);
             own[self.body[edge.ends[0] as usize] as usize].push(Edge { ends, ..*edge });
         }
         let of =
@@ -232,7 +236,7 @@ impl SpectralBound {
             let unit = power_of_two(members.iter().map(|&index| self.inverse_mass[index]).fold(0.0, f64::max));
             let root = of(members, &|index| (self.inverse_mass[index] / unit).sqrt());
             let alone = of(members, &|index| alone(index) / unit);
-            lanczos::largest(edges, &alone, &root, &of(members, &|index| around[index] / unit)).map(|rate| unit * rate)
+            lanczos::largest(edges, &alone, &root, &of(members, &|index| row_bounds[index] / unit)).map(|rate| unit * rate)
         });
         largest.collect()
     }
@@ -241,7 +245,7 @@ impl SpectralBound {
         self.body.iter().max().map_or(0, |&last| last as usize + 1)
     }
 
-    /// A term that acts on one particle: the largest |eigenvalue| of its force's gradient by position [N/m] and by
+    /// Adds a term that acts on one particle: the largest |eigenvalue| of its force's gradient by position [N/m] and by
     /// velocity [N·s/m].
     pub fn point(&mut self, i: usize, term: &'static str, stiffness: f64, damping: f64) {
         if self.inverse_mass[i] > 0.0 {
@@ -250,15 +254,16 @@ impl SpectralBound {
         }
     }
 
-    /// That part of the stiffness [N/m] and the damping [N·s/m] given to [`SpectralBound::point`] which acts in every direction, everywhere
-    /// and at any speed: harmonic wells and linear drag. Where nothing else acts, they make the particle an oscillator.
+    /// Adds the isotropic and constant part of the stiffness [N/m] and the damping [N·s/m] given to
+    /// [`SpectralBound::point`]: harmonic wells and linear drag. Where there is no other part, the particle is an
+    /// oscillator.
     pub fn steady(&mut self, i: usize, stiffness: f64, damping: f64) {
         self.steady.resize(self.inverse_mass.len(), [0.0; 2]);
         self.steady[i][0] += stiffness;
         self.steady[i][1] += damping;
     }
 
-    /// A step [s] beyond which `term` is no longer accurate.
+    /// Adds the largest accurate step of `term` [s].
     pub fn accuracy(&mut self, term: &'static str, dt: f64) {
         if self.accuracy.is_none_or(|(_, least)| dt < least) {
             self.accuracy = Some((term, dt));
@@ -270,7 +275,8 @@ impl SpectralBound {
         self.limit_after::<I>(&mut LimitCache::default())
     }
 
-    /// The limit as the springs stand, with that which holds wherever they turn, and with what is surely beyond it.
+    /// The limit for the present directions of the springs, with the certified one for all directions, and an upper bound
+    /// of the stable steps.
     pub fn sharp_limit<I: Integrator>(self) -> Limit {
         let certified = self.limit::<I>().stability;
         let sharpened = self.sharpened();
@@ -280,7 +286,7 @@ impl SpectralBound {
         Limit { certified, endured: endured.max(limit.stability), ..limit }
     }
 
-    /// The same as [`SpectralBound::limit`], for one bound after the other.
+    /// [`SpectralBound::limit`] with a cache of the limits of the previous bound.
     pub fn limit_after<I: Integrator>(&self, cache: &mut LimitCache) -> Limit {
         self.limit_with(&self.modes(), &Method::of::<I>(), cache)
     }
@@ -301,11 +307,11 @@ impl SpectralBound {
         Limit { stability, accuracy, term, kind, certified: stability, endured: f64::INFINITY }
     }
 
-    /// The boxes of modes of all bodies, and of the oscillators apart from them, without those that another box encloses.
+    /// The boxes of modes of all bodies, and of separate oscillators, without those that another box encloses.
     fn modes(&self) -> Vec<Modes> {
-        let separation: Vec<bool> = (0..self.steady.len()).map(|i| self.is_oscillator(i)).collect();
-        let mut boxes = self.bodies_apart(&separation);
-        boxes.extend(self.oscillators(&separation));
+        let is_oscillator: Vec<bool> = (0..self.steady.len()).map(|i| self.is_oscillator(i)).collect();
+        let mut boxes = self.coupled_modes(&is_oscillator);
+        boxes.extend(self.oscillators(&is_oscillator));
         boxes.retain(|modes| modes.stiffness.highest.rate > 0.0 || modes.damping.highest.rate > 0.0);
         boxes.sort_by(|one, other| other.stiffness.highest.rate.total_cmp(&one.stiffness.highest.rate));
         let mut outer: Vec<Modes> = Vec::new();
@@ -317,10 +323,10 @@ impl SpectralBound {
         outer
     }
 
-    /// The box of modes of each body, of its particles that are no oscillators.
-    fn bodies_apart(&self, separation: &[bool]) -> Vec<Modes> {
+    /// The box of modes of each body, without its separate oscillators.
+    fn coupled_modes(&self, is_oscillator: &[bool]) -> Vec<Modes> {
         let bodies = self.bodies();
-        let counts = |i: usize| !separation.get(i).is_some_and(|&separation| separation);
+        let counts = |i: usize| !is_oscillator.get(i).is_some_and(|&is_oscillator| is_oscillator);
         let bands = |rows: &GershgorinRows, sharper: &[[f64; 2]], kind: usize| -> Vec<Band> {
             let mut least = vec![if kind == 0 || self.steady.is_empty() { 0.0 } else { f64::INFINITY }; bodies];
             for ((steady, &inverse_mass), (i, &body)) in
@@ -343,12 +349,12 @@ impl SpectralBound {
         stiffness.into_iter().zip(damping).map(|(stiffness, damping)| Modes { stiffness, damping }).collect()
     }
 
-    /// Whether a particle swings by itself: what acts on it is steady, and it has no springs.
+    /// Whether a particle is an uncoupled oscillator: all its terms are isotropic and constant, and it has no springs.
     fn is_oscillator(&self, i: usize) -> bool {
         [&self.stiffness, &self.damping].into_iter().zip(self.steady[i]).all(|(rows, steady)| rows.alone_at(i) == Some(steady))
     }
 
-    /// The oscillators: of those with one damping ratio, the fastest. Where there are too many, one box for all of them.
+    /// The oscillators: the fastest of each damping ratio. Where there are too many, one box for all of them.
     fn oscillators(&self, separation: &[bool]) -> Vec<Modes> {
         let of = |i: usize| {
             let band = |rows: &GershgorinRows, value: f64| {

@@ -52,13 +52,13 @@ fn body() -> impl Strategy<Value = Body> {
     let springs = (prop::option::of((amount(), amount(), amount())), any::<bool>());
     (particles, springs, prop::option::weighted(0.2, fluid())).prop_map(
         |((count, spacing, velocity, mass, radius), (spring, fixed), fluid)| {
-            let place = |index: usize| DVec3::new((index % 2) as f64, (index / 2) as f64, 0.0) * spacing;
+            let lattice_point = |index: usize| DVec3::new((index % 2) as f64, (index / 2) as f64, 0.0) * spacing;
             let ends = |index: usize| [index as u32, index as u32 + 1];
             let link = |(stiffness, damping, rest_length): (f64, f64, f64)| {
                 (1..count).map(|index| Spring { ends: ends(index - 1), stiffness, damping, rest_length }).collect::<Vec<_>>()
             };
             Body {
-                positions: (0..count).map(place).collect(),
+                positions: (0..count).map(lattice_point).collect(),
                 velocities: vec![velocity; count],
                 mass: vec![mass; count],
                 charge: vec![0.0; count],

@@ -80,9 +80,9 @@ impl Network {
             }
         }
         for (i, particle) in self.particles.iter().enumerate() {
-            for place in i * self.dimension..(i + 1) * self.dimension {
-                stiffness[place][place] += particle.well / particle.mass;
-                damping[place][place] += particle.drag / particle.mass;
+            for row in i * self.dimension..(i + 1) * self.dimension {
+                stiffness[row][row] += particle.well / particle.mass;
+                damping[row][row] += particle.drag / particle.mass;
             }
         }
         (stiffness, damping)
@@ -91,13 +91,12 @@ impl Network {
 
 /// Unit masses in squares or cubes of 1 m, with springs of 1 N/m at rest along all sides and diagonals.
 fn lattice(dimension: usize, sides: [usize; 3]) -> Network {
-    let places: Vec<[usize; 3]> =
+    let cells: Vec<[usize; 3]> =
         (0..sides.iter().product()).map(|i| [i % sides[0], i / sides[0] % sides[1], i / (sides[0] * sides[1])]).collect();
-    let particles =
-        places.iter().map(|place| Particle { position: place.map(|side| side as f64), mass: 1.0, well: 0.0, drag: 0.0 });
+    let particles = cells.iter().map(|cell| Particle { position: cell.map(|side| side as f64), mass: 1.0, well: 0.0, drag: 0.0 });
     let mut network = Network { dimension, particles: particles.collect(), springs: Vec::new() };
-    for (i, j) in (0..places.len()).flat_map(|j| (0..j).map(move |i| (i, j))) {
-        if (0..3).all(|axis| places[i][axis].abs_diff(places[j][axis]) <= 1) {
+    for (i, j) in (0..cells.len()).flat_map(|j| (0..j).map(move |i| (i, j))) {
+        if (0..3).all(|axis| cells[i][axis].abs_diff(cells[j][axis]) <= 1) {
             network.springs.push(Spring { ends: (i, j), stiffness: 1.0, damping: 0.0, rest: 1.0 });
         }
     }
@@ -125,7 +124,7 @@ fn largest_eigenvalue(mut matrix: Matrix) -> f64 {
             }
         }
     }
-    (0..size).map(|place| matrix[place][place]).fold(0.0, f64::max)
+    (0..size).map(|row| matrix[row][row]).fold(0.0, f64::max)
 }
 
 /// One step of all coordinates, as a matrix that acts on positions, velocities and what the integrator carries; velocities
@@ -135,23 +134,23 @@ fn amplification<I: Integrator>(stiffness: &Matrix, damping: &Matrix, h: f64) ->
     let total = size * (2 + I::PERSISTENT);
     let mut columns = vec![vec![0.0; total]; total];
     for (index, column) in columns.iter_mut().enumerate() {
-        let unit = |kind: usize, place: usize| if index == kind * size + place { 1.0 } else { 0.0 };
+        let unit = |kind: usize, row: usize| if index == kind * size + row { 1.0 } else { 0.0 };
         let mut components: Vec<Component<f64>> =
-            (0..size).map(|place| Component::new(unit(0, place), unit(1, place), unit(2, place))).collect();
+            (0..size).map(|row| Component::new(unit(0, row), unit(1, row), unit(2, row))).collect();
         for stage in 0..I::NODES.len() {
             for component in &mut components {
                 I::stage_state(stage, component, 1.0);
             }
             let at = components.clone();
-            for (place, component) in components.iter_mut().enumerate() {
-                let rows = stiffness[place].iter().zip(&damping[place]).zip(&at);
+            for (row, component) in components.iter_mut().enumerate() {
+                let rows = stiffness[row].iter().zip(&damping[row]).zip(&at);
                 let a: f64 = rows.map(|((k, c), other)| -h * h * k * other.x - h * c * other.v).sum();
                 I::stage_update(stage, component, a, 1.0);
             }
         }
-        for (place, component) in components.iter().enumerate() {
+        for (row, component) in components.iter().enumerate() {
             let image = [component.x, component.v, component.registers[0]];
-            (0..2 + I::PERSISTENT).for_each(|kind| column[kind * size + place] = image[kind]);
+            (0..2 + I::PERSISTENT).for_each(|kind| column[kind * size + row] = image[kind]);
         }
     }
     // By columns: the transpose, which has the same eigenvalues.

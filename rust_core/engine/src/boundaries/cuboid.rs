@@ -7,7 +7,7 @@ use crate::error::Result;
 use crate::math::AXES;
 use crate::scene::{Item, Value};
 
-/// The inside of a box, which users call `Box`.
+/// The inside of a box; `Box` in scenes.
 #[derive(Debug)]
 pub struct Cuboid {
     walls: Vec<Wall>,

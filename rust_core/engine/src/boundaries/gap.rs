@@ -1,4 +1,5 @@
-//! When a particle on a parabolic path first meets a wall: a certificate that it does not, or the moment to full accuracy.
+//! The time of first contact of a particle on a parabolic path with a wall, to rounding, or a certificate that there is
+//! none.
 //!
 //! Along x(t) = x₀ + v t + a t²/2 the gap between a particle of radius ρ and a wall is a polynomial f(t) that is
 //! positive while the particle is free: n·x − offset − ρ, of degree 2, for a plane and ±(|x − c|² − (R ± ρ)²), of
@@ -12,20 +13,20 @@ use glam::DVec3;
 
 use super::Wall;
 
-/// How often an interval is halved at most: then its ends are neighboring numbers.
+/// Maximum bisection depth of an interval, at which its ends are neighboring numbers.
 const DEPTH: usize = 60;
-/// How many intervals are looked at, at most. Only rounding at a grazing contact could ask for more; it then counts as
-/// a contact, which is harmless, because what moves away from a wall is not reflected.
+/// Maximum number of intervals. Only rounding at a grazing contact could need more; it then counts as a contact, which is
+/// harmless, because a particle that recedes from a wall is not reflected.
 const INTERVALS: usize = 256;
 
 /// A parabolic path x(t) = x₀ + v t + a t²/2.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Path {
-    /// Where it begins [m].
+    /// Initial position x₀ [m].
     pub position: DVec3,
-    /// Its slope there [m/s].
+    /// Initial slope v [m/s].
     pub velocity: DVec3,
-    /// Its acceleration [m/s²].
+    /// Acceleration a [m/s²].
     pub acceleration: DVec3,
 }
 
@@ -63,8 +64,8 @@ enum Form {
 }
 
 impl Gap {
-    /// The gap to `wall` of a particle of radius `radius`. If it is `touching` at the start, and not moving into the
-    /// wall, the wall is taken to pass exactly where the particle stands, and only a later contact counts.
+    /// The gap to `wall` of a particle of radius `radius`. If the particle is `touching` at the start and does not
+    /// approach, the wall is taken at zero gap, and only a later contact counts.
     pub fn new(wall: &Wall, path: &Path, radius: f64, touching: bool) -> Self {
         let form = match *wall {
             Wall::Plane { normal, offset } => {
@@ -81,7 +82,7 @@ impl Gap {
         Self { form, touching }
     }
 
-    /// The first moment of contact within `duration`, or None, which is certain.
+    /// The time of first contact within `duration` [s]; None is certain.
     pub fn first_contact(&self, duration: f64) -> Option<f64> {
         let mut ends = [duration; DEPTH + 1];
         let (mut start, mut depth) = (0.0, 0);
@@ -137,7 +138,7 @@ impl Gap {
         coefficients
     }
 
-    /// f and its rate at a time; for a touching particle those of f/t, which is free of the contact at t = 0.
+    /// f and its time derivative; for a touching particle those of f/t, without the root at t = 0.
     fn value(&self, time: f64) -> (f64, f64) {
         match &self.form {
             Form::Plane([_, c1, c2]) if self.touching => (c1 + c2 * time, *c2),
@@ -157,7 +158,7 @@ impl Gap {
     }
 
     /// The root in an interval where f falls from positive to negative once: Newton's method, kept inside by bisection. A
-    /// touching particle that moves into the wall is at its root already.
+    /// touching particle that approaches is at its root already.
     fn root(&self, start: f64, end: f64) -> f64 {
         if self.touching && start == 0.0 && self.value(0.0).0 <= 0.0 {
             return 0.0;

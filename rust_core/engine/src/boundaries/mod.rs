@@ -1,7 +1,7 @@
-//! Boundaries, one file each. To add one: write its file, which says what walls it has, and add its line to [`build`].
+//! Boundaries, one file each. To add one: write its file, which defines its walls, and add its line to [`build`].
 //!
-//! A boundary is an intersection of smooth [`Wall`]s. Every wall knows its signed distance, and along a parabolic path
-//! its [`Gap`] to a particle is a polynomial in time, whose first root is the moment of contact: nothing can tunnel.
+//! A boundary is an intersection of smooth [`Wall`]s. Every wall has a signed distance, and along a parabolic path its
+//! [`Gap`] to a particle is a polynomial in time, whose first root is the time of contact: no particle can tunnel.
 
 use std::fmt::Debug;
 
@@ -22,15 +22,16 @@ pub use plane::Plane;
 pub use sphere::Sphere;
 pub use wall::Wall;
 
-/// Where matter must stay.
+/// A domain that confines particles.
 pub trait Boundary: Debug + Send + Sync {
     /// Its name in the plan: `plane`.
     fn name(&self) -> &'static str;
 
-    /// The walls that it is made of; the allowed side is where all their distances are positive.
+    /// Its walls; the allowed side is where all their signed distances are positive.
     fn walls(&self) -> &[Wall];
 
-    /// The distance from `x` to the nearest wall [m], positive on the allowed side, and the direction into that side.
+    /// The signed distance from `x` to the nearest wall [m], positive on the allowed side, and the unit normal into that
+    /// side.
     fn distance(&self, x: DVec3) -> (f64, DVec3) {
         let distances = self.walls().iter().map(|wall| wall.distance(x));
         distances

@@ -16,7 +16,7 @@ impl Plane {
     /// The plane through the item's `point` [m] whose `normal`, of any length, points to the allowed side.
     pub fn new(item: &Item, origin: DVec3) -> Result<Self> {
         let direction = item.vector("normal")?;
-        // Scaled first, so that squares of very long or short normals neither overflow nor vanish.
+        // Scaled first, so that squares of very long or short normals neither overflow nor underflow.
         let largest = direction.abs().max_element();
         let Some(normal) = (direction / largest).try_normalize() else {
             return Err(item.wrong("normal", "a vector that is not zero", Some(&Value::Vector(direction))));

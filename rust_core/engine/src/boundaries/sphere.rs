@@ -1,4 +1,4 @@
-//! A sphere, to stay inside or outside of; in 2D a circle.
+//! A sphere that confines particles to its inside or outside; in 2D a circle.
 
 use glam::DVec3;
 

@@ -1,4 +1,4 @@
-//! The smooth pieces that boundaries are made of.
+//! Walls: the smooth surfaces of boundaries.
 
 use glam::DVec3;
 
@@ -24,14 +24,14 @@ pub enum Wall {
 }
 
 impl Wall {
-    /// The distance from the wall to `x` [m], positive on the allowed side, and the unit normal into that side.
+    /// The signed distance from the wall to `x` [m], positive on the allowed side, and the unit normal into that side.
     pub fn distance(&self, x: DVec3) -> (f64, DVec3) {
         match *self {
             Self::Plane { normal, offset } => (normal.dot(x) - offset, normal),
             Self::Sphere { center, radius, inside } => {
                 let away = x - center;
                 let length = away.length();
-                // From the very center every direction leads out equally well.
+                // At the center every direction is normal.
                 let outward = if length > 0.0 { away / length } else { DVec3::X };
                 if inside { (radius - length, -outward) } else { (length - radius, outward) }
             }
@@ -51,7 +51,7 @@ impl Wall {
         }
     }
 
-    /// The size of the numbers that a distance near the surface is computed from [m]: what its rounding is relative to.
+    /// Magnitude of the operands of a distance near the surface [m], the scale of its rounding error.
     pub fn extent(&self) -> f64 {
         match *self {
             Self::Plane { offset, .. } => offset.abs(),

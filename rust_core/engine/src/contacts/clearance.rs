@@ -1,5 +1,5 @@
-//! The cheap test that most particles pass at every step, in the state's precision and vectorised: the control points of
-//! the step's path are clear of every wall, and so is the path, which lies in their convex hull.
+//! The clearance test that most particles pass at every step, in the state's precision and vectorized: if the Bernstein
+//! control points of the path are clear of every wall, so is the path, which lies in their convex hull.
 
 use super::{Before, Contacts};
 use crate::boundaries::Wall;
@@ -7,7 +7,7 @@ use crate::math::{AXES, Real, Vector};
 use crate::matter::{Blocks, Properties};
 use crate::simd::{Kernel, LANES, Lanes};
 
-/// A wall, or two that face each other, in the form in which it is tested. `set` is the column of radii that it uses.
+/// A wall, or two parallel ones, in the form of the test. `set` is the column of radii that it uses.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Test<T> {
     /// lower ≤ x ≤ upper along one axis.
@@ -19,8 +19,8 @@ pub(super) enum Test<T> {
 }
 
 impl<T: Real> Test<T> {
-    /// The tests that the walls of a boundary need for particles of at most the radius `largest`. Each wall stands in by
-    /// a few units of rounding, so that who comes that near is looked at in double precision.
+    /// The tests of the walls of a boundary for particles of at most the radius `largest`. Each wall is offset inward by a
+    /// few units of rounding, so that particles that near are tested in double precision.
     pub fn of(walls: &[Wall], set: usize, largest: f64) -> Vec<Self> {
         let mut tests: Vec<Self> = Vec::new();
         for wall in walls {
@@ -110,8 +110,8 @@ impl<V: Vector> Sweep<'_, '_, '_, V> {
         [first, middle, last]
     }
 
-    /// Lowers each lane's clearance to 0 or below where it is not certain to stay clear of a wall. Only the sign means
-    /// something. A radius of minus infinity is always clear.
+    /// Lowers each lane's clearance to 0 or below where clearance from a wall is not certain. Only the sign has a meaning.
+    /// A radius of −∞ is always clear.
     #[inline(always)]
     fn apply(&self, test: &Test<V::Scalar>, base: usize, clear: &mut Lanes<V::Scalar>) {
         let reach = |set: usize| lanes(&self.contacts.reach[set][self.block.start + base..]);
@@ -150,7 +150,7 @@ impl<V: Vector> Sweep<'_, '_, '_, V> {
                         let room = *radius - reach[lane];
                         room * room - highest[lane]
                     } else {
-                        // |s| s in place of s², so that a radius of minus infinity counts as clear.
+                        // |s| s instead of s², so that a radius of −∞ counts as clear.
                         let size = *radius + reach[lane];
                         lowest[lane] - size * larger(size, -size)
                     };

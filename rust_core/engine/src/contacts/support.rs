@@ -1,50 +1,49 @@
-//! Resting on walls: which of them carry the particle, and how it slides there.
+//! Supporting contacts: the walls that carry a particle, and its sliding on them.
 //!
-//! Of the walls that a particle touches without approaching, some push back with accelerations λ ≥ 0 along their normals
-//! so that none is entered: n·(a + Σ λ n) ≥ −κ v². One wall suffices, or two along an edge, or all motion ends in a
-//! corner; in three dimensions there is nothing else, so these few cases are tried in turn. Friction is μ λ against the
-//! slip.
+//! Of the walls that a particle touches without approaching, some exert normal accelerations λ ≥ 0 so that none is
+//! penetrated: n·(a + Σ λ n) ≥ −κ v². One wall suffices, or two along an edge, or the particle rests in a corner; these few
+//! cases are tried in turn. Friction is μ λ against the slip.
 
 use glam::DVec3;
 
 use super::trajectory::{Contact, ContactSet, pushes};
 
-/// The largest angle through which a slide turns on a curved wall before the wall is looked at again.
+/// Maximum rotation of the tangent plane [rad] within one slide on a curved wall.
 const ANGLE: f64 = 0.25;
 
-/// What carries a particle.
+/// The supporting contacts of a particle.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Support {
     carriers: [Contact; 2],
     count: usize,
-    /// Every wall that the particle stays on, carrying or just alongside.
+    /// All walls that the particle slides on, carrying or not.
     pub slides: ContactSet,
-    /// The step's mean acceleration.
+    /// Mean acceleration of the step [m/s²].
     load: DVec3,
-    /// Its part along the surface.
+    /// Tangential acceleration [m/s²].
     pub acceleration: DVec3,
-    /// The deceleration by friction, Σ μ λ.
+    /// Deceleration by friction, Σ μ λ [m/s²].
     friction: f64,
-    /// The largest |κ| of the carriers.
+    /// The largest |κ| of the carrying walls [1/m].
     pub curvature: f64,
 }
 
-/// A stretch of sliding.
+/// An interval of sliding at uniform acceleration.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Slip {
-    /// The acceleration along the surface, friction included.
+    /// Tangential acceleration with friction [m/s²].
     pub acceleration: DVec3,
-    /// How long it holds [s].
+    /// Duration [s].
     pub duration: f64,
-    /// Whether the slip is then zero.
+    /// Whether the slip then vanishes.
     pub stops: bool,
-    /// Whether the particle then stays where it is.
+    /// Whether the particle then rests.
     pub rests: bool,
 }
 
 impl Support {
     /// The support of a particle, or None if it leaves all the walls that it touches. Normal speeds up to `still` are
-    /// rounding, and are taken away.
+    /// rounding and are set to 0.
     pub fn of(contacts: &ContactSet, velocity: &mut DVec3, acceleration: DVec3, left: f64, still: f64) -> Option<Self> {
         let mut parallel = ContactSet::default();
         for contact in contacts.as_slice() {
@@ -56,7 +55,7 @@ impl Support {
         }
         let square = velocity.length_squared();
         let tolerance = still / left + 8.0 * f64::EPSILON * acceleration.length();
-        // How strongly the particle leaves a wall when the walls accelerate it by `push`.
+        // Normal acceleration relative to a wall, with an acceleration `push` by the walls.
         let leaves = |contact: &Contact, push: DVec3| contact.normal.dot(acceleration + push) + contact.curvature * square;
         let holds = |push: DVec3| parallel.as_slice().iter().all(|contact| leaves(contact, push) >= -tolerance);
         let finish = |carriers: [Contact; 2], count: usize, push: [f64; 2]| {
@@ -100,7 +99,7 @@ impl Support {
         Some(Self { slides: parallel, ..corner })
     }
 
-    /// The part of `vector` along the walls that carry.
+    /// The component of `vector` tangential to the carrying walls.
     pub fn along(&self, vector: DVec3) -> DVec3 {
         let [one, other] = self.carriers.map(|contact| contact.normal);
         match self.count {
@@ -110,7 +109,7 @@ impl Support {
         }
     }
 
-    /// The same support at another place, where `surface` gives a carrier's normal and curvature.
+    /// The same support at another position, where `surface` gives a wall's normal and curvature.
     pub fn moved(&self, surface: impl Fn(usize) -> (DVec3, f64)) -> Self {
         let mut moved = *self;
         for contact in moved.carriers.iter_mut().take(self.count.min(2)) {
@@ -119,7 +118,7 @@ impl Support {
         moved
     }
 
-    /// The deceleration by friction at a speed: on a curved wall the faster presses more, or less.
+    /// Deceleration by friction at a speed [m/s²]: on a curved wall the normal force depends on it.
     pub fn friction_at(&self, speed: f64) -> f64 {
         let carriers = &self.carriers[..self.count.min(2)];
         let [first, second] = [0, 1].map(|index| {
@@ -132,9 +131,9 @@ impl Support {
         carriers.iter().zip(push).map(|(contact, push)| contact.friction * push.max(0.0)).sum()
     }
 
-    /// How the particle slides with `velocity`, for at most the time `left`: with uniform acceleration a − f û, û the
-    /// direction of its slip at mid-time, which makes it a second-order method whose friction never gives energy. Where
-    /// friction would turn the slip around, it ends instead at the moment when it is zero.
+    /// Sliding from `velocity`, for at most the time `left`: with uniform acceleration a − f û, û the direction of slip at
+    /// mid-time, which makes the method second-order and friction always dissipative. Where friction would reverse the
+    /// slip, it ends when the slip is zero.
     pub fn slip(&self, velocity: DVec3, left: f64) -> Slip {
         let (a, mut friction, speed) = (self.acceleration, self.friction, velocity.length());
         if self.count > 2 {
@@ -162,7 +161,7 @@ impl Support {
         }
         let along = velocity.normalize_or_zero();
         let brake = friction - a.dot(along);
-        // Where it is not braked, but for rounding, it does not stop.
+        // Without deceleration beyond rounding, it does not stop.
         let stop = if brake > 0.0 { speed / brake } else { f64::INFINITY };
         let stops = stop <= duration;
         Slip { acceleration: along * -brake, duration: duration.min(stop), stops, rests: stops && a.length() <= friction }

@@ -1,19 +1,19 @@
 //! One particle through one step, from impact to impact.
 //!
-//! **The path.** The mean acceleration ā = (v₁ − v₀)/h of the step is kept, whatever the walls do. Up to the first
-//! contact at t the particle follows the integrator's path, then it has the velocity v₀ + ā t, so that kinetic and
-//! potential energy stay as the integrator left them; from there on its slope is its velocity.
+//! **The path.** The mean acceleration ā = (v₁ − v₀)/h of the step is kept, with or without contacts. Up to the first
+//! contact at t the particle follows the integrator's path; then its velocity is v₀ + ā t, so that kinetic and potential
+//! energy are those of the integrator; afterwards its slope is its velocity.
 //!
-//! **An impact** returns −e times the normal velocity; friction takes μ (1 + e) |vₙ| from the slip, at most all of it
-//! (Coulomb). What is lost is ½ (1 − e²) vₙ² + ½ (|vₜ|² − |vₜ⁺|²) per mass: exactly 0 for e = 1 and μ = 0.
+//! **An impact** returns −e times the normal velocity; friction reduces the slip by μ (1 + e) |vₙ|, at most to zero
+//! (Coulomb). The energy loss per mass is ½ (1 − e²) vₙ² + ½ (|vₜ|² − |vₜ⁺|²): exactly 0 for e = 1 and μ = 0.
 //!
-//! **Rest.** A series of ever smaller rebounds lasts 2 e |vₙ| / ((1 − e) p) where p is the acceleration that presses on
-//! the wall. If that is within the step, the impact is taken as plastic: over the whole series the wall gives the
-//! impulse |vₙ| (plus p times the time), whether in many impacts or in one, so the step ends the same. So it is if the
-//! next rebound would not rise above rounding. Then the particle slides ([`super::support`]).
+//! **Rest.** A series of decaying rebounds lasts 2 e |vₙ| / ((1 − e) p) where p is the acceleration into the wall. If that
+//! is within the step, the impact is taken as plastic: the total impulse over the series is |vₙ| (plus p times the time) in
+//! either case, so the end of the step is the same. The same holds if the next rebound would not rise above rounding. Then
+//! the particle slides ([`super::support`]).
 //!
-//! After [`EVENTS`] impacts and slides a particle waits where it is for the step's end, with the velocity that it has:
-//! energy stays exact and nothing leaves; what is lost is the phase of a motion that dt does not resolve.
+//! After [`EVENTS`] impacts and slides a particle keeps its position and velocity until the step's end: energy stays exact
+//! and no wall is crossed; the error is the phase of a motion that dt does not resolve.
 
 use glam::DVec3;
 
@@ -21,41 +21,41 @@ use super::Surface;
 use super::support::{Slip, Support};
 use crate::boundaries::{Gap, Path};
 
-/// The most impacts and slides within one step.
+/// Maximum number of impacts and slides within one step.
 const EVENTS: usize = 64;
-/// The most walls that a particle touches at once.
+/// Maximum number of simultaneous contacts of a particle.
 pub(super) const MOST_CONTACTS: usize = 8;
 
-/// What one particle meets.
+/// The walls that one particle can touch.
 #[derive(Clone, Copy)]
 pub(super) struct Walls<'a> {
     pub surfaces: &'a [Surface],
     pub body: usize,
     pub radius: f64,
-    /// The distance from 1 to the next number of the state.
+    /// Machine epsilon ε of the state's precision.
     pub rounding: f64,
 }
 
-/// The end of a step with contacts.
+/// The final state of a step with contacts.
 pub(super) struct End {
     pub position: DVec3,
     pub velocity: DVec3,
-    /// The kinetic energy per mass that contacts took [J/kg].
+    /// Kinetic energy per mass dissipated in contacts [J/kg].
     pub lost: f64,
 }
 
 /// A wall that a particle touches.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Contact {
-    /// Its place among the surfaces.
+    /// Its index among the surfaces.
     pub surface: usize,
     /// The unit normal into the allowed side.
     pub normal: DVec3,
-    /// κ: sliding with velocity v takes a normal acceleration −κ v².
+    /// Curvature κ [1/m]: sliding with velocity v takes a normal acceleration −κ v².
     pub curvature: f64,
-    /// Coulomb's coefficient μ.
+    /// Coulomb's coefficient of friction μ.
     pub friction: f64,
-    /// The distance that counts as touching [m].
+    /// Contact tolerance [m].
     slack: f64,
 }
 
@@ -84,7 +84,8 @@ impl ContactSet {
 }
 
 impl<'a> Walls<'a> {
-    /// Flies a step of `h` again that an integrator did along `path` from the velocity `start`; None if it touches nothing.
+    /// Integrates a step of `h` with contacts, which the integrator took along `path` from the velocity `start`; None
+    /// without contact.
     pub fn trajectory(&self, path: &Path, start: DVec3, h: f64) -> Option<End> {
         let (time, surface) = self.first(path, h, &self.contacts(path.position, None), &ContactSet::default())?;
         let trajectory = Trajectory {
@@ -103,7 +104,7 @@ impl<'a> Walls<'a> {
         self.surfaces.iter().enumerate().filter(move |(_, surface)| surface.bodies[body])
     }
 
-    /// The walls that a particle at `x` touches; `hit` is one of them whatever rounding says.
+    /// The walls that a particle at `x` touches; `hit` is one of them irrespective of rounding.
     fn contacts(&self, x: DVec3, hit: Option<usize>) -> ContactSet {
         let mut contacts = ContactSet::default();
         for (index, surface) in self.acting() {
@@ -117,7 +118,7 @@ impl<'a> Walls<'a> {
         contacts
     }
 
-    /// The first contact along `path` within `duration`, beside those walls that the particle slides on anyway.
+    /// The first contact along `path` within `duration`, except with the walls that the particle slides on.
     fn first(&self, path: &Path, duration: f64, contacts: &ContactSet, slides: &ContactSet) -> Option<(f64, usize)> {
         let mut first = None;
         let mut duration = duration;
@@ -131,7 +132,7 @@ impl<'a> Walls<'a> {
         first
     }
 
-    /// `x`, moved onto the walls that the particle slides on.
+    /// `x`, projected onto the walls that the particle slides on.
     fn onto(&self, slides: &ContactSet, mut x: DVec3) -> DVec3 {
         let gap = |contact: &Contact, x: DVec3| {
             let (distance, normal) = self.surfaces[contact.surface].wall.distance(x);
@@ -156,8 +157,8 @@ impl<'a> Walls<'a> {
     }
 }
 
-/// The amounts along two unit normals, whose product is `cosine`, that together amount to `first` and `second` along
-/// each: 0 where the normals are parallel.
+/// The coefficients of two unit normals, whose scalar product is `cosine`, such that the projections of their sum on them
+/// are `first` and `second`; 0 for parallel normals.
 pub(super) fn pushes(cosine: f64, first: f64, second: f64) -> [f64; 2] {
     let determinant = 1.0 - cosine * cosine;
     if determinant <= f64::EPSILON {
@@ -166,21 +167,21 @@ pub(super) fn pushes(cosine: f64, first: f64, second: f64) -> [f64; 2] {
     [(first - cosine * second) / determinant, (second - cosine * first) / determinant]
 }
 
-/// A particle on its way.
+/// The state of a particle along its trajectory.
 struct Trajectory<'a> {
     walls: Walls<'a>,
     position: DVec3,
     velocity: DVec3,
-    /// The step's mean acceleration ā.
+    /// Mean acceleration of the step ā [m/s²].
     acceleration: DVec3,
-    /// What is left of the step [s].
+    /// Remaining time of the step [s].
     left: f64,
-    /// The kinetic energy per mass lost so far [J/kg].
+    /// Kinetic energy per mass dissipated so far [J/kg].
     lost: f64,
 }
 
 impl Trajectory<'_> {
-    /// From the contact with one wall to the end of the step.
+    /// Integrates from the contact with one wall to the end of the step.
     fn finish(mut self, surface: usize) -> End {
         let mut hit = Some(surface);
         for _ in 0..EVENTS {
@@ -197,12 +198,12 @@ impl Trajectory<'_> {
         End { position: self.position, velocity: self.velocity, lost: self.lost }
     }
 
-    /// Normal speeds up to this are rounding.
+    /// Rounding error of a normal speed [m/s].
     fn still(&self) -> f64 {
         8.0 * f64::EPSILON * (self.velocity.length() + self.acceleration.length() * self.left)
     }
 
-    /// The touched wall that the particle runs into fastest.
+    /// The touched wall with the largest approach speed.
     fn approached(&self, contacts: &ContactSet) -> Option<Contact> {
         let mut fastest = (-self.still(), None);
         for contact in contacts.as_slice() {
@@ -233,7 +234,7 @@ impl Trajectory<'_> {
         self.velocity = slip * share + contact.normal * (restitution * speed);
     }
 
-    /// Flies or slides on to the next event, and says which wall it then meets.
+    /// Advances freely or sliding to the next event; returns the wall of the next contact.
     fn go_on(&mut self, contacts: &ContactSet) -> Option<usize> {
         let still = self.still();
         match Support::of(contacts, &mut self.velocity, self.acceleration, self.left, still) {
@@ -262,7 +263,7 @@ impl Trajectory<'_> {
             (self.velocity, self.left) = (DVec3::ZERO, 0.0);
             return None;
         }
-        // In units of the duration: a slide may be so short that nothing can be divided by its square.
+        // In units of the duration, because the square of a short duration may underflow.
         let way = self.velocity * duration;
         let bend = if support.curvature > 0.0 {
             (self.slide_to(support, acceleration, duration) - self.position - way) * 2.0
@@ -284,22 +285,23 @@ impl Trajectory<'_> {
             self.velocity += acceleration * time;
         }
         if stops {
-            // Exactly: a remainder of rounding would be braked, and leave another one, over and over again.
+            // Exactly zero: a rounding remainder would be decelerated again and again.
             self.velocity = DVec3::ZERO;
             self.left = if rests { 0.0 } else { self.left };
         }
         next.map(|(_, surface)| surface)
     }
 
-    /// Where a slide with the given acceleration along the surface leads.
+    /// The final position of a slide with the given tangential acceleration.
     fn slide_to(&self, support: &Support, acceleration: DVec3, time: f64) -> DVec3 {
         let way = (self.velocity + acceleration * (0.5 * time)) * time;
-        // A tangent of length R tan φ is wanted for an arc of length R φ: tan φ = φ + φ³/3 + O(φ⁵).
+        // A tangent of length R tan φ spans an arc of length R φ: tan φ = φ + φ³/3 + O(φ⁵).
         let angle = support.curvature * support.curvature * way.length_squared();
         self.walls.onto(&support.slides, self.position + way * (1.0 + angle / 3.0))
     }
 
-    /// The second half of a slide on a curved wall: the velocity turns with the surface, and the forces are those there.
+    /// The second half of a slide on a curved wall: the velocity is rotated into the new tangent plane, and the forces are
+    /// those there.
     fn turn(&mut self, support: &Support, middle: DVec3, drag: f64, time: f64) {
         let here = support.moved(|surface| {
             let wall = &self.walls.surfaces[surface].wall;

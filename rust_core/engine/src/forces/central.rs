@@ -1,7 +1,7 @@
 //! A central force: F = −s rᵖ d/r toward the center for d = x − center, with r² = |d|² + ε² (Plummer softening).
 //!
 //! With q = r² this is F = −s q^((p−1)/2) d, so U = s q^((p+1)/2)/(p+1), or (s/2) ln q for p = −1. Source for the
-//! softening: H. C. Plummer, Mon. Not. R. Astron. Soc. 71 (1911) 460. A harmonic one (p = 1) is fused.
+//! softening: H. C. Plummer, Mon. Not. R. Astron. Soc. 71 (1911) 460. A harmonic force (p = 1) is fused.
 
 use std::f64::consts::TAU;
 use std::ops::Range;
@@ -18,21 +18,21 @@ use crate::matter::Properties;
 use crate::scene::Item;
 use crate::stability::{Horizon, SpectralBound};
 
-/// How many steps an automatic time step gives the fastest turn around the center.
+/// Steps per period of the fastest orbit at an automatic time step.
 const STEPS_PER_TURN: f64 = 100.0;
 
-/// A power law of the distance from a center.
+/// A central force with a power law of the distance.
 #[derive(Debug)]
 pub struct Central<V: Vector> {
     /// The center [m].
     center: DVec3,
-    /// s [N at r = 1 m], positive where it attracts.
+    /// Strength s [N at r = 1 m], positive for attraction.
     strength: f64,
-    /// p.
+    /// Exponent p.
     exponent: f64,
-    /// ε [m].
+    /// Softening length ε [m].
     softening: f64,
-    /// 1 for a particle that it acts on, else 0; padded.
+    /// 1 for affected particles, else 0; padded.
     members: Vec<V::Scalar>,
 }
 
@@ -45,7 +45,7 @@ pub fn kind<V: Vector>() -> Kind<V> {
 }
 
 impl<V: Vector> Central<V> {
-    /// A central force as declared.
+    /// The central force of an item.
     fn new(item: &Item, members: Vec<V::Scalar>) -> Result<Self> {
         let (strength, exponent) = (item.number("strength")?, item.number("exponent")?);
         Ok(Self { center: item.vector("center")?, strength, exponent, softening: item.non_negative("softening")?, members })
@@ -61,7 +61,7 @@ impl<V: Vector> Central<V> {
     }
 
     fn potential_at(&self, q: f64) -> f64 {
-        // At the very center the force counts as 0, and so does the energy, which may have no limit there.
+        // At the center the force is set to 0, and so is the energy, which may have no limit there.
         if self.strength == 0.0 || q == 0.0 {
             0.0
         } else if self.exponent == -1.0 {
@@ -71,8 +71,8 @@ impl<V: Vector> Central<V> {
         }
     }
 
-    /// The smallest distance that a particle reaches if nothing else acts on it: where the effective potential
-    /// U(r) + L²/(2mr²) takes all of its energy, by bisection between nothing and where it is now.
+    /// The periapsis of a particle under this force alone [m]: the radius where the effective potential U(r) + L²/(2mr²)
+    /// equals its energy, by bisection between 0 and its present distance.
     fn closest(&self, mass: f64, from_center: DVec3, velocity: DVec3) -> f64 {
         let potential = |r: f64| self.potential_at(r * r + self.softening * self.softening);
         let here = from_center.length();
@@ -120,7 +120,7 @@ impl<V: Vector> Force<V> for Central<V> {
                 pointwise::accumulate::<V>(self.law(at.properties.origin, $power), &self.members, block, at, rates)
             };
         }
-        // The inverse square costs a root and a division; any other law costs a call of pow.
+        // The inverse square needs a root and a division; any other exponent a call of pow.
         if self.exponent == -2.0 {
             run!(InverseCube);
         } else {
@@ -136,8 +136,8 @@ impl<V: Vector> Force<V> for Central<V> {
             .sum()
     }
 
-    /// A harmonic center limits the stability. Any other one has no greatest stiffness, so it limits the accuracy: a
-    /// hundred steps for a turn at the frequency of the closest approach, or of the present distance.
+    /// A harmonic center limits the stability. Any other exponent has no largest stiffness and limits the accuracy: a
+    /// hundred steps per period at the frequency of the periapsis, or of the present distance.
     fn bound(&self, at: &StateView<'_, V>, bound: &mut SpectralBound) -> Result<()> {
         let properties = at.properties;
         for index in self.members(0..properties.count()) {
@@ -168,7 +168,7 @@ impl<V: Vector> Force<V> for Central<V> {
     }
 }
 
-/// q^(n/2): by roots and products for the small whole n of everyday physics, which are a hundred times as fast as pow.
+/// q^(n/2): by roots and products for small integers n, a hundred times as fast as pow.
 fn half_power(q: f64, n: f64) -> f64 {
     if n.fract() != 0.0 || n.abs() > 8.0 {
         return libm::pow(q, 0.5 * n);
@@ -180,8 +180,8 @@ fn half_power(q: f64, n: f64) -> f64 {
 
 /// q ↦ q^((p−1)/2).
 pub trait Power<T>: Copy {
-    /// A factor times the power of q; 0 at q = 0 and for a factor of 0. The power is taken in any case: a choice between two
-    /// values can be vectorised, a branch cannot.
+    /// A factor times the power of q; 0 at q = 0 and for a factor of 0. The power is always computed: a selection can be
+    /// vectorized, a branch cannot.
     fn times(self, factor: T, q: T) -> T;
 }
 
@@ -209,16 +209,16 @@ impl<T: Real> Power<T> for General {
     }
 }
 
-/// An inverse-square law, with 1 for every particle that it acts on, else 0.
+/// An inverse-square force and the particles that it acts on.
 #[derive(Debug, Clone, Copy)]
 pub struct InverseSquare<'a, T> {
-    /// The force.
+    /// The force field.
     pub law: CentralLaw<T, InverseCube>,
-    /// Which particles it acts on; padded.
+    /// 1 for affected particles, else 0; padded.
     pub members: &'a [T],
 }
 
-/// The force on one particle.
+/// The central force on one particle.
 #[derive(Debug, Clone, Copy)]
 pub struct CentralLaw<T, P> {
     strength: T,
@@ -236,7 +236,7 @@ impl<V: Vector, P: Power<V::Scalar>> ForceField<V> for CentralLaw<V::Scalar, P> 
             d[axis] = x[axis] - self.center[axis];
             q += d[axis] * d[axis];
         }
-        // At the very center the direction is undefined and the force is 0.
+        // At the center the direction is undefined and the force is 0.
         let push = self.power.times(-(weight * self.strength), q);
         PointRate { force: d.map(|d| push * d), dissipated: V::Scalar::ZERO, work: V::Scalar::ZERO }
     }

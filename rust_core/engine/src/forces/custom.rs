@@ -1,4 +1,4 @@
-//! A force given by a function of the user's: slow, correct, and called for all particles at once.
+//! A user-defined force: a function that is called for all particles at once.
 
 mod gradient;
 
@@ -20,25 +20,26 @@ use crate::simd::LANES;
 use crate::stability::{Horizon, SpectralBound};
 use gradient::{Gradient, Probe};
 
-/// How many steps an automatic time step gives a turn of the velocities, which the integrators follow and do not damp.
+/// Steps per rotation period of the velocities at an automatic time step; integrators follow this rotation without damping
+/// it.
 const STEPS_PER_TURN: f64 = 100.0;
 
-/// By how much the frequencies may grow until somebody looks again: a time step counts as certified while it is below the limit
-/// by this. Without it a step is replaced only when it is unstable already.
+/// Growth of the frequencies that a certified limit allows for: a time step counts as certified below the limit over this
+/// factor. Without it a step would be replaced only when it is already unstable.
 const GROWTH: f64 = std::f64::consts::SQRT_2;
 
-/// A user's force on given particles. Without a potential, all that it does counts as work from outside.
+/// A user-defined force on given particles. Without a potential, all its power counts as external work.
 pub struct Custom<V: Vector> {
     /// Gives the forces [N] for the time [s], positions [m] and velocities [m/s].
     function: Arc<dyn Callback>,
     /// Gives the potential energy [J] for positions [m].
     potential: Option<Arc<dyn Callback>>,
     path: String,
-    /// The engine's index of each particle that it acts on, in the caller's order.
+    /// The engine's indices of its particles, in the caller's order.
     members: Vec<usize>,
-    /// The forces that the function gave last [N].
+    /// Forces of the last evaluation [N].
     force: Columns<V>,
-    /// Its gradients by position and by velocity where they were last looked for.
+    /// Gradients by position and by velocity of the last estimate.
     found: Mutex<Option<[Gradient; 2]>>,
 }
 
@@ -79,7 +80,7 @@ impl<V: Vector> Custom<V> {
         format!("{}.{function}", self.path)
     }
 
-    /// What the function gives, finite or not.
+    /// The function's forces [N], finite or not.
     fn given(&self, time: f64, positions: &[DVec3], velocities: &[DVec3]) -> Result<Vec<DVec3>> {
         let arguments = [Argument::Number(time), Argument::Vectors(positions), Argument::Vectors(velocities)];
         let numbers = self.function.call(&arguments, "forces", &[positions.len(), V::DIMENSION]);
@@ -88,7 +89,7 @@ impl<V: Vector> Custom<V> {
         Ok(numbers.chunks_exact(V::DIMENSION).map(row).collect())
     }
 
-    /// The forces [N] at a state, in this precision.
+    /// The forces at a state [N], finite in this precision.
     fn forces(&self, time: f64, positions: &[DVec3], velocities: &[DVec3]) -> Result<Vec<DVec3>> {
         let forces = self.given(time, positions, velocities)?;
         let Some(row) = forces.iter().position(|&force| !V::narrow(force).widen().is_finite()) else { return Ok(forces) };
@@ -100,7 +101,7 @@ impl<V: Vector> Custom<V> {
         Err(Error::parameter(self.path(FUNCTION), expected, found))
     }
 
-    /// The gradients of the force on the particles that are free to move.
+    /// The gradients of the force on the movable particles.
     fn gradients(&self, at: &StateView<'_, V>) -> Result<[Gradient; 2]> {
         let (time, positions, velocities) = (at.time, self.positions(at), self.velocities(at));
         let root: Vec<f64> = self.members.iter().map(|&index| at.properties.mass[index].recip().sqrt()).collect();
@@ -117,13 +118,13 @@ impl<V: Vector> Custom<V> {
         let (step, length) = gradient::displacement(&positions);
         let at_places = |way: &[DVec3], h: f64| self.given(time, &moved(&positions, way, h), &velocities);
         let by_position = Probe { given: &at_places, force: &force, root: &root, dimension: V::DIMENSION, step }.gradient()?;
-        let step = gradient::acceleration(&velocities, length * by_position.norm.sqrt());
+        let step = gradient::velocity_increment(&velocities, length * by_position.norm.sqrt());
         let at_speeds = |way: &[DVec3], h: f64| self.given(time, &positions, &moved(&velocities, way, h));
         let by_velocity = Probe { given: &at_speeds, force: &force, root: &root, dimension: V::DIMENSION, step }.gradient()?;
         Ok([by_position, by_velocity])
     }
 
-    /// The potential energy of its particles [J].
+    /// Potential energy of its particles [J].
     fn potential_energy(&self, potential: &dyn Callback, at: &StateView<'_, V>) -> Result<f64> {
         if self.members.is_empty() {
             return Ok(0.0);
@@ -134,7 +135,7 @@ impl<V: Vector> Custom<V> {
         if energy.is_finite() { Ok(energy) } else { Err(Error::parameter(path(), "a finite energy", format!("{energy} J"))) }
     }
 
-    /// The gradients that were found last, for the plan.
+    /// The gradients of the last estimate, for the plan.
     fn findings(&self) -> String {
         match *self.found.lock().unwrap_or_else(PoisonError::into_inner) {
             Some([by_position, by_velocity]) => {
@@ -153,7 +154,7 @@ impl<V: Vector> Custom<V> {
 impl<V: Vector> History for Custom<V> {}
 
 impl<V: Vector> Force<V> for Custom<V> {
-    /// The function is given velocities, so it has to be expected that it uses them.
+    /// The function receives velocities, so it is taken to depend on them.
     fn about(&self) -> About {
         let calls = gradient::MOST_CALLS;
         About {
@@ -202,11 +203,11 @@ impl<V: Vector> Force<V> for Custom<V> {
         Ok(())
     }
 
-    /// The norms of its gradients, for every particle: it may couple any of them with any other.
+    /// The norms of its gradients, for every particle: it may couple any two of them.
     ///
-    /// Velocities that it turns, at the rate r, are no damped modes: with a stiffness ω² they swing at up to
-    /// r/2 + √(r²/4 + ω²), the larger root of μ² = rμ + ω², which counts as the frequency; and the splittings, which take
-    /// such a force at a predicted velocity, gain a little energy in every turn, so that it limits the accuracy too.
+    /// Rotation of velocities at the rate r is no damped mode: with a stiffness ω² the frequencies reach r/2 + √(r²/4 +
+    /// ω²), the larger root of μ² = rμ + ω², which counts as the frequency; and the splittings, which evaluate such a force
+    /// at a predicted velocity, gain a little energy per rotation, so that it limits the accuracy too.
     fn bound(&self, at: &StateView<'_, V>, bound: &mut SpectralBound) -> Result<()> {
         let gradients = self.gradients(at)?;
         *self.found.lock().unwrap_or_else(PoisonError::into_inner) = Some(gradients);

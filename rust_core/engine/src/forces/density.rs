@@ -1,4 +1,4 @@
-//! The density of fluids, which a force evolves beside the state.
+//! The density of fluids, which a force evolves besides the state.
 
 use std::ops::Range;
 
@@ -27,16 +27,16 @@ impl<V: Vector> Drift<'_, V> {
     }
 }
 
-/// How density follows the particles.
+/// The scheme of the density: by summation or continuity.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Scheme {
-    /// Summed over the positions, whenever forces are asked for.
+    /// Summed over the positions at every evaluation of the forces.
     Summation,
     /// Advanced over each drift by the equation of continuity.
     Continuity,
 }
 
-/// Density and pressure of the particles that are fluid, NaN for the others.
+/// Density and pressure of fluid particles, NaN for others.
 #[derive(Debug, Clone, Default)]
 pub struct Fields {
     /// Density [kg/m³].
@@ -45,29 +45,29 @@ pub struct Fields {
     pub pressure: Vec<f64>,
 }
 
-/// The speed of a fluid in units of its speed of sound.
+/// The Mach number of a flow, speed over speed of sound.
 #[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
 pub struct Mach {
-    /// The share of its particles that are faster than [`Mach::FAST`].
+    /// The fraction of particles with a Mach number above [`Mach::FAST`].
     pub fast: f64,
-    /// The speed of sound [m/s].
+    /// Speed of sound c [m/s].
     pub sound: f64,
 }
 
 impl Mach {
-    /// The Mach number from which on a flow is fast: density is then off by about the square of it, two percent.
+    /// Mach number Ma of a fast flow: the density error is about Ma², two percent.
     pub const FAST: f64 = 0.15;
 }
 
-/// The evolution of density, of a force that has one.
+/// The evolution of density by a force.
 pub trait DensityEvolution<V: Vector> {
-    /// How density follows the particles.
+    /// The scheme of the density: by summation or continuity.
     fn scheme(&self) -> Scheme;
 
-    /// Sums density over the positions at the end of a step where no force was asked for.
+    /// Sums density over the positions at the end of a step without an evaluation of forces.
     ///
     /// # Errors
-    /// If positions are too far away to tell distances, or there is too little memory.
+    /// If positions are too far from the origin for exact separations, or memory is short.
     fn sum(&mut self, at: &StateView<'_, V>, executor: &Executor) -> Result<()>;
 
     /// Advances density over a drift.
@@ -76,10 +76,10 @@ pub trait DensityEvolution<V: Vector> {
     /// As [`DensityEvolution::sum`].
     fn drift(&mut self, drift: &Drift<'_, V>, executor: &Executor) -> Result<()>;
 
-    /// Adds the energy that diffusion took over the last drift to what passed through the sinks of a block [J].
+    /// Adds the energy that diffusion dissipated in the last drift to the sinks of a block [J].
     fn dissipated(&self, block: Range<usize>, energy: &mut Power);
 
-    /// Whether it displaces particles beside their velocity, after a drift.
+    /// Whether it shifts particles after a drift, independently of their velocity.
     fn shifts(&self) -> bool;
 
     /// Adds the displacements of the particles of `block` after the last drift [m]. Velocities stay, and the change of
@@ -89,6 +89,6 @@ pub trait DensityEvolution<V: Vector> {
     /// The Mach number at these velocities.
     fn mach(&self, velocity: View<'_, V>) -> Mach;
 
-    /// Writes density and pressure, by the index of the particle.
+    /// Writes density and pressure, indexed by particle.
     fn export(&self, fields: &mut Fields);
 }

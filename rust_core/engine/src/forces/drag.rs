@@ -1,6 +1,6 @@
 //! Drag: F = −(γ + q|u|) u with u = v − w, the velocity relative to the wind w.
 //!
-//! Its power F·v splits into what it dissipates, (γ + q|u|)|u|² ≥ 0, and the work that the wind does, −(γ + q|u|) u·w.
+//! Its power F·v splits into the dissipated power, (γ + q|u|)|u|² ≥ 0, and the power of the wind, −(γ + q|u|) u·w.
 
 use std::ops::Range;
 
@@ -20,13 +20,13 @@ use crate::stability::{Horizon, SpectralBound};
 /// Linear or quadratic drag in a uniform wind.
 #[derive(Debug)]
 pub struct Drag<V: Vector> {
-    /// γ [N·s/m].
+    /// Linear drag coefficient γ [N·s/m].
     linear: f64,
-    /// q [N·s²/m²].
+    /// Quadratic drag coefficient q [N·s²/m²].
     quadratic: f64,
-    /// w [m/s].
+    /// Velocity of the wind w [m/s].
     wind: DVec3,
-    /// 1 for a particle that it acts on, else 0; padded.
+    /// 1 for affected particles, else 0; padded.
     members: Vec<V::Scalar>,
 }
 
@@ -39,7 +39,7 @@ pub fn kind<V: Vector>() -> Kind<V> {
 }
 
 impl<V: Vector> Drag<V> {
-    /// The linear and the quadratic part of a drag as declared, those that are there: only the first can be fused.
+    /// The linear and the quadratic part of an item's drag, if not 0: only the linear part can be fused.
     fn parts(item: &Item, members: &[V::Scalar]) -> Result<Vec<Self>> {
         let wind = item.optional_vector("wind")?.unwrap_or(DVec3::ZERO);
         let (linear, quadratic) = (item.non_negative("linear")?, item.non_negative("quadratic")?);

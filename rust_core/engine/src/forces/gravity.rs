@@ -16,9 +16,9 @@ use crate::stability::{Horizon, SpectralBound};
 /// A uniform acceleration of the particles that are not fixed.
 #[derive(Debug)]
 pub struct Gravity {
-    /// g [m/s²].
+    /// Gravitational acceleration g [m/s²].
     acceleration: DVec3,
-    /// Which particles it acts on.
+    /// Whether each particle is affected.
     members: Vec<bool>,
 }
 
@@ -42,7 +42,7 @@ pub fn on_body(scene: &Scene, body: usize) -> Result<DVec3> {
 }
 
 impl Gravity {
-    /// Gravity as declared, on those `members` that are not fixed.
+    /// The gravity of an item, on the movable `members`.
     fn new(item: &Item, members: Vec<bool>) -> Result<Self> {
         Ok(Self { acceleration: item.vector(ACCELERATION)?, members })
     }

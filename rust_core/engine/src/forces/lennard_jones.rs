@@ -1,7 +1,7 @@
-//! Lennard-Jones' model of noble gases: attraction by dispersion, repulsion by overlap.
+//! The Lennard-Jones potential: attraction by dispersion, repulsion by overlap.
 //!
-//! U(r) = 4ε[(σ/r)¹² − (σ/r)⁶], of J. E. Jones, Proc. R. Soc. Lond. A 106 (1924) 463, cut off at R so that neither energy nor
-//! force jumps there: F(r) − F(R) and U(r) − U(R) + (r − R) F(R), as in S. Toxvaerd, J. C. Dyre, J. Chem. Phys. 134
+//! U(r) = 4ε[(σ/r)¹² − (σ/r)⁶], of J. E. Jones, Proc. R. Soc. Lond. A 106 (1924) 463, cut off at R with continuous energy
+//! and force (shifted force): F(r) − F(R) and U(r) − U(R) + (r − R) F(R), as in S. Toxvaerd, J. C. Dyre, J. Chem. Phys. 134
 //! (2011) 081102.
 
 use super::pairs::{Directed, Interaction, Pairs, SUMS};
@@ -18,14 +18,14 @@ use crate::stability::SpectralBound;
 /// Liquids, 2nd ed. (2017), section 3.2), for the default safety halves it.
 const ACCURATE: f64 = 0.01;
 
-/// The law in the precision of the run.
+/// The pair potential in the precision of the run.
 #[derive(Debug, Clone, Copy)]
 pub struct LennardJones<T> {
-    /// The depth of the well ε [J].
+    /// Depth of the well ε [J].
     epsilon: f64,
-    /// The distance at which the uncut energy is zero σ [m].
+    /// Distance of zero uncut energy σ [m].
     sigma: f64,
-    /// The distance from which on there is nothing R [m].
+    /// Cutoff radius R [m].
     cutoff: f64,
     /// The uncut energy [J] and force [N] at R.
     edge: [f64; 2],
@@ -57,7 +57,7 @@ pub fn kind<V: Vector>() -> Kind<V> {
 }
 
 impl<T: Real> LennardJones<T> {
-    /// The law as declared.
+    /// The pair potential of an item.
     pub fn new(item: &Item) -> Result<Self> {
         let positive = |name: &str| match item.number(name)? {
             number if number > 0.0 => Ok(number),
@@ -118,7 +118,7 @@ impl<V: Vector> Interaction<V> for LennardJones<V::Scalar> {
         uncut(self.epsilon, self.sigma, distance)[0] - edge + (distance - self.cutoff) * shift
     }
 
-    /// Along the pair it is U'', across it −F/r.
+    /// Longitudinal U'', transverse −F/r.
     fn stiffness(&self, _attributes: [f64; 2], distance: f64) -> [Directed; 2] {
         if distance >= self.cutoff {
             return Default::default();

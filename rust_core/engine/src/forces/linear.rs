@@ -1,5 +1,5 @@
-//! Uniform gravity, linear drag, wind and harmonic wells, fused into one law a = a₀ + b v + c x per particle, which the
-//! integrators' kernels evaluate in registers.
+//! Uniform gravity, linear drag, wind and harmonic wells, fused into one linear force with the acceleration a = a₀ + b v +
+//! c x per particle, which the integrators' kernels evaluate in registers.
 
 use glam::DVec3;
 
@@ -7,23 +7,23 @@ use crate::math::{AXES, Real, Vector};
 use crate::matter::Properties;
 use crate::simd::{Lanes, padded};
 
-/// What the linear forces add up to, in double precision and absolute coordinates.
+/// The sum of the linear forces, in double precision and absolute coordinates.
 #[derive(Debug)]
 pub struct Fusion {
-    /// a₀ [m/s²].
+    /// Constant acceleration a₀ [m/s²].
     pub acceleration: Vec<DVec3>,
-    /// b [1/s].
+    /// Velocity coefficient b [1/s].
     pub rate: Vec<f64>,
-    /// c [1/s²].
+    /// Position coefficient c [1/s²].
     pub well: Vec<f64>,
-    /// The coefficient γ of linear drag [N·s/m].
+    /// Linear drag coefficient γ [N·s/m].
     pub drag: Vec<f64>,
-    /// The wind that drag is relative to [m/s]; None until a drag has been fused.
+    /// Velocity of the wind [m/s]; None without drag.
     pub wind: Option<DVec3>,
 }
 
 impl Fusion {
-    /// Nothing, for `count` particles.
+    /// A sum of no forces, for `count` particles.
     pub fn new(count: usize) -> Self {
         Self {
             acceleration: vec![DVec3::ZERO; count],
@@ -38,66 +38,66 @@ impl Fusion {
 /// The coefficients of one particle along one axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Coefficients<T> {
-    /// a₀ [m/s²].
+    /// Constant acceleration a₀ [m/s²].
     pub a0: T,
-    /// b [1/s].
+    /// Velocity coefficient b [1/s].
     pub b: T,
-    /// c [1/s²].
+    /// Position coefficient c [1/s²].
     pub c: T,
-    /// The coefficient γ of linear drag [N·s/m].
+    /// Linear drag coefficient γ [N·s/m].
     pub drag: T,
 }
 
-/// The fused law in the precision of the state. Where all particles have the same coefficients, these are kept once;
-/// only the last block, whose padding must not move, has them particle by particle.
+/// The linear force in the precision of the state. Coefficients common to all particles are stored once; only the last
+/// block, whose padding must not move, has them per particle.
 #[derive(Debug)]
 pub struct LinearForce<V: Vector> {
     uniform: Option<[Coefficients<V::Scalar>; AXES]>,
-    /// The first particle that the arrays hold.
+    /// The first particle of the arrays.
     first: usize,
     a0: [Vec<V::Scalar>; AXES],
     b: Vec<V::Scalar>,
     c: Vec<V::Scalar>,
     drag: Vec<V::Scalar>,
     wind: [V::Scalar; AXES],
-    /// Whether any power passes through it.
+    /// Whether it dissipates or supplies power.
     pub dissipates: bool,
 }
 
-/// The law of one axis of one block.
+/// The linear force along one axis of one block.
 #[derive(Debug, Clone, Copy)]
 pub enum AxisLaw<'a, T> {
-    /// The same for every particle, without wind or well.
+    /// Common coefficients, without wind or well.
     Uniform(Coefficients<T>),
-    /// Particle by particle.
+    /// Coefficients per particle.
     Varying(Varying<'a, T>),
 }
 
-/// Coefficients particle by particle, for one axis of one block.
+/// Coefficients per particle, for one axis of one block.
 #[derive(Debug, Clone, Copy)]
 pub struct Varying<'a, T> {
-    /// a₀ [m/s²].
+    /// Constant acceleration a₀ [m/s²].
     pub a0: &'a [Lanes<T>],
-    /// b [1/s].
+    /// Velocity coefficient b [1/s].
     pub b: &'a [Lanes<T>],
-    /// c [1/s²].
+    /// Position coefficient c [1/s²].
     pub c: &'a [Lanes<T>],
-    /// The coefficient γ of linear drag [N·s/m].
+    /// Linear drag coefficient γ [N·s/m].
     pub drag: &'a [Lanes<T>],
     /// The wind along this axis [m/s].
     pub wind: T,
 }
 
 impl<V: Vector> LinearForce<V> {
-    /// The law that was fused, for blocks of `block` particles.
-    pub fn new(fold: &Fusion, properties: &Properties<V>, block: usize) -> Self {
+    /// The linear force of a fusion, for blocks of `block` particles.
+    pub fn new(fusion: &Fusion, properties: &Properties<V>, block: usize) -> Self {
         let count = properties.count();
         let coefficients = |index: usize| {
-            let a0 = (fold.acceleration[index] + properties.origin * fold.well[index]).to_array();
-            let [b, c, drag] = [fold.rate[index], fold.well[index], fold.drag[index]].map(V::Scalar::from_f64);
+            let a0 = (fusion.acceleration[index] + properties.origin * fusion.well[index]).to_array();
+            let [b, c, drag] = [fusion.rate[index], fusion.well[index], fusion.drag[index]].map(V::Scalar::from_f64);
             a0.map(|a0| Coefficients { a0: V::Scalar::from_f64(a0), b, c, drag })
         };
-        let wind = fold.wind.unwrap_or(DVec3::ZERO);
+        let wind = fusion.wind.unwrap_or(DVec3::ZERO);
         let mut uniform = (count > 0).then(|| coefficients(0));
         if uniform.is_some_and(|same| same[0].c != V::Scalar::ZERO || (1..count).any(|index| coefficients(index) != same))
             || wind != DVec3::ZERO
@@ -118,11 +118,11 @@ impl<V: Vector> LinearForce<V> {
             c: each(&|index| coefficients(index)[0].c),
             drag: each(&|index| coefficients(index)[0].drag),
             wind: wind.to_array().map(V::Scalar::from_f64),
-            dissipates: fold.drag.iter().any(|&drag| drag != 0.0),
+            dissipates: fusion.drag.iter().any(|&drag| drag != 0.0),
         }
     }
 
-    /// The law of the block of `length` particles, padding included, that begins at `start`.
+    /// The linear force along an axis of the block of `length` particles, padding included, that begins at `start`.
     #[inline(always)]
     pub fn axis(&self, axis: usize, start: usize, length: usize) -> AxisLaw<'_, V::Scalar> {
         match self.uniform {
@@ -141,13 +141,13 @@ impl<V: Vector> LinearForce<V> {
         match self.uniform {
             Some(same) if index < self.first => same[axis].a0 + same[axis].b * v,
             _ => {
-                let place = index - self.first;
-                self.a0[axis][place] + self.b[place] * v + self.c[place] * x
+                let entry = index - self.first;
+                self.a0[axis][entry] + self.b[entry] * v + self.c[entry] * x
             }
         }
     }
 
-    /// The memory that it takes [bytes].
+    /// Memory [bytes].
     pub fn bytes(&self) -> usize {
         (V::DIMENSION + 3) * std::mem::size_of_val(self.b.as_slice())
     }

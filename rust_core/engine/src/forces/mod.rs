@@ -24,7 +24,7 @@ pub mod linear;
 mod neighbor_list;
 mod pairs;
 mod pointwise;
-mod repulsion;
+mod soft_spheres;
 pub mod sph;
 pub mod springs;
 
@@ -246,7 +246,7 @@ struct Kind<V: Vector> {
 
 /// The registry.
 fn kinds<V: Vector>() -> [Kind<V>; 6] {
-    [gravity::kind(), drag::kind(), central::kind(), custom::kind(), repulsion::kind(), lennard_jones::kind()]
+    [gravity::kind(), drag::kind(), central::kind(), custom::kind(), soft_spheres::kind(), lennard_jones::kind()]
 }
 
 /// Whether a force of the scene passes between all particles that are near each other.

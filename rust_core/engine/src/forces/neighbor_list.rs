@@ -1,7 +1,7 @@
-//! Who is near whom among the members of a pair force, from step to step.
+//! The neighbor list (Verlet list) of the members of a pair force, kept from step to step.
 //!
-//! The sums over lists depend on when the lists were made, by rounding. So the positions that they were made from are part of
-//! what a checkpoint holds, and are rolled back.
+//! The sums over lists depend by rounding on the positions that the lists were built from. These positions are therefore
+//! captured in checkpoints and rolled back.
 
 use std::ops::Range;
 
@@ -15,42 +15,42 @@ use crate::neighbors::{Domain, Neighbors};
 use crate::parallel::{BlockedSlice, Executor};
 use crate::scene::Scene;
 
-/// The skin in units of the distance between particles. A list then lives some steps, and is not much longer than need be.
+/// Skin in units of the particle spacing: lists serve several steps and are not much longer than necessary.
 const SKIN: f64 = 0.3;
 
-/// The cells in which particles are counted to find that distance, in units of the cutoff.
+/// Size of the cells that count particles for an estimate of the spacing, in units of the cutoff.
 const SAMPLE: f64 = 4.0;
 
-/// Particles whose positions are copied at a time.
+/// Particles per block of the copy of positions.
 const BLOCK: usize = 1024;
 
-/// Stands for the member number of a particle that is none.
+/// Member number of a particle that is no member.
 const NOT_A_MEMBER: u32 = u32::MAX;
 
-/// The positions of some particles, and lists of their neighbors.
+/// The positions of the members, and the lists of their neighbors.
 #[derive(Debug)]
 pub struct NeighborList {
-    /// These particles, by their index.
+    /// Particle indices of the members.
     members: Vec<u32>,
-    /// The member that each particle is.
+    /// Member number of each particle.
     member_of: Vec<u32>,
     neighbors: Neighbors,
     /// Exact positions relative to the origin, one array per axis [m].
     positions: [Vec<f64>; AXES],
-    /// What the lists were made from when the batch began.
+    /// Positions of the last build at the start of the batch [m].
     saved: [Vec<f64>; AXES],
-    /// Whether they have been made anew since.
+    /// Whether the lists were rebuilt since.
     renewed: bool,
-    /// Whether those of then are to be made again before anything else.
+    /// Whether the lists of the start must be rebuilt before use.
     rolled_back: bool,
     skin: f64,
 }
 
 impl NeighborList {
-    /// The vicinity up to a cutoff [m] of the `members` of a scene, which are given by their index.
+    /// The neighbor list up to a cutoff [m] of the `members` of a scene, given by particle index.
     ///
     /// # Errors
-    /// If the cutoff makes no sense, the periodic domain is too small for it, or the precision of the run too coarse.
+    /// If the cutoff is out of range, the periodic domain is too small for it, or the precision of the run too coarse.
     pub fn new<V: Vector>(scene: &Scene, properties: &Properties<V>, members: Vec<u32>, cutoff: f64) -> Result<Self> {
         refuse_tiny::<V::Scalar>(cutoff)?;
         let domain = domain(scene, properties.origin);
@@ -63,11 +63,11 @@ impl NeighborList {
         Ok(Self { members, member_of, neighbors, positions, saved, renewed: false, rolled_back: false, skin })
     }
 
-    /// Brings positions and lists up to date, and says whether the lists are new. `position` gives that of a particle along
+    /// Updates positions and lists, and returns whether the lists were rebuilt. `position` gives that of a particle along
     /// an axis, relative to the origin [m].
     ///
     /// # Errors
-    /// If positions are too far away to tell distances, or the lists do not fit into memory.
+    /// If positions are too far from the origin for exact separations, or the lists do not fit into memory.
     pub fn update(&mut self, position: &(impl Fn(usize, usize) -> f64 + Sync), executor: &Executor) -> Result<bool> {
         self.resume(executor)?;
         let (dimension, members) = (self.neighbors.dimension(), &self.members);
@@ -77,13 +77,13 @@ impl NeighborList {
                 mine.items.iter_mut().zip(members).for_each(|(to, &member)| *to = position(axis, member as usize));
             });
         }
-        // Said beforehand, because a failure leaves no lists behind.
+        // Set before the update, because a failure leaves no lists.
         let renewed = self.neighbors.update(self.positions.each_ref().map(Vec::as_slice), executor);
         self.renewed |= *renewed.as_ref().unwrap_or(&true);
         renewed
     }
 
-    /// The same members at another moment, with lists of their own.
+    /// The members at other positions, with separate lists.
     ///
     /// # Errors
     /// As [`NeighborList::update`].
@@ -104,12 +104,12 @@ impl NeighborList {
         Ok(anew)
     }
 
-    /// The members, by their index.
+    /// The particle indices of the members.
     pub fn members(&self) -> &[u32] {
         &self.members
     }
 
-    /// The members in a block: their number in it, which member each is, and its slot.
+    /// The members in a block: their index within it, member number and slot.
     pub fn in_block(&self, block: Range<usize>) -> impl Iterator<Item = (usize, usize, usize)> {
         let member_of = self.member_of[block.start..block.end.min(self.member_of.len())].iter().enumerate();
         let slots = self.neighbors.slots();
@@ -122,7 +122,7 @@ impl NeighborList {
         &self.neighbors
     }
 
-    /// How much further than the cutoff the lists reach [m].
+    /// Skin: reach of the lists beyond the cutoff [m].
     pub fn skin(&self) -> f64 {
         self.skin
     }
@@ -137,7 +137,7 @@ impl NeighborList {
         self.vector(self.positions(), slot)
     }
 
-    /// Where that member was when the lists were made [m].
+    /// The position of that member at the last build [m].
     pub fn anchor(&self, slot: usize) -> DVec3 {
         self.vector(self.neighbors.anchors(), slot)
     }
@@ -147,7 +147,7 @@ impl NeighborList {
         DVec3::from_array(columns.map(|axis| axis.get(member).copied().unwrap_or(0.0)))
     }
 
-    /// Makes the lists that were gone back to, and says whether there were others.
+    /// Rebuilds the lists after a rollback, and returns whether that was necessary.
     ///
     /// # Errors
     /// As [`NeighborList::update`].
@@ -155,20 +155,21 @@ impl NeighborList {
         let rolled_back = self.rolled_back;
         if rolled_back {
             self.neighbors.restore(self.saved.each_ref().map(Vec::as_slice), executor)?;
-            // Whoever is stopped before the end of this batch makes them once more, and what hangs on them.
+            // After an interrupt before the end of this batch they must be rebuilt again, with everything that depends on
+            // them.
             (self.renewed, self.rolled_back) = (true, executor.stopped());
         }
         Ok(rolled_back)
     }
 
-    /// How many neighbors are listed, of all particles together; a guess while there are no lists.
+    /// The number of listed neighbors of all particles; an estimate before the first build.
     pub fn pairs(&self) -> usize {
         let count = self.neighbors.count();
         let listed = (0..count).map(|slot| self.neighbors.of(slot).len()).sum();
         if listed == 0 { TYPICAL * count } else { listed }
     }
 
-    /// How the plan describes it.
+    /// Description in the plan.
     pub fn layout(&self) -> String {
         let reach = self.neighbors.support() - self.skin;
         format!(
@@ -177,15 +178,15 @@ impl NeighborList {
         )
     }
 
-    /// The memory that it takes [bytes].
+    /// Memory [bytes].
     pub fn bytes(&self) -> usize {
         let columns = self.positions.iter().chain(&self.saved).map(|column| std::mem::size_of_val(column.as_slice()));
         self.neighbors.bytes() + columns.sum::<usize>() + size_of::<u32>() * (self.members.len() + self.member_of.len())
     }
 }
 
-/// The positions that the lists were made from. After a rollback the lists are made when they are needed: whoever interrupts a
-/// step has not the time.
+/// The positions of the last build. After a rollback the lists are rebuilt on demand, because an interrupt must not wait
+/// for them.
 impl History for NeighborList {
     fn save(&mut self) {
         if self.renewed {
@@ -211,13 +212,13 @@ impl History for NeighborList {
     }
 }
 
-/// The number of neighbors that a particle is taken to have where that only decides how long a batch of steps is.
+/// Assumed number of neighbors per particle where it only sets the length of a batch of steps.
 const TYPICAL: usize = 20;
 
-/// Refuses cutoffs [m] of which the precision of the run cannot hold the square, down to the distances that it tells apart.
+/// Refuses cutoffs [m] whose square, down to the smallest resolved distance, underflows in the precision of the run.
 fn refuse_tiny<T: Real>(cutoff: f64) -> Result<()> {
     let least = T::EPSILON * cutoff * cutoff;
-    // Where numbers are no longer normal, or infinite, they lose digits.
+    // Subnormal and infinite numbers lose digits.
     if (T::from_f64(least).to_f64() - least).abs() <= T::EPSILON * least {
         return Ok(());
     }
@@ -225,7 +226,7 @@ fn refuse_tiny<T: Real>(cutoff: f64) -> Result<()> {
     Err(Error::parameter("precision", "f64", found).with_hint("squares of such distances are out of its range"))
 }
 
-/// The space of a scene, relative to an origin.
+/// The domain of a scene, relative to an origin.
 fn domain(scene: &Scene, origin: DVec3) -> Domain {
     let Some([lower, upper]) = scene.periodic else { return Domain::default() };
     let ends = |axis: usize| (lower[axis] - origin[axis], upper[axis] - origin[axis]);
@@ -233,14 +234,14 @@ fn domain(scene: &Scene, origin: DVec3) -> Domain {
     Domain { period: std::array::from_fn(|axis| is_periodic(axis).then(|| ends(axis))) }
 }
 
-/// Where the members are at the start, relative to the origin [m].
+/// The initial positions of the members, relative to the origin [m].
 fn initial_positions<V: Vector>(scene: &Scene, properties: &Properties<V>, members: &[u32]) -> Vec<DVec3> {
     let positions = scene.positions();
     let position = |&member: &u32| positions[properties.caller[member as usize] as usize] - properties.origin;
     members.iter().map(position).collect()
 }
 
-/// The skin for particles at these positions, from the space that there is for each where they are: in wide cells that hold any.
+/// The skin for particles at these positions, from the mean volume per particle in occupied cells.
 fn skin<V: Vector>(positions: &[DVec3], domain: &Domain, cutoff: f64) -> f64 {
     let cell = SAMPLE * cutoff;
     let mut cells: Vec<[i64; AXES]> =

@@ -1,9 +1,8 @@
-//! The force that all laws between near particles share: who is near, what each reads of the other, and the sums.
+//! The force that all short-range pair laws share: neighbor list, records and pair sums.
 //!
-//! Before any block is asked, [`Pairs::prepare`] brings the lists of neighbors up to date, writes what the law reads of every
-//! particle into records, and sums the law over the neighbors of each. Each particle sums its own forces, so every pair is
-//! computed from both of its ends, and action and reaction are equal to the bit: both see the same numbers with opposite
-//! signs.
+//! Before the blocks accumulate, [`Pairs::prepare`] updates the neighbor lists, writes the law's input of every particle
+//! into records, and sums the law over the neighbors of each. Every pair is computed from both of its ends, and action and
+//! reaction are equal to the bit: both use the same numbers with opposite signs.
 
 use std::ops::Range;
 
@@ -23,40 +22,40 @@ use crate::scene::Scene;
 use crate::simd::{LANES, Number, Record};
 use crate::stability::{Horizon, SpectralBound};
 
-/// The force on a particle along each axis, and the power that its pairs dissipate.
+/// Pair sums of a particle: the force along each axis [N], and the power that its pairs dissipate [W].
 pub const SUMS: usize = AXES + 1;
 
-/// What happens between two particles that are near.
+/// A short-range pair interaction.
 pub trait Interaction<V: Vector>: PairLaw<V, SUMS> + Send {
-    /// Its name in the plan and in the audit.
+    /// Its name in the plan and in the energy budget.
     const NAME: &'static str;
 
-    /// The distance from which on nothing happens [m].
+    /// Cutoff radius [m].
     fn cutoff(&self) -> f64;
 
-    /// Whether it depends on velocity.
+    /// Dependence on velocity.
     fn velocity(&self) -> VelocityDependence;
 
-    /// What it reads of a particle beside position and velocity: see [`attribute`].
+    /// Its parameter of a particle besides position and velocity, such as the radius: see [`attribute`].
     fn attribute(&self, properties: &Properties<V>, index: usize) -> f64;
 
-    /// The energy of two particles with these attributes at a distance [J].
+    /// Potential energy of two particles with these attributes at a distance [J].
     fn potential(&self, attributes: [f64; 2], distance: f64) -> f64;
 
-    /// The stiffness [N/m] and the damping [N·s/m] of such a pair, each along it and across it, at the most.
+    /// Upper bounds of the stiffness [N/m] and the damping [N·s/m] of such a pair, longitudinal and transverse.
     fn stiffness(&self, attributes: [f64; 2], distance: f64) -> [Directed; 2];
 
-    /// The largest eigenvalues of the sums of its pairs' stiffnesses [N/m] and dampings [N·s/m], as matrices, that every particle
-    /// must be expected to meet, however few touch it now.
+    /// Largest eigenvalues of the summed stiffness [N/m] and damping [N·s/m] matrices of a particle's pairs that must be
+    /// expected in the motion ahead, however few pairs interact now.
     fn expected(&self, _at: &StateView<'_, V>, _members: &[u32]) -> [f64; 2] {
         [0.0; 2]
     }
 
-    /// Adds what else bounds the time step.
+    /// Adds further bounds of the time step.
     fn bound(&self, _at: &StateView<'_, V>, _members: &[u32], _bound: &mut SpectralBound) {}
 }
 
-/// A stiffness or a damping of a pair: a along its direction n and b across it, a nnᵀ + b (1 − nnᵀ).
+/// Stiffness or damping of a pair: longitudinal a and transverse b for the direction n, a nnᵀ + b (1 − nnᵀ).
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Directed {
     pub along: f64,
@@ -64,15 +63,15 @@ pub struct Directed {
 }
 
 impl Directed {
-    /// As a matrix, for pairs in the direction `n`.
+    /// The matrix for the direction `n`.
     fn matrix(&self, n: DVec3) -> DMat3 {
         let outer = DMat3::from_cols(n * n.x, n * n.y, n * n.z);
         (self.along - self.across) * outer + self.across * DMat3::IDENTITY
     }
 }
 
-/// The most that the largest eigenvalue of a symmetric matrix in `dimension` dimensions can be by its trace and its norm, which
-/// in two is what it is: H. Wolkowicz and G. P. H. Styan, Linear Algebra Appl. 29 (1980) 471, theorem 2.1.
+/// Upper bound of the largest eigenvalue of a symmetric matrix in `dimension` dimensions by its trace and norm, exact in
+/// two dimensions: H. Wolkowicz and G. P. H. Styan, Linear Algebra Appl. 29 (1980) 471, theorem 2.1.
 fn largest(matrix: &DMat3, dimension: usize) -> f64 {
     let columns = [matrix.x_axis, matrix.y_axis, matrix.z_axis];
     let number = dimension as f64;
@@ -90,7 +89,7 @@ pub fn attribute<V: Vector, N: Copy>(record: &Record<N>) -> N {
     record[2 * V::DIMENSION]
 }
 
-/// The velocity of a particle relative to the other of a pair.
+/// Relative velocity vᵢ − vⱼ of a pair [m/s].
 #[inline(always)]
 pub fn relative_velocity<V: Vector, N: Number>(pair: &Pair<N>) -> [N; AXES] {
     let mut relative = [N::constant(0.0); AXES];
@@ -100,19 +99,19 @@ pub fn relative_velocity<V: Vector, N: Number>(pair: &Pair<N>) -> [N; AXES] {
     relative
 }
 
-/// A law between all pairs of some particles that are near each other.
+/// The force of a pair law between the neighboring members.
 pub struct Pairs<V: Vector, L> {
     law: L,
-    /// What the law reads of each member.
+    /// Attribute of each member.
     attributes: Vec<f64>,
     neighbor_list: NeighborList,
     records: Records<V>,
-    /// What the law gives, in the order of slots.
+    /// Pair sums by slot: force [N] and dissipated power [W].
     sums: Vec<[V::Scalar; SUMS]>,
 }
 
 impl<V: Vector, L: Interaction<V>> Pairs<V, L> {
-    /// A law between those particles of a scene that are `chosen`.
+    /// The force of a law between the `chosen` particles of a scene.
     ///
     /// # Errors
     /// If the periodic domain is too small for its cutoff.
@@ -125,12 +124,12 @@ impl<V: Vector, L: Interaction<V>> Pairs<V, L> {
         Ok(Self { law, attributes, neighbor_list, records, sums })
     }
 
-    /// Gives `take` what `each` says of every pair that is near at a moment, once: of its members, and the way from one to the
-    /// other [m]. The order is always the same. Lists of their own serve it, whatever those in use are: of a few slots at a
-    /// time, because all together would take as much memory as those.
+    /// Calls `take` with the value of `each` for every pair within the cutoff, once, with its members and its separation
+    /// vector [m], in a fixed order. It builds its own lists, a few slots at a time, because all together would take as
+    /// much memory as the lists in use.
     ///
     /// # Errors
-    /// If positions are too far away to tell distances, or the executor was asked to stop.
+    /// If positions are too far from the origin for exact separations, or on an interrupt.
     fn for_each<T: Send>(
         &self,
         at: &StateView<'_, V>,
@@ -151,7 +150,7 @@ impl<V: Vector, L: Interaction<V>> Pairs<V, L> {
             at.executor.for_each_block(BlockedSlice::new(&mut buffers, 1), &|mine| {
                 let first = (start + mine.start * stride).min(count);
                 let (listed, pairs) = &mut mine.items[0];
-                neighbors.look(first..(first + stride).min(count), listed, at.executor);
+                neighbors.list_slots(first..(first + stride).min(count), listed, at.executor);
                 for (slot, list) in (first..).zip(listed.each()) {
                     let one = order[slot] as usize;
                     for &other in list.iter().filter(|&&other| other as usize > slot) {
@@ -174,7 +173,7 @@ impl<V: Vector, L: Interaction<V>> Pairs<V, L> {
     }
 }
 
-/// Pairs are worked out by several threads at a time, on so many desks of about so many pairs each.
+/// Number of buffers, which several threads fill at a time, and of pairs in each.
 const BUFFERS: usize = 16;
 const PAIRS: usize = 2048;
 
@@ -229,7 +228,7 @@ impl<V: Vector, L: Interaction<V>> Force<V> for Pairs<V, L> {
             for axis in 0..V::DIMENSION {
                 rates.force.axes[axis][index] += sums[axis];
             }
-            // Of a pair's power each takes half.
+            // Each particle accounts for half of a pair's power.
             rates.power[EnergySink::Damping as usize][index % LANES] += 0.5 * sums[AXES].to_f64();
         }
     }
@@ -244,8 +243,8 @@ impl<V: Vector, L: Interaction<V>> Force<V> for Pairs<V, L> {
         Ok(())
     }
 
-    /// For a pair of the matrix A ≥ 0 and displacements u, w of its particles (u − w)ᵀA(u − w) ≤ 2uᵀAu + 2wᵀAw: no frequency of
-    /// all is above that of the particle whose pairs, twice over, hold it the most in any one direction.
+    /// For a pair with the matrix A ≥ 0 and displacements u, w of its particles (u − w)ᵀA(u − w) ≤ 2uᵀAu + 2wᵀAw: no
+    /// frequency exceeds that of the particle whose pairs, counted twice, have the largest sum in any one direction.
     fn bound(&self, at: &StateView<'_, V>, bound: &mut SpectralBound) -> Result<()> {
         let mut sums = vec![[DMat3::ZERO; 2]; self.attributes.len()];
         let matrices = |pair: [usize; 2], separation: DVec3| {
@@ -257,7 +256,7 @@ impl<V: Vector, L: Interaction<V>> Force<V> for Pairs<V, L> {
                 sums[member] = std::array::from_fn(|sum| sums[member][sum] + matrices[sum]);
             }
         });
-        // Positions that cannot be searched are reported by the step that meets them.
+        // Positions out of range are reported by the next step.
         if added.is_err() {
             return Ok(());
         }

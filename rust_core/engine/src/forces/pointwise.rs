@@ -1,4 +1,4 @@
-//! The loop that all forces on independent particles share.
+//! The loop of all pointwise forces.
 
 use std::ops::Range;
 
@@ -7,25 +7,25 @@ use crate::math::{AXES, Real, Vector};
 use crate::matter::{EnergySink, Power, Span};
 use crate::simd::{Kernel, LANES, Lanes, dispatch};
 
-/// A force on one particle as a function of where and how fast it is.
+/// A pointwise force: a function of a particle's position and velocity.
 pub trait ForceField<V: Vector>: Copy {
-    /// The force [N] on a particle, and the powers [W] that it dissipates and supplies; all of it times `weight`, which is
-    /// 0 for a particle that it does not act on. Axes past the dimension are 0 and are ignored.
+    /// The force [N] on a particle, and the dissipated and supplied power [W], all times `weight`, which is 0 for an
+    /// unaffected particle. Axes past the dimension are 0 and are ignored.
     fn at(&self, weight: V::Scalar, x: [V::Scalar; AXES], v: [V::Scalar; AXES]) -> PointRate<V::Scalar>;
 }
 
-/// What a force does to one particle.
+/// Force and powers on one particle.
 #[derive(Debug, Clone, Copy)]
 pub struct PointRate<T> {
     /// The force [N].
     pub force: [T; AXES],
-    /// The power that drag dissipates [W].
+    /// Power dissipated by drag [W].
     pub dissipated: T,
-    /// The power that is supplied from outside [W].
+    /// Power supplied from outside [W].
     pub work: T,
 }
 
-/// Adds a law's forces and powers for one block; `members` says for every particle whether it acts.
+/// Adds the forces and powers of a force field for one block; `members` is 1 for affected particles, else 0.
 pub fn accumulate<V: Vector>(
     law: impl ForceField<V>,
     members: &[V::Scalar],
@@ -56,7 +56,7 @@ impl<V: Vector, L: ForceField<V>> Kernel for Loop<'_, V, L> {
         let f = force.axes.each_mut().map(|axis| axis.as_chunks_mut::<LANES>().0);
         let mut dissipated = [V::Scalar::ZERO; LANES];
         let mut work = [V::Scalar::ZERO; LANES];
-        // Everything is read into local arrays first: only then can the compiler be sure that nothing overlaps.
+        // All input is copied to local arrays first, so that the compiler can exclude aliasing.
         for (group, member) in lanes(members).iter().enumerate() {
             let read = |columns: &[&[Lanes<V::Scalar>]; AXES]| -> [Lanes<V::Scalar>; AXES] {
                 std::array::from_fn(|axis| if axis < V::DIMENSION { columns[axis][group] } else { [V::Scalar::ZERO; LANES] })

@@ -1,4 +1,4 @@
-//! The reference: all pairs.
+//! Reference implementation of the neighbor search: all pairs.
 
 use super::Domain;
 use crate::math::AXES;

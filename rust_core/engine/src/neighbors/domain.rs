@@ -1,15 +1,15 @@
-//! The space that particles are in, and what of it can be searched exactly.
+//! The domain of particles, and the range of coordinates and cutoffs that can be searched exactly.
 
 use crate::error::{Error, Result};
 use crate::math::AXES;
 
-/// Positions are refused where the spacing of f64 numbers is above this part of the cutoff.
+/// Largest spacing of f64 numbers at a position, in units of the cutoff.
 const COARSEST: f64 = 1e-7;
 
-/// The range of cutoffs [m] whose squares and inverses are far from the ends of f64.
+/// The range of cutoffs [m] whose squares and inverses neither overflow nor underflow.
 const CUTOFFS: std::ops::RangeInclusive<f64> = 1e-100..=1e100;
 
-/// The space that particles are in.
+/// The domain of particles.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Domain {
     /// The lower and upper end of each axis that is periodic [m]; None for an unbounded one.
@@ -27,13 +27,13 @@ impl Domain {
         self.period.iter().any(Option::is_some)
     }
 
-    /// Refuses axes on which a particle would meet two images of another, or that are none.
+    /// Refuses periodic axes that are invalid, or so short that a particle would interact with two images of another.
     pub(super) fn check(&self, cutoff: f64, support: f64) -> Result<()> {
         self.period.iter().flatten().try_for_each(|&ends| check_period(ends, cutoff, support))
     }
 }
 
-/// Refuses cutoffs and skins that make no sense.
+/// Refuses cutoffs and skins out of range.
 pub fn check_lengths(cutoff: f64, skin: f64) -> Result<()> {
     if !CUTOFFS.contains(&cutoff) {
         return Err(Error::parameter("cutoff", "a length between 1e-100 and 1e100 m", cutoff));
@@ -44,7 +44,7 @@ pub fn check_lengths(cutoff: f64, skin: f64) -> Result<()> {
     Ok(())
 }
 
-/// Refuses coordinates whose rounding is not small beside the cutoff.
+/// Refuses coordinates whose rounding error is not small against the cutoff.
 pub fn check_spacing<'a>(coordinates: impl Iterator<Item = &'a f64>, cutoff: f64) -> Result<()> {
     let farthest = coordinates.filter(|end| end.is_finite()).fold(0.0_f64, |most, end| most.max(end.abs()));
     if is_coarse(farthest, cutoff) {
@@ -55,17 +55,17 @@ pub fn check_spacing<'a>(coordinates: impl Iterator<Item = &'a f64>, cutoff: f64
     Ok(())
 }
 
-/// Whether f64 numbers near a coordinate are too far from each other.
+/// Whether the spacing of f64 numbers at a coordinate is too large.
 fn is_coarse(coordinate: f64, cutoff: f64) -> bool {
     coordinate > farthest_exact(cutoff)
 }
 
-/// How far from 0 a coordinate may be [m].
+/// The largest admissible |coordinate| [m].
 fn farthest_exact(cutoff: f64) -> f64 {
     cutoff * COARSEST / f64::EPSILON
 }
 
-/// Refuses an axis on which a particle would meet two images of another, or that is not one.
+/// Refuses an axis that is invalid, or so short that a particle would interact with two images of another.
 fn check_period((lower, upper): (f64, f64), cutoff: f64, support: f64) -> Result<()> {
     let found = format!("{lower} to {upper}");
     if !(lower.is_finite() && upper.is_finite() && lower < upper) {

@@ -1,37 +1,37 @@
-//! The cells that candidates are looked for in.
+//! The cell grid of the neighbor search.
 //!
-//! Space is cut into cells of one support, a fraction of it along x, and cells are dealt out to a table of buckets that
-//! goes round: along each axis, cell c is in bucket c modulo the number of buckets. Where the table spans all particles
-//! that is a plain grid; where it would take too much memory it goes round, and a bucket holds several cells, which are
-//! far from each other, so that the distance tells whom to leave out. The buckets of neighboring cells are neighbors and
-//! different either way, and a periodic axis is nothing special: its number of cells is a multiple of its buckets.
+//! Space is divided into cells of one support, a fraction of it along x, which are mapped to a periodic table of buckets:
+//! along each axis, cell c is in bucket c modulo the number of buckets. Where the table spans all particles it is a plain
+//! grid; where that would take too much memory, a bucket holds several cells, which are far from each other, so that the
+//! distance test separates them. The buckets of neighboring cells are neighbors and distinct in both cases, and a periodic
+//! axis needs no special case: its number of cells is a multiple of its buckets.
 
 use std::ops::Range;
 
 use crate::math::AXES;
 
-/// Cells are larger than the support by this much: more than the rounding of a coordinate can move it, see [`super`].
+/// Relative excess of the cell size over the support, above the rounding error of a coordinate, see [`super`].
 const MARGIN: f64 = 1e-6;
 
-/// The cells of one support along x, where the table has room for them: the finer, the fewer candidates.
+/// Cells per support along x, where the table has room for them: the finer, the fewer candidates.
 const FINE: u32 = 4;
 
-/// The most buckets per particle.
+/// Maximum number of buckets per particle.
 const BUCKETS: usize = 2;
 
-/// The most rows of buckets around one.
+/// Maximum number of rows in the neighborhood of a bucket.
 const ROWS: usize = 9;
 
-/// The most runs of candidates: a row is cut where it goes round the table, at its beginning or its end.
+/// Maximum number of runs of candidates: a row is cut where it wraps around the table, at its beginning or its end.
 const RUNS: usize = 2 * ROWS;
 
-/// The most buckets there ever are.
+/// Maximum number of buckets.
 const MOST: usize = 1 << 30;
 
-/// Rows are looked at this much further than the support reaches, for the rounding of the fractions of cells.
+/// Relative excess of the searched interval over the support, for the rounding of the fractions of cells.
 const TRIM: f64 = 1e-5;
 
-/// The extent of the particles.
+/// The bounding box of particles.
 #[derive(Debug, Clone, Copy)]
 pub struct Bounds {
     /// The lowest coordinate along each axis [m].
@@ -41,10 +41,10 @@ pub struct Bounds {
 }
 
 impl Bounds {
-    /// Nothing.
+    /// The empty box.
     pub const EMPTY: Self = Self { low: [f64::INFINITY; AXES], high: [f64::NEG_INFINITY; AXES] };
 
-    /// Both.
+    /// The union of both boxes.
     #[must_use]
     pub fn with(self, other: &Self) -> Self {
         Self {
@@ -57,47 +57,47 @@ impl Bounds {
 /// One axis of the table.
 #[derive(Debug, Clone, Copy)]
 struct Axis {
-    /// Where cell 0 begins [m].
+    /// Lower end of cell 0 [m].
     low: f64,
-    /// Cells in a metre [1/m].
+    /// Cells per meter [1/m].
     inverse: f64,
     /// The size of a cell [m].
     size: f64,
     /// The number of buckets.
     buckets: u32,
-    /// How many cells each way a neighbor can be.
+    /// Reach of a neighbor in cells, in both directions.
     reach: u32,
 }
 
 impl Axis {
-    /// An axis that is not there.
+    /// An axis past the dimension.
     const NONE: Self = Self { low: 0.0, inverse: 0.0, size: 0.0, buckets: 1, reach: 0 };
 
     /// The bucket of a coordinate.
     #[inline(always)]
     fn bucket(&self, coordinate: f64) -> u32 {
         let cell = ((coordinate - self.low) * self.inverse).floor();
-        // Exact: a quotient of whole numbers below 2⁵³ is never rounded up to a whole one.
+        // Exact: a quotient of integers below 2⁵³ is never rounded up to an integer.
         let buckets = f64::from(self.buckets);
         (cell - buckets * (cell / buckets).floor()) as u32
     }
 
-    /// How far into its cell a coordinate is, as a part of the cell.
+    /// The offset of a coordinate in its cell, as a fraction of the cell.
     #[inline(always)]
     fn fraction(&self, coordinate: f64) -> f64 {
         let cells = (coordinate - self.low) * self.inverse;
         cells - cells.floor()
     }
 
-    /// The buckets of all cells within reach of one, as the first of them and how many follow it round the table.
+    /// The buckets of all cells within reach of one, as the first of them and the number that follow it around the table.
     #[inline(always)]
-    fn around(&self, bucket: u32) -> (u32, u32) {
+    fn neighborhood(&self, bucket: u32) -> (u32, u32) {
         let number = (2 * self.reach + 1).min(self.buckets);
         if number < 2 * self.reach + 1 { (0, number) } else { ((bucket + self.buckets - self.reach) % self.buckets, number) }
     }
 
-    /// The squares of the distances from a coordinate to the cells before, at and after its own [m²]; all 0 where the
-    /// table is so short that all cells are looked at.
+    /// The squares of the distances from a coordinate to the cells before, at and after its own [m²]; all 0 where the table
+    /// is so short that all cells are searched.
     #[inline(always)]
     fn gaps(&self, coordinate: f64) -> [f64; 3] {
         if self.buckets < 2 * self.reach + 1 || self.reach == 0 {
@@ -114,10 +114,10 @@ pub struct Grid {
     axes: [Axis; AXES],
 }
 
-/// The rows of buckets in which all neighbors of the particles of one bucket are.
+/// The rows of buckets that contain all neighbors of the particles of one bucket.
 #[derive(Debug, Clone, Copy)]
 pub struct Rows {
-    /// The first bucket of each row, and the numbers of its gaps along y and z.
+    /// The first bucket of each row, and the indices of its gaps along y and z.
     starts: [(u32, usize, usize); ROWS],
     count: usize,
     /// The column of the bucket.
@@ -129,10 +129,10 @@ impl Rows {
     pub const NONE: Self = Self { starts: [(0, 0, 0); ROWS], count: 0, column: 0 };
 }
 
-/// Runs of slots.
+/// Runs of consecutive slots.
 #[derive(Debug, Clone, Copy)]
 pub struct Runs {
-    /// Where each begins and ends.
+    /// Start and end of each.
     ends: [(u32, u32); RUNS],
     count: usize,
 }
@@ -171,7 +171,7 @@ impl Grid {
                 let inverse = f64::from(reach) / size;
                 wanted[axis] = match periods[axis] {
                     Some((lower, upper)) => ((upper - lower) * inverse).floor().max(1.0),
-                    // Empty cells at the end keep those at the beginning from being neighbors round the table.
+                    // Empty cells at the end separate the first from the last ones around the table.
                     None => ((bounds.high[axis] - bounds.low[axis]).max(0.0) * inverse).floor() + 1.0 + f64::from(reach),
                 };
             }
@@ -202,7 +202,7 @@ impl Grid {
         self.axes.iter().map(|axis| axis.buckets as usize).product()
     }
 
-    /// The bucket of a point; one past the last for a point that is nowhere.
+    /// The bucket of a point; one past the last for a point that is not finite.
     #[inline(always)]
     pub fn bucket(&self, point: [f64; AXES]) -> u32 {
         let [x, y, z] = self.axes;
@@ -218,8 +218,8 @@ impl Grid {
     pub fn rows(&self, bucket: u32) -> Rows {
         let [x, y, z] = self.axes;
         let row = bucket / x.buckets;
-        let (first_y, number_y) = y.around(row % y.buckets);
-        let (first_z, number_z) = z.around(row / y.buckets);
+        let (first_y, number_y) = y.neighborhood(row % y.buckets);
+        let (first_z, number_z) = z.neighborhood(row / y.buckets);
         let mut rows = Rows { column: bucket % x.buckets, ..Rows::NONE };
         for layer in 0..number_z {
             for line in 0..number_y {
@@ -231,8 +231,8 @@ impl Grid {
         rows
     }
 
-    /// The runs of slots in which all neighbors of a point within a distance of the given `square` [m²] are, where `starts`
-    /// holds the first place of each bucket.
+    /// The runs of slots that contain all neighbors of a point within a distance of the given `square` [m²], where `starts`
+    /// holds the first slot of each bucket.
     #[inline(always)]
     pub fn runs(&self, rows: &Rows, point: [f64; AXES], square: f64, starts: &[u32], runs: &mut Runs) {
         runs.count = 0;
@@ -246,12 +246,12 @@ impl Grid {
                 continue;
             }
             let half = left.sqrt() * x.inverse + TRIM;
-            // Both are at least 0, as columns of a table that begins one round earlier.
+            // Both are at least 0, as columns of a table shifted by one period.
             let column = f64::from(rows.column + x.buckets) + fraction;
             let (first, last) =
                 if whole { (x.buckets, 2 * x.buckets - 1) } else { ((column - half) as u32, (column + half) as u32) };
             let start = |column: u32| starts[(row + column) as usize];
-            // In the round before, in the table itself, and in the round after.
+            // In the period before, in the table itself, and in the period after.
             if first < x.buckets {
                 runs.push(start(first), start(x.buckets.min(last + 1)));
             }
@@ -265,7 +265,7 @@ impl Grid {
     }
 }
 
-/// As many buckets per axis as there are cells, or fewer on the longest axes, such that there is room for them all.
+/// The number of buckets per axis: that of cells, or fewer on the longest axes, within `room` in all.
 fn fit(cells: [f64; AXES], mut room: f64) -> [u32; AXES] {
     let mut axes: [usize; AXES] = std::array::from_fn(|axis| axis);
     axes.sort_by(|&one, &other| cells[one].total_cmp(&cells[other]));
@@ -278,8 +278,7 @@ fn fit(cells: [f64; AXES], mut room: f64) -> [u32; AXES] {
     buckets
 }
 
-/// The largest number up to `most` that has no factor in common with 10: particles in a regular pattern would else often
-/// meet in a few buckets.
+/// The largest number up to `most` coprime to 10: particles in a regular pattern would else often collide in a few buckets.
 fn round_table(most: u32) -> u32 {
     (1..=most).rev().find(|number| number % 2 != 0 && number % 5 != 0).unwrap_or(1)
 }

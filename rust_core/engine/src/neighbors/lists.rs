@@ -1,4 +1,4 @@
-//! The list of neighbors of every particle, one after the other in blocks of slots.
+//! The neighbor lists of all particles, in blocks of slots.
 
 use std::ops::Range;
 
@@ -13,9 +13,9 @@ use crate::simd::{Isa, LANES, LevelKernel, Selection, dispatch_level};
 /// Some neighbors of one particle, as slots.
 #[derive(Debug, Clone)]
 pub struct List<'a> {
-    /// What holds them.
+    /// The storage.
     pub segment: &'a Selection,
-    /// Where in it.
+    /// Their range in it.
     pub range: Range<usize>,
 }
 
@@ -24,20 +24,20 @@ pub struct List<'a> {
 pub struct Lists {
     /// The lists of each block, one after the other.
     segments: Vec<Selection>,
-    /// Where the list of each slot ends in the segment of its block.
+    /// End of the list of each slot in the segment of its block.
     ends: Vec<usize>,
 }
 
-/// The slots that lists are made from.
+/// The sorted particles that lists are built from.
 #[derive(Debug, Clone, Copy)]
 pub struct Candidates<'a> {
     /// The table of buckets.
     pub grid: &'a Grid,
-    /// The first place of each bucket, of those that are nowhere, and the end.
+    /// The first slot of each bucket, of those that are not finite, and the end.
     pub starts: &'a [u32],
     /// Coordinates in the order of slots, at least a group of lanes longer than there are slots.
     pub columns: [&'a [f64]; AXES],
-    /// What distances are measured with.
+    /// The metric of distances.
     pub metric: &'a Metric,
 }
 
@@ -47,7 +47,7 @@ impl Lists {
         Self { segments: (0..count.div_ceil(BLOCK)).map(|_| Selection::new(count + LANES)).collect(), ends: vec![0; count] }
     }
 
-    /// The memory that they take [bytes].
+    /// Memory [bytes].
     pub fn bytes(&self) -> usize {
         self.segments.iter().map(Selection::bytes).sum::<usize>() + std::mem::size_of_val(self.ends.as_slice())
     }
@@ -59,14 +59,14 @@ impl Lists {
         segment.list(range.start, range.end)
     }
 
-    /// The same, to sum over.
+    /// The list of one slot, for pair sums.
     #[inline(always)]
     pub fn at(&self, slot: usize) -> List<'_> {
         let start = if slot.is_multiple_of(BLOCK) { 0 } else { self.ends[slot - 1] };
         List { segment: &self.segments[slot / BLOCK], range: start..self.ends[slot] }
     }
 
-    /// Makes all lists anew.
+    /// Builds all lists.
     ///
     /// # Errors
     /// [`Error::Memory`] if they do not fit. There are none then.
@@ -79,7 +79,7 @@ impl Lists {
             segment.spare();
         });
         if self.segments.iter().any(Selection::has_overflowed) {
-            // They are longer than was expected, or somebody else took the memory meanwhile.
+            // The estimate was too low, or the memory was taken by another process.
             let held = self.bytes();
             *self = Self::new(self.ends.len());
             let available = memory::available().unwrap_or(0);
@@ -88,8 +88,8 @@ impl Lists {
         Ok(())
     }
 
-    /// Refuses lists that do not fit into memory. Counts some of them, where there are so many particles that they could be
-    /// too long; their lengths vary little from one to the next, which is near it.
+    /// Refuses lists that do not fit into memory. The length of the lists is estimated from a sample, where there are so
+    /// many particles that they could be too long; neighboring lengths vary little.
     fn check(&mut self, candidates: Candidates<'_>, dimension: usize, executor: &Executor) -> Result<()> {
         let (count, held) = (self.ends.len(), self.bytes());
         if room(count.saturating_mul(count)) <= held + memory::SMALL {
@@ -114,24 +114,25 @@ impl Lists {
     }
 }
 
-/// What is refused where lists do not fit.
+/// Name of the allocation in errors.
 const LISTS: &str = "neighbors";
 
-/// Of so many slots the list of one is counted beforehand.
+/// Slots per sampled list.
 const SAMPLE: usize = 64;
 
-/// The most memory that lists of so many neighbors take [bytes].
+/// Maximum memory of lists of this number of neighbors [bytes].
 fn room(neighbors: usize) -> usize {
     neighbors.saturating_mul(size_of::<u32>()) / 4 * 5
 }
 
-/// What to do about lists that do not fit.
+/// The remedy for lists that do not fit.
 fn hint(metric: &Metric) -> String {
     let reach = metric.square.sqrt();
     format!("everything within {reach:.3e} m of each particle is listed: take a smaller cutoff, or sizes that differ less")
 }
 
-/// Lists the neighbors of consecutive slots, from `start` on, one after the other in `segment`, and where each list ends.
+/// Lists the neighbors of consecutive slots from `start` on, one list after the other in `segment`, with the end of each
+/// list.
 pub fn list(
     candidates: Candidates<'_>,
     dimension: usize,
@@ -149,7 +150,7 @@ pub fn list(
     }
 }
 
-/// The lists of one block in the making.
+/// The search for the lists of one block.
 struct Search<'a> {
     candidates: Candidates<'a>,
     start: usize,
@@ -158,7 +159,7 @@ struct Search<'a> {
     executor: &'a Executor,
 }
 
-/// The search in some number of dimensions, with or without periods.
+/// The search, specialized to the number of dimensions and to periodicity.
 struct Flat<'a, const DIMENSION: usize, const PERIODIC: bool>(Search<'a>);
 
 impl<const DIMENSION: usize, const PERIODIC: bool> LevelKernel for Flat<'_, DIMENSION, PERIODIC> {
@@ -172,7 +173,7 @@ impl<const DIMENSION: usize, const PERIODIC: bool> LevelKernel for Flat<'_, DIME
         segment.clear();
         let (mut last, mut rows, mut runs) = (u32::MAX, Rows::NONE, Runs::NONE);
         for (slot, end) in (start..).zip(ends) {
-            // Whoever is stopped has lists that end early.
+            // After an interrupt the lists are incomplete.
             if slot < nowhere && !executor.stopped() {
                 let point = std::array::from_fn(|axis| if axis < DIMENSION { columns[axis][slot] } else { 0.0 });
                 let bucket = grid.bucket(point);
@@ -182,7 +183,7 @@ impl<const DIMENSION: usize, const PERIODIC: bool> LevelKernel for Flat<'_, DIME
                 grid.runs(&rows, point, candidates.metric.square, starts, &mut runs);
                 for run in runs.iter() {
                     for first in run.clone().step_by(LANES) {
-                        look::<I, DIMENSION, PERIODIC>(isa, &candidates, slot, first, run.end, point, segment);
+                        add_group::<I, DIMENSION, PERIODIC>(isa, &candidates, slot, first, run.end, point, segment);
                     }
                 }
             }
@@ -191,9 +192,9 @@ impl<const DIMENSION: usize, const PERIODIC: bool> LevelKernel for Flat<'_, DIME
     }
 }
 
-/// Looks at one group of candidates.
+/// Adds the neighbors of one group of candidates.
 #[inline(always)]
-fn look<I: Isa, const DIMENSION: usize, const PERIODIC: bool>(
+fn add_group<I: Isa, const DIMENSION: usize, const PERIODIC: bool>(
     isa: I,
     candidates: &Candidates<'_>,
     slot: usize,
@@ -211,7 +212,7 @@ fn look<I: Isa, const DIMENSION: usize, const PERIODIC: bool>(
             squares[lane] += separation * separation;
         }
     }
-    // All lanes that are still in the run, but for the particle itself.
+    // All lanes within the run, except the particle itself.
     let mut valid = if end - first < LANES { (1 << (end - first)) - 1 } else { u16::MAX };
     if let Some(own) = slot.checked_sub(first).filter(|&own| own < LANES) {
         valid &= !(1 << own);

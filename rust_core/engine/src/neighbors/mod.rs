@@ -1,13 +1,13 @@
-//! Who is near whom: for every particle the list of all others within a cutoff and a skin.
+//! Neighbor lists (Verlet lists): for every particle, all others within a cutoff and a skin.
 //!
-//! The particles are sorted by the cell that they are in ([`Sort`], over the table of [`Grid`]), and lists are made from
-//! the runs of candidates around each ([`Lists`]); with a skin they serve until somebody has moved by half of it. A
-//! *slot* is a particle's position in that order: lists hold slots, and so do pair sums ([`sums`]), whose reads are then
-//! close together. Lists and their order depend on the positions alone, so they are the same for any number of threads.
+//! The particles are sorted by cell ([`Sort`], over the table of [`Grid`]), and lists are built from the runs of candidates
+//! around each ([`Lists`]); with a skin they serve until the displacement of a particle exceeds half of it. A *slot* is a
+//! particle's index in the sorted order: lists hold slots, and so do pair sums ([`sums`]), whose reads are then local.
+//! Lists and their order depend on the positions alone, so they are the same for any number of threads.
 //!
 //! Exactness. A pair is listed if its distance, computed in f64, is at most cutoff + skin. A cell is larger than that by
-//! 1e-6, and positions are refused where f64 numbers are further apart than 1e-7 cutoffs; the number of the cell is then
-//! good to some 2e-7, so a pair that counts is never further apart than neighboring cells.
+//! 1e-6, and positions are refused where f64 numbers are further apart than 1e-7 cutoffs; the error of a cell number is
+//! then 2e-7, so a listed pair is always in neighboring cells.
 
 mod brute;
 mod domain;
@@ -38,12 +38,12 @@ use sort::Sort;
 /// The number of slots in a block of lists and sums.
 pub(crate) const BLOCK: usize = 1024;
 
-/// What distances are measured with.
+/// The metric of distances.
 #[derive(Debug, Clone, Copy)]
 struct Metric {
     rulers: [<f64 as Coordinate>::Ruler; AXES],
     periodic: bool,
-    /// The square of the largest distance that is listed [m²].
+    /// The square of the largest listed distance [m²].
     square: f64,
 }
 
@@ -55,7 +55,7 @@ struct Positions<'a> {
 }
 
 impl Positions<'_> {
-    /// The position of one particle; 0 along an axis that is not there.
+    /// The position of one particle; 0 along an axis past the dimension.
     #[inline(always)]
     fn get(&self, particle: usize) -> [f64; AXES] {
         std::array::from_fn(|axis| if axis < self.dimension { self.axes[axis][particle] } else { 0.0 })
@@ -74,23 +74,24 @@ pub struct Neighbors {
     grid: Grid,
     sort: Sort,
     lists: Lists,
-    /// The positions that the lists were made from [m].
+    /// The positions of the last build [m].
     anchors: [Vec<f64>; AXES],
-    /// The same in the order of slots, and zeros that are read past the end.
+    /// These positions by slot, with zeros as padding.
     sorted: [Vec<f64>; AXES],
-    /// The extent of each block of particles.
+    /// The bounding box of each block of particles.
     bounds: Vec<Bounds>,
-    /// Whether somebody in each block has moved too far.
+    /// Whether a displacement in each block exceeds half the skin.
     moved: Vec<bool>,
-    /// Whether there are lists.
+    /// Whether the lists are valid.
     built: bool,
 }
 
 impl Neighbors {
-    /// A search for `count` particles in some dimension, for pairs within `cutoff` [m], listed up to `skin` [m] further.
+    /// The lists of `count` particles in a dimension, of pairs within `cutoff` [m], listed up to `skin` [m] further.
     ///
     /// # Errors
-    /// If the numbers make no sense, or a periodic axis is so short that a particle would meet two images of another.
+    /// If the numbers are out of range, or a periodic axis is so short that a particle would interact with two images of
+    /// another.
     pub fn new(count: usize, dimension: usize, domain: &Domain, cutoff: f64, skin: f64) -> Result<Self> {
         check_lengths(cutoff, skin)?;
         if i32::try_from(count).is_err() {
@@ -120,12 +121,12 @@ impl Neighbors {
         })
     }
 
-    /// Makes the lists anew if somebody has moved by more than half the skin since they were made, and says whether it
-    /// did. `positions` [m] are not wrapped into the domain.
+    /// Rebuilds the lists if a displacement since the last build exceeds half the skin, and returns whether it did.
+    /// `positions` [m] are not wrapped into the domain.
     ///
     /// # Errors
-    /// If a position is so far away that its rounding is no longer small beside the cutoff, or the lists do not fit into
-    /// memory. There are no lists then.
+    /// If a position is so far away that its rounding error is not small against the cutoff, or the lists do not fit into
+    /// memory. The lists are then invalid.
     pub fn update(&mut self, positions: [&[f64]; AXES], executor: &Executor) -> Result<bool> {
         let positions = Positions { axes: positions, dimension: self.dimension };
         if self.built && self.skin > 0.0 && !self.has_moved(positions, executor) {
@@ -133,25 +134,25 @@ impl Neighbors {
         }
         self.arrange(positions.axes, executor)?;
         self.lists.build(candidates(&self.grid, &self.sort, &self.sorted, &self.metric), self.dimension, executor)?;
-        // Whoever was stopped half way has no lists.
+        // After an interrupt the lists are invalid.
         self.built = !executor.stopped();
         Ok(true)
     }
 
-    /// The neighbors of some slots only, for who needs each list once: after [`Neighbors::arrange`].
-    pub fn look(&self, slots: Range<usize>, listed: &mut Listed, executor: &Executor) {
+    /// Lists the neighbors of some slots only, for a single use, after [`Neighbors::arrange`].
+    pub fn list_slots(&self, slots: Range<usize>, listed: &mut Listed, executor: &Executor) {
         listed.ends.clear();
         listed.ends.resize(slots.len(), 0);
         let candidates = candidates(&self.grid, &self.sort, &self.sorted, &self.metric);
         lists::list(candidates, self.dimension, slots.start, &mut listed.ends, &mut listed.segment, executor);
     }
 
-    /// An empty list of neighbors, to [`Neighbors::look`] into.
+    /// An empty buffer for [`Neighbors::list_slots`].
     pub fn listed(&self) -> Listed {
         Listed { ends: Vec::new(), segment: self.selection() }
     }
 
-    /// Makes the lists that were made from `anchors`: all later sums then have the bits that they had.
+    /// Rebuilds the lists of the positions `anchors`: all later sums then have the same bits.
     ///
     /// # Errors
     /// As [`Neighbors::update`].
@@ -160,12 +161,12 @@ impl Neighbors {
         self.update(anchors, executor).map(|_| ())
     }
 
-    /// Slot → particle.
+    /// Particle index of each slot.
     pub fn order(&self) -> &[u32] {
         &self.sort.order
     }
 
-    /// Particle → slot.
+    /// Slot of each particle.
     pub fn slots(&self) -> &[u32] {
         &self.sort.slots
     }
@@ -175,17 +176,18 @@ impl Neighbors {
         self.lists.of(slot)
     }
 
-    /// The same, to sum over.
+    /// The neighbor list of a slot, for pair sums.
     pub fn list(&self, slot: usize) -> List<'_> {
         self.lists.at(slot)
     }
 
-    /// An empty selection of slots, to be filled with those that shall be summed over.
+    /// An empty selection of slots, for pair sums over chosen neighbors.
     pub fn selection(&self) -> Selection {
         Selection::new(self.count + LANES)
     }
 
-    /// The vectors to the particle at a slot from all its neighbors, or their nearest images, when the lists were made [m].
+    /// The separation vectors to the particle at a slot from all its neighbors, or their nearest images, at the last build
+    /// [m].
     pub fn separation(&self, slot: usize) -> impl Iterator<Item = DVec3> {
         let point = |slot: usize| std::array::from_fn(|axis| self.sorted[axis].get(slot).copied().unwrap_or(0.0));
         let (own, rulers): ([f64; AXES], _) = (point(slot), self.metric.rulers);
@@ -195,7 +197,7 @@ impl Neighbors {
         })
     }
 
-    /// The positions along each axis that the lists were made from [m], in the order of the particles.
+    /// The positions of the last build along each axis [m], by particle.
     pub fn anchors(&self) -> [&[f64]; AXES] {
         self.anchors.each_ref().map(Vec::as_slice)
     }
@@ -210,23 +212,23 @@ impl Neighbors {
         self.dimension
     }
 
-    /// The space that they are in.
+    /// The domain.
     pub fn domain(&self) -> &Domain {
         &self.domain
     }
 
-    /// The distance up to which pairs are listed [m].
+    /// The support, cutoff plus skin: the largest listed distance [m].
     pub fn support(&self) -> f64 {
         self.cutoff + self.skin
     }
 
-    /// The memory that all of it takes [bytes].
+    /// Memory [bytes].
     pub fn bytes(&self) -> usize {
         let columns = self.anchors.iter().chain(&self.sorted).map(|axis| std::mem::size_of_val(axis.as_slice())).sum::<usize>();
         columns + std::mem::size_of_val(self.bounds.as_slice()) + self.moved.len() + self.sort.bytes() + self.lists.bytes()
     }
 
-    /// Whether anybody is further from its anchor than half the skin, or nowhere.
+    /// Whether a displacement since the last build exceeds half the skin, or is not finite.
     fn has_moved(&mut self, positions: Positions<'_>, executor: &Executor) -> bool {
         let anchors = Positions { axes: self.anchors.each_ref().map(Vec::as_slice), dimension: self.dimension };
         let (count, limit) = (self.count, 0.25 * self.skin * self.skin);
@@ -242,10 +244,10 @@ impl Neighbors {
         executor.stopped() || self.moved.contains(&true)
     }
 
-    /// Sorts the particles at `positions` [m] into slots, from which lists can be made.
+    /// Sorts the particles at `positions` [m] into slots, for later list builds.
     ///
     /// # Errors
-    /// If a position is so far away that its rounding is no longer small beside the cutoff.
+    /// If a position is so far away that its rounding error is not small against the cutoff.
     pub fn arrange(&mut self, positions: [&[f64]; AXES], executor: &Executor) -> Result<()> {
         self.built = false;
         for (anchor, axis) in self.anchors.iter_mut().zip(positions).take(self.dimension) {
@@ -274,12 +276,12 @@ impl Neighbors {
     }
 }
 
-/// What lists are made from.
+/// The input of a list build.
 fn candidates<'a>(grid: &'a Grid, sort: &'a Sort, sorted: &'a [Vec<f64>; AXES], metric: &'a Metric) -> Candidates<'a> {
     Candidates { grid, starts: &sort.starts, columns: sorted.each_ref().map(Vec::as_slice), metric }
 }
 
-/// The neighbors of some slots, which are looked at once.
+/// The neighbors of some slots, for a single use.
 #[derive(Debug)]
 pub struct Listed {
     ends: Vec<usize>,

@@ -1,16 +1,16 @@
-//! An order of particles in which those that are near each other in space are near each other in memory.
+//! An ordering of particles for locality: spatial neighbors are near each other in memory.
 
 use glam::DVec3;
 
-/// Particles in a cell, on average.
+/// Mean number of particles per cell.
 const CROWD: f64 = 8.0;
 
-/// Place in memory → particle: row by row through cells of a few particles each, x fastest. The sort is stable.
+/// Particle of each memory index: row by row through cells of a few particles each, x fastest. The sort is stable.
 pub fn ordering(positions: &[DVec3], dimension: usize) -> Vec<u32> {
     let low = positions.iter().copied().fold(DVec3::INFINITY, DVec3::min);
     let high = positions.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
     let extent = (high - low).to_array();
-    // What is flat has no cells across.
+    // A flat distribution has no cells across.
     let wide = extent[..dimension].iter().filter(|&&length| length > 0.0);
     let (space, axes) = wide.fold((1.0, 0), |(space, axes), length| (space * length, axes + 1));
     let cell = libm::pow(space * CROWD / positions.len() as f64, 1.0 / f64::from(axes.max(1)));

@@ -1,7 +1,7 @@
-//! The order of the particles by bucket: a stable counting sort, in parallel.
+//! Sorting of particles by bucket: a stable counting sort, in parallel.
 //!
-//! Each part of the particles counts its own per bucket; sums of the counts over buckets and parts say where each part
-//! begins to place the particles of each bucket. A stable sort has one result, however many parts there are.
+//! Each part of the particles has a histogram over buckets; prefix sums over buckets and parts are the first slots of each
+//! part in each bucket. A stable sort has one result, for any number of parts.
 
 use std::sync::atomic::{AtomicU32, Ordering};
 
@@ -9,28 +9,28 @@ use super::grid::Grid;
 use super::{BLOCK, Positions};
 use crate::parallel::{BlockedSlice, Executor};
 
-/// The most parts: each has a count per bucket.
+/// Maximum number of parts: each has a count per bucket.
 const PARTS: usize = 8;
 
 /// The particles in the order of their buckets.
 #[derive(Debug, Default)]
 pub struct Sort {
-    /// Slot → particle.
+    /// Particle of each slot.
     pub order: Vec<u32>,
-    /// Particle → slot.
+    /// Slot of each particle.
     pub slots: Vec<u32>,
-    /// The first slot of each bucket, of those that are nowhere, and the end.
+    /// The first slot of each bucket, of those that are not finite, and the end.
     pub starts: Vec<u32>,
-    /// Particle → bucket.
+    /// Bucket of each particle.
     buckets: Vec<u32>,
-    /// The counts of each part, which become its next slot per bucket.
+    /// The histogram of each part, later its next slot per bucket.
     tallies: Vec<u32>,
-    /// `order` while many write to it: each slot once, so that what is written does not depend on when.
+    /// `order` while several threads write it: each slot once, so that the result does not depend on timing.
     scattered: Vec<AtomicU32>,
 }
 
 impl Sort {
-    /// Room for `count` particles.
+    /// Buffers for `count` particles.
     pub fn new(count: usize) -> Self {
         Self {
             order: vec![0; count],
@@ -42,7 +42,7 @@ impl Sort {
         }
     }
 
-    /// The memory that it takes [bytes].
+    /// Memory [bytes].
     pub fn bytes(&self) -> usize {
         let numbers = [&self.order, &self.slots, &self.starts, &self.buckets, &self.tallies];
         size_of::<u32>() * (numbers.iter().map(|numbers| numbers.capacity()).sum::<usize>() + self.slots.len())
@@ -85,7 +85,7 @@ impl Sort {
         });
     }
 
-    /// Turns counts into the first slot of each part in each bucket.
+    /// Turns the histograms into the first slot of each part in each bucket.
     fn add_up(&mut self, buckets: usize) {
         self.starts.clear();
         self.starts.resize(buckets + 1, 0);

@@ -1,31 +1,31 @@
 //! Sums over neighbors: the loop that all pair laws share.
 //!
-//! What a law reads of a particle is one [`Record`], kept in the order of slots. The neighbors of a particle are taken in
-//! groups of lanes: their records are interleaved into registers, the law gives its terms for every lane, and each lane adds
-//! up its own. At the end the lanes are folded in one tree, so that the bits are the same at every SIMD level and for any
-//! number of threads.
+//! A law's input of a particle is one [`Record`], in the order of slots. The neighbors of a particle are processed in
+//! groups of lanes: their records are interleaved into registers, the law computes its terms for every lane, and each lane
+//! has its own sums. At the end the lanes are added in one tree, so that the bits are the same at every SIMD level and for
+//! any number of threads.
 
 use super::{BLOCK, List, Neighbors};
 use crate::math::{AXES, Coordinate, Real, Vector};
 use crate::parallel::{BlockedSlice, Executor};
 use crate::simd::{Isa, Kernel, LANES, Lanes, LevelKernel, Number, Pack, Record, Table, WORDS, dispatch, dispatch_level};
 
-/// Two particles, as the first of them sees the second; or several, one in each lane.
+/// A particle and its neighbor; or several neighbors, one in each lane.
 #[derive(Debug, Clone, Copy)]
 pub struct Pair<N> {
-    /// The records, whose first words (as many as there are axes) mean nothing here.
+    /// The particle's record, whose first words (as many as there are axes) are undefined here.
     pub own: Record<N>,
-    /// That of the other.
+    /// The neighbor's record.
     pub other: Record<N>,
-    /// The vector from the other particle to this one [m].
+    /// The separation d = xᵢ − xⱼ [m].
     pub separation: [N; AXES],
-    /// Its square [m²].
+    /// |d|² [m²].
     pub square: N,
 }
 
-/// What happens between two particles, as the first of them feels it.
+/// A pair law: the terms of a pair in the sums of its first particle.
 pub trait PairLaw<V: Vector, const SUMS: usize>: Copy + Sync {
-    /// The law as one particle sees it, for all of its pairs: what depends on that particle alone is settled here.
+    /// The law for all pairs of one particle, with precomputed values of that particle.
     #[must_use]
     #[inline(always)]
     fn for_particle(self, _own: &Record<V::Scalar>) -> Self {
@@ -34,22 +34,22 @@ pub trait PairLaw<V: Vector, const SUMS: usize>: Copy + Sync {
 
     /// The terms of one pair, which are added to the sums of the first particle.
     ///
-    /// Lists reach beyond the cutoff, and are filled up with pairs whose `square` is infinite: the law makes its terms 0 from
-    /// its cutoff on. Everything in it is `#[inline(always)]`, or it does not stay in registers.
+    /// Lists reach beyond the cutoff, and are padded with pairs of infinite `square`: the law's terms vanish from its
+    /// cutoff on. All of its code is `#[inline(always)]`, or it does not stay in registers.
     fn terms<N: Number<Scalar = V::Scalar>>(&self, pair: &Pair<N>) -> [N; SUMS];
 }
 
-/// The records of all particles, in the order of slots.
+/// The records of all particles, by slot.
 #[derive(Debug)]
 pub struct Records<V: Vector> {
-    /// One per slot, and a group of lanes more.
+    /// One per slot, and a group of lanes as padding.
     words: Table<V::Scalar>,
     rulers: [<V::Scalar as Coordinate>::Ruler; AXES],
     periodic: bool,
 }
 
 impl<V: Vector> Records<V> {
-    /// Room for the particles of `neighbors`.
+    /// Records for the particles of `neighbors`.
     pub fn new(neighbors: &Neighbors) -> Self {
         Self {
             words: Table::zeros(neighbors.count() + LANES),
@@ -58,13 +58,13 @@ impl<V: Vector> Records<V> {
         }
     }
 
-    /// The memory that they take [bytes].
+    /// Memory [bytes].
     pub fn bytes(&self) -> usize {
         std::mem::size_of_val(&*self.words)
     }
 
-    /// Writes all records anew: the positions, and what `each` writes into the other words of the particle that it is
-    /// given: those from the number of axes on. It finds zeros there.
+    /// Rewrites all records: the positions, and the words from the number of axes on, which `each` writes for a particle.
+    /// They are zero before.
     pub fn fill(
         &mut self,
         neighbors: &Neighbors,
@@ -79,12 +79,12 @@ impl<V: Vector> Records<V> {
         });
     }
 
-    /// Changes the record at one slot, but for its position.
+    /// Changes the record at one slot, except its position.
     pub fn write(&mut self, slot: usize, change: impl FnOnce(&mut [V::Scalar])) {
         change(&mut self.words[slot][V::DIMENSION..]);
     }
 
-    /// The sums of a law over the neighbors of each particle, into `sums`, in the order of slots.
+    /// The sums of a law over the neighbors of each particle, into `sums`, by slot.
     ///
     /// # Panics
     /// If `neighbors` are not those that the records were made for, or `sums` has another length.
@@ -107,7 +107,7 @@ impl<V: Vector> Records<V> {
         });
     }
 
-    /// The sums of laws over lists of neighbors of particles at some slots, each given to `take` with its slot.
+    /// The sums of laws over neighbor lists of particles at some slots, each passed to `take` with its slot.
     pub fn sum_few<'a, L: PairLaw<V, SUMS>, const SUMS: usize>(
         &self,
         few: impl Iterator<Item = (usize, List<'a>, L)>,
@@ -122,7 +122,7 @@ impl<V: Vector> Records<V> {
     }
 }
 
-/// The writing of the records of one block: at a level, because rounding is slow without.
+/// The kernel that writes the records of one block, dispatched by SIMD level because scalar rounding is slow.
 struct Fill<'a, V: Vector, F> {
     records: &'a mut [Record<V::Scalar>],
     order: &'a [u32],
@@ -156,7 +156,7 @@ struct Sweep<'a, V: Vector, L, const SUMS: usize> {
     executor: &'a Executor,
 }
 
-/// The sums of one block, with or without periods.
+/// The sums of one block, specialized to periodicity.
 struct Wrapped<'a, V: Vector, L, const SUMS: usize, const PERIODIC: bool>(Sweep<'a, V, L, SUMS>);
 
 impl<V: Vector, L: PairLaw<V, SUMS>, const SUMS: usize, const PERIODIC: bool> LevelKernel for Wrapped<'_, V, L, SUMS, PERIODIC> {
@@ -166,12 +166,12 @@ impl<V: Vector, L: PairLaw<V, SUMS>, const SUMS: usize, const PERIODIC: bool> Le
     fn run<I: Isa>(self, _isa: I) {
         let Sweep { records, neighbors, law, start, sums, executor } = self.0;
         for (slot, sum) in (start..).zip(sums).take_while(|_| !executor.stopped()) {
-            *sum = around::<V, L, I::Pack<V::Scalar>, SUMS, PERIODIC>(records, neighbors.list(slot), &law, slot);
+            *sum = sum_over_list::<V, L, I::Pack<V::Scalar>, SUMS, PERIODIC>(records, neighbors.list(slot), &law, slot);
         }
     }
 }
 
-/// The sums of a few particles, with or without periods.
+/// The sums of a few particles, specialized to periodicity.
 struct Few<'r, V: Vector, S, T, const SUMS: usize, const PERIODIC: bool> {
     records: &'r Records<V>,
     each: S,
@@ -190,14 +190,14 @@ where
     #[inline(always)]
     fn run<I: Isa>(mut self, _isa: I) {
         for (slot, list, law) in self.each {
-            (self.take)(slot, around::<V, L, I::Pack<V::Scalar>, SUMS, PERIODIC>(self.records, list, &law, slot));
+            (self.take)(slot, sum_over_list::<V, L, I::Pack<V::Scalar>, SUMS, PERIODIC>(self.records, list, &law, slot));
         }
     }
 }
 
 /// The sums of the particle at one slot over a list.
 #[inline(always)]
-fn around<V: Vector, L: PairLaw<V, SUMS>, P: Pack<Scalar = V::Scalar>, const SUMS: usize, const PERIODIC: bool>(
+fn sum_over_list<V: Vector, L: PairLaw<V, SUMS>, P: Pack<Scalar = V::Scalar>, const SUMS: usize, const PERIODIC: bool>(
     records: &Records<V>,
     List { segment, range }: List<'_>,
     law: &L,
@@ -208,7 +208,7 @@ fn around<V: Vector, L: PairLaw<V, SUMS>, P: Pack<Scalar = V::Scalar>, const SUM
     let own = splat::<P>(&own);
     let groups = segment.groups(range.start, range.end);
     let mut lanes = [[V::Scalar::ZERO; LANES]; SUMS];
-    // The lanes that a register holds, for all groups; then the next ones.
+    // One register's lanes of all groups, then the next ones.
     for first in (0..LANES).step_by(P::WIDTH) {
         let mut sums = [P::constant(0.0); SUMS];
         let mut left = range.len();
@@ -242,7 +242,7 @@ where
     words
 }
 
-/// A particle with some of a group of others, from the lane `first` on; of that group the first `number` count.
+/// A particle paired with a group of neighbors, from the lane `first` on; the first `number` of the group are valid.
 #[inline(always)]
 fn pair<V: Vector, P: Pack<Scalar = V::Scalar>, const PERIODIC: bool>(
     own: Record<P>,
@@ -259,20 +259,20 @@ fn pair<V: Vector, P: Pack<Scalar = V::Scalar>, const PERIODIC: bool>(
     for axis in 1..V::DIMENSION {
         square += separation[axis] * separation[axis];
     }
-    // Added from a table, because compilers make branches of a comparison with the lane.
+    // Added from a table, because compilers turn a comparison with the lane into branches.
     let table = Rest::<V::Scalar>::TABLE;
     square += P::load(&table.as_flattened()[LANES + first - number.min(LANES)..]);
     Pair { own, other, separation, square }
 }
 
-/// What is added to the squares of the lanes: nothing as long as there are neighbors, then infinity.
+/// Addend of the lanes' squares: 0 for valid lanes, then infinity.
 struct Rest<T>(T);
 
 impl<T: Real> Rest<T> {
     const TABLE: [Lanes<T>; 2] = [[T::ZERO; LANES], [T::INFINITY; LANES]];
 }
 
-/// The sum of all lanes, in one tree.
+/// The sum of all lanes, by a tree.
 #[inline(always)]
 fn fold<T: Real>(mut lanes: Lanes<T>) -> T {
     let mut half = LANES / 2;

@@ -1,10 +1,10 @@
-//! Reading a column at indices that are checked once, when they are built, instead of at every read.
+//! Gathers: reads of a column at indices that are checked once, when they are built, instead of at every read.
 
 use std::ops::Range;
 
 use super::{LANES, Lanes};
 
-/// Indices into columns of a known length. Signed, because that is what the gathers of the hardware take.
+/// Indices into columns of a known length. Signed, as hardware gathers require.
 #[derive(Debug, Clone, Default)]
 pub struct Gather {
     indices: Vec<Lanes<i32>>,
@@ -24,7 +24,7 @@ impl Gather {
         Self { indices: groups.iter().map(|group| group.map(u32::cast_signed)).collect(), length }
     }
 
-    /// The memory that the indices take [bytes].
+    /// Memory [bytes].
     pub fn bytes(&self) -> usize {
         std::mem::size_of_val(self.indices.as_slice())
     }
@@ -35,8 +35,8 @@ impl Gather {
         &self.indices[group]
     }
 
-    /// Copies the elements of `column` at the indices of some groups. A loop of its own, because compilers make a clean
-    /// gather of nothing else.
+    /// Copies the elements of `column` at the indices of some groups. A separate loop, because compilers emit gathers for
+    /// no other form.
     ///
     /// # Panics
     /// If the column is shorter than promised, there are no such groups, or `out` has another number of them.

@@ -1,11 +1,11 @@
-//! SIMD, chosen at run time: one wheel for every CPU.
+//! SIMD with dispatch at run time: one wheel for every CPU.
 //!
-//! A kernel is a plain loop over fixed lanes. [`dispatch`] runs it inside a function compiled for the best level that
-//! this CPU has, so that the compiler vectorises the same source several times; scalar is one of the levels. Sums over
-//! neighbors, which compilers make badly, are written over registers instead: the [`Pack`] of a level. No level changes
-//! the bits: nothing here reassociates, contracts or estimates. This folder is the only place where `unsafe` is allowed:
-//! for calling such a function after the CPU was asked, for the gathers whose indices were checked once, and for the
-//! level's own instructions. What is written with those asks for an [`Isa`], which a [`LevelKernel`] is given.
+//! A kernel is a plain loop over fixed lanes. [`dispatch`] runs it inside a function compiled for the best level that this
+//! CPU has, so that the compiler vectorizes the same source several times; scalar is one of the levels. Pair sums, which
+//! compilers vectorize badly, are written over registers instead: the [`Pack`] of a level. No level changes the bits:
+//! nothing here reassociates, contracts or estimates. This folder is the only place where `unsafe` is allowed: for calls of
+//! such functions after detection of the CPU, for gathers with indices that were checked once, and for the level's own
+//! instructions. Code with those takes an [`Isa`], which a [`LevelKernel`] receives.
 #![allow(unsafe_code)]
 
 use std::sync::OnceLock;
@@ -38,7 +38,7 @@ pub const fn padded(count: usize) -> usize {
 /// A set of vector instructions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Level {
-    /// What every CPU of the target has.
+    /// The base level of the target.
     Scalar,
     /// AVX2, and the bit operations that come with it.
     Avx2,
@@ -93,7 +93,7 @@ impl Level {
         }
     }
 
-    /// The level in use: that of the CPU, or a lower one that the environment variable `PHYSCORE_SIMD` asks for.
+    /// The level in use: that of the CPU, or a lower one set by the environment variable `PHYSCORE_SIMD`.
     pub fn current() -> Self {
         static LEVEL: OnceLock<Level> = OnceLock::new();
         *LEVEL.get_or_init(|| {
@@ -109,13 +109,13 @@ impl Level {
 
 /// A computation to run at the best level. `run` and all that it calls must be `#[inline(always)]`.
 pub trait Kernel {
-    /// What it gives.
+    /// Its result.
     type Output;
     /// Computes it.
     fn run(self) -> Self::Output;
 }
 
-/// A level as a type, of which there are values only where the CPU has it.
+/// A level as a type, whose values exist only where the CPU has it.
 pub trait Isa: Copy {
     /// Its name as a value.
     const LEVEL: Level;
@@ -123,10 +123,10 @@ pub trait Isa: Copy {
     type Pack<T: Packed>: Pack<Scalar = T>;
 }
 
-/// A computation to run at the best level, that has to know which it is. `run` and all that it calls must be
+/// A computation to run at the best level, with the level as a type. `run` and all that it calls must be
 /// `#[inline(always)]`.
 pub trait LevelKernel {
-    /// What it gives.
+    /// Its result.
     type Output;
     /// Computes it.
     fn run<I: Isa>(self, isa: I) -> Self::Output;
@@ -151,7 +151,7 @@ level!(Avx2, Avx2, T::Avx2);
 #[cfg(target_arch = "x86_64")]
 level!(Avx512, Avx512, T::Avx512);
 
-/// A kernel that need not know its level.
+/// A kernel without its level as a type.
 struct Any<K>(K);
 
 impl<K: Kernel> LevelKernel for Any<K> {
@@ -168,10 +168,10 @@ pub fn dispatch<K: Kernel>(kernel: K) -> K::Output {
     dispatch_level(Any(kernel))
 }
 
-/// Runs `kernel` at the current level, and tells it which that is.
+/// Runs `kernel` at the current level, with the level as a type.
 pub fn dispatch_level<K: LevelKernel>(kernel: K) -> K::Output {
     #[cfg(target_arch = "x86_64")]
-    // SAFETY: `Level::current` is never above what the CPU was found to have.
+    // SAFETY: `Level::current` is never above the detected level.
     match Level::current() {
         Level::Avx512 => return unsafe { avx512(kernel) },
         Level::Avx2 => return unsafe { avx2(kernel) },

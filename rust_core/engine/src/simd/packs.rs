@@ -1,8 +1,8 @@
-//! Numbers in lanes, with which the terms of several pairs are computed at once.
+//! Packs: numbers in lanes, for the terms of several pairs at once.
 //!
-//! A law is written over [`Number`], which is one number or a vector register of them. Registers instead of loops over arrays,
-//! because what the records of neighbors are interleaved into then stays in registers, where compilers that vectorize a loop
-//! take it through memory. Every operation is that of IEEE 754 in each lane, so that all give the same bits.
+//! A law is written over [`Number`], which is one number or a vector register of them. Registers instead of loops over
+//! arrays, because interleaved records then stay in registers, where compilers that vectorize a loop go through memory.
+//! Every operation is that of IEEE 754 in each lane, so that all have the same bits.
 
 use std::ops::{Add, AddAssign, Div, Mul, Sub};
 
@@ -10,9 +10,9 @@ use super::{Group, LANES, Record, WORDS};
 
 /// A number, or one in each lane.
 pub trait Number: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> + AddAssign {
-    /// What is in each lane.
+    /// The type of a lane.
     type Scalar;
-    /// Some of the lanes.
+    /// A subset of the lanes.
     type Mask: Copy;
 
     /// The same number in every lane.
@@ -36,13 +36,13 @@ pub trait Number: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = 
     fn select(mask: Self::Mask, one: Self, other: Self) -> Self;
     /// Where one of the bits of the number is set.
     fn has_bit(self, bit: u32) -> Self::Mask;
-    /// How far a place is above another: for single numbers the difference of their bits as integers, modulo 2³², for double
-    /// ones that of the numbers.
+    /// The difference of two encoded coordinates: of f32, that of their bits as integers, modulo 2³²; of f64, that of the
+    /// numbers.
     #[must_use]
     fn coordinate_difference(self, other: Self) -> Self;
 }
 
-/// As many numbers as a register of a level holds: a whole part of [`LANES`].
+/// A register of a level: its width divides [`LANES`].
 pub trait Pack: Number {
     /// The number of lanes.
     const WIDTH: usize;
@@ -51,15 +51,15 @@ pub trait Pack: Number {
     fn load(numbers: &[Self::Scalar]) -> Self;
     /// Writes the numbers to the beginning of a slice that is at least as long.
     fn store(self, to: &mut [Self::Scalar]);
-    /// The words of the records of a part of a group, one lane per record: of those from `first` on.
+    /// The words of the records of a part of a group, one lane per record, from `first` on.
     ///
     /// # Panics
     /// If there are fewer records than the bound of the group, or fewer lanes than it takes.
     fn transpose(records: &[Record<Self::Scalar>], group: Group<'_>, first: usize) -> Record<Self>;
 }
 
-/// A number that there are packs of. A pack must be had through an [`super::Isa`], which only exists where the CPU has the
-/// registers: what is written over these types alone would run anywhere.
+/// A number type with packs. A pack must be accessed through an [`super::Isa`], which exists only where the CPU has the
+/// registers: code over these types alone would run anywhere.
 pub trait Packed: Number<Scalar = Self, Mask = bool> + Default {
     /// The pack of AVX-512.
     #[cfg(target_arch = "x86_64")]
@@ -81,8 +81,8 @@ impl<'a, const WIDTH: usize> Part<'a, WIDTH> {
         Self(group.indices()[first..].first_chunk().expect("a part of the group"))
     }
 
-    /// One index. It is read as volatile, because compilers would else compute all addresses in vectors only to take them
-    /// apart again.
+    /// One index. The read is volatile, because compilers would else compute all addresses in vectors only to extract them
+    /// again.
     #[inline(always)]
     pub fn index(self, lane: usize) -> usize {
         // SAFETY: a reference to a number can be read.

@@ -1,11 +1,11 @@
-//! What a pair sum reads of each particle, kept so that several can be read at once.
+//! Records: the input of a pair sum for each particle, in a layout for interleaved reads.
 
 use std::ops::{Deref, DerefMut};
 
 /// The words of a record: 32 bytes in f32.
 pub const WORDS: usize = 8;
 
-/// What a pair sum reads of one particle.
+/// The input of a pair sum for one particle.
 pub type Record<W> = [W; WORDS];
 
 /// Records one after the other in whole cache lines: one that straddles two of them costs twice.
@@ -46,7 +46,7 @@ impl<W> DerefMut for Table<W> {
     #[inline(always)]
     fn deref_mut(&mut self) -> &mut [Record<W>] {
         let () = Line::<W>::HAS_NO_GAPS;
-        // SAFETY: as above, and nobody else has them.
+        // SAFETY: as above, and the borrow is exclusive.
         unsafe { std::slice::from_raw_parts_mut(self.lines.as_mut_ptr().cast(), self.length) }
     }
 }

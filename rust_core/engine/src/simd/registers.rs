@@ -17,7 +17,7 @@ impl Packed for f64 {
     type Avx2 = Double256;
 }
 
-/// A register as a [`Number`]; what differs between them by name is listed, what differs in kind is given as a closure.
+/// A register as a [`Number`]; operations that differ by name are listed, those that differ in kind are closures.
 macro_rules! register {
     (
         $name:ident, $register:ident, $scalar:ident, $mask:ident, $width:literal,

@@ -2,15 +2,15 @@
 
 use super::{Isa, LANES, Lanes};
 
-/// Indices below a bound, group after group. There is always a group of lanes more than what was selected, so that groups
-/// are read whole.
+/// Indices below a bound, in groups. The storage is longer than the selection by a group of lanes, so that groups are read
+/// whole.
 #[derive(Debug)]
 pub struct Selection {
     /// All of these are below the bound, those past the end too.
     entries: Vec<u32>,
     length: usize,
     bound: usize,
-    /// Whether there was no memory for all of them.
+    /// Whether memory ran out.
     overflowed: bool,
 }
 
@@ -28,7 +28,7 @@ impl<'a> Group<'a> {
         self.indices
     }
 
-    /// What all indices are below.
+    /// The bound of all indices.
     #[inline(always)]
     pub fn bound(&self) -> usize {
         self.bound
@@ -36,7 +36,7 @@ impl<'a> Group<'a> {
 }
 
 impl Selection {
-    /// No indices, of things of which there are `bound`.
+    /// An empty selection of indices below `bound`.
     ///
     /// # Panics
     /// If the bound is less than a group of lanes.
@@ -45,7 +45,7 @@ impl Selection {
         Self { entries: vec![0; LANES], length: 0, bound, overflowed: false }
     }
 
-    /// The memory that it takes [bytes].
+    /// Memory [bytes].
     pub fn bytes(&self) -> usize {
         self.entries.capacity() * size_of::<u32>()
     }
@@ -61,18 +61,18 @@ impl Selection {
         self.length == 0
     }
 
-    /// Begins anew.
+    /// Empties the selection.
     pub fn clear(&mut self) {
         self.length = 0;
         self.overflowed = false;
     }
 
-    /// Whether there was no memory for what was selected since it began, of which the beginning is then lost.
+    /// Whether memory ran out since the last clear, with the beginning of the selection overwritten.
     pub fn has_overflowed(&self) -> bool {
         self.overflowed
     }
 
-    /// Makes room for an eighth more than there is now, so that the next selection, if it is about as long, needs none.
+    /// Reserves an eighth more than the present length, so that the next selection of similar length needs no allocation.
     pub fn spare(&mut self) {
         if self.entries.len() < self.length + self.length / 8 + LANES {
             self.grow();
@@ -85,7 +85,7 @@ impl Selection {
         &self.entries[start..end]
     }
 
-    /// The indices from `start` to `end` in groups, the last of which may go on beyond.
+    /// The indices from `start` to `end` in groups, the last of which may extend beyond.
     #[inline(always)]
     pub fn groups(&self, start: usize, end: usize) -> impl Iterator<Item = Group<'_>> + Clone {
         let bound = self.bound;
@@ -99,12 +99,12 @@ impl Selection {
         if self.entries.try_reserve_exact(length - self.entries.len()).is_ok() {
             self.entries.resize(length, 0);
         } else {
-            // What follows is written over the beginning.
+            // Further indices overwrite the beginning.
             (self.length, self.overflowed) = (0, true);
         }
     }
 
-    /// Adds an index, if it counts.
+    /// Adds an index, if `counts`.
     ///
     /// # Panics
     /// If it is not below the bound.
@@ -114,7 +114,7 @@ impl Selection {
         if self.entries.len() < self.length + LANES + 1 {
             self.grow();
         }
-        // Written in any case: whether it counts is hard to foresee.
+        // Written in any case, because the branch is hard to predict.
         self.entries[self.length] = index;
         self.length += usize::from(counts);
     }
@@ -135,8 +135,8 @@ impl Selection {
     }
 }
 
-/// Writes the selected lanes to the beginning of `out`, and gives how many there are. What follows them is arbitrary, but
-/// 0 or the numbers of other lanes.
+/// Writes the selected lanes to the beginning of `out`, and returns their number. The remainder is arbitrary, but 0 or
+/// other lane indices.
 #[inline(always)]
 fn select<I: Isa>(isa: I, first: u32, values: &Lanes<f64>, limit: f64, valid: u16, out: &mut Lanes<u32>) -> usize {
     let _ = isa;
@@ -152,7 +152,7 @@ fn select<I: Isa>(isa: I, first: u32, values: &Lanes<f64>, limit: f64, valid: u1
     }
     let mut count = 0;
     for lane in 0..LANES {
-        // At most as many were accepted as were looked at, so the mask changes nothing but spares a check.
+        // The count never exceeds the lane, so the modulus changes nothing but spares a bounds check.
         out[count % LANES] = first + lane as u32;
         count += usize::from(values[lane] <= limit && valid & (1 << lane) != 0);
     }
@@ -181,16 +181,16 @@ mod x86 {
         }
     }
 
-    /// The numbers of the bits that are set in each byte, a byte each, and zeros.
+    /// The indices of the set bits of each byte, a byte each, and zeros.
     const BITS: [u64; 256] = {
         let mut table = [0; 256];
         let mut byte = 0;
         while byte < 256 {
-            let (mut bit, mut place) = (0, 0);
+            let (mut bit, mut rank) = (0, 0);
             while bit < 8 {
                 if byte & (1 << bit) != 0 {
-                    table[byte] |= bit << (8 * place);
-                    place += 1;
+                    table[byte] |= bit << (8 * rank);
+                    rank += 1;
                 }
                 bit += 1;
             }

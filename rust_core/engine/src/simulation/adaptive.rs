@@ -1,64 +1,63 @@
-//! Steps that follow the motion, between two times at which every step ends.
+//! Adaptive steps from the limit of the time step, between two times at which every step ends.
 //!
-//! **Blocks.** The interval H is halved as often as need be, a binary tree of blocks H/2ᵏ, and a block is one step where the
-//! largest step that the scene allows, at its beginning *and* at its end, is not below it:
+//! **Blocks.** The interval H is halved recursively, a binary tree of blocks H/2ᵏ, and a block is one step where the
+//! largest admissible step, at its beginning *and* at its end, is not below it:
 //!
 //! ```text
 //!     0                               H/2                              H
 //!     |---------------|-------|---|---|---|---|-------|----------------|     a close approach at H/2
 //! ```
 //!
-//! The end is known only after the step, which is therefore tried, and taken back where the end asks for less. Going
-//! backwards, the same blocks have the same ends, and are chosen again, but for the rare ones in which a step that was
-//! tried and taken back led to another end than its halves. A rule that looks at the beginning alone makes smaller steps
-//! out of an approach than into it, or larger ones, always with the same sign, and the energy drifts.
-//! Source: D. M. Hernandez, W. Dehnen, Mon. Not. R. Astron. Soc. 522 (2023) 4639; for the blocks S. J. Aarseth,
-//! Gravitational N-Body Simulations (2003).
+//! The limit at the end is known only after the step, which is therefore tried, and rejected where that limit is smaller.
+//! In reversed time the same blocks have the same ends, and are chosen again, except the rare ones in which a rejected step
+//! led to another end than its halves. A rule that uses the beginning alone makes smaller steps out of an approach than
+//! into it, or larger ones, always with the same sign, and the energy drifts. Source: D. M. Hernandez, W. Dehnen, Mon. Not.
+//! R. Astron. Soc. 522 (2023) 4639; for the blocks S. J. Aarseth, Gravitational N-Body Simulations (2003).
 //!
-//! **Errors.** With a tolerance the steps follow from their errors instead: see [`super::controlled`].
+//! **Errors.** With a tolerance the steps follow from error estimates instead: see [`super::controlled`].
 
 use super::monitor::Steps;
 use super::{Segment, Simulation};
 use crate::error::{Error, Result};
 use crate::stability::Horizon;
 
-/// How to choose the steps.
+/// The rule of the step-size control.
 #[derive(Debug, Clone, Copy)]
 pub struct Rule {
-    /// The largest fraction of the present limit to use.
+    /// Safety factor: the largest step in units of the present limit.
     pub safety: f64,
-    /// The step where nothing limits it [s].
+    /// The step without a limit [s].
     pub free: f64,
-    /// The error of each step [m], if that chooses the steps.
+    /// The error tolerance per step [m], for error control.
     pub tolerance: Option<f64>,
 }
 
-/// What adaptive steps remember.
+/// The state of the step-size control.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Adaptation {
-    /// How many steps were taken back because their end asked for smaller ones, or because their error was too large.
+    /// Number of steps rejected for a smaller limit at their end, or for their error.
     pub rejected: u64,
-    /// How many steps were taken back because they diverged.
+    /// Number of steps rejected for divergence.
     pub failed: u64,
-    /// The smallest step taken so far and the largest [s]; 0 before the first.
+    /// The smallest and the largest step so far [s]; 0 before the first.
     pub range: [f64; 2],
-    /// The step that the controller of errors wants next [s], and the last error in units of the tolerance.
+    /// The next step of the error controller [s], and the last error in units of the tolerance.
     pub control: [f64; 2],
 }
 
-/// The smallest steps are the interval divided by this: a power of two, so that halving it is exact.
+/// The interval over the smallest step: a power of two, so that halving is exact.
 pub(super) const FINEST: u64 = 1 << 40;
-/// How often a step that diverges is halved in a row; only then it counts as divergence.
+/// Maximum number of successive halvings of a diverging step, after which it counts as divergence.
 const HALVINGS: u32 = 10;
 
-/// How a step that was tried came out.
+/// The outcome of a trial step.
 pub(super) enum Trial {
     Taken,
     Diverged(Error),
 }
 
 impl Simulation {
-    /// Advances by an interval [s] in steps of the rule's.
+    /// Advances by an interval [s] in steps chosen by the rule.
     pub(super) fn advance_adaptively(&mut self, interval: f64, rule: &Rule, interrupted: &dyn Fn() -> bool) -> Result<()> {
         if !(interval.is_finite() && interval > 0.0) {
             return Err(Error::parameter("interval", "a finite number > 0", interval));
@@ -74,23 +73,23 @@ impl Simulation {
         }
     }
 
-    /// Steps that divide the interval by powers of two, and suit both of their ends.
+    /// Steps of the interval over powers of two, admissible at both of their ends.
     fn advance_in_blocks(&mut self, interval: f64, rule: &Rule, interrupted: &dyn Fn() -> bool) -> Result<()> {
         let varies = self.system.limit_varies(Horizon::Present, self.time());
         let (start, finest) = (self.time(), interval / FINEST as f64);
         let mut allowed = self.allowed(rule, interrupted)?;
         self.expect(allowed.min(interval));
-        let (mut place, mut failures, mut since) = (0, 0, 0);
-        // The largest block that begins where we are: it ends where a block of twice its length begins or ends.
-        let largest = |place: u64| if place == 0 { FINEST } else { place & place.wrapping_neg() };
-        let mut block = largest(place);
-        while place < FINEST {
+        let (mut position, mut failures, mut since) = (0, 0, 0);
+        // The largest block that begins at a position of the binary tree.
+        let largest = |position: u64| if position == 0 { FINEST } else { position & position.wrapping_neg() };
+        let mut block = largest(position);
+        while position < FINEST {
             while block > 1 && block as f64 * finest > allowed {
                 block /= 2;
             }
             let before = (self.segment, self.monitor, self.mach);
             let h = block as f64 * finest;
-            self.segment = Segment { start, steps: place / block, dt: h };
+            self.segment = Segment { start, steps: position / block, dt: h };
             let halved = match self.attempt(before.0, interrupted)? {
                 Trial::Taken => {
                     let end = if varies { self.allowed(rule, interrupted) } else { Ok(allowed) };
@@ -98,10 +97,10 @@ impl Simulation {
                         self.rollback(1);
                         (self.segment, self.monitor, self.mach) = before;
                     })?;
-                    // Written so that a limit that is not a number asks for less.
+                    // Written so that a NaN limit rejects the step.
                     let suits = end >= h;
                     if suits || block == 1 {
-                        (place, failures, allowed) = (place + block, 0, end);
+                        (position, failures, allowed) = (position + block, 0, end);
                         self.count(h);
                         false
                     } else {
@@ -119,20 +118,20 @@ impl Simulation {
                 (self.segment, self.monitor, self.mach) = before;
                 block /= 2;
             } else {
-                block = largest(place);
+                block = largest(position);
             }
-            self.poll(&mut since, place < FINEST, interrupted)?;
+            self.poll(&mut since, position < FINEST, interrupted)?;
         }
         Ok(())
     }
 
-    /// The largest step that the rule allows in the present state [s].
+    /// The largest admissible step of the rule in the present state [s].
     pub(super) fn allowed(&mut self, rule: &Rule, interrupted: &dyn Fn() -> bool) -> Result<f64> {
         let limit = self.ask(interrupted, |system, time, executor| system.limit(Horizon::Present, time, executor))?.dt();
         Ok(if limit.is_infinite() { rule.free } else { rule.safety * limit })
     }
 
-    /// Tries one step of the clock's length. After a divergence or an interrupt the clock is back at `before`.
+    /// Tries one step of the clock's length. After a divergence or an interrupt the clock is reset to `before`.
     pub(super) fn attempt(&mut self, before: Segment, interrupted: &dyn Fn() -> bool) -> Result<Trial> {
         match self.batch(1, Steps::Adaptive, interrupted) {
             Ok(_) => Ok(Trial::Taken),
@@ -148,23 +147,23 @@ impl Simulation {
         }
     }
 
-    /// Counts a step that diverged; gives its error if it cannot be halved once more.
+    /// Counts a diverged step; returns its error if it cannot be halved once more.
     pub(super) fn fail(&mut self, failures: &mut u32, smallest: bool, error: Error) -> Result<()> {
         *failures += 1;
         self.adaptation.failed += u64::from(*failures == 1);
         if smallest || *failures > HALVINGS { Err(error) } else { Ok(()) }
     }
 
-    /// Counts a step that was taken.
+    /// Counts an accepted step.
     pub(super) fn count(&mut self, h: f64) {
         let [smallest, largest] = self.adaptation.range;
         self.adaptation.range = [if smallest > 0.0 { smallest.min(h) } else { h }, largest.max(h)];
     }
 
-    /// Asks as often as in a run with equal steps whether it was interrupted.
+    /// Polls for interrupts as often as in a run with equal steps.
     pub(super) fn poll(&self, since: &mut u64, unfinished: bool, interrupted: &dyn Fn() -> bool) -> Result<()> {
         *since += 1;
-        // Looking at the limit takes a few times as long as a step.
+        // Computing the limit takes a few times as long as a step.
         if 4 * *since < self.system.most_steps() {
             return Ok(());
         }

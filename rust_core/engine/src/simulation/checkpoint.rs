@@ -1,28 +1,28 @@
-//! Checkpoints: everything that the bits of later steps depend on, beside the scene and the numerics.
+//! Checkpoints: all data that the bits of later steps depend on, besides the scene and the numerics.
 
 use super::{Adaptation, Segment, Simulation};
 use crate::error::Result;
 use crate::history::Archive;
 
-/// A state to go on from.
+/// A checkpoint.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Checkpoint {
     /// The clock's present segment.
     pub segment: Segment,
-    /// All steps taken so far.
+    /// Number of steps taken so far.
     pub steps: u64,
     /// The state and the history of the system.
     pub system: Vec<f64>,
-    /// What has left and entered, part by part.
+    /// The energy tallies, part by part.
     pub tallies: Vec<f64>,
-    /// What the divergence monitor remembers.
+    /// The state of the divergence monitor.
     pub monitor: [f64; 4],
-    /// What adaptive steps remember.
+    /// The state of the step-size control.
     pub adaptation: Adaptation,
 }
 
 impl Simulation {
-    /// The present state.
+    /// Captures the present state.
     pub fn capture(&self) -> Checkpoint {
         Checkpoint {
             segment: self.segment,
@@ -34,7 +34,7 @@ impl Simulation {
         }
     }
 
-    /// Goes on from a checkpoint.
+    /// Restores a checkpoint.
     ///
     /// # Errors
     /// If it is of another scene or of other numerics.

@@ -1,9 +1,9 @@
-//! Steps that follow the estimate of their own error.
+//! Step-size control by embedded error estimates.
 //!
-//! An embedded pair gives the difference between its result and one of the order below, which shrinks like hᵏ with the order
-//! k of the better one. The next step is 0.9 h (1/e)^(0.7/k) (e₀/1)^(0.4/k), with the errors e of this step and e₀ of the one
-//! before in units of the tolerance: a controller that is proportional and integral, which does not swing where stability
-//! limits the step.
+//! An embedded pair estimates the error by the difference between its result and one of the order below, which is O(hᵏ)
+//! with the order k of the better one. The next step is 0.9 h (1/e)^(0.7/k) (e₀/1)^(0.4/k), with the errors e of this step
+//! and e₀ of the one before in units of the tolerance: a PI controller, which does not oscillate where stability limits the
+//! step.
 //!
 //! Sources: E. Hairer, S. P. Nørsett, G. Wanner, Solving Ordinary Differential Equations I, 2nd ed. (1993), II.4; K.
 //! Gustafsson, ACM Trans. Math. Softw. 17 (1991) 533; G. Söderlind, Numer. Algorithms 31 (2002) 281.
@@ -12,12 +12,12 @@ use super::adaptive::{FINEST, Trial};
 use super::{Rule, Segment, Simulation};
 use crate::error::Result;
 
-/// What is aimed at, as a fraction of the step that would just do.
+/// Safety factor: the next step over the one whose error equals the tolerance.
 const SAFETY: f64 = 0.9;
-/// How much smaller or larger the next step may be.
+/// Minimum and maximum ratio of successive steps.
 const SHRINK: f64 = 0.2;
 const GROW: f64 = 5.0;
-/// The smallest and the largest error that count, in units of the tolerance: beyond them the step changes as fast as it may.
+/// Range of errors in the controller, in units of the tolerance; beyond it the step changes at the maximum ratio.
 const COUNT: [f64; 2] = [1e-4, 1e4];
 
 impl Simulation {
@@ -30,7 +30,7 @@ impl Simulation {
         interrupted: &dyn Fn() -> bool,
     ) -> Result<()> {
         let end = self.time() + interval;
-        // Not below what the clock can tell apart.
+        // Not below the resolution of the clock.
         let finest = (interval / FINEST as f64).max(4.0 * f64::EPSILON * end);
         if self.adaptation.control[0] == 0.0 {
             let first = self.allowed(rule, interrupted)?;
@@ -57,7 +57,7 @@ impl Simulation {
                     if found <= 1.0 || h <= finest {
                         self.count(h);
                         let next = h * change(power(found, -0.7) * power(last, 0.4));
-                        // A step that was cut short for the end of the interval says little about a longer one.
+                        // A step truncated at the end of the interval says little about a longer one.
                         self.adaptation.control = [if h < wanted { next.max(wanted) } else { next }, found];
                         if ends {
                             self.segment = Segment { start: end, steps: 0, dt: h };
@@ -81,8 +81,8 @@ impl Simulation {
     }
 }
 
-/// The step to take where `left` seconds are left, and whether it is the last one. The last two are equal, rather than a long
-/// one and a rest.
+/// The step for the remaining `left` seconds, and whether it is the last one. The last two are equal, rather than a long
+/// one and a short rest.
 fn fit(wanted: f64, left: f64) -> (f64, bool) {
     if wanted >= left {
         (left, true)
@@ -93,7 +93,7 @@ fn fit(wanted: f64, left: f64) -> (f64, bool) {
     }
 }
 
-/// By how much to change a step, from the factor that would just do.
+/// The ratio of successive steps, from the factor of equal error.
 fn change(factor: f64) -> f64 {
     (SAFETY * factor).clamp(SHRINK, GROW)
 }

@@ -1,16 +1,16 @@
-//! The divergence monitor: whether a trajectory has left what its numerics can follow, and at which step.
+//! The divergence monitor: detects divergence of a trajectory, and the step at which it occurs.
 //!
-//! After every step the activity, the kinetic energy at the step's last evaluation of the forces, is compared with a threshold
-//! (in every 32nd step, where nothing but an inverse-square field acts). Where it is above, or not a number, the state is
-//! diagnosed: a number that is not finite is a divergence, and so is an energy balance that has risen by more than
-//! `max_energy_growth` times the largest energy that the motion has shown, the scale. The threshold then becomes twice the scale, or
-//! twice the activity if that is larger, so the budget is computed each time the motion has doubled, and nowhere else.
+//! After every step the activity, the kinetic energy at the step's last evaluation of the forces, is compared with a
+//! threshold (in every 32nd step, under an inverse-square field alone). Where it is above, or NaN, the state is diagnosed:
+//! a quantity that is not finite is a divergence, and so is a rise of the energy balance by more than `max_energy_growth`
+//! times the scale, the largest energy so far. The threshold then becomes twice the scale, or twice the activity if that is
+//! larger, so the budget is computed only when the activity has doubled.
 //!
-//! A rise has to last for one more step, so that the onset of a force is none.
+//! A rise has to persist for one more step, so that the onset of a force is no divergence.
 //!
-//! All of it is a function of the trajectory: steps run in batches, and where one of a batch is to be diagnosed, the batch is
-//! rolled back and taken again up to that step. So that little is taken twice, batches are no longer than the time since
-//! the last diagnosis. What has failed leaves no trace in the scale.
+//! The result is a function of the trajectory alone: steps run in batches, and where a step of a batch is to be diagnosed,
+//! the batch is rolled back and repeated up to that step. To limit repetition, batches are no longer than the time since
+//! the last diagnosis. A failed step does not enter the scale.
 
 use super::{Simulation, Vigilance};
 use crate::error::{Divergence, Error, Result};
@@ -19,24 +19,24 @@ use crate::parallel::SERIAL;
 use crate::stability::Horizon;
 use crate::systems::{Element, Fault, Record};
 
-/// The fewest steps after a diagnosis that may be taken again.
+/// The shortest batch after a diagnosis.
 const SHORTEST: u64 = 8;
-/// The activity [J] from which on other energies may be beyond the range of numbers.
+/// The activity [J] above which other energies may overflow.
 const LARGEST: f64 = 1e300;
 
-/// How long steps are.
+/// The step sizes of a batch.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Steps {
     Equal,
     Adaptive,
 }
 
-/// What a diagnosis finds.
+/// The result of a diagnosis.
 enum Finding {
     Good,
-    /// A number is not finite.
+    /// A quantity is not finite.
     OutOfRange(Divergence),
-    /// The energy balance has risen too far.
+    /// The energy balance has risen above the threshold.
     Risen(Divergence),
 }
 
@@ -49,74 +49,75 @@ impl Finding {
     }
 }
 
-/// What the monitor remembers.
+/// The state of the monitor.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Monitor {
-    /// How much the balance may rise, in units of the scale; infinite where only numbers that are not finite count.
+    /// Largest rise of the balance in units of the scale; infinite where only quantities that are not finite count.
     pub max_energy_growth: f64,
-    /// Which states are diagnosed.
+    /// The states that are diagnosed.
     pub vigilance: Vigilance,
-    /// The largest energy that the motion has shown [J].
+    /// The scale: the largest energy so far [J].
     pub scale: f64,
     /// The smallest potential energy so far [J].
     pub lowest: f64,
     /// The balance at the start [J].
     pub balance: f64,
-    /// The activity up to which nothing is diagnosed [J].
+    /// The threshold of the activity for a diagnosis [J].
     pub threshold: f64,
-    /// The steps since the last diagnosis. They only size the batches.
+    /// Steps since the last diagnosis, which only set the length of batches.
     pub quiet: u64,
 }
 
 impl Monitor {
-    /// A monitor that has seen nothing.
+    /// A monitor without history.
     pub fn new(max_energy_growth: f64, vigilance: Vigilance) -> Self {
         Self { max_energy_growth, vigilance, scale: 0.0, lowest: f64::INFINITY, balance: 0.0, threshold: 0.0, quiet: 0 }
     }
 
-    /// Begins at a state with this energy.
+    /// Initializes the monitor at a state with this energy.
     pub fn begin(&mut self, energy: &Ledger, epsilon: f64) {
         self.balance = energy.balance();
         self.observe(energy, 0.0, epsilon);
     }
 
-    /// Takes in the energy and the activity [J] of a state; gives by how much the balance has risen if that is too much.
+    /// Updates the scale and the threshold by the energy and the activity [J] of a state; returns the rise of the balance
+    /// if it exceeds the threshold.
     pub fn observe(&mut self, energy: &Ledger, activity: f64, epsilon: f64) -> Option<f64> {
         let kinetic = energy.sum(Class::Kinetic);
         let activity = activity.max(kinetic);
         let rise = (energy.balance() - self.balance).max(0.0);
         let potential = energy.total() - kinetic;
         self.lowest = self.lowest.min(potential);
-        // What has risen for no reason must not pass for energy of the motion. Rounding makes noise on the scale of the
-        // numbers that the balance is the sum of; a few roundings per term, and a wide margin.
+        // A spurious rise must not count as energy of the motion. Rounding makes noise relative to the terms of the
+        // balance: a few roundings per term, with a wide margin.
         let (dissipated, work) = (energy.sum(Class::Dissipated), energy.sum(Class::Work));
         let shown = kinetic + (potential - self.lowest) + dissipated + work.abs() - rise;
         self.scale = self.scale.max(shown).max(1e-3 * epsilon * energy.magnitude());
-        // Beyond the second a rise is too much: what moves at a step's evaluation is up to five times the kinetic energy, at
-        // the limit of stability, and that is at most scale + rise.
+        // Above the second bound the rise is a divergence: the kinetic energy at a step's evaluation is up to five times
+        // that at its end, at the limit of stability, and the latter is at most scale + rise.
         let most = (1.0 + self.max_energy_growth).max(8.0) * self.scale;
         self.threshold = (2.0 * self.scale.max(activity)).min(most).min(f64::MAX);
         (rise > self.max_energy_growth * self.scale).then_some(rise)
     }
 
-    /// What it remembers, for checkpoints.
+    /// The state, for checkpoints.
     pub fn capture(&self) -> [f64; 4] {
         [self.scale, self.lowest, self.balance, self.threshold]
     }
 
-    /// Goes on from that.
+    /// Restores the state.
     pub fn restore(&mut self, numbers: [f64; 4]) {
         [self.scale, self.lowest, self.balance, self.threshold] = numbers;
     }
 
-    /// Takes in an energy that a step cannot resolve.
+    /// Adds an energy that a step cannot resolve to the scale.
     pub fn expect(&mut self, energy: f64) {
         self.scale = if energy.is_finite() { self.scale.max(energy) } else { self.scale };
     }
 }
 
 impl Simulation {
-    /// Takes up to `most` steps, which follow the motion or are equal, and gives how many. Each is one that the monitor lets pass.
+    /// Takes up to `most` steps, adaptive or equal, all accepted by the monitor, and returns their number.
     pub(super) fn batch(&mut self, most: u64, rule: Steps, interrupted: &dyn Fn() -> bool) -> Result<u64> {
         let (record, threshold) = self.attention(rule);
         let steps = match (self.monitor.vigilance, record) {
@@ -138,7 +139,7 @@ impl Simulation {
             }
             return Ok(steps);
         };
-        // What is not finite is seen in the step after it, or at the end of a batch.
+        // A quantity that is not finite appears in the activity of the next step, or at the end of a batch.
         let known = steps == 1 || (activity.len() as u64 == steps && activity[first].is_finite());
         if !known {
             self.rollback(steps);
@@ -147,8 +148,8 @@ impl Simulation {
         self.examine(first as u64 + 1, steps, interrupted)
     }
 
-    /// Diagnoses step number `step` of a batch of `steps` that was just taken, and gives it if the monitor lets it pass. Else
-    /// the simulation stands at the step before.
+    /// Diagnoses step number `step` of the last batch of `steps`, and returns it if the monitor accepts it. Else the
+    /// simulation stands at the step before.
     fn examine(&mut self, step: u64, steps: u64, interrupted: &dyn Fn() -> bool) -> Result<u64> {
         if step < steps {
             self.rollback(steps);
@@ -172,8 +173,8 @@ impl Simulation {
         Err(Error::Diverged(Box::new(Divergence { step: number, time, ..divergence })))
     }
 
-    /// Whether the balance that has risen in the next step has not risen too far in the one after that. Where a force sets in,
-    /// the first step tallies none of its work, and where all was at rest there is nothing to compare its kinetic energy with.
+    /// Whether a rise of the balance in the next step is the onset of a force, and does not persist in the one after that.
+    /// At an onset the first step tallies none of the work, and a system at rest has no kinetic energy for comparison.
     fn is_onset(&mut self, interrupted: &dyn Fn() -> bool) -> Result<bool> {
         match self.advance(2, Record::LastStep, interrupted) {
             Err(error) if stops_a_step(&error) => return Ok(false),
@@ -184,7 +185,8 @@ impl Simulation {
         Ok(matches!(finding, Finding::Good))
     }
 
-    /// Diagnoses the present state, and takes in its energy if it is good. If that cannot be done, goes back by `steps` steps.
+    /// Diagnoses the present state, and updates the scale if it is good. If the diagnosis fails, rolls back by `steps`
+    /// steps.
     fn diagnose_or_roll_back(&mut self, steps: u64, interrupted: &dyn Fn() -> bool) -> Result<Finding> {
         let before = self.monitor;
         let finding = self.diagnose(interrupted);
@@ -197,9 +199,9 @@ impl Simulation {
         finding
     }
 
-    /// Which activities to record, and up to which one nothing is to be diagnosed.
+    /// The activities to record, and the threshold for a diagnosis.
     fn attention(&self, rule: Steps) -> (Record, f64) {
-        // In steps that never double the energy only its overflow has to be looked for.
+        // In steps that never double the energy only overflow needs a diagnosis.
         let certified = || self.limit(Horizon::Certified, &SERIAL);
         let tame = self.system.is_linear() && certified().is_ok_and(|limit| 2.0 * self.segment.dt <= limit.stability);
         match self.monitor.vigilance {
@@ -212,7 +214,7 @@ impl Simulation {
         }
     }
 
-    /// What is wrong with the present state, if anything is; its energy is taken in.
+    /// The fault of the present state, if there is one; updates the scale.
     fn diagnose(&mut self, interrupted: &dyn Fn() -> bool) -> Result<Finding> {
         if let Some(Fault { element, quantity }) = self.system.fault() {
             return Ok(Finding::OutOfRange(divergence(element, quantity, "is not finite".to_owned())));
@@ -224,7 +226,7 @@ impl Simulation {
             Err(error) if is_scattered(&error) => return Ok(Finding::OutOfRange(self.scatter())),
             outcome => outcome?,
         };
-        // Energies are squares: they leave the range of numbers long before the state does.
+        // Energies are squares: they overflow long before the state does.
         if !energy.balance().is_finite() {
             return Ok(Finding::OutOfRange(divergence(self.system.fastest(), "energy", "is not finite".to_owned())));
         }
@@ -239,8 +241,8 @@ impl Simulation {
         }))
     }
 
-    /// Takes in what steps of `dt` seconds cannot resolve, before the very first one: the energy of the first kick from rest.
-    /// Later on the motion has shown its energy, and a kick may be that of a step that failed.
+    /// Adds the energy that steps of `dt` seconds cannot resolve to the scale, before the very first one: the kinetic
+    /// energy of the first kick from rest. Later the scale is known, and a kick may belong to a failed step.
     pub(super) fn expect(&mut self, dt: f64) {
         if self.steps > 0 {
             return;
@@ -249,7 +251,7 @@ impl Simulation {
         self.monitor.expect(energy);
     }
 
-    /// What is wrong where neighbors can no longer be searched.
+    /// The divergence of a state whose neighbors cannot be searched.
     fn scatter(&self) -> Divergence {
         divergence(self.system.fastest(), "position", "is so far away that it cannot be told who is near whom".to_owned())
     }
@@ -260,11 +262,11 @@ impl Simulation {
         Error::Diverged(Box::new(Divergence { step: self.steps + steps, time, ..self.scatter() }))
     }
 
-    /// Adds to a divergence what to do about it.
+    /// Adds a hint to a divergence.
     pub(super) fn with_hint(&mut self, error: Error, interrupted: &dyn Fn() -> bool) -> Error {
         match error {
             Error::Diverged(divergence) => {
-                // A function of the user's may fail where it is asked how stiff it is, and an impatient user may interrupt.
+                // A user-defined function may fail where its stiffness is estimated.
                 let hint = self.hint(interrupted).unwrap_or_else(|_| format!("try dt = {:.3e} s", 0.25 * self.segment.dt));
                 Error::Diverged(Box::new(Divergence { hint, ..*divergence }))
             }
@@ -277,7 +279,7 @@ impl Simulation {
         self.system.stages().first().map_or("", |stages| stages.method)
     }
 
-    /// What to do about a divergence; asked for at the last good state.
+    /// The hint of a divergence, computed at the last good state.
     fn hint(&mut self, interrupted: &dyn Fn() -> bool) -> Result<String> {
         let limit = self.ask(interrupted, |system, time, executor| system.limit(Horizon::Sharp, time, executor))?;
         let dt = self.segment.dt;
@@ -301,17 +303,17 @@ fn divergence(Element { name, index }: Element, quantity: &'static str, cause: S
     Divergence { step: 0, time: 0.0, element: name, index, quantity, cause, hint: String::new() }
 }
 
-/// Whether an activity is above a threshold; one that is not a number is.
+/// Whether an activity is above a threshold; NaN is.
 fn is_above(activity: f64, threshold: f64) -> bool {
     activity.is_nan() || activity > threshold
 }
 
-/// Whether one step cannot be taken, whatever those before it were.
+/// Whether the error belongs to a single step, independent of those before.
 fn stops_a_step(error: &Error) -> bool {
     is_scattered(error) || matches!(error, Error::Memory { .. } | Error::Callback { .. })
 }
 
-/// Whether a step failed because particles are too far away to be searched: they diverge before their numbers do.
+/// Whether a step failed because positions are too large for a neighbor search: they diverge before they overflow.
 fn is_scattered(error: &Error) -> bool {
     matches!(error, Error::Parameter { path, .. } if path == "positions")
 }

@@ -1,18 +1,20 @@
-//! The largest eigenvalue of M⁻¹K (and of M⁻¹C alike) as the springs stand, by a few steps of Lanczos' method.
+//! The largest eigenvalue of M⁻¹K (and of M⁻¹C alike) for the present directions of the springs, by a few steps of Lanczos'
+//! method.
 //!
-//! The rows ([`super::rows`]) hold for springs in any directions; this sees the directions. It takes products of the matrix
-//! M⁻½ K M⁻½ with a vector, and its largest Ritz value θ approaches the largest eigenvalue from below. Within the residual
-//! |β s| of θ there is an eigenvalue. That it is the largest is likely and not certain: hence a margin, and the rows where
-//! certainty is wanted. The start is random in sign, and large where rows are, as the fastest modes are.
+//! The Gershgorin rows ([`super::rows`]) hold for all directions of the springs; this method uses the present ones. It
+//! takes products of the matrix M⁻½ K M⁻½ with a vector, and its largest Ritz value θ approaches the largest eigenvalue
+//! from below. Within the residual |β s| of θ there is an eigenvalue. That it is the largest is likely and not certain:
+//! hence a margin, and the rows where certainty is required. The start vector has random signs, and is large where rows
+//! are, as the fastest modes are.
 //!
 //! Source: C. Lanczos, J. Res. Natl. Bur. Stand. 45 (1950) 255; B. N. Parlett, The Symmetric Eigenvalue Problem (1980),
-//! ch. 13. The vectors are not orthogonalized again: what is lost repeats eigenvalues that were found, and adds none.
+//! chapter 13. The vectors are not reorthogonalized: loss of orthogonality repeats converged eigenvalues, and adds none.
 
 use glam::DVec3;
 
 use crate::math::noise;
 
-/// A spring between two particles: its matrix is `along` in its direction and `across` at right angles.
+/// A spring between two particles: its matrix has the longitudinal value `along` and the transverse value `across`.
 #[derive(Debug, Clone, Copy)]
 pub struct Edge {
     pub ends: [u32; 2],
@@ -21,18 +23,19 @@ pub struct Edge {
     pub across: f64,
 }
 
-/// The products of the matrix with a vector. Sixteen were enough for 1000 random networks of up to 1600 particles.
+/// Number of matrix–vector products. Sixteen sufficed for 1000 random networks of up to 1600 particles.
 const PRODUCTS: usize = 16;
-/// What is added to the Ritz value and its residual.
+/// Factor of the sum of the Ritz value and its residual.
 const MARGIN: f64 = 1.02;
-/// A new vector this short, relative to θ, is rounding: all eigenvalues that the start contains are found.
+/// Length of a new vector, relative to θ, that is rounding: the Krylov space of the start is exhausted.
 const NOTHING: f64 = 1e-9;
 
-/// Rates whose squares are numbers; beyond them the rows have to do.
+/// Rates whose squares neither overflow nor underflow; beyond them the rows are used.
 const SQUARABLE: std::ops::Range<f64> = 1e-140..1e140;
 
-/// About the largest eigenvalue from below, and from above, which is rarely less than it: of the springs `edges`, and of terms `alone` on the particles [1/s²], with
-/// the square roots of the inverse masses and the rows' bound at each particle.
+/// Estimates of the largest eigenvalue from below, and from above, which is rarely less than it: of the springs `edges`,
+/// and of terms `alone` on the particles [1/s²], with the square roots of the inverse masses and the bound by rows at each
+/// particle.
 pub fn largest(edges: &[Edge], alone: &[f64], root: &[f64], rows: &[f64]) -> [f64; 2] {
     let highest = rows.iter().fold(0.0, |highest: f64, &row| highest.max(row));
     if highest == 0.0 {
@@ -42,7 +45,7 @@ pub fn largest(edges: &[Edge], alone: &[f64], root: &[f64], rows: &[f64]) -> [f6
         return [0.0, f64::INFINITY];
     }
     let flat = edges.iter().all(|edge| edge.direction.z == 0.0);
-    // In a plane the fastest mode lies in that plane: a spring is stiffer along than across.
+    // In a plane configuration the fastest mode lies in that plane: a spring is stiffer longitudinally than transversely.
     let space = DVec3::new(1.0, 1.0, if flat { 0.0 } else { 1.0 });
     let start = rows.iter().enumerate().map(|(index, &row)| (row / highest).powi(2) * space * noise(index as u64));
     let mut vector: Vec<DVec3> = start.collect();
@@ -86,13 +89,13 @@ fn multiply(edges: &[Edge], alone: &[f64], root: &[f64], vector: &[DVec3], image
     }
 }
 
-/// In one fixed order, whoever asks.
+/// The scalar product, summed in a fixed order.
 fn dot(one: &[DVec3], other: &[DVec3]) -> f64 {
     one.iter().zip(other).map(|(one, other)| one.dot(*other)).sum()
 }
 
 /// The largest eigenvalue of a symmetric tridiagonal matrix, not above `highest` but for rounding, and its residual: the
-/// last number beside the diagonal times the last entry of the eigenvector.
+/// last off-diagonal element times the last entry of the eigenvector.
 fn top(diagonal: &[f64], beside: &[f64], highest: f64) -> (f64, f64) {
     // Sylvester: all pivots of T − λ are negative just above the largest eigenvalue.
     let above = |value: f64| {
@@ -108,7 +111,7 @@ fn top(diagonal: &[f64], beside: &[f64], highest: f64) -> (f64, f64) {
         let middle = 0.5 * (low + high);
         if above(middle) { high = middle } else { low = middle }
     }
-    // Backwards the eigenvector grows where it has converged, so that rounding fades.
+    // In backward recurrence the converged eigenvector grows, so that rounding errors decay.
     let last = diagonal.len() - 1;
     let (mut entry, mut after, mut square) = (1.0, 0.0, 1.0);
     for index in (1..=last).rev() {

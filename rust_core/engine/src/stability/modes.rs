@@ -1,13 +1,13 @@
-//! The modes of a body as a box of frequencies and dampings, and the step that all of them allow.
+//! The modes of a body as a box of frequencies and dampings, and the largest stable step of all of them.
 //!
-//! All modes have ω² and γ between a least and a highest value. Along a ray of constant ξ = γ/2ω the limit is L(ξ)/ω, so it is
-//! smallest where the ray leaves the box: at the highest ω, or at the highest γ. That leaves one minimum over ξ. A particle that
-//! feels only wells and linear drag is one oscillator, and its box one point.
+//! All modes have ω² and γ between a least and a highest value. Along a ray of constant ξ = γ/2ω the limit is L(ξ)/ω, so it
+//! is smallest where the ray leaves the box: at the highest ω, or at the highest γ. That leaves one minimum over ξ. A
+//! particle under harmonic wells and linear drag alone is one oscillator, and its box one point.
 
 use super::rows::Row;
 use crate::integrators::{Integrator, amplification};
 
-/// What an integrator makes of an oscillator.
+/// The stability limits of an integrator on an oscillator.
 #[derive(Debug, Clone, Copy)]
 pub struct Method {
     /// [`Integrator::limit`].
@@ -19,68 +19,68 @@ pub struct Method {
 }
 
 impl Method {
-    /// That of an integrator.
+    /// The limits of an integrator.
     pub fn of<I: Integrator>() -> Self {
         Self { largest: I::limit, last: I::last, coupled: I::COUPLED }
     }
 }
 
-/// Rates, ω² [1/s²] or γ [1/s], of all modes of a body.
+/// The range of a rate, ω² [1/s²] or γ [1/s], over all modes of a body.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Band {
-    /// None is above this.
+    /// Upper bound.
     pub highest: Row,
-    /// None is below this.
+    /// Lower bound.
     pub least: f64,
-    /// One is at least this; 0 where that is unknown.
+    /// Lower bound of the largest rate; 0 where unknown.
     pub reached: f64,
 }
 
 impl Band {
-    /// One rate alone.
+    /// A single rate.
     pub fn exactly(row: Row) -> Self {
         Self { highest: row, least: row.rate, reached: row.rate }
     }
 
-    /// Rates as different as those of two bands.
+    /// The union of two bands.
     pub fn with(self, other: Self) -> Self {
         let highest = if other.highest.rate > self.highest.rate { other.highest } else { self.highest };
         Self { highest, least: self.least.min(other.least), reached: self.reached.max(other.reached) }
     }
 }
 
-/// What encloses the modes of a body.
+/// The box that encloses the modes of a body.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Modes {
     pub stiffness: Band,
     pub damping: Band,
 }
 
-/// The damping ratio that stands for pure damping: there 2ξL(ξ) has come within 1e-12 of its limit for ξ → ∞.
+/// Damping ratio of pure damping: there 2ξL(ξ) is within 1e-12 of its limit for ξ → ∞.
 const PURE_DAMPING: f64 = 1e6;
-/// Rays tried on each of the two outer edges. The lowest is then refined between its neighbors, so it only has to lie in
-/// the right valley of L. The narrowest are PEFRL's, 0.28 < ξ < 0.32, which counts while the corner of the box lies
-/// between that and ξ = 0.5, and then holds four rays; and `BlanesMoan4`'s, 0.10 < ξ < 0.14, which counts up to 0.31 and then
-/// holds eight. Against 20,000 rays, no corner of any integrator's box finds a smaller limit than these.
+/// Number of rays on each of the two outer edges. The lowest is then refined between its neighbors, so it only has to lie
+/// in the basin of the minimum of L. The narrowest are PEFRL's, 0.28 < ξ < 0.32, which counts while the corner of the box
+/// lies between that and ξ = 0.5, and then holds four rays; and `BlanesMoan4`'s, 0.10 < ξ < 0.14, which counts up to 0.31
+/// and then holds eight. Compared with 20,000 rays, the limits are the same for all corners of all integrators' boxes.
 const RAYS: usize = 64;
 
-/// By how much a step that no mode endures is larger where stiffness and damping couple the modes, so that none of them has the
-/// highest frequency or damping: measured, not proved. Without this, a network was stable up to 5 % above it.
+/// Factor of the upper bound of stable steps where stiffness and damping couple the modes, so that none of them has the
+/// highest frequency or damping: measured, not proved. Without it, a network was stable up to 5 % above the bound.
 const MIXED: f64 = 1.5;
 
 impl Modes {
-    /// The box around both.
+    /// The bounding box of both.
     pub fn with(&self, other: &Self) -> Self {
         Self { stiffness: self.stiffness.with(other.stiffness), damping: self.damping.with(other.damping) }
     }
 
-    /// Whether all of the other modes are in this box too.
+    /// Whether this box contains the other one.
     pub fn enclose(&self, other: &Self) -> bool {
-        let around = |band: &Band, inner: &Band| band.highest.rate >= inner.highest.rate && band.least <= inner.least;
-        around(&self.stiffness, &other.stiffness) && around(&self.damping, &other.damping)
+        let encloses = |band: &Band, inner: &Band| band.highest.rate >= inner.highest.rate && band.least <= inner.least;
+        encloses(&self.stiffness, &other.stiffness) && encloses(&self.damping, &other.damping)
     }
 
-    /// The largest step at which all modes are stable, and the term that sets it.
+    /// The largest stable step of all modes [s], and the term that sets it.
     pub fn limit(&self, method: &Method) -> (f64, &'static str) {
         let Self { stiffness, damping } = self;
         let Method { largest, coupled, .. } = *method;
@@ -94,7 +94,7 @@ impl Modes {
         }
         let along = |angle: f64| {
             let ratio = angle.tan().clamp(0.0, PURE_DAMPING);
-            // At ξ = 0 without damping the second is 0/0, which `min` passes over.
+            // At ξ = 0 without damping the second is 0/0, which `min` ignores.
             largest(ratio) / frequency.min(damping.highest.rate / (2.0 * ratio))
         };
         let corner = (damping.highest.rate / (2.0 * frequency)).atan();
@@ -106,8 +106,8 @@ impl Modes {
         (margin * stiff.min(damped), binding.highest.term)
     }
 
-    /// The largest step [s] that the mode of the highest frequency, or that of the highest damping, could withstand, whatever its other
-    /// rate may be. Infinite where neither is known.
+    /// Upper bound of the stable steps [s]: the largest stable step of the mode of the highest frequency, or of the highest
+    /// damping, for any value of its other rate. Infinite where neither is known.
     pub fn endured(&self, method: &Method) -> f64 {
         let Self { stiffness, damping } = self;
         let ratio = |damping: f64, square: f64| damping / (2.0 * square.sqrt());
@@ -129,8 +129,8 @@ impl Modes {
     }
 }
 
-/// The largest value of a function of the damping ratio on rays from one to another. What lies between two of them may be larger:
-/// unlike a limit, it is only told, and a quarter of the rays will do.
+/// The maximum of a function of the damping ratio on rays from one to another. It may be larger between two of them: unlike
+/// a limit, the value is only informative, and a quarter of the rays suffices.
 fn peak(function: impl Fn(f64) -> f64, low: f64, high: f64) -> f64 {
     let rays = if low < high { RAYS / 4 } else { 0 };
     let (low, high) = (low.atan(), high.atan());
@@ -138,7 +138,7 @@ fn peak(function: impl Fn(f64) -> f64, low: f64, high: f64) -> f64 {
     (0..=rays).map(|ray| function(at(ray).tan().clamp(0.0, PURE_DAMPING))).fold(0.0, f64::max)
 }
 
-/// The least value of a function between `low` and `high`.
+/// The minimum of a function between `low` and `high`.
 fn minimize(function: impl Fn(f64) -> f64, low: f64, high: f64) -> f64 {
     if low >= high {
         return function(high);
@@ -150,13 +150,14 @@ fn minimize(function: impl Fn(f64) -> f64, low: f64, high: f64) -> f64 {
     values[least].min(function(refined))
 }
 
-/// The limits that an integrator had for the boxes of modes of the bound before. Most of them stay the same from step to
+/// A cache of an integrator's limits for the boxes of modes of the previous bound. Most of them stay the same from step to
 /// step, and a box with damping takes thousands of trial steps.
 #[derive(Debug, Default)]
 pub struct LimitCache(Vec<(Modes, (f64, &'static str))>);
 
 impl LimitCache {
-    /// Becomes that of these boxes; finds the limits of those that are new. Gives the least, and the term that sets it.
+    /// Updates the cache to these boxes, computing the limits of new ones. Returns the smallest limit, and the term that
+    /// sets it.
     pub fn least(&mut self, boxes: &[Modes], method: &Method) -> (f64, &'static str) {
         let known = std::mem::take(&mut self.0);
         let of = |modes: &Modes| {

@@ -1,4 +1,4 @@
-//! Bounds on the largest eigenvalue of M⁻¹K (and of M⁻¹C alike) from its rows.
+//! Gershgorin-type bounds on the largest eigenvalue of M⁻¹K (and of M⁻¹C alike) from its rows.
 //!
 //! Let each spring e join i and j with stiffness kₑ, and each particle carry point terms of total stiffness pᵢ. As a spring's
 //! matrix lies between −kₑ and kₑ times that of a spring which pulls alike in every direction, ω² ≤ ρ, the spectral radius
@@ -27,10 +27,10 @@ pub struct Row {
     pub term: &'static str,
 }
 
-/// The stiffness, or the damping, of all terms.
+/// The rows of the stiffness, or of the damping, of all terms.
 #[derive(Debug, Clone)]
 pub struct GershgorinRows {
-    /// What the springs are called.
+    /// The name of the springs' term.
     springs: &'static str,
     /// The ends of each spring.
     ends: Vec<[u32; 2]>,
@@ -69,7 +69,7 @@ impl GershgorinRows {
         }
     }
 
-    /// The largest row of each body, of the particles that count.
+    /// The largest row of each body, over the particles for which `counts` holds.
     pub fn largest(&self, inverse_mass: &[f64], body: &[u32], bodies: usize, counts: impl Fn(usize) -> bool) -> Vec<Row> {
         let mut rows = vec![Row { rate: 0.0, term: "" }; bodies];
         self.visit(inverse_mass, |i, _, rate, term| {
@@ -81,8 +81,8 @@ impl GershgorinRows {
         rows
     }
 
-    /// The largest row that each particle takes part in.
-    pub fn around(&self, inverse_mass: &[f64]) -> Vec<f64> {
+    /// The largest row of each particle.
+    pub fn at_particles(&self, inverse_mass: &[f64]) -> Vec<f64> {
         let mut rows = vec![0.0; inverse_mass.len()];
         self.visit(inverse_mass, |i, j, rate, _| {
             for end in [i, j] {
@@ -92,23 +92,24 @@ impl GershgorinRows {
         rows
     }
 
-    /// What the point terms of each particle add to its eigenvalues.
+    /// The rate of the point terms of each particle.
     pub fn points<'a>(&'a self, inverse_mass: &'a [f64]) -> impl Fn(usize) -> f64 + 'a {
         |i| at(&self.alone, inverse_mass, i)
     }
 
-    /// The sum over the point terms of a particle, if no spring joins it to another.
+    /// The sum over the point terms of a particle without springs; None with springs.
     pub fn alone_at(&self, i: usize) -> Option<f64> {
         let joined = self.joined.get(i).is_some_and(|&sum| sum > 0.0);
         (!joined).then(|| self.alone.get(i).copied().unwrap_or(0.0))
     }
 
-    /// The term that contributes most to it; empty if none does.
+    /// The largest point term of a particle; empty without any.
     pub fn leading(&self, i: usize) -> &'static str {
         self.leading.get(i).map_or("", |&(_, term)| term)
     }
 
-    /// Gives every row to `raise`: the ends of its spring, twice the same particle for a point term, and what binds.
+    /// Calls `raise` for every row: the ends of its spring, twice the same particle for a point term, the rate, and the
+    /// binding term.
     fn visit(&self, inverse_mass: &[f64], mut raise: impl FnMut(usize, usize, f64, &'static str)) {
         let at = |sums: &[f64], i: usize| at(sums, inverse_mass, i);
         for i in 0..self.alone.len() {
@@ -120,7 +121,7 @@ impl GershgorinRows {
             let (alone, other_alone) = (at(&self.alone, i), at(&self.alone, j));
             let half_gap = 0.5 * ((alone + one) - (other_alone + other));
             let sum = alone + one + other_alone + other;
-            // What leaves the range of numbers is faster than any step.
+            // An overflow is an infinite rate.
             let rate = if sum.is_finite() { 0.5 * sum + hypotenuse(half_gap, one, other) } else { f64::INFINITY };
             let strongest = if alone > other_alone { i } else { j };
             let term = if one + other >= alone.max(other_alone) { self.springs } else { self.leading(strongest) };
@@ -129,12 +130,12 @@ impl GershgorinRows {
     }
 }
 
-/// What a sum comes to as a rate: nothing where there is none, or where a particle is fixed, however large it is.
+/// A sum over mass, as a rate: 0 for an empty sum, or for a fixed particle, even if the sum is infinite.
 fn at(sums: &[f64], inverse_mass: &[f64], i: usize) -> f64 {
     sums.get(i).map_or(0.0, |&sum| if sum > 0.0 && inverse_mass[i] > 0.0 { sum * inverse_mass[i] } else { 0.0 })
 }
 
-/// √(leg² + one·other), where the squares leave the range of numbers as well: `hypot` takes longer than all the rest of a row.
+/// √(leg² + one·other), without overflow of the squares: `hypot` takes longer than all the rest of a row.
 fn hypotenuse(leg: f64, one: f64, other: f64) -> f64 {
     let sum = leg * leg + one * other;
     if sum.is_normal() { sum.sqrt() } else { leg.hypot(one.sqrt() * other.sqrt()) }

@@ -1,7 +1,7 @@
-//! Systems: a state with its law of motion, its own notion of a step, of its budget and of the fields that it has.
+//! Systems: a state with its law of motion, time stepping, energy budget and fields.
 //!
-//! To add one: give it a folder, and its line in [`build`]. A [simulation](crate::simulation) is a clock, a divergence monitor
-//! and a ledger over a system, and knows nothing of particles.
+//! To add one: give it a folder, and its line in [`build`]. A [simulation](crate::simulation) is a clock, a divergence
+//! monitor and a ledger over a system, independent of particles.
 
 pub mod matter;
 pub mod several;
@@ -19,34 +19,34 @@ use crate::scene::{self, Item, Scene};
 use crate::stability::{Horizon, Limit};
 use several::{Part, Several};
 
-/// Equal steps to take.
+/// An interval of equal steps.
 #[derive(Debug, Clone, Copy)]
 pub struct Interval {
-    /// When the clock's segment began [s].
+    /// Start time of the clock's segment [s].
     pub start: f64,
-    /// The steps taken in that segment before these.
+    /// Number of earlier steps in that segment.
     pub first: u64,
-    /// The length of each [s].
+    /// Step size h [s].
     pub h: f64,
-    /// Their number.
+    /// Number of steps.
     pub steps: u64,
 }
 
 impl Interval {
-    /// The time at a fraction of one of the steps [s]: the same bits however the steps are cut into intervals.
+    /// The time at a fraction of one of the steps [s], with the same bits for any division into intervals.
     pub fn time(&self, step: u64, node: f64) -> f64 {
         self.start + ((self.first + step) as f64 + node) * self.h
     }
 }
 
-/// Which activities of a batch of steps are recorded.
+/// The recorded activities of a batch of steps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Record {
-    /// Those of all steps.
+    /// All steps.
     EveryStep,
-    /// Those of all steps, but of steps beside which finding the activity takes long: of these every 32nd.
+    /// All steps; every 32nd where the activity costs much more than a step.
     Sampled,
-    /// That of the last step at least: all that is known where linear forces run in registers.
+    /// At least the last step: the only one known where linear forces run in registers.
     LastStep,
 }
 
@@ -68,7 +68,7 @@ pub struct Fault {
     pub quantity: &'static str,
 }
 
-/// A quantity that can be read.
+/// The description of a readable quantity.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct FieldInfo {
     /// Its name: `positions`; where a scene has several systems, after the name of its item: `pond.heights`.
@@ -83,52 +83,52 @@ pub struct FieldInfo {
     pub state: bool,
 }
 
-/// A state with its law of motion, whatever its dimension and precision.
+/// A state with its law of motion, of any dimension and precision.
 pub trait System: History + Send + Sync {
-    /// What it does in every step: one part for each system of the scene.
+    /// The stages of a step: one part for each system of the scene.
     fn stages(&self) -> Vec<Stages>;
 
-    /// The memory that it takes now [bytes].
+    /// Present memory [bytes].
     fn bytes(&self) -> usize;
 
-    /// About the duration of a step on one core [s]; only the sizes of batches and the number of threads depend on it, never a
+    /// Estimated duration of a step on one core [s]; it sets the size of batches and the number of threads, and changes no
     /// bit of the result.
     fn cost(&self) -> f64;
 
-    /// The largest number of steps in a batch.
+    /// Maximum number of steps in a batch.
     fn most_steps(&self) -> u64;
 
-    /// The largest number of steps in a batch of which every activity is recorded.
+    /// Maximum number of steps in a batch with every activity recorded.
     fn most_recorded(&self) -> u64;
 
-    /// Begins anew from the present fields: there is nothing to carry on from.
+    /// Initializes from the present fields, without history.
     ///
     /// # Errors
-    /// If its rates cannot be evaluated, or the executor was asked to stop.
+    /// If its rates cannot be evaluated, or on an interrupt.
     fn begin(&mut self, time: f64, executor: &Executor) -> Result<()>;
 
-    /// Takes steps, or none of them if it fails. It [saves](History::save) itself before, and can be
-    /// [rolled back](History::rollback) to there afterwards.
+    /// Takes steps, all or none. It [saves](History::save) itself before, and can be [rolled back](History::rollback) to
+    /// there afterwards.
     ///
     /// # Errors
-    /// If a step cannot be taken, or the executor was asked to stop.
+    /// If a step fails, or on an interrupt.
     fn advance(&mut self, interval: Interval, record: Record, executor: &Executor) -> Result<()>;
 
-    /// The activity after each recorded step of the last batch [J]: the kinetic energy, or another quantity that grows without
-    /// bound where the solution does; not a number, or infinite, where the state is.
+    /// The activity after each recorded step of the last batch [J]: the kinetic energy, or another quantity that grows
+    /// without bound where the solution does; NaN or infinite where the state is.
     fn activity(&self) -> &[f64];
 
-    /// Whether its steps are linear in the state and the same at all times. Steps of at most half of the limit of stability then
-    /// never double the energy: the invariant of an oscillator's step is elongated by 1/√(1 − ½²) at the most.
+    /// Whether its steps are linear in the state and autonomous. Steps of at most half of the limit of stability then never
+    /// double the energy: the invariant of an oscillator's step is elongated by 1/√(1 − ½²) at most.
     fn is_linear(&self) -> bool;
 
-    /// Whether its method is stable on no oscillator, so that its energy may grow at any step.
+    /// Whether its method is unconditionally unstable, so that its energy may grow at any step.
     fn gains_energy(&self) -> bool;
 
     /// The limit of the time step.
     ///
     /// # Errors
-    /// If a function of the user's fails, or the executor was asked to stop.
+    /// If a user-defined function fails, or on an interrupt.
     fn limit(&self, horizon: Horizon, time: f64, executor: &Executor) -> Result<Limit>;
 
     /// Whether that limit changes with the state.
@@ -143,16 +143,16 @@ pub trait System: History + Send + Sync {
     /// As [`System::limit`].
     fn audit(&self, time: f64, executor: &Executor) -> Result<Ledger>;
 
-    /// The same of a state to begin from, refused where it is out of the range of numbers.
+    /// The energy budget of an initial state, refused where it overflows.
     ///
     /// # Errors
-    /// Besides, if it is.
+    /// As [`System::audit`], and on overflow.
     fn finite_audit(&self, time: f64, executor: &Executor) -> Result<Ledger>;
 
     /// The momentum [kg·m/s] and the angular momentum about the origin of coordinates [kg·m²/s].
     fn momenta(&self) -> (DVec3, DVec3);
 
-    /// The smallest energy that steps of `h` seconds can resolve [J]: the kinetic energy that the present rates give from rest.
+    /// The smallest energy that steps of `h` seconds can resolve [J]: the kinetic energy of one kick from rest.
     fn resolvable(&self, time: f64, h: f64) -> f64;
 
     /// The first element with a quantity that is not finite.
@@ -164,22 +164,23 @@ pub trait System: History + Send + Sync {
     /// The Mach number of its flow, if it is a fluid.
     fn mach(&self) -> Option<Mach>;
 
-    /// The quantities that can be read.
+    /// The descriptions of all fields.
     fn fields(&self) -> Vec<FieldInfo>;
 
-    /// The values of one of them, element by element in the caller's order.
+    /// The values of a field, element by element in the caller's order.
     fn read(&self, field: usize) -> Vec<f64>;
 
-    /// Replaces fields by name and begins anew; the change of energy counts as work.
+    /// Replaces fields by name and reinitializes; the change of energy counts as work.
     ///
     /// # Errors
-    /// If a field is not there or cannot be replaced, a value is out of range, or as [`System::begin`]. Nothing has changed then.
+    /// If a field does not exist or cannot be replaced, a value is out of range, or as [`System::begin`]. The state is then
+    /// unchanged.
     fn write(&mut self, fields: &[(&str, &[f64])], time: f64, executor: &Executor) -> Result<()>;
 
-    /// What has left and entered so far, part by part, for checkpoints.
+    /// The energy tallies, part by part, for checkpoints.
     fn tallies(&self) -> Vec<f64>;
 
-    /// Goes on from such numbers.
+    /// Restores the tallies.
     ///
     /// # Errors
     /// If they belong to something else.
@@ -190,7 +191,7 @@ pub trait System: History + Send + Sync {
 /// bodies, and those that items declare.
 ///
 /// # Errors
-/// If the scene or the numerics make no sense or do not fit into memory, or the executor was asked to stop.
+/// If the scene or the numerics are invalid or do not fit into memory, or on an interrupt.
 pub fn build(scene: &Scene, method: &str, precision: &str, executor: &Executor) -> Result<Box<dyn System>> {
     let mut parts = Vec::new();
     if !scene.bodies.is_empty() || scene.systems.is_empty() {

@@ -1,7 +1,7 @@
 //! Several systems in one scene, with one clock, one budget and one divergence monitor.
 //!
-//! Each takes its own steps of one length, batch by batch; none knows of the others. Fields of other systems than the first are
-//! named after their items.
+//! Each takes its own steps of one length, batch by batch; they are independent of each other. Fields of other systems than
+//! the first are named after their items.
 
 use glam::DVec3;
 
@@ -25,12 +25,12 @@ pub struct Part {
 /// The systems of a scene, at least one.
 pub struct Several {
     parts: Vec<Part>,
-    /// The sums of their activities [J].
+    /// Sums of their activities [J].
     activity: Vec<f64>,
 }
 
 impl Several {
-    /// The systems of these parts as one.
+    /// Several systems as one.
     pub fn new(parts: Vec<Part>) -> Self {
         Self { parts, activity: Vec::new() }
     }
@@ -39,7 +39,7 @@ impl Several {
         self.parts.iter().map(|part| &*part.system)
     }
 
-    /// The part that an element of this name belongs to.
+    /// The element with its part's name.
     fn named(part: &Part, element: Element) -> Element {
         let name = if part.name.is_empty() { element.name } else { format!("{} of {}", element.name, part.name) };
         Element { name, ..element }
@@ -61,7 +61,7 @@ impl Several {
         None
     }
 
-    /// The sums over all systems, where they recorded as many activities; else those after the last step.
+    /// Sums the activities over all systems, if each recorded the same number; else those after the last step.
     fn add_up(&mut self) {
         let Self { parts, activity } = self;
         let recorded = |part: &Part| part.system.activity().len();
@@ -143,7 +143,7 @@ impl System for Several {
         self.systems().any(System::gains_energy)
     }
 
-    /// The shortest of all; each kind of it is that of the system that asks for the shortest.
+    /// The smallest of each kind over all systems.
     fn limit(&self, horizon: Horizon, time: f64, executor: &Executor) -> Result<Limit> {
         let limits = self.systems().map(|system| system.limit(horizon, time, executor)).collect::<Result<Vec<_>>>()?;
         let binding = limits.iter().min_by(|one, other| one.dt().total_cmp(&other.dt())).copied().unwrap_or(Limit::NONE);
@@ -161,7 +161,7 @@ impl System for Several {
         self.systems().any(|system| system.limit_varies(horizon, time))
     }
 
-    /// None where a system has no estimate: nothing is known of its error then.
+    /// None if a system has no estimate.
     fn error(&self, h: f64) -> Option<(f64, u32)> {
         let errors: Option<Vec<_>> = self.systems().map(|system| system.error(h)).collect();
         errors?.into_iter().reduce(|(one, order), (other, lower)| (one.max(other), order.min(lower)))

@@ -130,8 +130,8 @@ fn around_the_rim_of_a_floor() {
     let mut laboratory = Laboratory::<DVec3>::new(&[ball], walls, G);
     for _ in 0..1000 {
         laboratory.step(h);
-        let place = laboratory.position(0);
-        assert!((place.y - 0.3).abs() < 1e-12 && (place.x.hypot(place.z) - radius).abs() < 1e-12, "{place}");
+        let position = laboratory.position(0);
+        assert!((position.y - 0.3).abs() < 1e-12 && (position.x.hypot(position.z) - radius).abs() < 1e-12, "{position}");
     }
     // A Verlet step on a circle has the energy error of a swing: (ω h)²/2 of it, and no drift.
     assert!((laboratory.velocity(0).length() - speed).abs() < (speed * h / radius).powi(2));

@@ -1,85 +1,87 @@
-//! How stiff a function of the user's is, and how damped: the norms of its gradients, found by calling it.
+//! Stiffness and damping of a user-defined force: the norms of its gradients, estimated by calling it.
 //!
-//! For the gradient ∂F/∂x (and ∂F/∂v alike) this takes products of G = M^-½ ∂F/∂x M^-½ with vectors, which are differences of
-//! forces, and builds an orthonormal basis Q of what they span: G Q = Q' H with the small Hessenberg matrix H. The norm of H
-//! is the largest |G u| of all u in the span, and approaches |G| from below. It is an eigenvalue's size where G is symmetric,
-//! as that of a conservative force is, and not below it elsewhere. Where the span is exhausted, as with a few particles, the
-//! norm is found up to the error of the differences; elsewhere there is a margin.
+//! For the gradient ∂F/∂x (and ∂F/∂v alike) this takes products of G = M^-½ ∂F/∂x M^-½ with vectors, which are differences
+//! of forces, and builds an orthonormal basis Q of their span: G Q = Q' H with the small Hessenberg matrix H. The norm of H
+//! is the largest |G u| of all u in the span, and approaches |G| from below. It equals the largest |eigenvalue| where G is
+//! symmetric, as for a conservative force, and is not below it elsewhere. Where the span is exhausted, as with a few
+//! particles, the norm is exact up to the error of the differences; elsewhere a margin is added.
 //!
 //! Source: W. E. Arnoldi, Q. Appl. Math. 9 (1951) 17; L. N. Trefethen, D. Bau, Numerical Linear Algebra (1997), lectures
 //! 33–34; for products by differences P. N. Brown, Y. Saad, SIAM J. Sci. Stat. Comput. 11 (1990) 450.
 //!
-//! **Displacements.** A difference over h is off by (h/l)², with the length l over which the force varies, and by ε|F|/h of
-//! rounding: the best h is ε^⅓ l. Where particles are, l is taken to be a distance between neighbors. Coordinates of size X
-//! are rounded to εX as well, so that h is at least ε^⅔ X. For a single particle l is a thousandth of X, or a millimeter
-//! where X is 0. Velocities change by ε^⅓ of the fastest one, or of that which the stiffness gives over l.
+//! **Displacements.** A difference over h has a truncation error of (h/l)², with the length l over which the force varies,
+//! and a rounding error of ε|F|/h: the best h is ε^⅓ l. For several particles l is a distance between neighbors.
+//! Coordinates of size X are rounded to εX as well, so that h is at least ε^⅔ X. For a single particle l is a thousandth of
+//! X, or a millimeter where X is 0. Velocities change by ε^⅓ of the largest speed, or of the speed that the stiffness gives
+//! over l.
 //!
-//! **Jumps and kinks.** Each product takes h in one direction and h/4 in the other. Where a particle's slopes differ, the two
-//! others are looked at as well, and on each side a slope counts if it is the same over h and over h/4: at a kink the
-//! steeper side counts, and a jump, whose slope has no meaning, does not. What is not finite beside the state counts as little.
+//! **Jumps and kinks.** Each product takes h in one direction and h/4 in the other. Where the slopes of a particle differ,
+//! the two remaining ones are evaluated as well, and on each side a slope counts if it is the same over h and over h/4: at
+//! a kink the steeper side counts, and a jump, whose slope has no meaning, does not. Forces that are not finite next to the
+//! state count as small.
 
 use glam::DVec3;
 
 use crate::error::Result;
 use crate::math::noise;
 
-/// The products for each gradient at most.
+/// Maximum number of matrix–vector products for each gradient.
 const PRODUCTS: usize = 16;
-/// The products before the norm may count as converged, and by how much it then still grows in one.
+/// Minimum number of products before convergence, and the relative growth of the norm per product at convergence.
 const LEAST_PRODUCTS: usize = 6;
 const CONVERGED: f64 = 1.01;
-/// What is added to a norm that has converged.
+/// Factor of a converged norm, for its error from below.
 const MARGIN: f64 = 1.1;
-/// What is left over from the span, in units of the norm, when there is no more: the error of the differences.
+/// Relative residual of an exhausted span: the error of the differences.
 const NOTHING: f64 = 1e-4;
-/// The part of the gradient that turns, in units of the norm, below which it is an error of the differences.
+/// Relative norm of the antisymmetric part below which it is an error of the differences.
 const NO_TURN: f64 = 1e-2;
-/// By how much the slopes of a smooth force may differ, as a fraction.
+/// Relative difference of the slopes of a smooth force.
 const SMOOTH: f64 = 0.1;
-/// The rounding of a force that a function gives, in units of the largest one.
+/// Rounding error of a user-defined force, relative to the largest one.
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
-/// The smaller displacement of a product over the larger one: a power of two.
+/// Ratio of the smaller to the larger displacement of a product: a power of two.
 const NEAR: f64 = 0.25;
-/// What stands for a norm whose square no number can hold [1/s²].
+/// Substitute for a norm whose square overflows [1/s²].
 const STEEPEST: f64 = 1e150;
 /// Squarings of the Gram matrix: the trace is then the largest eigenvalue to the power 2¹⁴, but for a factor of at most its size.
 const SQUARINGS: usize = 14;
 
-/// How often the function is called at most: twice at the state, and four times for each product of both gradients.
+/// Maximum number of calls of the function: two at the state, and four for each product of both gradients.
 pub const MOST_CALLS: usize = 2 + 2 * 4 * PRODUCTS;
 
-/// What is known of a gradient over mass.
+/// Estimate of a mass-weighted gradient.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Gradient {
-    /// Its norm [1/s²] or [1/s].
+    /// Spectral norm [1/s²] or [1/s].
     pub norm: f64,
     /// The norm of its antisymmetric part, 0 where that is an error of the differences.
     pub rotation: f64,
 }
 
 impl Gradient {
-    /// That of a constant force.
+    /// The gradient of a constant force.
     pub const NONE: Self = Self { norm: 0.0, rotation: 0.0 };
 }
 
-/// The forces [N] when every particle is displaced by a multiple of its own way.
+/// The forces [N] when every particle is displaced by a multiple of its own displacement.
 pub type Displaced<'a> = dyn Fn(&[DVec3], f64) -> Result<Vec<DVec3>> + 'a;
 
-/// A look at the gradient of a force.
+/// Input of a gradient estimate.
 pub struct Probe<'a> {
-    /// What the function gives.
+    /// The function's forces at displaced states.
     pub given: &'a Displaced<'a>,
     /// The forces [N] at the state itself.
     pub force: &'a [DVec3],
-    /// 1/√m of each particle, 0 where it is fixed; not all of them.
+    /// 1/√m of each particle [kg^-½], 0 where fixed; not all 0.
     pub root: &'a [f64],
     pub dimension: usize,
-    /// The displacement of the particle that is displaced most.
+    /// The largest displacement of a particle.
     pub step: f64,
 }
 
 impl Probe<'_> {
-    /// What the force's gradient is like.
+    /// Estimates the gradient of the force.
     pub fn gradient(&self) -> Result<Gradient> {
         let mask = DVec3::new(1.0, 1.0, if self.dimension == 2 { 0.0 } else { 1.0 });
         let free = |index: usize| if self.root[index] > 0.0 { mask } else { DVec3::ZERO };
@@ -130,7 +132,7 @@ impl Probe<'_> {
         let mut slopes: Vec<DVec3> = ahead
             .iter()
             .zip(&behind)
-            // Both are off by h times the second derivative: of this mean, nothing is left of that.
+            // Both have an error of h times the second derivative, which cancels in this mean.
             .map(|(&ahead, &behind)| (NEAR * ahead + behind) / (1.0 + NEAR))
             .collect();
         let free = |index: usize| self.root[index] > 0.0;
@@ -147,14 +149,14 @@ impl Probe<'_> {
         Ok(slopes.into_iter().zip(self.root).map(|(slope, &root)| root * worth(slope)).collect())
     }
 
-    /// By how much each force changes per displacement.
+    /// Directional derivative of each force.
     fn slopes(&self, way: &[DVec3], h: f64) -> Result<Vec<DVec3>> {
         let given = (self.given)(way, h)?;
         Ok(given.iter().zip(self.force).map(|(given, force)| (*given - *force) / h).collect())
     }
 }
 
-/// How far to displace the particle that is displaced most [m], and the length over which the force is taken to vary [m].
+/// The largest displacement of a particle [m], and the length over which the force is taken to vary [m].
 pub fn displacement(positions: &[DVec3]) -> (f64, f64) {
     let size = positions.iter().fold(0.0, |size: f64, position| size.max(position.abs().max_element()));
     let size = if size > 0.0 { size } else { 1.0 };
@@ -167,8 +169,8 @@ pub fn displacement(positions: &[DVec3]) -> (f64, f64) {
     ((third * length).max(third * third * size), length)
 }
 
-/// How much to change the velocity that is changed most [m/s], where `swing` is what the stiffness gives [m/s].
-pub fn acceleration(velocities: &[DVec3], swing: f64) -> f64 {
+/// The largest change of a velocity [m/s], where `swing` is the speed that follows from the stiffness [m/s].
+pub fn velocity_increment(velocities: &[DVec3], swing: f64) -> f64 {
     let fastest = velocities.iter().fold(swing, |fastest, velocity| fastest.max(velocity.length()));
     f64::EPSILON.cbrt() * if fastest > 0.0 { fastest } else { 1.0 }
 }
@@ -180,7 +182,7 @@ fn turning(hessenberg: &[Vec<f64>]) -> Vec<Vec<f64>> {
     (0..size).map(|column| (0..size).map(|row| 0.5 * (entry(row, column) - entry(column, row))).collect()).collect()
 }
 
-/// The norm of a small matrix, given by its columns, and up to 1e-4 of it more: λ = (trace of (AᵀA)^p)^(1/p), p = 2¹⁴.
+/// The spectral norm of a small matrix, given by its columns, up to +1e-4 relative: λ = (trace of (AᵀA)^p)^(1/p), p = 2¹⁴.
 fn largest(columns: &[Vec<f64>]) -> f64 {
     let size = columns.len();
     let product = |one: &[f64], other: &[f64]| one.iter().zip(other).map(|(one, other)| one * other).sum::<f64>();

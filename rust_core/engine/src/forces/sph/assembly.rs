@@ -1,10 +1,10 @@
-//! A scene's fluids, put together: their laws from their materials, their density and volume from where they are.
+//! Construction of a scene's fluids: pair laws from the materials, initial densities and volumes from the positions.
 
 use glam::DVec3;
 
 use super::Fluids;
 use super::kernel::{self, Kernel, Shape};
-use super::laws::{Continuity, Extrapolation, FORCES, KINDS, Momentum, OBSTACLE, Touch};
+use super::laws::{Continuity, Extrapolation, FORCES, KINDS, Momentum, OBSTACLE, PairCoefficients};
 use super::shifting::Shifting;
 use super::start::{self, Material, Materials};
 use super::summation::Summation;
@@ -46,19 +46,19 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
         let continuity = Continuity { kernel, diffusion, for_particle: diffusion[0], density, gravity, fall };
         let artificial = materials.pairs(|one, other| mean(one.artificial(), other.artificial()));
         let laminar = materials.pairs(|one, other| 2.0 * mean(one.viscosity, other.viscosity));
-        let contact = materials.pairs(|_, _| 1.0);
+        let interacts = materials.pairs(|_, _| 1.0);
         let solid = usize::from(OBSTACLE);
         let either = |is: &dyn Fn(usize) -> bool| -> [V::Scalar; KINDS] {
             std::array::from_fn(|other| if is(other) { V::Scalar::ONE } else { V::Scalar::ZERO })
         };
-        let touch: [_; KINDS] = std::array::from_fn(|kind| Touch {
+        let coefficients: [_; KINDS] = std::array::from_fn(|kind| PairCoefficients {
             artificial: artificial[kind],
             laminar: laminar[kind],
-            contact: contact[kind],
-            met: either(&|other| kind != solid && other == solid),
-            meets: either(&|other| kind == solid && other != solid),
+            interacts: interacts[kind],
+            other_is_obstacle: either(&|other| kind != solid && other == solid),
+            own_is_obstacle: either(&|other| kind == solid && other != solid),
         });
-        let momentum = Momentum { kernel, touch, for_particle: touch[0], density, softening: number(0.01 * h * h) };
+        let momentum = Momentum { kernel, coefficients, for_particle: coefficients[0], density, softening: number(0.01 * h * h) };
         let extrapolation = Extrapolation { kernel, density, gravity: common.gravity.to_array().map(number) };
         let waves = kernel::waves::<K>(V::DIMENSION);
         let mut fluids = Self {
@@ -66,7 +66,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
             density: Vec::new(),
             saved_density: Vec::new(),
             diffused: vec![0.0; kind.len()],
-            met: vec![[V::Scalar::ZERO; 2]; obstacles.len()],
+            extrapolated: vec![[V::Scalar::ZERO; 2]; obstacles.len()],
             records: Records::new(neighbor_list.neighbors()),
             rates: vec![[V::Scalar::ZERO; 2]; kind.len()],
             mirrored: vec![[V::Scalar::ZERO; 2]; kind.len()],
@@ -91,8 +91,8 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
         Ok(fluids)
     }
 
-    /// Gives every fluid particle the density under the weight of what is above it, and every obstacle the volume that is left
-    /// to it by the others: 1/Σ W over obstacles, of N. Akinci et al., ACM Trans. Graph. 31 (2012) 62.
+    /// Sets the hydrostatic density of every fluid particle, and the volume of every obstacle particle: 1/Σ W over
+    /// obstacles, of N. Akinci et al., ACM Trans. Graph. 31 (2012) 62.
     fn fill_space(&mut self, scene: &Scene, properties: &Properties<V>, executor: &Executor) -> Result<()> {
         let positions = scene.positions();
         // By the index of the particle, relative to the origin.
@@ -123,20 +123,20 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
             let solid = others.zip(neighbors.separation(slot)).filter(|&(other, _)| self.kind[other] == OBSTACLE);
             let near: f64 = solid.map(|(_, separation)| weight(separation.length())).sum();
             let common = self.materials.first();
-            // A lone particle is not as large as the kernel.
+            // The volume of an isolated particle is bounded, or it would be that of the kernel.
             self.mass[obstacle as usize] = (common.density / (near + weight(0.0))).min(2.0 * common.mass);
         }
         Ok(())
     }
 }
 
-/// The kernel of a fluid as a function of distance, in double precision.
+/// The kernel W(r) of a fluid, in double precision.
 fn weight<K: Shape>(fluid: &Material, dimension: usize) -> impl Fn(f64) -> f64 {
     let kernel = Kernel::<f64, K>::new(fluid.smoothing_length, fluid.spacing, dimension);
     move |distance| kernel.value(distance)
 }
 
-/// The mean of two viscosities across which the stress is the same: the harmonic one.
+/// The harmonic mean of two viscosities, which makes the stress continuous.
 fn mean(one: f64, other: f64) -> f64 {
     if one + other > 0.0 { 2.0 * one * other / (one + other) } else { 0.0 }
 }

@@ -1,7 +1,7 @@
-//! The images of a particle's neighbors in mirrors, and what a law makes of them.
+//! Mirror images of a particle's neighbors behind walls, and the pair laws with images.
 //!
-//! Mirrored are position and velocity: where the fluid slips freely its velocity across the wall, where it sticks all of it.
-//! The pressure of an image is that of its original, and what gravity adds on the way: so a fluid at rest stays at rest.
+//! Position and velocity are mirrored: the normal velocity at a free-slip wall, all of it at a no-slip wall. The pressure
+//! of an image is that of its original plus the hydrostatic difference, so a fluid at rest stays at rest.
 
 use glam::{DMat3, DVec3};
 
@@ -9,41 +9,41 @@ use crate::math::{AXES, Real, Vector};
 use crate::neighbors::sums::{Pair, PairLaw};
 use crate::simd::{Number, Record};
 
-/// A wall as a particle near it sees it: its unit normal into the fluid, its distance [m], and whether the fluid sticks to it.
+/// The tangent plane of a wall near a particle: unit normal into the fluid, distance [m], and no-slip condition.
 #[derive(Debug, Clone, Copy)]
 pub struct Mirror {
     pub normal: DVec3,
     pub distance: f64,
-    pub sticks: bool,
+    pub no_slip: bool,
 }
 
-/// What a law wants to see in a mirror.
+/// The boundary condition of a pair law at a wall.
 #[derive(Debug, Clone, Copy)]
-pub struct View {
-    /// What gravity adds to the second number of a record per metre and density.
+pub struct WallCondition {
+    /// Hydrostatic gradient of the second word of a record over density.
     pub weight: DVec3,
-    /// Whether a fluid that sticks to a wall is at rest there: only viscosity cares.
-    pub sticks: bool,
+    /// Whether no-slip walls act as such, as for viscosity; else all walls are free-slip.
+    pub no_slip: bool,
 }
 
-/// Where the image of a neighbor is: with y the place of anything relative to the particle that looks, y ← Ay + b.
+/// The image of a neighbor: an affine map y ← Ay + b of positions y relative to the particle.
 #[derive(Debug, Clone, Copy)]
 pub struct Image {
-    /// A.
+    /// Orthogonal matrix A.
     turn: DMat3,
-    /// b [m].
+    /// Translation b [m].
     shift: DVec3,
-    /// What velocities are turned by.
+    /// Orthogonal matrix of the velocities.
     velocity: DMat3,
-    /// The distance of the original, and of its images on the way here, from the mirrors: n and d of n·y + d for each, all
-    /// above zero if there is such an image.
+    /// Distances n·y + d of the original, and of its successive images, from the mirrors: n and d for each. The image
+    /// exists if all are positive.
     depths: [(DVec3, f64); AXES],
-    /// The number of mirrors on the way.
+    /// The number of reflections.
     mirrors: usize,
 }
 
 impl Image {
-    /// Where everything is.
+    /// The identity.
     pub const ITSELF: Self = Self {
         turn: DMat3::IDENTITY,
         shift: DVec3::ZERO,
@@ -52,22 +52,22 @@ impl Image {
         mirrors: 0,
     };
 
-    /// Mirrors it once more: y ← y − 2 (d + n·y) n. In place, because it is large.
-    pub fn reflect(&mut self, &Mirror { normal, distance, sticks }: &Mirror) {
+    /// One more reflection: y ← y − 2 (d + n·y) n. In place, because it is large.
+    pub fn reflect(&mut self, &Mirror { normal, distance, no_slip }: &Mirror) {
         let along = self.turn.transpose() * normal;
         let depth = distance + normal.dot(self.shift);
         self.depths[self.mirrors] = (along, depth);
         self.mirrors += 1;
         self.turn -= outer(2.0 * normal, along);
         self.shift -= 2.0 * depth * normal;
-        if sticks {
+        if no_slip {
             self.velocity *= -1.0;
         } else {
             self.velocity -= outer(2.0 * normal, self.velocity.transpose() * normal);
         }
     }
 
-    /// The square of the distance from the image of somebody who is `separation` from its original [m²].
+    /// The squared distance from the image of a neighbor at `separation` [m²].
     pub fn square(&self, separation: DVec3) -> f64 {
         (self.turn * separation - self.shift).length_squared()
     }
@@ -81,27 +81,30 @@ fn outer(a: DVec3, b: DVec3) -> DMat3 {
 /// A vector in the precision of the run.
 type Triple<T> = [T; AXES];
 
-/// An image in the precision of the run, as a function of the vector d from the original to the particle that looks.
+/// An image in the precision of the run, as a function of the vector d from the original to the particle.
 #[derive(Debug, Clone, Copy)]
 struct Reflection<T> {
     /// The vector from the image: Ad − b.
     turn: [Triple<T>; AXES],
     shift: Triple<T>,
     velocity: [Triple<T>; AXES],
-    /// What gravity adds on the way there.
+    /// Hydrostatic difference between original and image: gradient and constant.
     rise: (Triple<T>, T),
     depths: [(Triple<T>, T); AXES],
 }
 
 impl<T: Real> Reflection<T> {
-    fn new(image: &Image, view: &View) -> Self {
+    fn new(image: &Image, condition: &WallCondition) -> Self {
         let triple = |vector: DVec3| vector.to_array().map(T::from_f64);
         let rows = |matrix: DMat3| [matrix.row(0), matrix.row(1), matrix.row(2)].map(triple);
         Self {
             turn: rows(image.turn),
             shift: triple(-image.shift),
             velocity: rows(image.velocity),
-            rise: (triple(view.weight - image.turn.transpose() * view.weight), T::from_f64(view.weight.dot(image.shift))),
+            rise: (
+                triple(condition.weight - image.turn.transpose() * condition.weight),
+                T::from_f64(condition.weight.dot(image.shift)),
+            ),
             depths: image.depths.map(|(normal, distance)| (triple(-normal), T::from_f64(distance))),
         }
     }
@@ -117,29 +120,29 @@ fn dot<V: Vector, N: Number<Scalar = V::Scalar>>(one: &Triple<V::Scalar>, other:
     sum
 }
 
-/// A law that knows what a pressure in the records does; as it stands here, of one that reads none.
+/// A pair law with its treatment of image pressures; the default is that of a law without pressure.
 pub trait Pressed<V: Vector, const SUMS: usize> {
-    /// The density at rest of the other [kg/m³].
+    /// Rest density of the other particle [kg/m³].
     #[inline(always)]
     fn density<N: Number<Scalar = V::Scalar>>(&self, _other: &Record<N>) -> N {
         N::constant(0.0)
     }
 
-    /// The second number of a record, raised by what gravity adds on the way to an image.
+    /// The second word of an image's record: that of the original plus the hydrostatic difference.
     #[inline(always)]
     fn raised<N: Number<Scalar = V::Scalar>>(&self, content: N, by: N) -> N {
         content + by
     }
 
-    /// What is different where the other is an image, whose pressure has been raised `by` so much: the powers, because it
-    /// belongs to a wall that takes none.
+    /// Correction of the sums for an image with its pressure raised `by` this amount: that of the powers, because a wall
+    /// takes none.
     #[inline(always)]
     fn lift<N: Number<Scalar = V::Scalar>>(&self, _pair: &Pair<N>, _by: N) -> [N; SUMS] {
         [N::constant(0.0); SUMS]
     }
 }
 
-/// A law between a particle and the images of others.
+/// A pair law between a particle and an image.
 #[derive(Debug, Clone, Copy)]
 pub struct Mirrored<T, L> {
     law: L,
@@ -147,9 +150,9 @@ pub struct Mirrored<T, L> {
 }
 
 impl<T: Real, L> Mirrored<T, L> {
-    /// What a law makes of an image.
-    pub fn new(law: L, image: &Image, view: &View) -> Self {
-        Self { law, reflection: Reflection::new(image, view) }
+    /// The pair law for an image.
+    pub fn new(law: L, image: &Image, condition: &WallCondition) -> Self {
+        Self { law, reflection: Reflection::new(image, condition) }
     }
 }
 

@@ -1,5 +1,5 @@
-//! Smoothing kernels W(r) of support 2h: each with its value and the slope F(r) = W′(r)/r, so that ∇W = F d, and its bend
-//! F′(r)/r, so that ∇∇W = F 1 + F′/r d dᵀ.
+//! Smoothing kernels W(r) of support 2h, each with its slope F(r) = W′(r)/r, so that ∇W = F d, and the derivative F′(r)/r
+//! of that, so that ∇∇W = F 1 + F′/r d dᵀ.
 //!
 //! With u = r/2h and (y)₊ = max(y, 0), in 2D and 3D:
 //!
@@ -14,7 +14,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use crate::math::Real;
 use crate::simd::Number;
 
-/// Added to distances that are divided by, in units of the support.
+/// Regularization of a divisor distance, in units of the support.
 const TINY: f64 = 1e-6;
 
 /// A kernel of unit height and unit smoothing length, as a function of u = r/2h from 0 to 1.
@@ -25,7 +25,7 @@ pub trait Shape: Copy + Send + Sync + 'static {
     fn value<N: Number>(u: N) -> N;
     /// h² F/W₀.
     fn slope<N: Number>(u: N) -> N;
-    /// h⁴ F′/(r W₀) = h² (dF/du)/(4u W₀); where it is infinite for u → 0, as good as.
+    /// h⁴ F′/(r W₀) = h² (dF/du)/(4u W₀), regularized where it diverges for u → 0.
     fn bend<N: Number>(u: N) -> N;
 }
 
@@ -116,7 +116,7 @@ impl Shape for CubicSpline {
     }
 }
 
-/// A kernel of a certain smoothing length, in the precision of the run.
+/// A kernel of given smoothing length, in the precision of the run.
 #[derive(Debug, Clone, Copy)]
 pub struct Kernel<T, K> {
     /// 1/2h [1/m].
@@ -138,7 +138,7 @@ impl<T: Real, K: Shape> Kernel<T, K> {
     pub fn new(smoothing_length: f64, spacing: f64, dimension: usize) -> Self {
         let square = smoothing_length * smoothing_length;
         let height = K::HEIGHT[dimension - 2] / if dimension == 2 { square } else { square * smoothing_length };
-        let steepness = height / square / state_view::<K>(spacing / smoothing_length, dimension);
+        let steepness = height / square / lattice_moment::<K>(spacing / smoothing_length, dimension);
         Self {
             inverse_support: T::from_f64(0.5 / smoothing_length),
             height: T::from_f64(height),
@@ -157,43 +157,43 @@ impl<T: Real, K: Shape> Kernel<T, K> {
     /// V F for a volume V at a distance [m].
     #[inline(always)]
     pub fn slope<N: Number<Scalar = T>>(&self, volume: N, distance: N) -> N {
-        // In this order, what does not have to wait for the distance does not.
+        // In this order the first product does not wait for the distance.
         (N::of(self.steepness) * volume) * K::slope(self.reach(distance))
     }
 
     /// V F′/r for a volume V at a distance r [m].
     #[inline(always)]
     pub fn bend<N: Number<Scalar = T>>(&self, volume: N, distance: N) -> N {
-        // In this order nothing is too large for single precision.
+        // In this order nothing overflows in single precision.
         (N::of(self.steepness) * volume) * (N::of(self.inverse_square) * K::bend(self.reach(distance)))
     }
 
-    /// u, and 1 beyond the support.
+    /// u = r/2h, clamped to 1 beyond the support.
     #[inline(always)]
     fn reach<N: Number<Scalar = T>>(&self, distance: N) -> N {
         (distance * N::of(self.inverse_support)).min(N::constant(1.0))
     }
 }
 
-/// The number of steps of Simpson's rule; these polynomials come out to 1e-6.
+/// Steps of Simpson's rule; the error for these polynomials is 1e-6.
 const STEPS: usize = 200;
 
 /// −Σ Δ^D F x² over a lattice of spacing Δ, for unit smoothing length.
-fn state_view<K: Shape>(spacing: f64, dimension: usize) -> f64 {
+fn lattice_moment<K: Shape>(spacing: f64, dimension: usize) -> f64 {
     over_lattice(spacing, dimension, |x, r| -K::HEIGHT[dimension - 2] * K::slope(0.5 * r) * x * x)
 }
 
-/// Σ Δ^D W over the neighbors of a particle on a lattice of spacing Δ, and the number by which differences from that are
-/// multiplied so that a small compression of the lattice is exact, both for unit smoothing length.
-pub fn crowd<K: Shape>(spacing: f64, dimension: usize) -> (f64, f64) {
+/// S = Σ Δ^D W over the neighbors on a lattice of spacing Δ, and the factor κ of differences from S for which a small
+/// compression of the lattice is exact, both for unit smoothing length.
+pub fn lattice_density<K: Shape>(spacing: f64, dimension: usize) -> (f64, f64) {
     let sum = over_lattice(spacing, dimension, |_, r| K::HEIGHT[dimension - 2] * K::value(0.5 * r));
-    (sum, 1.0 / state_view::<K>(spacing, dimension))
+    (sum, 1.0 / lattice_moment::<K>(spacing, dimension))
 }
 
 /// Σ Δ^D |∇W| over the neighbors of a particle on a lattice of spacing Δ, for unit smoothing length.
-pub fn closeness<K: Shape>(spacing: f64, dimension: usize) -> f64 {
+pub fn lattice_gradient<K: Shape>(spacing: f64, dimension: usize) -> f64 {
     over_lattice(spacing, dimension, |_, r| -K::HEIGHT[dimension - 2] * K::slope(0.5 * r) * r)
-        / state_view::<K>(spacing, dimension)
+        / lattice_moment::<K>(spacing, dimension)
 }
 
 /// Σ Δ^D f(x, r) over the neighbors on a lattice of spacing Δ within two units.
@@ -212,36 +212,36 @@ pub fn over_lattice(spacing: f64, dimension: usize, of: impl Fn(f64, f64) -> f64
     sum * if dimension == 2 { spacing * spacing } else { spacing * spacing * spacing }
 }
 
-/// A plane wave as a kernel of unit smoothing length lets it pass.
+/// A plane wave in a fluid discretized by a kernel of unit smoothing length.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Wave {
-    /// Its wave number k.
+    /// Wave number k.
     pub number: f64,
-    /// Its frequency where sound has unit speed: ∫ F x sin(kx) dV.
+    /// Frequency at unit speed of sound: ∫ F x sin(kx) dV.
     pub frequency: f64,
-    /// Its rate of decay where what is across differs: ∫ |F| (1 − cos(kx)) dV.
+    /// Decay rate of a transverse field at unit diffusivity: ∫ |F| (1 − cos(kx)) dV.
     pub decay: f64,
-    /// The same where only what approaches counts: ∫ |F| (x/r)² (1 − cos(kx)) dV.
+    /// Decay rate under artificial viscosity: ∫ |F| (x/r)² (1 − cos(kx)) dV.
     pub squeeze: f64,
 }
 
-/// The waves that a kernel carries, from long to the shortest that it tells apart.
+/// The waves resolved by a kernel, from long to the shortest.
 pub fn waves<K: Shape>(dimension: usize) -> Vec<Wave> {
     (1..=WAVES).map(|wave| LARGEST * f64::from(wave) / f64::from(WAVES)).map(|k| wave_of::<K>(dimension, k)).collect()
 }
 
-/// The number of wave numbers that are looked at, and the largest of them times the smoothing length.
+/// Number of wave numbers, and the largest of them times the smoothing length.
 const WAVES: u32 = 48;
 const LARGEST: f64 = 6.0;
 
-/// The number of directions over a right angle, by the midpoint rule.
+/// Number of directions over a right angle, by the midpoint rule.
 const DIRECTIONS: u32 = 24;
 
 fn wave_of<K: Shape>(dimension: usize, k: f64) -> Wave {
     let slope = |r: f64| K::HEIGHT[dimension - 2] * K::slope(0.5 * r);
     let mean = |of: &dyn Fn(f64) -> f64| {
         let angle = |index: u32| FRAC_PI_2 * (f64::from(index) + 0.5) / f64::from(DIRECTIONS);
-        // In 3D rings around the axis are as long as the sine of their angle.
+        // In 3D the solid angle of a ring around the axis is proportional to the sine of its angle.
         let weight = |angle: f64| if dimension == 2 { 1.0 } else { FRAC_PI_2 * angle.sin() };
         (0..DIRECTIONS).map(angle).map(|angle| weight(angle) * of(angle.cos())).sum::<f64>() / f64::from(DIRECTIONS)
     };
@@ -253,7 +253,7 @@ fn wave_of<K: Shape>(dimension: usize, k: f64) -> Wave {
     }
 }
 
-/// The integral of a function of the distance over the support of a kernel of unit smoothing length, by Simpson's rule.
+/// Volume integral of a function of the distance over the support of a kernel of unit smoothing length, by Simpson's rule.
 fn integral(dimension: usize, value: impl Fn(f64) -> f64) -> f64 {
     let shell = |r: f64| if dimension == 2 { 2.0 * PI * r } else { 4.0 * PI * r * r };
     let width = 2.0 / STEPS as f64;

@@ -1,20 +1,20 @@
-//! The sums of a weakly compressible fluid: what changes density, and what changes velocity.
+//! The pair laws of a weakly compressible fluid: continuity and momentum.
 //!
-//! With d = xᵢ − xⱼ, v = vᵢ − vⱼ, the volume V = m/ρ and ∇W = F d, in the form of S. Marrone et al., Comput. Methods Appl. Mech.
-//! Eng. 200 (2011) 1526 (δ-SPH), whose pressures take exactly as much energy from the motion as they give to compression:
+//! With d = xᵢ − xⱼ, v = vᵢ − vⱼ, the volume V = m/ρ and ∇W = F d, in the form of S. Marrone et al., Comput. Methods Appl.
+//! Mech. Eng. 200 (2011) 1526 (δ-SPH), whose pressure forces conserve kinetic plus compression energy exactly:
 //!
 //! ```text
 //! dρᵢ/dt = ρᵢ Σ Vⱼ v·∇W − 2δhc ρ₀/c² Σ Vⱼ [wⱼ − wᵢ − g·(xⱼ − xᵢ)] F
 //!     Fᵢ = −Vᵢ Σ Vⱼ (pᵢ + pⱼ) ∇W + Vᵢ Σ Vⱼ αhcρ₀ v·d/(d² + 0.01h²) ∇W + Vᵢ Σ Vⱼ 2μ F v
 //! ```
 //!
-//! Diffusion evens out the enthalpy w beyond what gravity makes of it at rest, as that of density does in G. Fourtakas et al.,
-//! Comput. Fluids 190 (2019) 346, to first order in w/c²; in w it is exactly nothing in a fluid at rest. The artificial
-//! viscosity is J. J. Monaghan and R. A. Gingold's, J. Comput. Phys. 52 (1983) 374; the laminar one that of J. P. Morris, P. J.
-//! Fox and Y. Zhu, J. Comput. Phys. 136 (1997) 214, which is far more accurate in shear.
+//! Diffusion acts on the enthalpy w minus its hydrostatic part, as that of density does in G. Fourtakas et al., Comput.
+//! Fluids 190 (2019) 346, to first order in w/c²; in w it vanishes exactly in a fluid at rest. The artificial viscosity is
+//! J. J. Monaghan and R. A. Gingold's, J. Comput. Phys. 52 (1983) 374; the laminar one that of J. P. Morris, P. J. Fox and
+//! Y. Zhu, J. Comput. Phys. 136 (1997) 214, which is far more accurate in shear.
 //!
-//! Where several materials of matter meet (`MIXED`), ρ₀, α and μ are those of the pair, nothing diffuses from kind to kind, and
-//! obstacles do not push each other. The kind of a particle is the tag of its volume.
+//! With several materials (`MIXED`), ρ₀, α and μ are those of the pair, there is no diffusion between materials, and
+//! obstacles do not interact with each other. The material of a particle is the tag of its volume.
 
 use super::images::Pressed;
 use super::kernel::{Kernel, Shape};
@@ -22,35 +22,35 @@ use crate::math::{AXES, Real, Vector};
 use crate::neighbors::sums::{Pair, PairLaw};
 use crate::simd::{Number, Record};
 
-/// The number of materials of matter: fluids, and obstacles.
+/// Number of materials: fluids, and obstacles.
 pub const KINDS: usize = 4;
 /// The tag of obstacles.
 pub const OBSTACLE: u8 = 3;
 
-/// The sums of [`Momentum`]: the force along each axis, and the powers that viscosity and solid matter take.
+/// Number of sums of [`Momentum`]: the force along each axis, the viscous power, and the power of obstacle pressures.
 pub const FORCES: usize = AXES + 2;
 pub const VISCOUS: usize = AXES;
 pub const SOLID: usize = AXES + 1;
 
-/// What is in a record behind the velocity.
+/// Volume V [m^D]: the first word of a record after the velocity.
 #[inline(always)]
 pub fn volume<V: Vector, N: Copy>(record: &Record<N>) -> N {
     record[2 * V::DIMENSION]
 }
 
-/// The second number there: the pressure p [Pa], or what enthalpy is in terms of density, ρ₀w/c² [kg/m³].
+/// The second word: the pressure p [Pa], or the enthalpy in units of density, ρ₀w/c² [kg/m³].
 #[inline(always)]
 pub fn content<V: Vector, N: Copy>(record: &Record<N>) -> N {
     record[2 * V::DIMENSION + 1]
 }
 
-/// v along one axis.
+/// Relative velocity v along one axis [m/s].
 #[inline(always)]
 fn velocity<V: Vector, N: Number>(pair: &Pair<N>, axis: usize) -> N {
     pair.own[V::DIMENSION + axis] - pair.other[V::DIMENSION + axis]
 }
 
-/// v·d.
+/// v·d [m²/s], negative in approach.
 #[inline(always)]
 pub fn approach<V: Vector, N: Number>(pair: &Pair<N>) -> N {
     let mut sum = velocity::<V, N>(pair, 0) * pair.separation[0];
@@ -60,7 +60,7 @@ pub fn approach<V: Vector, N: Number>(pair: &Pair<N>) -> N {
     sum
 }
 
-/// What belongs to the kind of a tagged number.
+/// The value for the material of a tagged number.
 #[inline(always)]
 pub fn pick<N: Number, const MIXED: bool>(tagged: N, values: &[N::Scalar; KINDS]) -> N
 where
@@ -75,16 +75,16 @@ where
     N::select(low, odd, even)
 }
 
-/// Continuity: Σ Vⱼ v·∇W, and what diffusion adds to the rate of density.
+/// Continuity: Σ Vⱼ v·∇W [1/s], and the diffusive rate of density [kg/(m³·s)].
 #[derive(Debug, Clone, Copy)]
 pub struct Continuity<T, K, const MIXED: bool> {
     pub kernel: Kernel<T, K>,
-    /// 2δhc [m²/s] of each pair of materials, and those of the particle that is faced.
+    /// Diffusivity 2δhc [m²/s] of each pair of materials, and its row for the particle's material.
     pub diffusion: [[T; KINDS]; KINDS],
     pub for_particle: [T; KINDS],
-    /// ρ₀ of each kind [kg/m³].
+    /// Rest density ρ₀ of each material [kg/m³].
     pub density: [T; KINDS],
-    /// g/c² [1/m], and times ρ₀ of the particle that is faced: the enthalpy that gravity makes per metre.
+    /// g/c² [1/m], and times ρ₀ of the particle: the hydrostatic gradient of enthalpy.
     pub gravity: [T; AXES],
     pub fall: [T; AXES],
 }
@@ -115,7 +115,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> PairLaw<V, 2> for Continuity<V::Sca
     }
 }
 
-/// Diffusion is not moved by what gravity makes of the density.
+/// Diffusion does not act on the hydrostatic part of the density.
 impl<V: Vector, K: Shape, const MIXED: bool> Pressed<V, 2> for Continuity<V::Scalar, K, MIXED> {
     #[inline(always)]
     fn density<N: Number<Scalar = V::Scalar>>(&self, other: &Record<N>) -> N {
@@ -123,30 +123,30 @@ impl<V: Vector, K: Shape, const MIXED: bool> Pressed<V, 2> for Continuity<V::Sca
     }
 }
 
-/// What two materials do to each other.
+/// Interaction coefficients of one material with each other one.
 #[derive(Debug, Clone, Copy)]
-pub struct Touch<T> {
-    /// αhcρ₀ [Pa·s].
+pub struct PairCoefficients<T> {
+    /// Artificial viscosity αhcρ₀ [Pa·s].
     pub artificial: [T; KINDS],
-    /// 2μ [Pa·s].
+    /// Twice the dynamic viscosity, 2μ [Pa·s].
     pub laminar: [T; KINDS],
-    /// 1 for those who push each other, 0 for obstacles.
-    pub contact: [T; KINDS],
-    /// 1 where the other is an obstacle and this is none, and the other way round.
-    pub met: [T; KINDS],
-    pub meets: [T; KINDS],
+    /// 1 for materials that interact, 0 between obstacles.
+    pub interacts: [T; KINDS],
+    /// 1 where the other particle alone is an obstacle, and where this one alone is.
+    pub other_is_obstacle: [T; KINDS],
+    pub own_is_obstacle: [T; KINDS],
 }
 
-/// Momentum: the force over Vᵢ along each axis [N/m^D], and powers, likewise.
+/// Momentum: force density along each axis [N/m^D], and power densities [W/m^D].
 #[derive(Debug, Clone, Copy)]
 pub struct Momentum<T, K, const MIXED: bool> {
     pub kernel: Kernel<T, K>,
-    /// What each kind does to each other, and what that of the particle that is faced does.
-    pub touch: [Touch<T>; KINDS],
-    pub for_particle: Touch<T>,
-    /// ρ₀ of each kind [kg/m³].
+    /// Coefficients of each material, and those of the particle's material.
+    pub coefficients: [PairCoefficients<T>; KINDS],
+    pub for_particle: PairCoefficients<T>,
+    /// Rest density ρ₀ of each material [kg/m³].
     pub density: [T; KINDS],
-    /// 0.01 h² [m²].
+    /// Regularization 0.01 h² [m²].
     pub softening: T,
 }
 
@@ -154,7 +154,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> PairLaw<V, FORCES> for Momentum<V::
     #[inline(always)]
     fn for_particle(mut self, own: &Record<V::Scalar>) -> Self {
         if MIXED {
-            self.for_particle = self.touch[usize::from(volume::<V, _>(own).tag())];
+            self.for_particle = self.coefficients[usize::from(volume::<V, _>(own).tag())];
         }
         self
     }
@@ -174,32 +174,34 @@ impl<V: Vector, K: Shape, const MIXED: bool> PairLaw<V, FORCES> for Momentum<V::
         }
         terms[VISCOUS] = N::constant(0.0) - (squeeze * approach + shear * drag);
         if MIXED {
-            // What an obstacle's pressure takes is stored nowhere: no energy belongs to it. Of a pair's power each counts half.
-            let theirs = pick::<N, MIXED>(volume::<V, N>(other), &self.for_particle.met) * content::<V, N>(other);
-            let mine = pick::<N, MIXED>(volume::<V, N>(other), &self.for_particle.meets) * content::<V, N>(own);
-            terms[SOLID] = N::constant(0.5) * (theirs + mine) * weight * approach;
+            // The work against an obstacle's pressure is dissipated, because obstacles store no energy. Each particle
+            // accounts for half of a pair's power.
+            let other_pressure =
+                pick::<N, MIXED>(volume::<V, N>(other), &self.for_particle.other_is_obstacle) * content::<V, N>(other);
+            let own_pressure = pick::<N, MIXED>(volume::<V, N>(other), &self.for_particle.own_is_obstacle) * content::<V, N>(own);
+            terms[SOLID] = N::constant(0.5) * (other_pressure + own_pressure) * weight * approach;
         }
         terms
     }
 }
 
-/// What viscosity does between two particles.
+/// Viscous interaction of a pair.
 struct Viscous<N> {
-    /// The force along d, over d.
+    /// Coefficient of d in the force density.
     squeeze: N,
-    /// The force along v, over v.
+    /// Coefficient of v in the force density.
     shear: N,
-    /// v·d.
+    /// v·d [m²/s], negative in approach.
     approach: N,
 }
 
 impl<T: Real, K: Shape, const MIXED: bool> Momentum<T, K, MIXED> {
-    /// Vⱼ F, of those who push each other.
+    /// Vⱼ F, 0 for materials that do not interact.
     #[inline(always)]
     fn weight<V: Vector<Scalar = T>, N: Number<Scalar = T>>(&self, pair: &Pair<N>) -> N {
         let volume = volume::<V, N>(&pair.other);
         let weight = self.kernel.slope(volume, pair.square.sqrt());
-        if MIXED { weight * pick::<N, MIXED>(volume, &self.for_particle.contact) } else { weight }
+        if MIXED { weight * pick::<N, MIXED>(volume, &self.for_particle.interacts) } else { weight }
     }
 
     #[inline(always)]
@@ -218,7 +220,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> Pressed<V, FORCES> for Momentum<V::
         pick::<N, MIXED>(volume::<V, N>(other), &self.density)
     }
 
-    /// A ceiling does not hold a drop by suction.
+    /// A hydrostatic difference at a ceiling makes no suction, which would hold a drop.
     #[inline(always)]
     fn raised<N: Number<Scalar = V::Scalar>>(&self, content: N, by: N) -> N {
         let least = content.min(N::constant(0.0));
@@ -232,21 +234,22 @@ impl<V: Vector, K: Shape, const MIXED: bool> Pressed<V, FORCES> for Momentum<V::
         let weight = self.weight::<V, N>(pair);
         let Viscous { squeeze, shear, approach } = self.viscous::<V, N>(pair, weight);
         let mut terms = [N::constant(0.0); FORCES];
-        // Of what a pair loses half is counted here: twice the particle's own loss instead of that of the pair.
+        // Each particle accounts for half of a pair's loss: here twice its own loss, because the wall takes none.
         terms[VISCOUS] = squeeze * approach;
         for axis in 0..V::DIMENSION {
-            let mine = own[V::DIMENSION + axis];
+            let own_velocity = own[V::DIMENSION + axis];
             let relative = velocity::<V, N>(pair, axis);
-            // What gravity adds to the pressure of an image is stored nowhere either.
-            terms[SOLID] += by * weight * separation[axis] * mine;
-            let loss = shear * relative * relative - N::constant(2.0) * (squeeze * separation[axis] + shear * relative) * mine;
+            // The work of the hydrostatic difference is dissipated too.
+            terms[SOLID] += by * weight * separation[axis] * own_velocity;
+            let loss =
+                shear * relative * relative - N::constant(2.0) * (squeeze * separation[axis] + shear * relative) * own_velocity;
             terms[VISCOUS] += loss;
         }
         terms
     }
 }
 
-/// Crowding: Σ Vⱼ W, by which density is counted.
+/// Number density: Σ Vⱼ W, for density by summation.
 #[derive(Debug, Clone, Copy)]
 pub struct NumberDensity<T, K> {
     pub kernel: Kernel<T, K>,
@@ -261,41 +264,41 @@ impl<V: Vector, K: Shape> PairLaw<V, 1> for NumberDensity<V::Scalar, K> {
 
 impl<V: Vector, K: Shape> Pressed<V, 1> for NumberDensity<V::Scalar, K> {}
 
-/// Surroundings: Σ Vⱼ ∇W along each axis [1/m], nothing where others are all around and the more the barer a side is; and
-/// Σ Vⱼ |∇W|, the more the closer they are.
+/// Kernel gradient sums: Σ Vⱼ ∇W along each axis [1/m], 0 inside the fluid and largest at a free surface; and Σ Vⱼ |∇W|
+/// [1/m], which grows with compression.
 #[derive(Debug, Clone, Copy)]
 pub struct KernelGradientSum<T, K> {
     pub kernel: Kernel<T, K>,
 }
 
-/// The sums of [`KernelGradientSum`].
-pub const SURROUNDINGS: usize = AXES + 1;
+/// Number of sums of [`KernelGradientSum`].
+pub const GRADIENT_SUMS: usize = AXES + 1;
 
-impl<V: Vector, K: Shape> PairLaw<V, SURROUNDINGS> for KernelGradientSum<V::Scalar, K> {
+impl<V: Vector, K: Shape> PairLaw<V, GRADIENT_SUMS> for KernelGradientSum<V::Scalar, K> {
     #[inline(always)]
-    fn terms<N: Number<Scalar = V::Scalar>>(&self, pair: &Pair<N>) -> [N; SURROUNDINGS] {
+    fn terms<N: Number<Scalar = V::Scalar>>(&self, pair: &Pair<N>) -> [N; GRADIENT_SUMS] {
         let (distance, zero) = (pair.square.sqrt(), N::constant(0.0));
         let weight = self.kernel.slope(volume::<V, N>(&pair.other), distance);
-        let mut terms = [zero; SURROUNDINGS];
+        let mut terms = [zero; GRADIENT_SUMS];
         for axis in 0..V::DIMENSION {
             terms[axis] = weight * pair.separation[axis];
         }
-        // Beyond the support the distance is infinite where there is nobody.
+        // Padding of the lists has infinite distance.
         terms[AXES] = N::select(weight.less(zero), zero - weight * distance, zero);
         terms
     }
 }
 
-impl<V: Vector, K: Shape> Pressed<V, SURROUNDINGS> for KernelGradientSum<V::Scalar, K> {}
+impl<V: Vector, K: Shape> Pressed<V, GRADIENT_SUMS> for KernelGradientSum<V::Scalar, K> {}
 
-/// The pressure of an obstacle: that of the fluid around it, and what gravity adds on the way: Σ [pⱼ + ρ₀ g·d] W and Σ W, of S.
-/// Adami, X. Y. Hu and N. A. Adams, J. Comput. Phys. 231 (2012) 7057, for obstacles that are not themselves accelerated.
+/// Pressure extrapolated to an obstacle from the fluid, with the hydrostatic difference: Σ [pⱼ + ρ₀ g·d] W and Σ W, of S.
+/// Adami, X. Y. Hu and N. A. Adams, J. Comput. Phys. 231 (2012) 7057, without acceleration of the obstacle.
 #[derive(Debug, Clone, Copy)]
 pub struct Extrapolation<T, K> {
     pub kernel: Kernel<T, K>,
-    /// ρ₀ of each kind [kg/m³], and 0 for obstacles.
+    /// Rest density ρ₀ of each material [kg/m³], 0 for obstacles.
     pub density: [T; KINDS],
-    /// g [m/s²].
+    /// Gravitational acceleration g [m/s²].
     pub gravity: [T; AXES],
 }
 

@@ -1,4 +1,4 @@
-//! How long a step of a fluid may be, and how fast it flows.
+//! Bounds on the time step of a fluid, and its Mach number.
 
 use std::f64::consts::TAU;
 
@@ -12,7 +12,7 @@ use crate::matter::View;
 use crate::stability::SpectralBound;
 
 impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
-    /// How fast it flows at these velocities.
+    /// The Mach number at these velocities.
     pub fn speed(&self, velocity: View<'_, V>) -> Mach {
         let sound = self.materials.first().sound_speed;
         let square = |index: u32| (0..V::DIMENSION).map(|axis| velocity.axis(axis)[index as usize].to_f64().powi(2)).sum::<f64>();
@@ -24,7 +24,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
         Mach { fast: fast / all, sound }
     }
 
-    /// The strongest force per volume [N/m^D].
+    /// The largest force density [N/m^D].
     pub fn strongest(&self) -> f64 {
         let square = |(slot, force): (usize, &[V::Scalar; FORCES])| {
             let pull = self.tension.as_ref().map(|tension| tension.force(slot));
@@ -34,9 +34,8 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
         self.strongest.unwrap_or_else(|| self.forces.iter().enumerate().map(square).fold(0.0, f64::max).sqrt())
     }
 
-    /// Of all waves that the kernel carries, the one with the shortest step. An obstacle is pushed with the force on the fluid in
-    /// its slot. Ripples as short as the kernel are followed as by J. U. Brackbill, D. B. Kothe, C. Zemach, J. Comput. Phys. 100
-    /// (1992) 335: √(ρh³/2πσ).
+    /// Adds the shortest limit of all waves resolved by the kernel. An obstacle takes that of the stiffest fluid. Capillary
+    /// waves follow J. U. Brackbill, D. B. Kothe, C. Zemach, J. Comput. Phys. 100 (1992) 335: √(ρh³/2πσ).
     pub fn limit(&self, bound: &mut SpectralBound) {
         let h = self.materials.first().smoothing_length;
         let diffuses = if self.scheme() == Scheme::Continuity { 1.0 } else { 0.0 };
@@ -53,7 +52,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
                     let diffusion = diffuses * fluid.diffusion() * wave.decay;
                     [fluid.sound_at(densest) * wave.frequency / h, viscous / (h * h), diffusion / (h * h)]
                 };
-                // Where the fluid is crowded or torn, all are taken to be as much faster as the fastest is there.
+                // Where the fluid is compressed or fragmented, all frequencies are scaled by the largest one found there.
                 let fastest = self.waves.iter().map(|wave| scaled(wave)[0]).fold(0.0, f64::max);
                 let faster = (self.surface.highest() / fastest).max(1.0);
                 let waves = self.waves.iter().map(scaled).map(|[frequency, damping, decay]| [faster * frequency, damping, decay]);
@@ -78,7 +77,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
         let ripple = |fluid: &Material| (fluid.density * h.powi(3) / (TAU * fluid.surface_tension)).sqrt();
         let ripples = self.materials.fluids.iter().filter(|fluid| fluid.surface_tension > 0.0).map(ripple);
         ripples.for_each(|dt| bound.accuracy("surface tension", dt));
-        // What has diverged has no scale left.
+        // A diverged state has no scale.
         if strongest.is_finite() {
             bound.accuracy("acceleration", (h * lightest / strongest).sqrt());
         }

@@ -1,16 +1,15 @@
 //! Weakly compressible fluids: smoothed particle hydrodynamics.
 //!
-//! Density is a field of its own, which changes with the motion. A step of drifts and kicks has a sum over neighbors for each:
-//! in the middle of a drift density is advanced by the motion ([`DensityEvolution::drift`]), and where a kick is the pressures push
-//! ([`Force::prepare`]). Density and velocity so take turns like position and velocity, and a step of kick–drift–kick may be as
-//! long as that of a leapfrog: 2/ω for the fastest sound wave, twice as long as where both rates are taken at one moment.
+//! Density is a state variable. A step of drifts and kicks has a pair sum for each: density is advanced by the continuity
+//! equation in the middle of a drift ([`DensityEvolution::drift`]), and pressure forces act at each kick
+//! ([`Force::prepare`]). Density and velocity alternate like position and velocity, and a kick–drift–kick step may be as
+//! long as that of a leapfrog: 2/ω for the fastest sound wave, twice the limit for simultaneous rates.
 //!
-//! Where density is summed over positions ([`summation`]) there is no field, and both sums are where the kick is: any integrator
-//! will do.
+//! For density by summation ([`summation`]) both sums are evaluated at the kick, with any integrator.
 //!
-//! [`laws`] holds the sums, [`kernel`] what they weigh with, [`walls`] their images behind walls, [`surface`] what is torn off and
-//! [`tension`] what holds it together; [`shifting`] spreads particles that gather in strands; [`start`] finds what the scene leaves
-//! open, and [`assembly`] puts the parts together.
+//! [`laws`] holds the pair laws, [`kernel`] the smoothing kernels, [`walls`] the mirror images behind walls, [`surface`]
+//! the detection of free surfaces and [`tension`] surface tension; [`shifting`] restores even particle distributions;
+//! [`start`] completes the parameters of the scene, and [`assembly`] constructs the force.
 
 use std::ops::Range;
 
@@ -39,7 +38,7 @@ mod surface;
 mod tension;
 mod walls;
 
-use images::View;
+use images::WallCondition;
 use kernel::{CubicSpline, Shape, Wave, WendlandC2, WendlandC4};
 use laws::{Continuity, Extrapolation, FORCES, Momentum, OBSTACLE, SOLID, VISCOUS};
 use shifting::Shifting;
@@ -50,13 +49,13 @@ use surface::Surface;
 use tension::Tension;
 use walls::Walls;
 
-/// Places in a block of the passes over single particles.
+/// Slots in a block of the passes over single particles.
 const BLOCK: usize = 1024;
 
-/// The fluids of a scene, and the obstacles that they meet.
+/// The fluids of a scene and their obstacles.
 ///
 /// # Errors
-/// If their parameters make no sense together, or there is no kernel of that name.
+/// If their parameters are inconsistent, or there is no kernel of that name.
 pub fn fluid<V: Vector>(scene: &Scene, properties: &Properties<V>, executor: &Executor) -> Result<Option<Box<dyn Force<V>>>> {
     let Some((_, fluid)) = start::fluids(scene).next() else { return Ok(None) };
     let materials = Materials::of(scene)?;
@@ -88,7 +87,7 @@ where
     Ok(Some(Box::new(Fluids::<V, K, MIXED>::new(scene, properties, materials, executor)?)))
 }
 
-/// Writes what the laws read of every particle: velocity, and the volume and content that `each` gives for a member.
+/// Writes the records of the pair laws: velocity, and the volume and second word that `each` gives for a member.
 fn fill<V: Vector>(
     records: &mut Records<V>,
     (neighbor_list, kind): (&NeighborList, &[u8]),
@@ -108,75 +107,75 @@ fn fill<V: Vector>(
     });
 }
 
-/// All particles of fluids, and of the obstacles that they meet.
+/// The particles of all fluids and obstacles.
 struct Fluids<V: Vector, K, const MIXED: bool> {
     materials: Materials,
-    /// The kind of each member.
+    /// Material of each member.
     kind: Vec<u8>,
-    /// Mass of each member [kg]; of an obstacle, that of the fluid in its place.
+    /// Mass m of each member [kg]; for an obstacle, that of the fluid in its volume.
     mass: Vec<f64>,
     /// Density ρ of each member [kg/m³].
     density: Vec<f64>,
-    /// The energy that diffusion took from each over the last drift [J].
+    /// Energy dissipated by diffusion in the last drift, of each member [J].
     diffused: Vec<f64>,
-    /// Density when the batch began.
+    /// Density at the start of the batch [kg/m³].
     saved_density: Vec<f64>,
     /// The members that are obstacles.
     obstacles: Vec<u32>,
-    /// What [`Extrapolation`] gives for them.
-    met: Vec<[V::Scalar; 2]>,
+    /// Sums of [`Extrapolation`] of each obstacle particle.
+    extrapolated: Vec<[V::Scalar; 2]>,
     neighbor_list: NeighborList,
     records: Records<V>,
     continuity: Continuity<V::Scalar, K, MIXED>,
     momentum: Momentum<V::Scalar, K, MIXED>,
     extrapolation: Extrapolation<V::Scalar, K>,
-    /// Where density is counted instead of carried along.
+    /// Density by summation, if that is the scheme.
     summation: Option<Summation<V, K>>,
-    /// Where a fluid has one.
+    /// Surface tension, if a fluid has it.
     tension: Option<Tension<V, K, MIXED>>,
-    /// Where particles are moved to where there is room.
+    /// Particle shifting, if it is on.
     shifting: Option<Shifting<V, K>>,
-    /// What [`Continuity`] gives, in the order of slots: of the particles, and of their images.
+    /// Sums of [`Continuity`] by slot: over particles, and over their images.
     rates: Vec<[V::Scalar; 2]>,
     mirrored: Vec<[V::Scalar; 2]>,
-    /// What [`Momentum`] gives, likewise.
+    /// Sums of [`Momentum`] by slot: force and power densities.
     forces: Vec<[V::Scalar; FORCES]>,
     walls: Walls,
     surface: Surface<V, K>,
-    /// The waves that the kernel carries, for unit smoothing length.
+    /// The waves resolved by the kernel, for unit smoothing length.
     waves: Vec<Wave>,
-    /// The strongest force per volume [N/m^D] where the forces at hand are not those of the state, and when the batch began.
+    /// The largest force density [N/m^D] where the present sums are not those of the state, and at the start of the batch.
     strongest: Option<f64>,
     saved_strongest: f64,
 }
 
 impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
-    /// Presses on the obstacles, in the records, what the fluid around them does.
-    fn press_obstacles(&mut self, executor: &Executor) {
-        let Self { obstacles, met, neighbor_list, records, extrapolation, .. } = self;
+    /// Writes the pressure extrapolated from the fluid to the records of obstacles.
+    fn extrapolate_pressure(&mut self, executor: &Executor) {
+        let Self { obstacles, extrapolated, neighbor_list, records, extrapolation, .. } = self;
         let (neighbors, before) = (neighbor_list.neighbors(), &*records);
-        executor.for_each_block(BlockedSlice::new(met, BLOCK), &|mine| {
+        executor.for_each_block(BlockedSlice::new(extrapolated, BLOCK), &|mine| {
             let end = mine.start + mine.items.len();
-            let mut met = mine.items.iter_mut();
+            let mut extrapolated = mine.items.iter_mut();
             let slots = obstacles[mine.start..end].iter().map(|&obstacle| neighbors.slots()[obstacle as usize] as usize);
             let few = slots.map(|slot| (slot, neighbors.list(slot), *extrapolation));
-            before.sum_few(few, |_, sums| met.next().into_iter().for_each(|met| *met = sums));
+            before.sum_few(few, |_, sums| extrapolated.next().into_iter().for_each(|extrapolated| *extrapolated = sums));
         });
-        for (&obstacle, &[pressed, weight]) in obstacles.iter().zip(&*met) {
-            // A fluid does not pull, and is not pulled.
+        for (&obstacle, &[pressed, weight]) in obstacles.iter().zip(&*extrapolated) {
+            // Negative pressures are cut off: obstacles exert no suction.
             let pressure = if weight > V::Scalar::ZERO && pressed > V::Scalar::ZERO { pressed / weight } else { V::Scalar::ZERO };
             records.write(neighbors.slots()[obstacle as usize] as usize, |words| words[V::DIMENSION + 1] = pressure);
         }
     }
 
-    /// The volume of a member [m^D]: that at rest where density is counted.
+    /// Volume V of a member [m^D]: that at rest for density by summation.
     fn volume(&self, member: usize) -> f64 {
-        let counted = self.summation.is_some();
-        self.mass[member] / if counted { self.materials.rest_density(self.kind[member]) } else { self.density[member] }
+        let summed = self.summation.is_some();
+        self.mass[member] / if summed { self.materials.rest_density(self.kind[member]) } else { self.density[member] }
     }
 
-    /// Counts density where it is not carried along.
-    fn count_density(&mut self, velocity: &matter::View<'_, V>, executor: &Executor) -> Result<()> {
+    /// Updates density by summation, if that is the scheme.
+    fn sum_density(&mut self, velocity: &matter::View<'_, V>, executor: &Executor) -> Result<()> {
         let Self { summation, neighbor_list, records, walls, materials, kind, mass, density, .. } = self;
         let Some(summation) = summation else { return Ok(()) };
         let rest = |member: usize| [mass[member] / materials.rest_density(kind[member]), 0.0];
@@ -184,23 +183,23 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
         summation.count((neighbor_list, records), walls, (materials, kind), density, executor)
     }
 
-    /// The volume of a member at rest [m^D].
+    /// Rest volume V₀ of a member [m^D].
     fn rest_volume(&self, member: usize) -> f64 {
         self.mass[member] / self.materials.rest_density(self.kind[member])
     }
 
-    /// Brings lists up to date, and with them who is near a wall.
+    /// Updates the neighbor lists, and with them the lists of images.
     fn search(&mut self, position: &(impl Fn(usize, usize) -> f64 + Sync), executor: &Executor) -> Result<()> {
         let resumed = self.neighbor_list.resume(executor)?;
         let renewed = self.neighbor_list.update(position, executor)?;
         if resumed || renewed {
-            self.walls.survey(&self.neighbor_list, executor);
+            self.walls.update(&self.neighbor_list, executor);
         }
         self.surface.is_stale |= renewed;
         Ok(())
     }
 
-    /// The energy of surface tension [J], by means of lists of its own: the last forces are not always those of the state.
+    /// Energy of surface tension [J], with separate lists, because the last sums are not always those of the state.
     fn tension_energy(&self, tension: &Tension<V, K, MIXED>, at: &StateView<'_, V>) -> Result<f64> {
         let executor = at.executor;
         let neighbor_list = self.neighbor_list.anew(&|axis, index| at.exact_position(axis, index), executor)?;
@@ -208,7 +207,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
         Ok(tension.energy((&neighbor_list, &mut records), &walls, &self.kind, &|member| self.rest_volume(member), executor))
     }
 
-    /// The memory that it takes [bytes].
+    /// Memory [bytes].
     fn bytes(&self) -> usize {
         let own = 2 * std::mem::size_of_val(self.rates.as_slice()) + std::mem::size_of_val(self.forces.as_slice());
         let numbers = 4 * size_of::<f64>() * self.density.len();
@@ -259,10 +258,10 @@ impl<V: Vector, K: Shape, const MIXED: bool> DensityEvolution<V> for Fluids<V, K
             return Ok(());
         }
         self.search(&|axis, index| at.exact_position(axis, index), executor)?;
-        self.count_density(&at.velocity, executor)
+        self.sum_density(&at.velocity, executor)
     }
 
-    /// ρ ← ρ + h dρ/dt, in the middle of the way and at the velocity of the way.
+    /// ρ ← ρ + h dρ/dt, with positions and velocities at the midpoint of the drift.
     fn drift(&mut self, drift: &Drift<'_, V>, executor: &Executor) -> Result<()> {
         self.search(&|axis, index| drift.midpoint(axis, index), executor)?;
         let Self { materials, kind, mass, density, diffused, neighbor_list, records, surface, shifting, .. } = self;
@@ -275,13 +274,13 @@ impl<V: Vector, K: Shape, const MIXED: bool> DensityEvolution<V> for Fluids<V, K
         let neighbors = neighbor_list.neighbors();
         records.sum(neighbors, *continuity, rates, executor);
         let common = materials.first();
-        let view = View { weight: common.gravity / common.sound_speed.powi(2), sticks: false };
+        let condition = WallCondition { weight: common.gravity / common.sound_speed.powi(2), no_slip: false };
         if !walls.is_empty() {
             mirrored.fill([V::Scalar::ZERO; 2]);
         }
-        walls.add(*continuity, &view, (neighbor_list, records), mirrored, executor);
+        walls.add(*continuity, &condition, (neighbor_list, records), mirrored, executor);
         if let Some(shifting) = shifting {
-            shifting.survey((neighbor_list, records), walls, drift.h, executor);
+            shifting.update((neighbor_list, records), walls, drift.h, executor);
         }
         let slots = neighbors.slots();
         let columns = (
@@ -299,7 +298,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> DensityEvolution<V> for Fluids<V, K
                 let [by_walls, through_walls] = mirrored[slot].map(Real::to_f64);
                 let evened = diffusion + through_walls;
                 let change = drift.h * (*density * (squeeze + f64::from(wall_factor.drift) * by_walls) + evened);
-                // What diffusion moves against pressure is gone at once.
+                // Work of diffusion against pressure is dissipated.
                 let middle = *density + 0.5 * change;
                 *lost = -drift.h * fluid.mass * fluid.pressure(middle) / (middle * middle) * evened;
                 *density += change;
@@ -343,7 +342,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> DensityEvolution<V> for Fluids<V, K
 }
 
 impl<V: Vector, K: Shape, const MIXED: bool> Force<V> for Fluids<V, K, MIXED> {
-    /// Over a drift volumes and what diffuses are those of its beginning: continuity is of order 1.
+    /// Volumes and enthalpies are those at the beginning of the drift: continuity is of order 1.
     fn about(&self) -> About {
         let viscous = self.materials.fluids.iter().any(|fluid| fluid.artificial() > 0.0 || fluid.viscosity > 0.0);
         let continuity = self.scheme() == Scheme::Continuity;
@@ -362,23 +361,23 @@ impl<V: Vector, K: Shape, const MIXED: bool> Force<V> for Fluids<V, K, MIXED> {
 
     fn prepare(&mut self, at: &StateView<'_, V>, executor: &Executor) -> Result<()> {
         self.search(&|axis, index| at.exact_position(axis, index), executor)?;
-        self.count_density(&at.velocity, executor)?;
+        self.sum_density(&at.velocity, executor)?;
         let Self { summation, tension, surface, walls, neighbor_list, records, materials, kind, mass, density, .. } = self;
         if let Some(tension) = tension {
             let rest = |member: usize| mass[member] / materials.rest_density(kind[member]);
-            tension.pull((neighbor_list, records), walls, kind, &rest, executor);
+            tension.update((neighbor_list, records), walls, kind, &rest, executor);
         }
-        let counted = summation.is_some();
+        let summed = summation.is_some();
         let each = |member: usize| {
             let (density, rest) = (density[member], materials.rest_density(kind[member]));
             let pressure = materials.fluid(kind[member]).map_or(0.0, |fluid| fluid.pressure(density));
-            if counted { [mass[member] / rest, pressure * (rest / density).powi(2)] } else { [mass[member] / density, pressure] }
+            if summed { [mass[member] / rest, pressure * (rest / density).powi(2)] } else { [mass[member] / density, pressure] }
         };
         fill(records, (neighbor_list, kind), &at.velocity, &each, executor);
         if surface.is_stale {
-            surface.survey((neighbor_list, records), walls, (materials, kind), density, executor);
+            surface.update((neighbor_list, records), walls, (materials, kind), density, executor);
         }
-        self.press_obstacles(executor);
+        self.extrapolate_pressure(executor);
         let Self { materials, surface, neighbor_list, records, momentum, forces, walls, .. } = self;
         let neighbors = neighbor_list.neighbors();
         records.sum(neighbors, *momentum, forces, executor);
@@ -389,8 +388,8 @@ impl<V: Vector, K: Shape, const MIXED: bool> Force<V> for Fluids<V, K, MIXED> {
                 records.write(slot as usize, |words| words[V::DIMENSION + 1] *= V::Scalar::from_f64(wall_factor.kick.into()));
             }
         }
-        let view = View { weight: materials.first().gravity, sticks: true };
-        walls.add(*momentum, &view, (neighbor_list, records), forces, executor);
+        let condition = WallCondition { weight: materials.first().gravity, no_slip: true };
+        walls.add(*momentum, &condition, (neighbor_list, records), forces, executor);
         self.strongest = None;
         Ok(())
     }
@@ -407,7 +406,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> Force<V> for Fluids<V, K, MIXED> {
                     rates.force.axes[axis][index] += volume * force;
                 }
             }
-            // Of a pair's power each takes half.
+            // Each particle accounts for half of a pair's power.
             rates.power[EnergySink::Viscosity as usize][index % LANES] += 0.5 * volume * force[VISCOUS].to_f64();
             rates.power[EnergySink::Contact as usize][index % LANES] += volume * force[SOLID].to_f64();
         }

@@ -1,33 +1,34 @@
-//! Particle shifting: particles move by themselves from where they are crowded to where there is room.
+//! Particle shifting: a displacement of particles from dense to sparse regions.
 //!
-//! A flow that stretches gathers its particles in strands, above all where the pressure is negative; between them are voids. So
-//! each is displaced in every step, after its drift and beside its velocity, against the gradient of crowding:
+//! A stretching flow concentrates particles along streamlines, above all at negative pressure, with voids in between. Each
+//! particle is therefore displaced in every step, after its drift and independently of its velocity, against the gradient
+//! of concentration:
 //!
 //! ```text
 //! δxᵢ = −A h U dt Σ Vⱼ [1 + (W/W(Δ))⁴/5] ∇W,   U = min(8 h ε, c/10),   ε² = −Σ Vⱼ F (v·d)²/(d² + 0.01h²)
 //! ```
 //!
 //! This diffuses particles (S. J. Lind, R. Xu, P. K. Stansby, B. D. Rogers, J. Comput. Phys. 231 (2012) 1499), with the
-//! coefficient of A. Skillen, S. Lind, P. K. Stansby, B. D. Rogers, Comput. Methods Appl. Mech. Eng. 265 (2013) 163, from 1 to 6,
-//! and the weights of P. N. Sun, A. Colagrossi, S. Marrone, A. M. Zhang, ibid. 315 (2017) 25, where A is 2. Their U is the fastest
-//! flow that is to be expected, c/10 as a rule. A fluid at rest would then never come to rest, and a wave be lifted. What
-//! gathers particles is that they part or approach, at the rate ε: so U is the difference of velocity over 8h, twice across the
-//! support, as far as that is slower. It is the same for whoever moves or turns along, and vanishes with h, as J. Michel et al.,
-//! J. Comput. Phys. 459 (2022) 110999, ask of a law of shifting.
+//! coefficient of A. Skillen, S. Lind, P. K. Stansby, B. D. Rogers, Comput. Methods Appl. Mech. Eng. 265 (2013) 163, from 1
+//! to 6, and the weights of P. N. Sun, A. Colagrossi, S. Marrone, A. M. Zhang, ibid. 315 (2017) 25, where A is 2. Their U
+//! is the fastest flow that is to be expected, c/10 as a rule. With it a fluid at rest would never come to rest, and waves
+//! would gain potential energy. Particles concentrate by their relative motion, at the rate of strain ε: so U is the
+//! difference of velocity over 8h, twice the diameter of the support, up to c/10. It is invariant under translation and
+//! rotation, and vanishes with h, as J. Michel et al., J. Comput. Phys. 459 (2022) 110999, require of a law of shifting.
 //!
-//! That A h U dt is at most h²/2, as in Lind's, keeps this diffusion stable at any step; and |δx| is at most c dt/20, half of
-//! the fastest flow's way (P. N. Sun et al., Comput. Methods Appl. Mech. Eng. 348 (2019) 912).
+//! That A h U dt is at most h²/2, as in Lind's, keeps this diffusion stable at any step; and |δx| is at most c dt/20, half
+//! of the fastest flow's displacement (P. N. Sun et al., Comput. Methods Appl. Mech. Eng. 348 (2019) 912).
 //!
-//! At a free surface the gradient points out of the fluid however even the particles are. There none is shifted: where
-//! ∇·x = −Σ Vⱼ F d², D inside, is less than [`SURFACE`] of that (E.-S. Lee et al., J. Comput. Phys. 227 (2008) 8417). Images in
-//! walls count, and so do obstacles, so that nothing is shifted through these.
+//! At a free surface the gradient points outward for any distribution. Particles there are not shifted: where ∇·x = −Σ Vⱼ F
+//! d², D inside, is less than [`SURFACE`] of that (E.-S. Lee et al., J. Comput. Phys. 227 (2008) 8417). Images in walls and
+//! obstacles count as neighbors, so particles are not shifted through them.
 //!
-//! Velocities and densities go along unchanged. So momentum and kinetic and internal energy are kept exactly, angular momentum
-//! is not, and what potentials gain is work.
+//! Velocities and densities do not change. So momentum and kinetic and internal energy are conserved exactly, angular
+//! momentum is not, and a change of potential energy counts as work.
 
 use glam::DVec3;
 
-use super::images::{Pressed, View};
+use super::images::{Pressed, WallCondition};
 use super::kernel::{Kernel, Shape};
 use super::laws::{approach, volume};
 use super::start::Material;
@@ -38,32 +39,31 @@ use crate::neighbors::sums::{Pair, PairLaw, Records};
 use crate::parallel::Executor;
 use crate::simd::Number;
 
-/// The fastest flow in units of the speed of sound.
+/// Mach number of the fastest flow.
 const FASTEST: f64 = 0.1;
 
-/// The length over which differences of velocity make U, in units of h.
+/// Length of the velocity difference U, in units of h.
 const ACROSS: f64 = 8.0;
 
-/// ∇·x at a free surface is less than this part of what it is inside. On a lattice at a flat surface it is 0.60 to 0.70 of that
-/// in the first row, and 0.91 to 0.99 in the second, for kernels that reach two to three and a half spacings.
+/// Ratio of ∇·x to its value inside below which a particle is at a free surface. On a lattice at a flat surface it is 0.60
+/// to 0.70 in the first row, and 0.91 to 0.99 in the second, for kernels that reach two to three and a half spacings.
 const SURFACE: f64 = 0.85;
 
-/// R, the weight of those who are nearer than they should be.
+/// R, the weight of the tensile correction for particles closer than Δ.
 const CLOSE: f64 = 0.2;
 
-/// The sums of [`ShiftingSum`]: the gradient of crowding along each axis, ∇·x, and ε².
+/// Number of sums of [`ShiftingSum`]: the gradient of concentration along each axis, ∇·x, and ε².
 const SUMS: usize = AXES + 2;
 const SPREAD: usize = AXES;
 const STRAIN: usize = AXES + 1;
 
-/// Where particles are crowded, Σ Vⱼ [1 + R (W/W(Δ))⁴] ∇W, whether there are any on all sides, ∇·x, and the square of the rate at
-/// which they part or approach, ε².
+/// The gradient of concentration Σ Vⱼ [1 + R (W/W(Δ))⁴] ∇W [1/m], ∇·x, and the squared rate of strain ε² [1/s²].
 #[derive(Debug, Clone, Copy)]
 struct ShiftingSum<T, K> {
     kernel: Kernel<T, K>,
     /// 1/W(Δ) [m^D].
     scale: T,
-    /// 0.01 h² [m²].
+    /// Regularization 0.01 h² [m²].
     softening: T,
 }
 
@@ -77,7 +77,7 @@ impl<V: Vector, K: Shape> PairLaw<V, SUMS> for ShiftingSum<V::Scalar, K> {
         let (mut terms, mut across) = ([zero; SUMS], zero);
         for axis in 0..V::DIMENSION {
             terms[axis] = weight * pair.separation[axis];
-            // Not from the square, which is infinite for those who do not count.
+            // Not from the square, which is infinite for padding.
             across += pair.separation[axis] * pair.separation[axis];
         }
         terms[SPREAD] = zero - slope * across;
@@ -92,19 +92,19 @@ impl<V: Vector, K: Shape> Pressed<V, SUMS> for ShiftingSum<V::Scalar, K> {}
 /// The shifting of a scene's fluids.
 pub struct Shifting<V: Vector, K> {
     law: ShiftingSum<V::Scalar, K>,
-    /// A.
+    /// Coefficient A.
     coefficient: f64,
     smoothing_length: f64,
-    /// c/10 [m/s].
+    /// Largest speed, c/10 [m/s].
     fastest: f64,
-    /// What the law gives, in the order of slots.
+    /// Sums of [`ShiftingSum`] by slot.
     sums: Vec<[V::Scalar; SUMS]>,
-    /// The duration of the drift that it belongs to [s].
+    /// Duration of the drift [s].
     dt: f64,
 }
 
 impl<V: Vector, K: Shape> Shifting<V, K> {
-    /// For `count` particles of fluids that have this kernel in common.
+    /// Shifting of `count` particles with a common kernel.
     pub fn new(kernel: Kernel<V::Scalar, K>, common: &Material, coefficient: f64, count: usize) -> Self {
         let number = V::Scalar::from_f64;
         let scale = V::Scalar::ONE / kernel.value(number(common.spacing));
@@ -118,9 +118,8 @@ impl<V: Vector, K: Shape> Shifting<V, K> {
         }
     }
 
-    /// Finds where particles are crowded in the middle of a drift of `dt` seconds, by means of records that hold
-    /// volumes and the velocity of the way.
-    pub fn survey(
+    /// Computes the sums at the midpoint of a drift of `dt` seconds, from records of volumes and midpoint velocities.
+    pub fn update(
         &mut self,
         (neighbor_list, records): (&NeighborList, &Records<V>),
         walls: &Walls,
@@ -129,11 +128,11 @@ impl<V: Vector, K: Shape> Shifting<V, K> {
     ) {
         self.dt = dt;
         records.sum(neighbor_list.neighbors(), self.law, &mut self.sums, executor);
-        let view = View { weight: DVec3::ZERO, sticks: false };
-        walls.add(self.law, &view, (neighbor_list, records), &mut self.sums, executor);
+        let condition = WallCondition { weight: DVec3::ZERO, no_slip: false };
+        walls.add(self.law, &condition, (neighbor_list, records), &mut self.sums, executor);
     }
 
-    /// The displacement of the particle at a slot [m].
+    /// The displacement δx of the particle at a slot [m].
     pub fn displacement(&self, slot: usize) -> V {
         let sums = &self.sums[slot];
         if sums[SPREAD].to_f64() < SURFACE * V::DIMENSION as f64 {
@@ -146,7 +145,7 @@ impl<V: Vector, K: Shape> Shifting<V, K> {
         V::narrow((gradient * -diffusion).clamp_length_max(0.5 * self.fastest * self.dt))
     }
 
-    /// A.
+    /// Coefficient A.
     pub fn coefficient(&self) -> f64 {
         self.coefficient
     }

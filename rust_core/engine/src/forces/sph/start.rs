@@ -1,4 +1,4 @@
-//! What a scene leaves open about its fluid: gravity, the speed of sound, walls, and the density to start with.
+//! Fluid parameters that follow from the scene: gravity, the speed of sound, walls, and the initial density.
 
 use glam::DVec3;
 
@@ -19,7 +19,7 @@ const SOUND: f64 = 10.0;
 /// The square of the speed of sound in units of σ/ρ₀Δ: above a hundred σ/ρ₀R for radii of three spacings and more.
 const TENSION: f64 = 40.0;
 
-/// What the fluid is made of.
+/// The material of a fluid.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Material {
     /// Mass of a particle m = ρ₀ Δ^D [kg].
@@ -30,7 +30,7 @@ pub struct Material {
     pub sound_speed: f64,
     /// Smoothing length h [m].
     pub smoothing_length: f64,
-    /// Distance of particles at rest Δ [m].
+    /// Particle spacing at rest Δ [m].
     pub spacing: f64,
     /// Dynamic viscosity μ [Pa·s].
     pub viscosity: f64,
@@ -40,12 +40,12 @@ pub struct Material {
     pub density_diffusion: f64,
     /// Surface tension σ [N/m].
     pub surface_tension: f64,
-    /// Gravity g [m/s²], as far as it presses: not along a periodic axis.
+    /// Gravitational acceleration g [m/s²], without its component along periodic axes, where it makes no pressure.
     pub gravity: DVec3,
 }
 
 impl Material {
-    /// The pressure at a density [Pa]: p = c²ρ₀/γ ((ρ/ρ₀)^γ − 1), of R. H. Cole, Underwater Explosions (1948).
+    /// Pressure at a density [Pa]: p = c²ρ₀/γ ((ρ/ρ₀)^γ − 1), of R. H. Cole, Underwater Explosions (1948).
     #[inline(always)]
     pub fn pressure(&self, density: f64) -> f64 {
         let ratio = density / self.density;
@@ -58,14 +58,14 @@ impl Material {
         self.density * libm::pow(1.0 + pressure / self.stiffness(), 1.0 / f64::from(GAMMA))
     }
 
-    /// The energy of compression per mass [J/kg]: ∫ p/ρ² dρ from ρ₀, that is c²/γ [s^(γ−1)/(γ−1) + 1/s − γ/(γ−1)], s = ρ/ρ₀.
+    /// Specific energy of compression [J/kg]: ∫ p/ρ² dρ from ρ₀, that is c²/γ [s^(γ−1)/(γ−1) + 1/s − γ/(γ−1)], s = ρ/ρ₀.
     pub fn energy(&self, density: f64) -> f64 {
         let ratio = density / self.density;
         let sixth = ratio.powi(GAMMA - 1);
         self.sound_speed.powi(2) / 7.0 * (sixth / 6.0 + 1.0 / ratio - 7.0 / 6.0)
     }
 
-    /// The enthalpy at a density in terms of density [kg/m³]: ρ₀w/c² with w = ∫ dp/ρ = c²/(γ−1) (s^(γ−1) − 1), s = ρ/ρ₀.
+    /// Enthalpy in units of density [kg/m³]: ρ₀w/c² with w = ∫ dp/ρ = c²/(γ−1) (s^(γ−1) − 1), s = ρ/ρ₀.
     #[inline(always)]
     pub fn enthalpy(&self, density: f64) -> f64 {
         let ratio = density / self.density;
@@ -83,12 +83,12 @@ impl Material {
         self.artificial_viscosity * self.smoothing_length * self.sound_speed * self.density
     }
 
-    /// The rate at which differences of density between two particles even out, 2δhc [m²/s].
+    /// Diffusivity of density between two particles, 2δhc [m²/s].
     pub fn diffusion(&self) -> f64 {
         2.0 * self.density_diffusion * self.smoothing_length * self.sound_speed
     }
 
-    /// c²ρ₀/γ [Pa].
+    /// Coefficient c²ρ₀/γ of the equation of state [Pa].
     #[inline(always)]
     fn stiffness(&self) -> f64 {
         self.sound_speed * self.sound_speed * self.density / f64::from(GAMMA)
@@ -106,22 +106,22 @@ pub fn fluids(scene: &Scene) -> impl Iterator<Item = (usize, &Item)> {
     scene.bodies.iter().map(|body| &body.item).enumerate().filter(|(_, item)| item.kind == KIND)
 }
 
-/// The walls that hold the fluid, relative to an origin.
+/// The walls of the fluid, relative to an origin.
 pub fn walls(scene: &Scene, origin: DVec3) -> Result<Vec<Side>> {
     let mut walls = Vec::new();
     for item in scene.boundaries.iter().filter(|item| fluids(scene).any(|(body, _)| item.acts_on(body))) {
-        let sticks = if item.values.contains_key("no_slip") { item.flag("no_slip")? } else { false };
+        let no_slip = if item.values.contains_key("no_slip") { item.flag("no_slip")? } else { false };
         let boundary = boundaries::build(item, scene.dimension, origin)?;
-        walls.extend(boundary.walls().iter().map(|&wall| Side { wall, sticks }));
+        walls.extend(boundary.walls().iter().map(|&wall| Side { wall, no_slip }));
     }
     Ok(walls)
 }
 
-/// The materials of a scene, and which each body is.
+/// The materials of a scene, and that of each body.
 #[derive(Debug)]
 pub struct Materials {
     pub fluids: Vec<Material>,
-    /// The kind of each body: a fluid, [`OBSTACLE`], or nothing that the fluid meets.
+    /// The material of each body: a fluid, [`OBSTACLE`], or None without interaction.
     pub of_body: Vec<Option<u8>>,
     /// Whether density is summed over positions.
     pub summation: bool,
@@ -130,7 +130,7 @@ pub struct Materials {
 }
 
 impl Materials {
-    /// Those of a scene.
+    /// The materials of a scene.
     ///
     /// # Errors
     /// If they are too many or have different kernels, or the speed of sound can neither be found nor is given.
@@ -185,33 +185,33 @@ impl Materials {
         }
     }
 
-    /// Whether there is more than one kind of matter.
+    /// Whether there is more than one material.
     pub fn are_mixed(&self) -> bool {
         self.fluids.len() > 1 || self.of_body.contains(&Some(OBSTACLE))
     }
 
-    /// What the fluids have in common, and the first of them.
+    /// The first fluid, with the parameters that all fluids share.
     pub fn first(&self) -> &Material {
         &self.fluids[0]
     }
 
-    /// The fluid of a kind; none for obstacles.
+    /// The fluid of a material number; None for obstacles.
     #[inline(always)]
     pub fn fluid(&self, kind: u8) -> Option<&Material> {
         self.fluids.get(usize::from(kind))
     }
 
-    /// The density at rest of a kind [kg/m³]; for obstacles that of the first fluid.
+    /// Rest density of a material [kg/m³]; for obstacles that of the first fluid.
     pub fn rest_density(&self, kind: u8) -> f64 {
         self.fluid(kind).unwrap_or(self.first()).density
     }
 
-    /// A number of each kind of fluid, 0 for obstacles.
+    /// A coefficient of each fluid, 0 for obstacles.
     pub fn each<T: Real>(&self, of: impl Fn(&Material) -> f64) -> [T; KINDS] {
         std::array::from_fn(|kind| T::from_f64(self.fluids.get(kind).map_or(0.0, &of)))
     }
 
-    /// A number of each pair of materials. Obstacles are as what they touch; to each other they are nothing.
+    /// A coefficient of each pair of materials. An obstacle takes that of its partner; between obstacles it is 0.
     pub fn pairs<T: Real>(&self, of: impl Fn(&Material, &Material) -> f64) -> [[T; KINDS]; KINDS] {
         let pair = |one: Option<&Material>, other: Option<&Material>| match (one, other) {
             (Some(one), Some(other)) => of(one, other),
@@ -228,11 +228,11 @@ fn common(fluid: &Item) -> impl Iterator<Item = (&String, &Value)> {
 }
 
 impl Material {
-    /// That of a fluid of the scene.
+    /// The material of a fluid of the scene.
     fn of(scene: &Scene, fluid: &Item) -> Result<Self> {
         let first = fluids(scene).next().map_or(0, |(body, _)| body);
         let mut gravity = gravity::on_body(scene, first)?;
-        // Along a periodic axis nothing is below anything.
+        // Along a periodic axis there is no hydrostatic pressure.
         if let Some([lower, upper]) = scene.periodic {
             (0..scene.dimension).filter(|&axis| (upper[axis] - lower[axis]).is_finite()).for_each(|axis| gravity[axis] = 0.0);
         }
@@ -256,8 +256,8 @@ impl Material {
     }
 }
 
-/// The fastest flow that is to be expected [m/s]: that of the start, or of a fall from the highest fluid to the lowest wall
-/// below any of it.
+/// Estimate of the largest speed [m/s]: the initial one, or that of a fall from the highest fluid to the lowest wall below
+/// any of it.
 fn fastest(scene: &Scene, gravity: DVec3) -> Result<f64> {
     let bodies = || fluids(scene).map(|(body, _)| &scene.bodies[body]);
     let start = bodies().flat_map(|body| &body.velocities).map(|velocity| velocity.length()).fold(0.0, f64::max);
@@ -275,8 +275,8 @@ fn fastest(scene: &Scene, gravity: DVec3) -> Result<f64> {
     Ok(start.max(fall))
 }
 
-/// The square of the speed of sound that the tension of a surface asks for [m²/s²]: its pressures, which are of the order of
-/// σ/Δ next to it, then change the density by some percent.
+/// Squared speed of sound for surface tension [m²/s²]: capillary pressures, of order σ/Δ, then change the density by some
+/// percent.
 fn square_for_tension(scene: &Scene) -> Result<f64> {
     let (mut tension, mut lightest) = (0.0_f64, f64::INFINITY);
     for (_, fluid) in fluids(scene) {
@@ -286,7 +286,7 @@ fn square_for_tension(scene: &Scene) -> Result<f64> {
     Ok(TENSION * tension / lightest)
 }
 
-/// The speed of sound with which the fluid of a scene is as good as incompressible [m/s].
+/// Speed of sound at which the fluid is practically incompressible [m/s].
 fn enough_sound(scene: &Scene, first: usize, gravity: DVec3) -> Result<f64> {
     let sound = (SOUND * fastest(scene, gravity)?).max(square_for_tension(scene)?.sqrt());
     if sound > 0.0 {
@@ -297,7 +297,7 @@ fn enough_sound(scene: &Scene, first: usize, gravity: DVec3) -> Result<f64> {
     ))
 }
 
-/// How far a ray goes from `x` until it meets a wall [m].
+/// Distance along a ray from `x` to a wall [m].
 fn hit(wall: &Wall, x: DVec3, direction: DVec3) -> Option<f64> {
     let distance = match *wall {
         Wall::Plane { normal, offset } => (offset - normal.dot(x)) / normal.dot(direction),
@@ -310,8 +310,8 @@ fn hit(wall: &Wall, x: DVec3, direction: DVec3) -> Option<f64> {
     (distance > 0.0 && distance.is_finite()).then_some(distance)
 }
 
-/// The pressure that each fluid particle at these heads starts with [Pa]: the weight of what is above it. A head is how far
-/// down something is [m]; it comes with the density there. What is empty on the way weighs nothing.
+/// Hydrostatic pressure of fluid particles [Pa]: the weight of the column above. Each head is a depth [m] with the density
+/// there. Empty parts of the column have no weight.
 pub fn pressures(heads: &[(f64, f64)], spacing: f64, gravity: f64) -> Vec<f64> {
     let top = heads.iter().map(|&(head, _)| head).fold(f64::INFINITY, f64::min) - 0.5 * spacing;
     let layer = |head: f64| ((head - top) / spacing) as usize;
@@ -338,7 +338,7 @@ mod tests {
 
     #[test]
     fn the_weight_above_is_that_of_all_layers() {
-        // Half a metre of oil on water: (800 · 0.5 + 1000 · x) g.
+        // Half a meter of oil on water: (800 · 0.5 + 1000 · x) g.
         let heads: Vec<(f64, f64)> =
             (0..20).map(|row| (0.05 + 0.1 * f64::from(row), if row < 5 { 800.0 } else { 1000.0 })).collect();
         let found = pressures(&heads, 0.1, 10.0);

@@ -1,20 +1,20 @@
-//! Density by summation: counted from where the particles are.
+//! Density by summation over the particle positions.
 //!
-//! ρᵢ = ρ₀ [1 + κ (Σ V₀ W − S)], where V₀ is the volume of a particle at rest and S and κ are such that a lattice at rest has
-//! the density ρ₀, and a small compression of it is exact. Particles of all materials count alike, so that a light fluid is not
-//! squeezed by a heavy one next to it. With E = Σ m e(ρ) and p = ρ² de/dρ the force is
+//! ρᵢ = ρ₀ [1 + κ (Σ V₀ W − S)], where V₀ is the rest volume of a particle and S and κ are such that a lattice at rest has
+//! the density ρ₀, and a small compression of it is exact. All materials have the same weight, so that a light fluid is not
+//! compressed by a heavy one next to it. With E = Σ m e(ρ) and p = ρ² de/dρ the force is
 //!
 //! ```text
 //! Fᵢ = −∂E/∂xᵢ = −V₀ Σ V₀ (Pᵢ + Pⱼ) κ∇W,  P = p (ρ₀/ρ)²
 //! ```
 //!
-//! which is that of [`super::laws`] with V₀ in place of V and P in place of p (J. Bonet and T.-S. L. Lok, Comput. Methods Appl.
-//! Mech. Eng. 180 (1999) 97): energy then depends on positions and velocities alone, and nothing drifts.
+//! which is that of [`super::laws`] with V₀ in place of V and P in place of p (J. Bonet and T.-S. L. Lok, Comput. Methods
+//! Appl. Mech. Eng. 180 (1999) 97): energy then is a function of positions and velocities alone, without drift.
 
 use glam::DVec3;
 
 use super::BLOCK;
-use super::images::View;
+use super::images::WallCondition;
 use super::kernel::{self, Kernel, Shape};
 use super::laws::NumberDensity;
 use super::start::Materials;
@@ -25,34 +25,34 @@ use crate::math::{Real, Vector};
 use crate::neighbors::sums::Records;
 use crate::parallel::{BlockedSlice, Executor};
 
-/// Where less is counted than this part of ρ₀ at the start, something is missing. Next to a free surface it is 0.8 or less.
+/// Least initial density in units of ρ₀ of a fluid that fills its domain. Next to a free surface it is 0.8 or less.
 const LEAST: f64 = 0.9;
 
-/// How density is counted.
+/// Density by summation.
 pub struct Summation<V: Vector, K> {
     law: NumberDensity<V::Scalar, K>,
-    /// S.
+    /// Lattice sum S.
     rest: f64,
-    /// κ.
+    /// Factor κ.
     scale: f64,
-    /// What is counted, in the order of slots.
-    counts: Vec<[V::Scalar; 1]>,
-    /// Whether it is known that the fluid fills its space.
+    /// Sums Σ V₀ W by slot.
+    sums: Vec<[V::Scalar; 1]>,
+    /// Whether the initial density has been checked.
     is_checked: bool,
 }
 
 impl<V: Vector, K: Shape> Summation<V, K> {
-    /// For `count` particles of fluids that have this kernel in common.
+    /// Summation over `count` particles with a common kernel.
     pub fn new(kernel: Kernel<V::Scalar, K>, materials: &Materials, count: usize) -> Self {
         let common = materials.first();
-        let (rest, scale) = kernel::crowd::<K>(common.spacing / common.smoothing_length, V::DIMENSION);
-        Self { law: NumberDensity { kernel }, rest, scale, counts: vec![[V::Scalar::ZERO]; count], is_checked: false }
+        let (rest, scale) = kernel::lattice_density::<K>(common.spacing / common.smoothing_length, V::DIMENSION);
+        Self { law: NumberDensity { kernel }, rest, scale, sums: vec![[V::Scalar::ZERO]; count], is_checked: false }
     }
 
-    /// Counts the density of every fluid particle [kg/m³], by means of records that hold V₀.
+    /// Sums the density of every fluid particle [kg/m³], from records of V₀.
     ///
     /// # Errors
-    /// If the fluid does not fill its space when it is counted for the first time.
+    /// If the fluid does not fill its domain at the first summation.
     pub fn count(
         &mut self,
         (neighbor_list, records): (&NeighborList, &Records<V>),
@@ -61,15 +61,15 @@ impl<V: Vector, K: Shape> Summation<V, K> {
         density: &mut [f64],
         executor: &Executor,
     ) -> Result<()> {
-        let Self { law, rest, scale, counts, is_checked } = self;
-        records.sum(neighbor_list.neighbors(), *law, counts, executor);
-        let view = View { weight: DVec3::ZERO, sticks: false };
-        walls.add(*law, &view, (neighbor_list, records), counts, executor);
+        let Self { law, rest, scale, sums, is_checked } = self;
+        records.sum(neighbor_list.neighbors(), *law, sums, executor);
+        let condition = WallCondition { weight: DVec3::ZERO, no_slip: false };
+        walls.add(*law, &condition, (neighbor_list, records), sums, executor);
         let slots = neighbor_list.neighbors().slots();
         executor.for_each_block(BlockedSlice::new(density, BLOCK), &|densities| {
             for (member, density) in (densities.start..).zip(densities.items) {
                 let Some(fluid) = materials.fluid(kind[member]) else { continue };
-                *density = fluid.density * (1.0 + *scale * (counts[slots[member] as usize][0].to_f64() - *rest));
+                *density = fluid.density * (1.0 + *scale * (sums[slots[member] as usize][0].to_f64() - *rest));
             }
         });
         if !*is_checked && !executor.stopped() {
@@ -88,6 +88,6 @@ impl<V: Vector, K: Shape> Summation<V, K> {
 
     /// The memory that it takes [bytes].
     pub fn bytes(&self) -> usize {
-        std::mem::size_of_val(self.counts.as_slice())
+        std::mem::size_of_val(self.sums.as_slice())
     }
 }

@@ -1,14 +1,14 @@
-//! Walls of a fluid, as mirrors.
+//! Walls of a fluid, by mirror images.
 //!
-//! A particle near a wall meets the images of its neighbors, and its own, behind that wall: as many as the wall cuts off from
-//! its support, so that density and pressure are as smooth there as inside. An image is never nearer than its original, so
-//! the originals are all in the particle's list already; those whose images are near enough are listed once more. In a corner
-//! there are images of images. A curved wall is met as its tangent plane.
+//! A particle near a wall interacts with the images of its neighbors, and its own, behind that wall: they complete its
+//! support, so that density and pressure are as smooth there as inside. An image is never nearer than its original, so the
+//! originals are all in the particle's neighbor list; those with near images are listed separately. In a corner there are
+//! images of images. A curved wall is replaced by its tangent plane.
 
 use glam::DVec3;
 
 use super::BLOCK;
-use super::images::{Image, Mirror, Mirrored, Pressed, View};
+use super::images::{Image, Mirror, Mirrored, Pressed, WallCondition};
 use crate::boundaries::Wall;
 use crate::forces::neighbor_list::NeighborList;
 use crate::math::{AXES, Vector};
@@ -17,103 +17,104 @@ use crate::neighbors::sums::{PairLaw, Records};
 use crate::parallel::{BlockedSlice, Executor};
 use crate::simd::Selection;
 
-/// The most walls that a particle looks into.
+/// Maximum number of mirrors of a particle.
 const CORNER: usize = 4;
 
-/// A wall, and whether the fluid sticks to it.
+/// A wall with its condition, no-slip or free-slip.
 #[derive(Debug, Clone)]
 pub struct Side {
     pub wall: Wall,
-    pub sticks: bool,
+    pub no_slip: bool,
 }
 
 impl Side {
-    /// The mirror that a particle at `x` looks into.
-    fn mirror(&self, x: DVec3, sticks: bool) -> Mirror {
+    /// The mirror of a particle at `x`: the tangent plane of the wall.
+    fn mirror(&self, x: DVec3, no_slip: bool) -> Mirror {
         let (distance, normal) = self.wall.distance(x);
-        Mirror { normal, distance, sticks: self.sticks && sticks }
+        Mirror { normal, distance, no_slip: self.no_slip && no_slip }
     }
 }
 
-/// Whether two walls with these normals meet in a corner, where images are mirrored again. Walls that face each other, or go
-/// on as one, do not.
+/// Whether two walls with these normals form a corner, where images are mirrored again. Facing walls and continued walls do
+/// not.
 fn meet(one: &Mirror, other: &Mirror) -> bool {
     one.normal.dot(other.normal).abs() < 0.5
 }
 
-/// The walls of a fluid, and what is seen in them.
+/// The walls of a fluid, and the lists of images behind them.
 #[derive(Debug)]
 pub struct Walls {
     sides: Vec<Side>,
-    /// The views into walls from each block of slots.
-    sights: Vec<Sight>,
-    /// How far the kernel reaches [m].
+    /// The images of each block of slots.
+    images: Vec<BlockImages>,
+    /// Support radius of the kernel [m].
     reach: f64,
 }
 
-/// The views of the particles of one block.
+/// The images of the particles of one block.
 #[derive(Debug)]
-struct Sight {
-    looks: Vec<Look>,
-    /// Whom they see, one after the other.
-    seen: Selection,
-    /// Where all whom the particle that looks could see are, from it: its neighbors, and itself.
+struct BlockImages {
+    lists: Vec<ImageList>,
+    /// Slots of the originals, list after list.
+    originals: Selection,
+    /// Separations from the candidates to the particle [m]: its neighbors, and itself.
     others: Vec<DVec3>,
 }
 
-/// The view of one particle into one wall, or into a corner by way of several.
+/// The images of one particle by one wall, or by several in a corner.
 #[derive(Debug, Clone, Copy)]
-struct Look {
+struct ImageList {
     slot: u32,
-    /// These sides, one after the other.
+    /// The walls of the successive reflections.
     sides: [Option<u32>; AXES],
-    /// Where the list of those seen ends.
+    /// End of its list of originals.
     end: usize,
 }
 
 impl Walls {
-    /// These walls, for the particles of a vicinity.
+    /// The walls, for the particles of a neighbor list.
     pub fn new(sides: Vec<Side>, neighbor_list: &NeighborList) -> Self {
         let neighbors = neighbor_list.neighbors();
         let blocks = if sides.is_empty() { 0 } else { neighbors.count().div_ceil(BLOCK) };
-        let sight = || Sight { looks: Vec::new(), seen: neighbors.selection(), others: Vec::new() };
+        let block_images = || BlockImages { lists: Vec::new(), originals: neighbors.selection(), others: Vec::new() };
         let reach = neighbors.support() - neighbor_list.skin();
-        Self { sides, sights: std::iter::repeat_with(sight).take(blocks).collect(), reach }
+        Self { sides, images: std::iter::repeat_with(block_images).take(blocks).collect(), reach }
     }
 
-    /// The same walls, for the particles of another vicinity with lists.
+    /// The walls with updated images, for another neighbor list.
     pub fn anew(&self, neighbor_list: &NeighborList, executor: &Executor) -> Self {
         let mut anew = Self::new(self.sides.clone(), neighbor_list);
-        anew.survey(neighbor_list, executor);
+        anew.update(neighbor_list, executor);
         anew
     }
 
-    /// Lists who is near whose image, or may come to be as long as the lists of neighbors serve.
-    pub fn survey(&mut self, neighbor_list: &NeighborList, executor: &Executor) {
-        let Self { sides, sights, .. } = self;
+    /// Lists the images within reach, or that may come within reach while the neighbor lists serve.
+    pub fn update(&mut self, neighbor_list: &NeighborList, executor: &Executor) {
+        let Self { sides, images, .. } = self;
         let count = neighbor_list.neighbors().count();
-        executor.for_each_block(BlockedSlice::new(sights, 1), &|mine| {
+        executor.for_each_block(BlockedSlice::new(images, 1), &|mine| {
             let block = mine.start * BLOCK..((mine.start + 1) * BLOCK).min(count);
-            mine.items.iter_mut().for_each(|sight| sight.survey(block.clone(), sides, neighbor_list));
+            mine.items.iter_mut().for_each(|block_images| block_images.update(block.clone(), sides, neighbor_list));
         });
     }
 
-    /// Whether there are none.
+    /// Whether there are no walls.
     pub fn is_empty(&self) -> bool {
         self.sides.is_empty()
     }
 
-    /// The memory that they take [bytes].
+    /// Memory [bytes].
     pub fn bytes(&self) -> usize {
-        let views = |sight: &Sight| sight.looks.capacity() * size_of::<Look>() + sight.seen.bytes();
-        std::mem::size_of_val(self.sides.as_slice()) + self.sights.iter().map(views).sum::<usize>()
+        let bytes =
+            |block_images: &BlockImages| block_images.lists.capacity() * size_of::<ImageList>() + block_images.originals.bytes();
+        std::mem::size_of_val(self.sides.as_slice()) + self.images.iter().map(bytes).sum::<usize>()
     }
 
-    /// Adds to a law's sums what it meets in the walls.
+    /// Adds the sums of a pair law over the images.
     pub fn add<V: Vector, L: PairLaw<V, SUMS> + Pressed<V, SUMS>, const SUMS: usize>(
         &self,
         law: L,
-        view: &View,
+        condition: &WallCondition,
         (neighbor_list, records): (&NeighborList, &Records<V>),
         sums: &mut [[V::Scalar; SUMS]],
         executor: &Executor,
@@ -122,37 +123,37 @@ impl Walls {
             return;
         }
         executor.for_each_block(BlockedSlice::new(sums, BLOCK), &|mine| {
-            let Sight { looks, seen, .. } = &self.sights[mine.start / BLOCK];
+            let BlockImages { lists, originals, .. } = &self.images[mine.start / BLOCK];
             let mut start = 0;
-            let views = looks.iter().filter_map(|&Look { slot, sides, end }| {
-                let (slot, list) = (slot as usize, List { segment: seen, range: start..end });
+            let terms = lists.iter().filter_map(|&ImageList { slot, sides, end }| {
+                let (slot, list) = (slot as usize, List { segment: originals, range: start..end });
                 start = end;
                 let x = neighbor_list.at(slot);
                 let (mut image, mut farthest) = (Image::ITSELF, 0.0_f64);
                 for &side in sides.iter().flatten() {
-                    let mirror = self.sides[side as usize].mirror(x, view.sticks);
+                    let mirror = self.sides[side as usize].mirror(x, condition.no_slip);
                     farthest = farthest.max(mirror.distance);
                     image.reflect(&mirror);
                 }
-                // An image is behind its mirror.
-                (farthest < self.reach).then(|| (slot, list, Mirrored::new(law, &image, view)))
+                // An image is no nearer than its mirror.
+                (farthest < self.reach).then(|| (slot, list, Mirrored::new(law, &image, condition)))
             });
-            records.sum_few(views, |slot, more| {
+            records.sum_few(terms, |slot, more| {
                 mine.items[slot - mine.start].iter_mut().zip(more).for_each(|(sum, more)| *sum += more);
             });
         });
     }
 }
 
-impl Sight {
-    /// Looks into the walls from all slots of a block.
-    fn survey(&mut self, block: std::ops::Range<usize>, sides: &[Side], neighbor_list: &NeighborList) {
-        self.looks.clear();
-        self.seen.clear();
+impl BlockImages {
+    /// Lists the images of all slots of a block.
+    fn update(&mut self, block: std::ops::Range<usize>, sides: &[Side], neighbor_list: &NeighborList) {
+        self.lists.clear();
+        self.originals.clear();
         let support = neighbor_list.neighbors().support();
         for slot in block {
             let x = neighbor_list.anchor(slot);
-            // The mirrors of a particle near a curved wall turn as it moves.
+            // The mirrors of a particle near a curved wall rotate as it moves.
             let turn = |side: &Side| 2.0 * support * neighbor_list.skin() * side.wall.curvature(x).abs();
             let near = (0..).zip(sides).map(|(number, side)| (number, side.mirror(x, false), turn(side)));
             let mut near = near.filter(|(_, mirror, _)| mirror.distance < support);
@@ -163,32 +164,32 @@ impl Sight {
                 self.others.extend(neighbor_list.neighbors().separation(slot).chain([DVec3::ZERO]));
             }
             for (first, one) in mirrors() {
-                self.look(slot, &[one], neighbor_list);
+                self.list_images(slot, &[one], neighbor_list);
                 for (second, other) in mirrors().skip(first + 1).filter(|(_, other)| meet(&one.1, &other.1)) {
-                    self.look(slot, &[one, other], neighbor_list);
+                    self.list_images(slot, &[one, other], neighbor_list);
                     let thirds = mirrors().skip(second + 1).map(|(_, third)| third);
                     for third in thirds.filter(|third| meet(&one.1, &third.1) && meet(&other.1, &third.1)) {
-                        self.look(slot, &[one, other, third], neighbor_list);
+                        self.list_images(slot, &[one, other, third], neighbor_list);
                     }
                 }
             }
         }
-        self.seen.spare();
+        self.originals.spare();
     }
 
-    /// Lists whom the particle at a slot sees by way of these mirrors.
-    fn look(&mut self, slot: usize, mirrors: &[&(u32, Mirror, f64)], neighbor_list: &NeighborList) {
+    /// Lists the images of the particle at a slot by successive reflections in these mirrors.
+    fn list_images(&mut self, slot: usize, mirrors: &[&(u32, Mirror, f64)], neighbor_list: &NeighborList) {
         let neighbors = neighbor_list.neighbors();
         let mut image = Image::ITSELF;
         mirrors.iter().for_each(|(_, mirror, _)| image.reflect(mirror));
         let reach = neighbors.support() + mirrors.iter().map(|(.., turn)| turn).sum::<f64>();
-        let before = self.seen.len();
+        let before = self.originals.len();
         for (&other, &separation) in neighbors.of(slot).iter().chain(&[slot as u32]).zip(&self.others) {
-            self.seen.push(other, image.square(separation) <= reach * reach);
+            self.originals.push(other, image.square(separation) <= reach * reach);
         }
-        if self.seen.len() > before {
+        if self.originals.len() > before {
             let sides = std::array::from_fn(|mirror| mirrors.get(mirror).map(|(side, ..)| *side));
-            self.looks.push(Look { slot: slot as u32, sides, end: self.seen.len() });
+            self.lists.push(ImageList { slot: slot as u32, sides, end: self.originals.len() });
         }
     }
 }

@@ -1,4 +1,4 @@
-//! What one spring does: the only place that holds the physics.
+//! The force law of one damped spring: the only place that holds the physics.
 
 use std::ops::Range;
 
@@ -6,7 +6,7 @@ use super::Spring;
 use crate::forces::StateView;
 use crate::math::{AXES, Real, Vector};
 
-/// The numbers of one spring, in the precision of the run.
+/// The parameters of a spring law, in the precision of the run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SpringLaw<T> {
     /// Stiffness k [N/m].
@@ -18,10 +18,10 @@ pub struct SpringLaw<T> {
 }
 
 impl<T: Real> SpringLaw<T> {
-    /// Of a spring that exerts nothing.
+    /// The law without force.
     pub const NONE: Self = Self { stiffness: T::ZERO, damping: T::ZERO, rest_length: T::ZERO };
 
-    /// Of a spring of the scene.
+    /// The law of a spring of the scene.
     pub fn of(spring: &Spring) -> Self {
         Self {
             stiffness: T::from_f64(spring.stiffness),
@@ -30,19 +30,19 @@ impl<T: Real> SpringLaw<T> {
         }
     }
 
-    /// Equal for equal laws alone, and in a fixed order.
+    /// A sort key, equal for equal laws alone.
     pub fn key(&self) -> [u64; 3] {
         [self.stiffness, self.damping, self.rest_length].map(|number| number.to_f64().to_bits())
     }
 
-    /// The force on end i [N]; the one on end j is its opposite. And the power that is dissipated [W]. Without DAMPED, c
-    /// counts as 0. With d = xⱼ − xᵢ, r = |d|, u = d/r:
+    /// The force on end i [N], opposite to that on end j, and the dissipated power [W]. Without DAMPED, c counts as 0. With
+    /// d = xⱼ − xᵢ, r = |d|, u = d/r:
     ///
     /// Fᵢ = [k (r − L) + c (vⱼ − vᵢ)·u] u = [k (r − L)/r + c ((vⱼ − vᵢ)·u)/r] d,  P = c ((vⱼ − vᵢ)·u)²
     ///
-    /// i and j may change places without changing a bit. At rest length the force is exactly 0. Where L = 0, (r − L)/r is
-    /// 1 even at r = 0, so that such a spring is linear to the bit. Where L > 0, ends in one place (or so near that d·d
-    /// underflows) have no direction between them, and the force is 0.
+    /// Exchange of i and j changes no bit. At rest length the force is exactly 0. Where L = 0, (r − L)/r is 1 even at r =
+    /// 0, so that such a spring is exactly linear. Where L > 0, coincident ends (or ends so near that d·d underflows) have
+    /// no direction, and the force is 0.
     #[inline(always)]
     pub fn force<V: Vector<Scalar = T>, const DAMPED: bool>(&self, i: State<T>, j: State<T>) -> ([T; AXES], T) {
         let mut along = [T::ZERO; AXES];
@@ -74,17 +74,17 @@ impl<T: Real> SpringLaw<T> {
     }
 }
 
-/// Where one end is, and how fast.
+/// The position and velocity of one end.
 #[derive(Debug, Clone, Copy)]
 pub struct State<T> {
     /// Position [m].
     pub position: [T; AXES],
-    /// Velocity [m/s]; not read without damping.
+    /// Velocity [m/s]; unused without damping.
     pub velocity: [T; AXES],
 }
 
 impl<T: Real> State<T> {
-    /// The squared distance to another [m²].
+    /// The squared distance to another end [m²].
     #[inline(always)]
     pub fn square_to<V: Vector<Scalar = T>>(self, other: Self) -> f64 {
         let mut square = 0.0;
@@ -96,7 +96,7 @@ impl<T: Real> State<T> {
     }
 }
 
-/// A range of particles, to read.
+/// The positions and velocities of a range of particles.
 #[derive(Debug, Clone, Copy)]
 pub struct Run<'a, T> {
     position: [&'a [T]; AXES],
@@ -104,7 +104,7 @@ pub struct Run<'a, T> {
 }
 
 impl<'a, T: Real> Run<'a, T> {
-    /// The particles of a range.
+    /// The columns of a range of particles.
     #[inline(always)]
     pub fn new<V: Vector<Scalar = T>>(at: &StateView<'a, V>, range: &Range<usize>) -> Self {
         Self {
@@ -113,7 +113,7 @@ impl<'a, T: Real> Run<'a, T> {
         }
     }
 
-    /// One of them.
+    /// The state of one particle.
     #[inline(always)]
     pub fn get<V: Vector<Scalar = T>, const DAMPED: bool>(&self, index: usize) -> State<T> {
         let mut state = State { position: [T::ZERO; AXES], velocity: [T::ZERO; AXES] };

@@ -1,7 +1,7 @@
 //! Damped springs between given particles.
 //!
-//! Springs that form a stencil run as one ([`stencil`]), whoever built them; all others are gathered in slices
-//! ([`slices`]), for which [`ordering`] can bring partners near each other. Both add to the same force, by the same law
+//! Springs with one law and one index offset form stencils ([`stencil`]); all others are gathered in slices ([`slices`]),
+//! for which [`ordering`] can bring partners near each other in memory. Both add to the same force, by the same law
 //! ([`law`]).
 
 use std::ops::Range;
@@ -18,8 +18,8 @@ use crate::stability::{Horizon, Link, SpectralBound};
 mod law;
 mod ordering;
 mod slices;
+mod statistics;
 mod stencil;
-mod survey;
 #[cfg(test)]
 mod tests;
 
@@ -27,11 +27,11 @@ pub use ordering::ordering;
 
 use law::SpringLaw;
 use slices::Slices;
+use statistics::SpringStatistics;
 use stencil::{Scratch, Stencil, TILE};
-use survey::Survey;
 
-/// The r/L below which a spring is stiffer across than along, with a margin for the rounding of single precision: above it
-/// the bound on the time step has the same bits wherever the springs are.
+/// The ratio r/L = ½ below which the transverse stiffness exceeds the longitudinal one, with a margin for the rounding of
+/// single precision: above it the bound on the time step has the same bits for any configuration.
 const HALF: f64 = 0.501;
 
 /// The kind of a body whose particles springs connect.
@@ -122,8 +122,8 @@ pub struct Springs<V: Vector> {
 }
 
 impl<V: Vector> Springs<V> {
-    /// Springs between `count` particles, by their index in the engine's order. One from a particle to itself does
-    /// nothing and is left out.
+    /// Springs between `count` particles, by their index in the engine's order. A spring from a particle to itself exerts
+    /// no force and is left out.
     pub fn new(springs: &[Spring], count: usize) -> Self {
         let springs: Vec<Spring> = springs.iter().filter(|spring| spring.ends[0] != spring.ends[1]).copied().collect();
         let (stencils, taken) = stencil::find::<V::Scalar>(&springs);
@@ -138,13 +138,12 @@ impl<V: Vector> Springs<V> {
     }
 
     /// The smallest r/L among springs with L > 0 whose lower end is in a block; infinite if there are none. Below ½ the
-    /// bound on the time step must be made anew.
+    /// bound on the time step must be recomputed.
     pub fn shortest(&self, block: Range<usize>, at: &StateView<'_, V>) -> f64 {
-        self.survey(block, at).shortest.into_iter().fold(f64::INFINITY, f64::min)
+        self.measure(block, at).shortest.into_iter().fold(f64::INFINITY, f64::min)
     }
 
-    /// How the plan describes them: `6 stencils of 597241 springs`,
-    /// `slices of 16 particles with 40 springs, 3 kinds`.
+    /// Description in the plan: `6 stencils of 597241 springs`, `slices of 16 particles with 40 springs, 3 kinds`.
     fn layout(&self) -> String {
         let plural = |number: usize, noun: &str| if number == 1 { format!("1 {noun}") } else { format!("{number} {noun}s") };
         let stencils = (!self.stencils.is_empty()).then(|| {
@@ -159,7 +158,7 @@ impl<V: Vector> Springs<V> {
         if parts.is_empty() { "no springs".to_owned() } else { parts.join("; ") }
     }
 
-    fn survey(&self, block: Range<usize>, at: &StateView<'_, V>) -> Survey {
+    fn measure(&self, block: Range<usize>, at: &StateView<'_, V>) -> SpringStatistics {
         dispatch(Surveying { springs: self, block, at })
     }
 }
@@ -184,11 +183,11 @@ impl<V: Vector> Force<V> for Springs<V> {
 
     /// A spring's energy ½ k (r − L)² is counted at its lower end.
     fn potential(&self, block: Range<usize>, at: &StateView<'_, V>) -> f64 {
-        self.survey(block, at).energy.into_iter().sum()
+        self.measure(block, at).energy.into_iter().sum()
     }
 
-    /// Along the spring the stiffness is k, across it k (1 − L/r): more than k where r < L/2. Ends in one place exert
-    /// nothing, and count with k.
+    /// The longitudinal stiffness is k, the transverse one k (1 − L/r), which exceeds k where r < L/2. Coincident ends have
+    /// no force and count with k.
     fn bound(&self, at: &StateView<'_, V>, bound: &mut SpectralBound) -> Result<()> {
         let mut add = |i: usize, j: usize, law: &SpringLaw<V::Scalar>| {
             let offset = at.position.get(j).widen() - at.position.get(i).widen();
@@ -249,17 +248,17 @@ struct Surveying<'a, V: Vector> {
 }
 
 impl<V: Vector> Kernel for Surveying<'_, V> {
-    type Output = Survey;
+    type Output = SpringStatistics;
 
     #[inline(always)]
-    fn run(self) -> Survey {
-        let mut survey = Survey::EMPTY;
+    fn run(self) -> SpringStatistics {
+        let mut statistics = SpringStatistics::EMPTY;
         for stencil in &self.springs.stencils {
-            stencil.survey::<V>(&self.block, self.at, &mut survey);
+            stencil.measure::<V>(&self.block, self.at, &mut statistics);
         }
         if let Some(slices) = &self.springs.slices {
-            slices.survey::<V>(&self.block, self.at, &mut survey);
+            slices.measure::<V>(&self.block, self.at, &mut statistics);
         }
-        survey
+        statistics
     }
 }

@@ -1,17 +1,17 @@
-//! An order of particles in which partners are near each other in memory.
+//! An ordering of particles for locality: partners are near each other in memory.
 
 use std::collections::VecDeque;
 
 use super::Spring;
 use super::stencil;
 
-/// A component is left as it is if this part of its springs, in percent, is in stencils.
+/// Share of a component's springs in stencils, in percent, above which its order is kept.
 const STRUCTURED: usize = 90;
 
-/// A component is left as it is if reordering would not bring partners this many times nearer.
+/// Least reduction factor of the mean index distance of partners for which a component is reordered.
 const GAIN: usize = 2;
 
-/// Neighbors in a network: those of particle i are `list[first[i]..first[i + 1]]`.
+/// The graph of a network: the neighbors of particle i are `list[first[i]..first[i + 1]]`.
 struct Graph {
     first: Vec<usize>,
     list: Vec<u32>,
@@ -28,7 +28,7 @@ impl Graph {
             next[i as usize] += 1;
         }
         let mut graph = Self { first, list };
-        // Those with few neighbors come first, and so does the lower index: that is the order of E. Cuthill and J. McKee.
+        // Neighbors of low degree come first, then those of low index: the order of E. Cuthill and J. McKee.
         let degrees: Vec<usize> = (0..count as u32).map(|index| graph.neighbors(index).len()).collect();
         for index in 0..count {
             graph.list[graph.first[index]..graph.first[index + 1]].sort_by_key(|&j| (degrees[j as usize], j));
@@ -40,8 +40,8 @@ impl Graph {
         &self.list[self.first[index as usize]..self.first[index as usize + 1]]
     }
 
-    /// A component from `start`, nearest first, and the number of steps to the farthest. `level` belongs to the caller
-    /// and is `FAR` for the whole component before and after.
+    /// A component in breadth-first order from `start`, and its depth. `level` is a buffer of the caller, `FAR` for the
+    /// whole component before and after.
     fn walk(&self, start: u32, level: &mut [u32]) -> (Vec<u32>, u32) {
         let (mut visited, mut queue) = (Vec::new(), VecDeque::from([start]));
         level[start as usize] = 0;
@@ -62,8 +62,8 @@ impl Graph {
         (visited, depth)
     }
 
-    /// A component in the reverse Cuthill–McKee order, from an end of it that is as far from the other as
-    /// walking to and fro can find (A. George, J. W. H. Liu, ACM Trans. Math. Softw. 5 (1979) 284).
+    /// A component in the reverse Cuthill–McKee order, from a pseudo-peripheral particle (A. George, J. W. H. Liu, ACM
+    /// Trans. Math. Softw. 5 (1979) 284).
     fn reverse_cuthill_mckee(&self, start: u32, level: &mut [u32]) -> Vec<u32> {
         let (mut best, mut depth) = self.walk(start, level);
         loop {
@@ -77,11 +77,11 @@ impl Graph {
     }
 }
 
-/// The level of a particle that a walk has not come to.
+/// The level of an unvisited particle.
 const FAR: u32 = u32::MAX;
 
-/// A better order, where there is one: `order[new] = old`. Components of the network that are structured or local
-/// already stay as they are. Others are reordered among the places that they have, and all else keeps its place.
+/// A better order, if there is one: `order[new] = old`. Connected components that are structured or local already are kept.
+/// Others are permuted within their own indices; all other particles keep theirs.
 pub fn ordering(springs: &[Spring], count: usize) -> Option<Vec<u32>> {
     let (_, taken) = stencil::find::<f64>(springs);
     if taken.iter().all(|&taken| taken) {
@@ -93,30 +93,30 @@ pub fn ordering(springs: &[Spring], count: usize) -> Option<Vec<u32>> {
     structured.flat_map(|(spring, _)| spring.ends).for_each(|end| in_stencils[end as usize] += 1);
 
     let mut order: Vec<u32> = (0..count as u32).collect();
-    let (mut level, mut done, mut place) = (vec![FAR; count], vec![false; count], vec![0; count]);
+    let (mut level, mut done, mut new_index) = (vec![FAR; count], vec![false; count], vec![0; count]);
     let mut changed = false;
     for start in 0..count as u32 {
         if done[start as usize] || graph.neighbors(start).is_empty() {
             continue;
         }
-        let (mut places, _) = graph.walk(start, &mut level);
-        for &index in &places {
+        let (mut component, _) = graph.walk(start, &mut level);
+        for &index in &component {
             done[index as usize] = true;
         }
-        let sum = |each: &dyn Fn(u32) -> usize| places.iter().map(|&index| each(index)).sum::<usize>();
+        let sum = |each: &dyn Fn(u32) -> usize| component.iter().map(|&index| each(index)).sum::<usize>();
         if sum(&|index| in_stencils[index as usize]) * 100 >= sum(&|index| graph.neighbors(index).len()) * STRUCTURED {
             continue;
         }
-        places.sort_unstable();
+        component.sort_unstable();
         let better = graph.reverse_cuthill_mckee(start, &mut level);
-        better.iter().zip(&places).for_each(|(&old, &new)| place[old as usize] = new);
+        better.iter().zip(&component).for_each(|(&old, &new)| new_index[old as usize] = new);
         let distance = |of: &dyn Fn(u32) -> u32| -> u64 {
             let one =
                 |&index: &u32| graph.neighbors(index).iter().map(|&next| u64::from(of(index).abs_diff(of(next)))).sum::<u64>();
-            places.iter().map(one).sum()
+            component.iter().map(one).sum()
         };
-        if distance(&|index| index) >= GAIN as u64 * distance(&|index| place[index as usize]) {
-            better.iter().zip(&places).for_each(|(&old, &new)| order[new as usize] = old);
+        if distance(&|index| index) >= GAIN as u64 * distance(&|index| new_index[index as usize]) {
+            better.iter().zip(&component).for_each(|(&old, &new)| order[new as usize] = old);
             changed = true;
         }
     }

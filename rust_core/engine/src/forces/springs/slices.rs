@@ -1,25 +1,25 @@
-//! Slices: springs in any arrangement, gathered by each particle from its partners.
+//! Slices: springs of any topology, gathered by each particle from its partners.
 //!
 //! The form is sliced ELLPACK (M. Kreutzer et al., SIAM J. Sci. Comput. 36 (2014) C401): 16 consecutive particles are a
-//! slice, and each row of it holds one spring of each, or a stand-in from the particle to itself, whose length of 0 makes
-//! its force exactly 0. Every spring is computed from both of its ends, to the same bits, so that nobody writes to
-//! another's particle. Where the springs are of few kinds, a row is all of one kind, and its law is one number per row.
+//! slice, and each row of it holds one spring of each, or a padding entry from the particle to itself, whose length of 0
+//! makes its force exactly 0. Every spring is computed from both of its ends, to the same bits, so that each particle is
+//! written once. Where the springs are of few kinds, a row is all of one kind, and its law is one number per row.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
 
 use super::Spring;
 use super::law::{SpringLaw, State};
-use super::survey::Survey;
+use super::statistics::SpringStatistics;
 use crate::forces::{Rates, StateView};
 use crate::math::{AXES, Real, Vector};
 use crate::matter::EnergySink;
 use crate::simd::{Gather, LANES, Lanes, padded};
 
-/// The most kinds of spring that rows are sorted by.
+/// Maximum number of distinct laws by which rows are sorted.
 const KINDS: usize = 256;
 
-/// Rows sorted by kind may be this much more than unsorted ones, in percent: these read three numbers more per spring.
+/// Maximum number of rows sorted by kind, in percent of unsorted ones, which read three more numbers per spring.
 const SORTED: usize = 125;
 
 /// The springs that are in no stencil.
@@ -31,20 +31,20 @@ pub struct Slices<T> {
     rows: Vec<u32>,
     /// The particle at the other end, row by row.
     partners: Gather,
-    /// What the springs obey.
+    /// The spring laws.
     laws: Laws<T>,
 }
 
-/// What the springs of every row obey.
+/// The spring laws of every row.
 #[derive(Debug)]
 enum Laws<T> {
-    /// One law per row, out of a few.
+    /// One of a few laws per row.
     Shared { kinds: Vec<SpringLaw<T>>, of: Vec<u16> },
     /// One law per spring: stiffness, damping and rest length.
     Own(Vec<[Lanes<T>; 3]>),
 }
 
-/// Looks up what the springs of a row obey.
+/// Access to the laws of a row.
 trait Source<T>: Copy {
     /// The law of each lane.
     fn row(self, row: usize) -> impl Fn(usize) -> SpringLaw<T>;
@@ -66,7 +66,7 @@ impl<T: Real> Source<T> for &[[Lanes<T>; 3]] {
     }
 }
 
-/// The number of rows that are gathered at once.
+/// Number of rows gathered at once.
 const ROWS: usize = 16;
 
 /// One end of each spring in some rows.
@@ -78,7 +78,7 @@ struct Side<T, const ROWS: usize> {
 impl<T: Real, const ROWS: usize> Side<T, ROWS> {
     const EMPTY: Self = Self { position: [[[T::ZERO; LANES]; ROWS]; AXES], velocity: [[[T::ZERO; LANES]; ROWS]; AXES] };
 
-    /// Has `read` fill each column's part.
+    /// Fills each column's part by `read`.
     #[inline(always)]
     fn fill<V: Vector<Scalar = T>, const DAMPED: bool>(&mut self, at: &StateView<'_, V>, read: impl Fn(&[T], &mut [Lanes<T>])) {
         for axis in 0..V::DIMENSION {
@@ -110,7 +110,7 @@ impl<T: Real> Side<T, 1> {
     }
 }
 
-/// A spring as one of its ends sees it.
+/// A spring from one of its ends.
 #[derive(Debug, Clone, Copy)]
 struct End<T> {
     kind: usize,
@@ -119,7 +119,7 @@ struct End<T> {
 }
 
 impl<T: Real> Slices<T> {
-    /// Arranges springs between `count` particles.
+    /// Slices of springs between `count` particles.
     pub fn new(springs: &[Spring], count: usize) -> Self {
         let (ends, kinds) = ends::<T>(springs, count);
         let sorted = arrange(&ends, |end| end.kind);
@@ -149,7 +149,7 @@ impl<T: Real> Slices<T> {
         Self { count: springs.len(), rows, partners: Gather::new(&partners, padded(count)), laws }
     }
 
-    /// The number of kinds that rows are sorted by; None where every spring has a law of its own.
+    /// Number of distinct laws by which rows are sorted; None with one law per spring.
     pub fn kinds(&self) -> Option<usize> {
         match &self.laws {
             Laws::Shared { kinds, .. } => Some(kinds.len()),
@@ -157,7 +157,7 @@ impl<T: Real> Slices<T> {
         }
     }
 
-    /// The memory that it takes [bytes].
+    /// Memory [bytes].
     pub fn bytes(&self) -> usize {
         let laws = match &self.laws {
             Laws::Shared { kinds, of } => std::mem::size_of_val(kinds.as_slice()) + std::mem::size_of_val(of.as_slice()),
@@ -184,7 +184,7 @@ impl<T: Real> Slices<T> {
         }
     }
 
-    /// Adds what its springs do to the particles of a block.
+    /// Adds the forces and powers of its springs on the particles of a block.
     #[inline(always)]
     pub fn accumulate<V: Vector<Scalar = T>, const DAMPED: bool>(
         &self,
@@ -239,22 +239,22 @@ impl<T: Real> Slices<T> {
         }
     }
 
-    /// Adds the springs with a lower end in a range to a survey.
+    /// Adds the springs with a lower end in a range to statistics.
     #[inline(always)]
-    pub fn survey<V: Vector<Scalar = T>>(&self, range: &Range<usize>, at: &StateView<'_, V>, survey: &mut Survey) {
+    pub fn measure<V: Vector<Scalar = T>>(&self, range: &Range<usize>, at: &StateView<'_, V>, statistics: &mut SpringStatistics) {
         match &self.laws {
-            Laws::Shared { kinds, of } => self.survey_rows::<V>((kinds.as_slice(), of.as_slice()), range, at, survey),
-            Laws::Own(own) => self.survey_rows::<V>(own.as_slice(), range, at, survey),
+            Laws::Shared { kinds, of } => self.measure_rows::<V>((kinds.as_slice(), of.as_slice()), range, at, statistics),
+            Laws::Own(own) => self.measure_rows::<V>(own.as_slice(), range, at, statistics),
         }
     }
 
     #[inline(always)]
-    fn survey_rows<V: Vector<Scalar = T>>(
+    fn measure_rows<V: Vector<Scalar = T>>(
         &self,
         laws: impl Source<T>,
         range: &Range<usize>,
         at: &StateView<'_, V>,
-        survey: &mut Survey,
+        statistics: &mut SpringStatistics,
     ) {
         let mut far = Side::<T, 1>::EMPTY;
         for slice in range.start / LANES..range.end.div_ceil(LANES) {
@@ -265,7 +265,7 @@ impl<T: Real> Slices<T> {
                 let (law, partners) = (laws.row(row), self.partners.indices(row));
                 for lane in 0..LANES {
                     let square = near.lane(lane).square_to::<V>(far.lane(lane));
-                    survey.add(lane, partners[lane] as usize > slice * LANES + lane, square, law(lane));
+                    statistics.add(lane, partners[lane] as usize > slice * LANES + lane, square, law(lane));
                 }
             }
         }
@@ -278,10 +278,10 @@ impl<T: Real> Slices<T> {
     }
 }
 
-/// A spring of each lane, or none.
+/// One spring per lane, or None.
 type Row<T> = [Option<End<T>>; LANES];
 
-/// The springs that every particle holds, by kind and then by partner, and the kinds.
+/// The springs of every particle, by kind and then by partner, and the kinds.
 fn ends<T: Real>(springs: &[Spring], count: usize) -> (Vec<Vec<End<T>>>, Vec<SpringLaw<T>>) {
     let laws: Vec<SpringLaw<T>> = springs.iter().map(SpringLaw::of).collect();
     let kinds: BTreeMap<[u64; 3], SpringLaw<T>> = laws.iter().map(|law| (law.key(), *law)).collect();
@@ -299,14 +299,14 @@ fn ends<T: Real>(springs: &[Spring], count: usize) -> (Vec<Vec<End<T>>>, Vec<Spr
     (ends, kinds.into_values().collect())
 }
 
-/// The rows of every slice, such that a row holds springs of one `class` alone.
+/// The rows of every slice; each row holds springs of one `class`.
 fn arrange<T: Real>(ends: &[Vec<End<T>>], class: impl Fn(&End<T>) -> usize) -> Vec<Vec<Row<T>>> {
     let slices = ends.chunks(LANES).map(|particles| {
         let mut rows: BTreeMap<(usize, usize), Row<T>> = BTreeMap::new();
         for (lane, list) in particles.iter().enumerate() {
             for run in list.chunk_by(|one, next| class(one) == class(next)) {
-                for (place, &end) in run.iter().enumerate() {
-                    rows.entry((class(&end), place)).or_insert([None; LANES])[lane] = Some(end);
+                for (rank, &end) in run.iter().enumerate() {
+                    rows.entry((class(&end), rank)).or_insert([None; LANES])[lane] = Some(end);
                 }
             }
         }

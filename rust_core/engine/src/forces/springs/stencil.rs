@@ -1,45 +1,45 @@
-//! Stencils: springs of one kind between particles whose indices differ by one constant.
+//! Stencils: springs of one law between particles with a constant index offset.
 //!
-//! A cloth, or a lattice, row by row is a few stencils with holes at its edges. Both ends are then read in order, and
-//! every spring is computed once. All blocks add in one global order (tile by tile, in a tile stencil by stencil, in a
-//! stencil first what lower ends feel, then what upper ends feel) and leave out what falls on the particles of others: so
-//! the sum on a particle has the same bits however particles are cut into blocks.
+//! A cloth, or a lattice, in row-major order is a few stencils with holes at its edges. Both ends are then read
+//! contiguously, and every spring is computed once. All blocks add in one global order (tile by tile, in a tile stencil by
+//! stencil, in a stencil first the forces on lower ends, then those on upper ends) and skip particles outside: so the sum
+//! on a particle has the same bits for any division into blocks.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
 
 use super::Spring;
 use super::law::{Run, SpringLaw};
-use super::survey::Survey;
+use super::statistics::SpringStatistics;
 use crate::forces::{Rates, StateView};
 use crate::math::{AXES, Real, Vector};
 use crate::matter::EnergySink;
 use crate::simd::{LANES, padded};
 
-/// The number of particles that all stencils visit before they go on, so that these stay in the first cache.
+/// Particles per tile: all stencils visit a tile in turn, which stays in the first-level cache.
 pub const TILE: usize = 16 * LANES;
 
-/// What the springs of a tile do.
+/// Forces and powers of one stencil's springs in a tile.
 #[derive(Debug)]
 pub struct Scratch<T> {
     /// The force on their lower ends [N].
     force: [[T; TILE]; AXES],
-    /// The power that they dissipate [W].
+    /// The dissipated power [W].
     power: [T; TILE],
 }
 
 impl<T: Real> Scratch<T> {
-    /// For any tile.
+    /// Zero forces and powers.
     pub const EMPTY: Self = Self { force: [[T::ZERO; TILE]; AXES], power: [T::ZERO; TILE] };
 }
 
-/// The most stencils: each of them costs every tile a look.
+/// Maximum number of stencils: each has a cost per tile.
 const MOST: usize = 32;
 
-/// The least part, in percent, of the places in its tiles that must hold a spring: slices take sparser ones at less cost.
+/// Least occupancy of its tiles, in percent: sparser stencils cost less as slices.
 const DENSITY: usize = 50;
 
-/// The least part, in percent, of all springs that must be in stencils.
+/// Least share of all springs in stencils, in percent.
 const STRUCTURE: usize = 50;
 
 /// The springs (i, i + offset) that obey one law.
@@ -47,7 +47,7 @@ const STRUCTURE: usize = 50;
 pub struct Stencil<T> {
     /// The difference of the indices.
     pub offset: usize,
-    /// What they have in common.
+    /// The common law.
     pub law: SpringLaw<T>,
     /// The number of springs.
     pub count: usize,
@@ -67,7 +67,7 @@ pub fn find<T: Real>(springs: &[Spring]) -> (Vec<Stencil<T>>, Vec<bool>) {
     let mut found: Vec<(Stencil<T>, Vec<usize>)> = kinds.into_values().filter_map(|kind| Stencil::of(springs, &kind)).collect();
     found.sort_by_key(|(stencil, _)| std::cmp::Reverse(stencil.count));
     found.truncate(MOST);
-    // A few stencils in a network that has no structure would only leave holes in its slices.
+    // A few stencils in an unstructured network would only leave holes in its slices.
     if found.iter().map(|(stencil, _)| stencil.count).sum::<usize>() * 100 < springs.len() * STRUCTURE {
         found.clear();
     }
@@ -77,7 +77,7 @@ pub fn find<T: Real>(springs: &[Spring]) -> (Vec<Stencil<T>>, Vec<bool>) {
 }
 
 impl<T: Real> Stencil<T> {
-    /// The stencil of springs of one kind and those that are in it: a pair can only be in it once. None if too sparse.
+    /// The stencil of springs of one kind and its members: a pair can be in it only once. None if too sparse.
     fn of(springs: &[Spring], kind: &[usize]) -> Option<(Self, Vec<usize>)> {
         let lower = |index: usize| springs[index].ends[0].min(springs[index].ends[1]) as usize;
         let [i, j] = springs[kind[0]].ends;
@@ -95,13 +95,13 @@ impl<T: Real> Stencil<T> {
             })
             .collect();
         let tiles = present.chunks(TILE / LANES).filter(|tile| tile.iter().any(|&group| group != 0));
-        let places = tiles.map(|tile| tile.len() * LANES).sum::<usize>();
+        let lanes = tiles.map(|tile| tile.len() * LANES).sum::<usize>();
         let stencil =
             Self { offset: i.abs_diff(j) as usize, law: SpringLaw::of(&springs[kind[0]]), count: members.len(), first, present };
-        (stencil.count * 100 >= DENSITY * places).then_some((stencil, members))
+        (stencil.count * 100 >= DENSITY * lanes).then_some((stencil, members))
     }
 
-    /// The memory that it takes [bytes].
+    /// Memory [bytes].
     pub fn bytes(&self) -> usize {
         std::mem::size_of_val(self.present.as_slice())
     }
@@ -122,7 +122,7 @@ impl<T: Real> Stencil<T> {
         }
     }
 
-    /// Adds what its springs with a lower end in `tile` do to the particles of a block.
+    /// Adds the forces and powers of its springs with a lower end in `tile` on the particles of a block.
     #[inline(always)]
     pub fn accumulate<V: Vector<Scalar = T>, const DAMPED: bool>(
         &self,
@@ -201,9 +201,9 @@ impl<T: Real> Stencil<T> {
         }
     }
 
-    /// Adds the springs with a lower end in a range to a survey.
+    /// Adds the springs with a lower end in a range to statistics.
     #[inline(always)]
-    pub fn survey<V: Vector<Scalar = T>>(&self, block: &Range<usize>, at: &StateView<'_, V>, survey: &mut Survey) {
+    pub fn measure<V: Vector<Scalar = T>>(&self, block: &Range<usize>, at: &StateView<'_, V>, statistics: &mut SpringStatistics) {
         let block = self.lower(block.clone(), at);
         let mut square = [0.0; TILE];
         for start in block.clone().step_by(TILE) {
@@ -216,7 +216,7 @@ impl<T: Real> Stencil<T> {
             let groups = self.present[start / LANES - self.first..].iter().zip(square.chunks(LANES));
             for (&present, square) in groups {
                 for (lane, &square) in square.iter().enumerate() {
-                    survey.add(lane, present >> lane & 1 == 1, square, self.law);
+                    statistics.add(lane, present >> lane & 1 == 1, square, self.law);
                 }
             }
         }

@@ -7,7 +7,7 @@ use super::*;
 use crate::matter::{Columns, EnergySink, Properties, SINKS, View};
 use crate::parallel::SERIAL;
 
-/// Springs, and the places and velocities of their ends.
+/// Springs, and the positions and velocities of their ends.
 #[derive(Debug, Clone)]
 struct Network {
     springs: Vec<Spring>,
@@ -15,7 +15,7 @@ struct Network {
     velocity: Vec<DVec3>,
 }
 
-/// What forces do to all particles.
+/// Forces on all particles, and their power.
 #[derive(Debug, PartialEq)]
 struct Outcome {
     force: Vec<DVec3>,
@@ -27,7 +27,7 @@ impl Network {
         self.position.len()
     }
 
-    /// As the numbers of `V` have it.
+    /// Rounded to the precision of `V`.
     fn narrowed<V: Vector>(&self) -> Self {
         let narrow = |number: f64| V::Scalar::from_f64(number).to_f64();
         let spring = |spring: &Spring| Spring {
@@ -80,10 +80,11 @@ impl Network {
         self.with::<V, _>(|at| springs.potential(0..padded(self.count()), at))
     }
 
-    /// The textbook's outcome in double precision, and how far rounding to `V` may move each number from it.
+    /// The textbook's outcome in double precision, and the rounding error of each number in `V`.
     ///
     /// A spring's force takes about ten roundings, each of at most half a unit of k (r + L) + c |vⱼ − vᵢ|; summing n of
-    /// them rounds n times more, to at most the sum of their sizes. The power likewise, of c |vⱼ − vᵢ|² and over all.
+    /// them rounds n times more, to at most the sum of their sizes. The power has the same error, of c |vⱼ − vᵢ|² and over
+    /// all springs.
     fn reference<V: Vector>(&self) -> (Outcome, Vec<f64>, f64) {
         let mut outcome = Outcome { force: vec![DVec3::ZERO; self.count()], power: 0.0 };
         let (mut sizes, mut degree, mut powers) = (vec![0.0; self.count()], vec![0.0; self.count()], 0.0);
@@ -143,9 +144,9 @@ fn networks() -> impl Strategy<Value = Network> {
         };
         let springs = pairs.into_iter().map(spring).collect();
         let mut vector = || DVec3::new(random(), random(), random());
-        let place =
+        let position_of =
             |index: usize, jitter: DVec3| DVec3::new((index % columns) as f64, (index / columns) as f64, 0.0) + jitter * 0.5;
-        let position = (0..count).map(|index| place(index, vector())).collect();
+        let position = (0..count).map(|index| position_of(index, vector())).collect();
         let velocity = (0..count).map(|_| vector() - 0.5).collect();
         Network { springs, position, velocity }
     })
@@ -289,9 +290,9 @@ fn shuffled_cloth_is_brought_together() {
     // A linear congruence would keep differences constant, which is structure. The first hundred are left without springs.
     let mut shuffled: Vec<u32> = (0..columns as u32 * rows as u32).collect();
     shuffled.sort_by_key(|&index| (index * index * 31 + index * 17) % 7919);
-    let place = |index: u32| free as u32 + shuffled[index as usize];
+    let shuffled_index = |index: u32| free as u32 + shuffled[index as usize];
     let springs: Vec<Spring> =
-        cloth(columns, rows).into_iter().map(|spring| Spring { ends: spring.ends.map(place), ..spring }).collect();
+        cloth(columns, rows).into_iter().map(|spring| Spring { ends: spring.ends.map(shuffled_index), ..spring }).collect();
     let order = ordering(&springs, count as usize).unwrap();
     assert!(order[..free].iter().copied().eq(0..free as u32), "particles without springs keep their places");
     let mut new = vec![0; count as usize];

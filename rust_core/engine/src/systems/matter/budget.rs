@@ -23,7 +23,7 @@ const SINKS: [(EnergySink, Class, &str); 5] = [
 /// The energy budget of matter at a time.
 ///
 /// # Errors
-/// If a function of the user's fails, or the executor was asked to stop.
+/// If a user-defined function fails, or on an interrupt.
 pub fn energy<V: Vector>(dynamics: &Dynamics<V>, matter: &Matter<V>, time: f64, executor: &Executor) -> Result<Ledger> {
     let mut ledger = Ledger::new(matter.count(), matter.block);
     ledger.add_blocks(Class::Kinetic, "particles", |block| block.map(|index| kinetic(dynamics, matter, index)).sum());

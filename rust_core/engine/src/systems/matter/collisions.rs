@@ -1,9 +1,9 @@
-//! Contacts within the drift, for integrators whose positions stand before the step's only evaluation.
+//! Contacts within the drift, for integrators whose positions are final before the only evaluation of forces in the step.
 //!
-//! Velocity Verlet moves its positions along the parabola of the acceleration at the step's start. Contacts are resolved
-//! on that parabola, before the forces at its end are asked for; so the second kick comes from where the particle really
-//! is. Contacts after the step would leave it with forces from a place that the particle never reached: stiff bodies
-//! then gain energy at every bounce.
+//! Velocity Verlet moves its positions along the parabola of the acceleration at the step's start. Contacts are resolved on
+//! that parabola, before the evaluation of forces at its end, so the second kick uses the actual position. Contacts after
+//! the step would combine the state with forces at a position that the particle never reaches: stiff bodies then gain
+//! energy at every bounce.
 
 use crate::contacts::{Before, Contacts};
 use crate::integrators::{Component, Integrator};
@@ -11,7 +11,7 @@ use crate::math::{Real, Vector};
 use crate::matter::{Blocks, Span};
 use crate::systems::matter::dynamics::Dynamics;
 
-/// Resolves the contacts of a block that stands at its stage, since the state `before`.
+/// Resolves the contacts of a block at its stage, since the state `before`.
 pub fn collide<V: Vector, I: Integrator>(
     dynamics: &Dynamics<V>,
     contacts: &Contacts<V>,

@@ -1,4 +1,4 @@
-//! A scene compiled into exactly the stages that it requires, in their order.
+//! Compilation of a scene into exactly the stages that it requires, in order.
 
 use glam::DVec3;
 
@@ -22,7 +22,7 @@ mod precision;
 /// Compiles a scene for an integrator.
 ///
 /// # Errors
-/// If the scene makes no sense or does not fit into registers, or the executor was asked to stop.
+/// If the scene is invalid or does not fit into memory, or on an interrupt.
 pub fn compile<V: Vector, I: Integrator>(scene: &Scene, executor: &Executor) -> Result<MatterSystem<V>> {
     let count = scene.count();
     let known = |kind: &str| [PARTICLES, springs::KIND, sph::KIND].contains(&kind);
@@ -76,7 +76,7 @@ pub fn compile<V: Vector, I: Integrator>(scene: &Scene, executor: &Executor) -> 
     }
     stages.push(I::NAME.to_owned());
     if contacts.is_some() {
-        // Where the positions stand before the forces are asked for, contacts come first.
+        // Where positions are final before the evaluation of forces, contacts come first.
         stages.insert(if I::DRIFTS_FIRST { 0 } else { stages.len() }, "contacts".to_owned());
     }
 
@@ -119,27 +119,27 @@ pub fn compile<V: Vector, I: Integrator>(scene: &Scene, executor: &Executor) -> 
     Ok(MatterSystem::new::<I>(dynamics, state, stages))
 }
 
-/// What a particle takes beside its state [bytes]: its properties, and while the scene is compiled its index in two orders.
+/// Memory of a particle besides its state [bytes]: its properties, and during compilation its index in two orders.
 const PROPERTIES: usize = 100;
-/// What a particle that has neighbors, one of a fluid, and a spring take, without lists of neighbors [bytes].
+/// Memory of a particle with neighbors, of a fluid particle, and of a spring, without neighbor lists [bytes].
 const NEIGHBOR: usize = 250;
 const FLUID: usize = 600;
 const SPRING: usize = 250;
 
-/// About the most memory that a scene takes while it is compiled, and when it is: without lists of neighbors, which are counted
-/// when they are made [bytes].
+/// Estimate of the peak memory of a scene, during and after compilation [bytes], without neighbor lists, which are checked
+/// when they are built.
 fn footprint<V: Vector, I: Integrator>(scene: &Scene) -> Result<usize> {
     let springs = springs::count(scene)?;
     let independent = springs == 0 && !forces::are_between_pairs(scene);
     let registers = if independent { I::READABLE } else { I::REGISTERS };
-    // The state with a copy of it, and what sweeps over it take.
+    // The state with its copy, and the workspace of sweeps.
     let columns = 2 * (2 + registers) + if independent { 0 } else { 6 };
     let vector = V::DIMENSION * size_of::<V::Scalar>();
     let neighbor = if forces::are_between_pairs(scene) { NEIGHBOR } else { 0 } + if sph::is_in(scene) { FLUID } else { 0 };
     Ok(scene.count() * (columns * vector + PROPERTIES + neighbor) + springs * SPRING)
 }
 
-/// What to take instead. Where nothing but gravity acts, or contacts break every step's order, there is nothing to gain.
+/// Advice on a better integrator. There is none under gravity alone, or where contacts reduce every method's order.
 fn advice<I: Integrator>(dissipative: bool, bends: bool) -> Option<String> {
     match (I::ORDER, dissipative) {
         _ if !bends => None,
@@ -163,8 +163,8 @@ fn advice<I: Integrator>(dissipative: bool, bends: bool) -> Option<String> {
     }
 }
 
-/// The fraction of the limit of one integrator below which another one, at as many evaluations per second, takes steps of no
-/// more than half of its own limit.
+/// The fraction of an integrator's limit below which another one, at equal cost, takes steps of at most half of its own
+/// limit.
 fn worth<I: Integrator, Other: Integrator>() -> f64 {
     let reach = |limit: f64, evaluations: usize| limit / evaluations as f64;
     0.5 * reach(Other::limit(0.0), Other::NODES.len()) / reach(I::limit(0.0), I::NODES.len())
@@ -187,7 +187,7 @@ fn left_out(forces: &[About], independent: bool, contacts: bool) -> Vec<&'static
     absent
 }
 
-/// Index in the engine's order → index in the caller's: springs want partners near each other, and pairs want neighbors so.
+/// Index in the engine's order → index in the caller's, for locality of spring partners and of neighbors.
 fn ordering(scene: &Scene, springs: &[Spring]) -> Vec<u32> {
     if springs.is_empty() && forces::are_between_pairs(scene) {
         return neighbors::ordering(&scene.positions(), scene.dimension);
@@ -195,7 +195,7 @@ fn ordering(scene: &Scene, springs: &[Spring]) -> Vec<u32> {
     springs::ordering(springs, scene.count()).unwrap_or_else(|| (0..scene.count() as u32).collect())
 }
 
-/// Masses and the like in the engine's order, and the origin: the middle of all positions.
+/// The constant properties in the engine's order, with the origin at the center of all positions.
 fn properties<V: Vector>(scene: &Scene, order: &[u32]) -> Properties<V> {
     let bodies = || scene.bodies.iter().flat_map(|body| 0..body.positions.len()).zip(owners(scene));
     let ordered = |values: Vec<f64>| -> Vec<f64> { order.iter().map(|&caller| values[caller as usize]).collect() };
@@ -216,8 +216,8 @@ fn owners(scene: &Scene) -> impl Iterator<Item = usize> {
     scene.bodies.iter().enumerate().flat_map(|(body, matter)| std::iter::repeat_n(body, matter.positions.len()))
 }
 
-/// Single precision is relative to the middle of all positions, rounded to a number that both precisions hold; double
-/// precision needs no origin.
+/// In single precision the origin is the center of all positions, rounded to a number that both precisions hold; double
+/// precision needs none.
 fn origin<V: Vector>(scene: &Scene) -> DVec3 {
     let positions = || scene.bodies.iter().flat_map(|body| &body.positions);
     if V::Scalar::NAME == "f64" || positions().next().is_none() {
@@ -234,7 +234,7 @@ fn renumbered(springs: Vec<Spring>, order: &[u32]) -> Vec<Spring> {
     springs.into_iter().map(|spring| Spring { ends: spring.ends.map(|end| engine[end as usize]), ..spring }).collect()
 }
 
-/// The initial state in the engine's order. `exact` asks for positions that are more exact than single precision.
+/// The initial state in the engine's order. `exact` adds the low-order part of positions.
 fn state<V: Vector>(scene: &Scene, properties: &Properties<V>, block: usize, exact: bool) -> Result<Matter<V>> {
     let count = properties.count();
     let positions = scene.positions();
@@ -256,7 +256,7 @@ fn state<V: Vector>(scene: &Scene, properties: &Properties<V>, block: usize, exa
     Ok(state)
 }
 
-/// The error of a vector at `path` that the precision of the run cannot hold.
+/// The error for a vector at `path` that is out of range in the precision of the run.
 pub fn out_of_range<V: Vector>(path: &str, found: DVec3) -> Error {
     let found = &found.to_array()[..V::DIMENSION];
     Error::parameter(path, format!("numbers in the range of {}", V::Scalar::NAME), format!("{found:?}"))

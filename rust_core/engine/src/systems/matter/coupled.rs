@@ -1,5 +1,5 @@
-//! Particles that feel each other: every stage sweeps over all blocks. It reads the positions and velocities of all from
-//! one copy and writes those of its block to another, so that no block has to wait for its neighbours.
+//! Coupled particles: every stage is a sweep over all blocks. It reads the positions and velocities of all particles from
+//! one copy and writes those of its block to another, so that no block waits for another.
 
 use crate::contacts::Before;
 use crate::error::Result;
@@ -16,33 +16,33 @@ use crate::systems::matter::displacement::displace;
 use crate::systems::matter::dynamics::Dynamics;
 use crate::systems::matter::kernels::{self, Action, Evaluation};
 
-/// Memory for the sweeps.
+/// Buffers of the sweeps.
 #[derive(Debug)]
 pub struct Workspace<V: Vector> {
     position: Columns<V>,
     velocity: Columns<V>,
     force: Columns<V>,
     before: Option<[Columns<V>; 2]>,
-    /// The activity of each block after the step that a sweep ended [J].
+    /// Activity of each block at the end of the step [J].
     activity: Vec<f64>,
 }
 
 impl<V: Vector> Workspace<V> {
-    /// Memory for `count` particles in `blocks` blocks, with contacts or without.
+    /// Buffers for `count` particles in `blocks` blocks, with contacts or without.
     pub fn new(count: usize, blocks: usize, contacts: bool) -> Self {
         let columns = || Columns::zeros(count);
         let before = contacts.then(|| [columns(), columns()]);
         Self { position: columns(), velocity: columns(), force: columns(), before, activity: vec![0.0; blocks] }
     }
 
-    /// The memory that it takes [bytes].
+    /// Memory [bytes].
     pub fn bytes(&self) -> usize {
         let before = self.before.iter().flatten().map(Columns::bytes).sum::<usize>();
         self.position.bytes() + self.velocity.bytes() + self.force.bytes() + before + size_of_val(self.activity.as_slice())
     }
 }
 
-/// Advances `matter` in place. The activity at the end is not a number where a position is not finite.
+/// Advances `matter` in place. The activity at the end is NaN where a position is not finite.
 pub fn advance<V: Vector, I: Integrator>(
     dynamics: &mut Dynamics<V>,
     matter: &mut Matter<V>,
@@ -52,7 +52,8 @@ pub fn advance<V: Vector, I: Integrator>(
     executor: &Executor,
 ) -> Result<()> {
     let stages = I::NODES.len();
-    // The last stage's sweep moves on to the first stage of the next step, unless something happens at the step's end.
+    // The last stage's sweep also computes the state of the next step's first stage, unless an operation intervenes at the
+    // step's end.
     let drifts = I::DRIFT_KICK.filter(|_| dynamics.scheme == Some(Scheme::Continuity));
     let sums = dynamics.scheme == Some(Scheme::Summation) && !I::ENDS_WITH_FORCES;
     let moves_on = workspace.before.is_none() && !sums && drifts.is_none_or(|drift_kick| drift_kick.drifts.len() == stages);
@@ -96,7 +97,7 @@ pub fn advance<V: Vector, I: Integrator>(
     Ok(())
 }
 
-/// Evaluates the law at the state and fills the carried memory.
+/// Evaluates the dynamics at the state and fills the persistent registers.
 pub fn begin<V: Vector, I: Integrator>(
     dynamics: &mut Dynamics<V>,
     matter: &mut Matter<V>,
@@ -107,8 +108,8 @@ pub fn begin<V: Vector, I: Integrator>(
     for_each_block::<V, I>(dynamics, matter, workspace, interval, interval.start, Action::Begin, executor)
 }
 
-/// Advances the fields over the drift of `h` seconds that led here, at a time, with the velocity that is remembered or the
-/// present one; tallies what they lose on the way, and displaces what they move beside it.
+/// Advances density over the preceding drift of `h` seconds, at its end time, with the velocity in a register or the
+/// present one; tallies the dissipated energy, and shifts particles.
 fn drift<V: Vector>(
     dynamics: &mut Dynamics<V>,
     matter: &mut Matter<V>,
@@ -120,8 +121,8 @@ fn drift<V: Vector>(
     if h == 0.0 {
         return Ok(());
     }
-    let way = velocity.map_or(&matter.velocity, |memory| &matter.registers[memory]);
-    dynamics.drift_density(matter, way.view(), h, executor)?;
+    let velocity = velocity.map_or(&matter.velocity, |register| &matter.registers[register]);
+    dynamics.drift_density(matter, velocity.view(), h, executor)?;
     let dynamics = &*dynamics;
     executor.for_each_block(matter.blocks(), &|blocks: Blocks<'_, V>| {
         dynamics.diffused(&blocks.range(), &mut blocks.tallies[0].energy);
@@ -138,8 +139,8 @@ fn for_each_block<V: Vector, I: Integrator>(
     action: Action,
     executor: &Executor,
 ) -> Result<()> {
-    let asks = !matches!(action, Action::StageState);
-    if asks {
+    let evaluates = !matches!(action, Action::StageState);
+    if evaluates {
         dynamics.prepare(matter, time, executor)?;
     }
     std::mem::swap(&mut matter.position, &mut workspace.position);
@@ -159,7 +160,7 @@ fn for_each_block<V: Vector, I: Integrator>(
         blocks.position.copy_from(&at.position, range.start);
         blocks.velocity.copy_from(&at.velocity, range.start);
         let mut power = [[0.0; LANES]; SINKS];
-        if asks {
+        if evaluates {
             dynamics.accumulate(&range, &at, &mut Rates { force: force.reborrow(), power: &mut power });
         }
         activity.items[0] = kernels::stage::<V, I>(dynamics, &mut blocks, &Evaluation { force, power }, interval.h, action);

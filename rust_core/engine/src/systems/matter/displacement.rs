@@ -1,7 +1,7 @@
-//! Displacements: what moves particles beside their velocity, between a drift and the forces at its end.
+//! Displacements of particles independent of their velocity, between a drift and the forces at its end.
 //!
-//! Velocities stay as they are, so momentum and kinetic energy do too. What the particles gain in potential energy is counted
-//! as work, from the potentials before and after. Nobody is moved through a wall.
+//! Velocities do not change, so momentum and kinetic energy are conserved. The change of potential energy is counted as
+//! work, from the potentials before and after. Displacements do not cross walls.
 
 use crate::error::Result;
 use crate::math::Vector;
@@ -10,7 +10,7 @@ use crate::parallel::Executor;
 use crate::systems::matter::coupled::BlocksWithForces;
 use crate::systems::matter::dynamics::Dynamics;
 
-/// Moves all particles that a force displaces, at a time; `displacements` is memory.
+/// Displaces all particles by the shifts of the forces, at a time; `displacements` is a buffer.
 pub fn displace<V: Vector>(
     dynamics: &Dynamics<V>,
     matter: &mut Matter<V>,

@@ -1,4 +1,4 @@
-//! Everything that acts on matter, sorted by what the drivers have to do for it.
+//! The forces and contacts of matter, sorted by their evaluation.
 
 use std::ops::Range;
 
@@ -25,27 +25,27 @@ fn state_view<'a, V: Vector>(
 
 /// The forces and contacts of a scene.
 pub struct Dynamics<V: Vector> {
-    /// Mass and everything else that does not change.
+    /// Mass and other constant properties.
     pub properties: Properties<V>,
-    /// The forces that depend on the particle alone, as far as they could be fused.
+    /// The sum of all fused (linear) forces.
     pub linear: LinearForce<V>,
     /// The contact stage, if there are boundaries.
     pub contacts: Option<Contacts<V>>,
-    /// How density follows the particles, if there is a fluid.
+    /// The scheme of density, if there is a fluid.
     pub scheme: Option<Scheme>,
-    /// Whether a force displaces particles beside their velocity.
+    /// Whether a force shifts particles.
     pub shifts: bool,
-    /// How the forces depend on velocity.
+    /// The dependence of the forces on velocity.
     pub velocity: VelocityDependence,
-    /// The number of forces that are functions of the user's.
+    /// The number of user-defined forces.
     pub callbacks: usize,
     /// All forces, fused ones first, then in the order in which they accumulate.
     forces: Vec<Box<dyn Force<V>>>,
-    /// The number of those that are fused.
+    /// The number of fused forces.
     fused: usize,
-    /// The number of those that are fused or pass between particles; the others are pointwise.
+    /// The number of fused forces and forces between particles; the others are pointwise.
     together: usize,
-    /// Whether a fixed particle moves, so that its reaction does work.
+    /// Whether a fixed particle has a velocity, so that its constraint force does work.
     driven: bool,
 }
 
@@ -74,7 +74,7 @@ impl<V: Vector> Dynamics<V> {
         }
     }
 
-    /// Looks whether any fixed particle moves.
+    /// Updates whether a fixed particle has a velocity.
     pub fn observe(&mut self, velocity: &Columns<V>) {
         let mut fixed = (0..velocity.count()).filter(|&index| self.properties.is_fixed(index));
         self.driven = fixed.any(|index| velocity.get(index) != V::default());
@@ -85,12 +85,12 @@ impl<V: Vector> Dynamics<V> {
         &self.forces
     }
 
-    /// The same, to save and to restore.
+    /// All forces, mutable.
     pub fn forces_mut(&mut self) -> &mut [Box<dyn Force<V>>] {
         &mut self.forces
     }
 
-    /// Whether no particle feels another.
+    /// Whether the particles are independent: no force acts between them.
     pub fn is_independent(&self) -> bool {
         self.fused == self.together
     }
@@ -100,7 +100,7 @@ impl<V: Vector> Dynamics<V> {
         self.fused == self.forces.len()
     }
 
-    /// The inverse-square force that alone acts here, if it is so.
+    /// The inverse-square force, if it is the only force.
     pub fn lone_inverse_square(&self) -> Option<InverseSquare<'_, V::Scalar>> {
         match self.forces.as_slice() {
             [force] => force.inverse_square(&self.properties),
@@ -108,24 +108,24 @@ impl<V: Vector> Dynamics<V> {
         }
     }
 
-    /// The matter of a block, or all of it, at a time.
+    /// The state of a block, or of all matter, at a time.
     pub fn state_view<'a>(&'a self, position: View<'a, V>, velocity: View<'a, V>, time: f64) -> StateView<'a, V> {
         StateView { position, velocity, residual: View::default(), properties: &self.properties, time, executor: &SERIAL }
     }
 
-    /// All matter at a time.
+    /// The state of all matter at a time.
     pub fn view_of<'a>(&'a self, matter: &'a Matter<V>, time: f64, executor: &'a Executor) -> StateView<'a, V> {
         state_view(&self.properties, matter, time, executor)
     }
 
-    /// Lets every force do what must be done for all particles at once.
+    /// Prepares every force for all particles.
     pub fn prepare(&mut self, matter: &Matter<V>, time: f64, executor: &Executor) -> Result<()> {
         let Self { properties, forces, fused, together, .. } = self;
         let at = state_view(properties, matter, time, executor);
         forces[*fused..*together].iter_mut().try_for_each(|force| force.prepare(&at, executor))
     }
 
-    /// Sums density over the positions at the end of a step where no force was asked for.
+    /// Sums density over the positions at the end of a step without an evaluation of forces.
     pub fn sum_density(&mut self, matter: &Matter<V>, time: f64, executor: &Executor) -> Result<()> {
         let Self { properties, forces, .. } = self;
         let at = state_view(properties, matter, time, executor);
@@ -139,13 +139,13 @@ impl<V: Vector> Dynamics<V> {
         forces.iter_mut().filter_map(|force| force.density_mut()).try_for_each(|density| density.drift(&drift, executor))
     }
 
-    /// Adds the energy that diffusion of density took over the last drift to what passed through the sinks of a block [J].
+    /// Adds the energy that diffusion of density dissipated in the last drift to the sinks of a block [J].
     pub fn diffused(&self, block: &Range<usize>, energy: &mut Power) {
         let densities = self.forces.iter().filter_map(|force| force.density());
         densities.for_each(|density| density.dissipated(block.clone(), energy));
     }
 
-    /// The displacements of the particles of one block beside their velocity [m].
+    /// The displacements of the particles of one block by shifting [m].
     pub fn shift(&self, block: &Range<usize>, displacements: &mut Span<'_, V>) {
         for axis in 0..V::DIMENSION {
             displacements.axes[axis].fill(V::Scalar::ZERO);
@@ -160,7 +160,7 @@ impl<V: Vector> Dynamics<V> {
         pointwise.map(|force| force.potential(block.clone(), at)).sum()
     }
 
-    /// The potential energy that functions of the user's give to all particles [J].
+    /// The potential energy of all particles in user-defined forces [J].
     pub fn potential_of_callbacks(&self, at: &StateView<'_, V>) -> Result<f64> {
         if self.callbacks == 0 {
             return Ok(0.0);
@@ -188,8 +188,8 @@ impl<V: Vector> Dynamics<V> {
         }
     }
 
-    /// The kinetic energy that the accelerations at a state give in `h` seconds from rest [J], ½ m |a|² h² summed up: the
-    /// smallest energy that steps of `h` can resolve.
+    /// The kinetic energy of a kick of `h` seconds from rest [J], Σ ½ m |a|² h²: the smallest energy that steps of `h` can
+    /// resolve.
     pub fn kick(&self, at: &StateView<'_, V>, h: f64) -> f64 {
         let count = self.properties.count();
         let mut force = Columns::<V>::zeros(count);
@@ -206,7 +206,7 @@ impl<V: Vector> Dynamics<V> {
         (0..count).filter(|&index| !self.properties.is_fixed(index)).map(energy).sum()
     }
 
-    /// What keeps a fixed particle on its way against the forces F of its partners does the work −F·v.
+    /// The constraint of a fixed particle with velocity v does the work −F·v against the forces F of its partners.
     fn count_reactions(&self, block: &Range<usize>, at: &StateView<'_, V>, rates: &mut Rates<'_, V>) {
         for index in block.start..block.end.min(self.properties.count()) {
             if self.properties.is_fixed(index) {
@@ -216,18 +216,18 @@ impl<V: Vector> Dynamics<V> {
         }
     }
 
-    /// The bound on the time step at a moment, from one without terms for these particles.
+    /// The bound on the time step at a state, from one without terms for these particles.
     pub fn bound(&self, at: &StateView<'_, V>, mut bound: SpectralBound) -> Result<SpectralBound> {
         self.forces.iter().try_for_each(|force| force.bound(at, &mut bound))?;
         Ok(bound)
     }
 
-    /// About how many springs and other pairs there are.
+    /// Approximate number of springs and other pairs.
     pub fn pairs(&self) -> usize {
         self.forces.iter().map(|force| force.about().pairs).sum()
     }
 
-    /// The memory that it takes [bytes].
+    /// Memory [bytes].
     pub fn bytes(&self) -> usize {
         let contacts = self.contacts.as_ref().map_or(0, Contacts::bytes);
         self.linear.bytes() + contacts + self.forces.iter().map(|force| force.about().bytes).sum::<usize>()

@@ -97,7 +97,7 @@ impl<V: Vector> MatterSystem<V> {
         let mut archive = crate::history::Archive::default();
         self.capture_forces(&mut archive);
         let previous = std::mem::replace(&mut self.state, state);
-        // First the forces, because the energy of some of them follows from it.
+        // Forces first, because the energy of some of them follows from their evaluation.
         let done = self.begin(time, executor).and_then(|()| self.finite_audit(time, executor)).map(|energy| {
             if let Some(tally) = self.state.tallies.first_mut() {
                 tally.add(EnergySink::Work, energy.total() - before);

@@ -1,4 +1,4 @@
-//! Particles that do not feel each other: a block runs through many steps while it stays in the cache.
+//! Independent particles: a block runs through many steps while it stays in the cache.
 
 use crate::contacts::Before;
 use crate::forces::{InverseSquare, Rates};
@@ -13,12 +13,12 @@ use crate::systems::matter::dynamics::Dynamics;
 use crate::systems::matter::kernels::{self, Action, Evaluation};
 use crate::systems::{Interval, Record};
 
-/// Of how many steps one has its activity found where they run in registers. The steps of the clock's segment count, so that
-/// it does not depend on how they were asked for.
+/// Interval of steps between activities where steps run in registers. It counts the steps of the clock's segment, so that
+/// it does not depend on batches.
 const SAMPLING: u64 = 32;
 
-/// Advances `matter` from the state `from`: block by block, each through all steps. The activity at the end is not a number
-/// where a position is not finite.
+/// Advances `matter` from the state `from`: block by block, each through all steps. The activity at the end is NaN where a
+/// position is not finite.
 pub fn advance<V: Vector, I: Integrator>(
     dynamics: &Dynamics<V>,
     from: &Matter<V>,
@@ -27,13 +27,13 @@ pub fn advance<V: Vector, I: Integrator>(
     (activity, record): (&mut Activity, Record),
     executor: &Executor,
 ) {
-    // Only linear laws can leave out the activity on the way.
+    // Only linear dynamics can omit intermediate activities.
     let fused = dynamics.is_fused() && dynamics.contacts.is_none();
     let recorded = if fused && record == Record::LastStep { 1 } else { interval.steps as usize };
     let work = (matter.blocks(), activity.record(from.tallies.len(), recorded));
     executor.for_each_block(work, &|(block, activity): (Blocks<'_, V>, BlockedSlice<'_, f64>)| {
         let activity = activity.items;
-        in_buffers::<V, I>(from, block, |buffers| {
+        with_buffers::<V, I>(from, block, |buffers| {
             if fused {
                 for activity in activity.iter_mut() {
                     kernels::steps::<V, I>(dynamics, &mut buffers.block, interval.h, interval.steps / recorded as u64);
@@ -52,7 +52,7 @@ pub fn advance<V: Vector, I: Integrator>(
     activity.add_up(recorded);
 }
 
-/// Steps under an inverse-square law alone, with the activity after those that are sampled.
+/// Steps under an inverse-square force alone, with the activity after sampled steps.
 fn sampled<V: Vector, I: Integrator>(
     dynamics: &Dynamics<V>,
     force: InverseSquare<'_, V::Scalar>,
@@ -74,25 +74,29 @@ fn sampled<V: Vector, I: Integrator>(
     }
 }
 
-/// Evaluates the law at the state `from` and fills the carried memory of `matter`.
+/// Evaluates the dynamics at the state `from` and fills the persistent registers of `matter`.
 pub fn begin<V: Vector, I: Integrator>(dynamics: &Dynamics<V>, from: &Matter<V>, matter: &mut Matter<V>, interval: Interval) {
     Executor::serial().for_each_block(matter.blocks(), &|block: Blocks<'_, V>| {
-        in_buffers::<V, I>(from, block, |buffers| {
+        with_buffers::<V, I>(from, block, |buffers| {
             run_stage::<V, I>(dynamics, buffers, interval, interval.start, Action::Begin);
         });
     });
 }
 
-/// A block on the calling thread's scratch memory, with all that a step needs. Its columns lie close together but not at
-/// the same place in every page, where they would push each other out of the first-level cache.
+/// The buffers of a block in the calling thread's scratch memory. Its columns are close together but at different offsets
+/// in every page, where they would evict each other from the first-level cache.
 struct BlockBuffers<'a, V: Vector> {
     block: Blocks<'a, V>,
     force: Span<'a, V>,
     before: [Span<'a, V>; 2],
 }
 
-/// Copies a block of `from` onto a buffers, works on it there, and copies the result to `block`.
-fn in_buffers<V: Vector, I: Integrator>(from: &Matter<V>, mut block: Blocks<'_, V>, work: impl FnOnce(&mut BlockBuffers<'_, V>)) {
+/// Copies a block of `from` to buffers, applies `work`, and copies the result to `block`.
+fn with_buffers<V: Vector, I: Integrator>(
+    from: &Matter<V>,
+    mut block: Blocks<'_, V>,
+    work: impl FnOnce(&mut BlockBuffers<'_, V>),
+) {
     let (start, length) = (block.start, block.position.len());
     block.tallies[0] = from.tallies[start / from.block];
     let stride = length + LANES;
@@ -103,7 +107,7 @@ fn in_buffers<V: Vector, I: Integrator>(from: &Matter<V>, mut block: Blocks<'_, 
             axes: std::array::from_fn(|axis| if axis < V::DIMENSION { columns.next().unwrap_or_default() } else { &mut [] }),
         };
         let (position, velocity, force, before) = (span(), span(), span(), [span(), span()]);
-        let registers = std::array::from_fn(|kept| if kept < I::REGISTERS { span() } else { Span::empty() });
+        let registers = std::array::from_fn(|register| if register < I::REGISTERS { span() } else { Span::empty() });
         let mut buffers = BlockBuffers {
             block: Blocks::new(start, block.count, position, velocity, registers, &mut *block.tallies),
             force,
@@ -124,7 +128,7 @@ fn in_buffers<V: Vector, I: Integrator>(from: &Matter<V>, mut block: Blocks<'_, 
     });
 }
 
-/// One step after the other, with a contact stage between them, or with forces that are not fused.
+/// Single steps, with a contact stage after each, or with forces that are not fused.
 fn one_by_one<V: Vector, I: Integrator>(
     dynamics: &Dynamics<V>,
     buffers: &mut BlockBuffers<'_, V>,
@@ -152,7 +156,7 @@ fn one_by_one<V: Vector, I: Integrator>(
     }
 }
 
-/// One step, stage by stage; gives the activity at its end.
+/// One step, stage by stage; returns the activity at its last evaluation.
 fn stages<V: Vector, I: Integrator>(
     dynamics: &Dynamics<V>,
     buffers: &mut BlockBuffers<'_, V>,

@@ -1,4 +1,4 @@
-//! Methods: how a step of matter is taken, and how long it may be.
+//! Methods: the time stepping of matter, and its stability limits.
 
 use std::marker::PhantomData;
 
@@ -14,20 +14,20 @@ use crate::parallel::Executor;
 use crate::stability::{Limit, LimitCache, SpectralBound};
 use crate::systems::{Interval, Record};
 
-/// What a method works on.
+/// The data of a method's steps.
 pub struct Job<'a, V: Vector> {
     pub dynamics: &'a mut Dynamics<V>,
-    /// The state at the beginning, which stays as it is.
+    /// The initial state, which does not change.
     pub from: &'a Matter<V>,
     pub state: &'a mut Matter<V>,
-    /// The activity to write, and of which steps.
+    /// The activity to record, and its steps.
     pub record: (&'a mut Activity, Record),
-    /// Buffers of sweeps over all particles, if they feel each other.
+    /// Buffers of sweeps, for coupled particles.
     pub workspace: Option<&'a mut Workspace<V>>,
     pub interval: Interval,
 }
 
-/// A way to advance matter.
+/// A time-stepping method for matter.
 pub trait Method<V: Vector>: Send + Sync {
     /// The order of convergence without velocity-dependent forces.
     fn order(&self) -> u32;
@@ -35,13 +35,13 @@ pub trait Method<V: Vector>: Send + Sync {
     fn persistent(&self) -> usize;
     /// The registers that hold the estimated errors of x and v, where a method of the order below is embedded in it.
     fn error(&self) -> Option<[usize; 2]>;
-    /// Whether it is stable on no oscillator.
+    /// Whether it is unconditionally unstable on an oscillator.
     fn gains_energy(&self) -> bool;
     /// A bound for the waves of a field as this method advances them.
     fn bound(&self, bound: SpectralBound) -> SpectralBound;
-    /// The largest stable step by a bound.
+    /// The limit of the time step from a bound.
     fn limit(&self, bound: &SpectralBound, cache: &mut LimitCache) -> Limit;
-    /// The same, sharpened by the directions of the springs.
+    /// The limit sharpened by the present directions of the springs.
     fn sharp_limit(&self, bound: SpectralBound) -> Limit;
     /// Evaluates the dynamics at the state and fills the persistent registers.
     fn begin(&self, job: Job<'_, V>, executor: &Executor) -> Result<()>;

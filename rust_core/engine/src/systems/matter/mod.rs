@@ -1,4 +1,4 @@
-//! Matter: particles and what acts on them, advanced by a method.
+//! Matter: particles with their forces and contacts, advanced by a method.
 
 mod activity;
 mod budget;
@@ -35,14 +35,13 @@ use crate::simd::LANES;
 use crate::stability::{Horizon, Limit, LimitCache, SpectralBound};
 use crate::systems::{Element, Fault, FieldInfo, Interval, Record, System};
 
-/// The duration of a batch of steps [s]: long enough that what is done once per batch costs little, short enough that
-/// little is lost when somebody interrupts it.
+/// Duration of a batch of steps [s]: long against the cost per batch, short enough that an interrupt loses little.
 const BATCH: f64 = 0.05;
-/// Particles in a block that runs many steps: position, velocity and registers in three dimensions fit into the first-level
+/// Particles per block that runs many steps: position, velocity and registers in three dimensions fit into the first-level
 /// cache.
 const INDEPENDENT_BLOCK: usize = 512;
-/// Particles in a block that looks at its neighbors: large against the rows of a grid that it shares with other blocks,
-/// small against the second-level cache.
+/// Particles per block of coupled matter: large against the rows of a grid that it shares with other blocks, small against
+/// the second-level cache.
 const COUPLED_BLOCK: usize = 4096;
 
 /// Compiles a scene for an integrator.
@@ -72,12 +71,12 @@ struct MatterSystem<V: Vector> {
     stages: Stages,
     cost: f64,
     cache: Mutex<LimitCache>,
-    /// The certified limit, while it holds.
+    /// The certified limit, while it is valid.
     certified: OnceLock<Limit>,
 }
 
 impl<V: Vector> MatterSystem<V> {
-    /// The number of particles in a block, for independent particles or others.
+    /// The number of particles per block, for independent or coupled particles.
     fn block<I: Integrator>(independent: bool) -> usize {
         match (independent, I::REGISTERS) {
             (false, _) => COUPLED_BLOCK,
@@ -89,13 +88,13 @@ impl<V: Vector> MatterSystem<V> {
 
     /// A system at a given state.
     fn new<I: Integrator>(dynamics: Dynamics<V>, mut state: Matter<V>, stages: Stages) -> Self {
-        // What is only kept between the stages of a step need not outlive a block that runs through whole steps.
+        // Registers that live only between the stages of a step need not outlive a block that runs through whole steps.
         let registers = if dynamics.is_independent() { I::READABLE } else { I::REGISTERS };
         state.registers = vec![Columns::zeros(state.count()); registers];
         let count = state.count() as f64;
         let per_particle = if dynamics.is_fused() && dynamics.contacts.is_none() { 1.0 } else { 8.0 };
         let per_stage = 500.0 + count * per_particle + 6.0 * dynamics.pairs() as f64;
-        // Nanoseconds on a common core.
+        // Estimates in nanoseconds on a typical core.
         let cost = 1e-9 * I::NODES.len() as f64 * per_stage;
         let blocks = state.tallies.len();
         let workspace = (!dynamics.is_independent()).then(|| Workspace::new(state.count(), blocks, dynamics.contacts.is_some()));
@@ -116,18 +115,18 @@ impl<V: Vector> MatterSystem<V> {
         system
     }
 
-    /// Goes on from a state that is complete with what persists of the method.
+    /// Resumes from a state that is complete with the persistent registers.
     fn resume(&mut self) {
         self.dynamics.observe(&self.state.velocity);
     }
 
-    /// Whether a certified limit is the same at every state of which this holds.
+    /// Whether the certified limit stays valid at this state.
     fn limit_holds(&self, time: f64) -> bool {
         let at = self.dynamics.view_of(&self.state, time, &SERIAL);
         self.dynamics.forces().iter().all(|force| force.validity(&at, Horizon::Certified) != Validity::Now)
     }
 
-    /// Two particles at the same place, in the caller's order.
+    /// Two coincident particles, in the caller's order.
     fn coincident(&self) -> Option<[u32; 2]> {
         let caller = &self.dynamics.properties.caller;
         let position = |index: usize| self.state.exact_position(index).to_array();
@@ -186,7 +185,7 @@ impl<V: Vector> History for MatterSystem<V> {
 
     fn restore(&mut self, archive: &mut Archive) -> Result<()> {
         let count = V::DIMENSION * self.columns().map(Columns::count).sum::<usize>();
-        // Read as a whole, so that nothing has changed where it is too short.
+        // Read as a whole, so that an archive that is too short changes no state.
         let mut numbers = archive.read(count)?.iter();
         let (state, persistent) = (&mut self.state, self.method.persistent());
         let columns = [&mut state.position, &mut state.velocity, &mut state.residual];
@@ -223,9 +222,8 @@ impl<V: Vector> System for MatterSystem<V> {
         self.cost
     }
 
-    /// As many as fit into [`BATCH`], but not so few that moving the state in and out of the caches, or keeping a copy of it,
-    /// takes longer than the steps. A function of the user's is called in the order of time and never again for the same step,
-    /// so it takes one at a time.
+    /// As many as fit into [`BATCH`], but enough that the copies of the state cost less than the steps. A user-defined
+    /// function is called in the order of time and once per evaluation, so it takes one step at a time.
     fn most_steps(&self) -> u64 {
         let least = match &self.workspace {
             _ if self.dynamics.callbacks > 0 => return 1,
@@ -295,7 +293,7 @@ impl<V: Vector> System for MatterSystem<V> {
         self.dynamics.forces().iter().any(|force| force.validity(&at, horizon) != Validity::Always)
     }
 
-    /// The largest of any particle: of its position, or of its velocity times the step.
+    /// The largest over all particles, of the position error, or of the velocity error times the step.
     fn error(&self, h: f64) -> Option<(f64, u32)> {
         let [x, v] = self.method.error()?.map(|register| &self.state.registers[register]);
         let length = |columns: &Columns<V>, index: usize| columns.get(index).widen().length();

@@ -9,7 +9,7 @@ use crate::parallel::SERIAL;
 use crate::scene::{Body, Scene};
 use crate::systems::matter;
 
-/// A rope that swings about its first particle, with so many particles.
+/// A rope of `count` particles that swings about its first one.
 fn rope(count: u32) -> Scene {
     let at = |index: u32| DVec3::new(0.11 * f64::from(index), 0.0, 0.0);
     let spring = |index: u32| Spring { ends: [index, index + 1], stiffness: 50.0, damping: 0.1, rest_length: 0.1 };

@@ -1,4 +1,4 @@
-//! What the precision of a run cannot hold, and is refused: no number of the scene becomes infinite or nothing on the way.
+//! Refusal of scenes outside the range of the run's precision: no number of the scene overflows or underflows.
 
 use glam::DVec3;
 
@@ -8,17 +8,17 @@ use crate::math::{Real, Vector};
 use crate::matter::Properties;
 use crate::scene::{Item, Scene, Value};
 
-/// f32 is refused where the distance between neighboring positions exceeds this fraction of a rest length.
+/// Largest spacing of f32 numbers at a position, in units of a rest length.
 const COARSEST: f64 = 1e-4;
 
-/// Refuses what the precision cannot hold.
+/// Refuses a scene outside the range of the precision.
 pub fn check<V: Vector>(scene: &Scene, springs: &[Spring], properties: &Properties<V>) -> Result<()> {
     refuse_large::<V::Scalar>(scene, properties.origin)?;
     refuse_coarse::<V::Scalar>(scene, springs, properties.origin)?;
     refuse_extreme_masses(properties)
 }
 
-/// Refuses numbers that the precision makes infinite.
+/// Refuses numbers that overflow.
 fn refuse_large<T: Real>(scene: &Scene, origin: DVec3) -> Result<()> {
     for (index, body) in scene.bodies.iter().enumerate() {
         let path = |name: &'static str| move || format!("bodies[{index}].{name}");
@@ -76,7 +76,7 @@ fn refuse_coarse<T: Real>(scene: &Scene, springs: &[Spring], origin: DVec3) -> R
     Ok(())
 }
 
-/// Refuses masses whose inverse is infinite, or nothing: they would not move at all.
+/// Refuses masses whose inverse overflows or underflows: such particles would not move correctly.
 fn refuse_extreme_masses<V: Vector>(properties: &Properties<V>) -> Result<()> {
     let held = |index: usize| {
         let inverse = properties.inverse_mass[index];

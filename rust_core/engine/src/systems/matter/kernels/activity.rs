@@ -1,4 +1,4 @@
-//! The activity of a block, and whether its numbers are finite.
+//! The activity of a block, and the test of its range.
 
 use crate::math::{Real, Vector};
 use crate::matter::{Blocks, Span};
@@ -40,7 +40,7 @@ impl<V: Vector> Kernel for Activity<'_, '_, V> {
     }
 }
 
-/// 0 where all positions of a block and its kinetic energy are finite, else not a number: 0·∞ is none.
+/// 0 where all positions of a block and its kinetic energy are finite, else NaN, which is 0·∞.
 pub fn out_of_range<V: Vector>(dynamics: &Dynamics<V>, blocks: &Blocks<'_, V>) -> f64 {
     dispatch(OutOfRange { blocks, weights: &dynamics.properties.inertia[blocks.range()] })
 }

@@ -1,11 +1,11 @@
-//! The linear force along one axis of a block, the same for every particle or each its own.
+//! The linear force along one axis of a block, with common coefficients or one set per particle.
 
 use crate::forces::linear::{Coefficients, Varying};
 use crate::math::Real;
 use crate::simd::Lanes;
 
-/// The fused law along one axis of a block. The loops below read everything that a group of lanes needs into local
-/// arrays first: only then can the compiler be sure that nothing overlaps, and vectorise them.
+/// The linear force along one axis of a block. The loops below copy all input of a group of lanes to local arrays first:
+/// only then can the compiler exclude aliasing, and vectorize them.
 pub(super) trait AxisForce<T: Real>: Copy {
     /// Whether power is supplied from outside, by wind.
     const SUPPLIES: bool;
@@ -15,13 +15,13 @@ pub(super) trait AxisForce<T: Real>: Copy {
     fn group(&self, group: usize) -> Self::Group;
     /// The acceleration of a lane.
     fn acceleration(&self, group: &Self::Group, lane: usize, x: T, v: T) -> T;
-    /// The power that drag dissipates there and the work that wind does, in units of [`AxisForce::unit`].
+    /// The power that drag dissipates and the power of the wind, in units of [`AxisForce::unit`].
     fn power(&self, group: &Self::Group, lane: usize, v: T) -> (T, T);
-    /// What the sums of the powers are to be multiplied with.
+    /// The unit of the powers [W].
     fn unit(&self) -> f64;
 }
 
-/// A uniform law; `DRAG` says whether it has any.
+/// Common coefficients; `DRAG` says whether there is drag.
 #[derive(Clone, Copy)]
 pub(super) struct Uniform<T, const DRAG: bool>(pub(super) Coefficients<T>);
 
@@ -76,7 +76,7 @@ impl<T: Real> AxisForce<T> for Varying<'_, T> {
     }
 }
 
-/// Whether a law supplies power.
+/// Whether a force supplies power.
 #[inline(always)]
 pub(super) fn supplies<T: Real, L: AxisForce<T>>(_law: &L) -> bool {
     L::SUPPLIES

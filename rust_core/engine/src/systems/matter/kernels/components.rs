@@ -12,15 +12,15 @@ pub(super) struct Axis<'a, T, const W: usize = LANES> {
     pub x: &'a mut [[T; W]],
     pub v: &'a mut [[T; W]],
     pub registers: [&'a mut [[T; W]]; REGISTERS],
-    /// What x is short of by rounding; empty where nobody needs it.
+    /// Low-order part of x [m]; empty if unused.
     pub residual: &'a mut [[T; W]],
 }
 
-/// The axes of a block with their laws, as many as it has dimensions. The loops see only these, so that one compiled
-/// kernel serves two and three dimensions.
+/// The axes of a block with their linear forces, as many as there are dimensions. The loops use only these, so that one
+/// compiled kernel serves two and three dimensions.
 pub(super) type Axes<'a, T> = [Option<(Axis<'a, T>, AxisLaw<'a, T>)>; AXES];
 
-/// The axes with their laws and the tally of a block.
+/// The axes with their linear forces and the tally of a block.
 pub(super) fn split<'a, V: Vector>(
     dynamics: &'a Dynamics<V>,
     blocks: &'a mut Blocks<'_, V>,
@@ -55,7 +55,7 @@ pub(super) fn columns<'a, V: Vector, const W: usize>(
     })
 }
 
-/// The registers of one group of lanes. One array for each: an array of arrays would be moved about in memory.
+/// The components of one group of lanes. Separate arrays, because an array of arrays would not stay in registers.
 pub(super) struct ComponentGroup<T, const W: usize = LANES> {
     pub x: [T; W],
     pub v: [T; W],
@@ -73,14 +73,14 @@ impl<T: Real, const W: usize> ComponentGroup<T, W> {
         Self { x: zero, v: zero, a: zero, b: zero, c: zero, d: zero, e: zero, f: zero }
     };
 
-    /// Reads positions, velocities and the first `used` memories.
+    /// Reads positions, velocities and the first `used` registers.
     #[inline(always)]
     pub fn load(x: &[T; W], v: &[T; W], registers: &[&mut [[T; W]]; REGISTERS], group: usize, used: usize) -> Self {
         let kept = |index: usize| if index < used { registers[index][group] } else { [T::ZERO; W] };
         Self { x: *x, v: *v, a: kept(0), b: kept(1), c: kept(2), d: kept(3), e: kept(4), f: kept(5) }
     }
 
-    /// Writes the same.
+    /// Writes positions, velocities and the first `used` registers.
     #[inline(always)]
     pub fn store(&self, x: &mut [T; W], v: &mut [T; W], registers: &mut [&mut [[T; W]]; REGISTERS], group: usize, used: usize) {
         *x = self.x;
@@ -103,8 +103,8 @@ impl<T: Real, const W: usize> ComponentGroup<T, W> {
         [self.a[lane], self.b[lane], self.c[lane], self.d[lane], self.e[lane], self.f[lane]] = component.registers;
     }
 
-    /// Turns positions that are relative to `x` into the nearest ones that there are, and into the residual. Their sum
-    /// keeps its value to the last bit (D. E. Knuth, The Art of Computer Programming 2, 4.2.2, theorem B).
+    /// Converts positions relative to `x` to rounded positions and residuals (two-sum). Their sum is exact (D. E. Knuth,
+    /// The Art of Computer Programming 2, 4.2.2, theorem B).
     #[inline(always)]
     pub fn settle<I: Integrator>(&mut self, x: &Lanes<T>, residual: &mut Lanes<T>) {
         for lane in 0..LANES {
@@ -114,14 +114,14 @@ impl<T: Real, const W: usize> ComponentGroup<T, W> {
             let moved = sum - from;
             residual[lane] = (from - (sum - moved)) + (by - moved);
             component.x = sum;
-            if let Some(place) = I::POSITION_REGISTER {
-                component.registers[place] -= by - residual[lane];
+            if let Some(register) = I::POSITION_REGISTER {
+                component.registers[register] -= by - residual[lane];
             }
             self.set(lane, &component);
         }
     }
 
-    /// Changes every lane's register.
+    /// Applies `change` to every lane's component.
     #[inline(always)]
     pub fn each(&mut self, change: impl Fn(&mut Component<T>, usize)) {
         for lane in 0..W {

@@ -22,7 +22,7 @@ struct Steps<'a, T, I> {
     integrator: PhantomData<I>,
 }
 
-/// Advances one block by whole steps under the fused law alone.
+/// Advances one block by whole steps under the linear force alone.
 pub fn steps<V: Vector, I: Integrator>(dynamics: &Dynamics<V>, blocks: &mut Blocks<'_, V>, h: f64, steps: u64) {
     let (axes, tally) = split(dynamics, blocks);
     dispatch(Steps::<V::Scalar, I> {
@@ -81,8 +81,8 @@ impl<T: Real, I: Integrator> Steps<'_, T, I> {
     }
 }
 
-/// One step of every lane along one axis, or two in one pass over the columns, with the power of each. Only what is carried
-/// from step to step is read, and only what is kept is written.
+/// One step of every lane along one axis, or two in one pass over the columns, with the power of each. Only persistent
+/// registers are read, and only readable ones are written.
 #[inline(always)]
 fn whole_steps<T: Real, I: Integrator, const TWO: bool>(
     law: impl AxisForce<T>,
@@ -122,8 +122,8 @@ fn whole_steps<T: Real, I: Integrator, const TWO: bool>(
     }
 }
 
-/// One step of one lane; gives the power that was dissipated and the power that was supplied, weighted over the stages, and
-/// those of the last stage.
+/// One step of one lane; returns the dissipated and the supplied power, weighted over the stages, and those of the last
+/// stage.
 #[inline(always)]
 fn one_step<T: Real, I: Integrator, L: AxisForce<T>>(
     law: &L,

@@ -1,8 +1,8 @@
 //! The inner loops: an integrator's steps or stages over the lanes of one block.
 //!
-//! [`linear_steps`] runs whole steps of the linear force in registers. [`stage`] runs one stage with forces that were accumulated
-//! before. Both evaluate the linear force the same way, so a scene pays for the general one only where it needs it.
-//! [`point_force_steps`] runs whole steps under one force field, as that of a star or a nucleus.
+//! [`linear_steps`] runs whole steps of the linear force in registers. [`stage`] runs one stage with forces that were
+//! accumulated before. Both evaluate the linear force in the same way, so only scenes with further forces pay for the
+//! general loop. [`point_force_steps`] runs whole steps under one force field, such as that of a star or a nucleus.
 
 mod activity;
 mod axis_force;

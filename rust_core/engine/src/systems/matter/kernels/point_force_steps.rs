@@ -1,4 +1,4 @@
-//! Whole steps under one force field alone, as that of a star or a nucleus.
+//! Whole steps under one force field alone, such as that of a star or a nucleus.
 
 use std::marker::PhantomData;
 
@@ -10,7 +10,7 @@ use crate::matter::Blocks;
 use crate::simd::{Kernel, dispatch};
 use crate::systems::matter::dynamics::Dynamics;
 
-/// Whole steps of a block under a lone conservative point law.
+/// Whole steps of a block under a single conservative force field.
 struct PointForceSteps<'a, 'b, V: Vector, I, L> {
     law: L,
     members: &'a [V::Scalar],
@@ -21,7 +21,7 @@ struct PointForceSteps<'a, 'b, V: Vector, I, L> {
     integrator: PhantomData<I>,
 }
 
-/// Advances one block by whole steps under an inverse-square law alone.
+/// Advances one block by whole steps under an inverse-square force alone.
 pub fn point_force_steps<V: Vector, I: Integrator>(
     dynamics: &Dynamics<V>,
     InverseSquare { law: force, members }: InverseSquare<'_, V::Scalar>,
@@ -39,7 +39,7 @@ impl<V: Vector, I: Integrator, L: ForceField<V>> Kernel for PointForceSteps<'_, 
 
     #[inline(always)]
     fn run(self) {
-        // The widest vector there is: a step needs so many temporaries that two of them would crowd the registers.
+        // The widest vector: a step needs so many temporaries that two vectors would exceed the register file.
         if size_of::<V::Scalar>() == size_of::<f32>() { self.steps::<16>() } else { self.steps::<8>() }
     }
 }

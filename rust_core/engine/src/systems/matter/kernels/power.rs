@@ -1,4 +1,4 @@
-//! The power that passes through the sinks of a block, integrated over the stages of its steps.
+//! The power through the sinks of a block, integrated over the stages of its steps.
 
 use crate::integrators::Integrator;
 use crate::math::Real;
@@ -9,8 +9,8 @@ use crate::simd::{LANES, Lanes};
 pub(super) const ALL: [EnergySink; SINKS] =
     [EnergySink::Drag, EnergySink::Damping, EnergySink::Contact, EnergySink::Viscosity, EnergySink::Work];
 
-/// Adds what passes through some sinks of a tally during one stage: the power times `span`, and the power at the last
-/// stage of the step before times `last_span`. `keep` says that this is the last stage of its step.
+/// Adds the energy through some sinks of a tally during one stage: the power times `span`, and the power at the last stage
+/// of the previous step times `last_span`. `keep` marks the last stage of its step.
 #[inline(always)]
 pub(super) fn integrate(tally: &mut EnergyTally, power: &Power, sinks: &[EnergySink], span: f64, last_span: f64, keep: bool) {
     for sink in sinks.iter().map(|&sink| sink as usize) {
@@ -24,8 +24,8 @@ pub(super) fn integrate(tally: &mut EnergyTally, power: &Power, sinks: &[EnergyS
     }
 }
 
-/// Whether a method of several stages begins with the evaluation that ended the step before. The power of that one is then
-/// kept apart from the weighted sum of all, where two steps in one pass would have that of the second.
+/// Whether a method of several stages reuses the last evaluation of the previous step (FSAL). The power of that evaluation
+/// is then stored apart from the weighted sum, where two steps in one pass would overwrite it.
 #[inline(always)]
 pub(super) const fn reuses_one_of_many<I: Integrator>() -> bool {
     I::LAST_WEIGHT != 0.0 && I::NODES.len() > 1

@@ -1,4 +1,4 @@
-//! One stage of a step, with forces that were accumulated before and the linear force on top.
+//! One stage of a step, with accumulated forces plus the linear force.
 
 use std::marker::PhantomData;
 
@@ -13,18 +13,18 @@ use crate::matter::{Blocks, EnergySink, EnergyTally, Power, Span};
 use crate::simd::{Kernel, LANES, Lanes, dispatch};
 use crate::systems::matter::dynamics::Dynamics;
 
-/// What a stage does with the acceleration.
+/// The operation of a stage on the state.
 #[derive(Debug, Clone, Copy)]
 pub enum Action {
-    /// Begins a run: fills the carried memory.
+    /// Fills the persistent registers at the start of a run.
     Begin,
-    /// Only moves to where the first stage asks for the forces.
+    /// Computes the state of the first stage.
     StageState,
-    /// Takes it in as that of a stage, and moves on to another stage.
+    /// Updates the state by the acceleration of a stage, then computes the state of another stage.
     StageUpdate(usize, Option<usize>),
 }
 
-/// The forces and powers of one block that are not fused.
+/// The accumulated forces and powers of one block, without the linear force.
 #[derive(Debug)]
 pub struct Evaluation<'a, V: Vector> {
     /// The force on every particle [N].
@@ -46,7 +46,7 @@ struct Stage<'a, T, I> {
     integrator: PhantomData<I>,
 }
 
-/// Runs one stage of one block, and gives the activity at the stage.
+/// Runs one stage of one block; returns the activity at the stage.
 pub fn stage<V: Vector, I: Integrator>(
     dynamics: &Dynamics<V>,
     blocks: &mut Blocks<'_, V>,
@@ -100,7 +100,7 @@ impl<T: Real, I: Integrator> Kernel for Stage<'_, T, I> {
     }
 }
 
-/// Forces of one axis, what divides them, and the inertia.
+/// Forces along one axis [N], inverse masses [1/kg] and masses [kg].
 #[derive(Clone, Copy)]
 struct AxisInput<'a, T> {
     force: &'a [Lanes<T>],
@@ -108,7 +108,7 @@ struct AxisInput<'a, T> {
     inertia: &'a [Lanes<T>],
 }
 
-/// One stage of every lane along one axis. Adds to the powers, and m v² at the stage.
+/// One stage of every lane along one axis. Adds to the powers, and Σ m v² at the stage to `squares`.
 #[inline(always)]
 fn one_stage<T: Real, I: Integrator>(
     law: impl AxisForce<T>,
@@ -136,7 +136,7 @@ fn one_stage<T: Real, I: Integrator>(
             moved[lane] += inertia[lane] * (component.v * component.v);
             a[lane] = force[lane] * inverse_mass[lane] + law.acceleration(&coefficients, lane, component.x, component.v);
         }
-        // Integrators only ever add to a position, so that they can as well move what it is short of.
+        // Integrators only add increments to a position, so they can be added to the residual instead.
         if let Some(residual) = residual.get(group) {
             components.x = *residual;
         }
@@ -146,7 +146,7 @@ fn one_stage<T: Real, I: Integrator>(
             Action::StageUpdate(stage, next) => {
                 stage_update::<T, I>(stage, &mut components, &a, step);
                 if let Some(next) = next {
-                    // A step ends in the same bits, whether the next one follows in this sweep or in another batch.
+                    // The end of a step has the same bits, whether the next one follows in this sweep or in another batch.
                     if let (0, Some(residual)) = (next, residual.get_mut(group)) {
                         components.settle::<I>(x, residual);
                         (*x, components.x) = (components.x, *residual);
@@ -167,7 +167,7 @@ fn one_stage<T: Real, I: Integrator>(
     }
 }
 
-/// Moves a group to the point of a stage. The stage is a constant in each loop: only then can it be vectorised.
+/// Computes the state of a stage of a group. The stage is a constant in each loop: only then can it be vectorized.
 #[inline(always)]
 fn stage_state<T: Real, I: Integrator>(stage: usize, components: &mut ComponentGroup<T>, h: T) {
     for constant in 0..I::NODES.len() {
@@ -177,7 +177,7 @@ fn stage_state<T: Real, I: Integrator>(stage: usize, components: &mut ComponentG
     }
 }
 
-/// Lets a group take in the accelerations of a stage.
+/// Updates a group by the accelerations of a stage.
 #[inline(always)]
 fn stage_update<T: Real, I: Integrator>(stage: usize, components: &mut ComponentGroup<T>, a: &Lanes<T>, h: T) {
     for constant in 0..I::NODES.len() {

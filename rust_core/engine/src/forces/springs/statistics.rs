@@ -1,20 +1,20 @@
-//! How much energy springs hold and how short they are, in double precision.
+//! Energy and smallest extension of springs, in double precision.
 
 use super::law::SpringLaw;
 use crate::math::Real;
 use crate::simd::{LANES, Lanes};
 
-/// What is asked of all springs with a lower end in a block, lane by lane.
+/// Statistics of all springs with a lower end in a block, lane by lane.
 #[derive(Debug, Clone, Copy)]
-pub struct Survey {
-    /// Σ ½ k (r − L)² [J].
+pub struct SpringStatistics {
+    /// Potential energy Σ ½ k (r − L)² [J].
     pub energy: Lanes<f64>,
-    /// The smallest r/L of those with L > 0.
+    /// The smallest extension r/L of springs with L > 0.
     pub shortest: Lanes<f64>,
 }
 
-impl Survey {
-    /// Of no springs.
+impl SpringStatistics {
+    /// The statistics of no springs.
     pub const EMPTY: Self = Self { energy: [0.0; LANES], shortest: [f64::INFINITY; LANES] };
 
     /// Adds a spring of squared length `square` if it counts.

@@ -1,48 +1,48 @@
-//! Where particles are, in the records that pair sums read: so that a difference of two places is as good as the precision
-//! in which it is computed, however far from the origin both are.
+//! Encoded coordinates in the records of pair sums, whose differences have full relative precision at any distance from the
+//! origin.
 //!
-//! In f64 a place is the coordinate. In f32 it is a 32-bit fixed-point number modulo eight to sixteen supports, of which a
-//! periodic axis holds a whole number: the wrapping difference of two is exact, is that of the nearest images, and needs
-//! one multiplication to become a length. Its unit is below 4e-9 supports, so what is left is the rounding of the
-//! conversion, 6e-8 of the length itself, and up to three times that where a period makes the unit an odd number.
+//! In f64 the code is the coordinate itself. In f32 it is a 32-bit fixed-point coordinate modulo eight to sixteen supports,
+//! of which a period is an integer multiple: the wrapping difference of two is exact, is that of the nearest images, and
+//! needs one multiplication to become a length. Its unit is below 4e-9 supports, so the error is that of the conversion,
+//! 6e-8 of the length itself, and up to three times that where a period makes the unit no power of two.
 
 use std::fmt::Debug;
 
 use crate::simd::{Number, Packed};
 
-/// 2³², the number of different places along an axis in f32.
+/// 2³², the number of fixed-point coordinates along an axis in f32.
 const UNITS: f64 = 4_294_967_296.0;
 
-/// Added and taken away again, this rounds a number below 2⁵¹ to the nearest whole one, ties to even. Every level has
-/// vector instructions for it, and for `round_ties_even` only some.
+/// Adding and subtracting this rounds a number below 2⁵¹ to the nearest integer, ties to even. All SIMD levels have vector
+/// instructions for it, but not all for `round_ties_even`.
 const WHOLE: f64 = 6_755_399_441_055_744.0;
 
-/// The nearest whole number to a value below 2⁵¹.
+/// The nearest integer to a value below 2⁵¹.
 #[inline(always)]
 fn nearest<N: Number>(value: N) -> N {
     (value + N::constant(WHOLE)) - N::constant(WHOLE)
 }
 
-/// Numbers that can hold a place: records then hold numbers and places side by side.
+/// Number types that can hold an encoded coordinate: records hold numbers and coordinates side by side.
 pub trait Coordinate: Packed {
-    /// Whether differences find the nearest image by themselves, so that nobody has to ask for it.
+    /// Whether differences are those of the nearest images without further computation.
     const WRAPS: bool;
-    /// How places along one axis are measured.
+    /// Parameters of the encoding along one axis.
     type Ruler: Copy + Debug + Send + Sync + 'static;
 
-    /// The ruler for an axis of a certain period, if it has one, between whose places differences up to `support` matter.
+    /// The encoding for an axis with an optional period, for differences up to `support`.
     fn ruler(period: Option<f64>, support: f64) -> Self::Ruler;
-    /// The place of a coordinate. Its value as a number means nothing.
+    /// The code of a coordinate. Its value as a number has no meaning.
     fn encode(coordinate: f64, ruler: Self::Ruler) -> Self;
-    /// How far a place lies above another, or above its nearest image where the axis is periodic. `PERIODIC` says whether
-    /// any axis is.
+    /// The difference of two coordinates, or of the nearest images where the axis is periodic. `PERIODIC` says whether any
+    /// axis is.
     fn separation<const PERIODIC: bool, N: Number<Scalar = Self>>(one: N, other: N, ruler: Self::Ruler) -> N;
 }
 
-/// How places in f32 are measured.
+/// The fixed-point encoding of f32.
 #[derive(Debug, Clone, Copy)]
 pub struct Fixed {
-    /// Units in a metre [1/m].
+    /// Units per meter [1/m].
     scale: f64,
     /// The unit [m].
     unit: f32,
@@ -53,7 +53,7 @@ impl Coordinate for f32 {
     type Ruler = Fixed;
 
     fn ruler(period: Option<f64>, support: f64) -> Fixed {
-        // Without a period a power of two, whose multiplication with a coordinate is exact.
+        // A power of two without a period, whose product with a coordinate is exact.
         let modulus = period.map_or_else(
             || libm::ldexp(1.0, libm::ilogb(support) + 4),
             |period| period / (period / (8.0 * support)).floor().max(1.0),
@@ -72,7 +72,7 @@ impl Coordinate for f32 {
     }
 }
 
-/// How far images are from each other in f64.
+/// The distance of periodic images in f64.
 #[derive(Debug, Clone, Copy)]
 pub struct Image {
     /// The period [m], 0 for none.
@@ -108,8 +108,8 @@ impl Coordinate for f64 {
 mod tests {
     use super::*;
 
-    /// Half a unit for each place; half an ulp for the conversion, and where there is a period, so that the unit is no power
-    /// of two, for the unit and the product too.
+    /// Half a unit for each coordinate; half an ulp for the conversion, and with a period, where the unit is no power of
+    /// two, for the unit and the product too.
     fn tolerance(separation: f64, support: f64, period: Option<f64>) -> f64 {
         let roundings = if period.is_some() { 3.0 } else { 1.0 };
         4e-9 * support + roundings * 0.5 * f64::from(f32::EPSILON) * separation.abs()

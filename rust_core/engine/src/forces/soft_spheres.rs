@@ -1,13 +1,13 @@
-//! Soft spheres that push each other apart where they overlap.
+//! Soft spheres: repulsive contact forces between overlapping spheres (discrete element method).
 //!
 //! With the overlap δ = rᵢ + rⱼ − |d| > 0, d = xᵢ − xⱼ, n = d/|d|, v = vᵢ − vⱼ, vₙ = v·n and vₜ = v − vₙn:
 //!
 //! Fᵢ = N n − min(γ |vₜ|, μN) vₜ/|vₜ|,   N = max(k δᵖ − c vₙ, 0)
 //!
-//! The linear law (p = 1) is P. A. Cundall and O. D. L. Strack's, Géotechnique 29 (1979) 47; p = 3/2 is H. Hertz's for elastic
-//! spheres, J. reine angew. Math. 92 (1881) 156; friction that grows with the slip up to Coulomb's is P. K. Haff and B. T.
-//! Werner's, Powder Technol. 48 (1986) 239. Contacts pull at no time. Particles have no spin, so friction acts on the motion of
-//! their centers.
+//! The linear law (p = 1) is P. A. Cundall and O. D. L. Strack's, Géotechnique 29 (1979) 47; p = 3/2 is H. Hertz's for
+//! elastic spheres, J. reine angew. Math. 92 (1881) 156; friction that grows with the slip up to Coulomb's is P. K. Haff
+//! and B. T. Werner's, Powder Technol. 48 (1986) 239. Contacts are never attractive. Particles have no spin, so friction
+//! acts on the motion of their centers.
 
 use super::pairs::{Directed, Interaction, Pairs, SUMS, attribute, relative_velocity};
 use super::{Declared, Forces, Kind, Reach, StateView, VelocityDependence};
@@ -18,26 +18,26 @@ use crate::neighbors::sums::{Pair, PairLaw};
 use crate::scene::{Item, Value};
 use crate::simd::Number;
 
-/// The law in the precision of the run.
+/// The contact law in the precision of the run.
 #[derive(Debug, Clone, Copy)]
-pub struct Repulsion<T, const HERTZIAN: bool> {
+pub struct SoftSpheres<T, const HERTZIAN: bool> {
     /// Stiffness k [N/m], or [N/m^1.5] for Hertz's law.
     stiffness: T,
-    /// Damping c of the approach [N·s/m].
+    /// Normal damping c [N·s/m].
     damping: T,
-    /// Damping γ of the slip [N·s/m].
+    /// Tangential damping γ [N·s/m].
     tangential_damping: T,
-    /// Coulomb's coefficient μ.
+    /// Coulomb's coefficient of friction μ.
     friction: T,
-    /// The largest sum of two radii [m].
+    /// Cutoff: the largest sum of two radii [m].
     cutoff: f64,
-    /// How far spheres are pressed in at least [m], as far as the time step is concerned.
+    /// Least overlap assumed for the time step [m].
     least: f64,
 }
 
-/// The least overlap that is expected, in units of the smallest radius: grains at rest show nothing of the impacts ahead, and
-/// by Hertz's law a mere touch is not stiff at all. Stiffness is chosen so that overlaps stay about as small as this: P. W.
-/// Cleary, Eng. Comput. 21 (2004) 169.
+/// Least expected overlap in units of the smallest radius: grains at rest show nothing of later impacts, and a Hertzian
+/// contact at zero overlap has no stiffness. Stiffness is usually chosen for overlaps of this size: P. W. Cleary, Eng.
+/// Comput. 21 (2004) 169.
 const OVERLAP: f64 = 0.01;
 
 /// The registry's entry.
@@ -48,7 +48,7 @@ pub fn kind<V: Vector>() -> Kind<V> {
 /// The force as declared.
 ///
 /// # Errors
-/// If a parameter makes no sense, or no particle has a radius.
+/// If a parameter is out of range, or no particle has a radius.
 fn build<V: Vector>(declared: &Declared<'_, V>) -> Result<Forces<V>> {
     let Declared { scene, item, properties, chosen } = declared;
     let radii = properties.radius.iter().zip(chosen).filter(|(radius, chosen)| **chosen && **radius > 0.0);
@@ -60,14 +60,14 @@ fn build<V: Vector>(declared: &Declared<'_, V>) -> Result<Forces<V>> {
     }
     let range = [smallest, largest];
     Ok(vec![match item.number("exponent")? {
-        1.0 => Box::new(Pairs::new(scene, properties, chosen, Repulsion::<V::Scalar, false>::new(item, range)?)?),
-        1.5 => Box::new(Pairs::new(scene, properties, chosen, Repulsion::<V::Scalar, true>::new(item, range)?)?),
+        1.0 => Box::new(Pairs::new(scene, properties, chosen, SoftSpheres::<V::Scalar, false>::new(item, range)?)?),
+        1.5 => Box::new(Pairs::new(scene, properties, chosen, SoftSpheres::<V::Scalar, true>::new(item, range)?)?),
         other => return Err(item.wrong("exponent", "1 (linear) or 1.5 (Hertz)", Some(&Value::Number(other)))),
     }])
 }
 
-impl<T: Real, const HERTZIAN: bool> Repulsion<T, HERTZIAN> {
-    /// The law as declared, for particles with radii in this range [m].
+impl<T: Real, const HERTZIAN: bool> SoftSpheres<T, HERTZIAN> {
+    /// The contact law of an item, for particles with radii in this range [m].
     pub fn new(item: &Item, [smallest, largest]: [f64; 2]) -> Result<Self> {
         Ok(Self {
             stiffness: T::from_f64(item.non_negative("stiffness")?),
@@ -79,27 +79,27 @@ impl<T: Real, const HERTZIAN: bool> Repulsion<T, HERTZIAN> {
         })
     }
 
-    /// The damping of a pair [N·s/m]; across it there is none without friction.
+    /// Normal and tangential damping of a pair [N·s/m]; tangential damping needs friction.
     fn dampings(&self) -> Directed {
         let across = if self.friction > T::ZERO { self.tangential_damping.to_f64() } else { 0.0 };
         Directed { along: self.damping.to_f64(), across }
     }
 
-    /// The stiffness at an overlap [N/m].
+    /// Normal stiffness at an overlap [N/m].
     fn stiffness_at(&self, overlap: f64) -> f64 {
         let stiffness = self.stiffness.to_f64();
         if HERTZIAN { 1.5 * stiffness * overlap.sqrt() } else { stiffness }
     }
 }
 
-impl<V: Vector, const HERTZIAN: bool> PairLaw<V, SUMS> for Repulsion<V::Scalar, HERTZIAN> {
+impl<V: Vector, const HERTZIAN: bool> PairLaw<V, SUMS> for SoftSpheres<V::Scalar, HERTZIAN> {
     #[inline(always)]
     fn terms<N: Number<Scalar = V::Scalar>>(&self, pair: &Pair<N>) -> [N; SUMS] {
         let Pair { own, other, separation, square } = pair;
         let (zero, one) = (N::constant(0.0), N::constant(1.0));
         let distance = square.sqrt();
         let overlap = attribute::<V, N>(own) + attribute::<V, N>(other) - distance;
-        // Spheres with one center have no direction in which to part.
+        // Concentric spheres have no contact normal.
         let touches = N::both(zero.less(overlap), zero.less(distance));
         let inverse = N::select(touches, one / distance, zero);
         let overlap = N::select(touches, overlap, zero);
@@ -129,7 +129,7 @@ impl<V: Vector, const HERTZIAN: bool> PairLaw<V, SUMS> for Repulsion<V::Scalar, 
     }
 }
 
-impl<V: Vector, const HERTZIAN: bool> Interaction<V> for Repulsion<V::Scalar, HERTZIAN> {
+impl<V: Vector, const HERTZIAN: bool> Interaction<V> for SoftSpheres<V::Scalar, HERTZIAN> {
     const NAME: &'static str = "repulsion";
 
     fn cutoff(&self) -> f64 {
@@ -151,7 +151,7 @@ impl<V: Vector, const HERTZIAN: bool> Interaction<V> for Repulsion<V::Scalar, HE
         if HERTZIAN { 0.4 * stiffness * overlap * overlap * overlap.sqrt() } else { 0.5 * stiffness * overlap * overlap }
     }
 
-    /// Across the pair the push alone acts, which lets it buckle and limits no step.
+    /// The transverse stiffness is that of the repulsion alone, which causes buckling and limits no step.
     fn stiffness(&self, radii: [f64; 2], distance: f64) -> [Directed; 2] {
         let overlap = radii[0] + radii[1] - distance;
         if overlap <= 0.0 {
@@ -160,8 +160,8 @@ impl<V: Vector, const HERTZIAN: bool> Interaction<V> for Repulsion<V::Scalar, HE
         [Directed { along: self.stiffness_at(overlap), across: 0.0 }, self.dampings()]
     }
 
-    /// As many neighbors as equal spheres can have that only just touch, each pressed in as far as by the impact of two of the
-    /// heaviest at twice the largest speed: ½ (m/2) v² = ⅖ k δ^2.5; and at least by [`OVERLAP`].
+    /// The kissing number of equal spheres, each overlapping as in the impact of two of the heaviest at twice the largest
+    /// speed: ½ (m/2) v² = ⅖ k δ^2.5; and at least by [`OVERLAP`].
     ///
     /// The largest eigenvalue of Σ nnᵀ over directions that are 60° apart: in 2D 3, because those around one end of any axis,
     /// at t − 60°, t and t + 60°, have cos² of 3/2 together; in 3D 9/2, of two that lie on an axis and ten at 60° from it.
