@@ -37,7 +37,7 @@ test: test-rust test-python ## run every test, Rust and Python, in a few minutes
 # Unit tests are compiled with debug assertions and overflow checks, and hardly optimized, which is quickest. The other tests
 # use the wheel's profile and the same features of all dependencies, so that the engine is compiled once for both.
 test-rust: | check
-	CARGO_PROFILE_DEV_OPT_LEVEL=0 $(CARGO_TEST) $(TESTED) --lib
+	CARGO_PROFILE_DEV_OPT_LEVEL=0 $(CARGO_TEST) --locked -p physcore-engine -p physcore-canvas --lib
 	$(CARGO_TEST) $(TESTED) --release --test '*'
 
 test-python: $(VENV)/tools.stamp

@@ -59,7 +59,7 @@ def outcome(run: pc.Simulation, pieces: list[int]) -> dict[str, object]:
 @pytest.mark.parametrize("factor", [1.05, 3.0])
 @pytest.mark.parametrize("name", LIMITED)
 def test_the_step_that_fails_does_not_depend_on_how_steps_were_asked_for(name, factor):
-    """The verdict is a function of the trajectory, and after it, all is as one step earlier."""
+    """The diagnosis is a function of the trajectory, and after it, all is as one step earlier."""
     case = SCENES[name]
     dt = factor * limit(name)
     with warnings.catch_warnings():
