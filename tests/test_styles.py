@@ -344,3 +344,12 @@ def test_the_colors_of_strain_are_those_of_its_scale(style: pc.styles.Style, tmp
     place = (0.1 - low) / (high - low) * (len(scale.table) - 1)
     assert (low, high) == pytest.approx((-0.2, 0.2))
     np.testing.assert_allclose(shown, scale.table[round(place)], atol=3.0)  # a step of the table, and rounding down
+
+
+@pytest.mark.parametrize("options", [{"style": pc.styles.Arrows(of=lambda: 0)}, {"camera": lambda: 0}])
+def test_a_function_that_fails_is_named_and_its_exception_the_cause(options: dict[str, Any], tmp_path: Path) -> None:
+    recording = pc.simulate(pc.Scene(pc.Particles([[0.0, 0.0]], [[1.0, 0.0]])), 0.1, progress=False)
+    path = "camera" if "camera" in options else "of"
+    with pytest.raises(pc.SceneError, match=rf"^{path}: the function raised TypeError: .*positional") as caught:
+        pc.film(recording, tmp_path / "film.png", progress=False, **options)
+    assert isinstance(caught.value.__cause__, TypeError)

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import os
 import sys
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Sequence
 from pathlib import Path
 from reprlib import Repr
 from typing import Any, TypeAlias, TypeVar
@@ -24,6 +24,7 @@ FloatArray: TypeAlias = NDArray[np.float64]
 IntArray: TypeAlias = NDArray[np.int64]
 BoolArray: TypeAlias = NDArray[np.bool_]
 Vector: TypeAlias = Sequence[float] | NDArray[np.floating] | NDArray[np.integer]
+T = TypeVar("T")
 Word = TypeVar("Word", bound=str)
 
 DIMENSIONS = (2, 3)
@@ -84,6 +85,18 @@ def number(
     if result > most:
         raise SceneError(f"{path}: must be ≤ {most:g}, got {result:g}")
     return result
+
+
+def called(function: Callable[..., T], path: str, *arguments: object) -> T:
+    """What a function of the user's gives.
+
+    Raises:
+        SceneError: it raised an exception, which is the cause.
+    """
+    try:
+        return function(*arguments)
+    except Exception as error:
+        raise SceneError(f"{path}: the function raised {type(error).__name__}: {error}") from error
 
 
 def span(value: object, path: str, *, empty: bool = False) -> float:

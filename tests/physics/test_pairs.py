@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -165,8 +167,7 @@ def test_a_force_that_names_bodies_acts_on_them_and_between_them(law):
 
     arrays = ("positions", "velocities", "radius", "mass")
     bodies = [pc.Particles(**{each: getattr(people, each)[part] for each in arrays}) for part in parts]
-    values = LAWS[law].parameters()
-    acting = type(LAWS[law])(**values, on=[bodies[2], bodies[0]])
+    acting = replace(LAWS[law], on=[bodies[2], bodies[0]])
     found = one_evaluation(pc.Scene(*bodies, acting))
     alone = len(bodies[0]) + np.arange(len(bodies[1]))
     assert (found[alone] == 0.0).all()

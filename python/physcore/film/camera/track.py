@@ -10,7 +10,7 @@ from typing import Literal, cast
 
 import numpy as np
 
-from physcore.checks import BoolArray, FloatArray, number, shown, span, word
+from physcore.checks import BoolArray, FloatArray, called, number, shown, span, word
 from physcore.errors import SceneError
 from physcore.film.camera.view import Orbit, Still, Window
 from physcore.scene.bodies import Body
@@ -157,7 +157,7 @@ def still(camera: Camera, time: float, *, flat: bool) -> Still:
     Raises:
         SceneError: it is not a Window in 2D, or not an Orbit in 3D.
     """
-    now = camera(time) if callable(camera) and not isinstance(camera, type) else camera
+    now = called(camera, "camera", time) if callable(camera) and not isinstance(camera, type) else camera
     if not isinstance(now, Window if flat else Orbit):
         when = "" if now is camera else f" at {time:g} s"
         raise SceneError(f"camera: must be {'a Window in 2D' if flat else 'an Orbit in 3D'}{when}, got {shown(now)}")

@@ -9,7 +9,7 @@ from typing import Literal, Protocol, TypeAlias
 
 import numpy as np
 
-from physcore.checks import FloatArray, IntArray, is_word, regular, shown
+from physcore.checks import FloatArray, IntArray, called, is_word, regular, shown
 from physcore.errors import PhyscoreError, SceneError
 from physcore.film.camera.view import View
 from physcore.film.styles.base import Part, places
@@ -147,9 +147,9 @@ class Space:
         """The vectors (M, D) at some places.
 
         Raises:
-            SceneError: the function gives something else.
+            SceneError: the function fails, or gives something else.
         """
-        vectors = regular(self.function(time, places), "of")
+        vectors = regular(called(self.function, "of", time, places), "of")
         if vectors.shape != places.shape or vectors.dtype.kind not in "biuf":
             raise SceneError(
                 f"of: the function must give vectors of shape {places.shape}, got {vectors.dtype} of {vectors.shape}"
