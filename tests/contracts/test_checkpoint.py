@@ -35,7 +35,7 @@ def outcome(run: pc.Simulation) -> dict[str, Any]:
 
 
 def ways(run: pc.Simulation) -> dict[str, Callable[[pc.Simulation, Path], pc.Simulation]]:
-    """How this run can be passed on: functions of the user's are not saved, which tests/test_storage.py holds."""
+    """How this run can be passed on: not as code, which tests/storage/test_storage.py holds."""
     is_code = any(isinstance(force, pc.CustomForce) for force in run.scene.forces)
     return {name: way for name, way in WAYS.items() if not (is_code and name in ("file", "pickle"))}
 

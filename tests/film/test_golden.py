@@ -1,7 +1,7 @@
 """A handful of stills look as they did when somebody last looked at them and found them good.
 
-To change them on purpose: `PHYSCORE_GOLDEN=write pytest tests/test_golden.py`, look at every picture in tests/golden,
-and commit those that are better.
+To change them on purpose: `PHYSCORE_GOLDEN=write pytest tests/film/test_golden.py`, look at every picture in
+tests/film/golden, and commit those that are better.
 """
 
 from __future__ import annotations
