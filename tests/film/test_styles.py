@@ -253,7 +253,7 @@ def test_a_smoothed_uniform_flow_is_uniform_and_ends_where_nothing_is() -> None:
 
 
 def test_the_acceleration_is_that_of_the_scenes_forces() -> None:
-    """Gravity and an inverse-square attraction, felt from rest; the kick is a power of two, so that nothing is lost."""
+    """Gravity and an inverse-square attraction, felt from rest."""
     scene = pc.Scene(
         pc.cloth((3, 3), 0.1, 50.0, origin=(3.0, 3.0)),
         pc.Gravity((0.0, -9.81)),

@@ -19,6 +19,7 @@ TRIANGLE = "[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]"
 VALID = {
     **{
         "positions": TRIANGLE,
+        "points": TRIANGLE,
         "pairs": "[[0, 1], [1, 2]]",
         "lower": "(0.0, 0.0)",
         "upper": "(1.0, 1.0)",

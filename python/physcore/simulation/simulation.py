@@ -13,7 +13,7 @@ from typing import Literal, cast
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from physcore.checks import MOST, FloatArray, broadcast, flag, shown, span
+from physcore.checks import MOST, FloatArray, array, broadcast, flag, shown, span
 from physcore.errors import FileError, SceneError, StabilityWarning
 from physcore.forces import CustomForce
 from physcore.numerics.choices import (
@@ -267,6 +267,40 @@ class Simulation:
     def angular_momentum(self) -> FloatArray:
         """Total angular momentum about the origin [kg·m²/s], shape (1,) in 2D and (3,) in 3D."""
         return self._world.angular_momentum()
+
+    def acceleration(self, points: ArrayLike, on: BodyKey | None = None) -> FloatArray:
+        """The acceleration field of the scene at the present time:
+
+            simulation.acceleration([[0.0, 1.0], [2.0, 0.0]])
+
+        This is what a test particle of 1 kg, without charge and radius, would feel at rest: the accelerations of
+        Gravity, and the forces of CentralForce, Drag (in wind) and CustomForce, whose function is called with the
+        points and with velocities of 0. Forces that pass between particles are no fields in space and are left out:
+        those of springs, of pairs and within fluids; so are boundaries. The positions of the bodies do not matter, and
+        the precision is double.
+
+        Args:
+            points: where [m], shape (M, D). In a periodic domain they are taken as they are given.
+            on: a body, its index or its name: of the forces only those that act on it count; None: all of them.
+
+        Returns:
+            Accelerations [m/s²], shape (M, D).
+
+        Raises:
+            SceneError: a shape does not fit; there is no such body; an acceleration is not finite; or the function of a
+                CustomForce fails, or gives no force for each of the points.
+        """
+        places = array(points, "acceleration.points")
+        if places.ndim != 2 or places.shape[1] != self._scene.dimension:
+            raise SceneError(
+                f"acceleration.points: must have the shape (M, {self._scene.dimension}), got {places.shape}; "
+                "one point is [[x, y]] in 2D"
+            )
+        try:
+            body = None if on is None else self._scene.index(on)
+        except KeyError as error:
+            raise SceneError(f"acceleration.on: {error.args[0]}") from None
+        return self._world.acceleration(places, body)
 
     def state_hash(self) -> str:
         """A hash of everything that the bits of the next step depend on."""

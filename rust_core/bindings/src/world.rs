@@ -4,7 +4,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, RwLock, RwLockReadGuard, RwLockWriteGuard, TryLockError};
 
-use numpy::{PyArray1, PyArrayMethods, PyReadonlyArray1, ToPyArray};
+use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, ToPyArray};
 use physcore_engine::error::{Error, Result as EngineResult};
 use physcore_engine::forces::Mach;
 use physcore_engine::ledger::Class;
@@ -389,6 +389,23 @@ impl World {
 
     fn state_hash(&self, py: Python<'_>) -> PyResult<String> {
         self.copy(py, self.memory(py)?, physcore_engine::simulation::Simulation::state_hash)
+    }
+
+    /// The acceleration field at some points, of the forces on a body or of all.
+    fn acceleration<'py>(
+        &self,
+        py: Python<'py>,
+        points: PyReadonlyArray2<'py, f64>,
+        on: Option<usize>,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let points = scene::copied(&points.as_any().call_method0("ravel")?.extract()?)?;
+        let rows = if self.functions.is_empty() {
+            self.ask(py, move |world, executor| world.acceleration(&points, on, executor))?
+        } else {
+            // As for the energy.
+            self.change_at_length(py, move |world, executor| world.acceleration(&points, on, executor))?
+        };
+        scene::rows(py, rows, self.dimension)
     }
 }
 

@@ -283,6 +283,14 @@ impl Simulation {
         self.system.limit(horizon, self.time(), executor)
     }
 
+    /// The acceleration field [m/s²] at `points` [m] now.
+    ///
+    /// # Errors
+    /// As [`System::acceleration`].
+    pub fn acceleration(&self, points: &[f64], on: Option<usize>, executor: &Executor) -> Result<Vec<f64>> {
+        self.system.acceleration(self.time(), points, on, executor)
+    }
+
     /// Finds something out about the present state, on all threads and asking `interrupted` meanwhile whether to stop where it
     /// may take long.
     fn ask<T: Send>(

@@ -15,10 +15,9 @@ from physcore.film.camera.view import View
 from physcore.film.styles.base import Part, places
 from physcore.film.styles.base import sums as row_sums
 from physcore.forces import CustomForce, LennardJones, SoftSpheres
-from physcore.numerics.integrators import SemiImplicitEuler
 from physcore.scene.bodies import Particles
 from physcore.scene.scene import Scene
-from physcore.simulation.simulation import Simulation, unwarned
+from physcore.simulation.simulation import Simulation
 from physcore.simulation.sources import Source, SourceFrame
 
 FieldFunction: TypeAlias = Callable[[float, FloatArray], FloatArray]
@@ -29,8 +28,6 @@ LAYERS = 7
 """In 3D a field is shown at so many places along the longest side of what is seen."""
 MARGIN = 2
 """Empty squares around those that hold particles."""
-KICK = 2.0**-20
-"""How long probes feel the forces [s]; from rest, semi-implicit Euler gives the acceleration times this, exactly."""
 INTERNAL = (CustomForce, LennardJones, SoftSpheres)
 """Forces between particles, and those whose function knows its particles: they are no field in space."""
 UNITS = {"velocities": ("speed", "m/s"), "acceleration": ("acceleration", "m/s²")}
@@ -177,18 +174,16 @@ def _widened(counts: FloatArray, sums: FloatArray) -> tuple[FloatArray, FloatArr
 
 
 def _acceleration(scene: Scene) -> FieldFunction:
-    """Acceleration of one kilogram and one coulomb at rest by a scene's forces [m/s²]."""
+    """Acceleration of one kilogram at rest by a scene's forces [m/s²]."""
     forces = [replace(force, on=None) for force in scene.forces if not isinstance(force, INTERNAL)]
+    anchor = Particles(np.zeros((1, scene.dimension)), fixed=True)
+    simulation = Simulation(Scene(anchor, *forces), dt=1.0)
 
     def felt(time: float, places: FloatArray) -> FloatArray:
         del time
-        probes = Particles(places, charge=1.0)
         try:
-            with unwarned():
-                simulation = Simulation(Scene(probes, *forces), integrator=SemiImplicitEuler(), dt=KICK)
-                simulation.step()
+            return simulation.acceleration(places)
         except PhyscoreError:
-            return np.zeros_like(places)  # a place right at a center, where the force has no end
-        return simulation.velocities / KICK
+            return np.zeros_like(places)  # a place so near a center that the force has no end
 
     return felt

@@ -185,6 +185,15 @@ pub trait System: History + Send + Sync {
     /// # Errors
     /// If they belong to something else.
     fn restore_tallies(&mut self, numbers: &[f64]) -> Result<()>;
+
+    /// The acceleration field [m/s²] at `points` [m], row by row: that of a test particle of 1 kg at rest, on which act the
+    /// forces on one of the bodies, or those on any.
+    ///
+    /// # Errors
+    /// If it has none, or as [`System::audit`].
+    fn acceleration(&self, _time: f64, _points: &[f64], _on: Option<usize>, _executor: &Executor) -> Result<Vec<f64>> {
+        Err(Error::parameter("acceleration", "a scene with bodies", "none"))
+    }
 }
 
 /// The system of a scene, or its systems as one, in `f32` or `f64`: matter, advanced by the method of that name, where there are

@@ -270,6 +270,11 @@ impl System for Several {
         }
         Ok(())
     }
+
+    /// That of matter, which comes first.
+    fn acceleration(&self, time: f64, points: &[f64], on: Option<usize>, executor: &Executor) -> Result<Vec<f64>> {
+        self.parts[0].system.acceleration(time, points, on, executor)
+    }
 }
 
 #[cfg(test)]

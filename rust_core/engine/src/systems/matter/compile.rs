@@ -116,7 +116,8 @@ pub fn compile<V: Vector, I: Integrator>(scene: &Scene, executor: &Executor) -> 
         left_out,
         notes,
     };
-    Ok(MatterSystem::new::<I>(dynamics, state, stages))
+    let fields = scene.forces.iter().filter(|item| !forces::is_between_pairs(item)).cloned().collect();
+    Ok(MatterSystem::new::<I>(dynamics, state, stages, fields))
 }
 
 /// Memory of a particle besides its state [bytes]: its properties, and during compilation its index in two orders.

@@ -191,19 +191,23 @@ impl<V: Vector> Dynamics<V> {
     /// The kinetic energy of a kick of `h` seconds from rest [J], Σ ½ m |a|² h²: the smallest energy that steps of `h` can
     /// resolve.
     pub fn kick(&self, at: &StateView<'_, V>, h: f64) -> f64 {
+        let accelerations = self.accelerations(at).enumerate().filter(|&(index, _)| !self.properties.is_fixed(index));
+        accelerations.map(|(index, a)| 0.5 * self.properties.mass[index] * a.widen().length_squared() * h * h).sum()
+    }
+
+    /// The acceleration of every particle at a state [m/s²].
+    pub fn accelerations<'a>(&'a self, at: &'a StateView<'_, V>) -> impl Iterator<Item = V> + 'a {
         let count = self.properties.count();
         let mut force = Columns::<V>::zeros(count);
         let mut power = [[0.0; LANES]; SINKS];
         self.accumulate(&(0..padded(count)), at, &mut Rates { force: force.span(), power: &mut power });
-        let energy = |index: usize| {
+        (0..count).map(move |index| {
             let inverse_mass = self.properties.inverse_mass[index];
-            let a = V::from_axes(|axis| {
+            V::from_axes(|axis| {
                 let (x, v) = (at.position.axis(axis)[index], at.velocity.axis(axis)[index]);
                 force.axis(axis)[index] * inverse_mass + self.linear.acceleration(axis, index, x, v)
-            });
-            0.5 * self.properties.mass[index] * a.widen().length_squared() * h * h
-        };
-        (0..count).filter(|&index| !self.properties.is_fixed(index)).map(energy).sum()
+            })
+        })
     }
 
     /// The constraint of a fixed particle with velocity v does the work −F·v against the forces F of its partners.

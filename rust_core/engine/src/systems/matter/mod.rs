@@ -11,6 +11,7 @@ mod fields;
 mod independent;
 mod kernels;
 mod method;
+mod test_particles;
 
 use std::sync::{Mutex, OnceLock, PoisonError};
 
@@ -30,7 +31,7 @@ use crate::math::{Real, Vector};
 use crate::matter::{Columns, EnergyTally, Matter, SINKS};
 use crate::parallel::{Executor, SERIAL};
 use crate::plan::Stages;
-use crate::scene::Scene;
+use crate::scene::{Item, Scene};
 use crate::simd::LANES;
 use crate::stability::{Horizon, Limit, LimitCache, SpectralBound};
 use crate::systems::{Element, Fault, FieldInfo, Interval, Record, System};
@@ -69,6 +70,8 @@ struct MatterSystem<V: Vector> {
     workspace: Option<Workspace<V>>,
     method: Box<dyn Method<V>>,
     stages: Stages,
+    /// The forces that do not pass between pairs, as declared: fields in space.
+    fields: Vec<Item>,
     cost: f64,
     cache: Mutex<LimitCache>,
     /// The certified limit, while it is valid.
@@ -87,7 +90,7 @@ impl<V: Vector> MatterSystem<V> {
     }
 
     /// A system at a given state.
-    fn new<I: Integrator>(dynamics: Dynamics<V>, mut state: Matter<V>, stages: Stages) -> Self {
+    fn new<I: Integrator>(dynamics: Dynamics<V>, mut state: Matter<V>, stages: Stages, fields: Vec<Item>) -> Self {
         // Registers that live only between the stages of a step need not outlive a block that runs through whole steps.
         let registers = if dynamics.is_independent() { I::READABLE } else { I::REGISTERS };
         state.registers = vec![Columns::zeros(state.count()); registers];
@@ -106,6 +109,7 @@ impl<V: Vector> MatterSystem<V> {
             workspace,
             method: Box::new(Explicit::<I>::NEW),
             stages,
+            fields,
             cost,
             cache: Mutex::default(),
             certified: OnceLock::new(),
@@ -380,5 +384,11 @@ impl<V: Vector> System for MatterSystem<V> {
             slots.zip(numbers).for_each(|(slot, &number)| *slot = number);
         }
         Ok(())
+    }
+
+    fn acceleration(&self, time: f64, points: &[f64], on: Option<usize>, executor: &Executor) -> Result<Vec<f64>> {
+        let acting = self.fields.iter().filter(|item| on.is_none_or(|body| item.acts_on(body)));
+        let forces = acting.map(|item| Item { on: None, ..item.clone() }).collect();
+        test_particles::acceleration(V::DIMENSION, forces, time, points, executor)
     }
 }
