@@ -12,7 +12,6 @@ from importlib.metadata import version
 from math import isnan
 
 import accuracy
-import film
 import fluids
 import numpy as np
 import overheads
@@ -21,6 +20,7 @@ import springs
 from measure import machine
 from rivals.jit import clock
 
+import film
 import physcore as pc
 
 

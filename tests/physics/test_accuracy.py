@@ -294,3 +294,5 @@ def test_rounding_and_chaos_are_told_from_convergence():
     assert stagnant([1e-7, *noise], 1.0)
     assert stagnant([4.2, 3.9, 3.9, 4.3, 4.4, 3.6, 4.3], 4.0)
     assert not stagnant([4.2, 3.9, 3.9, 4.3], 4.0)
+    bounces = [1.3e-3, 1.6e-3, 5.4e-5, 3.5e-7, 9.0e-5, 4.6e-5, 3.4e-6, 1.3e-5, 6.4e-6]
+    assert not any(stagnant(bounces[:count], 0.0) for count in range(len(bounces) + 1))

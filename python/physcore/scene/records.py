@@ -35,7 +35,7 @@ class Record:
         arguments = tuple(parameters(own))
         named = {entry.name: entry for entry in fields(own)}
         values = {name: getattr(item, name) for name in dict.fromkeys((*arguments, *named))}
-        inner = {name: cls.of(value) if is_dataclass(value) else value for name, value in values.items()}
+        inner = {name: _inner(value) for name, value in values.items()}
         appearance = frozenset(name for name, entry in named.items() if "appearance" in entry.metadata)
         return cls(kind_of(own), inner, arguments, appearance)
 
@@ -51,18 +51,31 @@ class Record:
 
     def described(self, on: list[int] | None = None) -> dict[str, object]:
         """The form of the engine: all values, and the indices of the bodies that it acts on; None: all."""
-        values = {
-            name: value.described() if isinstance(value, Record) else value
-            for name, value in self.values.items()
-            if name not in (*_OWN, *self.appearance)
-        }
+        hidden = (*_OWN, *self.appearance)
+        values = {name: _described(value) for name, value in self.values.items() if name not in hidden}
         return {"kind": self.kind, "name": self.values.get("name"), "on": on, "values": values}
+
+
+def _inner(value: Any) -> Any:
+    """A value of an item, with records for the items in it."""
+    if isinstance(value, tuple):
+        return tuple(map(_inner, value))
+    return Record.of(value) if is_dataclass(value) else value
+
+
+def _described(value: Any) -> object:
+    """A value in the form of the engine."""
+    if isinstance(value, tuple):
+        return tuple(map(_described, value))
+    return value.described() if isinstance(value, Record) else value
 
 
 def pack(value: Any) -> Tree:
     """A record, or a thing that has one, in the form of files and hashes; a plain value as it is."""
     if isinstance(value, Record):
         return value.packed()
+    if isinstance(value, tuple):
+        return list(map(pack, value)) if any(isinstance(each, Record) for each in value) else value
     return Record.of(value).packed() if is_dataclass(value) else value
 
 

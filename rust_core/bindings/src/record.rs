@@ -8,7 +8,7 @@ use numpy::ndarray::ArrayViewD;
 use numpy::{Element, PyReadonlyArrayDyn};
 use physcore_engine::scene::{Array, Item, Value};
 use pyo3::prelude::*;
-use pyo3::types::{PyBool, PyDict, PyList, PyString};
+use pyo3::types::{PyBool, PyDict, PyList, PyString, PyTuple};
 
 use crate::callback::Function;
 use crate::errors::SceneError;
@@ -75,10 +75,22 @@ impl Reader {
         if let Ok(number) = value.extract() {
             return Ok(Value::Number(number));
         }
+        if let Ok(entries) = value.cast::<PyTuple>()
+            && let Ok(first) = entries.get_item(0)
+        {
+            if first.is_instance_of::<PyString>() {
+                return Ok(Value::Texts(entries.extract()?));
+            }
+            if first.is_instance_of::<PyDict>() {
+                let items = entries.iter().enumerate().map(|(index, entry)| self.item(&entry, format!("{path}[{index}]")));
+                return Ok(Value::Records(items.collect::<PyResult<_>>()?));
+            }
+        }
         match value.extract::<Vec<f64>>()?[..] {
+            [x] => Ok(Value::Vector(DVec3::new(x, 0.0, 0.0))),
             [x, y] => Ok(Value::Vector(DVec3::new(x, y, 0.0))),
             [x, y, z] => Ok(Value::Vector(DVec3::new(x, y, z))),
-            ref other => Err(SceneError::new_err(format!("{path}: must have 2 or 3 components, got {}", other.len()))),
+            ref other => Err(SceneError::new_err(format!("{path}: must have up to 3 components, got {}", other.len()))),
         }
     }
 }

@@ -4,7 +4,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, RwLock, RwLockReadGuard, RwLockWriteGuard, TryLockError};
 
-use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, ToPyArray};
+use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, ToPyArray};
 use physcore_engine::error::{Error, Result as EngineResult};
 use physcore_engine::forces::Mach;
 use physcore_engine::ledger::Class;
@@ -395,10 +395,10 @@ impl World {
     fn acceleration<'py>(
         &self,
         py: Python<'py>,
-        points: PyReadonlyArray2<'py, f64>,
+        points: &Bound<'py, PyAny>,
         on: Option<usize>,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let points = scene::copied(&points.as_any().call_method0("ravel")?.extract()?)?;
+        let points = scene::copied(&points.call_method0("ravel")?.extract()?)?;
         let rows = if self.functions.is_empty() {
             self.ask(py, move |world, executor| world.acceleration(&points, on, executor))?
         } else {

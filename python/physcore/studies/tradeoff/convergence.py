@@ -104,5 +104,9 @@ def stagnant(values: Sequence[float], scale: float) -> bool:
         values: differences or errors, in the order of falling steps.
         scale: what they are small or large beside.
     """
-    runs = 2 if values and values[-1] < SMALL * scale else STUCK
-    return len(values) > runs and values[-1] > FLAT**runs * values[-1 - runs]
+    small = bool(values) and values[-1] < SMALL * scale
+    runs = 2 if small else STUCK
+    if len(values) <= runs:
+        return False
+    # Among values that are not small some are so by chance.
+    return values[-1] > FLAT**runs * (values[-1 - runs] if small else max(values[:-runs]))

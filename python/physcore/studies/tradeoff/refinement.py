@@ -135,7 +135,8 @@ class Refinement:
         if found is not None and self.target.compares:
             order, error = float(self.order), found.expected
             if not self.asymptotic:
-                order, error = min(max(found.order, 1.0), order), found.finer
+                order = min(max(found.order, 1.0), order)
+                error = found.finer if math.isfinite(found.finer) else error
             pairs.append((error, goal.accuracy, self.target.accuracy, order))
         return max(
             math.pow(value / reachable, 1.0 / (order if reachable < wanted else order + 0.5))

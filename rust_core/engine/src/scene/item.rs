@@ -36,7 +36,7 @@ impl PartialEq for Item {
 pub enum Value {
     /// A number.
     Number(f64),
-    /// A vector; in 2D its third component is 0.
+    /// A vector of up to three components; those that it has not are 0.
     Vector(DVec3),
     /// Yes or no.
     Flag(bool),
@@ -50,8 +50,12 @@ pub enum Value {
     Flags(Array<bool>),
     /// A function of the user's.
     Callback(Arc<dyn Callback>),
+    /// Some texts.
+    Texts(Vec<String>),
     /// An item within the item.
     Record(Box<Item>),
+    /// Some items within the item.
+    Records(Vec<Item>),
 }
 
 /// An array with any number of axes, the last of which runs fastest.
@@ -86,7 +90,9 @@ impl Debug for Value {
             Self::Indices(array) => write!(formatter, "{array:?} of indices"),
             Self::Flags(array) => write!(formatter, "{array:?} of true and false"),
             Self::Callback(_) => write!(formatter, "a function"),
+            Self::Texts(texts) => write!(formatter, "{texts:?}"),
             Self::Record(item) => write!(formatter, "{}", item.kind),
+            Self::Records(items) => write!(formatter, "{} items", items.len()),
         }
     }
 }
@@ -103,7 +109,9 @@ impl PartialEq for Value {
             (Self::Indices(one), Self::Indices(other)) => one == other,
             (Self::Flags(one), Self::Flags(other)) => one == other,
             (Self::Callback(one), Self::Callback(other)) => Arc::ptr_eq(one, other),
+            (Self::Texts(one), Self::Texts(other)) => one == other,
             (Self::Record(one), Self::Record(other)) => one == other,
+            (Self::Records(one), Self::Records(other)) => one == other,
             _ => false,
         }
     }
@@ -187,6 +195,24 @@ impl Item {
             Some(Value::Record(item)) => Ok(item),
             other => Err(self.wrong(name, "an item", other)),
         }
+    }
+
+    /// Some items within it; none where they are left out.
+    pub fn records(&self, name: &str) -> Result<&[Self]> {
+        match self.values.get(name) {
+            None => Ok(&[]),
+            Some(Value::Records(items)) => Ok(items),
+            other => Err(self.wrong(name, "some items", other)),
+        }
+    }
+
+    /// Texts, `count` of them, each one of some words.
+    pub fn words(&self, name: &str, count: usize, known: &[&'static str]) -> Result<Vec<&'static str>> {
+        let given = self.values.get(name);
+        let expected = || self.wrong(name, &format!("{count} times {}", known.join(" or ")), given);
+        let Some(Value::Texts(texts)) = given else { return Err(expected()) };
+        let found: Option<Vec<_>> = texts.iter().map(|text| known.iter().copied().find(|word| word == text)).collect();
+        found.filter(|found| found.len() == count).ok_or_else(expected)
     }
 
     /// A function of the user's.

@@ -213,7 +213,7 @@ pub fn build(scene: &Scene, method: &str, precision: &str, executor: &Executor) 
     }
     for item in &scene.systems {
         let name = item.name.clone().unwrap_or_else(|| item.path.clone());
-        parts.push(Part { name, system: declared(item)? });
+        parts.push(Part { name, system: declared(item, method, precision, executor)? });
     }
     Ok(match <[Part; 1]>::try_from(parts) {
         Ok([Part { name, system }]) if name.is_empty() => system,
@@ -222,7 +222,7 @@ pub fn build(scene: &Scene, method: &str, precision: &str, executor: &Executor) 
     })
 }
 
-/// The registry: the system that an item declares.
-fn declared(item: &Item) -> Result<Box<dyn System>> {
+/// The registry: the system that an item declares, advanced by the method of that name.
+fn declared(item: &Item, _method: &str, _precision: &str, _executor: &Executor) -> Result<Box<dyn System>> {
     Err(scene::unknown(item, "a kind of system"))
 }

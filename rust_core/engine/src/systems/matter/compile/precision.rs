@@ -41,7 +41,8 @@ fn check_item<T: Real>(item: &Item) -> Result<()> {
             Value::Vector(vector) => check_vector::<T>(path, *vector)?,
             Value::Numbers(array) => array.entries.iter().try_for_each(|&number| check_number::<T>(path, number))?,
             Value::Record(inner) => check_item::<T>(inner)?,
-            Value::Flag(_) | Value::Text(_) | Value::Indices(_) | Value::Flags(_) | Value::Callback(_) => {}
+            Value::Records(inner) => inner.iter().try_for_each(check_item::<T>)?,
+            Value::Flag(_) | Value::Text(_) | Value::Texts(_) | Value::Indices(_) | Value::Flags(_) | Value::Callback(_) => {}
         }
     }
     Ok(())
