@@ -305,7 +305,7 @@ class TestNumbersOutOfRange:
 
     def test_atoms_at_the_same_place_are_named(self):
         atoms = pc.Particles([[0.0, 0.0], [2.0, 0.0], [5.0, 1.0], [2.0, 0.0]])
-        with pytest.raises(pc.SceneError, match=r"energy that is finite.*particles 1 and 3 are at the same place"):
+        with pytest.raises(pc.SceneError, match=r"energy that is finite.*particles 1 and 3 coincide"):
             pc.Simulation(pc.Scene(atoms, pc.LennardJones(1.0, 1.0)), dt=1e-3)
 
     def test_a_state_that_is_refused_leaves_no_trace_in_the_lists_of_neighbors(self):
@@ -315,7 +315,7 @@ class TestNumbersOutOfRange:
         run.step(50)
         places = run.positions
         places[3] = places[4]
-        with pytest.raises(pc.SceneError, match="particles 3 and 4 are at the same place"):
+        with pytest.raises(pc.SceneError, match="particles 3 and 4 coincide"):
             run.set(positions=places)
         run.step(200)
         plain.step(250)
