@@ -203,7 +203,7 @@ def regular(value: object, path: str) -> np.ndarray:
     except Exception as error:
         cause = shown(str(error) or type(error).__name__)
         raise SceneError(f"{path}: must be a regular array of numbers ({cause})") from None
-    if depth > DEEPEST:
+    if depth > DEEPEST or (result is not None and result.ndim > DEEPEST):
         raise SceneError(f"{path}: must be an array of numbers, got lists in lists, more than {DEEPEST} deep")
     if masked or result is None:
         raise SceneError(f"{path}: must not have masked entries; take the valid ones, or fill it: .filled(…)")

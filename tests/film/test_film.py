@@ -194,7 +194,7 @@ def test_panels_stand_side_by_side_and_share_their_camera(tmp_path: Path) -> Non
     pc.film([still, far, still], tmp_path / "film.gif", size=(300, 100), titles=["a", "b", "c"])
     picture = frames(tmp_path / "film.gif")[0][0]
     left, middle, right = (ink(picture)[25:80, start : start + 100] for start in (0, 100, 200))
-    np.testing.assert_array_equal(left, middle)  # all start at the same place, in pixels too
+    np.testing.assert_array_equal(left, middle)  # all start at one position, in pixels too
     np.testing.assert_array_equal(left, right)
 
 

@@ -188,27 +188,34 @@ def _do(simulation: pc.Simulation, doing: str, script: str) -> None:
             require(twin.state_hash() == simulation.state_hash(), "a checkpoint has other bits", script)
         case _:
             source = f"simulation{'' if doing[0] == '[' else '.'}{doing}"
-            result = attempt(lambda: evaluate(source, simulation=simulation), f"{script}\n    {source}", long=True)
+            result, told = _told(lambda: evaluate(source, simulation=simulation), f"{script}\n    {source}")
             if isinstance(result, pc.Recording):
                 result = [result.positions, result.velocities, result.energy.drift]
-            require_finite(result, f"{doing} is", f"{script}\n    {source}")
+            if not told:
+                require_finite(result, f"{doing} is", f"{script}\n    {source}")
             _look(simulation, f"{script}\n    {source}")
 
 
-def _look(simulation: pc.Simulation, script: str) -> None:
-    """The state and its energy are finite, whatever happened; or a warning says that the energy is not."""
-    require_finite([simulation.positions, simulation.velocities], "the state is", script)
+def _told(look: Callable[[], Any], script: str) -> tuple[Any, bool]:
+    """What a call gives, and whether a warning says that it is not finite."""
     told: list[str] = []
 
-    def energy_and_warnings() -> pc.Energy:
+    def with_warnings() -> Any:
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always")
-            energy = simulation.energy()
+            result = look()
         told.extend(str(warning.message) for warning in caught)
-        return energy
+        return result
 
-    energy = attempt(energy_and_warnings, f"{script}\n    simulation.energy()")
-    if energy is not None and not ("'ignore'" in script and told):
+    result = attempt(with_warnings, script, long=True)
+    return result, any("beyond the range of numbers" in message for message in told)
+
+
+def _look(simulation: pc.Simulation, script: str) -> None:
+    """The state is finite, whatever happened, and its energy too, or a warning says that it is not."""
+    require_finite([simulation.positions, simulation.velocities], "the state is", script)
+    energy, told = _told(simulation.energy, f"{script}\n    simulation.energy()")
+    if energy is not None and not told:
         for name in ("kinetic", "potential", "internal", "dissipated", "work"):
             value = getattr(energy, name)
             require(

@@ -129,6 +129,35 @@ def test_told_to_ignore_it_an_energy_that_is_not_finite_is_said():
         run.energy()
 
 
+def test_told_to_ignore_it_an_angular_momentum_that_is_not_finite_is_said():
+    """|x| and |v| are about 1e184, and so is the momentum; their product is beyond f64."""
+    orbit = pc.Particles([[1.0, 0.0], [-1.0, 0.0]], [[0.0, 1.0], [0.0, -1.0]], mass=[1.0, 2.0])
+    run = simulation(
+        pc.Scene(orbit, pc.CentralForce((0.0, 0.0), 1.0, exponent=1.0)),
+        pc.VelocityVerlet(),
+        2.02,
+        on_divergence="ignore",
+    )
+    run.step(1500)
+    assert np.isfinite(run.momentum()).all()
+    with pytest.warns(pc.StabilityWarning, match=r"the angular momentum at .* beyond the range of numbers"):
+        run.angular_momentum()
+
+
+def test_the_energy_of_coincident_atoms_is_infinite_and_that_is_said():
+    """A wall stops both atoms at one point in the first step: U(0) = ∞, and neither NaN nor silence."""
+    atoms = pc.Particles([[0.0, 0.0], [0.3, 0.0]], [[1.0, 0.0], [2.0, 0.0]])
+    run = pc.Simulation(
+        pc.Scene(atoms, pc.LennardJones(1e-3, 0.1, 0.25), pc.Plane((0.5, 0.0), (-1.0, 0.0), restitution=0.0)),
+        dt=1.0,
+        integrator=pc.SemiImplicitEuler(),
+    )
+    run.step(1)
+    assert (run.positions[0] == run.positions[1]).all()
+    with pytest.warns(pc.StabilityWarning, match=r"the energy at .* \(inf\): it has diverged, or particles coincide"):
+        assert run.energy().potential == np.inf
+
+
 def test_a_force_of_the_users_that_is_not_finite_is_named():
     broken = pc.CustomForce(lambda time, x, v: np.full_like(x, np.nan if time > 0.5 else 0.0))
     run = pc.Simulation(pc.Scene(pc.Particles([[0.0, 0.0]]), broken), dt=0.125)
@@ -305,7 +334,7 @@ class TestNumbersOutOfRange:
 
     def test_atoms_at_the_same_place_are_named(self):
         atoms = pc.Particles([[0.0, 0.0], [2.0, 0.0], [5.0, 1.0], [2.0, 0.0]])
-        with pytest.raises(pc.SceneError, match=r"energy that is finite.*particles 1 and 3 are at the same place"):
+        with pytest.raises(pc.SceneError, match=r"energy that is finite.*particles 1 and 3 coincide"):
             pc.Simulation(pc.Scene(atoms, pc.LennardJones(1.0, 1.0)), dt=1e-3)
 
     def test_a_state_that_is_refused_leaves_no_trace_in_the_lists_of_neighbors(self):
@@ -315,7 +344,7 @@ class TestNumbersOutOfRange:
         run.step(50)
         places = run.positions
         places[3] = places[4]
-        with pytest.raises(pc.SceneError, match="particles 3 and 4 are at the same place"):
+        with pytest.raises(pc.SceneError, match="particles 3 and 4 coincide"):
             run.set(positions=places)
         run.step(200)
         plain.step(250)

@@ -160,3 +160,10 @@ def test_a_recording_gives_the_part_of_a_further_system():
     assert list(recording["dust"].channels) == ["positions", "velocities"]
     with pytest.raises(AttributeError, match="no field 'depth': there are heights"):
         _ = recording[lake].depth
+
+
+def test_a_class_in_a_field_is_no_item():
+    """Classes are functions to call; only instances of them are items with a record."""
+    record = Record.of(pc.CustomForce(pc.Drag, potential=pc.Particles))
+    assert record.values["function"] is pc.Drag
+    assert record.values["potential"] is pc.Particles

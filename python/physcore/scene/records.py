@@ -56,16 +56,21 @@ class Record:
         return {"kind": self.kind, "name": self.values.get("name"), "on": on, "values": values}
 
 
+def _is_item(value: Any) -> bool:
+    """Whether a value has a record of its own."""
+    return is_dataclass(value) and not isinstance(value, type)
+
+
 def _inner(value: Any) -> Any:
     """A value of an item, with records for the items in it."""
-    if isinstance(value, tuple):
+    if isinstance(value, tuple) and any(map(_is_item, value)):
         return tuple(map(_inner, value))
-    return Record.of(value) if is_dataclass(value) else value
+    return Record.of(value) if _is_item(value) else value
 
 
 def _described(value: Any) -> object:
     """A value in the form of the engine."""
-    if isinstance(value, tuple):
+    if isinstance(value, tuple) and any(isinstance(each, Record) for each in value):
         return tuple(map(_described, value))
     return value.described() if isinstance(value, Record) else value
 
@@ -76,7 +81,7 @@ def pack(value: Any) -> Tree:
         return value.packed()
     if isinstance(value, tuple):
         return list(map(pack, value)) if any(isinstance(each, Record) for each in value) else value
-    return Record.of(value).packed() if is_dataclass(value) else value
+    return Record.of(value).packed() if _is_item(value) else value
 
 
 def kind_of(kind: type[Any]) -> str:

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 from physcore._core import World
-from physcore.checks import MOST
+from physcore.checks import MOST, FloatArray
 from physcore.errors import PhyscoreError, SceneError, StabilityWarning, warn
 from physcore.numerics.choices import steps_to
 from physcore.scene.scene import Scene
@@ -18,7 +18,7 @@ from physcore.simulation.stepper import TIME_TOLERANCE, Stepper
 
 
 def energy(world: World) -> Energy:
-    """The energy budget of a world at its present step; warns where it is not finite, after on_divergence="ignore"."""
+    """The energy budget of a world at its present step; warns where it is not finite."""
     rows = world.energy()
 
     def of(kind: str) -> dict[str, float]:
@@ -34,13 +34,33 @@ def energy(world: World) -> Energy:
         work=sum(of("work").values()),
         time=world.time,
     )
-    if not math.isfinite(budget.balance):
-        warn(
-            f"the energy at t = {world.time:.6g} s is beyond the range of numbers ({budget.balance}): the simulation "
-            'has diverged, which on_divergence="ignore" leaves to you; take the default, "raise", and a smaller dt',
-            StabilityWarning,
-        )
+    _warn_if_beyond("energy", budget.balance, world)
     return budget
+
+
+def momentum(world: World) -> FloatArray:
+    """Total momentum at the present step; warns where it is not finite."""
+    total = world.momentum()
+    _warn_if_beyond("momentum", float(total.sum()), world)
+    return total
+
+
+def angular_momentum(world: World) -> FloatArray:
+    """Total angular momentum at the present step; warns where it is not finite."""
+    total = world.angular_momentum()
+    _warn_if_beyond("angular momentum", float(total.sum()), world)
+    return total
+
+
+def _warn_if_beyond(quantity: str, value: float, world: World) -> None:
+    """Say that a quantity is not finite, as it may be of a state whose positions and velocities are."""
+    if math.isfinite(value):
+        return
+    warn(
+        f"the {quantity} at t = {world.time:.6g} s is beyond the range of numbers ({value}): it has diverged, or "
+        'particles coincide; take a smaller dt, and the default on_divergence="raise"',
+        StabilityWarning,
+    )
 
 
 def frame(world: World) -> Frame:
@@ -49,8 +69,8 @@ def frame(world: World) -> Frame:
         **vars(engine.snapshot(world)),
         dt=world.dt,
         energy=energy(world),
-        momentum=world.momentum(),
-        angular_momentum=world.angular_momentum(),
+        momentum=momentum(world),
+        angular_momentum=angular_momentum(world),
     )
 
 

@@ -256,17 +256,26 @@ class Simulation:
         """The energy budget of the present state.
 
         Warns:
-            StabilityWarning: it is not finite, in a diverging run with on_divergence="ignore".
+            StabilityWarning: it is not finite: particles coincide, or the run has diverged, which
+                on_divergence="ignore" leaves to you.
         """
         return sampling.energy(self._world)
 
     def momentum(self) -> FloatArray:
-        """Total momentum of all particles that are not fixed [kg·m/s], shape (D,)."""
-        return self._world.momentum()
+        """Total momentum of all particles that are not fixed [kg·m/s], shape (D,).
+
+        Warns:
+            StabilityWarning: it is not finite, as for `energy`.
+        """
+        return sampling.momentum(self._world)
 
     def angular_momentum(self) -> FloatArray:
-        """Total angular momentum about the origin [kg·m²/s], shape (1,) in 2D and (3,) in 3D."""
-        return self._world.angular_momentum()
+        """Total angular momentum about the origin [kg·m²/s], shape (1,) in 2D and (3,) in 3D.
+
+        Warns:
+            StabilityWarning: it is not finite, as for `energy`.
+        """
+        return sampling.angular_momentum(self._world)
 
     def acceleration(self, points: ArrayLike, on: BodyKey | None = None) -> FloatArray:
         """The acceleration field of the scene at the present time:

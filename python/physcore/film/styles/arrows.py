@@ -11,7 +11,7 @@ from physcore.checks import number
 from physcore.film.camera.view import PixelArray, View
 from physcore.film.colors.themes import Theme
 from physcore.film.styles.base import Painter
-from physcore.film.styles.field_style import FieldPainter, FieldStyle
+from physcore.film.styles.field_style import LONGEST, FieldPainter, FieldStyle
 from physcore.film.styles.fields import Field
 from physcore.simulation.sources import SourceFrame
 
@@ -33,7 +33,7 @@ class Arrows(FieldStyle):
         of: "velocities" [m/s], the mean of the particles around each arrow; "acceleration" [m/s²], what one kilogram
             and one coulomb at rest would feel of gravity, wind and centers of force; or a function of the time [s] and
             positions (N, D) [m] that gives vectors (N, D).
-        spacing: between arrows [pixels].
+        spacing: between arrows [pixels], at most 10 000.
         colormap: as in Points; None: all in the color of text.
         top: the value of the longest arrow, above zero; None: what is typical of the frame with the most.
         on: as in Style: whose velocities are shown.
@@ -46,7 +46,7 @@ class Arrows(FieldStyle):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        self._set(spacing=number(self.spacing, "Arrows.spacing", least=6.0))
+        self._set(spacing=number(self.spacing, "Arrows.spacing", least=6.0, most=LONGEST))
 
     def field_painter(self, shown: Field, theme: Theme) -> Painter:
         """The painter of arrows."""

@@ -13,6 +13,9 @@ from physcore.film.styles.base import Painter, Part, Scale, Style, table, typica
 from physcore.film.styles.fields import UNITS, Field, Of, check_field, field
 from physcore.simulation.sources import Source, SourceFrame
 
+LONGEST = 10_000.0
+"""The greatest length and spacing [pixels]: more than crosses any picture."""
+
 
 @dataclass(frozen=True)
 class FieldStyle(Style):

@@ -13,15 +13,13 @@ from physcore.errors import SceneError
 from physcore.film.camera.view import View
 from physcore.film.colors.themes import Theme
 from physcore.film.styles.base import Painter, Part
-from physcore.film.styles.field_style import FieldPainter, FieldStyle
+from physcore.film.styles.field_style import LONGEST, FieldPainter, FieldStyle
 from physcore.film.styles.fields import Field, pattern
 from physcore.scene.bodies import Body
 from physcore.simulation.sources import Source, SourceFrame
 
 STEP = 3.0
 """Length of a step along a streamline [pixels]."""
-LONGEST = 10_000.0
-"""The greatest length [pixels]: more than crosses any picture."""
 LEAST = 0.02
 """Where the field is below this fraction of its top, lines end: it has no direction to speak of."""
 
@@ -35,7 +33,7 @@ class Streamlines(FieldStyle):
 
     Args:
         of: as in Arrows.
-        spacing: between the ends of lines [pixels].
+        spacing: between the ends of lines [pixels], at most 10 000.
         length: of a line [pixels], at most 10 000.
         width: at a line's end [pixels].
         colormap: as in Points; None: all in the color of text.
@@ -55,7 +53,7 @@ class Streamlines(FieldStyle):
     def __post_init__(self) -> None:
         super().__post_init__()
         self._set(
-            spacing=number(self.spacing, "Streamlines.spacing", least=6.0),
+            spacing=number(self.spacing, "Streamlines.spacing", least=6.0, most=LONGEST),
             length=number(self.length, "Streamlines.length", least=2.0 * STEP, most=LONGEST),
             width=number(self.width, "Streamlines.width", above=0.0),
         )

@@ -17,11 +17,11 @@ from physcore.studies.tradeoff import reference, restarts
 from physcore.studies.tradeoff.budget import Budget
 from physcore.studies.tradeoff.chaos import Chaos, twin
 from physcore.studies.tradeoff.experiment import Choice, Experiment
-from physcore.studies.tradeoff.ladder import LEAST, REPEATS, Measurement, StepSizeSeries
 from physcore.studies.tradeoff.methods import SAFETY, halved, largest_step, methods, other_family
 from physcore.studies.tradeoff.reference import Reference
 from physcore.studies.tradeoff.restarts import Windows
 from physcore.studies.tradeoff.result import CERTAIN, Measure, Row
+from physcore.studies.tradeoff.step_sizes import LEAST, REPEATS, Measurement, StepSizeSeries
 
 REFERENCE_SHARE = 0.3
 """How much of the budget the reference may take."""

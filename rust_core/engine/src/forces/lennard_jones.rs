@@ -40,8 +40,10 @@ pub struct LennardJones<T> {
 fn uncut(epsilon: f64, sigma: f64, distance: f64) -> [f64; 3] {
     let six = libm::pow(sigma / distance, 6.0);
     let twelve = six * six;
+    // Coincident particles: ∞, and not ∞ − ∞.
+    let difference = if six.is_finite() { twelve - six } else { six };
     [
-        4.0 * epsilon * (twelve - six),
+        4.0 * epsilon * difference,
         24.0 * epsilon * (2.0 * twelve - six) / distance,
         24.0 * epsilon * (26.0 * twelve - 7.0 * six) / (distance * distance),
     ]

@@ -142,7 +142,7 @@ impl<V: Vector, L: Interaction<V>> Pairs<V, L> {
         let (count, domain) = (self.attributes.len(), self.neighbor_list.neighbors().domain());
         let mut neighbors = Neighbors::new(count, V::DIMENSION, domain, self.law.cutoff(), 0.0)?;
         neighbors.arrange(positions.each_ref().map(Vec::as_slice), at.executor)?;
-        let (order, rulers) = (neighbors.order(), domain.lengths().map(|length| f64::ruler(length, neighbors.support())));
+        let (order, encodings) = (neighbors.order(), domain.lengths().map(|length| f64::encoding(length, neighbors.support())));
         let mut buffers: Vec<_> = (0..BUFFERS).map(|_| (neighbors.listed(), Vec::new())).collect();
         let (mut start, mut stride) = (0, 1);
         while start < count {
@@ -158,7 +158,7 @@ impl<V: Vector, L: Interaction<V>> Pairs<V, L> {
                         let mut separation = DVec3::ZERO;
                         for axis in 0..V::DIMENSION {
                             separation[axis] =
-                                f64::separation::<true, _>(positions[axis][one], positions[axis][other], rulers[axis]);
+                                f64::separation::<true, _>(positions[axis][one], positions[axis][other], encodings[axis]);
                         }
                         pairs.push(([one, other], each([one, other], separation)));
                     }

@@ -28,15 +28,15 @@ pub trait Coordinate: Packed {
     /// Whether differences are those of the nearest images without further computation.
     const WRAPS: bool;
     /// Parameters of the encoding along one axis.
-    type Ruler: Copy + Debug + Send + Sync + 'static;
+    type Encoding: Copy + Debug + Send + Sync + 'static;
 
     /// The encoding for an axis with an optional period, for differences up to `support`.
-    fn ruler(period: Option<f64>, support: f64) -> Self::Ruler;
+    fn encoding(period: Option<f64>, support: f64) -> Self::Encoding;
     /// The code of a coordinate. Its value as a number has no meaning.
-    fn encode(coordinate: f64, ruler: Self::Ruler) -> Self;
+    fn encode(coordinate: f64, encoding: Self::Encoding) -> Self;
     /// The difference of two coordinates, or of the nearest images where the axis is periodic. `PERIODIC` says whether any
     /// axis is.
-    fn separation<const PERIODIC: bool, N: Number<Scalar = Self>>(one: N, other: N, ruler: Self::Ruler) -> N;
+    fn separation<const PERIODIC: bool, N: Number<Scalar = Self>>(one: N, other: N, encoding: Self::Encoding) -> N;
 }
 
 /// The fixed-point encoding of f32.
@@ -50,9 +50,9 @@ pub struct Fixed {
 
 impl Coordinate for f32 {
     const WRAPS: bool = true;
-    type Ruler = Fixed;
+    type Encoding = Fixed;
 
-    fn ruler(period: Option<f64>, support: f64) -> Fixed {
+    fn encoding(period: Option<f64>, support: f64) -> Fixed {
         // A power of two without a period, whose product with a coordinate is exact.
         let modulus = period.map_or_else(
             || libm::ldexp(1.0, libm::ilogb(support) + 4),
@@ -62,13 +62,13 @@ impl Coordinate for f32 {
     }
 
     #[inline(always)]
-    fn encode(coordinate: f64, ruler: Fixed) -> f32 {
-        f32::from_bits((coordinate * ruler.scale).round_ties_even() as i64 as u32)
+    fn encode(coordinate: f64, encoding: Fixed) -> f32 {
+        f32::from_bits((coordinate * encoding.scale).round_ties_even() as i64 as u32)
     }
 
     #[inline(always)]
-    fn separation<const PERIODIC: bool, N: Number<Scalar = f32>>(one: N, other: N, ruler: Fixed) -> N {
-        one.coordinate_difference(other) * N::of(ruler.unit)
+    fn separation<const PERIODIC: bool, N: Number<Scalar = f32>>(one: N, other: N, encoding: Fixed) -> N {
+        one.coordinate_difference(other) * N::of(encoding.unit)
     }
 }
 
@@ -83,9 +83,9 @@ pub struct Image {
 
 impl Coordinate for f64 {
     const WRAPS: bool = false;
-    type Ruler = Image;
+    type Encoding = Image;
 
-    fn ruler(period: Option<f64>, _support: f64) -> Image {
+    fn encoding(period: Option<f64>, _support: f64) -> Image {
         Image { period: period.unwrap_or(0.0), inverse: period.map_or(0.0, |period| 1.0 / period) }
     }
 
@@ -95,12 +95,12 @@ impl Coordinate for f64 {
     }
 
     #[inline(always)]
-    fn separation<const PERIODIC: bool, N: Number<Scalar = f64>>(one: N, other: N, ruler: Image) -> N {
+    fn separation<const PERIODIC: bool, N: Number<Scalar = f64>>(one: N, other: N, encoding: Image) -> N {
         let difference = one.coordinate_difference(other);
         if !PERIODIC {
             return difference;
         }
-        difference - N::of(ruler.period) * nearest(difference * N::of(ruler.inverse))
+        difference - N::of(encoding.period) * nearest(difference * N::of(encoding.inverse))
     }
 }
 
@@ -118,11 +118,12 @@ mod tests {
     #[test]
     fn differences_are_as_good_as_single_precision_however_far_away() {
         for (support, period) in [(1.0, None), (0.3, None), (7e-5, None), (1.0, Some(2.0)), (0.3, Some(2.7)), (0.1, Some(1e4))] {
-            let ruler = f32::ruler(period, support);
+            let encoding = f32::encoding(period, support);
             for start in [0.0, -1e5, 1e5, 123_456.7] {
                 for step in -49..50 {
                     let (one, other) = (start * support, start * support + f64::from(step) * 0.02 * support);
-                    let separation = f32::separation::<true, _>(f32::encode(one, ruler), f32::encode(other, ruler), ruler);
+                    let separation =
+                        f32::separation::<true, _>(f32::encode(one, encoding), f32::encode(other, encoding), encoding);
                     assert!(
                         (f64::from(separation) - (one - other)).abs() <= tolerance(one - other, support, period),
                         "{separation} {one} {other}"
@@ -135,7 +136,7 @@ mod tests {
     #[test]
     fn the_nearest_image_is_found_in_any_period() {
         let (period, support) = (2.7, 0.3);
-        let (single, double) = (f32::ruler(Some(period), support), f64::ruler(Some(period), support));
+        let (single, double) = (f32::encoding(Some(period), support), f64::encoding(Some(period), support));
         for turns in -1000..1000 {
             let (one, other) = (0.1, -0.15 + f64::from(turns) * period);
             let separation = f32::separation::<true, _>(f32::encode(one, single), f32::encode(other, single), single);

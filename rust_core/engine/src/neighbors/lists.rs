@@ -203,12 +203,12 @@ fn add_group<I: Isa, const DIMENSION: usize, const PERIODIC: bool>(
     point: [f64; AXES],
     segment: &mut Selection,
 ) {
-    let Metric { rulers, square: limit, .. } = candidates.metric;
+    let Metric { encodings, square: limit, .. } = candidates.metric;
     let mut squares = [0.0; LANES];
     for axis in 0..DIMENSION {
         let others = &candidates.columns[axis][first..first + LANES];
         for lane in 0..LANES {
-            let separation = f64::separation::<PERIODIC, _>(point[axis], others[lane], rulers[axis]);
+            let separation = f64::separation::<PERIODIC, _>(point[axis], others[lane], encodings[axis]);
             squares[lane] += separation * separation;
         }
     }

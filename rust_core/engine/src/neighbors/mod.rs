@@ -41,7 +41,7 @@ pub(crate) const BLOCK: usize = 1024;
 /// The metric of distances.
 #[derive(Debug, Clone, Copy)]
 struct Metric {
-    rulers: [<f64 as Coordinate>::Ruler; AXES],
+    encodings: [<f64 as Coordinate>::Encoding; AXES],
     periodic: bool,
     /// The square of the largest listed distance [m²].
     square: f64,
@@ -102,14 +102,14 @@ impl Neighbors {
         let support = cutoff + skin;
         domain.check(cutoff, support)?;
         let columns = |length: usize| std::array::from_fn(|axis| vec![0.0; if axis < dimension { length } else { 0 }]);
-        let rulers = domain.lengths().map(|length| f64::ruler(length, support));
+        let encodings = domain.lengths().map(|length| f64::encoding(length, support));
         Ok(Self {
             count,
             dimension,
             domain,
             cutoff,
             skin,
-            metric: Metric { rulers, periodic: domain.is_periodic(), square: support * support },
+            metric: Metric { encodings, periodic: domain.is_periodic(), square: support * support },
             grid: Grid::NONE,
             sort: Sort::new(count),
             lists: Lists::new(count),
@@ -190,10 +190,10 @@ impl Neighbors {
     /// [m].
     pub fn separation(&self, slot: usize) -> impl Iterator<Item = DVec3> {
         let point = |slot: usize| std::array::from_fn(|axis| self.sorted[axis].get(slot).copied().unwrap_or(0.0));
-        let (own, rulers): ([f64; AXES], _) = (point(slot), self.metric.rulers);
+        let (own, encodings): ([f64; AXES], _) = (point(slot), self.metric.encodings);
         self.of(slot).iter().map(move |&other| {
             let other = point(other as usize);
-            DVec3::from_array(std::array::from_fn(|axis| f64::separation::<true, _>(own[axis], other[axis], rulers[axis])))
+            DVec3::from_array(std::array::from_fn(|axis| f64::separation::<true, _>(own[axis], other[axis], encodings[axis])))
         })
     }
 

@@ -44,7 +44,7 @@ pub trait PairLaw<V: Vector, const SUMS: usize>: Copy + Sync {
 pub struct Records<V: Vector> {
     /// One per slot, and a group of lanes as padding.
     words: Table<V::Scalar>,
-    rulers: [<V::Scalar as Coordinate>::Ruler; AXES],
+    encodings: [<V::Scalar as Coordinate>::Encoding; AXES],
     periodic: bool,
 }
 
@@ -53,7 +53,7 @@ impl<V: Vector> Records<V> {
     pub fn new(neighbors: &Neighbors) -> Self {
         Self {
             words: Table::zeros(neighbors.count() + LANES),
-            rulers: neighbors.domain().lengths().map(|length| V::Scalar::ruler(length, neighbors.support())),
+            encodings: neighbors.domain().lengths().map(|length| V::Scalar::encoding(length, neighbors.support())),
             periodic: neighbors.domain().is_periodic(),
         }
     }
@@ -72,10 +72,10 @@ impl<V: Vector> Records<V> {
         executor: &Executor,
         each: &(impl Fn(usize, &mut Record<V::Scalar>) + Sync),
     ) {
-        let (order, rulers) = (neighbors.order(), self.rulers);
+        let (order, encodings) = (neighbors.order(), self.encodings);
         executor.for_each_block(BlockedSlice::new(&mut self.words[..neighbors.count()], BLOCK), &|mine| {
             let order = &order[mine.start..];
-            dispatch(Fill::<V, _> { records: mine.items, order, positions, rulers, each });
+            dispatch(Fill::<V, _> { records: mine.items, order, positions, encodings, each });
         });
     }
 
@@ -127,7 +127,7 @@ struct Fill<'a, V: Vector, F> {
     records: &'a mut [Record<V::Scalar>],
     order: &'a [u32],
     positions: [&'a [f64]; AXES],
-    rulers: [<V::Scalar as Coordinate>::Ruler; AXES],
+    encodings: [<V::Scalar as Coordinate>::Encoding; AXES],
     each: &'a F,
 }
 
@@ -140,7 +140,7 @@ impl<V: Vector, F: Fn(usize, &mut Record<V::Scalar>)> Kernel for Fill<'_, V, F> 
             *words = [V::Scalar::ZERO; WORDS];
             (self.each)(particle as usize, words);
             for axis in 0..V::DIMENSION {
-                words[axis] = V::Scalar::encode(self.positions[axis][particle as usize], self.rulers[axis]);
+                words[axis] = V::Scalar::encode(self.positions[axis][particle as usize], self.encodings[axis]);
             }
         }
     }
@@ -215,7 +215,7 @@ fn sum_over_list<V: Vector, L: PairLaw<V, SUMS>, P: Pack<Scalar = V::Scalar>, co
         for group in groups.clone() {
             if left > first {
                 let other = P::transpose(&records.words, group, first);
-                let terms = law.terms(&pair::<V, P, PERIODIC>(own, other, &records.rulers, left, first));
+                let terms = law.terms(&pair::<V, P, PERIODIC>(own, other, &records.encodings, left, first));
                 for sum in 0..SUMS {
                     sums[sum] += terms[sum];
                 }
@@ -247,13 +247,13 @@ where
 fn pair<V: Vector, P: Pack<Scalar = V::Scalar>, const PERIODIC: bool>(
     own: Record<P>,
     other: Record<P>,
-    rulers: &[<V::Scalar as Coordinate>::Ruler; AXES],
+    encodings: &[<V::Scalar as Coordinate>::Encoding; AXES],
     number: usize,
     first: usize,
 ) -> Pair<P> {
     let mut separation = [P::constant(0.0); AXES];
     for axis in 0..V::DIMENSION {
-        separation[axis] = V::Scalar::separation::<PERIODIC, P>(own[axis], other[axis], rulers[axis]);
+        separation[axis] = V::Scalar::separation::<PERIODIC, P>(own[axis], other[axis], encodings[axis]);
     }
     let mut square = separation[0] * separation[0];
     for axis in 1..V::DIMENSION {

@@ -121,7 +121,7 @@ fn dot<V: Vector, N: Number<Scalar = V::Scalar>>(one: &Triple<V::Scalar>, other:
 }
 
 /// A pair law with its treatment of image pressures; the default is that of a law without pressure.
-pub trait Pressed<V: Vector, const SUMS: usize> {
+pub trait ImagePressure<V: Vector, const SUMS: usize> {
     /// Rest density of the other particle [kg/m³].
     #[inline(always)]
     fn density<N: Number<Scalar = V::Scalar>>(&self, _other: &Record<N>) -> N {
@@ -130,14 +130,14 @@ pub trait Pressed<V: Vector, const SUMS: usize> {
 
     /// The second word of an image's record: that of the original plus the hydrostatic difference.
     #[inline(always)]
-    fn raised<N: Number<Scalar = V::Scalar>>(&self, content: N, by: N) -> N {
+    fn image_pressure<N: Number<Scalar = V::Scalar>>(&self, content: N, by: N) -> N {
         content + by
     }
 
     /// Correction of the sums for an image with its pressure raised `by` this amount: that of the powers, because a wall
     /// takes none.
     #[inline(always)]
-    fn lift<N: Number<Scalar = V::Scalar>>(&self, _pair: &Pair<N>, _by: N) -> [N; SUMS] {
+    fn power_correction<N: Number<Scalar = V::Scalar>>(&self, _pair: &Pair<N>, _by: N) -> [N; SUMS] {
         [N::constant(0.0); SUMS]
     }
 }
@@ -156,7 +156,7 @@ impl<T: Real, L> Mirrored<T, L> {
     }
 }
 
-impl<V: Vector, L: PairLaw<V, SUMS> + Pressed<V, SUMS>, const SUMS: usize> PairLaw<V, SUMS> for Mirrored<V::Scalar, L> {
+impl<V: Vector, L: PairLaw<V, SUMS> + ImagePressure<V, SUMS>, const SUMS: usize> PairLaw<V, SUMS> for Mirrored<V::Scalar, L> {
     #[inline(always)]
     fn for_particle(self, own: &Record<V::Scalar>) -> Self {
         Self { law: self.law.for_particle(own), ..self }
@@ -181,8 +181,8 @@ impl<V: Vector, L: PairLaw<V, SUMS> + Pressed<V, SUMS>, const SUMS: usize> PairL
         }
         let content = other[2 * V::DIMENSION + 1];
         let by = self.law.density(other) * (dot::<V, N>(&rise.0, separation) + N::of(rise.1));
-        let raised = self.law.raised(content, by);
-        image[2 * V::DIMENSION + 1] = raised;
+        let pressure = self.law.image_pressure(content, by);
+        image[2 * V::DIMENSION + 1] = pressure;
         let infinity = N::of(V::Scalar::INFINITY);
         let mut counts = square.less(infinity);
         for (normal, distance) in depths {
@@ -190,9 +190,9 @@ impl<V: Vector, L: PairLaw<V, SUMS> + Pressed<V, SUMS>, const SUMS: usize> PairL
         }
         let image = Pair { own: *own, other: image, separation: from_image, square: N::select(counts, far, infinity) };
         let mut terms = self.law.terms(&image);
-        let lift = self.law.lift(&image, raised - content);
+        let correction = self.law.power_correction(&image, pressure - content);
         for sum in 0..SUMS {
-            terms[sum] += lift[sum];
+            terms[sum] += correction[sum];
         }
         terms
     }

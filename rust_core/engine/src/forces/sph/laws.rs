@@ -16,7 +16,7 @@
 //! With several materials (`MIXED`), ρ₀, α and μ are those of the pair, there is no diffusion between materials, and
 //! obstacles do not interact with each other. The material of a particle is the tag of its volume.
 
-use super::images::Pressed;
+use super::images::ImagePressure;
 use super::kernel::{Kernel, Shape};
 use crate::math::{AXES, Real, Vector};
 use crate::neighbors::sums::{Pair, PairLaw};
@@ -116,7 +116,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> PairLaw<V, 2> for Continuity<V::Sca
 }
 
 /// Diffusion does not act on the hydrostatic part of the density.
-impl<V: Vector, K: Shape, const MIXED: bool> Pressed<V, 2> for Continuity<V::Scalar, K, MIXED> {
+impl<V: Vector, K: Shape, const MIXED: bool> ImagePressure<V, 2> for Continuity<V::Scalar, K, MIXED> {
     #[inline(always)]
     fn density<N: Number<Scalar = V::Scalar>>(&self, other: &Record<N>) -> N {
         pick::<N, MIXED>(volume::<V, N>(other), &self.density)
@@ -214,7 +214,7 @@ impl<T: Real, K: Shape, const MIXED: bool> Momentum<T, K, MIXED> {
     }
 }
 
-impl<V: Vector, K: Shape, const MIXED: bool> Pressed<V, FORCES> for Momentum<V::Scalar, K, MIXED> {
+impl<V: Vector, K: Shape, const MIXED: bool> ImagePressure<V, FORCES> for Momentum<V::Scalar, K, MIXED> {
     #[inline(always)]
     fn density<N: Number<Scalar = V::Scalar>>(&self, other: &Record<N>) -> N {
         pick::<N, MIXED>(volume::<V, N>(other), &self.density)
@@ -222,14 +222,14 @@ impl<V: Vector, K: Shape, const MIXED: bool> Pressed<V, FORCES> for Momentum<V::
 
     /// A hydrostatic difference at a ceiling makes no suction, which would hold a drop.
     #[inline(always)]
-    fn raised<N: Number<Scalar = V::Scalar>>(&self, content: N, by: N) -> N {
+    fn image_pressure<N: Number<Scalar = V::Scalar>>(&self, content: N, by: N) -> N {
         let least = content.min(N::constant(0.0));
-        let raised = content + by;
-        N::select(N::constant(0.0).less(by), raised, raised.max(least))
+        let pressure = content + by;
+        N::select(N::constant(0.0).less(by), pressure, pressure.max(least))
     }
 
     #[inline(always)]
-    fn lift<N: Number<Scalar = V::Scalar>>(&self, pair: &Pair<N>, by: N) -> [N; FORCES] {
+    fn power_correction<N: Number<Scalar = V::Scalar>>(&self, pair: &Pair<N>, by: N) -> [N; FORCES] {
         let Pair { own, separation, .. } = pair;
         let weight = self.weight::<V, N>(pair);
         let Viscous { squeeze, shear, approach } = self.viscous::<V, N>(pair, weight);
@@ -262,7 +262,7 @@ impl<V: Vector, K: Shape> PairLaw<V, 1> for NumberDensity<V::Scalar, K> {
     }
 }
 
-impl<V: Vector, K: Shape> Pressed<V, 1> for NumberDensity<V::Scalar, K> {}
+impl<V: Vector, K: Shape> ImagePressure<V, 1> for NumberDensity<V::Scalar, K> {}
 
 /// Kernel gradient sums: Σ Vⱼ ∇W along each axis [1/m], 0 inside the fluid and largest at a free surface; and Σ Vⱼ |∇W|
 /// [1/m], which grows with compression.
@@ -289,7 +289,7 @@ impl<V: Vector, K: Shape> PairLaw<V, GRADIENT_SUMS> for KernelGradientSum<V::Sca
     }
 }
 
-impl<V: Vector, K: Shape> Pressed<V, GRADIENT_SUMS> for KernelGradientSum<V::Scalar, K> {}
+impl<V: Vector, K: Shape> ImagePressure<V, GRADIENT_SUMS> for KernelGradientSum<V::Scalar, K> {}
 
 /// Pressure extrapolated to an obstacle from the fluid, with the hydrostatic difference: Σ [pⱼ + ρ₀ g·d] W and Σ W, of S.
 /// Adami, X. Y. Hu and N. A. Adams, J. Comput. Phys. 231 (2012) 7057, without acceleration of the obstacle.

@@ -28,7 +28,7 @@
 
 use glam::DVec3;
 
-use super::images::{Pressed, WallCondition};
+use super::images::{ImagePressure, WallCondition};
 use super::kernel::{Kernel, Shape};
 use super::laws::{approach, volume};
 use super::start::Material;
@@ -87,7 +87,7 @@ impl<V: Vector, K: Shape> PairLaw<V, SUMS> for ShiftingSum<V::Scalar, K> {
     }
 }
 
-impl<V: Vector, K: Shape> Pressed<V, SUMS> for ShiftingSum<V::Scalar, K> {}
+impl<V: Vector, K: Shape> ImagePressure<V, SUMS> for ShiftingSum<V::Scalar, K> {}
 
 /// The shifting of a scene's fluids.
 pub struct Shifting<V: Vector, K> {

@@ -1,5 +1,7 @@
 //! Fluid parameters that follow from the scene: gravity, the speed of sound, walls, and the initial density.
 
+use std::collections::BTreeMap;
+
 use glam::DVec3;
 
 use super::laws::{KINDS, OBSTACLE};
@@ -310,24 +312,37 @@ fn hit(wall: &Wall, x: DVec3, direction: DVec3) -> Option<f64> {
     (distance > 0.0 && distance.is_finite()).then_some(distance)
 }
 
+/// A layer of fluid particles one spacing high.
+#[derive(Debug, Clone, Copy, Default)]
+struct Layer {
+    /// Their mean density [kg/m³].
+    density: f64,
+    number: f64,
+    /// Mass per area of the layers above [kg/m²].
+    above: f64,
+}
+
 /// Hydrostatic pressure of fluid particles [Pa]: the weight of the column above. Each head is a depth [m] with the density
-/// there. Empty parts of the column have no weight.
+/// there. Empty parts of the column have no weight, and take no memory, however high it is.
 pub fn pressures(heads: &[(f64, f64)], spacing: f64, gravity: f64) -> Vec<f64> {
     let top = heads.iter().map(|&(head, _)| head).fold(f64::INFINITY, f64::min) - 0.5 * spacing;
     let layer = |head: f64| ((head - top) / spacing) as usize;
-    let layers = heads.iter().map(|&(head, _)| layer(head) + 1).max().unwrap_or(0);
-    let mut sums = vec![(0.0, 0.0); layers];
+    let mut layers: BTreeMap<usize, Layer> = BTreeMap::new();
     for &(head, density) in heads {
-        let (sum, number) = &mut sums[layer(head)];
-        *sum += density;
-        *number += 1.0;
+        let layer = layers.entry(layer(head)).or_default();
+        layer.density += density;
+        layer.number += 1.0;
     }
-    let mean = |layer: usize| if sums[layer].1 > 0.0 { sums[layer].0 / sums[layer].1 } else { 0.0 };
-    let mut above = vec![0.0; layers];
-    (1..layers).for_each(|layer| above[layer] = above[layer - 1] + mean(layer - 1) * spacing);
+    let mut above = 0.0;
+    for layer in layers.values_mut() {
+        layer.density /= layer.number;
+        layer.above = above;
+        above += layer.density * spacing;
+    }
     let pressure = |head: f64| {
-        let layer = layer(head);
-        gravity * (above[layer] + mean(layer) * (head - top - layer as f64 * spacing))
+        let index = layer(head);
+        let Layer { density, above, .. } = layers[&index];
+        gravity * (above + density * (head - top - index as f64 * spacing))
     };
     heads.iter().map(|&(head, _)| pressure(head)).collect()
 }
@@ -346,5 +361,14 @@ mod tests {
             let expected = 10.0 * if head < 0.5 { 800.0 * head } else { 400.0 + 1000.0 * (head - 0.5) };
             assert!((pressure - expected).abs() < 1e-9 * expected, "{head} {pressure} {expected}");
         }
+    }
+
+    #[test]
+    fn a_column_with_a_gap_takes_memory_for_its_particles_alone() {
+        // A layer of 1e-9 m, and 1e15 empty ones below it.
+        let found = pressures(&[(0.0, 1000.0), (1e6, 1000.0)], 1e-9, 10.0);
+        let expected = [10.0 * 1000.0 * 0.5e-9, 10.0 * 1000.0 * 1.5e-9];
+        // Depths of 1e6 m have a rounding of 1e-10 m.
+        assert!(found.iter().zip(expected).all(|(found, expected)| (found - expected).abs() < 1e4 * 1e-9), "{found:?}");
     }
 }

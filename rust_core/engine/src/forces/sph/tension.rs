@@ -22,7 +22,7 @@
 
 use glam::DVec3;
 
-use super::images::{Pressed, WallCondition};
+use super::images::{ImagePressure, WallCondition};
 use super::kernel::{self, Kernel, Shape, Wave};
 use super::laws::{KINDS, OBSTACLE, content, pick, volume};
 use super::start::{Material, Materials};
@@ -118,7 +118,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> PairLaw<V, COLOR_SUMS> for ColorFie
     }
 }
 
-impl<V: Vector, K: Shape, const MIXED: bool> Pressed<V, COLOR_SUMS> for ColorField<V::Scalar, K, MIXED> {}
+impl<V: Vector, K: Shape, const MIXED: bool> ImagePressure<V, COLOR_SUMS> for ColorField<V::Scalar, K, MIXED> {}
 
 /// Force density [N/m^D], from records of b and a.
 #[derive(Debug, Clone, Copy)]
@@ -150,7 +150,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> PairLaw<V, AXES> for TensionForce<V
     }
 }
 
-impl<V: Vector, K: Shape, const MIXED: bool> Pressed<V, AXES> for TensionForce<V::Scalar, K, MIXED> {}
+impl<V: Vector, K: Shape, const MIXED: bool> ImagePressure<V, AXES> for TensionForce<V::Scalar, K, MIXED> {}
 
 /// The surface tension of the fluids of a scene.
 pub struct Tension<V: Vector, K, const MIXED: bool> {

@@ -8,7 +8,7 @@
 use glam::DVec3;
 
 use super::BLOCK;
-use super::images::{Image, Mirror, Mirrored, Pressed, WallCondition};
+use super::images::{Image, ImagePressure, Mirror, Mirrored, WallCondition};
 use crate::boundaries::Wall;
 use crate::forces::neighbor_list::NeighborList;
 use crate::math::{AXES, Vector};
@@ -111,7 +111,7 @@ impl Walls {
     }
 
     /// Adds the sums of a pair law over the images.
-    pub fn add<V: Vector, L: PairLaw<V, SUMS> + Pressed<V, SUMS>, const SUMS: usize>(
+    pub fn add<V: Vector, L: PairLaw<V, SUMS> + ImagePressure<V, SUMS>, const SUMS: usize>(
         &self,
         law: L,
         condition: &WallCondition,

@@ -327,7 +327,7 @@ impl<V: Vector> System for MatterSystem<V> {
         );
         let error = Error::parameter("scene", "an energy that is finite", found);
         Err(match self.coincident() {
-            Some([one, other]) => error.with_hint(format!("particles {one} and {other} are at the same place")),
+            Some([one, other]) => error.with_hint(format!("particles {one} and {other} coincide")),
             None => error.with_hint("particles too fast, too heavy or too close to each other"),
         })
     }
