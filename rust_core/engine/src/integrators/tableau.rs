@@ -171,6 +171,7 @@ impl<S: Tableau> Layout for S {}
 /// Σ (h wⱼ) aⱼ over the weights that are not 0, if there are any, of the first `known` accelerations, those of equal weights in a
 /// row added first. It is written out, as [`super::for_each_stage`] is.
 #[inline(always)]
+#[allow(unused_assignments, reason = "the last pass of a loop that is written out")]
 fn sum<T: Real>(weights: &[f64; MOST], accelerations: &[T; MOST], known: usize, h: T) -> Option<T> {
     let (mut sum, mut equal) = (None, None);
     macro_rules! add {
