@@ -96,7 +96,7 @@ def test_the_energy_of_a_counted_density_is_that_of_the_end_of_the_step(integrat
 @pytest.mark.parametrize("integrator", OTHERS, ids=name)
 def test_others_are_refused_with_the_reason(integrator):
     backwards = isinstance(integrator, pc.PEFRL | pc.BlanesMoan4 | pc.BlanesMoan6)
-    reason = "substeps run backwards" if backwards else "density and velocity take turns"
+    reason = "substeps run backwards" if backwards else "density is advanced over the drifts"
     fit = r"SemiImplicitEuler\(\), VelocityVerlet\(\), McLachlan2\(\)"
     with pytest.raises(pc.SceneError, match=rf"integrator: .*{fit}.*{name(integrator)}.*{reason}"):
         vortices(integrator)

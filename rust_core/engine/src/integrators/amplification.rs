@@ -1,6 +1,6 @@
 //! The stability limit of an integrator as its own code steps, for those whose limit has no closed form.
 //!
-//! On x'' = −ω²x − 2ξωx' a step maps (x, v, a) linearly, where a is the carried acceleration: a 3 × 3 amplification matrix,
+//! On x'' = −ω²x − 2ξωx' a step maps (x, v, a) linearly, where a is the persistent acceleration: a 3 × 3 amplification matrix,
 //! which running the step on the unit vectors fills. The step is stable where no eigenvalue lies outside the unit circle.
 //! The eigenvalues themselves would be a poor test: where two meet, as at ωh = 0 and at the limit of every symplectic
 //! method, a rounding error ε moves them by √ε. Jury's conditions on the characteristic polynomial are smooth instead.
@@ -15,7 +15,7 @@ pub const STEEPEST: f64 = 1e6;
 /// One step over h = 1 with ωh = `step`, as a matrix that acts on (x, v, a). Where x stands for a field that is advanced over
 /// the drifts, it decays besides: x ← x + h v − `decay` x over a whole h.
 pub fn matrix<I: Integrator>(step: f64, damping_ratio: f64, decay: f64) -> [[f64; 3]; 3] {
-    const { assert!(I::PERSISTENT <= 1, "the matrix has one row for what is carried") };
+    const { assert!(I::PERSISTENT <= 1, "the matrix has one row for a register") };
     let (stiffness, damping) = (step * step, 2.0 * damping_ratio * step);
     let drifts = I::DRIFT_KICK.map_or(&[][..], |drift_kick| drift_kick.drifts);
     let lost = |drift: usize, x: f64| drifts.get(drift).map_or(0.0, |part| decay * part * x);

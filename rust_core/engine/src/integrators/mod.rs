@@ -1,5 +1,5 @@
-//! Integrators, one file each. To add one: write its file, and add its line to [`with_integrator`]. Drifts and kicks in turn
-//! are a [`Splitting`], which needs nothing but its coefficients.
+//! Integrators, one file each. To add one: write its file, and add its line to [`with_integrator`]. Alternating
+//! drifts and kicks are a [`Splitting`], explicit Runge–Kutta methods have a [`Tableau`]: either is nothing but coefficients.
 //!
 //! An integrator treats every component of every particle alike, so it is written for one number x with its velocity v.
 //! A step is a sequence of stages: [`Integrator::stage_state`] moves x and v to where the forces are wanted, and
@@ -22,6 +22,7 @@ mod pefrl;
 mod runge_kutta_4;
 mod semi_implicit_euler;
 mod splitting;
+mod tableau;
 mod velocity_verlet;
 
 pub use blanes_moan_4::BlanesMoan4;
@@ -34,6 +35,7 @@ pub use pefrl::Pefrl;
 pub use runge_kutta_4::RungeKutta4;
 pub use semi_implicit_euler::SemiImplicitEuler;
 pub use splitting::Splitting;
+pub use tableau::{RungeKutta, Tableau};
 pub use velocity_verlet::VelocityVerlet;
 
 /// One component of one particle, on its way through a step.
@@ -43,27 +45,27 @@ pub struct Component<T> {
     pub x: T,
     /// Velocity, likewise.
     pub v: T,
-    /// What is kept between the stages and, the first [`Integrator::PERSISTENT`] of them, from step to step.
+    /// Registers: kept between the stages and, the first [`Integrator::PERSISTENT`] of them, from step to step.
     pub registers: [T; REGISTERS],
 }
 
 impl<T: Real> Component<T> {
-    /// At a step's start, with the first of what is carried.
-    pub fn new(x: T, v: T, carried: T) -> Self {
+    /// The component at a step's start, with its first register, where that persists.
+    pub fn new(x: T, v: T, persistent: T) -> Self {
         let mut registers = [T::ZERO; REGISTERS];
-        registers[0] = carried;
+        registers[0] = persistent;
         Self { x, v, registers }
     }
 }
 
-/// How drifts and kicks take turns in a step that consists of them. A field that changes with the motion takes turns with
-/// velocity as position does: it is advanced over each drift.
+/// The drifts and kicks of a step that consists of them. A field that changes with the motion is advanced over each drift, as
+/// position is.
 #[derive(Debug, Clone, Copy)]
 pub struct DriftKick {
     /// The drifts, in units of h: the one that leads to each stage, 0 where there is none, and maybe one after the last stage,
     /// with the velocity of the step's end.
     pub drifts: &'static [f64],
-    /// Which memory holds, when a stage asks for the forces, the velocity of the drift that led there.
+    /// The register that holds, when a stage asks for the forces, the velocity of the drift that led there.
     pub velocity: usize,
 }
 
@@ -75,28 +77,28 @@ pub trait Integrator: Sized + Send + Sync + 'static {
     const ORDER: u32;
     /// The order with dissipation.
     const ORDER_DISSIPATIVE: u32;
-    /// Where in the step each stage asks for the forces, as fractions of h. Their number is that of the evaluations.
+    /// The nodes cᵢ: the times in the step of the evaluations, one per stage, in units of h.
     const NODES: &'static [f64];
-    /// The weights with which the powers at the stages are integrated over the step.
+    /// The weights bᵢ with which the powers at the stages are integrated over the step.
     const WEIGHTS: &'static [f64];
     /// The weight of the power at the last stage of the step before, where the method reuses that evaluation.
     const LAST_WEIGHT: f64 = 0.0;
-    /// How many of the registers' memories it uses.
+    /// The number of registers in use.
     const REGISTERS: usize = 0;
-    /// How many of those it carries from one step to the next.
+    /// The number of those that persist from one step to the next.
     const PERSISTENT: usize = 0;
-    /// Which of those holds a position, if one does.
+    /// The one of those that holds a position, if one does.
     const POSITION_REGISTER: Option<usize> = None;
     /// Whether its last evaluation is that of the step's end, with which the next step begins.
     const ENDS_WITH_FORCES: bool = Self::LAST_WEIGHT != 0.0;
     /// Its drifts, if a step consists of drifts and kicks.
     const DRIFT_KICK: Option<DriftKick> = None;
-    /// How many of those can be read after a step: what it carries, and after that what it estimates.
+    /// The number of those that can be read after a step: first the persistent ones, then the estimates.
     const READABLE: usize = Self::PERSISTENT;
-    /// Which of those hold the estimated errors of x and v, where a method of the order below is embedded in it.
+    /// The ones of those that hold the estimated errors of x and v, where a method of the order below is embedded.
     const ERROR: Option<[usize; 2]> = None;
-    /// What remains of the limit where stiffness and damping couple the modes; 1 where it holds mode by mode, as
-    /// [`crate::stability`] explains.
+    /// The limit where stiffness and damping couple the modes, in units of the limit of one mode, as [`crate::stability`]
+    /// explains.
     const COUPLED: f64 = 1.0;
 
     /// The largest stable ω·h on x'' = −ω²x − 2ξωx' for the damping ratio ξ; 0 where no step is stable.
@@ -114,15 +116,15 @@ pub trait Integrator: Sized + Send + Sync + 'static {
         [frequency, damping]
     }
 
-    /// Whether the positions of the step's end stand when its only evaluation is asked for, on the parabola of the carried
+    /// Whether the positions of the step's end stand when its only evaluation is asked for, on the parabola of the persistent
     /// acceleration. Contacts are then resolved on that parabola, before the evaluation.
     const DRIFTS_FIRST: bool = false;
 
     /// Goes on from a velocity, at the end of that parabola, that a contact may have changed.
-    fn correct_velocity<T: Real>(_register: &mut Component<T>, _h: T) {}
+    fn correct_velocity<T: Real>(_component: &mut Component<T>, _h: T) {}
 
-    /// Fills the carried memory from the acceleration `a` at the initial state.
-    fn begin<T: Real>(_register: &mut Component<T>, _a: T) {}
+    /// Sets the persistent register from the acceleration `a` at the initial state.
+    fn begin<T: Real>(_component: &mut Component<T>, _a: T) {}
 
     /// Moves to where stage `stage` asks for the forces.
     fn stage_state<T: Real>(stage: usize, component: &mut Component<T>, h: T);
@@ -134,13 +136,29 @@ pub trait Integrator: Sized + Send + Sync + 'static {
 /// Why a field that diffuses cannot be advanced over the drifts of an integrator, if it cannot.
 pub fn refuses_fields<I: Integrator>() -> Option<&'static str> {
     match I::DRIFT_KICK {
-        None => Some("density and velocity take turns, in drifts and kicks, and it takes both at one moment"),
+        None => Some("density is advanced over the drifts between kicks, and its steps are not made of these"),
         Some(drift_kick) if drift_kick.drifts.iter().chain(I::WEIGHTS).any(|&part| part < 0.0) => {
             Some("some of its substeps run backwards, where diffusion and viscosity would roughen what they have to even out")
         }
         Some(_) => None,
     }
 }
+
+/// Evaluates `$body` for each stage of `$I`, with its index as a constant. It is written out, because a loop that the compiler
+/// does not unroll is not vectorized, and that of a method of many stages is not unrolled.
+macro_rules! for_each_stage {
+    ($I:ty, $stage:ident => $body:block) => {
+        $crate::integrators::for_each_stage!(@ $I, $stage, $body; 0 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15)
+    };
+    (@ $I:ty, $stage:ident, $body:block; $($index:literal)*) => {
+        const { assert!(<$I as $crate::integrators::Integrator>::NODES.len() <= 16, "more stages than are written out") };
+        $(if const { $index < <$I as $crate::integrators::Integrator>::NODES.len() } {
+            let $stage: usize = $index;
+            $body
+        })*
+    };
+}
+pub(crate) use for_each_stage;
 
 /// The registry: binds `$I` to the integrator called `$name` and evaluates `$body`, or `$otherwise` if there is none; or
 /// evaluates `$body` for each.

@@ -15,7 +15,7 @@ impl Integrator for SemiImplicitEuler {
     const ORDER_DISSIPATIVE: u32 = 1;
     const NODES: &'static [f64] = &[0.0];
     const WEIGHTS: &'static [f64] = &[1.0];
-    /// The velocity of its drift is that of the step's end, and no memory holds it.
+    /// The velocity of its drift is that of the step's end, which no register holds.
     const DRIFT_KICK: Option<DriftKick> = Some(DriftKick { drifts: &[0.0, 1.0], velocity: 0 });
 
     /// With y = ωh the step maps (x, hv) by a matrix of trace 2 − 2ξy − y² and determinant 1 − 2ξy. A real quadratic
@@ -37,7 +37,7 @@ impl Integrator for SemiImplicitEuler {
     }
 
     #[inline(always)]
-    fn stage_state<T: Real>(_stage: usize, _register: &mut Component<T>, _h: T) {}
+    fn stage_state<T: Real>(_stage: usize, _component: &mut Component<T>, _h: T) {}
 
     #[inline(always)]
     fn stage_update<T: Real>(_stage: usize, component: &mut Component<T>, a: T, h: T) {

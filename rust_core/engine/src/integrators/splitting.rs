@@ -1,8 +1,8 @@
-//! Splittings: drifts x ← x + aᵢ h v and kicks v ← v + bᵢ h a(x) in turn, symplectic, and reversible where the same
+//! Splittings: alternating drifts x ← x + aᵢ h v and kicks v ← v + bᵢ h a(x), symplectic, and reversible where the same
 //! backwards.
 //!
 //! A list with one drift more than kicks begins and ends with a drift. One with a kick more begins with a kick by the
-//! acceleration that ended the step before, which is carried, so that it takes no evaluation more than it has drifts.
+//! acceleration that ended the step before, which persists, so that it takes no evaluation more than it has drifts.
 //!
 //! Forces that depend on velocity are taken at the velocity predicted for the middle of each kick, v + bᵢh/2 a with the
 //! last acceleration that was evaluated; the kicks that end a step and begin the next are one with the step's end in its

@@ -120,14 +120,4 @@ impl<T: Real, const W: usize> ComponentGroup<T, W> {
             self.set(lane, &component);
         }
     }
-
-    /// Applies `change` to every lane's component.
-    #[inline(always)]
-    pub fn each(&mut self, change: impl Fn(&mut Component<T>, usize)) {
-        for lane in 0..W {
-            let mut component = self.lane(lane);
-            change(&mut component, lane);
-            self.set(lane, &component);
-        }
-    }
 }

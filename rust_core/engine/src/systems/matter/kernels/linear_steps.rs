@@ -6,7 +6,7 @@ use super::axis_force::{AxisForce, Uniform, supplies};
 use super::components::{Axes, Axis, ComponentGroup, split};
 use super::power::{add_power, integrate, reuses_one_of_many};
 use crate::forces::linear::AxisLaw;
-use crate::integrators::{Component, Integrator};
+use crate::integrators::{Component, Integrator, for_each_stage};
 use crate::math::{Real, Vector};
 use crate::matter::{Blocks, EnergySink, EnergyTally, Power, SINKS};
 use crate::simd::{Kernel, LANES, dispatch};
@@ -134,7 +134,7 @@ fn one_step<T: Real, I: Integrator, L: AxisForce<T>>(
 ) -> ((T, T), (T, T)) {
     let (mut drag, mut work) = (T::ZERO, T::ZERO);
     let mut last = (T::ZERO, T::ZERO);
-    for stage in 0..I::NODES.len() {
+    for_each_stage!(I, stage => {
         I::stage_state(stage, component, h);
         let (dissipated, supplied) = law.power(coefficients, lane, component.v);
         // A single stage's weight is left to `integrate`: it would cost a multiplication per lane.
@@ -144,6 +144,6 @@ fn one_step<T: Real, I: Integrator, L: AxisForce<T>>(
         last = (dissipated, supplied);
         let a = law.acceleration(coefficients, lane, component.x, component.v);
         I::stage_update(stage, component, a, h);
-    }
+    });
     ((drag, work), last)
 }

@@ -4,7 +4,7 @@ use std::marker::PhantomData;
 
 use super::components::{ComponentGroup, columns};
 use crate::forces::{ForceField, InverseSquare};
-use crate::integrators::{Component, Integrator};
+use crate::integrators::{Component, Integrator, for_each_stage};
 use crate::math::{Real, Vector};
 use crate::matter::Blocks;
 use crate::simd::{Kernel, dispatch};
@@ -66,7 +66,7 @@ impl<V: Vector, I: Integrator, L: ForceField<V>> PointForceSteps<'_, '_, V, I, L
                     // A force times an inverse mass is an acceleration.
                     let weight = members[lane] * inverse_mass[lane];
                     let mut components = [first.lane(lane), second.lane(lane), third.lane(lane)];
-                    for stage in 0..I::NODES.len() {
+                    for_each_stage!(I, stage => {
                         for axis in 0..V::DIMENSION {
                             I::stage_state(stage, &mut components[axis], step);
                         }
@@ -75,7 +75,7 @@ impl<V: Vector, I: Integrator, L: ForceField<V>> PointForceSteps<'_, '_, V, I, L
                         for axis in 0..V::DIMENSION {
                             I::stage_update(stage, &mut components[axis], a[axis], step);
                         }
-                    }
+                    });
                     first.set(lane, &components[0]);
                     second.set(lane, &components[1]);
                     third.set(lane, &components[2]);

@@ -7,7 +7,7 @@ use super::axis_force::{AxisForce, Uniform, supplies};
 use super::components::{Axes, Axis, ComponentGroup, split};
 use super::power::{ALL, add_power, integrate};
 use crate::forces::linear::AxisLaw;
-use crate::integrators::Integrator;
+use crate::integrators::{Integrator, for_each_stage};
 use crate::math::{AXES, Real, Vector};
 use crate::matter::{Blocks, EnergySink, EnergyTally, Power, Span};
 use crate::simd::{Kernel, LANES, Lanes, dispatch};
@@ -141,7 +141,7 @@ fn one_stage<T: Real, I: Integrator>(
             components.x = *residual;
         }
         match action {
-            Action::Begin => components.each(|component, lane| I::begin(component, a[lane])),
+            Action::Begin => begin::<T, I>(&mut components, &a),
             Action::StageState => stage_state::<T, I>(0, &mut components, step),
             Action::StageUpdate(stage, next) => {
                 stage_update::<T, I>(stage, &mut components, &a, step);
@@ -167,22 +167,41 @@ fn one_stage<T: Real, I: Integrator>(
     }
 }
 
-/// Computes the state of a stage of a group. The stage is a constant in each loop: only then can it be vectorized.
+/// Sets the persistent register of a group.
+#[inline(always)]
+fn begin<T: Real, I: Integrator>(components: &mut ComponentGroup<T>, a: &Lanes<T>) {
+    for lane in 0..LANES {
+        let mut component = components.lane(lane);
+        I::begin(&mut component, a[lane]);
+        components.set(lane, &component);
+    }
+}
+
+/// Computes the state of a stage of a group. The stage is a constant in each loop, and no loop calls a closure, which might
+/// not be inlined: only then can it be vectorized.
 #[inline(always)]
 fn stage_state<T: Real, I: Integrator>(stage: usize, components: &mut ComponentGroup<T>, h: T) {
-    for constant in 0..I::NODES.len() {
+    for_each_stage!(I, constant => {
         if stage == constant {
-            components.each(|component, _| I::stage_state(constant, component, h));
+            for lane in 0..LANES {
+                let mut component = components.lane(lane);
+                I::stage_state(constant, &mut component, h);
+                components.set(lane, &component);
+            }
         }
-    }
+    });
 }
 
 /// Updates a group by the accelerations of a stage.
 #[inline(always)]
 fn stage_update<T: Real, I: Integrator>(stage: usize, components: &mut ComponentGroup<T>, a: &Lanes<T>, h: T) {
-    for constant in 0..I::NODES.len() {
+    for_each_stage!(I, constant => {
         if stage == constant {
-            components.each(|component, lane| I::stage_update(constant, component, a[lane], h));
+            for lane in 0..LANES {
+                let mut component = components.lane(lane);
+                I::stage_update(constant, &mut component, a[lane], h);
+                components.set(lane, &component);
+            }
         }
-    }
+    });
 }
