@@ -138,8 +138,8 @@ def test_a_step_waits_for_readers():
 MILLION = 1_000_000
 """Particles of which everything is asked below."""
 QUESTIONS = {
-    "positions": lambda world: world.positions(),
-    "velocities": lambda world: world.velocities(),
+    "positions": lambda world: world.read("positions"),
+    "velocities": lambda world: world.read("velocities"),
     "densities": lambda world: world.densities(),
     "pressures": lambda world: world.pressures(),
     "energy": lambda world: world.energy(),
@@ -239,14 +239,14 @@ def test_ctrl_c_is_answered_while_a_simulation_is_built():
 def test_ctrl_c_is_answered_while_a_simulation_is_asked(question):
     world = pc.Simulation(CROWDED, dt=1e-9)._world
     ask = getattr(world, question)
-    before = world.positions()
+    before = world.read("positions")
 
     def often() -> None:
         while True:
             ask()
 
     assert Interrupt(0.3).answered(often) < 0.2
-    assert np.array_equal(world.positions(), before)
+    assert np.array_equal(world.read("positions"), before)
     assert ask() is not None
 
 

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import os
 import pickle
-import warnings
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
 from dataclasses import replace
 from typing import Literal, cast
 
@@ -14,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from physcore.checks import MOST, FloatArray, array, broadcast, flag, shown, span
-from physcore.errors import FileError, SceneError, StabilityWarning
+from physcore.errors import FileError, SceneError
 from physcore.forces import CustomForce
 from physcore.numerics.choices import (
     FRAMES_PER_SECOND,
@@ -135,6 +133,12 @@ class Simulation:
     def dt(self) -> float:
         """The time step [s]: of the last step taken, and before the first one that of the next."""
         return self._stepper.dt
+
+    @property
+    def evaluations(self) -> int:
+        """How many times each step evaluates the forces."""
+        count: int = self._world.plan()["evaluations"]
+        return count
 
     @property
     def positions(self) -> FloatArray:
@@ -416,14 +420,6 @@ def _require_pickles(force: CustomForce, path: str) -> None:
             raise SceneError(
                 f"{path}.{name}: cannot be pickled ({error}); define it with def at the top level of a module"
             ) from error
-
-
-@contextmanager
-def unwarned() -> Iterator[None]:
-    """For building simulations whose time step is meant to be above the limit, or was warned of before."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", StabilityWarning)
-        yield
 
 
 def require_scene(scene: object) -> None:

@@ -7,6 +7,7 @@ import sys
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import asdict, replace
 from typing import Any, TypedDict
 
@@ -59,6 +60,19 @@ class Captured(TypedDict):
     substepped: int
     limits: list[dict[str, Any]]
     segments: list[dict[str, Any]] | None
+
+
+_UNWARNED = ContextVar("unwarned", default=False)
+
+
+@contextmanager
+def unwarned() -> Iterator[None]:
+    """For building simulations whose time step is meant to be above the limit, or was warned of before."""
+    token = _UNWARNED.set(True)
+    try:
+        yield
+    finally:
+        _UNWARNED.reset(token)
 
 
 class Stepper:
@@ -317,6 +331,8 @@ class Stepper:
         return True
 
     def _warn_if_unstable(self, dt: float) -> None:
+        if _UNWARNED.get():
+            return
         # The certified limit is the smaller one, and found in a fraction of the time.
         if dt <= engine.certified(self._world):
             return

@@ -14,7 +14,8 @@ from physcore.numerics.choices import check
 from physcore.numerics.integrators import Integrator
 from physcore.scene.scene import Scene
 from physcore.simulation import engine
-from physcore.simulation.simulation import Simulation, require_scene, unwarned
+from physcore.simulation.simulation import Simulation, require_scene
+from physcore.simulation.stepper import unwarned
 
 STEPS = 2000
 """Steps of a trial: a thousandth above the limit, an undamped oscillation grows by a factor of 1.09 in each of them."""

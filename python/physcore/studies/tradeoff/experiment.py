@@ -18,7 +18,8 @@ from physcore.numerics.integrators import Integrator
 from physcore.scene.scene import Scene
 from physcore.simulation.energy import Energy, EnergySeries
 from physcore.simulation.recording import Recording
-from physcore.simulation.simulation import Simulation, unwarned
+from physcore.simulation.simulation import Simulation
+from physcore.simulation.stepper import unwarned
 
 SAMPLES = 32
 """Intervals of the duration unless another number is given. Every time step divides them."""
@@ -157,7 +158,7 @@ class Experiment:
             SceneError: the scene cannot be computed so.
         """
         simulation = self.start(choice)
-        evaluations = simulation.plan.evaluations
+        evaluations = simulation.evaluations
         samples, budget = [self.observe(simulation)], [simulation.energy()]
         seconds, diverged = 0.0, None
         for _ in range(self.intervals):

@@ -7,47 +7,101 @@
 //!
 //! Source: E. I. Jury, Theory and Application of the z-Transform Method (1964), ch. 3.
 
-use super::{Component, Integrator};
+use std::marker::PhantomData;
+
+use super::{Component, ComponentGroup, Integrator, for_each_stage};
+use crate::simd::{Kernel, dispatch};
 
 /// The largest ratio of a damping, or of a decay, to a frequency that is told from an infinite one.
 pub const STEEPEST: f64 = 1e6;
 
-/// One step over h = 1 with ωh = `step`, as a matrix that acts on (x, v, a). Where x stands for a field that is advanced over
-/// the drifts, it decays besides: x ← x + h v − `decay` x over a whole h.
-pub fn matrix<I: Integrator>(step: f64, damping_ratio: f64, decay: f64) -> [[f64; 3]; 3] {
-    const { assert!(I::PERSISTENT <= 1, "the matrix has one row for a register") };
-    let (stiffness, damping) = (step * step, 2.0 * damping_ratio * step);
-    let drifts = I::DRIFT_KICK.map_or(&[][..], |drift_kick| drift_kick.drifts);
-    let lost = |drift: usize, x: f64| drifts.get(drift).map_or(0.0, |part| decay * part * x);
-    let mut matrix = [[0.0; 3]; 3];
-    for column in 0..2 + I::PERSISTENT {
-        let mut unit = [0.0; 3];
-        unit[column] = 1.0;
-        let mut component = Component::new(unit[0], unit[1], unit[2]);
-        for stage in 0..I::NODES.len() {
-            let from = component.x;
-            I::stage_state(stage, &mut component, 1.0);
-            component.x -= lost(stage, from);
-            let (x, a) = (component.x, -stiffness * component.x - damping * component.v);
-            I::stage_update(stage, &mut component, a, 1.0);
-            if stage + 1 == I::NODES.len() {
-                component.x -= lost(stage + 1, x);
-            }
-        }
-        let image = [component.x, component.v, component.registers[0]];
-        (0..2 + I::PERSISTENT).for_each(|row| matrix[row][column] = image[row]);
-    }
-    matrix
+/// Steps that are taken side by side, in vector registers.
+const ABREAST: usize = 8;
+
+/// Jury's conditions on steps over h = 1 with these ωh, as matrices that act on (x, v, a). Where x stands for a field that is advanced over the
+/// drifts, it decays besides: x ← x + h v − `decay` x over a whole h; the decay is in units of ω.
+struct Amplification<I, const W: usize> {
+    steps: [f64; W],
+    damping_ratio: f64,
+    decay: f64,
+    integrator: PhantomData<I>,
 }
 
-/// How far the eigenvalues are inside the unit circle, by Jury's conditions; negative where one is outside.
-pub fn margin(conditions: [f64; 4]) -> f64 {
-    conditions.into_iter().fold(f64::INFINITY, f64::min)
+impl<I: Integrator, const W: usize> Kernel for Amplification<I, W> {
+    type Output = [[f64; W]; 4];
+
+    #[inline(always)]
+    fn run(self) -> [[f64; W]; 4] {
+        const { assert!(I::PERSISTENT <= 1, "the matrix has one row for a register") };
+        let drifts = const { if let Some(drift_kick) = I::DRIFT_KICK { drift_kick.drifts } else { &[] } };
+        let part = |drift: usize| drifts.get(drift).copied().unwrap_or_default();
+        // Lane by lane, innermost, so that all of it stays in vector registers.
+        let mut matrices = [[[0.0; W]; 3]; 3];
+        for column in 0..2 + I::PERSISTENT {
+            let mut group = ComponentGroup::<f64, W>::ZERO;
+            for lane in 0..W {
+                let unit = |row: usize| f64::from(u8::from(row == column));
+                group.set(lane, &Component::new(unit(0), unit(1), unit(2)));
+            }
+            for_each_stage!(I, stage => {
+                for lane in 0..W {
+                    let (step, mut component) = (self.steps[lane], group.lane(lane));
+                    let (stiffness, damping, decay) = (step * step, 2.0 * self.damping_ratio * step, self.decay * step);
+                    let from = component.x;
+                    I::stage_state(stage, &mut component, 1.0);
+                    component.x -= decay * part(stage) * from;
+                    let (x, a) = (component.x, -stiffness * component.x - damping * component.v);
+                    I::stage_update(stage, &mut component, a, 1.0);
+                    if stage + 1 == I::NODES.len() {
+                        component.x -= decay * part(stage + 1) * x;
+                    }
+                    group.set(lane, &component);
+                }
+            });
+            for lane in 0..W {
+                let component = group.lane(lane);
+                let image = [component.x, component.v, component.registers[0]];
+                (0..2 + I::PERSISTENT).for_each(|row| matrices[row][column][lane] = image[row]);
+            }
+        }
+        let mut found = [[0.0; W]; 4];
+        for lane in 0..W {
+            let row = |row: usize| [matrices[row][0][lane], matrices[row][1][lane], matrices[row][2][lane]];
+            let [first, second, third, fourth] = conditions(&[row(0), row(1), row(2)]);
+            found[0][lane] = first;
+            found[1][lane] = second;
+            found[2][lane] = third;
+            found[3][lane] = fourth;
+        }
+        found
+    }
+}
+
+/// Jury's conditions on several steps.
+fn several<I: Integrator, const W: usize>(steps: [f64; W], damping_ratio: f64, decay: f64) -> [[f64; W]; 4] {
+    dispatch(Amplification::<I, W> { steps, damping_ratio, decay, integrator: PhantomData })
+}
+
+/// The same, of which none is negative but for rounding where the step is stable.
+fn rounded<I: Integrator, const W: usize>(steps: [f64; W], damping_ratio: f64, decay: f64) -> [[f64; W]; 4] {
+    several::<I, W>(steps, damping_ratio, decay).map(|lanes| lanes.map(|value| value + ROUNDING))
+}
+
+/// How far the eigenvalues of a step ωh are inside the unit circle, by Jury's conditions; negative where one is outside.
+#[cfg(test)]
+pub fn margin<I: Integrator>(step: f64, damping_ratio: f64, decay: f64) -> f64 {
+    least(&several::<I, 1>([step], damping_ratio, decay), 0)
+}
+
+/// The least of the conditions on one of several steps.
+fn least<const W: usize>(conditions: &[[f64; W]; 4], lane: usize) -> f64 {
+    conditions.iter().fold(f64::INFINITY, |least, lanes| least.min(lanes[lane]))
 }
 
 /// Jury's conditions on the characteristic polynomial g³ + pg² + qg + r of a matrix: none is negative where all eigenvalues
 /// are inside the unit circle.
-pub fn conditions(m: &[[f64; 3]; 3]) -> [f64; 4] {
+#[inline(always)]
+fn conditions(m: &[[f64; 3]; 3]) -> [f64; 4] {
     let minor = |i: usize, j: usize| m[i][i] * m[j][j] - m[i][j] * m[j][i];
     let p = -(m[0][0] + m[1][1] + m[2][2]);
     let q = minor(0, 1) + minor(0, 2) + minor(1, 2);
@@ -71,26 +125,35 @@ const TRIALS: usize = 200;
 /// field is given in units of ω.
 pub fn limit<I: Integrator>(damping_ratio: f64, decay: f64) -> f64 {
     let reach = reach::<I>(damping_ratio, decay);
-    let at = |step: f64| matrix::<I>(step, damping_ratio, decay * step);
-    let conditions = |fraction: f64| conditions(&at(fraction * reach)).map(|value| value + ROUNDING);
-    let margin = |fraction: f64| margin(conditions(fraction));
+    let margin = |fraction: f64| least(&rounded::<I, 1>([fraction * reach], damping_ratio, decay), 0);
     let at = |trial: usize| trial as f64 / TRIALS as f64;
-    let (mut before, mut here) = ([f64::INFINITY; 4], conditions(at(1)));
-    for trial in 1..TRIALS {
-        let after = conditions(at(trial + 1));
-        let unstable = if after.iter().any(|&value| value < 0.0) {
-            Some(at(trial + 1))
-        } else {
-            (0..after.len())
-                .filter(|&which| before[which] > here[which] && here[which] < after[which])
-                .map(|which| lowest(|fraction| conditions(fraction)[which], at(trial - 1), at(trial + 1)))
-                .filter(|&dip| margin(dip) < 0.0)
-                .reduce(f64::min)
-        };
-        if let Some(unstable) = unstable {
-            return reach * edge(margin, at(trial - 1), unstable);
+    let (mut before, mut here) =
+        ([f64::INFINITY; 4], rounded::<I, 1>([at(1) * reach], damping_ratio, decay).map(|[value]| value));
+    for first in (2..=TRIALS).step_by(ABREAST) {
+        let steps: [f64; ABREAST] = std::array::from_fn(|lane| at((first + lane).min(TRIALS)) * reach);
+        let later = rounded::<I, ABREAST>(steps, damping_ratio, decay);
+        for (lane, trial) in (first - 1..TRIALS.min(first - 1 + ABREAST)).enumerate() {
+            let after = later.map(|lanes| lanes[lane]);
+            let unstable = if after.iter().any(|&value| value < 0.0) {
+                Some(at(trial + 1))
+            } else {
+                (0..after.len())
+                    .filter(|&which| before[which] > here[which] && here[which] < after[which])
+                    .map(|which| {
+                        lowest(
+                            |fraction| rounded::<I, 1>([fraction * reach], damping_ratio, decay)[which][0],
+                            at(trial - 1),
+                            at(trial + 1),
+                        )
+                    })
+                    .filter(|&dip| margin(dip) < 0.0)
+                    .reduce(f64::min)
+            };
+            if let Some(unstable) = unstable {
+                return reach * edge(margin, at(trial - 1), unstable);
+            }
+            (before, here) = (here, after);
         }
-        (before, here) = (here, after);
     }
     reach
 }
@@ -106,9 +169,14 @@ const FARTHER: usize = 4;
 /// looked at is stable.
 pub fn last<I: Integrator>(damping_ratio: f64) -> f64 {
     let reach = reach::<I>(damping_ratio, 0.0);
-    let margin = |fraction: f64| margin(conditions(&matrix::<I>(fraction * reach, damping_ratio, 0.0))) + ROUNDING;
+    let margin = |fraction: f64| least(&rounded::<I, 1>([fraction * reach], damping_ratio, 0.0), 0);
     let at = |trial: usize| trial as f64 / TRIALS as f64;
-    let found = match (1..=FARTHER * TRIALS).rev().find(|&trial| margin(at(trial)) >= 0.0) {
+    let stable = (1..=FARTHER * TRIALS / ABREAST).rev().find_map(|block| {
+        let trial = |lane: usize| (block - 1) * ABREAST + lane + 1;
+        let found = rounded::<I, ABREAST>(std::array::from_fn(|lane| at(trial(lane)) * reach), damping_ratio, 0.0);
+        (0..ABREAST).rev().find(|&lane| least(&found, lane) >= 0.0).map(trial)
+    });
+    let found = match stable {
         Some(trial) if trial == FARTHER * TRIALS => f64::INFINITY,
         Some(trial) => reach * edge(margin, at(trial), at(trial + 1)),
         None => 0.0,

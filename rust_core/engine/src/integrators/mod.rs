@@ -15,6 +15,7 @@ mod blanes_moan_6;
 mod bogacki_shampine_3;
 mod dormand_prince_5;
 mod explicit_euler;
+mod group;
 #[cfg(test)]
 mod limits;
 mod mclachlan_2;
@@ -30,6 +31,7 @@ pub use blanes_moan_6::BlanesMoan6;
 pub use bogacki_shampine_3::BogackiShampine3;
 pub use dormand_prince_5::DormandPrince5;
 pub use explicit_euler::ExplicitEuler;
+pub use group::ComponentGroup;
 pub use mclachlan_2::McLachlan2;
 pub use pefrl::Pefrl;
 pub use runge_kutta_4::RungeKutta4;

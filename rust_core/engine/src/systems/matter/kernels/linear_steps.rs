@@ -3,10 +3,10 @@
 use std::marker::PhantomData;
 
 use super::axis_force::{AxisForce, Uniform, supplies};
-use super::components::{Axes, Axis, ComponentGroup, split};
+use super::components::{Axes, Axis, split};
 use super::power::{add_power, integrate, reuses_one_of_many};
 use crate::forces::linear::AxisLaw;
-use crate::integrators::{Component, Integrator, for_each_stage};
+use crate::integrators::{Component, ComponentGroup, Integrator, for_each_stage};
 use crate::math::{Real, Vector};
 use crate::matter::{Blocks, EnergySink, EnergyTally, Power, SINKS};
 use crate::simd::{Kernel, LANES, dispatch};

@@ -2,9 +2,9 @@
 
 use std::marker::PhantomData;
 
-use super::components::{ComponentGroup, columns};
+use super::components::columns;
 use crate::forces::{ForceField, InverseSquare};
-use crate::integrators::{Component, Integrator, for_each_stage};
+use crate::integrators::{Component, ComponentGroup, Integrator, for_each_stage};
 use crate::math::{Real, Vector};
 use crate::matter::Blocks;
 use crate::simd::{Kernel, dispatch};

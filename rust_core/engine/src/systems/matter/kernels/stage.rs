@@ -4,10 +4,10 @@ use std::marker::PhantomData;
 
 use super::activity::kinetic;
 use super::axis_force::{AxisForce, Uniform, supplies};
-use super::components::{Axes, Axis, ComponentGroup, split};
+use super::components::{Axes, Axis, split};
 use super::power::{ALL, add_power, integrate};
 use crate::forces::linear::AxisLaw;
-use crate::integrators::{Integrator, for_each_stage};
+use crate::integrators::{ComponentGroup, Integrator, for_each_stage};
 use crate::math::{AXES, Real, Vector};
 use crate::matter::{Blocks, EnergySink, EnergyTally, Power, Span};
 use crate::simd::{Kernel, LANES, Lanes, dispatch};
