@@ -76,3 +76,13 @@ def test_limits_that_the_time_step_keeps_to_are_part_of_a_checkpoint(name, tmp_p
     second = next(iter(ways(first).values()))(first, tmp_path)
     second.step(steps - part)
     assert outcome(second) == outcome(plain)
+
+
+def test_a_run_that_diverges_is_saved_and_read_back(tmp_path):
+    """Its positions and velocities are finite, its accelerations and energies, some 1e154², are not any more."""
+    scene = pc.Scene(pc.soft_body((2, 2), 7e5, 7e5, 2.5e5, 2.5e-5))
+    with pytest.warns(pc.StabilityWarning, match="will blow up|may blow up"):
+        run = pc.Simulation(scene, pc.BogackiShampine3(), 1e-2, on_divergence="ignore")
+    with pytest.raises(pc.SimulationDiverged):
+        run.step(40)
+    assert loaded(run, tmp_path).state_hash() == run.state_hash()

@@ -127,7 +127,7 @@ impl Simulation {
         };
         match self.advance(steps, record, interrupted) {
             Err(error) if stops_a_step(&error) && steps > 1 => return self.batch(steps / 2, rule, interrupted),
-            Err(error) if is_scattered(&error) => return Err(self.scattered(1)),
+            Err(error) if is_beyond_search(&error) => return Err(self.step_beyond_search(1)),
             outcome => outcome?,
         }
         let activity = self.system.activity();
@@ -223,7 +223,7 @@ impl Simulation {
             return Ok(Finding::Good);
         }
         let energy = match self.ask(interrupted, |system, time, executor| system.audit(time, executor)) {
-            Err(error) if is_scattered(&error) => return Ok(Finding::OutOfRange(self.scatter())),
+            Err(error) if is_beyond_search(&error) => return Ok(Finding::OutOfRange(self.beyond_search())),
             outcome => outcome?,
         };
         // Energies are squares: they overflow long before the state does.
@@ -252,14 +252,14 @@ impl Simulation {
     }
 
     /// The divergence of a state whose neighbors cannot be searched.
-    fn scatter(&self) -> Divergence {
+    fn beyond_search(&self) -> Divergence {
         divergence(self.system.fastest(), "position", "is so far away that it cannot be told who is near whom".to_owned())
     }
 
     /// The error of a step, `steps` from here, in which neighbors could not be searched.
-    fn scattered(&self, steps: u64) -> Error {
+    fn step_beyond_search(&self, steps: u64) -> Error {
         let time = self.time() + steps as f64 * self.segment.dt;
-        Error::Diverged(Box::new(Divergence { step: self.steps + steps, time, ..self.scatter() }))
+        Error::Diverged(Box::new(Divergence { step: self.steps + steps, time, ..self.beyond_search() }))
     }
 
     /// Adds a hint to a divergence.
@@ -310,10 +310,10 @@ fn is_above(activity: f64, threshold: f64) -> bool {
 
 /// Whether the error belongs to a single step, independent of those before.
 fn stops_a_step(error: &Error) -> bool {
-    is_scattered(error) || matches!(error, Error::Memory { .. } | Error::Callback { .. })
+    is_beyond_search(error) || matches!(error, Error::Memory { .. } | Error::Callback { .. })
 }
 
 /// Whether a step failed because positions are too large for a neighbor search: they diverge before they overflow.
-fn is_scattered(error: &Error) -> bool {
+fn is_beyond_search(error: &Error) -> bool {
     matches!(error, Error::Parameter { path, .. } if path == "positions")
 }
