@@ -46,16 +46,17 @@ from physcore.output import export
 from physcore.scene.bodies import Body, Particles, SpringNetwork
 from physcore.scene.builders import cloth, rope, soft_body
 from physcore.scene.fluid import Fluid
+from physcore.scene.grid import Absorbing, Grid
 from physcore.scene.kernels import CubicSpline, Kernel, WendlandC2, WendlandC4
 from physcore.scene.periodic import Periodic
 from physcore.scene.scene import Scene
 from physcore.scene.shapes import ball, block, cylinder
-from physcore.simulation.energy import Energy, EnergySeries
+from physcore.simulation.energy import Amount, AmountSeries, Energy, EnergySeries
 from physcore.simulation.loading import load
 from physcore.simulation.plan import Plan
 from physcore.simulation.recording import Recording
 from physcore.simulation.simulation import Simulation
-from physcore.simulation.state import Frame, Snapshot
+from physcore.simulation.state import Frame, Part, Snapshot
 from physcore.studies.accuracy import simulate
 from physcore.studies.stability import MeasuredLimit, stability_limit
 from physcore.studies.tradeoff import Tradeoff, tradeoff
@@ -68,8 +69,11 @@ __version__: str
 
 __all__ = [
     "PEFRL",
+    "Absorbing",
     "AccuracyError",
     "AdaptiveStep",
+    "Amount",
+    "AmountSeries",
     "AutoStep",
     "BlanesMoan4",
     "BlanesMoan6",
@@ -91,6 +95,7 @@ __all__ = [
     "Force",
     "Frame",
     "Gravity",
+    "Grid",
     "Integrator",
     "InternalError",
     "Kernel",
@@ -98,6 +103,7 @@ __all__ = [
     "MachWarning",
     "McLachlan2",
     "MeasuredLimit",
+    "Part",
     "Particles",
     "Periodic",
     "PhyscoreError",

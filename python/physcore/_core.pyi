@@ -6,7 +6,18 @@ from typing import Literal, TypedDict, final
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Canvas", "Gif", "Projection", "Texture", "World", "available_memory", "norms", "tint"]
+__all__ = [
+    "Canvas",
+    "Gif",
+    "Projection",
+    "Texture",
+    "World",
+    "available_memory",
+    "coverage",
+    "heatmap",
+    "norms",
+    "tint",
+]
 
 class _LimitRecord(TypedDict):
     dt: float
@@ -17,7 +28,8 @@ class _LimitRecord(TypedDict):
     certified: float
     endured: float
 
-class _PlanRecord(TypedDict):
+class StagesRecord(TypedDict):
+    item: str
     stages: list[str]
     dimension: int
     precision: str
@@ -26,12 +38,15 @@ class _PlanRecord(TypedDict):
     evaluations: int
     pairs: int
     limit_varies: bool
-    memory: int
-    threads: int
-    simd: str
     layout: str
     left_out: list[str]
     notes: list[str]
+
+class _PlanRecord(TypedDict):
+    systems: list[StagesRecord]
+    memory: int
+    threads: int
+    simd: str
 
 _Rgb = tuple[int, int, int]
 _Ink = tuple[int, int, int, int]
@@ -44,6 +59,7 @@ class World:
         cls,
         scene: dict[str, object],
         integrator: str,
+        integrators: dict[str, str],
         precision: str,
         threads: int | None,
         max_energy_growth: float,
@@ -63,7 +79,12 @@ class World:
     def fields(self) -> list[tuple[str, str, list[int], str | None, bool]]: ...
     def read(self, name: str) -> NDArray[np.float64]: ...
     def write(self, fields: dict[str, NDArray[np.float64]]) -> None: ...
-    def energy(self) -> list[tuple[str, str, float]]: ...
+    def budgets(
+        self,
+    ) -> tuple[
+        list[tuple[str, str, float]],
+        list[tuple[str, str, float, list[tuple[str, float]], list[tuple[str, float]]]],
+    ]: ...
     def momentum(self) -> NDArray[np.float64]: ...
     def angular_momentum(self) -> NDArray[np.float64]: ...
     def limit(self) -> _LimitRecord: ...
@@ -133,6 +154,7 @@ class Canvas:
     def lens(self, blur: float, distance: float) -> None: ...
     def paint(self) -> None: ...
     def polygon(self, corners: NDArray[np.float32], color: _Ink) -> None: ...
+    def picture(self, pixels: NDArray[np.uint8], left: int, top: int) -> None: ...
     def text(self, text: str, x: int, y: int, height: int, color: _Ink, align: int) -> None: ...
     def pixels(self) -> NDArray[np.uint8]: ...
 
@@ -180,3 +202,18 @@ class Gif:
     def written(self) -> int: ...
     def finish(self) -> bytes | None: ...
     def close(self) -> None: ...
+
+def coverage(
+    mask: NDArray[np.float64], size: tuple[int, int], corner: tuple[float, float], step: float
+) -> NDArray[np.uint8]: ...
+def heatmap(
+    values: NDArray[np.float64],
+    size: tuple[int, int],
+    corner: tuple[float, float],
+    step: float,
+    table: NDArray[np.uint8],
+    ends: tuple[float, float],
+    walls: tuple[NDArray[np.uint8], _Rgb] | None = None,
+    isolines: tuple[float, _Ink] | None = None,
+    relief: float = 0.0,
+) -> NDArray[np.uint8]: ...

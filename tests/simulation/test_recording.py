@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -11,6 +13,7 @@ import physcore as pc
 from physcore.simulation.energy import Energy
 from physcore.simulation.frames import between
 from physcore.simulation.state import Frame, Snapshot
+from physcore.studies.audit import audit
 
 BALL = pc.Particles([[0.0, 1.0]], velocities=[[2.0, 5.0]], name="ball")
 THROW = pc.Scene(BALL, pc.Gravity((0.0, -9.81)))
@@ -158,3 +161,21 @@ def test_the_interpolation_is_exact_for_cubics(coefficients, fraction, dt):
 @given(x=st.floats(-1e9, 1e9), fraction=st.floats(0, 1))
 def test_what_rests_stays_where_it_is_to_the_bit(x, fraction):
     assert between(frame(x, 0.0), Snapshot(0.1, state(x, 0.0)), fraction, 0.1, RATES).positions[0, 0] == x
+
+
+def test_budgets_of_other_quantities_are_saved_and_tell_their_drift(tmp_path):
+    """balance = total + removed − supplied, and the drift is relative to the largest total."""
+    whole = pc.Simulation(pc.Scene(pc.Particles([[0.0, 0.0]])), dt=0.1).record(0.2, fps=10.0)
+    assert whole.budgets == {}
+    moments = [pc.Amount("mol", 2.0 - 0.5 * k, {"edges": 0.4 * k}, {"feed": 0.1 * k}, 0.1 * k) for k in range(3)]
+    recording = replace(whole, budgets={"u": pc.AmountSeries.of(moments)})
+    recording.save(tmp_path / "run")
+    loaded = pc.load(tmp_path / "run")
+    for series in (recording.budgets["u"], loaded.budgets["u"]):
+        assert series.unit == "mol"
+        np.testing.assert_allclose(series.removed, [0.0, 0.4, 0.8])
+        np.testing.assert_allclose(series.supplied, [0.0, 0.1, 0.2])
+        np.testing.assert_allclose(series.balance, [2.0, 1.8, 1.6])
+        np.testing.assert_allclose(series.drift, [0.0, -0.1, -0.2])
+        np.testing.assert_allclose(series.times, [0.0, 0.1, 0.2])
+    assert "u [mol]: 2 → 1, drift at most 2.0e-01" in audit(recording)

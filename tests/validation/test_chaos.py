@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import physcore as pc
-from physcore.studies.stability import nudged
+from physcore.studies.state import nudge
 from physcore.studies.tradeoff.chaos import FAR, LOST, NUDGE, Chaos, judge
 from physcore.studies.tradeoff.restarts import Windows
 from physics.laboratory import EPSILON, Array
@@ -52,7 +52,7 @@ def measured() -> pc.Tradeoff:
 def start(size: float) -> pc.Simulation:
     """A run that is as exact as double precision, with the nudge of `tradeoff`'s twin at another size [m/s]."""
     run = pc.Simulation(SCENE, pc.BlanesMoan6(), dt=DURATION / 32 / STEPS, threads=1)
-    run.set(velocities=nudged(run, size, measured().seed))
+    nudge(run, size, measured().seed)
     return run
 
 

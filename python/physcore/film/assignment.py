@@ -1,50 +1,60 @@
-"""The assignment of bodies to painters, by the styles that were asked for."""
+"""The assignment of items to painters, by the styles that were asked for."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 from physcore.checks import shown
 from physcore.errors import SceneError
 from physcore.film.colors.themes import Theme
-from physcore.film.styles import Fluid, Painter, Points, Strain, Style
-from physcore.film.styles.base import Part
+from physcore.film.styles import Field, Fluid, Line, Painter, Points, Strain, Style
+from physcore.film.styles.base import BodyStyle
+from physcore.scene.bodies import Body
+from physcore.scene.items import System
 from physcore.simulation.sources import Source
 
 
 def asked(style: object, found: Sequence[Source]) -> list[Style]:
-    """The styles that were asked for; each body that they name is in a source."""
+    """The styles that were asked for; each item that they name is in a source."""
     if style is None:
         fluids = all(source.has("velocities") for source in found)
         return [Strain(), Fluid()] if fluids else [Strain()]
     styles = []
-    bodies = [body for source in found for body in source.scene.bodies]
+    every = [item for source in found for item in _items(source)]
     for each in style if isinstance(style, (list, tuple)) else [style]:
         if not isinstance(each, Style):
             missing = f"; write {each.__name__}()" if isinstance(each, type) else ""
             raise SceneError(f"style: must be one or a list of physcore.styles, got {shown(each)}{missing}")
-        for body in each.bodies() or ():
-            if body not in bodies:
+        for item in each.items() or ():
+            if not any(item is known for known in every):
                 raise SceneError(
-                    f"{type(each).__name__}.on: {body!r} is not in what is filmed; "
-                    "the bodies of a loaded recording are new ones: recording.scene.bodies"
+                    f"{type(each).__name__}.on: {item!r} is not in what is filmed; "
+                    "the bodies and systems of a loaded recording are new ones: recording.scene"
                 )
         styles.append(each)
     return styles
 
 
 def painters(source: Source, styles: list[Style], theme: Theme) -> list[Painter]:
-    """The painters of a source: a body goes to the first style that draws it, or else to points; overlays add."""
-    parts = [Part(body, source.scene.slice(body)) for body in source.scene.bodies]
-    left = list(parts)
-    found = []
-    for each in (*styles, Points()):
-        mine = [part for part in (parts if each.overlay else left) if each.draws(part.body)]
+    """The painters of a source: an item goes to the first style that draws it, or else to points, a field or a line;
+    overlays add. Systems come first: bodies are drawn over fields on grids.
+    """
+    left = list(_items(source))
+    found: list[tuple[bool, list[Painter]]] = []
+    for each in (*styles, Points(), Field(), Line()):
+        mine = [item for item in (_items(source) if each.overlay else left) if each.draws(item)]
         if not each.overlay:
-            left = [part for part in left if part not in mine]
+            left = [item for item in left if not any(item is other for other in mine)]
         if mine:
-            found.append(each.painter(source, mine, theme))
-    return found
+            found.append((isinstance(each, BodyStyle), each.painters(source, mine, theme)))
+    found.sort(key=lambda entry: entry[0])
+    return [painter for _, some in found for painter in some]
+
+
+def _items(source: Source) -> Iterator[Body | System]:
+    """What can be drawn."""
+    yield from source.scene.bodies
+    yield from source.scene.systems
 
 
 def share_scales(painters: list[list[Painter]]) -> None:
@@ -54,5 +64,5 @@ def share_scales(painters: list[list[Painter]]) -> None:
             other.top
             for panel in painters
             for other in panel
-            if type(other) is type(each) and other.style == each.style
+            if (type(other), other.style, other.quantity) == (type(each), each.style, each.quantity)
         )

@@ -11,6 +11,7 @@ from physcore.checks import FloatArray
 from physcore.film.camera.track import Follow, middle, smooth
 from physcore.film.scenery import grounds, landmarks
 from physcore.film.styles import Painter
+from physcore.film.styles.base import drawn_dimension
 from physcore.scene.scene import Scene
 from physcore.simulation.energy import Energy
 from physcore.simulation.sources import Source, SourceFrame
@@ -134,9 +135,9 @@ def first_pass(
         tick: told how many frames have been seen.
     """
     scene = source.scene
-    radius = max(float(body.radius.max(initial=0.0)) for body in scene.bodies)
+    radius = max((float(body.radius.max(initial=0.0)) for body in scene.bodies), default=0.0)
     margin = max([radius, *(painter.margin for painter in painters)])
-    whole, boxes = Bounds(np.eye(scene.dimension)[np.newaxis]), [Bounds(each) for each in axes]
+    whole, boxes = Bounds(np.eye(drawn_dimension(scene))[np.newaxis]), [Bounds(each) for each in axes]
     path = None if follow is None else FollowedPath(follow, scene, axes[0], count)
     kept = set(np.linspace(0, source.count - 1, SAMPLES).round().astype(int).tolist())
     found = FirstPass(whole, boxes, path, [], [], None)
@@ -162,6 +163,10 @@ def first_pass(
     if path is not None or any(len(box.axes) > 1 for box in boxes):
         for later in range(index + 1, count):
             place(frame.positions, later)
+    for box in (whole, *boxes):
+        for painter in painters:
+            if painter.landmarks is not None:
+                box.add_to_all(painter.landmarks)
     _add_scenery(scene, whole, boxes)
     return found
 

@@ -141,7 +141,7 @@ class Renderer:
             yield self._draw([index for index, _ in chosen], [frame for _, frame in chosen])
         if self._once:
             for source, painters in zip(self._found, self._painters, strict=True):
-                yield palette_samples(painters, len(source.scene.bodies), self._theme, flat=source.scene.dimension == 2)
+                yield palette_samples(painters, len(source.scene.bodies), self._theme, flat=source.scene.dimension < 3)
 
     def frames(self) -> Iterator[Canvas]:
         """Every frame; each canvas is valid until the next is asked for. A panel that ends early keeps its last."""
@@ -233,7 +233,8 @@ class Renderer:
             occupied = [np.empty((0, 2), dtype=np.float32)]
             for index, frame in panel.samples:
                 view = panel.view.at(index)
-                occupied.append(view.project(panel.view.shown(frame, view).positions)[0])
+                if len(frame.positions) > 0:
+                    occupied.append(view.project(panel.view.shown(frame, view).positions)[0])
             area, text = self._layout.area(number), self._layout.text
             panel.diagram = Diagram(history, number, area, text, self._theme, np.concatenate(occupied))
 

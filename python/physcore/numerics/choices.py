@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import Literal, TypedDict
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Literal, TypeAlias, TypedDict
 
 from physcore.checks import MOST, count, is_word, number, shown, span, word
 from physcore.errors import SceneError, warn
 from physcore.numerics.integrators import INTEGRATORS, Integrator, SemiImplicitEuler, VelocityVerlet
-from physcore.scene.scene import Scene
+from physcore.scene.items import Equation
+from physcore.scene.scene import ItemKey, Scene
 
 DivergenceRule = Literal["raise", "ignore", "substep"]
 Precision = Literal["f32", "f64", "auto"]
@@ -93,10 +95,17 @@ StepRule = AutoStep | AdaptiveStep
 """How to choose the time step."""
 
 
+BODIES = "bodies"
+"""The key of all bodies together among integrators: they are one system."""
+
+Integrators: TypeAlias = Integrator | Mapping[ItemKey, Integrator | Literal["auto"]] | Literal["auto"]
+"""One integrator for all that it can drive, or one for each item."""
+
+
 class Options(TypedDict, total=False):
     """The numerical choices as keyword arguments; `Simulation` explains them."""
 
-    integrator: Integrator | Literal["auto"]
+    integrator: Integrators
     dt: float | StepRule | Literal["auto"]
     precision: Precision
     threads: int | None
@@ -111,11 +120,14 @@ class Numerics:
     """The same choices, checked, with every "auto" but the time step's resolved."""
 
     integrator: Integrator
+    """That of the bodies; of the first system where there are none."""
     dt: float | StepRule
     precision: Literal["f32", "f64"]
     threads: int | None
     max_energy_growth: float
     on_divergence: DivergenceRule
+    integrators: Mapping[str, Integrator] = field(default_factory=dict)
+    """Where not all are the same: that of each system by its path, of the bodies by the key "bodies"; else empty."""
 
 
 def check(options: Options, scene: Scene) -> Numerics:
@@ -127,15 +139,18 @@ def check(options: Options, scene: Scene) -> Numerics:
     threads = options.get("threads")
     rule = word(options.get("on_divergence", "raise"), "on_divergence", DIVERGENCE_RULES)
     growth = _max_energy_growth(options)
-    integrator, dt = _integrator(options.get("integrator", "auto")), _dt(options.get("dt", "auto"))
-    if isinstance(dt, AdaptiveStep) and dt.tolerance is not None and not integrator.embedded:
-        able = " or ".join(f"{kind.__name__}()" for kind in INTEGRATORS if kind.embedded)
-        raise SceneError(
-            f"dt: AdaptiveStep(tolerance=…) needs an integrator that estimates its errors, {able}, "
-            f"got {type(integrator).__name__}(); without a tolerance the step follows the scene's limit"
-        )
+    chosen, dt = _integrators(options.get("integrator", "auto"), scene), _dt(options.get("dt", "auto"))
+    integrator = next(iter(chosen.values()))
+    for each in chosen.values():
+        if isinstance(dt, AdaptiveStep) and dt.tolerance is not None and not each.embedded:
+            able = " or ".join(f"{kind.__name__}()" for kind in INTEGRATORS if kind.embedded)
+            raise SceneError(
+                f"dt: AdaptiveStep(tolerance=…) needs an integrator that estimates its errors, {able}, "
+                f"got {type(each).__name__}(); without a tolerance the step follows the scene's limit"
+            )
     return Numerics(
         integrator=integrator,
+        integrators=chosen if len(set(chosen.values())) > 1 else {},
         dt=dt,
         precision=_precision(options.get("precision", "auto"), scene),
         threads=None if threads is None else count(threads, "threads", least=1, most=MOST_THREADS),
@@ -155,14 +170,63 @@ def _max_energy_growth(options: Options) -> float | None:
     return before
 
 
-def _integrator(value: object) -> Integrator:
+def _integrators(value: object, scene: Scene) -> dict[str, Integrator]:
+    """The integrator of the bodies, if there are any, and of each further system, by their paths.
+
+    Raises:
+        SceneError: something is no integrator or no item, or an integrator cannot drive what it is to.
+    """
+    paths: dict[str, tuple[Equation, str]] = {BODIES: ("second order", "VelocityVerlet")} if scene.bodies else {}
+    paths |= {str(scene.system(each)): (each.equation, each.default_integrator) for each in scene.systems}
+    chosen: dict[str, Integrator | None] = {}
+    if isinstance(value, Mapping):
+        for key, given in value.items():
+            path = _path(key, scene)
+            own = _integrator(given, f"integrator[{shown(key)}]", paths[path][0])
+            if chosen.setdefault(path, own) != own:
+                raise SceneError(f"integrator[{shown(key)}]: all bodies have one integrator, which is there already")
+    else:
+        one = _integrator(value, "integrator", None)
+        driven = [path for path, (equation, _) in paths.items() if one is None or equation in one.solves]
+        if not driven:
+            _integrator(value, "integrator", next(iter(paths.values()))[0])  # says which can
+        chosen = dict.fromkeys(driven, one)
+    kinds = {kind.__name__: kind for kind in INTEGRATORS}
+    return {path: chosen.get(path) or kinds[default]() for path, (_, default) in paths.items()}
+
+
+def _path(key: object, scene: Scene) -> str:
+    """The path of an item that an integrator is for.
+
+    Raises:
+        SceneError: there is no such item.
+    """
+    path = scene.system(key)
+    if path is not None:
+        return path
+    try:
+        if not (scene.bodies and is_word(key, BODIES)):
+            scene.index(key)  # type: ignore[arg-type]
+    except KeyError:
+        known = [BODIES] * bool(scene.bodies) + [str(scene.system(each)) for each in scene.systems]
+        raise SceneError(
+            f"integrator[{shown(key)}]: is no item of this scene, which has {', '.join(map(repr, known))}"
+        ) from None
+    return BODIES
+
+
+def _integrator(value: object, path: str, equation: Equation | None) -> Integrator | None:
+    """An integrator, None where none is named; one that can drive equations of a kind, if that is given."""
     if is_word(value, "auto"):
-        return VelocityVerlet()
-    if isinstance(value, INTEGRATORS):
+        return None
+    able = [kind for kind in INTEGRATORS if equation is None or equation in kind.solves]
+    if isinstance(value, INTEGRATORS) and isinstance(value, tuple(able)):
         return value
-    known = ", ".join(f"{kind.__name__}()" for kind in INTEGRATORS)
+    known = ", ".join(f"{kind.__name__}()" for kind in able)
     missing = f"; write {value.__name__}()" if isinstance(value, type) else ""
-    raise SceneError(f"integrator: must be one of {known} or 'auto', got {shown(value)}{missing}")
+    if isinstance(value, INTEGRATORS):
+        raise SceneError(f"{path}: {type(value).__name__}() cannot drive it; {known} can")
+    raise SceneError(f"{path}: must be one of {known} or 'auto', got {shown(value)}{missing}")
 
 
 def _dt(value: object) -> float | StepRule:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
-from typing import ClassVar, TypeAlias, cast
+from typing import ClassVar, Literal, TypeAlias, cast
 
-from physcore.checks import flag, number, shown, text
+import numpy as np
+
+from physcore.checks import FloatArray, broadcast, flag, frozen, number, shown, text
 from physcore.errors import SceneError
 from physcore.scene.bodies import Body
 
@@ -39,7 +41,7 @@ class SceneItem:
         wrong = (
             (name, len(value))
             for name, value in vectors.items()
-            if isinstance(value, tuple) and len(value) != dimension
+            if isinstance(value, tuple) and _is_vector(value) and len(value) != dimension
         )
         return next(wrong, None)
 
@@ -47,6 +49,11 @@ class SceneItem:
         """What stands for it in a scene of `dimension` dimensions: the engine simulates that, and films draw it."""
         del dimension
         return self
+
+
+def _is_vector(value: tuple[object, ...]) -> bool:
+    """Whether a tuple is one of numbers; others hold words or parts of an item."""
+    return bool(value) and all(isinstance(each, (int, float)) for each in value)
 
 
 @dataclass(frozen=True)
@@ -82,12 +89,28 @@ class Force(ActingItem):
     """
 
 
+Equation = Literal["second order", "first order", "schrodinger", "flow"]
+"""The kind of an equation of motion, which says what integrators can advance it: x'' = a(x, v, t); x' = f(x, t);
+iħ ψ' = H ψ; incompressible flow."""
+
+
 @dataclass(frozen=True)
 class System(SceneItem):
     """A state with a law of motion of its own, beside that of the bodies.
 
     To add one: a file in `systems`, a line in `SYSTEMS`, and its counterpart in Rust.
     """
+
+    units: ClassVar[Mapping[str, str]] = {}
+    """Its fields by name, with their units; the first one is that which is shown, and compared between runs."""
+    signed: ClassVar[bool] = True
+    """Whether that field is as often below zero as above: its colors are then symmetric about zero."""
+    equation: ClassVar[Equation] = "second order"
+    """The kind of its equation of motion."""
+    default_integrator: ClassVar[str] = "VelocityVerlet"
+    """The name of the integrator that advances it where nothing is said."""
+    parts: ClassVar[tuple[type, ...]] = ()
+    """The classes of the things that its fields hold, which files have too."""
 
     name: str | None = field(default=None, kw_only=True)
     """A name by which results can be asked for."""
@@ -100,6 +123,18 @@ class System(SceneItem):
     @abstractmethod
     def shapes(self) -> dict[str, tuple[int, ...]]:
         """The shapes of its fields by name, as the engine has them."""
+
+    def values(self, field: str, value: object, path: str) -> FloatArray:
+        """New values of one of its fields, checked.
+
+        Raises:
+            SceneError: they are no array of finite numbers of its shape.
+        """
+        return broadcast(value, self.shapes()[field], path)  # type: ignore[arg-type]
+
+    def __setstate__(self, state: dict[str, object]) -> None:
+        """A copy, or what comes out of a pickle, has read-only arrays too."""
+        self._set(**{name: frozen(value) if isinstance(value, np.ndarray) else value for name, value in state.items()})
 
     def __post_init__(self) -> None:
         self._set(name=None if self.name is None else text(self.name, f"{type(self).__name__}.name"))

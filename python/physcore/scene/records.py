@@ -42,7 +42,7 @@ class Record:
     @property
     def is_code(self) -> bool:
         """Whether it has functions of the user's, which are not written into files."""
-        return any(callable(value) for value in self.values.values())
+        return any(map(_is_code, self.values.values()))
 
     def packed(self, on: list[int] | None = None) -> Tree:
         """The form of files and hashes: the arguments of its class, the rest follows from them; `on` as below."""
@@ -68,10 +68,17 @@ def _inner(value: Any) -> Any:
     return Record.of(value) if _is_item(value) else value
 
 
+def _is_code(value: Any) -> bool:
+    """Whether a value is a function, or holds one."""
+    if isinstance(value, tuple):
+        return any(map(_is_code, value))
+    return value.is_code if isinstance(value, Record) else callable(value)
+
+
 def _described(value: Any) -> object:
-    """A value in the form of the engine."""
-    if isinstance(value, tuple) and any(isinstance(each, Record) for each in value):
-        return tuple(map(_described, value))
+    """A value in the form of the engine, to which a list without entries is one that was left open."""
+    if isinstance(value, tuple) and (not value or any(isinstance(each, Record) for each in value)):
+        return tuple(map(_described, value)) or None
     return value.described() if isinstance(value, Record) else value
 
 

@@ -25,15 +25,16 @@ ItemKey = BodyKey | System
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
 class Scene:
-    """Bodies, forces, boundaries and further systems, in 2D or 3D. Immutable; the dimension follows from the positions.
+    """Bodies, forces, boundaries and further systems, in 2D or 3D, systems alone in 1D too. Immutable; the dimension
+    follows from the positions and grids.
 
     Args:
         items: bodies (Particles, SpringNetwork, Fluid), forces, boundaries, further systems and at most one Periodic
             domain, in any order. Results list the particles body by body in the order given here.
 
     Raises:
-        SceneError: there is no body, the dimensions differ, a body or a name is there twice, a force acts on a body
-            that is not in the scene or has nothing to act on, or fluids overlap.
+        SceneError: there is neither a body nor a system, the dimensions differ, a body or a name is there twice, a
+            force acts on a body that is not in the scene or has nothing to act on, or fluids overlap.
     """
 
     bodies: tuple[Body, ...]
@@ -47,7 +48,7 @@ class Scene:
         for position, item in enumerate(items):
             if not isinstance(item, (Body, Force, Boundary, System, Periodic)):
                 raise SceneError(
-                    f"items[{position}]: must be a body, a force, a boundary or a Periodic domain, "
+                    f"items[{position}]: must be a body, a force, a boundary, a system or a Periodic domain, "
                     f"got {shown(item)}{_advice(item)}"
                 )
         kinds = {"bodies": Body, "forces": Force, "boundaries": Boundary, "systems": System}
@@ -62,7 +63,7 @@ class Scene:
 
     @property
     def dimension(self) -> int:
-        """2 or 3."""
+        """2 or 3; 1 where systems on a line are all that there is."""
         return self.bodies[0].dimension if self.bodies else self.systems[0].dimension
 
     @property
@@ -113,8 +114,9 @@ class Scene:
     def system(self, key: object) -> str | None:
         """The path of a further system, before the names of its fields; None if the key is none of theirs."""
         for position, system in enumerate(self.systems):
-            if key is system or (isinstance(key, str) and key == system.name):
-                return system.name or f"systems[{position}]"
+            path = system.name or f"systems[{position}]"
+            if key is system or (isinstance(key, str) and key == path):
+                return path
         return None
 
     def hash(self) -> str:
@@ -165,7 +167,9 @@ class Scene:
     def _check_bodies(self) -> None:
         """There is at least one body or further system, each once, all of one dimension, with names of their own."""
         if not self.bodies and not self.systems:
-            raise SceneError("Scene: must have at least one body, such as Particles, SpringNetwork or Fluid")
+            raise SceneError(
+                "Scene: must have at least one body, such as Particles, SpringNetwork or Fluid, or a system"
+            )
         names: set[str] = set()
         for position, system in enumerate(self.systems):
             if any(system is other for other in self.systems[:position]):

@@ -1,8 +1,8 @@
-"""The energy budget: at one moment, and over the frames of a recording."""
+"""The budgets of energy and of what else is conserved: at one moment, and over the frames of a recording."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Generic, TypeVar
 
@@ -14,44 +14,44 @@ from physcore.errors import PhyscoreError
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-Amount = TypeVar("Amount", float, FloatArray)
+T = TypeVar("T", float, FloatArray)
 
 
 @dataclass(frozen=True, eq=False)
-class Budget(Generic[Amount]):
+class Budget(Generic[T]):
     """An energy budget; everything in joules."""
 
-    kinetic: Amount
+    kinetic: T
     """Kinetic energy of all particles that are not fixed."""
-    by_term: Mapping[str, Amount]
+    by_term: Mapping[str, T]
     """Potential energy by the force that it belongs to, such as `by_term["springs"]` or
     `by_term["surface tension"]`."""
-    internal: Amount
+    internal: T
     """Internal energy: of the compression of fluids."""
-    dissipated: Amount
+    dissipated: T
     """Energy dissipated by drag, damping, viscosity and contacts since the start: the time integral of their power. In
     a fluid some of it may be given back."""
-    dissipated_by: Mapping[str, Amount]
+    dissipated_by: Mapping[str, T]
     """The same by what took it: `dissipated_by["drag"]`, `["damping"]` (of springs and between grains), `["viscosity"]`
     (of fluids, and the diffusion of their density) and `["contacts"]`: restitution and friction, and what the pressure
     of walls and obstacles takes from a fluid beside them, an error of the images that vanishes with its spacing."""
-    work: Amount
+    work: T
     """Work done by wind, custom forces, fixed particles that move, shifting and `Simulation.set` since the start,
     each metered by itself; exactly 0 where there is none of them."""
 
     @property
-    def potential(self) -> Amount:
+    def potential(self) -> T:
         """The sum over all terms."""
-        zero: Amount = self.kinetic - self.kinetic if not self.by_term else 0.0  # type: ignore[assignment]
+        zero: T = self.kinetic - self.kinetic if not self.by_term else 0.0  # type: ignore[assignment]
         return sum(self.by_term.values(), start=zero)
 
     @property
-    def total(self) -> Amount:
+    def total(self) -> T:
         """Kinetic, potential and internal energy."""
         return self.kinetic + self.potential + self.internal
 
     @property
-    def balance(self) -> Amount:
+    def balance(self) -> T:
         """total + dissipated − work: constant, up to the integrator's error."""
         return self.total + self.dissipated - self.work
 
@@ -118,6 +118,74 @@ class EnergySeries(Budget[FloatArray]):
         axes.set(xlabel="time [s]", ylabel="energy [J]")
         axes.legend(frameon=False)
         return axes
+
+
+@dataclass(frozen=True, eq=False)
+class Stock(Generic[T]):
+    """The budget of a conserved quantity beside energy, such as the amount of a species or a probability."""
+
+    unit: str
+    """The unit of all numbers."""
+    total: T
+    """What there is."""
+    removed_by: Mapping[str, T]
+    """What was removed since the start, by what removed it: `removed_by["edges"]`."""
+    supplied_by: Mapping[str, T]
+    """What was supplied since the start, by what supplied it."""
+
+    @property
+    def removed(self) -> T:
+        """What was removed since the start."""
+        return sum(self.removed_by.values(), start=self.total - self.total)
+
+    @property
+    def supplied(self) -> T:
+        """What was supplied since the start."""
+        return sum(self.supplied_by.values(), start=self.total - self.total)
+
+    @property
+    def balance(self) -> T:
+        """total + removed − supplied: constant, up to the method's error."""
+        return self.total + self.removed - self.supplied
+
+
+@dataclass(frozen=True, eq=False)
+class Amount(Stock[float]):
+    """The budget of a conserved quantity at one moment."""
+
+    time: float
+    """When it was taken [s]."""
+
+
+@dataclass(frozen=True, eq=False)
+class AmountSeries(Stock[FloatArray]):
+    """The budget of a conserved quantity over time; every array has the shape (F,)."""
+
+    times: FloatArray
+    """When each was taken [s]: at the last step at or before each frame."""
+
+    @property
+    def drift(self) -> FloatArray:
+        """(balance − balance[0]) / largest |total|; the change itself where there never was anything."""
+        change: FloatArray = self.balance - self.balance[0]
+        scale = float(np.abs(self.total).max())
+        return change / scale if scale > 0.0 else change
+
+    @classmethod
+    def of(cls, moments: Sequence[Amount]) -> AmountSeries:
+        """Budgets at several times as one over time."""
+        first = moments[0]
+
+        def by(name: str) -> dict[str, FloatArray]:
+            return {part: np.array([getattr(each, name)[part] for each in moments]) for part in getattr(first, name)}
+
+        return cls(
+            unit=first.unit,
+            total=np.array([each.total for each in moments]),
+            removed_by=by("removed_by"),
+            supplied_by=by("supplied_by"),
+            times=np.array([each.time for each in moments]),
+        )
 
 
 class Drift:

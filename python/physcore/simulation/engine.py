@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from typing import TYPE_CHECKING, TypeVar
+
+import numpy as np
+
 from physcore._core import World
 from physcore.checks import FloatArray
 from physcore.numerics.choices import Limit, Numerics
@@ -10,6 +15,11 @@ from physcore.scene.records import Record
 from physcore.scene.scene import Scene
 from physcore.simulation.plan import Plan
 from physcore.simulation.state import FieldInfo, Snapshot
+
+if TYPE_CHECKING:
+    from physcore._core import StagesRecord
+
+S = TypeVar("S", bound=Snapshot)
 
 
 def build(scene: Scene, numerics: Numerics) -> World:
@@ -21,6 +31,7 @@ def build(scene: Scene, numerics: Numerics) -> World:
     return World(
         describe(scene),
         type(numerics.integrator).__name__,
+        {path: type(integrator).__name__ for path, integrator in numerics.integrators.items()},
         numerics.precision,
         numerics.threads,
         numerics.max_energy_growth,
@@ -40,19 +51,43 @@ def describe(scene: Scene) -> dict[str, object]:
     }
 
 
-def fields(world: World) -> list[FieldInfo]:
-    """The fields of a world."""
-    return [FieldInfo(name, unit, tuple(shape), rate, state) for name, unit, shape, rate, state in world.fields()]
+def fields(world: World, scene: Scene) -> list[FieldInfo]:
+    """The fields of a world. Without bodies there are positions and velocities of no particles."""
+    none = (
+        []
+        if scene.bodies
+        else [_nothing("positions", "m", "velocities", scene), _nothing("velocities", "m/s", None, scene)]
+    )
+    return none + [
+        FieldInfo(name, unit, tuple(shape), rate, state) for name, unit, shape, rate, state in world.fields()
+    ]
 
 
-def snapshot(world: World) -> Snapshot:
-    """The present state. Positions are where particles have gone: `show` puts them into the domain."""
-    return Snapshot(world.time, {info.name: world.read(info.name) for info in fields(world)})
+def read(world: World, scene: Scene, name: str) -> FloatArray:
+    """The values of a field. Positions are where particles have gone: `show` puts them into the domain."""
+    return (
+        world.read(name) if scene.bodies or name not in ("positions", "velocities") else np.empty((0, scene.dimension))
+    )
+
+
+def snapshot(world: World, scene: Scene) -> Snapshot:
+    """The present state, with positions as `read` gives them."""
+    return Snapshot(world.time, {info.name: read(world, scene, info.name) for info in fields(world, scene)})
+
+
+def shown(state: S, scene: Scene) -> S:
+    """A snapshot as the user sees it."""
+    return replace(state, fields={**state.fields, "positions": show(state.positions, scene)})
 
 
 def show(positions: FloatArray, scene: Scene) -> FloatArray:
     """Positions as the user sees them: within the periodic domain, if there is one."""
     return positions if scene.periodic is None else scene.periodic.wrap(positions)
+
+
+def _nothing(name: str, unit: str, rate: str | None, scene: Scene) -> FieldInfo:
+    """A field of no particles."""
+    return FieldInfo(name, unit, (0, scene.dimension), rate, state=True)
 
 
 def limit(world: World) -> Limit:
@@ -70,17 +105,28 @@ def present_limit(world: World) -> Limit:
     return Limit(**world.present_limit())
 
 
+def limit_varies(world: World) -> bool:
+    """Whether the limit of the time step changes with the state."""
+    return any(system["limit_varies"] for system in world.plan()["systems"])
+
+
+def evaluations(world: World) -> int:
+    """Evaluations of the rates per step: the most of any system."""
+    return max(system["evaluations"] for system in world.plan()["systems"])
+
+
 def plan(world: World, bound: Limit, dt: float) -> Plan:
     """The plan of a world, with the time step and its limit."""
     facts = world.plan()
+    first, *others = facts["systems"]
     return Plan(
-        stages=tuple(facts["stages"]),
-        dimension=facts["dimension"],
-        precision=facts["precision"],
-        integrator=facts["integrator"],
-        order=facts["order"],
-        evaluations=facts["evaluations"],
-        pairs=facts["pairs"],
+        stages=tuple(first["stages"]),
+        dimension=first["dimension"],
+        precision=first["precision"],
+        integrator=first["integrator"],
+        order=min(system["order"] for system in facts["systems"]),
+        evaluations=evaluations(world),
+        pairs=sum(system["pairs"] for system in facts["systems"]),
         dt=dt,
         dt_limit=bound.dt,
         limit_kind=bound.kind,
@@ -88,9 +134,17 @@ def plan(world: World, bound: Limit, dt: float) -> Plan:
         memory=facts["memory"],
         threads=facts["threads"],
         simd=facts["simd"],
-        layout=facts["layout"],
-        left_out=tuple(facts["left_out"]),
-        notes=tuple(facts["notes"]),
+        layout=first["layout"],
+        left_out=tuple(first["left_out"]),
+        notes=(*first["notes"], *(note for system in others for note in (_summary(system), *system["notes"]))),
+    )
+
+
+def _summary(system: StagesRecord) -> str:
+    """One line on a system beside the first one."""
+    return (
+        f"{system['item']}: {' → '.join(system['stages'])}, by {system['integrator']} of order {system['order']}, "
+        f"{system['layout']}"
     )
 
 

@@ -12,14 +12,19 @@ from physcore.errors import PhyscoreError, SceneError, StabilityWarning, warn
 from physcore.numerics.choices import steps_to
 from physcore.scene.scene import Scene
 from physcore.simulation import engine
-from physcore.simulation.energy import Energy
+from physcore.simulation.energy import Amount, Energy
 from physcore.simulation.state import Frame, Snapshot
 from physcore.simulation.stepper import TIME_TOLERANCE, Stepper
 
 
 def energy(world: World) -> Energy:
     """The energy budget of a world at its present step; warns where it is not finite."""
-    rows = world.energy()
+    return audit(world)[0]
+
+
+def audit(world: World) -> tuple[Energy, dict[str, Amount]]:
+    """The energy budget, and those of what else is conserved, by name."""
+    rows, others = world.budgets()
 
     def of(kind: str) -> dict[str, float]:
         return {name: energy for row, name, energy in rows if row == kind}
@@ -35,7 +40,10 @@ def energy(world: World) -> Energy:
         time=world.time,
     )
     _warn_if_beyond("energy", budget.balance, world)
-    return budget
+    return budget, {
+        name: Amount(unit, stored, dict(removed), dict(supplied), world.time)
+        for name, unit, stored, removed, supplied in others
+    }
 
 
 def momentum(world: World) -> FloatArray:
@@ -63,14 +71,16 @@ def _warn_if_beyond(quantity: str, value: float, world: World) -> None:
     )
 
 
-def frame(world: World) -> Frame:
+def frame(world: World, scene: Scene) -> Frame:
     """The present step as a frame; its positions are where the particles have gone."""
+    budget, budgets = audit(world)
     return Frame(
-        **vars(engine.snapshot(world)),
+        **vars(engine.snapshot(world, scene)),
         dt=world.dt,
-        energy=energy(world),
+        energy=budget,
         momentum=momentum(world),
         angular_momentum=angular_momentum(world),
+        budgets=budgets,
     )
 
 
@@ -101,11 +111,9 @@ def frames(world: World, scene: Scene, stepper: Stepper, duration: float, fps: f
     if stepper.fixed is not None:
         steps_to(duration, stepper.fixed, TIME_TOLERANCE)  # Refuses more than can be counted.
     sampled = _stepped if stepper.fixed is None else _interpolated
-    for index, sample in enumerate(sampled(world, stepper, count, fps)):
+    for index, sample in enumerate(sampled(world, scene, stepper, count, fps)):
         here = world.steps
-        shown = {"positions": engine.show(sample.positions, scene)} if scene.bodies else {}
-        fields = {**sample.fields, **shown}
-        yield replace(sample, time=start + index / fps, dt=stepper.dt, fields=fields)
+        yield replace(engine.shown(sample, scene), time=start + index / fps, dt=stepper.dt)
         if world.steps != here:
             raise PhyscoreError(
                 f"this simulation took {world.steps - here} steps between two of its frames, which would no longer be "
@@ -116,19 +124,19 @@ def frames(world: World, scene: Scene, stepper: Stepper, duration: float, fps: f
         stepper.run(left, fps)
 
 
-def _stepped(world: World, stepper: Stepper, count: int, fps: float) -> Iterator[Frame]:
+def _stepped(world: World, scene: Scene, stepper: Stepper, count: int, fps: float) -> Iterator[Frame]:
     """Frames on the steps of a time step that divides the frame interval."""
     for index in range(count):
         if index > 0:
             stepper.run(1.0 / fps, fps)
-        yield frame(world)
+        yield frame(world, scene)
 
 
-def _interpolated(world: World, stepper: Stepper, count: int, fps: float) -> Iterator[Frame]:
+def _interpolated(world: World, scene: Scene, stepper: Stepper, count: int, fps: float) -> Iterator[Frame]:
     """Frames between steps of a given size: `before` is the last step at or before a frame, `done` the present step."""
     dt = stepper.dt
-    rates = {info.name: info.rate for info in engine.fields(world)}
-    done, before = 0, frame(world)
+    rates = {info.name: info.rate for info in engine.fields(world, scene)}
+    done, before = 0, frame(world, scene)
     for index in range(count):
         target = index / (fps * dt)
         nearest = round(target)
@@ -136,14 +144,14 @@ def _interpolated(world: World, stepper: Stepper, count: int, fps: float) -> Ite
         first = nearest if on_step else math.floor(target)
         if done <= first:
             stepper.step(first - done)
-            done, before = first, frame(world)
+            done, before = first, frame(world, scene)
         if on_step:
             yield before
             continue
         if done == first:
             stepper.step(1)
             done += 1
-        yield between(before, engine.snapshot(world), target - first, dt, rates)
+        yield between(before, engine.snapshot(world, scene), target - first, dt, rates)
 
 
 def between(before: Frame, after: Snapshot, fraction: float, dt: float, rates: Mapping[str, str | None]) -> Frame:

@@ -54,8 +54,7 @@ class Provenance:
         Raises:
             FileError: it is something else.
         """
-        plain = either(dict, record(kind=text, fields=table(_scalar)), _scalar)
-        checked = of(cls, numerics=table(plain), segments=SEGMENTS)(content, path)
+        checked = of(cls, numerics=table(either(dict, _choice, _scalar)), segments=SEGMENTS)(content, path)
         return cls(**{**checked, "segments": segments_from(checked["segments"])})
 
 
@@ -66,6 +65,12 @@ def segments_from(content: Tree) -> tuple[Segment, ...] | None:
 
 SEGMENTS: Rule = maybe(several(of(Segment)))
 """The rule for the segments in a file."""
+
+
+def _choice(value: Tree, path: str) -> Tree:
+    """An integrator or a rule for steps; or integrators by the paths of what they drive."""
+    one = record(kind=text, fields=table(_scalar))
+    return (one if "kind" in value else table(one))(value, path)
 
 
 def _scalar(value: Tree, path: str) -> Tree:

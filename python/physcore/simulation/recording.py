@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass, field, fields
 from typing import Self, cast
 
 import numpy as np
@@ -14,14 +14,15 @@ from physcore import memory
 from physcore.checks import FloatArray, is_word, words
 from physcore.errors import SceneError
 from physcore.scene.fluid import Fluid
+from physcore.scene.grid import GridSystem
 from physcore.scene.scene import BodyKey, ItemKey, Scene
-from physcore.simulation.energy import EnergySeries
+from physcore.simulation.energy import Amount, AmountSeries, EnergySeries
 from physcore.simulation.plan import Plan
 from physcore.simulation.provenance import Provenance
 from physcore.simulation.serial import unpack_scene
 from physcore.simulation.state import Frame
 from physcore.storage import archive
-from physcore.storage.schema import Sizes, anything, maybe, of, real, record, several, table, word
+from physcore.storage.schema import Sizes, anything, maybe, of, real, record, several, table, text, word
 
 CHANNELS = ("positions", "velocities")
 """The fields of all particles."""
@@ -29,13 +30,15 @@ FLUID_CHANNELS = ("densities", "pressures")
 """The fields that fluids have beside."""
 AMOUNTS = ("kinetic", "internal", "dissipated", "work")
 """The parts of the energy budget that are one number each."""
+PARTS = ("removed_by", "supplied_by")
+"""The parts of the budgets of other quantities that are one number for each cause."""
 TERMS = 8
 """About how many forces and frictions there are, each with an energy of its own."""
 
 
 def field_names(scene: Scene) -> tuple[str, ...]:
-    """The names of the fields that a scene has."""
-    return (*(CHANNELS if scene.bodies else ()), *(FLUID_CHANNELS if scene.fluids else ()), *_system_shapes(scene))
+    """The names of the fields that a scene has; positions and velocities always, if only of no particles."""
+    return (*CHANNELS, *(FLUID_CHANNELS if scene.fluids else ()), *_system_shapes(scene))
 
 
 def _system_shapes(scene: Scene) -> dict[str, tuple[int, ...]]:
@@ -133,13 +136,15 @@ class Recording(Trajectory):
     momentum: FloatArray
     """Total momentum at `energy.times` [kg·m/s], shape (F, D)."""
     angular_momentum: FloatArray
-    """Total angular momentum about the origin at `energy.times` [kg·m²/s], shape (F, 1) in 2D, (F, 3) in 3D."""
+    """Total angular momentum about the origin at `energy.times` [kg·m²/s], shape (F, D (D − 1)/2)."""
     fps: float
     """Frames per second of simulated time."""
     scene: Scene
     """The scene that was simulated."""
     plan: Plan
     """The plan by which it was simulated."""
+    budgets: Mapping[str, AmountSeries] = field(default_factory=dict)
+    """The budgets of what is conserved beside energy, by name, such as `budgets["u"]` for the amount of a species."""
     provenance: Provenance | None = None
     """The steps that were taken, and the hash of the state at the end; None in files of an earlier physcore."""
 
@@ -155,7 +160,7 @@ class Recording(Trajectory):
 
     def __repr__(self) -> str:
         return (
-            f"Recording({len(self)} frames at {self.fps:g} per second, {self.scene.particles} particles "
+            f"Recording({len(self)} frames at {self.fps:g} per second, {contents(self.scene)} "
             f"in {self.scene.dimension}D, energy drift {np.abs(self.energy.drift).max():.1e})"
         )
 
@@ -175,6 +180,7 @@ class Recording(Trajectory):
             **self.channels,
             "channels": list(self.channels),
             "energy": series,
+            "budgets": {name: vars(budget) for name, budget in self.budgets.items()},
             "momentum": self.momentum,
             "angular_momentum": self.angular_momentum,
             "fps": self.fps,
@@ -203,8 +209,9 @@ class Recording(Trajectory):
         rules = {name: sizes.array(*axes[name], finite=name not in FLUID_CHANNELS) for name in channels}
         terms = {"by_term": table(over_time), "dissipated_by": table(over_time)}
         amounts = dict.fromkeys(("times", *AMOUNTS), over_time)
+        budget = record(unit=text, total=over_time, times=over_time, **dict.fromkeys(PARTS, table(over_time)))
         shape = record(
-            {"provenance": maybe(Provenance.from_content)},
+            {"provenance": maybe(Provenance.from_content), "budgets": table(budget)},
             scene=anything,
             channels=anything,
             times=sizes.array("F", finite=True),
@@ -225,6 +232,7 @@ class Recording(Trajectory):
             fps=checked["fps"],
             scene=scene,
             plan=Plan(**checked["plan"]),
+            budgets={name: AmountSeries(**each) for name, each in checked.get("budgets", {}).items()},
             provenance=checked.get("provenance"),
         )
 
@@ -246,7 +254,7 @@ def collect(
     """
     audit = count * (len(("times", "times", *AMOUNTS)) + TERMS + scene.dimension + _turns(scene))
     hint = "lower fps, record fewer channels, or stream: physcore.film(scene, …)"
-    refuse_if_too_large(count, scene.particles, 8 * (audit + count * sum(map(math.prod, shapes.values()))), hint)
+    refuse_if_too_large(count, scene, 8 * (audit + count * sum(map(math.prod, shapes.values()))), hint)
     data: dict[str, FloatArray] = {name: np.empty((count, *shape)) for name, shape in shapes.items()}
     times = np.empty(count)
     momentum = np.empty((count, scene.dimension))
@@ -254,34 +262,46 @@ def collect(
     budget: dict[str, FloatArray] = {name: np.empty(count) for name in ("times", *AMOUNTS)}
     by_term: dict[str, FloatArray] = {}
     dissipated_by: dict[str, FloatArray] = {}
+    amounts: dict[str, list[Amount]] = {}
     for index, frame in enumerate(frames):
         for name, values in data.items():
             values[index] = frame.fields[name]
         times[index] = frame.time
         momentum[index], angular_momentum[index] = frame.momentum, frame.angular_momentum
         budget["times"][index] = frame.energy.time
-        for amount in AMOUNTS:
-            budget[amount][index] = getattr(frame.energy, amount)
+        for part in AMOUNTS:
+            budget[part][index] = getattr(frame.energy, part)
         for parts, series in ((frame.energy.by_term, by_term), (frame.energy.dissipated_by, dissipated_by)):
             for term, value in parts.items():
                 series.setdefault(term, np.empty(count))[index] = value
+        for name, amount in frame.budgets.items():
+            amounts.setdefault(name, []).append(amount)
         tick(index + 1)
+    budgets = {name: AmountSeries.of(each) for name, each in amounts.items()}
     energy = EnergySeries(by_term=by_term, dissipated_by=dissipated_by, **budget)
-    return Recording(times, data, energy, momentum, angular_momentum, fps, scene, *end())
+    plan, provenance = end()
+    return Recording(times, data, energy, momentum, angular_momentum, fps, scene, plan, budgets, provenance)
 
 
-def refuse_if_too_large(frames: int, particles: int, needed: int, hint: str) -> None:
+def refuse_if_too_large(frames: int, scene: Scene, needed: int, hint: str) -> None:
     """Refuse to begin what needs more bytes than are free.
 
     Raises:
         SceneError: it does.
     """
-    memory.require(needed, f"{frames} frames of {particles} particles", "duration", hint)
+    memory.require(needed, f"{frames} frames of {contents(scene)}", "duration", hint)
+
+
+def contents(scene: Scene) -> str:
+    """How many particles and cells a scene has, in words."""
+    cells = sum(system.grid.size for system in scene.systems if isinstance(system, GridSystem))
+    counts = {"particles": scene.particles, "cells": cells}
+    return " and ".join(f"{count} {name}" for name, count in counts.items() if count) or "0 particles"
 
 
 def _turns(scene: Scene) -> int:
     """How many components an angular momentum has."""
-    return 1 if scene.dimension == 2 else 3
+    return scene.dimension * (scene.dimension - 1) // 2
 
 
 _display: Callable[[Recording], str | None] | None = None

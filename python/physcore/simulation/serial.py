@@ -27,8 +27,10 @@ from physcore.systems import SYSTEMS
 _BODIES = (Particles, SpringNetwork, Fluid)
 _RULES = (*INTEGRATORS, AutoStep, AdaptiveStep)
 _SECTIONS: dict[str, tuple[type[SceneItem], ...]] = {"forces": FORCES, "boundaries": BOUNDARIES, "systems": SYSTEMS}
+_PARTS = (*KERNELS, *dict.fromkeys(chain.from_iterable(kind.parts for kind in SYSTEMS)))
+"""What stands within items."""
 _KINDS: dict[str, type[Any]] = {
-    kind_of(kind): kind for kind in (*_BODIES, *KERNELS, *chain(*_SECTIONS.values()), Periodic, *_RULES)
+    kind_of(kind): kind for kind in (*_BODIES, *_PARTS, *chain(*_SECTIONS.values()), Periodic, *_RULES)
 }
 
 _SCENE = record(
@@ -62,7 +64,9 @@ def unpack_scene(tree: Tree, path: str = "scene") -> Scene:
 
 def pack_numerics(numerics: Numerics) -> Tree:
     """Numerical choices as a tree."""
-    return {entry.name: pack(getattr(numerics, entry.name)) for entry in fields(numerics)}
+    own = {entry.name: pack(getattr(numerics, entry.name)) for entry in fields(numerics)}
+    several = {path: pack(integrator) for path, integrator in own.pop("integrators").items()}
+    return {**own, "integrator": several or own["integrator"]}
 
 
 def unpack_numerics(tree: Tree, path: str = "numerics") -> Options:
@@ -71,8 +75,17 @@ def unpack_numerics(tree: Tree, path: str = "numerics") -> Options:
     Raises:
         FileError: the tree has something else.
     """
-    content = record({entry.name: anything for entry in fields(Numerics)})(tree, path)
-    return cast(Options, {name: _unpack_value(value, f"{path}.{name}", _RULES) for name, value in content.items()})
+    content = record({entry.name: anything for entry in fields(Numerics) if entry.name != "integrators"})(tree, path)
+    values = {
+        name: _unpack_value(value, f"{path}.{name}", _RULES) for name, value in content.items() if name != "integrator"
+    }
+    given = content.get("integrator")
+    if isinstance(given, dict) and "kind" not in given:
+        inner = f"{path}.integrator"
+        values["integrator"] = {key: _unpack(each, f"{inner}[{key!r}]", INTEGRATORS) for key, each in given.items()}
+    elif given is not None:
+        values["integrator"] = _unpack_value(given, f"{path}.integrator", _RULES)
+    return cast(Options, values)
 
 
 def _unpack(tree: Tree, path: str, kinds: tuple[type[Any], ...]) -> Any:
@@ -83,7 +96,7 @@ def _unpack(tree: Tree, path: str, kinds: tuple[type[Any], ...]) -> Any:
     optional = {each.name: anything for each in arguments if each.default is not each.empty}
     required = {each.name: anything for each in arguments if each.default is each.empty}
     fields_of = record(optional, **required)(thing["fields"], f"{path}.fields")
-    values = {name: _unpack_value(value, f"{path}.{name}", KERNELS) for name, value in fields_of.items()}
+    values = {name: _unpack_value(value, f"{path}.{name}", _PARTS) for name, value in fields_of.items()}
     with _named(path):
         return kind(**values)
 

@@ -13,10 +13,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from physcore.checks import MOST, FloatArray, array, broadcast, flag, shown, span
 from physcore.errors import FileError, SceneError
-from physcore.forces import CustomForce
 from physcore.numerics.choices import (
     FRAMES_PER_SECOND,
     DivergenceRule,
+    Integrators,
     Limit,
     Numerics,
     Options,
@@ -27,15 +27,17 @@ from physcore.numerics.choices import (
 from physcore.numerics.integrators import Integrator
 from physcore.progress import Progress
 from physcore.scene.bodies import Body
+from physcore.scene.items import System
+from physcore.scene.records import Record
 from physcore.scene.scene import BodyKey, ItemKey, Scene
 from physcore.simulation import engine
 from physcore.simulation import frames as sampling
-from physcore.simulation.energy import Energy
+from physcore.simulation.energy import Amount, Energy
 from physcore.simulation.plan import Plan
 from physcore.simulation.provenance import SEGMENTS, Provenance, version
-from physcore.simulation.recording import Recording, body_fields, check_channels, collect
+from physcore.simulation.recording import CHANNELS, FLUID_CHANNELS, Recording, body_fields, check_channels, collect
 from physcore.simulation.serial import pack_numerics, unpack_numerics, unpack_scene
-from physcore.simulation.state import Frame, Snapshot
+from physcore.simulation.state import Frame, Part
 from physcore.simulation.stepper import Captured, Stepper
 from physcore.storage import archive
 from physcore.storage.schema import of, record, several, table
@@ -49,7 +51,9 @@ class Simulation:
 
     Args:
         scene: what to simulate.
-        integrator: how to step; "auto" is VelocityVerlet().
+        integrator: how to step; "auto": VelocityVerlet(), or what an item says is its default. One is for all that it
+            can drive; a mapping gives some items their own: `{wave: pc.RungeKutta4(), "bodies": pc.PEFRL()}`, by items
+            or their names. All bodies are one system, with one integrator.
         dt: the time step [s]; "auto" is AutoStep(), which chooses it from the limit of stability of the scene;
             AdaptiveStep() lets it follow the motion.
         precision: "f64", or "f32": forces in single precision, energies in double; "auto" is "f32" for scenes with a
@@ -76,7 +80,7 @@ class Simulation:
     def __init__(
         self,
         scene: Scene,
-        integrator: Integrator | Literal["auto"] = "auto",
+        integrator: Integrators = "auto",
         dt: float | StepRule | Literal["auto"] = "auto",
         precision: Precision = "auto",
         threads: int | None = None,
@@ -111,7 +115,7 @@ class Simulation:
 
     @property
     def integrator(self) -> Integrator:
-        """How it is stepped."""
+        """How it is stepped; where items have integrators of their own, that of the bodies or of the first system."""
         return self._numerics.integrator
 
     @property
@@ -137,18 +141,17 @@ class Simulation:
     @property
     def evaluations(self) -> int:
         """How many times each step evaluates the forces."""
-        count: int = self._world.plan()["evaluations"]
-        return count
+        return engine.evaluations(self._world)
 
     @property
     def positions(self) -> FloatArray:
         """Positions of all particles, body by body [m], shape (N, D), within the periodic domain; a copy."""
-        return engine.show(self._world.read("positions"), self._scene)
+        return engine.show(engine.read(self._world, self._scene, "positions"), self._scene)
 
     @property
     def velocities(self) -> FloatArray:
         """Velocities of all particles, body by body [m/s], shape (N, D); a copy."""
-        return self._world.read("velocities")
+        return engine.read(self._world, self._scene, "velocities")
 
     @property
     def plan(self) -> Plan:
@@ -161,20 +164,21 @@ class Simulation:
         """The provenance of the present state: what it takes, beside the scene, to compute it again."""
         return Provenance(version(), pack_numerics(self._numerics), self._stepper.segments, self.state_hash())
 
-    def __getitem__(self, item: ItemKey) -> Snapshot:
+    def __getitem__(self, item: ItemKey) -> Part:
         """The present state of one body, given itself, its index or its name; a Fluid's has densities and pressures.
 
-        Of a further system, given itself or its name: its fields.
+        Of a further system, given itself or its name: its fields. `simulation[item].set(…)` changes them.
         """
-        system = self._scene.system(item)
-        if system is not None:
-            own = [info.name for info in engine.fields(self._world) if info.name.startswith(f"{system}.")]
-            return Snapshot(self.time, {name.removeprefix(f"{system}."): self._world.read(name) for name in own})
+        path = self._scene.system(item)
+        if path is not None:
+            system = next(each for each in self._scene.systems if self._scene.system(each) == path)
+            own = {name: self._world.read(f"{path}.{name}") for name in system.shapes()}
+            return Part(self.time, own, lambda values: self._set_fields(system, path, values))
         body = cast("BodyKey", item)
         part = self._scene.slice(body)
-        names = body_fields(self._scene, body)
-        fields = {name: self._world.read(name)[part] for name in names}
-        return Snapshot(self.time, {**fields, "positions": engine.show(fields["positions"], self._scene)})
+        fields = {name: self._world.read(name)[part] for name in body_fields(self._scene, body)}
+        shown = {**fields, "positions": engine.show(fields["positions"], self._scene)}
+        return Part(self.time, shown, lambda values: self._set_body(body, values))
 
     def __repr__(self) -> str:
         return f"Simulation({self._scene!r}, {self.integrator!r}, time={self.time:g}, steps={self.steps})"
@@ -239,7 +243,7 @@ class Simulation:
         frames = self.frames(duration, fps)
         count = sampling.frame_count(float(duration), float(fps))
         with Progress(count, "simulating", shown) as bar:
-            shapes = {info.name: info.shape for info in engine.fields(self._world) if info.name in kept}
+            shapes = {info.name: info.shape for info in engine.fields(self._world, self._scene) if info.name in kept}
             return collect(frames, count, self._scene, float(fps), shapes, self._end, bar.update)
 
     def set(self, positions: State | None = None, velocities: State | None = None) -> None:
@@ -256,6 +260,24 @@ class Simulation:
         given = {"positions": positions, "velocities": velocities}
         self._world.write({name: self._whole(values, name) for name, values in given.items() if values is not None})
 
+    def _set_body(self, body: BodyKey, values: Mapping[str, ArrayLike]) -> None:
+        """Replace positions or velocities of a body."""
+        for name in values:
+            if name not in CHANNELS:
+                raise SceneError(f"set.{name}: must be one of {', '.join(CHANNELS)}")
+        self.set(**{name: {body: given} for name, given in values.items()})
+
+    def _set_fields(self, system: System, path: str, values: Mapping[str, object]) -> None:
+        """Replace fields of a further system."""
+        states = {info.name.removeprefix(f"{path}."): info.state for info in engine.fields(self._world, self._scene)}
+        for name in values:
+            if name not in system.shapes() or not states[name]:
+                known = ", ".join(each for each in system.shapes() if states[each])
+                raise SceneError(f"{path}.set.{name}: must be one of {known}")
+        self._world.write(
+            {f"{path}.{name}": system.values(name, given, f"{path}.set.{name}") for name, given in values.items()}
+        )
+
     def energy(self) -> Energy:
         """The energy budget of the present state.
 
@@ -264,6 +286,10 @@ class Simulation:
                 on_divergence="ignore" leaves to you.
         """
         return sampling.energy(self._world)
+
+    def budgets(self) -> dict[str, Amount]:
+        """The budgets of what is conserved beside energy, by name; none where nothing is."""
+        return sampling.audit(self._world)[1]
 
     def momentum(self) -> FloatArray:
         """Total momentum of all particles that are not fixed [kg·m/s], shape (D,).
@@ -274,7 +300,8 @@ class Simulation:
         return sampling.momentum(self._world)
 
     def angular_momentum(self) -> FloatArray:
-        """Total angular momentum about the origin [kg·m²/s], shape (1,) in 2D and (3,) in 3D.
+        """Total angular momentum about the origin [kg·m²/s], shape (D (D − 1)/2,): a number in 2D, three in
+        3D.
 
         Warns:
             StabilityWarning: it is not finite, as for `energy`.
@@ -346,8 +373,11 @@ class Simulation:
         checked = shape(content, "")
         numerics = check(checked["numerics"], checked["scene"])
         simulation = cls._resumed(checked["scene"], numerics, checked["stepper"], checked["world"])
-        if not (np.isfinite(simulation.positions).all() and np.isfinite(simulation.velocities).all()):
-            raise FileError("world.columns: must be finite in the precision of the run")
+        for info in engine.fields(simulation._world, simulation._scene):
+            # Particles that are no fluid's have no density.
+            whole = info.state and info.name not in FLUID_CHANNELS
+            if whole and not np.isfinite(engine.read(simulation._world, simulation._scene, info.name)).all():
+                raise FileError("world.columns: must be finite in the precision of the run")
         return simulation
 
     def __copy__(self) -> Simulation:
@@ -358,11 +388,11 @@ class Simulation:
         """Pickle the scene and the present state.
 
         Raises:
-            SceneError: a function of a CustomForce cannot be pickled.
+            SceneError: a function in the scene cannot be pickled.
         """
-        for position, force in enumerate(self._scene.forces):
-            if isinstance(force, CustomForce):
-                _require_pickles(force, f"forces[{position}]")
+        for section in ("forces", "systems"):
+            for position, item in enumerate(getattr(self._scene, section)):
+                _require_pickles(Record.of(item), f"{section}[{position}]")
         state = (self._scene, self._numerics, self._stepper.capture(), self._world.capture())
         return type(self)._resumed, state
 
@@ -387,7 +417,7 @@ class Simulation:
         path, shape = f"set.{field}", (self._scene.particles, self._scene.dimension)
         if not isinstance(given, Mapping):
             return broadcast(given, shape, path)
-        values: FloatArray = self._world.read(field)
+        values: FloatArray = engine.read(self._world, self._scene, field)
         for key, part in given.items():
             try:
                 where = self._scene.slice(key)
@@ -409,19 +439,28 @@ def _numbers(value: object, path: str) -> NDArray[np.generic]:
     return value
 
 
-def _require_pickles(force: CustomForce, path: str) -> None:
+def _require_pickles(record: Record, path: str) -> None:
     """Refuse a function that has no name by which another process could find it.
 
     Raises:
         SceneError: it has none.
     """
-    for name in ("function", "potential"):
-        try:
-            pickle.dumps(getattr(force, name))
-        except Exception as error:
-            raise SceneError(
-                f"{path}.{name}: cannot be pickled ({error}); define it with def at the top level of a module"
-            ) from error
+    for name, value in record.values.items():
+        for position, each in enumerate(value if isinstance(value, tuple) else (value,)):
+            where = f"{path}.{name}[{position}]" if isinstance(value, tuple) else f"{path}.{name}"
+            if isinstance(each, Record):
+                _require_pickles(each, where)
+            elif callable(each):
+                _require_pickle(each, where)
+
+
+def _require_pickle(function: object, path: str) -> None:
+    try:
+        pickle.dumps(function)
+    except Exception as error:
+        raise SceneError(
+            f"{path}: cannot be pickled ({error}); define it with def at the top level of a module"
+        ) from error
 
 
 def require_scene(scene: object) -> None:

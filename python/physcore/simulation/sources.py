@@ -125,7 +125,9 @@ class Recorded:
 
     def frames(self) -> Iterator[SourceFrame]:
         """The frames in order."""
-        channels = {**self.recording.channels, "positions": self.recording.positions}
+        nothing = np.empty((self.count, 0, getattr(self.recording.scene, "dimension", 2)))
+        positions = self.recording.positions if getattr(self.recording.scene, "bodies", True) else nothing
+        channels = {**self.recording.channels, "positions": positions}
         dt = self.recording.plan.dt if self.audited else None
         for index, time in enumerate(self.recording.times):
             fields: dict[str, FloatArray] = {name: values[index] for name, values in channels.items()}
@@ -188,8 +190,9 @@ class Running:
             momentum=[first.momentum.tolist(), last.momentum.tolist()],
         )
         if self._provenance not in (None, found):
-            custom = any(Record.of(force).is_code for force in self.scene.forces)
-            cause = "its CustomForce gives other values for the same arguments" if custom else "please report it"
+            items = (*self.scene.forces, *self.scene.systems)
+            code = next((type(item).__name__ for item in items if Record.of(item).is_code), None)
+            cause = "please report it" if code is None else f"its {code} gives other values for the same arguments"
             raise InternalError(f"the scene did not repeat itself when it was simulated again: {cause}")
         self._provenance = found
 

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
 
 from physcore.checks import FloatArray
 from physcore.errors import SceneError
-from physcore.simulation.energy import Energy
+from physcore.simulation.energy import Amount, Energy
 
 
 @dataclass(frozen=True)
@@ -80,4 +81,27 @@ class Frame(Snapshot):
     momentum: FloatArray
     """Total momentum [kg·m/s], shape (D,)."""
     angular_momentum: FloatArray
-    """Total angular momentum about the origin [kg·m²/s], shape (1,) in 2D and (3,) in 3D."""
+    """Total angular momentum about the origin [kg·m²/s], shape (D (D − 1)/2,): a number in 2D, three in 3D."""
+    budgets: Mapping[str, Amount] = field(default_factory=dict)
+    """The budgets of what else is conserved, by name."""
+
+
+@dataclass(frozen=True, eq=False)
+class Part(Snapshot):
+    """The present state of one item of a running simulation, which can be changed between two steps."""
+
+    replace: Callable[[Mapping[str, Any]], None]
+    """Replaces fields by name."""
+
+    def set(self, **values: Any) -> None:
+        """Replace fields of this item; the change of energy counts as work. What this part shows stays as it was.
+
+            simulation[wave].set(displacement=lambda x, y: np.exp(-(x**2) - y**2))
+
+        Args:
+            values: by the names of fields: numbers, arrays of their shapes, and on grids functions of the coordinates.
+
+        Raises:
+            SceneError: there is no such field, or it follows from others; or the values are none of its shape.
+        """
+        self.replace(values)

@@ -91,7 +91,7 @@ class Stepper:
         self._adaptive = numerics.dt if isinstance(numerics.dt, AdaptiveStep) else None
         self._limits: tuple[Limit, Limit] | None = None
         """With dt="auto" the limit at the start, and the one that the time step keeps to."""
-        self._varies = world.plan()["limit_varies"]
+        self._varies = engine.limit_varies(world)
         self._interval = FLUID_CHECK_INTERVAL if scene.fluids else CHECK_INTERVAL
         self._stepping = threading.Lock()
         self._mach_warned = False
@@ -289,9 +289,7 @@ class Stepper:
 
     def _complete(self, error: SimulationDiverged) -> None:
         """Put the last good state into a divergence."""
-        state = engine.snapshot(self._world)
-        shown = {"positions": engine.show(state.positions, self._scene)}
-        error.last_good = replace(state, fields={**state.fields, **shown})
+        error.last_good = engine.shown(engine.snapshot(self._world, self._scene), self._scene)
 
     def _warn_of_mach_number(self, mach: float, share: float, sound: float) -> None:
         if self._mach_warned or share <= FAST_SHARE:

@@ -13,8 +13,9 @@ from physcore.numerics.choices import FRAMES_PER_SECOND, Options, check
 from physcore.numerics.integrators import INTEGRATORS
 from physcore.scene.scene import Scene
 from physcore.simulation.frames import frame_count
-from physcore.simulation.recording import CHANNELS, Recording, check_channels, refuse_if_too_large
+from physcore.simulation.recording import Recording, check_channels, refuse_if_too_large
 from physcore.simulation.simulation import Simulation, require_scene
+from physcore.studies.state import primary, size, unit
 from physcore.studies.tradeoff.experiment import Choice, Experiment, Trial
 from physcore.studies.tradeoff.methods import SAFETY, largest_step, methods
 from physcore.studies.tradeoff.refinement import Target
@@ -30,7 +31,7 @@ def simulate(
     duration: float,
     fps: float = FRAMES_PER_SECOND,
     *,
-    channels: tuple[str, ...] = CHANNELS,
+    channels: tuple[str, ...] | None = None,
     progress: bool | None = None,
     accuracy: float | None = None,
     energy_drift: float | None = None,
@@ -48,9 +49,11 @@ def simulate(
         scene: what to simulate.
         duration: [s].
         fps: frames per second of simulated time.
-        channels: what to keep of each frame: "positions" and "velocities", of a Fluid also "densities" and "pressures".
+        channels: what to keep of each frame: "positions" and "velocities", of a Fluid also "densities" and "pressures",
+            of further systems their fields after their names, "pond.displacement"; None: all but those of fluids.
         progress: whether to show a progress bar; None: on a terminal, when it takes longer than a second.
-        accuracy: how far any particle may be from where it should be, at any frame [m].
+        accuracy: how far any particle may be from where it should be, at any frame [m]; without particles, how far any
+            value of the first field of the first system may be off, in its unit.
         energy_drift: how far the energy balance may drift, as `Recording.energy.drift` counts it.
         numerics: integrator, dt, precision, threads, max_energy_growth, on_divergence, as in Simulation; dt is not to
             be given with `accuracy` or `energy_drift`, and an integrator that is given is the only one that is tried.
@@ -93,8 +96,8 @@ def _search(
     """
     numerics = check(options, scene)
     frames = frame_count(duration, fps)
-    size = 8 * COPIES * frames * scene.particles * scene.dimension
-    refuse_if_too_large(frames, scene.particles, size, "or ask for fewer frames: fps=…")
+    needed = 8 * COPIES * frames * size(scene)
+    refuse_if_too_large(frames, scene, needed, "or ask for fewer frames: fps=…")
     intervals = frames - 1
     experiment = Experiment(
         scene,
@@ -106,7 +109,7 @@ def _search(
     )
 
     def record(choice: Choice) -> Trial:
-        return experiment.recorded(choice, duration, fps, tuple(dict.fromkeys(("positions", *channels))))
+        return experiment.recorded(choice, duration, fps, tuple(dict.fromkeys((primary(scene), *channels))))
 
     given = options.get("integrator", "auto")
     some = [kind() for kind in INTEGRATORS if kind.order > 1] if is_word(given, "auto") else [numerics.integrator]
@@ -130,14 +133,14 @@ def _search(
     if selection is not None and selection.proven:
         trial = selection.trial
         return replace(selection, trial=trial if trial.recording is not None else record(trial.choice))
-    asked = [f"within {target.accuracy:g} m"] * target.compares
+    asked = [f"within {target.accuracy:g} {unit(scene)}"] * target.compares
     asked += [f"energy drift {target.energy_drift:g}"] * math.isfinite(target.energy_drift)
     reached = "every one diverged"
     error, drift = math.inf, math.inf
     if selection is not None:
         error, drift = selection.error, selection.drift
         name = type(selection.trial.choice.integrator).__name__
-        reached = f"the best was {name}, off by {error:.1e} m with a drift of {drift:.1e}"
+        reached = f"the best was {name}, off by {error:.1e} {unit(scene)} with a drift of {drift:.1e}"
     raise AccuracyError(
         f"{'accuracy' if target.compares else 'energy_drift'}: no method gets there ({', '.join(asked)}): "
         f"{reached}; {_advice(options, scene)}",
@@ -165,7 +168,8 @@ def _proof(selection: Selection) -> str:
     )
     if not selection.candidate.target.compares:
         return f"{name} with dt = {dt:.4g} s keeps within an energy drift of {selection.drift:.1e}"
+    measured = unit(selection.candidate.experiment.scene)
     return (
-        f"{name} with dt = {dt:.4g} s keeps within {selection.error:.1e} m (energy drift {selection.drift:.1e}), as "
-        "runs with other steps prove"
+        f"{name} with dt = {dt:.4g} s keeps within {selection.error:.1e} {measured} "
+        f"(energy drift {selection.drift:.1e}), as runs with other steps prove"
     )

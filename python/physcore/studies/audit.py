@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from physcore.checks import FloatArray
-from physcore.simulation.recording import Recording
+from physcore.simulation.recording import Recording, contents
 
 
 def audit(recording: Recording) -> str:
@@ -21,12 +21,17 @@ def audit(recording: Recording) -> str:
     }
     width = max(len(name) for name in rows)
     lines = [
-        f"{recording.scene.particles} particles, {plan.integrator}, {plan.precision}, dt = {plan.dt:.3g} s, "
+        f"{contents(recording.scene)}, {plan.integrator}, {plan.precision}, dt = {plan.dt:.3g} s, "
         f"{recording.times[-1] - recording.times[0]:.3g} s simulated",
         f"  {'energy [J]':<{width}}  {'start':>12}  {'end':>12}",
         *(f"  {name:<{width}}  {values[0]:>12.6g}  {values[-1]:>12.6g}" for name, values in rows.items()),
         *([f"  substeps: {plan.substeps} steps failed and were taken again in parts"] if plan.substeps else []),
         f"  drift: at most {abs(energy.drift).max():.1e} of the energy in motion",
+        *(
+            f"  {name} [{each.unit}]: {each.total[0]:.6g} → {each.total[-1]:.6g}, "
+            f"drift at most {abs(each.drift).max():.1e}"
+            for name, each in recording.budgets.items()
+        ),
         f"  momentum [kg·m/s]: {_vector(recording.momentum[0])} → {_vector(recording.momentum[-1])}",
         f"  angular momentum [kg·m²/s]: {_vector(recording.angular_momentum[0])} → "
         f"{_vector(recording.angular_momentum[-1])}",

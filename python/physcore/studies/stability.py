@@ -8,7 +8,7 @@ from typing import Literal, overload
 
 import numpy as np
 
-from physcore.checks import FloatArray, flag
+from physcore.checks import flag
 from physcore.errors import SimulationDiverged
 from physcore.numerics.choices import check
 from physcore.numerics.integrators import Integrator
@@ -16,6 +16,7 @@ from physcore.scene.scene import Scene
 from physcore.simulation import engine
 from physcore.simulation.simulation import Simulation, require_scene
 from physcore.simulation.stepper import unwarned
+from physcore.studies.state import nudge, place
 
 STEPS = 2000
 """Steps of a trial: a thousandth above the limit, an undamped oscillation grows by a factor of 1.09 in each of them."""
@@ -128,18 +129,12 @@ def _stable(scene: Scene, integrator: Integrator, dt: float, theory: float) -> b
     """Whether a run holds for 2000 steps."""
     with unwarned():
         run = Simulation(scene, integrator, dt, "f64", max_energy_growth=MAX_ENERGY_GROWTH)
-    extent = float(np.ptp(run.positions, axis=0).max()) or 1.0
-    run.set(velocities=nudged(run, NUDGE * extent / theory, seed=0))
+    places = place(run)
+    # Of particles how far they are apart, of a field how far its values are.
+    extent = float(np.ptp(places, axis=0 if scene.bodies else None).max()) or 1.0
+    nudge(run, NUDGE * extent / theory, seed=0)
     try:
         run.step(STEPS)
     except SimulationDiverged:
         return False
     return True
-
-
-def nudged(simulation: Simulation, size: float, seed: int) -> FloatArray:
-    """The velocities of a simulation with one normal deviate of `size` [m/s] added to each, where nothing is fixed."""
-    velocities = simulation.velocities
-    free = np.concatenate([~body.fixed for body in simulation.scene.bodies])
-    velocities[free] += size * np.random.default_rng(seed).normal(size=velocities[free].shape)
-    return velocities

@@ -8,6 +8,8 @@
 //! The two take turns in one process on one thread at the same SIMD level, because the speed of a machine wanders; the
 //! clock is that of CPU time, which does not count what other programs take.
 
+use std::collections::BTreeMap;
+
 use std::cell::RefCell;
 
 use glam::DVec3;
@@ -172,6 +174,7 @@ fn body(positions: Vec<DVec3>, velocities: Vec<DVec3>, mass: f64, item: Item) ->
 fn world(dimension: usize, precision: &str, body: Body, forces: Vec<Item>) -> Simulation {
     let numerics = Numerics {
         integrator: "VelocityVerlet".to_owned(),
+        integrators: BTreeMap::new(),
         precision: precision.to_owned(),
         threads: Some(1),
         max_energy_growth: 1e6,

@@ -4,8 +4,10 @@
 
 use std::sync::Arc;
 
-use numpy::{PyArray3, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3, PyUntypedArrayMethods};
-use physcore_canvas::{Align, Disc, Drop, Error, Halo, Ink, Lens, Line, Painting, Rgb, Trails, Triangle};
+use numpy::{
+    PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3, PyUntypedArrayMethods,
+};
+use physcore_canvas::{Align, Disc, Drop, Error, Halo, Ink, Lens, Line, Painting, Rgb, Samples, Shading, Trails, Triangle};
 use physcore_engine::parallel::attend;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -210,6 +212,14 @@ impl Canvas {
         Ok(())
     }
 
+    /// Copy a picture (H, W, 3) at once, with its upper left corner at a pixel.
+    fn picture(&mut self, py: Python<'_>, pixels: PyReadonlyArray3<'_, u8>, left: i32, top: i32) -> PyResult<()> {
+        let (width, colors) = (pixels.shape()[1], texels(&pixels)?);
+        let picture = &mut self.picture;
+        py.detach(|| picture.picture(colors, width, [left, top]));
+        Ok(())
+    }
+
     /// Write one line of text at once; `align` is -1, 0 or 1 for left, center and right.
     fn text(&mut self, text: &str, x: i32, y: i32, height: usize, color: Ink, align: i32) {
         let align = match align {
@@ -223,7 +233,7 @@ impl Canvas {
     /// A copy of the pixels, (height, width, 3).
     fn pixels<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray3<u8>>> {
         let bytes: Vec<u8> = self.picture.pixels().iter().flat_map(|&[red, green, blue, _]| [red, green, blue]).collect();
-        numpy::PyArray1::from_vec(py, bytes).reshape([self.picture.height(), self.picture.width(), 3])
+        PyArray1::from_vec(py, bytes).reshape([self.picture.height(), self.picture.width(), 3])
     }
 }
 
@@ -259,13 +269,71 @@ impl Texture {
     /// A texture from pixels (height, width, 3).
     #[new]
     fn new(pixels: PyReadonlyArray3<'_, u8>) -> PyResult<Self> {
-        let texels = pixels.as_slice().map_err(|_| PyValueError::new_err("pixels: must be C-contiguous"))?.as_chunks::<3>().0;
-        if pixels.shape()[2] != 3 {
-            return Err(PyValueError::new_err(format!("pixels: must have the shape (H, W, 3), got {:?}", pixels.shape())));
-        }
-        let texture = physcore_canvas::Texture::new(pixels.shape()[1], texels.to_vec()).map_err(python_error)?;
+        let texture = physcore_canvas::Texture::new(pixels.shape()[1], texels(&pixels)?.to_vec()).map_err(python_error)?;
         Ok(Self { texture: Arc::new(texture) })
     }
+}
+
+/// The pixels of a picture (H, W, 3).
+fn texels<'a>(pixels: &'a PyReadonlyArray3<'_, u8>) -> PyResult<&'a [Rgb]> {
+    if pixels.shape()[2] != 3 {
+        return Err(PyValueError::new_err(format!("pixels: must have the shape (H, W, 3), got {:?}", pixels.shape())));
+    }
+    Ok(pixels.as_slice().map_err(|_| PyValueError::new_err("pixels: must be C-contiguous"))?.as_chunks().0)
+}
+
+/// How much of each pixel (H, W) is covered by cells (nx, ny) that are 1, not 0; the other arguments are those of `heatmap`.
+#[pyfunction]
+pub fn coverage<'py>(
+    py: Python<'py>,
+    mask: PyReadonlyArray2<'py, f64>,
+    size: [usize; 2],
+    corner: [f64; 2],
+    step: f64,
+) -> PyResult<Bound<'py, PyArray2<u8>>> {
+    let cells = [mask.shape()[0], mask.shape()[1]];
+    let samples = Samples { values: plane(&mask, cells, "mask")?, cells, size, corner, step };
+    if samples.values.is_empty() || !(step > 0.0 && step.is_finite()) {
+        return Err(PyValueError::new_err("mask, step: must not be empty, and the step above 0"));
+    }
+    let covered = py.detach(|| physcore_canvas::coverage(samples));
+    PyArray1::from_vec(py, covered).reshape([size[1], size[0]])
+}
+
+/// The picture (H, W, 3) of values at the cell centers of a grid (nx, ny), with an ink by the coverage of pixels by walls (H, W).
+///
+/// `size` is W, H; `corner` the place of the upper left pixel's center in cells from the lower left cell's, and `step` the
+/// cells per pixel. Values between the `ends` have the colors of a table (K, 3). `isolines` are
+/// a distance and an ink, `relief` the strength of light from the upper left.
+#[pyfunction]
+#[pyo3(signature = (values, size, corner, step, table, ends, walls=None, isolines=None, relief=0.0))]
+#[expect(clippy::too_many_arguments, reason = "one call for each frame")]
+pub fn heatmap<'py>(
+    py: Python<'py>,
+    values: PyReadonlyArray2<'py, f64>,
+    size: [usize; 2],
+    corner: [f64; 2],
+    step: f64,
+    table: PyReadonlyArray2<'py, u8>,
+    ends: [f64; 2],
+    walls: Option<(PyReadonlyArray2<'py, u8>, Rgb)>,
+    isolines: Option<(f64, Ink)>,
+    relief: f32,
+) -> PyResult<Bound<'py, PyArray3<u8>>> {
+    let [columns, lines] = [values.shape()[0], values.shape()[1]];
+    let table = rows::<u8, 3>(&table, table.shape()[0], "table")?;
+    let numbers = plane(&values, [columns, lines], "values")?;
+    let walls = match &walls {
+        Some((mask, ink)) => Some((plane(mask, [size[1], size[0]], "walls")?, *ink)),
+        None => None,
+    };
+    if table.is_empty() || numbers.is_empty() || !(step > 0.0 && step.is_finite()) {
+        return Err(PyValueError::new_err("values, table, step: must not be empty, and the step above 0"));
+    }
+    let samples = Samples { values: numbers, cells: [columns, lines], size, corner, step };
+    let shading = Shading { table, ends, isolines, relief };
+    let pixels = py.detach(|| physcore_canvas::heatmap(samples, &shading, walls));
+    PyArray1::from_vec(py, pixels.into_flattened()).reshape([size[1], size[0], 3])
 }
 
 /// Three equal parts of a row.

@@ -26,7 +26,7 @@ mod _core {
     }
 
     #[pymodule_export]
-    use super::canvas::{Canvas, Texture};
+    use super::canvas::{Canvas, Texture, coverage, heatmap};
     #[pymodule_export]
     use super::gif::Gif;
     #[pymodule_export]

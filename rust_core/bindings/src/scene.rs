@@ -16,9 +16,10 @@ use crate::record::{Reader, bytes};
 /// Reads a scene, with the functions that it holds.
 pub fn read(scene: &Bound<'_, PyDict>) -> PyResult<(Scene, Vec<Arc<Function>>)> {
     let (py, dimension) = (scene.py(), entry(scene, "dimension")?.extract()?);
-    let arrays: usize = entry(scene, "bodies")?.try_iter()?.map(|record| bytes(&record?)).sum::<PyResult<_>>()?;
+    let arrays = |name: &str| -> PyResult<usize> { entry(scene, name)?.try_iter()?.map(|record| bytes(&record?)).sum() };
     // Vectors have three components here.
-    memory::check("scene", arrays / 2 * 3, 0, || "for a copy of its arrays; take fewer particles".to_owned())
+    let needed = arrays("bodies")? / 2 * 3 + arrays("systems")?;
+    memory::check("scene", needed, 0, || "for a copy of its arrays; take fewer particles or cells".to_owned())
         .map_err(|error| exception(py, error))?;
     let mut reader = Reader { dimension, functions: Vec::new() };
     let mut items = |name: &str| reader.items(&entry(scene, name)?, name);

@@ -1,5 +1,6 @@
 //! `World`: the engine's simulation.
 
+use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, RwLock, RwLockReadGuard, RwLockWriteGuard, TryLockError};
@@ -7,9 +8,10 @@ use std::sync::{Arc, RwLock, RwLockReadGuard, RwLockWriteGuard, TryLockError};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, ToPyArray};
 use physcore_engine::error::{Error, Result as EngineResult};
 use physcore_engine::forces::Mach;
-use physcore_engine::ledger::Class;
+use physcore_engine::ledger::{Budget, Class};
 use physcore_engine::memory;
 use physcore_engine::parallel::{Executor, SERIAL, attend};
+use physcore_engine::plan::Stages;
 use physcore_engine::simulation::{Adaptation, Checkpoint, Numerics, Rule, Segment, Simulation, Vigilance};
 use physcore_engine::stability::{Horizon, Kind, Limit};
 use pyo3::gc::{PyTraverseError, PyVisit};
@@ -33,11 +35,14 @@ pub struct World {
     /// a lock.
     functions: Vec<Arc<Function>>,
     dimension: usize,
-    count: usize,
     threads: usize,
 }
 
 type Shared = Arc<RwLock<Simulation>>;
+/// Class, name and energy [J].
+type EnergyRow = (&'static str, &'static str, f64);
+/// Name, unit, what is stored, what was removed and what was supplied.
+type BudgetRow = (String, &'static str, f64, Vec<(&'static str, f64)>, Vec<(&'static str, f64)>);
 
 /// Why the world could not do what it was asked to.
 enum Failure {
@@ -176,10 +181,10 @@ fn without_gil<T: Send>(py: Python<'_>, work: impl FnOnce() -> Result<T, Failure
     }
 }
 
-/// The bytes of a vector.
-const VECTOR: usize = 24;
+/// The bytes of a number.
+const NUMBER: usize = 8;
 
-/// A scene with fewer particles and springs than this is built, and asked, sooner than threads start.
+/// A scene with fewer particles, springs and cells than this is built, and asked, sooner than threads start.
 const FEW: usize = 1000;
 
 /// Bytes of memory that can be had, where the system tells.
@@ -196,10 +201,12 @@ pub fn interrupted() -> bool {
 #[pymethods]
 impl World {
     #[new]
+    #[expect(clippy::too_many_arguments, reason = "the numerical choices, one by one")]
     fn new(
         py: Python<'_>,
         scene: &Bound<'_, PyDict>,
         integrator: String,
+        integrators: BTreeMap<String, String>,
         precision: String,
         threads: Option<usize>,
         max_energy_growth: f64,
@@ -211,8 +218,8 @@ impl World {
             "substep" => Vigilance::EveryStep,
             _ => Vigilance::Active,
         };
-        let numerics = Numerics { integrator, precision, threads, max_energy_growth, vigilance };
-        let (dimension, count, calls_back) = (scene.dimension, scene.count(), !functions.is_empty());
+        let numerics = Numerics { integrator, integrators, precision, threads, max_energy_growth, vigilance };
+        let (dimension, calls_back) = (scene.dimension, !functions.is_empty());
         let threads = numerics.threads().map_err(|error| exception(py, error))?;
         let things = scene.rows();
         let build = move |executor: &Executor| Simulation::new(&scene, &numerics, executor);
@@ -220,7 +227,7 @@ impl World {
             Ok(if things < FEW && !calls_back { build(&SERIAL) } else { attend(threads, &interrupted, build)? }?)
         })?;
         let inner = Arc::new(RwLock::new(inner));
-        Ok(Self { inner, changing: Arc::default(), functions, dimension, count, threads })
+        Ok(Self { inner, changing: Arc::default(), functions, dimension, threads })
     }
 
     /// Shows the garbage collector what may refer back to this. Like a tuple this needs no `__clear__`: what it refers to is
@@ -282,10 +289,11 @@ impl World {
 
     /// A field: a row for each element, or a number where it has one component.
     fn read<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
-        let bytes = 2 * VECTOR * self.count;
-        let Some((field, values)) = self.copy(py, bytes, |world| world.read(name))? else {
-            return Err(InternalError::new_err(format!("there is no field {name:?}")));
-        };
+        let missing = || InternalError::new_err(format!("there is no field {name:?}"));
+        let field = self.glance(py, Simulation::fields)?.into_iter().find(|field| field.name == name).ok_or_else(missing)?;
+        // The engine's copy beside that of the reader.
+        let bytes = 2 * NUMBER * field.shape.iter().product::<usize>();
+        let (_, values) = self.copy(py, bytes, |world| world.read(name))?.ok_or_else(missing)?;
         Ok(PyArray1::from_vec(py, values).reshape(field.shape)?.into_any())
     }
 
@@ -301,15 +309,19 @@ impl World {
         })
     }
 
-    /// The energy budget, as (class, name, energy) [J].
-    fn energy(&self, py: Python<'_>) -> PyResult<Vec<(&'static str, &'static str, f64)>> {
+    /// The energy budget, as (class, name, energy) [J], and the budgets of what else is conserved, as (name, unit, stored,
+    /// removed by what, supplied by what).
+    fn budgets(&self, py: Python<'_>) -> PyResult<(Vec<EnergyRow>, Vec<BudgetRow>)> {
         let ledger = if self.functions.is_empty() {
             self.ask(py, physcore_engine::simulation::Simulation::energy)?
         } else {
             // Whoever is called may try to change the world, which must be refused and cannot wait.
             self.change_at_length(py, |world, executor| world.energy(executor))?
         };
-        Ok(ledger.rows().iter().map(|row| (class(row.class), row.name, row.energy)).collect())
+        let energies = ledger.rows().iter().map(|row| (class(row.class), row.name, row.energy)).collect();
+        let of =
+            |budget: &Budget| (budget.name.clone(), budget.unit, budget.stored, budget.removed.clone(), budget.supplied.clone());
+        Ok((energies, ledger.budgets().iter().map(of).collect()))
     }
 
     fn momentum<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
@@ -320,7 +332,11 @@ impl World {
     fn angular_momentum<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let (_, angular) = self.look(py, physcore_engine::simulation::Simulation::momenta)?;
         let components = angular.to_array();
-        Ok(if self.dimension == 2 { components[2..].to_pyarray(py) } else { components.to_pyarray(py) })
+        Ok(match self.dimension {
+            1 => [0.0; 0].to_pyarray(py),
+            2 => components[2..].to_pyarray(py),
+            _ => components.to_pyarray(py),
+        })
     }
 
     fn limit<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
@@ -335,25 +351,14 @@ impl World {
         limit_record(py, self.ask(py, |world, executor| world.limit(Horizon::Present, executor))?)
     }
 
+    /// The plan: memory, threads and vector instructions, and the stages of each system.
     fn plan<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let plan = self.look(py, Simulation::plan)?;
-        let mut systems = plan.stages.into_iter();
-        let Some(stages) = systems.next() else { return Err(InternalError::new_err("a scene without a system")) };
         let record = PyDict::new(py);
-        record.set_item("stages", &stages.names)?;
-        record.set_item("dimension", stages.dimension)?;
-        record.set_item("precision", stages.precision)?;
-        record.set_item("integrator", stages.method)?;
-        record.set_item("order", stages.order)?;
-        record.set_item("evaluations", stages.evaluations)?;
-        record.set_item("pairs", stages.pairs)?;
-        record.set_item("limit_varies", stages.limit_varies)?;
+        record.set_item("systems", plan.stages.iter().map(|stages| stages_record(py, stages)).collect::<PyResult<Vec<_>>>()?)?;
         record.set_item("memory", plan.memory)?;
         record.set_item("threads", plan.threads)?;
         record.set_item("simd", plan.simd)?;
-        record.set_item("layout", &stages.layout)?;
-        record.set_item("left_out", &stages.left_out)?;
-        record.set_item("notes", stages.notes)?;
         Ok(record)
     }
 
@@ -417,6 +422,23 @@ fn class(class: Class) -> &'static str {
         Class::Dissipated => "dissipated",
         Class::Work => "work",
     }
+}
+
+fn stages_record<'py>(py: Python<'py>, stages: &Stages) -> PyResult<Bound<'py, PyDict>> {
+    let record = PyDict::new(py);
+    record.set_item("item", &stages.item)?;
+    record.set_item("stages", &stages.names)?;
+    record.set_item("dimension", stages.dimension)?;
+    record.set_item("precision", stages.precision)?;
+    record.set_item("integrator", stages.method)?;
+    record.set_item("order", stages.order)?;
+    record.set_item("evaluations", stages.evaluations)?;
+    record.set_item("pairs", stages.pairs)?;
+    record.set_item("limit_varies", stages.limit_varies)?;
+    record.set_item("layout", &stages.layout)?;
+    record.set_item("left_out", &stages.left_out)?;
+    record.set_item("notes", &stages.notes)?;
+    Ok(record)
 }
 
 fn limit_record(py: Python<'_>, limit: Limit) -> PyResult<Bound<'_, PyDict>> {

@@ -83,6 +83,19 @@ impl Canvas {
         self.whole().halo(halo);
     }
 
+    /// Copies a picture of `width` columns, row by row from the top, with its upper left corner at a pixel.
+    pub fn picture(&mut self, picture: &[Rgb], width: usize, [left, top]: [i32; 2]) {
+        let Rectangle { left: first, top: highest, right: last, bottom: lowest } = self.clip;
+        for (row, colors) in (top..).zip(picture.chunks_exact(width.max(1))).filter(|&(row, _)| (highest..lowest).contains(&row))
+        {
+            for (column, &[red, green, blue]) in (left..).zip(colors) {
+                if (first..last).contains(&column) {
+                    self.pixels[row as usize * self.width + column as usize] = [red, green, blue, 255];
+                }
+            }
+        }
+    }
+
     /// Fills a convex polygon of either orientation.
     pub fn polygon(&mut self, corners: &[[f32; 2]], color: Ink) {
         self.whole().polygon(corners, color);

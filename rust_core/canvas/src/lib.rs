@@ -20,7 +20,8 @@
 //!
 //! Data flow: `view` projects points to pixels and maps values to inks, `shapes` defines the coverage of a pixel, `band`
 //! rasterizes on some rows of the `canvas`, `ink` blends colors, `painting` sorts shapes by depth, `texture` covers
-//! surfaces, `liquid` finds liquid surfaces, `palette` reduces millions of colors to 255 by `quantize`, `nearest` finds the
+//! surfaces, `liquid` finds liquid surfaces, `heatmap` colors
+//! the values of grids, `palette` reduces millions of colors to 255 by `quantize`, `nearest` finds the
 //! nearest of them for each pixel, `difference` leaves out unchanged pixels, `lzw` compresses the indices, `gif` writes the
 //! container, `background` moves all this to another thread, and `file` makes the file appear only when it is complete.
 //! [`Quality`] sets the resolution of the histogram and the look-up, and whether a frame is stored in the smaller of two
@@ -34,6 +35,7 @@ mod difference;
 mod error;
 mod file;
 mod gif;
+mod heatmap;
 mod ink;
 mod liquid;
 mod lzw;
@@ -54,6 +56,7 @@ pub use color::{Ink, Rgb};
 pub use error::Error;
 pub use file::NewFile;
 pub use gif::Gif;
+pub use heatmap::{Samples, Shading, coverage, heatmap};
 pub use liquid::Drop;
 pub use painting::{Lens, Painting};
 pub use palette::{Histogram, Palette};

@@ -1,4 +1,4 @@
-//! The energy budget: rows of energies by class and name.
+//! The energy budget: rows of energies by class and name; and budgets of further conserved quantities.
 //!
 //! Dissipation and work are time integrals of the terms' own power, so the balance, total + dissipated − work, is constant
 //! up to the truncation error of the integrator. All sums are in double precision, summed block by block in the order of
@@ -32,10 +32,41 @@ pub struct Row {
     pub energy: f64,
 }
 
-/// The energy budget at one time.
+/// The budget of a conserved quantity beside energy, such as the amount of a species or a probability.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Budget {
+    /// Its name: `u`.
+    pub name: String,
+    /// Its unit.
+    pub unit: &'static str,
+    /// What there is.
+    pub stored: f64,
+    /// What has been removed since the start, by what removed it.
+    pub removed: Vec<(&'static str, f64)>,
+    /// What has been supplied since the start, by what supplied it.
+    pub supplied: Vec<(&'static str, f64)>,
+}
+
+impl Budget {
+    /// Adds that of another system.
+    fn merge(&mut self, other: &Self) {
+        self.stored += other.stored;
+        for (own, others) in [(&mut self.removed, &other.removed), (&mut self.supplied, &other.supplied)] {
+            for &(name, amount) in others {
+                match own.iter_mut().find(|(known, _)| *known == name) {
+                    Some((_, sum)) => *sum += amount,
+                    None => own.push((name, amount)),
+                }
+            }
+        }
+    }
+}
+
+/// The energy budget at one time, with the budgets of what else is conserved.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Ledger {
     rows: Vec<Row>,
+    budgets: Vec<Budget>,
     count: usize,
     block: usize,
 }
@@ -43,7 +74,7 @@ pub struct Ledger {
 impl Ledger {
     /// An empty budget of `count` particles, whose energies are summed in blocks of `block`.
     pub fn new(count: usize, block: usize) -> Self {
-        Self { rows: Vec::with_capacity(16), count, block }
+        Self { rows: Vec::with_capacity(16), budgets: Vec::new(), count, block }
     }
 
     /// Adds an energy [J] to the row of that class and name.
@@ -61,9 +92,23 @@ impl Ledger {
         self.add(class, name, energy);
     }
 
-    /// Adds the rows of another system's budget.
+    /// Adds the budget of a further conserved quantity to the one of that name and unit.
+    pub fn add_budget(&mut self, budget: Budget) {
+        match self.budgets.iter_mut().find(|known| known.name == budget.name && known.unit == budget.unit) {
+            Some(known) => known.merge(&budget),
+            None => self.budgets.push(budget),
+        }
+    }
+
+    /// Adds the rows and the further budgets of another system.
     pub fn merge(&mut self, other: &Self) {
         other.rows.iter().for_each(|row| self.add(row.class, row.name, row.energy));
+        other.budgets.iter().for_each(|budget| self.add_budget(budget.clone()));
+    }
+
+    /// The budgets of further conserved quantities, in the order in which they were added.
+    pub fn budgets(&self) -> &[Budget] {
+        &self.budgets
     }
 
     /// The rows, in the order in which they were added.
@@ -94,5 +139,34 @@ impl Ledger {
             + self.sum(Class::Internal)
             + self.sum(Class::Dissipated)
             + self.sum(Class::Work).abs()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn budget(name: &str, stored: f64, removed: &[(&'static str, f64)]) -> Budget {
+        Budget { name: name.to_owned(), unit: "mol", stored, removed: removed.to_vec(), supplied: vec![("feed", 0.5)] }
+    }
+
+    #[test]
+    fn systems_share_the_budgets_of_one_name_and_unit() {
+        let (mut ledger, mut other) = (Ledger::new(0, 1), Ledger::new(0, 1));
+        ledger.add(Class::Kinetic, "kinetic", 1.0);
+        ledger.add_budget(budget("u", 2.0, &[("edges", 0.25)]));
+        other.add_budget(budget("u", 3.0, &[("kill", 0.125), ("edges", 1.0)]));
+        other.add_budget(budget("v", 7.0, &[]));
+        other.add_budget(Budget { unit: "1", ..budget("u", 9.0, &[]) });
+        ledger.merge(&other);
+        assert_eq!(ledger.rows().len(), 1, "amounts of something else are no energies");
+        assert_eq!(ledger.total(), 1.0);
+        let both = Budget {
+            stored: 5.0,
+            removed: vec![("edges", 1.25), ("kill", 0.125)],
+            supplied: vec![("feed", 1.0)],
+            ..budget("u", 0.0, &[])
+        };
+        assert_eq!(ledger.budgets(), [both, budget("v", 7.0, &[]), Budget { unit: "1", ..budget("u", 9.0, &[]) }]);
     }
 }

@@ -13,6 +13,7 @@ pub mod columns;
 pub mod contacts;
 pub mod error;
 pub mod forces;
+pub mod grid;
 pub mod history;
 pub mod integrators;
 pub mod ledger;

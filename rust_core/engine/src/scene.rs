@@ -35,14 +35,15 @@ impl Scene {
         self.bodies.iter().map(|body| body.positions.len()).sum()
     }
 
-    /// About how many things it takes to read it: particles, and the rows of the longest array of each body.
+    /// About how many things it takes to read it: particles, the rows of the longest array of each body, and the entries of
+    /// that of each further system, which has one for each cell of a grid.
     pub fn rows(&self) -> usize {
         let rows = |value: &Value| match value {
             Value::Numbers(Array { shape, .. }) | Value::Indices(Array { shape, .. }) => shape.first().copied().unwrap_or(0),
             _ => 0,
         };
         let longest = |body: &Body| body.item.values.values().map(rows).max().unwrap_or(0);
-        self.count() + self.bodies.iter().map(longest).sum::<usize>()
+        self.count() + self.bodies.iter().map(longest).sum::<usize>() + self.systems.iter().map(Item::cells).sum::<usize>()
     }
 
     /// The positions of all particles, body by body [m].

@@ -8,6 +8,7 @@ mod monitor;
 pub use adaptive::{Adaptation, Rule};
 pub use checkpoint::Checkpoint;
 
+use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
 use glam::DVec3;
@@ -28,6 +29,8 @@ use monitor::{Monitor, Steps};
 pub struct Numerics {
     /// The integrator's name.
     pub integrator: String,
+    /// The names of other integrators, by the names or the paths of the further systems that they advance.
+    pub integrators: BTreeMap<String, String>,
     /// `f32` or `f64`.
     pub precision: String,
     /// The number of threads; None for all that the process may use.
@@ -111,7 +114,7 @@ impl Simulation {
     pub fn new(scene: &Scene, numerics: &Numerics, executor: &Executor) -> Result<Self> {
         Level::check()?;
         let threads = numerics.threads()?;
-        let system = systems::build(scene, &numerics.integrator, &numerics.precision, executor)?;
+        let system = systems::build(scene, &numerics.integrator, &numerics.integrators, &numerics.precision, executor)?;
         // An unconditionally unstable method may gain energy without limit: it serves to demonstrate that.
         let growth = if system.gains_energy() { f64::INFINITY } else { numerics.max_energy_growth };
         let threads = if system.cost() < WORTH_SHARING { 1 } else { threads };

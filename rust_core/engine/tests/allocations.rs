@@ -1,5 +1,7 @@
 //! A step allocates nothing: all memory belongs to the plan.
 
+use std::collections::BTreeMap;
+
 use glam::DVec3;
 use physcore_engine::forces::springs::Spring;
 use physcore_engine::parallel::SERIAL;
@@ -51,6 +53,7 @@ fn steps_allocate_nothing() {
             };
             let numerics = Numerics {
                 integrator: integrator.to_owned(),
+                integrators: BTreeMap::new(),
                 precision: "f64".to_owned(),
                 threads: Some(1),
                 max_energy_growth: 1e6,
@@ -106,6 +109,7 @@ fn steps_of_a_shifted_fluid_allocate_nothing() {
     };
     let numerics = Numerics {
         integrator: "VelocityVerlet".to_owned(),
+        integrators: BTreeMap::new(),
         precision: "f32".to_owned(),
         threads: Some(1),
         max_energy_growth: 1e6,

@@ -1,5 +1,7 @@
 //! What forces make of their parameters and of the space that they act in.
 
+use std::collections::BTreeMap;
+
 use glam::{DVec2, DVec3};
 use physcore_engine::error::Error;
 use physcore_engine::forces::{self, StateView, Validity};
@@ -31,6 +33,7 @@ fn scene(positions: &[DVec3], force: Item) -> Scene {
 fn simulation(scene: &Scene) -> Result<Simulation, Error> {
     let numerics = Numerics {
         integrator: "VelocityVerlet".into(),
+        integrators: BTreeMap::new(),
         precision: "f64".into(),
         threads: Some(1),
         max_energy_growth: 1e6,

@@ -1,5 +1,7 @@
 //! Scenes of any size and shape: no panic, and either an error or a finite state. `PROPTEST_CASES` says how many.
 
+use std::collections::BTreeMap;
+
 use glam::DVec3;
 use physcore_engine::error::Error;
 use physcore_engine::forces::springs::Spring;
@@ -182,6 +184,7 @@ fn numerics() -> impl Strategy<Value = Numerics> {
     (select(&INTEGRATORS[..]), select(vec!["f32", "f64"]), select(vigilance)).prop_map(|(integrator, precision, vigilance)| {
         Numerics {
             integrator: integrator.to_owned(),
+            integrators: BTreeMap::new(),
             precision: precision.to_owned(),
             threads: Some(1),
             max_energy_growth: 1e6,

@@ -1,5 +1,7 @@
 //! What an item of a scene must say, and how it is told that it does not.
 
+use std::collections::BTreeMap;
+
 use glam::DVec3;
 use physcore_engine::error::{Error, Result};
 use physcore_engine::forces::springs::{self, Spring};
@@ -28,6 +30,7 @@ fn pair() -> Item {
 fn simulation(scene: &Scene) -> Result<Simulation> {
     let numerics = Numerics {
         integrator: "VelocityVerlet".to_owned(),
+        integrators: BTreeMap::new(),
         precision: "f64".to_owned(),
         threads: Some(1),
         max_energy_growth: 1e6,

@@ -12,7 +12,7 @@ const LAYERS: [&[&str]; 17] = [
     &["scene"],
     &["parallel"],
     &["history", "ledger"],
-    &["columns", "tally"],
+    &["columns", "grid", "tally"],
     &["neighbors"],
     &["matter"],
     &["integrators"],

@@ -14,6 +14,7 @@ from physcore.film.camera.view import Area, Face, Orbit, Still, View, Window, ai
 from physcore.film.camera.view import frame as fit
 from physcore.film.first_pass import Bounds, FirstPass
 from physcore.film.looks.base import GRID, Scenery
+from physcore.film.styles.base import drawn_dimension
 from physcore.scene.periodic import Periodic
 from physcore.simulation.sources import Source, SourceFrame
 
@@ -58,7 +59,7 @@ def camera_track(camera: Camera | Follow | None, found: Sequence[Source], clock:
     Raises:
         SceneError: panels are of different dimensions, or the camera is not for theirs.
     """
-    dimensions = {source.scene.dimension for source in found}
+    dimensions = {drawn_dimension(source.scene) for source in found}
     if len(dimensions) > 1:
         raise SceneError("recording: panels must all be in 2D or all in 3D")
     flat = dimensions == {2}

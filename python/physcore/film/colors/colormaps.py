@@ -59,6 +59,11 @@ COLORMAPS: dict[str, str] = {
         "ffaa20 ffb52b ffc245 ffce5b ffd96f ffe482 ffee95 fff7a8"
     ),
 }
+DARK_SIDES = ("1b6fd0 58c4f6 dcf7ff", "c8501f f7a94a fff1cf")
+LIGHT_SIDES = ("7fb8e6 2a78c0 0b2f6b", "f2a58a cf4a32 6e0f1a")
+"""Of maps with two sides, from a dark background to the light and from a light one to the dark."""
+FINE = 4096
+"""Colors of a table that was spread."""
 STEPS = 256
 LUMA = np.array([0.2126, 0.7152, 0.0722])
 """How much red, green and blue add to lightness."""
@@ -115,3 +120,59 @@ def look_up(table: FloatArray, fraction: FloatArray) -> FloatArray:
     with np.errstate(invalid="ignore"):  # what is not a number has no place in the picture either
         index = np.clip(np.nan_to_num(fraction) * STEPS, 0, STEPS - 1).astype(np.intp)
     return table[index]
+
+
+def two_sided(background: tuple[int, int, int]) -> FloatArray:
+    """256 colors (256, 3) from a cold color over a background to a warm one, for what is above and below zero.
+
+    Lightness goes from that of the background as far as it can, alike on both sides and evenly in Oklab, so that equal
+    values look equally strong; on a light ground toward the dark.
+    """
+    light = float(np.array(background) @ LUMA) > 127.0
+    cold, warm = LIGHT_SIDES if light else DARK_SIDES
+    middle = _oklab(np.array([background], dtype=float))[0]
+    sides = []
+    for stops in (cold, warm):
+        colors = _oklab(np.array([tuple(bytes.fromhex(stop)) for stop in stops.split()], dtype=float))
+        points, fractions = np.vstack([middle, colors]), np.linspace(0.0, 1.0, STEPS // 2)
+        places = np.linspace(0.0, 1.0, len(points))
+        sides.append(np.stack([np.interp(fractions, places, channel) for channel in points.T], axis=1))
+    return _srgb(np.concatenate([sides[0][::-1], sides[1]]))
+
+
+def spread(table: FloatArray, exponent: float, *, middle: bool) -> FloatArray:
+    """A finer table (4096, 3) in which values show by a power of their distance from the start, or from the middle."""
+    places = (np.arange(FINE) + 0.5) / FINE
+    if middle:
+        signed = 2.0 * places - 1.0
+        places = 0.5 + 0.5 * np.sign(signed) * np.abs(signed) ** exponent
+    else:
+        places = places**exponent
+    known = (np.arange(len(table)) + 0.5) / len(table)
+    return np.stack([np.interp(places, known, channel) for channel in table.T], axis=1)
+
+
+_TO_LMS = np.array(
+    [[0.4122214708, 0.5363325363, 0.0514459929], [0.2119034982, 0.6806995451, 0.1073969566],
+     [0.0883024619, 0.2817188376, 0.6299787005]]
+)  # fmt: skip
+_TO_LAB = np.array(
+    [[0.2104542553, 0.7936177850, -0.0040720468], [1.9779984951, -2.4285922050, 0.4505937099],
+     [0.0259040371, 0.7827717662, -0.8086757660]]
+)  # fmt: skip
+
+
+def _oklab(colors: FloatArray) -> FloatArray:
+    """Lightness and two opponent colors (N, 3) of sRGB colors (N, 3) from 0 to 255."""
+    fractions = colors / 255.0
+    linear = np.where(fractions <= 0.04045, fractions / 12.92, ((fractions + 0.055) / 1.055) ** 2.4)
+    lab: FloatArray = np.cbrt(linear @ _TO_LMS.T) @ _TO_LAB.T
+    return lab
+
+
+def _srgb(lab: FloatArray) -> FloatArray:
+    """The way back, within the range of sRGB."""
+    linear = np.clip((lab @ np.linalg.inv(_TO_LAB).T) ** 3 @ np.linalg.inv(_TO_LMS).T, 0.0, 1.0)
+    fractions = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1.0 / 2.4) - 0.055)
+    colors: FloatArray = 255.0 * fractions
+    return colors

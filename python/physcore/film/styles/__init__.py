@@ -1,10 +1,12 @@
-"""How bodies look, one file each; overlays add something to bodies that another style draws."""
+"""How bodies and systems look, one file each; overlays add something to bodies that another style draws."""
 
 from __future__ import annotations
 
 from physcore.film.styles.arrows import Arrows
-from physcore.film.styles.base import Painter, Style
+from physcore.film.styles.base import BodyStyle, Painter, Style, SystemStyle
 from physcore.film.styles.fluid import Fluid
+from physcore.film.styles.grid_field import Field
+from physcore.film.styles.line import Line
 from physcore.film.styles.paths import Paths
 from physcore.film.styles.points import Points
 from physcore.film.styles.strain import Strain
@@ -19,7 +21,24 @@ STYLES: tuple[type[Style], ...] = (
     Paths,
     Arrows,
     Streamlines,
+    Field,
+    Line,
 )
 """Every style; what is registered here is tested."""
 
-__all__ = ["STYLES", "Arrows", "Fluid", "Painter", "Paths", "Points", "Strain", "Streamlines", "Style", "Surface"]
+__all__ = [
+    "STYLES",
+    "Arrows",
+    "BodyStyle",
+    "Field",
+    "Fluid",
+    "Line",
+    "Painter",
+    "Paths",
+    "Points",
+    "Strain",
+    "Streamlines",
+    "Style",
+    "Surface",
+    "SystemStyle",
+]

@@ -6,19 +6,21 @@ from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
-from typing import ClassVar, cast
+from typing import Any, ClassVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from physcore._core import Canvas
-from physcore.checks import BoolArray, FloatArray, IntArray, number
+from physcore.checks import BoolArray, FloatArray, IntArray, number, shown
+from physcore.errors import SceneError
 from physcore.film.camera.view import PixelArray, View
 from physcore.film.colors.colormaps import ColormapName, sequential
 from physcore.film.colors.themes import Theme
 from physcore.scene.bodies import Body
-from physcore.scene.items import On, chosen
+from physcore.scene.items import On, System, chosen
 from physcore.scene.periodic import Periodic
+from physcore.scene.scene import Scene
 from physcore.simulation.sources import Source, SourceFrame
 
 InkArray = NDArray[np.uint8]
@@ -43,6 +45,17 @@ class Part:
 
 
 @dataclass(frozen=True, eq=False)
+class SystemPart:
+    """A further system, and where its fields are in a frame."""
+
+    system: System
+    path: str
+    """What the names of its fields begin with."""
+    index: int
+    """Its place among the items of the scene, bodies first."""
+
+
+@dataclass(frozen=True, eq=False)
 class Scale:
     """A scale of colors: a quantity, and its values at the ends of a table of colors."""
 
@@ -58,19 +71,22 @@ class Scale:
 
 @dataclass(frozen=True)
 class Style(ABC):
-    """How some bodies look. To add one: a file here, and a line in `STYLES`."""
+    """How some items look. To add one: a file here, and a line in `STYLES`."""
 
     overlay: ClassVar[bool] = False
-    """Whether it adds something to bodies that are drawn in another style too, instead of being how they look."""
+    """Whether it adds something to items that are drawn in another style too, instead of being how they look."""
 
     dimensions: ClassVar[tuple[int, ...]] = (2, 3)
     """In how many dimensions it draws."""
 
-    on: On = field(default=None, kw_only=True)
-    """The body or bodies drawn in this style; None: all that it can draw."""
+    draws_items: ClassVar[type[Body] | type[System]]
+    """The kind of items that it can draw."""
+
+    on: Any = field(default=None, kw_only=True)
+    """The item or items drawn in this style; None: all that it can draw."""
 
     def __post_init__(self) -> None:
-        self._set(on=chosen(self.on, f"{type(self).__name__}.on"))
+        self._set(on=_chosen(self.on, self.draws_items, f"{type(self).__name__}.on"))
 
     def _set(self, **values: object) -> None:
         """Replace what the user passed by its checked form; only for `__post_init__`."""
@@ -84,23 +100,69 @@ class Style(ABC):
             if value is not None:
                 self._set(**{name: number(value, f"{type(self).__name__}.{name}", above=0.0)})
 
-    def bodies(self) -> tuple[Body, ...] | None:
-        """The bodies drawn in this style; None: all that it can draw."""
-        return cast("tuple[Body, ...] | None", self.on)  # made so by __post_init__
+    def items(self) -> tuple[Body | System, ...] | None:
+        """The items drawn in this style; None: all that it can draw."""
+        return cast("tuple[Body | System, ...] | None", self.on)  # made so by __post_init__
 
-    def draws(self, body: Body) -> bool:
-        """Whether a body is drawn in this style."""
-        bodies = self.bodies()
-        return self.can_draw(body) if bodies is None else body in bodies
+    def draws(self, item: Body | System) -> bool:
+        """Whether an item is drawn in this style."""
+        items = self.items()
+        if items is not None:
+            return any(item is each for each in items)
+        return isinstance(item, self.draws_items) and self.can_draw(item)
 
-    def can_draw(self, body: Body) -> bool:
-        """Whether a body has what this style shows."""
-        del body
+    def can_draw(self, item: Any) -> bool:
+        """Whether an item of its kind has what this style shows."""
+        del item
         return True
+
+    @abstractmethod
+    def painters(self, source: Source, items: Sequence[Body | System], theme: Theme) -> list[Painter]:
+        """What paints some items, all drawn in this style, frame by frame."""
+
+
+@dataclass(frozen=True)
+class BodyStyle(Style):
+    """How some bodies look."""
+
+    draws_items: ClassVar[type[Body] | type[System]] = Body
+
+    on: On = field(default=None, kw_only=True)
+    """The body or bodies drawn in this style; None: all that it can draw."""
+
+    def painters(self, source: Source, items: Sequence[Body | System], theme: Theme) -> list[Painter]:
+        """One painter of all bodies."""
+        parts = [Part(body, source.scene.slice(body)) for body in items if isinstance(body, Body)]
+        return [self.painter(source, parts, theme)]
 
     @abstractmethod
     def painter(self, source: Source, parts: list[Part], theme: Theme) -> Painter:
         """A painter of the given bodies, frame by frame."""
+
+
+@dataclass(frozen=True)
+class SystemStyle(Style):
+    """How some systems beside the bodies look, such as fields on grids."""
+
+    draws_items: ClassVar[type[Body] | type[System]] = System
+
+    on: System | Sequence[System] | None = field(default=None, kw_only=True)
+    """The system or systems drawn in this style; None: all that it can draw."""
+
+    def painters(self, source: Source, items: Sequence[Body | System], theme: Theme) -> list[Painter]:
+        """One painter for each system."""
+        scene = source.scene
+        every = [*scene.bodies, *scene.systems]
+        parts = [
+            SystemPart(item, str(scene.system(item)), next(at for at, each in enumerate(every) if each is item))
+            for item in items
+            if isinstance(item, System)
+        ]
+        return [self.painter(source, part, theme) for part in parts]
+
+    @abstractmethod
+    def painter(self, source: Source, part: SystemPart, theme: Theme) -> Painter:
+        """A painter of one system, frame by frame."""
 
 
 class Painter(ABC):
@@ -108,8 +170,10 @@ class Painter(ABC):
 
     style: Style
     """The style that it draws by."""
+    quantity: str = ""
+    """What its colors show, where the style does not say."""
     top: float = 0.0
-    """The value at the end of the color scale. Panels with equal styles share it, so that a color means one thing."""
+    """The value at the end of the color scale. Panels with equal styles and quantities share it."""
 
     @property
     def scale(self) -> Scale | None:
@@ -129,6 +193,11 @@ class Painter(ABC):
         """How far what is drawn reaches beyond the particles' centers in the scene [m], beside their radii."""
         return 0.0
 
+    @property
+    def landmarks(self) -> FloatArray | None:
+        """Points (P, D) [m] of the picture's space that belong into it, if what is drawn stands still."""
+        return None
+
     @abstractmethod
     def observe(self, frame: SourceFrame) -> None:
         """Take a frame into account; called for each one before any is drawn."""
@@ -140,6 +209,21 @@ class Painter(ABC):
     @abstractmethod
     def paint(self, canvas: Canvas, frame: SourceFrame, view: View, pixels: float) -> None:
         """Add the bodies to the painting of a panel of so many pixels."""
+
+
+def _chosen(on: object, kind: type[Body] | type[System], path: str) -> tuple[Body | System, ...] | None:
+    """The items that `on=` names, checked; None: all."""
+    if kind is Body or on is None:
+        return chosen(on, path)
+    systems = (on,) if isinstance(on, System) else on
+    if not isinstance(systems, (tuple, list)) or not all(isinstance(each, System) for each in systems):
+        raise SceneError(f"{path}: must be a system of the scene, such as a Wave, or several, got {shown(on)}")
+    return tuple(systems)
+
+
+def drawn_dimension(scene: Scene) -> int:
+    """The dimension of the space that a picture shows: what is on a line is drawn in a plane, as a curve."""
+    return max(scene.dimension, 2)
 
 
 def places(parts: Sequence[Part]) -> slice | IntArray:

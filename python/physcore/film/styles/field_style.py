@@ -9,7 +9,7 @@ from typing import ClassVar
 from physcore._core import norms
 from physcore.film.colors.colormaps import ColormapName, sequential
 from physcore.film.colors.themes import Theme
-from physcore.film.styles.base import Painter, Part, Scale, Style, table, typical
+from physcore.film.styles.base import BodyStyle, Painter, Part, Scale, table, typical
 from physcore.film.styles.fields import UNITS, Field, Of, check_field, field
 from physcore.simulation.sources import Source, SourceFrame
 
@@ -18,7 +18,7 @@ LONGEST = 10_000.0
 
 
 @dataclass(frozen=True)
-class FieldStyle(Style):
+class FieldStyle(BodyStyle):
     """A field drawn over what moves, colored by its strength; `of`, `colormap` and `top` as in Arrows."""
 
     overlay: ClassVar[bool] = True

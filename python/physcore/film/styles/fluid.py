@@ -13,7 +13,7 @@ from physcore.errors import SceneError
 from physcore.film.camera.view import View
 from physcore.film.colors.colormaps import ColormapName, sequential
 from physcore.film.colors.themes import Theme, mixed
-from physcore.film.styles.base import FOG, SHADING, Painter, Part, Scale, Style, places, typical
+from physcore.film.styles.base import FOG, SHADING, BodyStyle, Painter, Part, Scale, places, typical
 from physcore.scene import fluid
 from physcore.scene.bodies import Body
 from physcore.simulation.sources import Source, SourceFrame
@@ -38,7 +38,7 @@ NEVER = 1e-12
 
 
 @dataclass(frozen=True)
-class Fluid(Style):
+class Fluid(BodyStyle):
     """Each particle of a fluid is a disc as wide as its spacing, and in 3D a lit ball; or they flow together.
 
     Args:

@@ -13,7 +13,7 @@ from physcore.checks import FloatArray, IntArray, number, regular, shown
 from physcore.errors import SceneError
 from physcore.film.camera.view import View
 from physcore.film.colors.themes import Theme
-from physcore.film.styles.base import Painter, Part, Style, body_color, inks, straight
+from physcore.film.styles.base import BodyStyle, Painter, Part, body_color, inks, straight
 from physcore.scene.bodies import Body
 from physcore.simulation.sources import Source, SourceFrame
 
@@ -22,7 +22,7 @@ FRESH = 0.85
 
 
 @dataclass(frozen=True)
-class Paths(Style):
+class Paths(BodyStyle):
     """The way that chosen particles have come since the film began, as lines in the colors of their bodies.
 
     It is drawn in addition to how the bodies look: `style=[Paths([0, 5]), Points()]`.

@@ -18,11 +18,11 @@ from physcore.film.colors.themes import Theme
 from physcore.film.styles.base import (
     FOG,
     SHADING,
+    BodyStyle,
     InkArray,
     Painter,
     Part,
     Scale,
-    Style,
     body_color,
     inks,
     places,
@@ -51,7 +51,7 @@ FEW = 16
 
 
 @dataclass(frozen=True)
-class Points(Style):
+class Points(BodyStyle):
     """Each particle is a disc, and in 3D a lit ball.
 
     Args:

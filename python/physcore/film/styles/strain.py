@@ -12,7 +12,7 @@ from physcore.errors import SceneError
 from physcore.film.camera.view import View
 from physcore.film.colors.colormaps import diverging, look_up
 from physcore.film.colors.themes import Theme
-from physcore.film.styles.base import Painter, Part, Scale, Style, inks, typical
+from physcore.film.styles.base import BodyStyle, Painter, Part, Scale, inks, typical
 from physcore.scene.bodies import Body, SpringNetwork
 from physcore.scene.periodic import Periodic
 from physcore.simulation.sources import Source, SourceFrame
@@ -30,7 +30,7 @@ PIN = 2.4
 
 
 @dataclass(frozen=True)
-class Strain(Style):
+class Strain(BodyStyle):
     """Each spring is a line: blue when compressed, red when stretched, neutral in between.
 
     The scale is symmetric, the same for the whole film, and goes with the root of the strain, so that small strains

@@ -16,7 +16,7 @@ from physcore.film.camera.view import Orbit, View
 from physcore.film.colors.colormaps import diverging, look_up
 from physcore.film.colors.themes import Color, Theme, color
 from physcore.film.pictures import opened
-from physcore.film.styles.base import Painter, Part, Scale, Style, body_color, inks, places, straight, sums, typical
+from physcore.film.styles.base import BodyStyle, Painter, Part, Scale, body_color, inks, places, straight, sums, typical
 from physcore.film.styles.strain import rooted, strain_scale
 from physcore.scene.bodies import Body, SpringNetwork
 from physcore.scene.periodic import Periodic
@@ -58,7 +58,7 @@ class Picture:
 
 
 @dataclass(frozen=True)
-class Surface(Style):
+class Surface(BodyStyle):
     """The triangles of a spring network's `faces`, filled; in 3D with Lambert's light and smooth normals.
 
     Args:

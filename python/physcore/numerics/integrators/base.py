@@ -5,10 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
+from physcore.scene.items import Equation
+
 
 @dataclass(frozen=True)
 class Integrator:
-    """A way to advance x' = v, v' = a(x, v, t). Integrators of the same kind and parameters are equal.
+    """A way to advance an equation of motion, such as x' = v, v' = a(x, v, t). Integrators of the same kind and
+    parameters are equal.
 
     To add one: a file here, a line in `INTEGRATORS`, and its counterpart in Rust.
     """
@@ -19,3 +22,5 @@ class Integrator:
     """Whether it keeps the area in phase space: without dissipation its energy error then stays bounded."""
     embedded: ClassVar[bool] = False
     """Whether it estimates the error of each step, from a method of the order below that is embedded in it."""
+    solves: ClassVar[tuple[Equation, ...]] = ("second order",)
+    """The kinds of equations of motion that it can advance."""

@@ -10,7 +10,7 @@ import numpy as np
 
 from physcore.checks import FloatArray
 from physcore.simulation.simulation import Simulation
-from physcore.studies.stability import nudged
+from physcore.studies.state import motion, nudge
 from physcore.studies.tradeoff.experiment import SAMPLES, Choice, Experiment
 
 NUDGE = 1e-10
@@ -53,7 +53,7 @@ def twin(experiment: Experiment, choice: Choice, seed: int) -> Chaos:
     first, other = experiment.start(choice), experiment.start(choice)
     states = list(_states(experiment, first, choice))
     speed = max(float(np.abs(velocities).max()) for velocities, _ in states) or 1.0
-    other.set(velocities=nudged(other, NUDGE * speed, seed))
+    nudge(other, NUDGE * speed, seed)
     scales = [max(float(np.abs(state[part] - states[0][part]).max()) for state in states) for part in (0, 1)]
     parts = [(0, max(speed, scales[0])), (1, scales[1])] if experiment.observer is None else [(1, scales[1])]
     distances = [
@@ -88,11 +88,11 @@ def judge(times: FloatArray, growth: FloatArray, saturated: float) -> Chaos:
 
 
 def _states(experiment: Experiment, simulation: Simulation, choice: Choice) -> Iterator[tuple[FloatArray, FloatArray]]:
-    """Velocities and what is observed, at the start and the end of each interval."""
-    yield simulation.velocities, experiment.observe(simulation)
+    """How the state moves and what is observed, at the start and the end of each interval."""
+    yield motion(simulation), experiment.observe(simulation)
     for _ in range(SAMPLES):
         simulation.step(choice.steps)
-        yield simulation.velocities, experiment.observe(simulation)
+        yield motion(simulation), experiment.observe(simulation)
 
 
 def _mean_square(one: FloatArray, other: FloatArray, experiment: Experiment, part: int) -> float:

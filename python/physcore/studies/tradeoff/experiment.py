@@ -20,6 +20,7 @@ from physcore.simulation.energy import Energy, EnergySeries
 from physcore.simulation.recording import Recording
 from physcore.simulation.simulation import Simulation
 from physcore.simulation.stepper import unwarned
+from physcore.studies.state import place, primary
 
 SAMPLES = 32
 """Intervals of the duration unless another number is given. Every time step divides them."""
@@ -87,7 +88,7 @@ class Experiment:
     """[s]"""
     threads: int | None = None
     observer: Observer | None = None
-    """None: the positions of all particles."""
+    """None: the positions of all particles; without any, the first field of the first system."""
     intervals: int = SAMPLES
     """Equal parts of the duration, at whose ends every run is looked at."""
     max_energy_growth: float | None = None
@@ -132,7 +133,7 @@ class Experiment:
             SceneError: the observer gives no array of finite numbers.
         """
         if self.observer is None:
-            return simulation.positions
+            return place(simulation)
         return array(self.observer(simulation), "observe")
 
     def difference(self, one: FloatArray, other: FloatArray) -> FloatArray:
@@ -140,14 +141,19 @@ class Experiment:
         if one.shape[1:] != other.shape[1:]:
             raise SceneError(f"observe: must always give one shape, gave {other.shape[1:]} and then {one.shape[1:]}")
         change: FloatArray = one - other
-        if self.observer is None and self.scene.periodic is not None:
+        if self._positions and self.scene.periodic is not None:
             return self.scene.periodic.nearest(change)
         return change
+
+    @property
+    def _positions(self) -> bool:
+        """Whether positions are what is compared."""
+        return self.observer is None and bool(self.scene.bodies)
 
     def distances(self, one: FloatArray, other: FloatArray) -> FloatArray:
         """The largest distance of any particle, or of any number that is observed, at each time; shape (F,)."""
         change = self.difference(one, other)
-        sizes = np.linalg.norm(change, axis=-1) if self.observer is None else np.abs(change)
+        sizes = np.linalg.norm(change, axis=-1) if self._positions else np.abs(change)
         largest: FloatArray = sizes.reshape(len(sizes), -1).max(axis=1)
         return largest
 
@@ -201,7 +207,7 @@ class Experiment:
         seconds = time.perf_counter() - begin
         taken = simulation.steps * recording.plan.evaluations
         drift = _largest_drift(recording.energy)
-        return Trial(choice, recording.positions, seconds, taken, drift, None, recording)
+        return Trial(choice, recording.channels[primary(self.scene)], seconds, taken, drift, None, recording)
 
 
 def series(budget: list[Energy]) -> EnergySeries:

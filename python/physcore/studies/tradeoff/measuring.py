@@ -17,6 +17,7 @@ from physcore.progress import Progress
 from physcore.scene.scene import Scene
 from physcore.simulation.recording import refuse_if_too_large
 from physcore.simulation.simulation import Simulation
+from physcore.studies.state import size
 from physcore.studies.tradeoff.experiment import SAMPLES, Experiment, Observer
 from physcore.studies.tradeoff.result import Row
 from physcore.studies.tradeoff.trade import Tradeoff
@@ -66,7 +67,8 @@ def tradeoff(
         resolutions: what to call `scene` with, from the coarsest to the finest. The references at all of them say how
             much of the error is the resolution's: it is added to that of the time steps.
         observe: what to compare, as a function of the simulation that gives an array of numbers; None: the positions of
-            all particles [m], and the centers of the bodies where there are resolutions.
+            all particles [m], and the centers of the bodies where there are resolutions; without particles the first
+            field of the first system.
         budget: how long all this may take [s], about. The first three rows of each integrator may take as long again,
             and the very first are always run.
         threads: as in Simulation.
@@ -88,13 +90,18 @@ def tradeoff(
         raise SceneError(f"{'precisions' if not kinds else 'dts'}: must not be empty")
     if observe is not None and not callable(observe):
         raise SceneError(f"observe: must be a function of a simulation, got {shown(observe)}")
-    observer = observe or (None if resolutions is None else _centers)
+    observer = observe or (_centers if resolutions is not None and all(each.bodies for each in scenes) else None)
+    if observer is None and resolutions is not None:
+        raise SceneError(
+            "observe: fields of other resolutions have other shapes; say what to compare, such as "
+            "observe=lambda run: run[wave].displacement[::n]"
+        )
     random, bars = count(seed, "seed"), None if progress is None else flag(progress, "progress")
     team = None if threads is None else count(threads, "threads", least=1, most=MOST_THREADS)
     for each in scenes:
         if observer is None:
-            size = 8 * COPIES * (SAMPLES + 1) * each.particles * each.dimension
-            refuse_if_too_large(SAMPLES + 1, each.particles, size, "observe fewer numbers: observe=…")
+            needed = 8 * COPIES * (SAMPLES + 1) * size(each)
+            refuse_if_too_large(SAMPLES + 1, each, needed, "observe fewer numbers: observe=…")
     experiments = [Experiment(each, interval, team, observer) for each in scenes]
     with Progress(round(TICKS * patience), "measuring", bars) as bar:
         diagrams = _diagrams(experiments, chosen, kinds, steps, random, patience, bar)

@@ -9,7 +9,7 @@ import numpy as np
 
 from physcore.checks import FloatArray
 from physcore.errors import SceneError, SimulationDiverged
-from physcore.studies.stability import nudged
+from physcore.studies.state import State, motion, nudge, place, restore, state
 from physcore.studies.tradeoff.budget import Budget
 from physcore.studies.tradeoff.chaos import Chaos
 from physcore.studies.tradeoff.experiment import SAMPLES, Choice, Experiment
@@ -33,8 +33,8 @@ AVERAGES = ("kinetic energy", "potential energy", "radius")
 class Windows:
     """Short runs of a reference, each from where its long run was at the start of an interval."""
 
-    starts: list[tuple[FloatArray, FloatArray]]
-    """Positions and velocities."""
+    starts: list[State]
+    """The states where they begin."""
     ends: FloatArray
     """What is observed at the end of each window."""
     parts: int
@@ -85,12 +85,13 @@ def windows(
     parts = 1 << math.ceil(math.log2(growth)) if growth > 1.0 else 1
     choice = replace(choice, steps=multiple(choice.steps, parts))
     simulation = experiment.start(choice)
-    starts = []
+    starts, fastest = [], 0.0
     for _ in range(SAMPLES):
-        starts.append((simulation.positions, simulation.velocities))
+        starts.append(state(simulation))
+        fastest = max(fastest, float(np.abs(motion(simulation)).max()))
         simulation.step(choice.steps)
-    nudge = SCATTER * max(float(np.abs(velocities).max()) for _, velocities in starts)
-    averages, doubts = _settle(experiment, choice, nudge, seed, budget.share(0.4))
+    scatter = SCATTER * fastest
+    averages, doubts = _settle(experiment, choice, scatter, seed, budget.share(0.4))
     choice, ends, uncertainty = _converge(experiment, choice, starts, parts, budget.share(0.5 if others else 1.0))
     agrees = True
     if others:
@@ -100,7 +101,7 @@ def windows(
         apart = float(experiment.distances(check, ends).max())
         agrees = apart <= AGREEMENT * (uncertainty + doubt)
         uncertainty = uncertainty if agrees else apart
-    return Windows(starts, ends, parts, choice, uncertainty, agrees, nudge, averages, doubts)
+    return Windows(starts, ends, parts, choice, uncertainty, agrees, scatter, averages, doubts)
 
 
 def _settle(
@@ -119,7 +120,7 @@ def _settle(
 
 
 def _converge(
-    experiment: Experiment, choice: Choice, starts: list[tuple[FloatArray, FloatArray]], parts: int, budget: Budget
+    experiment: Experiment, choice: Choice, starts: list[State], parts: int, budget: Budget
 ) -> tuple[Choice, FloatArray, float]:
     """The ends of all windows, with the steps that changed them least when halved, and by how much they did."""
     choice, ends = halved(lambda each: _ends(experiment, each, starts, parts), choice)
@@ -172,32 +173,37 @@ def bias(found: FloatArray, reference: FloatArray, doubts: FloatArray) -> Bias:
 
 
 def _averages(experiment: Experiment, choice: Choice, size: float, seed: int) -> FloatArray:
-    """Kinetic energy, potential energy above that at the start, and the root mean square distance from the middle."""
+    """Kinetic energy, potential energy above that at the start, and the root mean square distance from the middle; of a
+    field, from its mean.
+    """
     simulation = experiment.start(choice)
-    simulation.set(velocities=nudged(simulation, size, seed))
+    nudge(simulation, size, seed)
     begin = simulation.energy()
     sums = np.zeros(len(AVERAGES))
     for sample in range(SAMPLES):
         simulation.step(choice.steps)
         if sample < SAMPLES // 2:
             continue
-        energy, places = simulation.energy(), simulation.positions
+        energy, places = simulation.energy(), place(simulation).reshape(-1, *_vector(experiment))
         radius = float(np.sqrt(np.mean(np.sum((places - places.mean(axis=0)) ** 2, axis=1))))
         sums += energy.kinetic, energy.potential + energy.internal - begin.potential - begin.internal, radius
     return sums / (SAMPLES - SAMPLES // 2)
 
 
-def _ends(
-    experiment: Experiment, choice: Choice, starts: list[tuple[FloatArray, FloatArray]], parts: int
-) -> FloatArray:
+def _ends(experiment: Experiment, choice: Choice, starts: list[State], parts: int) -> FloatArray:
     """What is observed at the end of the window from each start. The clock goes on as in a long run."""
     if choice.steps % parts:
         raise SceneError(f"steps: must be a multiple of {parts}, got {choice.steps}")
     simulation = experiment.start(choice)
     ends = []
-    for positions, velocities in starts:
-        simulation.set(positions, velocities)
+    for start in starts:
+        restore(simulation, start)
         simulation.step(choice.steps // parts)
         ends.append(experiment.observe(simulation))
         simulation.step(choice.steps - choice.steps // parts)
     return np.stack(ends)
+
+
+def _vector(experiment: Experiment) -> tuple[int]:
+    """The number of components of what is compared."""
+    return (experiment.scene.dimension if experiment.scene.bodies else 1,)

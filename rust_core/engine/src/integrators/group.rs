@@ -35,8 +35,16 @@ impl<T: Real, const W: usize> ComponentGroup<T, W> {
 
     /// The values of a register.
     #[inline(always)]
-    pub fn register(&self, index: usize) -> &[T; W] {
-        [&self.a, &self.b, &self.c, &self.d, &self.e, &self.f][index]
+    pub fn register(&self, index: usize) -> [T; W] {
+        // By value: a reference to one of several would keep all of them in memory.
+        match index {
+            0 => self.a,
+            1 => self.b,
+            2 => self.c,
+            3 => self.d,
+            4 => self.e,
+            _ => self.f,
+        }
     }
 
     /// Reads positions, velocities and the first `used` registers.
@@ -84,6 +92,16 @@ impl<T: Real, const W: usize> ComponentGroup<T, W> {
             if let Some(register) = I::POSITION_REGISTER {
                 component.registers[register] -= by - residual[lane];
             }
+            self.set(lane, &component);
+        }
+    }
+
+    /// Applies `change` to every lane's component.
+    #[inline(always)]
+    pub fn each(&mut self, mut change: impl FnMut(&mut Component<T>, usize)) {
+        for lane in 0..W {
+            let mut component = self.lane(lane);
+            change(&mut component, lane);
             self.set(lane, &component);
         }
     }

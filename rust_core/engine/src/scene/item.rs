@@ -129,6 +129,18 @@ impl Item {
         self.on.as_ref().is_none_or(|bodies| bodies.contains(&body))
     }
 
+    /// The cells of the largest grid that it has: the product of a vector `cells`, here or in an item within it.
+    pub fn cells(&self) -> usize {
+        let cells = |(name, value): (&String, &Value)| match value {
+            Value::Vector(cells) if name == "cells" => {
+                cells.to_array().iter().map(|&count| count.max(1.0)).product::<f64>() as usize
+            }
+            Value::Record(item) => item.cells(),
+            _ => 0,
+        };
+        self.values.iter().map(cells).max().unwrap_or(0)
+    }
+
     /// A number that must be there and finite.
     pub fn number(&self, name: &str) -> Result<f64> {
         match self.values.get(name) {

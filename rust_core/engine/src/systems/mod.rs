@@ -6,6 +6,8 @@
 pub mod matter;
 pub mod several;
 
+use std::collections::BTreeMap;
+
 use glam::DVec3;
 
 use crate::error::{Error, Result};
@@ -197,23 +199,31 @@ pub trait System: History + Send + Sync {
 }
 
 /// The system of a scene, or its systems as one, in `f32` or `f64`: matter, advanced by the method of that name, where there are
-/// bodies, and those that items declare.
+/// bodies, and those that items declare, by the same one or by that which `methods` has under their names.
 ///
 /// # Errors
 /// If the scene or the numerics are invalid or do not fit into memory, or on an interrupt.
-pub fn build(scene: &Scene, method: &str, precision: &str, executor: &Executor) -> Result<Box<dyn System>> {
+pub fn build(
+    scene: &Scene,
+    method: &str,
+    methods: &BTreeMap<String, String>,
+    precision: &str,
+    executor: &Executor,
+) -> Result<Box<dyn System>> {
     let mut parts = Vec::new();
     if !scene.bodies.is_empty() || scene.systems.is_empty() {
         let matter = with_integrator!(
             method,
             I => matter::build::<I>(scene, precision, executor),
-            Err(Error::parameter("integrator", "the name of an integrator", method))
+            Err(unknown_integrator(method))
         );
         parts.push(Part { name: String::new(), system: matter? });
     }
     for item in &scene.systems {
         let name = item.name.clone().unwrap_or_else(|| item.path.clone());
-        parts.push(Part { name, system: declared(item, method, precision, executor)? });
+        let own = methods.get(&name).map_or(method, String::as_str);
+        let system = declared(item, own, precision, executor)?;
+        parts.push(Part { name, system });
     }
     Ok(match <[Part; 1]>::try_from(parts) {
         Ok([Part { name, system }]) if name.is_empty() => system,
@@ -225,4 +235,8 @@ pub fn build(scene: &Scene, method: &str, precision: &str, executor: &Executor) 
 /// The registry: the system that an item declares, advanced by the method of that name.
 fn declared(item: &Item, _method: &str, _precision: &str, _executor: &Executor) -> Result<Box<dyn System>> {
     Err(scene::unknown(item, "a kind of system"))
+}
+
+fn unknown_integrator(method: &str) -> Error {
+    Error::parameter("integrator", "the name of an integrator", method)
 }

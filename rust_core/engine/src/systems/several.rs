@@ -96,7 +96,11 @@ impl History for Several {
 
 impl System for Several {
     fn stages(&self) -> Vec<Stages> {
-        self.systems().flat_map(System::stages).collect()
+        let named = |part: &Part| {
+            let item = part.name.clone();
+            part.system.stages().into_iter().map(move |stages| Stages { item: item.clone(), ..stages })
+        };
+        self.parts.iter().flat_map(named).collect()
     }
 
     fn bytes(&self) -> usize {

@@ -68,6 +68,8 @@ fn fields_have_the_names_of_their_items() {
     assert_eq!(names, [("positions", 4), ("velocities", 4), ("tail.positions", 7), ("tail.velocities", 7)]);
     assert_eq!(fields[2].rate.as_deref(), Some("tail.velocities"));
     assert_eq!(both.read(3), system(7).read(1));
+    let stages = both.stages();
+    assert_eq!(stages.iter().map(|stages| stages.item.as_str()).collect::<Vec<_>>(), ["", "tail"]);
     assert!(both.read(4).is_empty());
 }
 

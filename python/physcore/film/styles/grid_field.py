@@ -1,0 +1,265 @@
+"""Fields on grids: their values as colors, from one side of zero to the other."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from physcore._core import Canvas, Texture, coverage, heatmap
+from physcore.checks import FloatArray, number, shown, text
+from physcore.errors import SceneError
+from physcore.film.camera.view import View
+from physcore.film.colors.colormaps import FINE, STEPS, ColormapName, sequential, spread, two_sided
+from physcore.film.colors.themes import Theme, mixed
+from physcore.film.looks.base import corners, lines
+from physcore.film.looks.box import draw_edges
+from physcore.film.styles.base import Painter, Scale, SystemPart, SystemStyle, typical
+from physcore.scene.grid import GridSystem
+from physcore.simulation.sources import Source, SourceFrame
+
+USUAL = 0.8
+"""The end of a scale is this quantile of what is typical of each frame that is not still."""
+LOUD = 0.35
+"""The least end of a scale, as a fraction of what is typical of the frame with the most."""
+SOFT = 0.75
+"""The power of values by which their colors go, so that faint waves show beside strong ones."""
+NEVER = 1e-300
+"""A scale of values that are zero everywhere."""
+SHOWN = slice(FINE // STEPS // 2, None, FINE // STEPS)
+"""The colors of a color bar."""
+SLICES = 24
+"""A slice in space is drawn in so many pieces along each side, which perspective hardly bends."""
+DETAIL = 3
+"""Pixels of a slice for each cell along a side, at most as many as LARGEST."""
+LARGEST = 1024
+
+
+@dataclass(frozen=True)
+class Field(SystemStyle):
+    """A field on a grid as a picture: colors go from the theme's background at zero to both sides, or up.
+
+    Values are interpolated by a cubic between the centers of cells, or averaged where a pixel has several. The scale is
+    the same for the whole film: as far as is typical of its frames. Walls are solid. In 3D, for now, it shows a slice
+    through the middle of the grid, across y.
+
+        pc.film(recording, "waves.gif", style=pc.styles.Field(contours=6))
+
+    Args:
+        quantity: the name of the field; None: the first one that the system has.
+        colormap: "viridis", "inferno", …, or one of Matplotlib's, such as "RdBu_r"; None: for what has two signs, cold
+            and warm colors that start from the background, else "magma".
+        range: the value at the end of the scale, which is then symmetric about zero for what has two signs and begins
+            at zero for all else; or both ends. None: what is typical of the film.
+        contours: in how many steps lines of equal values divide the scale on each side of zero; None: no lines.
+        relief: how strongly light from the upper left falls on the field as on a surface, 0 to 1.
+        on: the system or systems drawn in this style; None: all with fields on a grid in 2D or 3D.
+
+    Raises:
+        SceneError: a value is not valid, or the quantity was not recorded.
+    """
+
+    quantity: str | None = None
+    colormap: ColormapName | None = None
+    range: float | tuple[float, float] | None = None
+    contours: int | None = None
+    relief: float = 0.0
+
+    dimensions: ClassVar[tuple[int, ...]] = (2, 3)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.quantity is not None:
+            text(self.quantity, "Field.quantity")
+        if self.colormap is not None:
+            sequential(self.colormap, (0.0, 1.0), "Field.colormap")
+        if isinstance(self.range, (tuple, list)):
+            ends = [number(each, "Field.range") for each in self.range]
+            if len(ends) != 2 or not ends[0] < ends[1]:
+                raise SceneError(f"Field.range: must be two numbers, the smaller one first, got {shown(self.range)}")
+            self._set(range=tuple(ends))
+        else:
+            self._set_positive("range")
+        if self.contours is not None:
+            self._set(contours=int(number(self.contours, "Field.contours", least=1.0, most=100.0)))
+        self._set(relief=number(self.relief, "Field.relief", least=0.0, most=1.0))
+
+    def can_draw(self, item: object) -> bool:
+        """Whether it is on a grid in the plane or in space."""
+        return isinstance(item, GridSystem) and item.dimension in self.dimensions
+
+    def painter(self, source: Source, part: SystemPart, theme: Theme) -> Painter:
+        """A painter with the scale of one film."""
+        if not self.can_draw(part.system):
+            raise SceneError(f"Field.on: {part.system!r} has no field on a grid in 2D or 3D; use Line() in 1D")
+        return FieldPainter(self, source, part, theme)
+
+
+class GridPainter(Painter):
+    """What painters of fields on grids have in common: the quantity, and its range over the film."""
+
+    def __init__(
+        self, style: SystemStyle, quantity: str | None, source: Source, part: SystemPart, theme: Theme, path: str
+    ) -> None:
+        assert isinstance(part.system, GridSystem)  # the style has made sure of it
+        self.style, self._system, self._grid, self._theme = style, part.system, part.system.grid, theme
+        units = part.system.units
+        self.quantity = next(iter(units)) if quantity is None else quantity
+        if self.quantity not in units:
+            raise SceneError(f"{path}.quantity: must be one of {', '.join(units)}, got {self.quantity!r}")
+        self.unit, self._field = units[self.quantity], f"{part.path}.{self.quantity}"
+        if not source.has(self._field):
+            raise SceneError(f"{path}.quantity: {self._field} was not recorded; record it: channels=({self._field!r},)")
+        self._typical: list[float] = []
+
+    @property
+    def signed(self) -> bool:
+        """Whether values are as often below zero as above."""
+        return self._system.signed or self.quantity != next(iter(self._system.units))
+
+    def values(self, frame: SourceFrame) -> FloatArray:
+        """The values of a frame, of the grid's shape."""
+        return frame.fields[self._field]
+
+    def observe_range(self, frame: SourceFrame) -> None:
+        """Find the end of the scale: a high quantile of what is typical of each frame, if that is not far below what is
+        typical of the frame with the most; a pulse at the start does not take all color for itself.
+        """
+        size = typical(np.abs(self.values(frame)).ravel())
+        if size > 0.0:
+            self._typical.append(size)
+            self.top = max(float(np.quantile(self._typical, USUAL)), LOUD * max(self._typical))
+
+
+class FieldPainter(GridPainter):
+    """Draws the picture of a field, the walls in it and a frame around it."""
+
+    def __init__(self, style: Field, source: Source, part: SystemPart, theme: Theme) -> None:
+        super().__init__(style, style.quantity, source, part, theme, "Field")
+        self._style = style
+        given = style.range
+        self._given = ((-given if self.signed else 0.0), given) if isinstance(given, float) else given
+        self.top = self._given[1] if self._given is not None else NEVER
+        if style.colormap is None and self.signed:
+            table = two_sided(theme.background)
+        else:
+            whole = (0.0, 1.0) if self.signed else theme.part
+            table = sequential(style.colormap or "magma", whole, "Field.colormap")
+        self._table = spread(table, SOFT if self._given is None else 1.0, middle=self.signed)
+        self._colors = np.ascontiguousarray(np.round(self._table).astype(np.uint8))
+        solid = self._system.solid
+        self._walls = None if solid is None else np.ascontiguousarray(solid, dtype=np.float64)
+
+        self._covered: tuple[object, NDArray[np.uint8]] | None = None
+        """How much of each pixel is covered by walls, in the view of the last frame."""
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """The values at both ends of the scale."""
+        return self._given or ((-self.top if self.signed else 0.0), self.top)
+
+    @property
+    def scale(self) -> Scale | None:
+        """The scale of colors, unless nothing ever moves."""
+        return None if self.top == NEVER else Scale(self.quantity, self.unit, self.ends, self._table[SHOWN])
+
+    @property
+    def settled(self) -> bool:
+        """Whether the ends of the scale were given."""
+        return self._given is not None
+
+    @property
+    def landmarks(self) -> FloatArray:
+        """The corners of the grid."""
+        return corners(np.array(self._grid.origin), np.array(self._grid.upper))
+
+    def observe(self, frame: SourceFrame) -> None:
+        """Find the ends of the scale."""
+        if self._given is None:
+            self.observe_range(frame)
+
+    def inset(self, pixels: float) -> float:
+        """Half of the line around it."""
+        del pixels
+        return 1.0
+
+    def paint(self, canvas: Canvas, frame: SourceFrame, view: View, pixels: float) -> None:
+        """Draw the picture at once, behind what is added to the painting; in 3D a slice among it."""
+        del pixels
+        if view.flat:
+            self._paint_plane(canvas, self.values(frame), view)
+        else:
+            self._paint_slice(canvas, self.values(frame), view)
+
+    def _picture(
+        self,
+        values: FloatArray,
+        walls: FloatArray | None,
+        size: tuple[int, int],
+        corner: tuple[float, float],
+        step: float,
+    ) -> np.ndarray:
+        """The pixels (H, W, 3) of values (nx, ny)."""
+        style, theme = self._style, self._theme
+        low, high = self.ends
+        isolines = None
+        if style.contours is not None:
+            isolines = ((high - low) / (2.0 if self.signed else 1.0) / style.contours, (*theme.text, 150))
+        masked = None
+        if walls is not None:
+            if self._covered is None or self._covered[0] != (size, corner, step):
+                self._covered = (size, corner, step), coverage(walls, size, corner, step)
+            masked = self._covered[1], mixed(theme.solid, theme.background, 0.35)
+        return heatmap(
+            np.ascontiguousarray(values), size, corner, step, self._colors, (low, high), masked, isolines, style.relief
+        )
+
+    def _paint_plane(self, canvas: Canvas, values: FloatArray, view: View) -> None:
+        """The part of the grid that is in the picture: all pixels whose centers are on it."""
+        ends = np.array([self._grid.origin, self._grid.upper])
+        (left, bottom), (right, top) = view.project(ends)[0].astype(float).tolist()
+        # No canvas is larger than twice the way to the middle of its panel, nor starts before it.
+        width, height = (2.0 * view.middle[axis] + 1.0 for axis in (0, 1))
+        first, last = max(math.ceil(left - 0.5), 0), min(math.ceil(right - 0.5), math.ceil(width))
+        upper, lower = max(math.ceil(top - 0.5), 0), min(math.ceil(bottom - 0.5), math.ceil(height) + 64)
+        if first >= last or upper >= lower:
+            return
+        cells = 1.0 / (view.scale * self._grid.spacing)
+        corner = (first + 0.5 - left) * cells - 0.5, (bottom - upper - 0.5) * cells - 0.5
+        size = last - first, lower - upper
+        canvas.picture(self._picture(values, self._walls, size, corner, cells), first, upper)
+        box = np.array([[left, bottom, left, top], [right, bottom, right, top], [left, bottom, right, bottom],
+                        [left, top, right, top]], dtype=np.float32)  # fmt: skip
+        shut = box[np.array(self._system.shut)].reshape(-1, 2, 2)
+        if len(shut):
+            lines(canvas, shut, self._theme.edge, 1.0)
+
+    def _paint_slice(self, canvas: Canvas, values: FloatArray, view: View) -> None:
+        """The values in the middle of y, as a picture on a rectangle in space."""
+        grid = self._grid
+        middle = grid.cells[1] // 2
+        values, walls = values[:, middle], None if self._walls is None else np.ascontiguousarray(self._walls[:, middle])
+        step = max(1.0 / DETAIL, max(values.shape) / LARGEST)
+        size = max(1, round(values.shape[0] / step)), max(1, round(values.shape[1] / step))
+        corner = 0.5 * step - 0.5, values.shape[1] - 0.5 - 0.5 * step
+        picture = self._picture(values, walls, size, corner, step)
+        low, high = np.array(grid.origin), np.array(grid.upper)
+        marks = np.linspace(0.0, 1.0, SLICES + 1)
+        u, v = np.meshgrid(marks, marks, indexing="ij")
+        places = np.stack([u, np.full_like(u, 0.5), v], axis=-1) * (high - low) + low
+        points, depth, _ = view.project(places.reshape(-1, 3))
+        corner_of = np.arange(u.size).reshape(u.shape)
+        a, b, c, d = corner_of[:-1, :-1], corner_of[1:, :-1], corner_of[1:, 1:], corner_of[:-1, 1:]
+        faces = np.concatenate([np.stack(each, -1).reshape(-1, 3) for each in ((a, b, c), (a, c, d))])
+        draw_edges(canvas, low, high, view, self._theme, front=False, thin=True)
+        canvas.triangles(
+            points[faces].reshape(-1, 6),
+            np.full((len(faces), 12), 255, dtype=np.uint8),
+            None if depth is None else depth[faces].mean(axis=1),
+            Texture(picture),
+            np.stack([u, v], -1).reshape(-1, 2)[faces].reshape(-1, 6).astype(np.float32),
+        )
+        draw_edges(canvas, low, high, view, self._theme, front=True, thin=True)

@@ -1,0 +1,174 @@
+"""Fields on a line: a curve over the place, with the area under it filled."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from physcore._core import Canvas
+from physcore.checks import FloatArray, text
+from physcore.errors import SceneError
+from physcore.film.camera.view import View
+from physcore.film.colors.themes import Theme, mixed
+from physcore.film.labels.text import ends, text_height
+from physcore.film.looks.base import lines
+from physcore.film.styles.base import Painter, SystemPart, SystemStyle
+from physcore.film.styles.grid_field import GridPainter
+from physcore.scene.grid import GridSystem
+from physcore.simulation.sources import Source, SourceFrame
+
+ASPECT = 0.3
+"""The height of a curve over its length that the picture has at least room for, up and down."""
+FULL = 0.8
+"""How far toward the edge of the picture the largest value reaches."""
+WIDTH = 2.4
+"""The width of a curve [pixels]."""
+FILL = (0.5, 0.06)
+"""How much of the curve's color the area has at the curve, and at zero, beside the background's."""
+PER_PIXEL = 2
+"""Points of a smooth curve for each pixel."""
+
+
+@dataclass(frozen=True)
+class Line(SystemStyle):
+    """A field in 1D as a curve over x, with the area to zero filled; the scale is the same for the whole film.
+
+    Several systems in one scene share the picture, each in a color of its own and with a scale of its own.
+
+    Args:
+        quantity: the name of the field; None: the first one that the system has.
+        range: the value that reaches as far as the curve goes up or down; None: the largest of the film.
+        width: of the curve [pixels].
+        on: the system or systems drawn in this style; None: all with fields on a grid in 1D.
+
+    Raises:
+        SceneError: a value is not valid, or the quantity was not recorded.
+    """
+
+    dimensions: ClassVar[tuple[int, ...]] = (1,)
+
+    quantity: str | None = None
+    range: float | None = None
+    width: float = WIDTH
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.quantity is not None:
+            text(self.quantity, "Line.quantity")
+        self._set_positive("range", "width")
+
+    def can_draw(self, item: object) -> bool:
+        """Whether it is on a line."""
+        return isinstance(item, GridSystem) and item.dimension in self.dimensions
+
+    def painter(self, source: Source, part: SystemPart, theme: Theme) -> Painter:
+        """A painter with the scale of one film."""
+        if not self.can_draw(part.system):
+            raise SceneError(f"Line.on: {part.system!r} has no field on a grid in 1D; use Field() in 2D and 3D")
+        return LinePainter(self, source, part, theme)
+
+
+class LinePainter(GridPainter):
+    """Draws the axis, the area and the curve."""
+
+    def __init__(self, style: Line, source: Source, part: SystemPart, theme: Theme) -> None:
+        super().__init__(style, style.quantity, source, part, theme, "Line")
+        self._style = style
+        self._color = theme.bodies[part.index % len(theme.bodies)]
+        self.top = style.range or 0.0
+
+    @property
+    def settled(self) -> bool:
+        """Whether the range was given."""
+        return self._style.range is not None
+
+    @property
+    def landmarks(self) -> FloatArray:
+        """The ends of the line, with room for the curve."""
+        low, high = self._grid.origin[0], self._grid.upper[0]
+        room = 0.5 * ASPECT * (high - low)
+        return np.array([[low, -room], [high, room]])
+
+    def observe(self, frame: SourceFrame) -> None:
+        """Find the largest value."""
+        if not self.settled:
+            largest = float(np.abs(self.values(frame)).max(initial=0.0))
+            self.top = max(self.top, largest if math.isfinite(largest) else 0.0)
+
+    def inset(self, pixels: float) -> float:
+        """Half of the curve's width."""
+        del pixels
+        return self._style.width / 2 + 1.0
+
+    def paint(self, canvas: Canvas, frame: SourceFrame, view: View, pixels: float) -> None:
+        """Add the axis, then the area, then the curve."""
+        del pixels
+        theme = self._theme
+        places = np.array([[self._grid.origin[0], 0.0], [self._grid.upper[0], 0.0]])
+        (left, zero), (right, _) = view.project(places)[0].astype(float).tolist()
+        x, values = self._curve(frame, left, right)
+        reach = FULL * view.middle[1]
+        y = zero - reach * values / (self.top or 1.0)
+        self._paint_axis(canvas, left, right, zero, reach)
+        self._fill(canvas, x, y, zero, reach)
+        points = np.stack([x, y], axis=1).astype(np.float32)
+        segments = np.concatenate([points[:-1], points[1:]], axis=1)
+        ink = np.tile(np.array([*self._color, 255], dtype=np.uint8), (len(segments), 1))
+        canvas.lines(segments, np.full(len(segments), self._style.width, dtype=np.float32), ink)
+        for end, place in zip(("x-", "x+"), ((left, y[0]), (right, y[-1])), strict=True):
+            if self._system.edges[end == "x+"] == "fixed":
+                radius, white = np.array([1.6 * self._style.width], dtype=np.float32), [[*theme.text, 255]]
+                canvas.discs(np.array([place], dtype=np.float32), radius, np.array(white, dtype=np.uint8))
+
+    def _paint_axis(self, canvas: Canvas, left: float, right: float, zero: float, reach: float) -> None:
+        """Lines at zero and at the ends of the scale, and the value there."""
+        heights = [zero, zero - reach, zero + reach]
+        rules = np.array([[[left, height], [right, height]] for height in heights], dtype=np.float32)
+        lines(canvas, rules[:1], self._theme.edge, 1.0)
+        lines(canvas, rules[1:], mixed(self._theme.background, self._theme.edge, 0.4), 1.0)
+        text = text_height(round(2.0 * zero))
+        words = f"{self.quantity} {ends(0.0, self.top)[1]} {self.unit}" if self.top > 0.0 else self.quantity
+        top = max(2, round(zero - reach - 1.1 * text))
+        canvas.text(words, round(left), top, text, (*self._theme.label, 255), -1)
+
+    def _curve(self, frame: SourceFrame, left: float, right: float) -> tuple[FloatArray, FloatArray]:
+        """Pixels to the right and values of points along the curve, from edge to edge."""
+        values = self.values(frame)
+        count = len(values)
+        marks = (np.arange(count) + 0.5) / count
+        outer = self._system.outer(values)
+        marks, values = np.array([0.0, *marks, 1.0]), np.array([outer[0], *values, outer[1]])
+        fine = PER_PIXEL * max(1, math.ceil(right - left))
+        if fine > count:  # few cells: a smooth curve through them
+            places = np.linspace(0.0, 1.0, fine)
+            values, marks = hermite(marks, values, places), places
+        return left + (right - left) * marks, values
+
+    def _fill(self, canvas: Canvas, x: FloatArray, y: FloatArray, zero: float, reach: float) -> None:
+        """The area between the curve and zero, fading toward zero."""
+        fresh, faint = (np.array([*mixed(self._theme.background, self._color, share), 255]) for share in FILL)
+        share = np.minimum(np.abs(y - zero) / reach, 1.0)[:, np.newaxis]
+        tops = np.round(faint + (fresh - faint) * share).astype(np.uint8)
+        low = np.tile(faint.astype(np.uint8), (len(x), 1))
+        upper, lower = np.stack([x, y], axis=1), np.stack([x, np.full_like(x, zero)], axis=1)
+        first = np.stack([upper[:-1], upper[1:], lower[:-1]], axis=1)
+        second = np.stack([upper[1:], lower[1:], lower[:-1]], axis=1)
+        inks = np.concatenate(
+            [np.stack([tops[:-1], tops[1:], low[:-1]], 1), np.stack([tops[1:], low[1:], low[:-1]], 1)]
+        )
+        canvas.triangles(np.concatenate([first, second]).reshape(-1, 6).astype(np.float32), inks.reshape(-1, 12))
+
+
+def hermite(x: FloatArray, y: FloatArray, places: FloatArray) -> FloatArray:
+    """A cubic through points with the slopes of their neighbors, at some places within."""
+    slopes = np.gradient(y, x)
+    index = np.clip(np.searchsorted(x, places, side="right") - 1, 0, len(x) - 2)
+    width = x[index + 1] - x[index]
+    s = (places - x[index]) / width
+    h = s * s * (3.0 - 2.0 * s)
+    straight = (1.0 - h) * y[index] + h * y[index + 1]
+    bent: FloatArray = straight + width * s * (1.0 - s) * ((1.0 - s) * slopes[index] - s * slopes[index + 1])
+    return bent

@@ -1,0 +1,324 @@
+"""Uniform grids: their geometry, fields on them, what is at their edges, and the base of systems that live on one."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from physcore import memory
+from physcore.checks import (
+    LONGEST,
+    BoolArray,
+    FloatArray,
+    array,
+    called,
+    count,
+    flag,
+    frozen,
+    is_word,
+    items,
+    number,
+    regular,
+    shown,
+    span,
+)
+from physcore.errors import SceneError
+from physcore.scene.items import System
+
+AXES = "xyz"
+"""The names of the axes."""
+MOST_CELLS = 2**31
+"""The largest number of cells along an axis."""
+WIDEST = 4096
+"""The widest layer of an absorbing edge [cells]."""
+
+Field: TypeAlias = ArrayLike | Callable[..., ArrayLike]
+"""A field on a grid: a number, an array of its shape, or a function of the coordinates, which is called with arrays."""
+
+
+@dataclass(frozen=True)
+class Grid:
+    """A uniform grid of cells in 1D, 2D or 3D.
+
+    Fields on it are arrays of shape `cells`, indexed [i, j, k] along x, y, z, with values at the centers of the cells,
+    origin + (i + ½) h:
+
+        grid = pc.Grid((64, 32), spacing=0.1)
+        x, y = np.moveaxis(grid.centers, -1, 0)
+
+    Args:
+        cells: how many there are along each axis: (nx,), (nx, ny) or (nx, ny, nz); a whole number in 1D.
+        spacing: the edge h of a cell [m], the same along all axes.
+        origin: the lower corner [m]; a number stands for all axes.
+        periodic: whether the upper end of an axis continues at the lower one, for all axes or one flag each.
+
+    Raises:
+        SceneError: a number is out of range, or their number is not that of the axes.
+    """
+
+    cells: tuple[int, ...]
+    spacing: float
+    origin: tuple[float, ...] = 0.0  # type: ignore[assignment]  # made a tuple below
+    periodic: tuple[bool, ...] = False  # type: ignore[assignment]
+
+    def __post_init__(self) -> None:
+        given: object = self.cells
+        if isinstance(given, (int, np.integer)):
+            given = (given,)
+        each = items(given, "Grid.cells", "whole numbers, one for each axis")
+        if not 1 <= len(each) <= len(AXES):
+            raise SceneError(f"Grid.cells: must be 1, 2 or 3 numbers, one for each axis, got {shown(self.cells)}")
+        cells = tuple(count(entry, f"Grid.cells[{axis}]", least=1, most=MOST_CELLS) for axis, entry in enumerate(each))
+        memory.require(8.0 * math.prod(cells), f"{math.prod(cells):.4g} cells", "Grid.cells", "make the spacing larger")
+        origin = _per_axis(self.origin, len(cells), "Grid.origin", _place)
+        values = {
+            "cells": cells,
+            "spacing": span(self.spacing, "Grid.spacing"),
+            "origin": origin,
+            "periodic": _per_axis(self.periodic, len(cells), "Grid.periodic", flag),
+        }
+        for name, value in values.items():
+            object.__setattr__(self, name, value)
+
+    @classmethod
+    def over(
+        cls, lower: ArrayLike, upper: ArrayLike, spacing: float, periodic: bool | tuple[bool, ...] = False
+    ) -> Grid:
+        """The grid that covers a box: along each axis round((upper − lower) / spacing) cells from `lower` on.
+
+        Args:
+            lower, upper: corners [m], one number for each axis; a number in 1D.
+            spacing: the edge of a cell [m]. Where an extent is no whole multiple of it, the last cell ends before or
+                behind `upper`, by less than half a cell.
+            periodic: as in Grid.
+
+        Raises:
+            SceneError: an extent is less than one cell, or a value is not finite.
+        """
+        low, high = (
+            np.atleast_1d(array(value, f"Grid.{name}")) for name, value in {"lower": lower, "upper": upper}.items()
+        )
+        step = span(spacing, "Grid.spacing")
+        if low.shape != high.shape or low.ndim != 1:
+            raise SceneError(
+                f"Grid.upper: must have as many numbers as the lower corner, {low.shape}, got {high.shape}"
+            )
+        cells = np.rint((high - low) / step)
+        for axis, extent in enumerate((high - low).tolist()):
+            if not 1.0 <= cells[axis] <= MOST_CELLS:
+                raise SceneError(
+                    f"Grid.upper[{axis}]: must be 1 to {MOST_CELLS} spacings of {step:g} m above the lower corner, "
+                    f"got {extent:g} m"
+                )
+        return cls(tuple(cells.astype(int).tolist()), step, tuple(low.tolist()), periodic)  # type: ignore[arg-type]
+
+    @property
+    def dimension(self) -> int:
+        """1, 2 or 3."""
+        return len(self.cells)
+
+    @property
+    def size(self) -> int:
+        """The number of cells."""
+        return math.prod(self.cells)
+
+    @property
+    def upper(self) -> tuple[float, ...]:
+        """The upper corner [m]."""
+        return tuple(start + n * self.spacing for start, n in zip(self.origin, self.cells, strict=True))
+
+    @property
+    def centers(self) -> FloatArray:
+        """The centers of all cells [m], shape (*cells, D)."""
+        return np.stack(self.coordinates, axis=-1)
+
+    @property
+    def coordinates(self) -> tuple[FloatArray, ...]:
+        """The coordinates x, y, z of the centers [m], one read-only array of shape `cells` for each axis."""
+        axes = [start + self.spacing * (np.arange(n) + 0.5) for start, n in zip(self.origin, self.cells, strict=True)]
+        return tuple(np.broadcast_to(axis, self.cells) for axis in np.meshgrid(*axes, indexing="ij", sparse=True))
+
+    def field(self, value: Field, path: str) -> FloatArray:
+        """A field as a new array of shape `cells`.
+
+        Raises:
+            SceneError: a function fails; a shape is not that of the grid; or a number is complex or not finite.
+        """
+        given = array(called(value, path, *self.coordinates) if callable(value) else value, path)
+        if given.shape == self.cells:
+            return given
+        # A function that does not depend on all coordinates may give what broadcasts; an array has the grid's shape.
+        if given.ndim == 0 or (callable(value) and _broadcasts(given.shape, self.cells)):
+            return np.array(np.broadcast_to(given, self.cells))
+        what = (
+            "the function must give an array of" if callable(value) else "must be a number, a function or an array of"
+        )
+        raise SceneError(f"{path}: {what} the shape {self.cells} of the grid, got the shape {given.shape}")
+
+    def uniform_or_field(self, value: Field, path: str) -> float | FloatArray:
+        """The same, read-only; a number stays a number, so that a system knows that its field is uniform."""
+        if not callable(value) and np.ndim(regular(value, path)) == 0:
+            return number(value, path)
+        return frozen(self.field(value, path))
+
+    def mask(self, value: object, path: str) -> BoolArray:
+        """Some of the cells, as a mask of shape `cells` or a function that gives one.
+
+        Raises:
+            SceneError: it is something else.
+        """
+        given = regular(called(value, path, *self.coordinates) if callable(value) else value, path)
+        if given.dtype.kind != "b":
+            raise SceneError(f"{path}: must be a mask, True in the cells that are meant, got {given.dtype} numbers")
+        if given.shape == self.cells or (callable(value) and _broadcasts(given.shape, self.cells)):
+            return np.array(np.broadcast_to(given, self.cells))
+        raise SceneError(f"{path}: must be a mask of the shape {self.cells} of the grid, got the shape {given.shape}")
+
+    def edges(
+        self, value: object, path: str, words: Collection[str], default: str
+    ) -> tuple[tuple[str, ...], Absorbing | None]:
+        """What is at the edges, one word for each side in the order x−, x+, y−, y+, z−, z+, and the absorbing layer.
+
+        Args:
+            value: one word for all sides, or a mapping from axes ("x") and sides ("x-", "x+") to words; those that are
+                not named keep the default. An `Absorbing` stands for the word "absorbing". Or words of all 2·D sides.
+            path: of the argument.
+            words: that are known; a periodic axis has the word "periodic", and takes no other.
+            default: of these.
+
+        Raises:
+            SceneError: there is no such axis or word; an axis is periodic and named; or layers differ.
+        """
+        sides = [f"{axis}{end}" for axis in AXES[: self.dimension] for end in "-+"]
+        closed = dict(zip(sides, np.repeat(self.periodic, 2).tolist(), strict=True))
+        found: dict[str, object] = dict.fromkeys(sides, default)
+        if isinstance(value, Mapping):
+            for key, word in sorted(value.items(), key=lambda entry: len(str(entry[0]))):  # "x-" wins over "x"
+                named = [side for side in sides if is_word(key, side) or is_word(key, side[0])]
+                if not named:
+                    known = ", ".join(map(repr, (*AXES[: self.dimension], *sides)))
+                    raise SceneError(f"{path}: must name some of {known}, got {shown(key)}")
+                if any(closed[side] for side in named) and not is_word(word, "periodic"):
+                    raise SceneError(f"{path}[{key!r}]: the grid is periodic there, and has no edge")
+                found |= dict.fromkeys(named, word)
+        elif isinstance(value, (tuple, list)):
+            if len(value) != len(sides):
+                raise SceneError(f"{path}: must be one word for each of {', '.join(sides)}, got {shown(value)}")
+            found |= dict(zip(sides, value, strict=True))
+        else:
+            found |= dict.fromkeys(sides, value)
+        layers = {word for word in found.values() if isinstance(word, Absorbing)}
+        if len(layers) > 1:
+            raise SceneError(
+                f"{path}: all absorbing edges must have one kind of layer, got {shown(sorted(layers, key=repr))}"
+            )
+        return tuple(_edge(word, side, closed[side], path, words) for side, word in found.items()), next(
+            iter(layers), None
+        )
+
+
+@dataclass(frozen=True)
+class Absorbing:
+    """A layer outside of an edge of a grid in which waves fade away; what is in it counts in no total.
+
+    What crosses the edge is metered there: it counts as dissipated, or removed, by "edges", and negative where it
+    comes back.
+
+    Args:
+        cells: the width of the layer; "auto": as suits the system, which its plan states.
+        reflection: the amplitude that comes back at normal incidence beside that which goes in, between 0 and 1.
+
+    Raises:
+        SceneError: a value is out of range.
+    """
+
+    cells: int | Literal["auto"] = "auto"
+    reflection: float = 1e-6
+
+    def __post_init__(self) -> None:
+        if not is_word(self.cells, "auto"):
+            object.__setattr__(self, "cells", count(self.cells, "Absorbing.cells", least=1, most=WIDEST))
+        reflection = number(self.reflection, "Absorbing.reflection", above=0.0)
+        if reflection >= 1.0:
+            raise SceneError(f"Absorbing.reflection: must be < 1, got {reflection:g}")
+        object.__setattr__(self, "reflection", reflection)
+
+
+@dataclass(frozen=True)
+class GridSystem(System):
+    """A system of fields on a grid, all of its shape.
+
+    To add one: a file in `systems`, a line in `SYSTEMS`, and its counterpart in Rust.
+    """
+
+    grid: Grid
+    """The grid."""
+    edges: tuple[str, ...]
+    """What is at each side, in the order x−, x+, y−, y+, z−, z+."""
+
+    @property
+    def shut(self) -> tuple[bool, ...]:
+        """Whether there is a wall at each side, instead of nothing or of what is at the other end."""
+        return tuple(word not in ("absorbing", "periodic") for word in self.edges)
+
+    def outer(self, values: FloatArray) -> tuple[float, float]:
+        """The values on both outer faces in 1D: zero where it is fixed, else those of the cells beside."""
+        low, high = (
+            0.0 if word == "fixed" else float(values[at]) for word, at in zip(self.edges, (0, -1), strict=True)
+        )
+        return low, high
+
+    @property
+    def solid(self) -> BoolArray | None:
+        """The cells that are cut out of it, if any."""
+        return None
+
+    @property
+    def dimension(self) -> int:
+        """The number of dimensions of space."""
+        return self.grid.dimension
+
+    def shapes(self) -> dict[str, tuple[int, ...]]:
+        """The shapes of its fields by name."""
+        return dict.fromkeys(self.units, self.grid.cells)
+
+    def values(self, field: str, value: object, path: str) -> FloatArray:
+        """New values of a field: a number, an array or a function of the coordinates."""
+        del field
+        return self.grid.field(value, path)  # type: ignore[arg-type]
+
+
+def _per_axis(value: object, axes: int, path: str, check: Callable[[object, str], object]) -> tuple[object, ...]:
+    """One checked value for each axis, of one for all or one each."""
+    if not isinstance(value, (tuple, list)) and not (isinstance(value, np.ndarray) and value.ndim > 0):
+        return (check(value, path),) * axes
+    each = items(value, path, "values, one for each axis")
+    if len(each) != axes:
+        raise SceneError(f"{path}: must be one value, or {axes}, one for each axis, got {shown(value)}")
+    return tuple(check(entry, f"{path}[{axis}]") for axis, entry in enumerate(each))
+
+
+def _place(value: object, path: str) -> float:
+    return number(value, path, least=-LONGEST, most=LONGEST)
+
+
+def _edge(word: object, side: str, periodic: bool, path: str, words: Collection[str]) -> str:
+    """The word of one side."""
+    if periodic:
+        return "periodic"
+    word = "absorbing" if isinstance(word, Absorbing) else word
+    if not isinstance(word, str) or word not in words:
+        hint = "; periodic axes are said by the grid: Grid(…, periodic=True)" if is_word(word, "periodic") else ""
+        *others, last = map(repr, words)
+        raise SceneError(f"{path}[{side!r}]: must be {', '.join(others)} or {last}, got {shown(word)}{hint}")
+    return word
+
+
+def _broadcasts(shape: tuple[int, ...], cells: tuple[int, ...]) -> bool:
+    """Whether an array of a shape is repeated along some axes to fill the cells."""
+    return len(shape) == len(cells) and all(own in (1, n) for own, n in zip(shape, cells, strict=True))

@@ -1,0 +1,74 @@
+//! Layers of cells around a grid, which absorb what leaves it.
+
+use std::ops::Range;
+
+use super::{Grid, RowTable};
+use crate::math::AXES;
+
+/// A grid within a larger one.
+#[derive(Debug, Clone)]
+pub struct Padding {
+    /// The grid inside, which is the user's.
+    pub inner: Grid,
+    /// All cells.
+    pub outer: Grid,
+    /// The number of further cells at the lower and at the upper edge of each axis.
+    pub layers: [[usize; 2]; AXES],
+}
+
+impl Padding {
+    /// A grid with layers.
+    pub fn new(inner: &Grid, layers: [[usize; 2]; AXES]) -> Self {
+        let mut outer = inner.clone();
+        for axis in 0..AXES {
+            outer.cells[axis] += layers[axis][0] + layers[axis][1];
+            outer.origin[axis] -= layers[axis][0] as f64 * inner.spacing;
+        }
+        Self { inner: inner.clone(), outer, layers }
+    }
+
+    /// The cells of the grid inside along an axis.
+    pub fn inside(&self, axis: usize) -> Range<usize> {
+        self.layers[axis][0]..self.layers[axis][0] + self.inner.cells[axis]
+    }
+
+    /// Whether a row of the outer grid passes through the inner one.
+    pub fn crosses(&self, row: usize) -> bool {
+        let place = self.outer.place(row);
+        (0..2).all(|axis| self.inside(axis).contains(&place[axis]))
+    }
+
+    /// The row of the inner grid that is nearest to one of the outer grid.
+    pub fn nearest_row(&self, row: usize) -> usize {
+        let place = self.outer.place(row);
+        let nearest = |axis: usize| place[axis].saturating_sub(self.layers[axis][0]).min(self.inner.cells[axis] - 1);
+        nearest(0) * self.inner.cells[1] + nearest(1)
+    }
+
+    /// The column of the inner grid that is nearest to one of the outer grid.
+    pub fn nearest_column(&self, column: usize) -> usize {
+        column.saturating_sub(self.layers[2][0]).min(self.inner.cells[2] - 1)
+    }
+
+    /// The cell of the inner grid that is nearest to one of the outer grid.
+    pub fn nearest(&self, cell: usize) -> usize {
+        let length = self.outer.row_length();
+        self.nearest_row(cell / length) * self.inner.row_length() + self.nearest_column(cell % length)
+    }
+
+    /// The index in the outer grid of a cell of the inner one.
+    pub fn outward(&self, cell: usize) -> usize {
+        let length = self.inner.row_length();
+        let place = self.inner.place(cell / length);
+        let row = (place[0] + self.layers[0][0]) * self.outer.cells[1] + place[1] + self.layers[1][0];
+        row * self.outer.row_length() + cell % length + self.layers[2][0]
+    }
+
+    /// Coefficients continued into the layers as they are at the edges.
+    pub fn extend(&self, table: &RowTable<f64>) -> RowTable<f64> {
+        RowTable::new(self.outer.rows(), self.outer.row_length(), 0.0, |row, values| {
+            let from = table.row(self.nearest_row(row));
+            values.iter_mut().enumerate().for_each(|(column, value)| *value = from[self.nearest_column(column)]);
+        })
+    }
+}
