@@ -114,6 +114,7 @@ def simulation(**options: Any) -> pc.Simulation:
     return pc.Simulation(SCENE, dt=1e-3, **options)
 
 
+WAVES = [pc.Simulation(pc.Scene(wave), dt=1e-3)[wave] for wave in [pc.Wave(pc.Grid((3, 4), 0.5), 1.0)]]
 CALLS: dict[str, tuple[Callable[..., object], dict[str, Any]]] = {
     "Particles": (pc.Particles, {"positions": POINTS}),
     "SpringNetwork": (pc.SpringNetwork, {"positions": POINTS, "pairs": [[0, 1]], "stiffness": 1.0}),
@@ -135,6 +136,18 @@ CALLS: dict[str, tuple[Callable[..., object], dict[str, Any]]] = {
     "Box": (pc.Box, {"lower": (0.0, 0.0), "upper": (1.0, 1.0)}),
     "Sphere": (pc.Sphere, {"center": (0.0, 0.0), "radius": 1.0}),
     "Periodic": (pc.Periodic, {"lower": (0.0, 0.0), "upper": (1.0, 1.0)}),
+    "Grid": (pc.Grid, {"cells": (3, 4), "spacing": 0.5}),
+    "Grid.over": (pc.Grid.over, {"lower": (0.0, 0.0), "upper": (1.0, 2.0), "spacing": 0.5}),
+    "Absorbing": (pc.Absorbing, {}),
+    "Wave": (pc.Wave, {"grid": pc.Grid((3, 4), 0.5), "speed": 1.0}),
+    "Source": (pc.Source, {"where": (0.5, 0.5), "amplitude": 1.0, "frequency": 1.0}),
+    "Ricker": (pc.Ricker, {"frequency": 1.0}),
+    "a part of a system": (
+        lambda displacement=0.0, rate=0.0: WAVES[0].set(
+            displacement=0.0 if displacement is None else displacement, rate=rate
+        ),
+        {},
+    ),
     "WendlandC2": (pc.WendlandC2, {}),
     "WendlandC4": (pc.WendlandC4, {}),
     "CubicSpline": (pc.CubicSpline, {}),

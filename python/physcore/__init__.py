@@ -60,6 +60,7 @@ from physcore.simulation.state import Frame, Part, Snapshot
 from physcore.studies.accuracy import simulate
 from physcore.studies.stability import MeasuredLimit, stability_limit
 from physcore.studies.tradeoff import Tradeoff, tradeoff
+from physcore.systems.wave import Ricker, Source, Wave
 
 if TYPE_CHECKING:
     from physcore.film import styles
@@ -110,6 +111,7 @@ __all__ = [
     "Plan",
     "Plane",
     "Recording",
+    "Ricker",
     "RungeKutta4",
     "Scene",
     "SceneError",
@@ -118,11 +120,13 @@ __all__ = [
     "SimulationDiverged",
     "Snapshot",
     "SoftSpheres",
+    "Source",
     "Sphere",
     "SpringNetwork",
     "StabilityWarning",
     "Tradeoff",
     "VelocityVerlet",
+    "Wave",
     "WendlandC2",
     "WendlandC4",
     "ball",

@@ -15,8 +15,23 @@ SMALL = 1e-7
 
 
 def state(run: pc.Simulation) -> tuple[Array, Array]:
-    """Positions, which are not wrapped to the periodic domain, and velocities, shape (N, D) each."""
-    return run.positions, run.velocities
+    """Positions, which are not wrapped to the periodic domain, and velocities, shape (N, D) each; without bodies, the
+    fields of the system.
+    """
+    if run.scene.bodies:
+        return run.positions, run.velocities
+    (system,) = run.scene.systems
+    first, second = run[system].fields.values()
+    return first, second
+
+
+def put(run: pc.Simulation, x: Array, v: Array) -> None:
+    """Set a run to a state."""
+    if run.scene.bodies:
+        run.set(x, v)
+        return
+    (system,) = run.scene.systems
+    run[system].set(**dict(zip(system.shapes(), (x, v), strict=True)))
 
 
 def difference(scene: pc.Scene, one: tuple[Array, Array], other: tuple[Array, Array]) -> float:
@@ -35,9 +50,11 @@ def growth(name: str) -> float:
     plain, shaken = (case.simulation(precision="f64") for _ in range(2))
     x, v = state(shaken)
     rng = np.random.default_rng(1)
-    free = ~np.concatenate([body.fixed for body in shaken.scene.bodies])[:, None]
+    bodies = shaken.scene.bodies
+    free = ~np.concatenate([body.fixed for body in bodies])[:, None] if bodies else np.bool_(True)
     speed = max(np.abs(v).max(), np.abs(x).max())  # where all is at rest, that of one size per second
-    shaken.set(
+    put(
+        shaken,
         x + free * SMALL * np.abs(x).max() * rng.uniform(-1.0, 1.0, x.shape),
         v + free * SMALL * speed * rng.uniform(-1.0, 1.0, v.shape),
     )

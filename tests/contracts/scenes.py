@@ -133,6 +133,43 @@ def vortices(spacing: float = 0.1) -> pc.Scene:
     return pc.Scene(water, pc.Periodic((0.0, 0.0), (1.0, 1.0)))
 
 
+def ripples(side: int = 24, **options: Any) -> pc.Scene:
+    """Waves from a point and from a row of cells, among walls, in a medium of two speeds, with damping on one side."""
+    grid = pc.Grid((side, side - 7), 0.5)
+    x, y = grid.coordinates
+    end = grid.upper[0]
+    hump = 0.2 * np.exp(-((x - 0.3 * end) ** 2 + (y - 0.4 * end) ** 2) / (0.05 * end) ** 2)
+    row = (np.abs(x - grid.origin[0] - 0.25) < 0.1) & (y > 0.2 * end)
+    sources = [pc.Source((0.61 * end, 0.52 * end), 0.4, 0.7, phase=0.3), pc.Source(row, 0.1, signal=pc.Ricker(1.0))]
+    medium = {
+        "speed": np.where(x + y < end, 1.0, 1.5),
+        "damping": np.where(x > 0.8 * end, 0.4, 0.0),
+        "walls": (np.abs(x - 0.5 * end) < 0.5) & (y < 0.3 * end),
+        "edges": {"x": "fixed", "y": "free"},
+    }
+    return pc.Scene(pc.Wave(grid, displacement=hump, sources=sources, **{**medium, **options}))
+
+
+def string(cells: int = 200, **options: Any) -> pc.Scene:
+    """A plucked string in 1D, fixed at one end, which rings."""
+    shape = {
+        "displacement": lambda x: 0.1 * np.minimum(x / 0.3, (1.0 - x) / 0.7),
+        "edges": {"x-": "fixed", "x+": "free"},
+    }
+    return pc.Scene(pc.Wave(pc.Grid(cells, 1.0 / cells), 1.0, **{**shape, **options}))
+
+
+def _hump(x: np.ndarray) -> np.ndarray:
+    return 0.1 * np.exp(-((x - 0.4) ** 2) / 0.02)
+
+
+def room(side: int = 10, **options: Any) -> pc.Scene:
+    """Sound in a room in 3D that repeats itself along one axis."""
+    grid = pc.Grid((side, side + 2, side - 3), 0.1, periodic=(False, True, False))
+    start = grid.field(lambda x, y, z: np.exp(-((x - 0.4) ** 2 + (y - 0.3) ** 2 + (z - 0.2) ** 2) / 0.02), "start")
+    return pc.Scene(pc.Wave(grid, 1.0, rate=start, edges="free", **options))
+
+
 def harmonic() -> pc.CustomForce:
     """A well written in Python, in operations that are rounded alike everywhere."""
     return pc.CustomForce(lambda time, x, v: -3.0 * x, potential=lambda x: 1.5 * float((x * x).sum()))
@@ -212,5 +249,16 @@ SCENES: dict[str, Case] = {
     "swarm star by error": Case(
         lambda: swarm(STAR, count=5), 0.01, {"dt": pc.AdaptiveStep(tolerance=1e-6), "integrator": pc.BogackiShampine3()}
     ),
+    "ripples": Case(ripples, 0.1, large=lambda: ripples(900)),
+    "ripples f32": Case(ripples, 0.1, F32, large=lambda: ripples(900)),
+    "ripples order 4 RungeKutta4": Case(lambda: ripples(order=4), 0.1, RK4, large=lambda: ripples(500, order=4)),
+    "ripples BlanesMoan4": Case(ripples, 0.1, {"integrator": pc.BlanesMoan4()}),
+    "string": Case(string, 0.002),
+    "string by error": Case(
+        lambda: string(40, displacement=_hump),
+        0.005,
+        {"dt": pc.AdaptiveStep(tolerance=1e-7), "integrator": pc.DormandPrince5()},
+    ),
+    "room": Case(room, 0.02, large=lambda: room(90)),
     "drop": Case(drops, 1e-3, large=lambda: drops(spacing=0.0125)),
 }

@@ -29,7 +29,8 @@ def bits(case: Case, **numerics: object) -> str:
         run.step(STEPS)
     energy = run.energy()
     budget = [run.time, energy.kinetic, *energy.by_term.values(), energy.internal, *energy.dissipated_by.values()]
-    content = [run.positions, run.velocities, np.array([*budget, energy.work])]
+    fields = [values for system in run.scene.systems for values in run[system].fields.values()]
+    content = [run.positions, run.velocities, *fields, np.array([*budget, energy.work])]
     return hashlib.blake2b(b"".join(values.tobytes() for values in content), digest_size=12).hexdigest()
 
 

@@ -11,12 +11,19 @@ import pytest
 
 import physcore as pc
 from contracts.scenes import SCENES, STEPS, Case
+from physcore.scene.records import parameters
 
 FIXED = {name: case for name, case in SCENES.items() if not case.adaptive}
 
 
 class Broken(Exception):
     """What a function of the user's raises."""
+
+
+def again(wave: pc.Wave, source: pc.Source) -> pc.Wave:
+    """The same wave with one more source."""
+    values = {name: getattr(wave, name) for name in parameters(pc.Wave)}
+    return pc.Wave(**{**values, "sources": (*wave.sources, source)})
 
 
 def failing(case: Case, time: float) -> pc.Scene:
@@ -28,6 +35,15 @@ def failing(case: Case, time: float) -> pc.Scene:
             raise Broken
         return np.zeros_like(x)
 
+    def signal(now: float) -> float:
+        if now > time:
+            raise Broken
+        return 0.0
+
+    if not scene.bodies:
+        (wave,) = scene.systems
+        assert isinstance(wave, pc.Wave)
+        return pc.Scene(again(wave, pc.Source(np.ones(wave.grid.cells, dtype=bool), 1.0, signal=signal)))
     force = pc.CustomForce(function, potential=lambda x: 0.0)
     domain = [] if scene.periodic is None else [scene.periodic]
     return pc.Scene(*scene.bodies, *scene.forces, *scene.boundaries, *domain, force)

@@ -10,7 +10,7 @@ import pytest
 import physcore as pc
 from contracts.comparison import difference, state, tolerance
 from contracts.scenes import SCENES, Case
-from contracts.transforms import Array, Transform, transformed
+from contracts.transforms import Array, Transform, moved, transformed
 
 RESTING = (pc.CentralForce, pc.CustomForce)
 """Forces that are not the same for who moves along."""
@@ -35,10 +35,11 @@ def compare(name: str, t: Transform, shuffle: bool = False, size: float = 1.0) -
     case.advance(plain)
     rescaled(case, t).advance(other)
     starts = np.cumsum([0, *map(len, scene.bodies)])
-    order = np.concatenate([start + part for start, part in zip(starts[:-1], orders, strict=True)])
-    x, v = state(plain)
-    shift = np.asarray(t.boost) * case.duration
-    expected = t.points(x[order]) + shift, t.velocities(v[order])
+    order = np.array(
+        [start + index for start, part in zip(starts[:-1], orders, strict=True) for index in part], dtype=int
+    )
+    x, v = moved(t, scene, state(plain), order)
+    expected = x + np.asarray(t.boost) * case.duration if scene.bodies else x, v
     assert difference(other.scene, expected, state(other)) <= tolerance(name, plain, size)
 
 
@@ -56,6 +57,8 @@ def test_moving_a_scene_moves_its_motion(name):
 def test_turning_a_scene_by_a_quarter_turns_its_motion(name):
     """In space by a third of a turn about (1, 1, 1): all three axes change their roles."""
     turn = np.roll(axes(name), 1, axis=0)
+    if len(turn) == 1:
+        pytest.skip("a line cannot be turned")
     if len(turn) == 2:
         turn[0] *= -1.0
     assert np.linalg.det(turn) == pytest.approx(1.0)
@@ -69,7 +72,7 @@ def test_a_mirror_changes_signs(name):
     compare(name, Transform(mirror))
 
 
-@pytest.mark.parametrize("name", SCENES)
+@pytest.mark.parametrize("name", [name for name in SCENES if SCENES[name].scene().bodies])
 def test_the_order_of_particles_does_not_matter(name):
     """A permutation changes the order of sums, so rounding, and nothing else; results keep the caller's order."""
     compare(name, Transform(axes(name)), shuffle=True)
@@ -78,7 +81,7 @@ def test_the_order_of_particles_does_not_matter(name):
 def moves_along(name: str) -> bool:
     """Whether nothing in a scene stands still by itself."""
     scene = SCENES[name].scene()
-    return not scene.boundaries and not any(isinstance(force, RESTING) for force in scene.forces)
+    return bool(scene.bodies) and not scene.boundaries and not any(isinstance(force, RESTING) for force in scene.forces)
 
 
 @pytest.mark.filterwarnings("ignore::physcore.MachWarning")
@@ -108,7 +111,7 @@ def test_other_units_change_no_bit(name, length, time, mass):
     case.advance(plain)
     rescaled(case, t).advance(scaled)
     assert scaled.steps == plain.steps
-    assert np.array_equal(scaled.positions, plain.positions * t.m)
-    assert np.array_equal(scaled.velocities, plain.velocities * t.unit(1, -1))
+    for found, wanted in zip(state(scaled), moved(t, scene, state(plain)), strict=True):
+        assert np.array_equal(found, wanted)
     for part in ("balance", "dissipated", "work"):
         assert getattr(scaled.energy(), part) == getattr(plain.energy(), part) * t.unit(2, -2, 1), part

@@ -168,6 +168,74 @@ def _custom(force: pc.CustomForce, t: Transform, on: Any) -> pc.CustomForce:
     return pc.CustomForce(function, None if force.potential is None else potential, on=on)
 
 
+def _over_cells(t: Transform, values: Any) -> Any:
+    """A field on a grid, along the axes where they are then; along one that is new, one cell. A number stays."""
+    if np.ndim(values) == 0:
+        return values
+    partners = [int(np.abs(axis).argmax()) if axis.any() else None for axis in t.axes]
+    moved = np.transpose(values, [partner for partner in partners if partner is not None])
+    for axis, partner in enumerate(partners):
+        if partner is None:
+            moved = np.expand_dims(moved, axis)
+        elif t.axes[axis, partner] < 0.0:
+            moved = np.flip(moved, axis)
+    return moved
+
+
+def _wave(wave: pc.Wave, t: Transform) -> pc.Wave:
+    """Along an axis that is new one cell, with free edges, so that nothing depends on it."""
+    grid, spacing = wave.grid, wave.grid.spacing * t.m
+    lower, upper = t.corners(grid.origin, grid.upper, grid.spacing / 2.0)
+    edges, periodic = [], []
+    for axis in t.axes:
+        partner = int(np.abs(axis).argmax())
+        pair = list(wave.edges[2 * partner : 2 * partner + 2]) if axis.any() else ["free", "free"]
+        edges += pair[::-1] if axis.min() < 0.0 else pair
+        periodic.append(bool(axis.any() and grid.periodic[partner]))
+    new = len(t.axes) - grid.dimension
+
+    def field(values: Any, unit: float) -> Any:
+        return _over_cells(t, values) * unit
+
+    def source(given: pc.Source) -> pc.Source:
+        local = isinstance(given.where, tuple)
+        unit = t.unit(1 + grid.dimension, -2) * grid.spacing**new * t.m**new if local else t.unit(1, -2)
+        signal = given.signal
+        if isinstance(signal, pc.Ricker):
+            signal = pc.Ricker(signal.frequency / t.s)
+        return pc.Source(
+            point(t, given.where) if local else _over_cells(t, given.where),
+            given.amplitude * unit,
+            given.frequency / t.s,
+            given.phase,
+            given.start * t.s,
+            given.stop * t.s,
+            signal,
+        )
+
+    cells = tuple(round((high - low) / spacing) for low, high in zip(lower, upper, strict=True))
+    return pc.Wave(
+        pc.Grid(cells, spacing, lower, tuple(periodic)),
+        field(wave.speed, t.unit(1, -1)),
+        field(wave.displacement, t.m),
+        field(wave.rate, t.unit(1, -1)),
+        wave.density * t.unit(-grid.dimension, 0, 1),
+        field(wave.damping, t.unit(0, -1)),
+        tuple(edges),
+        None if wave.walls is None else _over_cells(t, wave.walls),
+        [source(each) for each in wave.sources],
+        wave.order,  # type: ignore[arg-type]
+    )
+
+
+def moved(t: Transform, scene: pc.Scene, state: tuple[Array, Array], order: Any = slice(None)) -> tuple[Array, Array]:
+    """The state that a state of a scene becomes, with its particles in an order."""
+    x, v = state
+    if scene.bodies:
+        return t.points(x[order]), t.velocities(v[order])
+    return _over_cells(t, x) * t.m, _over_cells(t, v) * t.unit(1, -1)
+
+
 def transformed(scene: pc.Scene, t: Transform, orders: list[NDArray[np.int64]] | None = None) -> pc.Scene:
     """The same scene in other coordinates and units, the particles of every body in the given order."""
     orders = orders or [np.arange(len(body)) for body in scene.bodies]
@@ -175,4 +243,6 @@ def transformed(scene: pc.Scene, t: Transform, orders: list[NDArray[np.int64]] |
     items = [_item(item, t, bodies) for item in (*scene.forces, *scene.boundaries)]
     domain = scene.periodic
     domains = [] if domain is None else [pc.Periodic(*t.corners(domain.lower, domain.upper, np.inf))]
-    return pc.Scene(*bodies.values(), *items, *domains)
+    systems = [_wave(system, t) for system in scene.systems if isinstance(system, pc.Wave)]
+    assert len(systems) == len(scene.systems)
+    return pc.Scene(*bodies.values(), *items, *domains, *systems)

@@ -18,6 +18,7 @@ from physcore._core import Canvas, Gif
 from physcore.film import DARK, LIGHT, Orbit, Window, gif_bytes
 from physcore.film.camera.view import fit
 from physcore.film.colors.colormaps import COLORMAPS, look_up, sequential
+from physcore.film.styles.base import SystemStyle
 from physcore.film.styles.strain import covered
 from physcore.film.writers import delays
 
@@ -101,12 +102,18 @@ def test_every_scene_gives_as_many_frames_as_were_recorded(name: str, theme: Any
 
 
 @pytest.mark.parametrize(("kind", "dimension"), [(kind, d) for kind in pc.styles.STYLES for d in kind.dimensions])
-def test_every_style_draws_a_network_and_stays_inside_the_picture(
+def test_every_style_draws_a_network_or_a_wave_and_stays_inside_the_picture(
     kind: type[pc.styles.Style], dimension: int, tmp_path: Path
 ) -> None:
     corners = ((0.0,) * dimension, (0.5,) * dimension)
-    body = pc.Fluid(pc.block(*corners, 0.1), 0.1) if kind is pc.styles.Fluid else net(dimension)
-    pc.film(recorded(pc.Scene(body), shift), tmp_path / "film.gif", size=SIZE, style=kind())
+    if issubclass(kind, SystemStyle):
+        grid = pc.Grid((12,) * dimension, 0.1)
+        wave = pc.Wave(grid, 1.0, np.cos(np.sum(3.0 * grid.centers, axis=-1)), walls=grid.centers[..., 0] > 1.1)
+        recording = pc.simulate(pc.Scene(wave), 0.2)
+    else:
+        body = pc.Fluid(pc.block(*corners, 0.1), 0.1) if kind is pc.styles.Fluid else net(dimension)
+        recording = recorded(pc.Scene(body), shift)
+    pc.film(recording, tmp_path / "film.gif", size=SIZE, style=kind())
     for picture in frames(tmp_path / "film.gif")[0]:
         drawn = ink(picture)
         assert drawn.sum() > 100

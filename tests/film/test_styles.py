@@ -11,8 +11,9 @@ import pytest
 from PIL import Image
 
 import physcore as pc
-from physcore.film import DARK, Orbit, Window
+from physcore.film import DARK, LIGHT, Orbit, Window
 from physcore.film.camera.view import Face, View, fit
+from physcore.film.colors.colormaps import LUMA, two_sided
 from physcore.film.styles import fields
 from physcore.film.styles.base import Part
 from physcore.simulation.sources import Recorded, SourceFrame, sources
@@ -353,3 +354,79 @@ def test_a_function_that_fails_is_named_and_its_exception_the_cause(options: dic
     with pytest.raises(pc.SceneError, match=rf"^{path}: the function raised TypeError: .*positional") as caught:
         pc.film(recording, tmp_path / "film.png", progress=False, **options)
     assert isinstance(caught.value.__cause__, TypeError)
+
+
+def waves(wave: pc.Wave) -> pc.Recording:
+    """Its first frames."""
+    return pc.simulate(pc.Scene(wave), 0.02, 100.0, dt=0.001)
+
+
+PLAIN: dict[str, Any] = {"labels": (), "color_bar": False, "sidecar": False}
+
+
+def test_a_field_is_where_its_cells_are_and_as_its_sign(tmp_path: Path) -> None:
+    """A window of 4 m × 3 m, 60 pixels per meter: a warm hump at (1, 2), a cold one at (3, 1), the background between,
+    and walls over x > 3.5. Beyond the grid, which ends at y = 2.5, there is nothing.
+    """
+    grid = pc.Grid.over((0.0, 0.0), (4.0, 2.5), 0.05)
+    x, y = grid.coordinates
+    humps = np.exp(-((x - 1.0) ** 2 + (y - 2.0) ** 2) / 0.02) - np.exp(-((x - 3.0) ** 2 + (y - 1.0) ** 2) / 0.02)
+    recording = waves(pc.Wave(grid, 1.0, humps, edges="absorbing", walls=x > 3.5))
+    for theme in ("dark", "light"):
+        still = tmp_path / f"{theme}.png"
+        pc.film(recording, still, size=SIZE, camera=Window((0.0, 0.0), (4.0, 3.0)), theme=theme, **PLAIN)
+        with Image.open(still) as image:
+            picture = np.asarray(image.convert("RGB")).astype(float)
+        background = np.array((DARK if theme == "dark" else LIGHT).background, dtype=float)
+        apart = np.abs(picture - background).max(axis=2)
+        assert apart[60, 180] < 3.0
+        assert not apart[:29].any()
+        warm, cold = picture[60, 60], picture[120, 180]
+        assert warm[0] > warm[2] + 20.0
+        assert cold[2] > cold[0] + 20.0
+        assert (apart[35:175, 213:] > 15.0).all(), "walls stand out"
+        assert np.ptp(picture[35:175, 213:], axis=(0, 1)).max() == 0.0, "and are of one color"
+
+
+def test_the_colors_of_a_field_are_symmetric_and_go_evenly_from_the_background() -> None:
+    for theme in (DARK, LIGHT):
+        table = two_sided(theme.background)
+        np.testing.assert_allclose(table[127:129], [theme.background] * 2, atol=4.0)
+        lightness = table @ LUMA
+        rise = np.diff(lightness[128:]) * (1.0 if theme is DARK else -1.0)
+        assert (rise > 0.0).all()
+        np.testing.assert_allclose(lightness[128:], lightness[127::-1], atol=30.0)
+
+
+def test_a_field_has_one_scale_over_the_whole_film(tmp_path: Path) -> None:
+    """With its range given it is settled; 0.5 of a linear scale has the color of three quarters of the table."""
+    grid = pc.Grid((8, 6), 0.5)
+    recording = waves(pc.Wave(grid, 0.0, 0.5))
+    (source,) = sources(recording, None, None, {})
+    (painter,) = pc.styles.Field(range=1.0).painters(source, recording.scene.systems, DARK)
+    assert painter.settled
+    assert painter.scale is not None
+    assert painter.scale.ends == (-1.0, 1.0)
+    pc.film(recording, tmp_path / "still.png", size=SIZE, style=pc.styles.Field(range=1.0), **PLAIN)
+    with Image.open(tmp_path / "still.png") as image:
+        middle = np.asarray(image.convert("RGB"))[90, 120].astype(float)
+    np.testing.assert_allclose(middle, two_sided(DARK.background)[192], atol=3.0)
+    with pytest.raises(pc.SceneError, match=r"Field\.quantity: must be one of displacement, rate, got 'height'"):
+        pc.film(recording, tmp_path / "x.png", style=pc.styles.Field("height"))
+    string = waves(pc.Wave(pc.Grid(9, 0.1), 1.0))
+    with pytest.raises(pc.SceneError, match=r"Field\.on: .* has no field on a grid in 2D or 3D; use Line"):
+        pc.film(string, tmp_path / "x.png", style=pc.styles.Field(on=string.scene.systems[0]))
+
+
+def test_a_line_is_as_high_as_its_values(tmp_path: Path) -> None:
+    """The largest value reaches 0.8 of the way to the edge; half of it half as far, on the other side of zero."""
+    grid = pc.Grid(200, 0.01)
+    (x,) = grid.coordinates
+    shape = np.exp(-((x - 0.5) ** 2) / 0.01) - 0.5 * np.exp(-((x - 1.5) ** 2) / 0.01)
+    pc.film(waves(pc.Wave(grid, 0.0, shape)), tmp_path / "line.png", size=SIZE, theme="light", **PLAIN)
+    with Image.open(tmp_path / "line.png") as image:
+        picture = np.asarray(image.convert("RGB")).astype(float)
+    near = np.abs(picture - np.array(LIGHT.bodies[0])).max(axis=2) < 40.0
+    rows = np.flatnonzero(near.any(axis=1))
+    assert rows[0] == pytest.approx(90.0 - 0.8 * 90.0, abs=2.5)
+    assert rows[-1] == pytest.approx(90.0 + 0.4 * 90.0, abs=2.5)

@@ -25,6 +25,7 @@ VALID = {
         "upper": "(1.0, 1.0)",
         "particles": "4",
     },
+    **{"cells": "(3, 4)", "grid": "pc.Grid((3, 4), 0.5)", "where": "(0.5, 0.5)"},
     **{"center": "(0.0, 0.0)", "point": "(0.0, -9.0)", "normal": "(0.0, 1.0)", "acceleration": "(0.0, -9.81)"},
     **{"shape": "(3, 3)", "function": "lambda time, x, v: -x", "scene": "SCENE", "recording": "RECORDING", "key": "0"},
     **{
@@ -103,7 +104,20 @@ LONG = (
 )
 """What may be asked for a long run, or for millions of particles."""
 
-PARTS = ("Energy", "EnergySeries", "Frame", "MeasuredLimit", "Plan", "Recording", "Snapshot", "Tradeoff", "Painter")
+PARTS = (
+    "Amount",
+    "AmountSeries",
+    "Part",
+    "Energy",
+    "EnergySeries",
+    "Frame",
+    "MeasuredLimit",
+    "Plan",
+    "Recording",
+    "Snapshot",
+    "Tradeoff",
+    "Painter",
+)
 """Results: nobody but physcore makes them, and they take what they are given."""
 
 DEPRECATED = ("runaway",)

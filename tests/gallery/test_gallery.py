@@ -63,6 +63,10 @@ def shown(tmp_path: Path, record_property: Callable[[str, object], None]) -> Cal
         "orbits",
         "pendulums",
         "galaxy",
+        "ripples",
+        "double_slit",
+        "string",
+        "lens",
         *(pytest.param(name, marks=pytest.mark.long) for name in LONG),
     ],
 )

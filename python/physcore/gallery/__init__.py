@@ -34,6 +34,10 @@ DEMOS = (
     "rayleigh_taylor",
     "hourglass",
     "crystal",
+    "ripples",
+    "double_slit",
+    "string",
+    "lens",
 )
 """Every demo; the first one is the default."""
 

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from physcore.scene.items import System
+from physcore.systems.wave import Wave
 
-SYSTEMS: tuple[type[System], ...] = ()
+SYSTEMS: tuple[type[System], ...] = (Wave,)
 """Every system beside matter; what is registered here can be saved, and is tested."""
 
 __all__ = ["SYSTEMS", "System"]

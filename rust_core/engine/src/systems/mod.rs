@@ -5,6 +5,7 @@
 
 pub mod matter;
 pub mod several;
+pub mod wave;
 
 use std::collections::BTreeMap;
 
@@ -233,8 +234,11 @@ pub fn build(
 }
 
 /// The registry: the system that an item declares, advanced by the method of that name.
-fn declared(item: &Item, _method: &str, _precision: &str, _executor: &Executor) -> Result<Box<dyn System>> {
-    Err(scene::unknown(item, "a kind of system"))
+fn declared(item: &Item, method: &str, precision: &str, _executor: &Executor) -> Result<Box<dyn System>> {
+    match item.kind.as_str() {
+        "Wave" => with_integrator!(method, I => wave::build::<I>(item, precision), Err(unknown_integrator(method))),
+        _ => Err(scene::unknown(item, "a kind of system")),
+    }
 }
 
 fn unknown_integrator(method: &str) -> Error {

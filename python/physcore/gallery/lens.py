@@ -1,0 +1,60 @@
+"""Plane waves run through a round lens that slows them, the more the nearer to its middle, and meet on its far rim.
+
+The physics checked: Luneburg's lens has its focus on its rim.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Mapping
+
+import numpy as np
+
+import physcore as pc
+from physcore.checks import FloatArray
+from physcore.gallery.figure import Figure
+
+DURATION = 12.0
+"""[s]"""
+RADIUS = 1.5
+"""Of the lens [m]."""
+WAVELENGTH = 0.3
+"""[m]"""
+
+
+def speed(x: FloatArray, y: FloatArray) -> FloatArray:
+    """c = 1/√(2 − (r/R)²) within the lens, and 1 m/s around it.
+
+    Source: R. K. Luneburg, "Mathematical Theory of Optics", 1944, section 29.
+    """
+    inside = np.minimum((x**2 + y**2) / RADIUS**2, 1.0)
+    slowed: FloatArray = 1.0 / np.sqrt(2.0 - inside)
+    return slowed
+
+
+def scene() -> pc.Scene:
+    """Let a row of cells swing beside the lens."""
+    plane = pc.Grid.over((-2.5, -2.1), (3.1, 2.1), 0.02)
+    x, _ = plane.coordinates
+    lamp = pc.Source(np.abs(x + 2.2) < 0.01, amplitude=40.0, frequency=1.0 / WAVELENGTH, phase=math.pi / 2)
+    edges = {"x": "absorbing", "y": "free"}
+    return pc.Scene(pc.Wave(plane, speed=speed, sources=lamp, edges=edges))  # type: ignore[arg-type]
+
+
+def main(path: str | os.PathLike[str] = "lens.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
+    """Simulate it and draw it."""
+    recording = pc.simulate(scene(), duration=DURATION, fps=12, progress=progress)
+    pc.film(recording, path, size=(360, 290), speed=2.0, progress=progress)
+    return {"light": recording}
+
+
+def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
+    """Where on the axis the waves are largest, from the middle of the lens; a wave's focus is a wavelength long."""
+    recording = recordings["light"]
+    (wave,) = recording.scene.systems
+    assert isinstance(wave, pc.Wave)
+    x, middle = wave.grid.coordinates[0][:, 0], wave.grid.cells[1] // 2
+    periods = round(8 * WAVELENGTH * recording.fps)
+    brightness = np.mean(recording[wave].displacement[-periods:, :, middle] ** 2, axis=0)
+    return Figure("distance of the focus", float(x[np.argmax(brightness)]), RADIUS, "by Luneburg", 0.1, "m")

@@ -1,0 +1,45 @@
+"""Drops fall into a pond without shores; their rings run through each other and leave.
+
+The physics checked: what the drops gave is all there, in motion, in height, and in what crossed the open edges.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from functools import partial
+
+import physcore as pc
+from physcore.gallery.figure import Figure
+
+DURATION = 6.0
+"""[s]"""
+DROPS = ((1.0, 1.9, 0.0), (2.9, 1.1, 0.7), (2.2, 2.3, 1.5), (0.9, 0.8, 2.4), (3.2, 2.2, 3.1))
+"""Where and when they fall [m, m, s]."""
+
+
+def scene() -> pc.Scene:
+    """Let drops fall into a part of an endless pond."""
+    pulse = pc.Ricker(3.0)
+    drops = [pc.Source((x, y), 1.0, signal=partial(_later, pulse, start)) for x, y, start in DROPS]
+    pond = pc.Wave(pc.Grid.over((0.0, 0.0), (4.0, 3.0), 0.0125), speed=1.0, sources=drops, edges="absorbing")
+    return pc.Scene(pond)
+
+
+def _later(pulse: pc.Ricker, start: float, time: float) -> float:
+    """A pulse that begins at a time."""
+    return float(pulse(time - start))
+
+
+def main(path: str | os.PathLike[str] = "ripples.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
+    """Simulate it and draw it."""
+    recording = pc.simulate(scene(), duration=DURATION, fps=25, progress=progress)
+    pc.film(recording, path, size=(480, 380), style=pc.styles.Field(relief=0.35), progress=progress)
+    return {"pond": recording}
+
+
+def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
+    """The energy in the pond at the end with what has left, which is metered at the edges, and what the drops did."""
+    energy = recordings["pond"].energy
+    found = float(energy.total[-1] + energy.dissipated_by["edges"][-1])
+    return Figure("waves at the end and what has left", found, float(energy.work[-1]), "from the drops", 0.01, "J")

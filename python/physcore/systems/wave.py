@@ -1,0 +1,301 @@
+"""The wave equation on a grid."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, ClassVar, Literal, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from physcore.checks import (
+    BoolArray,
+    FloatArray,
+    array,
+    called,
+    count,
+    frozen,
+    items,
+    number,
+    regular,
+    require,
+    shown,
+    text,
+)
+from physcore.errors import SceneError
+from physcore.scene.grid import AXES, Absorbing, Field, Grid, GridSystem
+
+Edge = Literal["fixed", "free", "absorbing"]
+Edges: TypeAlias = Edge | Absorbing | Mapping[str, Edge | Absorbing] | Sequence[str]
+"""What is at the edges: a word for all, or a mapping from axes ("x") and sides ("x-", "x+") to words."""
+EDGES: tuple[Edge, ...] = ("fixed", "free", "absorbing")
+ORDERS = (2, 4)
+"""The orders of the differences in space."""
+
+
+@dataclass(frozen=True)
+class Ricker:
+    """A pulse, the second derivative of a Gaussian: (1 − 2 π² f² τ²) exp(−π² f² τ²) with τ = t − 1.5/f.
+
+    Its largest value is 1, at t = 1.5/f, and its spectrum is largest at f. At t = 0 it is 1e-8 of that.
+
+    Args:
+        frequency: f [Hz], above zero.
+
+    Source: N. Ricker, Geophysics 18, 10 (1953).
+
+    Raises:
+        SceneError: the frequency is not above zero.
+    """
+
+    frequency: float
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "frequency", number(self.frequency, "Ricker.frequency", above=0.0))
+
+    def __call__(self, time: ArrayLike) -> FloatArray:
+        """The values at some times [s]."""
+        square = (np.pi * self.frequency * (np.asarray(time, dtype=float) - 1.5 / self.frequency)) ** 2
+        pulse: FloatArray = (1.0 - 2.0 * square) * np.exp(-square)
+        return pulse
+
+
+@dataclass(frozen=True, eq=False, init=False, repr=False)
+class Source:
+    """A source of waves: s = amplitude · sin(2 π f t + phase) from `start` to `stop`, and nothing before and after.
+
+        pc.Source((8.0, 6.0), amplitude=0.5, frequency=0.6)
+        pc.Source(np.abs(x) < 0.1, amplitude=1.0, signal=pc.Ricker(2.0))
+
+    Args:
+        where: a point [m], D numbers within the grid: the integral of s over space is then the amplitude, spread
+            multilinearly over the nearest centers, so that what it radiates does not depend on the spacing. Or cells of
+            the grid, as a mask of its shape: s is then the same in each of them; an array of numbers weights it.
+        amplitude: [m/s²] in each cell of a mask; at a point [m/s²·mᴰ].
+        frequency: f [Hz], at least zero; not needed with a signal.
+        phase: [rad].
+        start, stop: the first time at which it acts, and the first at which it no longer does [s].
+        signal: a function s(t) of the time [s], which takes the place of the sine: `pc.Ricker(f)`, or one that gives a
+            number.
+
+    Raises:
+        SceneError: a value is out of range or of the wrong kind, or neither frequency nor signal is given.
+    """
+
+    where: tuple[float, ...] | BoolArray | FloatArray
+    """A point [m], or the weights of cells."""
+    amplitude: float
+    """[m/s²], or [m/s²·mᴰ] at a point."""
+    frequency: float
+    """[Hz]; 0 with a signal."""
+    phase: float
+    """[rad]"""
+    start: float
+    """[s]"""
+    stop: float
+    """[s]; may be infinite."""
+    signal: Ricker | Callable[[float], float] | None
+    """What takes the place of the sine."""
+
+    def __init__(
+        self,
+        where: ArrayLike,
+        amplitude: float,
+        frequency: float | None = None,
+        phase: float = 0.0,
+        start: float = 0.0,
+        stop: float = math.inf,
+        signal: Ricker | Callable[[float], float] | None = None,
+    ) -> None:
+        if signal is None and frequency is None:
+            raise SceneError("Source.frequency: give a frequency [Hz], or a signal")
+        if signal is not None and not callable(signal):
+            raise SceneError(f"Source.signal: must be a function of the time, or Ricker(…), got {shown(signal)}")
+        given: object = stop
+        end = math.inf if isinstance(given, (float, np.floating)) and given == math.inf else number(stop, "Source.stop")
+        values = {
+            "where": _where(where),
+            "amplitude": number(amplitude, "Source.amplitude"),
+            "frequency": 0.0 if frequency is None else number(frequency, "Source.frequency", least=0.0),
+            "phase": number(phase, "Source.phase"),
+            "start": number(start, "Source.start"),
+            "stop": end,
+            "signal": signal,
+        }
+        if not values["start"] < end:  # type: ignore[operator]
+            raise SceneError(f"Source.stop: must be after the start at {start:g} s, got {end:g} s")
+        for name, value in values.items():
+            object.__setattr__(self, name, value)
+
+    def __repr__(self) -> str:
+        where = self.where if isinstance(self.where, tuple) else f"{np.count_nonzero(self.where)} cells"
+        what = f"{self.frequency:g} Hz" if self.signal is None else shown(self.signal)
+        return f"Source({where}, {self.amplitude:g}, {what})"
+
+    def check(self, grid: Grid, path: str) -> None:
+        """Look at the grid that it acts on.
+
+        Raises:
+            SceneError: it is outside of it, or a mask has another shape; or its signal gives no number.
+        """
+        if isinstance(self.where, tuple):
+            if len(self.where) != grid.dimension:
+                raise SceneError(f"{path}.where: must be {grid.dimension} numbers on this grid, got {self.where}")
+            for axis, place, low, high in zip(AXES, self.where, grid.origin, grid.upper, strict=False):
+                if not low <= place <= high:
+                    raise SceneError(
+                        f"{path}.where: must be on the grid, {axis} from {low:g} to {high:g} m, got {place:g} m"
+                    )
+        elif self.where.shape != grid.cells:
+            raise SceneError(f"{path}.where: must have the shape {grid.cells} of the grid, got {self.where.shape}")
+        if self.signal is not None:
+            number(called(self.signal, f"{path}.signal", max(self.start, 0.0)), f"{path}.signal: its value")
+
+
+@dataclass(frozen=True, eq=False, init=False, repr=False)
+class Wave(GridSystem):
+    """Waves on a string, a membrane or in space: ρ u_tt = ∇·(ρ c² ∇u) − ρ γ u_t + ρ s.
+
+        grid = pc.Grid((200, 120), spacing=0.05)
+        pond = pc.Wave(grid, speed=1.0, displacement=lambda x, y: np.exp(-((x - 3) ** 2 + (y - 3) ** 2) / 0.1),
+                       edges={"x": "absorbing", "y": "free"})
+        recording = pc.simulate(pc.Scene(pond), duration=10.0)
+        recording[pond].displacement  # (F, 200, 120)
+
+    Fields are numbers, arrays of shape `grid.cells` or functions of the coordinates of cells' centers. Differences are
+    central; on a face between two cells c² is their harmonic mean, so that u and ρ c² ∂u/∂n are continuous where c
+    jumps. The energy is the discrete one whose force is minus its gradient; in 2D it is that of a membrane whose mass
+    per area is ρ, in 1D that of a string with ρ per length.
+
+    Args:
+        grid: 1D, 2D or 3D.
+        speed: c [m/s], a field ≥ 0.
+        displacement: u at the start [m], a field.
+        rate: u_t at the start [m/s], a field.
+        density: ρ [kg/mᴰ], a number above zero; only energies depend on it.
+        damping: γ [1/s], a field ≥ 0.
+        edges: "fixed": u is zero on the outer face of the outer cells; "free": no flux through it; "absorbing": waves
+            leave, into a layer outside of the grid. A word for all edges, or a mapping of axes or sides,
+            `{"x": "free", "y-": "absorbing"}`; those not named are fixed. Periodic axes, as the grid says, have none.
+        walls: a mask of cells that are cut out, with u zero on their faces; or a function that gives one.
+        sources: a Source, or several.
+        order: of the differences in space, 2 or 4; beside absorbing edges 2.
+        name: a name by which results can be asked for.
+        absorbing: the layer of absorbing edges; an `Absorbing` in `edges` says the same.
+
+    Raises:
+        SceneError: a field has the wrong shape or values out of range; an edge or a source is not valid.
+
+    Source: R. Courant, K. Friedrichs, H. Lewy, Math. Ann. 100, 32 (1928); for variable c G. C. Cohen, "Higher-Order
+    Numerical Methods for Transient Wave Equations", 2002, chapter 4.
+    """
+
+    units: ClassVar[Mapping[str, str]] = {"displacement": "m", "rate": "m/s"}
+    parts: ClassVar[tuple[type, ...]] = (Grid, Absorbing, Source, Ricker)
+
+    speed: float | FloatArray
+    """c [m/s], a number or of shape `grid.cells`."""
+    displacement: float | FloatArray
+    """u at the start [m], likewise."""
+    rate: float | FloatArray
+    """u_t at the start [m/s], likewise."""
+    density: float
+    """ρ [kg/mᴰ]."""
+    damping: float | FloatArray
+    """γ [1/s], a number or of shape `grid.cells`."""
+    edges: tuple[str, ...]
+    """"fixed", "free", "absorbing" or "periodic" at each side, in the order x−, x+, y−, y+, z−, z+."""
+    walls: BoolArray | None
+    """Which cells are cut out, of shape `grid.cells`; None: none."""
+    sources: tuple[Source, ...]
+    """The sources."""
+    order: int
+    """The order of the differences in space."""
+    absorbing: Absorbing
+    """The layer of absorbing edges."""
+
+    def __init__(
+        self,
+        grid: Grid,
+        speed: Field,
+        displacement: Field = 0.0,
+        rate: Field = 0.0,
+        density: float = 1.0,
+        damping: Field = 0.0,
+        edges: Edges = "fixed",
+        walls: Any = None,
+        sources: Source | Sequence[Source] = (),
+        order: Literal[2, 4] = 2,
+        name: str | None = None,
+        *,
+        absorbing: Absorbing | None = None,
+    ) -> None:
+        if not isinstance(grid, Grid):
+            raise SceneError(f"Wave.grid: must be a Grid, got {shown(grid)}")
+        if absorbing is not None and not isinstance(absorbing, Absorbing):
+            raise SceneError(f"Wave.absorbing: must be Absorbing(…), got {shown(absorbing)}")
+        differences = count(order, "Wave.order")
+        if differences not in ORDERS:
+            raise SceneError(f"Wave.order: must be 2 or 4, got {differences}")
+        words, layer = grid.edges(edges, "Wave.edges", EDGES, "fixed")
+        if order == 4 and "absorbing" in words:
+            raise SceneError("Wave.order: must be 2 beside absorbing edges, got 4")
+        if layer is not None and absorbing is not None and layer != absorbing:
+            raise SceneError(f"Wave.absorbing: edges have {layer} already, got {absorbing}")
+        self._set(
+            grid=grid,
+            speed=_at_least_zero(grid, speed, "Wave.speed"),
+            displacement=grid.uniform_or_field(displacement, "Wave.displacement"),
+            rate=grid.uniform_or_field(rate, "Wave.rate"),
+            density=number(density, "Wave.density", above=0.0),
+            damping=_at_least_zero(grid, damping, "Wave.damping"),
+            edges=words,
+            walls=None if walls is None else frozen(grid.mask(walls, "Wave.walls")),
+            sources=_sources(sources, grid),
+            order=differences,
+            name=None if name is None else text(name, "Wave.name"),
+            absorbing=layer or absorbing or Absorbing(),
+        )
+
+    @property
+    def solid(self) -> BoolArray | None:
+        """The walls."""
+        return self.walls
+
+    def __repr__(self) -> str:
+        label = f"{self.name!r}, " if self.name else ""
+        return f"Wave({label}{' × '.join(map(str, self.grid.cells))} cells)"
+
+
+def _at_least_zero(grid: Grid, value: Field, path: str) -> float | FloatArray:
+    """A field without values below zero."""
+    field = grid.uniform_or_field(value, path)
+    require(np.asarray(field) >= 0.0, np.asarray(field), path, "≥ 0")
+    return field
+
+
+def _sources(given: object, grid: Grid) -> tuple[Source, ...]:
+    """Sources that act on a grid."""
+    sources = [given] if isinstance(given, Source) else items(given, "Wave.sources", "sources")
+    for index, source in enumerate(sources):
+        if not isinstance(source, Source):
+            raise SceneError(f"Wave.sources[{index}]: must be a Source, got {shown(source)}")
+        source.check(grid, f"Wave.sources[{index}]")
+    return tuple(sources)
+
+
+def _where(value: ArrayLike) -> tuple[float, ...] | BoolArray | FloatArray:
+    """A point, or the weights of cells. Up to three numbers in a row are a point."""
+    given = regular(value, "Source.where")
+    if given.dtype.kind == "b":
+        if given.ndim not in (1, 2, 3):
+            raise SceneError(
+                f"Source.where: must be a point or a mask of the grid's shape, got the shape {given.shape}"
+            )
+        return frozen(np.array(given))
+    numbers = np.atleast_1d(array(value, "Source.where"))
+    if numbers.ndim == 1 and len(numbers) <= len(AXES):
+        return tuple(numbers.tolist())
+    return frozen(numbers)

@@ -1,0 +1,237 @@
+//! The accelerations L u of a row of cells, by differences of order 2.
+//!
+//! The sums are (west + east) + (south + north) [+ (below + above)]: mirroring a field, or exchanging x and y, changes no bit.
+
+use std::ops::Range;
+
+use super::medium::Medium;
+use crate::math::Real;
+use crate::simd::{Kernel, dispatch};
+
+/// The rows of a field about one of them.
+pub trait Rows<T>: Copy {
+    /// The values of a row.
+    fn row(&self, row: usize) -> &[T];
+}
+
+/// All rows of a field, or some of them that follow each other.
+#[derive(Debug, Clone, Copy)]
+pub struct Window<'a, T> {
+    pub values: &'a [T],
+    /// The number of the first of them.
+    pub first: usize,
+    pub length: usize,
+}
+
+impl<T: Copy> Rows<T> for Window<'_, T> {
+    #[inline(always)]
+    fn row(&self, row: usize) -> &[T] {
+        &self.values[(row - self.first) * self.length..][..self.length]
+    }
+}
+
+/// Computes L u of the cells `range` of a row.
+pub fn accelerate<T: Real>(medium: &Medium<T>, rows: impl Rows<T>, row: usize, range: Range<usize>, out: &mut [T]) {
+    let center = rows.row(row);
+    let axes = medium.grid.axes();
+    let all = medium.grid.neighbors(row);
+    let pairs = (axes.start..2).map(|axis| (axis, all[axis]));
+    let ends = [center[center.len() - 1], center[0]];
+    let ends = if medium.grid.periodic[2] {
+        ends
+    } else {
+        [medium.ghost(2, 0) * center[0], medium.ghost(2, 1) * center[center.len() - 1]]
+    };
+    if let Some(weight) = medium.uniform {
+        let mut signs = [[T::ONE; 2]; 2];
+        let mut neighbors = [[center; 2]; 2];
+        let count = axes.len();
+        for (index, (axis, beside)) in pairs.enumerate() {
+            for side in 0..2 {
+                match beside[side] {
+                    Some(other) => neighbors[index][side] = rows.row(other),
+                    None => signs[index][side] = medium.ghost(axis, side),
+                }
+            }
+        }
+        let twice = T::from_f64(2.0 * count as f64);
+        let law = Uniform { weight, twice, signs };
+        run(Stencil { law, center, neighbors, ends, range, out }, count);
+    } else {
+        let nothing: &[T] = &[];
+        let mut weights = [[nothing; 2]; 2];
+        let mut neighbors = [[center; 2]; 2];
+        let count = axes.len();
+        for (index, (axis, beside)) in pairs.enumerate() {
+            let faces = &medium.faces[axis];
+            weights[index] = [faces.row(beside[0].unwrap_or(row)), faces.row(row)];
+            for side in 0..2 {
+                if let Some(other) = beside[side] {
+                    neighbors[index][side] = rows.row(other);
+                }
+            }
+        }
+        let faces = medium.faces[2].row(row);
+        let law = Varying { weights, along: [faces; 2], anchor: medium.anchor.row(row) };
+        run(Stencil { law, center, neighbors, ends, range, out }, count);
+    }
+}
+
+fn run<T: Real, L: Law<T>>(stencil: Stencil<'_, T, L>, dimension: usize) {
+    match dimension {
+        1 => dispatch(Dimension::<_, 0>(stencil)),
+        2 => dispatch(Dimension::<_, 1>(stencil)),
+        _ => dispatch(Dimension::<_, 2>(stencil)),
+    }
+}
+
+/// How the differences of a cell to its neighbors are weighted.
+trait Law<T: Real>: Copy {
+    /// The same for cells `from..to`.
+    fn cut(self, from: usize, to: usize) -> Self;
+    /// The terms of the two neighbors along one of the first axes.
+    fn pair(&self, pair: usize, cell: usize, center: T, lower: T, upper: T) -> T;
+    /// The terms of the two neighbors in the row.
+    fn along(&self, cell: usize, center: T, lower: T, upper: T) -> T;
+    /// The acceleration, from the sum of these.
+    fn total(&self, cell: usize, center: T, sum: T) -> T;
+}
+
+/// w is the same everywhere: w (Σ uⱼ − 2D u). Beyond edges are ghosts, the row itself with a sign.
+#[derive(Clone, Copy)]
+struct Uniform<T> {
+    weight: T,
+    twice: T,
+    signs: [[T; 2]; 2],
+}
+
+impl<T: Real> Law<T> for Uniform<T> {
+    #[inline(always)]
+    fn cut(self, _from: usize, _to: usize) -> Self {
+        self
+    }
+
+    #[inline(always)]
+    fn pair(&self, pair: usize, _cell: usize, _center: T, lower: T, upper: T) -> T {
+        self.signs[pair][0] * lower + self.signs[pair][1] * upper
+    }
+
+    #[inline(always)]
+    fn along(&self, _cell: usize, _center: T, lower: T, upper: T) -> T {
+        lower + upper
+    }
+
+    #[inline(always)]
+    fn total(&self, _cell: usize, center: T, sum: T) -> T {
+        self.weight * (sum - self.twice * center)
+    }
+}
+
+/// w varies, and is 0 at edges: Σ w (uⱼ − u) − κ u.
+#[derive(Clone, Copy)]
+struct Varying<'a, T> {
+    /// w at the lower and the upper faces along the first axes.
+    weights: [[&'a [T]; 2]; 2],
+    /// w at the lower and the upper faces along the row.
+    along: [&'a [T]; 2],
+    /// κ.
+    anchor: &'a [T],
+}
+
+impl<T: Real> Law<T> for Varying<'_, T> {
+    /// Both faces along the row begin as the upper ones of the whole row.
+    #[inline(always)]
+    fn cut(self, from: usize, to: usize) -> Self {
+        let [faces, _] = self.along;
+        let lower = if from == 0 { &faces[faces.len() - 1..] } else { &faces[from - 1..to - 1] };
+        let mut weights = self.weights;
+        weights.iter_mut().flatten().filter(|weights| !weights.is_empty()).for_each(|weights| *weights = &weights[from..to]);
+        Self { weights, along: [lower, &faces[from..to]], anchor: &self.anchor[from..to] }
+    }
+
+    #[inline(always)]
+    fn pair(&self, pair: usize, cell: usize, center: T, lower: T, upper: T) -> T {
+        let [below, above] = self.weights[pair];
+        below[cell] * (lower - center) + above[cell] * (upper - center)
+    }
+
+    #[inline(always)]
+    fn along(&self, cell: usize, center: T, lower: T, upper: T) -> T {
+        let [below, above] = self.along;
+        below[cell] * (lower - center) + above[cell] * (upper - center)
+    }
+
+    #[inline(always)]
+    fn total(&self, cell: usize, center: T, sum: T) -> T {
+        sum - self.anchor[cell] * center
+    }
+}
+
+/// A row with its neighbors.
+struct Stencil<'a, T, L> {
+    law: L,
+    center: &'a [T],
+    /// The rows below and above along the first axes; beyond an edge the row itself.
+    neighbors: [[&'a [T]; 2]; 2],
+    /// The values below its first and above its last cell.
+    ends: [T; 2],
+    range: Range<usize>,
+    out: &'a mut [T],
+}
+
+/// A stencil of `P` pairs of rows.
+struct Dimension<S, const P: usize>(S);
+
+impl<T: Real, L: Law<T>, const P: usize> Kernel for Dimension<Stencil<'_, T, L>, P> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Stencil { law, center, neighbors, ends, range, out } = self.0;
+        let (first, last) = (range.start, center.len() - 1);
+        let (from, to) = (first.max(1), range.end.min(last));
+        let end = |cell: usize, out: &mut [T]| {
+            let lower = [if cell == 0 { ends[0] } else { center[cell - 1] }];
+            let upper = [if cell == last { ends[1] } else { center[cell + 1] }];
+            span::<T, L, P>(law, center, neighbors, [&lower, &upper], cell..cell + 1, out);
+        };
+        if first == 0 {
+            end(0, &mut out[..1]);
+        }
+        if from < to {
+            let beside = [&center[from - 1..to - 1], &center[from + 1..=to]];
+            span::<T, L, P>(law, center, neighbors, beside, from..to, &mut out[from - first..to - first]);
+        }
+        if last > 0 && range.end > last {
+            end(last, &mut out[last - first..]);
+        }
+    }
+}
+
+/// The cells `range`, with their neighbors in the row.
+#[inline(always)]
+fn span<T: Real, L: Law<T>, const P: usize>(
+    law: L,
+    center: &[T],
+    neighbors: [[&[T]; 2]; 2],
+    [lower, upper]: [&[T]; 2],
+    range: Range<usize>,
+    out: &mut [T],
+) {
+    let (from, to) = (range.start, range.end);
+    let count = to - from;
+    let law = law.cut(from, to);
+    let center = &center[from..to];
+    let [[a, b], [c, d]] = neighbors.map(|pair| pair.map(|row| &row[from..to]));
+    let (lower, upper, out) = (&lower[..count], &upper[..count], &mut out[..count]);
+    for cell in 0..count {
+        let here = center[cell];
+        let along = law.along(cell, here, lower[cell], upper[cell]);
+        let sum = match P {
+            0 => along,
+            1 => law.pair(0, cell, here, a[cell], b[cell]) + along,
+            _ => (law.pair(0, cell, here, a[cell], b[cell]) + law.pair(1, cell, here, c[cell], d[cell])) + along,
+        };
+        out[cell] = law.total(cell, here, sum);
+    }
+}

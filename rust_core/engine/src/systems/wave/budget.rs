@@ -1,0 +1,120 @@
+//! The energy of a wave, and other sums over its cells, in double precision.
+
+use super::acceleration::Window;
+use super::fourth::{self, Line};
+use super::state::State;
+use super::sweep::Dynamics;
+use crate::math::Real;
+use crate::parallel::{BlockedSlice, Executor};
+use crate::simd::{Kernel, LANES, dispatch};
+
+/// Sums over a row, without the factor of the mass.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct RowEnergy {
+    /// ½ Σ v².
+    pub kinetic: f64,
+    /// ½ [Σ w (Δu)² + Σ κ u²], and of order 4 the term of the second differences.
+    pub potential: f64,
+}
+
+/// Σ f (a − b)² over the cells of a row.
+struct Differences<'a, T> {
+    factors: &'a [T],
+    one: &'a [T],
+    other: &'a [T],
+}
+
+impl<T: Real> Kernel for Differences<'_, T> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn run(self) -> f64 {
+        let count = self.factors.len();
+        let (factors, one, other) = (self.factors, &self.one[..count], &self.other[..count]);
+        let mut sums = [0.0; LANES];
+        let whole = count / LANES * LANES;
+        for at in (0..whole).step_by(LANES) {
+            for lane in 0..LANES {
+                let difference = one[at + lane].to_f64() - other[at + lane].to_f64();
+                sums[lane] += factors[at + lane].to_f64() * (difference * difference);
+            }
+        }
+        for at in whole..count {
+            let difference = one[at].to_f64() - other[at].to_f64();
+            sums[at - whole] += factors[at].to_f64() * (difference * difference);
+        }
+        sums.iter().sum()
+    }
+}
+
+impl<T: Real> Dynamics<T> {
+    /// The energies of all rows [J / kg].
+    pub fn energies(&self, state: &State<T>, executor: &Executor) -> Vec<RowEnergy> {
+        let grid = &self.medium.grid;
+        let mut energies = vec![RowEnergy::default(); grid.rows()];
+        executor.for_each_block(BlockedSlice::new(&mut energies, 64), &|block: BlockedSlice<'_, RowEnergy>| {
+            let length = grid.row_length();
+            let unit = (vec![T::ONE; length], vec![T::ZERO; length]);
+            for (index, energy) in block.items.iter_mut().enumerate() {
+                if self.padding.crosses(block.start + index) {
+                    *energy = self.row_energy(state, block.start + index, (&unit.0, &unit.1));
+                }
+            }
+        });
+        energies
+    }
+
+    /// Σ (|L u| + |s|)² over all cells [m²/s⁴], with the sources at their largest.
+    pub fn squared_accelerations(&self, state: &State<T>) -> f64 {
+        let grid = &self.medium.grid;
+        let length = grid.row_length();
+        let rows = Window { values: &state.displacement, first: 0, length };
+        let largest: Vec<f64> = self.sources.largest().collect();
+        let (mut out, mut scratch) = (vec![T::ZERO; length], vec![T::ZERO; fourth::SCRATCH * length]);
+        let mut sum = 0.0;
+        for row in 0..grid.rows() {
+            self.accelerate(rows, row, 0..length, &mut out, &mut scratch);
+            let mut sizes: Vec<f64> = out.iter().map(|a| a.to_f64().abs()).collect();
+            for patch in self.sources.in_row(row) {
+                let driven = sizes[patch.first..].iter_mut().zip(&patch.weights);
+                driven.for_each(|(size, weight)| *size += (largest[patch.source] * weight).abs());
+            }
+            sum += sizes.iter().map(|size| size * size).sum::<f64>();
+        }
+        sum
+    }
+
+    fn row_energy(&self, state: &State<T>, row: usize, (ones, zeros): (&[T], &[T])) -> RowEnergy {
+        let (medium, grid) = (&self.medium, &self.medium.grid);
+        let length = grid.row_length();
+        let rows = Window { values: &state.displacement, first: 0, length };
+        let of = |row: usize| &state.displacement[row * length..][..length];
+        let (center, rate) = (of(row), &state.rate[row * length..][..length]);
+        // Of the faces those between two cells inside.
+        let inside = self.padding.inside(2);
+        let (from, last) = (inside.start, inside.end - 1);
+        let sum = |factors: &[T], one: &[T], other: &[T]| {
+            let [factors, one, other] = [factors, one, other].map(|row| &row[inside.clone()]);
+            dispatch(Differences { factors, one, other })
+        };
+        let along = medium.faces[2].row(row);
+        let line = Differences { factors: &along[from..last], one: &center[from + 1..=last], other: &center[from..last] };
+        let around = if grid.periodic[2] { along[last].to_f64() } else { 0.0 };
+        let mut potential = dispatch(line)
+            + around * (center[from].to_f64() - center[last].to_f64()).powi(2)
+            + sum(medium.anchor.row(row), center, zeros);
+        for axis in grid.axes().filter(|&axis| axis < 2) {
+            if let Some(above) = grid.beside(row, axis, true).filter(|&above| self.padding.crosses(above)) {
+                potential += sum(medium.faces[axis].row(row), of(above), center);
+            }
+        }
+        if let Some(fourth) = &medium.fourth {
+            let mut second = vec![T::ZERO; length];
+            for axis in grid.axes() {
+                Line { medium, fourth }.of(axis, rows, row, &mut second);
+                potential += sum(fourth.slowness.row(row), &second, zeros);
+            }
+        }
+        RowEnergy { kinetic: 0.5 * sum(ones, rate, zeros), potential: 0.5 * potential }
+    }
+}

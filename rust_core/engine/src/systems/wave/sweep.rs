@@ -1,0 +1,206 @@
+//! A sweep: one stage of a step over all rows. It reads the displacement of the stage before from one column and writes that
+//! of the next to another, so that no block waits for another.
+
+use std::ops::Range;
+
+use super::absorbing::Layers;
+use super::acceleration::{self, Rows, Window};
+use super::fourth;
+use super::medium::Medium;
+use super::source::Sources;
+use super::stage::{self, Action, Input};
+use super::state::{Block, Cells, DAMPING, EDGES, SINKS, SOURCE, State, Tally};
+use crate::grid::{Padding, RowTable};
+use crate::integrators::Integrator;
+use crate::math::Real;
+use crate::matter::REGISTERS;
+
+/// Memory of the accelerations of cells that are computed at a time: they stay in the first-level cache [bytes].
+const SEGMENT: usize = 1 << 13;
+
+/// The law of motion: u'' = L u − γ u' + s.
+pub struct Dynamics<T> {
+    pub medium: Medium<T>,
+    /// Damping γ [1/s].
+    pub damping: RowTable<T>,
+    /// Whether each row is damped or holds a source, so that its stages must know the rate.
+    pub exchanges: Vec<bool>,
+    pub sources: Sources,
+    pub layers: Option<Layers<T>>,
+    /// Where the user's cells are: energies are those of them alone.
+    pub padding: Padding,
+    /// The mass of a cell ρ h^D [kg].
+    pub mass: f64,
+}
+
+/// A stage of a sweep.
+#[derive(Debug, Clone, Copy)]
+pub struct Pass<'a> {
+    pub action: Action,
+    /// Step size [s].
+    pub h: f64,
+    /// The amplitudes of the sources.
+    pub amplitudes: &'a [f64],
+}
+
+impl Pass<'_> {
+    /// Whether it is the first of a batch, which evaluates nothing.
+    pub fn starts(&self) -> bool {
+        matches!(self.action, Action::Start)
+    }
+}
+
+impl<T: Real> Dynamics<T> {
+    /// Runs a stage of all rows of a block, which reads the displacement of the stage before from `before`, and at the start of
+    /// a batch all that it needs from `saved`.
+    pub fn sweep<I: Integrator>(&self, pass: Pass<'_>, block: &mut Block<'_, T>, before: &[T], saved: Option<&State<T>>) {
+        let length = block.length;
+        let rows = Window { values: before, first: 0, length };
+        T::with_scratch(self.scratch(), |scratch| {
+            for index in 0..block.tallies.len() {
+                self.row::<I>(pass, block, (index, 0), rows, saved, scratch);
+            }
+        });
+    }
+
+    /// Numbers of scratch memory for a row.
+    pub fn scratch(&self) -> usize {
+        let length = self.medium.grid.row_length();
+        if self.medium.fourth.is_some() { (1 + fourth::SCRATCH) * length } else { (SEGMENT / size_of::<T>()).min(length) }
+    }
+
+    /// Runs a stage of a row of a block, of that index in it, as one of the stages of a pass.
+    pub fn row<I: Integrator>(
+        &self,
+        pass: Pass<'_>,
+        block: &mut Block<'_, T>,
+        (index, stage): (usize, usize),
+        rows: impl Rows<T>,
+        saved: Option<&State<T>>,
+        scratch: &mut [T],
+    ) {
+        let (row, length) = (block.first + index, block.length);
+        let evaluates = !pass.starts();
+        let damping = self.exchanges[row].then(|| self.damping.row(row));
+        let inside = if self.padding.crosses(row) { self.padding.inside(2) } else { 0..0 };
+        let (mut squares, mut power) = (0.0, [0.0; SINKS]);
+        let mut start = 0;
+        while start < length {
+            let range = self.segment(start, &inside);
+            start = range.end;
+            let (acceleration, scratch) = scratch.split_at_mut(range.len());
+            let cells = block.cells(index, range.clone());
+            if evaluates {
+                self.accelerate(rows, row, range.clone(), acceleration, scratch);
+                let first = row * length + range.start;
+                self.drive(row, range.clone(), pass.amplitudes, acceleration);
+                if let Some(layers) = &self.layers {
+                    layers.push(row, first, acceleration);
+                }
+                if let Some(damping) = damping {
+                    let velocity = |cell: usize| mean_velocity::<T, I>(pass, &cells, acceleration, &damping[range.clone()], cell);
+                    power[SOURCE] += self.supplied(row, range.clone(), pass.amplitudes, velocity);
+                    if let Some(layers) = &self.layers {
+                        let u = |cell: usize| rows.row(cell / length)[cell % length];
+                        power[EDGES] += layers.power(row, first..first + range.len(), velocity, u);
+                    }
+                }
+            }
+            let mut input = Input {
+                displacement: &rows.row(row)[range.clone()],
+                rate: &[],
+                persistent: [&[]; REGISTERS],
+                acceleration,
+                damping: damping.map(|damping| &damping[range.clone()]),
+            };
+            if let Some(saved) = saved.filter(|_| !evaluates) {
+                let cells = row * length + range.start..row * length + range.end;
+                input.displacement = &saved.displacement[cells.clone()];
+                input.rate = &saved.rate[cells.clone()];
+                for (register, column) in input.persistent.iter_mut().zip(&saved.persistent) {
+                    *register = &column[cells.clone()];
+                }
+            }
+            let sums = stage::run::<T, I>(cells, input, pass.h, pass.action);
+            if inside.contains(&range.start) {
+                squares += sums.squares;
+                power[DAMPING] += self.mass * sums.damping;
+            } else if !sums.squares.is_finite() {
+                squares = f64::NAN;
+            }
+        }
+        if damping.is_some() {
+            integrate::<I>(&mut block.tallies[index], power, pass);
+        }
+        block.kinetic[index * block.stages + stage] = 0.5 * self.mass * squares;
+    }
+
+    /// The cells from `start` on that are computed at once: all inside, or all in layers.
+    fn segment(&self, start: usize, inside: &Range<usize>) -> Range<usize> {
+        let length = self.medium.grid.row_length();
+        if self.medium.fourth.is_some() {
+            return 0..length;
+        }
+        let next = [inside.start, inside.end, length].into_iter().find(|&end| end > start).unwrap_or(length);
+        start..(start + SEGMENT / size_of::<T>()).min(next)
+    }
+
+    /// L u of some cells of a row.
+    pub fn accelerate(&self, rows: impl Rows<T>, row: usize, range: Range<usize>, out: &mut [T], scratch: &mut [T]) {
+        match &self.medium.fourth {
+            Some(fourth) => fourth::accelerate((&self.medium, fourth), rows, row, out, scratch),
+            None => acceleration::accelerate(&self.medium, rows, row, range, out),
+        }
+    }
+
+    /// Adds the accelerations by sources to those of some cells of a row.
+    fn drive(&self, row: usize, range: Range<usize>, amplitudes: &[f64], out: &mut [T]) {
+        self.sources.for_each(row, range, amplitudes, |cell, driven| out[cell] += T::from_f64(driven));
+    }
+
+    /// The power of the sources in some cells of a row [W].
+    fn supplied(&self, row: usize, range: Range<usize>, amplitudes: &[f64], velocity: impl Fn(usize) -> f64) -> f64 {
+        let mut power = 0.0;
+        self.sources.for_each(row, range, amplitudes, |cell, driven| power += driven * velocity(cell));
+        self.mass * power
+    }
+}
+
+/// The rate of one of some cells with which forces at a stage do work: at a stage that is a kick the mean of those before and
+/// after it, so that work is the change of energy that the kick makes; else the rate there.
+#[inline(always)]
+fn mean_velocity<T: Real, I: Integrator>(
+    pass: Pass<'_>,
+    cells: &Cells<'_, T>,
+    acceleration: &[T],
+    damping: &[T],
+    cell: usize,
+) -> f64 {
+    let rate = cells.rate[cell].to_f64();
+    match (pass.action, stage::drifts_by_register::<I>()) {
+        (Action::Update { stage, .. }, Some(velocity)) => {
+            // The kick that ends a step and the one that begins the next are one.
+            let next = if stage + 1 == I::NODES.len() { I::LAST_WEIGHT } else { 0.0 };
+            let half = 0.5 * (I::WEIGHTS[stage] + next) * pass.h;
+            cells.registers[velocity][cell].to_f64() + half * (acceleration[cell].to_f64() - damping[cell].to_f64() * rate)
+        }
+        _ => rate,
+    }
+}
+
+/// Adds the energy through the sinks of a row during a stage.
+fn integrate<I: Integrator>(tally: &mut Tally, power: [f64; SINKS], pass: Pass<'_>) {
+    match pass.action {
+        Action::Begin => tally.last = power,
+        Action::Start => {}
+        Action::Update { stage, .. } => {
+            let last = if stage == 0 { pass.h * I::LAST_WEIGHT } else { 0.0 };
+            for (sink, power) in power.into_iter().enumerate() {
+                tally.energy[sink] += last * tally.last[sink] + pass.h * I::WEIGHTS[stage] * power;
+                if stage + 1 == I::NODES.len() {
+                    tally.last[sink] = power;
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,119 @@
+//! Scenes of one wave.
+
+use glam::DVec3;
+
+use crate::error::Result;
+use crate::ledger::Ledger;
+use crate::math::noise;
+use crate::parallel::SERIAL;
+use crate::scene::{Array, Item, Scene, Value};
+use crate::simulation::{Numerics, Simulation, Vigilance};
+
+/// All edges of a plane.
+pub const FIXED: [&str; 4] = ["fixed"; 4];
+
+/// A wave on a grid of up to three axes, with speed 1, density 1 and nothing else.
+pub fn wave(cells: &[usize], spacing: f64, edges: &[&str]) -> Item {
+    let vector = |of: &dyn Fn(usize) -> f64| {
+        let mut entries = [0.0; 3];
+        (0..cells.len()).for_each(|axis| entries[axis] = of(axis));
+        Value::Vector(DVec3::from_array(entries))
+    };
+    let grid = Item::new(
+        "Grid",
+        [
+            ("cells", vector(&|axis| cells[axis] as f64)),
+            ("spacing", Value::Number(spacing)),
+            ("origin", vector(&|_| 0.0)),
+            ("periodic", vector(&|axis| f64::from(u8::from(edges[2 * axis] == "periodic")))),
+        ],
+    );
+    let numbers = [("speed", 1.0), ("damping", 0.0), ("displacement", 0.0), ("rate", 0.0), ("density", 1.0), ("order", 2.0)];
+    let mut item = Item::new("Wave", numbers.map(|(name, number)| (name, Value::Number(number))));
+    item.path = "systems[0]".to_owned();
+    item.values.insert("grid".to_owned(), Value::Record(Box::new(grid)));
+    item.values.insert("edges".to_owned(), Value::Texts(edges.iter().map(|&word| word.to_owned()).collect()));
+    item
+}
+
+/// The same with another value.
+pub fn with(mut item: Item, name: &str, value: Value) -> Item {
+    item.values.insert(name.to_owned(), value);
+    item
+}
+
+/// A field of that shape, as a function of the indices.
+pub fn field(cells: &[usize], of: impl Fn([usize; 3]) -> f64) -> Value {
+    Value::Numbers(Array { shape: cells.to_vec(), entries: entries(cells, of) })
+}
+
+/// Walls where a function of the indices says so.
+pub fn mask(cells: &[usize], of: impl Fn([usize; 3]) -> bool) -> Value {
+    let entries = entries(cells, |at| f64::from(u8::from(of(at)))).into_iter().map(|flag| flag != 0.0).collect();
+    Value::Flags(Array { shape: cells.to_vec(), entries })
+}
+
+/// The values of a function of the indices, cell by cell.
+pub fn entries(cells: &[usize], of: impl Fn([usize; 3]) -> f64) -> Vec<f64> {
+    let at = |mut index: usize| {
+        let mut indices = [0; 3];
+        for axis in (0..cells.len()).rev() {
+            indices[axis] = index % cells[axis];
+            index /= cells[axis];
+        }
+        indices
+    };
+    (0..cells.iter().product()).map(|index| of(at(index))).collect()
+}
+
+/// A value between −1 and 1 for each cell.
+pub fn random([x, y, z]: [usize; 3]) -> f64 {
+    noise((x + 1000 * y + 1_000_000 * z) as u64).x
+}
+
+/// A source, in a point or in cells.
+pub fn source(place: Value, amplitude: f64, frequency: f64) -> Item {
+    let numbers = [("amplitude", amplitude), ("frequency", frequency), ("phase", 0.0), ("start", 0.0), ("stop", f64::INFINITY)];
+    let mut item = Item::new("Source", numbers.map(|(name, number)| (name, Value::Number(number))));
+    item.path = "systems[0].sources[0]".to_owned();
+    with(item, "where", place)
+}
+
+/// A simulation of a wave alone.
+pub fn simulation(item: &Item, integrator: &str, precision: &str, threads: usize) -> Result<Simulation> {
+    let dimension = match &item.values["edges"] {
+        Value::Texts(edges) => edges.len() / 2,
+        _ => 2,
+    };
+    let numerics = Numerics {
+        integrator: integrator.to_owned(),
+        integrators: std::collections::BTreeMap::new(),
+        precision: precision.to_owned(),
+        threads: Some(threads),
+        max_energy_growth: 1e6,
+        vigilance: Vigilance::Active,
+    };
+    Simulation::new(&Scene { dimension, systems: vec![item.clone()], ..Scene::default() }, &numerics, &SERIAL)
+}
+
+/// That in double precision on one thread, after `steps` of `dt` seconds.
+pub fn after(item: &Item, integrator: &str, steps: u64, dt: f64) -> Simulation {
+    let mut simulation = simulation(item, integrator, "f64", 1).unwrap();
+    simulation.step(steps, dt, &|| false).unwrap();
+    simulation
+}
+
+/// Its displacement and its rate.
+pub fn fields(simulation: &Simulation) -> [Vec<f64>; 2] {
+    ["displacement", "rate"].map(|name| simulation.read(&format!("systems[0].{name}")).unwrap().1)
+}
+
+/// Its energy budget.
+pub fn energy(simulation: &Simulation) -> Ledger {
+    simulation.energy(&SERIAL).unwrap()
+}
+
+/// The largest |a − b|.
+pub fn distance(one: &[f64], other: &[f64]) -> f64 {
+    one.iter().zip(other).map(|(one, other)| (one - other).abs()).fold(0.0, f64::max)
+}
