@@ -1,7 +1,7 @@
 """The extension module: the engine and the canvas, converted to Python and nothing more."""
 
 from os import PathLike
-from typing import Literal, TypedDict, final
+from typing import Literal, TypedDict, final, type_check_only
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +28,7 @@ class _LimitRecord(TypedDict):
     certified: float
     endured: float
 
+@type_check_only
 class StagesRecord(TypedDict):
     item: str
     stages: list[str]
