@@ -135,15 +135,16 @@ def test_the_errors_after_restarts_are_those_against_the_converged_solution():
     (windows,), (experiment,) = trade.references, trade.experiments
     assert isinstance(windows, Windows)
     span = np.array([0.0, experiment.interval / windows.parts])
-    ends = np.array([solved(*start, span, digits=18)[-1, 0] for start in windows.starts])
+    starts = [fields[None] for fields in windows.starts]
+    ends = np.array([solved(begin["positions"], begin["velocities"], span, digits=18)[-1, 0] for begin in starts])
     assert experiment.distances(windows.ends, ends).max() <= windows.uncertainty
     judged = [row for row in trade.rows if row.status != "diverged"]
     assert len(judged) > 6
     for row in judged:
         run = pc.Simulation(SCENE, **row.numerics)
         found = []
-        for begin in windows.starts:
-            run.set(*begin)
+        for begin in starts:
+            run.set(**begin)
             run.step(round(span[1] / row.dt))
             found.append(run.positions)
         error = float(experiment.distances(np.array(found), ends).max())
