@@ -59,8 +59,8 @@ class World:
     def __new__(
         cls,
         scene: dict[str, object],
-        integrator: str,
-        integrators: dict[str, str],
+        integrator: dict[str, object],
+        integrators: dict[str, dict[str, object]],
         precision: str,
         threads: int | None,
         max_energy_growth: float,

@@ -30,8 +30,8 @@ def build(scene: Scene, numerics: Numerics) -> World:
     """
     return World(
         describe(scene),
-        type(numerics.integrator).__name__,
-        {path: type(integrator).__name__ for path, integrator in numerics.integrators.items()},
+        Record.of(numerics.integrator).described(),
+        {path: Record.of(integrator).described() for path, integrator in numerics.integrators.items()},
         numerics.precision,
         numerics.threads,
         numerics.max_energy_growth,

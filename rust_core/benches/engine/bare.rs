@@ -173,7 +173,7 @@ fn body(positions: Vec<DVec3>, velocities: Vec<DVec3>, mass: f64, item: Item) ->
 
 fn world(dimension: usize, precision: &str, body: Body, forces: Vec<Item>) -> Simulation {
     let numerics = Numerics {
-        integrator: "VelocityVerlet".to_owned(),
+        integrator: "VelocityVerlet".into(),
         integrators: BTreeMap::new(),
         precision: precision.to_owned(),
         threads: Some(1),

@@ -45,7 +45,7 @@ fn cpu_time() -> f64 {
 /// Measures steps of a plane, and prints what came of it.
 fn measure(cells: usize, precision: &str, varying: bool, threads: usize, steps: u64) {
     let numerics = Numerics {
-        integrator: "VelocityVerlet".to_owned(),
+        integrator: "VelocityVerlet".into(),
         integrators: std::collections::BTreeMap::new(),
         precision: precision.to_owned(),
         threads: Some(threads),

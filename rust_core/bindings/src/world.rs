@@ -1,6 +1,5 @@
 //! `World`: the engine's simulation.
 
-use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, RwLock, RwLockReadGuard, RwLockWriteGuard, TryLockError};
@@ -20,6 +19,7 @@ use pyo3::types::PyDict;
 
 use crate::callback::Function;
 use crate::errors::{FileError, InternalError, PhyscoreError, exception};
+use crate::record::Reader;
 use crate::scene;
 
 /// A running simulation.
@@ -205,14 +205,23 @@ impl World {
     fn new(
         py: Python<'_>,
         scene: &Bound<'_, PyDict>,
-        integrator: String,
-        integrators: BTreeMap<String, String>,
+        integrator: &Bound<'_, PyAny>,
+        integrators: &Bound<'_, PyDict>,
         precision: String,
         threads: Option<usize>,
         max_energy_growth: f64,
         on_divergence: &str,
     ) -> PyResult<Self> {
         let (scene, functions) = scene::read(scene)?;
+        let mut reader = Reader { dimension: scene.dimension, functions };
+        let integrator = reader.item(integrator, "integrator".to_owned())?;
+        let named = integrators.iter().map(|(name, record)| {
+            let name: String = name.extract()?;
+            let item = reader.item(&record, format!("integrator[{name:?}]"))?;
+            Ok((name, item))
+        });
+        let integrators = named.collect::<PyResult<_>>()?;
+        let functions = reader.functions;
         let vigilance = match on_divergence {
             "ignore" => Vigilance::OutOfRange,
             "substep" => Vigilance::EveryStep,

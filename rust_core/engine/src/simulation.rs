@@ -18,7 +18,7 @@ use crate::forces::Mach;
 use crate::ledger::Ledger;
 use crate::parallel::{Executor, SERIAL, ThreadPool};
 use crate::plan::Plan;
-use crate::scene::Scene;
+use crate::scene::{Item, Scene};
 use crate::simd::Level;
 use crate::stability::{Horizon, Limit};
 use crate::systems::{self, FieldInfo, Interval, Record, System};
@@ -27,10 +27,10 @@ use monitor::{Monitor, Steps};
 /// The numerical choices of a run.
 #[derive(Debug, Clone)]
 pub struct Numerics {
-    /// The integrator's name.
-    pub integrator: String,
-    /// The names of other integrators, by the names or the paths of the further systems that they advance.
-    pub integrators: BTreeMap<String, String>,
+    /// The integrator.
+    pub integrator: Item,
+    /// Other integrators, by the names or the paths of the further systems that they advance.
+    pub integrators: BTreeMap<String, Item>,
     /// `f32` or `f64`.
     pub precision: String,
     /// The number of threads; None for all that the process may use.

@@ -52,7 +52,7 @@ fn steps_allocate_nothing() {
                 ..Scene::default()
             };
             let numerics = Numerics {
-                integrator: integrator.to_owned(),
+                integrator: integrator.into(),
                 integrators: BTreeMap::new(),
                 precision: "f64".to_owned(),
                 threads: Some(1),
@@ -108,7 +108,7 @@ fn steps_of_a_shifted_fluid_allocate_nothing() {
         ..Scene::default()
     };
     let numerics = Numerics {
-        integrator: "VelocityVerlet".to_owned(),
+        integrator: "VelocityVerlet".into(),
         integrators: BTreeMap::new(),
         precision: "f32".to_owned(),
         threads: Some(1),

@@ -183,7 +183,7 @@ fn numerics() -> impl Strategy<Value = Numerics> {
     let vigilance = vec![Vigilance::OutOfRange, Vigilance::Active, Vigilance::EveryStep];
     (select(&INTEGRATORS[..]), select(vec!["f32", "f64"]), select(vigilance)).prop_map(|(integrator, precision, vigilance)| {
         Numerics {
-            integrator: integrator.to_owned(),
+            integrator: integrator.into(),
             integrators: BTreeMap::new(),
             precision: precision.to_owned(),
             threads: Some(1),

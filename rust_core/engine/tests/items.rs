@@ -29,7 +29,7 @@ fn pair() -> Item {
 
 fn simulation(scene: &Scene) -> Result<Simulation> {
     let numerics = Numerics {
-        integrator: "VelocityVerlet".to_owned(),
+        integrator: "VelocityVerlet".into(),
         integrators: BTreeMap::new(),
         precision: "f64".to_owned(),
         threads: Some(1),

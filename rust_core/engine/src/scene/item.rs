@@ -117,6 +117,13 @@ impl PartialEq for Value {
     }
 }
 
+/// An item without values.
+impl From<&str> for Item {
+    fn from(kind: &str) -> Self {
+        Self { kind: kind.to_owned(), ..Self::default() }
+    }
+}
+
 impl Item {
     /// An item of a kind with these values, which acts on all bodies.
     pub fn new(kind: &str, values: impl IntoIterator<Item = (&'static str, Value)>) -> Self {

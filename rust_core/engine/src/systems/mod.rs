@@ -206,15 +206,15 @@ pub trait System: History + Send + Sync {
 /// If the scene or the numerics are invalid or do not fit into memory, or on an interrupt.
 pub fn build(
     scene: &Scene,
-    method: &str,
-    methods: &BTreeMap<String, String>,
+    method: &Item,
+    methods: &BTreeMap<String, Item>,
     precision: &str,
     executor: &Executor,
 ) -> Result<Box<dyn System>> {
     let mut parts = Vec::new();
     if !scene.bodies.is_empty() || scene.systems.is_empty() {
         let matter = with_integrator!(
-            method,
+            method.kind.as_str(),
             I => matter::build::<I>(scene, precision, executor),
             Err(unknown_integrator(method))
         );
@@ -222,7 +222,7 @@ pub fn build(
     }
     for item in &scene.systems {
         let name = item.name.clone().unwrap_or_else(|| item.path.clone());
-        let own = methods.get(&name).map_or(method, String::as_str);
+        let own = methods.get(&name).unwrap_or(method);
         let system = declared(item, own, precision, executor)?;
         parts.push(Part { name, system });
     }
@@ -233,14 +233,14 @@ pub fn build(
     })
 }
 
-/// The registry: the system that an item declares, advanced by the method of that name.
-fn declared(item: &Item, method: &str, precision: &str, _executor: &Executor) -> Result<Box<dyn System>> {
+/// The registry: the system that an item declares, advanced by a method.
+fn declared(item: &Item, method: &Item, precision: &str, _executor: &Executor) -> Result<Box<dyn System>> {
     match item.kind.as_str() {
-        "Wave" => with_integrator!(method, I => wave::build::<I>(item, precision), Err(unknown_integrator(method))),
+        "Wave" => with_integrator!(method.kind.as_str(), I => wave::build::<I>(item, precision), Err(unknown_integrator(method))),
         _ => Err(scene::unknown(item, "a kind of system")),
     }
 }
 
-fn unknown_integrator(method: &str) -> Error {
-    Error::parameter("integrator", "the name of an integrator", method)
+fn unknown_integrator(method: &Item) -> Error {
+    Error::parameter("integrator", "the name of an integrator", &method.kind)
 }

@@ -86,7 +86,7 @@ pub fn simulation(item: &Item, integrator: &str, precision: &str, threads: usize
         _ => 2,
     };
     let numerics = Numerics {
-        integrator: integrator.to_owned(),
+        integrator: integrator.into(),
         integrators: std::collections::BTreeMap::new(),
         precision: precision.to_owned(),
         threads: Some(threads),
