@@ -270,6 +270,18 @@ def test_accuracy_is_that_of_the_field_where_there_are_no_particles(capsys):
     assert recording.angular_momentum.shape == (11, 0)
 
 
+def test_accuracy_takes_one_integrator_for_each_item():
+    """The particle's path is that of the method that was asked for it, though the wave has another."""
+    item = wave((12, 10), ("fixed",) * 2, displacement=lambda x, y: np.sin(x) * np.sin(y))
+    dust = pc.Particles([[1.0, 0.0]])
+    scene = pc.Scene(dust, item, pc.CentralForce((0.0, 0.0), 1.0, exponent=1.0))
+    chosen = {dust: pc.PEFRL(), item: pc.RungeKutta4()}
+    recording = pc.simulate(scene, 1.0, 10.0, accuracy=1e-4, integrator=chosen, progress=False)
+    assert recording.plan.integrator == "PEFRL"
+    assert any("by RungeKutta4" in note for note in recording.plan.notes)
+    assert np.abs(recording.positions[:, 0, 0] - np.cos(recording.times)).max() < 1e-4
+
+
 def test_a_measured_limit_is_that_of_theory():
     found = pc.stability_limit(pc.Scene(wave((12, 10), ("periodic",) * 2)), pc.VelocityVerlet(), measured=True)
     assert abs(found.margin) < 5e-3

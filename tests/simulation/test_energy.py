@@ -68,3 +68,13 @@ def test_the_audit_lists_every_term():
         assert word in text
     for word in ("work", "balance", "drift: at most", "momentum", "angular momentum"):
         assert word in text
+
+
+def test_a_budget_beyond_the_search_for_neighbors_is_a_divergence():
+    """The step of an explicit method ends with positions that no evaluation has seen."""
+    atoms = pc.Particles([[0.0, 0.0], [1.0, 0.0]], velocities=[[1e15, 0.0], [0.0, 0.0]])
+    with pytest.warns(pc.StabilityWarning):
+        simulation = pc.Simulation(pc.Scene(atoms, pc.LennardJones(1.0, 1.0, cutoff=2.5)), pc.ExplicitEuler(), dt=1e8)
+    simulation.step()
+    with pytest.raises(pc.SimulationDiverged, match="step 1 .* position of particle 0"):
+        simulation.energy()

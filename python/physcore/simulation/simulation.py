@@ -281,6 +281,10 @@ class Simulation:
     def energy(self) -> Energy:
         """The energy budget of the present state.
 
+        Raises:
+            SimulationDiverged: the last step has sent particles that interact so far away that it cannot be told who is
+                near whom.
+
         Warns:
             StabilityWarning: it is not finite: particles coincide, or the run has diverged, which
                 on_divergence="ignore" leaves to you.

@@ -47,9 +47,6 @@ direction, and no time step resolves it."""
 FAST_SHARE = 1e-3
 """Share of a fluid's particles that may exceed the Mach number without a warning: spray does, however fast sound is."""
 
-HALVINGS = 10
-"""How often a step that fails is halved at most."""
-
 TIME_TOLERANCE = 1e-6
 """Times closer together than this fraction of a step are equal."""
 
@@ -227,29 +224,23 @@ class Stepper:
 
     def _advance(self, steps: int, dt: float) -> int:
         """Take steps, and give how many: up to the first that had to be taken in parts, and that one."""
-        before = self._world.steps
-        try:
-            flow = self._take(steps, dt)
-        except SimulationDiverged as error:
-            if self._numerics.on_divergence != "substep":
-                self._complete(error)
-                raise
-            taken = self._world.steps - before + 1
-            self._substep(error, dt)
-            return taken
-        self._warn_of_mach_number(*flow or (0.0, 0.0, 0.0))
-        return steps
-
-    def _take(self, steps: int, dt: float) -> tuple[float, float, float] | None:
-        """Let the world take steps, and note those that it took."""
         start, before = self._world.time, self._world.steps
         try:
             flow = self._world.step(steps, dt)
+        except SimulationDiverged as error:
+            taken = self._world.steps - before
+            self._note(Segment(start, taken, dt))
+            if self._numerics.on_divergence != "substep":
+                self._complete(error)
+                raise
+            self._substep(error, dt)
+            return taken + 1
         except BaseException:
             self._note(Segment(start, self._world.steps - before, dt))
             raise
         self._note(Segment(start, steps, dt))
-        return flow
+        self._warn_of_mach_number(*flow or (0.0, 0.0, 0.0))
+        return steps
 
     def _note(self, new: Segment) -> None:
         """Add steps to the history; like the engine's clock, a segment ends only where the size of the step changes."""
@@ -262,7 +253,7 @@ class Stepper:
             self._segments.append(new)
 
     def _substep(self, error: SimulationDiverged, dt: float) -> None:
-        """Take a step that failed again in parts, halving what is left of it whenever one of them fails.
+        """Take a step that failed again in parts.
 
         Raises:
             SimulationDiverged: it fails in the smallest parts as well.
@@ -273,19 +264,15 @@ class Stepper:
         if self._substepped == 0:
             warn(f"at {error.time:.4g} s {message}", StabilityWarning)
         self._substepped += 1
-        left, parts = 1, 1
-        for _ in range(HALVINGS):
-            left, parts = 2 * left, 2 * parts
-            before = self._world.steps
-            try:
-                self._take(left, dt / parts)
-            except SimulationDiverged as failed:
-                left -= self._world.steps - before
-                error = failed
-            else:
-                return
-        self._complete(error)
-        raise error
+        start = self._world.time
+        parts, failed = self._world.substep(dt)
+        for steps, size in parts:
+            self._note(Segment(start, steps, size))
+            start += steps * size
+        if isinstance(failed, SimulationDiverged):
+            self._complete(failed)
+        if failed is not None:
+            raise failed
 
     def _complete(self, error: SimulationDiverged) -> None:
         """Put the last good state into a divergence."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Unpack
 
@@ -56,7 +57,8 @@ def simulate(
             value of the first field of the first system may be off, in its unit.
         energy_drift: how far the energy balance may drift, as `Recording.energy.drift` counts it.
         numerics: integrator, dt, precision, threads, max_energy_growth, on_divergence, as in Simulation; dt is not to
-            be given with `accuracy` or `energy_drift`, and an integrator that is given is the only one that is tried.
+            be given with `accuracy` or `energy_drift`, and an integrator that is given, or one for each item, is the
+            only one that is tried.
 
     Raises:
         SceneError, SimulationDiverged: as for Simulation.
@@ -95,6 +97,7 @@ def _search(
         AccuracyError: none meets the target.
     """
     numerics = check(options, scene)
+    given = options.get("integrator", "auto")
     frames = frame_count(duration, fps)
     needed = 8 * COPIES * frames * size(scene)
     refuse_if_too_large(frames, scene, needed, "or ask for fewer frames: fps=…")
@@ -106,12 +109,12 @@ def _search(
         intervals=intervals,
         max_energy_growth=options.get("max_energy_growth"),
         on_divergence=numerics.on_divergence,
+        integrators=given if isinstance(given, Mapping) else None,
     )
 
     def record(choice: Choice) -> Trial:
         return experiment.recorded(choice, duration, fps, tuple(dict.fromkeys((primary(scene), *channels))))
 
-    given = options.get("integrator", "auto")
     some = [kind() for kind in INTEGRATORS if kind.order > 1] if is_word(given, "auto") else [numerics.integrator]
     found = methods(experiment, some, numerics.precision)
     if any(isinstance(force, SoftSpheres) for force in scene.forces):

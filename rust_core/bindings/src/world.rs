@@ -252,6 +252,14 @@ impl World {
         Ok(mach.map(|mach| (Mach::FAST, mach.fast, mach.sound)))
     }
 
+    /// Takes a step of dt seconds that diverged again in parts, and gives the numbers of equal parts that were taken, with
+    /// their sizes [s], and the exception where that fails as well.
+    fn substep(&self, py: Python<'_>, dt: f64) -> PyResult<(Vec<(u64, f64)>, Option<PyErr>)> {
+        let mut parts = Vec::new();
+        let outcome = self.change(py, |world| world.substep(dt, &mut parts, &interrupted));
+        Ok((parts, outcome.err()))
+    }
+
     /// Advances by an interval [s] in adaptive steps, and gives the same as `step`.
     fn run(
         &self,

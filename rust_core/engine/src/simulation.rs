@@ -3,6 +3,7 @@
 mod adaptive;
 mod checkpoint;
 mod controlled;
+mod halving;
 mod monitor;
 
 pub use adaptive::{Adaptation, Rule};
@@ -268,9 +269,9 @@ impl Simulation {
     /// The energy budget now.
     ///
     /// # Errors
-    /// If a user-defined function fails, or on an interrupt.
+    /// If a user-defined function fails, on an interrupt, or if the last step diverged, which no evaluation has noticed yet.
     pub fn energy(&self, executor: &Executor) -> Result<Ledger> {
-        self.system.audit(self.time(), executor)
+        self.system.audit(self.time(), executor).map_err(|error| self.or_divergence(error))
     }
 
     /// The momentum [kg·m/s] and the angular momentum about the origin of coordinates [kg·m²/s].

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Literal
 
@@ -15,7 +15,7 @@ from physcore.checks import FloatArray, array
 from physcore.errors import SceneError, SimulationDiverged
 from physcore.numerics.choices import DivergenceRule
 from physcore.numerics.integrators import Integrator
-from physcore.scene.scene import Scene
+from physcore.scene.scene import ItemKey, Scene
 from physcore.simulation.energy import Energy, EnergySeries
 from physcore.simulation.recording import Recording
 from physcore.simulation.simulation import Simulation
@@ -95,6 +95,8 @@ class Experiment:
     """As in Simulation."""
     on_divergence: DivergenceRule = "raise"
     """As in Simulation."""
+    integrators: Mapping[ItemKey, Integrator | Literal["auto"]] | None = None
+    """Those of the items, where they are given; a choice's is then that of the first."""
 
     @property
     def interval(self) -> float:
@@ -118,7 +120,7 @@ class Experiment:
         with unwarned():  # Whoever measures where it ends goes beyond.
             return Simulation(
                 self.scene,
-                choice.integrator,
+                self.integrators or choice.integrator,
                 self.dt(choice),
                 choice.precision,
                 self.threads,
@@ -168,16 +170,17 @@ class Experiment:
         samples, budget = [self.observe(simulation)], [simulation.energy()]
         seconds, diverged = 0.0, None
         for _ in range(self.intervals):
-            begin = time.perf_counter()
             try:
-                simulation.step(choice.steps)
+                begin = time.perf_counter()
+                try:
+                    simulation.step(choice.steps)
+                finally:
+                    seconds += time.perf_counter() - begin
+                budget.append(simulation.energy())
             except SimulationDiverged as error:
                 diverged = error
                 break
-            finally:
-                seconds += time.perf_counter() - begin
             samples.append(self.observe(simulation))
-            budget.append(simulation.energy())
         drift = math.inf if diverged else _largest_drift(series(budget))
         taken = max(1, simulation.steps)
         return Trial(choice, _stack(samples), seconds, taken * evaluations, drift, diverged)

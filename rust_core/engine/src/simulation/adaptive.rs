@@ -16,6 +16,7 @@
 //!
 //! **Errors.** With a tolerance the steps follow from error estimates instead: see [`super::controlled`].
 
+use super::halving::Halvings;
 use super::monitor::Steps;
 use super::{Segment, Simulation};
 use crate::error::{Error, Result};
@@ -47,8 +48,6 @@ pub struct Adaptation {
 
 /// The interval over the smallest step: a power of two, so that halving is exact.
 pub(super) const FINEST: u64 = 1 << 40;
-/// Maximum number of successive halvings of a diverging step, after which it counts as divergence.
-const HALVINGS: u32 = 10;
 
 /// The outcome of a trial step.
 pub(super) enum Trial {
@@ -79,7 +78,7 @@ impl Simulation {
         let (start, finest) = (self.time(), interval / FINEST as f64);
         let mut allowed = self.allowed(rule, interrupted)?;
         self.expect(allowed.min(interval));
-        let (mut position, mut failures, mut since) = (0, 0, 0);
+        let (mut position, mut halvings, mut since) = (0, Halvings::default(), 0);
         // The largest block that begins at a position of the binary tree.
         let largest = |position: u64| if position == 0 { FINEST } else { position & position.wrapping_neg() };
         let mut block = largest(position);
@@ -100,7 +99,7 @@ impl Simulation {
                     // Written so that a NaN limit rejects the step.
                     let suits = end >= h;
                     if suits || block == 1 {
-                        (position, failures, allowed) = (position + block, 0, end);
+                        (position, halvings, allowed) = (position + block, Halvings::default(), end);
                         self.count(h);
                         false
                     } else {
@@ -110,7 +109,7 @@ impl Simulation {
                     }
                 }
                 Trial::Diverged(error) => {
-                    self.fail(&mut failures, block == 1, error)?;
+                    self.fail(&mut halvings, block == 1, error)?;
                     true
                 }
             };
@@ -148,10 +147,13 @@ impl Simulation {
     }
 
     /// Counts a diverged step; returns its error if it cannot be halved once more.
-    pub(super) fn fail(&mut self, failures: &mut u32, smallest: bool, error: Error) -> Result<()> {
-        *failures += 1;
-        self.adaptation.failed += u64::from(*failures == 1);
-        if smallest || *failures > HALVINGS { Err(error) } else { Ok(()) }
+    pub(super) fn fail(&mut self, halvings: &mut Halvings, smallest: bool, error: Error) -> Result<()> {
+        if smallest {
+            return Err(error);
+        }
+        let outcome = halvings.count(error);
+        self.adaptation.failed += u64::from(halvings.is_first());
+        outcome
     }
 
     /// Counts an accepted step.

@@ -9,6 +9,7 @@
 //! Gustafsson, ACM Trans. Math. Softw. 17 (1991) 533; G. Söderlind, Numer. Algorithms 31 (2002) 281.
 
 use super::adaptive::{FINEST, Trial};
+use super::halving::Halvings;
 use super::{Rule, Segment, Simulation};
 use crate::error::Result;
 
@@ -39,7 +40,7 @@ impl Simulation {
         self.expect(self.adaptation.control[0].min(interval));
         let order = f64::from(order);
         let power = |error: f64, exponent: f64| libm::pow(error, exponent / order);
-        let (mut failures, mut since) = (0, 0);
+        let (mut halvings, mut since) = (Halvings::default(), 0);
         loop {
             let time = self.time();
             let left = end - time;
@@ -62,7 +63,7 @@ impl Simulation {
                         if ends {
                             self.segment = Segment { start: end, steps: 0, dt: h };
                         }
-                        failures = 0;
+                        halvings = Halvings::default();
                     } else {
                         self.rollback(1);
                         self.adaptation.rejected += 1;
@@ -71,7 +72,7 @@ impl Simulation {
                     }
                 }
                 Trial::Diverged(error) => {
-                    self.fail(&mut failures, h <= finest, error)?;
+                    self.fail(&mut halvings, h <= finest, error)?;
                     (self.segment, self.monitor, self.mach) = before;
                     self.adaptation.control[0] = 0.5 * h;
                 }

@@ -262,6 +262,15 @@ impl Simulation {
         Error::Diverged(Box::new(Divergence { step: self.steps + steps, time, ..self.beyond_search() }))
     }
 
+    /// The divergence of the present state, if it is what an error is about.
+    pub(super) fn or_divergence(&self, error: Error) -> Error {
+        if !is_beyond_search(&error) {
+            return error;
+        }
+        let hint = "take a smaller dt, or another integrator".to_owned();
+        Error::Diverged(Box::new(Divergence { step: self.steps, time: self.time(), hint, ..self.beyond_search() }))
+    }
+
     /// Adds a hint to a divergence.
     pub(super) fn with_hint(&mut self, error: Error, interrupted: &dyn Fn() -> bool) -> Error {
         match error {
