@@ -76,5 +76,5 @@ def test_a_budget_beyond_the_search_for_neighbors_is_a_divergence():
     with pytest.warns(pc.StabilityWarning):
         simulation = pc.Simulation(pc.Scene(atoms, pc.LennardJones(1.0, 1.0, cutoff=2.5)), pc.ExplicitEuler(), dt=1e8)
     simulation.step()
-    with pytest.raises(pc.SimulationDiverged, match="step 1 .* position of particle 0"):
+    with pytest.raises(pc.SimulationDiverged, match=r"step 1 .* position of particle 0"):
         simulation.energy()
