@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from physcore.checks import shown
+from physcore import checks
 from physcore.errors import SceneError
 from physcore.film.colors.themes import Theme
-from physcore.film.styles import Field, Fluid, Line, Painter, Points, Strain, Style
+from physcore.film.raised import Raised
+from physcore.film.styles import Field, Fluid, Line, Painter, Points, Relief, Strain, Style
 from physcore.film.styles.base import BodyStyle
 from physcore.scene.bodies import Body
 from physcore.scene.items import System
@@ -24,7 +25,7 @@ def asked(style: object, found: Sequence[Source]) -> list[Style]:
     for each in style if isinstance(style, (list, tuple)) else [style]:
         if not isinstance(each, Style):
             missing = f"; write {each.__name__}()" if isinstance(each, type) else ""
-            raise SceneError(f"style: must be one or a list of physcore.styles, got {shown(each)}{missing}")
+            raise SceneError(f"style: must be one or a list of physcore.styles, got {checks.shown(each)}{missing}")
         for item in each.items() or ():
             if not any(item is known for known in every):
                 raise SceneError(
@@ -35,13 +36,20 @@ def asked(style: object, found: Sequence[Source]) -> list[Style]:
     return styles
 
 
+def shown(source: Source, styles: Sequence[Style]) -> Source:
+    """A source as it is shown: in space, where one of the styles raises what is in the plane."""
+    raises = any(each.raises and any(each.draws(item) for item in _items(source)) for each in styles)
+    return Raised(source) if raises else source
+
+
 def painters(source: Source, styles: list[Style], theme: Theme) -> list[Painter]:
     """The painters of a source: an item goes to the first style that draws it, or else to points, a field or a line;
     overlays add. Systems come first: bodies are drawn over fields on grids.
     """
     left = list(_items(source))
     found: list[tuple[bool, list[Painter]]] = []
-    for each in (*styles, Points(), Field(), Line()):
+    field = Relief() if isinstance(source, Raised) else Field()
+    for each in (*styles, Points(), field, Line()):
         mine = [item for item in (_items(source) if each.overlay else left) if each.draws(item)]
         if not each.overlay:
             left = [item for item in left if not any(item is other for other in mine)]

@@ -26,7 +26,7 @@ from physcore.film.layout import Layout, best, check_size, check_titles
 from physcore.film.scenery import draw_among, draw_behind
 from physcore.film.styles import Painter, Style
 from physcore.progress import Progress
-from physcore.simulation.sources import Running, Source, SourceFrame
+from physcore.simulation.sources import Source, SourceFrame
 
 
 @dataclass(eq=False)
@@ -79,10 +79,11 @@ class Renderer:
         color_bar: bool = True,
         inset: Inset | None = None,
     ) -> None:
-        self._theme, self._found, asked = theme, found, check_size(size)
+        self._theme, asked = theme, check_size(size)
         self._titles, self._labels = check_titles(titles, len(found)), check_labels(labels, found)
         diagram = check_inset(inset, found)
         styles = assignment.asked(style, found)
+        found = self._found = [assignment.shown(source, styles) for source in found]
         self._painters = [assignment.painters(source, styles, theme) for source in found]
         self.count = max(source.count for source in found)
         self._clock = _clock(found, self.count)
@@ -176,7 +177,7 @@ class Renderer:
             first = next(frames)
             self._opened.append(chain([first], frames))
             return [first]
-        if not isinstance(source, Running):
+        if not source.simulated:
             return source.frames()
         cache = self._caches[index] = FrameCache(source)
         return cache.first()
@@ -270,6 +271,8 @@ class Renderer:
         for panel, index, frame in zip(self._panels, indices, frames, strict=True):
             view = panel.view.at(clock)
             shown = panel.view.shown(frame, view)
+            for painter in panel.painters:
+                shown = painter.raised(shown)
             canvas.clip(*panel.free)
             canvas.lens(view.blur, view.distance)
             draw_among(canvas, panel.source.scene, view, self._theme, panel.view.scenery(view))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import Protocol
+from typing import ClassVar, Protocol
 
 import numpy as np
 
@@ -67,6 +67,10 @@ class Source(Protocol):
     def audited(self) -> bool:
         """Whether frames have energies and time steps."""
 
+    @property
+    def simulated(self) -> bool:
+        """Whether its frames are simulated each time that they are looked at."""
+
     def has(self, field: str) -> bool:
         """Whether frames have a field of that name."""
 
@@ -83,6 +87,8 @@ class Recorded:
     """The frames of a recording."""
 
     recording: Recording
+
+    simulated: ClassVar[bool] = False
 
     @property
     def scene(self) -> Scene:
@@ -140,6 +146,7 @@ class Running:
 
     audited = True
     """A simulation knows its energy."""
+    simulated = True
 
     def __init__(self, scene: Scene, duration: float, fps: float, numerics: Options) -> None:
         self.scene = scene

@@ -14,12 +14,15 @@ from physcore.film.camera.view import Area, Face, Orbit, Still, View, Window, ai
 from physcore.film.camera.view import frame as fit
 from physcore.film.first_pass import Bounds, FirstPass
 from physcore.film.looks.base import GRID, Scenery
+from physcore.film.raised import Raised
 from physcore.film.styles.base import drawn_dimension
 from physcore.scene.periodic import Periodic
 from physcore.simulation.sources import Source, SourceFrame
 
 LOW, HIGH = Orbit(), Orbit(elevation=52.0)
 """From where a 3D scene is seen by itself: from above if it is flat."""
+SIDEWAYS = Orbit(azimuth=-74.0, elevation=38.0)
+"""From where a relief is seen by itself: along y, as the plane is, so that its width fills the picture."""
 FLAT = 0.25
 """A scene whose height is below this fraction of its width is flat."""
 MARGIN = 2.0
@@ -66,7 +69,8 @@ def camera_track(camera: Camera | Follow | None, found: Sequence[Source], clock:
     follow = camera if isinstance(camera, Follow) else None
     inner = camera.camera if isinstance(camera, Follow) else camera
     if inner is None:
-        standing: list[Still] = [Face()] if flat else [LOW] if follow else [LOW, HIGH]
+        raised = any(isinstance(source, Raised) for source in found)
+        standing: list[Still] = [Face()] if flat else [SIDEWAYS] if raised else [LOW] if follow else [LOW, HIGH]
         choices = [[each] for each in standing]
     else:
         stills = [still(inner, time, flat=flat) for time in clock.tolist()]

@@ -9,6 +9,7 @@ from physcore.film.styles.grid_field import Field
 from physcore.film.styles.line import Line
 from physcore.film.styles.paths import Paths
 from physcore.film.styles.points import Points
+from physcore.film.styles.relief import Relief
 from physcore.film.styles.strain import Strain
 from physcore.film.styles.streamlines import Streamlines
 from physcore.film.styles.surface import Surface
@@ -22,6 +23,7 @@ STYLES: tuple[type[Style], ...] = (
     Arrows,
     Streamlines,
     Field,
+    Relief,
     Line,
 )
 """Every style; what is registered here is tested."""
@@ -36,6 +38,7 @@ __all__ = [
     "Painter",
     "Paths",
     "Points",
+    "Relief",
     "Strain",
     "Streamlines",
     "Style",

@@ -79,6 +79,9 @@ class Style(ABC):
     dimensions: ClassVar[tuple[int, ...]] = (2, 3)
     """In how many dimensions it draws."""
 
+    raises: ClassVar[bool] = False
+    """Whether it shows a scene of the plane in space."""
+
     draws_items: ClassVar[type[Body] | type[System]]
     """The kind of items that it can draw."""
 
@@ -197,6 +200,10 @@ class Painter(ABC):
     def landmarks(self) -> FloatArray | None:
         """Points (P, D) [m] of the picture's space that belong into it, if what is drawn stands still."""
         return None
+
+    def raised(self, frame: SourceFrame) -> SourceFrame:
+        """The frame as what it draws raises its particles."""
+        return frame
 
     @abstractmethod
     def observe(self, frame: SourceFrame) -> None:

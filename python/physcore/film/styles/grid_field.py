@@ -17,7 +17,7 @@ from physcore.film.colors.colormaps import FINE, STEPS, ColormapName, sequential
 from physcore.film.colors.themes import Theme, mixed
 from physcore.film.looks.base import corners, lines
 from physcore.film.looks.box import draw_edges
-from physcore.film.styles.base import Painter, Scale, SystemPart, SystemStyle, typical
+from physcore.film.styles.base import TYPICAL, Painter, Scale, SystemPart, SystemStyle, typical
 from physcore.scene.grid import GridSystem
 from physcore.simulation.sources import Source, SourceFrame
 
@@ -124,14 +124,14 @@ class GridPainter(Painter):
         """The values of a frame, of the grid's shape."""
         return frame.fields[self._field]
 
-    def observe_range(self, frame: SourceFrame) -> None:
+    def observe_range(self, frame: SourceFrame, percentile: float = TYPICAL, least: float = LOUD) -> None:
         """Find the end of the scale: a high quantile of what is typical of each frame, if that is not far below what is
         typical of the frame with the most; a pulse at the start does not take all color for itself.
         """
-        size = typical(np.abs(self.values(frame)).ravel())
+        size = typical(np.abs(self.values(frame)).ravel(), percentile)
         if size > 0.0:
             self._typical.append(size)
-            self.top = max(float(np.quantile(self._typical, USUAL)), LOUD * max(self._typical))
+            self.top = max(float(np.quantile(self._typical, USUAL)), least * max(self._typical))
 
 
 class FieldPainter(GridPainter):

@@ -1,0 +1,273 @@
+"""Fields on grids in the plane as lit surfaces in space."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import ClassVar
+
+import numpy as np
+
+from physcore._core import Canvas
+from physcore.checks import BoolArray, FloatArray, IntArray, number
+from physcore.errors import SceneError
+from physcore.film.camera.view import View
+from physcore.film.colors.colormaps import FINE, STEPS, ColormapName, look_up, sequential
+from physcore.film.colors.themes import Theme, mixed
+from physcore.film.looks.base import corners
+from physcore.film.styles.base import Painter, Scale, SystemPart, SystemStyle, inks
+from physcore.film.styles.grid_field import NEVER, GridPainter
+from physcore.film.styles.surface import LAMP
+from physcore.scene.grid import GridSystem
+from physcore.simulation.sources import Source, SourceFrame
+
+RISE = 0.05
+"""The height at the end of the scale, as a fraction of the grid's longer side, unless it is given."""
+MESH = 180
+"""The surface has at most so many squares along a side: one for each pixel or two of a picture of usual size."""
+ROOT = 0.4
+"""How deep the block reaches under the lowest value, in heights of the scale."""
+AMBIENT = 0.42
+"""The light on a surface that is turned away from the lamp, as a fraction of the most that falls on one."""
+GLOSS = 0.5
+"""The brightness of a reflection of the lamp, where 1 is white."""
+SHARPNESS = 40.0
+"""The exponent of that reflection. Source: J. F. Blinn, Computer Graphics 11 (2), 192 (1977)."""
+STEEP = 0.5
+"""The least end of the scale, as a fraction of the largest value of the film."""
+SHADE = 0.45
+"""The light on the sides of the block."""
+
+
+@dataclass(frozen=True)
+class Relief(SystemStyle):
+    """A field on a grid in the plane as a lit surface in space, and over it whatever floats: bodies of the scene are
+    raised to the surface.
+
+        pc.film(recording, "waves.gif", style=pc.styles.Relief(), camera=pc.Orbit(elevation=35))
+
+    The scale is the same for the whole film: as far as most of its frames go. Boundaries of the plane are not drawn.
+
+    Args:
+        quantity: the name of the field; None: the first one that the system has.
+        height: how high the value at the end of the scale is drawn [m]; None: 5 % of the grid's longer side.
+        colormap: "viridis", "inferno", …, or one of Matplotlib's; None: the color of water, from deep to shallow.
+        range: the value at the end of the scale; None: what most frames reach.
+        gloss: how strongly the surface reflects the lamp, 0 to 1.
+        on: the system or systems drawn in this style; None: all with fields on a grid in 2D.
+
+    Raises:
+        SceneError: a value is not valid, or the quantity was not recorded.
+    """
+
+    quantity: str | None = None
+    height: float | None = None
+    colormap: ColormapName | None = None
+    range: float | None = None
+    gloss: float = GLOSS
+
+    dimensions: ClassVar[tuple[int, ...]] = (2,)
+    raises: ClassVar[bool] = True
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self._set_positive("height", "range")
+        if self.colormap is not None:
+            sequential(self.colormap, (0.0, 1.0), "Relief.colormap")
+        self._set(gloss=number(self.gloss, "Relief.gloss", least=0.0, most=1.0))
+
+    def can_draw(self, item: object) -> bool:
+        """Whether it is on a grid in the plane."""
+        return isinstance(item, GridSystem) and item.dimension in self.dimensions
+
+    def painter(self, source: Source, part: SystemPart, theme: Theme) -> Painter:
+        """A painter with the scale of one film."""
+        if not self.can_draw(part.system):
+            raise SceneError(
+                f"Relief.on: {part.system!r} has no field on a grid in 2D; use Field() in 3D, Line() in 1D"
+            )
+        return ReliefPainter(self, source, part, theme)
+
+
+class ReliefPainter(GridPainter):
+    """Draws the surface of a block that ends at the grid's edges."""
+
+    def __init__(self, style: Relief, source: Source, part: SystemPart, theme: Theme) -> None:
+        super().__init__(style, style.quantity, source, part, theme, "Relief")
+        self._style = style
+        self.top = NEVER if style.range is None else style.range
+        self._sizes: FloatArray = np.array(self._grid.upper) - self._grid.origin
+        self._height = RISE * float(self._sizes.max()) if style.height is None else style.height
+        if style.colormap is None:
+            deep, shallow = mixed(theme.background, theme.bodies[0], 0.8), mixed(theme.bodies[0], (255, 255, 255), 0.45)
+            shares = np.linspace(0.0, 1.0, FINE)[:, np.newaxis]
+            self._table: FloatArray = (1.0 - shares) * np.array(deep, float) + shares * np.array(shallow, float)
+        else:
+            self._table = sequential(style.colormap, theme.part, "Relief.colormap")
+        self._solid = np.array(mixed(theme.solid, theme.background, 0.2), dtype=float)
+
+    @property
+    def scale(self) -> Scale | None:
+        """The scale of colors, unless nothing ever moves."""
+        low = -self.top if self.signed else 0.0
+        table = self._table[FINE // STEPS // 2 :: FINE // STEPS]
+        return None if self.top == NEVER else Scale(self.quantity, self.unit, (low, self.top), table)
+
+    @property
+    def settled(self) -> bool:
+        """Whether the end of the scale was given."""
+        return self._style.range is not None
+
+    @property
+    def landmarks(self) -> FloatArray:
+        """The corners of the block."""
+        return corners(np.array([*self._grid.origin, self._floor]), np.array([*self._grid.upper, self._height]))
+
+    @property
+    def _floor(self) -> float:
+        """The height of the block's lower face [m]."""
+        return -(ROOT + self.signed) * self._height
+
+    def observe(self, frame: SourceFrame) -> None:
+        """Find the end of the scale from the largest value of each frame: what is above it looks steep."""
+        if not self.settled:
+            self.observe_range(frame, 100.0, STEEP)
+
+    def inset(self, pixels: float) -> float:
+        """A rim."""
+        del pixels
+        return 1.5
+
+    def raised(self, frame: SourceFrame) -> SourceFrame:
+        """The frame with its particles on the surface."""
+        if len(frame.positions) == 0:
+            return frame
+        heights = self._heights(frame)
+        places = (frame.positions[:, :2] - self._grid.origin) / self._sizes * np.array(self._squares)
+        low = np.clip(np.floor(places).astype(int), 0, np.array(self._squares) - 1)
+        (u, v), (i, j) = np.clip(places - low, 0.0, 1.0).T, low.T
+        below = (1.0 - u) * heights[i, j] + u * heights[i + 1, j]
+        above = (1.0 - u) * heights[i, j + 1] + u * heights[i + 1, j + 1]
+        positions = frame.positions + np.stack([0.0 * u, 0.0 * u, (1.0 - v) * below + v * above], axis=1)
+        return replace(frame, fields={**frame.fields, "positions": positions})
+
+    def paint(self, canvas: Canvas, frame: SourceFrame, view: View, pixels: float) -> None:
+        """Add the surface, then the sides of the block that face the eye."""
+        del pixels
+        heights = self._heights(frame)
+        places = np.concatenate([self._plane, heights[..., np.newaxis]], axis=-1).reshape(-1, 3)
+        light, gloss = self._light(heights, view)
+        share = 0.5 + 0.5 * heights / self._height if self.signed else heights / self._height
+        colors = np.where(self._is_solid[..., np.newaxis], self._solid, look_up(self._table, np.clip(share, 0.0, 1.0)))
+        colors = colors * light[..., np.newaxis] + 255.0 * gloss[..., np.newaxis] * ~self._is_solid[..., np.newaxis]
+        self._add(canvas, view, places, colors.reshape(-1, 3), self._faces)
+        for side in self._sides:
+            edge = places[side]
+            outward = np.cross(edge[-1] - edge[0], (0.0, 0.0, 1.0))
+            if outward @ view.axes[2] > 0.0:
+                self._add_side(canvas, view, edge, colors.reshape(-1, 3)[side])
+
+    def _add_side(self, canvas: Canvas, view: View, edge: FloatArray, colors: FloatArray) -> None:
+        """Add a side of the block, from an edge of its surface down."""
+        count = len(edge)
+        feet = edge.copy()
+        feet[:, 2] = self._floor
+        above = np.arange(count - 1)
+        below = above + count
+        faces = np.concatenate(
+            [np.stack(each, -1) for each in ((above, above + 1, below), (above + 1, below + 1, below))]
+        )
+        background = np.array(self._theme.background, dtype=float)
+        shades = np.concatenate([SHADE * colors + 0.1 * background, 0.35 * SHADE * colors + 0.6 * background])
+        self._add(canvas, view, np.concatenate([edge, feet]), shades, faces)
+
+    def _add(self, canvas: Canvas, view: View, places: FloatArray, colors: FloatArray, faces: IntArray) -> None:
+        """Add triangles between places (N, 3), with a color (N, 3) at each."""
+        points, depth, _ = view.project(places)
+        assert depth is not None  # a relief is seen in space
+        ink = inks(np.clip(colors, 0.0, 255.0), self._theme, 0.5 * view.farness(depth))
+        canvas.triangles(
+            np.ascontiguousarray(points[faces].reshape(-1, 6)),
+            np.ascontiguousarray(ink[faces].reshape(-1, 12)),
+            depth[faces].mean(axis=1, dtype=np.float32),
+        )
+
+    def _heights(self, frame: SourceFrame) -> FloatArray:
+        """Heights at the corners of the mesh [m]."""
+        along, across = self._weights
+        heights: FloatArray = (self._height / self.top) * (along @ self.values(frame) @ across.T)
+        return np.where(self._is_solid, 0.0, heights)
+
+    def _light(self, heights: FloatArray, view: View) -> tuple[FloatArray, FloatArray]:
+        """The diffuse light on each corner of the mesh, and the lamp's reflection there."""
+        steps = self._sizes / np.array(self._squares)
+        slopes = np.gradient(heights, *steps.tolist())
+        normals = np.stack([-slopes[0], -slopes[1], np.ones_like(heights)], axis=-1) @ view.axes.T
+        normals /= np.linalg.norm(normals, axis=-1, keepdims=True)
+        halfway = LAMP + np.array([0.0, 0.0, 1.0])
+        halfway /= np.linalg.norm(halfway)
+        # The light on level ground is 1, so that colors there are those of the scale.
+        level = max(float(view.axes[:, 2] @ LAMP), 0.1)
+        light = AMBIENT + (1.0 - AMBIENT) * np.maximum(normals @ LAMP, 0.0) / level
+        return light, self._style.gloss * np.maximum(normals @ halfway, 0.0) ** SHARPNESS
+
+    @cached_property
+    def _squares(self) -> tuple[int, int]:
+        """The number of squares of the mesh along x and y."""
+        share = MESH / float(self._sizes.max())
+        across, along = (max(2, round(size * share)) for size in self._sizes.tolist())
+        return across, along
+
+    @cached_property
+    def _plane(self) -> FloatArray:
+        """The places of the mesh's corners in the plane [m], shape (m + 1, n + 1, 2)."""
+        axes = [
+            np.linspace(low, high, count + 1)
+            for low, high, count in zip(self._grid.origin, self._grid.upper, self._squares, strict=True)
+        ]
+        return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
+
+    @cached_property
+    def _weights(self) -> tuple[FloatArray, FloatArray]:
+        """The weights of the cells' values at the corners of the mesh, along x and y."""
+        along, across = (
+            resampling(cells, squares) for cells, squares in zip(self._grid.cells, self._squares, strict=True)
+        )
+        return along, across
+
+    @cached_property
+    def _is_solid(self) -> BoolArray:
+        """Which corners of the mesh are in walls."""
+        if self._system.solid is None:
+            return np.zeros([count + 1 for count in self._squares], dtype=bool)
+        along, across = self._weights
+        solid: BoolArray = along @ self._system.solid.astype(float) @ across.T > 0.5
+        return solid
+
+    @cached_property
+    def _faces(self) -> IntArray:
+        """The triangles of the mesh, as indices of its corners."""
+        index = np.arange(self._is_solid.size).reshape(self._is_solid.shape)
+        a, b, c, d = index[:-1, :-1], index[1:, :-1], index[1:, 1:], index[:-1, 1:]
+        return np.concatenate([np.stack(each, -1).reshape(-1, 3) for each in ((a, b, c), (a, c, d))])
+
+    @cached_property
+    def _sides(self) -> list[IntArray]:
+        """The corners of the mesh along each edge, counterclockwise, so that the block is on the left."""
+        index = np.arange(self._is_solid.size).reshape(self._is_solid.shape)
+        return [index[:, 0], index[-1, :], index[::-1, -1], index[0, ::-1]]
+
+
+def resampling(cells: int, squares: int) -> FloatArray:
+    """The weights (squares + 1, cells) of values at the centers of cells, at the ends of equal parts of their length:
+    of a cubic through four neighbors, stretched over more of them where parts are longer than cells.
+
+    Source: R. G. Keys, IEEE Trans. Acoust. Speech Signal Process. 29, 1153 (1981), with a = −½.
+    """
+    places = np.linspace(0.0, cells, squares + 1)[:, np.newaxis] - 0.5
+    distance = np.abs(places - np.arange(cells)) / max(1.0, cells / squares)
+    near = 1.0 + distance**2 * (1.5 * distance - 2.5)
+    far = 2.0 - distance * (4.0 - distance * (2.5 - 0.5 * distance))
+    weights = np.where(distance < 1.0, near, np.where(distance < 2.0, far, 0.0))
+    shares: FloatArray = weights / weights.sum(axis=1, keepdims=True)
+    return shares
