@@ -12,10 +12,12 @@ from PIL import Image
 
 import physcore as pc
 from physcore.film import DARK, LIGHT, Orbit, Window
+from physcore.film.assignment import shown
 from physcore.film.camera.view import Face, View, fit
 from physcore.film.colors.colormaps import LUMA, two_sided
 from physcore.film.styles import fields
 from physcore.film.styles.base import Part
+from physcore.film.styles.relief import resampling
 from physcore.simulation.sources import Recorded, SourceFrame, sources
 
 SIZE = (240, 180)
@@ -356,9 +358,9 @@ def test_a_function_that_fails_is_named_and_its_exception_the_cause(options: dic
     assert isinstance(caught.value.__cause__, TypeError)
 
 
-def waves(wave: pc.Wave) -> pc.Recording:
+def waves(wave: pc.Wave, *bodies: pc.Particles) -> pc.Recording:
     """Its first frames."""
-    return pc.simulate(pc.Scene(wave), 0.02, 100.0, dt=0.001)
+    return pc.simulate(pc.Scene(wave, *bodies), 0.02, 100.0, dt=0.001)
 
 
 PLAIN: dict[str, Any] = {"labels": (), "color_bar": False, "sidecar": False}
@@ -430,3 +432,52 @@ def test_a_line_is_as_high_as_its_values(tmp_path: Path) -> None:
     rows = np.flatnonzero(near.any(axis=1))
     assert rows[0] == pytest.approx(90.0 - 0.8 * 90.0, abs=2.5)
     assert rows[-1] == pytest.approx(90.0 + 0.4 * 90.0, abs=2.5)
+
+
+@pytest.mark.parametrize(("cells", "squares"), [(10, 37), (40, 11), (7, 7)])
+def test_values_on_a_mesh_are_those_of_a_line_between_cells(cells: int, squares: int) -> None:
+    """Keys' cubic keeps lines where all of its neighbors are there, and is symmetric; stretched over n cells for n > 1
+    its weights still add up to 1, and differ from those of a line by less than the ripple of a sampled kernel.
+    """
+    weights = resampling(cells, squares)
+    places = np.linspace(0.0, cells, squares + 1)
+    inside = (places > 2.0 * max(1.0, cells / squares)) & (places < cells - 2.0 * max(1.0, cells / squares))
+    found = weights @ (np.arange(cells) + 0.5)
+    np.testing.assert_allclose(weights.sum(axis=1), 1.0, rtol=1e-14)
+    np.testing.assert_allclose(found[inside], places[inside], atol=1e-12 if squares >= cells else 0.02)
+    np.testing.assert_allclose(weights, weights[::-1, ::-1], atol=1e-15)
+
+
+def test_a_relief_raises_bodies_to_its_surface(tmp_path: Path) -> None:
+    """On a slope of u = x/4, where the value at the end of the scale, 1, is as high as was asked for."""
+    grid = pc.Grid((40, 30), 0.1)
+    slope = pc.Wave(grid, 0.0, lambda x, y: 0.25 * x + 0.0 * y)
+    floats = pc.Particles([[1.0, 1.0], [2.5, 2.0]])
+    recording = waves(slope, floats)
+    style = pc.styles.Relief(range=1.0, height=2.0)
+    (source,) = sources(recording, None, None, {})
+    source = shown(source, [style])
+    (painter,) = style.painters(source, recording.scene.systems, DARK)
+    frame = painter.raised(next(iter(source.frames())))
+    np.testing.assert_allclose(frame.positions, [[1.0, 1.0, 0.5], [2.5, 2.0, 1.25]], atol=1e-12)
+    pictures = []
+    for height in (0.01, 1.0):
+        tall = pc.styles.Relief(range=1.0, height=height, gloss=0.0)
+        pc.film(
+            waves(slope),
+            tmp_path / "relief.png",
+            size=SIZE,
+            style=tall,
+            camera=Orbit(azimuth=-90.0, elevation=0.0),
+            **PLAIN,
+        )
+        with Image.open(tmp_path / "relief.png") as image:
+            picture = np.asarray(image.convert("RGB")).astype(float)
+        pictures.append((np.abs(picture - np.array(DARK.background)).max(axis=2) > 12.0).sum(axis=0))
+    flat, steep = pictures
+    rise = np.flatnonzero(steep)
+    assert flat.max() < 10
+    assert steep[rise[-5]] > 1.5 * steep[rise[5]] > 0  # seen from the side, it is a wedge
+    solid = waves(pc.Wave(pc.Grid((4, 4, 4), 0.1), 1.0))
+    with pytest.raises(pc.SceneError, match=r"Relief\.on: .* no field on a grid in 2D; use Field\(\) in 3D"):
+        pc.film(solid, tmp_path / "x.png", style=pc.styles.Relief(on=solid.scene.systems[0]))

@@ -67,6 +67,7 @@ def shown(tmp_path: Path, record_property: Callable[[str, object], None]) -> Cal
         "double_slit",
         "string",
         "lens",
+        "whispering_gallery",
         *(pytest.param(name, marks=pytest.mark.long) for name in LONG),
     ],
 )

@@ -38,6 +38,7 @@ DEMOS = (
     "double_slit",
     "string",
     "lens",
+    "whispering_gallery",
 )
 """Every demo; the first one is the default."""
 

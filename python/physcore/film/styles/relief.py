@@ -44,7 +44,7 @@ class Relief(SystemStyle):
     """A field on a grid in the plane as a lit surface in space, and over it whatever floats: bodies of the scene are
     raised to the surface.
 
-        pc.film(recording, "waves.gif", style=pc.styles.Relief(), camera=pc.Orbit(elevation=35))
+        pc.film(recording, "waves.gif", style=pc.styles.Relief())
 
     The scale is the same for the whole film: as far as most of its frames go. Boundaries of the plane are not drawn.
 

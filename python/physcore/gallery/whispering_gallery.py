@@ -1,0 +1,67 @@
+"""A whisper runs around a round hall along its wall, from which it cannot part: it is reflected again and again.
+
+The physics checked: how far it has come, as rays that leave the wall and meet it again go.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Mapping
+
+import numpy as np
+
+import physcore as pc
+from physcore.checks import FloatArray
+from physcore.gallery.figure import Figure
+
+DURATION = 9.0
+"""[s]"""
+RADIUS, START = 2.0, 1.8
+"""Of the hall, and of the circle to which the rays are tangents [m]."""
+WAVELENGTH, WIDTH, LENGTH = 0.25, 0.12, 0.35
+"""Of the sound; standard deviations of the packet across and along its way [m]."""
+
+
+def scene() -> pc.Scene:
+    """Let a packet of waves start at the lowest place of the wall, to the right."""
+    hall = pc.Grid.over((-2.1, -2.1), (2.1, 2.1), 0.02)
+    wall = np.hypot(*hall.coordinates) > RADIUS
+
+    def packet(x: FloatArray, y: FloatArray) -> FloatArray:
+        envelope = np.exp(-(((y + START) / WIDTH) ** 2) / 4.0 - (x / LENGTH) ** 2 / 4.0)
+        whisper: FloatArray = envelope * np.cos(2.0 * math.pi * x / WAVELENGTH)
+        return whisper
+
+    def rate(x: FloatArray, y: FloatArray) -> FloatArray:
+        """−c ∂u/∂x, by which the packet runs to the right."""
+        step = 1e-5
+        change: FloatArray = -(packet(x + step, y) - packet(x - step, y)) / (2.0 * step)
+        return change
+
+    return pc.Scene(pc.Wave(hall, speed=1.0, displacement=packet, rate=rate, walls=wall, name="whisper"))
+
+
+def main(
+    path: str | os.PathLike[str] = "whispering_gallery.gif", progress: bool | None = None
+) -> dict[str, pc.Recording]:
+    """Simulate it and draw it."""
+    recording = pc.simulate(scene(), duration=DURATION, fps=16, progress=progress)
+    pc.film(recording, path, size=(440, 380), style=pc.styles.Relief(), progress=progress)
+    return {"hall": recording}
+
+
+def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
+    """The angle by which the middle of the packet's energy went around, and that of rays: chords of a half-angle φ, of
+    length 2R sin φ, each of which goes around by 2φ.
+    """
+    recording = recordings["hall"]
+    (wave,) = recording.scene.systems
+    assert isinstance(wave, pc.Wave)
+    x, y = wave.grid.coordinates
+    energy = recording[wave].rate ** 2
+    places = np.angle(np.einsum("fxy,xy->f", energy, np.exp(1j * np.arctan2(y, x))))
+    half = math.acos(START / RADIUS)
+    expected = DURATION * half / (RADIUS * math.sin(half))
+    turned = np.unwrap(places)
+    return Figure("angle around the hall", float(turned[-1] - turned[0]), expected, "by rays", 0.03, "rad")
