@@ -249,6 +249,38 @@ def test_vtk_has_the_springs_and_their_strain(tmp_path: Path) -> None:
             assert strain[recording.scene.particles + spring] == pytest.approx(expected, abs=8 * 2.0**-53)
 
 
+@pytest.mark.parametrize("cells", [(5,), (5, 3), (4, 3, 2)])
+def test_vtk_has_fields_in_their_cells(tmp_path: Path, cells: tuple[int, ...]) -> None:
+    """Each value where VTK says that the center of its cell is; beside particles in files of their own."""
+    io, numpy_support = pytest.importorskip("vtkmodules.vtkIOXML"), pytest.importorskip("vtkmodules.util.numpy_support")
+    axes = len(cells)
+    grid = pc.Grid(cells, 0.5, origin=tuple(range(1, axes + 1)))
+    wave = pc.Wave(grid, 1.0, np.arange(grid.size, dtype=float).reshape(cells), rate=1.0, name="p & q")
+    bodies = [pc.Particles(np.zeros((2, axes)))] if axes > 1 else []
+    recording = pc.simulate(pc.Scene(*bodies, wave), 0.2, 10.0)
+    pc.export(recording, tmp_path / "run.pvd")
+    files = [file for _, file in listed(tmp_path / "run.pvd")]
+    assert [file.suffix for file in files] == [*[".vtp"] * bool(bodies), ".vti"] * 3
+    reader = io.vtkXMLImageDataReader()
+    reader.SetFileName(str(files[-1]))
+    reader.Update()
+    assert reader.GetErrorCode() == 0
+    image = reader.GetOutput()
+    assert image.GetNumberOfCells() == grid.size
+    for name in ("displacement", "rate"):
+        values = numpy_support.vtk_to_numpy(image.GetCellData().GetArray(name))
+        expected = getattr(recording[wave], name)[-1]
+        for index, value in enumerate(values):
+            low, high = np.array(image.GetCell(index).GetBounds()).reshape(3, 2).T
+            at = np.rint(((low + high)[:axes] / 2 - grid.origin) / grid.spacing - 0.5).astype(int)
+            assert value == expected[tuple(at)]
+    if not bodies:
+        with pytest.raises(
+            pc.SceneError, match=r"path: \.xyz holds particles, and there are only fields .* write \.pvd"
+        ):
+            pc.export(recording, tmp_path / "run.xyz")
+
+
 def test_a_new_export_takes_the_place_of_the_old_frames_and_of_nothing_else(tmp_path: Path) -> None:
     path, mine = tmp_path / "run.pvd", tmp_path / "run" / "notes.txt"
     pc.export(simulated("springs"), path)

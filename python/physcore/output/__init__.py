@@ -41,7 +41,8 @@ def export(
     The end of the name says which format:
 
         .xyz, .extxyz   extended XYZ: text, for OVITO, ASE and many others
-        .pvd            one .vtp for each frame, in a folder beside it: for ParaView, with springs and their strain
+        .pvd            for ParaView, files in a folder beside it: for each frame a .vtp of particles and springs with
+                        their strain, and a .vti of each system on a grid, whose fields no other format has
         .h5md           H5MD 1.1, for MDAnalysis, OVITO and VMD, with the energies; needs `pip install 'physcore[hdf5]'`
 
     Everything is in SI units, as always in physcore: meters, seconds, kilograms. Readers made for atoms, such as ASE,
@@ -58,7 +59,8 @@ def export(
         numerics: for a scene: integrator, dt, precision, threads, … as in Simulation.
 
     Raises:
-        SceneError: an argument is not valid, or the recording has no positions or no energies.
+        SceneError: an argument is not valid, or the recording has no energies, or nothing that the format
+            holds.
         FileError: the file cannot be written.
         PhyscoreError: what the format needs is not installed.
         SimulationDiverged: the scene blew up.
@@ -70,4 +72,7 @@ def export(
         raise SceneError(
             f"recording: must be a Scene or what simulate(…) gives, with its energies, got {shown(recording)}"
         )
+    if not source.scene.bodies and not writer.holds_fields:
+        able = " or ".join(suffix for each in FORMATS if each.holds_fields for suffix in each.suffixes)
+        raise SceneError(f"path: {target.suffix} holds particles, and there are only fields on grids; write {able}")
     writer.write(ExportJob(source, bar), target)

@@ -7,12 +7,14 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+from typing import ClassVar
 
 import numpy as np
 
 from physcore.checks import FloatArray, IntArray
 from physcore.progress import Progress
 from physcore.scene.bodies import Body, SpringNetwork
+from physcore.scene.grid import Grid, GridSystem
 from physcore.scene.periodic import Periodic
 from physcore.simulation.energy import Energy
 from physcore.simulation.sources import Source
@@ -38,6 +40,8 @@ class Sample:
     """Density [kg/m³] and pressure [Pa], each of shape (N,), as far as there are any."""
     energy: Energy
     """The energy budget of the last step at or before."""
+    systems: Mapping[str, Mapping[str, FloatArray]]
+    """The fields of each system on a grid, by its path and their names, as far as they were recorded."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,9 +84,20 @@ class ExportJob:
         return self._source.scene.particles
 
     @property
+    def has_bodies(self) -> bool:
+        """Whether there are bodies, maybe without particles."""
+        return bool(self._bodies)
+
+    @property
     def domain(self) -> Periodic | None:
         """The periodic domain."""
         return self._source.scene.periodic
+
+    @cached_property
+    def grids(self) -> dict[str, Grid]:
+        """The grids of systems, by their paths."""
+        scene = self._source.scene
+        return {str(scene.system(each)): each.grid for each in scene.systems if isinstance(each, GridSystem)}
 
     @property
     def moving(self) -> bool:
@@ -117,8 +132,9 @@ class ExportJob:
             for index, frame in enumerate(self._source.frames()):
                 velocities = _in_space(frame.fields["velocities"]) if "velocities" in frame.fields else None
                 fields = {name: frame.fields[field] for field, name in FIELDS.items() if field in frame.fields}
+                systems = {path: _own(frame.fields, f"{path}.") for path in self.grids}
                 assert frame.energy is not None  # `export` has asked
-                yield Sample(index, frame.time, _in_space(frame.positions), velocities, fields, frame.energy)
+                yield Sample(index, frame.time, _in_space(frame.positions), velocities, fields, frame.energy, systems)
                 bar.update(index + 1)
 
     @property
@@ -132,6 +148,9 @@ class ExportJob:
 class TrajectoryWriter(Format, ABC):
     """A format of trajectories."""
 
+    holds_fields: ClassVar[bool] = False
+    """Whether it has fields on grids too, not particles alone."""
+
     @abstractmethod
     def write(self, job: ExportJob, target: Path) -> None:
         """Write all frames; the file appears under its name when it is whole, and until then what was there stays.
@@ -141,6 +160,11 @@ class TrajectoryWriter(Format, ABC):
         """
 
 
+def _own(fields: Mapping[str, FloatArray], prefix: str) -> dict[str, FloatArray]:
+    """The fields whose names begin so, by what follows."""
+    return {name.removeprefix(prefix): values for name, values in fields.items() if name.startswith(prefix)}
+
+
 def _in_space(vectors: FloatArray) -> FloatArray:
     """The same vectors in three dimensions."""
-    return vectors if vectors.shape[1] == 3 else np.pad(vectors, ((0, 0), (0, 1)))
+    return np.pad(vectors, ((0, 0), (0, 3 - vectors.shape[1])))

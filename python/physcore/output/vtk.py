@@ -1,4 +1,4 @@
-"""VTK: a list of frames (.pvd), and each frame as points and lines (.vtp), for ParaView.
+"""VTK: a list of frames (.pvd), each of them points and lines (.vtp) and images of fields (.vti), for ParaView.
 
 Source: Kitware, "VTK File Formats", https://docs.vtk.org/en/latest/design_documents/VTKFileFormats.html.
 """
@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from physcore.checks import text
 from physcore.errors import FileError
 from physcore.output.base import ExportJob, Sample, TrajectoryWriter
+from physcore.scene.grid import Grid
 from physcore.storage.files import held, replacing, sweep, temporary_name, unwritable
 
 FRAMES = "frames"
@@ -26,7 +27,8 @@ TYPES = {np.dtype("float64"): "Float64", np.dtype("int64"): "Int64"}
 
 class VtkWriter(TrajectoryWriter):
     """Points with velocity [m/s], mass [kg], radius [m], charge [C], density [kg/m³], pressure [Pa] and index of the
-    body, and the springs as lines with their strain; each point is a cell too, so that it is seen.
+    body, and the springs as lines with their strain; each point is a cell too, so that it is seen. Systems on grids are
+    images with the values of each field in the cells.
 
     The frames of film.pvd are in film/ and there in a folder that is named by what is in them. The .pvd is written when
     all of them are there, and only then those of its predecessor are removed: at every moment it lists frames that
@@ -34,6 +36,7 @@ class VtkWriter(TrajectoryWriter):
     """
 
     suffixes: ClassVar = (".pvd",)
+    holds_fields: ClassVar = True
 
     def write(self, job: ExportJob, target: Path) -> None:
         """Write all frames, and then the list of them."""
@@ -46,10 +49,10 @@ class VtkWriter(TrajectoryWriter):
             sweep(frames_folder, FRAMES)
             new.mkdir(parents=True)
             with held(new):
-                times, folder = _write_frames(job, new, frames_folder)
+                parts, folder = _write_frames(job, new, frames_folder)
             old = _listed(target)
             with replacing(target) as file:
-                file.write(_collection(f"{frames_folder.name}/{folder}", times))
+                file.write(_collection(f"{frames_folder.name}/{folder}", parts))
             if old not in (None, folder):
                 shutil.rmtree(frames_folder / str(old), ignore_errors=True)
         except OSError as error:
@@ -62,25 +65,26 @@ class VtkWriter(TrajectoryWriter):
                 frames_folder.rmdir()
 
 
-def _write_frames(job: ExportJob, new: Path, frames_folder: Path) -> tuple[list[float], str]:
-    """Write the frames into a new folder and give it its name; their times [s], and that name."""
+def _write_frames(job: ExportJob, new: Path, frames_folder: Path) -> tuple[list[tuple[float, int, str, str]], str]:
+    """Write the frames into a new folder and give it its name; of each file the time [s], the number of its part among
+    those of the frame, the name of that part and its own, and then the name of the folder.
+    """
     import hashlib
 
-    digest, times = hashlib.blake2b(digest_size=8), []
+    digest, written = hashlib.blake2b(digest_size=8), []
     for sample in job.samples():
-        content = _poly_data(job, sample)
-        digest.update(content)
-        with replacing(new / _name(sample.index)) as file:
-            file.write(content)
-        times.append(sample.time)
+        parts = [("particles", "vtp", _poly_data(job, sample))] if job.has_bodies else []
+        parts += [(path, "vti", _image_data(grid, sample, path)) for path, grid in job.grids.items()]
+        for number, (name, kind, content) in enumerate(parts):
+            file_name = f"{sample.index:06}{f'-{number}' * bool(number)}.{kind}"
+            digest.update(content)
+            with replacing(new / file_name) as file:
+                file.write(content)
+            written.append((sample.time, number, name, file_name))
     folder = frames_folder / digest.hexdigest()
     if not folder.exists():  # If it does, it is the same.
         new.rename(folder)
-    return times, folder.name
-
-
-def _name(index: int) -> str:
-    return f"{index:06}.vtp"
+    return written, folder.name
 
 
 def _listed(target: Path) -> str | None:
@@ -93,13 +97,13 @@ def _listed(target: Path) -> str | None:
     return found[1] if found else None
 
 
-def _collection(folder: str, times: list[float]) -> bytes:
+def _collection(folder: str, parts: list[tuple[float, int, str, str]]) -> bytes:
     """The list of frames."""
     from xml.sax.saxutils import quoteattr
 
     rows = [
-        f'    <DataSet timestep="{time!r}" file={quoteattr(f"{folder}/{_name(index)}")}/>'
-        for index, time in enumerate(times)
+        f'    <DataSet timestep="{time!r}" part="{number}" name={quoteattr(name)} file={quoteattr(path)}/>'
+        for time, number, name, path in ((*part[:3], f"{folder}/{part[3]}") for part in parts)
     ]
     head = '<?xml version="1.0"?>\n<VTKFile type="Collection" version="1.0" byte_order="LittleEndian">\n  <Collection>'
     return "\n".join([head, *rows, "  </Collection>", "</VTKFile>", ""]).encode()
@@ -131,11 +135,6 @@ def _poly_data(job: ExportJob, sample: Sample) -> bytes:
         on_points.append(data.add("velocity", sample.velocities, 3))
     strain = np.concatenate([np.full(count, np.nan), springs.strain(sample.positions)])
     lines = [
-        '<?xml version="1.0"?>',
-        '<VTKFile type="PolyData" version="1.0" byte_order="LittleEndian" header_type="UInt64">',
-        "<PolyData>",
-        f'<FieldData><DataArray type="Float64" Name="TimeValue" NumberOfTuples="1" format="ascii">{sample.time!r}',
-        "</DataArray></FieldData>",
         f'<Piece NumberOfPoints="{count}" NumberOfVerts="{count}" NumberOfLines="{len(springs.pairs)}" '
         'NumberOfStrips="0" NumberOfPolys="0">',
         f"<Points>{data.add('position', sample.positions, 3)}</Points>",
@@ -143,10 +142,41 @@ def _poly_data(job: ExportJob, sample: Sample) -> bytes:
         f"<CellData>{data.add('strain', strain)}</CellData>",
         f"<Verts>{_cells(data, np.arange(count), 1)}</Verts>",
         f"<Lines>{_cells(data, springs.pairs.ravel(), 2)}</Lines>",
-        "</Piece></PolyData>",
-        '<AppendedData encoding="raw">',
+        "</Piece>",
     ]
-    return b"".join(["\n".join(lines).encode(), b"\n_", *data.blocks, b"\n</AppendedData></VTKFile>\n"])
+    return _file("PolyData", "", sample, lines, data)
+
+
+def _image_data(grid: Grid, sample: Sample, path: str) -> bytes:
+    """The fields of one system: each value in its cell, x fastest; both parts of a complex number."""
+    data, missing = _Appended(), 3 - grid.dimension
+    extent = " ".join(f"0 {count}" for count in (*grid.cells, *[0] * missing))
+    origin = " ".join(map(repr, (*grid.origin, *[0.0] * missing)))
+    arrays = []
+    for name, values in sample.systems[path].items():
+        parts = (
+            values.view(np.float64).reshape(*values.shape, -1) if np.iscomplexobj(values) else values[..., np.newaxis]
+        )
+        # Axes from last to first, so that x is the fastest, and after them the components of a cell.
+        ordered = np.moveaxis(parts, -1, 0).T
+        arrays.append(data.add(name, ordered, ordered.shape[-1]))
+    geometry = f'WholeExtent="{extent}" Origin="{origin}" Spacing="{grid.spacing!r} {grid.spacing!r} {grid.spacing!r}"'
+    lines = [f'<Piece Extent="{extent}">', f"<CellData>{''.join(arrays)}</CellData>", "</Piece>"]
+    return _file("ImageData", geometry, sample, lines, data)
+
+
+def _file(kind: str, attributes: str, sample: Sample, lines: list[str], data: _Appended) -> bytes:
+    """A file of one kind of data: its lines, and the arrays behind them."""
+    head = [
+        '<?xml version="1.0"?>',
+        f'<VTKFile type="{kind}" version="1.0" byte_order="LittleEndian" header_type="UInt64">',
+        f"<{kind} {attributes}>" if attributes else f"<{kind}>",
+        f'<FieldData><DataArray type="Float64" Name="TimeValue" NumberOfTuples="1" format="ascii">{sample.time!r}',
+        "</DataArray></FieldData>",
+    ]
+    tail = [f"</{kind}>", '<AppendedData encoding="raw">']
+    text_part = "\n".join([*head, *lines, *tail]).encode()
+    return b"".join([text_part, b"\n_", *data.blocks, b"\n</AppendedData></VTKFile>\n"])
 
 
 def _cells(data: _Appended, connectivity: NDArray[np.int64], each: int) -> str:
