@@ -17,6 +17,7 @@ import numpy as np
 import overheads
 import particles
 import springs
+import waves
 from measure import machine
 from rivals.jit import clock
 
@@ -65,6 +66,14 @@ TARGETS = (
     Target("two threads, fluid 2D", 1.7, "times one"),
     Target("memory, fluid 3D", 500, "bytes per particle", at_most=True),
     Target("memory, fluid 2D", 500, "bytes per particle", at_most=True),
+    Target("wave f32", 2.6, "G cell-updates/s"),
+    Target("wave f64", 1.4, "G cell-updates/s"),
+    Target("two threads, wave f32", 1.7, "times one"),
+    Target("two threads, wave f64", 1.7, "times one"),
+    Target("wave f32, 8192² over 1024²", 1.3, "times as long", at_most=True),
+    Target("wave f64, 8192² over 1024²", 1.3, "times as long", at_most=True),
+    Target("small wave f32", 100_000, "steps/s"),
+    Target("small wave f64", 100_000, "steps/s"),
     Target("import", 0.15, "s", at_most=True),
     Target("accuracy=, cost", 6.0, "returned runs", at_most=True),
     Target("accuracy=, share used", 0.1, "of what was allowed"),
@@ -79,7 +88,7 @@ def main() -> None:
     print(where)
     print(f"physcore {pc.__version__}, NumPy {np.__version__}, Numba {version('numba')}")
     print("physcore audits and watches for divergence in every run; its opponents do neither.")
-    figures = particles.main() | springs.main() | fluids.main() | overheads.main() | accuracy.main()
+    figures = particles.main() | springs.main() | fluids.main() | waves.main() | overheads.main() | accuracy.main()
     print()
     film.main()
     print(f"\nTargets, as set on a Zen 4 core of about 3.6 GHz; measured here, not scaled: {where}")

@@ -1,0 +1,106 @@
+"""The wave equation on a square beside NumPy and Numba: `python benches/waves.py`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from measure import Contender, fastest, race, rate, speedup, table
+from rivals.jit import with_threads
+from rivals.waves import NumpyPond, Pond, numba_pond
+
+import physcore as pc
+from physcore.numerics.choices import Precision
+
+CELLS = 4096
+COURANT = 0.5
+"""c h/Δ."""
+DTYPES: dict[Precision, type[np.floating[Any]]] = {"f64": np.float64, "f32": np.float32}
+FUSED = (1, 4, 8, 16)
+"""Steps in a pass over memory that Numba tries; an even number leaves both times of the field where they are."""
+
+Maker = Callable[[np.ndarray, type, float], Pond]
+
+
+def pond(cells: int) -> pc.Wave:
+    """A hump at rest between fixed edges, c = Δ = 1."""
+    middle = 0.5 * cells
+    hump = np.exp(-(((np.arange(cells) + 0.5 - 0.9 * middle) / (0.1 * cells)) ** 2))
+    return pc.Wave(pc.Grid((cells, cells), 1.0), 1.0, hump[:, np.newaxis] * hump)
+
+
+def ours(cells: int, precision: Precision, threads: int = 1) -> Contender:
+    """physcore, by Verlet's method."""
+    scene = pc.Scene(pond(cells))
+    simulation = pc.Simulation(scene, pc.VelocityVerlet(), dt=COURANT, precision=precision, threads=threads)
+    return Contender("physcore", simulation.step, threads)
+
+
+def agree(make: Maker, precision: Precision, steps: int) -> None:
+    """Refuse an opponent that does other work: the same displacements to rounding. In each step ten operations err
+    by half an ulp, and errors in second differences grow with the square of the steps.
+    """
+    wave = pond(60)
+    simulation = pc.Simulation(pc.Scene(wave), pc.VelocityVerlet(), dt=COURANT, precision=precision)
+    simulation.step(steps)
+    rival = make(np.asarray(wave.displacement), DTYPES[precision], COURANT)
+    rival.step(steps)
+    rounding = 10 * steps**2 * np.finfo(DTYPES[precision]).eps
+    np.testing.assert_allclose(rival.displacement(), simulation[wave].displacement, rtol=0.0, atol=rounding)
+
+
+def compare(precision: Precision) -> list[Contender]:
+    """Race all versions in one precision."""
+    compiled: dict[str, tuple[Maker, int]] = {
+        f"{fused} steps a pass{', fastmath' if fastmath else ''}": (numba_pond(fastmath, fused), fused)
+        for fastmath in (False, True)
+        for fused in FUSED
+    }
+    for make, multiple in [(NumpyPond, 1), *compiled.values()]:
+        agree(make, precision, 16 * multiple)
+    start = np.asarray(pond(CELLS).displacement)
+
+    def rival(make: Maker) -> Callable[[int], object]:
+        return make(start, DTYPES[precision], COURANT).step
+
+    def numba(threads: int) -> Contender:
+        """The fastest version; several steps a pass run on one thread."""
+        return fastest(
+            [
+                Contender(f"Numba, {name}", with_threads(threads, rival(make)), threads, multiple)
+                for name, (make, multiple) in compiled.items()
+                if threads == 1 or multiple == 1
+            ]
+        )
+
+    contenders = [
+        *(ours(CELLS, precision, threads) for threads in (1, 2)),
+        numba(1),
+        numba(2),
+        Contender("NumPy, bands in the cache", rival(NumpyPond)),
+    ]
+    race(contenders)
+    table(f"Wave equation, {CELLS}², uniform speed, fixed edges, {precision}", "cell-updates", CELLS**2, contenders)
+    return contenders
+
+
+def main() -> dict[str, float]:
+    """Print the tables; give the figures that have targets."""
+    figures: dict[str, float] = {}
+    precisions: tuple[Precision, ...] = ("f64", "f32")
+    for precision in precisions:
+        contenders = compare(precision)
+        figures[f"wave {precision}"] = rate(contenders[0], CELLS**2)
+        figures[f"two threads, wave {precision}"] = speedup(contenders)
+        large, middle, small = (ours(cells, precision) for cells in (8192, 1024, 64))
+        race([large, middle, small])
+        figures[f"wave {precision}, 8192² over 1024²"] = rate(middle, 1024**2) / rate(large, 8192**2)
+        figures[f"small wave {precision}"] = 1e9 * rate(small, 1.0)
+        ratio, steps = figures[f"wave {precision}, 8192² over 1024²"], figures[f"small wave {precision}"]
+        print(f"    a cell of 8192² takes {ratio:.2f} times as long as one of 1024²; 64²: {steps:.0f} steps/s")
+    return figures
+
+
+if __name__ == "__main__":
+    main()
