@@ -3,13 +3,21 @@
 //! Inside, a grid has three axes for any dimension: those that it lacks come first and have one cell, so that the last axis
 //! is the one whose cells are neighbors in memory. A *row* is the cells along it; rows are numbered in memory's order.
 
+mod block;
 mod edges;
+mod laplacian;
 mod padding;
+mod stencil;
 mod table;
+mod tiles;
 
+pub use block::{Block, COLUMNS};
 pub use edges::{Edge, Edges};
+pub use laplacian::{Coefficients, Laplacian};
 pub use padding::Padding;
+pub use stencil::Window;
 pub use table::RowTable;
+pub use tiles::{DEEPEST, Sweep, depth};
 
 use crate::error::Result;
 use crate::math::AXES;

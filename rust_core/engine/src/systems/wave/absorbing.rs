@@ -168,7 +168,7 @@ impl<T: Real> Layers<T> {
                     } else {
                         u32::MAX
                     },
-                    weight: medium.faces[axis].row(below / length)[below % length],
+                    weight: medium.laplacian.faces[axis].row(below / length)[below % length],
                     face: T::from_f64(zeta(depth as f64)),
                     center: T::from_f64(zeta(depth as f64 + 0.5)),
                 };

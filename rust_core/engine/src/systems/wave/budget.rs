@@ -1,9 +1,9 @@
 //! The energy of a wave, and other sums over its cells, in double precision.
 
-use super::acceleration::Window;
 use super::fourth::{self, Line};
 use super::state::State;
 use super::sweep::Dynamics;
+use crate::grid::Window;
 use crate::math::Real;
 use crate::parallel::{BlockedSlice, Executor};
 use crate::simd::{Kernel, LANES, dispatch};
@@ -50,7 +50,7 @@ impl<T: Real> Kernel for Differences<'_, T> {
 impl<T: Real> Dynamics<T> {
     /// The energies of all rows [J / kg].
     pub fn energies(&self, state: &State<T>, executor: &Executor) -> Vec<RowEnergy> {
-        let grid = &self.medium.grid;
+        let grid = &self.medium.laplacian.grid;
         let mut energies = vec![RowEnergy::default(); grid.rows()];
         executor.for_each_block(BlockedSlice::new(&mut energies, 64), &|block: BlockedSlice<'_, RowEnergy>| {
             let length = grid.row_length();
@@ -66,9 +66,9 @@ impl<T: Real> Dynamics<T> {
 
     /// Σ (|L u| + |s|)² over all cells [m²/s⁴], with the sources at their largest.
     pub fn squared_accelerations(&self, state: &State<T>) -> f64 {
-        let grid = &self.medium.grid;
+        let grid = &self.medium.laplacian.grid;
         let length = grid.row_length();
-        let rows = Window { values: &state.displacement, first: 0, length };
+        let rows = Window::new(&state.displacement, length);
         let largest: Vec<f64> = self.sources.largest().collect();
         let (mut out, mut scratch) = (vec![T::ZERO; length], vec![T::ZERO; fourth::SCRATCH * length]);
         let mut sum = 0.0;
@@ -85,9 +85,10 @@ impl<T: Real> Dynamics<T> {
     }
 
     fn row_energy(&self, state: &State<T>, row: usize, (ones, zeros): (&[T], &[T])) -> RowEnergy {
-        let (medium, grid) = (&self.medium, &self.medium.grid);
+        let (medium, laplacian) = (&self.medium, &self.medium.laplacian);
+        let grid = &laplacian.grid;
         let length = grid.row_length();
-        let rows = Window { values: &state.displacement, first: 0, length };
+        let rows = Window::new(&state.displacement, length);
         let of = |row: usize| &state.displacement[row * length..][..length];
         let (center, rate) = (of(row), &state.rate[row * length..][..length]);
         // Of the faces those between two cells inside.
@@ -97,15 +98,15 @@ impl<T: Real> Dynamics<T> {
             let [factors, one, other] = [factors, one, other].map(|row| &row[inside.clone()]);
             dispatch(Differences { factors, one, other })
         };
-        let along = medium.faces[2].row(row);
+        let along = laplacian.faces[2].row(row);
         let line = Differences { factors: &along[from..last], one: &center[from + 1..=last], other: &center[from..last] };
         let around = if grid.periodic[2] { along[last].to_f64() } else { 0.0 };
         let mut potential = dispatch(line)
             + around * (center[from].to_f64() - center[last].to_f64()).powi(2)
-            + sum(medium.anchor.row(row), center, zeros);
+            + sum(laplacian.anchor.row(row), center, zeros);
         for axis in grid.axes().filter(|&axis| axis < 2) {
             if let Some(above) = grid.beside(row, axis, true).filter(|&above| self.padding.crosses(above)) {
-                potential += sum(medium.faces[axis].row(row), of(above), center);
+                potential += sum(laplacian.faces[axis].row(row), of(above), center);
             }
         }
         if let Some(fourth) = &medium.fourth {

@@ -1,7 +1,7 @@
 //! The accelerations of a row by differences of order 4: Σₐ Lₐ (1 − Lₐ h²/(12c²)) u, with Lₐ of order 2 along axis a.
 
-use super::acceleration::Rows;
 use super::medium::{Fourth, Medium};
+use crate::grid::Window;
 use crate::math::Real;
 
 /// Numbers of scratch memory for a row.
@@ -10,7 +10,7 @@ pub const SCRATCH: usize = 4;
 /// Computes the accelerations of a whole row; `scratch` holds [`SCRATCH`] rows.
 pub fn accelerate<T: Real>(
     (medium, fourth): (&Medium<T>, &Fourth<T>),
-    rows: impl Rows<T>,
+    rows: Window<'_, T>,
     row: usize,
     out: &mut [T],
     scratch: &mut [T],
@@ -22,10 +22,10 @@ pub fn accelerate<T: Real>(
     let (above, rest) = rest.split_at_mut(length);
     let sum = &mut rest[..length];
     out.fill(T::ZERO);
-    for axis in medium.grid.axes() {
+    for axis in medium.laplacian.grid.axes() {
         line.corrected(axis, rows, row, center);
         if axis < 2 {
-            let beside = [false, true].map(|upward| medium.grid.beside(row, axis, upward).unwrap_or(row));
+            let beside = [false, true].map(|upward| medium.laplacian.grid.beside(row, axis, upward).unwrap_or(row));
             line.corrected(axis, rows, beside[0], below);
             line.corrected(axis, rows, beside[1], above);
         }
@@ -45,10 +45,10 @@ impl<T: Real> Line<'_, T> {
     /// Lₐ of a row, from the rows below and above it along a; for the last axis these do not count.
     fn apply(&self, axis: usize, row: usize, [below, center, above]: [&[T]; 3], out: &mut [T]) {
         let anchor = self.fourth.anchors[axis].row(row);
-        let faces = &self.medium.faces[axis];
+        let faces = &self.medium.laplacian.faces[axis];
         let upper = faces.row(row);
         if axis < 2 {
-            let lower = faces.row(self.medium.grid.beside(row, axis, false).unwrap_or(row));
+            let lower = faces.row(self.medium.laplacian.grid.beside(row, axis, false).unwrap_or(row));
             // At a lower edge the row below is the row itself.
             for cell in 0..out.len() {
                 let here = center[cell];
@@ -65,14 +65,15 @@ impl<T: Real> Line<'_, T> {
     }
 
     /// Lₐ u of a row.
-    pub fn of(&self, axis: usize, rows: impl Rows<T>, row: usize, out: &mut [T]) {
-        let beside = [false, true].map(|upward| if axis < 2 { self.medium.grid.beside(row, axis, upward) } else { None });
+    pub fn of(&self, axis: usize, rows: Window<'_, T>, row: usize, out: &mut [T]) {
+        let beside =
+            [false, true].map(|upward| if axis < 2 { self.medium.laplacian.grid.beside(row, axis, upward) } else { None });
         let [below, above] = beside.map(|other| rows.row(other.unwrap_or(row)));
         self.apply(axis, row, [below, rows.row(row), above], out);
     }
 
     /// (1 − Lₐ h²/(12c²)) u of a row.
-    fn corrected(&self, axis: usize, rows: impl Rows<T>, row: usize, out: &mut [T]) {
+    fn corrected(&self, axis: usize, rows: Window<'_, T>, row: usize, out: &mut [T]) {
         self.of(axis, rows, row, out);
         let (center, slowness) = (rows.row(row), self.fourth.slowness.row(row));
         for cell in 0..out.len() {

@@ -1,7 +1,6 @@
 //! Waves: ρ u'' = ∇·(ρ c² ∇u) − ρ γ u' + ρ s for a displacement u on a uniform grid, advanced by an explicit integrator.
 
 mod absorbing;
-mod acceleration;
 mod budget;
 mod fields;
 mod fourth;
@@ -11,44 +10,27 @@ mod parameters;
 mod source;
 mod stage;
 mod state;
+mod steps;
 mod sweep;
-mod tiles;
+mod system;
 
 use std::marker::PhantomData;
 use std::sync::OnceLock;
 
-use glam::DVec3;
-
 use crate::error::{Error, Result};
-use crate::forces::Mach;
-use crate::grid::RowTable;
-use crate::history::{Archive, History};
+use crate::grid::{RowTable, depth};
 use crate::integrators::Integrator;
-use crate::ledger::{Class, Ledger};
 use crate::math::Real;
 use crate::memory;
-use crate::parallel::Executor;
-use crate::plan::Stages;
 use crate::scene::Item;
-use crate::stability::{Horizon, Limit};
-use crate::systems::{Element, Fault, FieldInfo, Interval, Record, System};
+use crate::stability::Limit;
+use crate::systems::System;
 use absorbing::{Absorption, Layers};
 use medium::Medium;
 use parameters::Parameters;
 use source::Sources;
-use stage::Action;
-use state::{Block, DAMPING, EDGES, SINKS, SOURCE, State, Tally, Workspace};
-use sweep::{Dynamics, Pass};
-use tiles::DEEPEST;
-
-/// Duration of a batch of steps [s].
-const BATCH: f64 = 0.05;
-/// The fewest and the most steps of a batch: the state at its start costs a sweep, and its activities memory.
-const STEPS: std::ops::RangeInclusive<u64> = 31..=4095;
-/// Cells of a block, which one thread computes in a sweep.
-const BLOCK: usize = 1 << 15;
-/// Estimated duration of a stage of a cell [s].
-const COST: f64 = 6e-10;
+use state::{State, Tally, Workspace};
+use sweep::Dynamics;
 
 /// Compiles a wave for an integrator.
 ///
@@ -124,7 +106,9 @@ impl<T: Real, I: Integrator> Wave<T, I> {
         });
         let dynamics =
             Dynamics { exchanges: exchanges.collect(), padding: padding.clone(), medium, mass, damping, sources, layers };
-        let depth = dynamics.depth(2 + stage::columns::<I>());
+        let sweeps = dynamics.medium.fourth.is_some() || dynamics.layers.is_some();
+        let bytes = (2 + stage::columns::<I>()) * size_of::<T>();
+        let depth = if sweeps { 1 } else { depth(grid, bytes) };
         Ok(Self {
             saved: state.clone(),
             workspace: Workspace::new::<I>(count, rows, depth),
@@ -142,310 +126,6 @@ impl<T: Real, I: Integrator> Wave<T, I> {
     /// Whether it is damped anywhere.
     fn is_damped(&self) -> bool {
         self.dynamics.damping.different().iter().any(|&rate| rate != T::ZERO)
-    }
-
-    /// Runs stages of all rows, as many as one pass over memory takes; the first of a batch from the saved state.
-    fn pass(&mut self, passes: &[Pass<'_>], executor: &Executor) {
-        let Self { dynamics, state, saved, workspace, depth, .. } = self;
-        let length = dynamics.medium.grid.row_length();
-        std::mem::swap(&mut state.displacement, &mut workspace.before);
-        if *depth > 1 {
-            let block = Block::all(state, workspace, length, *depth);
-            dynamics.stages::<I>(passes, block, Some(saved), executor);
-        } else {
-            self.sweep(passes[0], executor);
-        }
-        if passes.len().is_multiple_of(2) {
-            std::mem::swap(&mut self.state.displacement, &mut self.workspace.before);
-        }
-    }
-
-    /// A sweep over all rows.
-    fn sweep(&mut self, pass: Pass<'_>, executor: &Executor) {
-        let Self { dynamics, state, saved, workspace, .. } = self;
-        let length = dynamics.medium.grid.row_length();
-        let layers = |dynamics: &mut Dynamics<T>, work: &dyn Fn(&mut Layers<T>)| dynamics.layers.iter_mut().for_each(work);
-        if !pass.starts() {
-            layers(dynamics, &|layers| layers.evaluate::<I>(&workspace.before, pass.action, pass.h));
-        }
-        let mut block = Block { rows: (BLOCK / length).max(1), ..Block::all(state, workspace, length, 1) };
-        let (law, saved, before) = (&*dynamics, &*saved, &*std::mem::take(&mut block.before));
-        executor.for_each_block(block, &|mut block: Block<'_, T>| law.sweep::<I>(pass, &mut block, before, Some(saved)));
-        layers(dynamics, &|layers| layers.advance::<I>(pass.action, pass.h));
-    }
-
-    /// The amplitudes of the sources at all stages of a batch.
-    fn list_amplitudes(&mut self, interval: Interval) -> Result<()> {
-        let list = &mut self.workspace.amplitudes;
-        list.clear();
-        for step in 0..interval.steps {
-            for &node in I::NODES {
-                self.dynamics.sources.amplitudes(interval.time(step, node), list)?;
-            }
-        }
-        Ok(())
-    }
-
-    fn steps(&mut self, interval: Interval, executor: &Executor) -> Result<()> {
-        self.state.tallies.copy_from_slice(&self.saved.tallies);
-        self.list_amplitudes(interval)?;
-        let amplitudes = std::mem::take(&mut self.workspace.amplitudes);
-        let outcome = self.passes(interval, &amplitudes, executor);
-        self.workspace.amplitudes = amplitudes;
-        outcome
-    }
-
-    fn passes(&mut self, interval: Interval, amplitudes: &[f64], executor: &Executor) -> Result<()> {
-        let (stages, sources) = (I::NODES.len(), self.dynamics.sources.count());
-        let last = interval.steps as usize * stages;
-        let action = |index: usize| match index {
-            0 => Action::Start,
-            _ => Action::Update { stage: (index - 1) % stages, ends: index == last },
-        };
-        let pass = |index: usize| {
-            let first = index.saturating_sub(1) * sources;
-            Pass { action: action(index), h: interval.h, amplitudes: &amplitudes[first..first + sources] }
-        };
-        // Passes of equal depth, as few as it takes.
-        let depth = (last + 1).div_ceil((last + 1).div_ceil(self.depth));
-        for first in (0..=last).step_by(depth) {
-            let count = depth.min(last + 1 - first);
-            let passes: [Pass<'_>; DEEPEST] = std::array::from_fn(|index| pass((first + index).min(last)));
-            self.pass(&passes[..count], executor);
-            executor.check()?;
-            for index in (first..first + count).filter(|&index| index > 0 && index.is_multiple_of(stages)) {
-                let rows = self.workspace.kinetic.iter().skip(index - first).step_by(self.depth);
-                self.activity.push(rows.sum());
-            }
-        }
-        Ok(())
-    }
-
-    fn element(&self, index: usize) -> Element {
-        let padding = &self.dynamics.padding;
-        let nearest = padding.nearest(index);
-        let name = padding.inner.name(nearest);
-        Element {
-            name: if padding.outward(nearest) == index { name } else { format!("the layer beyond {name}") },
-            index: nearest,
-        }
-    }
-}
-
-/// Displacement, rate, and the persistent registers of the integrator.
-impl<T: Real, I: Integrator> History for Wave<T, I> {
-    /// Steps read the saved state and write the other.
-    fn save(&mut self) {
-        std::mem::swap(&mut self.saved, &mut self.state);
-        self.dynamics.layers.iter_mut().for_each(Layers::save);
-    }
-
-    fn rollback(&mut self) {
-        std::mem::swap(&mut self.saved, &mut self.state);
-        self.dynamics.layers.iter_mut().for_each(Layers::rollback);
-    }
-
-    fn capture(&self, archive: &mut Archive) {
-        self.state.columns().for_each(|column| archive.write(column.iter().map(|number| number.to_f64())));
-        self.dynamics.layers.iter().for_each(|layers| layers.capture(archive));
-    }
-
-    fn restore(&mut self, archive: &mut Archive) -> Result<()> {
-        let count = self.state.columns().map(Vec::len).sum();
-        // Read as a whole, so that an archive that is too short changes no state.
-        let mut numbers = archive.read(count)?.iter();
-        for column in self.state.columns_mut() {
-            column.iter_mut().zip(&mut numbers).for_each(|(slot, &number)| *slot = T::from_f64(number));
-        }
-        self.dynamics.layers.iter_mut().try_for_each(|layers| layers.restore(archive))
-    }
-}
-
-impl<T: Real, I: Integrator> System for Wave<T, I> {
-    fn stages(&self) -> Vec<Stages> {
-        let medium = &self.dynamics.medium;
-        let (damped, driven) = (self.is_damped(), self.dynamics.sources.count() > 0);
-        let mut names = vec![format!("wave operator of order {}", if medium.fourth.is_some() { 4 } else { 2 })];
-        names.extend(damped.then(|| "damping".to_owned()));
-        names.extend(driven.then(|| "sources".to_owned()));
-        names.extend(self.absorption.map(|_| "absorbing edges".to_owned()));
-        names.push("update of displacement and rate".to_owned());
-        let open = self.absorption.is_some();
-        let absent = [(damped, "damping"), (driven, "sources"), (self.walls.is_some(), "walls"), (open, "absorbing edges")];
-        let note = |Absorption { width, reflection }| {
-            format!("absorbing edges: layers of {width} cells, of which {reflection:e} comes back at normal incidence")
-        };
-        let layout = match self.depth {
-            1 => "a sweep over all cells per evaluation".to_owned(),
-            depth => format!("{depth} evaluations in one pass over memory, row by row"),
-        };
-        vec![Stages {
-            item: String::new(),
-            names,
-            dimension: medium.grid.dimension,
-            precision: T::NAME,
-            method: I::NAME,
-            order: if damped || open { I::ORDER_DISSIPATIVE } else { I::ORDER },
-            evaluations: I::NODES.len(),
-            pairs: 0,
-            limit_varies: false,
-            layout,
-            left_out: absent.into_iter().filter(|(present, _)| !present).map(|(_, name)| name).collect(),
-            notes: self.absorption.map(note).into_iter().collect(),
-        }]
-    }
-
-    fn bytes(&self) -> usize {
-        let walls = self.walls.as_ref().map_or(0, Vec::len);
-        let dynamics = &self.dynamics;
-        let layers = dynamics.layers.as_ref().map_or(0, Layers::bytes);
-        let coefficients = layers + dynamics.medium.bytes() + dynamics.damping.bytes() + dynamics.sources.bytes();
-        self.state.bytes() + self.saved.bytes() + self.workspace.bytes() + coefficients + walls
-    }
-
-    fn cost(&self) -> f64 {
-        let stages = I::NODES.len() as f64;
-        stages * (1e-7 + COST * self.dynamics.medium.grid.count() as f64)
-    }
-
-    /// A user-defined function is called in the order of time and once per evaluation, so it takes one step at a time.
-    fn most_steps(&self) -> u64 {
-        if self.dynamics.sources.calls_back() { 1 } else { ((BATCH / self.cost()) as u64).clamp(*STEPS.start(), *STEPS.end()) }
-    }
-
-    fn most_recorded(&self) -> u64 {
-        *STEPS.end()
-    }
-
-    fn begin(&mut self, time: f64, executor: &Executor) -> Result<()> {
-        self.workspace.amplitudes.clear();
-        let Self { dynamics, workspace, .. } = self;
-        dynamics.sources.amplitudes(time, &mut workspace.amplitudes)?;
-        let amplitudes = std::mem::take(&mut workspace.amplitudes);
-        std::mem::swap(&mut self.state.displacement, &mut self.workspace.before);
-        self.sweep(Pass { action: Action::Begin, h: 0.0, amplitudes: &amplitudes }, executor);
-        self.workspace.amplitudes = amplitudes;
-        executor.check()
-    }
-
-    fn advance(&mut self, interval: Interval, _record: Record, executor: &Executor) -> Result<()> {
-        self.save();
-        self.activity.clear();
-        let outcome = self.steps(interval, executor);
-        if outcome.is_err() {
-            self.rollback();
-        }
-        outcome
-    }
-
-    fn activity(&self) -> &[f64] {
-        &self.activity
-    }
-
-    fn is_linear(&self) -> bool {
-        self.dynamics.sources.count() == 0 && self.absorption.is_none()
-    }
-
-    fn gains_energy(&self) -> bool {
-        I::limit(0.0) == 0.0
-    }
-
-    fn limit(&self, _horizon: Horizon, _time: f64, _executor: &Executor) -> Result<Limit> {
-        Ok(*self.limit.get_or_init(|| limit::limit::<T, I>(&self.dynamics)))
-    }
-
-    fn limit_varies(&self, _horizon: Horizon, _time: f64) -> bool {
-        false
-    }
-
-    fn error(&self, h: f64) -> Option<(f64, u32)> {
-        let [x, v] = I::ERROR?.map(|register| {
-            let persistent = self.state.persistent.len();
-            if register < persistent {
-                &self.state.persistent[register]
-            } else {
-                &self.workspace.registers[register - persistent]
-            }
-        });
-        let of = |(x, v): (&T, &T)| x.to_f64().abs().max(h * v.to_f64().abs());
-        Some((x.iter().zip(v).map(of).fold(0.0, f64::max), I::ORDER))
-    }
-
-    fn audit(&self, _time: f64, executor: &Executor) -> Result<Ledger> {
-        let energies = self.dynamics.energies(&self.state, executor);
-        executor.check()?;
-        let mut ledger = Ledger::new(self.state.tallies.len(), 1);
-        let sum = |of: fn(&budget::RowEnergy) -> f64| self.dynamics.mass * energies.iter().map(of).sum::<f64>();
-        let tallied = |sink: usize| self.state.tallies.iter().map(|tally| tally.energy[sink]).sum();
-        ledger.add(Class::Kinetic, "kinetic", sum(|row| row.kinetic));
-        ledger.add(Class::Potential, "wave", sum(|row| row.potential));
-        ledger.add(Class::Dissipated, "damping", tallied(DAMPING));
-        ledger.add(Class::Dissipated, "edges", tallied(EDGES));
-        ledger.add(Class::Work, "source", tallied(SOURCE));
-        Ok(ledger)
-    }
-
-    fn finite_audit(&self, time: f64, executor: &Executor) -> Result<Ledger> {
-        let ledger = self.audit(time, executor)?;
-        if ledger.balance().is_finite() {
-            return Ok(ledger);
-        }
-        let error = Error::parameter("scene", "an energy that is finite", ledger.balance());
-        Err(error.with_hint("smaller displacements, rates, speeds or densities"))
-    }
-
-    /// The momentum of u is not along an axis of space.
-    fn momenta(&self) -> (DVec3, DVec3) {
-        (DVec3::ZERO, DVec3::ZERO)
-    }
-
-    fn resolvable(&self, _time: f64, h: f64) -> f64 {
-        0.5 * self.dynamics.mass * h * h * self.dynamics.squared_accelerations(&self.state)
-    }
-
-    fn fault(&self) -> Option<Fault> {
-        let columns = [("displacement", &self.state.displacement), ("rate", &self.state.rate)];
-        columns.into_iter().find_map(|(quantity, column)| {
-            let index = column.iter().position(|value| !value.is_finite())?;
-            Some(Fault { element: self.element(index), quantity })
-        })
-    }
-
-    fn fastest(&self) -> Element {
-        let rate = |index: &usize| self.state.rate[*index].to_f64().abs();
-        let fastest = (0..self.state.rate.len()).max_by(|one, other| rate(one).total_cmp(&rate(other)));
-        self.element(fastest.unwrap_or(0))
-    }
-
-    fn mach(&self) -> Option<Mach> {
-        None
-    }
-
-    fn fields(&self) -> Vec<FieldInfo> {
-        self.field_infos()
-    }
-
-    fn read(&self, field: usize) -> Vec<f64> {
-        self.values(field)
-    }
-
-    fn write(&mut self, fields: &[(&str, &[f64])], time: f64, executor: &Executor) -> Result<()> {
-        self.replace(fields, time, executor)
-    }
-
-    fn tallies(&self) -> Vec<f64> {
-        self.state.tallies.iter().flat_map(|tally| tally.energy.into_iter().chain(tally.last)).collect()
-    }
-
-    fn restore_tallies(&mut self, numbers: &[f64]) -> Result<()> {
-        if numbers.len() != 2 * SINKS * self.state.tallies.len() {
-            return Err(Error::State("it does not belong to this scene and these numerics".to_owned()));
-        }
-        for (tally, numbers) in self.state.tallies.iter_mut().zip(numbers.chunks_exact(2 * SINKS)) {
-            let slots = tally.energy.iter_mut().chain(&mut tally.last);
-            slots.zip(numbers).for_each(|(slot, &number)| *slot = number);
-        }
-        Ok(())
     }
 }
 

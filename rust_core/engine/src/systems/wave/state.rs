@@ -2,10 +2,10 @@
 
 use std::ops::Range;
 
+use crate::grid::Block;
 use crate::integrators::Integrator;
 use crate::math::Real;
 use crate::matter::REGISTERS;
-use crate::parallel::Split;
 
 /// The number of sinks and sources of energy, and which they are.
 pub const SINKS: usize = 3;
@@ -75,58 +75,26 @@ impl<T: Real> Workspace<T> {
     }
 }
 
-/// What a stage writes, of rows that follow each other, in blocks of some rows.
-#[derive(Debug)]
-pub struct Block<'a, T> {
-    /// The number of the first row.
-    pub first: usize,
-    pub displacement: &'a mut [T],
-    /// The displacement of the stage before; empty where all blocks share it.
-    pub before: &'a mut [T],
-    pub rate: &'a mut [T],
-    pub registers: [&'a mut [T]; REGISTERS],
-    pub tallies: &'a mut [Tally],
-    /// Kinetic energy of each row at each stage [J].
-    pub kinetic: &'a mut [f64],
-    /// The number of stages.
-    pub stages: usize,
-    /// The number of cells in a row, and of rows in a block.
-    pub length: usize,
-    pub rows: usize,
-}
-
-impl<'a, T> Block<'a, T> {
-    /// All rows of a state.
-    pub fn all(state: &'a mut State<T>, workspace: &'a mut Workspace<T>, length: usize, stages: usize) -> Self {
-        let state_rows = state.tallies.len();
-        let mut columns = state.persistent.iter_mut().chain(&mut workspace.registers).map(Vec::as_mut_slice);
-        let registers = std::array::from_fn(|_| columns.next().unwrap_or_default());
-        Self {
-            first: 0,
-            displacement: &mut state.displacement,
-            before: &mut workspace.before,
-            rate: &mut state.rate,
-            registers,
-            tallies: &mut state.tallies,
-            kinetic: &mut workspace.kinetic,
-            rows: state_rows,
-            length,
-            stages,
-        }
-    }
-
-    /// Some cells of the row `row` of this block.
-    #[inline(always)]
-    pub fn cells(&mut self, row: usize, range: Range<usize>) -> Cells<'_, T> {
-        let range = row * self.length + range.start..row * self.length + range.end;
-        Cells {
-            displacement: &mut self.displacement[range.clone()],
-            rate: &mut self.rate[range.clone()],
-            registers: self
-                .registers
-                .each_mut()
-                .map(|column| if column.is_empty() { &mut [] } else { &mut column[range.clone()] }),
-        }
+/// All rows of a state, as stages write them: the first column is the rate, after it come the registers.
+pub fn block<'a, T>(
+    state: &'a mut State<T>,
+    workspace: &'a mut Workspace<T>,
+    length: usize,
+    stages: usize,
+) -> Block<'a, T, Tally> {
+    let rows = state.tallies.len();
+    let mut columns =
+        std::iter::once(&mut state.rate).chain(&mut state.persistent).chain(&mut workspace.registers).map(Vec::as_mut_slice);
+    Block {
+        first: 0,
+        field: &mut state.displacement,
+        before: &mut workspace.before,
+        columns: std::array::from_fn(|_| columns.next().unwrap_or_default()),
+        tallies: &mut state.tallies,
+        activity: &mut workspace.kinetic,
+        rows,
+        length,
+        stages,
     }
 }
 
@@ -138,59 +106,16 @@ pub struct Cells<'a, T> {
     pub registers: [&'a mut [T]; REGISTERS],
 }
 
-impl<T: Send> Split for Block<'_, T> {
-    fn blocks(&self) -> usize {
-        self.tallies.len().div_ceil(self.rows)
-    }
-
-    fn split_at(self, blocks: usize) -> (Self, Self) {
-        let row = (blocks * self.rows).min(self.tallies.len());
-        self.split_at_row(row)
-    }
-}
-
-impl<T> Block<'_, T> {
-    /// A reborrow.
-    pub fn reborrow(&mut self) -> Block<'_, T> {
-        Block {
-            displacement: &mut *self.displacement,
-            before: &mut *self.before,
-            rate: &mut *self.rate,
-            registers: self.registers.each_mut().map(|column| &mut **column),
-            tallies: &mut *self.tallies,
-            kinetic: &mut *self.kinetic,
-            ..*self
+impl<'a, T> Cells<'a, T> {
+    /// Some cells of the row `row` of a block.
+    #[inline(always)]
+    pub fn of(block: &'a mut Block<'_, T, Tally>, row: usize, range: Range<usize>) -> Self {
+        let range = row * block.length + range.start..row * block.length + range.end;
+        let [rate, registers @ ..] = &mut block.columns;
+        Self {
+            displacement: &mut block.field[range.clone()],
+            rate: &mut rate[range.clone()],
+            registers: registers.each_mut().map(|column| if column.is_empty() { &mut [] } else { &mut column[range.clone()] }),
         }
-    }
-
-    /// Splits before a row.
-    pub fn split_at_row(self, split: usize) -> (Self, Self) {
-        let Self { first, displacement, before, rate, registers, tallies, kinetic, stages, length, rows } = self;
-        let cells = split * length;
-        let middle = cells.min(before.len());
-        let (before, other_before) = before.split_at_mut(middle);
-        let (displacement, other_displacement) = displacement.split_at_mut(cells);
-        let (rate, other_rate) = rate.split_at_mut(cells);
-        let (tallies, other_tallies) = tallies.split_at_mut(split);
-        let (kinetic, other_kinetic) = kinetic.split_at_mut(split * stages);
-        let mut pairs = registers.map(|column| {
-            let middle = cells.min(column.len());
-            column.split_at_mut(middle)
-        });
-        let lower = pairs.each_mut().map(|(lower, _)| std::mem::take(lower));
-        let upper = pairs.map(|(_, upper)| upper);
-        let others = Self {
-            first: first + split,
-            displacement: other_displacement,
-            before: other_before,
-            rate: other_rate,
-            registers: upper,
-            tallies: other_tallies,
-            kinetic: other_kinetic,
-            stages,
-            length,
-            rows,
-        };
-        (Self { first, displacement, before, rate, registers: lower, tallies, kinetic, stages, length, rows }, others)
     }
 }

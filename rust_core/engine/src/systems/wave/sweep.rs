@@ -1,16 +1,16 @@
 //! A sweep: one stage of a step over all rows. It reads the displacement of the stage before from one column and writes that
 //! of the next to another, so that no block waits for another.
 
+use std::marker::PhantomData;
 use std::ops::Range;
 
 use super::absorbing::Layers;
-use super::acceleration::{self, Rows, Window};
 use super::fourth;
 use super::medium::Medium;
 use super::source::Sources;
 use super::stage::{self, Action, Input};
-use super::state::{Block, Cells, DAMPING, EDGES, SINKS, SOURCE, State, Tally};
-use crate::grid::{Padding, RowTable};
+use super::state::{Cells, DAMPING, EDGES, SINKS, SOURCE, State, Tally};
+use crate::grid::{Block, Padding, RowTable, Sweep, Window};
 use crate::integrators::Integrator;
 use crate::math::Real;
 use crate::matter::REGISTERS;
@@ -50,32 +50,34 @@ impl Pass<'_> {
     }
 }
 
+/// Stages of an integrator, as many as one pass over memory takes; the first of a batch reads all that it needs from `saved`.
+pub struct Passes<'a, T, I> {
+    pub dynamics: &'a Dynamics<T>,
+    pub passes: &'a [Pass<'a>],
+    pub saved: Option<&'a State<T>>,
+    pub integrator: PhantomData<fn() -> I>,
+}
+
+impl<T: Real, I: Integrator> Sweep<T, Tally> for Passes<'_, T, I> {
+    fn scratch(&self) -> usize {
+        let Dynamics { medium, .. } = self.dynamics;
+        let length = medium.laplacian.grid.row_length();
+        if medium.fourth.is_some() { (1 + fourth::SCRATCH) * length } else { (SEGMENT / size_of::<T>()).min(length) }
+    }
+
+    fn row(&self, stage: usize, block: &mut Block<'_, T, Tally>, index: usize, before: Window<'_, T>, scratch: &mut [T]) {
+        self.dynamics.row::<I>(self.passes[stage], block, (index, stage), before, self.saved, scratch);
+    }
+}
+
 impl<T: Real> Dynamics<T> {
-    /// Runs a stage of all rows of a block, which reads the displacement of the stage before from `before`, and at the start of
-    /// a batch all that it needs from `saved`.
-    pub fn sweep<I: Integrator>(&self, pass: Pass<'_>, block: &mut Block<'_, T>, before: &[T], saved: Option<&State<T>>) {
-        let length = block.length;
-        let rows = Window { values: before, first: 0, length };
-        T::with_scratch(self.scratch(), |scratch| {
-            for index in 0..block.tallies.len() {
-                self.row::<I>(pass, block, (index, 0), rows, saved, scratch);
-            }
-        });
-    }
-
-    /// Numbers of scratch memory for a row.
-    pub fn scratch(&self) -> usize {
-        let length = self.medium.grid.row_length();
-        if self.medium.fourth.is_some() { (1 + fourth::SCRATCH) * length } else { (SEGMENT / size_of::<T>()).min(length) }
-    }
-
     /// Runs a stage of a row of a block, of that index in it, as one of the stages of a pass.
-    pub fn row<I: Integrator>(
+    fn row<I: Integrator>(
         &self,
         pass: Pass<'_>,
-        block: &mut Block<'_, T>,
+        block: &mut Block<'_, T, Tally>,
         (index, stage): (usize, usize),
-        rows: impl Rows<T>,
+        rows: Window<'_, T>,
         saved: Option<&State<T>>,
         scratch: &mut [T],
     ) {
@@ -89,7 +91,7 @@ impl<T: Real> Dynamics<T> {
             let range = self.segment(start, &inside);
             start = range.end;
             let (acceleration, scratch) = scratch.split_at_mut(range.len());
-            let cells = block.cells(index, range.clone());
+            let cells = Cells::of(block, index, range.clone());
             if evaluates {
                 self.accelerate(rows, row, range.clone(), acceleration, scratch);
                 let first = row * length + range.start;
@@ -132,12 +134,12 @@ impl<T: Real> Dynamics<T> {
         if damping.is_some() {
             integrate::<I>(&mut block.tallies[index], power, pass);
         }
-        block.kinetic[index * block.stages + stage] = 0.5 * self.mass * squares;
+        block.activity[index * block.stages + stage] = 0.5 * self.mass * squares;
     }
 
     /// The cells from `start` on that are computed at once: all inside, or all in layers.
     fn segment(&self, start: usize, inside: &Range<usize>) -> Range<usize> {
-        let length = self.medium.grid.row_length();
+        let length = self.medium.laplacian.grid.row_length();
         if self.medium.fourth.is_some() {
             return 0..length;
         }
@@ -146,10 +148,10 @@ impl<T: Real> Dynamics<T> {
     }
 
     /// L u of some cells of a row.
-    pub fn accelerate(&self, rows: impl Rows<T>, row: usize, range: Range<usize>, out: &mut [T], scratch: &mut [T]) {
+    pub fn accelerate(&self, rows: Window<'_, T>, row: usize, range: Range<usize>, out: &mut [T], scratch: &mut [T]) {
         match &self.medium.fourth {
             Some(fourth) => fourth::accelerate((&self.medium, fourth), rows, row, out, scratch),
-            None => acceleration::accelerate(&self.medium, rows, row, range, out),
+            None => self.medium.laplacian.apply(rows, row, range, out),
         }
     }
 

@@ -40,7 +40,7 @@ fn threads_and_batches_change_no_bit() {
 fn passes<I: Integrator>(item: &Item, depth: Option<usize>, threads: usize) -> (Vec<f64>, Vec<f64>) {
     let mut wave = Wave::<f64, I>::new(item).unwrap();
     if let Some(depth) = depth {
-        let rows = wave.dynamics.medium.grid.rows();
+        let rows = wave.dynamics.medium.laplacian.grid.rows();
         (wave.depth, wave.workspace.kinetic) = (depth, vec![0.0; depth * rows]);
     }
     wave.begin(0.0, &SERIAL).unwrap();

@@ -1,11 +1,11 @@
 //! Symmetries to the last bit, and the force as the gradient of the energy.
 
 use super::scene::*;
+use crate::grid::Window;
 use crate::math::Real;
 use crate::parallel::SERIAL;
 use crate::scene::{Item, Value};
 use crate::systems::wave::Wave;
-use crate::systems::wave::acceleration::Window;
 
 const N: usize = 21;
 const PLANE: [usize; 2] = [N, N];
@@ -72,7 +72,7 @@ fn the_force_is_minus_the_gradient_of_the_energy() {
     }
     for item in &cases {
         let mut wave = Wave::<f64, crate::integrators::VelocityVerlet>::new(item).unwrap();
-        let (length, rows) = (wave.dynamics.medium.grid.row_length(), wave.dynamics.medium.grid.rows());
+        let (length, rows) = (wave.dynamics.medium.laplacian.grid.row_length(), wave.dynamics.medium.laplacian.grid.rows());
         let base = wave.state.displacement.clone();
         let is_wall = |index: usize| wave.walls.as_ref().is_some_and(|walls| walls[index]);
         let direction: Vec<f64> = (0..base.len()).map(|index| if is_wall(index) { 0.0 } else { random([index, 7, 7]) }).collect();
@@ -84,7 +84,7 @@ fn the_force_is_minus_the_gradient_of_the_energy() {
         let risen = energy(1.0) - energy(-1.0);
         let (mut out, mut scratch) = (vec![0.0; length], vec![0.0; 4 * length]);
         let mut work = 0.0;
-        let window = Window { values: &base, first: 0, length };
+        let window = Window::new(&base, length);
         for row in 0..rows {
             wave.dynamics.accelerate(window, row, 0..length, &mut out, &mut scratch);
             work += out.iter().zip(&direction[row * length..]).map(|(a, d)| a * d).sum::<f64>();

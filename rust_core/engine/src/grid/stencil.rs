@@ -1,48 +1,54 @@
-//! The accelerations L u of a row of cells, by differences of order 2.
+//! L u of a row of cells, by differences of order 2.
 //!
 //! The sums are (west + east) + (south + north) [+ (below + above)]: mirroring a field, or exchanging x and y, changes no bit.
 
 use std::ops::Range;
 
-use super::medium::Medium;
+use super::Laplacian;
 use crate::math::Real;
 use crate::simd::{Kernel, dispatch};
 
-/// The rows of a field about one of them.
-pub trait Rows<T>: Copy {
-    /// The values of a row.
-    fn row(&self, row: usize) -> &[T];
-}
-
-/// All rows of a field, or some of them that follow each other.
+/// Rows of a field that follow each other: all, or some of them.
 #[derive(Debug, Clone, Copy)]
 pub struct Window<'a, T> {
+    /// The values of all fields of all rows.
     pub values: &'a [T],
     /// The number of the first of them.
     pub first: usize,
+    /// The number of cells in a row.
     pub length: usize,
+    /// The number of fields: a row is followed by that of the next field.
+    pub fields: usize,
+    /// The index of the field that is read.
+    pub field: usize,
 }
 
-impl<T: Copy> Rows<T> for Window<'_, T> {
+impl<'a, T> Window<'a, T> {
+    /// One field, from its first row on.
+    pub fn new(values: &'a [T], length: usize) -> Self {
+        Self { values, first: 0, length, fields: 1, field: 0 }
+    }
+
+    /// The values of a row.
     #[inline(always)]
-    fn row(&self, row: usize) -> &[T] {
-        &self.values[(row - self.first) * self.length..][..self.length]
+    pub fn row(self, row: usize) -> &'a [T] {
+        &self.values[((row - self.first) * self.fields + self.field) * self.length..][..self.length]
     }
 }
 
 /// Computes L u of the cells `range` of a row.
-pub fn accelerate<T: Real>(medium: &Medium<T>, rows: impl Rows<T>, row: usize, range: Range<usize>, out: &mut [T]) {
+pub fn apply<T: Real>(laplacian: &Laplacian<T>, rows: Window<'_, T>, row: usize, range: Range<usize>, out: &mut [T]) {
     let center = rows.row(row);
-    let axes = medium.grid.axes();
-    let all = medium.grid.neighbors(row);
+    let axes = laplacian.grid.axes();
+    let all = laplacian.grid.neighbors(row);
     let pairs = (axes.start..2).map(|axis| (axis, all[axis]));
     let ends = [center[center.len() - 1], center[0]];
-    let ends = if medium.grid.periodic[2] {
+    let ends = if laplacian.grid.periodic[2] {
         ends
     } else {
-        [medium.ghost(2, 0) * center[0], medium.ghost(2, 1) * center[center.len() - 1]]
+        [laplacian.ghost(2, 0) * center[0], laplacian.ghost(2, 1) * center[center.len() - 1]]
     };
-    if let Some(weight) = medium.uniform {
+    if let Some(weight) = laplacian.uniform {
         let mut signs = [[T::ONE; 2]; 2];
         let mut neighbors = [[center; 2]; 2];
         let count = axes.len();
@@ -50,7 +56,7 @@ pub fn accelerate<T: Real>(medium: &Medium<T>, rows: impl Rows<T>, row: usize, r
             for side in 0..2 {
                 match beside[side] {
                     Some(other) => neighbors[index][side] = rows.row(other),
-                    None => signs[index][side] = medium.ghost(axis, side),
+                    None => signs[index][side] = laplacian.ghost(axis, side),
                 }
             }
         }
@@ -63,7 +69,7 @@ pub fn accelerate<T: Real>(medium: &Medium<T>, rows: impl Rows<T>, row: usize, r
         let mut neighbors = [[center; 2]; 2];
         let count = axes.len();
         for (index, (axis, beside)) in pairs.enumerate() {
-            let faces = &medium.faces[axis];
+            let faces = &laplacian.faces[axis];
             weights[index] = [faces.row(beside[0].unwrap_or(row)), faces.row(row)];
             for side in 0..2 {
                 if let Some(other) = beside[side] {
@@ -71,8 +77,8 @@ pub fn accelerate<T: Real>(medium: &Medium<T>, rows: impl Rows<T>, row: usize, r
                 }
             }
         }
-        let faces = medium.faces[2].row(row);
-        let law = Varying { weights, along: [faces; 2], anchor: medium.anchor.row(row) };
+        let faces = laplacian.faces[2].row(row);
+        let law = Varying { weights, along: [faces; 2], anchor: laplacian.anchor.row(row) };
         run(Stencil { law, center, neighbors, ends, range, out }, count);
     }
 }
@@ -93,7 +99,7 @@ trait Law<T: Real>: Copy {
     fn pair(&self, pair: usize, cell: usize, center: T, lower: T, upper: T) -> T;
     /// The terms of the two neighbors in the row.
     fn along(&self, cell: usize, center: T, lower: T, upper: T) -> T;
-    /// The acceleration, from the sum of these.
+    /// L u, from the sum of these.
     fn total(&self, cell: usize, center: T, sum: T) -> T;
 }
 

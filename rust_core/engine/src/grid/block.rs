@@ -1,0 +1,90 @@
+//! What the stages of a step write: rows of cells in blocks, each for one thread.
+
+use crate::parallel::Split;
+
+/// The most columns besides the two of the field.
+pub const COLUMNS: usize = 7;
+
+/// Rows that follow each other. All columns have `length` numbers for each row, or are empty.
+#[derive(Debug)]
+pub struct Block<'a, T, Y> {
+    /// The number of the first row.
+    pub first: usize,
+    /// The field at the stage that is computed.
+    pub field: &'a mut [T],
+    /// The field at the stage before, which neighbors read; empty where all blocks share it.
+    pub before: &'a mut [T],
+    /// What else is kept of each cell.
+    pub columns: [&'a mut [T]; COLUMNS],
+    /// What is integrated over time, row by row.
+    pub tallies: &'a mut [Y],
+    /// The activity of each row at each stage.
+    pub activity: &'a mut [f64],
+    /// The number of stages.
+    pub stages: usize,
+    /// The number of values of the field in a row.
+    pub length: usize,
+    /// The number of rows in a block.
+    pub rows: usize,
+}
+
+impl<T, Y> Block<'_, T, Y> {
+    /// The number of rows.
+    pub fn count(&self) -> usize {
+        self.field.len() / self.length
+    }
+
+    /// A reborrow.
+    pub fn reborrow(&mut self) -> Block<'_, T, Y> {
+        Block {
+            field: &mut *self.field,
+            before: &mut *self.before,
+            columns: self.columns.each_mut().map(|column| &mut **column),
+            tallies: &mut *self.tallies,
+            activity: &mut *self.activity,
+            ..*self
+        }
+    }
+
+    /// Splits before a row.
+    pub fn split_at_row(self, row: usize) -> (Self, Self) {
+        let count = self.count();
+        let Self { first, field, before, columns, tallies, activity, stages, length, rows } = self;
+        let (before, other_before) = split(before, row * length);
+        let (field, other_field) = split(field, row * length);
+        let (tallies, other_tallies) = split(tallies, row * (tallies.len() / count.max(1)));
+        let (activity, other_activity) = split(activity, row * stages);
+        let mut pairs = columns.map(|column| split(column, row * length));
+        let lower = pairs.each_mut().map(|(lower, _)| std::mem::take(lower));
+        let upper = pairs.map(|(_, upper)| upper);
+        let others = Self {
+            first: first + row,
+            field: other_field,
+            before: other_before,
+            columns: upper,
+            tallies: other_tallies,
+            activity: other_activity,
+            stages,
+            length,
+            rows,
+        };
+        (Self { first, field, before, columns: lower, tallies, activity, stages, length, rows }, others)
+    }
+}
+
+/// Splits a column; one that is empty stays so.
+fn split<T>(column: &mut [T], at: usize) -> (&mut [T], &mut [T]) {
+    let at = at.min(column.len());
+    column.split_at_mut(at)
+}
+
+impl<T: Send, Y: Send> Split for Block<'_, T, Y> {
+    fn blocks(&self) -> usize {
+        self.count().div_ceil(self.rows)
+    }
+
+    fn split_at(self, blocks: usize) -> (Self, Self) {
+        let row = (blocks * self.rows).min(self.count());
+        self.split_at_row(row)
+    }
+}
