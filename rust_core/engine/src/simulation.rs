@@ -131,7 +131,7 @@ impl Simulation {
         };
         simulation.system.begin(0.0, executor)?;
         let energy = simulation.system.finite_audit(0.0, executor)?;
-        simulation.monitor.begin(&energy, simulation.epsilon);
+        simulation.monitor.begin(&energy, simulation.system.lowest_potential(), simulation.epsilon);
         Ok(simulation)
     }
 

@@ -58,7 +58,7 @@ pub(super) struct Monitor {
     pub vigilance: Vigilance,
     /// The scale: the largest energy so far [J].
     pub scale: f64,
-    /// The smallest potential energy so far [J].
+    /// The smallest potential energy so far, or a lower bound of it [J].
     pub lowest: f64,
     /// The balance at the start [J].
     pub balance: f64,
@@ -74,8 +74,9 @@ impl Monitor {
         Self { max_energy_growth, vigilance, scale: 0.0, lowest: f64::INFINITY, balance: 0.0, threshold: 0.0, quiet: 0 }
     }
 
-    /// Initializes the monitor at a state with this energy.
-    pub fn begin(&mut self, energy: &Ledger, epsilon: f64) {
+    /// Initializes the monitor at a state with this energy, and a lower bound of the potential energy if one is known.
+    pub fn begin(&mut self, energy: &Ledger, lowest: Option<f64>, epsilon: f64) {
+        self.lowest = lowest.unwrap_or(f64::INFINITY);
         self.balance = energy.balance();
         self.observe(energy, 0.0, epsilon);
     }

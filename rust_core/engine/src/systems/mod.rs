@@ -152,6 +152,12 @@ pub trait System: History + Send + Sync {
     /// As [`System::audit`], and on overflow.
     fn finite_audit(&self, time: f64, executor: &Executor) -> Result<Ledger>;
 
+    /// A lower bound of its potential energy, if one is known: an energy that starts as potential is then no rise when it
+    /// becomes kinetic [J].
+    fn lowest_potential(&self) -> Option<f64> {
+        None
+    }
+
     /// The momentum [kg·m/s] and the angular momentum about the origin of coordinates [kg·m²/s].
     fn momenta(&self) -> (DVec3, DVec3);
 

@@ -183,6 +183,10 @@ impl System for Several {
         Ok(ledger)
     }
 
+    fn lowest_potential(&self) -> Option<f64> {
+        self.systems().map(System::lowest_potential).sum()
+    }
+
     fn momenta(&self) -> (DVec3, DVec3) {
         let add = |sum: (DVec3, DVec3), own: (DVec3, DVec3)| (sum.0 + own.0, sum.1 + own.1);
         self.systems().map(System::momenta).fold((DVec3::ZERO, DVec3::ZERO), add)

@@ -199,6 +199,11 @@ impl<T: Real, I: Integrator> System for Wave<T, I> {
         Err(error.with_hint("smaller displacements, rates, speeds or densities"))
     }
 
+    /// It is a sum of squares.
+    fn lowest_potential(&self) -> Option<f64> {
+        Some(0.0)
+    }
+
     /// The momentum of u is not along an axis of space.
     fn momenta(&self) -> (DVec3, DVec3) {
         (DVec3::ZERO, DVec3::ZERO)
