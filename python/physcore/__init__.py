@@ -39,6 +39,7 @@ from physcore.numerics.integrators import (
     Integrator,
     McLachlan2,
     RungeKutta4,
+    RungeKuttaChebyshev,
     SemiImplicitEuler,
     VelocityVerlet,
 )
@@ -60,6 +61,8 @@ from physcore.simulation.state import Frame, Part, Snapshot
 from physcore.studies.accuracy import simulate
 from physcore.studies.stability import MeasuredLimit, stability_limit
 from physcore.studies.tradeoff import Tradeoff, tradeoff
+from physcore.systems.kinetics import Brusselator, FitzHughNagumo, GrayScott, Reaction, Schnakenberg
+from physcore.systems.reaction_diffusion import ReactionDiffusion
 from physcore.systems.wave import Ricker, Source, Wave
 
 if TYPE_CHECKING:
@@ -82,6 +85,7 @@ __all__ = [
     "BogackiShampine3",
     "Boundary",
     "Box",
+    "Brusselator",
     "CentralForce",
     "CubicSpline",
     "CustomForce",
@@ -91,11 +95,13 @@ __all__ = [
     "EnergySeries",
     "ExplicitEuler",
     "FileError",
+    "FitzHughNagumo",
     "Floor",
     "Fluid",
     "Force",
     "Frame",
     "Gravity",
+    "GrayScott",
     "Grid",
     "Integrator",
     "InternalError",
@@ -110,11 +116,15 @@ __all__ = [
     "PhyscoreError",
     "Plan",
     "Plane",
+    "Reaction",
+    "ReactionDiffusion",
     "Recording",
     "Ricker",
     "RungeKutta4",
+    "RungeKuttaChebyshev",
     "Scene",
     "SceneError",
+    "Schnakenberg",
     "SemiImplicitEuler",
     "Simulation",
     "SimulationDiverged",

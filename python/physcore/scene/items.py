@@ -101,10 +101,6 @@ class System(SceneItem):
     To add one: a file in `systems`, a line in `SYSTEMS`, and its counterpart in Rust.
     """
 
-    units: ClassVar[Mapping[str, str]] = {}
-    """Its fields by name, with their units; the first one is that which is shown, and compared between runs."""
-    signed: ClassVar[bool] = True
-    """Whether that field is as often below zero as above: its colors are then symmetric about zero."""
     equation: ClassVar[Equation] = "second order"
     """The kind of its equation of motion."""
     default_integrator: ClassVar[str] = "VelocityVerlet"
@@ -114,6 +110,16 @@ class System(SceneItem):
 
     name: str | None = field(default=None, kw_only=True)
     """A name by which results can be asked for."""
+
+    @property
+    def units(self) -> Mapping[str, str]:
+        """Its fields by name, with their units; the first one is that which is shown, and compared between runs."""
+        return {}
+
+    @property
+    def signed(self) -> bool:
+        """Whether that field is as often below zero as above: its colors are then symmetric about zero."""
+        return True
 
     @property
     @abstractmethod

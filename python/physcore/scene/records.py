@@ -63,6 +63,8 @@ def _is_item(value: Any) -> bool:
 
 def _inner(value: Any) -> Any:
     """A value of an item, with records for the items in it."""
+    if isinstance(value, Mapping):
+        return {name: _inner(each) for name, each in value.items()}
     if isinstance(value, tuple) and any(map(_is_item, value)):
         return tuple(map(_inner, value))
     return Record.of(value) if _is_item(value) else value
@@ -70,13 +72,18 @@ def _inner(value: Any) -> Any:
 
 def _is_code(value: Any) -> bool:
     """Whether a value is a function, or holds one."""
-    if isinstance(value, tuple):
-        return any(map(_is_code, value))
+    if isinstance(value, (tuple, dict)):
+        return any(map(_is_code, value.values() if isinstance(value, dict) else value))
     return value.is_code if isinstance(value, Record) else callable(value)
 
 
 def _described(value: Any) -> object:
-    """A value in the form of the engine, to which a list without entries is one that was left open."""
+    """A value in the form of the engine, to which a list without entries is one that was left open, and a mapping a
+    record of no kind.
+    """
+    if isinstance(value, dict):
+        values = {name: _described(each) for name, each in value.items()}
+        return {"kind": "", "name": None, "on": None, "values": values}
     if isinstance(value, tuple) and (not value or any(isinstance(each, Record) for each in value)):
         return tuple(map(_described, value)) or None
     return value.described() if isinstance(value, Record) else value
@@ -86,6 +93,8 @@ def pack(value: Any) -> Tree:
     """A record, or a thing that has one, in the form of files and hashes; a plain value as it is."""
     if isinstance(value, Record):
         return value.packed()
+    if isinstance(value, dict):
+        return {name: pack(each) for name, each in value.items()}
     if isinstance(value, tuple):
         return list(map(pack, value)) if any(isinstance(each, Record) for each in value) else value
     return Record.of(value).packed() if _is_item(value) else value

@@ -72,7 +72,8 @@ def read(world: World, scene: Scene, name: str) -> FloatArray:
 
 def snapshot(world: World, scene: Scene) -> Snapshot:
     """The present state, with positions as `read` gives them."""
-    return Snapshot(world.time, {info.name: read(world, scene, info.name) for info in fields(world, scene)})
+    values = {info.name: read(world, scene, info.name) for info in fields(world, scene)}
+    return Snapshot(world.time, values, scene=scene)
 
 
 def shown(state: S, scene: Scene) -> S:

@@ -117,6 +117,12 @@ class Trajectory:
         values: FloatArray = channels[name]
         return values
 
+    def __getitem__(self, name: str) -> FloatArray:
+        """A field over time by its name, such as `recording[item]["u"]`."""
+        if name not in self.channels:
+            raise KeyError(f"no field {name!r}: there are {', '.join(self.channels)}")
+        return self.channels[name]
+
     def _channel(self, name: str) -> FloatArray:
         if name not in self.channels:
             whose = "; only a Fluid has them" if name in FLUID_CHANNELS else ""
@@ -148,7 +154,7 @@ class Recording(Trajectory):
     provenance: Provenance | None = None
     """The steps that were taken, and the hash of the state at the end; None in files of an earlier physcore."""
 
-    def __getitem__(self, item: ItemKey) -> Trajectory:
+    def __getitem__(self, item: ItemKey) -> Trajectory:  # type: ignore[override]  # of a whole scene the part of an item
         system = self.scene.system(item)
         if system is not None:
             own = {name: values for name, values in self.channels.items() if name.startswith(f"{system}.")}

@@ -113,6 +113,8 @@ def _named(path: str) -> Iterator[None]:
 def _unpack_value(tree: Tree, path: str, kinds: tuple[type[Any], ...]) -> Any:
     if isinstance(tree, list) and any(isinstance(each, dict) for each in tree):
         return tuple(_unpack_value(each, f"{path}[{index}]", kinds) for index, each in enumerate(tree))
+    if isinstance(tree, dict) and kinds and "kind" not in tree:
+        return {name: _unpack_value(each, f"{path}[{name!r}]", kinds) for name, each in tree.items()}
     return _unpack(tree, path, kinds) if isinstance(tree, dict) and kinds else tree
 
 

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, cast
 
 from physcore.checks import FloatArray
 from physcore.errors import SceneError
+from physcore.scene.scene import BodyKey, ItemKey, Scene
 from physcore.simulation.energy import Amount, Energy
 
 
@@ -35,6 +36,21 @@ class Snapshot:
     """[s]"""
     fields: Mapping[str, FloatArray]
     """The fields by name."""
+    scene: Scene | None = field(default=None, kw_only=True, repr=False)
+    """The scene, where this is the state of all of it."""
+
+    def __getitem__(self, key: ItemKey) -> Any:
+        """A field by its name, such as `simulation[item]["u"]`; or of a whole scene the part of an item, a Snapshot."""
+        if isinstance(key, str) and key in self.fields:
+            return self.fields[key]
+        if self.scene is None:
+            raise KeyError(f"no field {key!r}: there are {', '.join(self.fields)}")
+        path = self.scene.system(key)
+        if path is not None:
+            own = {name: values for name, values in self.fields.items() if name.startswith(f"{path}.")}
+            return Snapshot(self.time, {name.removeprefix(f"{path}."): values for name, values in own.items()})
+        part = self.scene.slice(cast("BodyKey", key))
+        return Snapshot(self.time, {name: values[part] for name, values in self.fields.items() if "." not in name})
 
     @property
     def positions(self) -> FloatArray:

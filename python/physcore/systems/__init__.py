@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from physcore.scene.items import System
+from physcore.systems.reaction_diffusion import ReactionDiffusion
 from physcore.systems.wave import Wave
 
-SYSTEMS: tuple[type[System], ...] = (Wave,)
+SYSTEMS: tuple[type[System], ...] = (Wave, ReactionDiffusion)
 """Every system beside matter; what is registered here can be saved, and is tested."""
 
 __all__ = ["SYSTEMS", "System"]

@@ -192,7 +192,6 @@ class Wave(GridSystem):
     Numerical Methods for Transient Wave Equations", 2002, chapter 4.
     """
 
-    units: ClassVar[Mapping[str, str]] = {"displacement": "m", "rate": "m/s"}
     parts: ClassVar[tuple[type, ...]] = (Grid, Absorbing, Source, Ricker)
 
     speed: float | FloatArray
@@ -258,6 +257,11 @@ class Wave(GridSystem):
             name=None if name is None else text(name, "Wave.name"),
             absorbing=layer or absorbing or Absorbing(),
         )
+
+    @property
+    def units(self) -> Mapping[str, str]:
+        """Displacement and rate."""
+        return {"displacement": "m", "rate": "m/s"}
 
     @property
     def solid(self) -> BoolArray | None:

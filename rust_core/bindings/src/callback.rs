@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use numpy::{PyArrayDescrMethods, PyReadonlyArrayDyn, PyUntypedArray, PyUntypedArrayMethods};
+use numpy::{PyArrayDescrMethods, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArray, PyUntypedArrayMethods, ToPyArray};
 use physcore_engine::error::Cause;
 use physcore_engine::scene::{Argument, Callback, Failure};
 use pyo3::exceptions::PyValueError;
@@ -36,6 +36,7 @@ impl Callback for Function {
             let object = |argument: &Argument<'_>| match *argument {
                 Argument::Number(number) => Ok(PyFloat::new(py, number).into_any()),
                 Argument::Vectors(vectors) => Ok(array(py, vectors, self.dimension)?.into_any()),
+                Argument::Array { numbers, shape } => Ok(numbers.to_pyarray(py).reshape(shape.to_vec())?.into_any()),
             };
             let objects = arguments.iter().map(object).collect::<PyResult<Vec<_>>>()?;
             let given = self.function.bind(py).call1(PyTuple::new(py, objects)?)?;

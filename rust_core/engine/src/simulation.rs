@@ -132,6 +132,7 @@ impl Simulation {
         simulation.system.begin(0.0, executor)?;
         let energy = simulation.system.finite_audit(0.0, executor)?;
         simulation.monitor.begin(&energy, simulation.system.lowest_potential(), simulation.epsilon);
+        simulation.monitor.expect_amplitude(simulation.system.amplitude());
         Ok(simulation)
     }
 
@@ -253,7 +254,9 @@ impl Simulation {
     /// As [`System::write`].
     pub fn write(&mut self, fields: &[(&str, &[f64])], executor: &Executor) -> Result<()> {
         let time = self.time();
-        self.system.write(fields, time, executor)
+        self.system.write(fields, time, executor)?;
+        self.monitor.expect_amplitude(self.system.amplitude());
+        Ok(())
     }
 
     /// The largest Mach number at diagnosed states, if there is a fluid.

@@ -11,6 +11,7 @@ from physcore.numerics.integrators.explicit_euler import ExplicitEuler
 from physcore.numerics.integrators.mclachlan_2 import McLachlan2
 from physcore.numerics.integrators.pefrl import PEFRL
 from physcore.numerics.integrators.runge_kutta_4 import RungeKutta4
+from physcore.numerics.integrators.runge_kutta_chebyshev import RungeKuttaChebyshev
 from physcore.numerics.integrators.semi_implicit_euler import SemiImplicitEuler
 from physcore.numerics.integrators.velocity_verlet import VelocityVerlet
 
@@ -25,6 +26,7 @@ INTEGRATORS: tuple[type[Integrator], ...] = (
     BlanesMoan6,
     BogackiShampine3,
     DormandPrince5,
+    RungeKuttaChebyshev,
 )
 """Every integrator; what is registered here can be saved, and is tested for its order."""
 
@@ -39,6 +41,7 @@ __all__ = [
     "Integrator",
     "McLachlan2",
     "RungeKutta4",
+    "RungeKuttaChebyshev",
     "SemiImplicitEuler",
     "VelocityVerlet",
 ]

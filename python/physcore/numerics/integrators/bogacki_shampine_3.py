@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from physcore.numerics.integrators.base import Integrator
+from physcore.scene.items import Equation
 
 
 @dataclass(frozen=True)
@@ -26,3 +27,4 @@ class BogackiShampine3(Integrator):
     order: ClassVar[int] = 3
     symplectic: ClassVar[bool] = False
     embedded: ClassVar[bool] = True
+    solves: ClassVar[tuple[Equation, ...]] = ("second order", "first order")

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from physcore.numerics.integrators.base import Integrator
+from physcore.scene.items import Equation
 
 
 @dataclass(frozen=True)
@@ -29,3 +30,4 @@ class DormandPrince5(Integrator):
     order: ClassVar[int] = 5
     symplectic: ClassVar[bool] = False
     embedded: ClassVar[bool] = True
+    solves: ClassVar[tuple[Equation, ...]] = ("second order", "first order")

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from physcore.numerics.integrators.base import Integrator
+from physcore.scene.items import Equation
 
 
 @dataclass(frozen=True)
@@ -24,3 +25,4 @@ class ExplicitEuler(Integrator):
 
     order: ClassVar[int] = 1
     symplectic: ClassVar[bool] = False
+    solves: ClassVar[tuple[Equation, ...]] = ("second order", "first order")

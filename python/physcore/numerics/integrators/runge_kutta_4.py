@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from physcore.numerics.integrators.base import Integrator
+from physcore.scene.items import Equation
 
 
 @dataclass(frozen=True)
@@ -25,3 +26,4 @@ class RungeKutta4(Integrator):
 
     order: ClassVar[int] = 4
     symplectic: ClassVar[bool] = False
+    solves: ClassVar[tuple[Equation, ...]] = ("second order", "first order")

@@ -11,6 +11,13 @@ pub enum Argument<'a> {
     Number(f64),
     /// An array with a vector in each row.
     Vectors(&'a [DVec3]),
+    /// An array of numbers of a shape, row by row.
+    Array {
+        /// The numbers.
+        numbers: &'a [f64],
+        /// The length of each axis.
+        shape: &'a [usize],
+    },
 }
 
 /// A function of the user's, which gives numbers.

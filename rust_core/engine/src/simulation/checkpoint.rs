@@ -16,7 +16,7 @@ pub struct Checkpoint {
     /// The energy tallies, part by part.
     pub tallies: Vec<f64>,
     /// The state of the divergence monitor.
-    pub monitor: [f64; 4],
+    pub monitor: [f64; 6],
     /// The state of the step-size control.
     pub adaptation: Adaptation,
 }

@@ -6,6 +6,9 @@
 //! times the scale, the largest energy so far. The threshold then becomes twice the scale, or twice the activity if that is
 //! larger, so the budget is computed only when the activity has doubled.
 //!
+//! Of a system without an energy the activity is its largest |value|, of which the same is asked: that it stays below
+//! `max_energy_growth` times the largest so far, as far as the steps resolved its growth.
+//!
 //! A rise has to persist for one more step, so that the onset of a force is no divergence.
 //!
 //! The result is a function of the trajectory alone: steps run in batches, and where a step of a batch is to be diagnosed,
@@ -21,6 +24,8 @@ use crate::systems::{Element, Fault, Record};
 
 /// The shortest batch after a diagnosis.
 const SHORTEST: u64 = 8;
+/// Steps in which an amplitude may double and is still resolved by them.
+const RESOLVED: u64 = 32;
 /// The activity [J] above which other energies may overflow.
 const LARGEST: f64 = 1e300;
 
@@ -64,6 +69,10 @@ pub(super) struct Monitor {
     pub balance: f64,
     /// The threshold of the activity for a diagnosis [J].
     pub threshold: f64,
+    /// The largest |value| so far of systems without an energy that was reached by a resolved growth; 0 before there was any.
+    pub amplitude: f64,
+    /// The step of the last diagnosis of that.
+    pub followed: u64,
     /// Steps since the last diagnosis, which only set the length of batches.
     pub quiet: u64,
 }
@@ -71,7 +80,8 @@ pub(super) struct Monitor {
 impl Monitor {
     /// A monitor without history.
     pub fn new(max_energy_growth: f64, vigilance: Vigilance) -> Self {
-        Self { max_energy_growth, vigilance, scale: 0.0, lowest: f64::INFINITY, balance: 0.0, threshold: 0.0, quiet: 0 }
+        let (lowest, scale) = (f64::INFINITY, 0.0);
+        Self { max_energy_growth, vigilance, scale, lowest, balance: 0.0, threshold: 0.0, amplitude: 0.0, followed: 0, quiet: 0 }
     }
 
     /// Initializes the monitor at a state with this energy, and a lower bound of the potential energy if one is known.
@@ -101,14 +111,33 @@ impl Monitor {
         (rise > self.max_energy_growth * self.scale).then_some(rise)
     }
 
+    /// Updates the amplitude and the threshold by that of a state after some steps; returns its ratio to the largest so far if
+    /// it exceeds the threshold. A growth that doubles in fewer than [`RESOLVED`] steps does not enter.
+    pub fn follow(&mut self, amplitude: f64, steps: u64) -> Option<f64> {
+        let resolved = steps >= self.followed + RESOLVED || self.amplitude == 0.0;
+        if resolved && amplitude > self.amplitude {
+            self.amplitude = amplitude;
+        }
+        self.followed = steps;
+        self.threshold = self.threshold.max(2.0 * amplitude);
+        (amplitude > (1.0 + self.max_energy_growth) * self.amplitude).then(|| amplitude / self.amplitude)
+    }
+
     /// The state, for checkpoints.
-    pub fn capture(&self) -> [f64; 4] {
-        [self.scale, self.lowest, self.balance, self.threshold]
+    pub fn capture(&self) -> [f64; 6] {
+        [self.scale, self.lowest, self.balance, self.threshold, self.amplitude, self.followed as f64]
     }
 
     /// Restores the state.
-    pub fn restore(&mut self, numbers: [f64; 4]) {
-        [self.scale, self.lowest, self.balance, self.threshold] = numbers;
+    pub fn restore(&mut self, [scale, lowest, balance, threshold, amplitude, followed]: [f64; 6]) {
+        (self.scale, self.lowest, self.balance, self.threshold) = (scale, lowest, balance, threshold);
+        (self.amplitude, self.followed) = (amplitude, followed as u64);
+    }
+
+    /// Takes over the amplitude of a state that is given.
+    pub fn expect_amplitude(&mut self, amplitude: Option<f64>) {
+        self.amplitude = self.amplitude.max(amplitude.unwrap_or_default());
+        self.threshold = self.threshold.max(2.0 * self.amplitude);
     }
 
     /// Adds an energy that a step cannot resolve to the scale.
@@ -233,6 +262,11 @@ impl Simulation {
         }
         let activity = self.system.activity().last().copied().unwrap_or_default();
         let rise = self.monitor.observe(&energy, activity, self.epsilon);
+        let grown = self.system.amplitude().and_then(|amplitude| self.monitor.follow(amplitude, self.steps));
+        if let Some(ratio) = grown {
+            let cause = format!("has run away: it is {ratio:.3e} times the largest value that a resolved growth had reached");
+            return Ok(Finding::Risen(divergence(self.system.fastest(), "value", cause)));
+        }
         Ok(rise.map_or(Finding::Good, |rise| {
             let scale = self.monitor.scale;
             let cause = format!(

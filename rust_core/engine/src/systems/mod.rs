@@ -4,6 +4,7 @@
 //! monitor and a ledger over a system, independent of particles.
 
 pub mod matter;
+pub mod reaction_diffusion;
 pub mod several;
 pub mod wave;
 
@@ -120,6 +121,11 @@ pub trait System: History + Send + Sync {
     /// The activity after each recorded step of the last batch [J]: the kinetic energy, or another quantity that grows
     /// without bound where the solution does; NaN or infinite where the state is.
     fn activity(&self) -> &[f64];
+
+    /// The largest |value| of a system whose divergence shows in that alone, because it has no energy.
+    fn amplitude(&self) -> Option<f64> {
+        None
+    }
 
     /// Whether its steps are linear in the state and autonomous. Steps of at most half of the limit of stability then never
     /// double the energy: the invariant of an oscillator's step is elongated by 1/√(1 − ½²) at most.
@@ -243,6 +249,7 @@ pub fn build(
 fn declared(item: &Item, method: &Item, precision: &str, _executor: &Executor) -> Result<Box<dyn System>> {
     match item.kind.as_str() {
         "Wave" => with_integrator!(method.kind.as_str(), I => wave::build::<I>(item, precision), Err(unknown_integrator(method))),
+        "ReactionDiffusion" => reaction_diffusion::build(item, method, precision),
         _ => Err(scene::unknown(item, "a kind of system")),
     }
 }

@@ -139,6 +139,10 @@ impl System for Several {
         &self.activity
     }
 
+    fn amplitude(&self) -> Option<f64> {
+        self.systems().filter_map(System::amplitude).reduce(f64::max)
+    }
+
     fn is_linear(&self) -> bool {
         self.systems().all(System::is_linear)
     }

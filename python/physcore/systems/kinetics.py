@@ -1,0 +1,219 @@
+"""Kinetics: the rates of the reactions of a `ReactionDiffusion`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, fields
+from typing import Any, ClassVar, Literal, Self
+
+from physcore.checks import items, number, shown, text, word
+from physcore.errors import SceneError
+
+Pearson = Literal["alpha", "beta", "gamma", "delta", "epsilon", "zeta", "eta", "theta", "iota", "kappa", "lambda", "mu"]
+
+PEARSON: Mapping[Pearson, tuple[float, float]] = {
+    "alpha": (0.010, 0.047),  # wavelets that meet and vanish, chaotic
+    "beta": (0.026, 0.051),  # chaos of waves and spots
+    "gamma": (0.022, 0.051),  # worms that break up and grow again
+    "delta": (0.030, 0.055),  # fronts that leave spots and worms behind
+    "epsilon": (0.018, 0.055),  # rings and spots that divide and die
+    "zeta": (0.022, 0.061),  # spots that divide and crowd each other out
+    "eta": (0.034, 0.063),  # worms and spots
+    "theta": (0.030, 0.057),  # a maze of stripes that grows from its ends
+    "iota": (0.046, 0.0594),  # a lattice of holes
+    "kappa": (0.050, 0.063),  # a maze that fills the plane
+    "lambda": (0.026, 0.061),  # spots that divide until they fill the plane: mitosis
+    "mu": (0.046, 0.065),  # worms that grow at both ends and do not branch
+}
+"""Feed and kill rates of each class of patterns, for D_u = 2e-5, D_v = 1e-5 m²/s."""
+
+
+@dataclass(frozen=True)
+class Kinetics:
+    """The rates of reactions between species; those of the species "u" and "v" are built in.
+
+    To add some: a class here, a line in `KINETICS`, and its counterpart in Rust.
+    """
+
+    signed: ClassVar[bool] = False
+    """Whether values are as often below zero as above."""
+    shown: ClassVar[str] = "u"
+    """The species that films show where nothing is said, and that is compared between runs."""
+
+    def __post_init__(self) -> None:
+        for entry in fields(self):
+            path = f"{type(self).__name__}.{entry.name}"
+            object.__setattr__(self, entry.name, number(getattr(self, entry.name), path))
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names of its species."""
+        return ("u", "v")
+
+
+@dataclass(frozen=True)
+class GrayScott(Kinetics):
+    """Gray and Scott's reaction u + 2 v → 3 v in a stirred tank that is fed with u: spots, stripes, mazes and chaos.
+
+        kinetics = pc.GrayScott(feed=0.035, kill=0.0625)
+
+        R_u = −u v² + F (1 − u)
+        R_v =  u v² − (F + k) v
+
+    Args:
+        feed: F [1/s], at least zero.
+        kill: k [1/s], at least zero.
+
+    Raises:
+        SceneError: a number is below zero.
+
+    Source: P. Gray, S. K. Scott, Chem. Eng. Sci. 39, 1087 (1984); J. E. Pearson, Science 261, 189 (1993).
+    """
+
+    feed: float
+    kill: float
+    shown: ClassVar[str] = "v"
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "feed", number(self.feed, "GrayScott.feed", least=0.0))
+        object.__setattr__(self, "kill", number(self.kill, "GrayScott.kill", least=0.0))
+
+    @classmethod
+    def pearson(cls, pattern: Pearson) -> Self:
+        """Rates at which one of Pearson's classes of patterns appears, "alpha" to "mu".
+
+            spots = pc.ReactionDiffusion(grid, pc.GrayScott.pearson("lambda"), {"u": 2e-5, "v": 1e-5}, …)
+
+        They hold for D_u = 2e-5 and D_v = 1e-5 m²/s; with both multiplied by a number, lengths grow as its square
+        root. "alpha", "beta" and "gamma" are chaotic; "epsilon" and "zeta" are spots that divide and die; "lambda" are
+        spots that divide until they fill the plane; "delta" and "eta" have spots and stripes, "theta", "kappa" and "mu"
+        stripes, "iota" holes.
+
+        Raises:
+            SceneError: there is no such class.
+
+        Source: J. E. Pearson, Science 261, 189 (1993), figure 3; R. P. Munafo, mrob.com/pub/comp/xmorphia.
+        """
+        return cls(*PEARSON[word(pattern, "GrayScott.pearson", tuple(PEARSON))])
+
+
+@dataclass(frozen=True)
+class FitzHughNagumo(Kinetics):
+    """FitzHugh and Nagumo's excitable medium: pulses on nerves, spiral waves.
+
+        kinetics = pc.FitzHughNagumo(epsilon=0.08, beta=0.7, gamma=0.8)
+
+        R_u = u − u³/3 − v + I
+        R_v = ε (u + β − γ v)
+
+    u is the membrane potential, v the recovery. With the defaults the rest at u = −1.1994, v = −0.6243 is stable and
+    excitable; for currents from 0.33 to 1.42 it oscillates.
+
+    Args:
+        epsilon: ε, the ratio of the rates of recovery and of excitation.
+        beta, gamma: β and γ.
+        current: I, the stimulus.
+
+    Raises:
+        SceneError: a number is not finite.
+
+    Source: R. FitzHugh, Biophys. J. 1, 445 (1961); J. Nagumo, S. Arimoto, S. Yoshizawa, Proc. IRE 50, 2061 (1962).
+    """
+
+    epsilon: float = 0.08
+    beta: float = 0.7
+    gamma: float = 0.8
+    current: float = 0.0
+    signed: ClassVar[bool] = True
+
+
+@dataclass(frozen=True)
+class Brusselator(Kinetics):
+    """The Brusselator of Prigogine and Lefever: oscillations, and patterns where v diffuses faster than u.
+
+        kinetics = pc.Brusselator(a=2.0, b=4.0)
+
+        R_u = a − (b + 1) u + u² v
+        R_v = b u − u² v
+
+    The even state is u = a, v = b/a. It oscillates for b > 1 + a², and becomes a pattern for
+    b > (1 + a √(D_u/D_v))² below that.
+
+    Args:
+        a, b: amounts fed.
+
+    Raises:
+        SceneError: a number is not finite.
+
+    Source: I. Prigogine, R. Lefever, J. Chem. Phys. 48, 1695 (1968).
+    """
+
+    a: float
+    b: float
+
+
+@dataclass(frozen=True)
+class Schnakenberg(Kinetics):
+    """Schnakenberg's reaction: spots and stripes where v diffuses faster than u.
+
+        kinetics = pc.Schnakenberg(a=0.1, b=0.9)
+
+        R_u = a − u + u² v
+        R_v = b − u² v
+
+    The even state is u = a + b, v = b/(a + b)².
+
+    Args:
+        a, b: amounts fed.
+
+    Raises:
+        SceneError: a number is not finite.
+
+    Source: J. Schnakenberg, J. Theor. Biol. 81, 389 (1979).
+    """
+
+    a: float
+    b: float
+
+
+@dataclass(frozen=True)
+class Reaction(Kinetics):
+    """A reaction of your own between any species, as a NumPy function of all cells.
+
+        logistic = pc.Reaction(("n",), lambda n: (n * (1 - n),))
+        kinetics = pc.Reaction(("u", "v"), lambda u, v: (-u * v * v + F * (1 - u), u * v * v - (F + k) * v))
+
+    The function is called once per stage of each step, on one thread, with the values of each species in all cells, as
+    arrays of the grid's shape that may be changed. It gives the rates of all species in their order, one array of that
+    shape for each. What it does to one cell must not depend on others.
+
+    Args:
+        species: their names, each a Python identifier.
+        function: gives the rates [1/s].
+
+    Raises:
+        SceneError: a name is none, or named twice.
+    """
+
+    species: tuple[str, ...]
+    function: Callable[..., Sequence[Any]]
+    signed: ClassVar[bool] = True
+
+    def __post_init__(self) -> None:
+        names = tuple(text(name, "Reaction.species") for name in items(self.species, "Reaction.species", "names"))
+        if not names or len(set(names)) < len(names) or not all(name.isidentifier() for name in names):
+            raise SceneError(
+                f"Reaction.species: must be different names, such as ('u', 'v'), got {shown(self.species)}"
+            )
+        if not callable(self.function):
+            raise SceneError(f"Reaction.function: must be a function of the species, got {shown(self.function)}")
+        object.__setattr__(self, "species", names)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names of its species."""
+        return self.species
+
+
+KINETICS: tuple[type[Kinetics], ...] = (GrayScott, FitzHughNagumo, Brusselator, Schnakenberg, Reaction)
+"""All kinetics."""

@@ -1,0 +1,127 @@
+"""Reaction and diffusion of species on a grid."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import ClassVar, Literal, TypeAlias
+
+from physcore.checks import FloatArray, number, shown, text
+from physcore.errors import SceneError
+from physcore.scene.grid import Field, Grid, GridSystem
+from physcore.scene.items import Equation
+from physcore.systems.kinetics import KINETICS, Kinetics
+
+Edge = Literal["free", "fixed"]
+Edges: TypeAlias = Edge | Mapping[str, Edge] | Sequence[str]
+"""What is at the edges: a word for all, or a mapping from axes ("x") and sides ("x-", "x+") to words."""
+EDGES: tuple[Edge, ...] = ("free", "fixed")
+
+
+@dataclass(frozen=True, eq=False, init=False, repr=False)
+class ReactionDiffusion(GridSystem):
+    """Species that react and diffuse: u_t = D_u ∇²u + R_u(u, v, …), and likewise for each.
+
+        grid = pc.Grid((256, 256), spacing=0.01)
+        dish = pc.ReactionDiffusion(grid, pc.GrayScott(0.035, 0.0625), diffusion={"u": 2e-5, "v": 1e-5},
+                                    initial={"u": 1.0, "v": lambda x, y: 0.3 * (np.hypot(x - 1.28, y - 1.28) < 0.1)})
+        recording = pc.simulate(pc.Scene(dish), duration=2000.0)
+        recording[dish]["v"]  # (F, 256, 256)
+        recording.budgets["v"].supplied  # (F,)
+
+    The Laplacian has two neighbors along each axis. Amounts, Σ u hᴰ, have budgets by species: `supplied` and `removed`
+    are the integrals of what reactions gain and lose, cell by cell, and of what passes through fixed edges; together
+    they account for the amount up to rounding.
+
+    Args:
+        grid: 1D, 2D or 3D.
+        reaction: the kinetics: `GrayScott`, `FitzHughNagumo`, `Brusselator`, `Schnakenberg`, or your own `Reaction`.
+        diffusion: the diffusivity D ≥ 0 of each species [m²/s], by its name.
+        initial: the value of each species at the start, a field: a number, an array of shape `grid.cells` or a function
+            of the coordinates of cells' centers.
+        edges: "free": nothing passes the outer faces; "fixed": values are zero on them. A word for all edges, or a
+            mapping of axes or sides, `{"x": "fixed", "y-": "free"}`; those not named are free. Periodic axes, as the
+            grid says, have none.
+        name: a name by which results can be asked for.
+
+    Raises:
+        SceneError: a species is missing or unknown; a diffusivity is below zero; a field has the wrong shape; or an
+            edge is not valid.
+
+    Source: A. M. Turing, Phil. Trans. R. Soc. B 237, 37 (1952); W. Hundsdorfer, J. G. Verwer, "Numerical Solution of
+    Time-Dependent Advection-Diffusion-Reaction Equations", 2003.
+    """
+
+    equation: ClassVar[Equation] = "first order"
+    default_integrator: ClassVar[str] = "RungeKutta4"
+    parts: ClassVar[tuple[type, ...]] = (Grid, *KINETICS)
+
+    reaction: Kinetics
+    """The kinetics."""
+    diffusion: Mapping[str, float]
+    """D of each species [m²/s]."""
+    initial: Mapping[str, float | FloatArray]
+    """The value of each species at the start, a number or of shape `grid.cells`."""
+
+    def __init__(
+        self,
+        grid: Grid,
+        reaction: Kinetics,
+        diffusion: Mapping[str, float],
+        initial: Mapping[str, Field],
+        edges: Edges = "free",
+        name: str | None = None,
+    ) -> None:
+        if not isinstance(grid, Grid):
+            raise SceneError(f"ReactionDiffusion.grid: must be a Grid, got {shown(grid)}")
+        if not isinstance(reaction, KINETICS):
+            known = ", ".join(f"{kind.__name__}(…)" for kind in KINETICS)
+            raise SceneError(f"ReactionDiffusion.reaction: must be one of {known}, got {shown(reaction)}")
+        rates = _by_species(diffusion, reaction, "ReactionDiffusion.diffusion")
+        fields = _by_species(initial, reaction, "ReactionDiffusion.initial")
+        words, _ = grid.edges(edges, "ReactionDiffusion.edges", EDGES, "free")
+        self._set(
+            grid=grid,
+            reaction=reaction,
+            diffusion={
+                species: number(value, f"ReactionDiffusion.diffusion[{species!r}]", least=0.0)
+                for species, value in rates.items()
+            },
+            initial={
+                species: grid.uniform_or_field(value, f"ReactionDiffusion.initial[{species!r}]")  # type: ignore[arg-type]
+                for species, value in fields.items()
+            },
+            edges=words,
+            name=None if name is None else text(name, "ReactionDiffusion.name"),
+        )
+
+    @property
+    def units(self) -> Mapping[str, str]:
+        """The species, first the one that is shown; values have no unit."""
+        names = self.reaction.names
+        first = self.reaction.shown if self.reaction.shown in names else names[0]
+        return dict.fromkeys((first, *names), "1")
+
+    @property
+    def signed(self) -> bool:
+        """Whether the kinetics have values below zero as often as above."""
+        return self.reaction.signed
+
+    def __repr__(self) -> str:
+        label = f"{self.name!r}, " if self.name else ""
+        kinetics, cells = type(self.reaction).__name__, " × ".join(map(str, self.grid.cells))
+        return f"ReactionDiffusion({label}{kinetics}, {cells} cells)"
+
+
+def _by_species(value: object, reaction: Kinetics, path: str) -> dict[str, object]:
+    """A value for each species, in their order."""
+    names = reaction.names
+    if not isinstance(value, Mapping):
+        raise SceneError(f"{path}: must be a mapping of the species {', '.join(map(repr, names))}, got {shown(value)}")
+    for key in value:
+        if key not in names:
+            raise SceneError(f"{path}[{shown(key)}]: is none of the species, which are {', '.join(map(repr, names))}")
+    missing = [name for name in names if name not in value]
+    if missing:
+        raise SceneError(f"{path}: must have a value for each species, {', '.join(map(repr, missing))} has none")
+    return {name: value[name] for name in names}

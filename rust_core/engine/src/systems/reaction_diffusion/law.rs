@@ -1,0 +1,151 @@
+//! The law of motion: u_t = D ∇²u + R(u, v, …), stage by stage over rows of cells.
+
+use std::ops::Range;
+
+use super::kinetics::{Kinetics, with_law};
+use super::stage::{self, Cells, Given, Inside, Stage, Sums};
+use crate::grid::{Block, Edge, Grid, Laplacian, Sweep, Window};
+use crate::math::Real;
+
+/// Memory of the rates of diffusion that are computed at a time: they stay in the first-level cache [bytes].
+const SEGMENT: usize = 1 << 12;
+
+/// Time integrals of what came into one row of one species, and of what left it, in units of a cell.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Tally {
+    /// Gain of reactions.
+    pub gain: f64,
+    /// Loss of reactions.
+    pub loss: f64,
+    /// Loss through fixed edges.
+    pub edges: f64,
+    /// Gain by changes of the field between steps.
+    pub set: f64,
+}
+
+/// The law, without the state.
+pub struct Law<T> {
+    pub grid: Grid,
+    pub kinetics: Kinetics<T>,
+    /// The names of the species.
+    pub species: Vec<&'static str>,
+    /// D ∇² of each.
+    pub diffusion: Vec<Laplacian<T>>,
+}
+
+/// Stages of a batch, as many as one pass over memory takes.
+pub struct Pass<'a, T> {
+    pub law: &'a Law<T>,
+    /// The stages of a step.
+    pub stages: &'a [Stage<T>],
+    /// The number of the first stage in the batch, and of the last one of the batch.
+    pub first: usize,
+    pub last: usize,
+    /// The state at the start of the batch.
+    pub start: &'a [T],
+    /// The rates of reactions, where they come from a function of the user's.
+    pub given: &'a [T],
+}
+
+impl<T: Real> Law<T> {
+    /// The number of values in a row of all species.
+    pub fn width(&self) -> usize {
+        self.species.len() * self.grid.row_length()
+    }
+
+    /// The rate at which a row of a species loses through fixed edges: Σ κ u.
+    fn loss(&self, species: usize, row: usize, values: &[T]) -> f64 {
+        let diffusion = &self.diffusion[species];
+        if !diffusion.edges.any(Edge::Fixed) {
+            return 0.0;
+        }
+        let anchor = diffusion.anchor.row(row);
+        let of = |cell: usize| anchor[cell].to_f64() * values[cell].to_f64();
+        let beside = self.grid.neighbors(row);
+        let last = values.len() - 1;
+        if self.grid.axes().any(|axis| axis < 2 && beside[axis].contains(&None)) {
+            (0..=last).map(of).sum()
+        } else {
+            of(0) + if last > 0 { of(last) } else { 0.0 }
+        }
+    }
+}
+
+/// Some cells of `N` species in a row of a block, from one of the species on.
+fn cells<'a, T, const N: usize>(
+    (block, index): (&'a mut Block<'_, T, Tally>, usize),
+    length: usize,
+    first: usize,
+    range: &Range<usize>,
+    before: Window<'a, T>,
+    diffusion: &'a [T],
+) -> [Cells<'a, T>; N] {
+    let row = block.first + index;
+    let own = index * block.length + first * length..(index + 1) * block.length;
+    let mut next = block.field[own.clone()].chunks_exact_mut(length);
+    let mut columns = block
+        .columns
+        .each_mut()
+        .map(|column| if column.is_empty() { &mut [] } else { &mut column[own.clone()] }.chunks_exact_mut(length));
+    let mut diffusion = diffusion.chunks_exact(range.len());
+    std::array::from_fn(|species| Cells {
+        value: &Window { field: first + species, ..before }.row(row)[range.clone()],
+        diffusion: diffusion.next().unwrap_or_default(),
+        next: next.next().map_or(&mut [], |row| &mut row[range.clone()]),
+        columns: columns.each_mut().map(|rows| rows.next().map_or(&mut [][..], |row| &mut row[range.clone()])),
+    })
+}
+
+impl<T: Real> Sweep<T, Tally> for Pass<'_, T> {
+    fn scratch(&self) -> usize {
+        self.law.species.len() * (SEGMENT / size_of::<T>()).min(self.law.grid.row_length())
+    }
+
+    fn row(&self, stage: usize, block: &mut Block<'_, T, Tally>, index: usize, before: Window<'_, T>, scratch: &mut [T]) {
+        let Self { law, stages, .. } = self;
+        let (row, length, count) = (block.first + index, law.grid.row_length(), law.species.len());
+        let (number, of) = (self.first + stage, |values| Window { length, fields: count, ..Window::new(values, length) });
+        let before = if number == 0 { of(self.start) } else { Window { length, fields: count, ..before } };
+        let scaled = &stages[number % stages.len()];
+        let mut largest = 0.0_f64;
+        let mut tally = |tallies: &mut [Tally], species: usize, sums: Sums| {
+            let tally = &mut tallies[index * count + species];
+            tally.gain += scaled.weight * sums.gain;
+            tally.loss += scaled.weight * (sums.gain - sums.net);
+            largest = if sums.largest.is_nan() || sums.largest > largest { sums.largest } else { largest };
+        };
+        let mut start = 0;
+        while start < length {
+            let range = start..(start + SEGMENT / size_of::<T>()).min(length);
+            start = range.end;
+            for (species, diffusion) in law.diffusion.iter().enumerate() {
+                let out = &mut scratch[species * range.len()..(species + 1) * range.len()];
+                diffusion.apply(Window { field: species, ..before }, row, range.clone(), out);
+            }
+            with_law!(
+                &law.kinetics,
+                kinetics => {
+                    let cells = cells::<T, 2>((block, index), length, 0, &range, before, scratch);
+                    let sums = stage::run(scaled, Inside(*kinetics), cells);
+                    (0..2).for_each(|species| tally(block.tallies, species, sums[species]));
+                },
+                _function => for species in 0..count {
+                    let given = &Window { field: species, ..of(self.given) }.row(row)[range.clone()];
+                    let diffusion = &scratch[species * range.len()..];
+                    let cells = cells::<T, 1>((block, index), length, species, &range, before, diffusion);
+                    let [sums] = stage::run(scaled, Given(given), cells);
+                    tally(block.tallies, species, sums);
+                }
+            );
+        }
+        for species in 0..count {
+            let loss = law.loss(species, row, Window { field: species, ..before }.row(row));
+            block.tallies[index * count + species].edges += scaled.weight * loss;
+        }
+        let ends = number == self.last;
+        if ends && block.field[index * block.length..(index + 1) * block.length].iter().any(|value| !value.is_finite()) {
+            largest = f64::NAN;
+        }
+        block.activity[index * block.stages + stage] = largest;
+    }
+}

@@ -1,0 +1,149 @@
+//! Reactions and diffusion: u_t = D ∇²u + R(u, v, …) for some species on a uniform grid, advanced by an explicit method of first
+//! order in time derivatives.
+
+mod fields;
+mod kinetics;
+mod law;
+mod limit;
+mod stage;
+mod steps;
+mod system;
+
+use std::collections::BTreeSet;
+use std::sync::{Mutex, PoisonError};
+
+use crate::error::{Error, Result};
+use crate::grid::{Coefficients, Edge, Edges, Grid, Laplacian, depth};
+use crate::integrators::first_order::{FirstOrder, NAMES};
+use crate::math::Real;
+use crate::memory;
+use crate::scene::Item;
+use crate::systems::System;
+use kinetics::Kinetics;
+use law::{Law, Tally};
+use stage::Stage;
+
+/// Compiles reactions and diffusion for a method.
+///
+/// # Errors
+/// If a parameter is missing or out of range, the method is not of first order, or memory does not suffice.
+pub fn build(item: &Item, method: &Item, precision: &str) -> Result<Box<dyn System>> {
+    let method =
+        FirstOrder::named(&method.kind).ok_or_else(|| Error::parameter("integrator", NAMES.join(" or "), &method.kind))?;
+    match precision {
+        "f32" => Ok(Box::new(ReactionDiffusion::<f32>::new(item, method)?)),
+        "f64" => Ok(Box::new(ReactionDiffusion::<f64>::new(item, method)?)),
+        other => Err(Error::parameter("precision", "f32 or f64", other)),
+    }
+}
+
+/// The values of all species, row by row: a row of the first species, the same row of the next, …; and what came and went.
+#[derive(Debug, Clone)]
+struct State<T> {
+    field: Vec<T>,
+    tallies: Vec<Tally>,
+}
+
+/// What stages need besides the state.
+struct Workspace<T> {
+    /// The field at the stage before, which neighbors still read.
+    before: Vec<T>,
+    /// y₀ and the slopes that are kept.
+    columns: Vec<Vec<T>>,
+    /// The rates of reactions that a function of the user's gave.
+    given: Vec<T>,
+    /// The largest |value| of each row at each stage of a pass.
+    activity: Vec<f64>,
+    /// The stages of steps of the last step size [s].
+    stages: (f64, Vec<Stage<T>>),
+}
+
+/// Reacting and diffusing species with their law of motion.
+struct ReactionDiffusion<T> {
+    law: Law<T>,
+    method: FirstOrder,
+    /// The largest rate of diffusion of any species [1/s], and its index.
+    fastest: (f64, usize),
+    /// What limits the step by that: `diffusion of u`.
+    term: &'static str,
+    state: State<T>,
+    /// The state at the start of the last batch.
+    saved: State<T>,
+    workspace: Workspace<T>,
+    /// The number of stages in one pass over memory.
+    depth: usize,
+    /// The largest |value| after each step of the last batch.
+    activity: Vec<f64>,
+}
+
+impl<T: Real> ReactionDiffusion<T> {
+    fn new(item: &Item, method: FirstOrder) -> Result<Self> {
+        let grid = Grid::declared(item)?;
+        let edges = Edges::declared(item, &grid)?;
+        if edges.any(Edge::Absorbing) {
+            return Err(item.wrong("edges", "fixed, free or periodic", item.values.get("edges")));
+        }
+        let (kinetics, names) = Kinetics::declared(item.record("reaction")?)?;
+        let (species, rows, length) = (names.len(), grid.rows(), grid.row_length());
+        let bytes = species * (2 + method.columns()) * size_of::<T>();
+        let given = if kinetics.calls_back() { species } else { 0 };
+        memory::check("the species", (bytes + (species + given) * size_of::<T>()) * grid.count(), 0, || {
+            "a coarser grid, or precision=\"f32\"".to_owned()
+        })?;
+        let coefficients = item.record("diffusion")?;
+        let mut diffusion = Vec::with_capacity(species);
+        for name in &names {
+            let weight = coefficients.non_negative(name)? / (grid.spacing * grid.spacing);
+            if !T::from_f64(weight).is_finite() {
+                let found = coefficients.values.get(name);
+                return Err(coefficients.wrong(name, &format!("a number whose ratio to h² {} holds", T::NAME), found));
+            }
+            let cells = Coefficients { grid: &grid, edges, walls: None, of: &|_, _| weight, same: true };
+            diffusion.push(Laplacian::new(&cells));
+        }
+        let mut field = vec![T::ZERO; species * grid.count()];
+        let initial = item.record("initial")?;
+        for (index, name) in names.iter().enumerate() {
+            let table = grid.field(initial, name)?;
+            for row in 0..rows {
+                let slots = &mut field[(row * species + index) * length..][..length];
+                slots.iter_mut().zip(table.row(row)).for_each(|(slot, &value)| *slot = T::from_f64(value));
+                if let Some(cell) = slots.iter().position(|value| !value.is_finite()) {
+                    let path = format!("{name} at {}", grid.name(row * length + cell));
+                    return Err(initial.wrong(&path, &format!("a number that {} holds", T::NAME), None));
+                }
+            }
+        }
+        let depth = if kinetics.calls_back() { 1 } else { depth(&grid, bytes) };
+        let rates = diffusion.iter().map(Laplacian::largest).enumerate();
+        let fastest = rates.fold((0.0, 0), |most, (index, rate)| if rate > most.0 { (rate, index) } else { most });
+        let state = State { tallies: vec![Tally::default(); rows * species], field };
+        let column = || vec![T::ZERO; species * grid.count()];
+        let workspace = Workspace {
+            before: column(),
+            columns: (0..method.columns()).map(|_| column()).collect(),
+            given: if given > 0 { column() } else { Vec::new() },
+            activity: vec![0.0; rows * depth],
+            stages: (0.0, Vec::new()),
+        };
+        let species: Vec<_> = names.into_iter().map(interned).collect();
+        let term = interned(format!("diffusion of {}", species[fastest.1]));
+        let law = Law { kinetics, species, diffusion, grid };
+        Ok(Self { law, method, fastest, term, saved: state.clone(), state, workspace, depth, activity: Vec::new() })
+    }
+}
+
+/// A name that lasts as long as the program: those of species, of which a program has few.
+fn interned(name: String) -> &'static str {
+    static NAMES: Mutex<BTreeSet<&'static str>> = Mutex::new(BTreeSet::new());
+    let mut names = NAMES.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some(known) = names.get(name.as_str()) {
+        return known;
+    }
+    let lasting: &'static str = name.leak();
+    names.insert(lasting);
+    lasting
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,251 @@
+//! One stage of a step, cell by cell: the rates of reactions beside those of diffusion, and the next state.
+
+use super::kinetics::Law;
+use crate::grid::COLUMNS;
+use crate::integrators::first_order::{Base, Combination, SLOPES};
+use crate::math::Real;
+use crate::simd::{Kernel, LANES, dispatch};
+
+/// A stage of a step of h seconds, in the precision of the state.
+#[derive(Debug, Clone, Copy)]
+pub struct Stage<T> {
+    base: Base,
+    /// μ and ν.
+    own: T,
+    other: T,
+    /// h wⱼ of the slopes that were kept, the first so many.
+    slopes: [T; SLOPES],
+    count: usize,
+    /// h w.
+    slope: T,
+    keep: Option<usize>,
+    /// h b.
+    pub weight: f64,
+}
+
+impl<T: Real> Stage<T> {
+    /// A stage of a step of `h` seconds.
+    pub fn new(combination: &Combination, h: f64) -> Self {
+        let scaled = |weight: f64| T::from_f64(h * weight);
+        let (own, other) = match combination.base {
+            Base::Own(own) => (own, 0.0),
+            Base::Recurrence(own, other) => (own, other),
+            Base::Here { .. } | Base::Start => (0.0, 0.0),
+        };
+        Self {
+            base: combination.base,
+            own: T::from_f64(own),
+            other: T::from_f64(other),
+            slopes: std::array::from_fn(|index| combination.slopes.get(index).map_or(T::ZERO, |&weight| scaled(weight))),
+            count: combination.slopes.len(),
+            slope: scaled(combination.slope),
+            keep: combination.keep,
+            weight: h * combination.weight,
+        }
+    }
+}
+
+/// Neighboring cells of a species.
+#[derive(Debug)]
+pub struct Cells<'a, T> {
+    /// The state at the stage, Y.
+    pub value: &'a [T],
+    /// The rate of diffusion there.
+    pub diffusion: &'a [T],
+    /// The next state; at first that of the stage before Y.
+    pub next: &'a mut [T],
+    /// y₀, and the slopes that are kept.
+    pub columns: [&'a mut [T]; COLUMNS],
+}
+
+/// The rates of the reactions of `N` species.
+pub trait Rates<T, const N: usize>: Copy {
+    /// Those in `W` cells from `at` on.
+    fn rates<const W: usize>(self, at: usize, values: &[[T; W]; N]) -> [[T; W]; N];
+}
+
+/// Those of a law.
+#[derive(Clone, Copy)]
+pub struct Inside<L>(pub L);
+
+impl<T: Real, L: Law<T>> Rates<T, 2> for Inside<L> {
+    #[inline(always)]
+    fn rates<const W: usize>(self, _at: usize, [u, v]: &[[T; W]; 2]) -> [[T; W]; 2] {
+        let mut rates = [[T::ZERO; W]; 2];
+        for lane in 0..W {
+            let [one, other] = self.0.rates([u[lane], v[lane]]);
+            rates[0][lane] = one;
+            rates[1][lane] = other;
+        }
+        rates
+    }
+}
+
+/// Those that were given.
+#[derive(Clone, Copy)]
+pub struct Given<'a, T>(pub &'a [T]);
+
+impl<T: Real> Rates<T, 1> for Given<'_, T> {
+    #[inline(always)]
+    fn rates<const W: usize>(self, at: usize, _values: &[[T; W]; 1]) -> [[T; W]; 1] {
+        [load(self.0, at)]
+    }
+}
+
+/// Sums over the cells of a species.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Sums {
+    /// Σ max(R, 0).
+    pub gain: f64,
+    /// Σ R.
+    pub net: f64,
+    /// The largest |value| of the next state; not finite where Y was not.
+    pub largest: f64,
+}
+
+/// Runs a stage of some cells.
+pub fn run<T: Real, R: Rates<T, N>, const N: usize>(stage: &Stage<T>, rates: R, cells: [Cells<'_, T>; N]) -> [Sums; N] {
+    dispatch(Update { stage, rates, cells })
+}
+
+struct Update<'a, T, R, const N: usize> {
+    stage: &'a Stage<T>,
+    rates: R,
+    cells: [Cells<'a, T>; N],
+}
+
+/// `W` numbers from `at` on.
+#[inline(always)]
+fn load<T: Real, const W: usize>(column: &[T], at: usize) -> [T; W] {
+    let mut lanes = [T::ZERO; W];
+    lanes.copy_from_slice(&column[at..at + W]);
+    lanes
+}
+
+#[inline(always)]
+fn store<T: Real, const W: usize>(column: &mut [T], at: usize, lanes: &[T; W]) {
+    column[at..at + W].copy_from_slice(lanes);
+}
+
+/// Sums lane by lane: cell i adds to lane i mod 16, whether it is computed in a group or alone.
+#[derive(Clone, Copy)]
+struct LaneSums<T, const W: usize = LANES> {
+    gain: [T; W],
+    net: [T; W],
+    most: [T; W],
+    least: [T; W],
+}
+
+impl<T: Real, const W: usize> LaneSums<T, W> {
+    const ZERO: Self = Self { gain: [T::ZERO; W], net: [T::ZERO; W], most: [T::ZERO; W], least: [T::ZERO; W] };
+
+    fn sums(&self) -> Sums {
+        let sum = |lanes: &[T; W]| lanes.iter().fold(0.0, |sum, lane| sum + lane.to_f64());
+        let largest = |lanes: &[T; W]| lanes.iter().fold(0.0_f64, |largest, lane| largest.max(lane.to_f64().abs()));
+        let net = sum(&self.net);
+        let largest = if net.is_finite() { largest(&self.most).max(largest(&self.least)) } else { f64::NAN };
+        Sums { gain: sum(&self.gain), net, largest }
+    }
+}
+
+impl<T: Real> LaneSums<T> {
+    /// Adds those of a single cell.
+    fn add(&mut self, lane: usize, cell: &LaneSums<T, 1>) {
+        self.gain[lane] += cell.gain[0];
+        self.net[lane] += cell.net[0];
+        self.most[lane] = larger(self.most[lane], cell.most[0]);
+        self.least[lane] = smaller(self.least[lane], cell.least[0]);
+    }
+}
+
+#[inline(always)]
+fn larger<T: Real>(one: T, other: T) -> T {
+    if other > one { other } else { one }
+}
+
+#[inline(always)]
+fn smaller<T: Real>(one: T, other: T) -> T {
+    if other < one { other } else { one }
+}
+
+impl<T: Real, R: Rates<T, N>, const N: usize> Kernel for Update<'_, T, R, N> {
+    type Output = [Sums; N];
+
+    #[inline(always)]
+    fn run(mut self) -> [Sums; N] {
+        let mut sums = [LaneSums::ZERO; N];
+        let count = self.cells[0].value.len();
+        let whole = count / LANES * LANES;
+        for at in (0..whole).step_by(LANES) {
+            self.group::<LANES>(at, &mut sums);
+        }
+        for at in whole..count {
+            let mut cell = [LaneSums::ZERO; N];
+            self.group::<1>(at, &mut cell);
+            sums.iter_mut().zip(&cell).for_each(|(sums, cell)| sums.add(at % LANES, cell));
+        }
+        sums.map(|sums| sums.sums())
+    }
+}
+
+impl<T: Real, R: Rates<T, N>, const N: usize> Update<'_, T, R, N> {
+    #[inline(always)]
+    fn group<const W: usize>(&mut self, at: usize, sums: &mut [LaneSums<T, W>; N]) {
+        let Self { stage, rates, cells } = self;
+        let mut values = [[T::ZERO; W]; N];
+        (0..N).for_each(|species| values[species] = load(cells[species].value, at));
+        let reaction = rates.rates(at, &values);
+        for species in 0..N {
+            let (cells, reaction, y) = (&mut cells[species], &reaction[species], &values[species]);
+            let mut slope: [T; W] = load(cells.diffusion, at);
+            let LaneSums { mut gain, mut net, mut most, mut least } = sums[species];
+            for lane in 0..W {
+                gain[lane] += larger(T::ZERO, reaction[lane]);
+                net[lane] += reaction[lane];
+                slope[lane] += reaction[lane];
+            }
+            let next = stage.next(cells, at, y, &slope);
+            for lane in 0..W {
+                most[lane] = larger(most[lane], next[lane]);
+                least[lane] = smaller(least[lane], next[lane]);
+            }
+            store(cells.next, at, &next);
+            sums[species] = LaneSums { gain, net, most, least };
+        }
+    }
+}
+
+impl<T: Real> Stage<T> {
+    /// The next state from Y and its slope.
+    #[inline(always)]
+    fn next<const W: usize>(&self, cells: &mut Cells<'_, T>, at: usize, y: &[T; W], slope: &[T; W]) -> [T; W] {
+        let mut next = *y;
+        match self.base {
+            Base::Here { keep: false } => {}
+            Base::Here { keep: true } => store(cells.columns[0], at, y),
+            Base::Start => next = load(cells.columns[0], at),
+            Base::Own(_) => {
+                next = load(cells.columns[0], at);
+                (0..W).for_each(|lane| next[lane] += self.own * (y[lane] - next[lane]));
+            }
+            Base::Recurrence(..) => {
+                let before: [T; W] = load(cells.next, at);
+                let start: [T; W] = load(cells.columns[0], at);
+                for lane in 0..W {
+                    next[lane] = start[lane] + (self.own * (y[lane] - start[lane]) + self.other * (before[lane] - start[lane]));
+                }
+            }
+        }
+        let mut change = [T::ZERO; W];
+        (0..W).for_each(|lane| change[lane] = self.slope * slope[lane]);
+        for index in 0..self.count {
+            let (kept, weight): ([T; W], T) = (load(cells.columns[1 + index], at), self.slopes[index]);
+            (0..W).for_each(|lane| change[lane] += weight * kept[lane]);
+        }
+        if let Some(keep) = self.keep {
+            store(cells.columns[1 + keep], at, slope);
+        }
+        (0..W).for_each(|lane| next[lane] += change[lane]);
+        next
+    }
+}

@@ -1,0 +1,80 @@
+//! The steps of a batch: stages in passes over memory.
+
+use super::law::{Pass, Tally};
+use super::stage::Stage;
+use super::{ReactionDiffusion, State, Workspace};
+use crate::error::Result;
+use crate::grid::{Block, Sweep};
+use crate::math::Real;
+use crate::parallel::Executor;
+use crate::systems::Interval;
+
+/// All rows of a state, as stages write them.
+fn block<'a, T>(
+    state: &'a mut State<T>,
+    before: &'a mut Vec<T>,
+    columns: &'a mut [Vec<T>],
+    activity: &'a mut [f64],
+    width: usize,
+    stages: usize,
+) -> Block<'a, T, Tally> {
+    let mut columns = columns.iter_mut().map(Vec::as_mut_slice);
+    Block {
+        first: 0,
+        rows: state.field.len() / width,
+        field: &mut state.field,
+        before,
+        columns: std::array::from_fn(|_| columns.next().unwrap_or_default()),
+        tallies: &mut state.tallies,
+        activity,
+        stages,
+        length: width,
+    }
+}
+
+impl<T: Real> ReactionDiffusion<T> {
+    /// Takes the steps of a batch from the saved state.
+    pub(super) fn steps(&mut self, interval: Interval, executor: &Executor) -> Result<()> {
+        self.state.tallies.copy_from_slice(&self.saved.tallies);
+        if self.workspace.stages.0 != interval.h {
+            let stages = self.method.stages(interval.h, self.fastest.0);
+            self.workspace.stages = (interval.h, stages.iter().map(|stage| Stage::new(stage, interval.h)).collect());
+        }
+        let each = self.workspace.stages.1.len();
+        let last = interval.steps as usize * each - 1;
+        // Passes of equal depth, as few as it takes.
+        let depth = (last + 1).div_ceil((last + 1).div_ceil(self.depth));
+        for first in (0..=last).step_by(depth) {
+            let count = depth.min(last + 1 - first);
+            self.pass(first, count, last, executor)?;
+            executor.check()?;
+            for index in (first..first + count).filter(|index| (index + 1).is_multiple_of(each)) {
+                let rows = self.workspace.activity.iter().skip(index - first).step_by(self.depth);
+                self.activity.push(rows.fold(0.0, |most, &row| if row.is_nan() || row > most { row } else { most }));
+            }
+        }
+        Ok(())
+    }
+
+    /// Runs some stages of all rows, as many as one pass over memory takes.
+    fn pass(&mut self, first: usize, count: usize, last: usize, executor: &Executor) -> Result<()> {
+        std::mem::swap(&mut self.state.field, &mut self.workspace.before);
+        if self.law.kinetics.calls_back() {
+            let latest = if first == 0 { &self.saved.field } else { &self.workspace.before };
+            self.workspace.given = self.given(latest)?.unwrap_or_default();
+        }
+        let Self { law, state, saved, workspace, depth, .. } = self;
+        let Workspace { before, columns, activity, given, stages } = workspace;
+        let pass = Pass { law, stages: &stages.1, first, last, start: &saved.field, given };
+        let block = block(state, before, columns, activity, law.width(), *depth);
+        if *depth > 1 {
+            pass.pass(&law.grid, count, block, executor);
+        } else {
+            pass.sweep(block, executor);
+        }
+        if count.is_multiple_of(2) {
+            std::mem::swap(&mut self.state.field, &mut self.workspace.before);
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,254 @@
+//! Reacting and diffusing species as a system: history, plan, budgets and fields.
+
+use glam::DVec3;
+
+use super::ReactionDiffusion;
+use super::law::Tally;
+use crate::error::{Error, Result};
+use crate::forces::Mach;
+use crate::grid::Edge;
+use crate::history::{Archive, History};
+use crate::integrators::runge_kutta_chebyshev as chebyshev;
+use crate::ledger::{Budget, Ledger};
+use crate::math::Real;
+use crate::parallel::Executor;
+use crate::plan::Stages;
+use crate::stability::{Horizon, Limit};
+use crate::systems::{Element, Fault, FieldInfo, Interval, Record, System};
+
+/// Duration of a batch of steps [s].
+const BATCH: f64 = 0.05;
+/// The fewest and the most steps of a batch: the state at its start costs a sweep, and its activities memory.
+const STEPS: std::ops::RangeInclusive<u64> = 31..=4095;
+/// Estimated duration of a stage of a species in a cell [s].
+const COST: f64 = 6e-10;
+/// Numbers in a tally.
+const TALLIES: usize = 4;
+/// The units of amounts in one, two and three dimensions.
+const UNITS: [&str; 3] = ["m", "m²", "m³"];
+/// The stages of which the plan says how far they reach.
+const EXAMPLES: [usize; 4] = [2, 5, 10, 20];
+
+impl<T: Real> ReactionDiffusion<T> {
+    fn element(&self, index: usize) -> Element {
+        Element { name: self.law.grid.name(index), index }
+    }
+
+    /// The cell and the species of a value of the field.
+    fn place(&self, index: usize) -> (usize, usize) {
+        let (length, width) = (self.law.grid.row_length(), self.law.width());
+        ((index / width) * length + index % length, index % width / length)
+    }
+
+    fn notes(&self) -> Vec<String> {
+        if !self.method.is_stabilized() || self.fastest.0 == 0.0 {
+            return Vec::new();
+        }
+        let reach = |stages: usize| (chebyshev::interval(stages) - chebyshev::REACTION).max(0.0) / self.fastest.0;
+        let list = EXAMPLES.iter().skip(1).map(|&stages| format!("{stages} up to dt = {:.3e} s", reach(stages)));
+        let euler = 2.0 / self.fastest.0;
+        vec![format!(
+            "stages by the step: {}; this pays from some five times the limit of ExplicitEuler on, {euler:.3e} s",
+            list.collect::<Vec<_>>().join(", ")
+        )]
+    }
+}
+
+/// The field alone: no slope is kept from one step to the next.
+impl<T: Real> History for ReactionDiffusion<T> {
+    /// Steps read the saved state and write the other.
+    fn save(&mut self) {
+        std::mem::swap(&mut self.saved, &mut self.state);
+    }
+
+    fn rollback(&mut self) {
+        std::mem::swap(&mut self.saved, &mut self.state);
+    }
+
+    fn capture(&self, archive: &mut Archive) {
+        archive.write(self.state.field.iter().map(|number| number.to_f64()));
+    }
+
+    fn restore(&mut self, archive: &mut Archive) -> Result<()> {
+        let numbers = archive.read(self.state.field.len())?;
+        self.state.field.iter_mut().zip(numbers).for_each(|(slot, &number)| *slot = T::from_f64(number));
+        Ok(())
+    }
+}
+
+impl<T: Real> System for ReactionDiffusion<T> {
+    fn stages(&self) -> Vec<Stages> {
+        let fixed = self.law.diffusion.iter().any(|diffusion| diffusion.edges.any(Edge::Fixed));
+        let layout = match self.depth {
+            1 => "a sweep over all cells per evaluation".to_owned(),
+            depth => format!("{depth} evaluations in one pass over memory, row by row"),
+        };
+        let count = self.method.stages(0.0, 0.0).len();
+        vec![Stages {
+            item: String::new(),
+            names: vec!["diffusion".to_owned(), "reaction".to_owned(), format!("update of {}", self.law.species.join(", "))],
+            dimension: self.law.grid.dimension,
+            precision: T::NAME,
+            method: self.method.name,
+            order: self.method.order,
+            evaluations: self.workspace.stages.1.len().max(count),
+            pairs: 0,
+            limit_varies: true,
+            layout,
+            left_out: if fixed { Vec::new() } else { vec!["fixed edges"] },
+            notes: self.notes(),
+        }]
+    }
+
+    fn bytes(&self) -> usize {
+        let workspace = &self.workspace;
+        let columns = workspace.columns.iter().chain([&workspace.before, &workspace.given, &self.state.field, &self.saved.field]);
+        let coefficients = self.law.diffusion.iter().map(|diffusion| diffusion.bytes()).sum::<usize>();
+        columns.map(|column| size_of_val(column.as_slice())).sum::<usize>()
+            + 2 * size_of_val(self.state.tallies.as_slice())
+            + size_of_val(workspace.activity.as_slice())
+            + coefficients
+    }
+
+    fn cost(&self) -> f64 {
+        let stages = self.method.stages(0.0, 0.0).len() as f64;
+        stages * (1e-7 + COST * self.state.field.len() as f64)
+    }
+
+    /// A user's function is called once per stage and may take long, so that it takes one step at a time.
+    fn most_steps(&self) -> u64 {
+        if self.law.kinetics.calls_back() { 1 } else { ((BATCH / self.cost()) as u64).clamp(*STEPS.start(), *STEPS.end()) }
+    }
+
+    fn most_recorded(&self) -> u64 {
+        *STEPS.end()
+    }
+
+    fn begin(&mut self, _time: f64, executor: &Executor) -> Result<()> {
+        self.given(&self.state.field)?;
+        executor.check()
+    }
+
+    fn advance(&mut self, interval: Interval, _record: Record, executor: &Executor) -> Result<()> {
+        self.save();
+        self.activity.clear();
+        let outcome = self.steps(interval, executor);
+        if outcome.is_err() {
+            self.rollback();
+        }
+        outcome
+    }
+
+    fn activity(&self) -> &[f64] {
+        &self.activity
+    }
+
+    fn amplitude(&self) -> Option<f64> {
+        Some(self.state.field.iter().fold(0.0, |most, value| value.to_f64().abs().max(most)))
+    }
+
+    fn is_linear(&self) -> bool {
+        false
+    }
+
+    fn gains_energy(&self) -> bool {
+        false
+    }
+
+    fn limit(&self, _horizon: Horizon, _time: f64, executor: &Executor) -> Result<Limit> {
+        self.bound(executor)
+    }
+
+    fn limit_varies(&self, _horizon: Horizon, _time: f64) -> bool {
+        true
+    }
+
+    fn error(&self, h: f64) -> Option<(f64, u32)> {
+        self.estimate(h)
+    }
+
+    fn audit(&self, _time: f64, executor: &Executor) -> Result<Ledger> {
+        let content = self.law.grid.content();
+        let mut ledger = Ledger::new(0, 1);
+        for (species, &name) in self.law.species.iter().enumerate() {
+            let tallied = |of: fn(&Tally) -> f64| content * self.tallied(species, of);
+            ledger.add_budget(Budget {
+                name: name.to_owned(),
+                unit: UNITS[self.law.grid.dimension - 1],
+                stored: content * self.amount(species),
+                removed: vec![("reaction", tallied(|tally| tally.loss)), ("edges", tallied(|tally| tally.edges))],
+                supplied: vec![("reaction", tallied(|tally| tally.gain)), ("set", tallied(|tally| tally.set))],
+            });
+        }
+        executor.check()?;
+        Ok(ledger)
+    }
+
+    fn finite_audit(&self, time: f64, executor: &Executor) -> Result<Ledger> {
+        let ledger = self.audit(time, executor)?;
+        match ledger.budgets().iter().find(|budget| !budget.stored.is_finite()) {
+            None => Ok(ledger),
+            Some(budget) => Err(Error::parameter("scene", format!("an amount of {} that is finite", budget.name), budget.stored)),
+        }
+    }
+
+    fn momenta(&self) -> (DVec3, DVec3) {
+        (DVec3::ZERO, DVec3::ZERO)
+    }
+
+    /// There is no energy.
+    fn resolvable(&self, _time: f64, _h: f64) -> f64 {
+        0.0
+    }
+
+    fn fault(&self) -> Option<Fault> {
+        let index = self.state.field.iter().position(|value| !value.is_finite())?;
+        let (cell, species) = self.place(index);
+        Some(Fault { element: self.element(cell), quantity: self.law.species[species] })
+    }
+
+    /// The cell of the largest value.
+    fn fastest(&self) -> Element {
+        let size = |index: &usize| self.state.field[*index].to_f64().abs();
+        let largest = (0..self.state.field.len()).max_by(|one, other| size(one).total_cmp(&size(other)));
+        self.element(self.place(largest.unwrap_or(0)).0)
+    }
+
+    fn mach(&self) -> Option<Mach> {
+        None
+    }
+
+    fn fields(&self) -> Vec<FieldInfo> {
+        self.field_infos()
+    }
+
+    fn read(&self, field: usize) -> Vec<f64> {
+        self.species_rows(field, &self.state.field).map(|value| value.to_f64()).collect()
+    }
+
+    fn write(&mut self, fields: &[(&str, &[f64])], time: f64, executor: &Executor) -> Result<()> {
+        let before = self.state.clone();
+        let replaced = fields.iter().try_for_each(|&(name, values)| self.replace(name, values));
+        let done =
+            replaced.and_then(|()| self.begin(time, executor)).and_then(|()| self.finite_audit(time, executor).map(|_| ()));
+        if done.is_err() {
+            self.state = before;
+        }
+        done
+    }
+
+    fn tallies(&self) -> Vec<f64> {
+        self.state.tallies.iter().flat_map(|tally| [tally.gain, tally.loss, tally.edges, tally.set]).collect()
+    }
+
+    fn restore_tallies(&mut self, numbers: &[f64]) -> Result<()> {
+        let (groups, rest) = numbers.as_chunks::<TALLIES>();
+        if groups.len() != self.state.tallies.len() || !rest.is_empty() {
+            return Err(Error::State("it does not belong to this scene and these numerics".to_owned()));
+        }
+        for (tally, &[gain, loss, edges, set]) in self.state.tallies.iter_mut().zip(groups) {
+            *tally = Tally { gain, loss, edges, set };
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,111 @@
+//! The same bits for any number of threads, any batches, from checkpoints, mirrored and turned; and functions of the user's.
+
+use super::scene::*;
+use crate::history::{Archive, History};
+use crate::integrators::first_order::{FirstOrder, NAMES};
+use crate::parallel::{Executor, ThreadPool};
+use crate::scene::Item;
+use crate::systems::reaction_diffusion::ReactionDiffusion;
+use crate::systems::{Interval, Record, System};
+
+/// What a method makes of a dish in 21 steps, in passes of that many stages: the state, the tallies and the activity.
+fn passes(item: &Item, method: &str, depth: Option<usize>, threads: usize) -> (Vec<f64>, Vec<f64>) {
+    let mut system = ReactionDiffusion::<f64>::new(item, FirstOrder::named(method).unwrap()).unwrap();
+    if let Some(depth) = depth {
+        (system.depth, system.workspace.activity) = (depth, vec![0.0; depth * system.law.grid.rows()]);
+    }
+    let interval = Interval { start: 0.0, first: 0, h: 0.9, steps: 21 };
+    let advance = |executor: &Executor| system.advance(interval, Record::EveryStep, executor).unwrap();
+    ThreadPool::new(threads).run(&|| false, advance).unwrap();
+    let mut archive = Archive::default();
+    system.capture(&mut archive);
+    archive.write(system.tallies());
+    (archive.into_numbers(), system.activity().to_vec())
+}
+
+#[test]
+fn passes_of_several_stages_change_no_bit() {
+    let flat = noisy(&[150, 37], &["fixed", "free", "periodic", "periodic"], gray_scott());
+    let solid = noisy(&[130, 4, 5], &["free", "fixed", "periodic", "periodic", "free", "fixed"], gray_scott());
+    for item in [flat, solid] {
+        for method in NAMES {
+            let expected = passes(&item, method, Some(1), 1);
+            assert_eq!(expected.1.len(), 21);
+            for (depth, threads) in [(None, 1), (None, 2), (Some(7), 1), (Some(7), 3), (Some(2), 8), (Some(1), 2)] {
+                assert_eq!(passes(&item, method, depth, threads), expected, "{method} {depth:?} {threads}");
+            }
+        }
+    }
+}
+
+#[test]
+fn threads_and_batches_change_no_bit_and_checkpoints_go_on() {
+    let item = noisy(&[320, 500], &["free", "fixed", "free", "free"], gray_scott());
+    for (method, precision) in [("ExplicitEuler", "f32"), ("RungeKuttaChebyshev", "f64")] {
+        let run = |threads: usize, batches: &[u64]| {
+            let mut simulation = simulation(&item, method, precision, threads).unwrap();
+            batches.iter().for_each(|&steps| simulation.step(steps, 0.8, &|| false).unwrap());
+            simulation
+        };
+        let whole = run(1, &[12]);
+        let expected = (whole.state_hash(), budgets(&whole));
+        let parts = run(2, &[1, 4, 7]);
+        assert_eq!((parts.state_hash(), budgets(&parts)), expected, "{method}");
+        let checkpoint = run(1, &[5]).capture();
+        let mut again = simulation(&item, method, precision, 1).unwrap();
+        again.restore(&checkpoint).unwrap();
+        again.step(7, 0.8, &|| false).unwrap();
+        assert_eq!((again.state_hash(), budgets(&again)), expected, "{method}");
+    }
+}
+
+/// A field that is mirrored, or turned about its diagonal, stays so.
+#[test]
+fn mirror_images_and_the_diagonal_keep_their_bits() {
+    let side = 33;
+    let of = |i: usize, j: usize| random(i + 100 * j);
+    let item = |at: &dyn Fn(usize, usize) -> f64| {
+        let all = |shift: f64| field(&[side, side], move |index| at(index / side, index % side) * shift);
+        dish(&[side, side], &["free"; 4], gray_scott(), [("u", 0.2, all(1.0)), ("v", 0.1, all(0.5))])
+    };
+    for method in NAMES {
+        let run = |at: &dyn Fn(usize, usize) -> f64| values(&after(&item(at), method, 30, 0.7), "v");
+        let plain = run(&of);
+        for (image, place) in [
+            (run(&|i, j| of(side - 1 - i, j)), (|i, j, n| (n - 1 - i) * n + j) as fn(usize, usize, usize) -> usize),
+            (run(&|i, j| of(i, side - 1 - j)), |i, j, n| i * n + n - 1 - j),
+            (run(&|i, j| of(j, i)), |i, j, n| j * n + i),
+        ] {
+            assert!((0..side * side).all(|index| image[index] == plain[place(index / side, index % side, side)]), "{method}");
+        }
+    }
+}
+
+fn rates(u: f64, v: f64) -> [f64; 2] {
+    [0.035 * (1.0 - u) - u * v * v, u * v * v - 0.0975 * v]
+}
+
+/// The same reaction as a function of the user's, within roundings; with the species exchanged, bit by bit.
+#[test]
+fn a_function_of_the_users_is_the_same_reaction() {
+    let (cells, edges) = ([21, 18], ["free", "fixed", "periodic", "periodic"]);
+    for method in NAMES {
+        let own = noisy(&cells, &edges, reaction(["u", "v"], rates));
+        let exchanged = dish(
+            &cells,
+            &edges,
+            reaction(["v", "u"], |v, u| {
+                let [one, other] = rates(u, v);
+                [other, one]
+            }),
+            [("v", 0.1, field(&cells, |index| 0.5 * random(index + 1_000_000))), ("u", 0.2, field(&cells, random))],
+        );
+        let run = |item: &Item| {
+            let simulation = after(item, method, 40, 0.7);
+            ["u", "v"].map(|species| values(&simulation, species))
+        };
+        let (built_in, own, exchanged) = (run(&noisy(&cells, &edges, gray_scott())), run(&own), run(&exchanged));
+        assert!((0..2).all(|species| distance(&built_in[species], &own[species]) < 1e-13), "{method}");
+        assert_eq!(own, exchanged, "{method}");
+    }
+}

@@ -1,0 +1,128 @@
+//! Scenes of two species.
+
+use std::sync::Arc;
+
+use glam::DVec3;
+
+use crate::error::Result;
+use crate::ledger::Budget;
+use crate::math::noise;
+use crate::parallel::SERIAL;
+use crate::scene::{Argument, Array, Callback, Failure, Item, Scene, Value};
+use crate::simulation::{Numerics, Simulation, Vigilance};
+
+/// A value between 0 and 1 for each cell.
+pub fn random(index: usize) -> f64 {
+    0.5 + 0.5 * noise(index as u64).x
+}
+
+/// An item of numbers.
+pub fn numbers(kind: &str, values: &[(&'static str, f64)]) -> Item {
+    Item::new(kind, values.iter().map(|&(name, number)| (name, Value::Number(number))))
+}
+
+/// Gray and Scott's kinetics.
+pub fn gray_scott() -> Item {
+    numbers("GrayScott", &[("feed", 0.035), ("kill", 0.0625)])
+}
+
+/// Nothing reacts where there is no v.
+pub fn inert() -> Item {
+    numbers("GrayScott", &[("feed", 0.0), ("kill", 0.0)])
+}
+
+/// A field of that shape, as a function of the cell's index.
+pub fn field(cells: &[usize], of: impl Fn(usize) -> f64) -> Value {
+    Value::Numbers(Array { shape: cells.to_vec(), entries: (0..cells.iter().product()).map(of).collect() })
+}
+
+/// Species that react on a grid of spacing 1.
+pub fn dish(cells: &[usize], edges: &[&str], reaction: Item, species: [(&'static str, f64, Value); 2]) -> Item {
+    let vector = |of: &dyn Fn(usize) -> f64| {
+        let mut entries = [0.0; 3];
+        (0..cells.len()).for_each(|axis| entries[axis] = of(axis));
+        Value::Vector(DVec3::from_array(entries))
+    };
+    let grid = Item::new(
+        "Grid",
+        [
+            ("cells", vector(&|axis| cells[axis] as f64)),
+            ("spacing", Value::Number(1.0)),
+            ("origin", vector(&|_| 0.0)),
+            ("periodic", vector(&|axis| f64::from(u8::from(edges[2 * axis] == "periodic")))),
+        ],
+    );
+    let diffusion = numbers("", &species.each_ref().map(|(name, rate, _)| (*name, *rate)));
+    let initial = Item::new("", species.map(|(name, _, value)| (name, value)));
+    let values = [("grid", grid), ("reaction", reaction), ("diffusion", diffusion), ("initial", initial)];
+    let mut item = Item::new("ReactionDiffusion", values.map(|(name, inner)| (name, Value::Record(Box::new(inner)))));
+    item.path = "systems[0]".to_owned();
+    item.values.insert("edges".to_owned(), Value::Texts(edges.iter().map(|&word| word.to_owned()).collect()));
+    item
+}
+
+/// The same with random values, D_u = 0.2 and D_v = 0.1.
+pub fn noisy(cells: &[usize], edges: &[&str], reaction: Item) -> Item {
+    let species = [("u", 0.2, field(cells, random)), ("v", 0.1, field(cells, |index| 0.5 * random(index + 1_000_000)))];
+    dish(cells, edges, reaction, species)
+}
+
+/// A simulation of them.
+pub fn simulation(item: &Item, integrator: &str, precision: &str, threads: usize) -> Result<Simulation> {
+    let dimension = match &item.values["edges"] {
+        Value::Texts(edges) => edges.len() / 2,
+        _ => 2,
+    };
+    let numerics = Numerics {
+        integrator: integrator.into(),
+        integrators: std::collections::BTreeMap::new(),
+        precision: precision.to_owned(),
+        threads: Some(threads),
+        max_energy_growth: 1e6,
+        vigilance: Vigilance::Active,
+    };
+    Simulation::new(&Scene { dimension, systems: vec![item.clone()], ..Scene::default() }, &numerics, &SERIAL)
+}
+
+/// That in double precision on one thread, after `steps` of `dt` seconds.
+pub fn after(item: &Item, integrator: &str, steps: u64, dt: f64) -> Simulation {
+    let mut simulation = simulation(item, integrator, "f64", 1).unwrap();
+    simulation.step(steps, dt, &|| false).unwrap();
+    simulation
+}
+
+/// The values of a species.
+pub fn values(simulation: &Simulation, species: &str) -> Vec<f64> {
+    simulation.read(&format!("systems[0].{species}")).unwrap().1
+}
+
+/// The budgets of all species.
+pub fn budgets(simulation: &Simulation) -> Vec<Budget> {
+    simulation.energy(&SERIAL).unwrap().budgets().to_vec()
+}
+
+/// The largest |a − b|.
+pub fn distance(one: &[f64], other: &[f64]) -> f64 {
+    one.iter().zip(other).map(|(one, other)| (one - other).abs()).fold(0.0, f64::max)
+}
+
+/// A function of two species.
+pub struct Function(pub fn(f64, f64) -> [f64; 2]);
+
+impl Callback for Function {
+    fn call(&self, arguments: &[Argument<'_>], _what: &str, shape: &[usize]) -> Result<Vec<f64>, Failure> {
+        let &[Argument::Array { numbers: us, .. }, Argument::Array { numbers: vs, .. }] = arguments else {
+            return Err(Failure::Refused { expected: "two arrays".to_owned(), found: format!("{arguments:?}") });
+        };
+        assert_eq!(shape[0], 2);
+        let rates: Vec<_> = us.iter().zip(vs).map(|(&u, &v)| self.0(u, v)).collect();
+        Ok([0, 1].iter().flat_map(|&species| rates.iter().map(move |rates| rates[species])).collect())
+    }
+}
+
+/// Kinetics by a function.
+pub fn reaction(species: [&str; 2], function: fn(f64, f64) -> [f64; 2]) -> Item {
+    let mut item = Item::new("Reaction", [("species", Value::Texts(species.map(str::to_owned).to_vec()))]);
+    item.values.insert("function".to_owned(), Value::Callback(Arc::new(Function(function))));
+    item
+}
