@@ -14,6 +14,7 @@ import numpy as np
 
 import physcore as pc
 from physcore.integrators import INTEGRATORS
+from physcore.systems.kinetics import Kinetics
 
 STEPS = 60
 """Steps that a contract takes where the number does not matter: several chunks, and some rebuilt neighbor lists."""
@@ -170,6 +171,55 @@ def room(side: int = 10, **options: Any) -> pc.Scene:
     return pc.Scene(pc.Wave(grid, 1.0, rate=start, edges="free", **options))
 
 
+def dish(side: int = 24, **options: Any) -> pc.Scene:
+    """Gray and Scott's reaction around a drop in a dish, which is open at one side."""
+    grid = pc.Grid((side, side - 5), 0.01)
+    x, y = grid.coordinates
+    drop = np.exp(-((x - 0.11) ** 2 + (y - 0.08) ** 2) / 0.03**2)
+    kinetics = pc.GrayScott(0.035, 0.0625)
+    shape = {"initial": {"u": 1.0 - 0.5 * drop, "v": 0.3 * drop}, "edges": {"x-": "fixed"}}
+    return pc.Scene(pc.ReactionDiffusion(grid, kinetics, {"u": 2e-5, "v": 1e-5}, **{**shape, **options}))
+
+
+def clock(cells: int = 120) -> pc.Scene:
+    """The Brusselator in a closed tube, which oscillates."""
+    grid = pc.Grid(cells, 0.5, periodic=True)
+    bent = grid.field(lambda x: np.sin(2.0 * np.pi * x / grid.upper[0]), "start")
+    start = {"u": 1.0 + 0.2 * bent, "v": 2.5 - 0.1 * bent}
+    return pc.Scene(pc.ReactionDiffusion(grid, pc.Brusselator(1.0, 2.5), {"u": 0.5, "v": 2.0}, start))
+
+
+def heart(side: int = 8) -> pc.Scene:
+    """A pulse of FitzHugh and Nagumo's in 3D."""
+    grid = pc.Grid((side, side + 2, side - 3), 0.5, periodic=(False, True, False))
+    start = {"u": grid.field(lambda x, y, z: np.where(x + 0.3 * z < 1.5, 1.0, -1.2), "start"), "v": -0.6}
+    return pc.Scene(pc.ReactionDiffusion(grid, pc.FitzHughNagumo(), {"u": 0.5, "v": 0.05}, start))
+
+
+def predators(side: int = 12) -> pc.Scene:
+    """A reaction in Python, of operations that are rounded alike everywhere: prey and those that live on it."""
+    grid = pc.Grid((side, side - 3), 0.5)
+    x, y = grid.coordinates
+    start = {"prey": 0.5 + 0.1 * np.cos(x), "hunters": 0.3 + 0.1 * np.sin(y)}
+    kinetics = pc.Reaction(("prey", "hunters"), lambda n, p: (n * (1.0 - n) - n * p, 0.5 * n * p - 0.2 * p))
+    return pc.Scene(pc.ReactionDiffusion(grid, kinetics, {"prey": 0.1, "hunters": 0.4}, start))
+
+
+IN_PYTHON: dict[type[Kinetics], Callable[[Any], Callable[..., Any]]] = {
+    pc.GrayScott: lambda k: lambda u, v: (k.feed * (1.0 - u) - u * v * v, u * v * v - (k.feed + k.kill) * v),
+    pc.Brusselator: lambda k: lambda u, v: (k.a - (k.b + 1.0) * u + u * u * v, k.b * u - u * u * v),
+    pc.Schnakenberg: lambda k: lambda u, v: (k.a - u + u * u * v, k.b - u * u * v),
+    pc.FitzHughNagumo: lambda k: (
+        lambda u, v: (
+            u - u**3 / 3.0 - v + k.current,
+            k.epsilon * (u + k.beta - k.gamma * v),
+        )
+    ),
+    pc.Reaction: lambda k: k.function,
+}
+"""The kinetics as functions in NumPy."""
+
+
 def harmonic() -> pc.CustomForce:
     """A well written in Python, in operations that are rounded alike everywhere."""
     return pc.CustomForce(lambda time, x, v: -3.0 * x, potential=lambda x: 1.5 * float((x * x).sum()))
@@ -216,6 +266,7 @@ SCENES: dict[str, Case] = {
             network, 0.01, {"integrator": kind(), "precision": precision}, large=LARGE.get(kind)
         )
         for kind, precision in zip(INTEGRATORS, ["f64", "f32"] * len(INTEGRATORS), strict=False)
+        if "second order" in kind.solves
     },
     "network 3D": Case(lambda: network(3), 0.01),
     "network adaptive": Case(network, 0.01, {"dt": pc.AdaptiveStep()}),
@@ -260,5 +311,13 @@ SCENES: dict[str, Case] = {
         {"dt": pc.AdaptiveStep(tolerance=1e-7), "integrator": pc.DormandPrince5()},
     ),
     "room": Case(room, 0.02, large=lambda: room(90)),
+    "dish": Case(dish, 0.5, large=lambda: dish(400)),
+    "dish f32 ExplicitEuler": Case(dish, 0.5, {"integrator": pc.ExplicitEuler(), **F32}, large=lambda: dish(900)),
+    "dish DormandPrince5": Case(dish, 1.0, {"integrator": pc.DormandPrince5()}),
+    "dish RungeKuttaChebyshev": Case(dish, 4.0, {"integrator": pc.RungeKuttaChebyshev()}, large=lambda: dish(400)),
+    "dish by error": Case(dish, 1.0, {"dt": pc.AdaptiveStep(tolerance=1e-6), "integrator": pc.BogackiShampine3()}),
+    "clock": Case(clock, 0.05),
+    "heart": Case(heart, 0.05, large=lambda: heart(60)),
+    "predators": Case(predators, 0.1),
     "drop": Case(drops, 1e-3, large=lambda: drops(spacing=0.0125)),
 }

@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import signal
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 import numpy as np
 import pytest
 
 import physcore as pc
-from contracts.scenes import SCENES, STEPS, Case
+from contracts.scenes import IN_PYTHON, SCENES, STEPS, Case
 from physcore.scene.records import parameters
 
 FIXED = {name: case for name, case in SCENES.items() if not case.adaptive}
+
+
+SIDES = ("x-", "x+", "y-", "y+", "z-", "z+")
 
 
 class Broken(Exception):
@@ -24,6 +27,24 @@ def again(wave: pc.Wave, source: pc.Source) -> pc.Wave:
     """The same wave with one more source."""
     values = {name: getattr(wave, name) for name in parameters(pc.Wave)}
     return pc.Wave(**{**values, "sources": (*wave.sources, source)})
+
+
+def timed(dish: pc.ReactionDiffusion, signal: Callable[[float], float]) -> pc.ReactionDiffusion:
+    """The same reaction as a function, with one more species that counts the time."""
+    kinetics = dish.reaction
+    function = IN_PYTHON[type(kinetics)](kinetics)
+
+    def rates(*values: np.ndarray) -> tuple[np.ndarray, ...]:
+        *own, time = values
+        return *function(*own), np.full_like(time, 1.0 + signal(float(time.max())))
+
+    return pc.ReactionDiffusion(
+        dish.grid,
+        pc.Reaction((*kinetics.names, "time"), rates),
+        {**dish.diffusion, "time": 0.0},
+        {**dish.initial, "time": 0.0},
+        {side: word for side, word in zip(SIDES, dish.edges, strict=False) if word != "periodic"},  # type: ignore[misc]
+    )
 
 
 def failing(case: Case, time: float) -> pc.Scene:
@@ -41,9 +62,11 @@ def failing(case: Case, time: float) -> pc.Scene:
         return 0.0
 
     if not scene.bodies:
-        (wave,) = scene.systems
-        assert isinstance(wave, pc.Wave)
-        return pc.Scene(again(wave, pc.Source(np.ones(wave.grid.cells, dtype=bool), 1.0, signal=signal)))
+        (system,) = scene.systems
+        if isinstance(system, pc.ReactionDiffusion):
+            return pc.Scene(timed(system, signal))
+        assert isinstance(system, pc.Wave)
+        return pc.Scene(again(system, pc.Source(np.ones(system.grid.cells, dtype=bool), 1.0, signal=signal)))
     force = pc.CustomForce(function, potential=lambda x: 0.0)
     domain = [] if scene.periodic is None else [scene.periodic]
     return pc.Scene(*scene.bodies, *scene.forces, *scene.boundaries, *domain, force)

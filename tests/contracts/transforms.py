@@ -14,7 +14,9 @@ from numpy.typing import NDArray
 
 import physcore as pc
 from physcore.scene.bodies import Body
+from physcore.scene.grid import GridSystem
 from physcore.scene.items import ActingItem
+from physcore.systems.kinetics import Kinetics
 
 Array = NDArray[np.float64]
 FAR = 1e3
@@ -182,16 +184,45 @@ def _over_cells(t: Transform, values: Any) -> Any:
     return moved
 
 
-def _wave(wave: pc.Wave, t: Transform) -> pc.Wave:
-    """Along an axis that is new one cell, with free edges, so that nothing depends on it."""
-    grid, spacing = wave.grid, wave.grid.spacing * t.m
+def _grid(system: GridSystem, t: Transform) -> tuple[pc.Grid, tuple[str, ...]]:
+    """Its grid and its edges. Along an axis that is new one cell, with free edges, so that nothing depends on it."""
+    grid, spacing = system.grid, system.grid.spacing * t.m
     lower, upper = t.corners(grid.origin, grid.upper, grid.spacing / 2.0)
     edges, periodic = [], []
     for axis in t.axes:
         partner = int(np.abs(axis).argmax())
-        pair = list(wave.edges[2 * partner : 2 * partner + 2]) if axis.any() else ["free", "free"]
+        pair = list(system.edges[2 * partner : 2 * partner + 2]) if axis.any() else ["free", "free"]
         edges += pair[::-1] if axis.min() < 0.0 else pair
         periodic.append(bool(axis.any() and grid.periodic[partner]))
+    cells = tuple(round((high - low) / spacing) for low, high in zip(lower, upper, strict=True))
+    return pc.Grid(cells, spacing, lower, tuple(periodic)), tuple(edges)
+
+
+def _kinetics(kinetics: Kinetics, t: Transform) -> Kinetics:
+    """Those of a user's function take other units of time; others have a rate of 1/s in them, and no other units."""
+    if t.s == 1.0:
+        return kinetics
+    assert isinstance(kinetics, pc.Reaction)
+    return pc.Reaction(
+        kinetics.species, lambda *values: tuple(rate * t.unit(0, -1) for rate in kinetics.function(*values))
+    )
+
+
+def _reaction_diffusion(dish: pc.ReactionDiffusion, t: Transform) -> pc.ReactionDiffusion:
+    """Values have no unit."""
+    grid, edges = _grid(dish, t)
+    return pc.ReactionDiffusion(
+        grid,
+        _kinetics(dish.reaction, t),
+        {name: value * t.unit(2, -1) for name, value in dish.diffusion.items()},
+        {name: _over_cells(t, values) for name, values in dish.initial.items()},
+        edges,  # type: ignore[arg-type]
+    )
+
+
+def _wave(wave: pc.Wave, t: Transform) -> pc.Wave:
+    grid = wave.grid
+    other, edges = _grid(wave, t)
     new = len(t.axes) - grid.dimension
 
     def field(values: Any, unit: float) -> Any:
@@ -213,19 +244,22 @@ def _wave(wave: pc.Wave, t: Transform) -> pc.Wave:
             signal,
         )
 
-    cells = tuple(round((high - low) / spacing) for low, high in zip(lower, upper, strict=True))
     return pc.Wave(
-        pc.Grid(cells, spacing, lower, tuple(periodic)),
+        other,
         field(wave.speed, t.unit(1, -1)),
         field(wave.displacement, t.m),
         field(wave.rate, t.unit(1, -1)),
         wave.density * t.unit(-grid.dimension, 0, 1),
         field(wave.damping, t.unit(0, -1)),
-        tuple(edges),
+        edges,
         None if wave.walls is None else _over_cells(t, wave.walls),
         [source(each) for each in wave.sources],
         wave.order,  # type: ignore[arg-type]
     )
+
+
+SYSTEMS: dict[type, Rule] = {pc.Wave: _wave, pc.ReactionDiffusion: _reaction_diffusion}
+"""What becomes of systems beside matter."""
 
 
 def moved(t: Transform, scene: pc.Scene, state: tuple[Array, Array], order: Any = slice(None)) -> tuple[Array, Array]:
@@ -233,6 +267,8 @@ def moved(t: Transform, scene: pc.Scene, state: tuple[Array, Array], order: Any 
     x, v = state
     if scene.bodies:
         return t.points(x[order]), t.velocities(v[order])
+    if isinstance(scene.systems[0], pc.ReactionDiffusion):
+        return _over_cells(t, x), _over_cells(t, v)
     return _over_cells(t, x) * t.m, _over_cells(t, v) * t.unit(1, -1)
 
 
@@ -243,6 +279,5 @@ def transformed(scene: pc.Scene, t: Transform, orders: list[NDArray[np.int64]] |
     items = [_item(item, t, bodies) for item in (*scene.forces, *scene.boundaries)]
     domain = scene.periodic
     domains = [] if domain is None else [pc.Periodic(*t.corners(domain.lower, domain.upper, np.inf))]
-    systems = [_wave(system, t) for system in scene.systems if isinstance(system, pc.Wave)]
-    assert len(systems) == len(scene.systems)
+    systems = [SYSTEMS[type(system)](system, t) for system in scene.systems]
     return pc.Scene(*bodies.values(), *items, *domains, *systems)

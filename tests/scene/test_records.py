@@ -37,6 +37,13 @@ ARGUMENTS: dict[str, tuple[object, ...]] = {
         None,
         pc.Source((0.1, 0.1), 1.0, 2.0),
     ),
+    "ReactionDiffusion": (
+        pc.Grid((4, 3), 0.1),
+        pc.GrayScott(0.035, 0.0625),
+        {"u": 2e-5, "v": 1e-5},
+        {"u": np.ones((4, 3)), "v": 0.1},
+        {"x": "fixed"},
+    ),
     "Repulsion": (10.0,),
     "LennardJones": (1.0, 0.1),
     "Plane": ((0.0, -9.0), (0.0, 2.0)),
@@ -84,6 +91,8 @@ def told_of(value: object) -> object:
     """What the engine is told of items within an item."""
     if isinstance(value, tuple):
         return tuple(map(told_of, value))
+    if isinstance(value, dict):
+        return {"kind": "", "name": None, "on": None, "values": {name: told_of(each) for name, each in value.items()}}
     return Record.of(value).described() if is_dataclass(value) else value
 
 

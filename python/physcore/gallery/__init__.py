@@ -39,6 +39,8 @@ DEMOS = (
     "string",
     "lens",
     "whispering_gallery",
+    "labyrinth",
+    "spirals",
 )
 """Every demo; the first one is the default."""
 

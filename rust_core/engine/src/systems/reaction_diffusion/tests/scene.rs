@@ -110,7 +110,7 @@ pub fn distance(one: &[f64], other: &[f64]) -> f64 {
 pub struct Function(pub fn(f64, f64) -> [f64; 2]);
 
 impl Callback for Function {
-    fn call(&self, arguments: &[Argument<'_>], _what: &str, shape: &[usize]) -> Result<Vec<f64>, Failure> {
+    fn call(&self, arguments: &[Argument<'_>], _what: &str, shape: &[usize]) -> std::result::Result<Vec<f64>, Failure> {
         let &[Argument::Array { numbers: us, .. }, Argument::Array { numbers: vs, .. }] = arguments else {
             return Err(Failure::Refused { expected: "two arrays".to_owned(), found: format!("{arguments:?}") });
         };

@@ -1,0 +1,43 @@
+"""A few drops of a substance that feeds on another grow into a labyrinth, which fills the dish.
+
+The physics checked: what there is at the end is what there was, what the reaction formed, and what it used up.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+
+import numpy as np
+
+import physcore as pc
+from physcore.gallery.figure import Figure
+
+DURATION = 4800.0
+"""[s]"""
+DROPS = ((0.62, 0.55), (1.95, 0.42), (1.28, 1.12), (0.38, 1.52), (2.22, 1.46), (1.5, 1.72))
+"""Where they fall [m]."""
+
+
+def scene() -> pc.Scene:
+    """Let drops fall into a dish that is fed."""
+    grid = pc.Grid.over((0.0, 0.0), (2.6, 2.0), 0.008, periodic=True)
+    x, y = grid.coordinates
+    drops = np.max([np.exp(-((x - a) ** 2 + (y - b) ** 2) / (2.0 * 0.035**2)) for a, b in DROPS], axis=0)
+    start = {"u": 1.0 - 0.5 * drops, "v": 0.3 * drops}
+    dish = pc.ReactionDiffusion(grid, pc.GrayScott.pearson("theta"), {"u": 2e-5, "v": 1e-5}, start)
+    return pc.Scene(dish)
+
+
+def main(path: str | os.PathLike[str] = "labyrinth.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
+    """Simulate it and draw it."""
+    recording = pc.simulate(scene(), duration=DURATION, fps=0.03, precision="f32", progress=progress)
+    pc.film(recording, path, size=(520, 400), style=pc.styles.Field(relief=0.3), speed=600.0, progress=progress)
+    return {"dish": recording}
+
+
+def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
+    """The amount of v at the end, beside that at the start with what was formed and used up."""
+    budget = recordings["dish"].budgets["v"]
+    expected = budget.total[0] + budget.supplied[-1] - budget.removed[-1]
+    return Figure("substance at the end", float(budget.total[-1]), float(expected), "from its budget", 1e-4, "m²")
