@@ -15,7 +15,7 @@ pub use block::{Block, COLUMNS};
 pub use edges::{Edge, Edges};
 pub use laplacian::{Coefficients, Laplacian};
 pub use padding::Padding;
-pub use stencil::Window;
+pub use stencil::{Groups, Window, load};
 pub use table::RowTable;
 pub use tiles::{DEEPEST, Sweep, depth};
 

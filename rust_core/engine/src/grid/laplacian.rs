@@ -11,7 +11,8 @@
 
 use std::ops::Range;
 
-use super::{Edge, Edges, Grid, RowTable, Window, stencil};
+use super::stencil::{self, PlaneRow};
+use super::{Edge, Edges, Grid, RowTable, Window};
 use crate::math::{AXES, Real};
 
 /// Its coefficients, row by row.
@@ -122,6 +123,13 @@ impl<T: Real> Laplacian<T> {
     #[inline]
     pub fn apply(&self, rows: Window<'_, T>, row: usize, range: Range<usize>, out: &mut [T]) {
         stencil::apply(self, rows, row, range, out);
+    }
+
+    /// L u of the cells of a row from `start` on, without a buffer for them; where w is the same everywhere in a plane, within
+    /// its first and last row.
+    #[inline]
+    pub fn plane_row<'a>(&self, rows: Window<'a, T>, row: usize, start: usize) -> Option<PlaneRow<'a, T>> {
+        stencil::plane_row(self, rows, row, start)
     }
 
     /// The factor of a row's own values that stand for those beyond an edge: −1 where that is fixed, else 1.

@@ -36,18 +36,125 @@ impl<'a, T> Window<'a, T> {
     }
 }
 
+/// Values of the cells of a row, some of which follow each other at a time.
+pub trait Groups<T>: Copy {
+    /// Whether `W` cells from `cell` on are none at an end of the row that wants care.
+    fn is_inner<const W: usize>(&self, cell: usize) -> bool;
+
+    /// The values of `W` cells from `cell` on, all of them inner ones.
+    fn inner<const W: usize>(&self, cell: usize) -> [T; W];
+
+    /// The values of any `W` cells from `cell` on.
+    fn any<const W: usize>(&self, cell: usize) -> [T; W];
+}
+
+/// `W` numbers from `at` on.
+#[inline(always)]
+pub fn load<T: Real, const W: usize>(column: &[T], at: usize) -> [T; W] {
+    let mut lanes = [T::ZERO; W];
+    lanes.copy_from_slice(&column[at..at + W]);
+    lanes
+}
+
+impl<T: Real> Groups<T> for &[T] {
+    #[inline(always)]
+    fn is_inner<const W: usize>(&self, _cell: usize) -> bool {
+        true
+    }
+
+    #[inline(always)]
+    fn inner<const W: usize>(&self, cell: usize) -> [T; W] {
+        load(self, cell)
+    }
+
+    #[inline(always)]
+    fn any<const W: usize>(&self, cell: usize) -> [T; W] {
+        load(self, cell)
+    }
+}
+
+/// L u of the cells of a row within a plane from some cell on, where w is the same everywhere.
+#[derive(Debug, Clone, Copy)]
+pub struct PlaneRow<'a, T> {
+    start: usize,
+    weight: T,
+    center: &'a [T],
+    below: &'a [T],
+    above: &'a [T],
+    /// The values below its first and above its last cell.
+    ends: [T; 2],
+}
+
+impl<T: Real> Groups<T> for PlaneRow<'_, T> {
+    #[inline(always)]
+    fn is_inner<const W: usize>(&self, cell: usize) -> bool {
+        let cell = self.start + cell;
+        cell > 0 && cell + W < self.center.len()
+    }
+
+    #[inline(always)]
+    fn inner<const W: usize>(&self, cell: usize) -> [T; W] {
+        let cell = self.start + cell;
+        self.total(cell, load(self.center, cell - 1), load(self.center, cell + 1))
+    }
+
+    #[inline(always)]
+    fn any<const W: usize>(&self, cell: usize) -> [T; W] {
+        let (cell, last) = (self.start + cell, self.center.len() - 1);
+        let (mut west, mut east) = ([self.ends[0]; W], [self.ends[1]; W]);
+        for lane in 0..W {
+            if cell + lane > 0 {
+                west[lane] = self.center[cell + lane - 1];
+            }
+            if cell + lane < last {
+                east[lane] = self.center[cell + lane + 1];
+            }
+        }
+        self.total(cell, west, east)
+    }
+}
+
+impl<T: Real> PlaneRow<'_, T> {
+    /// L u of `W` cells from `cell` on. The order of the sums is that of [`apply`], so that the bits are the same.
+    #[inline(always)]
+    fn total<const W: usize>(&self, cell: usize, west: [T; W], east: [T; W]) -> [T; W] {
+        let (center, below, above): ([T; W], [T; W], [T; W]) =
+            (load(self.center, cell), load(self.below, cell), load(self.above, cell));
+        let mut result = [T::ZERO; W];
+        for lane in 0..W {
+            let sum = (below[lane] + above[lane]) + (west[lane] + east[lane]);
+            result[lane] = self.weight * (sum - T::from_f64(4.0) * center[lane]);
+        }
+        result
+    }
+}
+
+/// L u of the cells of a row from `start` on, if w is the same everywhere in a plane and the row is not at one of its edges.
+pub fn plane_row<'a, T: Real>(
+    laplacian: &Laplacian<T>,
+    rows: Window<'a, T>,
+    row: usize,
+    start: usize,
+) -> Option<PlaneRow<'a, T>> {
+    let weight = laplacian.uniform.filter(|_| laplacian.grid.dimension == 2)?;
+    let [below, above] = laplacian.grid.neighbors(row)[1].map(|other| other.map(|other| rows.row(other)));
+    let center = rows.row(row);
+    Some(PlaneRow { start, weight, center, below: below?, above: above?, ends: ends(laplacian, center) })
+}
+
+/// The values below the first and above the last cell of a row.
+fn ends<T: Real>(laplacian: &Laplacian<T>, center: &[T]) -> [T; 2] {
+    let [first, last] = [center[0], center[center.len() - 1]];
+    if laplacian.grid.periodic[2] { [last, first] } else { [laplacian.ghost(2, 0) * first, laplacian.ghost(2, 1) * last] }
+}
+
 /// Computes L u of the cells `range` of a row.
 pub fn apply<T: Real>(laplacian: &Laplacian<T>, rows: Window<'_, T>, row: usize, range: Range<usize>, out: &mut [T]) {
     let center = rows.row(row);
     let axes = laplacian.grid.axes();
     let all = laplacian.grid.neighbors(row);
     let pairs = (axes.start..2).map(|axis| (axis, all[axis]));
-    let ends = [center[center.len() - 1], center[0]];
-    let ends = if laplacian.grid.periodic[2] {
-        ends
-    } else {
-        [laplacian.ghost(2, 0) * center[0], laplacian.ghost(2, 1) * center[center.len() - 1]]
-    };
+    let ends = ends(laplacian, center);
     if let Some(weight) = laplacian.uniform {
         let mut signs = [[T::ONE; 2]; 2];
         let mut neighbors = [[center; 2]; 2];

@@ -1,7 +1,7 @@
 //! One stage of a step, cell by cell: the rates of reactions beside those of diffusion, and the next state.
 
 use super::kinetics::Law;
-use crate::grid::COLUMNS;
+use crate::grid::{COLUMNS, load};
 use crate::integrators::first_order::{Base, Combination, SLOPES};
 use crate::math::Real;
 use crate::simd::{Kernel, LANES, dispatch};
@@ -112,14 +112,6 @@ struct Update<'a, T, R, const N: usize> {
     stage: &'a Stage<T>,
     rates: R,
     cells: [Cells<'a, T>; N],
-}
-
-/// `W` numbers from `at` on.
-#[inline(always)]
-fn load<T: Real, const W: usize>(column: &[T], at: usize) -> [T; W] {
-    let mut lanes = [T::ZERO; W];
-    lanes.copy_from_slice(&column[at..at + W]);
-    lanes
 }
 
 #[inline(always)]

@@ -298,8 +298,8 @@ impl<T: Real> Layers<T> {
         let mut persistent: [&[T]; REGISTERS] = [&[]; REGISTERS];
         persistent.iter_mut().zip(&saved.persistent).for_each(|(slot, column)| *slot = column);
         // Displacements that nothing reads.
-        let input = Input { displacement: rates, rate: &saved.values, persistent, acceleration: rates, damping: None };
-        stage::run::<T, I>(cells, input, h, action);
+        let input = Input { displacement: rates, rate: &saved.values, persistent, acceleration: rates.as_slice(), damping: None };
+        stage::run::<T, I, _>(cells, input, h, action);
     }
 
     /// Saves p and q at the start of a batch.

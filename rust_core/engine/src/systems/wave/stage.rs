@@ -3,6 +3,7 @@
 use std::marker::PhantomData;
 
 use super::state::Cells;
+use crate::grid::{Groups, load};
 use crate::integrators::{Component, ComponentGroup, Integrator};
 use crate::math::Real;
 use crate::matter::REGISTERS;
@@ -22,16 +23,24 @@ pub enum Action {
 
 /// What a stage reads.
 #[derive(Debug)]
-pub struct Input<'a, T> {
+pub struct Input<'a, T, A> {
     /// Displacement u.
     pub displacement: &'a [T],
     /// The rate and the persistent registers at the start of a batch; later they are in the cells.
     pub rate: &'a [T],
     pub persistent: [&'a [T]; REGISTERS],
     /// The acceleration without damping.
-    pub acceleration: &'a [T],
+    pub acceleration: A,
     /// Damping γ; None where the stage need not know the rate.
     pub damping: Option<&'a [T]>,
+}
+
+impl<'a, T> Input<'a, T, ()> {
+    /// The same with accelerations.
+    pub fn with<A>(self, acceleration: A) -> Input<'a, T, A> {
+        let Self { displacement, rate, persistent, damping, .. } = self;
+        Input { displacement, rate, persistent, acceleration, damping }
+    }
 }
 
 /// Sums over the cells.
@@ -44,8 +53,8 @@ pub struct Sums {
 }
 
 /// Runs a stage of some cells.
-pub fn run<T: Real, I: Integrator>(cells: Cells<'_, T>, input: Input<'_, T>, h: f64, action: Action) -> Sums {
-    dispatch(Stage::<T, I> { cells, input, h: T::from_f64(h), action, integrator: PhantomData })
+pub fn run<T: Real, I: Integrator, A: Groups<T>>(cells: Cells<'_, T>, input: Input<'_, T, A>, h: f64, action: Action) -> Sums {
+    dispatch(Stage::<T, I, A> { cells, input, h: T::from_f64(h), action, integrator: PhantomData })
 }
 
 /// Whether an integrator needs the rate at its stages only where it is damped: the velocity of its drift is in a register,
@@ -70,20 +79,12 @@ const fn is_kept<I: Integrator>(register: usize) -> bool {
     }
 }
 
-struct Stage<'a, T, I> {
+struct Stage<'a, T, I, A> {
     cells: Cells<'a, T>,
-    input: Input<'a, T>,
+    input: Input<'a, T, A>,
     h: T,
     action: Action,
     integrator: PhantomData<I>,
-}
-
-/// `W` numbers from `at` on.
-#[inline(always)]
-fn load<T: Real, const W: usize>(column: &[T], at: usize) -> [T; W] {
-    let mut lanes = [T::ZERO; W];
-    lanes.copy_from_slice(&column[at..at + W]);
-    lanes
 }
 
 #[inline(always)]
@@ -127,7 +128,7 @@ impl<T: Real> LaneSums<T> {
     }
 }
 
-impl<T: Real, I: Integrator> Kernel for Stage<'_, T, I> {
+impl<T: Real, I: Integrator, A: Groups<T>> Kernel for Stage<'_, T, I, A> {
     type Output = Sums;
 
     #[inline(always)]
@@ -155,14 +156,14 @@ impl<T: Real, I: Integrator> Kernel for Stage<'_, T, I> {
     }
 }
 
-impl<T: Real, I: Integrator> Stage<'_, T, I> {
+impl<T: Real, I: Integrator, A: Groups<T>> Stage<'_, T, I, A> {
     #[inline(always)]
     fn begin(&mut self) -> Sums {
         let mut sums = LaneSums::<T>::ZERO;
         for at in 0..self.cells.rate.len() {
             let Self { cells, input, .. } = self;
             let (x, v) = (load::<T, 1>(input.displacement, at), load::<T, 1>(cells.rate, at));
-            let mut a = load(input.acceleration, at);
+            let mut a = input.acceleration.any(at);
             if let Some(gamma) = input.damping {
                 let mut cell = LaneSums::ZERO;
                 damp(&mut a, &load(gamma, at), &v, &mut cell.damping);
@@ -215,23 +216,32 @@ impl<T: Real, I: Integrator> Stage<'_, T, I> {
         let count = self.cells.rate.len();
         let whole = count / LANES * LANES;
         for at in (0..whole).step_by(LANES) {
-            self.update_group::<STAGE, ENDS, LANES>(at, &mut sums);
+            let acceleration = &self.input.acceleration;
+            if acceleration.is_inner::<LANES>(at) {
+                self.update_group::<STAGE, ENDS, LANES>(at, acceleration.inner(at), &mut sums);
+            } else {
+                self.update_group::<STAGE, ENDS, LANES>(at, acceleration.any(at), &mut sums);
+            }
         }
         for at in whole..count {
             let mut cell = LaneSums::ZERO;
-            self.update_group::<STAGE, ENDS, 1>(at, &mut cell);
+            self.update_group::<STAGE, ENDS, 1>(at, self.input.acceleration.any(at), &mut cell);
             sums.add(at % LANES, cell);
         }
         sums.sums(self.input.damping.is_some())
     }
 
     #[inline(always)]
-    fn update_group<const STAGE: usize, const ENDS: bool, const W: usize>(&mut self, at: usize, sums: &mut LaneSums<T, W>) {
+    fn update_group<const STAGE: usize, const ENDS: bool, const W: usize>(
+        &mut self,
+        at: usize,
+        mut a: [T; W],
+        sums: &mut LaneSums<T, W>,
+    ) {
         let Self { cells, input, h, .. } = self;
         let h = *h;
         let knows_rate = input.damping.is_some() || drifts_by_register::<I>().is_none();
         let (x, v) = (load(input.displacement, at), if knows_rate { load(cells.rate, at) } else { [T::ZERO; W] });
-        let mut a: [T; W] = load(input.acceleration, at);
         if let Some(gamma) = input.damping {
             damp(&mut a, &load(gamma, at), &v, &mut sums.damping);
         }

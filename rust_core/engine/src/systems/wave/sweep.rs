@@ -90,40 +90,48 @@ impl<T: Real> Dynamics<T> {
         while start < length {
             let range = self.segment(start, &inside);
             start = range.end;
-            let (acceleration, scratch) = scratch.split_at_mut(range.len());
+            let own = row * length + range.start..row * length + range.end;
             let cells = Cells::of(block, index, range.clone());
-            if evaluates {
-                self.accelerate(rows, row, range.clone(), acceleration, scratch);
-                let first = row * length + range.start;
-                self.drive(row, range.clone(), pass.amplitudes, acceleration);
-                if let Some(layers) = &self.layers {
-                    layers.push(row, first, acceleration);
-                }
-                if let Some(damping) = damping {
-                    let velocity = |cell: usize| mean_velocity::<T, I>(pass, &cells, acceleration, &damping[range.clone()], cell);
-                    power[SOURCE] += self.supplied(row, range.clone(), pass.amplitudes, velocity);
-                    if let Some(layers) = &self.layers {
-                        let u = |cell: usize| rows.row(cell / length)[cell % length];
-                        power[EDGES] += layers.power(row, first..first + range.len(), velocity, u);
-                    }
-                }
-            }
             let mut input = Input {
                 displacement: &rows.row(row)[range.clone()],
                 rate: &[],
                 persistent: [&[]; REGISTERS],
-                acceleration,
+                acceleration: (),
                 damping: damping.map(|damping| &damping[range.clone()]),
             };
             if let Some(saved) = saved.filter(|_| !evaluates) {
-                let cells = row * length + range.start..row * length + range.end;
-                input.displacement = &saved.displacement[cells.clone()];
-                input.rate = &saved.rate[cells.clone()];
+                input.displacement = &saved.displacement[own.clone()];
+                input.rate = &saved.rate[own.clone()];
                 for (register, column) in input.persistent.iter_mut().zip(&saved.persistent) {
-                    *register = &column[cells.clone()];
+                    *register = &column[own.clone()];
                 }
             }
-            let sums = stage::run::<T, I>(cells, input, pass.h, pass.action);
+            let plain = evaluates && !self.exchanges[row] && self.layers.is_none() && self.medium.fourth.is_none();
+            let fused = (plain && stage::drifts_by_register::<I>().is_some())
+                .then(|| self.medium.laplacian.plane_row(rows, row, range.start))
+                .flatten();
+            let sums = if let Some(laplacian) = fused {
+                stage::run::<T, I, _>(cells, input.with(laplacian), pass.h, pass.action)
+            } else {
+                let (acceleration, scratch) = scratch.split_at_mut(range.len());
+                if evaluates {
+                    self.accelerate(rows, row, range.clone(), acceleration, scratch);
+                    self.drive(row, range.clone(), pass.amplitudes, acceleration);
+                    if let Some(layers) = &self.layers {
+                        layers.push(row, own.start, acceleration);
+                    }
+                    if let Some(damping) = damping {
+                        let velocity =
+                            |cell: usize| mean_velocity::<T, I>(pass, &cells, acceleration, &damping[range.clone()], cell);
+                        power[SOURCE] += self.supplied(row, range.clone(), pass.amplitudes, velocity);
+                        if let Some(layers) = &self.layers {
+                            let u = |cell: usize| rows.row(cell / length)[cell % length];
+                            power[EDGES] += layers.power(row, own, velocity, u);
+                        }
+                    }
+                }
+                stage::run::<T, I, _>(cells, input.with(&*acceleration), pass.h, pass.action)
+            };
             if inside.contains(&range.start) {
                 squares += sums.squares;
                 power[DAMPING] += self.mass * sums.damping;
