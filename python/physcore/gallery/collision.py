@@ -30,7 +30,9 @@ DURATION = 14.0
 
 def disc(generator: np.random.Generator, tilt: float) -> tuple[np.ndarray, np.ndarray]:
     """Places and velocities of stars on round orbits about a core, in a plane that is tilted about the x axis [rad]."""
-    radius, angle = np.sqrt(generator.uniform(*np.square(RADII), STARS)), generator.uniform(0.0, 2.0 * np.pi, STARS)
+    inner, outer = RADII
+    radius = np.sqrt(generator.uniform(inner**2, outer**2, STARS))
+    angle = generator.uniform(0.0, 2.0 * np.pi, STARS)
     speed = radius * (radius**2 + CORE**2) ** -0.75
     outward = np.stack([np.cos(angle), np.sin(angle), 0.0 * angle], axis=1)
     forward = np.stack([-np.sin(angle), np.cos(angle), 0.0 * angle], axis=1)

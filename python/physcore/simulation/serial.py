@@ -121,7 +121,7 @@ def _unpack_value(tree: Tree, path: str, kinds: tuple[type[Any], ...]) -> Any:
 def _unpack_item(tree: Tree, path: str, kinds: tuple[type[Any], ...], bodies: list[Body]) -> Any:
     thing = _THING(tree, path)
     values = table(anything)(thing["fields"], f"{path}.fields")
-    named = {}
+    named: dict[str, list[Body]] = {}
     for field in getattr(_KINDS.get(thing["kind"]), "naming", ()):
         indices = maybe(several(whole(most=len(bodies) - 1)))(values.get(field), f"{path}.{field}")
         named |= {} if indices is None else {field: [bodies[index] for index in indices]}
