@@ -173,17 +173,16 @@ def test_the_work_of_one_sided_sources_closes_the_budget():
     comet = pc.Particles([[1.5, 1.0], [-2.0, 0.5]], [[-0.3, 0.4], [0.3, -0.6]], mass=0.1)
     scene = pc.Scene(stars, comet, pc.Gravitation(1.0, 0.05, sources=stars))
     drifts = []
-    for steps in (500, 1000):
+    for steps in (1000, 2000):
         run = simulation(scene, pc.VelocityVerlet(), PERIOD / steps)
         start = run.energy()
         run.step(steps)
         end = run.energy()
         drifts.append((end.total - end.work) - (start.total - start.work))
-        assert abs(end.work - start.work) > 1e-3
-    assert abs(drifts[1]) < 2e-5
+    assert abs(drifts[1]) < 3e-3 * abs(end.work - start.work)
     assert drifts[0] / drifts[1] == pytest.approx(4.0, rel=0.2)
-    alone = simulation(pc.Scene(stars, pc.Gravitation(1.0, 0.05)), pc.VelocityVerlet(), PERIOD / 1000)
-    alone.step(1000)
+    alone = simulation(pc.Scene(stars, pc.Gravitation(1.0, 0.05)), pc.VelocityVerlet(), PERIOD / 2000)
+    alone.step(2000)
     np.testing.assert_array_equal(run.positions[:2], alone.positions)
 
 
