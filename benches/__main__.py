@@ -13,6 +13,7 @@ from math import isnan
 
 import accuracy
 import fluids
+import gravitation
 import numpy as np
 import overheads
 import particles
@@ -74,6 +75,10 @@ TARGETS = (
     Target("wave f64, 8192² over 1024²", 1.3, "times as long", at_most=True),
     Target("small wave f32", 100_000, "steps/s"),
     Target("small wave f64", 100_000, "steps/s"),
+    Target("gravitation f64", 1.0, "G pairs/s"),
+    Target("gravitation f32", 3.0, "G pairs/s"),
+    Target("two threads, gravitation f64", 1.8, "times one"),
+    Target("two threads, gravitation f32", 1.8, "times one"),
     Target("import", 0.15, "s", at_most=True),
     Target("accuracy=, cost", 6.0, "returned runs", at_most=True),
     Target("accuracy=, share used", 0.1, "of what was allowed"),
@@ -88,7 +93,8 @@ def main() -> None:
     print(where)
     print(f"physcore {pc.__version__}, NumPy {np.__version__}, Numba {version('numba')}")
     print("physcore audits and watches for divergence in every run; its opponents do neither.")
-    figures = particles.main() | springs.main() | fluids.main() | waves.main() | overheads.main() | accuracy.main()
+    figures = particles.main() | springs.main() | fluids.main() | waves.main()
+    figures |= gravitation.main() | overheads.main() | accuracy.main()
     print()
     film.main()
     print(f"\nTargets, as set on a Zen 4 core of about 3.6 GHz; measured here, not scaled: {where}")

@@ -129,6 +129,8 @@ CALLS: dict[str, tuple[Callable[..., object], dict[str, Any]]] = {
     "Drag": (pc.Drag, {"linear": 1.0}),
     "CentralForce": (pc.CentralForce, {"center": (0.0, 0.0), "strength": 1.0}),
     "SoftSpheres": (pc.SoftSpheres, {"stiffness": 1.0}),
+    "Gravitation": (pc.Gravitation, {"constant": 1.0}),
+    "Coulomb": (pc.Coulomb, {"constant": 1.0}),
     "LennardJones": (pc.LennardJones, {"epsilon": 1.0, "sigma": 1.0}),
     "CustomForce": (pc.CustomForce, {"function": lambda time, x, v: -x}),
     "Floor": (pc.Floor, {}),

@@ -14,6 +14,7 @@ LAYERS = [
     "errors",
     "_core",
     "memory",
+    "units",
     "checks",
     "progress",
     "storage",

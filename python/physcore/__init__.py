@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from physcore import units
 from physcore.boundaries import Boundary, Box, Floor, Plane, Sphere
 from physcore.errors import (
     AccuracyError,
@@ -27,7 +28,17 @@ from physcore.errors import (
     warn,
 )
 from physcore.film import film
-from physcore.forces import CentralForce, CustomForce, Drag, Force, Gravity, LennardJones, SoftSpheres
+from physcore.forces import (
+    CentralForce,
+    Coulomb,
+    CustomForce,
+    Drag,
+    Force,
+    Gravitation,
+    Gravity,
+    LennardJones,
+    SoftSpheres,
+)
 from physcore.numerics.choices import AdaptiveStep, AutoStep
 from physcore.numerics.integrators import (
     PEFRL,
@@ -87,6 +98,7 @@ __all__ = [
     "Box",
     "Brusselator",
     "CentralForce",
+    "Coulomb",
     "CubicSpline",
     "CustomForce",
     "DormandPrince5",
@@ -100,6 +112,7 @@ __all__ = [
     "Fluid",
     "Force",
     "Frame",
+    "Gravitation",
     "Gravity",
     "GrayScott",
     "Grid",
@@ -152,6 +165,7 @@ __all__ = [
     "stability_limit",
     "styles",
     "tradeoff",
+    "units",
 ]
 
 

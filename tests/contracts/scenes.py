@@ -220,6 +220,36 @@ IN_PYTHON: dict[type[Kinetics], Callable[[Any], Callable[..., Any]]] = {
 """The kinetics as functions in NumPy."""
 
 
+def cluster(count: int = 150, dimension: int = 3, **options: Any) -> pc.Scene:
+    """Stars and a heavy one that is held, which attract each other, and comets that only feel them."""
+    rng = _random()
+    shape = (count, dimension)
+    stars = pc.Particles(
+        rng.uniform(-1.0, 1.0, shape),
+        rng.uniform(-0.3, 0.3, shape),
+        mass=rng.uniform(0.5, 1.5, count) / count,
+        fixed=[0],
+    )
+    comets = pc.Particles(rng.uniform(-1.0, 1.0, (20, dimension)), mass=1e-3)
+    return pc.Scene(stars, comets, pc.Gravitation(1.0, 0.05, sources=stars, **options))
+
+
+def plasma(count: int = 100, dimension: int = 3) -> pc.Scene:
+    """As many charges of each sign, in a harmonic well."""
+    rng = _random()
+    shape = (count, dimension)
+    signs = np.where(np.arange(count) % 2 == 0, 1.0, -1.0)
+    ions = pc.Particles(rng.uniform(-1.0, 1.0, shape), rng.uniform(-0.3, 0.3, shape), mass=0.5, charge=signs)
+    well = pc.CentralForce((0.0,) * dimension, 1.0, exponent=1.0)
+    return pc.Scene(ions, pc.Coulomb(0.01, 0.05), well)
+
+
+def trio() -> pc.Scene:
+    """Three equal masses on the figure eight, without softening (Chenciner, Montgomery, Ann. Math. 152, 881 (2000))."""
+    x, v = np.array([0.97000436, -0.24308753]), np.array([0.93240737, 0.86473146])
+    return pc.Scene(pc.Particles([x, -x, 0.0 * x], [0.5 * v, 0.5 * v, -v]), pc.Gravitation(1.0))
+
+
 def harmonic() -> pc.CustomForce:
     """A well written in Python, in operations that are rounded alike everywhere."""
     return pc.CustomForce(lambda time, x, v: -3.0 * x, potential=lambda x: 1.5 * float((x * x).sum()))
@@ -288,6 +318,12 @@ SCENES: dict[str, Case] = {
     "grains f32": Case(grains, 0.002, F32, large=_large_grains),
     "atoms": Case(lambda: crowd(ATOMS), 0.002, {"integrator": pc.PEFRL()}, large=lambda: crowd(ATOMS, side=18)),
     "atoms 2D f32": Case(lambda: crowd(ATOMS, dimension=2), 0.002, F32),
+    "cluster": Case(cluster, 0.01, large=lambda: cluster(5000)),
+    "cluster f32": Case(cluster, 0.01, F32, large=lambda: cluster(5000)),
+    "plasma 2D": Case(lambda: plasma(dimension=2), 0.01, large=lambda: plasma(5000, 2)),
+    "plasma f32 RungeKutta4": Case(plasma, 0.01, {**F32, **RK4}),
+    "trio": Case(trio, 0.01, {"integrator": pc.BlanesMoan4()}),
+    "trio adaptive": Case(trio, 0.01, {"dt": pc.AdaptiveStep()}),
     "pool": Case(pool, 1e-3, large=lambda: pool(spacing=0.0125)),
     "pool f64 McLachlan2": Case(pool, 1e-3, {"precision": "f64", "integrator": pc.McLachlan2()}),
     "pool 3D": Case(lambda: pool(3), 1e-3, large=lambda: pool(3, spacing=0.03)),

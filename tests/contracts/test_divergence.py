@@ -29,6 +29,8 @@ BOUNDED = {
     "swarm star": "flies apart, away from what limits its steps",
     "swarm star f32": "likewise",
     "swarm power": "likewise",
+    "cluster": "is limited by accuracy, at a hundredth of a period",
+    **dict.fromkeys(("cluster f32", "plasma 2D", "plasma f32 RungeKutta4", "trio"), "likewise"),
     "grains": "bounce off each other, and lose more than they gain",
     "grains f32": "likewise",
     "layers": "is limited as if the heaviest fluid pushed all of the net",

@@ -102,6 +102,8 @@ QUANTITIES: dict[type, dict[str, Rule]] = {
     pc.CentralForce: {"center": point, "softening": scalar(1)},
     pc.SoftSpheres: {"damping": RESISTANCE, "tangential_damping": RESISTANCE},
     pc.LennardJones: {"epsilon": scalar(2, -2, 1), "sigma": scalar(1), "cutoff": scalar(1)},
+    pc.Gravitation: {"constant": scalar(3, -2, -1), "softening": scalar(1)},
+    pc.Coulomb: {"constant": scalar(3, -2, 1), "softening": scalar(1)},
     pc.Plane: {"point": point, "normal": vector()},
     pc.Sphere: {"center": point, "radius": scalar(1)},
     pc.Particles: MASSES,
@@ -142,15 +144,17 @@ def _body(body: Body, t: Transform, order: NDArray[np.int64]) -> Body:
 
 
 def _item(item: ActingItem, t: Transform, bodies: dict[Body, Body]) -> ActingItem:
-    on = None if item.bodies() is None else tuple(bodies[body] for body in item.bodies())
+    given = {name: item.bodies(name) for name in item.naming}
+    named = {name: None if own is None else tuple(bodies[body] for body in own) for name, own in given.items()}
+    on = named["on"]
     if isinstance(item, pc.CustomForce):
         return _custom(item, t, on)
     if isinstance(item, pc.Floor):  # which is no floor where another axis is up
         up = np.eye(t.axes.shape[1])[-1]
         shared = {"restitution": item.restitution, "friction": item.friction, "no_slip": item.no_slip, "on": on}
         return pc.Plane(tuple(t.points(item.height * up)), tuple(t.directions(up)), **shared)
-    values = {entry.name: getattr(item, entry.name) for entry in fields(item) if entry.name != "on"}
-    return type(item)(**_changed(item, values, t), on=on)
+    values = {entry.name: getattr(item, entry.name) for entry in fields(item) if entry.name not in named}
+    return type(item)(**_changed(item, values, t), **named)
 
 
 def _custom(force: pc.CustomForce, t: Transform, on: Any) -> pc.CustomForce:

@@ -68,6 +68,9 @@ def shown(tmp_path: Path, record_property: Callable[[str, object], None]) -> Cal
         "string",
         "lens",
         "whispering_gallery",
+        "figure_eight",
+        "solar_system",
+        "collision",
         *(pytest.param(name, marks=pytest.mark.long) for name in LONG),
     ],
 )

@@ -240,6 +240,8 @@ FIELDS = {
     # The grains overlap by 0.15 m or more, or not at all; the atoms have a cutoff between them, and one beyond all.
     pc.SoftSpheres: lambda d: [pc.SoftSpheres(10.0, exponent=exponent) for exponent in (1.0, 1.5)],
     pc.LennardJones: lambda d: [pc.LennardJones(1.0, 0.6, cutoff) for cutoff in (None, 2.4)],
+    pc.Gravitation: lambda d: [pc.Gravitation(1.5, softening) for softening in (0.0, 0.2)],
+    pc.Coulomb: lambda d: [pc.Coulomb(0.7, softening) for softening in (0.0, 0.2)],
     pc.Drag: lambda d: [],
 }
 """Forces with a potential, for each registered kind; Drag has none."""
@@ -284,7 +286,8 @@ TOLERANCE = 1e-9
 def test_a_force_is_minus_the_gradient_of_its_potential(kind, dimension):
     spots = np.ascontiguousarray(SPOTS[:, :dimension])
     for field in FIELDS[kind](dimension):
-        scene = pc.Scene(pc.Particles(spots, mass=[0.5, 1.0, 2.0], radius=[0.9, 0.8, 0.7]), field)
+        body = pc.Particles(spots, mass=[0.5, 1.0, 2.0], charge=[1.0, -0.5, 2.0], radius=[0.9, 0.8, 0.7])
+        scene = pc.Scene(body, field)
         found = force(scene)
         expected = -gradient(simulation(scene, pc.ExplicitEuler(), 1.0), spots)
         np.testing.assert_allclose(found, expected, rtol=TOLERANCE, atol=TOLERANCE, err_msg=repr(field))

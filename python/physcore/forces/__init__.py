@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from physcore.errors import warn
 from physcore.forces.central import CentralForce
+from physcore.forces.coulomb import Coulomb
 from physcore.forces.custom import CustomForce
 from physcore.forces.drag import Drag
+from physcore.forces.gravitation import Gravitation
 from physcore.forces.gravity import Gravity
 from physcore.forces.lennard_jones import LennardJones
 from physcore.forces.soft_spheres import SoftSpheres
@@ -18,10 +20,23 @@ FORCES: tuple[type[Force], ...] = (
     CustomForce,
     SoftSpheres,
     LennardJones,
+    Gravitation,
+    Coulomb,
 )
 """Every force; what is registered here can be saved, and is tested."""
 
-__all__ = ["FORCES", "CentralForce", "CustomForce", "Drag", "Force", "Gravity", "LennardJones", "SoftSpheres"]
+__all__ = [
+    "FORCES",
+    "CentralForce",
+    "Coulomb",
+    "CustomForce",
+    "Drag",
+    "Force",
+    "Gravitation",
+    "Gravity",
+    "LennardJones",
+    "SoftSpheres",
+]
 
 
 def __getattr__(name: str) -> object:

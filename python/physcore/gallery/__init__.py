@@ -41,6 +41,9 @@ DEMOS = (
     "whispering_gallery",
     "labyrinth",
     "spirals",
+    "figure_eight",
+    "solar_system",
+    "collision",
 )
 """Every demo; the first one is the default."""
 

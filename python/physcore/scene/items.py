@@ -65,13 +65,15 @@ class ActingItem(SceneItem):
 
     spares_fluids: ClassVar[bool] = False
     """Whether it acts on a fluid only where that is named."""
+    naming: ClassVar[tuple[str, ...]] = ("on",)
+    """Its fields that name bodies."""
 
     def __post_init__(self) -> None:
-        self._set(on=chosen(self.on, f"{type(self).__name__}.on"))
+        self._set(**{name: chosen(getattr(self, name), f"{type(self).__name__}.{name}") for name in self.naming})
 
-    def bodies(self) -> tuple[Body, ...] | None:
-        """The bodies that it names, or None."""
-        return cast("tuple[Body, ...] | None", self.on)  # made so by __post_init__
+    def bodies(self, field: str = "on") -> tuple[Body, ...] | None:
+        """The bodies that it names in a field, or None."""
+        return cast("tuple[Body, ...] | None", getattr(self, field))  # made so by __post_init__
 
     def check(self, bodies: Sequence[Body], path: str) -> None:
         """Look at the bodies that it acts on, once they are known; `path` says where it stands in the scene.

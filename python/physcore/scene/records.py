@@ -5,12 +5,17 @@ from __future__ import annotations
 import inspect
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, is_dataclass
-from typing import Any
+from typing import Any, TypeAlias
+
+import numpy as np
 
 from physcore.storage.archive import Tree
 
 APPEARANCE: Mapping[str, bool] = {"appearance": True}
 """Metadata of a field that has no part in the motion, which the engine is not told."""
+Named: TypeAlias = Mapping[str, "list[int] | None"]
+"""The indices of the bodies that fields name; None: all."""
+_NONE: Named = {}
 _OWN = ("name", "on")
 """Fields that have a place of their own in the engine's form."""
 
@@ -44,16 +49,19 @@ class Record:
         """Whether it has functions of the user's, which are not written into files."""
         return any(map(_is_code, self.values.values()))
 
-    def packed(self, on: list[int] | None = None) -> Tree:
-        """The form of files and hashes: the arguments of its class, the rest follows from them; `on` as below."""
-        values = {name: on if name == "on" else pack(self.values[name]) for name in self.arguments}
+    def packed(self, bodies: Named = _NONE) -> Tree:
+        """The form of files and hashes: the arguments of its class, the rest follows from them; `bodies` as below."""
+        values = {name: bodies[name] if name in bodies else pack(self.values[name]) for name in self.arguments}
         return {"kind": self.kind, "fields": values}
 
-    def described(self, on: list[int] | None = None) -> dict[str, object]:
-        """The form of the engine: all values, and the indices of the bodies that it acts on; None: all."""
-        hidden = (*_OWN, *self.appearance)
+    def described(self, bodies: Named = _NONE) -> dict[str, object]:
+        """The form of the engine: all values, and the indices of the bodies that fields name; None: all."""
+        hidden = (*_OWN, *self.appearance, *bodies)
         values = {name: _described(value) for name, value in self.values.items() if name not in hidden}
-        return {"kind": self.kind, "name": self.values.get("name"), "on": on, "values": values}
+        indices = {name: None if named is None else np.array(named, int) for name, named in bodies.items()}
+        others = {name: named for name, named in indices.items() if name not in _OWN}
+        name, on = self.values.get("name"), bodies.get("on")
+        return {"kind": self.kind, "name": name, "on": on, "values": {**values, **others}}
 
 
 def _is_item(value: Any) -> bool:

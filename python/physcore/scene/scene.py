@@ -154,10 +154,16 @@ class Scene:
                     f"{path}[{position}]: a {type(item).__name__} cannot be saved, because its function is code; "
                     "save the arrays that you need with numpy.savez, or express the force by the ones that physcore has"
                 )
-            named = item.bodies() if isinstance(item, ActingItem) else None
-            on = None if named is None else [self.bodies.index(body) for body in named]
-            trees.append(record.packed(on))
+            trees.append(record.packed(self.indices(item) if isinstance(item, ActingItem) else {}))
         return trees
+
+    def indices(self, item: ActingItem) -> dict[str, list[int] | None]:
+        """The bodies that a force or a boundary of this scene names, by field; None: all."""
+        named = {field: item.bodies(field) for field in item.naming}
+        return {
+            field: None if bodies is None else [self.bodies.index(body) for body in bodies]
+            for field, bodies in named.items()
+        }
 
     def __repr__(self) -> str:
         domain = () if self.periodic is None else (self.periodic,)
@@ -236,9 +242,10 @@ class Scene:
             )
         if not isinstance(item, ActingItem):
             return
-        for body in item.bodies() or ():
-            if body not in self.bodies:
-                raise SceneError(f"{path}.on: {body!r} is not in the scene; add it as an item too")
+        for field in item.naming:
+            for body in item.bodies(field) or ():
+                if body not in self.bodies:
+                    raise SceneError(f"{path}.{field}: {body!r} is not in the scene; add it as an item too")
         targets = self.targets(item)
         if not targets and item.on is None:
             raise SceneError(f"{path}.on: {type(item).__name__} acts on fluids only where they are named: on=fluid")

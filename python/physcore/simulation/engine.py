@@ -151,6 +151,9 @@ def _summary(system: StagesRecord) -> str:
 
 def _item(item: SceneItem, scene: Scene) -> dict[str, object]:
     """An item as it is in the scene, with the indices of the bodies that it acts on, if not on all."""
-    targets = scene.targets(item) if isinstance(item, ActingItem) else scene.bodies
+    record = Record.of(item.resolved(scene.dimension))
+    if not isinstance(item, ActingItem):
+        return record.described()
+    targets = scene.targets(item)
     on = None if targets == scene.bodies else [scene.index(body) for body in targets]
-    return Record.of(item.resolved(scene.dimension)).described(on)
+    return record.described({**scene.indices(item), "on": on})

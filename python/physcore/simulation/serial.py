@@ -119,7 +119,10 @@ def _unpack_value(tree: Tree, path: str, kinds: tuple[type[Any], ...]) -> Any:
 
 
 def _unpack_item(tree: Tree, path: str, kinds: tuple[type[Any], ...], bodies: list[Body]) -> Any:
-    values = table(anything)(_THING(tree, path)["fields"], f"{path}.fields")
-    indices = maybe(several(whole(most=len(bodies) - 1)))(values.get("on"), f"{path}.on")
-    on = {} if indices is None else {"on": [bodies[index] for index in indices]}
-    return _unpack({**tree, "fields": {**values, **on}}, path, kinds)
+    thing = _THING(tree, path)
+    values = table(anything)(thing["fields"], f"{path}.fields")
+    named: dict[str, list[Body]] = {}
+    for field in getattr(_KINDS.get(thing["kind"]), "naming", ()):
+        indices = maybe(several(whole(most=len(bodies) - 1)))(values.get(field), f"{path}.{field}")
+        named |= {} if indices is None else {field: [bodies[index] for index in indices]}
+    return _unpack({**tree, "fields": {**values, **named}}, path, kinds)

@@ -14,6 +14,7 @@ use crate::scene::{self, Item, Scene};
 use crate::simd::padded;
 use crate::stability::{Horizon, SpectralBound};
 
+mod all_pairs;
 mod central;
 mod custom;
 pub mod density;
@@ -77,6 +78,8 @@ pub enum Reach {
     Network,
     /// It depends on whoever is near.
     Pairs,
+    /// It depends on all others at any distance: found for all at once, in [`Force::prepare`].
+    Far,
     /// It depends on everything: found for all at once, in [`Force::prepare`].
     Whole,
 }
@@ -245,18 +248,32 @@ struct Kind<V: Vector> {
 }
 
 /// The registry.
-fn kinds<V: Vector>() -> [Kind<V>; 6] {
-    [gravity::kind(), drag::kind(), central::kind(), custom::kind(), soft_spheres::kind(), lennard_jones::kind()]
+fn kinds<V: Vector>() -> [Kind<V>; 8] {
+    [
+        gravity::kind(),
+        drag::kind(),
+        central::kind(),
+        custom::kind(),
+        soft_spheres::kind(),
+        lennard_jones::kind(),
+        all_pairs::gravitation(),
+        all_pairs::coulomb(),
+    ]
 }
 
-/// Whether a force of the scene passes between all particles that are near each other.
+/// How far a force of the scene reaches.
+fn reach(item: &Item) -> Option<Reach> {
+    kinds::<DVec2>().iter().find(|kind| kind.name == item.kind).map(|kind| kind.reach)
+}
+
+/// Whether a force of the scene passes between particles.
 pub fn is_between_pairs(item: &Item) -> bool {
-    kinds::<DVec2>().iter().any(|kind| kind.name == item.kind && kind.reach == Reach::Pairs)
+    matches!(reach(item), Some(Reach::Pairs | Reach::Far))
 }
 
-/// Whether any does.
-pub fn are_between_pairs(scene: &Scene) -> bool {
-    sph::is_in(scene) || scene.forces.iter().any(is_between_pairs)
+/// Whether any passes between all particles that are near each other.
+pub fn are_between_neighbors(scene: &Scene) -> bool {
+    sph::is_in(scene) || scene.forces.iter().any(|item| reach(item) == Some(Reach::Pairs))
 }
 
 /// The forces that an item of the scene declares.

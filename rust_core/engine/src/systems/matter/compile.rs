@@ -131,12 +131,12 @@ const SPRING: usize = 250;
 /// when they are built.
 fn footprint<V: Vector, I: Integrator>(scene: &Scene) -> Result<usize> {
     let springs = springs::count(scene)?;
-    let independent = springs == 0 && !forces::are_between_pairs(scene);
+    let independent = springs == 0 && !forces::are_between_neighbors(scene);
     let registers = if independent { I::READABLE } else { I::REGISTERS };
     // The state with its copy, and the workspace of sweeps.
     let columns = 2 * (2 + registers) + if independent { 0 } else { 6 };
     let vector = V::DIMENSION * size_of::<V::Scalar>();
-    let neighbor = if forces::are_between_pairs(scene) { NEIGHBOR } else { 0 } + if sph::is_in(scene) { FLUID } else { 0 };
+    let neighbor = if forces::are_between_neighbors(scene) { NEIGHBOR } else { 0 } + if sph::is_in(scene) { FLUID } else { 0 };
     Ok(scene.count() * (columns * vector + PROPERTIES + neighbor) + springs * SPRING)
 }
 
@@ -190,7 +190,7 @@ fn left_out(forces: &[About], independent: bool, contacts: bool) -> Vec<&'static
 
 /// Index in the engine's order → index in the caller's, for locality of spring partners and of neighbors.
 fn ordering(scene: &Scene, springs: &[Spring]) -> Vec<u32> {
-    if springs.is_empty() && forces::are_between_pairs(scene) {
+    if springs.is_empty() && forces::are_between_neighbors(scene) {
         return neighbors::ordering(&scene.positions(), scene.dimension);
     }
     springs::ordering(springs, scene.count()).unwrap_or_else(|| (0..scene.count() as u32).collect())

@@ -1,0 +1,56 @@
+"""The gravitation of all masses."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import ClassVar
+
+from physcore.checks import number
+from physcore.scene.items import Force, On
+from physcore.units import gravitational_constant
+
+
+@dataclass(frozen=True)
+class Gravitation(Force):
+    """Newton's gravitation between all particles: every one attracts every other.
+
+        sun_and_earth = pc.Particles([[0, 0], [pc.units.AU, 0]], [[0, 0], [0, 29.8e3]],
+                                     mass=[pc.units.solar_mass, pc.units.earth_mass])
+        scene = pc.Scene(sun_and_earth, pc.Gravitation())
+
+    The force on particle i is F_i = −G m_i Σ_j m_j d/s³ with d = x_i − x_j and s² = |d|² + softening², and a pair has
+    the potential energy −G m_i m_j/s. In 2D the law is the same: orbits in a plane. The sum is exact, over all pairs,
+    and its cost grows like the square of the number of particles. Fixed particles attract. The energy is
+    by_term["gravitation"].
+
+    A mass among `sources` that is not among `on` attracts and feels nothing, as if it were held on its path: the work
+    of that counts as external work.
+
+    Without softening orbits that pass close to each other need small steps: dt="auto" is a hundredth of the shortest
+    orbital period of the start, AdaptiveStep follows it.
+
+    Args:
+        constant: G [m³/(kg·s²)], at least zero.
+        softening: ε [m], at least zero (Plummer 1911).
+        on: the body or bodies that feel it; all by default.
+        sources: the body or bodies that attract; all by default.
+
+    Raises:
+        SceneError: a value is out of range or not finite; when the simulation is made, the scene has a Periodic domain;
+            when it runs, two particles coincide and there is no softening.
+
+    Source: G by CODATA 2018; H. C. Plummer, Mon. Not. R. Astron. Soc. 71, 460 (1911).
+    """
+
+    constant: float = gravitational_constant
+    softening: float = 0.0
+    sources: On = field(default=None, kw_only=True)
+
+    naming: ClassVar[tuple[str, ...]] = ("on", "sources")
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self._set(
+            constant=number(self.constant, "Gravitation.constant", least=0.0),
+            softening=number(self.softening, "Gravitation.softening", least=0.0),
+        )

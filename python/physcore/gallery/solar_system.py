@@ -1,0 +1,98 @@
+"""The inner planets for two years, among all eight, which attract each other: places, masses and times of the sky.
+
+The physics checked: the Earth takes a sidereal year to go around the Sun.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+
+import numpy as np
+
+import physcore as pc
+from physcore.film import Orbit
+from physcore.gallery.figure import Figure
+from physcore.units import AU, day, gravitational_constant, solar_mass, year
+
+DURATION = 2.0 * year
+"""[s]"""
+SIDEREAL_YEAR = 365.25636 * day
+"""Of the Earth [s]."""
+
+PLANETS = {
+    "Mercury": (6023600.0, 0.38709927, 0.20563593, 7.00497902, 252.25032350, 77.45779628, 48.33076593),
+    "Venus": (408523.71, 0.72333566, 0.00677672, 3.39467605, 181.97909950, 131.60246718, 76.67984255),
+    "Earth and Moon": (328900.56, 1.00000261, 0.01671123, -0.00001531, 100.46457166, 102.93768193, 0.0),
+    "Mars": (3098708.0, 1.52371034, 0.09339410, 1.84969142, -4.55343205, -23.94362959, 49.55953891),
+    "Jupiter": (1047.3486, 5.20288700, 0.04838624, 1.30439695, 34.39644051, 14.72847983, 100.47390909),
+    "Saturn": (3497.898, 9.53667594, 0.05386179, 2.48599187, 49.95424423, 92.59887831, 113.66242448),
+    "Uranus": (22902.98, 19.18916464, 0.04725744, 0.77263783, 313.23810451, 170.95427630, 74.01692503),
+    "Neptune": (19412.24, 30.06992276, 0.00859048, 1.77004347, -55.12002969, 44.96476227, 131.78422574),
+}
+"""Mass of the Sun over that of the planet; semi-major axis [AU], eccentricity, inclination, mean longitude, longitudes
+of the perihelion and of the ascending node [degrees] at J2000.
+
+Source: E. M. Standish, "Keplerian elements for approximate positions of the major planets", JPL; masses: IAU 2009.
+"""
+
+
+def state(planet: str) -> tuple[float, np.ndarray, np.ndarray]:
+    """The mass [kg] of a planet, its place [m] and its velocity [m/s] about the Sun, in the plane of the ecliptic."""
+    ratio, axis, eccentricity, *angles = PLANETS[planet]
+    inclination, longitude, perihelion, node = np.radians(angles)
+    mean, anomaly = longitude - perihelion, longitude - perihelion
+    for _ in range(20):  # Newton's method for Kepler's equation
+        anomaly -= (anomaly - eccentricity * np.sin(anomaly) - mean) / (1.0 - eccentricity * np.cos(anomaly))
+    axis, mass = axis * AU, solar_mass / ratio
+    rate = np.sqrt(gravitational_constant * (solar_mass + mass) / axis**3) / (1.0 - eccentricity * np.cos(anomaly))
+    minor = np.sqrt(1.0 - eccentricity**2)
+    place = axis * np.array([np.cos(anomaly) - eccentricity, minor * np.sin(anomaly)])
+    velocity = axis * rate * np.array([-np.sin(anomaly), minor * np.cos(anomaly)])
+    turn, tilt = perihelion - node, inclination
+    nodal = np.array([np.cos(node), np.sin(node), 0.0])
+    across = np.array([-np.sin(node) * np.cos(tilt), np.cos(node) * np.cos(tilt), np.sin(tilt)])
+    frame = np.array([np.cos(turn) * nodal + np.sin(turn) * across, np.cos(turn) * across - np.sin(turn) * nodal])
+    return mass, place @ frame, velocity @ frame
+
+
+def scene() -> pc.Scene:
+    """The Sun and eight planets, their center of mass at rest."""
+    masses, places, velocities = zip((solar_mass, np.zeros(3), np.zeros(3)), *map(state, PLANETS), strict=True)
+    rest = np.average(velocities, axis=0, weights=masses)
+    bodies = [
+        pc.Particles([place], [velocity - rest], mass=mass, name=name)
+        for name, mass, place, velocity in zip(("Sun", *PLANETS), masses, places, velocities, strict=True)
+    ]
+    return pc.Scene(*bodies, pc.Gravitation())
+
+
+def main(path: str | os.PathLike[str] = "solar_system.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
+    """Simulate two years in half days, and draw the inner planets from above at a slant."""
+    recording = pc.simulate(
+        scene(), DURATION, fps=100 / year, integrator=pc.BlanesMoan6(), dt=year / 700, progress=progress
+    )
+    sun, *planets = recording.scene.bodies
+    glow = pc.styles.Points(color="body", size=26.0, glow=1.0, trail=0.0, on=sun)
+    balls = pc.styles.Points(color="body", size=11.0, trail=0.25 * year, glow=0.5, on=planets)
+    camera = Orbit(-70.0, 38.0, target=(0.0, 0.0, 0.0), extent=3.1 * AU)
+    pc.film(
+        recording,
+        path,
+        size=(640, 480),
+        style=[glow, balls],
+        camera=camera,
+        labels=("time", "energy"),
+        speed=year / 5.0,
+        progress=progress,
+    )
+    return {"planets": recording}
+
+
+def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
+    """The time in which the Earth turns by a whole circle about the Sun."""
+    sky = recordings["planets"]
+    x, y = (sky.positions[:, 3] - sky.positions[:, 0])[:, :2].T
+    angle = np.unwrap(np.arctan2(y, x))
+    turn = float(np.interp(angle[0] + 2.0 * np.pi, angle, sky.times)) / day
+    return Figure("the Earth's sidereal year", turn, SIDEREAL_YEAR / day, "by observation", 2e-4, "days")

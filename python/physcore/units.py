@@ -1,0 +1,59 @@
+"""Units and constants in SI: a length of 5 AU is 5 * pc.units.AU.
+
+Sources: E. Tiesinga et al., CODATA recommended values of the fundamental physical constants: 2018, Rev. Mod. Phys. 93,
+025010 (2021), where no other is named; those that define the SI are exact. Resolutions of the IAU: the astronomical
+unit (2012 B2), and nominal values of the Sun, of the Earth and of Jupiter (2015 B3), whose masses are GM over G.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+minute: Final = 60.0
+"""Minute [s]."""
+hour: Final = 3600.0
+"""Hour [s]."""
+day: Final = 86400.0
+"""Day [s]."""
+year: Final = 365.25 * day
+"""Julian year [s] (IAU)."""
+
+speed_of_light: Final = 299792458.0
+"""c [m/s], exact."""
+gravitational_constant: Final = 6.67430e-11
+"""G [m³/(kg·s²)]."""
+coulomb_constant: Final = 8.9875517923e9
+"""k = 1/(4π ε₀) [N·m²/C²], by ε₀ = 8.8541878128e-12 F/m."""
+boltzmann_constant: Final = 1.380649e-23
+"""k_B [J/K], exact."""
+
+AU: Final = 149597870700.0
+"""Astronomical unit [m], exact (IAU 2012 B2)."""
+light_year: Final = speed_of_light * year
+"""Light year [m] (IAU)."""
+parsec: Final = 3.0856775814913673e16
+"""Parsec [m], 648000/π AU (IAU 2015 B2)."""
+
+solar_mass: Final = 1.3271244e20 / gravitational_constant
+"""Mass of the Sun [kg], by its nominal GM (IAU 2015 B3)."""
+earth_mass: Final = 3.986004e14 / gravitational_constant
+"""Mass of the Earth [kg], by its nominal GM (IAU 2015 B3)."""
+jupiter_mass: Final = 1.2668653e17 / gravitational_constant
+"""Mass of Jupiter [kg], by its nominal GM (IAU 2015 B3)."""
+solar_radius: Final = 6.957e8
+"""Nominal radius of the Sun [m] (IAU 2015 B3)."""
+earth_radius: Final = 6.3781e6
+"""Nominal equatorial radius of the Earth [m] (IAU 2015 B3)."""
+
+elementary_charge: Final = 1.602176634e-19
+"""e [C], exact; the charge of a proton."""
+electron_charge: Final = -elementary_charge
+"""Charge of the electron [C], below zero."""
+electron_volt: Final = 1.602176634e-19
+"""Electronvolt [J], exact."""
+electron_mass: Final = 9.1093837015e-31
+"""Mass of the electron [kg]."""
+proton_mass: Final = 1.67262192369e-27
+"""Mass of the proton [kg]."""
+atomic_mass: Final = 1.66053906660e-27
+"""Atomic mass unit [kg]."""

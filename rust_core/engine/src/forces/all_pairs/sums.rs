@@ -1,0 +1,126 @@
+//! Sums over all pairs: the loop that forces at a distance share.
+//!
+//! Targets are in the lanes of registers, and each adds the terms of one source after the other in its own lane. So the
+//! order of each sum is that of the sources, at every SIMD level and for any number of threads. Terms of [`RUN`] sources
+//! are summed in the precision of the run and these sums in double precision: the rounding error of a sum does not grow
+//! with the number of sources.
+
+use crate::math::{AXES, Real};
+use crate::parallel::{BlockedSlice, Executor};
+use crate::simd::{Isa, LevelKernel, Number, Pack, Record, WORDS, dispatch_level};
+
+/// Targets per block: a whole number of tiles at every level.
+const BLOCK: usize = 64;
+
+/// Registers of targets in a tile: independent square roots and divisions enough to occupy their unit.
+const TILE: usize = 2;
+
+/// Sources whose terms are summed in the precision of the run.
+const RUN: usize = 256;
+
+/// The terms of a source in the sums of a target.
+pub trait SourceLaw<T, const SUMS: usize>: Copy + Sync {
+    /// The terms, for the offset d of the source from the target, its square |d|², and the source's record. All of its code is
+    /// `#[inline(always)]`, or it does not stay in registers.
+    fn terms<N: Number<Scalar = T>>(&self, offset: [N; AXES], square: N, source: &Record<N>) -> [N; SUMS];
+}
+
+/// The sums of a law over all sources for every target, in `dimension` dimensions. A source's record begins with its
+/// position.
+pub fn sum<T: Real, L: SourceLaw<T, SUMS>, const SUMS: usize>(
+    dimension: usize,
+    law: L,
+    targets: &[[T; AXES]],
+    sources: &[Record<T>],
+    executor: &Executor,
+) -> Vec<[f64; SUMS]> {
+    let mut sums = vec![[0.0; SUMS]; targets.len()];
+    executor.for_each_block(BlockedSlice::new(&mut sums, BLOCK), &|mine| {
+        let targets = &targets[mine.start..][..mine.items.len()];
+        if dimension == 2 {
+            dispatch_level(Block::<T, L, 2, SUMS> { law, targets, sources, sums: mine.items });
+        } else {
+            dispatch_level(Block::<T, L, 3, SUMS> { law, targets, sources, sums: mine.items });
+        }
+    });
+    sums
+}
+
+/// The sums of one block of targets.
+struct Block<'a, T, L, const DIMENSION: usize, const SUMS: usize> {
+    law: L,
+    targets: &'a [[T; AXES]],
+    sources: &'a [Record<T>],
+    sums: &'a mut [[f64; SUMS]],
+}
+
+impl<T: Real, L: SourceLaw<T, SUMS>, const DIMENSION: usize, const SUMS: usize> LevelKernel for Block<'_, T, L, DIMENSION, SUMS> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<I: Isa>(self, _isa: I) {
+        let Self { law, targets, sources, sums } = self;
+        let mut columns = [[T::ZERO; BLOCK]; AXES];
+        for (lane, target) in targets.iter().enumerate() {
+            for axis in 0..DIMENSION {
+                columns[axis][lane] = target[axis];
+            }
+        }
+        let width = <I::Pack<T> as Pack>::WIDTH;
+        for first in (0..targets.len()).step_by(TILE * width) {
+            for run in sources.chunks(RUN) {
+                let lanes = tile::<T, I::Pack<T>, L, DIMENSION, SUMS>(law, &columns, first, run);
+                for (lane, sums) in sums[first..].iter_mut().take(TILE * width).enumerate() {
+                    for sum in 0..SUMS {
+                        sums[sum] += lanes[sum][lane].to_f64();
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// The sums of a tile of targets, from lane `first` of a block on, over one run of sources.
+#[inline(always)]
+fn tile<T: Real, P: Pack<Scalar = T>, L: SourceLaw<T, SUMS>, const DIMENSION: usize, const SUMS: usize>(
+    law: L,
+    columns: &[[T; BLOCK]; AXES],
+    first: usize,
+    sources: &[Record<T>],
+) -> [[T; BLOCK]; SUMS] {
+    let zero = P::constant(0.0);
+    let mut targets = [[zero; AXES]; TILE];
+    for register in 0..TILE {
+        for axis in 0..DIMENSION {
+            targets[register][axis] = P::load(&columns[axis][first + register * P::WIDTH..]);
+        }
+    }
+    let mut sums = [[zero; SUMS]; TILE];
+    for source in sources {
+        let mut words = [zero; WORDS];
+        for word in 0..WORDS {
+            words[word] = P::of(source[word]);
+        }
+        for register in 0..TILE {
+            let mut offset = [zero; AXES];
+            for axis in 0..DIMENSION {
+                offset[axis] = words[axis] - targets[register][axis];
+            }
+            let mut square = offset[0] * offset[0];
+            for axis in 1..DIMENSION {
+                square += offset[axis] * offset[axis];
+            }
+            let terms = law.terms(offset, square, &words);
+            for sum in 0..SUMS {
+                sums[register][sum] += terms[sum];
+            }
+        }
+    }
+    let mut lanes = [[T::ZERO; BLOCK]; SUMS];
+    for register in 0..TILE {
+        for sum in 0..SUMS {
+            sums[register][sum].store(&mut lanes[sum][register * P::WIDTH..]);
+        }
+    }
+    lanes
+}
