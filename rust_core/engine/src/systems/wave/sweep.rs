@@ -106,8 +106,9 @@ impl<T: Real> Dynamics<T> {
                     *register = &column[own.clone()];
                 }
             }
+            // Without a buffer of accelerations: with it steps in double precision are a tenth slower, and in single a fifth faster.
             let plain = evaluates && !self.exchanges[row] && self.layers.is_none() && self.medium.fourth.is_none();
-            let fused = (plain && stage::drifts_by_register::<I>().is_some())
+            let fused = (plain && size_of::<T>() == 8 && stage::drifts_by_register::<I>().is_some())
                 .then(|| self.medium.laplacian.plane_row(rows, row, range.start))
                 .flatten();
             let sums = if let Some(laplacian) = fused {
