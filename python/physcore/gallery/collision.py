@@ -24,7 +24,7 @@ RADII = (0.15, 1.0)
 PERIAPSIS, APART = 1.3, 4.0
 """How near two points of these masses would come on the parabola, and how far they are from each other at first [m]."""
 
-DURATION = 14.0
+DURATION = 11.5
 """[s]"""
 
 
