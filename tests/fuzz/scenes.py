@@ -86,6 +86,8 @@ def _acting(draw: st.DrawFn, dimension: int) -> str:
         lambda: f"pc.Drag({number()}, wind=[{number()}] * {dimension})",
         lambda: f"pc.CentralForce([0.3] * {dimension}, {number()}, {draw(st.integers(-3, 2))}, softening={number()})",
         lambda: f"pc.LennardJones({number()}, {number()})",
+        lambda: f"pc.Gravitation({number()}, {number()})",
+        lambda: f"pc.Coulomb({number()}, {number()})",
         lambda: f"pc.SoftSpheres({number()}, {number()}, {draw(st.sampled_from(['0.0', '0.5']))})",
         lambda: f"pc.Floor(-{number()}, restitution={draw(st.sampled_from(['0.0', '0.5', '1.0']))})",
         lambda: f"pc.Box([-{number()}] * {dimension}, [9e9] * {dimension})",

@@ -12,19 +12,19 @@ from collections.abc import Mapping
 import numpy as np
 
 import physcore as pc
-from physcore.film import Orbit
+from physcore.film import Keyframes, Orbit
 from physcore.gallery.figure import Figure
 
-STARS = 4000
+STARS = 5000
 """Of each galaxy."""
 CORE = 0.15
 """Softening length of the cores, whose masses are 1 with G = 1 [m]."""
 RADII = (0.15, 1.0)
 """Of the innermost and the outermost orbit [m]."""
-PERIAPSIS, APART = 1.3, 4.0
+PERIAPSIS, APART = 1.0, 3.5
 """How near two points of these masses would come on the parabola, and how far they are from each other at first [m]."""
 
-DURATION = 11.5
+DURATION = 8.0
 """[s]"""
 
 
@@ -60,13 +60,19 @@ def scene() -> pc.Scene:
 
 def main(path: str | os.PathLike[str] = "collision.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
     """Simulate it and draw it from a slant, the stars in the color of the galaxy that they come from."""
-    recording = pc.simulate(scene(), DURATION, fps=12, dt=0.01, precision="f32", progress=progress)
+    recording = pc.simulate(scene(), DURATION, fps=15, dt=0.01, precision="f32", progress=progress)
     flat, tilted, cores = recording.scene.bodies
     style = [
         pc.styles.Points(color="body", size=1.8, glow=0.35, on=[flat, tilted]),
         pc.styles.Points(color="body", size=7.0, glow=1.0, trail=0.0, on=cores),
     ]
-    camera = Orbit(-60.0, 55.0, target=(0.0, 0.0, 0.0), extent=7.5)
+    middle = (0.0, 0.0, 0.0)
+    camera = Keyframes(
+        {
+            0.0: Orbit(10.0, 60.0, target=middle, extent=4.4),
+            DURATION: Orbit(45.0, 50.0, target=middle, extent=5.6),
+        }
+    )
     pc.film(recording, path, size=(640, 480), style=style, camera=camera, labels=("time",), progress=progress)
     return {"galaxies": recording}
 

@@ -7,11 +7,12 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 
 import physcore as pc
-from physcore.film import Orbit
+from physcore.film import DARK, Orbit
 from physcore.gallery.figure import Figure
 from physcore.units import AU, day, gravitational_constant, solar_mass, year
 
@@ -35,6 +36,10 @@ of the perihelion and of the ascending node [degrees] at J2000.
 
 Source: E. M. Standish, "Keplerian elements for approximate positions of the major planets", JPL; masses: IAU 2009.
 """
+
+
+COLORS = ((255, 206, 84), (170, 160, 150), (240, 214, 160), (92, 160, 240), (226, 96, 58), (210, 160, 120))
+"""Of the Sun and of the planets as far as they are in the picture."""
 
 
 def state(planet: str) -> tuple[float, np.ndarray, np.ndarray]:
@@ -73,16 +78,18 @@ def main(path: str | os.PathLike[str] = "solar_system.gif", progress: bool | Non
         scene(), DURATION, fps=100 / year, integrator=pc.BlanesMoan6(), dt=year / 700, progress=progress
     )
     sun, *planets = recording.scene.bodies
-    glow = pc.styles.Points(color="body", size=26.0, glow=1.0, trail=0.0, on=sun)
-    balls = pc.styles.Points(color="body", size=11.0, trail=0.25 * year, glow=0.5, on=planets)
-    camera = Orbit(-70.0, 38.0, target=(0.0, 0.0, 0.0), extent=3.1 * AU)
+    glow = pc.styles.Points(color="body", size=30.0, glow=1.0, trail=0.0, on=sun)
+    balls = pc.styles.Points(color="body", size=13.0, trail=0.5 * year, glow=0.5, on=planets)
+    camera = Orbit(-70.0, 45.0, target=(0.0, 0.0, 0.0), extent=2.75 * AU)
     pc.film(
         recording,
         path,
         size=(640, 480),
         style=[glow, balls],
         camera=camera,
-        labels=("time", "energy"),
+        theme=replace(DARK, bodies=COLORS),
+        title="Mercury, Venus, the Earth and Mars from the first of January 2000",
+        labels=("energy",),
         speed=year / 5.0,
         progress=progress,
     )

@@ -154,16 +154,8 @@ class Scene:
                     f"{path}[{position}]: a {type(item).__name__} cannot be saved, because its function is code; "
                     "save the arrays that you need with numpy.savez, or express the force by the ones that physcore has"
                 )
-            trees.append(record.packed(self.indices(item) if isinstance(item, ActingItem) else {}))
+            trees.append(record.packed(indices(self, item) if isinstance(item, ActingItem) else {}))
         return trees
-
-    def indices(self, item: ActingItem) -> dict[str, list[int] | None]:
-        """The bodies that a force or a boundary of this scene names, by field; None: all."""
-        named = {field: item.bodies(field) for field in item.naming}
-        return {
-            field: None if bodies is None else [self.bodies.index(body) for body in bodies]
-            for field, bodies in named.items()
-        }
 
     def __repr__(self) -> str:
         domain = () if self.periodic is None else (self.periodic,)
@@ -250,6 +242,15 @@ class Scene:
         if not targets and item.on is None:
             raise SceneError(f"{path}.on: {type(item).__name__} acts on fluids only where they are named: on=fluid")
         item.check(targets, path)
+
+
+def indices(scene: Scene, item: ActingItem) -> dict[str, list[int] | None]:
+    """The bodies that a force or a boundary of a scene names, by field; None: all."""
+    named = {field: item.bodies(field) for field in item.naming}
+    return {
+        field: None if bodies is None else [scene.bodies.index(body) for body in bodies]
+        for field, bodies in named.items()
+    }
 
 
 def _advice(item: object) -> str:

@@ -12,7 +12,7 @@ from physcore.checks import FloatArray
 from physcore.numerics.choices import Limit, Numerics
 from physcore.scene.items import ActingItem, SceneItem
 from physcore.scene.records import Record
-from physcore.scene.scene import Scene
+from physcore.scene.scene import Scene, indices
 from physcore.simulation.plan import Plan
 from physcore.simulation.state import FieldInfo, Snapshot
 
@@ -156,4 +156,4 @@ def _item(item: SceneItem, scene: Scene) -> dict[str, object]:
         return record.described()
     targets = scene.targets(item)
     on = None if targets == scene.bodies else [scene.index(body) for body in targets]
-    return record.described({**scene.indices(item), "on": on})
+    return record.described({**indices(scene, item), "on": on})

@@ -320,8 +320,8 @@ class Simulation:
         This is what a test particle of 1 kg, without charge and radius, would feel at rest: the accelerations of
         Gravity, and the forces of CentralForce, Drag (in wind) and CustomForce, whose function is called with the
         points and with velocities of 0. Forces that pass between particles are no fields in space and are left out:
-        those of springs, of pairs and within fluids; so are boundaries. The positions of the bodies do not matter, and
-        the precision is double.
+        those of springs, of pairs, near or at a distance, and within fluids; so are boundaries. The positions of the
+        bodies do not matter, and the precision is double.
 
         Args:
             points: where [m], shape (M, D). In a periodic domain they are taken as they are given.
