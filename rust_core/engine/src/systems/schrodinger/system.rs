@@ -223,14 +223,19 @@ impl<T: Number> System for Schrodinger<T> {
         None
     }
 
-    /// Real and imaginary parts, along a last axis.
+    /// The density, and of the wave function real and imaginary parts along a last axis.
     fn fields(&self) -> Vec<FieldInfo> {
-        let shape = self.hamiltonian.padding.inner.shape().into_iter().chain([2]).collect();
-        vec![FieldInfo { name: "wave_function".to_owned(), unit: "m^(-D/2)", shape, rate: None, state: true }]
+        let shape = self.hamiltonian.padding.inner.shape();
+        let pairs = shape.iter().copied().chain([2]).collect();
+        let info = |name: &str, unit, shape, state| FieldInfo { name: name.to_owned(), unit, shape, rate: None, state };
+        vec![info("density", "1/mᴰ", shape, false), info("wave_function", "1/√mᴰ", pairs, true)]
     }
 
-    fn read(&self, _field: usize) -> Vec<f64> {
+    fn read(&self, field: usize) -> Vec<f64> {
         let cells = state::rows(&self.hamiltonian.padding).flat_map(|cells| &self.state.values[cells]);
+        if field == 0 {
+            return cells.map(|&value| square(value)).collect();
+        }
         cells.flat_map(|value| [value.re.to_f64(), value.im.to_f64()]).collect()
     }
 
