@@ -43,8 +43,8 @@ def shown(source: Source, styles: Sequence[Style]) -> Source:
 
 
 def painters(source: Source, styles: list[Style], theme: Theme) -> list[Painter]:
-    """The painters of a source: an item goes to the first style that draws it, or else to points, a phase, a field or a line;
-    overlays add. Systems come first: bodies are drawn over fields on grids.
+    """The painters of a source: an item goes to the first style that draws it, or else to points, a phase, a field or a
+    line; overlays add. Systems come first: bodies are drawn over fields on grids.
     """
     left = list(_items(source))
     found: list[tuple[bool, list[Painter]]] = []

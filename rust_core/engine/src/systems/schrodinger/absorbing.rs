@@ -49,7 +49,12 @@ impl Layer {
             reflection => return Err(item.wrong("reflection", "a number between 0 and 1", Some(&Value::Number(reflection)))),
         };
         let k = k.clamp(0.02, 0.5 * PI);
-        let worst = |strength: f64| [0.5_f64.sqrt(), 1.0, 2.0_f64.sqrt()].map(|part| reflection(width, strength, part * k)).into_iter().fold(0.0, f64::max);
+        let worst = |strength: f64| {
+            [0.5_f64.sqrt(), 1.0, 2.0_f64.sqrt()]
+                .map(|part| reflection(width, strength, part * k))
+                .into_iter()
+                .fold(0.0, f64::max)
+        };
         // There and back, exp(−2 ∫W dx m/ħ²k) = exp(−a): none stronger than is wanted.
         let most = -wanted.ln();
         let tried = (1..=64).map(|part| {
@@ -90,10 +95,8 @@ fn reflection(width: usize, strength: f64, k: f64) -> f64 {
         let factor = complex(2.0 * k.cos(), -strength * depth.powi(3));
         let next = product(factor, own);
         let scale = 1.0 / (own.re.abs() + own.im.abs()).max(1e-300);
-        (outer, own) = (
-            complex(own.re * scale, own.im * scale),
-            complex((next.re - outer.re) * scale, (next.im - outer.im) * scale),
-        );
+        (outer, own) =
+            (complex(own.re * scale, own.im * scale), complex((next.re - outer.re) * scale, (next.im - outer.im) * scale));
     }
     // Here ψ = a exp(ikn) + b exp(−ikn), outward at `outer`: b/a from two neighbors.
     let turn = |sign: f64| complex(k.cos(), sign * k.sin());

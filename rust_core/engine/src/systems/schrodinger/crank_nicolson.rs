@@ -37,11 +37,13 @@ struct Line<T> {
 
 impl<T: Real> Line<T> {
     fn new(cells: usize, ends: [Edge; 2], hopping: f64) -> Self {
-        let own = |end: Edge| T::from_f64(f64::from(match end {
-            Edge::Fixed | Edge::Absorbing => 1,
-            Edge::Free => -1,
-            Edge::Periodic => 0_i8,
-        }));
+        let own = |end: Edge| {
+            T::from_f64(f64::from(match end {
+                Edge::Fixed | Edge::Absorbing => 1,
+                Edge::Free => -1,
+                Edge::Periodic => 0_i8,
+            }))
+        };
         Self { hopping: T::from_f64(hopping), ends: ends.map(own), periodic: ends[0] == Edge::Periodic && cells > 2 }
     }
 
@@ -77,7 +79,13 @@ impl<T: Real> Line<T> {
             let before = if cell == 0 { blank } else { solution[cell - 1] };
             solution[cell] = product(pivot, minus(line[cell], product(beside, before)));
             if self.periodic {
-                let unit = if cell == 0 { gamma } else if cell + 1 == count { beside } else { blank };
+                let unit = if cell == 0 {
+                    gamma
+                } else if cell + 1 == count {
+                    beside
+                } else {
+                    blank
+                };
                 let before = if cell == 0 { blank } else { around[cell - 1] };
                 around[cell] = product(pivot, minus(unit, product(beside, before)));
             }

@@ -111,11 +111,7 @@ impl<T: Number> Hamiltonian<T> {
             sums.interaction += 0.5 * self.interaction * density * density;
         }
         sums.kinetic = if spectral { self.spectral_energy(field, executor) } else { self.difference_energy(field.values) };
-        Energies {
-            kinetic: content * sums.kinetic,
-            potential: content * sums.potential,
-            interaction: content * sums.interaction,
-        }
+        Energies { kinetic: content * sums.kinetic, potential: content * sums.potential, interaction: content * sums.interaction }
     }
 
     fn spectral_energy(&self, field: &mut Field<'_, T>, executor: &Executor) -> f64 {

@@ -101,7 +101,8 @@ impl<T: Number> Schrodinger<T> {
     /// The probability to be in the user's grid.
     fn probability(&self) -> f64 {
         let padding = &self.hamiltonian.padding;
-        let sum: f64 = state::rows(padding).flat_map(|cells| &self.state.values[cells]).map(|&value| fourier::square(value)).sum();
+        let sum: f64 =
+            state::rows(padding).flat_map(|cells| &self.state.values[cells]).map(|&value| fourier::square(value)).sum();
         padding.inner.content() * sum
     }
 }

@@ -23,7 +23,11 @@ pub struct Coefficients {
 impl Coefficients {
     /// Those of order 2 or 4.
     pub fn of(order: u32) -> Self {
-        if order == 2 { Self { drifts: &[1.0], kicks: &[0.5, 0.5] } } else { Self { drifts: BlanesMoan4::DRIFTS, kicks: BlanesMoan4::KICKS } }
+        if order == 2 {
+            Self { drifts: &[1.0], kicks: &[0.5, 0.5] }
+        } else {
+            Self { drifts: BlanesMoan4::DRIFTS, kicks: BlanesMoan4::KICKS }
+        }
     }
 
     /// The number of drifts.

@@ -67,7 +67,11 @@ pub fn narrow<T: Number>(pairs: &[f64], grid: &Grid, path: &str) -> Result<Vec<C
         pairs.as_chunks::<2>().0.iter().map(|pair| Complex { re: T::from_f64(pair[0]), im: T::from_f64(pair[1]) }).collect();
     if let Some(cell) = values.iter().position(|value| !(value.re.is_finite() && value.im.is_finite())) {
         let found = format!("{} + {}i", pairs[2 * cell], pairs[2 * cell + 1]);
-        return Err(Error::parameter(format!("{path} at {}", grid.name(cell)), format!("a finite number that {} holds", T::NAME), found));
+        return Err(Error::parameter(
+            format!("{path} at {}", grid.name(cell)),
+            format!("a finite number that {} holds", T::NAME),
+            found,
+        ));
     }
     let norm = grid.content() * values.iter().map(|&value| square(value)).sum::<f64>();
     if norm > 0.0 && norm.is_finite() {

@@ -86,9 +86,8 @@ impl<T: Number> System for Schrodinger<T> {
             let wavelength = "wavelengths near that of the mean kinetic energy at the start";
             format!("absorbing edges: layers of {width} cells, of which {reflection:.1e} comes back at {wavelength}")
         };
-        let product = (self.method.name() == "CrankNicolson" && hamiltonian.padding.outer.dimension > 1).then(|| {
-            "a product of Cayley forms along the axes: unitary, and ⟨H⟩ to the order dt²".to_owned()
-        });
+        let product = (self.method.name() == "CrankNicolson" && hamiltonian.padding.outer.dimension > 1)
+            .then(|| "a product of Cayley forms along the axes: unitary, and ⟨H⟩ to the order dt²".to_owned());
         vec![Stages {
             item: String::new(),
             names,
