@@ -140,7 +140,7 @@ class System(SceneItem):
         """
         return broadcast(value, self.shapes()[field], path)  # type: ignore[arg-type]
 
-    def shown(self, fields: Mapping[str, FloatArray]) -> Mapping[str, FloatArray]:
+    def shown(self, fields: dict[str, FloatArray]) -> dict[str, FloatArray]:
         """The fields as results have them, of fields as the engine has them; over time or not."""
         return fields
 

@@ -57,7 +57,8 @@ def wave_packet(
     norm = float(np.sum(np.abs(packet) ** 2)) * grid.spacing**grid.dimension
     if not norm > 0.0:
         raise SceneError(f"wave_packet.center: must be on the grid or near it, got {shown(center)}")
-    return packet / np.sqrt(norm)
+    packet /= np.sqrt(norm)
+    return packet
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
@@ -156,7 +157,7 @@ class Schrodinger(GridSystem):
         """A new wave function: an array or a function of the coordinates."""
         return _pairs(value, self.grid, path) if field == "wave_function" else super().values(field, value, path)
 
-    def shown(self, fields: Mapping[str, FloatArray]) -> Mapping[str, Any]:
+    def shown(self, fields: dict[str, FloatArray]) -> dict[str, Any]:
         """The wave function as complex numbers, and its phase [rad], from −π to π."""
         if "wave_function" not in fields:
             return fields

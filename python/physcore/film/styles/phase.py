@@ -12,6 +12,7 @@ from physcore._core import Canvas
 from physcore.checks import FloatArray, shown
 from physcore.errors import SceneError
 from physcore.film.camera.view import View
+from physcore.film.colors.colormaps import STEPS
 from physcore.film.colors.themes import Theme
 from physcore.film.looks.base import corners, lines
 from physcore.film.styles.base import Painter, Scale, SystemPart, SystemStyle
@@ -20,10 +21,6 @@ from physcore.scene.grid import GridSystem
 from physcore.simulation.sources import Source, SourceFrame
 from physcore.systems.schrodinger import Schrodinger
 
-STEPS = 256
-"""The colors around the circle."""
-BAR = 64
-"""Those in a color bar."""
 SOFT = 0.55
 """The power of density by which brightness goes, so that faint waves show beside strong ones."""
 FAINT = 0.22
@@ -94,7 +91,7 @@ class PhasePainter(GridPainter):
     @property
     def scale(self) -> Scale | None:
         """Phases around the circle."""
-        return Scale("phase", "rad", (-math.pi, math.pi), self._table[:: STEPS // BAR])
+        return Scale("phase", "rad", (-math.pi, math.pi), self._table)
 
     @property
     def settled(self) -> bool:

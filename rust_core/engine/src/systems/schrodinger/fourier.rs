@@ -4,8 +4,13 @@
 //! between fixed ones. Those of a free and a fixed end are the modes of a line of twice the length between two fixed ends that are
 //! symmetric about its middle.
 //!
-//! Cosines: with v the even cells and after them the odd ones backwards, V its Fourier transform and θ = πk/2N, X_k = ½ (exp(−iθ) V_k +
-//! exp(iθ) V_{N−k}) and V_k = exp(iθ) (X_k − i X_{N−k}). With the sign of every other cell changed, X_k belongs to the sine of N − k.
+//! Cosines: with v the even cells and after them the odd ones backwards, V its Fourier transform and θ = πk/2N,
+//!
+//! ```text
+//!     X[k] = ½ (exp(−iθ) V[k] + exp(iθ) V[N−k]),    V[k] = exp(iθ) (X[k] − i X[N−k])
+//! ```
+//!
+//! With the sign of every other cell changed, the amplitude k belongs to the sine of N − k.
 //!
 //! Source: J. Makhoul, IEEE Trans. Acoust. Speech Signal Process. 28, 27 (1980).
 //!

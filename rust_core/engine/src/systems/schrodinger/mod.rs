@@ -148,6 +148,3 @@ fn wave_number<T: Number>(hamiltonian: &Hamiltonian<T>, values: &[Complex<T>]) -
     let kinetic = hamiltonian.difference_energy(values);
     (kinetic / (norm * hamiltonian.hopping)).sqrt()
 }
-
-#[cfg(test)]
-mod tests;
