@@ -96,7 +96,7 @@ class Schrodinger(GridSystem):
     Source: L. Pitaevskii, S. Stringari, "Bose–Einstein Condensation", 2003, chapter 5.
     """
 
-    units: ClassVar[Mapping[str, str]] = {"density": "1/mᴰ", "wave_function": "1/√mᴰ"}
+    units: ClassVar[Mapping[str, str]] = {"density": "m^-D", "wave_function": "m^(-D/2)"}
     signed: ClassVar[bool] = False
     equation: ClassVar[Equation] = "schrodinger"
     default_integrator: ClassVar[str] = "SplitStep"

@@ -227,7 +227,7 @@ impl<T: Number> System for Schrodinger<T> {
         let shape = self.hamiltonian.padding.inner.shape();
         let pairs = shape.iter().copied().chain([2]).collect();
         let info = |name: &str, unit, shape, state| FieldInfo { name: name.to_owned(), unit, shape, rate: None, state };
-        vec![info("density", "1/mᴰ", shape, false), info("wave_function", "1/√mᴰ", pairs, true)]
+        vec![info("density", "m^-D", shape, false), info("wave_function", "m^(-D/2)", pairs, true)]
     }
 
     fn read(&self, field: usize) -> Vec<f64> {
