@@ -45,6 +45,7 @@ from physcore.numerics.integrators import (
     BlanesMoan4,
     BlanesMoan6,
     BogackiShampine3,
+    CrankNicolson,
     DormandPrince5,
     ExplicitEuler,
     Integrator,
@@ -52,6 +53,8 @@ from physcore.numerics.integrators import (
     RungeKutta4,
     RungeKuttaChebyshev,
     SemiImplicitEuler,
+    SplitStep,
+    Staggered,
     VelocityVerlet,
 )
 from physcore.output import export
@@ -74,6 +77,7 @@ from physcore.studies.stability import MeasuredLimit, stability_limit
 from physcore.studies.tradeoff import Tradeoff, tradeoff
 from physcore.systems.kinetics import Brusselator, FitzHughNagumo, GrayScott, Reaction, Schnakenberg
 from physcore.systems.reaction_diffusion import ReactionDiffusion
+from physcore.systems.schrodinger import Schrodinger, wave_packet
 from physcore.systems.wave import Ricker, Source, Wave
 
 if TYPE_CHECKING:
@@ -99,6 +103,7 @@ __all__ = [
     "Brusselator",
     "CentralForce",
     "Coulomb",
+    "CrankNicolson",
     "CubicSpline",
     "CustomForce",
     "DormandPrince5",
@@ -138,6 +143,7 @@ __all__ = [
     "Scene",
     "SceneError",
     "Schnakenberg",
+    "Schrodinger",
     "SemiImplicitEuler",
     "Simulation",
     "SimulationDiverged",
@@ -145,8 +151,10 @@ __all__ = [
     "SoftSpheres",
     "Source",
     "Sphere",
+    "SplitStep",
     "SpringNetwork",
     "StabilityWarning",
+    "Staggered",
     "Tradeoff",
     "VelocityVerlet",
     "Wave",
@@ -166,6 +174,7 @@ __all__ = [
     "styles",
     "tradeoff",
     "units",
+    "wave_packet",
 ]
 
 

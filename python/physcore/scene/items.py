@@ -140,6 +140,10 @@ class System(SceneItem):
         """
         return broadcast(value, self.shapes()[field], path)  # type: ignore[arg-type]
 
+    def shown(self, fields: dict[str, FloatArray]) -> dict[str, FloatArray]:
+        """The fields as results have them, of fields as the engine has them; over time or not."""
+        return fields
+
     def __setstate__(self, state: dict[str, object]) -> None:
         """A copy, or what comes out of a pickle, has read-only arrays too."""
         self._set(**{name: frozen(value) if isinstance(value, np.ndarray) else value for name, value in state.items()})

@@ -158,7 +158,10 @@ class Recording(Trajectory):
         system = self.scene.system(item)
         if system is not None:
             own = {name: values for name, values in self.channels.items() if name.startswith(f"{system}.")}
-            return Trajectory(self.times, {name.removeprefix(f"{system}."): values for name, values in own.items()})
+            shown = next(each for each in self.scene.systems if self.scene.system(each) == system).shown
+            return Trajectory(
+                self.times, shown({name.removeprefix(f"{system}."): values for name, values in own.items()})
+            )
         body = cast("BodyKey", item)
         part = self.scene.slice(body)
         mine = body_fields(self.scene, body)

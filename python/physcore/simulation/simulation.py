@@ -173,7 +173,7 @@ class Simulation:
         if path is not None:
             system = next(each for each in self._scene.systems if self._scene.system(each) == path)
             own = {name: self._world.read(f"{path}.{name}") for name in system.shapes()}
-            return Part(self.time, own, lambda values: self._set_fields(system, path, values))
+            return Part(self.time, system.shown(own), lambda values: self._set_fields(system, path, values))
         body = cast("BodyKey", item)
         part = self._scene.slice(body)
         fields = {name: self._world.read(name)[part] for name in body_fields(self._scene, body)}

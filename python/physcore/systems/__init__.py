@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from physcore.scene.items import System
 from physcore.systems.reaction_diffusion import ReactionDiffusion
+from physcore.systems.schrodinger import Schrodinger
 from physcore.systems.wave import Wave
 
-SYSTEMS: tuple[type[System], ...] = (Wave, ReactionDiffusion)
+SYSTEMS: tuple[type[System], ...] = (Wave, ReactionDiffusion, Schrodinger)
 """Every system beside matter; what is registered here can be saved, and is tested."""
 
 __all__ = ["SYSTEMS", "System"]

@@ -8,6 +8,7 @@ from physcore.film.styles.fluid import Fluid
 from physcore.film.styles.grid_field import Field
 from physcore.film.styles.line import Line
 from physcore.film.styles.paths import Paths
+from physcore.film.styles.phase import Phase
 from physcore.film.styles.points import Points
 from physcore.film.styles.relief import Relief
 from physcore.film.styles.strain import Strain
@@ -23,6 +24,7 @@ STYLES: tuple[type[Style], ...] = (
     Arrows,
     Streamlines,
     Field,
+    Phase,
     Relief,
     Line,
 )
@@ -37,6 +39,7 @@ __all__ = [
     "Line",
     "Painter",
     "Paths",
+    "Phase",
     "Points",
     "Relief",
     "Strain",

@@ -6,6 +6,7 @@ from physcore.numerics.integrators.base import Integrator
 from physcore.numerics.integrators.blanes_moan_4 import BlanesMoan4
 from physcore.numerics.integrators.blanes_moan_6 import BlanesMoan6
 from physcore.numerics.integrators.bogacki_shampine_3 import BogackiShampine3
+from physcore.numerics.integrators.crank_nicolson import CrankNicolson
 from physcore.numerics.integrators.dormand_prince_5 import DormandPrince5
 from physcore.numerics.integrators.explicit_euler import ExplicitEuler
 from physcore.numerics.integrators.mclachlan_2 import McLachlan2
@@ -13,6 +14,8 @@ from physcore.numerics.integrators.pefrl import PEFRL
 from physcore.numerics.integrators.runge_kutta_4 import RungeKutta4
 from physcore.numerics.integrators.runge_kutta_chebyshev import RungeKuttaChebyshev
 from physcore.numerics.integrators.semi_implicit_euler import SemiImplicitEuler
+from physcore.numerics.integrators.split_step import SplitStep
+from physcore.numerics.integrators.staggered import Staggered
 from physcore.numerics.integrators.velocity_verlet import VelocityVerlet
 
 INTEGRATORS: tuple[type[Integrator], ...] = (
@@ -27,6 +30,9 @@ INTEGRATORS: tuple[type[Integrator], ...] = (
     BogackiShampine3,
     DormandPrince5,
     RungeKuttaChebyshev,
+    SplitStep,
+    CrankNicolson,
+    Staggered,
 )
 """Every integrator; what is registered here can be saved, and is tested for its order."""
 
@@ -36,6 +42,7 @@ __all__ = [
     "BlanesMoan4",
     "BlanesMoan6",
     "BogackiShampine3",
+    "CrankNicolson",
     "DormandPrince5",
     "ExplicitEuler",
     "Integrator",
@@ -43,5 +50,7 @@ __all__ = [
     "RungeKutta4",
     "RungeKuttaChebyshev",
     "SemiImplicitEuler",
+    "SplitStep",
+    "Staggered",
     "VelocityVerlet",
 ]

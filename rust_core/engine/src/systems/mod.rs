@@ -5,6 +5,7 @@
 
 pub mod matter;
 pub mod reaction_diffusion;
+pub mod schrodinger;
 pub mod several;
 pub mod wave;
 
@@ -250,6 +251,7 @@ fn declared(item: &Item, method: &Item, precision: &str, _executor: &Executor) -
     match item.kind.as_str() {
         "Wave" => with_integrator!(method.kind.as_str(), I => wave::build::<I>(item, precision), Err(unknown_integrator(method))),
         "ReactionDiffusion" => reaction_diffusion::build(item, method, precision),
+        "Schrodinger" => schrodinger::build(item, method, precision),
         _ => Err(scene::unknown(item, "a kind of system")),
     }
 }

@@ -1,0 +1,190 @@
+"""Wave functions on grids: hue by phase, brightness by density."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import ClassVar, Literal
+
+import numpy as np
+
+from physcore._core import Canvas
+from physcore.checks import FloatArray, shown
+from physcore.errors import SceneError
+from physcore.film.camera.view import View
+from physcore.film.colors.colormaps import STEPS
+from physcore.film.colors.themes import Theme
+from physcore.film.looks.base import corners, lines
+from physcore.film.styles.base import Painter, Scale, SystemPart, SystemStyle
+from physcore.film.styles.grid_field import GridPainter
+from physcore.scene.grid import GridSystem
+from physcore.simulation.sources import Source, SourceFrame
+from physcore.systems.schrodinger import Schrodinger
+
+SOFT = 0.55
+"""The power of density by which brightness goes, so that faint waves show beside strong ones."""
+FAINT = 0.22
+"""How much of the edges' color the highest potential has."""
+Palette = Literal["hues", "blue-yellow"]
+
+
+@dataclass(frozen=True)
+class Phase(SystemStyle):
+    """A wave function in 2D: the hue is its phase, from −π to π, and the brightness its density.
+
+    The background is where nothing is. A potential is drawn faintly, the brighter the higher. The scale of density is
+    the same for the whole film.
+
+        pc.film(recording, "packet.gif", style=pc.styles.Phase(palette="blue-yellow"))
+
+    Args:
+        palette: "hues": all around the circle of hues at one lightness; "blue-yellow": from dark through blue, light
+            and yellow back, which the color-blind can tell apart, whose lightness is not that of density alone.
+        range: the density at full brightness; None: the largest that is typical of the film.
+        on: the wave function or several drawn in this style; None: all in 2D.
+
+    Source: B. Ottosson, "A perceptual color space for image processing", 2020, for the circles in Oklab.
+
+    Raises:
+        SceneError: a value is not valid, or the wave function was not recorded.
+    """
+
+    palette: Palette = "hues"
+    range: float | None = None
+
+    dimensions: ClassVar[tuple[int, ...]] = (2,)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.palette not in ("hues", "blue-yellow"):
+            raise SceneError(f"Phase.palette: must be 'hues' or 'blue-yellow', got {shown(self.palette)}")
+        self._set_positive("range")
+
+    def can_draw(self, item: object) -> bool:
+        """Whether it is a wave function in the plane."""
+        return isinstance(item, Schrodinger) and item.dimension in self.dimensions
+
+    def painter(self, source: Source, part: SystemPart, theme: Theme) -> Painter:
+        """A painter with the scale of one film."""
+        if not self.can_draw(part.system):
+            raise SceneError(f"Phase.on: {part.system!r} is no wave function in 2D; use Field() in 3D, Line() in 1D")
+        return PhasePainter(self, source, part, theme)
+
+
+class PhasePainter(GridPainter):
+    """Draws the picture of a wave function, and the shut edges around it."""
+
+    def __init__(self, style: Phase, source: Source, part: SystemPart, theme: Theme) -> None:
+        super().__init__(style, "wave_function", source, part, theme, "Phase")
+        assert isinstance(part.system, Schrodinger)
+        self._style, self._table = style, circle(style.palette)
+        self.top = style.range or 0.0
+        potential = np.broadcast_to(np.asarray(part.system.potential, dtype=float), self._grid.cells)
+        height = float(np.ptp(potential))
+        self._potential = (potential - potential.min()) / height if height > 0.0 else None
+
+    @property
+    def signed(self) -> bool:
+        """Density is not."""
+        return False
+
+    @property
+    def scale(self) -> Scale | None:
+        """Phases around the circle."""
+        return Scale("phase", "rad", (-math.pi, math.pi), self._table)
+
+    @property
+    def settled(self) -> bool:
+        """Whether the range was given."""
+        return self._style.range is not None
+
+    @property
+    def landmarks(self) -> FloatArray:
+        """The corners of the grid."""
+        return corners(np.array(self._grid.origin), np.array(self._grid.upper))
+
+    def values(self, frame: SourceFrame) -> FloatArray:
+        """The density."""
+        density: FloatArray = np.square(frame.fields[self._field]).sum(axis=-1)
+        return density
+
+    def observe(self, frame: SourceFrame) -> None:
+        """Find the end of the scale."""
+        if not self.settled:
+            self.observe_range(frame)
+
+    def inset(self, pixels: float) -> float:
+        """Half of the line around it."""
+        del pixels
+        return 1.0
+
+    def paint(self, canvas: Canvas, frame: SourceFrame, view: View, pixels: float) -> None:
+        """Draw all pixels whose centers are on the grid, and the edges that are shut."""
+        del pixels
+        (left, bottom), (right, top) = view.project(np.array([self._grid.origin, self._grid.upper]))[0].astype(float)
+        width, height = (2.0 * view.middle[axis] + 1.0 for axis in (0, 1))
+        x = np.arange(max(math.ceil(left - 0.5), 0), min(math.ceil(right - 0.5), math.ceil(width)))
+        y = np.arange(max(math.ceil(top - 0.5), 0), min(math.ceil(bottom - 0.5), math.ceil(height) + 64))
+        if len(x) == 0 or len(y) == 0:
+            return
+        cells = 1.0 / (view.scale * self._grid.spacing)
+        along = [(x + 0.5 - left) * cells - 0.5, (bottom - y - 0.5) * cells - 0.5]
+        weights = [
+            _between(count, places, closed)
+            for count, places, closed in zip(self._grid.cells, along, self._grid.periodic, strict=True)
+        ]
+        canvas.picture(self._picture(frame.fields[self._field], weights), int(x[0]), int(y[0]))
+        box = np.array([[left, bottom, left, top], [right, bottom, right, top], [left, bottom, right, bottom],
+                        [left, top, right, top]], dtype=np.float32)  # fmt: skip
+        assert isinstance(self._system, GridSystem)
+        shut = box[np.array(self._system.shut)].reshape(-1, 2, 2)
+        if len(shut):
+            lines(canvas, shut, self._theme.edge, 1.0)
+
+    def _picture(self, parts: FloatArray, weights: list[FloatArray]) -> np.ndarray:
+        """The pixels (H, W, 3)."""
+        to_x, to_y = weights
+        real, imaginary = (to_y @ (to_x @ parts[..., index]).T for index in (0, 1))
+        share = np.clip((real**2 + imaginary**2) / (self.top or 1.0), 0.0, 1.0) ** SOFT
+        hue = np.floor((np.arctan2(imaginary, real) / (2.0 * math.pi) + 0.5) * STEPS).astype(int) % STEPS
+        ground = np.broadcast_to(np.array(self._theme.background, dtype=float), (*share.shape, 3))
+        if self._potential is not None:
+            faint = FAINT * np.clip(to_y @ (to_x @ self._potential).T, 0.0, 1.0)[..., np.newaxis]
+            ground = (1.0 - faint) * ground + faint * np.array(self._theme.text, dtype=float)
+        share = share[..., np.newaxis]
+        return np.ascontiguousarray(np.round((1.0 - share) * ground + share * self._table[hue]).astype(np.uint8))
+
+
+def _between(count: int, places: FloatArray, closed: bool) -> FloatArray:
+    """The weights (P, count) of values at 0, 1, … at places between them: of a cubic through four (Keys)."""
+    low = np.floor(places).astype(int)
+    s = places - low
+    each = (
+        ((-0.5 * s + 1.0) * s - 0.5) * s,
+        (1.5 * s - 2.5) * s * s + 1.0,
+        ((-1.5 * s + 2.0) * s + 0.5) * s,
+        (0.5 * s - 0.5) * s * s,
+    )
+    weights = np.zeros((len(places), count))
+    for shift, weight in enumerate(each):
+        cells = low + shift - 1
+        cells = cells % count if closed else np.clip(cells, 0, count - 1)
+        np.add.at(weights, (np.arange(len(places)), cells), weight)
+    return weights
+
+
+def circle(palette: Palette) -> FloatArray:
+    """Colors of phases from −π to π, shape (STEPS, 3), on a circle in Oklab."""
+    angle = 2.0 * np.pi * (np.arange(STEPS) + 0.5) / STEPS - np.pi
+    flat = np.zeros_like(angle)
+    if palette == "hues":
+        lab = np.stack([flat + 0.74, 0.125 * np.cos(angle), 0.125 * np.sin(angle)])
+    else:
+        lab = np.stack([0.66 + 0.24 * np.cos(angle), flat - 0.01, 0.13 * np.sin(angle)])
+    to_cones = np.array([[1.0, 0.3963377774, 0.2158037573], [1.0, -0.1055613458, -0.0638541728],
+                         [1.0, -0.0894841775, -1.2914855480]])  # fmt: skip
+    to_rgb = np.array([[4.0767416621, -3.3077115913, 0.2309699292], [-1.2684380046, 2.6097574011, -0.3413193965],
+                       [-0.0041960863, -0.7034186147, 1.7076147010]])  # fmt: skip
+    linear = np.clip(to_rgb @ (to_cones @ lab) ** 3, 0.0, 1.0)
+    colors: FloatArray = 255.0 * np.where(linear > 0.0031308, 1.055 * linear ** (1 / 2.4) - 0.055, 12.92 * linear).T
+    return colors

@@ -1,0 +1,191 @@
+"""Wave functions on a grid: the Schrödinger and the Gross–Pitaevskii equation."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from physcore.checks import FloatArray, array, called, frozen, number, regular, require, shown, text
+from physcore.errors import SceneError
+from physcore.scene.grid import Absorbing, Field, Grid, GridSystem
+from physcore.scene.items import Equation
+from physcore.systems.wave import EDGES, Edges
+
+ComplexArray: TypeAlias = NDArray[np.complex128]
+Complex: TypeAlias = ArrayLike | Callable[..., ArrayLike]
+"""A complex field: an array of the grid's shape, or a function of the coordinates."""
+
+
+def wave_packet(
+    grid: Grid, center: ArrayLike, momentum: ArrayLike, width: ArrayLike, hbar: float = 1.0
+) -> ComplexArray:
+    """A Gaussian wave packet exp(−(x − c)²/4σ² + ip(x − c)/ħ), an array of shape `grid.cells` with Σ|ψ|² hᴰ = 1.
+
+        grid = pc.Grid((512,), spacing=0.1)
+        packet = pc.wave_packet(grid, center=15.0, momentum=2.0, width=1.5)
+
+    On a periodic axis it is that of the nearest image of its center. Its phase is 0 at the center.
+
+    Args:
+        grid: 1D, 2D or 3D.
+        center: c [m], one number for each axis; a number stands for all.
+        momentum: p [kg·m/s], likewise.
+        width: σ [m], the standard deviation of |ψ|², likewise, above zero.
+        hbar: ħ [J·s].
+
+    Raises:
+        SceneError: a value is out of range or of the wrong shape; or the packet is nowhere on the grid.
+    """
+    if not isinstance(grid, Grid):
+        raise SceneError(f"wave_packet.grid: must be a Grid, got {shown(grid)}")
+    given = {"center": center, "momentum": momentum, "width": width}
+    places, momenta, widths = (_per_axis(value, grid, f"wave_packet.{name}") for name, value in given.items())
+    require(widths > 0.0, widths, "wave_packet.width", "> 0")
+    unit = number(hbar, "wave_packet.hbar", above=0.0)
+    exponent: ComplexArray = np.zeros(grid.cells, dtype=np.complex128)
+    for axis, x in enumerate(grid.coordinates):
+        away = x - places[axis]
+        if grid.periodic[axis]:
+            length = grid.cells[axis] * grid.spacing
+            away = away - length * np.rint(away / length)
+        exponent += -((away / widths[axis]) ** 2) / 4.0 + 1j * momenta[axis] * away / unit
+    packet: ComplexArray = np.exp(exponent)
+    norm = float(np.sum(np.abs(packet) ** 2)) * grid.spacing**grid.dimension
+    if not norm > 0.0:
+        raise SceneError(f"wave_packet.center: must be on the grid or near it, got {shown(center)}")
+    packet /= np.sqrt(norm)
+    return packet
+
+
+@dataclass(frozen=True, eq=False, init=False, repr=False)
+class Schrodinger(GridSystem):
+    """A wave function: iħ ∂ψ/∂t = (−ħ²/2m ∇² + V + g|ψ|²) ψ.
+
+        line = pc.Grid((512,), spacing=0.1)
+        packet = pc.wave_packet(line, center=15.0, momentum=2.0, width=1.5)
+        electron = pc.Schrodinger(line, packet, potential=lambda x: 2.5 * (abs(x - 26.0) < 0.5))
+        recording = pc.simulate(pc.Scene(electron), duration=10.0)
+        recording[electron].wave_function  # complex, (F, 512); also .density and .phase
+
+    Budgets: the probability Σ|ψ|² hᴰ to be in the grid, and the energy ⟨H⟩: that of modes with SplitStep, by
+    differences with CrankNicolson and Staggered. What has crossed an absorbing edge is `removed_by["edges"]` of the
+    probability, negative where it comes back. Energy has no place, so that ⟨H⟩ counts what is in a layer until it is
+    absorbed there, and is dissipated by "edges" then.
+
+    Args:
+        grid: 1D, 2D or 3D.
+        wave_function: ψ at the start [1/√mᴰ], an array of complex numbers of shape `grid.cells` or a function of the
+            coordinates. It is not normalized. Real and imaginary parts along a last axis will do too.
+        potential: V [J], a field of real numbers.
+        mass: m [kg], above zero.
+        hbar: ħ [J·s], above zero.
+        interaction: g [J·mᴰ]: the Gross–Pitaevskii equation.
+        edges: "fixed": ψ is zero on the outer face of the outer cells; "free": no flux through it; "absorbing": waves
+            leave, into a layer outside of the grid, by default three wavelengths wide. A word for all edges, or a
+            mapping of axes or sides; those not named are fixed. Periodic axes, as the grid says, have none.
+        name: a name by which results can be asked for.
+        absorbing: the layer of absorbing edges; an `Absorbing` in `edges` says the same.
+
+    Raises:
+        SceneError: a field has the wrong shape or values out of range; ψ is zero everywhere; or an edge is not valid.
+
+    Source: L. Pitaevskii, S. Stringari, "Bose–Einstein Condensation", 2003, chapter 5.
+    """
+
+    units: ClassVar[Mapping[str, str]] = {"density": "m^-D", "wave_function": "m^(-D/2)"}
+    signed: ClassVar[bool] = False
+    equation: ClassVar[Equation] = "schrodinger"
+    default_integrator: ClassVar[str] = "SplitStep"
+    parts: ClassVar[tuple[type, ...]] = (Grid, Absorbing)
+
+    wave_function: FloatArray
+    """ψ at the start [1/√mᴰ], real and imaginary parts along a last axis."""
+    potential: float | FloatArray
+    """V [J], a number or of shape `grid.cells`."""
+    mass: float
+    """m [kg]."""
+    hbar: float
+    """ħ [J·s]."""
+    interaction: float
+    """g [J·mᴰ]."""
+    edges: tuple[str, ...]
+    """"fixed", "free", "absorbing" or "periodic" at each side, in the order x−, x+, y−, y+, z−, z+."""
+    absorbing: Absorbing
+    """The layer of absorbing edges."""
+
+    def __init__(
+        self,
+        grid: Grid,
+        wave_function: Complex,
+        potential: Field = 0.0,
+        mass: float = 1.0,
+        hbar: float = 1.0,
+        interaction: float = 0.0,
+        edges: Edges = "fixed",
+        name: str | None = None,
+        *,
+        absorbing: Absorbing | None = None,
+    ) -> None:
+        if not isinstance(grid, Grid):
+            raise SceneError(f"Schrodinger.grid: must be a Grid, got {shown(grid)}")
+        if absorbing is not None and not isinstance(absorbing, Absorbing):
+            raise SceneError(f"Schrodinger.absorbing: must be Absorbing(…), got {shown(absorbing)}")
+        words, layer = grid.edges(edges, "Schrodinger.edges", EDGES, "fixed")
+        if layer is not None and absorbing is not None and layer != absorbing:
+            raise SceneError(f"Schrodinger.absorbing: edges have {layer} already, got {absorbing}")
+        self._set(
+            grid=grid,
+            wave_function=frozen(_pairs(wave_function, grid, "Schrodinger.wave_function")),
+            potential=grid.uniform_or_field(potential, "Schrodinger.potential"),
+            mass=number(mass, "Schrodinger.mass", above=0.0),
+            hbar=number(hbar, "Schrodinger.hbar", above=0.0),
+            interaction=number(interaction, "Schrodinger.interaction"),
+            edges=words,
+            name=None if name is None else text(name, "Schrodinger.name"),
+            absorbing=layer or absorbing or Absorbing(),
+        )
+
+    def shapes(self) -> dict[str, tuple[int, ...]]:
+        """The shapes of its fields by name, as the engine has them."""
+        return {"density": self.grid.cells, "wave_function": (*self.grid.cells, 2)}
+
+    def values(self, field: str, value: object, path: str) -> FloatArray:
+        """A new wave function: an array or a function of the coordinates."""
+        return _pairs(value, self.grid, path) if field == "wave_function" else super().values(field, value, path)
+
+    def shown(self, fields: dict[str, FloatArray]) -> dict[str, Any]:
+        """The wave function as complex numbers, and its phase [rad], from −π to π."""
+        if "wave_function" not in fields:
+            return fields
+        complete = np.ascontiguousarray(fields["wave_function"]).view(np.complex128)[..., 0]
+        return {**fields, "wave_function": complete, "phase": np.angle(complete)}
+
+    def __repr__(self) -> str:
+        label = f"{self.name!r}, " if self.name else ""
+        return f"Schrodinger({label}{' × '.join(map(str, self.grid.cells))} cells)"
+
+
+def _per_axis(value: ArrayLike, grid: Grid, path: str) -> FloatArray:
+    """One number for each axis, of one for all or one each."""
+    numbers = array(value, path)
+    if numbers.shape not in ((), (grid.dimension,)):
+        raise SceneError(f"{path}: must be a number, or {grid.dimension} for this grid, got the shape {numbers.shape}")
+    return np.broadcast_to(numbers, (grid.dimension,))
+
+
+def _pairs(value: object, grid: Grid, path: str) -> FloatArray:
+    """A complex field as real and imaginary parts along a last axis."""
+    given = regular(called(value, path, *grid.coordinates) if callable(value) else value, path)
+    if given.shape == (*grid.cells, 2) and given.dtype.kind != "c":
+        parts = array(given, path)
+    else:
+        each = (given.real, given.imag) if given.dtype.kind == "c" else (given, np.zeros(given.shape))
+        both = [grid.field((lambda *_, part=part: part) if callable(value) else part, path) for part in each]
+        parts = np.stack(both, axis=-1)
+    if not parts.any():
+        raise SceneError(f"{path}: must not be zero everywhere")
+    return parts

@@ -1,0 +1,147 @@
+//! The Hamiltonian H = −ħ²/2m ∇² + V + g |ψ|² on a grid, by differences of three points, and sums over cells.
+
+use super::fourier::{Complex, Number, Spectrum, square};
+use super::passes::Field;
+use crate::grid::{Edge, Edges, Padding};
+use crate::math::AXES;
+use crate::parallel::{BlockedSlice, Executor};
+
+/// The Hamiltonian.
+#[derive(Debug)]
+pub struct Hamiltonian<T> {
+    /// The user's cells among all, those of absorbing layers included.
+    pub padding: Padding,
+    pub edges: Edges,
+    /// V of each cell [J].
+    pub potential: Vec<T>,
+    /// g [J·m^D].
+    pub interaction: f64,
+    /// ħ [J·s].
+    pub hbar: f64,
+    /// ħ²/2m h² [J].
+    pub hopping: f64,
+    /// The modes along each axis.
+    pub spectra: [Spectrum<T>; AXES],
+}
+
+/// The energies of a state, in J.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Energies {
+    pub kinetic: f64,
+    pub potential: f64,
+    pub interaction: f64,
+}
+
+impl Energies {
+    pub fn total(&self) -> f64 {
+        self.kinetic + self.potential + self.interaction
+    }
+
+    pub fn magnitude(&self) -> f64 {
+        self.kinetic + self.potential.abs() + self.interaction.abs()
+    }
+}
+
+impl<T: Number> Hamiltonian<T> {
+    /// The edges of an axis, at which layers end with fixed ones.
+    pub fn ends(&self, axis: usize) -> [Edge; 2] {
+        self.edges.0[axis].map(|edge| if edge == Edge::Absorbing { Edge::Fixed } else { edge })
+    }
+
+    /// The kinetic energies of the modes along an axis [J].
+    pub fn mode_energies(&self, axis: usize) -> Vec<f64> {
+        self.spectra[axis].wave_numbers().iter().map(|q| self.hopping * q * q).collect()
+    }
+
+    /// The largest kinetic energy of a mode [J].
+    pub fn largest_mode(&self) -> f64 {
+        self.padding.outer.axes().map(|axis| self.mode_energies(axis).into_iter().fold(0.0, f64::max)).sum()
+    }
+
+    /// The sum of a cell's neighbors along all axes, and of the numbers with which the cell itself counts in −h²∇².
+    #[inline(always)]
+    fn neighbors(&self, values: &[T], row: usize, rows: &[[Option<usize>; 2]; 2], column: usize) -> (T, T) {
+        let (grid, length) = (&self.padding.outer, self.padding.outer.row_length());
+        let (mut sum, mut own) = (T::ZERO, T::ZERO);
+        let of = |row: usize, column: usize| values[row * length + column];
+        for axis in grid.axes() {
+            let ends = self.ends(axis);
+            for side in 0..2 {
+                let beside = match (axis, side) {
+                    (0 | 1, _) => rows[axis][side].map(|row| of(row, column)),
+                    (_, 0) if column > 0 => Some(of(row, column - 1)),
+                    (_, 1) if column + 1 < length => Some(of(row, column + 1)),
+                    _ => grid.periodic[2].then(|| of(row, if side == 0 { length - 1 } else { 0 })),
+                };
+                match beside {
+                    Some(value) => {
+                        sum += value;
+                        own += T::ONE;
+                    }
+                    None if ends[side] == Edge::Fixed => own += T::from_f64(2.0),
+                    None => {}
+                }
+            }
+        }
+        (sum, own)
+    }
+
+    /// Adds to `target` the factor times H, without interaction, of one component of ψ.
+    pub fn apply(&self, source: &[T], target: &mut [T], factor: f64, executor: &Executor) {
+        let (grid, length) = (&self.padding.outer, self.padding.outer.row_length());
+        let (hopping, factor) = (T::from_f64(factor * self.hopping), T::from_f64(factor));
+        executor.for_each_block(BlockedSlice::new(target, length), &|block: BlockedSlice<'_, T>| {
+            let row = block.start / length;
+            let rows = grid.neighbors(row);
+            for (column, slot) in block.items.iter_mut().enumerate() {
+                let at = block.start + column;
+                let (sum, own) = self.neighbors(source, row, &rows, column);
+                *slot += hopping * (own * source[at] - sum) + factor * (self.potential[at] * source[at]);
+            }
+        });
+    }
+
+    /// The energies of a state; the kinetic one of its modes where it is `spectral`, else by differences.
+    pub fn energies(&self, field: &mut Field<'_, T>, spectral: bool, executor: &Executor) -> Energies {
+        let content = self.padding.outer.content();
+        let mut sums = Energies::default();
+        for (value, potential) in field.values.iter().zip(&self.potential) {
+            let density = square(*value);
+            sums.potential += potential.to_f64() * density;
+            sums.interaction += 0.5 * self.interaction * density * density;
+        }
+        sums.kinetic = if spectral { self.spectral_energy(field, executor) } else { self.difference_energy(field.values) };
+        Energies { kinetic: content * sums.kinetic, potential: content * sums.potential, interaction: content * sums.interaction }
+    }
+
+    fn spectral_energy(&self, field: &mut Field<'_, T>, executor: &Executor) -> f64 {
+        let along = |axis: usize| {
+            let spectrum = &self.spectra[axis];
+            let energies = self.mode_energies(axis);
+            let shares: Vec<f64> = energies.iter().zip(spectrum.weights()).map(|(energy, weight)| energy * weight).collect();
+            field.pass(axis, [None, None], spectrum.scratch(), executor, &|_, _, line, memory| {
+                spectrum.analyze(line, memory);
+                memory.iter().zip(&shares).map(|(mode, share)| share * square(*mode)).sum()
+            })
+        };
+        self.padding.outer.axes().map(along).sum()
+    }
+
+    /// The kinetic energy by differences, but for the factor h^D [J/m^D].
+    pub fn difference_energy(&self, values: &[Complex<T>]) -> f64 {
+        let (grid, length) = (&self.padding.outer, self.padding.outer.row_length());
+        let mut sum = 0.0;
+        for part in [|value: &Complex<T>| value.re, |value: &Complex<T>| value.im] {
+            let own: Vec<T> = values.iter().map(part).collect();
+            for row in 0..grid.rows() {
+                let rows = grid.neighbors(row);
+                for column in 0..length {
+                    let (beside, count) = self.neighbors(&own, row, &rows, column);
+                    let value = own[row * length + column].to_f64();
+                    sum += value * (count.to_f64() * value - beside.to_f64());
+                }
+            }
+        }
+        self.hopping * sum
+    }
+}

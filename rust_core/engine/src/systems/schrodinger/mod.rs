@@ -1,0 +1,150 @@
+//! Wave functions: iħ ψ' = (−ħ²/2m ∇² + V + g |ψ|²) ψ on a uniform grid.
+
+mod absorbing;
+mod crank_nicolson;
+mod fourier;
+mod hamiltonian;
+mod method;
+mod passes;
+mod split_step;
+mod staggered;
+mod state;
+mod system;
+
+use crate::error::{Error, Result};
+use crate::grid::{Edges, Grid, Padding};
+use crate::memory;
+use crate::scene::{Item, Value};
+use crate::stability::Limit;
+use crate::systems::System;
+use absorbing::{Absorption, Layer};
+use fourier::{Complex, Number, Spectrum};
+use hamiltonian::{Energies, Hamiltonian};
+use method::Method;
+use passes::Field;
+use state::State;
+
+/// Compiles a wave function for an integrator.
+///
+/// # Errors
+/// If a parameter is missing or out of range, or memory does not suffice.
+pub fn build(item: &Item, method: &Item, precision: &str) -> Result<Box<dyn System>> {
+    match precision {
+        "f32" => Ok(Box::new(Schrodinger::<f32>::new(item, method)?)),
+        "f64" => Ok(Box::new(Schrodinger::<f64>::new(item, method)?)),
+        other => Err(Error::parameter("precision", "f32 or f64", other)),
+    }
+}
+
+/// A wave function with its law of motion.
+struct Schrodinger<T> {
+    hamiltonian: Hamiltonian<T>,
+    method: Method<T>,
+    layer: Option<Layer>,
+    absorption: Option<Absorption<T>>,
+    state: State<T>,
+    /// The state at the start of the last batch.
+    saved: State<T>,
+    /// The other copy of ψ, and the memory of transforms.
+    other: Vec<Complex<T>>,
+    scratch: Vec<Complex<T>>,
+    /// The energy of a probability of 1 in the measure of activity [J].
+    reference: f64,
+    /// The activity after each step of the last batch [J].
+    activity: Vec<f64>,
+    limit: Limit,
+}
+
+impl<T: Number> Schrodinger<T> {
+    fn new(item: &Item, method: &Item) -> Result<Self> {
+        let grid = Grid::declared(item)?;
+        let edges = Edges::declared(item, &grid)?;
+        memory::check("the wave function", 8 * grid.count() * size_of::<T>(), 0, || {
+            "a coarser grid, or precision=\"f32\"".to_owned()
+        })?;
+        let inside = initial::<T>(item, &grid)?;
+        let bare = declared(item, Padding::new(&grid, [[0; 2]; 3]), edges)?;
+        let layer = Layer::declared(item, edges, wave_number(&bare, &inside))?;
+        let padding = Padding::new(&grid, Layer::widths(layer, edges));
+        let hamiltonian = if layer.is_some() { declared(item, padding, edges)? } else { bare };
+        let count = hamiltonian.padding.outer.count();
+        memory::check("the wave function with its layers", 8 * count * size_of::<T>(), 0, || "narrower layers".to_owned())?;
+        let mut values = vec![state::zero(); count];
+        inside.iter().enumerate().for_each(|(cell, &value)| values[hamiltonian.padding.outward(cell)] = value);
+        let rate = hamiltonian.hopping / hamiltonian.hbar;
+        let absorption = layer.map(|layer| Absorption::new(&hamiltonian.padding, layer, rate));
+        let method = Method::declared(method, &hamiltonian)?;
+        let limit = method.limit(&hamiltonian, &values);
+        let state = State { values, ..State::default() };
+        Ok(Self {
+            saved: state.clone(),
+            other: state.values.clone(),
+            scratch: Vec::new(),
+            state,
+            method,
+            layer,
+            absorption,
+            reference: 0.0,
+            activity: Vec::new(),
+            limit,
+            hamiltonian,
+        })
+    }
+
+    /// The energies of the present state.
+    fn energies(&self, executor: &crate::parallel::Executor) -> Energies {
+        let (mut values, mut other, mut scratch) = (self.state.values.clone(), self.state.values.clone(), Vec::new());
+        let mut field = Field::new(self.hamiltonian.padding.outer.cells, &mut values, &mut other, &mut scratch);
+        self.hamiltonian.energies(&mut field, self.method.is_spectral(), executor)
+    }
+
+    /// The probability to be in the user's grid.
+    fn probability(&self) -> f64 {
+        let padding = &self.hamiltonian.padding;
+        let sum: f64 =
+            state::rows(padding).flat_map(|cells| &self.state.values[cells]).map(|&value| fourier::square(value)).sum();
+        padding.inner.content() * sum
+    }
+}
+
+/// ψ at the start: real and imaginary parts along a last axis.
+fn initial<T: Number>(item: &Item, grid: &Grid) -> Result<Vec<Complex<T>>> {
+    let given = item.values.get("wave_function");
+    let shape: Vec<usize> = grid.shape().into_iter().chain([2]).collect();
+    let Some(Value::Numbers(array)) = given.filter(|value| matches!(value, Value::Numbers(array) if array.shape == shape)) else {
+        return Err(item.wrong("wave_function", &format!("an array of shape {shape:?}"), given));
+    };
+    state::narrow(&array.entries, grid, &format!("{}.wave_function", item.path))
+}
+
+/// The Hamiltonian of an item on its grid with layers.
+fn declared<T: Number>(item: &Item, padding: Padding, edges: Edges) -> Result<Hamiltonian<T>> {
+    let positive = |name: &str| match item.number(name)? {
+        number if number > 0.0 => Ok(number),
+        number => Err(item.wrong(name, "a number > 0", Some(&Value::Number(number)))),
+    };
+    let (mass, hbar) = (positive("mass")?, positive("hbar")?);
+    let spacing = padding.inner.spacing;
+    let table = padding.extend(&padding.inner.field(item, "potential")?);
+    let rows = 0..padding.outer.rows();
+    let hopping = hbar / spacing * (hbar / spacing) / (2.0 * mass);
+    if !(hopping.is_finite() && hopping > 0.0) {
+        return Err(item.wrong("hbar", "an energy ħ²/2m h² that is finite", Some(&Value::Number(hopping))));
+    }
+    Ok(Hamiltonian {
+        potential: rows.flat_map(|row| table.row(row).iter().map(|&value| T::from_f64(value)).collect::<Vec<T>>()).collect(),
+        interaction: item.number("interaction")?,
+        spectra: std::array::from_fn(|axis| Spectrum::new(padding.outer.cells[axis], edges.0[axis])),
+        hopping,
+        hbar,
+        edges,
+        padding,
+    })
+}
+
+/// The wave number of the mean kinetic energy, per spacing.
+fn wave_number<T: Number>(hamiltonian: &Hamiltonian<T>, values: &[Complex<T>]) -> f64 {
+    let norm: f64 = values.iter().map(|&value| fourier::square(value)).sum();
+    let kinetic = hamiltonian.difference_energy(values);
+    (kinetic / (norm * hamiltonian.hopping)).sqrt()
+}

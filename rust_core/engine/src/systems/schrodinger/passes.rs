@@ -1,0 +1,108 @@
+//! Passes over lines of cells along one axis after the other.
+//!
+//! A pass gathers lines along an axis from one copy of the field into another, in which they are contiguous, and works on them there. The
+//! axis is then the last one of the layout; after passes along all axes in order, the layout is the first one again.
+
+use super::fourier::{Complex, product};
+use crate::math::{AXES, Real};
+use crate::parallel::{BlockedSlice, Executor};
+
+/// The number of lines in a block: as many as share the lines of the cache while they are gathered.
+const LINES: usize = 16;
+
+/// A field with a second copy, and the order of its axes in memory.
+#[derive(Debug)]
+pub struct Field<'a, T> {
+    cells: [usize; AXES],
+    layout: [usize; AXES],
+    pub values: &'a mut Vec<Complex<T>>,
+    pub other: &'a mut Vec<Complex<T>>,
+    pub scratch: &'a mut Vec<Complex<T>>,
+}
+
+/// Factors of the cells.
+type Factors<'a, T> = Option<&'a [Complex<T>]>;
+
+/// Neighboring lines, their scratch memory, and a number for each line.
+type Block<'a, T> = ((BlockedSlice<'a, Complex<T>>, BlockedSlice<'a, Complex<T>>), BlockedSlice<'a, f64>);
+
+/// Where lines lie in the first layout: the index of the first cell of each, and the distance between neighbors.
+#[derive(Debug, Clone, Copy)]
+pub struct Place {
+    counts: [usize; 2],
+    strides: [usize; 2],
+    pub stride: usize,
+}
+
+impl Place {
+    /// The index of the first cell of a line.
+    pub fn start(&self, line: usize) -> usize {
+        line / self.counts[1] * self.strides[0] + line % self.counts[1] * self.strides[1]
+    }
+}
+
+impl<'a, T: Real> Field<'a, T> {
+    /// A field with the memory of its passes.
+    pub fn new(
+        cells: [usize; AXES],
+        values: &'a mut Vec<Complex<T>>,
+        other: &'a mut Vec<Complex<T>>,
+        scratch: &'a mut Vec<Complex<T>>,
+    ) -> Self {
+        Self { cells, layout: [0, 1, 2], values, other, scratch }
+    }
+
+    /// Where lines along an axis lie after a pass along it.
+    fn place(&self, rest: [usize; 2], axis: usize) -> Place {
+        let stride = |axis: usize| self.cells[axis + 1..].iter().product();
+        Place { counts: rest.map(|axis| self.cells[axis]), strides: rest.map(stride), stride: stride(axis) }
+    }
+
+    /// Gathers lines along an axis, times factors of the cells if the layout is the first one, works on each with scratch memory
+    /// of a length, and multiplies by other factors if the layout is then the first one. Returns the sum over all lines.
+    pub fn pass(
+        &mut self,
+        axis: usize,
+        [before, after]: [Factors<'_, T>; 2],
+        length: usize,
+        executor: &Executor,
+        work: &(impl Fn(Place, usize, &mut [Complex<T>], &mut [Complex<T>]) -> f64 + Sync),
+    ) -> f64 {
+        let position = self.layout.iter().position(|&own| own == axis).unwrap_or(0);
+        let count = self.cells[axis];
+        let post: usize = self.layout[position + 1..].iter().map(|&axis| self.cells[axis]).product();
+        let rest: Vec<usize> = self.layout.iter().copied().filter(|&own| own != axis).collect();
+        let place = self.place([rest[0], rest[1]], axis);
+        let blocks = (self.values.len() / count).div_ceil(LINES);
+        let blank = Complex { re: T::ZERO, im: T::ZERO };
+        let length = length.max(1);
+        if self.scratch.len() < blocks * length {
+            self.scratch.resize(blocks * length, blank);
+        }
+        let from = self.values.as_slice();
+        let mut sums = vec![0.0; self.values.len() / count];
+        let output = BlockedSlice::new(self.other.as_mut_slice(), LINES * count);
+        let scratch = BlockedSlice::new(&mut self.scratch[..blocks * length], length);
+        let tally = BlockedSlice::new(&mut sums, LINES);
+        let each = |((block, scratch), tally): Block<'_, T>| {
+            let (first, lines) = (block.start / count, block.items.len() / count);
+            for cell in 0..count {
+                for line in 0..lines {
+                    let at = ((first + line) / post * count + cell) * post + (first + line) % post;
+                    let value = from[at];
+                    block.items[line * count + cell] = before.map_or(value, |factors| product(value, factors[at]));
+                }
+            }
+            for (index, line) in block.items.chunks_exact_mut(count).enumerate() {
+                tally.items[index] = work(place, first + index, line, scratch.items);
+            }
+            if let Some(factors) = after {
+                block.items.iter_mut().zip(&factors[block.start..]).for_each(|(value, &factor)| *value = product(*value, factor));
+            }
+        };
+        executor.for_each_block(((output, scratch), tally), &each);
+        std::mem::swap(self.values, self.other);
+        self.layout = [rest[0], rest[1], axis];
+        sums.into_iter().sum()
+    }
+}

@@ -1,0 +1,22 @@
+//! Visscher's steps: the imaginary part at the middle of steps between the real parts at their ends, R' = H I/ħ, I' = −H R/ħ.
+//!
+//! A state has both at its time, so that a step begins and ends with half a step of the imaginary part.
+//!
+//! Source: P. B. Visscher, Computers in Physics 5, 596 (1991).
+
+use super::fourier::{Complex, Number};
+use super::hamiltonian::Hamiltonian;
+use crate::parallel::Executor;
+
+/// Takes a step of `h`.
+pub fn step<T: Number>(hamiltonian: &Hamiltonian<T>, values: &mut [Complex<T>], h: f64, executor: &Executor) {
+    let mut real: Vec<T> = values.iter().map(|value| value.re).collect();
+    let mut imaginary: Vec<T> = values.iter().map(|value| value.im).collect();
+    let rate = h / hamiltonian.hbar;
+    hamiltonian.apply(&real, &mut imaginary, -0.5 * rate, executor);
+    hamiltonian.apply(&imaginary, &mut real, rate, executor);
+    hamiltonian.apply(&real, &mut imaginary, -0.5 * rate, executor);
+    for ((value, re), im) in values.iter_mut().zip(real).zip(imaginary) {
+        *value = Complex { re, im };
+    }
+}

@@ -1,0 +1,81 @@
+//! The state of a wave function.
+
+use std::ops::Range;
+
+use super::fourier::{Complex, Number, square};
+use crate::error::{Error, Result};
+use crate::grid::{Grid, Padding};
+use crate::math::Real;
+
+/// 0.
+pub fn zero<T: Real>() -> Complex<T> {
+    Complex { re: T::ZERO, im: T::ZERO }
+}
+
+/// ψ of all cells, and what has been exchanged since the start.
+#[derive(Debug, Clone)]
+pub struct State<T> {
+    pub values: Vec<Complex<T>>,
+    /// The probability that has left through edges.
+    pub removed: f64,
+    /// The energy that layers have absorbed [J].
+    pub dissipated: f64,
+    /// The probability that was added from outside.
+    pub supplied: f64,
+    /// The energy that was [J].
+    pub work: f64,
+}
+
+impl<T> Default for State<T> {
+    fn default() -> Self {
+        Self { values: Vec::new(), removed: 0.0, dissipated: 0.0, supplied: 0.0, work: 0.0 }
+    }
+}
+
+impl<T: Real> State<T> {
+    /// Memory [bytes].
+    pub fn bytes(&self) -> usize {
+        size_of_val(self.values.as_slice())
+    }
+
+    /// The tallies.
+    pub fn tallies(&self) -> [f64; 4] {
+        [self.removed, self.dissipated, self.supplied, self.work]
+    }
+
+    /// Sets the tallies.
+    pub fn set_tallies(&mut self, [removed, dissipated, supplied, work]: [f64; 4]) {
+        (self.removed, self.dissipated, self.supplied, self.work) = (removed, dissipated, supplied, work);
+    }
+}
+
+/// Where the rows of the user's grid are among all cells.
+pub fn rows(padding: &Padding) -> impl Iterator<Item = Range<usize>> {
+    let length = padding.inner.row_length();
+    (0..padding.inner.rows()).map(move |row| {
+        let first = padding.outward(row * length);
+        first..first + length
+    })
+}
+
+/// ψ from pairs of numbers.
+///
+/// # Errors
+/// If one is not finite in this precision, or all are 0.
+pub fn narrow<T: Number>(pairs: &[f64], grid: &Grid, path: &str) -> Result<Vec<Complex<T>>> {
+    let values: Vec<Complex<T>> =
+        pairs.as_chunks::<2>().0.iter().map(|pair| Complex { re: T::from_f64(pair[0]), im: T::from_f64(pair[1]) }).collect();
+    if let Some(cell) = values.iter().position(|value| !(value.re.is_finite() && value.im.is_finite())) {
+        let found = format!("{} + {}i", pairs[2 * cell], pairs[2 * cell + 1]);
+        return Err(Error::parameter(
+            format!("{path} at {}", grid.name(cell)),
+            format!("a finite number that {} holds", T::NAME),
+            found,
+        ));
+    }
+    let norm = grid.content() * values.iter().map(|&value| square(value)).sum::<f64>();
+    if norm > 0.0 && norm.is_finite() {
+        return Ok(values);
+    }
+    Err(Error::parameter(path, "a norm Σ |ψ|² h^D that is finite and above 0", norm))
+}
