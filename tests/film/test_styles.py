@@ -15,9 +15,9 @@ from physcore.film import DARK, LIGHT, Orbit, Window
 from physcore.film.assignment import shown
 from physcore.film.camera.view import Face, View, fit
 from physcore.film.colors.colormaps import LUMA, two_sided
+from physcore.film.resampling import cubic
 from physcore.film.styles import fields
 from physcore.film.styles.base import Part
-from physcore.film.styles.relief import resampling
 from physcore.simulation.sources import Recorded, SourceFrame, sources
 
 SIZE = (240, 180)
@@ -439,8 +439,8 @@ def test_values_on_a_mesh_are_those_of_a_line_between_cells(cells: int, squares:
     """Keys' cubic keeps lines where all of its neighbors are there, and is symmetric; stretched over n cells for n > 1
     its weights still add up to 1, and differ from those of a line by less than the ripple of a sampled kernel.
     """
-    weights = resampling(cells, squares)
     places = np.linspace(0.0, cells, squares + 1)
+    weights = cubic(cells, places - 0.5, width=cells / squares)
     inside = (places > 2.0 * max(1.0, cells / squares)) & (places < cells - 2.0 * max(1.0, cells / squares))
     found = weights @ (np.arange(cells) + 0.5)
     np.testing.assert_allclose(weights.sum(axis=1), 1.0, rtol=1e-14)

@@ -15,6 +15,7 @@ from physcore.film.camera.view import View
 from physcore.film.colors.colormaps import STEPS
 from physcore.film.colors.themes import Theme
 from physcore.film.looks.base import corners, lines
+from physcore.film.resampling import cubic
 from physcore.film.styles.base import Painter, Scale, SystemPart, SystemStyle
 from physcore.film.styles.grid_field import GridPainter
 from physcore.scene.grid import GridSystem
@@ -130,7 +131,7 @@ class PhasePainter(GridPainter):
         cells = 1.0 / (view.scale * self._grid.spacing)
         along = [(x + 0.5 - left) * cells - 0.5, (bottom - y - 0.5) * cells - 0.5]
         weights = [
-            _between(count, places, closed)
+            cubic(count, places, closed=closed)
             for count, places, closed in zip(self._grid.cells, along, self._grid.periodic, strict=True)
         ]
         canvas.picture(self._picture(frame.fields[self._field], weights), int(x[0]), int(y[0]))
@@ -153,24 +154,6 @@ class PhasePainter(GridPainter):
             ground = (1.0 - faint) * ground + faint * np.array(self._theme.text, dtype=float)
         share = share[..., np.newaxis]
         return np.ascontiguousarray(np.round((1.0 - share) * ground + share * self._table[hue]).astype(np.uint8))
-
-
-def _between(count: int, places: FloatArray, closed: bool) -> FloatArray:
-    """The weights (P, count) of values at 0, 1, … at places between them: of a cubic through four (Keys)."""
-    low = np.floor(places).astype(int)
-    s = places - low
-    each = (
-        ((-0.5 * s + 1.0) * s - 0.5) * s,
-        (1.5 * s - 2.5) * s * s + 1.0,
-        ((-1.5 * s + 2.0) * s + 0.5) * s,
-        (0.5 * s - 0.5) * s * s,
-    )
-    weights = np.zeros((len(places), count))
-    for shift, weight in enumerate(each):
-        cells = low + shift - 1
-        cells = cells % count if closed else np.clip(cells, 0, count - 1)
-        np.add.at(weights, (np.arange(len(places)), cells), weight)
-    return weights
 
 
 def circle(palette: Palette) -> FloatArray:

@@ -15,6 +15,7 @@ from physcore.film.camera.view import View
 from physcore.film.colors.colormaps import FINE, STEPS, ColormapName, look_up, sequential
 from physcore.film.colors.themes import Theme, mixed
 from physcore.film.looks.base import corners
+from physcore.film.resampling import cubic
 from physcore.film.styles.base import Painter, Scale, SystemPart, SystemStyle, inks
 from physcore.film.styles.grid_field import NEVER, GridPainter
 from physcore.film.styles.surface import LAMP
@@ -231,7 +232,8 @@ class ReliefPainter(GridPainter):
     def _weights(self) -> tuple[FloatArray, FloatArray]:
         """The weights of the cells' values at the corners of the mesh, along x and y."""
         along, across = (
-            resampling(cells, squares) for cells, squares in zip(self._grid.cells, self._squares, strict=True)
+            cubic(cells, np.linspace(0.0, cells, squares + 1) - 0.5, width=cells / squares)
+            for cells, squares in zip(self._grid.cells, self._squares, strict=True)
         )
         return along, across
 
@@ -256,18 +258,3 @@ class ReliefPainter(GridPainter):
         """The corners of the mesh along each edge, counterclockwise, so that the block is on the left."""
         index = np.arange(self._is_solid.size).reshape(self._is_solid.shape)
         return [index[:, 0], index[-1, :], index[::-1, -1], index[0, ::-1]]
-
-
-def resampling(cells: int, squares: int) -> FloatArray:
-    """The weights (squares + 1, cells) of values at the centers of cells, at the ends of equal parts of their length:
-    of a cubic through four neighbors, stretched over more of them where parts are longer than cells.
-
-    Source: R. G. Keys, IEEE Trans. Acoust. Speech Signal Process. 29, 1153 (1981), with a = −½.
-    """
-    places = np.linspace(0.0, cells, squares + 1)[:, np.newaxis] - 0.5
-    distance = np.abs(places - np.arange(cells)) / max(1.0, cells / squares)
-    near = 1.0 + distance**2 * (1.5 * distance - 2.5)
-    far = 2.0 - distance * (4.0 - distance * (2.5 - 0.5 * distance))
-    weights = np.where(distance < 1.0, near, np.where(distance < 2.0, far, 0.0))
-    shares: FloatArray = weights / weights.sum(axis=1, keepdims=True)
-    return shares
