@@ -39,6 +39,8 @@ pub struct World {
 }
 
 type Shared = Arc<RwLock<Simulation>>;
+/// Numbers of equal steps, with their sizes [s].
+type Parts = Vec<(u64, f64)>;
 /// Class, name and energy [J].
 type EnergyRow = (&'static str, &'static str, f64);
 /// Name, unit, what is stored, what was removed and what was supplied.
@@ -254,10 +256,10 @@ impl World {
 
     /// Takes a step of dt seconds that diverged again in parts, and gives the numbers of equal parts that were taken, with
     /// their sizes [s], and the exception where that fails as well.
-    fn substep(&self, py: Python<'_>, dt: f64) -> PyResult<(Vec<(u64, f64)>, Option<PyErr>)> {
+    fn substep(&self, py: Python<'_>, dt: f64) -> (Parts, Option<PyErr>) {
         let mut parts = Vec::new();
         let outcome = self.change(py, |world| world.substep(dt, &mut parts, &interrupted));
-        Ok((parts, outcome.err()))
+        (parts, outcome.err())
     }
 
     /// Advances by an interval [s] in adaptive steps, and gives the same as `step`.

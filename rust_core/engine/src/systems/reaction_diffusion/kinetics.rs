@@ -11,11 +11,11 @@ pub trait Law<T>: Copy + Send + Sync {
     /// The rates R(u, v).
     fn rates(self, values: [T; 2]) -> [T; 2];
 
-    /// Their derivatives, ∂R_u/∂u, ∂R_u/∂v, ∂R_v/∂u and ∂R_v/∂v.
+    /// Their derivatives, `∂R_u/∂u`, `∂R_u/∂v`, `∂R_v/∂u` and `∂R_v/∂v`.
     fn derivatives(self, values: [T; 2]) -> [T; 4];
 }
 
-/// Gray and Scott: R_u = −u v² + F (1 − u), R_v = u v² − (F + k) v.
+/// Gray and Scott: `R_u` = −u v² + F (1 − u), `R_v` = u v² − (F + k) v.
 #[derive(Debug, Clone, Copy)]
 pub struct GrayScott<T> {
     feed: T,
@@ -36,7 +36,7 @@ impl<T: Real> Law<T> for GrayScott<T> {
     }
 }
 
-/// FitzHugh and Nagumo: R_u = u − u³/3 − v + I, R_v = ε (u + β − γ v).
+/// The kinetics of `FitzHugh` and Nagumo: `R_u` = u − u³/3 − v + I, `R_v` = ε (u + β − γ v).
 #[derive(Debug, Clone, Copy)]
 pub struct FitzHughNagumo<T> {
     epsilon: T,
@@ -58,7 +58,7 @@ impl<T: Real> Law<T> for FitzHughNagumo<T> {
     }
 }
 
-/// Prigogine and Lefever: R_u = a − (b + 1) u + u² v, R_v = b u − u² v.
+/// Prigogine and Lefever: `R_u` = a − (b + 1) u + u² v, `R_v` = b u − u² v.
 #[derive(Debug, Clone, Copy)]
 pub struct Brusselator<T> {
     a: T,
@@ -79,7 +79,7 @@ impl<T: Real> Law<T> for Brusselator<T> {
     }
 }
 
-/// Schnakenberg: R_u = a − u + u² v, R_v = b − u² v.
+/// Schnakenberg: `R_u` = a − u + u² v, `R_v` = b − u² v.
 #[derive(Debug, Clone, Copy)]
 pub struct Schnakenberg<T> {
     a: T,

@@ -1,4 +1,4 @@
-//! The law of motion: u_t = D ∇²u + R(u, v, …), stage by stage over rows of cells.
+//! The law of motion: u' = D ∇²u + R(u, v, …), stage by stage over rows of cells.
 
 use std::ops::Range;
 
@@ -72,8 +72,9 @@ impl<T: Real> Law<T> {
 }
 
 /// Some cells of `N` species in a row of a block, from one of the species on.
-fn cells<'a, T, const N: usize>(
-    (block, index): (&'a mut Block<'_, T, Tally>, usize),
+fn cells<'a, T: Copy, const N: usize>(
+    block: &'a mut Block<'_, T, Tally>,
+    index: usize,
     length: usize,
     first: usize,
     range: &Range<usize>,
@@ -125,14 +126,14 @@ impl<T: Real> Sweep<T, Tally> for Pass<'_, T> {
             with_law!(
                 &law.kinetics,
                 kinetics => {
-                    let cells = cells::<T, 2>((block, index), length, 0, &range, before, scratch);
+                    let cells = cells::<T, 2>(block, index, length, 0, &range, before, scratch);
                     let sums = stage::run(scaled, Inside(*kinetics), cells);
                     (0..2).for_each(|species| tally(block.tallies, species, sums[species]));
                 },
                 _function => for species in 0..count {
                     let given = &Window { field: species, ..of(self.given) }.row(row)[range.clone()];
                     let diffusion = &scratch[species * range.len()..];
-                    let cells = cells::<T, 1>((block, index), length, species, &range, before, diffusion);
+                    let cells = cells::<T, 1>(block, index, length, species, &range, before, diffusion);
                     let [sums] = stage::run(scaled, Given(given), cells);
                     tally(block.tallies, species, sums);
                 }

@@ -1,4 +1,4 @@
-//! Reactions and diffusion: u_t = D ∇²u + R(u, v, …) for some species on a uniform grid, advanced by an explicit method of first
+//! Reactions and diffusion: u' = D ∇²u + R(u, v, …) for some species on a uniform grid, advanced by an explicit method of first
 //! order in time derivatives.
 
 mod fields;
@@ -117,7 +117,7 @@ impl<T: Real> ReactionDiffusion<T> {
         let depth = if kinetics.calls_back() { 1 } else { depth(&grid, bytes) };
         let rates = diffusion.iter().map(Laplacian::largest).enumerate();
         let fastest = rates.fold((0.0, 0), |most, (index, rate)| if rate > most.0 { (rate, index) } else { most });
-        let state = State { tallies: vec![Tally::default(); rows * species], field };
+        let state = State { field, tallies: vec![Tally::default(); rows * species] };
         let column = || vec![T::ZERO; species * grid.count()];
         let workspace = Workspace {
             before: column(),
@@ -128,7 +128,7 @@ impl<T: Real> ReactionDiffusion<T> {
         };
         let species: Vec<_> = names.into_iter().map(interned).collect();
         let term = interned(format!("diffusion of {}", species[fastest.1]));
-        let law = Law { kinetics, species, diffusion, grid };
+        let law = Law { grid, kinetics, species, diffusion };
         Ok(Self { law, method, fastest, term, saved: state.clone(), state, workspace, depth, activity: Vec::new() })
     }
 }

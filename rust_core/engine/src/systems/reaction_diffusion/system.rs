@@ -6,7 +6,7 @@ use super::ReactionDiffusion;
 use super::law::Tally;
 use crate::error::{Error, Result};
 use crate::forces::Mach;
-use crate::grid::Edge;
+use crate::grid::{Edge, Laplacian};
 use crate::history::{Archive, History};
 use crate::integrators::runge_kutta_chebyshev as chebyshev;
 use crate::ledger::{Budget, Ledger};
@@ -103,7 +103,7 @@ impl<T: Real> System for ReactionDiffusion<T> {
     fn bytes(&self) -> usize {
         let workspace = &self.workspace;
         let columns = workspace.columns.iter().chain([&workspace.before, &workspace.given, &self.state.field, &self.saved.field]);
-        let coefficients = self.law.diffusion.iter().map(|diffusion| diffusion.bytes()).sum::<usize>();
+        let coefficients = self.law.diffusion.iter().map(Laplacian::bytes).sum::<usize>();
         columns.map(|column| size_of_val(column.as_slice())).sum::<usize>()
             + 2 * size_of_val(self.state.tallies.as_slice())
             + size_of_val(workspace.activity.as_slice())

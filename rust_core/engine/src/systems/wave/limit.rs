@@ -33,12 +33,11 @@ pub fn limit<T: Real, I: Integrator>(dynamics: &Dynamics<T>) -> Limit {
 
 /// The largest ω² of the operator of order 4 [1/s²]: exact where w is uniform, else a bound.
 fn of_fourth_order<T: Real>(laplacian: &Laplacian<T>, fourth: &Fourth<T>) -> f64 {
-    let of = |axis: usize| match laplacian.uniform {
-        Some(weight) => {
+    let of = |axis: usize| {
+        if let Some(weight) = laplacian.uniform {
             let square = laplacian.largest_sine_squared(axis);
             4.0 * weight.to_f64() * square * (1.0 + square / 3.0)
-        }
-        None => {
+        } else {
             let rows = |slowness| laplacian.largest_row(axis..axis + 1, &fourth.anchors[axis], slowness);
             // Lₐ h²/(12c²) Lₐ has at most the product of the largest eigenvalues of Lₐ and of h²/(12c²) Lₐ.
             rows(None) * (1.0 + rows(Some(&fourth.slowness)))

@@ -21,7 +21,7 @@ impl<T: Real, I: Integrator> Wave<T, I> {
         let length = dynamics.medium.laplacian.grid.row_length();
         std::mem::swap(&mut state.displacement, &mut workspace.before);
         if *depth > 1 {
-            let sweep = Passes { dynamics, passes, saved: Some(saved), integrator: PhantomData::<fn() -> I> };
+            let sweep = Passes { dynamics, stages: passes, saved: Some(saved), integrator: PhantomData::<fn() -> I> };
             sweep.pass(&dynamics.medium.laplacian.grid, passes.len(), block(state, workspace, length, *depth), executor);
         } else {
             self.sweep(passes[0], executor);
@@ -39,7 +39,7 @@ impl<T: Real, I: Integrator> Wave<T, I> {
         if !pass.starts() {
             layers(dynamics, &|layers| layers.evaluate::<I>(&workspace.before, pass.action, pass.h));
         }
-        let sweep = Passes { dynamics, passes: &[pass], saved: Some(saved), integrator: PhantomData::<fn() -> I> };
+        let sweep = Passes { dynamics, stages: &[pass], saved: Some(saved), integrator: PhantomData::<fn() -> I> };
         sweep.sweep(block(state, workspace, length, 1), executor);
         layers(dynamics, &|layers| layers.advance::<I>(pass.action, pass.h));
     }

@@ -53,7 +53,7 @@ impl Pass<'_> {
 /// Stages of an integrator, as many as one pass over memory takes; the first of a batch reads all that it needs from `saved`.
 pub struct Passes<'a, T, I> {
     pub dynamics: &'a Dynamics<T>,
-    pub passes: &'a [Pass<'a>],
+    pub stages: &'a [Pass<'a>],
     pub saved: Option<&'a State<T>>,
     pub integrator: PhantomData<fn() -> I>,
 }
@@ -66,7 +66,7 @@ impl<T: Real, I: Integrator> Sweep<T, Tally> for Passes<'_, T, I> {
     }
 
     fn row(&self, stage: usize, block: &mut Block<'_, T, Tally>, index: usize, before: Window<'_, T>, scratch: &mut [T]) {
-        self.dynamics.row::<I>(self.passes[stage], block, (index, stage), before, self.saved, scratch);
+        self.dynamics.row::<I>(self.stages[stage], block, (index, stage), before, self.saved, scratch);
     }
 }
 

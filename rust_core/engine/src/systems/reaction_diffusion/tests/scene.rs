@@ -61,7 +61,7 @@ pub fn dish(cells: &[usize], edges: &[&str], reaction: Item, species: [(&'static
     item
 }
 
-/// The same with random values, D_u = 0.2 and D_v = 0.1.
+/// The same with random values, diffusivities of 0.2 and 0.1.
 pub fn noisy(cells: &[usize], edges: &[&str], reaction: Item) -> Item {
     let species = [("u", 0.2, field(cells, random)), ("v", 0.1, field(cells, |index| 0.5 * random(index + 1_000_000)))];
     dish(cells, edges, reaction, species)

@@ -75,7 +75,7 @@ fn a_divergence_is_noticed_in_time() {
         (divergence.step, simulation.state_hash())
     };
     let expected = run(&[4000], 1);
-    assert_eq!(run(&[1; 4000], 1), expected);
+    assert_eq!(run(&vec![1; 4000], 1), expected);
     assert_eq!(run(&[7, 31, 4000], 2), expected);
 }
 
