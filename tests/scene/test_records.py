@@ -44,6 +44,7 @@ ARGUMENTS: dict[str, tuple[object, ...]] = {
         {"u": np.ones((4, 3)), "v": 0.1},
         {"x": "fixed"},
     ),
+    "Schrodinger": (pc.Grid((4, 3), 0.1), np.full((4, 3), 1.0 + 0.5j), np.zeros((4, 3)), 1.0, 1.0, 0.5, {"x": "free"}),
     "Repulsion": (10.0,),
     "LennardJones": (1.0, 0.1),
     "Plane": ((0.0, -9.0), (0.0, 2.0)),

@@ -48,7 +48,8 @@ class Snapshot:
         path = self.scene.system(key)
         if path is not None:
             own = {name: values for name, values in self.fields.items() if name.startswith(f"{path}.")}
-            return Snapshot(self.time, {name.removeprefix(f"{path}."): values for name, values in own.items()})
+            shown = next(each for each in self.scene.systems if self.scene.system(each) == path).shown
+            return Snapshot(self.time, shown({name.removeprefix(f"{path}."): values for name, values in own.items()}))
         part = self.scene.slice(cast("BodyKey", key))
         return Snapshot(self.time, {name: values[part] for name, values in self.fields.items() if "." not in name})
 
