@@ -16,11 +16,13 @@ SMALL = 1e-7
 
 def state(run: pc.Simulation) -> tuple[Array, Array]:
     """Positions, which are not wrapped to the periodic domain, and velocities, shape (N, D) each; without bodies, the
-    fields of the system.
+    fields of the system, or both parts of a wave function.
     """
     if run.scene.bodies:
         return run.positions, run.velocities
     (system,) = run.scene.systems
+    if isinstance(system, pc.Schrodinger):
+        return run[system].wave_function.real, run[system].wave_function.imag
     first, second = run[system].fields.values()
     return first, second
 
@@ -31,6 +33,9 @@ def put(run: pc.Simulation, x: Array, v: Array) -> None:
         run.set(x, v)
         return
     (system,) = run.scene.systems
+    if isinstance(system, pc.Schrodinger):
+        run[system].set(wave_function=x + 1j * v)
+        return
     run[system].set(**dict(zip(system.shapes(), (x, v), strict=True)))
 
 

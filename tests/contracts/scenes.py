@@ -196,6 +196,19 @@ def heart(side: int = 8) -> pc.Scene:
     return pc.Scene(pc.ReactionDiffusion(grid, pc.FitzHughNagumo(), {"u": 0.5, "v": 0.05}, start))
 
 
+def packet(cells: tuple[int, ...] = (24, 20), **options: Any) -> pc.Scene:
+    """A packet of waves in a trap, between walls but along y."""
+    dimension = len(cells)
+    grid = pc.Grid(cells, 0.5, periodic=(False, True, False)[:dimension])
+    middle = 0.5 * np.array(grid.upper)
+    psi = pc.wave_packet(grid, 0.8 * middle, 0.6 * (-1.0) ** np.arange(dimension), 1.2)
+
+    def trap(*place: np.ndarray) -> np.ndarray:
+        return sum(0.05 * (x - center) ** 2 for x, center in zip(place, middle.tolist(), strict=True))
+
+    return pc.Scene(pc.Schrodinger(grid, psi, **{"potential": trap, **options}))
+
+
 def predators(side: int = 12) -> pc.Scene:
     """A reaction in Python, of operations that are rounded alike everywhere: prey and those that live on it."""
     grid = pc.Grid((side, side - 3), 0.5)
@@ -355,5 +368,13 @@ SCENES: dict[str, Case] = {
     "clock": Case(clock, 0.05),
     "heart": Case(heart, 0.05, large=lambda: heart(60)),
     "predators": Case(predators, 0.1),
+    "packet": Case(packet, 0.05, large=lambda: packet((220, 200))),
+    "packet f32 order 4": Case(packet, 0.1, {"integrator": pc.SplitStep(order=4), **F32}),
+    "packet 3D interacting": Case(lambda: packet((10, 9, 8), interaction=0.3), 0.05),
+    "packet CrankNicolson": Case(
+        lambda: packet((60,)), 0.05, {"integrator": pc.CrankNicolson()}, large=lambda: packet((220, 200))
+    ),
+    "packet Staggered": Case(lambda: packet((60,)), 0.02, {"integrator": pc.Staggered()}),
+    "packet in the open": Case(lambda: packet((60,), potential=lambda x: 0.01 * x, edges="absorbing"), 0.05),
     "drop": Case(drops, 1e-3, large=lambda: drops(spacing=0.0125)),
 }

@@ -33,6 +33,10 @@ BOUNDED = {
     **dict.fromkeys(("cluster f32", "plasma 2D", "plasma f32 RungeKutta4", "trio"), "likewise"),
     "grains": "bounce off each other, and lose more than they gain",
     "grains f32": "likewise",
+    "packet": "is limited by accuracy, and its steps are unitary",
+    **dict.fromkeys(
+        ("packet f32 order 4", "packet 3D interacting", "packet CrankNicolson", "packet in the open"), "likewise"
+    ),
     "layers": "is limited as if the heaviest fluid pushed all of the net",
 }
 """Who comes through three times the limit."""
@@ -44,7 +48,8 @@ def read(run: pc.Simulation, name: str) -> np.ndarray:
         return getattr(run, name)
     path, _, own = name.rpartition(".")
     if path:
-        return run[path].fields[own]
+        values = run[path].fields[own]
+        return np.stack([values.real, values.imag], axis=-1) if np.iscomplexobj(values) else values
     rows = [getattr(run[body], name, np.full(len(body), np.nan)) for body in run.scene.bodies]
     return np.concatenate(rows)
 

@@ -22,6 +22,9 @@ def rate(case: Case) -> float:
 
 def recorded_state(recording: pc.Recording) -> tuple[np.ndarray, np.ndarray]:
     """What `state` gives, over time."""
+    if recording.scene.systems and isinstance(recording.scene.systems[0], pc.Schrodinger):
+        waves = recording[recording.scene.systems[0]].wave_function
+        return waves.real, waves.imag
     first, second = list(recording.channels.values())[slice(0, 2) if recording.scene.bodies else slice(2, 4)]
     return first, second
 

@@ -63,6 +63,8 @@ def failing(case: Case, time: float) -> pc.Scene:
 
     if not scene.bodies:
         (system,) = scene.systems
+        if isinstance(system, pc.Schrodinger):
+            pytest.skip("its steps call no function of the user's")
         if isinstance(system, pc.ReactionDiffusion):
             return pc.Scene(timed(system, signal))
         assert isinstance(system, pc.Wave)

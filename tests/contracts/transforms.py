@@ -262,7 +262,32 @@ def _wave(wave: pc.Wave, t: Transform) -> pc.Wave:
     )
 
 
-SYSTEMS: dict[type, Rule] = {pc.Wave: _wave, pc.ReactionDiffusion: _reaction_diffusion}
+def _amplitude(packet: pc.Schrodinger, t: Transform) -> float:
+    """What 1/√mᴰ becomes, of a wave function that is spread evenly over a cell along an axis that is new."""
+    new = len(t.axes) - packet.grid.dimension
+    return t.unit(-0.5 * len(t.axes)) * packet.grid.spacing ** (-0.5 * new)
+
+
+def _schrodinger(packet: pc.Schrodinger, t: Transform) -> pc.Schrodinger:
+    grid, edges = _grid(packet, t)
+    both = [_over_cells(t, packet.wave_function[..., part]) * _amplitude(packet, t) for part in (0, 1)]
+    new = len(t.axes) - packet.grid.dimension
+    return pc.Schrodinger(
+        grid,
+        both[0] + 1j * both[1],
+        _over_cells(t, packet.potential) * t.unit(2, -2, 1),
+        packet.mass * t.kg,
+        packet.hbar * t.unit(2, -1, 1),
+        packet.interaction * t.unit(2 + len(t.axes), -2, 1) * packet.grid.spacing**new,
+        edges,  # type: ignore[arg-type]
+    )
+
+
+SYSTEMS: dict[type, Rule] = {
+    pc.Wave: _wave,
+    pc.ReactionDiffusion: _reaction_diffusion,
+    pc.Schrodinger: _schrodinger,
+}
 """What becomes of systems beside matter."""
 
 
@@ -273,6 +298,9 @@ def moved(t: Transform, scene: pc.Scene, state: tuple[Array, Array], order: Any 
         return t.points(x[order]), t.velocities(v[order])
     if isinstance(scene.systems[0], pc.ReactionDiffusion):
         return _over_cells(t, x), _over_cells(t, v)
+    if isinstance(scene.systems[0], pc.Schrodinger):
+        unit = _amplitude(scene.systems[0], t)
+        return _over_cells(t, x) * unit, _over_cells(t, v) * unit
     return _over_cells(t, x) * t.m, _over_cells(t, v) * t.unit(1, -1)
 
 

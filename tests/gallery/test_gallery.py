@@ -68,6 +68,8 @@ def shown(tmp_path: Path, record_property: Callable[[str, object], None]) -> Cal
         "string",
         "lens",
         "whispering_gallery",
+        "tunnelling",
+        "electron_slits",
         "figure_eight",
         "solar_system",
         "collision",

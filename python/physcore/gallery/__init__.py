@@ -39,6 +39,8 @@ DEMOS = (
     "string",
     "lens",
     "whispering_gallery",
+    "tunnelling",
+    "electron_slits",
     "labyrinth",
     "spirals",
     "figure_eight",

@@ -74,6 +74,10 @@ impl<T: Number> Schrodinger<T> {
         let rate = hamiltonian.hopping / hamiltonian.hbar;
         let absorption = layer.map(|layer| Absorption::new(&hamiltonian.padding, layer, rate));
         let method = Method::declared(method, &hamiltonian)?;
+        if layer.is_some() && method.order() > 2 {
+            let expected = "SplitStep(order=2) or CrankNicolson() beside absorbing edges, without substeps backward in time";
+            return Err(Error::parameter("integrator", expected, "SplitStep(order=4)"));
+        }
         let limit = method.limit(&hamiltonian, &values);
         let state = State { values, ..State::default() };
         Ok(Self {
@@ -128,11 +132,17 @@ fn declared<T: Number>(item: &Item, padding: Padding, edges: Edges) -> Result<Ha
     let table = padding.extend(&padding.inner.field(item, "potential")?);
     let rows = 0..padding.outer.rows();
     let hopping = hbar / spacing * (hbar / spacing) / (2.0 * mass);
-    if !(hopping.is_finite() && hopping > 0.0) {
-        return Err(item.wrong("hbar", "an energy ħ²/2m h² that is finite", Some(&Value::Number(hopping))));
+    if !(T::from_f64(hopping).is_finite() && hopping > 0.0) {
+        let expected = format!("an energy ħ²/2m h² that {} holds", T::NAME);
+        return Err(item.wrong("hbar", &expected, Some(&Value::Number(hopping))));
+    }
+    let potential: Vec<T> = rows.flat_map(|row| table.row(row)).map(|&value| T::from_f64(value)).collect();
+    if let Some(cell) = potential.iter().position(|value| !value.is_finite()) {
+        let path = format!("potential at {}", padding.inner.name(padding.nearest(cell)));
+        return Err(item.wrong(&path, &format!("a number that {} holds", T::NAME), None));
     }
     Ok(Hamiltonian {
-        potential: rows.flat_map(|row| table.row(row).iter().map(|&value| T::from_f64(value)).collect::<Vec<T>>()).collect(),
+        potential,
         interaction: item.number("interaction")?,
         spectra: std::array::from_fn(|axis| Spectrum::new(padding.outer.cells[axis], edges.0[axis])),
         hopping,

@@ -77,5 +77,5 @@ pub fn narrow<T: Number>(pairs: &[f64], grid: &Grid, path: &str) -> Result<Vec<C
     if norm > 0.0 && norm.is_finite() {
         return Ok(values);
     }
-    Err(Error::parameter(path, "a norm Σ |ψ|² h^D that is finite and above 0", norm))
+    Err(Error::parameter(path, format!("a norm Σ |ψ|² h^D that is finite and above 0 in {}", T::NAME), norm))
 }

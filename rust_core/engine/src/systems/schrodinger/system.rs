@@ -94,7 +94,8 @@ impl<T: Number> System for Schrodinger<T> {
             dimension: hamiltonian.padding.outer.dimension,
             precision: T::NAME,
             method: self.method.name(),
-            order: self.method.order(),
+            // Absorption is a factor at the end of each step.
+            order: if open { 1 } else { self.method.order() },
             evaluations: self.method.evaluations(hamiltonian),
             pairs: 0,
             limit_varies: false,
@@ -195,7 +196,7 @@ impl<T: Number> System for Schrodinger<T> {
             return Ok(ledger);
         }
         let error = Error::parameter("scene", "an energy that is finite", ledger.balance());
-        Err(error.with_hint("a smaller wave function, potential or interaction"))
+        Err(error.with_hint(format!("a smaller wave function, potential or interaction; this is {}", T::NAME)))
     }
 
     /// A wave function's flow is not counted as the momentum of matter.

@@ -1,0 +1,53 @@
+"""A packet of waves meets a barrier that is higher than its energy: most of it comes back, and some of it is beyond.
+
+The physics checked: the probability beyond is that of plane waves, weighted by how much of each is in the packet.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+
+import numpy as np
+
+import physcore as pc
+from physcore.gallery.figure import Figure
+
+DURATION = 4.5
+"""[s]"""
+MOMENTUM, WIDTH = 4.0, 1.3
+"""Of the packet, ħ = m = 1."""
+HEIGHT, THICK = 9.0, 0.6
+"""Of the barrier [J, m]."""
+
+
+def scene() -> pc.Scene:
+    """Let a packet run to the right, with a barrier on its way."""
+    plane = pc.Grid.over((-24.0, -8.0), (24.0, 8.0), 0.1, periodic=(False, True))
+    packet = pc.wave_packet(plane, (-9.0, 0.0), (MOMENTUM, 0.0), (WIDTH, 2.2))
+
+    def barrier(x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        return HEIGHT * (np.abs(x + 0.0 * y) < THICK / 2)
+
+    return pc.Scene(pc.Schrodinger(plane, packet, potential=barrier, name="electron"))
+
+
+def main(path: str | os.PathLike[str] = "tunnelling.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
+    """Simulate it and draw it."""
+    recording = pc.simulate(scene(), duration=DURATION, fps=24, progress=progress)
+    pc.film(recording, path, size=(640, 270), speed=0.5, progress=progress)
+    return {"electron": recording}
+
+
+def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
+    """The probability beyond the barrier, where nothing that was reflected is."""
+    recording = recordings["electron"]
+    (electron,) = recording.scene.systems
+    assert isinstance(electron, pc.Schrodinger)
+    x = electron.grid.coordinates[0]
+    passed = float(recording[electron].density[-1][x > THICK / 2].sum()) * electron.grid.spacing**2
+    k = np.linspace(MOMENTUM - 2.0, MOMENTUM + 2.0, 4001)
+    kappa = np.sqrt(2.0 * HEIGHT - k**2 + 0j)
+    amplitude = 1.0 / (np.cosh(kappa * THICK) + 1j * (kappa**2 - k**2) / (2.0 * k * kappa) * np.sinh(kappa * THICK))
+    expected = float(np.average(np.abs(amplitude) ** 2, weights=np.exp(-2.0 * WIDTH**2 * (k - MOMENTUM) ** 2)))
+    return Figure("probability beyond the barrier", passed, expected, "of plane waves", 0.05, "")
