@@ -12,6 +12,7 @@ import pytest
 
 import physcore as pc
 from contracts.scenes import SCENES, STEPS
+from physcore.scene.records import Record
 
 
 def loaded(run: pc.Simulation, folder: Path) -> pc.Simulation:
@@ -36,7 +37,7 @@ def outcome(run: pc.Simulation) -> dict[str, Any]:
 
 def ways(run: pc.Simulation) -> dict[str, Callable[[pc.Simulation, Path], pc.Simulation]]:
     """How this run can be passed on: not as code, which tests/storage/test_storage.py holds."""
-    is_code = any(isinstance(force, pc.CustomForce) for force in run.scene.forces)
+    is_code = any(Record.of(item).is_code for item in (*run.scene.forces, *run.scene.systems))
     return {name: way for name, way in WAYS.items() if not (is_code and name in ("file", "pickle"))}
 
 

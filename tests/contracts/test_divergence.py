@@ -37,6 +37,7 @@ BOUNDED = {
     **dict.fromkeys(
         ("packet f32 order 4", "packet 3D interacting", "packet CrankNicolson", "packet in the open"), "likewise"
     ),
+    "dish RungeKuttaChebyshev": "is limited by its reaction, whose values stay within bounds",
     "layers": "is limited as if the heaviest fluid pushed all of the net",
 }
 """Who comes through three times the limit."""

@@ -25,7 +25,10 @@ def recorded_state(recording: pc.Recording) -> tuple[np.ndarray, np.ndarray]:
     if recording.scene.systems and isinstance(recording.scene.systems[0], pc.Schrodinger):
         waves = recording[recording.scene.systems[0]].wave_function
         return waves.real, waves.imag
-    first, second = list(recording.channels.values())[slice(0, 2) if recording.scene.bodies else slice(2, 4)]
+    if recording.scene.bodies:
+        return recording.positions, recording.velocities
+    (system,) = recording.scene.systems
+    first, second = (recording[system][name] for name in system.shapes())
     return first, second
 
 

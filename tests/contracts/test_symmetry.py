@@ -22,7 +22,8 @@ def rescaled(case: Case, t: Transform) -> Case:
     numerics = dict(case.numerics)
     rule = numerics.get("dt")
     if isinstance(rule, pc.AdaptiveStep) and rule.tolerance is not None:
-        numerics["dt"] = pc.AdaptiveStep(rule.safety, rule.tolerance * t.m)
+        unit = 1.0 if any(isinstance(system, pc.ReactionDiffusion) for system in case.scene().systems) else t.m
+        numerics["dt"] = pc.AdaptiveStep(rule.safety, rule.tolerance * unit)
     return replace(case, dt=case.dt * t.s, numerics=numerics)
 
 
