@@ -31,12 +31,12 @@ def audit(world: World) -> tuple[Energy, dict[str, Amount]]:
 
     dissipated_by = of("dissipated")
     budget = Energy(
-        kinetic=sum(of("kinetic").values()),
+        kinetic=sum(of("kinetic").values(), start=0.0),
         by_term=of("potential"),
         internal=sum(of("internal").values(), start=0.0),
-        dissipated=sum(dissipated_by.values()),
+        dissipated=sum(dissipated_by.values(), start=0.0),
         dissipated_by=dissipated_by,
-        work=sum(of("work").values()),
+        work=sum(of("work").values(), start=0.0),
         time=world.time,
     )
     _warn_if_beyond("energy", budget.balance, world)

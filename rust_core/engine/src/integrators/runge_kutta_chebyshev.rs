@@ -107,7 +107,8 @@ mod tests {
         y
     }
 
-    /// The interval is ⅔ (s² − 1)(1 − 2ε/15), within O(ε²); on it |R| ≤ 1, just beyond it is more.
+    /// The interval is ⅔ (s² − 1)(1 − 2ε/15), within O(ε²); on it |R| ≤ 1, a fifth beyond it is more (|Tₛ| grows
+    /// like cosh, and aₛ + bₛ |Tₛ| or bₛ |Tₛ| − aₛ passes 1 there for every s).
     #[test]
     fn the_interval_grows_with_the_square_of_the_stages() {
         for count in [2, 3, 5, 10, 40, MOST] {
@@ -117,7 +118,7 @@ mod tests {
             let stages = stages(count);
             let largest = (0..=4000).map(|part| amplification(&stages, -found * f64::from(part) / 4000.0).abs());
             assert!(largest.fold(0.0, f64::max) <= 1.0 + 1e-9, "{count}");
-            assert!(amplification(&stages, -1.002 * found).abs() > 1.0, "{count}");
+            assert!(amplification(&stages, -1.2 * found).abs() > 1.0, "{count}");
             // Away from 0 it is damped: 1 − ε/3.
             assert!(amplification(&stages, -0.9 * found).abs() < 1.0 - 0.3 * DAMPING, "{count}");
         }
