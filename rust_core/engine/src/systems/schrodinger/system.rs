@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::absorbing::Layer;
-use super::fourier::{Number, square};
+use super::fourier::{Number, norm, square};
 use super::passes::Field;
 use super::{Schrodinger, state};
 use crate::error::{Error, Result};
@@ -39,14 +39,15 @@ impl<T: Number> Schrodinger<T> {
         let content = hamiltonian.padding.outer.content();
         let before = absorption.as_ref().map_or(0.0, |absorption| absorption.outside(&state.values));
         let mut field = Field::new(hamiltonian.padding.outer.cells, &mut state.values, other, scratch);
-        method.step(hamiltonian, &mut field, h, executor);
+        let mut norm = method.step(hamiltonian, &mut field, h, executor);
         if let Some(absorption) = absorption {
-            state.removed += content * (absorption.outside(field.values) - before);
+            let outside = absorption.outside(field.values);
+            state.removed += content * (outside - before);
             let energy = hamiltonian.energies(&mut field, method.is_spectral(), executor).total();
             absorption.fade(field.values, h);
+            norm += absorption.outside(field.values) - outside;
             state.dissipated += energy - hamiltonian.energies(&mut field, method.is_spectral(), executor).total();
         }
-        let norm: f64 = self.state.values.iter().map(|&value| square(value)).sum();
         self.activity.push(self.reference * content * norm);
     }
 }
@@ -129,8 +130,7 @@ impl<T: Number> System for Schrodinger<T> {
     fn begin(&mut self, _time: f64, executor: &Executor) -> Result<()> {
         let energies = self.energies(executor);
         executor.check()?;
-        let norm: f64 = self.state.values.iter().map(|&value| square(value)).sum();
-        self.reference = energies.magnitude() / (norm * self.hamiltonian.padding.outer.content());
+        self.reference = energies.magnitude() / (norm(&self.state.values) * self.hamiltonian.padding.outer.content());
         Ok(())
     }
 
