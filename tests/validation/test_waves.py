@@ -136,7 +136,7 @@ GROWTH = 1.32658442695090807
 
 
 def noise() -> pc.Wave:
-    """Numbers of all modes. On an even number of cells round both axes the checkerboard is one, which is the fastest."""
+    """All modes. On an even number of cells round both axes the checkerboard is one, and the fastest."""
     start = np.random.default_rng(6).normal(size=(16, 16))
     return pc.Wave(pc.Grid((16, 16), 1.0, periodic=True), 1.0, start, name="wave")
 
