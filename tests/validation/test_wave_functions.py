@@ -163,8 +163,8 @@ TRANSMISSION = 0.07194928470098558
     ("integrator", "dt"), [(CRANK_NICOLSON, 0.02), (SPLIT, 0.01)], ids=["CrankNicolson", "SplitStep"]
 )
 def test_k04_a_packet_at_a_barrier(integrator, dt, record_property):
-    """Excellent: 0.2 %, 0.05 m, with the barrier's edges on faces of cells. From 60 m before it; at 140 s both parts are
-    80 m away from it, and 12 m wide.
+    """Excellent: 0.2 %, 0.05 m, with the barrier's edges on faces of cells. From 60 m before it; at 140 s both parts
+    are 80 m away from it, and 12 m wide.
     """
     grid = pc.Grid((8000,), 0.05, origin=-220.0)
     start = pc.wave_packet(grid, -61.0, 1.0, 10.0)
