@@ -106,13 +106,14 @@ impl<T: Real> VortexLaw<'_, T> {
         [&self.places[0][stage * count..][..count], &self.places[1][stage * count..][..count]]
     }
 
-    /// The offset from a vortex, |offset|² + δ², and Γ/(2π) over that. A vortex does not move itself, nor what is at its center.
+    /// The offset from a vortex, 1/(|offset|² + δ²), and Γ/(2π) times that. A vortex does not move itself, nor what is at its
+    /// center.
     #[inline(always)]
     fn swirl<N: Number<Scalar = T>>(&self, [x, y]: [N; 2], place: [T; 2], strength: T) -> ([N; 2], N, N) {
         let offset = [x - N::of(place[0]), y - N::of(place[1])];
         let (zero, distance) = (N::constant(0.0), offset[0] * offset[0] + offset[1] * offset[1]);
-        let square = distance + N::of(self.core);
-        (offset, square, N::select(zero.less(distance), N::of(strength) / square, zero))
+        let inverse = N::select(zero.less(distance), N::constant(1.0) / (distance + N::of(self.core)), zero);
+        (offset, inverse, N::of(strength) * inverse)
     }
 }
 
@@ -134,8 +135,8 @@ impl<T: Real> Law<T, 2> for VortexLaw<'_, T> {
         let ([xs, ys], zero, two) = (self.places(stage), N::constant(0.0), N::constant(2.0));
         let mut gradient = [[zero; 2]; 2];
         for ((&x, &y), &strength) in xs.iter().zip(ys).zip(self.strengths) {
-            let ([dx, dy], square, rate) = self.swirl(point, [x, y], strength);
-            let fall = two * rate / square;
+            let ([dx, dy], inverse, rate) = self.swirl(point, [x, y], strength);
+            let fall = two * rate * inverse;
             let mixed = fall * dx * dy;
             gradient[0][0] += mixed;
             gradient[0][1] += fall * dy * dy - rate;
