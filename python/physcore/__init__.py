@@ -73,6 +73,7 @@ from physcore.simulation.recording import Recording
 from physcore.simulation.simulation import Simulation
 from physcore.simulation.state import Frame, Part, Snapshot
 from physcore.studies.accuracy import simulate
+from physcore.studies.lyapunov import Lyapunov, lyapunov
 from physcore.studies.stability import MeasuredLimit, stability_limit
 from physcore.studies.tradeoff import Tradeoff, tradeoff
 from physcore.systems.flows import Aizawa, Flow, Halvorsen, Lorenz, Rossler, Thomas
@@ -132,6 +133,7 @@ __all__ = [
     "Kernel",
     "LennardJones",
     "Lorenz",
+    "Lyapunov",
     "MachWarning",
     "McLachlan2",
     "MeasuredLimit",
@@ -178,6 +180,7 @@ __all__ = [
     "export",
     "film",
     "load",
+    "lyapunov",
     "rope",
     "simulate",
     "soft_body",

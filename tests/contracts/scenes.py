@@ -229,7 +229,9 @@ def whirl(count: int = 40, dust: int = 0, core: float = 0.0) -> pc.Scene:
     rng = _random()
     sites = pc.block((0.0, 0.0), (5.0, count / 5.0), 1.0)
     vortices = pc.PointVortices(
-        sites + rng.uniform(-0.2, 0.2, sites.shape), rng.uniform(0.5, 1.5, len(sites)) * rng.choice([-1.0, 1.0], len(sites)), core
+        sites + rng.uniform(-0.2, 0.2, sites.shape),
+        rng.uniform(0.5, 1.5, len(sites)) * rng.choice([-1.0, 1.0], len(sites)),
+        core,
     )
     return pc.Scene(pc.Tracers(rng.uniform(0.0, 5.0, (dust, 2)), vortices), vortices) if dust else pc.Scene(vortices)
 

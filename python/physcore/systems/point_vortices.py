@@ -23,8 +23,8 @@ class PointVortices(PointSystem):
         v(x) = Σ Γⱼ/(2π) e_z × (x − xⱼ)/(|x − xⱼ|² + δ²)
 
     each vortex with the velocity that the others have at its center. Tracers in their flow are advanced in the same
-    stages of each step. The Hamiltonian H = −Σ Γᵢ Γⱼ ln(|xᵢ − xⱼ|² + δ²)/(4π) over all pairs [m⁴/s²] is conserved, and so
-    are Σ Γ x, Σ Γ y and Σ Γ (x² + y²); how well says the drift of its budget.
+    stages of each step. The Hamiltonian H = −Σ Γᵢ Γⱼ ln(|xᵢ − xⱼ|² + δ²)/(4π) over all pairs [m⁴/s²] is conserved, and
+    so are Σ Γ x, Σ Γ y and Σ Γ (x² + y²); the drift of its budget shows how well.
 
     Args:
         centers: where they are at the start [m], shape (N, 2).
@@ -47,9 +47,7 @@ class PointVortices(PointSystem):
     core: float
     """δ [m]."""
 
-    def __init__(
-        self, centers: ArrayLike, circulations: ArrayLike, core: float = 0.0, name: str | None = None
-    ) -> None:
+    def __init__(self, centers: ArrayLike, circulations: ArrayLike, core: float = 0.0, name: str | None = None) -> None:
         places = points(centers, "PointVortices.centers", (2,))
         strengths = frozen(broadcast(circulations, (len(places),), "PointVortices.circulations"))
         self._set(

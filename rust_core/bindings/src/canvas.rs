@@ -7,7 +7,9 @@ use std::sync::Arc;
 use numpy::{
     PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3, PyUntypedArrayMethods,
 };
-use physcore_canvas::{Align, Disc, Drop, Error, Exposure, Halo, Ink, Lens, Line, Painting, Rgb, Samples, Shading, Trails, Triangle};
+use physcore_canvas::{
+    Align, Disc, Drop, Error, Exposure, Halo, Ink, Lens, Line, Painting, Rgb, Samples, Shading, Trails, Triangle,
+};
 use physcore_engine::parallel::attend;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;

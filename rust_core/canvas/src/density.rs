@@ -85,8 +85,10 @@ impl Film {
 
     /// The density in which a typical point is: its mean over all points.
     fn typical(&self) -> f32 {
-        let (sum, squares) =
-            self.light.iter().fold((0.0_f64, 0.0), |(sum, squares), &light| (sum + f64::from(light), squares + f64::from(light * light)));
+        let (sum, squares) = self
+            .light
+            .iter()
+            .fold((0.0_f64, 0.0), |(sum, squares), &light| (sum + f64::from(light), squares + f64::from(light * light)));
         if sum > 0.0 { (squares / sum) as f32 } else { 1.0 }
     }
 }

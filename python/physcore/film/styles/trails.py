@@ -115,9 +115,9 @@ class TrailsPainter(PointsPainter):
         points = frame.fields[self._field]
         rates = None if self._rates is None else frame.fields[self._rates]
         last, self._last = self._last, (points, rates)
-        if last is None or rates is None or last[1] is None:
+        before, slopes = last or (points, None)
+        if rates is None or slopes is None:
             return points[np.newaxis]
-        before, slopes = last
         s = (np.arange(1, BETWEEN + 1) / BETWEEN)[:, np.newaxis, np.newaxis]
         r, shift, dt = 1.0 - s, points - before, self._interval
         way: FloatArray = before + s * s * (3.0 - 2.0 * s) * shift + dt * s * r * (r * slopes - s * rates)
