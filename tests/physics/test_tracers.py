@@ -274,3 +274,47 @@ def test_tracers_and_their_vortices_have_one_integrator():
     dust = pc.Tracers([[0.4, 0.3]], four)
     with pytest.raises(pc.SceneError, match=r"integrator of systems\[1\]: expected RungeKutta4.*same stages"):
         pc.Simulation(pc.Scene(four, dust), {dust: pc.ExplicitEuler()})
+
+
+def test_lyapunov_exponents_of_a_linear_flow_are_its_eigenvalues():
+    """Of a triangular matrix after a while, on its diagonal; the integrator's error is 1e-8 of λ at λ dt = 0.02."""
+    matrix = np.array([[-1.0, 3.0, 0.0], [0.0, 0.5, 1.0], [0.0, 0.0, -2.0]])
+    cloud = pc.Tracers([[1.0, 2.0, 3.0]], pc.Flow(lambda time, x: x @ matrix.T))
+    spectrum = pc.lyapunov(cloud, 4.0, transient=30.0, interval=0.5, dt=0.01)
+    np.testing.assert_allclose(spectrum.exponents, [0.5, -1.0, -2.0], rtol=0.0, atol=1e-6)
+    assert np.isnan(spectrum.errors).all()
+    assert spectrum.dimension == pytest.approx(1.5, abs=1e-6)
+
+
+def test_lyapunov_exponents_of_the_butterfly_are_those_of_the_literature():
+    """0.9056, 0 and −14.5723 (Sprott 2003); their sum is the divergence, but for some 1e-6 of RungeKutta4 at this
+    step. The scatter among 300 paths of 100 s says how good the mean is: 0.0014.
+    """
+    cloud = pc.Tracers(np.array([0.0, 0.0, 25.0]) + np.random.default_rng(1).normal(size=(300, 3)), pc.Lorenz())
+    spectrum = pc.lyapunov(cloud, 100.0, transient=20.0, dt=0.005)
+    assert (np.abs(spectrum.exponents - [0.9056, 0.0, -14.5723]) < 4.0 * spectrum.errors).all()
+    assert (spectrum.errors < 0.002).all()
+    assert spectrum.sum == pytest.approx(-41.0 / 3.0, abs=2e-5)
+    assert spectrum.dimension == pytest.approx(2.0622, abs=5e-4)
+    assert spectrum.each.shape == (300, 3)
+
+
+def test_tracers_among_vortices_have_exponents_whose_sum_is_zero():
+    """Their flow is incompressible; among four vortices most tracers are chaotic."""
+    four = vortices()
+    places = np.random.default_rng(3).uniform(-1.0, 1.0, (60, 2))
+    spectrum = pc.lyapunov(pc.Tracers(places, four), 40.0, dt=0.01)
+    assert spectrum.sum == pytest.approx(0.0, abs=1e-4)
+    assert spectrum.exponents[0] > 5.0 * spectrum.errors[0]
+
+
+def test_lyapunov_refuses_what_it_cannot_do():
+    cloud = pc.Tracers(START, pc.Lorenz())
+    with pytest.raises(pc.SceneError, match=r"lyapunov.tracers: must be Tracers"):
+        pc.lyapunov(pc.Scene(cloud), 1.0)  # type: ignore[arg-type]
+    with pytest.raises(pc.SceneError, match=r"lyapunov.precision: must be 'f64'"):
+        pc.lyapunov(cloud, 1.0, precision="f32")
+    with pytest.raises(pc.SceneError, match=r"lyapunov.duration: must be > 0"):
+        pc.lyapunov(cloud, 0.0)
+    with pytest.raises(pc.PhyscoreError, match=r"lyapunov.interval: neighbors parted by .* shorter interval"):
+        pc.lyapunov(pc.Tracers(START, pc.Lorenz()), 40.0, interval=20.0, dt=0.005)

@@ -249,7 +249,7 @@ class Scene:
 
 
 def indices(scene: Scene, item: SceneItem) -> dict[str, list[int] | None]:
-    """The bodies that a force or a boundary of a scene names, and the system that a system names, by field; None: all."""
+    """The bodies that a force or a boundary of a scene names, and the system that a system names, by field."""
     if isinstance(item, System):
         places = {id(system): index for index, system in enumerate(scene.systems)}
         return {field: [places[id(other)]] for field, other in item.named().items()}

@@ -16,8 +16,10 @@ from physcore.systems.point_vortices import PointVortices
 from physcore.systems.tracers import Tracers
 
 APART = 1e-7
-"""The distance of neighbors, as a fraction of the extent of the tracers: truncation is relative to it, and rounding to
+"""The distance of neighbors, as a fraction of the largest coordinate: truncation is relative to it, and rounding to
 1e-16 over it."""
+TINY = 1e-30
+"""The smallest extent [m]."""
 FARTHEST = 1e4
 """The largest growth of a distance between two orthonormalizations: neighbors stay in the linear range."""
 
@@ -68,7 +70,7 @@ def lyapunov(
 
     Each tracer takes D neighbors along, on the axes of a small orthogonal frame, in the same run. After each interval
     their offsets are orthonormalized by a QR decomposition; the logarithms of its diagonal, averaged over time and over
-    the tracers, are the exponents. The offsets are 1e-7 of the extent of the tracers, where truncation and rounding
+    the tracers, are the exponents. The offsets are 1e-7 of the largest coordinate, where truncation and rounding
     both are some 1e-7 of a growth, below the error of the integrator and the statistical one.
 
     Args:
@@ -98,19 +100,20 @@ def lyapunov(
     run, cloud = _with_neighbors(tracers, numerics)
     step = _interval(run) if interval is None else span(interval, "lyapunov.interval")
     warm, count = int(np.ceil(before / step)), int(np.ceil(average / step))
-    frames = np.broadcast_to(np.eye(tracers.dimension), (len(tracers), tracers.dimension, tracers.dimension))
-    distance = APART * max(
-        float(np.ptp(tracers.positions, axis=0).max()), float(np.abs(tracers.positions).max()), 1e-30
-    )
-    growth, start = np.zeros((len(tracers), tracers.dimension)), run.time
+    dimension = tracers.dimension
+    # Along no axis: that may be a direction in which all stay that are on it.
+    frame, _ = np.linalg.qr(np.random.default_rng(0).normal(size=(dimension, dimension)))
+    frames = np.broadcast_to(frame, (len(tracers), dimension, dimension))
+    growth, start = np.zeros((len(tracers), dimension)), run.time
     for index in range(warm + count):
         if index == warm:
             growth[:], start = 0.0, run.time
-        logarithms, frames = _advance(run, cloud, frames, distance, step)
+        logarithms, frames = _advance(run, cloud, frames, step)
         growth += logarithms
     each = growth / (run.time - start)
-    exponents, scatter = each.mean(axis=0), each.std(axis=0, ddof=1) if len(each) > 1 else np.full(len(each[0]), np.nan)
-    return Lyapunov(exponents, scatter / np.sqrt(len(each)), each, run.time - start)
+    each = each[:, np.argsort(-each.mean(axis=0))]
+    scatter = each.std(axis=0, ddof=1) if len(each) > 1 else np.full(dimension, np.nan)
+    return Lyapunov(each.mean(axis=0), scatter / np.sqrt(len(each)), each, run.time - start)
 
 
 def _with_neighbors(tracers: Tracers, numerics: Options) -> tuple[Simulation, Tracers]:
@@ -128,12 +131,11 @@ def _interval(run: Simulation) -> float:
     return 20.0 * limit if np.isfinite(limit) else run.dt
 
 
-def _advance(
-    run: Simulation, cloud: Tracers, frames: FloatArray, distance: float, step: float
-) -> tuple[FloatArray, FloatArray]:
+def _advance(run: Simulation, cloud: Tracers, frames: FloatArray, step: float) -> tuple[FloatArray, FloatArray]:
     """The logarithms of the growth along each direction (N, D), and the frames (N, D, D) of rows after a step [s]."""
     dimension = frames.shape[-1]
     places = run[cloud].positions.reshape(-1, dimension + 1, dimension)
+    distance = APART * max(float(np.abs(places).max()), TINY)
     places[:, 1:] = places[:, :1] + distance * frames
     run[cloud].set(positions=places.reshape(-1, dimension))
     run.run(step)

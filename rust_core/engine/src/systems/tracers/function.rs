@@ -18,7 +18,7 @@ const DIFFERENCE: f64 = 1e-6;
 
 /// v(t, x), called with all points at once.
 pub struct Function<T, const D: usize> {
-    function: Arc<dyn Callback>,
+    callback: Arc<dyn Callback>,
     path: String,
     staged: Staged<T, D>,
 }
@@ -30,7 +30,7 @@ impl<T: Real, const D: usize> Function<T, D> {
     /// If it has none.
     pub fn declared(item: &Item, count: usize) -> Result<Self> {
         let path = format!("{}.function", item.path);
-        Ok(Self { function: item.callback("function")?, path, staged: Staged::new(count) })
+        Ok(Self { callback: item.callback("function")?, path, staged: Staged::new(count) })
     }
 }
 
@@ -57,7 +57,7 @@ impl<T: Real, const D: usize> Flow<T, D> for Function<T, D> {
         "a function"
     }
 
-    /// A call of a function in NumPy, for one of some thousands of points.
+    /// That of a function of arrays, with some thousands of points.
     fn cost(&self) -> f64 {
         1e-8
     }
@@ -73,7 +73,7 @@ impl<T: Real, const D: usize> Flow<T, D> for Function<T, D> {
 
     fn begin(&self, sets: &[Points<T, D>], time: f64) -> Result<()> {
         for points in sets {
-            let velocities = call::<D>(&*self.function, &self.path, time, &points.rows())?;
+            let velocities = call::<D>(&*self.callback, &self.path, time, &points.rows())?;
             if let Some(index) = velocities.iter().position(|&velocity| !T::from_f64(velocity).is_finite()) {
                 let found = format!("{} for tracer {}", velocities[index], index / D);
                 let expected = format!("velocities that are finite in {}", T::NAME);
@@ -90,7 +90,7 @@ impl<T: Real, const D: usize> Flow<T, D> for Function<T, D> {
         interval: Interval,
         executor: &Executor,
     ) -> Result<Outcome> {
-        let Self { function, path, staged } = self;
+        let Self { callback, path, staged } = self;
         let mut outcome = Outcome::default();
         for points in sets {
             for step in 0..interval.steps {
@@ -98,7 +98,7 @@ impl<T: Real, const D: usize> Flow<T, D> for Function<T, D> {
                 let size = Step { h: interval.h, estimated: interval.steps == 1 };
                 let slope = |stage: usize, state: &Points<T, D>, out: &mut Points<T, D>| {
                     let node = if stage < method.evaluations { method.nodes[stage] } else { 1.0 };
-                    out.fill(&call::<D>(&**function, path, interval.time(step, node), &state.rows())?);
+                    out.fill(&call::<D>(&**callback, path, interval.time(step, node), &state.rows())?);
                     Ok(())
                 };
                 outcome = outcome.and(staged.step(method, points, size, slope)?);
@@ -108,7 +108,7 @@ impl<T: Real, const D: usize> Flow<T, D> for Function<T, D> {
     }
 
     fn velocities(&self, sets: &[Points<T, D>], set: usize, time: f64) -> Result<Points<T, D>> {
-        Ok(Points::from_rows(&call::<D>(&*self.function, &self.path, time, &sets[set].rows())?))
+        Ok(Points::from_rows(&call::<D>(&*self.callback, &self.path, time, &sets[set].rows())?))
     }
 
     /// By differences.
@@ -116,7 +116,7 @@ impl<T: Real, const D: usize> Flow<T, D> for Function<T, D> {
         let mut steepest = 0.0_f64;
         for points in sets {
             let rows = points.rows();
-            let here = call::<D>(&*self.function, &self.path, time, &rows)?;
+            let here = call::<D>(&*self.callback, &self.path, time, &rows)?;
             let largest = rows.iter().fold(0.0_f64, |most, value| value.abs().max(most));
             let step = DIFFERENCE * if largest > 0.0 { largest } else { 1.0 };
             let mut squares = vec![0.0; points.count];
@@ -124,7 +124,7 @@ impl<T: Real, const D: usize> Flow<T, D> for Function<T, D> {
                 executor.check()?;
                 let mut moved = rows.clone();
                 moved[axis..].iter_mut().step_by(D).for_each(|value| *value += step);
-                let there = call::<D>(&*self.function, &self.path, time, &moved)?;
+                let there = call::<D>(&*self.callback, &self.path, time, &moved)?;
                 for (index, (one, other)) in here.iter().zip(&there).enumerate() {
                     squares[index / D] += ((other - one) / step).powi(2);
                 }

@@ -45,7 +45,7 @@ pub fn advance<T: Real, L: Law<T, D>, S: Explicit, const D: usize>(
     let mut outcomes = vec![Outcome::default(); points.block_count()];
     let work = (points.blocks(), BlockedSlice::new(&mut outcomes, 1));
     executor.for_each_block(work, &|(Block { axes, .. }, outcomes): (Block<'_, T, D>, BlockedSlice<'_, Outcome>)| {
-        outcomes.items[0] = dispatch_level(Steps::<T, L, S, D> { law, axes, h, steps, method: PhantomData });
+        outcomes.items[0] = dispatch_level(Steps::<T, L, S, D> { law, axes, h, count: steps, method: PhantomData });
     });
     outcomes.into_iter().fold(Outcome::default(), Outcome::and)
 }
@@ -55,7 +55,7 @@ struct Steps<'a, T, L, S, const D: usize> {
     law: L,
     axes: [&'a mut [T]; D],
     h: f64,
-    steps: u64,
+    count: u64,
     method: PhantomData<S>,
 }
 
@@ -77,12 +77,12 @@ impl<T: Real, L: Law<T, D>, S: Explicit, const D: usize> LevelKernel for Steps<'
 
     #[inline(always)]
     fn run<I: Isa>(self, _isa: I) -> Outcome {
-        let Self { law, axes, h, steps, .. } = self;
+        let Self { law, axes, h, count, .. } = self;
         let (length, width) = (axes[0].len(), <I::Pack<T> as Pack>::WIDTH);
         let zero = <I::Pack<T> as Number>::constant(0.0);
         let (mut finite, mut error) = (zero, zero);
-        let estimates = steps == 1 && !S::ERRORS.is_empty();
-        for step in 0..steps as usize {
+        let estimates = count == 1 && !S::ERRORS.is_empty();
+        for step in 0..count as usize {
             let slopes = Slopes { law: &law, first: step * S::EVALUATIONS };
             for at in (0..length).step_by(width) {
                 let mut start = [zero; D];
@@ -104,7 +104,7 @@ impl<T: Real, L: Law<T, D>, S: Explicit, const D: usize> LevelKernel for Steps<'
         for at in (0..length).step_by(width) {
             for column in &axes {
                 let value = <I::Pack<T> as Pack>::load(&column[at..]);
-                finite += value - value;
+                finite += value * zero;
             }
         }
         let mut lanes = [[T::ZERO; LANES]; 2];

@@ -80,6 +80,9 @@ fn rows_of(item: &Item) -> &'static str {
     if item.kind == VORTICES { "centers" } else { "positions" }
 }
 
+/// Compiles the flow of an item with the first set of points.
+type Declared<T, const D: usize> = fn(&Item, &Points<T, D>) -> Result<Box<dyn Flow<T, D>>>;
+
 /// The points of an item.
 #[derive(Debug, Clone)]
 struct Set {
@@ -111,7 +114,7 @@ struct Tracers<T, const D: usize> {
 }
 
 impl<T: Real, const D: usize> Tracers<T, D> {
-    fn new(items: &[&Item], method: &Item, declared: fn(&Item, &Points<T, D>) -> Result<Box<dyn Flow<T, D>>>) -> Result<Self> {
+    fn new(items: &[&Item], method: &Item, declared: Declared<T, D>) -> Result<Self> {
         let refused = || Error::parameter("integrator", NAMES.join(" or "), &method.kind);
         let coefficients = Coefficients::named(&method.kind).ok_or_else(refused)?;
         let method = FirstOrder::named(&method.kind).ok_or_else(refused)?;

@@ -54,7 +54,7 @@ impl<T: Real, const D: usize> Staged<T, D> {
             sum(method.errors, None, slopes, state, step.h);
             error = state.axes.iter().flatten().fold(0.0_f64, |most, value| value.to_f64().abs().max(most));
         }
-        let finite = points.axes.iter().flatten().fold(0.0, |sum, &value| sum + (value - value).to_f64());
+        let finite = points.axes.iter().flatten().fold(0.0, |sum, &value| sum + 0.0 * value.to_f64());
         Ok(Outcome { finite, error })
     }
 
