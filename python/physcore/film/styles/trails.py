@@ -15,6 +15,7 @@ from physcore.film.styles.base import SHADING, SystemPart, SystemStyle, inks
 from physcore.film.styles.density import FEW, PointsPainter
 from physcore.scene.points import PointSystem
 from physcore.simulation.sources import Source, SourceFrame
+from physcore.systems.point_vortices import PointVortices
 
 SHARE = 0.3
 """The part of the film for which a path is shown where nothing is said."""
@@ -32,7 +33,8 @@ class Trails(SystemStyle):
 
         pc.film(recording, "lorenz.gif", style=pc.styles.Trails(duration=4.0))
 
-    Paths are the cubics through positions and velocities of the frames, where velocities were recorded.
+    Paths are the cubics through positions and velocities of the frames, where velocities were recorded. Vortices have
+    two colors, for both signs of their circulation.
 
     Args:
         duration: for how long a path is shown [s]; None: three tenths of the film.
@@ -76,8 +78,10 @@ class TrailsPainter(PointsPainter):
         self._past: deque[FloatArray] = deque(maxlen=max(1, min(round(frames), most)))
         self._last: tuple[FloatArray, FloatArray | None] | None = None
         palette = np.array(theme.bodies, dtype=float)
-        first = part.index if len(self._system) > len(palette) else 0
-        self._colors = palette[(first + np.arange(len(self._system))) % len(palette)]
+        each = np.arange(len(self._system)) % len(palette)
+        if isinstance(self._system, PointVortices):
+            each = (self._system.circulations > 0.0).astype(int)
+        self._colors = palette[each]
 
     def begin(self) -> None:
         """Forget the paths."""
