@@ -82,7 +82,7 @@ def main(
 
 
 def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
-    """The speed of the middle of the street, half way; its ends are far off, by 1/(π n) of it for n pairs on either side."""
+    """The speed of the middle in the first half; beyond n pairs on either side 1/(π n) of it is missing."""
     street = recordings["street"]["street"].positions
     middle = street[:, [PAIRS // 2 - 1, PAIRS // 2, PAIRS + PAIRS // 2 - 1, PAIRS + PAIRS // 2], 0].mean(axis=1)
     times = recordings["street"].times
