@@ -25,6 +25,7 @@ VALID = {
         "upper": "(1.0, 1.0)",
         "particles": "4",
     },
+    **{"flow": "pc.Flow(lambda time, x: -x)", "Flow.function": "lambda time, x: -x", "centers": TRIANGLE},
     **{"cells": "(3, 4)", "grid": "pc.Grid((3, 4), 0.5)", "where": "(0.5, 0.5)"},
     **{"center": "(0.0, 0.0)", "point": "(0.0, -9.0)", "normal": "(0.0, 1.0)", "acceleration": "(0.0, -9.81)"},
     **{"shape": "(3, 3)", "function": "lambda time, x, v: -x", "scene": "SCENE", "recording": "RECORDING", "key": "0"},
