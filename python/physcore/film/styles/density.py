@@ -19,6 +19,8 @@ from physcore.simulation.sources import Source, SourceFrame
 
 SPREADS = (0.55, 1.3)
 """The smallest and the largest standard deviation of a tracer's light that is chosen by itself [pixels]."""
+WIDEST = 1000.0
+"""The largest one that can be asked for [pixels]."""
 SPACING = 0.25
 """That as a fraction of the mean distance that the tracers would have if they filled the panel."""
 FEW = 200
@@ -56,7 +58,8 @@ class Density(SystemStyle):
         super().__post_init__()
         sequential(self.colormap, (0.0, 1.0), "Density.colormap")
         self._set(exposure=number(self.exposure, "Density.exposure", above=0.0, most=1e6))
-        self._set_positive("spread")
+        if self.spread is not None:
+            self._set(spread=number(self.spread, "Density.spread", above=0.0, most=WIDEST))
 
     def can_draw(self, item: object) -> bool:
         """Whether it consists of many points."""
