@@ -36,7 +36,7 @@ class Density(SystemStyle):
         pc.film(recording, "butterfly.gif", style=pc.styles.Density(colormap="magma", exposure=1.5))
 
     Each frame is exposed for the density in which its typical tracer is, so that thin sheets and the dense middle are
-    seen together. Nothing is hidden by what is nearer.
+    seen together. Light from behind passes through.
 
     Args:
         colormap: "inferno", "magma", "plasma", "viridis", "cividis", "water" or "ember".
@@ -71,7 +71,7 @@ class Density(SystemStyle):
 
 
 class PointsPainter(Painter):
-    """What painters of points have in common."""
+    """The base of painters of points."""
 
     def __init__(self, style: SystemStyle, source: Source, part: SystemPart) -> None:
         kind = type(style).__name__
@@ -96,7 +96,7 @@ class PointsPainter(Painter):
 
 
 class DensityPainter(PointsPainter):
-    """Draws the density behind what is added to the painting."""
+    """Draws the density behind all shapes."""
 
     def __init__(self, style: Density, source: Source, part: SystemPart, theme: Theme) -> None:
         super().__init__(style, source, part)
