@@ -328,5 +328,5 @@ def test_recordings_of_tracers_are_saved_and_not_exported_as_trajectories(tmp_pa
         np.testing.assert_array_equal(recording[one].positions, loaded[other].positions)
     assert loaded.budgets["hamiltonian"].unit == "m⁴/s²"
     assert "7 tracers in 2D" in repr(loaded)
-    with pytest.raises(pc.SceneError, match=r"recording: .* there are neither; the positions of tracers"):
+    with pytest.raises(pc.SceneError, match=r"recording: .* there are neither; positions of tracers"):
         pc.export(recording, tmp_path / "run.pvd")

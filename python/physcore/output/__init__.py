@@ -75,7 +75,7 @@ def export(
     job = ExportJob(source, bar)
     if not job.has_bodies and not job.grids:
         raise SceneError(
-            "recording: trajectories hold particles and fields on grids, and there are neither; the positions of tracers "
+            "recording: trajectories hold particles and fields on grids, and there are neither; positions of tracers "
             "are recording[tracers].positions, which numpy.save writes"
         )
     if not job.has_bodies and not writer.holds_fields:
