@@ -19,6 +19,7 @@ import overheads
 import particles
 import reactions
 import springs
+import tracers
 import wave_functions
 import waves
 from measure import machine
@@ -89,6 +90,10 @@ TARGETS = (
     Target("gravitation f32", 3.0, "G pairs/s"),
     Target("two threads, gravitation f64", 1.8, "times one"),
     Target("two threads, gravitation f32", 1.8, "times one"),
+    Target("tracers f64", 0.5, "G point-steps/s"),
+    Target("tracers f32", 1.0, "G point-steps/s"),
+    Target("two threads, tracers f64", 1.8, "times one"),
+    Target("two threads, tracers f32", 1.8, "times one"),
     Target("import", 0.15, "s", at_most=True),
     Target("accuracy=, cost", 6.0, "returned runs", at_most=True),
     Target("accuracy=, share used", 0.1, "of what was allowed"),
@@ -105,7 +110,7 @@ def main() -> None:
     print("physcore audits and watches for divergence in every run; its opponents do neither.")
     figures = particles.main() | springs.main() | fluids.main() | waves.main()
     figures |= reactions.main() | wave_functions.main() | gravitation.main()
-    figures |= overheads.main() | accuracy.main()
+    figures |= tracers.main() | overheads.main() | accuracy.main()
     print()
     film.main()
     print(f"\nTargets, as set on a Zen 4 core of about 3.6 GHz; measured here, not scaled: {where}")

@@ -73,11 +73,15 @@ from physcore.simulation.recording import Recording
 from physcore.simulation.simulation import Simulation
 from physcore.simulation.state import Frame, Part, Snapshot
 from physcore.studies.accuracy import simulate
+from physcore.studies.lyapunov import Lyapunov, lyapunov
 from physcore.studies.stability import MeasuredLimit, stability_limit
 from physcore.studies.tradeoff import Tradeoff, tradeoff
+from physcore.systems.flows import Aizawa, Flow, Halvorsen, Lorenz, Rossler, Thomas
 from physcore.systems.kinetics import Brusselator, FitzHughNagumo, GrayScott, Reaction, Schnakenberg
+from physcore.systems.point_vortices import PointVortices
 from physcore.systems.reaction_diffusion import ReactionDiffusion
 from physcore.systems.schrodinger import Schrodinger, wave_packet
+from physcore.systems.tracers import Tracers
 from physcore.systems.wave import Ricker, Source, Wave
 
 if TYPE_CHECKING:
@@ -91,6 +95,7 @@ __all__ = [
     "Absorbing",
     "AccuracyError",
     "AdaptiveStep",
+    "Aizawa",
     "Amount",
     "AmountSeries",
     "AutoStep",
@@ -114,6 +119,7 @@ __all__ = [
     "FileError",
     "FitzHughNagumo",
     "Floor",
+    "Flow",
     "Fluid",
     "Force",
     "Frame",
@@ -121,10 +127,13 @@ __all__ = [
     "Gravity",
     "GrayScott",
     "Grid",
+    "Halvorsen",
     "Integrator",
     "InternalError",
     "Kernel",
     "LennardJones",
+    "Lorenz",
+    "Lyapunov",
     "MachWarning",
     "McLachlan2",
     "MeasuredLimit",
@@ -134,10 +143,12 @@ __all__ = [
     "PhyscoreError",
     "Plan",
     "Plane",
+    "PointVortices",
     "Reaction",
     "ReactionDiffusion",
     "Recording",
     "Ricker",
+    "Rossler",
     "RungeKutta4",
     "RungeKuttaChebyshev",
     "Scene",
@@ -155,6 +166,8 @@ __all__ = [
     "SpringNetwork",
     "StabilityWarning",
     "Staggered",
+    "Thomas",
+    "Tracers",
     "Tradeoff",
     "VelocityVerlet",
     "Wave",
@@ -167,6 +180,7 @@ __all__ = [
     "export",
     "film",
     "load",
+    "lyapunov",
     "rope",
     "simulate",
     "soft_body",

@@ -9,17 +9,21 @@ import numpy as np
 import physcore as pc
 from contracts.scenes import SCENES, STEPS
 from contracts.transforms import Array
+from physcore.scene.points import PointSystem
 
 SMALL = 1e-7
 """A difference, relative to the size of a number, that grows as any other small one does."""
 
 
 def state(run: pc.Simulation) -> tuple[Array, Array]:
-    """Positions, which are not wrapped to the periodic domain, and velocities, shape (N, D) each; without bodies, the
-    fields of the system, or both parts of a wave function.
+    """Positions, which are not wrapped to the periodic domain, and velocities, shape (N, D) each; without bodies, those
+    of all tracers, the fields of the system, or both parts of a wave function.
     """
     if run.scene.bodies:
         return run.positions, run.velocities
+    if isinstance(run.scene.systems[0], PointSystem):
+        parts = [run[system] for system in run.scene.systems]
+        return np.concatenate([part.positions for part in parts]), np.concatenate([part.velocities for part in parts])
     (system,) = run.scene.systems
     if isinstance(system, pc.Schrodinger):
         return run[system].wave_function.real, run[system].wave_function.imag
@@ -31,6 +35,11 @@ def put(run: pc.Simulation, x: Array, v: Array) -> None:
     """Set a run to a state."""
     if run.scene.bodies:
         run.set(x, v)
+        return
+    if isinstance(run.scene.systems[0], PointSystem):
+        starts = np.cumsum([len(system) for system in run.scene.systems])  # type: ignore[arg-type]
+        for system, positions in zip(run.scene.systems, np.split(x, starts[:-1]), strict=True):
+            run[system].set(positions=positions)
         return
     (system,) = run.scene.systems
     if isinstance(system, pc.Schrodinger):

@@ -218,6 +218,34 @@ def predators(side: int = 12) -> pc.Scene:
     return pc.Scene(pc.ReactionDiffusion(grid, kinetics, {"prey": 0.1, "hunters": 0.4}, start))
 
 
+def cloud(flow: Any, count: int = 300, center: tuple[float, ...] = (0.0, 0.0, 0.0), size: float = 0.3) -> pc.Scene:
+    """Tracers in a flow."""
+    places = np.array(center) + size * _random().normal(size=(count, len(center)))
+    return pc.Scene(pc.Tracers(places, flow))
+
+
+def whirl(count: int = 40, dust: int = 0, core: float = 0.0) -> pc.Scene:
+    """Vortices of both signs on a jittered lattice, and dust between them."""
+    rng = _random()
+    sites = pc.block((0.0, 0.0), (5.0, count / 5.0), 1.0)
+    vortices = pc.PointVortices(
+        sites + rng.uniform(-0.2, 0.2, sites.shape),
+        rng.uniform(0.5, 1.5, len(sites)) * rng.choice([-1.0, 1.0], len(sites)),
+        core,
+    )
+    return pc.Scene(pc.Tracers(rng.uniform(0.0, 5.0, (dust, 2)), vortices), vortices) if dust else pc.Scene(vortices)
+
+
+def stirred() -> pc.Scene:
+    """A flow in Python, of operations that are rounded alike everywhere: Duffing's oscillator, driven to and fro."""
+
+    def velocity(time: float, place: np.ndarray) -> np.ndarray:
+        x, v = place.T
+        return np.column_stack([v, x - x * x * x - 0.2 * v + 0.3 * abs(time % 2.0 - 1.0)])
+
+    return cloud(pc.Flow(velocity), center=(0.0, 0.0))
+
+
 IN_PYTHON: dict[type[Kinetics], Callable[[Any], Callable[..., Any]]] = {
     pc.GrayScott: lambda k: lambda u, v: (k.feed * (1.0 - u) - u * v * v, u * v * v - (k.feed + k.kill) * v),
     pc.Brusselator: lambda k: lambda u, v: (k.a - (k.b + 1.0) * u + u * u * v, k.b * u - u * u * v),
@@ -376,5 +404,24 @@ SCENES: dict[str, Case] = {
     ),
     "packet Staggered": Case(lambda: packet((60,)), 0.02, {"integrator": pc.Staggered()}),
     "packet in the open": Case(lambda: packet((60,), potential=lambda x: 0.01 * x, edges="absorbing"), 0.05),
+    "butterfly": Case(
+        lambda: cloud(pc.Lorenz(), center=(1.0, 2.0, 25.0)), 0.005, large=lambda: cloud(pc.Lorenz(), 120_000)
+    ),
+    "butterfly f32 ExplicitEuler": Case(
+        lambda: cloud(pc.Lorenz(), center=(1.0, 2.0, 25.0)), 0.002, {"integrator": pc.ExplicitEuler(), **F32}
+    ),
+    "band RungeKuttaChebyshev": Case(
+        lambda: cloud(pc.Rossler(), center=(4.0, 0.0, 0.0)), 0.02, {"integrator": pc.RungeKuttaChebyshev()}
+    ),
+    "shells by error": Case(
+        lambda: cloud(pc.Aizawa()), 0.02, {"dt": pc.AdaptiveStep(tolerance=1e-6), "integrator": pc.DormandPrince5()}
+    ),
+    "loops f32 BogackiShampine3": Case(
+        lambda: cloud(pc.Thomas(), center=(1.0, 0.3, -0.7)), 0.05, {"integrator": pc.BogackiShampine3(), **F32}
+    ),
+    "wings adaptive": Case(lambda: cloud(pc.Halvorsen(), center=(-5.0, 0.0, 0.0)), 0.002, {"dt": pc.AdaptiveStep()}),
+    "stirred": Case(stirred, 0.02),
+    "whirl": Case(whirl, 0.02, {"integrator": pc.DormandPrince5()}, large=lambda: whirl(1500)),
+    "whirl with cores f32": Case(lambda: whirl(dust=700, core=0.2), 0.02, F32, large=lambda: whirl(dust=20_000)),
     "drop": Case(drops, 1e-3, large=lambda: drops(spacing=0.0125)),
 }

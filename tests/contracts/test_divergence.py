@@ -37,6 +37,11 @@ BOUNDED = {
     **dict.fromkeys(
         ("packet f32 order 4", "packet 3D interacting", "packet CrankNicolson", "packet in the open"), "likewise"
     ),
+    **dict.fromkeys(
+        ("butterfly", "butterfly f32 ExplicitEuler", "band RungeKuttaChebyshev", "loops f32 BogackiShampine3"),
+        "is limited by accuracy, on an attractor",
+    ),
+    **dict.fromkeys(("stirred", "whirl", "whirl with cores f32"), "is limited by accuracy"),
     "dish RungeKuttaChebyshev": "is limited by its reaction, whose values stay within bounds",
     "layers": "is limited as if the heaviest fluid pushed all of the net",
 }

@@ -9,6 +9,7 @@ import physcore as pc
 from contracts.comparison import state
 from contracts.scenes import SCENES, STEPS, Case
 from physcore.film import provenance
+from physcore.scene.points import PointSystem
 
 FIXED = {name: case for name, case in SCENES.items() if not case.adaptive}
 FRAMES = 7
@@ -27,6 +28,9 @@ def recorded_state(recording: pc.Recording) -> tuple[np.ndarray, np.ndarray]:
         return waves.real, waves.imag
     if recording.scene.bodies:
         return recording.positions, recording.velocities
+    if isinstance(recording.scene.systems[0], PointSystem):
+        parts = [recording[system] for system in recording.scene.systems]
+        return tuple(np.concatenate([part[name] for part in parts], axis=1) for name in ("positions", "velocities"))
     (system,) = recording.scene.systems
     first, second = (recording[system][name] for name in system.shapes())
     return first, second
@@ -86,7 +90,7 @@ def test_a_frame_between_two_steps_lies_on_the_cubic_through_them(name):
     if run.scene.periodic is not None:
         after = (before[0] + run.scene.periodic.nearest(after[0] - before[0]), after[1])
     # Without a rate, on the line.
-    has_rate = bool(run.scene.bodies) or "rate" in run[run.scene.systems[0]].fields
+    has_rate = bool(run.scene.bodies) or not {"rate", "velocities"}.isdisjoint(run[run.scene.systems[0]].fields)
     middle = (before[0] + after[0]) / 2.0 + has_rate * case.dt * (before[1] - after[1]) / 8.0
     if run.scene.periodic is not None:
         middle = run.scene.periodic.wrap(middle)

@@ -16,6 +16,7 @@ import physcore as pc
 from physcore.scene.bodies import Body
 from physcore.scene.grid import GridSystem
 from physcore.scene.items import ActingItem
+from physcore.scene.points import PointSystem
 from physcore.systems.kinetics import Kinetics
 
 Array = NDArray[np.float64]
@@ -283,7 +284,55 @@ def _schrodinger(packet: pc.Schrodinger, t: Transform) -> pc.Schrodinger:
     )
 
 
+FLOWS: dict[type, Callable[[Any], Callable[..., Any]]] = {
+    pc.Lorenz: lambda f: lambda x, y, z: (f.sigma * (y - x), x * (f.rho - z) - y, x * y - f.beta * z),
+    pc.Rossler: lambda f: lambda x, y, z: (-(y + z), x + f.a * y, f.b + z * (x - f.c)),
+    pc.Aizawa: lambda f: (
+        lambda x, y, z: (
+            (z - f.b) * x - f.d * y,
+            f.d * x + (z - f.b) * y,
+            f.c + f.a * z - z**3 / 3.0 - (x * x + y * y) * (1.0 + f.e * z) + f.f * z * x**3,
+        )
+    ),
+    pc.Thomas: lambda f: lambda x, y, z: (np.sin(y) - f.b * x, np.sin(z) - f.b * y, np.sin(x) - f.b * z),
+    pc.Halvorsen: lambda f: (
+        lambda x, y, z: (
+            -(f.a * x + 4.0 * (y + z) + y * y),
+            -(f.a * y + 4.0 * (z + x) + z * z),
+            -(f.a * z + 4.0 * (x + y) + x * x),
+        )
+    ),
+}
+"""The flows as functions in NumPy."""
+
+
+def flow_in_python(flow: Any) -> Callable[[float, Array], Array]:
+    """A flow as a function of the time and the positions."""
+    if isinstance(flow, pc.Flow):
+        return lambda time, x: np.asarray(flow.function(time, x))
+    components = FLOWS[type(flow)](flow)
+    return lambda time, x: np.column_stack(components(*x.T))
+
+
+def _tracers(dust: pc.Tracers, t: Transform) -> pc.Tracers:
+    """With a function, because flows have their units and their place in them. Aᵀ is the way back."""
+    function = flow_in_python(dust.flow)
+
+    def velocity(time: float, x: Array) -> Array:
+        return t.directions(function(time / t.s, (x / t.m - t.shift) @ t.axes)) * t.unit(1, -1)
+
+    return pc.Tracers(t.points(dust.positions), pc.Flow(velocity))
+
+
+def _vortices(vortices: pc.PointVortices, t: Transform) -> pc.PointVortices:
+    """A mirror turns them round."""
+    turned = np.linalg.det(t.axes) * t.unit(2, -1)
+    return pc.PointVortices(t.points(vortices.centers), vortices.circulations * turned, vortices.core * t.m)
+
+
 SYSTEMS: dict[type, Rule] = {
+    pc.Tracers: _tracers,
+    pc.PointVortices: _vortices,
     pc.Wave: _wave,
     pc.ReactionDiffusion: _reaction_diffusion,
     pc.Schrodinger: _schrodinger,
@@ -296,6 +345,8 @@ def moved(t: Transform, scene: pc.Scene, state: tuple[Array, Array], order: Any 
     x, v = state
     if scene.bodies:
         return t.points(x[order]), t.velocities(v[order])
+    if isinstance(scene.systems[0], PointSystem):
+        return t.points(x), t.directions(v) * t.unit(1, -1)
     if isinstance(scene.systems[0], pc.ReactionDiffusion):
         return _over_cells(t, x), _over_cells(t, v)
     if isinstance(scene.systems[0], pc.Schrodinger):
@@ -311,5 +362,9 @@ def transformed(scene: pc.Scene, t: Transform, orders: list[NDArray[np.int64]] |
     items = [_item(item, t, bodies) for item in (*scene.forces, *scene.boundaries)]
     domain = scene.periodic
     domains = [] if domain is None else [pc.Periodic(*t.corners(domain.lower, domain.upper, np.inf))]
-    systems = [SYSTEMS[type(system)](system, t) for system in scene.systems]
+    found = {system: SYSTEMS[type(system)](system, t) for system in scene.systems if not system.named()}
+    systems = [
+        found[system] if system in found else pc.Tracers(t.points(system.start), found[system.flow])
+        for system in scene.systems
+    ]
     return pc.Scene(*bodies.values(), *items, *domains, *systems)

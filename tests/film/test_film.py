@@ -102,11 +102,15 @@ def test_every_scene_gives_as_many_frames_as_were_recorded(name: str, theme: Any
 
 
 @pytest.mark.parametrize(("kind", "dimension"), [(kind, d) for kind in pc.styles.STYLES for d in kind.dimensions])
-def test_every_style_draws_a_network_or_a_wave_and_stays_inside_the_picture(
+def test_every_style_draws_what_it_is_for_and_stays_inside_the_picture(
     kind: type[pc.styles.Style], dimension: int, tmp_path: Path
 ) -> None:
     corners = ((0.0,) * dimension, (0.5,) * dimension)
-    if issubclass(kind, SystemStyle):
+    if kind in (pc.styles.Trails, pc.styles.Density):
+        count = 20 if kind is pc.styles.Trails else 2000
+        cloud = np.random.default_rng(1).normal(size=(count, dimension))
+        recording = pc.simulate(pc.Scene(pc.Tracers(cloud, pc.Flow(lambda time, x: -x))), 0.2)
+    elif issubclass(kind, SystemStyle):
         grid = pc.Grid((12,) * dimension, 0.1)
         wave = pc.Wave(grid, 1.0, np.cos(np.sum(3.0 * grid.centers, axis=-1)), walls=grid.centers[..., 0] > 1.1)
         recording = pc.simulate(pc.Scene(wave), 0.2)

@@ -25,6 +25,7 @@ VALID = {
         "upper": "(1.0, 1.0)",
         "particles": "4",
     },
+    **{"flow": "pc.Flow(lambda time, x: -x)", "Flow.function": "lambda time, x: -x", "centers": TRIANGLE},
     **{"cells": "(3, 4)", "grid": "pc.Grid((3, 4), 0.5)", "where": "(0.5, 0.5)"},
     **{"reaction": "pc.GrayScott(0.04, 0.06)", "diffusion": "{'u': 0.1, 'v': 0.05}", "initial": "{'u': 1.0, 'v': 0.0}"},
     **{

@@ -45,6 +45,8 @@ ARGUMENTS: dict[str, tuple[object, ...]] = {
         {"x": "fixed"},
     ),
     "Schrodinger": (pc.Grid((4, 3), 0.1), np.full((4, 3), 1.0 + 0.5j), np.zeros((4, 3)), 1.0, 1.0, 0.5, {"x": "free"}),
+    "Tracers": ([[0.0, 0.0], [1.0, 0.0]], pc.Flow(lambda time, x: -x)),
+    "PointVortices": ([[0.0, 0.0], [1.0, 0.0]], [1.0, -2.0], 0.1),
     "Repulsion": (10.0,),
     "LennardJones": (1.0, 0.1),
     "Plane": ((0.0, -9.0), (0.0, 2.0)),

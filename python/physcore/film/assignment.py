@@ -8,7 +8,19 @@ from physcore import checks
 from physcore.errors import SceneError
 from physcore.film.colors.themes import Theme
 from physcore.film.raised import Raised
-from physcore.film.styles import Field, Fluid, Line, Painter, Phase, Points, Relief, Strain, Style
+from physcore.film.styles import (
+    Density,
+    Field,
+    Fluid,
+    Line,
+    Painter,
+    Phase,
+    Points,
+    Relief,
+    Strain,
+    Style,
+    Trails,
+)
 from physcore.film.styles.base import BodyStyle
 from physcore.scene.bodies import Body
 from physcore.scene.items import System
@@ -43,13 +55,14 @@ def shown(source: Source, styles: Sequence[Style]) -> Source:
 
 
 def painters(source: Source, styles: list[Style], theme: Theme) -> list[Painter]:
-    """The painters of a source: an item goes to the first style that draws it, or else to points, a phase, a field or a
-    line; overlays add. Systems come first: bodies are drawn over fields on grids.
+    """The painters of a source: an item goes to the first style that draws it, or else to points, a phase, a field, a
+    line, trails of few tracers or a density of many; overlays add. Systems come first: bodies are drawn over fields on
+    grids.
     """
     left = list(_items(source))
     found: list[tuple[bool, list[Painter]]] = []
     field = Relief() if isinstance(source, Raised) else Field()
-    for each in (*styles, Points(), Phase(), field, Line()):
+    for each in (*styles, Points(), Phase(), field, Line(), Density(), Trails()):
         mine = [item for item in (_items(source) if each.overlay else left) if each.draws(item)]
         if not each.overlay:
             left = [item for item in left if not any(item is other for other in mine)]

@@ -144,15 +144,18 @@ def first_pass(
 
     def place(positions: FloatArray, index: int) -> None:
         for box in boxes:
-            box.add(positions, margin, index)
+            for points in (positions, *others):
+                box.add(points, margin, index)
         if path is not None:
             path.add(positions, margin, index)
 
-    index = -1
+    index, others = -1, list[FloatArray]()
     for index, frame in enumerate(frames):
         for painter in painters:
             painter.observe(frame)
-        whole.add(frame.positions, margin)
+        others = [points for painter in painters if (points := painter.places(frame)) is not None]
+        for points in (frame.positions, *others):
+            whole.add(points, margin)
         place(frame.positions, index)
         if index in kept:
             found.samples.append((index, frame))

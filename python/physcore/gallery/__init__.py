@@ -49,6 +49,8 @@ DEMOS = (
     "figure_eight",
     "solar_system",
     "collision",
+    "butterfly",
+    "vortex_street",
 )
 """Every demo; the first one is the default."""
 

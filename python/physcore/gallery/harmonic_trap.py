@@ -43,6 +43,7 @@ def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
     """The mean of x at the last frame."""
     recording = recordings["atom"]
     (atom,) = recording.scene.systems
+    assert isinstance(atom, pc.Schrodinger)
     density = recording[atom].density[-1]
     x = float((density.sum(axis=1) * atom.grid.coordinates[0][:, 0]).sum() / density.sum())
     expected = START[0] * math.cos(RATES[0] * float(recording.times[-1]))

@@ -28,7 +28,8 @@ def scene() -> pc.Scene:
     packet = pc.wave_packet(room, START, (MOMENTUM, 0.0), WIDTH)
 
     def hill(x: np.ndarray, y: np.ndarray) -> np.ndarray:
-        return HEIGHT * np.exp(-(x * x + y * y) / (2.0 * RADIUS**2))
+        height: np.ndarray = HEIGHT * np.exp(-(x * x + y * y) / (2.0 * RADIUS**2))
+        return height
 
     return pc.Scene(pc.Schrodinger(room, packet, potential=hill, edges="absorbing", name="electron"))
 
@@ -45,6 +46,7 @@ def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
     """The probability on the near side of the hill at the end, and the share of particles that fly back."""
     recording = recordings["electron"]
     (electron,) = recording.scene.systems
+    assert isinstance(electron, pc.Schrodinger)
     near = electron.grid.coordinates[0][:, 0] < 0.0
     back = float(recording[electron].density[-1][near].sum()) * electron.grid.spacing**2
     random = np.random.default_rng(2)
@@ -52,7 +54,8 @@ def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
     velocities = random.normal((MOMENTUM, 0.0), 0.5 / WIDTH, size=(PARTICLES, 2))
 
     def force(x: np.ndarray) -> np.ndarray:
-        return HEIGHT / RADIUS**2 * x * np.exp(-(x * x).sum(axis=1, keepdims=True) / (2.0 * RADIUS**2))
+        along: np.ndarray = HEIGHT / RADIUS**2 * x * np.exp(-(x * x).sum(axis=1, keepdims=True) / (2.0 * RADIUS**2))
+        return along
 
     particles = pc.Scene(pc.Particles(places, velocities), pc.CustomForce(lambda time, x, v: force(x)))
     classical = pc.simulate(particles, duration=DURATION, fps=1 / DURATION, dt=0.005, progress=False)

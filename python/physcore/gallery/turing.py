@@ -25,7 +25,7 @@ def scene() -> pc.Scene:
     """Disturb the even state u = a + b, v = b/(a + b)²."""
     grid = pc.Grid.over((0.0, 0.0), (130.0, 100.0), 0.5, periodic=True)
     noise = 0.05 * np.random.default_rng(5).standard_normal(grid.cells)
-    start = {"u": (A + B) * (1.0 + noise), "v": B / (A + B) ** 2}
+    start = {"u": (A + B) * (1.0 + noise), "v": np.full(grid.cells, B / (A + B) ** 2)}
     return pc.Scene(pc.ReactionDiffusion(grid, pc.Schnakenberg(A, B), DIFFUSION, start))
 
 
@@ -43,6 +43,7 @@ def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
     """The wavelength when spots begin to show, from the mean square of wave numbers, and that of the fastest growth."""
     recording = recordings["dish"]
     (dish,) = recording.scene.systems
+    assert isinstance(dish, pc.ReactionDiffusion)
     frames = recording[dish]["u"]
     deviations = frames.std(axis=(1, 2))
     u = frames[int(np.argmax((deviations > 0.1) & (recording.times > 5.0)))]

@@ -109,9 +109,17 @@ class System(SceneItem):
     """The name of the integrator that advances it where nothing is said."""
     parts: ClassVar[tuple[type, ...]] = ()
     """The classes of the things that its fields hold, which files have too."""
+    naming: ClassVar[tuple[str, ...]] = ()
+    """Its fields that may name another system of the scene."""
+    derived: ClassVar[tuple[str, ...]] = ()
+    """The names of its results that follow from the others."""
 
     name: str | None = field(default=None, kw_only=True)
     """A name by which results can be asked for."""
+
+    def named(self) -> dict[str, System]:
+        """The systems that it names, by field."""
+        return {name: value for name in self.naming if isinstance(value := getattr(self, name), System)}
 
     @property
     def units(self) -> Mapping[str, str]:

@@ -145,7 +145,7 @@ class Scene:
         return tree | ({"systems": self._packed_items("systems", self.systems)} if self.systems else {})
 
     def _packed_items(self, path: str, items: Sequence[SceneItem]) -> list[Tree]:
-        """Items; the bodies that they act on by index, because a body is saved once."""
+        """Items; the bodies and systems that they name by index, because each is saved once."""
         trees = []
         for position, item in enumerate(items):
             record = Record.of(item)
@@ -154,7 +154,7 @@ class Scene:
                     f"{path}[{position}]: a {type(item).__name__} cannot be saved, because its function is code; "
                     "save the arrays that you need with numpy.savez, or express the force by the ones that physcore has"
                 )
-            trees.append(record.packed(indices(self, item) if isinstance(item, ActingItem) else {}))
+            trees.append(record.packed(indices(self, item)))
         return trees
 
     def __repr__(self) -> str:
@@ -232,6 +232,10 @@ class Scene:
                 f"{path}.{name}: {type(item).__name__} must have {self.dimension} components "
                 f"in this {self.dimension}D scene, got {size}"
             )
+        if isinstance(item, System):
+            for field, other in item.named().items():
+                if not any(other is each for each in self.systems):
+                    raise SceneError(f"{path}.{field}: {other!r} is not in the scene; add it as an item too")
         if not isinstance(item, ActingItem):
             return
         for field in item.naming:
@@ -244,8 +248,13 @@ class Scene:
         item.check(targets, path)
 
 
-def indices(scene: Scene, item: ActingItem) -> dict[str, list[int] | None]:
-    """The bodies that a force or a boundary of a scene names, by field; None: all."""
+def indices(scene: Scene, item: SceneItem) -> dict[str, list[int] | None]:
+    """The bodies that a force or a boundary of a scene names, and the system that a system names, by field."""
+    if isinstance(item, System):
+        places = {id(system): index for index, system in enumerate(scene.systems)}
+        return {field: [places[id(other)]] for field, other in item.named().items()}
+    if not isinstance(item, ActingItem):
+        return {}
     named = {field: item.bodies(field) for field in item.naming}
     return {
         field: None if bodies is None else [scene.bodies.index(body) for body in bodies]

@@ -153,7 +153,7 @@ def _item(item: SceneItem, scene: Scene) -> dict[str, object]:
     """An item as it is in the scene, with the indices of the bodies that it acts on, if not on all."""
     record = Record.of(item.resolved(scene.dimension))
     if not isinstance(item, ActingItem):
-        return record.described()
+        return record.described(indices(scene, item))
     targets = scene.targets(item)
     on = None if targets == scene.bodies else [scene.index(body) for body in targets]
     return record.described({**indices(scene, item), "on": on})

@@ -15,6 +15,7 @@ from physcore.checks import FloatArray, is_word, words
 from physcore.errors import SceneError
 from physcore.scene.fluid import Fluid
 from physcore.scene.grid import GridSystem
+from physcore.scene.points import PointSystem
 from physcore.scene.scene import BodyKey, ItemKey, Scene
 from physcore.simulation.energy import Amount, AmountSeries, EnergySeries
 from physcore.simulation.plan import Plan
@@ -302,9 +303,10 @@ def refuse_if_too_large(frames: int, scene: Scene, needed: int, hint: str) -> No
 
 
 def contents(scene: Scene) -> str:
-    """How many particles and cells a scene has, in words."""
+    """How many particles, tracers and cells a scene has, in words."""
+    tracers = sum(len(system) for system in scene.systems if isinstance(system, PointSystem))
     cells = sum(system.grid.size for system in scene.systems if isinstance(system, GridSystem))
-    counts = {"particles": scene.particles, "cells": cells}
+    counts = {"particles": scene.particles, "tracers": tracers, "cells": cells}
     return " and ".join(f"{count} {name}" for name, count in counts.items() if count) or "0 particles"
 
 

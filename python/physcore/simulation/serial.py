@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import fields
 from itertools import chain
@@ -26,11 +26,11 @@ from physcore.systems import SYSTEMS
 
 _BODIES = (Particles, SpringNetwork, Fluid)
 _RULES = (*INTEGRATORS, AutoStep, AdaptiveStep)
-_SECTIONS: dict[str, tuple[type[SceneItem], ...]] = {"forces": FORCES, "boundaries": BOUNDARIES, "systems": SYSTEMS}
+_SECTIONS: dict[str, tuple[type[SceneItem], ...]] = {"forces": FORCES, "boundaries": BOUNDARIES}
 _PARTS = (*KERNELS, *dict.fromkeys(chain.from_iterable(kind.parts for kind in SYSTEMS)))
 """What stands within items."""
 _KINDS: dict[str, type[Any]] = {
-    kind_of(kind): kind for kind in (*_BODIES, *_PARTS, *chain(*_SECTIONS.values()), Periodic, *_RULES)
+    kind_of(kind): kind for kind in (*_BODIES, *_PARTS, *chain(*_SECTIONS.values()), *SYSTEMS, Periodic, *_RULES)
 }
 
 _SCENE = record(
@@ -56,10 +56,11 @@ def unpack_scene(tree: Tree, path: str = "scene") -> Scene:
         for name, kinds in _SECTIONS.items()
         for index, entry in enumerate(content.get(name, ()))
     ]
+    systems = _unpack_systems(content.get("systems", ()), f"{path}.systems")
     domain = content["periodic"]
     items = [] if domain is None else [_unpack(domain, f"{path}.periodic", (Periodic,))]
     with _named(path):
-        return Scene(*bodies, *acting, *items)
+        return Scene(*bodies, *acting, *systems, *items)
 
 
 def pack_numerics(numerics: Numerics) -> Tree:
@@ -116,6 +117,33 @@ def _unpack_value(tree: Tree, path: str, kinds: tuple[type[Any], ...]) -> Any:
     if isinstance(tree, dict) and kinds and "kind" not in tree:
         return {name: _unpack_value(each, f"{path}[{name!r}]", kinds) for name, each in tree.items()}
     return _unpack(tree, path, kinds) if isinstance(tree, dict) and kinds else tree
+
+
+def _unpack_systems(trees: Sequence[Tree], path: str) -> list[Any]:
+    """Systems; one that names another after that, which stands for its index."""
+    found: dict[int, Any] = {}
+    waiting = dict(enumerate(trees))
+    while waiting:
+        ready = {index: _with_named(tree, f"{path}[{index}]", found) for index, tree in waiting.items()}
+        done = {index: tree for index, tree in ready.items() if tree is not None}
+        if not done:
+            raise FileError(f"{path}: must name systems of the scene, and not each other in turn")
+        found |= {index: _unpack(tree, f"{path}[{index}]", SYSTEMS) for index, tree in done.items()}
+        waiting = {index: tree for index, tree in waiting.items() if index not in done}
+    return [found[index] for index in range(len(trees))]
+
+
+def _with_named(tree: Tree, path: str, found: dict[int, Any]) -> Tree | None:
+    """The tree of a system with those that it names in the place of their indices; None if one is not found yet."""
+    thing = _THING(tree, path)
+    values = table(anything)(thing["fields"], f"{path}.fields")
+    for field in getattr(_KINDS.get(thing["kind"]), "naming", ()):
+        if isinstance(values.get(field), list):
+            (index,) = several(whole(), lengths=(1,))(values[field], f"{path}.{field}")
+            if index not in found:
+                return None
+            values = {**values, field: found[index]}
+    return {**tree, "fields": values}
 
 
 def _unpack_item(tree: Tree, path: str, kinds: tuple[type[Any], ...], bodies: list[Body]) -> Any:

@@ -50,14 +50,17 @@ def motion(simulation: Simulation) -> FloatArray:
     scene = simulation.scene
     if scene.bodies:
         return simulation.velocities
-    return list(simulation[scene.systems[0]].fields.values())[:2][-1]
+    return simulation[scene.systems[0]].fields[_changing(scene)]
 
 
 def state(simulation: Simulation) -> State:
     """Everything that a run can be set to."""
     scene = simulation.scene
     found: dict[str | None, Mapping[str, FloatArray]] = {
-        scene.system(system): dict(simulation[system].fields) for system in scene.systems
+        scene.system(system): {
+            name: values for name, values in simulation[system].fields.items() if name not in system.derived
+        }
+        for system in scene.systems
     }
     if scene.bodies:
         found[None] = {"positions": simulation.positions, "velocities": simulation.velocities}
@@ -83,7 +86,11 @@ def nudge(simulation: Simulation, size: float, seed: int) -> None:
         velocities[free] += size * rng.normal(size=velocities[free].shape)
         simulation.set(velocities=velocities)
         return
-    system = scene.systems[0]
-    name = list(system.shapes())[:2][-1]
     values = motion(simulation)
-    simulation[system].set(**{name: values + size * rng.normal(size=values.shape)})
+    simulation[scene.systems[0]].set(**{_changing(scene): values + size * rng.normal(size=values.shape)})
+
+
+def _changing(scene: Scene) -> str:
+    """The second field of the state of the first system; the first where it is the only one."""
+    system = scene.systems[0]
+    return [name for name in system.shapes() if name not in system.derived][:2][-1]

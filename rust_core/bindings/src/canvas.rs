@@ -7,7 +7,9 @@ use std::sync::Arc;
 use numpy::{
     PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3, PyUntypedArrayMethods,
 };
-use physcore_canvas::{Align, Disc, Drop, Error, Halo, Ink, Lens, Line, Painting, Rgb, Samples, Shading, Trails, Triangle};
+use physcore_canvas::{
+    Align, Disc, Drop, Error, Exposure, Halo, Ink, Lens, Line, Painting, Rgb, Samples, Shading, Trails, Triangle,
+};
 use physcore_engine::parallel::attend;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -217,6 +219,22 @@ impl Canvas {
         let (width, colors) = (pixels.shape()[1], texels(&pixels)?);
         let picture = &mut self.picture;
         py.detach(|| picture.picture(colors, width, [left, top]));
+        Ok(())
+    }
+
+    /// Draw the density of points (N, 2) at once, as light that spreads by so many pixels, in the colors of a table (K, 3).
+    fn density(
+        &mut self,
+        py: Python<'_>,
+        points: PyReadonlyArray2<'_, f32>,
+        table: PyReadonlyArray2<'_, u8>,
+        strength: f32,
+        spread: f32,
+    ) -> PyResult<()> {
+        let points = rows::<f32, 2>(&points, points.shape()[0], "points")?;
+        let table = rows::<u8, 3>(&table, table.shape()[0], "table")?;
+        let picture = &mut self.picture;
+        py.detach(|| picture.density(points, &Exposure { table, strength, spread }));
         Ok(())
     }
 

@@ -106,6 +106,17 @@ impl Canvas {
         self.whole().dot(x, y, color, coverage);
     }
 
+    /// The clip: the first column and row, and those after the last.
+    pub(crate) fn clipped(&self) -> [usize; 4] {
+        let Rectangle { left, top, right, bottom } = self.clip;
+        [left, top, right, bottom].map(|edge| edge as usize)
+    }
+
+    /// The pixels of a row.
+    pub(crate) fn row_mut(&mut self, row: usize) -> &mut [[u8; 4]] {
+        &mut self.pixels[row * self.width..(row + 1) * self.width]
+    }
+
     /// All rows.
     fn whole(&mut self) -> Band<'_> {
         Band { pixels: &mut self.pixels, width: self.width, top: 0, clip: self.clip }

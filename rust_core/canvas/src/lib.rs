@@ -21,7 +21,7 @@
 //! Data flow: `view` projects points to pixels and maps values to inks, `shapes` defines the coverage of a pixel, `band`
 //! rasterizes on some rows of the `canvas`, `ink` blends colors, `painting` sorts shapes by depth, `texture` covers
 //! surfaces, `liquid` finds liquid surfaces, `heatmap` colors
-//! the values of grids, `palette` reduces millions of colors to 255 by `quantize`, `nearest` finds the
+//! the values of grids, `density` exposes very many points, `palette` reduces millions of colors to 255 by `quantize`, `nearest` finds the
 //! nearest of them for each pixel, `difference` leaves out unchanged pixels, `lzw` compresses the indices, `gif` writes the
 //! container, `background` moves all this to another thread, and `file` makes the file appear only when it is complete.
 //! [`Quality`] sets the resolution of the histogram and the look-up, and whether a frame is stored in the smaller of two
@@ -31,6 +31,7 @@ mod background;
 mod band;
 mod canvas;
 mod color;
+mod density;
 mod difference;
 mod error;
 mod file;
@@ -53,6 +54,7 @@ mod view;
 pub use background::Background;
 pub use canvas::Canvas;
 pub use color::{Ink, Rgb};
+pub use density::Exposure;
 pub use error::Error;
 pub use file::NewFile;
 pub use gif::Gif;

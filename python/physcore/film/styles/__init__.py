@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from physcore.film.styles.arrows import Arrows
 from physcore.film.styles.base import BodyStyle, Painter, Style, SystemStyle
+from physcore.film.styles.density import Density
 from physcore.film.styles.fluid import Fluid
 from physcore.film.styles.grid_field import Field
 from physcore.film.styles.line import Line
@@ -14,6 +15,7 @@ from physcore.film.styles.relief import Relief
 from physcore.film.styles.strain import Strain
 from physcore.film.styles.streamlines import Streamlines
 from physcore.film.styles.surface import Surface
+from physcore.film.styles.trails import Trails
 
 STYLES: tuple[type[Style], ...] = (
     Points,
@@ -27,6 +29,8 @@ STYLES: tuple[type[Style], ...] = (
     Phase,
     Relief,
     Line,
+    Trails,
+    Density,
 )
 """Every style; what is registered here is tested."""
 
@@ -34,6 +38,7 @@ __all__ = [
     "STYLES",
     "Arrows",
     "BodyStyle",
+    "Density",
     "Field",
     "Fluid",
     "Line",
@@ -47,4 +52,5 @@ __all__ = [
     "Style",
     "Surface",
     "SystemStyle",
+    "Trails",
 ]

@@ -32,6 +32,8 @@ SHADING = 0.45
 """How much the light matters on balls."""
 MANY = 50_000
 """The largest number of values of which a percentile is taken."""
+BRIGHT = 384
+"""A ground whose red, green and blue add up to more is light."""
 TYPICAL = 99.5
 """The top of a color scale is this percentile of a frame, so that one outlier does not take all color for itself."""
 
@@ -199,6 +201,11 @@ class Painter(ABC):
     @property
     def landmarks(self) -> FloatArray | None:
         """Points (P, D) [m] of the picture's space that belong into it, if what is drawn stands still."""
+        return None
+
+    def places(self, frame: SourceFrame) -> FloatArray | None:
+        """Points (P, D) [m] of a frame that belong into the picture, beside the particles."""
+        del frame
         return None
 
     def raised(self, frame: SourceFrame) -> SourceFrame:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -11,7 +12,7 @@ from numpy.typing import ArrayLike
 from physcore._core import Canvas
 from physcore.checks import FloatArray, IntArray, number, regular, shown
 from physcore.errors import SceneError
-from physcore.film.camera.view import View
+from physcore.film.camera.view import PixelArray, View
 from physcore.film.colors.themes import Theme
 from physcore.film.styles.base import BodyStyle, Painter, Part, body_color, inks, straight
 from physcore.scene.bodies import Body
@@ -30,6 +31,7 @@ class Paths(BodyStyle):
     Args:
         particles: indices within each body, shape (K,); negative ones count from the end. None: all.
         width: of the lines [pixels].
+        fade: for how long a path is shown, which fades and becomes thin with age [s]; None: for ever, as it is.
         on: as in Style.
 
     Raises:
@@ -40,10 +42,12 @@ class Paths(BodyStyle):
 
     particles: ArrayLike | None = None
     width: float = 1.4
+    fade: float | None = None
 
     def __post_init__(self) -> None:
         super().__post_init__()
         self._set(width=number(self.width, "Paths.width", above=0.0))
+        self._set_positive("fade")
         if self.particles is not None:
             given = np.atleast_1d(regular(self.particles, "Paths.particles"))
             if given.ndim != 1 or given.size == 0 or given.dtype.kind not in "iu":
@@ -76,11 +80,12 @@ class PathsPainter(Painter):
             colors.append(np.tile(body_color(source, part, theme), (len(mine), 1)))
         self._where: IntArray = np.concatenate(where)
         self._colors = FRESH * np.concatenate(colors) + (1.0 - FRESH) * np.array(theme.background)
-        self._past: list[FloatArray] = []
+        frames = None if style.fade is None else 1 + round(min(style.fade * source.fps, source.count))
+        self._past: deque[FloatArray] = deque(maxlen=frames)
 
     def begin(self) -> None:
         """Forget the ways."""
-        self._past = []
+        self._past.clear()
 
     def observe(self, frame: SourceFrame) -> None:
         """Nothing depends on the film."""
@@ -97,9 +102,25 @@ class PathsPainter(Painter):
         past = np.stack(self._past)
         frames, count, dimension = past.shape
         points, depth, _ = view.project(past.reshape(-1, dimension))
+        if self._past.maxlen is not None:
+            self._fade(canvas, past, points, depth)
+            return
         whole = straight(self._domain, np.diff(past, axis=0)).ravel()
         farness = None if depth is None else view.farness(depth[count:])
         ink = inks(np.tile(self._colors, (frames - 1, 1)), self._theme, farness)
         ends = np.concatenate([points[:-count], points[count:]], axis=1)[whole]
         widths = np.full(len(ends), self._width, dtype=np.float32)
         canvas.lines(ends, widths, ink[whole], None if depth is None else depth[count:][whole])
+
+    def _fade(self, canvas: Canvas, past: FloatArray, points: PixelArray, depth: PixelArray | None) -> None:
+        """Add lines that fade with age."""
+        frames, count, _ = past.shape
+        gaps = None if self._domain is None else ~straight(self._domain, np.diff(past, axis=0))
+        canvas.trails(
+            points.reshape(frames, count, 2),
+            np.full(count, self._width, dtype=np.float32),
+            inks(self._colors, self._theme, None),
+            (self._theme.background, 1.0),
+            gaps,
+            None if depth is None else depth.reshape(frames, count),
+        )

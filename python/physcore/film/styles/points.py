@@ -16,6 +16,7 @@ from physcore.film.camera.view import PixelArray, View
 from physcore.film.colors.colormaps import ColormapName, sequential
 from physcore.film.colors.themes import Theme
 from physcore.film.styles.base import (
+    BRIGHT,
     FOG,
     SHADING,
     BodyStyle,
@@ -44,8 +45,6 @@ HALO = 4.0
 """Radius of a halo over that of its disc."""
 GLOW = 0.55
 """How bright the brightest halo is at its center, beside its disc."""
-BRIGHT = 384
-"""A ground whose red, green and blue add up to more is light."""
 FEW = 16
 """Up to so many particles get a trail by themselves."""
 

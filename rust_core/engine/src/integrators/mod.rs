@@ -14,6 +14,7 @@ mod blanes_moan_4;
 mod blanes_moan_6;
 mod bogacki_shampine_3;
 mod dormand_prince_5;
+pub mod explicit;
 mod explicit_euler;
 pub mod first_order;
 mod group;

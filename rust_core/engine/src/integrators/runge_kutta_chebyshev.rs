@@ -14,6 +14,7 @@
 //! Source: B. P. Sommeijer, L. F. Shampine, J. G. Verwer, J. Comput. Appl. Math. 88 (1998) 315.
 
 use super::first_order::{Base, Combination, Estimate};
+use super::tableau::Tableau;
 
 /// The class's name in Python.
 pub const NAME: &str = "RungeKuttaChebyshev";
@@ -49,6 +50,22 @@ pub fn farthest() -> f64 {
 /// The fewest stages whose interval holds `reach`, h times the largest rate of diffusion, and the part left to the reaction.
 pub fn count(reach: f64) -> usize {
     (2..MOST).find(|&stages| interval(stages) >= reach + REACTION).unwrap_or(MOST)
+}
+
+/// The method of two stages, w₀ = 27/26: where nothing diffuses.
+#[derive(Debug)]
+pub struct TwoStages;
+
+impl Tableau for TwoStages {
+    const NAME: &'static str = NAME;
+    const ORDER: u32 = 2;
+    const A: &'static [&'static [f64]] = &[&[], &[13.0 / 54.0], &[-14.0 / 13.0, 27.0 / 13.0]];
+    const B: &'static [f64] = &[-14.0 / 13.0, 27.0 / 13.0, 0.0];
+    const C: &'static [f64] = &[0.0, 13.0 / 54.0, 1.0];
+    /// The estimate below, with y₀ − y = −h Σ bᵢ kᵢ.
+    const ERRORS: &'static [f64] = &[0.4 + 0.8 * 14.0 / 13.0, -0.8 * 27.0 / 13.0, 0.4];
+    /// (w₀ + 1)/w₁ with w₁ = w₀.
+    const REAL_AXIS: f64 = 53.0 / 27.0;
 }
 
 /// The stages of a step.

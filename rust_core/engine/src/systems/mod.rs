@@ -7,6 +7,7 @@ pub mod matter;
 pub mod reaction_diffusion;
 pub mod schrodinger;
 pub mod several;
+pub mod tracers;
 pub mod wave;
 
 use std::collections::BTreeMap;
@@ -233,11 +234,16 @@ pub fn build(
         );
         parts.push(Part { name: String::new(), system: matter? });
     }
-    for item in &scene.systems {
-        let name = item.name.clone().unwrap_or_else(|| item.path.clone());
-        let own = methods.get(&name).unwrap_or(method);
-        let system = declared(item, own, precision, executor)?;
-        parts.push(Part { name, system });
+    let own = |item: &Item| methods.get(item.name.as_ref().unwrap_or(&item.path)).unwrap_or(method);
+    for (index, item) in scene.systems.iter().enumerate().filter(|(_, item)| tracers::leader(item).is_none()) {
+        let followers = scene.systems.iter().filter(|other| tracers::leader(other) == Some(index));
+        let items: Vec<_> = [item].into_iter().chain(followers).collect();
+        if let Some(other) = items.iter().find(|other| own(other) != own(item)) {
+            let (path, found) = (format!("integrator of {}", other.path), &own(other).kind);
+            return Err(Error::parameter(path, format!("{}, that of {}", own(item).kind, item.path), found)
+                .with_hint("they are advanced in the same stages"));
+        }
+        parts.push(declared(&items, own(item), precision, executor)?);
     }
     Ok(match <[Part; 1]>::try_from(parts) {
         Ok([Part { name, system }]) if name.is_empty() => system,
@@ -246,14 +252,20 @@ pub fn build(
     })
 }
 
-/// The registry: the system that an item declares, advanced by a method.
-fn declared(item: &Item, method: &Item, precision: &str, _executor: &Executor) -> Result<Box<dyn System>> {
-    match item.kind.as_str() {
+/// The registry: the system that an item declares, with the items that are advanced with it, by a method.
+fn declared(items: &[&Item], method: &Item, precision: &str, _executor: &Executor) -> Result<Part> {
+    let item = items[0];
+    let system = match item.kind.as_str() {
         "Wave" => with_integrator!(method.kind.as_str(), I => wave::build::<I>(item, precision), Err(unknown_integrator(method))),
         "ReactionDiffusion" => reaction_diffusion::build(item, method, precision),
         "Schrodinger" => schrodinger::build(item, method, precision),
+        // It names its sets itself.
+        "Tracers" | "PointVortices" => {
+            return Ok(Part { name: String::new(), system: tracers::build(items, method, precision)? });
+        }
         _ => Err(scene::unknown(item, "a kind of system")),
-    }
+    };
+    Ok(Part { name: item.name.clone().unwrap_or_else(|| item.path.clone()), system: system? })
 }
 
 fn unknown_integrator(method: &Item) -> Error {

@@ -14,7 +14,7 @@ use crate::parallel::Executor;
 use crate::plan::Stages;
 use crate::stability::{Horizon, Limit};
 
-/// A system, and the name of the item of the scene that it belongs to; empty for matter.
+/// A system, and the name of the item of the scene that it belongs to; empty for matter, and for a system of several items.
 pub struct Part {
     /// The name.
     pub name: String,
@@ -97,8 +97,9 @@ impl History for Several {
 impl System for Several {
     fn stages(&self) -> Vec<Stages> {
         let named = |part: &Part| {
-            let item = part.name.clone();
-            part.system.stages().into_iter().map(move |stages| Stages { item: item.clone(), ..stages })
+            let name = part.name.clone();
+            let item = move |own: String| if name.is_empty() { own } else { name.clone() };
+            part.system.stages().into_iter().map(move |stages| Stages { item: item(stages.item.clone()), ..stages })
         };
         self.parts.iter().flat_map(named).collect()
     }

@@ -1,0 +1,128 @@
+"""A few tracers as discs with paths that fade."""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass
+
+import numpy as np
+
+from physcore._core import Canvas
+from physcore.checks import FloatArray, number
+from physcore.film.camera.view import View
+from physcore.film.colors.themes import Theme
+from physcore.film.styles.base import SHADING, SystemPart, SystemStyle, inks
+from physcore.film.styles.density import FEW, PointsPainter
+from physcore.scene.points import PointSystem
+from physcore.simulation.sources import Source, SourceFrame
+from physcore.systems.point_vortices import PointVortices
+
+SHARE = 0.3
+"""The part of the film for which a path is shown where nothing is said."""
+FRESH = 0.9
+"""How much of its color the freshest part of a path has, beside the background's."""
+BETWEEN = 6
+"""Points of a path between two frames."""
+LONGEST = 400_000
+"""The most points of all paths."""
+
+
+@dataclass(frozen=True)
+class Trails(SystemStyle):
+    """Tracers as discs, with the paths on which they came, which become thin and fade.
+
+        pc.film(recording, "lorenz.gif", style=pc.styles.Trails(duration=4.0))
+
+    Paths are the cubics through positions and velocities of the frames, where velocities were recorded. Vortices have
+    two colors, for both signs of their circulation.
+
+    Args:
+        duration: for how long a path is shown [s]; None: three tenths of the film.
+        width: of a path at its fresh end [pixels].
+        size: diameter of the discs [pixels].
+        on: the tracers drawn in this style; None: all systems of up to 200 points.
+
+    Raises:
+        SceneError: a value is not valid, or positions were not recorded.
+    """
+
+    duration: float | None = None
+    width: float = 1.8
+    size: float = 5.0
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.duration is not None:
+            self._set(duration=number(self.duration, "Trails.duration", least=0.0))
+        self._set_positive("width", "size")
+
+    def can_draw(self, item: object) -> bool:
+        """Whether it consists of a few points."""
+        return isinstance(item, PointSystem) and len(item) <= FEW
+
+    def painter(self, source: Source, part: SystemPart, theme: Theme) -> TrailsPainter:
+        """A painter of one system."""
+        return TrailsPainter(self, source, part, theme)
+
+
+class TrailsPainter(PointsPainter):
+    """Draws paths, and discs at their ends."""
+
+    def __init__(self, style: Trails, source: Source, part: SystemPart, theme: Theme) -> None:
+        super().__init__(style, source, part)
+        self._trails, self._theme, self._interval = style, theme, 1.0 / source.fps
+        rates = f"{part.path}.velocities"
+        self._rates = rates if source.has(rates) else None
+        frames = SHARE * source.count if style.duration is None else min(style.duration * source.fps, source.count)
+        most = LONGEST // max(len(self._system) * BETWEEN, 1)
+        self._past: deque[FloatArray] = deque(maxlen=max(1, min(round(frames), most)))
+        self._last: tuple[FloatArray, FloatArray | None] | None = None
+        palette = np.array(theme.bodies, dtype=float)
+        each = np.arange(len(self._system)) % len(palette)
+        if isinstance(self._system, PointVortices):
+            each = (self._system.circulations > 0.0).astype(int)
+        self._colors = palette[each]
+
+    def begin(self) -> None:
+        """Forget the paths."""
+        self._past.clear()
+        self._last = None
+
+    def inset(self, pixels: float) -> float:
+        """A disc."""
+        del pixels
+        return self._trails.size / 2 + 1.0
+
+    def paint(self, canvas: Canvas, frame: SourceFrame, view: View, pixels: float) -> None:
+        """Add paths, then discs."""
+        del pixels
+        points = frame.fields[self._field]
+        self._past.append(self._way(frame))
+        count = len(points)
+        path = np.concatenate(self._past)
+        places, depth, _ = view.project(path.reshape(-1, points.shape[1]))
+        canvas.trails(
+            np.ascontiguousarray(places.reshape(len(path), count, 2)),
+            np.full(count, self._trails.width, dtype=np.float32),
+            inks(self._colors, self._theme, None),
+            (self._theme.background, FRESH),
+            None,
+            None if depth is None else np.ascontiguousarray(depth.reshape(len(path), count)),
+        )
+        centers, near, scale = view.project(points)
+        radii = (0.5 * self._trails.size * scale / view.scale).astype(np.float32)
+        ink = inks(self._colors, self._theme, None if near is None else view.farness(near))
+        canvas.discs(centers, radii, ink, near, 0.0 if view.flat else SHADING)
+
+    def _way(self, frame: SourceFrame) -> FloatArray:
+        """The path since the last frame (K, N, D), its end included."""
+        points = frame.fields[self._field]
+        rates = None if self._rates is None else frame.fields[self._rates]
+        last, self._last = self._last, (points, rates)
+        before, slopes = last or (points, None)
+        if rates is None or slopes is None:
+            return points[np.newaxis]
+        s = (np.arange(1, BETWEEN + 1) / BETWEEN)[:, np.newaxis, np.newaxis]
+        r, shift, dt = 1.0 - s, points - before, self._interval
+        way: FloatArray = before + s * s * (3.0 - 2.0 * s) * shift + dt * s * r * (r * slopes - s * rates)
+        return way

@@ -1,0 +1,65 @@
+"""The base of systems of massless points in a flow."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import ClassVar
+
+from numpy.typing import ArrayLike
+
+from physcore.checks import DIMENSIONS, FloatArray, array, frozen
+from physcore.errors import SceneError
+from physcore.scene.items import Equation, System
+
+
+@dataclass(frozen=True)
+class PointSystem(System):
+    """N points in D dimensions that move with a velocity field, x' = v(x, t).
+
+    To add one: a file in `systems`, a line in `SYSTEMS`, and its counterpart in Rust.
+    """
+
+    equation: ClassVar[Equation] = "first order"
+    default_integrator: ClassVar[str] = "RungeKutta4"
+    derived: ClassVar[tuple[str, ...]] = ("velocities",)
+
+    @property
+    @abstractmethod
+    def start(self) -> FloatArray:
+        """The positions at the start [m], shape (N, D)."""
+
+    @property
+    def units(self) -> Mapping[str, str]:
+        """Positions and velocities."""
+        return {"positions": "m", "velocities": "m/s"}
+
+    @property
+    def dimension(self) -> int:
+        """2 or 3."""
+        return int(self.start.shape[1])
+
+    def shapes(self) -> dict[str, tuple[int, ...]]:
+        """The shapes of its fields by name."""
+        return dict.fromkeys(self.units, self.start.shape)
+
+    def __len__(self) -> int:
+        return len(self.start)
+
+    def __repr__(self) -> str:
+        label = f"{self.name!r}, " if self.name else ""
+        return f"{type(self).__name__}({label}{len(self)} points in {self.dimension}D)"
+
+
+def points(value: ArrayLike, path: str, dimensions: tuple[int, ...] = DIMENSIONS) -> FloatArray:
+    """Points, shape (N, D), read-only.
+
+    Raises:
+        SceneError: they have another shape, or are not finite.
+    """
+    given = array(value, path)
+    if given.ndim != 2 or given.shape[1] not in dimensions:
+        shapes = " or ".join(f"(N, {dimension})" for dimension in dimensions)
+        raise SceneError(f"{path}: must have the shape {shapes}, got {given.shape}; one point is [[x, y]] in 2D")
+    return frozen(given)

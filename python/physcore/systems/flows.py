@@ -1,0 +1,177 @@
+"""Flows: the velocity fields that `Tracers` move with."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, fields
+from typing import ClassVar
+
+from numpy.typing import ArrayLike
+
+from physcore.checks import DIMENSIONS, FloatArray, number, shown
+from physcore.errors import SceneError
+
+
+@dataclass(frozen=True)
+class VelocityField:
+    """A velocity v(x, t) [m/s] at every point.
+
+    To add one: a class here, a line in `FLOWS`, and its counterpart in Rust.
+    """
+
+    dimensions: ClassVar[tuple[int, ...]] = (3,)
+    """In how many dimensions it is there."""
+
+    def __post_init__(self) -> None:
+        for entry in fields(self):
+            path = f"{type(self).__name__}.{entry.name}"
+            object.__setattr__(self, entry.name, number(getattr(self, entry.name), path))
+
+
+@dataclass(frozen=True)
+class Lorenz(VelocityField):
+    """Lorenz' flow: convection in a box with three modes, and the butterfly of chaos.
+
+        dust = pc.Tracers(rng.normal(size=(1000, 3)) + (0, 0, 25), pc.Lorenz())
+
+        x' = σ (y − x),  y' = x (ρ − z) − y,  z' = x y − β z
+
+    With the defaults its Lyapunov exponents are 0.9056, 0 and −14.572 (Sprott 2003); volumes shrink at σ + 1 + β.
+
+    Args:
+        sigma: σ [1/s].
+        rho: ρ.
+        beta: β [1/s].
+
+    Raises:
+        SceneError: a number is not finite.
+
+    Source: E. N. Lorenz, J. Atmos. Sci. 20, 130 (1963); J. C. Sprott, "Chaos and Time-Series Analysis", 2003.
+    """
+
+    sigma: float = 10.0
+    rho: float = 28.0
+    beta: float = 8.0 / 3.0
+
+
+@dataclass(frozen=True)
+class Rossler(VelocityField):
+    """Rössler's flow: a band that is stretched and folded.
+
+        dust = pc.Tracers(rng.normal(size=(1000, 3)), pc.Rossler())
+
+        x' = −y − z,  y' = x + a y,  z' = b + z (x − c)
+
+    Args:
+        a, b, c: its parameters; the defaults are Rössler's.
+
+    Raises:
+        SceneError: a number is not finite.
+
+    Source: O. E. Rössler, Phys. Lett. A 57, 397 (1976).
+    """
+
+    a: float = 0.2
+    b: float = 0.2
+    c: float = 5.7
+
+
+@dataclass(frozen=True)
+class Aizawa(VelocityField):
+    """Aizawa's flow: a ball of shells about an axis, along which what was thrown out comes back.
+
+        dust = pc.Tracers(0.1 * rng.normal(size=(1000, 3)), pc.Aizawa())
+
+        x' = (z − b) x − d y
+        y' = d x + (z − b) y
+        z' = c + a z − z³/3 − (x² + y²)(1 + e z) + f z x³
+
+    Args:
+        a, b, c, d, e, f: its parameters.
+
+    Raises:
+        SceneError: a number is not finite.
+
+    Source: W. F. Langford, Int. Ser. Numer. Math. 70, 215 (1984), with the parameters named after Y. Aizawa.
+    """
+
+    a: float = 0.95
+    b: float = 0.7
+    c: float = 0.6
+    d: float = 3.5
+    e: float = 0.25
+    f: float = 0.1
+
+
+@dataclass(frozen=True)
+class Thomas(VelocityField):
+    """Thomas' flow: three equal feedback loops, cyclically symmetric; without damping a walk through all of space.
+
+        dust = pc.Tracers(rng.normal(size=(1000, 3)), pc.Thomas())
+
+        x' = sin y − b x,  y' = sin z − b y,  z' = sin x − b z
+
+    It is chaotic below b = 0.208186; volumes shrink at 3 b.
+
+    Args:
+        b: the damping [1/s].
+
+    Raises:
+        SceneError: it is not finite.
+
+    Source: R. Thomas, Int. J. Bifurcation Chaos 9, 1889 (1999).
+    """
+
+    b: float = 0.208186
+
+
+@dataclass(frozen=True)
+class Halvorsen(VelocityField):
+    """Halvorsen's flow: three wings in cyclic symmetry.
+
+        dust = pc.Tracers(rng.normal(size=(1000, 3)), pc.Halvorsen())
+
+        x' = −a x − 4 y − 4 z − y²,  y' = −a y − 4 z − 4 x − z²,  z' = −a z − 4 x − 4 y − x²
+
+    Far from the attractor tracers run to infinity in a finite time. Volumes shrink at 3 a.
+
+    Args:
+        a: the damping [1/s].
+
+    Raises:
+        SceneError: it is not finite.
+
+    Source: J. C. Sprott, "Chaos and Time-Series Analysis", 2003, appendix A.
+    """
+
+    a: float = 1.89
+
+
+@dataclass(frozen=True)
+class Flow(VelocityField):
+    """A flow of your own, as a NumPy function of all points at once, in 2D or 3D.
+
+        stirring = pc.Flow(lambda time, x: np.column_stack([np.sin(x[:, 1] + time), np.sin(x[:, 0])]))
+        dye = pc.Tracers(rng.uniform(size=(5000, 2)), stirring)
+
+    The function is called once per stage of each step, on one thread, with the time [s] and the positions [m] of all
+    tracers, shape (N, D), which may be changed; it gives their velocities [m/s], of the same shape. What it does to one
+    tracer must not depend on others.
+
+    Args:
+        function: gives the velocities.
+
+    Raises:
+        SceneError: it is no function.
+    """
+
+    function: Callable[[float, FloatArray], ArrayLike]
+    dimensions: ClassVar[tuple[int, ...]] = DIMENSIONS
+
+    def __post_init__(self) -> None:
+        if not callable(self.function):
+            raise SceneError(f"Flow.function: must be a function of time and positions, got {shown(self.function)}")
+
+
+FLOWS: tuple[type[VelocityField], ...] = (Lorenz, Rossler, Aizawa, Thomas, Halvorsen, Flow)
+"""All flows beside those of systems of the scene."""

@@ -1,0 +1,63 @@
+"""Point vortices in the plane."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from numpy.typing import ArrayLike
+
+from physcore.checks import FloatArray, broadcast, frozen, number, text
+from physcore.scene.points import PointSystem, points
+
+
+@dataclass(frozen=True, eq=False, init=False, repr=False)
+class PointVortices(PointSystem):
+    """Point vortices, which move each other, and a flow for `Tracers`.
+
+        pair = pc.PointVortices([[0.0, 0.0], [1.0, 0.0]], circulations=[2.0, 1.0])
+        dye = pc.Tracers(rng.uniform(-2, 2, (10_000, 2)), pair)
+        recording = pc.simulate(pc.Scene(pair, dye), duration=20.0)
+        recording[pair].positions  # (F, 2, 2)
+        recording.budgets["hamiltonian"].drift  # (F,)
+
+        v(x) = Σ Γⱼ/(2π) e_z × (x − xⱼ)/(|x − xⱼ|² + δ²)
+
+    each vortex with the velocity that the others have at its center. Tracers in their flow are advanced in the same
+    stages of each step. The Hamiltonian H = −Σ Γᵢ Γⱼ ln(|xᵢ − xⱼ|² + δ²)/(4π) over all pairs [m⁴/s²] is conserved, and
+    so are Σ Γ x, Σ Γ y and Σ Γ (x² + y²); the drift of its budget shows how well.
+
+    Args:
+        centers: where they are at the start [m], shape (N, 2).
+        circulations: Γ of each [m²/s], broadcast to (N,); positive ones turn counterclockwise.
+        core: δ ≥ 0 [m], within which the velocity is smooth; 0: that of points.
+        name: a name by which results can be asked for.
+
+    Raises:
+        SceneError: a shape does not fit, a value is not finite or out of range, or two vortices without a core are in
+            the same place.
+
+    Sources: G. Kirchhoff, "Vorlesungen über mathematische Physik", 1876, lecture 20; P. G. Saffman, "Vortex Dynamics",
+    1992, chapter 7; of the core: R. Krasny, J. Comput. Phys. 65, 292 (1986).
+    """
+
+    centers: FloatArray
+    """Where they are at the start [m], shape (N, 2)."""
+    circulations: FloatArray
+    """Γ of each [m²/s], shape (N,)."""
+    core: float
+    """δ [m]."""
+
+    def __init__(self, centers: ArrayLike, circulations: ArrayLike, core: float = 0.0, name: str | None = None) -> None:
+        places = points(centers, "PointVortices.centers", (2,))
+        strengths = frozen(broadcast(circulations, (len(places),), "PointVortices.circulations"))
+        self._set(
+            centers=places,
+            circulations=strengths,
+            core=number(core, "PointVortices.core", least=0.0),
+            name=None if name is None else text(name, "PointVortices.name"),
+        )
+
+    @property
+    def start(self) -> FloatArray:
+        """The positions at the start [m], shape (N, 2)."""
+        return self.centers

@@ -1,0 +1,64 @@
+"""Massless points that move with a flow."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from numpy.typing import ArrayLike
+
+from physcore.checks import FloatArray, shown, text
+from physcore.errors import SceneError
+from physcore.scene.points import PointSystem, points
+from physcore.systems.flows import FLOWS, VelocityField
+from physcore.systems.point_vortices import PointVortices
+
+
+@dataclass(frozen=True, eq=False, init=False, repr=False)
+class Tracers(PointSystem):
+    """Massless points that move with a velocity field, x' = v(x, t), and do not feel each other.
+
+        dust = pc.Tracers(rng.normal(size=(100_000, 3)) + (0, 0, 25), pc.Lorenz())
+        recording = pc.simulate(pc.Scene(dust), duration=20.0)
+        recording[dust].positions  # (F, 100000, 3)
+
+    Integrators of first-order equations drive them, RungeKutta4() by default. dt="auto" is 0.05/max|∇v| at the tracers
+    at the start, half of a limit of accuracy, of which AdaptiveStep() takes half all along; |∇v| is the root of the
+    summed squares of all derivatives. Films show few tracers with their paths, and very many as a density.
+
+    Args:
+        positions: where they are at the start [m], shape (N, D) with D = 2 or 3.
+        flow: the velocity field: `Lorenz`, `Rossler`, `Aizawa`, `Thomas` or `Halvorsen` in 3D, `PointVortices` of the
+            scene in 2D, or your own `Flow`.
+        name: a name by which results can be asked for.
+
+    Raises:
+        SceneError: a shape does not fit, a number is not finite, or the flow has another dimension.
+        SimulationDiverged: during a run, a tracer has run to infinity.
+    """
+
+    parts: ClassVar[tuple[type, ...]] = FLOWS
+    naming: ClassVar[tuple[str, ...]] = ("flow",)
+
+    positions: FloatArray
+    """Where they are at the start [m], shape (N, D)."""
+    flow: VelocityField | PointVortices
+    """The velocity field."""
+
+    def __init__(self, positions: ArrayLike, flow: VelocityField | PointVortices, name: str | None = None) -> None:
+        places = points(positions, "Tracers.positions")
+        if not isinstance(flow, (*FLOWS, PointVortices)):
+            known = ", ".join(f"{kind.__name__}(…)" for kind in (*FLOWS, PointVortices))
+            raise SceneError(f"Tracers.flow: must be one of {known}, got {shown(flow)}")
+        dimensions = (flow.dimension,) if isinstance(flow, PointVortices) else flow.dimensions
+        if places.shape[1] not in dimensions:
+            raise SceneError(
+                f"Tracers.flow: {type(flow).__name__} is in {dimensions[0]}D, and the positions are in "
+                f"{places.shape[1]}D"
+            )
+        self._set(positions=places, flow=flow, name=None if name is None else text(name, "Tracers.name"))
+
+    @property
+    def start(self) -> FloatArray:
+        """The positions at the start [m], shape (N, D)."""
+        return self.positions

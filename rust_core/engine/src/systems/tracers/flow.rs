@@ -1,0 +1,118 @@
+//! Flows: how all points of some sets are advanced in one.
+
+use super::law::{self, Law, Outcome};
+use super::points::Points;
+use crate::error::Result;
+use crate::integrators::explicit::{Coefficients, with_tableau};
+use crate::math::Real;
+use crate::parallel::Executor;
+use crate::systems::Interval;
+
+/// A velocity field in which points move, x' = v(x, t).
+pub trait Flow<T, const D: usize>: Send + Sync {
+    /// Its name, for plans.
+    fn name(&self) -> &'static str;
+
+    /// Estimated duration of an evaluation at a point [s].
+    fn cost(&self) -> f64;
+
+    /// The most steps of a batch by a method of so many evaluations.
+    fn most_steps(&self, _evaluations: usize) -> u64 {
+        u64::MAX
+    }
+
+    /// How points are advanced, for plans.
+    fn layout(&self) -> &'static str;
+
+    /// Looks at the initial positions.
+    ///
+    /// # Errors
+    /// If the velocity there cannot be evaluated, or is not finite.
+    fn begin(&self, _sets: &[Points<T, D>], _time: f64) -> Result<()> {
+        Ok(())
+    }
+
+    /// Takes the steps of an interval by a method.
+    ///
+    /// # Errors
+    /// If the velocity cannot be evaluated, or on an interrupt.
+    fn advance(
+        &mut self,
+        method: Coefficients,
+        sets: &mut [Points<T, D>],
+        interval: Interval,
+        executor: &Executor,
+    ) -> Result<Outcome>;
+
+    /// The velocities of the points of a set.
+    ///
+    /// # Errors
+    /// If they cannot be evaluated.
+    fn velocities(&self, sets: &[Points<T, D>], set: usize, time: f64) -> Result<Points<T, D>>;
+
+    /// The largest |∇v| at all points [1/s].
+    ///
+    /// # Errors
+    /// As [`Flow::velocities`], or on an interrupt.
+    fn steepest(&self, sets: &[Points<T, D>], time: f64, executor: &Executor) -> Result<f64>;
+
+    /// Its Hamiltonian, if it has one [m⁴/s²].
+    fn hamiltonian(&self, _sets: &[Points<T, D>]) -> Option<f64> {
+        None
+    }
+
+    /// Memory [bytes].
+    fn bytes(&self) -> usize {
+        0
+    }
+}
+
+/// A flow whose law is known from the start.
+pub struct Known<L> {
+    /// Its name.
+    pub name: &'static str,
+    /// v.
+    pub law: L,
+}
+
+impl<T: Real, L: Law<T, D>, const D: usize> Flow<T, D> for Known<L> {
+    fn name(&self) -> &'static str {
+        self.name
+    }
+
+    fn cost(&self) -> f64 {
+        2e-10 + 4e-11 * size_of::<T>() as f64
+    }
+
+    fn layout(&self) -> &'static str {
+        "blocks of tracers in the cache, each through all steps of a batch"
+    }
+
+    fn advance(
+        &mut self,
+        method: Coefficients,
+        sets: &mut [Points<T, D>],
+        interval: Interval,
+        executor: &Executor,
+    ) -> Result<Outcome> {
+        let (law, Interval { h, steps, .. }) = (self.law, interval);
+        let advance = with_tableau!(method.name, S => law::advance::<T, L, S, D>, unreachable!("a method has a tableau"));
+        let outcomes = sets.iter_mut().map(|points| advance(law, points, h, steps, executor));
+        let outcome = outcomes.fold(Outcome::default(), Outcome::and);
+        executor.check()?;
+        Ok(outcome)
+    }
+
+    fn velocities(&self, sets: &[Points<T, D>], set: usize, _time: f64) -> Result<Points<T, D>> {
+        let mut out = sets[set].clone();
+        law::velocities(self.law, 0, &sets[set], &mut out, &crate::parallel::SERIAL);
+        Ok(out)
+    }
+
+    fn steepest(&self, sets: &[Points<T, D>], _time: f64, executor: &Executor) -> Result<f64> {
+        let each = sets.iter().map(|points| law::steepest(self.law, 0, points, executor));
+        let steepest = each.fold(0.0, f64::max);
+        executor.check()?;
+        Ok(steepest)
+    }
+}

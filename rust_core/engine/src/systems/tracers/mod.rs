@@ -1,0 +1,156 @@
+//! Tracers: massless points that move with a velocity field, x' = v(x, t), and point vortices, which are one.
+//!
+//! Sets of tracers in the flow of vortices of the scene are advanced with these, in the same stages.
+
+mod attractors;
+mod flow;
+mod function;
+mod law;
+mod points;
+mod sine;
+mod staged;
+mod system;
+mod vortices;
+
+use crate::error::{Error, Result};
+use crate::integrators::FirstOrder;
+use crate::integrators::explicit::Coefficients;
+use crate::integrators::first_order::NAMES;
+use crate::math::Real;
+use crate::memory;
+use crate::scene::{self, Array, Item, Value};
+use crate::systems::System;
+use flow::Flow;
+use function::Function;
+use law::Outcome;
+use points::Points;
+use vortices::Vortices;
+
+/// The kind of an item that is vortices.
+const VORTICES: &str = "PointVortices";
+
+/// The index of the system of the scene whose flow it is that tracers move with, if it is one's.
+pub fn leader(item: &Item) -> Option<usize> {
+    match item.values.get("flow") {
+        Some(Value::Indices(Array { entries, .. })) => entries.first().map(|&index| index as usize),
+        _ => None,
+    }
+}
+
+/// Compiles tracers, or vortices with the sets of tracers in their flow, for a method.
+///
+/// # Errors
+/// If a parameter is missing or out of range, the method is not of first order, or memory does not suffice.
+pub fn build(items: &[&Item], method: &Item, precision: &str) -> Result<Box<dyn System>> {
+    let item = items[0];
+    let Some(Value::Numbers(Array { shape, .. })) = item.values.get(rows_of(item)) else {
+        return Err(item.wrong(rows_of(item), "rows of coordinates", item.values.get(rows_of(item))));
+    };
+    match (precision, shape.last()) {
+        ("f32", Some(2)) => Ok(Box::new(Tracers::<f32, 2>::new(items, method, plane)?)),
+        ("f64", Some(2)) => Ok(Box::new(Tracers::<f64, 2>::new(items, method, plane)?)),
+        ("f32", Some(3)) => Ok(Box::new(Tracers::<f32, 3>::new(items, method, space)?)),
+        ("f64", Some(3)) => Ok(Box::new(Tracers::<f64, 3>::new(items, method, space)?)),
+        ("f32" | "f64", _) => Err(Error::parameter(&item.path, "points in 2D or 3D", format!("the shape {shape:?}"))),
+        (other, _) => Err(Error::parameter("precision", "f32 or f64", other)),
+    }
+}
+
+/// The flow in the plane that an item declares, with the first set of points.
+fn plane<T: Real>(item: &Item, points: &Points<T, 2>) -> Result<Box<dyn Flow<T, 2>>> {
+    if item.kind == VORTICES {
+        return Ok(Box::new(Vortices::declared(item, points)?));
+    }
+    match item.record("flow")? {
+        flow if flow.kind == "Flow" => Ok(Box::new(Function::declared(flow, points.count)?)),
+        flow => Err(scene::unknown(flow, "a kind of flow in 2D")),
+    }
+}
+
+/// The same in space.
+fn space<T: Real>(item: &Item, points: &Points<T, 3>) -> Result<Box<dyn Flow<T, 3>>> {
+    match item.record("flow")? {
+        flow if flow.kind == "Flow" => Ok(Box::new(Function::declared(flow, points.count)?)),
+        flow => attractors::declared(flow),
+    }
+}
+
+/// The name of the value that says where points are.
+fn rows_of(item: &Item) -> &'static str {
+    if item.kind == VORTICES { "centers" } else { "positions" }
+}
+
+/// Compiles the flow of an item with the first set of points.
+type Declared<T, const D: usize> = fn(&Item, &Points<T, D>) -> Result<Box<dyn Flow<T, D>>>;
+
+/// The points of an item.
+#[derive(Debug, Clone)]
+struct Set {
+    /// The name or the path of the item.
+    item: String,
+    /// What one of them is called.
+    element: &'static str,
+}
+
+/// Sets of points in one flow.
+struct Tracers<T, const D: usize> {
+    flow: Box<dyn Flow<T, D>>,
+    sets: Vec<Set>,
+    /// The points of each set [m].
+    points: Vec<Points<T, D>>,
+    /// Those at the start of the last batch.
+    saved: Vec<Points<T, D>>,
+    method: FirstOrder,
+    coefficients: Coefficients,
+    /// The change of the Hamiltonian by changes of the state between steps [m⁴/s²].
+    supplied: f64,
+    /// What the last batch ended with.
+    outcome: Outcome,
+    /// 0 after each recorded step of the last batch, or NaN.
+    activity: Vec<f64>,
+    /// The time now, and at the start of the last batch [s].
+    time: f64,
+    saved_time: f64,
+}
+
+impl<T: Real, const D: usize> Tracers<T, D> {
+    fn new(items: &[&Item], method: &Item, declared: Declared<T, D>) -> Result<Self> {
+        let refused = || Error::parameter("integrator", NAMES.join(" or "), &method.kind);
+        let coefficients = Coefficients::named(&method.kind).ok_or_else(refused)?;
+        let method = FirstOrder::named(&method.kind).ok_or_else(refused)?;
+        let points = items.iter().map(|item| points_of(item)).collect::<Result<Vec<_>>>()?;
+        let flow = declared(items[0], &points[0])?;
+        let set = |item: &&Item| Set {
+            item: item.name.clone().unwrap_or_else(|| item.path.clone()),
+            element: if item.kind == VORTICES { "vortex" } else { "tracer" },
+        };
+        Ok(Self {
+            flow,
+            sets: items.iter().map(set).collect(),
+            saved: points.clone(),
+            points,
+            method,
+            coefficients,
+            supplied: 0.0,
+            outcome: Outcome::default(),
+            activity: Vec::new(),
+            time: 0.0,
+            saved_time: 0.0,
+        })
+    }
+}
+
+/// The points that an item declares.
+fn points_of<T: Real, const D: usize>(item: &Item) -> Result<Points<T, D>> {
+    let name = rows_of(item);
+    let rows = match item.values.get(name) {
+        Some(Value::Numbers(Array { shape, entries })) if shape.len() == 2 && shape[1] == D => entries,
+        other => return Err(item.wrong(name, &format!("rows of {D} coordinates"), other)),
+    };
+    memory::check("the tracers", 3 * size_of_val(rows.as_slice()), 0, || "fewer tracers, or precision=\"f32\"".to_owned())?;
+    if let Some(index) = rows.iter().position(|&value| !T::from_f64(value).is_finite()) {
+        let path = format!("{name}[{}, {}]", index / D, index % D);
+        return Err(item.wrong(&path, &format!("a number that {} holds", T::NAME), Some(&Value::Number(rows[index]))));
+    }
+    Ok(Points::from_rows(rows))
+}

@@ -1,0 +1,270 @@
+//! Tracers as a system: history, plan, budgets and fields.
+
+use glam::DVec3;
+
+use super::Tracers;
+use super::law::Outcome;
+use super::points::Points;
+use crate::error::{Error, Result};
+use crate::forces::Mach;
+use crate::history::{Archive, History};
+use crate::ledger::{Budget, Ledger};
+use crate::math::Real;
+use crate::parallel::Executor;
+use crate::plan::Stages;
+use crate::stability::{Horizon, Kind, Limit};
+use crate::systems::{Element, Fault, FieldInfo, Interval, Record, System};
+
+/// Duration of a batch of steps [s].
+const BATCH: f64 = 0.05;
+/// The most steps of a batch.
+const STEPS: u64 = 4095;
+/// The limit of accuracy in units of 1/|∇v|: neighbors part by a tenth of their distance in a step.
+const ACCURATE: f64 = 0.1;
+/// The fields of each set.
+const FIELDS: [&str; 2] = ["positions", "velocities"];
+
+impl<T: Real, const D: usize> Tracers<T, D> {
+    fn element(&self, set: usize, index: usize) -> Element {
+        let set = &self.sets[set];
+        Element { name: format!("{} {index} of {}", set.element, set.item), index }
+    }
+
+    fn total(&self) -> usize {
+        self.points.iter().map(|points| points.count).sum()
+    }
+
+    /// Replaces the positions of a set by those under its path.
+    fn replace(&mut self, path: &str, rows: &[f64]) -> Result<()> {
+        let set = self.sets.iter().position(|set| path == format!("{}.{}", set.item, FIELDS[0]));
+        let known = || self.sets.iter().map(|set| format!("{}.{}", set.item, FIELDS[0])).collect::<Vec<_>>().join(" or ");
+        let set = set.ok_or_else(|| Error::parameter(format!("set.{path}"), known(), path))?;
+        let points = &mut self.points[set];
+        if rows.len() != points.count * D {
+            return Err(Error::parameter(format!("set.{path}"), format!("{} rows", points.count), rows.len() / D));
+        }
+        if let Some(index) = rows.iter().position(|&value| !T::from_f64(value).is_finite()) {
+            let place = format!("set.{path}[{}, {}]", index / D, index % D);
+            return Err(Error::parameter(place, format!("a finite number that {} holds", T::NAME), rows[index]));
+        }
+        points.fill(rows);
+        Ok(())
+    }
+}
+
+/// The positions, and the time for which velocities are read: no slope is kept from one step to the next.
+impl<T: Real, const D: usize> History for Tracers<T, D> {
+    fn save(&mut self) {
+        self.saved_time = self.time;
+        self.saved.iter_mut().zip(&self.points).for_each(|(saved, points)| saved.copy_from(points));
+    }
+
+    fn rollback(&mut self) {
+        self.time = self.saved_time;
+        self.points.iter_mut().zip(&self.saved).for_each(|(points, saved)| points.copy_from(saved));
+    }
+
+    fn capture(&self, archive: &mut Archive) {
+        archive.write([self.time]);
+        self.points.iter().for_each(|points| archive.write(points.rows()));
+    }
+
+    fn restore(&mut self, archive: &mut Archive) -> Result<()> {
+        self.time = archive.read(1)?[0];
+        self.points.iter_mut().try_for_each(|points| {
+            let count = points.count * D;
+            archive.read(count).map(|rows| points.fill(rows))
+        })
+    }
+}
+
+impl<T: Real, const D: usize> System for Tracers<T, D> {
+    fn stages(&self) -> Vec<Stages> {
+        let stages = |set: &super::Set| Stages {
+            item: set.item.clone(),
+            names: vec![format!("velocity of {}", self.flow.name()), "update of positions".to_owned()],
+            dimension: D,
+            precision: T::NAME,
+            method: self.method.name,
+            order: self.method.order,
+            evaluations: self.coefficients.evaluations,
+            pairs: 0,
+            limit_varies: false,
+            layout: self.flow.layout().to_owned(),
+            left_out: Vec::new(),
+            notes: Vec::new(),
+        };
+        self.sets.iter().map(stages).collect()
+    }
+
+    fn bytes(&self) -> usize {
+        2 * self.points.iter().map(Points::bytes).sum::<usize>() + self.flow.bytes()
+    }
+
+    fn cost(&self) -> f64 {
+        self.coefficients.evaluations as f64 * (1e-8 + self.flow.cost() * self.total() as f64)
+    }
+
+    fn most_steps(&self) -> u64 {
+        ((BATCH / self.cost()) as u64).clamp(1, STEPS).min(self.flow.most_steps(self.coefficients.evaluations))
+    }
+
+    fn most_recorded(&self) -> u64 {
+        STEPS
+    }
+
+    fn begin(&mut self, time: f64, executor: &Executor) -> Result<()> {
+        self.time = time;
+        self.flow.begin(&self.points, time)?;
+        executor.check()
+    }
+
+    fn advance(&mut self, interval: Interval, record: Record, executor: &Executor) -> Result<()> {
+        self.save();
+        self.activity.clear();
+        let outcome = self.flow.advance(self.coefficients, &mut self.points, interval, executor);
+        match outcome {
+            Ok(outcome) => self.outcome = outcome,
+            Err(error) => {
+                self.rollback();
+                return Err(error);
+            }
+        }
+        let recorded = if record == Record::LastStep { 1 } else { interval.steps as usize };
+        self.activity.resize(recorded, 0.0);
+        self.activity[recorded - 1] = self.outcome.finite;
+        self.time = interval.time(interval.steps, 0.0);
+        Ok(())
+    }
+
+    fn activity(&self) -> &[f64] {
+        &self.activity
+    }
+
+    fn is_linear(&self) -> bool {
+        false
+    }
+
+    fn gains_energy(&self) -> bool {
+        false
+    }
+
+    fn limit(&self, _horizon: Horizon, time: f64, executor: &Executor) -> Result<Limit> {
+        let steepest = self.flow.steepest(&self.points, time, executor)?;
+        // Squares overflow before positions do, where nothing is known of a step.
+        if steepest == 0.0 || !steepest.is_finite() {
+            return Ok(Limit::NONE);
+        }
+        Ok(Limit { accuracy: ACCURATE / steepest, term: "flow", kind: Kind::Accuracy, ..Limit::NONE })
+    }
+
+    fn limit_varies(&self, horizon: Horizon, _time: f64) -> bool {
+        matches!(horizon, Horizon::Present)
+    }
+
+    fn error(&self, _h: f64) -> Option<(f64, u32)> {
+        self.method.estimate.as_ref().map(|estimate| (self.outcome.error, estimate.order))
+    }
+
+    fn audit(&self, _time: f64, executor: &Executor) -> Result<Ledger> {
+        let mut ledger = Ledger::new(0, 1);
+        if let Some(stored) = self.flow.hamiltonian(&self.points) {
+            let supplied = vec![("set", self.supplied)];
+            ledger.add_budget(Budget { name: "hamiltonian".to_owned(), unit: "m⁴/s²", stored, removed: Vec::new(), supplied });
+        }
+        executor.check()?;
+        Ok(ledger)
+    }
+
+    fn finite_audit(&self, time: f64, executor: &Executor) -> Result<Ledger> {
+        let ledger = self.audit(time, executor)?;
+        match ledger.budgets().iter().find(|budget| !budget.stored.is_finite()) {
+            None => Ok(ledger),
+            Some(budget) => Err(Error::parameter("scene", format!("a {} that is finite", budget.name), budget.stored)),
+        }
+    }
+
+    fn momenta(&self) -> (DVec3, DVec3) {
+        (DVec3::ZERO, DVec3::ZERO)
+    }
+
+    /// There is no energy.
+    fn resolvable(&self, _time: f64, _h: f64) -> f64 {
+        0.0
+    }
+
+    fn fault(&self) -> Option<Fault> {
+        let faults = self.points.iter().enumerate().filter_map(|(set, points)| points.fault().map(|index| (set, index)));
+        faults.map(|(set, index)| Fault { element: self.element(set, index), quantity: "position" }).next()
+    }
+
+    /// The one farthest from the origin.
+    fn fastest(&self) -> Element {
+        let rows = self.points.iter().enumerate().flat_map(|(set, points)| {
+            let square = |row: &[f64]| row.iter().map(|value| value * value).sum::<f64>();
+            points
+                .rows()
+                .chunks_exact(D)
+                .map(square)
+                .enumerate()
+                .map(move |(index, square)| (square, set, index))
+                .collect::<Vec<_>>()
+        });
+        let (_, set, index) = rows.max_by(|one, other| one.0.total_cmp(&other.0)).unwrap_or_default();
+        self.element(set, index)
+    }
+
+    fn mach(&self) -> Option<Mach> {
+        None
+    }
+
+    fn fields(&self) -> Vec<FieldInfo> {
+        let info = |set: usize, field: usize| FieldInfo {
+            name: format!("{}.{}", self.sets[set].item, FIELDS[field]),
+            unit: ["m", "m/s"][field],
+            shape: vec![self.points[set].count, D],
+            rate: (field == 0).then(|| format!("{}.{}", self.sets[set].item, FIELDS[1])),
+            state: field == 0,
+        };
+        (0..self.sets.len()).flat_map(|set| [info(set, 0), info(set, 1)]).collect()
+    }
+
+    /// Velocities that cannot be evaluated are not numbers; the next step meets the same error, and reports it.
+    fn read(&self, field: usize) -> Vec<f64> {
+        let points = &self.points[field / 2];
+        if field.is_multiple_of(2) {
+            return points.rows();
+        }
+        let velocities = self.flow.velocities(&self.points, field / 2, self.time);
+        velocities.map_or_else(|_| vec![f64::NAN; points.count * D], |velocities| velocities.rows())
+    }
+
+    fn write(&mut self, fields: &[(&str, &[f64])], time: f64, executor: &Executor) -> Result<()> {
+        let before = (self.points.clone(), self.supplied);
+        let hamiltonian = self.flow.hamiltonian(&self.points);
+        let replaced = fields.iter().try_for_each(|&(path, rows)| self.replace(path, rows));
+        let done =
+            replaced.and_then(|()| self.begin(time, executor)).and_then(|()| self.finite_audit(time, executor).map(|_| ()));
+        if done.is_err() {
+            (self.points, self.supplied) = before;
+        } else if let (Some(after), Some(before)) = (self.flow.hamiltonian(&self.points), hamiltonian) {
+            self.supplied += after - before;
+        }
+        self.outcome = Outcome::default();
+        done
+    }
+
+    fn tallies(&self) -> Vec<f64> {
+        vec![self.supplied]
+    }
+
+    fn restore_tallies(&mut self, numbers: &[f64]) -> Result<()> {
+        match numbers {
+            &[supplied] => {
+                self.supplied = supplied;
+                Ok(())
+            }
+            _ => Err(Error::State("it does not belong to this scene and these numerics".to_owned())),
+        }
+    }
+}

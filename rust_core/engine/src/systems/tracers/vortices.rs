@@ -1,0 +1,225 @@
+//! Point vortices in the plane: each moves with the velocity that the others have there, and tracers with that of all.
+//!
+//! ```text
+//!     v(x) = Σ Γⱼ/(2π) e_z × (x − xⱼ)/(|x − xⱼ|² + δ²),   H = −1/(4π) Σ_{i<j} Γᵢ Γⱼ ln(|xᵢ − xⱼ|² + δ²)
+//! ```
+//!
+//! They do not feel the tracers, so that they take all steps of a batch first. Where they are at each stage is kept for the
+//! tracers, which are advanced in the same stages.
+//!
+//! Sources: G. Kirchhoff, Vorlesungen über mathematische Physik (1876), lecture 20; P. G. Saffman, Vortex Dynamics (1992),
+//! chapter 7; of the core δ: R. Krasny, J. Comput. Phys. 65 (1986) 292.
+
+use std::f64::consts::{PI, TAU};
+
+use super::flow::Flow;
+use super::law::{self, Law, Outcome};
+use super::points::Points;
+use super::staged::{Staged, Step};
+use crate::error::{Error, Result};
+use crate::integrators::explicit::{Coefficients, with_tableau};
+use crate::math::Real;
+use crate::parallel::{Executor, SERIAL};
+use crate::scene::Item;
+use crate::simd::Number;
+use crate::systems::Interval;
+
+/// The most coordinates that are kept for the tracers of a batch.
+const KEPT: usize = 1 << 18;
+
+/// Some vortices; their positions are the first set of the points.
+pub struct Vortices<T> {
+    /// Γ [m²/s].
+    circulations: Vec<f64>,
+    /// Γ/(2π) [m²/s].
+    strengths: Vec<T>,
+    /// δ² [m²].
+    core: T,
+    staged: Staged<T, 2>,
+    /// Their coordinates at each stage of a batch, one stage after the other.
+    kept: [Vec<T>; 2],
+}
+
+impl<T: Real> Vortices<T> {
+    /// Those that an item declares, with their places.
+    ///
+    /// # Errors
+    /// If a value is missing or out of range, or two vortices without a core are in the same place.
+    pub fn declared(item: &Item, points: &Points<T, 2>) -> Result<Self> {
+        let circulations = item.numbers("circulations", points.count)?.to_vec();
+        let core = item.non_negative("core")?;
+        let strengths: Vec<T> = circulations.iter().map(|circulation| T::from_f64(circulation / TAU)).collect();
+        if let Some(index) = strengths.iter().position(|strength| !strength.is_finite()) {
+            let path = format!("circulations[{index}]");
+            return Err(item.wrong(&path, &format!("a number that {} holds", T::NAME), None));
+        }
+        let square = T::from_f64(core * core);
+        if !square.is_finite() {
+            return Err(item.wrong("core", &format!("a number whose square {} holds", T::NAME), item.values.get("core")));
+        }
+        if square == T::ZERO {
+            apart(item, points)?;
+        }
+        let (staged, kept) = (Staged::new(points.count), [Vec::new(), Vec::new()]);
+        Ok(Self { circulations, strengths, core: square, staged, kept })
+    }
+
+    /// The law of their velocity, where they are.
+    fn law<'a>(&'a self, points: &'a Points<T, 2>) -> VortexLaw<'a, T> {
+        let places = points.axes.each_ref().map(|axis| &axis[..points.count]);
+        VortexLaw { places, strengths: &self.strengths, core: self.core }
+    }
+}
+
+/// Refuses two points in the same place.
+fn apart<T: Real>(item: &Item, points: &Points<T, 2>) -> Result<()> {
+    let place = |index: usize| points.axes.each_ref().map(|axis| axis[index].to_f64());
+    let mut order: Vec<usize> = (0..points.count).collect();
+    order.sort_by(|&one, &other| {
+        let ([x, y], [u, v]) = (place(one), place(other));
+        x.total_cmp(&u).then(y.total_cmp(&v)).then(one.cmp(&other))
+    });
+    match order.windows(2).find(|pair| place(pair[0]) == place(pair[1])) {
+        None => Ok(()),
+        Some(pair) => {
+            let path = format!("{}.centers[{}]", item.path, pair[1]);
+            let found = format!("that of vortex {}, {:?}", pair[0], place(pair[1]));
+            Err(Error::parameter(path, "a place of its own", found)
+                .with_hint("their velocity is infinite there; give them a core > 0"))
+        }
+    }
+}
+
+/// The law of vortices with these places at each stage.
+#[derive(Debug, Clone, Copy)]
+struct VortexLaw<'a, T> {
+    places: [&'a [T]; 2],
+    strengths: &'a [T],
+    core: T,
+}
+
+impl<T: Real> VortexLaw<'_, T> {
+    /// The places at a stage.
+    #[inline(always)]
+    fn places(&self, stage: usize) -> [&[T]; 2] {
+        let count = self.strengths.len();
+        [&self.places[0][stage * count..][..count], &self.places[1][stage * count..][..count]]
+    }
+
+    /// The offset from a vortex, 1/(|offset|² + δ²), and Γ/(2π) times that. A vortex does not move itself, nor what is at its
+    /// center.
+    #[inline(always)]
+    fn swirl<N: Number<Scalar = T>>(&self, [x, y]: [N; 2], place: [T; 2], strength: T) -> ([N; 2], N, N) {
+        let offset = [x - N::of(place[0]), y - N::of(place[1])];
+        let (zero, distance) = (N::constant(0.0), offset[0] * offset[0] + offset[1] * offset[1]);
+        let inverse = N::select(zero.less(distance), N::constant(1.0) / (distance + N::of(self.core)), zero);
+        (offset, inverse, N::of(strength) * inverse)
+    }
+}
+
+impl<T: Real> Law<T, 2> for VortexLaw<'_, T> {
+    #[inline(always)]
+    fn velocity<N: Number<Scalar = T>>(&self, stage: usize, point: [N; 2]) -> [N; 2] {
+        let ([xs, ys], zero) = (self.places(stage), N::constant(0.0));
+        let (mut u, mut v) = (zero, zero);
+        for ((&x, &y), &strength) in xs.iter().zip(ys).zip(self.strengths) {
+            let ([dx, dy], _, rate) = self.swirl(point, [x, y], strength);
+            u = u - dy * rate;
+            v += dx * rate;
+        }
+        [u, v]
+    }
+
+    #[inline(always)]
+    fn gradient<N: Number<Scalar = T>>(&self, stage: usize, point: [N; 2]) -> [[N; 2]; 2] {
+        let ([xs, ys], zero, two) = (self.places(stage), N::constant(0.0), N::constant(2.0));
+        let mut gradient = [[zero; 2]; 2];
+        for ((&x, &y), &strength) in xs.iter().zip(ys).zip(self.strengths) {
+            let ([dx, dy], inverse, rate) = self.swirl(point, [x, y], strength);
+            let fall = two * rate * inverse;
+            let mixed = fall * dx * dy;
+            gradient[0][0] += mixed;
+            gradient[0][1] += fall * dy * dy - rate;
+            gradient[1][0] += rate - fall * dx * dx;
+            gradient[1][1] = gradient[1][1] - mixed;
+        }
+        gradient
+    }
+}
+
+impl<T: Real> Flow<T, 2> for Vortices<T> {
+    fn name(&self) -> &'static str {
+        "point vortices"
+    }
+
+    /// A division per vortex.
+    fn cost(&self) -> f64 {
+        3e-10 * size_of::<T>() as f64 * self.strengths.len() as f64
+    }
+
+    fn most_steps(&self, evaluations: usize) -> u64 {
+        (KEPT / (evaluations * self.strengths.len().max(1))).max(1) as u64
+    }
+
+    fn layout(&self) -> &'static str {
+        "vortices stage by stage, then blocks of tracers in the cache, each through all steps of a batch"
+    }
+
+    fn advance(
+        &mut self,
+        method: Coefficients,
+        sets: &mut [Points<T, 2>],
+        interval: Interval,
+        executor: &Executor,
+    ) -> Result<Outcome> {
+        let Interval { h, steps, .. } = interval;
+        let Self { strengths, core, staged, kept, .. } = self;
+        let [vortices, tracers @ ..] = sets else { return Ok(Outcome::default()) };
+        kept.iter_mut().for_each(Vec::clear);
+        let mut outcome = Outcome::default();
+        for _ in 0..steps {
+            let slope = |_: usize, state: &Points<T, 2>, out: &mut Points<T, 2>| {
+                let places = state.axes.each_ref().map(|axis| &axis[..state.count]);
+                kept.iter_mut().zip(places).for_each(|(kept, places)| kept.extend_from_slice(places));
+                law::velocities(VortexLaw { places, strengths, core: *core }, 0, state, out, executor);
+                executor.check()
+            };
+            outcome = outcome.and(staged.step(method, vortices, Step { h, estimated: steps == 1 }, slope)?);
+        }
+        let law = VortexLaw { places: kept.each_ref().map(Vec::as_slice), strengths, core: *core };
+        let advance = with_tableau!(method.name, S => law::advance::<T, VortexLaw<'_, T>, S, 2>,
+            unreachable!("a method has a tableau"));
+        let outcome = tracers.iter_mut().fold(outcome, |all, points| all.and(advance(law, points, h, steps, executor)));
+        executor.check()?;
+        Ok(outcome)
+    }
+
+    fn velocities(&self, sets: &[Points<T, 2>], set: usize, _time: f64) -> Result<Points<T, 2>> {
+        let mut out = sets[set].clone();
+        law::velocities(self.law(&sets[0]), 0, &sets[set], &mut out, &SERIAL);
+        Ok(out)
+    }
+
+    fn steepest(&self, sets: &[Points<T, 2>], _time: f64, executor: &Executor) -> Result<f64> {
+        let law = self.law(&sets[0]);
+        let steepest = sets.iter().map(|points| law::steepest(law, 0, points, executor)).fold(0.0, f64::max);
+        executor.check()?;
+        Ok(steepest)
+    }
+
+    fn hamiltonian(&self, sets: &[Points<T, 2>]) -> Option<f64> {
+        let [x, y] = &sets[0].axes;
+        let apart = |axis: &[T], one: usize, other: usize| axis[one].to_f64() - axis[other].to_f64();
+        let pair = |one: usize, other: usize| {
+            let square = apart(x, one, other).powi(2) + apart(y, one, other).powi(2) + self.core.to_f64();
+            self.circulations[one] * self.circulations[other] * libm::log(square)
+        };
+        let with_earlier = |one: usize| (0..one).map(|other| pair(one, other)).sum::<f64>();
+        Some(-(0..sets[0].count).map(with_earlier).sum::<f64>() / (4.0 * PI))
+    }
+
+    fn bytes(&self) -> usize {
+        let kept: usize = self.kept.iter().map(|axis| size_of_val(axis.as_slice())).sum();
+        kept + self.staged.bytes() + size_of_val(self.strengths.as_slice()) + size_of_val(self.circulations.as_slice())
+    }
+}
