@@ -1,13 +1,10 @@
 //! A wave function as a system: its steps, its history, its plan, its budgets and its fields.
 
-use glam::DVec3;
-
 use super::absorbing::Layer;
 use super::fourier::{Number, norm, square};
 use super::passes::Field;
 use super::{Schrodinger, state};
 use crate::error::{Error, Result};
-use crate::forces::Mach;
 use crate::history::{Archive, History};
 use crate::ledger::{Budget, Class, Ledger};
 use crate::parallel::Executor;
@@ -151,24 +148,8 @@ impl<T: Number> System for Schrodinger<T> {
         &self.activity
     }
 
-    fn is_linear(&self) -> bool {
-        false
-    }
-
-    fn gains_energy(&self) -> bool {
-        false
-    }
-
     fn limit(&self, _horizon: Horizon, _time: f64, _executor: &Executor) -> Result<Limit> {
         Ok(self.limit)
-    }
-
-    fn limit_varies(&self, _horizon: Horizon, _time: f64) -> bool {
-        false
-    }
-
-    fn error(&self, _h: f64) -> Option<(f64, u32)> {
-        None
     }
 
     fn audit(&self, _time: f64, executor: &Executor) -> Result<Ledger> {
@@ -199,15 +180,6 @@ impl<T: Number> System for Schrodinger<T> {
         Err(error.with_hint(format!("a smaller wave function, potential or interaction; this is {}", T::NAME)))
     }
 
-    /// A wave function's flow is not counted as the momentum of matter.
-    fn momenta(&self) -> (DVec3, DVec3) {
-        (DVec3::ZERO, DVec3::ZERO)
-    }
-
-    fn resolvable(&self, _time: f64, _h: f64) -> f64 {
-        0.0
-    }
-
     fn fault(&self) -> Option<Fault> {
         let index = self.state.values.iter().position(|value| !(value.re.is_finite() && value.im.is_finite()))?;
         Some(Fault { element: self.element(index), quantity: "wave function" })
@@ -217,10 +189,6 @@ impl<T: Number> System for Schrodinger<T> {
         let density = |index: &usize| square(self.state.values[*index]);
         let densest = (0..self.state.values.len()).max_by(|one, other| density(one).total_cmp(&density(other)));
         self.element(densest.unwrap_or(0))
-    }
-
-    fn mach(&self) -> Option<Mach> {
-        None
     }
 
     /// The density, and of the wave function real and imaginary parts along a last axis.
