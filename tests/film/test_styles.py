@@ -481,3 +481,95 @@ def test_a_relief_raises_bodies_to_its_surface(tmp_path: Path) -> None:
     solid = waves(pc.Wave(pc.Grid((4, 4, 4), 0.1), 1.0))
     with pytest.raises(pc.SceneError, match=r"Relief\.on: .* no field on a grid in 2D; use Field\(\) in 3D"):
         pc.film(solid, tmp_path / "x.png", style=pc.styles.Relief(on=solid.scene.systems[0]))
+
+
+PLAIN_WINDOW: dict[str, Any] = {
+    "camera": Window((0.0, 0.0), (4.0, 3.0)),
+    "labels": (),
+    "color_bar": False,
+    "size": SIZE,
+}
+"""60 pixels to a meter."""
+REST = pc.Flow(lambda time, x: 0.0 * x)
+
+
+def last(scene: pc.Scene, path: Path, duration: float, fps: float, **options: Any) -> np.ndarray:
+    """The last frame of a film, (H, W, 3)."""
+    recording = pc.simulate(scene, duration, fps=fps, dt=1e-2, integrator=pc.RungeKutta4())
+    pc.film(recording, path / "film.apng", **{**PLAIN_WINDOW, **options})
+    with Image.open(path / "film.apng") as image:
+        image.seek(image.n_frames - 1)
+        return np.asarray(image.convert("RGB")).astype(float)
+
+
+def sheets(count: int = 40_000) -> pc.Tracers:
+    """Two squares of a square meter, of which the right one has a tenth of the density."""
+    rng = np.random.default_rng(4)
+    left, right = rng.uniform(0.0, 1.0, (count, 2)), rng.uniform(0.0, 1.0, (count // 10, 2))
+    return pc.Tracers(np.concatenate([np.array([0.5, 1.0]) + left, np.array([2.5, 1.0]) + right]), REST)
+
+
+@pytest.mark.parametrize("theme", ["dark", "light"])
+def test_a_density_shows_the_dense_and_the_thin_and_does_not_saturate(theme: Any, tmp_path: Path) -> None:
+    """Light of 0.5 has the tone 0.80, a tenth of it 0.24: two thirds of the way to white, and well above the ground."""
+    picture = last(pc.Scene(sheets()), tmp_path, 0.0, 1.0, theme=theme)
+    ground = picture[5, 5] @ LUMA
+    tones = [abs((picture[70:110, left : left + 40] @ LUMA).mean() - ground) for left in (40, 160)]
+    assert 15.0 < tones[1] < 0.75 * tones[0]
+    assert tones[0] < 240.0
+    assert np.abs(picture[20:160, 100:140] - picture[5, 5]).max() < 2.0
+
+
+def test_a_density_is_exposed_for_its_typical_tracer_however_many_there_are(tmp_path: Path) -> None:
+    few, many = (
+        last(pc.Scene(sheets(count)), tmp_path, 0.0, 1.0, style=pc.styles.Density(spread=2.0))[70:110, 40:80].mean()
+        for count in (20_000, 80_000)
+    )
+    assert many == pytest.approx(few, rel=0.05)
+
+
+def test_strays_do_not_make_the_picture_larger(tmp_path: Path) -> None:
+    """Of ten thousand tracers one is a hundred times farther away."""
+    cloud = np.random.default_rng(5).uniform(-1.0, 1.0, (10_000, 2))
+    cloud[77] = (300.0, 0.0)
+    picture = last(pc.Scene(pc.Tracers(cloud, REST)), tmp_path, 0.0, 1.0, camera=None)
+    assert (np.abs(picture - picture[2, 2]).max(axis=2) > 30).mean() > 0.3
+
+
+def test_trails_follow_the_path_between_frames_and_fade(tmp_path: Path) -> None:
+    """A turn about (2, 1.5) in eight frames: a chord passes 4.6 pixels inside of the middle of its arc."""
+    turn = pc.Flow(lambda time, x: np.column_stack([1.5 - x[:, 1], x[:, 0] - 2.0]))
+    scene = pc.Scene(pc.Tracers([[3.0, 1.5]], turn))
+    picture = last(scene, tmp_path, 2.0 * np.pi * 6.0 / 8.0, 8.0 / (2.0 * np.pi), style=pc.styles.Trails(duration=9.0))
+    light = np.abs(picture - np.array(DARK.background)).sum(axis=2)
+
+    def beside(angle: float, radius: float) -> float:
+        """The most light within a pixel of a place."""
+        row, column = 180 - 60.0 * (1.5 + radius * np.sin(angle)), 60.0 * (2.0 + radius * np.cos(angle))
+        return float(light[int(row) - 1 : int(row) + 2, int(column) - 1 : int(column) + 2].max())
+
+    arcs = [beside((step + 0.5) * np.pi / 4.0, 1.0) for step in range(6)]
+    assert min(arcs[2:]) > 60.0
+    assert arcs[5] > 1.5 * arcs[1]
+    assert beside(4.5 * np.pi / 4.0, np.cos(np.pi / 8.0)) < 0.5 * arcs[4]
+
+
+def test_paths_that_fade_are_gone_after_their_time(tmp_path: Path) -> None:
+    """A particle at 1 m/s: of two seconds the last one is shown, fresh at its end."""
+    scene = pc.Scene(pc.Particles([[1.0, 1.5]], [[1.0, 0.0]]))
+    style = [pc.styles.Paths(fade=1.0), pc.styles.Points(trail=0.0)]
+    recording = pc.simulate(scene, 2.0, fps=10)
+    pc.film(recording, tmp_path / "film.apng", style=style, **PLAIN_WINDOW)
+    with Image.open(tmp_path / "film.apng") as image:
+        image.seek(image.n_frames - 1)
+        picture = np.asarray(image.convert("RGB")).astype(float)
+    light = np.abs(picture - np.array(DARK.background)).sum(axis=2)[88:92].max(axis=0)
+    assert light[60:118].max() < 3.0
+    assert light[165] > 1.5 * light[130] > 10.0
+
+
+def test_what_is_no_tracer_has_no_trail(tmp_path: Path) -> None:
+    wave = pc.Wave(pc.Grid((4, 4), 1.0), 1.0)
+    for style in (pc.styles.Trails(on=wave), pc.styles.Density(on=wave)):
+        with pytest.raises(pc.SceneError, match=rf"{type(style).__name__}.on: .* has no points; only tracers"):
+            last(pc.Scene(wave), tmp_path, 0.1, 10.0, style=style)

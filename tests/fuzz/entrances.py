@@ -25,6 +25,7 @@ VALID = {
         "upper": "(1.0, 1.0)",
         "particles": "4",
     },
+    **{"tracers": f"pc.Tracers({TRIANGLE}, pc.Flow(lambda time, x: -x))"},
     **{"flow": "pc.Flow(lambda time, x: -x)", "Flow.function": "lambda time, x: -x", "centers": TRIANGLE},
     **{"cells": "(3, 4)", "grid": "pc.Grid((3, 4), 0.5)", "where": "(0.5, 0.5)"},
     **{"reaction": "pc.GrayScott(0.04, 0.06)", "diffusion": "{'u': 0.1, 'v': 0.05}", "initial": "{'u': 1.0, 'v': 0.0}"},
@@ -88,7 +89,7 @@ ALWAYS: dict[str, dict[str, str]] = {
 RECEIVERS = {"Simulation": "pc.Simulation(SCENE, dt=1e-3, threads=1)", "Recording": "RECORDING", "Scene": "SCENE"}
 """Instances whose methods are called."""
 
-SLOW = ("film", "gif_bytes", "export", "simulate", "tradeoff", "record", "save", "stability_limit")
+SLOW = ("lyapunov", "film", "gif_bytes", "export", "simulate", "tradeoff", "record", "save", "stability_limit")
 """What takes milliseconds."""
 
 LONG = (
@@ -101,6 +102,7 @@ LONG = (
     "gif_bytes",
     "export",
     "tradeoff",
+    "lyapunov",
     "stability_limit",
     "plot",
     "ball",

@@ -15,11 +15,15 @@ from physcore.gallery.crystal import lattice_energy
 from physcore.gallery.figure import Figure
 from physcore.gallery.hourglass import GRAINS
 
-LONG = ("flag", "drape", "bowl", "labyrinth", "spirals")
+LONG = ("flag", "drape", "bowl", "labyrinth", "spirals", "butterfly", "vortex_street")
 """Demos that take more than five seconds, of those that have no test of their own."""
 FRAMES = 2
 """How many steps of a film the quick test simulates."""
-FEWER: dict[str, dict[str, int]] = {"hourglass": {"grains": 2000}}
+FEWER: dict[str, dict[str, int]] = {
+    "hourglass": {"grains": 2000},
+    "butterfly": {"tracers": 5000},
+    "vortex_street": {"dye": 5000},
+}
 """Options of that test for demos that take seconds to begin."""
 
 
@@ -31,7 +35,16 @@ def test_every_demo_starts_and_writes_its_film(name: str, tmp_path: Path, monkey
         assert duration * fps > FRAMES
         return whole(scene, FRAMES / fps, fps, **numerics)  # type: ignore[arg-type]
 
+    drawn = pc.film
+
+    def first_frames(
+        source: object, path: Path, *, duration: float | None = None, fps: float = 30.0, **options: object
+    ) -> None:
+        given = {} if duration is None else {"duration": FRAMES / fps, "fps": fps}
+        drawn(source, path, **given, **options)  # type: ignore[arg-type]
+
     monkeypatch.setattr(pc, "simulate", beginning)
+    monkeypatch.setattr(pc, "film", first_frames)
     for recording in demo(name).main(tmp_path / "film.gif", **FEWER.get(name, {})).values():
         assert len(recording.times) == FRAMES + 1
         assert np.isfinite(recording.positions).all()

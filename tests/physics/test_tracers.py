@@ -318,3 +318,15 @@ def test_lyapunov_refuses_what_it_cannot_do():
         pc.lyapunov(cloud, 0.0)
     with pytest.raises(pc.PhyscoreError, match=r"lyapunov.interval: neighbors parted by .* shorter interval"):
         pc.lyapunov(pc.Tracers(START, pc.Lorenz()), 40.0, interval=20.0, dt=0.005)
+
+
+def test_recordings_of_tracers_are_saved_and_not_exported_as_trajectories(tmp_path):
+    recording = pc.simulate(swirl(), 0.2, fps=10, dt=0.01)
+    recording.save(tmp_path / "run")
+    loaded = pc.load(tmp_path / "run")
+    for one, other in zip(recording.scene.systems, loaded.scene.systems, strict=True):
+        np.testing.assert_array_equal(recording[one].positions, loaded[other].positions)
+    assert loaded.budgets["hamiltonian"].unit == "m⁴/s²"
+    assert "7 tracers in 2D" in repr(loaded)
+    with pytest.raises(pc.SceneError, match=r"recording: .* there are neither; positions of tracers"):
+        pc.export(recording, tmp_path / "run.pvd")

@@ -36,14 +36,14 @@ def main(
     path: str | os.PathLike[str] = "butterfly.gif", progress: bool | None = None, tracers: int = TRACERS
 ) -> dict[str, pc.Recording]:
     """Simulate them while they are drawn, from an eye that goes round, and record the first ones."""
-    middle = {"target": (0.0, 0.0, 24.5), "extent": 56.0}
+    first, last = (Orbit(*angles, target=(0.0, 0.0, 24.5), extent=56.0) for angles in ((-90.0, 4.0), (-58.0, 8.0)))
     pc.film(
         scene(tracers),
         path,
         duration=DURATION,
         fps=FPS,
         size=(640, 480),
-        camera=Keyframes({0.0: Orbit(-90.0, 4.0, **middle), DURATION: Orbit(-58.0, 8.0, **middle)}),
+        camera=Keyframes({0.0: first, DURATION: last}),
         style=pc.styles.Density(exposure=0.7),
         speed=0.75,
         dt=1.0 / (16 * FPS),
@@ -57,5 +57,5 @@ def main(
 def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
     """⟨x y⟩/⟨z⟩ over all that was recorded after they have settled; the scatter of such a mean is a percent."""
     (recording,) = recordings.values()
-    x, y, z = np.moveaxis(recording["tracers"].positions[recording.times > SETTLED], -1, 0)  # type: ignore[index]
+    x, y, z = np.moveaxis(recording["tracers"].positions[recording.times > SETTLED], -1, 0)
     return Figure("mean of x y over that of z", float((x * y).mean() / z.mean()), BETA, "β", 0.02)

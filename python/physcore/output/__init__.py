@@ -72,7 +72,13 @@ def export(
         raise SceneError(
             f"recording: must be a Scene or what simulate(…) gives, with its energies, got {shown(recording)}"
         )
-    if not source.scene.bodies and not writer.holds_fields:
+    job = ExportJob(source, bar)
+    if not job.has_bodies and not job.grids:
+        raise SceneError(
+            "recording: trajectories hold particles and fields on grids, and there are neither; positions of tracers "
+            "are recording[tracers].positions, which numpy.save writes"
+        )
+    if not job.has_bodies and not writer.holds_fields:
         able = " or ".join(suffix for each in FORMATS if each.holds_fields for suffix in each.suffixes)
         raise SceneError(f"path: {target.suffix} holds particles, and there are only fields on grids; write {able}")
-    writer.write(ExportJob(source, bar), target)
+    writer.write(job, target)

@@ -7,9 +7,10 @@ from typing import Unpack
 
 import numpy as np
 
-from physcore.checks import FloatArray, shown, span
+from physcore.checks import FloatArray, flag, shown, span
 from physcore.errors import PhyscoreError, SceneError
-from physcore.numerics.choices import Options
+from physcore.numerics.choices import Options, steps_to
+from physcore.progress import Progress
 from physcore.scene.scene import Scene
 from physcore.simulation.simulation import Simulation
 from physcore.systems.point_vortices import PointVortices
@@ -59,6 +60,8 @@ def lyapunov(
     duration: float,
     transient: float = 0.0,
     interval: float | None = None,
+    *,
+    progress: bool | None = None,
     **numerics: Unpack[Options],
 ) -> Lyapunov:
     """The full spectrum of Lyapunov exponents of the flow that tracers are in.
@@ -80,6 +83,7 @@ def lyapunov(
         transient: how long tracers move before that, to be on the attractor, and neighbors, to turn to their directions
             [s].
         interval: the time between two orthonormalizations [s]; None: 2/max|∇v| at the tracers.
+        progress: whether to show a progress bar; None: on a terminal, when it takes longer than a second.
         numerics: integrator, dt and threads, as in Simulation; the precision is double.
 
     Raises:
@@ -99,17 +103,19 @@ def lyapunov(
     average, before = span(duration, "lyapunov.duration"), span(transient, "lyapunov.transient", empty=True)
     run, cloud = _with_neighbors(tracers, numerics)
     step = _interval(run) if interval is None else span(interval, "lyapunov.interval")
-    warm, count = int(np.ceil(before / step)), int(np.ceil(average / step))
+    warm, count = steps_to(before, step, 1e-9), max(1, steps_to(average, step, 1e-9))
     dimension = tracers.dimension
     # Along no axis: that may be a direction in which all stay that are on it.
     frame, _ = np.linalg.qr(np.random.default_rng(0).normal(size=(dimension, dimension)))
     frames = np.broadcast_to(frame, (len(tracers), dimension, dimension))
     growth, start = np.zeros((len(tracers), dimension)), run.time
-    for index in range(warm + count):
-        if index == warm:
-            growth[:], start = 0.0, run.time
-        logarithms, frames = _advance(run, cloud, frames, step)
-        growth += logarithms
+    with Progress(warm + count, "measuring", None if progress is None else flag(progress, "progress")) as bar:
+        for index in range(warm + count):
+            if index == warm:
+                growth[:], start = 0.0, run.time
+            logarithms, frames = _advance(run, cloud, frames, step)
+            growth += logarithms
+            bar.update(index + 1)
     each = growth / (run.time - start)
     each = each[:, np.argsort(-each.mean(axis=0))]
     scatter = each.std(axis=0, ddof=1) if len(each) > 1 else np.full(dimension, np.nan)

@@ -78,7 +78,7 @@ class Rossler(VelocityField):
 
 @dataclass(frozen=True)
 class Aizawa(VelocityField):
-    """Aizawa's flow: a ball of shells about an axis, along which what was thrown out comes back.
+    """Aizawa's flow: a ball of shells, with a tube along its axis.
 
         dust = pc.Tracers(0.1 * rng.normal(size=(1000, 3)), pc.Aizawa())
 
@@ -155,8 +155,8 @@ class Flow(VelocityField):
         dye = pc.Tracers(rng.uniform(size=(5000, 2)), stirring)
 
     The function is called once per stage of each step, on one thread, with the time [s] and the positions [m] of all
-    tracers, shape (N, D), which may be changed; it gives their velocities [m/s], of the same shape. What it does to one
-    tracer must not depend on others.
+    tracers, shape (N, D), which may be changed; it gives their velocities [m/s], of the same shape. The velocity of
+    one tracer must not depend on others.
 
     Args:
         function: gives the velocities.

@@ -16,7 +16,7 @@ pub struct Exposure<'a> {
 
 /// The light that the tone curve sees where a typical point is.
 const TYPICAL: f32 = 0.5;
-/// The tone from which on a color hides what is behind it.
+/// The tone from which on a color is opaque.
 const OPAQUE: f32 = 0.3;
 /// The exponent of displays.
 const DISPLAY: f32 = 2.2;
@@ -40,7 +40,7 @@ impl Film {
     /// Adds a point at a place, shared by the four nearest pixels.
     fn add(&mut self, [x, y]: [f32; 2]) {
         let (x, y) = (x - 0.5, y - 0.5);
-        // Written so that what is not a number is outside.
+        // Written so that NaN is outside.
         if !(x > -1.0 && y > -1.0 && x < self.width as f32 && y < self.height as f32) {
             return;
         }
@@ -94,7 +94,7 @@ impl Film {
 }
 
 impl Canvas {
-    /// Draws the density of points [pixels] over what is there, within the clip.
+    /// Draws the density of points [pixels] over the present picture, within the clip.
     pub fn density(&mut self, points: &[[f32; 2]], exposure: &Exposure<'_>) {
         let [left, top, right, bottom] = self.clipped();
         if left >= right || top >= bottom || exposure.table.is_empty() {

@@ -19,6 +19,8 @@ from physcore.simulation.sources import Source, SourceFrame
 
 SPREADS = (0.55, 1.3)
 """The smallest and the largest standard deviation of a tracer's light that is chosen by itself [pixels]."""
+WIDEST = 1000.0
+"""The largest one that can be asked for [pixels]."""
 SPACING = 0.25
 """That as a fraction of the mean distance that the tracers would have if they filled the panel."""
 FEW = 200
@@ -34,7 +36,7 @@ class Density(SystemStyle):
         pc.film(recording, "butterfly.gif", style=pc.styles.Density(colormap="magma", exposure=1.5))
 
     Each frame is exposed for the density in which its typical tracer is, so that thin sheets and the dense middle are
-    seen together. Nothing is hidden by what is nearer.
+    seen together. Light from behind passes through.
 
     Args:
         colormap: "inferno", "magma", "plasma", "viridis", "cividis", "water" or "ember".
@@ -56,7 +58,8 @@ class Density(SystemStyle):
         super().__post_init__()
         sequential(self.colormap, (0.0, 1.0), "Density.colormap")
         self._set(exposure=number(self.exposure, "Density.exposure", above=0.0, most=1e6))
-        self._set_positive("spread")
+        if self.spread is not None:
+            self._set(spread=number(self.spread, "Density.spread", above=0.0, most=WIDEST))
 
     def can_draw(self, item: object) -> bool:
         """Whether it consists of many points."""
@@ -68,7 +71,7 @@ class Density(SystemStyle):
 
 
 class PointsPainter(Painter):
-    """What painters of points have in common."""
+    """The base of painters of points."""
 
     def __init__(self, style: SystemStyle, source: Source, part: SystemPart) -> None:
         kind = type(style).__name__
@@ -93,7 +96,7 @@ class PointsPainter(Painter):
 
 
 class DensityPainter(PointsPainter):
-    """Draws the density behind what is added to the painting."""
+    """Draws the density behind all shapes."""
 
     def __init__(self, style: Density, source: Source, part: SystemPart, theme: Theme) -> None:
         super().__init__(style, source, part)

@@ -127,7 +127,7 @@ pub fn combine_all<N: Number, const D: usize>(weights: &[f64], start: &[N; D], s
     result
 }
 
-/// What gives the slopes of a step.
+/// The right-hand side of y' = f(y) in a step.
 pub trait Slope<N, const D: usize> {
     /// The slope at a state, the one of that number in the step.
     fn slope(&self, number: usize, state: [N; D]) -> [N; D];

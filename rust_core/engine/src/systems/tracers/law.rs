@@ -8,7 +8,7 @@ use crate::math::Real;
 use crate::parallel::{BlockedSlice, Executor};
 use crate::simd::{Isa, LANES, LevelKernel, Number, Pack, dispatch_level};
 
-/// A velocity v(x) [m/s]; what it depends on beside is known at each stage of an interval, by its number. All of its code is
+/// A velocity field v(x) [m/s], known at each stage of an interval, by the number of the stage. All of its code is
 /// `#[inline(always)]`, or it does not stay in registers.
 pub trait Law<T, const D: usize>: Copy + Send + Sync {
     /// v.
@@ -18,7 +18,7 @@ pub trait Law<T, const D: usize>: Copy + Send + Sync {
     fn gradient<N: Number<Scalar = T>>(&self, stage: usize, point: [N; D]) -> [[N; D]; D];
 }
 
-/// What is found when steps end.
+/// The state at the end of a batch: whether it is finite, and its error.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Outcome {
     /// 0, or NaN where a position is not finite.

@@ -88,7 +88,7 @@ type Declared<T, const D: usize> = fn(&Item, &Points<T, D>) -> Result<Box<dyn Fl
 struct Set {
     /// The name or the path of the item.
     item: String,
-    /// What one of them is called.
+    /// The word for one of them.
     element: &'static str,
 }
 
@@ -104,7 +104,7 @@ struct Tracers<T, const D: usize> {
     coefficients: Coefficients,
     /// The change of the Hamiltonian by changes of the state between steps [m⁴/s²].
     supplied: f64,
-    /// What the last batch ended with.
+    /// The outcome of the last batch.
     outcome: Outcome,
     /// 0 after each recorded step of the last batch, or NaN.
     activity: Vec<f64>,

@@ -23,7 +23,7 @@ pub struct Step {
 }
 
 impl<T: Real, const D: usize> Staged<T, D> {
-    /// What it takes for so many points.
+    /// Memory for so many points.
     pub fn new(count: usize) -> Self {
         Self { slopes: std::array::from_fn(|_| Points::zeros(count)), state: Points::zeros(count) }
     }

@@ -106,8 +106,8 @@ impl<T: Real> VortexLaw<'_, T> {
         [&self.places[0][stage * count..][..count], &self.places[1][stage * count..][..count]]
     }
 
-    /// The offset from a vortex, 1/(|offset|² + δ²), and Γ/(2π) times that. A vortex does not move itself, nor what is at its
-    /// center.
+    /// The offset from a vortex, 1/(|offset|² + δ²), and Γ/(2π) times that; both are 0 at its center, so that it does not move
+    /// itself.
     #[inline(always)]
     fn swirl<N: Number<Scalar = T>>(&self, [x, y]: [N; 2], place: [T; 2], strength: T) -> ([N; 2], N, N) {
         let offset = [x - N::of(place[0]), y - N::of(place[1])];
