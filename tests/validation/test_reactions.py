@@ -228,7 +228,9 @@ def stripes(run: pc.Simulation) -> Array:
     return v > 0.5 * v.max()
 
 
-@pytest.mark.parametrize(("name", "least", "most"), [("gamma", -60, -8), ("kappa", 0, 0), ("mu", 4, 4)])
+@pytest.mark.parametrize(
+    ("name", "least", "most"), [pytest.param("gamma", -60, -8, marks=pytest.mark.long), ("kappa", 0, 0), ("mu", 4, 4)]
+)
 def test_j06_the_first_lines_of_a_pattern(name, least, most, record_property):
     """By χ after 10 000 s. Kappa makes one closed line of the square, mu tears it into four worms with free ends; gamma
     has filled the plane with stripes that branch.
