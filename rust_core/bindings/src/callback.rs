@@ -5,7 +5,7 @@ use std::sync::Arc;
 use numpy::{PyArrayDescrMethods, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArray, PyUntypedArrayMethods, ToPyArray};
 use physcore_engine::error::Cause;
 use physcore_engine::scene::{Argument, Callback, Failure};
-use pyo3::exceptions::PyValueError;
+use pyo3::exceptions::{PyException, PyKeyError, PyValueError};
 use pyo3::gc::{PyTraverseError, PyVisit};
 use pyo3::prelude::*;
 use pyo3::types::{PyFloat, PyTuple};
@@ -96,10 +96,18 @@ fn real(given: &Bound<'_, PyAny>, shape: &[usize], expected: &str) -> Result<Vec
 fn is_masked(given: &Bound<'_, PyAny>) -> PyResult<bool> {
     let py = given.py();
     let modules = py.import("sys")?.getattr("modules")?;
-    let Ok(masked) = modules.get_item("numpy.ma") else { return Ok(false) };
-    // A list may hold masked arrays; an irregular list is refused as such.
-    let whole = if given.is_instance_of::<PyUntypedArray>() { Ok(given.clone()) } else { masked.call_method1("array", (given,)) };
-    whole.map_or(Ok(false), |whole| masked.call_method1("is_masked", (whole,))?.is_truthy())
+    let masked = match modules.get_item("numpy.ma") {
+        Err(error) if error.is_instance_of::<PyKeyError>(py) => return Ok(false),
+        other => other?,
+    };
+    if given.is_instance_of::<PyUntypedArray>() {
+        return masked.call_method1("is_masked", (given,))?.is_truthy();
+    }
+    match masked.call_method1("array", (given,)) {
+        // A list may hold masked arrays; an irregular list is refused as such. An interrupt is no `Exception`, and passes.
+        Err(error) if error.is_instance_of::<PyException>(py) => Ok(false),
+        whole => masked.call_method1("is_masked", (whole?,))?.is_truthy(),
+    }
 }
 
 /// A shape in Python's notation.

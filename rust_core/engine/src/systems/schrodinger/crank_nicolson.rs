@@ -47,20 +47,35 @@ impl<T: Real> Line<T> {
         Self { hopping: T::from_f64(hopping), ends: ends.map(own), periodic: ends[0] == Edge::Periodic && cells > 2 }
     }
 
-    /// Solves (1 + iA) χ = ψ in place and returns 2χ − ψ, where A has the diagonal `hopping` · 2 + `diagonal`.
+    /// Adds to ψ the solution of (1 + iA) δ = −2iAψ, where A has the diagonal `hopping` · 2 + `diagonal`: the increment is small, and
+    /// its rounding with it.
     fn advance(&self, line: &mut [Complex<T>], memory: &mut [Complex<T>], diagonal: impl Fn(usize) -> T) {
         let count = line.len();
         let (ratios, rest) = memory.split_at_mut(count);
         let (solution, around) = rest.split_at_mut(count);
         let two = T::ONE + T::ONE;
+        let blank = Complex { re: T::ZERO, im: T::ZERO };
         // On a ring of two cells each is the other's neighbor on both sides, on one of one cell nothing hops.
         let ring = self.ends == [T::ZERO; 2] && !self.periodic;
-        let beside = Complex { re: T::ZERO, im: if ring && count == 2 { -two * self.hopping } else { -self.hopping } };
-        let own = |cell: usize| {
-            let mut links = if ring && count == 1 { T::ZERO } else { two };
-            links += if cell == 0 { self.ends[0] } else { T::ZERO };
-            links += if cell + 1 == count { self.ends[1] } else { T::ZERO };
-            Complex { re: T::ONE, im: self.hopping * links + diagonal(cell) }
+        let weight = if ring && count == 2 { two } else { T::ONE };
+        let beside = Complex { re: T::ZERO, im: -(weight * self.hopping) };
+        let links = |cell: usize| {
+            let inner = if ring && count == 1 { T::ZERO } else { two };
+            let lower = if cell == 0 { self.ends[0] } else { T::ZERO };
+            inner + lower + if cell + 1 == count { self.ends[1] } else { T::ZERO }
+        };
+        let own = |cell: usize| Complex { re: T::ONE, im: self.hopping * links(cell) + diagonal(cell) };
+        // −2iAψ by differences, which lose nothing where ψ is smooth.
+        let right = |cell: usize| {
+            let (here, mut rest, mut bend) = (line[cell], links(cell), blank);
+            let lower = if cell > 0 { Some(cell - 1) } else { self.periodic.then_some(count - 1) };
+            let upper = if cell + 1 < count { Some(cell + 1) } else { self.periodic.then_some(0) };
+            for neighbor in [lower, upper].into_iter().flatten() {
+                let away = minus(here, line[neighbor]);
+                (bend.re, bend.im, rest) = (bend.re + weight * away.re, bend.im + weight * away.im, rest - weight);
+            }
+            let (hopping, factor) = (two * self.hopping, two * (self.hopping * rest + diagonal(cell)));
+            Complex { re: hopping * bend.im + factor * here.im, im: -(hopping * bend.re + factor * here.re) }
         };
         // Of a ring the corners are taken out: A = A' + u vᵀ with u = (γ, 0 …, b), v = (1, 0 …, b/γ) (Sherman, Morrison).
         let gamma = Complex { re: -own(0).re, im: -own(0).im };
@@ -70,14 +85,13 @@ impl<T: Real> Line<T> {
             cell if self.periodic && cell + 1 == count => minus(own(cell), corner),
             cell => own(cell),
         };
-        let blank = Complex { re: T::ZERO, im: T::ZERO };
         let mut last = blank;
         for cell in 0..count {
             let pivot = inverse(minus(own(cell), product(beside, last)));
             last = product(beside, pivot);
             ratios[cell] = last;
             let before = if cell == 0 { blank } else { solution[cell - 1] };
-            solution[cell] = product(pivot, minus(line[cell], product(beside, before)));
+            solution[cell] = product(pivot, minus(right(cell), product(beside, before)));
             if self.periodic {
                 let unit = if cell == 0 {
                     gamma
@@ -110,7 +124,7 @@ impl<T: Real> Line<T> {
         for cell in 0..count {
             let lost = if self.periodic { product(share, around[cell]) } else { blank };
             let value = minus(solution[cell], lost);
-            line[cell] = Complex { re: two * value.re - line[cell].re, im: two * value.im - line[cell].im };
+            line[cell] = Complex { re: line[cell].re + value.re, im: line[cell].im + value.im };
         }
     }
 }
