@@ -53,7 +53,7 @@ def main(
 
 
 def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
-    """β from the means over all tracers: ∫⟨x y⟩ dt less the change of ⟨z⟩, over ∫⟨z⟩ dt, by trapezoids between frames."""
+    """β from means over all tracers: ∫⟨x y⟩ dt less the change of ⟨z⟩, over ∫⟨z⟩ dt, by trapezoids between frames."""
     (recording,) = recordings.values()
     x, y, z = np.moveaxis(recording["tracers"].positions, -1, 0)
     source, height = (np.trapezoid(mean, recording.times) for mean in ((x * y).mean(axis=1), z.mean(axis=1)))
