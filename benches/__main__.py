@@ -1,4 +1,4 @@
-"""Every speed that physcore promises, measured beside NumPy and Numba in one run: `make bench`, or `python benches`."""
+"""Every speed that physcore promises, beside NumPy, Numba and FFTW in one run: `make bench`, or `python benches`."""
 
 from __future__ import annotations
 
@@ -17,8 +17,10 @@ import gravitation
 import numpy as np
 import overheads
 import particles
+import reactions
 import springs
 import tracers
+import wave_functions
 import waves
 from measure import machine
 from rivals.jit import clock
@@ -76,6 +78,14 @@ TARGETS = (
     Target("wave f64, 8192² over 1024²", 1.3, "times as long", at_most=True),
     Target("small wave f32", 100_000, "steps/s"),
     Target("small wave f64", 100_000, "steps/s"),
+    Target("reaction f32", 1.3, "G cell-updates/s"),
+    Target("reaction f64", 0.7, "G cell-updates/s"),
+    Target("two threads, reaction f32", 1.7, "times one"),
+    Target("two threads, reaction f64", 1.7, "times one"),
+    Target("split step f32", 11.0, "ms", at_most=True),
+    Target("split step f64", 20.0, "ms", at_most=True),
+    Target("two threads, split step f32", 1.7, "times one"),
+    Target("two threads, split step f64", 1.7, "times one"),
     Target("gravitation f64", 1.0, "G pairs/s"),
     Target("gravitation f32", 3.0, "G pairs/s"),
     Target("two threads, gravitation f64", 1.8, "times one"),
@@ -99,7 +109,8 @@ def main() -> None:
     print(f"physcore {pc.__version__}, NumPy {np.__version__}, Numba {version('numba')}")
     print("physcore audits and watches for divergence in every run; its opponents do neither.")
     figures = particles.main() | springs.main() | fluids.main() | waves.main()
-    figures |= gravitation.main() | tracers.main() | overheads.main() | accuracy.main()
+    figures |= reactions.main() | wave_functions.main() | gravitation.main()
+    figures |= tracers.main() | overheads.main() | accuracy.main()
     print()
     film.main()
     print(f"\nTargets, as set on a Zen 4 core of about 3.6 GHz; measured here, not scaled: {where}")

@@ -115,6 +115,9 @@ def simulation(**options: Any) -> pc.Simulation:
 
 
 WAVES = [pc.Simulation(pc.Scene(wave), dt=1e-3)[wave] for wave in [pc.Wave(pc.Grid((3, 4), 0.5), 1.0)]]
+FUNCTIONS = [
+    pc.Simulation(pc.Scene(psi), dt=1e-3)[psi] for psi in [pc.Schrodinger(pc.Grid((3, 4), 0.5), np.ones((3, 4)))]
+]
 CALLS: dict[str, tuple[Callable[..., object], dict[str, Any]]] = {
     "Particles": (pc.Particles, {"positions": POINTS}),
     "SpringNetwork": (pc.SpringNetwork, {"positions": POINTS, "pairs": [[0, 1]], "stiffness": 1.0}),
@@ -152,11 +155,42 @@ CALLS: dict[str, tuple[Callable[..., object], dict[str, Any]]] = {
     "PointVortices": (pc.PointVortices, {"centers": POINTS, "circulations": 1.0}),
     "Source": (pc.Source, {"where": (0.5, 0.5), "amplitude": 1.0, "frequency": 1.0}),
     "Ricker": (pc.Ricker, {"frequency": 1.0}),
+    "ReactionDiffusion": (
+        pc.ReactionDiffusion,
+        {
+            "grid": pc.Grid((3, 4), 0.5),
+            "reaction": pc.GrayScott(0.04, 0.06),
+            "diffusion": {"u": 1.0, "v": 0.5},
+            "initial": {"u": 1.0, "v": 0.0},
+        },
+    ),
+    "a species": (
+        lambda u=1.0, v=0.5: pc.ReactionDiffusion(
+            pc.Grid((3, 4), 0.5), pc.GrayScott(0.04, 0.06), {"u": u, "v": v}, {"u": 1.0, "v": v}
+        ),
+        {},
+    ),
+    "GrayScott": (pc.GrayScott, {"feed": 0.04, "kill": 0.06}),
+    "GrayScott.pearson": (pc.GrayScott.pearson, {"pattern": "mu"}),
+    "FitzHughNagumo": (pc.FitzHughNagumo, {}),
+    "Brusselator": (pc.Brusselator, {"a": 1.0, "b": 2.0}),
+    "Schnakenberg": (pc.Schnakenberg, {"a": 0.1, "b": 0.9}),
+    "Reaction": (pc.Reaction, {"species": ("n",), "function": lambda n: (n * (1.0 - n),)}),
+    "Schrodinger": (pc.Schrodinger, {"grid": pc.Grid((3, 4), 0.5), "wave_function": np.ones((3, 4))}),
+    "wave_packet": (pc.wave_packet, {"grid": pc.Grid((3, 4), 0.5), "center": 1.0, "momentum": 1.0, "width": 0.5}),
+    "SplitStep": (pc.SplitStep, {}),
+    "CrankNicolson": (pc.CrankNicolson, {}),
+    "Staggered": (pc.Staggered, {}),
+    "RungeKuttaChebyshev": (pc.RungeKuttaChebyshev, {}),
     "a part of a system": (
         lambda displacement=0.0, rate=0.0: WAVES[0].set(
             displacement=0.0 if displacement is None else displacement, rate=rate
         ),
         {},
+    ),
+    "a part of a wave function": (
+        lambda wave_function=1.0: FUNCTIONS[0].set(wave_function=wave_function),
+        {"wave_function": np.ones((3, 4))},
     ),
     "WendlandC2": (pc.WendlandC2, {}),
     "WendlandC4": (pc.WendlandC4, {}),

@@ -28,6 +28,12 @@ VALID = {
     **{"tracers": f"pc.Tracers({TRIANGLE}, pc.Flow(lambda time, x: -x))"},
     **{"flow": "pc.Flow(lambda time, x: -x)", "Flow.function": "lambda time, x: -x", "centers": TRIANGLE},
     **{"cells": "(3, 4)", "grid": "pc.Grid((3, 4), 0.5)", "where": "(0.5, 0.5)"},
+    **{"reaction": "pc.GrayScott(0.04, 0.06)", "diffusion": "{'u': 0.1, 'v': 0.05}", "initial": "{'u': 1.0, 'v': 0.0}"},
+    **{
+        "wave_function": "np.ones((3, 4))",
+        "Reaction.species": "('n',)",
+        "Reaction.function": "lambda n: (n * (1 - n),)",
+    },
     **{"center": "(0.0, 0.0)", "point": "(0.0, -9.0)", "normal": "(0.0, 1.0)", "acceleration": "(0.0, -9.81)"},
     **{"shape": "(3, 3)", "function": "lambda time, x, v: -x", "scene": "SCENE", "recording": "RECORDING", "key": "0"},
     **{
@@ -74,10 +80,11 @@ QUIET = {"progress": "False"}
 ALWAYS: dict[str, dict[str, str]] = {
     "film": {"size": "(32, 32)", **QUIET},
     "gif_bytes": {"size": "(32, 32)"},
+    "Source": {"frequency": "1.0"},
     "tradeoff": {"budget": "0.01", **QUIET},
     **dict.fromkeys(("export", "simulate", "Simulation.record"), QUIET),
 }
-"""What is given, so that a call takes no time."""
+"""Optional arguments that are given: calls take no time then, and are valid."""
 
 RECEIVERS = {"Simulation": "pc.Simulation(SCENE, dt=1e-3, threads=1)", "Recording": "RECORDING", "Scene": "SCENE"}
 """Instances whose methods are called."""

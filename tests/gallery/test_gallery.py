@@ -15,7 +15,7 @@ from physcore.gallery.crystal import lattice_energy
 from physcore.gallery.figure import Figure
 from physcore.gallery.hourglass import GRAINS
 
-LONG = ("flag", "drape", "bowl", "butterfly", "vortex_street")
+LONG = ("flag", "drape", "bowl", "labyrinth", "spirals", "butterfly", "vortex_street")
 """Demos that take more than five seconds, of those that have no test of their own."""
 FRAMES = 2
 """How many steps of a film the quick test simulates."""
@@ -83,6 +83,9 @@ def shown(tmp_path: Path, record_property: Callable[[str, object], None]) -> Cal
         "whispering_gallery",
         "tunnelling",
         "electron_slits",
+        "harmonic_trap",
+        "scattering",
+        "turing",
         "figure_eight",
         "solar_system",
         "collision",
@@ -91,7 +94,9 @@ def shown(tmp_path: Path, record_property: Callable[[str, object], None]) -> Cal
 )
 def test_a_figure_holds_and_the_budget_closes(name: str, shown: Callable[[str], pc.Recording]) -> None:
     """The demos of which there is no more to assert; the tests below run the others whole."""
-    assert abs(shown(name).energy.drift).max() < 0.02
+    recording = shown(name)
+    for budget in (recording.energy, *recording.budgets.values()):
+        assert abs(budget.drift).max() < 0.02
 
 
 def test_every_demo_is_run_whole() -> None:

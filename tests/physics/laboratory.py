@@ -55,6 +55,15 @@ def state(run: pc.Simulation) -> Array:
     return np.stack([run.positions, run.velocities])
 
 
+def modal_frequency(series: Array, dt: float) -> float:
+    """ω of a mode from its coordinate q_n at every step of Verlet, which obeys q_(n+1) + q_(n−1) = (2 − ω² dt²) q_n.
+
+    By least squares over the run. The catalogue compares 2/dt · asin(ω dt/2): the same statement, solved for ω.
+    """
+    q = series[1:-1]
+    return float(np.sqrt(-(q @ (series[2:] - 2.0 * q + series[:-2])) / (q @ q)) / dt)
+
+
 def line(x: Array, dimension: int = 2) -> Array:
     """Points along the x axis."""
     return np.pad(np.asarray(x, dtype=float)[:, None], ((0, 0), (0, dimension - 1)))

@@ -164,3 +164,110 @@ def test_what_is_set_counts_as_supplied_and_checkpoints_go_on(tmp_path) -> None:
 def test_bad_input(values: dict[str, object], message: str) -> None:
     with pytest.raises(pc.SceneError, match=message):
         pc.Schrodinger(pc.Grid((8,), 1.0), **{"wave_function": np.ones(8), **values})
+
+
+def landscape(x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """A potential without symmetry."""
+    return 0.1 * (x - 4.0) ** 2 + 0.3 * np.sin(y) * x
+
+
+@pytest.mark.parametrize("method", METHODS, ids=repr)
+def test_wave_functions_superpose(method: pc.Integrator) -> None:
+    """Without interaction the motion of a sum is the sum of motions, to the rounding of 50 steps; with it, it is not.
+
+    Staggered has real and imaginary parts half a step apart: its motion is linear over real numbers.
+    """
+    grid = pc.Grid((24, 20), 0.4)
+    one, two = pc.wave_packet(grid, (3.0, 4.0), (1.0, 0.0), 1.0), pc.wave_packet(grid, (6.0, 4.0), (-1.0, 0.5), 0.8)
+
+    def end(start: np.ndarray, interaction: float) -> np.ndarray:
+        item = pc.Schrodinger(grid, start, landscape, interaction=interaction)
+        return run(item, method, 0.02, 50)[item].wave_function
+
+    share = -0.5 if method == pc.Staggered() else 1j
+
+    def excess(interaction: float) -> float:
+        together = end(2.0 * one + share * two, interaction)
+        return float(np.abs(together - 2.0 * end(one, interaction) - share * end(two, interaction)).max())
+
+    assert excess(0.0) < 1e-13
+    if method != pc.Staggered():
+        assert excess(1.0) > 1e-2
+
+
+@pytest.mark.parametrize("interaction", [0.0, -1.0])
+@pytest.mark.parametrize("method", METHODS[:2], ids=repr)
+def test_a_moving_observer_sees_the_same_density(method: pc.Integrator, interaction: float) -> None:
+    """ψ exp(iqx/ħ) moves by qt/m more, with the same |ψ|²: to rounding without interaction; with it the nonlinear term
+    makes waves that the grid does not have, of |ψ̂|² at a third of its largest wave number.
+    """
+    grid = pc.Grid((240,), 0.1, origin=-12.0, periodic=True)
+    (x,) = grid.coordinates
+    start = np.exp(-(x**2) / 2.0) * (1.0 + 0.3 * x)
+    boost, mass = 2.0 * np.pi * 3 / 24.0, 1.3
+    time = 30 * 0.1 * mass / boost  # 30 cells
+    densities = []
+    for momentum in (0.0, boost):
+        item = pc.Schrodinger(grid, start * np.exp(1j * momentum * x), mass=mass, interaction=interaction)
+        densities.append(run(item, method, time / 1000, 1000)[item].density)
+    moved = np.roll(densities[0], 30)
+    assert np.abs(moved - densities[0]).max() > 0.1
+    assert np.abs(densities[1] - moved).max() < (1e-12 if interaction == 0.0 else 1e-9)
+
+
+@pytest.mark.parametrize("method", METHODS, ids=repr)
+@pytest.mark.parametrize("edges", ["fixed", "free", "periodic"])
+@pytest.mark.parametrize("cells", [60, 64])
+def test_parity_is_kept(method: pc.Integrator, edges: str, cells: int) -> None:
+    """A wave function that is even or odd about the middle stays so: to the bit with Staggered, whose neighbors are on
+    both sides; elsewhere to the rounding of 300 steps of up to five substeps, in which sums run from one end on.
+    """
+    grid = pc.Grid((cells,), 0.25, origin=-cells / 8, periodic=edges == "periodic")
+    packet = pc.wave_packet(grid, 2.0, 1.0, 1.0)
+    words = {} if edges == "periodic" else {"edges": edges}
+    for sign in (1.0, -1.0):
+        item = pc.Schrodinger(grid, packet + sign * packet[::-1], lambda x: 0.1 * x * x, **words)
+        end = run(item, method, 0.01, 300)[item].wave_function
+        off = np.abs(end - sign * end[::-1]).max()
+        assert off <= (0.0 if method == pc.Staggered() else 1e-12)
+
+
+@pytest.mark.parametrize("method", METHODS, ids=repr)
+def test_the_period_in_a_trap_has_the_order_of_the_method(method: pc.Integrator) -> None:
+    """Of a packet at 2 m from the middle, by its place after a quarter: 2 δω t. That of the grid, which methods of
+    differences have besides, is the same for each step, and drops out of differences. Staggered shows its second-order
+    error of the real part half a step later.
+    """
+    grid = pc.Grid((64,), 0.25, origin=-8.0)
+    (x,) = grid.coordinates
+    item = pc.Schrodinger(grid, pc.wave_packet(grid, 2.0, 0.0, math.sqrt(0.5)), lambda x: 0.5 * x * x)
+    base = {2: 24, 4: 24}[method.order] if method != pc.Staggered() else 100
+    places = []
+    for steps in (base, 2 * base, 4 * base):
+        density = run(item, method, 0.5 * math.pi / steps, steps)[item].density
+        places.append(float(density @ x / density.sum()))
+    assert math.log2(abs(places[0] - places[1]) / abs(places[1] - places[2])) == pytest.approx(method.order, abs=0.2)
+    if isinstance(method, pc.SplitStep) and method.order == 2:  # a leapfrog's frequency is 1 + dt²/24
+        assert places[0] == pytest.approx(-2.0 * (0.5 * math.pi) ** 3 / 24.0 / base**2, rel=0.02)
+
+
+@pytest.mark.parametrize("method", [pc.SplitStep(), pc.CrankNicolson(), pc.Staggered()], ids=repr)
+@pytest.mark.parametrize("cells", [(60,), (60, 16)], ids=["1D", "2D"])
+def test_an_absorbing_edge_meters_what_the_grid_loses(method: pc.Integrator, cells: tuple[int, ...]) -> None:
+    """The packet leaves at x+; what has been removed is the norm that is missing, at any time: to rounding, and with
+    Staggered, which keeps R² + I₊I₋ instead of |ψ|², up to its (E dt)² of what changes in a step.
+    """
+    grid = pc.Grid(cells, 0.2)
+    packet = pc.wave_packet(grid, [6.0, 1.6][: len(cells)], [3.0, 0.0][: len(cells)], [0.8, 0.4][: len(cells)])
+    item = pc.Schrodinger(grid, packet, edges={"x+": "absorbing"})
+    simulation = pc.Simulation(pc.Scene(item), integrator=method, dt=0.005, precision="f64")
+    removed = []
+    for _ in range(16):
+        simulation.step(50)
+        amount = simulation.budgets()["probability"]
+        removed.append(amount.removed_by["edges"])
+        missing = 1.0 - float((np.abs(simulation[item].wave_function) ** 2).sum()) * 0.2 ** len(cells)
+        assert abs(removed[-1] - missing) < (1e-6 if method == pc.Staggered() else 2e-12)
+    assert removed[0] < 1e-6
+    assert (np.diff(removed) > 0.0).all()
+    assert removed[-1] > 0.98

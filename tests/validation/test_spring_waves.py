@@ -9,20 +9,11 @@ import numpy as np
 import pytest
 
 import physcore as pc
-from physics.laboratory import Array, line, membrane, simulation
+from physics.laboratory import Array, line, membrane, modal_frequency, simulation
 
 pytestmark = pytest.mark.validation
 
 VERLET = pc.VelocityVerlet()
-
-
-def modal_frequency(series: Array, dt: float) -> float:
-    """ω of a mode from its coordinate q_n at every step of Verlet, which obeys q_(n+1) + q_(n−1) = (2 − ω² dt²) q_n.
-
-    By least squares over the run. The catalogue compares 2/dt · asin(ω dt/2): the same statement, solved for ω.
-    """
-    q = series[1:-1]
-    return float(np.sqrt(-(q @ (series[2:] - 2.0 * q + series[:-2])) / (q @ q)) / dt)
 
 
 # E01. Source: ω_n = 2 √(k/m) sin(nπ/(2(N+1))), N = 10, k = m = 1, fixed ends.

@@ -143,7 +143,7 @@ def check(options: Options, scene: Scene) -> Numerics:
     integrator = next(iter(chosen.values()))
     for each in chosen.values():
         if isinstance(dt, AdaptiveStep) and dt.tolerance is not None and not each.embedded:
-            able = " or ".join(f"{kind.__name__}()" for kind in INTEGRATORS if kind.embedded)
+            able = " or ".join(f"{kind.__name__}()" for kind in suited(scene) if kind.embedded)
             raise SceneError(
                 f"dt: AdaptiveStep(tolerance=…) needs an integrator that estimates its errors, {able}, "
                 f"got {type(each).__name__}(); without a tolerance the step follows the scene's limit"
@@ -168,6 +168,13 @@ def _max_energy_growth(options: Options) -> float | None:
     if growth is not None:
         raise SceneError("runaway: is the old name of max_energy_growth, which is given too")
     return before
+
+
+def suited(scene: Scene) -> list[type[Integrator]]:
+    """The integrators that can drive something in a scene."""
+    equations = {"second order"} if scene.bodies else set()
+    equations |= {each.equation for each in scene.systems}
+    return [kind for kind in INTEGRATORS if not equations.isdisjoint(kind.solves)]
 
 
 def _integrators(value: object, scene: Scene) -> dict[str, Integrator]:

@@ -283,6 +283,10 @@ class GridSystem(System):
         """The number of dimensions of space."""
         return self.grid.dimension
 
+    def unit(self, field: str) -> str:
+        """The unit of a field, with the number of dimensions D."""
+        return self.units[field].replace("D", str(self.grid.dimension))
+
     def shapes(self) -> dict[str, tuple[int, ...]]:
         """The shapes of its fields by name."""
         return dict.fromkeys(self.units, self.grid.cells)

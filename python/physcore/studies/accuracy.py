@@ -10,8 +10,7 @@ from typing import Unpack
 from physcore.checks import flag, is_word, number, span
 from physcore.errors import AccuracyError, SceneError
 from physcore.forces import SoftSpheres
-from physcore.numerics.choices import FRAMES_PER_SECOND, Options, check
-from physcore.numerics.integrators import INTEGRATORS
+from physcore.numerics.choices import FRAMES_PER_SECOND, Options, check, suited
 from physcore.scene.scene import Scene
 from physcore.simulation.frames import frame_count
 from physcore.simulation.recording import Recording, check_channels, refuse_if_too_large
@@ -115,7 +114,7 @@ def _search(
     def record(choice: Choice) -> Trial:
         return experiment.recorded(choice, duration, fps, tuple(dict.fromkeys((primary(scene), *channels))))
 
-    some = [kind() for kind in INTEGRATORS if kind.order > 1] if is_word(given, "auto") else [numerics.integrator]
+    some = [kind() for kind in suited(scene) if kind.order > 1] if is_word(given, "auto") else [numerics.integrator]
     found = methods(experiment, some, numerics.precision)
     if any(isinstance(force, SoftSpheres) for force in scene.forces):
         # Their force begins with a kink, which leaves order two to all methods.

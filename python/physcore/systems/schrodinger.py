@@ -9,7 +9,7 @@ from typing import Any, ClassVar, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from physcore.checks import FloatArray, array, called, frozen, number, regular, require, shown, text
+from physcore.checks import LONGEST, FloatArray, array, called, frozen, number, regular, require, shown, text
 from physcore.errors import SceneError
 from physcore.scene.grid import Absorbing, Field, Grid, GridSystem
 from physcore.scene.items import Equation
@@ -44,16 +44,21 @@ def wave_packet(
         raise SceneError(f"wave_packet.grid: must be a Grid, got {shown(grid)}")
     given = {"center": center, "momentum": momentum, "width": width}
     places, momenta, widths = (_per_axis(value, grid, f"wave_packet.{name}") for name, value in given.items())
+    require(np.abs(places) <= LONGEST, places, "wave_packet.center", f"at most {LONGEST:g} in size")
     require(widths > 0.0, widths, "wave_packet.width", "> 0")
     unit = number(hbar, "wave_packet.hbar", above=0.0)
-    exponent: ComplexArray = np.zeros(grid.cells, dtype=np.complex128)
-    for axis, x in enumerate(grid.coordinates):
-        away = x - places[axis]
-        if grid.periodic[axis]:
-            length = grid.cells[axis] * grid.spacing
-            away = away - length * np.rint(away / length)
-        exponent += -((away / widths[axis]) ** 2) / 4.0 + 1j * momenta[axis] * away / unit
-    packet: ComplexArray = np.exp(exponent)
+    envelope, phase = np.zeros(grid.cells), np.zeros(grid.cells)
+    with np.errstate(over="ignore", invalid="ignore"):  # of a very narrow packet nothing is left beside its center
+        for axis, x in enumerate(grid.coordinates):
+            away = x - places[axis]
+            if grid.periodic[axis]:
+                length = grid.cells[axis] * grid.spacing
+                away = away - length * np.rint(away / length)
+            envelope -= (away / widths[axis]) ** 2 / 4.0
+            phase += momenta[axis] * away * (1.0 / unit)
+    if not np.isfinite(phase).all():
+        raise SceneError(f"wave_packet.momentum: p x/ħ must be finite, got {shown(momentum)} with ħ = {unit:g} J·s")
+    packet: ComplexArray = np.exp(envelope + 1j * phase)
     norm = float(np.sum(np.abs(packet) ** 2)) * grid.spacing**grid.dimension
     if not norm > 0.0:
         raise SceneError(f"wave_packet.center: must be on the grid or near it, got {shown(center)}")
@@ -183,7 +188,7 @@ def _pairs(value: object, grid: Grid, path: str) -> FloatArray:
     if given.shape == (*grid.cells, 2) and given.dtype.kind != "c":
         parts = array(given, path)
     else:
-        each = (given.real, given.imag) if given.dtype.kind == "c" else (given, np.zeros(given.shape))
+        each = (given.real, given.imag) if given.dtype.kind == "c" else (given, np.broadcast_to(0.0, given.shape))
         both = [grid.field((lambda *_, part=part: part) if callable(value) else part, path) for part in each]
         parts = np.stack(both, axis=-1)
     if not parts.any():

@@ -110,7 +110,7 @@ class GridPainter(Painter):
         self.quantity = next(iter(units)) if quantity is None else quantity
         if self.quantity not in units:
             raise SceneError(f"{path}.quantity: must be one of {', '.join(units)}, got {self.quantity!r}")
-        self.unit, self._field = units[self.quantity], f"{part.path}.{self.quantity}"
+        self.unit, self._field = part.system.unit(self.quantity), f"{part.path}.{self.quantity}"
         if not source.has(self._field):
             raise SceneError(f"{path}.quantity: {self._field} was not recorded; record it: channels=({self._field!r},)")
         self._typical: list[float] = []

@@ -12,13 +12,14 @@ from physcore._core import Canvas
 from physcore.checks import FloatArray, text
 from physcore.errors import SceneError
 from physcore.film.camera.view import View
-from physcore.film.colors.themes import Theme, mixed
+from physcore.film.colors.themes import Color, Theme, mixed
 from physcore.film.labels.text import ends, text_height
 from physcore.film.looks.base import lines
 from physcore.film.styles.base import Painter, SystemPart, SystemStyle
 from physcore.film.styles.grid_field import GridPainter
 from physcore.scene.grid import GridSystem
 from physcore.simulation.sources import Source, SourceFrame
+from physcore.systems.schrodinger import Schrodinger
 
 ASPECT = 0.3
 """The height of a curve over its length that the picture has at least room for, up and down."""
@@ -28,6 +29,8 @@ WIDTH = 2.4
 """The width of a curve [pixels]."""
 FILL = (0.5, 0.06)
 """How much of the curve's color the area has at the curve, and at zero, beside the background's."""
+BEHIND = 0.6
+"""How far toward the largest value the potential of a wave function reaches."""
 PER_PIXEL = 2
 """Points of a smooth curve for each pixel."""
 
@@ -36,7 +39,9 @@ PER_PIXEL = 2
 class Line(SystemStyle):
     """A field in 1D as a curve over x, with the area to zero filled; the scale is the same for the whole film.
 
-    Several systems in one scene share the picture, each in a color of its own and with a scale of its own.
+    What is never below zero stands on the lower edge of the picture. The potential of a wave function is a gray area
+    behind its density, with a scale of its own. Several systems in one scene share the picture, each in a color of its
+    own and with a scale of its own.
 
     Args:
         quantity: the name of the field; None: the first one that the system has.
@@ -79,6 +84,11 @@ class LinePainter(GridPainter):
         self._style = style
         self._color = theme.bodies[part.index % len(theme.bodies)]
         self.top = style.range or 0.0
+        self._potential: FloatArray | None = None
+        if isinstance(part.system, Schrodinger):
+            potential = np.broadcast_to(np.asarray(part.system.potential, dtype=float), self._grid.cells)
+            height = float(np.ptp(potential))
+            self._potential = (potential - potential.min()) / height if height > 0.0 else None
 
     @property
     def settled(self) -> bool:
@@ -108,12 +118,16 @@ class LinePainter(GridPainter):
         del pixels
         theme = self._theme
         places = np.array([[self._grid.origin[0], 0.0], [self._grid.upper[0], 0.0]])
-        (left, zero), (right, _) = view.project(places)[0].astype(float).tolist()
-        x, values = self._curve(frame, left, right)
-        reach = FULL * view.middle[1]
+        (left, middle), (right, _) = view.project(places)[0].astype(float).tolist()
+        full = FULL * view.middle[1]
+        zero, reach = (middle, full) if self.signed else (middle + full, 2.0 * full)
+        if self._potential is not None:
+            x, heights = self._curve(self._potential, left, right, smooth=False)
+            self._fill(canvas, (x, zero - BEHIND * reach * heights), zero, reach, theme.edge)
+        x, values = self._curve(self.values(frame), left, right)
         y = zero - reach * values / (self.top or 1.0)
         self._paint_axis(canvas, left, right, zero, reach)
-        self._fill(canvas, x, y, zero, reach)
+        self._fill(canvas, (x, y), zero, reach, self._color)
         points = np.stack([x, y], axis=1).astype(np.float32)
         segments = np.concatenate([points[:-1], points[1:]], axis=1)
         ink = np.tile(np.array([*self._color, 255], dtype=np.uint8), (len(segments), 1))
@@ -125,19 +139,23 @@ class LinePainter(GridPainter):
 
     def _paint_axis(self, canvas: Canvas, left: float, right: float, zero: float, reach: float) -> None:
         """Lines at zero and at the ends of the scale, and the value there."""
-        heights = [zero, zero - reach, zero + reach]
+        heights = [zero, zero - reach, *([zero + reach] if self.signed else [])]
         rules = np.array([[[left, height], [right, height]] for height in heights], dtype=np.float32)
         lines(canvas, rules[:1], self._theme.edge, 1.0)
         lines(canvas, rules[1:], mixed(self._theme.background, self._theme.edge, 0.4), 1.0)
-        text = text_height(round(2.0 * zero))
+        text = text_height(round(2.0 * zero if self.signed else zero))
         words = f"{self.quantity} {ends(0.0, self.top)[1]} {self.unit}" if self.top > 0.0 else self.quantity
         top = max(2, round(zero - reach - 1.1 * text))
         canvas.text(words, round(left), top, text, (*self._theme.label, 255), -1)
 
-    def _curve(self, frame: SourceFrame, left: float, right: float) -> tuple[FloatArray, FloatArray]:
-        """Pixels to the right and values of points along the curve, from edge to edge."""
-        values = self.values(frame)
+    def _curve(
+        self, values: FloatArray, left: float, right: float, smooth: bool = True
+    ) -> tuple[FloatArray, FloatArray]:
+        """Pixels to the right and values of points along a curve, from edge to edge."""
         count = len(values)
+        if not smooth:  # a step at each face
+            marks, values = np.repeat(np.arange(count + 1) / count, 2)[1:-1], np.repeat(values, 2)
+            return left + (right - left) * marks, values
         marks = (np.arange(count) + 0.5) / count
         outer = self._system.outer(values)
         marks, values = np.array([0.0, *marks, 1.0]), np.array([outer[0], *values, outer[1]])
@@ -147,9 +165,12 @@ class LinePainter(GridPainter):
             values, marks = hermite(marks, values, places), places
         return left + (right - left) * marks, values
 
-    def _fill(self, canvas: Canvas, x: FloatArray, y: FloatArray, zero: float, reach: float) -> None:
-        """The area between the curve and zero, fading toward zero."""
-        fresh, faint = (np.array([*mixed(self._theme.background, self._color, share), 255]) for share in FILL)
+    def _fill(
+        self, canvas: Canvas, curve: tuple[FloatArray, FloatArray], zero: float, reach: float, color: Color
+    ) -> None:
+        """The area between a curve and zero, fading toward zero."""
+        x, y = curve
+        fresh, faint = (np.array([*mixed(self._theme.background, color, share), 255]) for share in FILL)
         share = np.minimum(np.abs(y - zero) / reach, 1.0)[:, np.newaxis]
         tops = np.round(faint + (fresh - faint) * share).astype(np.uint8)
         low = np.tile(faint.astype(np.uint8), (len(x), 1))

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import ClassVar, Literal
+from typing import ClassVar, Literal, get_args
 
 import numpy as np
 
 from physcore._core import Canvas
-from physcore.checks import FloatArray, shown
+from physcore.checks import FloatArray, word
 from physcore.errors import SceneError
 from physcore.film.camera.view import View
 from physcore.film.colors.colormaps import STEPS
@@ -27,6 +27,7 @@ SOFT = 0.55
 FAINT = 0.22
 """How much of the edges' color the highest potential has."""
 Palette = Literal["hues", "blue-yellow"]
+PALETTES: tuple[Palette, ...] = get_args(Palette)
 
 
 @dataclass(frozen=True)
@@ -57,8 +58,7 @@ class Phase(SystemStyle):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if self.palette not in ("hues", "blue-yellow"):
-            raise SceneError(f"Phase.palette: must be 'hues' or 'blue-yellow', got {shown(self.palette)}")
+        word(self.palette, "Phase.palette", PALETTES)
         self._set_positive("range")
 
     def can_draw(self, item: object) -> bool:

@@ -12,7 +12,7 @@ from physcore._core import Canvas
 from physcore.checks import BoolArray, FloatArray, IntArray, number
 from physcore.errors import SceneError
 from physcore.film.camera.view import View
-from physcore.film.colors.colormaps import FINE, STEPS, ColormapName, look_up, sequential
+from physcore.film.colors.colormaps import STEPS, ColormapName, look_up, sequential
 from physcore.film.colors.themes import Theme, mixed
 from physcore.film.looks.base import corners
 from physcore.film.resampling import cubic
@@ -101,7 +101,7 @@ class ReliefPainter(GridPainter):
         self._height = RISE * float(self._sizes.max()) if style.height is None else style.height
         if style.colormap is None:
             deep, shallow = mixed(theme.background, theme.bodies[0], 0.8), mixed(theme.bodies[0], (255, 255, 255), 0.45)
-            shares = np.linspace(0.0, 1.0, FINE)[:, np.newaxis]
+            shares = np.linspace(0.0, 1.0, STEPS)[:, np.newaxis]
             self._table: FloatArray = (1.0 - shares) * np.array(deep, float) + shares * np.array(shallow, float)
         else:
             self._table = sequential(style.colormap, theme.part, "Relief.colormap")
@@ -111,8 +111,7 @@ class ReliefPainter(GridPainter):
     def scale(self) -> Scale | None:
         """The scale of colors, unless nothing ever moves."""
         low = -self.top if self.signed else 0.0
-        table = self._table[FINE // STEPS // 2 :: FINE // STEPS]
-        return None if self.top == NEVER else Scale(self.quantity, self.unit, (low, self.top), table)
+        return None if self.top == NEVER else Scale(self.quantity, self.unit, (low, self.top), self._table)
 
     @property
     def settled(self) -> bool:

@@ -11,7 +11,7 @@ import numpy as np
 
 from physcore.checks import FloatArray, count, flag, items, number, shown, span, words
 from physcore.errors import SceneError
-from physcore.numerics.choices import MOST_THREADS
+from physcore.numerics.choices import MOST_THREADS, suited
 from physcore.numerics.integrators import INTEGRATORS, Integrator
 from physcore.progress import Progress
 from physcore.scene.scene import Scene
@@ -83,7 +83,7 @@ def tradeoff(
 
     scenes = _scenes(scene, resolutions)
     interval, patience = span(duration, "duration"), span(budget, "budget")
-    chosen = [kind() for kind in INTEGRATORS] if integrators is None else _integrators(integrators)
+    chosen = [kind() for kind in suited(scenes[0])] if integrators is None else _integrators(integrators)
     steps = None if dts is None else [span(dt, f"dts[{at}]") for at, dt in enumerate(items(dts, "dts", "time steps"))]
     kinds = words(precisions, "precisions", PRECISIONS)
     if steps == [] or not kinds:

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 from typing import TypeVar
 
 from physcore.errors import SceneError, SimulationDiverged
-from physcore.numerics.integrators import INTEGRATORS, Integrator
+from physcore.numerics.choices import suited
+from physcore.numerics.integrators import Integrator
 from physcore.studies.stability import stability_limit
 from physcore.studies.tradeoff.experiment import Choice, Experiment, Precision
 
@@ -45,13 +46,13 @@ class Method:
 def methods(
     experiment: Experiment, integrators: Iterable[Integrator] | None = None, precision: Precision = "f64"
 ) -> list[Method]:
-    """The integrators, all by default, that can compute the scene, the most accurate first.
+    """The integrators, by default all, that can compute the scene, the most accurate first.
 
     Raises:
         SceneError: there is none; the reason of the last one.
     """
     found, refusal = [], SceneError("integrator: there is none")
-    for integrator in (kind() for kind in INTEGRATORS) if integrators is None else integrators:
+    for integrator in (kind() for kind in suited(experiment.scene)) if integrators is None else integrators:
         try:
             plan = experiment.start(Choice(integrator, precision, SHORT)).plan
         except SceneError as error:

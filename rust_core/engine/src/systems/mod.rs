@@ -131,10 +131,14 @@ pub trait System: History + Send + Sync {
 
     /// Whether its steps are linear in the state and autonomous. Steps of at most half of the limit of stability then never
     /// double the energy: the invariant of an oscillator's step is elongated by 1/√(1 − ½²) at most.
-    fn is_linear(&self) -> bool;
+    fn is_linear(&self) -> bool {
+        false
+    }
 
     /// Whether its method is unconditionally unstable, so that its energy may grow at any step.
-    fn gains_energy(&self) -> bool;
+    fn gains_energy(&self) -> bool {
+        false
+    }
 
     /// The limit of the time step.
     ///
@@ -143,10 +147,14 @@ pub trait System: History + Send + Sync {
     fn limit(&self, horizon: Horizon, time: f64, executor: &Executor) -> Result<Limit>;
 
     /// Whether that limit changes with the state.
-    fn limit_varies(&self, horizon: Horizon, time: f64) -> bool;
+    fn limit_varies(&self, _horizon: Horizon, _time: f64) -> bool {
+        false
+    }
 
     /// The estimated error of the last step of `h` seconds [m], and the order of the method, where a pair is embedded in it.
-    fn error(&self, h: f64) -> Option<(f64, u32)>;
+    fn error(&self, _h: f64) -> Option<(f64, u32)> {
+        None
+    }
 
     /// The energy budget.
     ///
@@ -166,11 +174,16 @@ pub trait System: History + Send + Sync {
         None
     }
 
-    /// The momentum [kg·m/s] and the angular momentum about the origin of coordinates [kg·m²/s].
-    fn momenta(&self) -> (DVec3, DVec3);
+    /// The momentum [kg·m/s] and the angular momentum about the origin of coordinates [kg·m²/s]: 0 of what is no matter.
+    fn momenta(&self) -> (DVec3, DVec3) {
+        (DVec3::ZERO, DVec3::ZERO)
+    }
 
-    /// The smallest energy that steps of `h` seconds can resolve [J]: the kinetic energy of one kick from rest.
-    fn resolvable(&self, time: f64, h: f64) -> f64;
+    /// The smallest energy that steps of `h` seconds can resolve [J]: the kinetic energy of one kick from rest, 0 where there is
+    /// none.
+    fn resolvable(&self, _time: f64, _h: f64) -> f64 {
+        0.0
+    }
 
     /// The first element with a quantity that is not finite.
     fn fault(&self) -> Option<Fault>;
@@ -179,7 +192,9 @@ pub trait System: History + Send + Sync {
     fn fastest(&self) -> Element;
 
     /// The Mach number of its flow, if it is a fluid.
-    fn mach(&self) -> Option<Mach>;
+    fn mach(&self) -> Option<Mach> {
+        None
+    }
 
     /// The descriptions of all fields.
     fn fields(&self) -> Vec<FieldInfo>;

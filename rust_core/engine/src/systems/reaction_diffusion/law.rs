@@ -8,7 +8,7 @@ use crate::grid::{Block, Edge, Grid, Laplacian, Sweep, Window};
 use crate::math::Real;
 
 /// Memory of the rates of diffusion that are computed at a time: they stay in the first-level cache [bytes].
-const SEGMENT: usize = 1 << 12;
+const SEGMENT: usize = 1 << 13;
 
 /// Time integrals of what came into one row of one species, and of what left it, in units of a cell.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -126,15 +126,15 @@ impl<T: Real> Sweep<T, Tally> for Pass<'_, T> {
             with_law!(
                 &law.kinetics,
                 kinetics => {
-                    let cells = cells::<T, 2>(block, index, length, 0, &range, before, scratch);
-                    let sums = stage::run(scaled, Inside(*kinetics), cells);
+                    let mut cells = cells::<T, 2>(block, index, length, 0, &range, before, scratch);
+                    let sums = stage::run(scaled, Inside(*kinetics), &mut cells);
                     (0..2).for_each(|species| tally(block.tallies, species, sums[species]));
                 },
                 _function => for species in 0..count {
                     let given = &Window { field: species, ..of(self.given) }.row(row)[range.clone()];
                     let diffusion = &scratch[species * range.len()..];
-                    let cells = cells::<T, 1>(block, index, length, species, &range, before, diffusion);
-                    let [sums] = stage::run(scaled, Given(given), cells);
+                    let mut cells = cells::<T, 1>(block, index, length, species, &range, before, diffusion);
+                    let [sums] = stage::run(scaled, Given(given), &mut cells);
                     tally(block.tallies, species, sums);
                 }
             );

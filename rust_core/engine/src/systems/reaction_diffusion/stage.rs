@@ -104,14 +104,14 @@ pub struct Sums {
 }
 
 /// Runs a stage of some cells.
-pub fn run<T: Real, R: Rates<T, N>, const N: usize>(stage: &Stage<T>, rates: R, cells: [Cells<'_, T>; N]) -> [Sums; N] {
+pub fn run<T: Real, R: Rates<T, N>, const N: usize>(stage: &Stage<T>, rates: R, cells: &mut [Cells<'_, T>; N]) -> [Sums; N] {
     dispatch(Update { stage, rates, cells })
 }
 
-struct Update<'a, T, R, const N: usize> {
+struct Update<'a, 'b, T, R, const N: usize> {
     stage: &'a Stage<T>,
     rates: R,
-    cells: [Cells<'a, T>; N],
+    cells: &'a mut [Cells<'b, T>; N],
 }
 
 #[inline(always)]
@@ -124,19 +124,17 @@ fn store<T: Real, const W: usize>(column: &mut [T], at: usize, lanes: &[T; W]) {
 struct LaneSums<T, const W: usize = LANES> {
     gain: [T; W],
     net: [T; W],
+    /// The largest |value|.
     most: [T; W],
-    least: [T; W],
 }
 
 impl<T: Real, const W: usize> LaneSums<T, W> {
-    const ZERO: Self = Self { gain: [T::ZERO; W], net: [T::ZERO; W], most: [T::ZERO; W], least: [T::ZERO; W] };
+    const ZERO: Self = Self { gain: [T::ZERO; W], net: [T::ZERO; W], most: [T::ZERO; W] };
 
     fn sums(&self) -> Sums {
-        let sum = |lanes: &[T; W]| lanes.iter().fold(0.0, |sum, lane| sum + lane.to_f64());
-        let largest = |lanes: &[T; W]| lanes.iter().fold(0.0_f64, |largest, lane| largest.max(lane.to_f64().abs()));
-        let net = sum(&self.net);
-        let largest = if net.is_finite() { largest(&self.most).max(largest(&self.least)) } else { f64::NAN };
-        Sums { gain: sum(&self.gain), net, largest }
+        let sum = |lanes: &[T; W]| fold(lanes, |one, other| one + other);
+        let (net, largest) = (sum(&self.net), fold(&self.most, f64::max));
+        Sums { gain: sum(&self.gain), net, largest: if net.is_finite() { largest } else { f64::NAN } }
     }
 }
 
@@ -146,8 +144,18 @@ impl<T: Real> LaneSums<T> {
         self.gain[lane] += cell.gain[0];
         self.net[lane] += cell.net[0];
         self.most[lane] = larger(self.most[lane], cell.most[0]);
-        self.least[lane] = smaller(self.least[lane], cell.least[0]);
     }
+}
+
+/// Folds lanes, a power of two, by halves.
+fn fold<T: Real, const W: usize>(lanes: &[T; W], with: impl Fn(f64, f64) -> f64) -> f64 {
+    let mut numbers = lanes.map(Real::to_f64);
+    let mut width = W;
+    while width > 1 {
+        width /= 2;
+        (0..width).for_each(|lane| numbers[lane] = with(numbers[lane], numbers[lane + width]));
+    }
+    numbers[0]
 }
 
 #[inline(always)]
@@ -155,60 +163,88 @@ fn larger<T: Real>(one: T, other: T) -> T {
     if other > one { other } else { one }
 }
 
-#[inline(always)]
-fn smaller<T: Real>(one: T, other: T) -> T {
-    if other < one { other } else { one }
-}
-
-impl<T: Real, R: Rates<T, N>, const N: usize> Kernel for Update<'_, T, R, N> {
+impl<T: Real, R: Rates<T, N>, const N: usize> Kernel for Update<'_, '_, T, R, N> {
     type Output = [Sums; N];
 
     #[inline(always)]
     fn run(mut self) -> [Sums; N] {
+        if self.stage.is_plain() { self.all::<true>() } else { self.all::<false>() }
+    }
+}
+
+impl<T: Real, R: Rates<T, N>, const N: usize> Update<'_, '_, T, R, N> {
+    #[inline(always)]
+    fn all<const PLAIN: bool>(&mut self) -> [Sums; N] {
         let mut sums = [LaneSums::ZERO; N];
         let count = self.cells[0].value.len();
         let whole = count / LANES * LANES;
         for at in (0..whole).step_by(LANES) {
-            self.group::<LANES>(at, &mut sums);
+            self.group::<PLAIN, LANES>(at, &mut sums);
         }
+        // A copy, of which lanes have numbers: sums above stay in registers.
+        let mut all = sums;
         for at in whole..count {
             let mut cell = [LaneSums::ZERO; N];
-            self.group::<1>(at, &mut cell);
-            sums.iter_mut().zip(&cell).for_each(|(sums, cell)| sums.add(at % LANES, cell));
+            self.group::<PLAIN, 1>(at, &mut cell);
+            all.iter_mut().zip(&cell).for_each(|(sums, cell)| sums.add(at % LANES, cell));
         }
-        sums.map(|sums| sums.sums())
+        all.map(|sums| sums.sums())
     }
-}
 
-impl<T: Real, R: Rates<T, N>, const N: usize> Update<'_, T, R, N> {
+    /// One species or two: their numbers are constants, so that sums stay in registers.
     #[inline(always)]
-    fn group<const W: usize>(&mut self, at: usize, sums: &mut [LaneSums<T, W>; N]) {
-        let Self { stage, rates, cells } = self;
+    fn group<const PLAIN: bool, const W: usize>(&mut self, at: usize, sums: &mut [LaneSums<T, W>; N]) {
         let mut values = [[T::ZERO; W]; N];
-        (0..N).for_each(|species| values[species] = load(cells[species].value, at));
-        let reaction = rates.rates(at, &values);
-        for species in 0..N {
-            let (cells, reaction, y) = (&mut cells[species], &reaction[species], &values[species]);
-            let mut slope: [T; W] = load(cells.diffusion, at);
-            let LaneSums { mut gain, mut net, mut most, mut least } = sums[species];
-            for lane in 0..W {
-                gain[lane] += larger(T::ZERO, reaction[lane]);
-                net[lane] += reaction[lane];
-                slope[lane] += reaction[lane];
-            }
-            let next = stage.next(cells, at, y, &slope);
-            for lane in 0..W {
-                most[lane] = larger(most[lane], next[lane]);
-                least[lane] = smaller(least[lane], next[lane]);
-            }
-            store(cells.next, at, &next);
-            sums[species] = LaneSums { gain, net, most, least };
+        values[0] = load(self.cells[0].value, at);
+        if N > 1 {
+            values[1] = load(self.cells[1].value, at);
         }
+        let rates = self.rates.rates(at, &values);
+        self.species::<PLAIN, W>(0, at, &values[0], &rates[0], &mut sums[0]);
+        if N > 1 {
+            self.species::<PLAIN, W>(1, at, &values[1], &rates[1], &mut sums[1]);
+        }
+    }
+
+    #[inline(always)]
+    fn species<const PLAIN: bool, const W: usize>(
+        &mut self,
+        species: usize,
+        at: usize,
+        y: &[T; W],
+        reaction: &[T; W],
+        sums: &mut LaneSums<T, W>,
+    ) {
+        let cells = &mut self.cells[species];
+        let mut slope: [T; W] = load(cells.diffusion, at);
+        for lane in 0..W {
+            sums.gain[lane] += larger(T::ZERO, reaction[lane]);
+            sums.net[lane] += reaction[lane];
+            slope[lane] += reaction[lane];
+        }
+        let next = if PLAIN { self.stage.plain(y, &slope) } else { self.stage.next(cells, at, y, &slope) };
+        for lane in 0..W {
+            sums.most[lane] = larger(sums.most[lane], larger(next[lane], -next[lane]));
+        }
+        store(cells.next, at, &next);
     }
 }
 
 impl<T: Real> Stage<T> {
-    /// The next state from Y and its slope.
+    /// Whether the next state depends on Y and its slope alone, as in Euler's steps.
+    fn is_plain(&self) -> bool {
+        matches!(self.base, Base::Here { keep: false }) && self.count == 0 && self.keep.is_none()
+    }
+
+    /// The next state then.
+    #[inline(always)]
+    fn plain<const W: usize>(&self, y: &[T; W], slope: &[T; W]) -> [T; W] {
+        let mut next = *y;
+        (0..W).for_each(|lane| next[lane] += self.slope * slope[lane]);
+        next
+    }
+
+    /// The next state from Y, its slope and what else is kept.
     #[inline(always)]
     fn next<const W: usize>(&self, cells: &mut Cells<'_, T>, at: usize, y: &[T; W], slope: &[T; W]) -> [T; W] {
         let mut next = *y;

@@ -1,11 +1,8 @@
 //! Reacting and diffusing species as a system: history, plan, budgets and fields.
 
-use glam::DVec3;
-
 use super::ReactionDiffusion;
 use super::law::Tally;
 use crate::error::{Error, Result};
-use crate::forces::Mach;
 use crate::grid::{Edge, Laplacian};
 use crate::history::{Archive, History};
 use crate::integrators::runge_kutta_chebyshev as chebyshev;
@@ -147,14 +144,6 @@ impl<T: Real> System for ReactionDiffusion<T> {
         Some(self.state.field.iter().fold(0.0, |most, value| value.to_f64().abs().max(most)))
     }
 
-    fn is_linear(&self) -> bool {
-        false
-    }
-
-    fn gains_energy(&self) -> bool {
-        false
-    }
-
     fn limit(&self, _horizon: Horizon, _time: f64, executor: &Executor) -> Result<Limit> {
         self.bound(executor)
     }
@@ -192,15 +181,6 @@ impl<T: Real> System for ReactionDiffusion<T> {
         }
     }
 
-    fn momenta(&self) -> (DVec3, DVec3) {
-        (DVec3::ZERO, DVec3::ZERO)
-    }
-
-    /// There is no energy.
-    fn resolvable(&self, _time: f64, _h: f64) -> f64 {
-        0.0
-    }
-
     fn fault(&self) -> Option<Fault> {
         let index = self.state.field.iter().position(|value| !value.is_finite())?;
         let (cell, species) = self.place(index);
@@ -212,10 +192,6 @@ impl<T: Real> System for ReactionDiffusion<T> {
         let size = |index: &usize| self.state.field[*index].to_f64().abs();
         let largest = (0..self.state.field.len()).max_by(|one, other| size(one).total_cmp(&size(other)));
         self.element(self.place(largest.unwrap_or(0)).0)
-    }
-
-    fn mach(&self) -> Option<Mach> {
-        None
     }
 
     fn fields(&self) -> Vec<FieldInfo> {

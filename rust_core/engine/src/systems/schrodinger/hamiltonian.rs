@@ -1,10 +1,15 @@
 //! The Hamiltonian H = −ħ²/2m ∇² + V + g |ψ|² on a grid, by differences of three points, and sums over cells.
 
+use std::ops::Range;
+
 use super::fourier::{Complex, Number, Spectrum, square};
 use super::passes::Field;
 use crate::grid::{Edge, Edges, Padding};
 use crate::math::AXES;
 use crate::parallel::{BlockedSlice, Executor};
+
+/// The cells of a block.
+const BLOCK: usize = 8192;
 
 /// The Hamiltonian.
 #[derive(Debug)]
@@ -104,14 +109,19 @@ impl<T: Number> Hamiltonian<T> {
     /// The energies of a state; the kinetic one of its modes where it is `spectral`, else by differences.
     pub fn energies(&self, field: &mut Field<'_, T>, spectral: bool, executor: &Executor) -> Energies {
         let content = self.padding.outer.content();
-        let mut sums = Energies::default();
-        for (value, potential) in field.values.iter().zip(&self.potential) {
-            let density = square(*value);
-            sums.potential += potential.to_f64() * density;
-            sums.interaction += 0.5 * self.interaction * density * density;
-        }
-        sums.kinetic = if spectral { self.spectral_energy(field, executor) } else { self.difference_energy(field.values) };
-        Energies { kinetic: content * sums.kinetic, potential: content * sums.potential, interaction: content * sums.interaction }
+        let values = field.values.as_slice();
+        let [potential, interaction] = sum([values.len(), BLOCK], executor, &|cells| {
+            let mut sums = [0.0; 2];
+            for (value, potential) in values[cells.clone()].iter().zip(&self.potential[cells]) {
+                let density = square(*value);
+                sums[0] += potential.to_f64() * density;
+                sums[1] += 0.5 * self.interaction * density * density;
+            }
+            sums
+        });
+        let kinetic =
+            if spectral { self.spectral_energy(field, executor) } else { self.difference_energy(field.values, executor) };
+        Energies { kinetic: content * kinetic, potential: content * potential, interaction: content * interaction }
     }
 
     fn spectral_energy(&self, field: &mut Field<'_, T>, executor: &Executor) -> f64 {
@@ -128,20 +138,39 @@ impl<T: Number> Hamiltonian<T> {
     }
 
     /// The kinetic energy by differences, but for the factor h^D [J/m^D].
-    pub fn difference_energy(&self, values: &[Complex<T>]) -> f64 {
+    pub fn difference_energy(&self, values: &[Complex<T>], executor: &Executor) -> f64 {
         let (grid, length) = (&self.padding.outer, self.padding.outer.row_length());
-        let mut sum = 0.0;
-        for part in [|value: &Complex<T>| value.re, |value: &Complex<T>| value.im] {
+        let parts: [fn(&Complex<T>) -> T; 2] = [|value| value.re, |value| value.im];
+        let of = |part: fn(&Complex<T>) -> T| {
             let own: Vec<T> = values.iter().map(part).collect();
-            for row in 0..grid.rows() {
-                let rows = grid.neighbors(row);
-                for column in 0..length {
-                    let (beside, count) = self.neighbors(&own, row, &rows, column);
-                    let value = own[row * length + column].to_f64();
-                    sum += value * (count.to_f64() * value - beside.to_f64());
-                }
-            }
-        }
-        self.hopping * sum
+            let [sum] = sum([grid.rows(), BLOCK.div_ceil(length)], executor, &|rows| {
+                let energy = |row: usize| {
+                    let around = grid.neighbors(row);
+                    let of = |column: usize| {
+                        let (beside, count) = self.neighbors(&own, row, &around, column);
+                        let value = own[row * length + column].to_f64();
+                        value * (count.to_f64() * value - beside.to_f64())
+                    };
+                    (0..length).map(of).sum::<f64>()
+                };
+                [rows.map(energy).sum()]
+            });
+            sum
+        };
+        self.hopping * parts.map(of).iter().sum::<f64>()
     }
+}
+
+/// Sums over so many cells or rows, in blocks side by side; those of blocks are added in order.
+fn sum<const SUMS: usize>(
+    [count, size]: [usize; 2],
+    executor: &Executor,
+    of: &(impl Fn(Range<usize>) -> [f64; SUMS] + Sync),
+) -> [f64; SUMS] {
+    let mut tallies = vec![[0.0; SUMS]; count.div_ceil(size)];
+    executor.for_each_block(BlockedSlice::new(&mut tallies, 1), &|block: BlockedSlice<'_, [f64; SUMS]>| {
+        let first = block.start * size;
+        block.items[0] = of(first..count.min(first + size));
+    });
+    std::array::from_fn(|sum| tallies.iter().map(|sums| sums[sum]).sum())
 }

@@ -1,6 +1,6 @@
 //! How a step is taken, and its limit.
 
-use super::fourier::{Complex, Number, square};
+use super::fourier::{Complex, Number, norm};
 use super::hamiltonian::Hamiltonian;
 use super::passes::Field;
 use super::split_step::{Coefficients, SplitStep};
@@ -70,13 +70,14 @@ impl<T: Number> Method<T> {
         }
     }
 
-    /// Takes a step of `h`.
-    pub fn step(&mut self, hamiltonian: &Hamiltonian<T>, field: &mut Field<'_, T>, h: f64, executor: &Executor) {
+    /// Takes a step of `h`; gives Σ |ψ|² at its end.
+    pub fn step(&mut self, hamiltonian: &Hamiltonian<T>, field: &mut Field<'_, T>, h: f64, executor: &Executor) -> f64 {
         match self {
-            Self::SplitStep { steps, .. } => steps.step(hamiltonian, field, h, executor),
+            Self::SplitStep { steps, .. } => return steps.step(hamiltonian, field, h, executor),
             Self::CrankNicolson => crank_nicolson::step(hamiltonian, field, h, executor),
             Self::Staggered => staggered::step(hamiltonian, field.values, h, executor),
         }
+        norm(field.values)
     }
 
     /// The limit of the time step, from an initial state. Split steps resonate where the phase of a mode turns once in a step, that of
@@ -117,5 +118,5 @@ fn mean_square<T: Number>(hamiltonian: &Hamiltonian<T>, values: &[Complex<T>]) -
         hamiltonian.apply(&own, &mut applied, 1.0, &SERIAL);
         sum += applied.iter().map(|value| value.to_f64().powi(2)).sum::<f64>();
     }
-    sum / values.iter().map(|&value| square(value)).sum::<f64>()
+    sum / norm(values)
 }

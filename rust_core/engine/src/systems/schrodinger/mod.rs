@@ -14,6 +14,7 @@ mod system;
 use crate::error::{Error, Result};
 use crate::grid::{Edges, Grid, Padding};
 use crate::memory;
+use crate::parallel::SERIAL;
 use crate::scene::{Item, Value};
 use crate::stability::Limit;
 use crate::systems::System;
@@ -105,8 +106,7 @@ impl<T: Number> Schrodinger<T> {
     /// The probability to be in the user's grid.
     fn probability(&self) -> f64 {
         let padding = &self.hamiltonian.padding;
-        let sum: f64 =
-            state::rows(padding).flat_map(|cells| &self.state.values[cells]).map(|&value| fourier::square(value)).sum();
+        let sum: f64 = state::rows(padding).map(|cells| fourier::norm(&self.state.values[cells])).sum();
         padding.inner.content() * sum
     }
 }
@@ -154,7 +154,7 @@ fn declared<T: Number>(item: &Item, padding: Padding, edges: Edges) -> Result<Ha
 
 /// The wave number of the mean kinetic energy, per spacing.
 fn wave_number<T: Number>(hamiltonian: &Hamiltonian<T>, values: &[Complex<T>]) -> f64 {
-    let norm: f64 = values.iter().map(|&value| fourier::square(value)).sum();
-    let kinetic = hamiltonian.difference_energy(values);
+    let norm = fourier::norm(values);
+    let kinetic = hamiltonian.difference_energy(values, &SERIAL);
     (kinetic / (norm * hamiltonian.hopping)).sqrt()
 }

@@ -7,8 +7,10 @@ use super::fourier::{Complex, product};
 use crate::math::{AXES, Real};
 use crate::parallel::{BlockedSlice, Executor};
 
-/// The number of lines in a block: as many as share the lines of the cache while they are gathered.
-const LINES: usize = 16;
+/// The number of lines in a block: their cells are side by side, and as many are read in order for each cell of the axis.
+const LINES: usize = 64;
+/// The cells of each line that are gathered at a time.
+const CELLS: usize = 16;
 
 /// A field with a second copy, and the order of its axes in memory.
 #[derive(Debug)]
@@ -85,14 +87,8 @@ impl<'a, T: Real> Field<'a, T> {
         let scratch = BlockedSlice::new(&mut self.scratch[..blocks * length], length);
         let tally = BlockedSlice::new(&mut sums, LINES);
         let each = |((block, scratch), tally): Block<'_, T>| {
-            let (first, lines) = (block.start / count, block.items.len() / count);
-            for cell in 0..count {
-                for line in 0..lines {
-                    let at = ((first + line) / post * count + cell) * post + (first + line) % post;
-                    let value = from[at];
-                    block.items[line * count + cell] = before.map_or(value, |factors| product(value, factors[at]));
-                }
-            }
+            let first = block.start / count;
+            gather(from, before, [count, post], first, block.items);
             for (index, line) in block.items.chunks_exact_mut(count).enumerate() {
                 tally.items[index] = work(place, first + index, line, scratch.items);
             }
@@ -104,5 +100,41 @@ impl<'a, T: Real> Field<'a, T> {
         std::mem::swap(self.values, self.other);
         self.layout = [rest[0], rest[1], axis];
         sums.into_iter().sum()
+    }
+}
+
+/// Copies lines of `count` cells, the cells of each `post` apart and the lines side by side, one after the other; times factors. Tile by
+/// tile, because whole lines are often a power of two apart and would share the same few lines of the cache.
+fn gather<T: Real>(
+    from: &[Complex<T>],
+    factors: Factors<'_, T>,
+    [count, post]: [usize; 2],
+    first: usize,
+    lines: &mut [Complex<T>],
+) {
+    let mut tile = [[Complex { re: T::ZERO, im: T::ZERO }; CELLS]; LINES];
+    let last = first + lines.len() / count;
+    let mut line = first;
+    while line < last {
+        let (group, offset) = (line / post, line % post);
+        let together = (post - offset).min(last - line);
+        for start in (0..count).step_by(CELLS) {
+            let cells = CELLS.min(count - start);
+            for cell in 0..cells {
+                let at = (group * count + start + cell) * post + offset;
+                let values = from[at..at + together].iter();
+                match factors {
+                    None => tile.iter_mut().zip(values).for_each(|(row, &value)| row[cell] = value),
+                    Some(factors) => {
+                        let values = values.zip(&factors[at..at + together]);
+                        tile.iter_mut().zip(values).for_each(|(row, (&value, &factor))| row[cell] = product(value, factor));
+                    }
+                }
+            }
+            for (row, index) in tile.iter().zip(line - first..line - first + together) {
+                lines[index * count + start..][..cells].copy_from_slice(&row[..cells]);
+            }
+        }
+        line += together;
     }
 }

@@ -6,7 +6,7 @@
 //! Order 2 after G. Strang, SIAM J. Numer. Anal. 5, 506 (1968); order 4 after S. Blanes, P. C. Moan, J. Comput. Appl. Math. 142 (2002) 313,
 //! whose splitting holds here as it does for x'' = a(x), because [V, [V, [V, T]]] = 0.
 
-use super::fourier::{Complex, Number, polar, product, square};
+use super::fourier::{Complex, Number, norm, polar, product, square};
 use super::hamiltonian::Hamiltonian;
 use super::passes::Field;
 use crate::integrators::{BlanesMoan4, Splitting};
@@ -82,11 +82,12 @@ impl<T: Number> SplitStep<T> {
         });
     }
 
-    /// Takes a step of `h`.
-    pub fn step(&mut self, hamiltonian: &Hamiltonian<T>, field: &mut Field<'_, T>, h: f64, executor: &Executor) {
+    /// Takes a step of `h`; gives Σ |ψ|² at its end.
+    pub fn step(&mut self, hamiltonian: &Hamiltonian<T>, field: &mut Field<'_, T>, h: f64, executor: &Executor) -> f64 {
         self.prepare(hamiltonian, h);
         let Coefficients { drifts, kicks } = self.coefficients;
         let axes = hamiltonian.padding.outer.axes();
+        let mut sum = 0.0;
         for drift in 0..drifts.len() {
             Self::kick(hamiltonian, field.values, kicks[drift] * h, executor);
             for axis in axes.clone() {
@@ -95,13 +96,14 @@ impl<T: Number> SplitStep<T> {
                 let before = if axis == axes.start { self.cells[drift].as_deref() } else { None };
                 let last = axis + 1 == axes.end && drift + 1 == drifts.len();
                 let after = if last { self.cells[drift + 1].as_deref() } else { None };
-                field.pass(axis, [before, after], spectrum.scratch(), executor, &|_, _, line, memory| {
+                sum = field.pass(axis, [before, after], spectrum.scratch(), executor, &|_, _, line, memory| {
                     spectrum.multiply(line, factors, memory);
-                    0.0
+                    if last { norm(line) } else { 0.0 }
                 });
             }
         }
         Self::kick(hamiltonian, field.values, kicks[drifts.len()] * h, executor);
+        sum
     }
 
     /// Memory [bytes].

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::fourier::{Complex, Number, square};
+use super::fourier::{Complex, Number, norm};
 use crate::error::{Error, Result};
 use crate::grid::{Grid, Padding};
 use crate::math::Real;
@@ -73,7 +73,7 @@ pub fn narrow<T: Number>(pairs: &[f64], grid: &Grid, path: &str) -> Result<Vec<C
             found,
         ));
     }
-    let norm = grid.content() * values.iter().map(|&value| square(value)).sum::<f64>();
+    let norm = grid.content() * norm(&values);
     if norm > 0.0 && norm.is_finite() {
         return Ok(values);
     }

@@ -1,13 +1,10 @@
 //! A wave function as a system: its steps, its history, its plan, its budgets and its fields.
 
-use glam::DVec3;
-
 use super::absorbing::Layer;
-use super::fourier::{Number, square};
+use super::fourier::{Number, norm, square};
 use super::passes::Field;
 use super::{Schrodinger, state};
 use crate::error::{Error, Result};
-use crate::forces::Mach;
 use crate::history::{Archive, History};
 use crate::ledger::{Budget, Class, Ledger};
 use crate::parallel::Executor;
@@ -39,14 +36,15 @@ impl<T: Number> Schrodinger<T> {
         let content = hamiltonian.padding.outer.content();
         let before = absorption.as_ref().map_or(0.0, |absorption| absorption.outside(&state.values));
         let mut field = Field::new(hamiltonian.padding.outer.cells, &mut state.values, other, scratch);
-        method.step(hamiltonian, &mut field, h, executor);
+        let mut norm = method.step(hamiltonian, &mut field, h, executor);
         if let Some(absorption) = absorption {
-            state.removed += content * (absorption.outside(field.values) - before);
+            let outside = absorption.outside(field.values);
+            state.removed += content * (outside - before);
             let energy = hamiltonian.energies(&mut field, method.is_spectral(), executor).total();
             absorption.fade(field.values, h);
+            norm += absorption.outside(field.values) - outside;
             state.dissipated += energy - hamiltonian.energies(&mut field, method.is_spectral(), executor).total();
         }
-        let norm: f64 = self.state.values.iter().map(|&value| square(value)).sum();
         self.activity.push(self.reference * content * norm);
     }
 }
@@ -129,8 +127,7 @@ impl<T: Number> System for Schrodinger<T> {
     fn begin(&mut self, _time: f64, executor: &Executor) -> Result<()> {
         let energies = self.energies(executor);
         executor.check()?;
-        let norm: f64 = self.state.values.iter().map(|&value| square(value)).sum();
-        self.reference = energies.magnitude() / (norm * self.hamiltonian.padding.outer.content());
+        self.reference = energies.magnitude() / (norm(&self.state.values) * self.hamiltonian.padding.outer.content());
         Ok(())
     }
 
@@ -151,24 +148,8 @@ impl<T: Number> System for Schrodinger<T> {
         &self.activity
     }
 
-    fn is_linear(&self) -> bool {
-        false
-    }
-
-    fn gains_energy(&self) -> bool {
-        false
-    }
-
     fn limit(&self, _horizon: Horizon, _time: f64, _executor: &Executor) -> Result<Limit> {
         Ok(self.limit)
-    }
-
-    fn limit_varies(&self, _horizon: Horizon, _time: f64) -> bool {
-        false
-    }
-
-    fn error(&self, _h: f64) -> Option<(f64, u32)> {
-        None
     }
 
     fn audit(&self, _time: f64, executor: &Executor) -> Result<Ledger> {
@@ -199,15 +180,6 @@ impl<T: Number> System for Schrodinger<T> {
         Err(error.with_hint(format!("a smaller wave function, potential or interaction; this is {}", T::NAME)))
     }
 
-    /// A wave function's flow is not counted as the momentum of matter.
-    fn momenta(&self) -> (DVec3, DVec3) {
-        (DVec3::ZERO, DVec3::ZERO)
-    }
-
-    fn resolvable(&self, _time: f64, _h: f64) -> f64 {
-        0.0
-    }
-
     fn fault(&self) -> Option<Fault> {
         let index = self.state.values.iter().position(|value| !(value.re.is_finite() && value.im.is_finite()))?;
         Some(Fault { element: self.element(index), quantity: "wave function" })
@@ -217,10 +189,6 @@ impl<T: Number> System for Schrodinger<T> {
         let density = |index: &usize| square(self.state.values[*index]);
         let densest = (0..self.state.values.len()).max_by(|one, other| density(one).total_cmp(&density(other)));
         self.element(densest.unwrap_or(0))
-    }
-
-    fn mach(&self) -> Option<Mach> {
-        None
     }
 
     /// The density, and of the wave function real and imaginary parts along a last axis.

@@ -1,12 +1,9 @@
 //! Tracers as a system: history, plan, budgets and fields.
 
-use glam::DVec3;
-
 use super::Tracers;
 use super::law::Outcome;
 use super::points::Points;
 use crate::error::{Error, Result};
-use crate::forces::Mach;
 use crate::history::{Archive, History};
 use crate::ledger::{Budget, Ledger};
 use crate::math::Real;
@@ -141,14 +138,6 @@ impl<T: Real, const D: usize> System for Tracers<T, D> {
         &self.activity
     }
 
-    fn is_linear(&self) -> bool {
-        false
-    }
-
-    fn gains_energy(&self) -> bool {
-        false
-    }
-
     fn limit(&self, _horizon: Horizon, time: f64, executor: &Executor) -> Result<Limit> {
         let steepest = self.flow.steepest(&self.points, time, executor)?;
         // Squares overflow before positions do, where nothing is known of a step.
@@ -184,15 +173,6 @@ impl<T: Real, const D: usize> System for Tracers<T, D> {
         }
     }
 
-    fn momenta(&self) -> (DVec3, DVec3) {
-        (DVec3::ZERO, DVec3::ZERO)
-    }
-
-    /// There is no energy.
-    fn resolvable(&self, _time: f64, _h: f64) -> f64 {
-        0.0
-    }
-
     fn fault(&self) -> Option<Fault> {
         let faults = self.points.iter().enumerate().filter_map(|(set, points)| points.fault().map(|index| (set, index)));
         faults.map(|(set, index)| Fault { element: self.element(set, index), quantity: "position" }).next()
@@ -212,10 +192,6 @@ impl<T: Real, const D: usize> System for Tracers<T, D> {
         });
         let (_, set, index) = rows.max_by(|one, other| one.0.total_cmp(&other.0)).unwrap_or_default();
         self.element(set, index)
-    }
-
-    fn mach(&self) -> Option<Mach> {
-        None
     }
 
     fn fields(&self) -> Vec<FieldInfo> {

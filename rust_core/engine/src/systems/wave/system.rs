@@ -1,14 +1,11 @@
 //! A wave as a system: its history, its plan, its budget and its fields.
 
-use glam::DVec3;
-
 use super::absorbing::{Absorption, Layers};
 use super::stage::Action;
 use super::state::{DAMPING, EDGES, SINKS, SOURCE};
 use super::sweep::Pass;
 use super::{Wave, budget, limit};
 use crate::error::{Error, Result};
-use crate::forces::Mach;
 use crate::history::{Archive, History};
 use crate::integrators::Integrator;
 use crate::ledger::{Class, Ledger};
@@ -159,10 +156,6 @@ impl<T: Real, I: Integrator> System for Wave<T, I> {
         Ok(*self.limit.get_or_init(|| limit::limit::<T, I>(&self.dynamics)))
     }
 
-    fn limit_varies(&self, _horizon: Horizon, _time: f64) -> bool {
-        false
-    }
-
     fn error(&self, h: f64) -> Option<(f64, u32)> {
         let [x, v] = I::ERROR?.map(|register| {
             let persistent = self.state.persistent.len();
@@ -204,11 +197,6 @@ impl<T: Real, I: Integrator> System for Wave<T, I> {
         Some(0.0)
     }
 
-    /// The momentum of u is not along an axis of space.
-    fn momenta(&self) -> (DVec3, DVec3) {
-        (DVec3::ZERO, DVec3::ZERO)
-    }
-
     fn resolvable(&self, _time: f64, h: f64) -> f64 {
         0.5 * self.dynamics.mass * h * h * self.dynamics.squared_accelerations(&self.state)
     }
@@ -225,10 +213,6 @@ impl<T: Real, I: Integrator> System for Wave<T, I> {
         let rate = |index: &usize| self.state.rate[*index].to_f64().abs();
         let fastest = (0..self.state.rate.len()).max_by(|one, other| rate(one).total_cmp(&rate(other)));
         self.element(fastest.unwrap_or(0))
-    }
-
-    fn mach(&self) -> Option<Mach> {
-        None
     }
 
     fn fields(&self) -> Vec<FieldInfo> {

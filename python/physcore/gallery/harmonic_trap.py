@@ -1,0 +1,50 @@
+"""A wave packet in a trap keeps its shape, and its center runs along a classical orbit.
+
+The physics checked: the mean position at the end is that of a particle (Schrödinger's coherent states, 1926).
+"""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Mapping
+
+import numpy as np
+
+import physcore as pc
+from physcore.gallery.figure import Figure
+
+DURATION = 4.0 * math.pi
+"""[s], two periods of the slower oscillation; ħ = m = 1."""
+RATES = (1.0, 1.5)
+"""Angular frequencies along x and y [1/s]."""
+START, MOMENTUM = (5.0, 0.0), (0.0, 4.5)
+
+
+def scene() -> pc.Scene:
+    """Put a packet of the width of the ground state beside the middle of a trap, and push it."""
+    room = pc.Grid.over((-8.0, -6.0), (8.0, 6.0), 0.1)
+    packet = pc.wave_packet(room, START, MOMENTUM, [math.sqrt(0.5 / rate) for rate in RATES])
+
+    def trap(x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        return 0.5 * ((RATES[0] * x) ** 2 + (RATES[1] * y) ** 2)
+
+    return pc.Scene(pc.Schrodinger(room, packet, potential=trap, name="atom"))
+
+
+def main(path: str | os.PathLike[str] = "harmonic_trap.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
+    """Simulate it and draw it."""
+    recording = pc.simulate(scene(), duration=DURATION, fps=12, dt=0.01, progress=progress)
+    pc.film(recording, path, size=(520, 400), style=pc.styles.Phase(), speed=2.0, progress=progress)
+    return {"atom": recording}
+
+
+def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
+    """The mean of x at the last frame."""
+    recording = recordings["atom"]
+    (atom,) = recording.scene.systems
+    assert isinstance(atom, pc.Schrodinger)
+    density = recording[atom].density[-1]
+    x = float((density.sum(axis=1) * atom.grid.coordinates[0][:, 0]).sum() / density.sum())
+    expected = START[0] * math.cos(RATES[0] * float(recording.times[-1]))
+    return Figure("mean position at the end", x, expected, "of a particle", 0.01, "m")
