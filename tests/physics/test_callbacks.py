@@ -181,6 +181,29 @@ def test_what_is_no_exception_passes_as_it_is_and_the_run_can_go_on(error):
     assert np.array_equal(run.positions, twin.positions)
 
 
+class Row:
+    """A row of a result, with so many interrupts when it is looked at."""
+
+    interrupts = 0
+
+    def __array__(self, dtype: object = None, copy: object = None) -> np.ndarray:
+        if self.interrupts:
+            self.interrupts -= 1
+            raise KeyboardInterrupt
+        return np.zeros(2)
+
+
+def test_an_interrupt_while_a_result_is_looked_at_passes():
+    """One Ctrl-C is enough, also for a function that gives a list of arrays."""
+    row = Row()
+    run = pc.Simulation(pc.Scene(pc.Particles([[1.0, 0.0]]), pc.CustomForce(lambda time, x, v: [row])), dt=0.1)
+    row.interrupts = 1
+    with pytest.raises(KeyboardInterrupt):
+        run.step(10)
+    assert run.steps == 0
+    run.step(10)
+
+
 def test_sys_exit_in_a_function_ends_the_program():
     script = (
         "import sys, physcore as pc\n"

@@ -215,7 +215,11 @@ impl Simulation {
             system.advance(interval, record, &Executor::serial())
         } else {
             let mut outcome = Ok(());
-            pool.run(interrupted, |executor| outcome = system.advance(interval, record, executor)).and(outcome)
+            let ran = pool.run(interrupted, |executor| outcome = system.advance(interval, record, executor));
+            if ran.is_err() && outcome.is_ok() {
+                system.rollback(); // The interrupt came between its last look and its end.
+            }
+            ran.and(outcome)
         };
         outcome?;
         self.segment.steps += steps;

@@ -23,6 +23,28 @@ fn passes(item: &Item, method: &str, depth: Option<usize>, threads: usize) -> (V
     (archive.into_numbers(), system.activity().to_vec())
 }
 
+/// An interrupt may come after a batch's last look at it and before its steps count: then none of them does. Here each look in turn
+/// takes longer than the batch and says yes.
+#[test]
+fn an_interrupt_at_the_end_of_a_batch_takes_it_back() {
+    let item = noisy(&[128, 256], &["free"; 4], gray_scott());
+    let start = std::time::Instant::now();
+    after(&item, "RungeKutta4", 40, 0.5);
+    let taken = start.elapsed();
+    for number in [1, 2, 4] {
+        let mut simulation = simulation(&item, "RungeKutta4", "f64", 2).unwrap();
+        let looks = std::cell::Cell::new(0);
+        let late = || {
+            looks.set(looks.get() + 1);
+            std::thread::sleep(if looks.get() == number { taken } else { std::time::Duration::ZERO });
+            looks.get() == number
+        };
+        assert_eq!(simulation.step(40, 0.5, &late).is_err(), looks.get() >= number);
+        let steps = simulation.steps();
+        assert_eq!(simulation.state_hash(), after(&item, "RungeKutta4", steps, 0.5).state_hash(), "{number}: {steps}");
+    }
+}
+
 #[test]
 fn passes_of_several_stages_change_no_bit() {
     let flat = noisy(&[150, 37], &["fixed", "free", "periodic", "periodic"], gray_scott());
