@@ -7,6 +7,7 @@ from physcore.forces.central import CentralForce
 from physcore.forces.coulomb import Coulomb
 from physcore.forces.custom import CustomForce
 from physcore.forces.drag import Drag
+from physcore.forces.electromagnetic_field import ElectromagneticField
 from physcore.forces.gravitation import Gravitation
 from physcore.forces.gravity import Gravity
 from physcore.forces.lennard_jones import LennardJones
@@ -22,6 +23,7 @@ FORCES: tuple[type[Force], ...] = (
     LennardJones,
     Gravitation,
     Coulomb,
+    ElectromagneticField,
 )
 """Every force; what is registered here can be saved, and is tested."""
 
@@ -31,6 +33,7 @@ __all__ = [
     "Coulomb",
     "CustomForce",
     "Drag",
+    "ElectromagneticField",
     "Force",
     "Gravitation",
     "Gravity",

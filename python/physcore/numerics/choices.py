@@ -9,6 +9,7 @@ from typing import Literal, TypeAlias, TypedDict
 
 from physcore.checks import MOST, count, is_word, number, shown, span, word
 from physcore.errors import SceneError, warn
+from physcore.forces import ElectromagneticField
 from physcore.numerics.integrators import INTEGRATORS, Integrator, SemiImplicitEuler, VelocityVerlet
 from physcore.scene.items import Equation
 from physcore.scene.scene import ItemKey, Scene
@@ -183,7 +184,7 @@ def _integrators(value: object, scene: Scene) -> dict[str, Integrator]:
     Raises:
         SceneError: something is no integrator or no item, or an integrator cannot drive what it is to.
     """
-    paths: dict[str, tuple[Equation, str]] = {BODIES: ("second order", "VelocityVerlet")} if scene.bodies else {}
+    paths: dict[str, tuple[Equation, str]] = {BODIES: ("second order", _default(scene))} if scene.bodies else {}
     paths |= {str(scene.system(each)): (each.equation, each.default_integrator) for each in scene.systems}
     chosen: dict[str, Integrator | None] = {}
     if isinstance(value, Mapping):
@@ -200,6 +201,12 @@ def _integrators(value: object, scene: Scene) -> dict[str, Integrator]:
         chosen = dict.fromkeys(driven, one)
     kinds = {kind.__name__: kind for kind in INTEGRATORS}
     return {path: chosen.get(path) or kinds[default]() for path, (_, default) in paths.items()}
+
+
+def _default(scene: Scene) -> str:
+    """The integrator of the bodies where nothing is said."""
+    magnetic = any(isinstance(force, ElectromagneticField) and force.is_magnetic for force in scene.forces)
+    return "Boris" if magnetic else "VelocityVerlet"
 
 
 def _path(key: object, scene: Scene) -> str:

@@ -6,6 +6,7 @@ from physcore.numerics.integrators.base import Integrator
 from physcore.numerics.integrators.blanes_moan_4 import BlanesMoan4
 from physcore.numerics.integrators.blanes_moan_6 import BlanesMoan6
 from physcore.numerics.integrators.bogacki_shampine_3 import BogackiShampine3
+from physcore.numerics.integrators.boris import Boris
 from physcore.numerics.integrators.crank_nicolson import CrankNicolson
 from physcore.numerics.integrators.dormand_prince_5 import DormandPrince5
 from physcore.numerics.integrators.explicit_euler import ExplicitEuler
@@ -33,6 +34,7 @@ INTEGRATORS: tuple[type[Integrator], ...] = (
     SplitStep,
     CrankNicolson,
     Staggered,
+    Boris,
 )
 """Every integrator; what is registered here can be saved, and is tested for its order."""
 
@@ -42,6 +44,7 @@ __all__ = [
     "BlanesMoan4",
     "BlanesMoan6",
     "BogackiShampine3",
+    "Boris",
     "CrankNicolson",
     "DormandPrince5",
     "ExplicitEuler",

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 
 use crate::error::Result;
 use crate::history::History;
@@ -19,6 +19,7 @@ mod central;
 mod custom;
 pub mod density;
 mod drag;
+mod electromagnetic_field;
 mod gravity;
 mod lennard_jones;
 pub mod linear;
@@ -89,6 +90,8 @@ pub enum Reach {
 pub enum VelocityDependence {
     /// Not at all.
     None,
+    /// It turns velocities, and does no work.
+    Gyroscopic,
     /// It takes energy out.
     Dissipative,
 }
@@ -162,6 +165,11 @@ pub trait Force<V: Vector>: History + Send + Sync {
 
     /// Adds the force on each particle of `block` and the power that it dissipates or supplies there.
     fn accumulate(&self, _block: Range<usize>, _at: &StateView<'_, V>, _rates: &mut Rates<'_, V>) {}
+
+    /// The charge times the magnetic field at a particle [N·s/m], for a gyroscopic force, F = v × that.
+    fn magnetic_strength(&self, _index: usize) -> DVec3 {
+        DVec3::ZERO
+    }
 
     /// The potential energy of the particles of `block` [J]; that of two particles is split between them, or counts at one.
     fn potential(&self, _block: Range<usize>, _at: &StateView<'_, V>) -> f64 {
@@ -248,7 +256,7 @@ struct Kind<V: Vector> {
 }
 
 /// The registry.
-fn kinds<V: Vector>() -> [Kind<V>; 8] {
+fn kinds<V: Vector>() -> [Kind<V>; 9] {
     [
         gravity::kind(),
         drag::kind(),
@@ -258,6 +266,7 @@ fn kinds<V: Vector>() -> [Kind<V>; 8] {
         lennard_jones::kind(),
         all_pairs::gravitation(),
         all_pairs::coulomb(),
+        electromagnetic_field::kind(),
     ]
 }
 

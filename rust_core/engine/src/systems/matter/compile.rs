@@ -96,7 +96,8 @@ pub fn compile<V: Vector, I: Integrator>(scene: &Scene, executor: &Executor) -> 
     } else {
         format!("a sweep over blocks of {} particles per evaluation", state.block)
     };
-    let dynamics = Dynamics::new(properties, all, contacts, state.block);
+    let mut dynamics = Dynamics::new(properties, all, contacts, state.block);
+    dynamics.gyrates = I::GYRATES;
     let dissipative = dynamics.velocity != VelocityDependence::None;
     let nominal = if dissipative { I::ORDER_DISSIPATIVE } else { I::ORDER };
     let order = known.iter().map(|force| force.order).fold(nominal, u32::min);

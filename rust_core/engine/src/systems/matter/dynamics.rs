@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use glam::DVec3;
+
 use crate::contacts::Contacts;
 use crate::error::Result;
 use crate::forces::linear::{Fusion, LinearForce};
@@ -12,6 +14,10 @@ use crate::matter::{Columns, EnergySink, Matter, Power, Properties, SINKS, Span,
 use crate::parallel::{Executor, SERIAL};
 use crate::simd::{LANES, padded};
 use crate::stability::SpectralBound;
+
+fn is_magnetic<V: Vector>(force: &dyn Force<V>) -> bool {
+    force.about().velocity == VelocityDependence::Gyroscopic
+}
 
 fn state_view<'a, V: Vector>(
     properties: &'a Properties<V>,
@@ -45,6 +51,10 @@ pub struct Dynamics<V: Vector> {
     fused: usize,
     /// The number of fused forces and forces between particles; the others are pointwise.
     together: usize,
+    /// Whether the integrator turns velocities in magnetic fields, so that these add no force.
+    pub gyrates: bool,
+    /// Whether there is a magnetic field.
+    pub magnetic: bool,
     /// Whether a fixed particle has a velocity, so that its constraint force does work.
     driven: bool,
 }
@@ -67,6 +77,8 @@ impl<V: Vector> Dynamics<V> {
             shifts: densities.any(DensityEvolution::shifts),
             velocity: forces.iter().map(|force| force.about().velocity).max().unwrap_or(VelocityDependence::None),
             callbacks: forces.iter().filter(|force| force.about().callback).count(),
+            gyrates: false,
+            magnetic: forces.iter().any(|force| is_magnetic(force.as_ref())),
             fused: count,
             together,
             forces,
@@ -177,14 +189,36 @@ impl<V: Vector> Dynamics<V> {
         for axis in 0..V::DIMENSION {
             rates.force.axes[axis].fill(V::Scalar::ZERO);
         }
-        for force in &self.forces[self.fused..self.together] {
+        let acts = |force: &&Box<dyn Force<V>>| !self.gyrates || !self.magnetic || !is_magnetic(force.as_ref());
+        for force in self.forces[self.fused..self.together].iter().filter(acts) {
             force.accumulate(block.clone(), at, rates);
         }
         if self.driven {
             self.count_reactions(block, at, rates);
         }
-        for force in &self.forces[self.together..] {
+        for force in self.forces[self.together..].iter().filter(acts) {
             force.accumulate(block.clone(), at, rates);
+        }
+    }
+
+    /// Replaces the sum of all forces but the magnetic ones by that with which a kick of `h` seconds from the velocities `before`
+    /// is Boris' one: half of the kick, a rotation by 2 atan(|q B| h/2m) about q B, the other half.
+    pub fn gyrate(&self, block: &Range<usize>, at: &StateView<'_, V>, before: &Span<'_, V>, h: f64, force: &mut Span<'_, V>) {
+        let magnetic: Vec<_> = self.forces.iter().filter(|force| is_magnetic(force.as_ref())).collect();
+        for index in block.start..block.end.min(self.properties.count()) {
+            let strength: DVec3 = magnetic.iter().map(|force| force.magnetic_strength(index)).sum();
+            if strength == DVec3::ZERO || self.properties.is_fixed(index) {
+                continue;
+            }
+            let (place, mass) = (index - block.start, self.properties.mass[index]);
+            let (x, v) = (at.position.get(index), at.velocity.get(index));
+            let linear = V::from_axes(|axis| self.linear.acceleration(axis, index, x.axis(axis), v.axis(axis))).widen();
+            let half = (force.get(place).widen() / mass + linear) * (0.5 * h);
+            let rotation = strength * (0.5 * h / mass);
+            let minus = before.get(place).widen() + half;
+            let middle = minus + minus.cross(rotation);
+            let change = middle.cross(rotation) * (2.0 / (1.0 + rotation.length_squared()));
+            force.set(place, V::narrow(((half + half + change) / h - linear) * mass));
         }
     }
 

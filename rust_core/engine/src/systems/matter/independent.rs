@@ -10,7 +10,7 @@ use crate::simd::LANES;
 use crate::systems::matter::activity::Activity;
 use crate::systems::matter::collisions::collide;
 use crate::systems::matter::dynamics::Dynamics;
-use crate::systems::matter::kernels::{self, Action, Evaluation};
+use crate::systems::matter::kernels::{self, Action, Evaluation, kicked};
 use crate::systems::{Interval, Record};
 
 /// Interval of steps between activities where steps run in registers. It counts the steps of the clock's segment, so that
@@ -189,6 +189,9 @@ fn run_stage<V: Vector, I: Integrator>(
     if !matches!(action, Action::StageState) {
         let at = dynamics.state_view(block.position.view(range.start), block.velocity.view(range.start), time);
         dynamics.accumulate(&range, &at, &mut Rates { force: force.reborrow(), power: &mut power });
+        if let (true, Some(before)) = (I::GYRATES && dynamics.magnetic, kicked::<V, I>(block, action)) {
+            dynamics.gyrate(&range, &at, before, interval.h, force);
+        }
     }
     kernels::stage::<V, I>(dynamics, block, &Evaluation { force: force.reborrow(), power }, interval.h, action)
 }

@@ -15,4 +15,4 @@ mod stage;
 pub use activity::{activity, out_of_range};
 pub use linear_steps::steps;
 pub use point_force_steps::point_force_steps;
-pub use stage::{Action, Evaluation, stage};
+pub use stage::{Action, Evaluation, kicked, stage};
