@@ -13,7 +13,7 @@ use super::{About, Declared, Force, Forces, Kind, Rates, Reach, StateView, Valid
 use crate::error::{Error, Result};
 use crate::history::History;
 use crate::ledger::{Class, Ledger};
-use crate::math::{Real, Vector};
+use crate::math::Vector;
 use crate::matter::EnergySink;
 use crate::parallel::Executor;
 use crate::scene::{Argument, Callback, Value};
