@@ -15,8 +15,8 @@ class Boris(Integrator):
         pc.simulate(scene, 10.0, integrator=pc.Boris())
 
     Half a drift; half a kick by all other forces, a rotation of the velocity by 2 atan(|q B| dt/2m) about q B, half a
-    kick; half a drift. It keeps volumes in phase space, is reversible, and keeps the speed in a magnetic field alone, at
-    any q B dt/m; without a magnetic field it is position Verlet. It is not symplectic. A magnetic field limits only the
+    kick; half a drift. It keeps volumes in phase space, is reversible, and keeps the speed in a magnetic field
+    alone, at any q B dt/m; without one it is position Verlet. It is not symplectic. A magnetic field limits only the
     accuracy of its step, to a hundredth of the period of the gyration, 2πm/|qB|. Drag and damping are evaluated at a
     predicted velocity, which keeps order 2.
 
