@@ -8,6 +8,17 @@ from physcore.forces.coulomb import Coulomb
 from physcore.forces.custom import CustomForce
 from physcore.forces.drag import Drag
 from physcore.forces.electromagnetic_field import ElectromagneticField
+from physcore.forces.fields import (
+    READY_FIELDS,
+    CurrentLoop,
+    MagneticBottle,
+    MagneticDipole,
+    PaulTrap,
+    QuadrupoleTrap,
+    ReadyField,
+    TravellingWave,
+    UniformField,
+)
 from physcore.forces.gravitation import Gravitation
 from physcore.forces.gravity import Gravity
 from physcore.forces.lennard_jones import LennardJones
@@ -29,8 +40,10 @@ FORCES: tuple[type[Force], ...] = (
 
 __all__ = [
     "FORCES",
+    "READY_FIELDS",
     "CentralForce",
     "Coulomb",
+    "CurrentLoop",
     "CustomForce",
     "Drag",
     "ElectromagneticField",
@@ -38,7 +51,14 @@ __all__ = [
     "Gravitation",
     "Gravity",
     "LennardJones",
+    "MagneticBottle",
+    "MagneticDipole",
+    "PaulTrap",
+    "QuadrupoleTrap",
+    "ReadyField",
     "SoftSpheres",
+    "TravellingWave",
+    "UniformField",
 ]
 
 

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use glam::{DVec2, DVec3};
+use glam::DVec2;
 
 use crate::error::Result;
 use crate::history::History;
@@ -19,7 +19,7 @@ mod central;
 mod custom;
 pub mod density;
 mod drag;
-mod electromagnetic_field;
+mod electromagnetic;
 mod gravity;
 mod lennard_jones;
 pub mod linear;
@@ -29,11 +29,13 @@ mod pointwise;
 mod soft_spheres;
 pub mod sph;
 pub mod springs;
+mod strength;
 
 pub use central::InverseSquare;
 pub use density::{DensityEvolution, Drift, Fields, Mach, Scheme};
 use linear::Fusion;
 pub use pointwise::ForceField;
+pub use strength::{PART, Strength};
 
 /// The matter at the moment when the forces are asked for.
 #[derive(Debug, Clone, Copy)]
@@ -166,10 +168,8 @@ pub trait Force<V: Vector>: History + Send + Sync {
     /// Adds the force on each particle of `block` and the power that it dissipates or supplies there.
     fn accumulate(&self, _block: Range<usize>, _at: &StateView<'_, V>, _rates: &mut Rates<'_, V>) {}
 
-    /// The charge times the magnetic field at a particle [N·s/m], for a gyroscopic force, F = v × that.
-    fn magnetic_strength(&self, _index: usize) -> DVec3 {
-        DVec3::ZERO
-    }
+    /// Adds the charges times the magnetic field, q B, of the particles of `block` to `strength`, for a gyroscopic force F = v × q B.
+    fn magnetic(&self, _block: Range<usize>, _at: &StateView<'_, V>, _strength: &mut Strength<V>) {}
 
     /// The potential energy of the particles of `block` [J]; that of two particles is split between them, or counts at one.
     fn potential(&self, _block: Range<usize>, _at: &StateView<'_, V>) -> f64 {
@@ -266,7 +266,7 @@ fn kinds<V: Vector>() -> [Kind<V>; 9] {
         lennard_jones::kind(),
         all_pairs::gravitation(),
         all_pairs::coulomb(),
-        electromagnetic_field::kind(),
+        electromagnetic::kind(),
     ]
 }
 

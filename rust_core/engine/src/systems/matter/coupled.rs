@@ -163,7 +163,7 @@ fn for_each_block<V: Vector, I: Integrator>(
         if evaluates {
             dynamics.accumulate(&range, &at, &mut Rates { force: force.reborrow(), power: &mut power });
             if let (true, Some(before)) = (I::GYRATES && dynamics.magnetic, kicked::<V, I>(&blocks, action)) {
-                dynamics.gyrate(&range, &at, before, interval.h, &mut force);
+                kernels::gyrate(dynamics, &range, &at, before, interval.h, &mut force);
             }
         }
         activity.items[0] = kernels::stage::<V, I>(dynamics, &mut blocks, &Evaluation { force, power }, interval.h, action);

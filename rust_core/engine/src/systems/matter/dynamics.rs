@@ -2,12 +2,12 @@
 
 use std::ops::Range;
 
-use glam::DVec3;
-
 use crate::contacts::Contacts;
 use crate::error::Result;
 use crate::forces::linear::{Fusion, LinearForce};
-use crate::forces::{DensityEvolution, Drift, Force, InverseSquare, Rates, Reach, Scheme, StateView, VelocityDependence};
+use crate::forces::{
+    DensityEvolution, Drift, Force, InverseSquare, Rates, Reach, Scheme, StateView, Strength, VelocityDependence,
+};
 use crate::ledger::{Class, Ledger};
 use crate::math::{Real, Vector};
 use crate::matter::{Columns, EnergySink, Matter, Power, Properties, SINKS, Span, View};
@@ -53,6 +53,8 @@ pub struct Dynamics<V: Vector> {
     together: usize,
     /// Whether the integrator turns velocities in magnetic fields, so that these add no force.
     pub gyrates: bool,
+    /// Whether it does so by the exact angle.
+    pub exact_angles: bool,
     /// Whether there is a magnetic field.
     pub magnetic: bool,
     /// Whether a fixed particle has a velocity, so that its constraint force does work.
@@ -78,6 +80,7 @@ impl<V: Vector> Dynamics<V> {
             velocity: forces.iter().map(|force| force.about().velocity).max().unwrap_or(VelocityDependence::None),
             callbacks: forces.iter().filter(|force| force.about().callback).count(),
             gyrates: false,
+            exact_angles: false,
             magnetic: forces.iter().any(|force| is_magnetic(force.as_ref())),
             fused: count,
             together,
@@ -201,25 +204,15 @@ impl<V: Vector> Dynamics<V> {
         }
     }
 
-    /// Replaces the sum of all forces but the magnetic ones by that with which a kick of `h` seconds from the velocities `before`
-    /// is Boris' one: half of the kick, a rotation by 2 atan(|q B| h/2m) about q B, the other half.
-    pub fn gyrate(&self, block: &Range<usize>, at: &StateView<'_, V>, before: &Span<'_, V>, h: f64, force: &mut Span<'_, V>) {
-        let magnetic: Vec<_> = self.forces.iter().filter(|force| is_magnetic(force.as_ref())).collect();
-        for index in block.start..block.end.min(self.properties.count()) {
-            let strength: DVec3 = magnetic.iter().map(|force| force.magnetic_strength(index)).sum();
-            if strength == DVec3::ZERO || self.properties.is_fixed(index) {
-                continue;
-            }
-            let (place, mass) = (index - block.start, self.properties.mass[index]);
-            let (x, v) = (at.position.get(index), at.velocity.get(index));
-            let linear = V::from_axes(|axis| self.linear.acceleration(axis, index, x.axis(axis), v.axis(axis))).widen();
-            let half = (force.get(place).widen() / mass + linear) * (0.5 * h);
-            let rotation = strength * (0.5 * h / mass);
-            let minus = before.get(place).widen() + half;
-            let middle = minus + minus.cross(rotation);
-            let change = middle.cross(rotation) * (2.0 / (1.0 + rotation.length_squared()));
-            force.set(place, V::narrow(((half + half + change) / h - linear) * mass));
-        }
+    /// Adds q B of all magnetic fields at the particles of a range to `strength`.
+    pub fn magnetic(&self, range: Range<usize>, at: &StateView<'_, V>, strength: &mut Strength<V>) {
+        let fields = self.forces.iter().filter(|force| is_magnetic(force.as_ref()));
+        fields.for_each(|force| force.magnetic(range.clone(), at, strength));
+    }
+
+    /// Whether there are fused forces.
+    pub fn has_linear(&self) -> bool {
+        self.fused > 0
     }
 
     /// The kinetic energy of a kick of `h` seconds from rest [J], Σ ½ m |a|² h²: the smallest energy that steps of `h` can

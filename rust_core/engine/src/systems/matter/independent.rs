@@ -190,7 +190,7 @@ fn run_stage<V: Vector, I: Integrator>(
         let at = dynamics.state_view(block.position.view(range.start), block.velocity.view(range.start), time);
         dynamics.accumulate(&range, &at, &mut Rates { force: force.reborrow(), power: &mut power });
         if let (true, Some(before)) = (I::GYRATES && dynamics.magnetic, kicked::<V, I>(block, action)) {
-            dynamics.gyrate(&range, &at, before, interval.h, force);
+            kernels::gyrate(dynamics, &range, &at, before, interval.h, force);
         }
     }
     kernels::stage::<V, I>(dynamics, block, &Evaluation { force: force.reborrow(), power }, interval.h, action)
