@@ -91,9 +91,9 @@ class Force(ActingItem):
     """
 
 
-Equation = Literal["second order", "first order", "schrodinger", "flow"]
-"""The kind of an equation of motion, which says what integrators can advance it: x'' = a(x, v, t); x' = f(x, t);
-iħ ψ' = H ψ; incompressible flow."""
+Equation = Literal["bodies", "second order", "first order", "schrodinger", "flow"]
+"""The kind of an equation of motion, which says what integrators can advance it: x'' = a(x, v, t) of all bodies, and of
+a field; x' = f(x, t); iħ ψ' = H ψ; incompressible flow."""
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,9 @@
 //! [`linear_steps`] runs whole steps of the linear force in registers. [`stage`] runs one stage with forces that were
 //! accumulated before. Both evaluate the linear force in the same way, so only scenes with further forces pay for the
 //! general loop. [`point_force_steps`] runs whole steps under one force field, such as that of a star or a nucleus.
+//! [`accelerations`] serves methods that keep the stages themselves.
 
+mod acceleration;
 mod activity;
 mod axis_force;
 mod components;
@@ -12,7 +14,9 @@ mod point_force_steps;
 mod power;
 mod stage;
 
+pub use acceleration::accelerations;
 pub use activity::{activity, out_of_range};
 pub use linear_steps::steps;
 pub use point_force_steps::point_force_steps;
+pub use power::{ALL, integrate};
 pub use stage::{Action, Evaluation, stage};
