@@ -84,12 +84,12 @@ const FACTORED: [[f64; COEFFICIENTS]; COEFFICIENTS] = {
     rows
 };
 
-/// 1/(hₙ − hₖ) for k < n.
+/// 1/(hₙ − hₖ) for 0 < k < n.
 const RECIPROCALS: [[f64; COEFFICIENTS]; STAGES] = {
     let mut rows = [[0.0; COEFFICIENTS]; STAGES];
     let mut n = 1;
     while n < STAGES {
-        let mut k = 0;
+        let mut k = 1;
         while k < n {
             rows[n][k] = 1.0 / (NODES[n] - NODES[k]);
             k += 1;
@@ -159,27 +159,36 @@ impl<const W: usize> Series<W> {
     /// The series with a₀ and predicted coefficients b.
     #[inline(always)]
     pub fn new(start: [f64; W], b: Coefficients<W>) -> Self {
-        let mut g = [[0.0; W]; COEFFICIENTS];
+        let mut series = Self { start, ..Self::ZERO };
         for n in 0..COEFFICIENTS {
-            for k in n..COEFFICIENTS {
+            for k in (n..COEFFICIENTS).rev() {
                 for lane in 0..W {
-                    g[n][lane] += FACTORED[k][n] * b[k][lane];
+                    series.g[n][lane] += FACTORED[k][n] * b[k][lane];
                 }
             }
         }
-        Self { start, b, g }
+        // Not b itself: later changes keep what it differs by from g, and rounded factors make that an error of one sign.
+        for k in 0..COEFFICIENTS {
+            for n in (k..COEFFICIENTS).rev() {
+                for lane in 0..W {
+                    series.b[k][lane] += EXPANDED[n][k] * series.g[n][lane];
+                }
+            }
+        }
+        series
     }
 
     /// Takes in the acceleration at a node ≥ 1, and gives the change of its divided difference g.
     #[inline(always)]
     pub fn correct(&mut self, node: usize, a: &[f64; W]) -> [f64; W] {
+        // Divided, as in `whole`: the rounding of this reciprocal would be a change of ȧ by the same fraction in every step.
         let mut difference = [0.0; W];
         for lane in 0..W {
-            difference[lane] = (a[lane] - self.start[lane]) * RECIPROCALS[node][0];
+            difference[lane] = (a[lane] - self.start[lane]) / NODES[node];
         }
-        for k in 0..node - 1 {
+        for k in 1..node {
             for lane in 0..W {
-                difference[lane] = (difference[lane] - self.g[k][lane]) * RECIPROCALS[node][k + 1];
+                difference[lane] = (difference[lane] - self.g[k - 1][lane]) * RECIPROCALS[node][k];
             }
         }
         let mut change = [0.0; W];
@@ -195,10 +204,10 @@ impl<const W: usize> Series<W> {
         change
     }
 
-    /// The displacements [m] and the changes of velocities `v` [m/s] until a node of a step of `h` seconds.
+    /// Moves positions and velocities at the step's start to a node.
     #[inline(always)]
-    pub fn until(&self, node: usize, v: &[f64; W], h: f64) -> ([f64; W], [f64; W]) {
-        let [mean, twice] = &INTEGRALS[node];
+    pub fn node_state(&self, node: &Node, memory: &Memory<W>, x: &mut [f64; W], v: &mut [f64; W]) {
+        let ([mean, twice], &Node { time, low, .. }) = (&INTEGRALS[node.index], node);
         let (mut first, mut second) = ([0.0; W], [0.0; W]);
         for k in (0..COEFFICIENTS).rev() {
             for lane in 0..W {
@@ -206,13 +215,20 @@ impl<const W: usize> Series<W> {
                 second[lane] += twice[k + 1] * self.b[k][lane];
             }
         }
-        self.displacements(&first, &second, v, h * NODES[node])
+        for lane in 0..W {
+            let moved = time * (v[lane] + time * (second[lane] + 0.5 * self.start[lane]));
+            x[lane] += moved + (memory.position[lane] + (time * memory.velocity[lane] + low * v[lane]));
+            v[lane] += time * (first[lane] + self.start[lane]) + memory.velocity[lane];
+        }
     }
 
-    /// The same over the whole step. Here the coefficients are divided by whole numbers: a product with a rounded reciprocal
-    /// errs by the same fraction in every step, and such errors add up like the number of steps, not like its square root.
+    /// Moves them, with their low-order parts, to the step's end, and keeps the coefficients.
+    ///
+    /// Here the coefficients are divided by whole numbers: a product with a rounded reciprocal errs by the same fraction in
+    /// every step, and such errors add up like the number of steps, not like its square root. The largest terms, h v and h a₀,
+    /// are not rounded at all.
     #[inline(always)]
-    pub fn whole(&self, v: &[f64; W], h: f64) -> ([f64; W], [f64; W]) {
+    pub fn end(&self, h: f64, memory: &mut Memory<W>, x: &mut [f64; W], v: &mut [f64; W]) {
         let (mut first, mut second) = ([0.0; W], [0.0; W]);
         for k in (0..COEFFICIENTS).rev() {
             let next = (k + 2) as f64;
@@ -221,17 +237,34 @@ impl<const W: usize> Series<W> {
                 second[lane] += self.b[k][lane] / (next * (next + 1.0));
             }
         }
-        self.displacements(&first, &second, v, h)
-    }
-
-    #[inline(always)]
-    fn displacements(&self, first: &[f64; W], second: &[f64; W], v: &[f64; W], time: f64) -> ([f64; W], [f64; W]) {
-        let (mut x, mut change) = ([0.0; W], [0.0; W]);
         for lane in 0..W {
-            x[lane] = time * (v[lane] + time * (second[lane] + 0.5 * self.start[lane]));
-            change[lane] = time * (first[lane] + self.start[lane]);
+            let (drift, drift_low) = product(h, v[lane]);
+            let (kick, kick_low) = product(h, self.start[lane]);
+            let bend = h * (h * (second[lane] + 0.5 * self.start[lane]));
+            let low = h * memory.velocity[lane] + drift_low;
+            add(&mut x[lane], &mut memory.position[lane], drift);
+            add(&mut x[lane], &mut memory.position[lane], bend + low);
+            add(&mut v[lane], &mut memory.velocity[lane], kick);
+            add(&mut v[lane], &mut memory.velocity[lane], h * first[lane] + kick_low);
         }
-        (x, change)
+        memory.b = self.b;
+    }
+}
+
+/// A node ≥ 1 of a step.
+#[derive(Debug, Clone, Copy)]
+pub struct Node {
+    index: usize,
+    /// The time since the step's start [s], and its low-order part: rounded times would be those of other nodes.
+    time: f64,
+    low: f64,
+}
+
+impl Node {
+    /// A node of a step of `h` seconds.
+    pub fn new(index: usize, h: f64) -> Self {
+        let (time, low) = product(h, NODES[index]);
+        Self { index, time, low }
     }
 }
 
@@ -292,15 +325,30 @@ impl<const W: usize> Memory<W> {
     }
 }
 
-/// Adds an increment to a sum with its low-order part (two-sum). Source: D. E. Knuth, The Art of Computer Programming 2, 4.2.2,
-/// theorem B.
+/// A product and its rounding error. Source: T. J. Dekker, Numer. Math. 18 (1971) 224.
 #[inline(always)]
-pub fn add(sum: &mut f64, low: &mut f64, increment: f64) {
-    let by = *low + increment;
-    let from = *sum;
-    *sum = from + by;
-    let moved = *sum - from;
-    *low = (from - (*sum - moved)) + (by - moved);
+fn product(a: f64, b: f64) -> (f64, f64) {
+    const SPLIT: f64 = 134_217_729.0; // 2²⁷ + 1
+    let halves = |number: f64| {
+        let scaled = SPLIT * number;
+        let high = scaled - (scaled - number);
+        (high, number - high)
+    };
+    let (product, (a, a_low), (b, b_low)) = (a * b, halves(a), halves(b));
+    (product, ((a * b - product) + a * b_low + a_low * b) + a_low * b_low)
+}
+
+/// Adds an increment to a sum with its low-order part. Source: D. E. Knuth, The Art of Computer Programming 2, 4.2.2, theorem
+/// B.
+#[inline(always)]
+fn add(sum: &mut f64, low: &mut f64, increment: f64) {
+    let two_sum = |one: f64, other: f64| {
+        let sum = one + other;
+        let moved = sum - one;
+        (sum, (one - (sum - moved)) + (other - moved))
+    };
+    let (rough, error) = two_sum(*sum, increment);
+    (*sum, *low) = two_sum(rough, *low + error);
 }
 
 /// The factors by which an iteration reduces the error on x'' = −ω²x − γx': [`Self::POSITION`] (ωh)² + [`Self::VELOCITY`] γh.
@@ -319,7 +367,7 @@ pub fn limit(damping_ratio: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::{COEFFICIENTS, EXPANDED, FACTORED, NODES, ORDER, STAGES, Series, WEIGHTS, limit};
+    use super::{COEFFICIENTS, EXPANDED, FACTORED, Memory, NODES, Node, ORDER, STAGES, Series, WEIGHTS, add, limit, product};
 
     /// Rounding of sums of eight products of numbers up to 1.
     const ROUNDING: f64 = 8.0 * f64::EPSILON;
@@ -352,10 +400,21 @@ mod tests {
         let a = |node: usize| (0..STAGES).map(|k| (k + 1) as f64 * NODES[node].powi(k as i32)).sum::<f64>();
         let mut series = Series::<1>::new([a(0)], [[0.0]; COEFFICIENTS]);
         (1..STAGES).for_each(|node| _ = series.correct(node, &[a(node)]));
-        let ([x], [v]) = series.whole(&[3.0], 1.0);
+        let (mut memory, mut x, mut v) = (Memory::ZERO, [0.0], [3.0]);
+        series.end(1.0, &mut memory, &mut x, &mut v);
         let exact: f64 = 3.0 + (0..STAGES).map(|k| 1.0 / (k + 2) as f64).sum::<f64>();
         // Divided differences of order 7 are off by the rounding of a ≤ 36 times the sum of the reciprocal products, 1e4.
-        assert!((v - 8.0).abs() < 1e-11 && (x - exact).abs() < 1e-11, "{v}, {x}");
+        assert!((v[0] - 11.0).abs() < 1e-11 && (x[0] - exact).abs() < 1e-11, "{v:?}, {x:?}");
+    }
+
+    #[test]
+    fn the_rounding_of_products_and_sums_is_kept() {
+        // (1 + 2⁻³⁰)² = 1 + 2⁻²⁹ + 2⁻⁶⁰.
+        let number = 1.0 + 2.0_f64.powi(-30);
+        assert_eq!(product(number, number), (1.0 + 2.0_f64.powi(-29), 2.0_f64.powi(-60)));
+        let (mut sum, mut low) = (1.0, 0.0);
+        (0..64).for_each(|_| add(&mut sum, &mut low, 2.0_f64.powi(-60)));
+        assert_eq!((sum, low), (1.0, 2.0_f64.powi(-54)));
     }
 
     /// One step of x'' = −x − 2ξx', and the change of b₆ in its last iteration over |a|.
@@ -365,12 +424,14 @@ mod tests {
         let mut change = 0.0;
         for _ in 0..iterations {
             for node in 1..STAGES {
-                let ([x], [v]) = series.until(node, &[y[1]], h);
-                change = series.correct(node, &[acceleration(y[0] + x, y[1] + v)])[0].abs();
+                let (mut x, mut v) = ([y[0]], [y[1]]);
+                series.node_state(&Node::new(node, h), &Memory::<1>::ZERO, &mut x, &mut v);
+                change = series.correct(node, &[acceleration(x[0], v[0])])[0].abs();
             }
         }
-        let ([x], [v]) = series.whole(&[y[1]], h);
-        ([y[0] + x, y[1] + v], change / y[0].hypot(y[1]))
+        let (mut x, mut v) = ([y[0]], [y[1]]);
+        series.end(h, &mut Memory::<1>::ZERO.clone(), &mut x, &mut v);
+        ([x[0], v[0]], change / y[0].hypot(y[1]))
     }
 
     /// The eigenvalues of a step have the product det and the sum tr: stable where |tr| ≤ 1 + det ≤ 2.

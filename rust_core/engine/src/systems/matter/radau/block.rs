@@ -1,6 +1,6 @@
 //! The series of one block on their way through a step.
 
-use crate::integrators::gauss_radau_15::{self, Series};
+use crate::integrators::gauss_radau_15::{self, COEFFICIENTS, Node, STAGES, Series};
 use crate::math::Vector;
 use crate::matter::{Span, View};
 use crate::simd::{Kernel, LANES, Lanes, dispatch};
@@ -69,16 +69,19 @@ impl<V: Vector<Scalar = f64>> Kernel for Block<'_, '_, V> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { start, state: [position, velocity], origin: [x0, v0], acceleration, series, memory, largest, h, task } = self;
+        let Self { start, state: [positions, velocities], origin: [x0, v0], acceleration, series, memory, largest, h, task } =
+            self;
+        let nodes: [Node; STAGES] = std::array::from_fn(|node| Node::new(node, h));
         let (mut change, mut size, mut last) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
         for axis in 0..V::DIMENSION {
-            let range = start..start + position.len();
+            let range = start..start + positions.len();
             let [x0, v0, a] = [x0, v0, acceleration].map(|columns| columns.slice(axis, range.clone()).as_chunks::<LANES>().0);
-            let [x, v] = [&mut *position, &mut *velocity].map(|columns| columns.axes[axis].as_chunks_mut::<LANES>().0);
+            let [x, v] = [&mut *positions, &mut *velocities].map(|columns| columns.axes[axis].as_chunks_mut::<LANES>().0);
             for group in 0..a.len() {
                 let entry = group * V::DIMENSION + axis;
                 let (series, memory) = (&mut series[entry], &mut memory[entry]);
-                let (from, a) = ((x0[group], v0[group]), a[group]);
+                let a = a[group];
+                let (mut position, mut velocity) = (x0[group], v0[group]);
                 let next = match task {
                     Task::Open(ratio) => {
                         *series = Series::new(a, memory.predict(ratio));
@@ -86,61 +89,27 @@ impl<V: Vector<Scalar = f64>> Kernel for Block<'_, '_, V> {
                     }
                     Task::Correct(node) => {
                         let changed = series.correct(node, &a);
-                        if node + 1 == gauss_radau_15::STAGES {
+                        if node + 1 == STAGES {
                             raise(&mut change, &changed);
                             raise(&mut size, &a);
-                            raise(&mut last, &series.b[gauss_radau_15::COEFFICIENTS - 1]);
+                            raise(&mut last, &series.b[COEFFICIENTS - 1]);
                             1
                         } else {
                             node + 1
                         }
                     }
-                    Task::Close => {
-                        (x[group], v[group]) = end(series, memory, from, h);
-                        continue;
-                    }
+                    Task::Close => 0,
                 };
-                (x[group], v[group]) = node_state(series, memory, from, next, h);
+                if next == 0 {
+                    series.end(h, memory, &mut position, &mut velocity);
+                } else {
+                    series.node_state(&nodes[next], memory, &mut position, &mut velocity);
+                }
+                (x[group], v[group]) = (position, velocity);
             }
         }
         *largest = Largest { change: most(&change), acceleration: most(&size), last: most(&last) };
     }
-}
-
-/// Positions and velocities at a node.
-#[inline(always)]
-fn node_state(
-    series: &Series<LANES>,
-    memory: &Memory,
-    (mut x, mut v): (Lanes<f64>, Lanes<f64>),
-    node: usize,
-    h: f64,
-) -> (Lanes<f64>, Lanes<f64>) {
-    let (moved, changed) = series.until(node, &v, h);
-    let time = h * gauss_radau_15::NODES[node];
-    for lane in 0..LANES {
-        x[lane] += moved[lane] + (memory.position[lane] + time * memory.velocity[lane]);
-        v[lane] += changed[lane] + memory.velocity[lane];
-    }
-    (x, v)
-}
-
-/// Positions and velocities at the step's end.
-#[inline(always)]
-fn end(
-    series: &Series<LANES>,
-    memory: &mut Memory,
-    (mut x, mut v): (Lanes<f64>, Lanes<f64>),
-    h: f64,
-) -> (Lanes<f64>, Lanes<f64>) {
-    let (moved, changed) = series.whole(&v, h);
-    for lane in 0..LANES {
-        let drift = h * memory.velocity[lane];
-        gauss_radau_15::add(&mut x[lane], &mut memory.position[lane], moved[lane] + drift);
-        gauss_radau_15::add(&mut v[lane], &mut memory.velocity[lane], changed[lane]);
-    }
-    memory.b = series.b;
-    (x, v)
 }
 
 /// Raises each lane to the absolute value of another, if that is larger.
