@@ -28,7 +28,9 @@ class Coulomb(Force):
     dt="auto" is a hundredth of the shortest orbital period of the start, AdaptiveStep follows it.
 
     Args:
-        constant: k = 1/(4π ε₀) [N·m²/C²], at least zero.
+        feels_charges: ClassVar[bool] = True
+
+    constant: k = 1/(4π ε₀) [N·m²/C²], at least zero.
         softening: [m], at least zero.
         on: the body or bodies that feel it; all by default.
         sources: the body or bodies whose charges act; all by default.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TypeAlias
+from typing import ClassVar, TypeAlias
 
 from physcore.checks import FloatArray, Vector, number, shown, vector
 from physcore.errors import SceneError
@@ -37,12 +37,14 @@ class ElectromagneticField(Force):
         on: the body or bodies that feel it; all by default.
 
     Raises:
-        SceneError: a field is no such thing, not finite, or not of the scene's dimension. In a run: a function raised an
-            exception, or gave something else; the message starts with `forces[i].electric`, `.magnetic` or
+        SceneError: a field is no such thing, not finite, or not of the scene's dimension. In a run: a function raised
+            an exception, or gave something else; the message starts with `forces[i].electric`, `.magnetic` or
             `.potential`.
 
     Source: J. D. Jackson, Classical Electrodynamics, 3rd edition (1999), § 6.7 and § 12.1.
     """
+
+    feels_charges: ClassVar[bool] = True
 
     electric: Field = 0.0
     magnetic: Field = 0.0

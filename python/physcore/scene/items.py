@@ -90,10 +90,13 @@ class Force(ActingItem):
     To add one: a file in `forces`, a line in `FORCES`, and its counterpart in Rust.
     """
 
+    feels_charges: ClassVar[bool] = False
+    """Whether it may act on the charges of bodies."""
 
-Equation = Literal["second order", "first order", "schrodinger", "flow"]
-"""The kind of an equation of motion, which says what integrators can advance it: x'' = a(x, v, t); x' = f(x, t);
-iħ ψ' = H ψ; incompressible flow."""
+
+Equation = Literal["bodies", "second order", "first order", "schrodinger", "flow"]
+"""The kind of an equation of motion, which says what integrators can advance it: x'' = a(x, v, t) of all bodies, and of
+a field; x' = f(x, t); iħ ψ' = H ψ; incompressible flow."""
 
 
 @dataclass(frozen=True)

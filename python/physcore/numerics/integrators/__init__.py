@@ -10,6 +10,7 @@ from physcore.numerics.integrators.boris import Boris
 from physcore.numerics.integrators.crank_nicolson import CrankNicolson
 from physcore.numerics.integrators.dormand_prince_5 import DormandPrince5
 from physcore.numerics.integrators.explicit_euler import ExplicitEuler
+from physcore.numerics.integrators.gauss_radau_15 import GaussRadau15
 from physcore.numerics.integrators.mclachlan_2 import McLachlan2
 from physcore.numerics.integrators.pefrl import PEFRL
 from physcore.numerics.integrators.runge_kutta_4 import RungeKutta4
@@ -35,6 +36,7 @@ INTEGRATORS: tuple[type[Integrator], ...] = (
     CrankNicolson,
     Staggered,
     Boris,
+    GaussRadau15,
 )
 """Every integrator; what is registered here can be saved, and is tested for its order."""
 
@@ -48,6 +50,7 @@ __all__ = [
     "CrankNicolson",
     "DormandPrince5",
     "ExplicitEuler",
+    "GaussRadau15",
     "Integrator",
     "McLachlan2",
     "RungeKutta4",

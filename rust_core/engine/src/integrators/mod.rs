@@ -18,6 +18,7 @@ mod dormand_prince_5;
 pub mod explicit;
 mod explicit_euler;
 pub mod first_order;
+pub mod gauss_radau_15;
 mod group;
 #[cfg(test)]
 mod limits;

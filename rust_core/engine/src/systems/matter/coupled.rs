@@ -19,12 +19,12 @@ use crate::systems::matter::kernels::{self, Action, Evaluation, kicked};
 /// Buffers of the sweeps.
 #[derive(Debug)]
 pub struct Workspace<V: Vector> {
-    position: Columns<V>,
-    velocity: Columns<V>,
-    force: Columns<V>,
+    pub position: Columns<V>,
+    pub velocity: Columns<V>,
+    pub force: Columns<V>,
     before: Option<[Columns<V>; 2]>,
     /// Activity of each block at the end of the step [J].
-    activity: Vec<f64>,
+    pub activity: Vec<f64>,
 }
 
 impl<V: Vector> Workspace<V> {
