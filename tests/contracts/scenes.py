@@ -285,6 +285,51 @@ def plasma(count: int = 100, dimension: int = 3) -> pc.Scene:
     return pc.Scene(ions, pc.Coulomb(0.01, 0.05), well)
 
 
+def crossed(count: int = 60, dimension: int = 2) -> pc.Scene:
+    """Ions in crossed uniform fields, which repel each other, with one that is held."""
+    rng = _random()
+    shape = (count, dimension)
+    signs = np.where(np.arange(count) % 2 == 0, 1.0, -0.5)
+    start = rng.uniform(-1.0, 1.0, shape)
+    ions = pc.Particles(start, rng.uniform(-1.0, 1.0, shape), mass=0.5, charge=signs, fixed=[0])
+    electric, magnetic = ((0.3, -0.2), 1.5) if dimension == 2 else ((0.3, -0.2, 0.1), (0.5, -1.0, 1.5))
+    return pc.Scene(ions, pc.Coulomb(0.01, 0.05), pc.ElectromagneticField(electric, magnetic))
+
+
+def trap(count: int = 600) -> pc.Scene:
+    """Ions in a Penning trap whose magnet is tilted, in which they fall."""
+    rng = _random()
+    ions = pc.Particles(
+        rng.uniform(-1.0, 1.0, (count, 3)),
+        rng.uniform(-0.5, 0.5, (count, 3)),
+        mass=rng.uniform(0.5, 1.5, count),
+        charge=1.0,
+        fixed=[0],
+    )
+    return pc.Scene(ions, DOWN, pc.ElectromagneticField(pc.QuadrupoleTrap(1.0, (0.1, 0.0, -0.2)), (0.0, 2.0, 6.0)))
+
+
+def bottle(count: int = 600) -> pc.Scene:
+    """Ions in a magnetic bottle, under drag."""
+    rng = _random()
+    ions = pc.Particles(rng.uniform(-0.3, 0.3, (count, 3)), rng.uniform(-1.0, 1.0, (count, 3)), charge=-2.0)
+    return pc.Scene(ions, BREEZE, pc.ElectromagneticField(magnetic=pc.MagneticBottle(2.0, 0.7)))
+
+
+def by_function(count: int = 40) -> pc.Scene:
+    """Ions in fields written in Python, in operations that are rounded alike everywhere."""
+    rng = _random()
+    ions = pc.Particles(rng.uniform(-1.0, 1.0, (count, 2)), rng.uniform(-0.5, 0.5, (count, 2)), charge=0.5)
+    return pc.Scene(
+        ions,
+        pc.ElectromagneticField(
+            lambda time, x: -2.0 * x,
+            lambda time, x: 1.0 + time * x[:, 0] * x[:, 1],
+            potential=lambda x: 0.5 * float((x * x).sum()),
+        ),
+    )
+
+
 def trio() -> pc.Scene:
     """Three equal masses on the figure eight, without softening (Chenciner, Montgomery, Ann. Math. 152, 881 (2000))."""
     x, v = np.array([0.97000436, -0.24308753]), np.array([0.93240737, 0.86473146])
@@ -423,5 +468,12 @@ SCENES: dict[str, Case] = {
     "stirred": Case(stirred, 0.02),
     "whirl": Case(whirl, 0.02, {"integrator": pc.DormandPrince5()}, large=lambda: whirl(1500)),
     "whirl with cores f32": Case(lambda: whirl(dust=700, core=0.2), 0.02, F32, large=lambda: whirl(dust=20_000)),
+    "charges": Case(crossed, 0.02, large=lambda: crossed(1500)),
+    "charges 3D f32 RungeKutta4": Case(lambda: crossed(dimension=3), 0.02, {"integrator": pc.RungeKutta4(), **F32}),
+    "trap": Case(trap, 0.01, large=lambda: trap(100_000)),
+    "trap adaptive": Case(trap, 0.01, {"dt": pc.AdaptiveStep()}),
+    "bottle f32": Case(bottle, 0.02, F32, large=lambda: bottle(200_000)),
+    "bottle exact": Case(bottle, 0.05, {"integrator": pc.Boris(exact_angle=True)}),
+    "by function": Case(by_function, 0.02),
     "drop": Case(drops, 1e-3, large=lambda: drops(spacing=0.0125)),
 }

@@ -37,7 +37,9 @@ def driven() -> pc.Scene:
 
 
 @pytest.mark.parametrize(
-    ("scene", "duration", "steps"), [(lambda: kepler(0.3), 2.0, (3, 4, 5)), (driven, 3.0, (4, 6, 8))], ids=["kepler", "driven"]
+    ("scene", "duration", "steps"),
+    [(lambda: kepler(0.3), 2.0, (3, 4, 5)), (driven, 3.0, (4, 6, 8))],
+    ids=["kepler", "driven"],
 )
 def test_fixed_steps_are_of_order_15(scene, duration, steps, record_property):
     """Between errors that the leading term rules and rounding there is a factor of two in the steps: terms of other

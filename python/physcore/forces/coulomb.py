@@ -28,9 +28,7 @@ class Coulomb(Force):
     dt="auto" is a hundredth of the shortest orbital period of the start, AdaptiveStep follows it.
 
     Args:
-        feels_charges: ClassVar[bool] = True
-
-    constant: k = 1/(4π ε₀) [N·m²/C²], at least zero.
+        constant: k = 1/(4π ε₀) [N·m²/C²], at least zero.
         softening: [m], at least zero.
         on: the body or bodies that feel it; all by default.
         sources: the body or bodies whose charges act; all by default.
@@ -41,6 +39,8 @@ class Coulomb(Force):
 
     Source: k by CODATA 2018; the softening as that of Gravitation.
     """
+
+    feels_charges: ClassVar[bool] = True
 
     constant: float = coulomb_constant
     softening: float = 0.0

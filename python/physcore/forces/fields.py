@@ -97,7 +97,7 @@ class QuadrupoleTrap(ReadyField):
 
 @dataclass(frozen=True)
 class PaulTrap(ReadyField):
-    """The electric field of a Paul trap, E = s (x/2, y/2, −z) about its center, s = constant + alternating cos(2πft + φ).
+    """The electric field of a Paul trap, E = s (x/2, y/2, −z), s = constant + alternating cos(2πft + φ).
 
         trap = pc.ElectromagneticField(electric=pc.PaulTrap(0.0, 4.0e8, frequency=2.0e6))
 

@@ -85,7 +85,7 @@ impl<V: Vector> Kernel for Gyration<'_, V> {
     #[inline(always)]
     fn run(self) {
         let Self { range, strength, linear, inverse_mass, inertia, before, force, h } = self;
-        let (half_step, inverse_step) = (V::Scalar::from_f64(0.5 * h), V::Scalar::from_f64(1.0 / h));
+        let (half_step, step) = (V::Scalar::from_f64(0.5 * h), V::Scalar::from_f64(h));
         let (zero, two) = ([V::Scalar::ZERO; LANES], V::Scalar::from_f64(2.0));
         let groups = range.len() / LANES;
         for group in 0..groups {
@@ -127,7 +127,8 @@ impl<V: Vector> Kernel for Gyration<'_, V> {
                 // A particle that does not turn keeps its force to the bit.
                 let turns = square > V::Scalar::ZERO;
                 for axis in 0..V::DIMENSION {
-                    let mean = (half[axis] + half[axis] + change[axis]) * inverse_step - a[axis];
+                    // Divided: a rounded 1/h would lengthen or shorten the velocity by the same fraction in each step.
+                    let mean = (half[axis] + half[axis] + change[axis]) / step - a[axis];
                     kicked[axis][lane] = if turns { mean * inertia[lane] } else { f[axis] };
                 }
             }
