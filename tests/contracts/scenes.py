@@ -468,7 +468,7 @@ SCENES: dict[str, Case] = {
     "stirred": Case(stirred, 0.02),
     "whirl": Case(whirl, 0.02, {"integrator": pc.DormandPrince5()}, large=lambda: whirl(1500)),
     "whirl with cores f32": Case(lambda: whirl(dust=700, core=0.2), 0.02, F32, large=lambda: whirl(dust=20_000)),
-    "charges": Case(crossed, 0.02, large=lambda: crossed(1500)),
+    "charges": Case(crossed, 0.02, large=lambda: crossed(4200)),
     "charges 3D f32 RungeKutta4": Case(lambda: crossed(dimension=3), 0.02, {"integrator": pc.RungeKutta4(), **F32}),
     "trap": Case(trap, 0.01, large=lambda: trap(100_000)),
     "trap adaptive": Case(trap, 0.01, {"dt": pc.AdaptiveStep()}),

@@ -105,6 +105,8 @@ QUANTITIES: dict[type, dict[str, Rule]] = {
     pc.LennardJones: {"epsilon": scalar(2, -2, 1), "sigma": scalar(1), "cutoff": scalar(1)},
     pc.Gravitation: {"constant": scalar(3, -2, -1), "softening": scalar(1)},
     pc.Coulomb: {"constant": scalar(3, -2, 1), "softening": scalar(1)},
+    pc.QuadrupoleTrap: {"strength": scalar(0, -2, 1), "center": point},
+    pc.MagneticBottle: {"strength": scalar(0, -1, 1), "length": scalar(1), "center": point},
     pc.Plane: {"point": point, "normal": vector()},
     pc.Sphere: {"center": point, "radius": scalar(1)},
     pc.Particles: MASSES,
@@ -214,6 +216,10 @@ def _electromagnetic(force: pc.ElectromagneticField, t: Transform, on: Any) -> p
         return given * t.unit(0, -1, 1)
 
     def ready(field: Any) -> Any:
+        """The same field in other units and elsewhere, or one along other axes."""
+        if np.array_equal(t.axes, np.eye(3)):
+            values = {entry.name: getattr(field, entry.name) for entry in fields(field)}
+            return type(field)(**_changed(field, values, t))
         return lambda time, x: FIELDS[type(field)](field, x)
 
     electric, magnetic = (
@@ -234,11 +240,23 @@ def _electromagnetic(force: pc.ElectromagneticField, t: Transform, on: Any) -> p
     def potential(x: Array) -> float:
         return force.potential(back(x)) * t.unit(2, -2, 1)
 
-    zero = np.zeros(t.axes.shape[1])
-    uniform = zero if isinstance(electric, float) else electric
+    def uniform(vector: Any) -> Any:
+        zero = np.zeros(t.axes.shape[1])
+        return tuple(t.directions(zero if isinstance(vector, float) else vector) * t.unit(1, -2, 1) - boost)
+
+    def uniform_magnetic(vector: Any) -> Any:
+        if isinstance(vector, float) and vector == 0.0:
+            return 0.0
+        return float(turned(vector)) if plane else tuple(turned(vector))
+
+    kept = tuple(FIELDS)
     return pc.ElectromagneticField(
-        electric_function if callable(electric) else tuple(t.directions(uniform) * t.unit(1, -2, 1) - boost),
-        magnetic_function if callable(magnetic) else float(turned(magnetic)) if plane else tuple(turned(magnetic)),
+        electric_function if callable(electric) else electric if isinstance(electric, kept) else uniform(electric),
+        magnetic_function
+        if callable(magnetic)
+        else magnetic
+        if isinstance(magnetic, kept)
+        else uniform_magnetic(magnetic),
         None if force.potential is None else potential,
         on=on,
     )

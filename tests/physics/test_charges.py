@@ -272,7 +272,7 @@ def test_the_gyration_limits_the_step():
     assert pc.stability_limit(scene, pc.Boris()) == math.inf
     assert pc.stability_limit(scene, pc.RungeKutta4()) == pytest.approx(2.0 * math.sqrt(2.0) / 12.0)
     run = pc.Simulation(scene)
-    assert run.dt == pytest.approx(period / 100.0)
+    assert period / 400.0 < run.dt <= period / 100.0
     assert "gyration" in str(run.plan)
 
 

@@ -8,7 +8,7 @@ from typing import ClassVar, TypeAlias
 
 from physcore.checks import FloatArray, Vector, number, shown, vector
 from physcore.errors import SceneError
-from physcore.forces.fields import ReadyField
+from physcore.forces.fields import READY_FIELDS, ReadyField
 from physcore.scene.items import Force
 
 Field: TypeAlias = float | Vector | ReadyField | tuple[ReadyField, ...] | Callable[[float, FloatArray], FloatArray]
@@ -45,6 +45,7 @@ class ElectromagneticField(Force):
     """
 
     feels_charges: ClassVar[bool] = True
+    parts: ClassVar[tuple[type, ...]] = READY_FIELDS
 
     electric: Field = 0.0
     magnetic: Field = 0.0

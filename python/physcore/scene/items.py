@@ -82,6 +82,9 @@ class ActingItem(SceneItem):
             SceneError: it cannot act on them.
         """
 
+    parts: ClassVar[tuple[type, ...]] = ()
+    """The classes of the things that its fields hold, which files have too."""
+
 
 @dataclass(frozen=True)
 class Force(ActingItem):
@@ -110,8 +113,6 @@ class System(SceneItem):
     """The kind of its equation of motion."""
     default_integrator: ClassVar[str] = "VelocityVerlet"
     """The name of the integrator that advances it where nothing is said."""
-    parts: ClassVar[tuple[type, ...]] = ()
-    """The classes of the things that its fields hold, which files have too."""
     naming: ClassVar[tuple[str, ...]] = ()
     """Its fields that may name another system of the scene."""
     derived: ClassVar[tuple[str, ...]] = ()
