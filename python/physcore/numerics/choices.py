@@ -151,13 +151,13 @@ def check(options: Options, scene: Scene) -> Numerics:
     for each in chosen.values():
         if isinstance(dt, AutoStep) and each.self_adaptive and len(chosen) > 1:
             raise SceneError(
-                f"dt: {type(each).__name__}() chooses the steps of the bodies, and other items of this scene would have "
-                "to take the same: give dt a number, or AdaptiveStep()"
+                f"dt: {type(each).__name__}() chooses the steps of the bodies, and other items of this scene would "
+                "have to take the same: give dt a number, or AdaptiveStep()"
             )
         if isinstance(dt, AdaptiveStep) and dt.tolerance is not None and each.self_adaptive:
             kind = type(each).__name__
             raise SceneError(
-                f'dt: {kind}() has a tolerance of its own: leave dt out, and write {kind}(tolerance=…) or {kind}()'
+                f"dt: {kind}() has a tolerance of its own: leave dt out, and write {kind}(tolerance=…) or {kind}()"
             )
         if isinstance(dt, AdaptiveStep) and dt.tolerance is not None and not each.embedded:
             able = " or ".join(f"{kind.__name__}()" for kind in suited(scene) if kind.embedded)
