@@ -180,8 +180,8 @@ def test_a_short_run_does_not_lose_the_step_size():
 
 
 def test_each_digit_of_the_tolerance_costs_a_seventh_of_a_decade_of_steps(record_property):
-    """b₆ stands for h⁷ in a: each power of ten takes 10^(1/7) = 1.39 times the steps. The error of the method is of order
-    15 in h, far below the tolerance, and at rounding from 1e-5 on.
+    """b₆ stands for h⁷ in a: each power of ten takes 10^(1/7) = 1.39 times the steps. The error of the method is of
+    order 15 in h, far below the tolerance, and at rounding from 1e-5 on.
     """
     scene = kepler(0.7)
     exact = pc.Simulation(scene, RADAU)

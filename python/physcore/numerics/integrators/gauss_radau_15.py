@@ -32,8 +32,8 @@ class GaussRadau15(Integrator):
     and for λ dt < 0.22 on pure decay.
 
     Args:
-        tolerance: the largest |b₆| over |a|, above 0; for dt="auto". The error is far smaller: at 1e-9 some 1e-19 of the
-            energy of an orbit in a step. Take 1e-11, at twice the steps, for more than 1e5 orbits.
+        tolerance: the largest |b₆| over |a|, above 0; for dt="auto". The error is far smaller: at 1e-9 some 1e-19 of
+            the energy of an orbit in a step. Take 1e-11, at twice the steps, for more than 1e5 orbits.
 
     Source: H. Rein, D. S. Spiegel, Mon. Not. R. Astron. Soc. 446, 1424 (2015).
 
