@@ -71,7 +71,7 @@ def keeps_to_a_limit(name: str) -> bool:
     return not case.adaptive and not case.is_self_adaptive and name not in UNBOUNDED
 
 
-@pytest.mark.parametrize("name", filter(keeps_to_a_limit, SCENES))
+@pytest.mark.parametrize("name", [name for name in SCENES if keeps_to_a_limit(name)])
 def test_limits_that_the_time_step_keeps_to_are_part_of_a_checkpoint(name, tmp_path):
     """With dt="auto" the limit is looked at every 8 steps in fluids, and every 256 elsewhere: past the checkpoint."""
     case = SCENES[name]
