@@ -188,10 +188,10 @@ def _max_energy_growth(options: Options) -> float | None:
 
 
 def suited(scene: Scene) -> list[type[Integrator]]:
-    """The integrators that can drive something in a scene."""
+    """The integrators with steps of a given length that can drive something in a scene."""
     equations: set[Equation] = {"bodies"} if scene.bodies else set()
     equations |= {each.equation for each in scene.systems}
-    return [kind for kind in INTEGRATORS if not equations.isdisjoint(kind.solves)]
+    return [kind for kind in INTEGRATORS if not equations.isdisjoint(kind.solves) and not kind.self_adaptive]
 
 
 def _integrators(value: object, scene: Scene) -> dict[str, Integrator]:
