@@ -64,7 +64,8 @@ class AdaptiveStep:
 
     With a tolerance, for scenes with friction or drag: the step follows the integrator's own estimate of its error,
     for which there are two: DormandPrince5(), and BogackiShampine3() for errors of a hundredth, or where stability
-    limits the step. One whose error is larger than the tolerance is taken back.
+    limits the step. One whose error is larger than the tolerance is taken back. GaussRadau15() has a tolerance of its
+    own.
 
     All particles share the step. Each step looks at the limits of all particles, on one thread, which for springs and
     pairs takes as long as about ten evaluations of their forces: there it pays where the step changes by more than
