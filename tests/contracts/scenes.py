@@ -33,7 +33,19 @@ class Case:
     @property
     def adaptive(self) -> bool:
         """Whether its steps follow the motion."""
-        return isinstance(self.numerics.get("dt"), pc.AdaptiveStep)
+        return isinstance(self.numerics.get("dt"), pc.AdaptiveStep) or (
+            self.is_self_adaptive and isinstance(self.numerics.get("dt"), pc.AutoStep)
+        )
+
+    @property
+    def is_self_adaptive(self) -> bool:
+        """Whether its integrator chooses the steps itself with dt="auto"."""
+        return isinstance(self.numerics.get("integrator"), pc.GaussRadau15)
+
+    @property
+    def is_double(self) -> bool:
+        """Whether it is refused in single precision."""
+        return isinstance(self.numerics.get("integrator"), pc.GaussRadau15)
 
     @property
     def duration(self) -> float:
@@ -373,6 +385,7 @@ def _large_grains() -> pc.Scene:
 
 
 RK4 = {"integrator": pc.RungeKutta4()}
+RADAU = {"integrator": pc.GaussRadau15()}
 F32 = {"precision": "f32"}
 LARGE = {pc.VelocityVerlet: _large_network, pc.SemiImplicitEuler: _large_network, pc.DormandPrince5: _large_network}
 
@@ -410,6 +423,16 @@ SCENES: dict[str, Case] = {
     "plasma f32 RungeKutta4": Case(plasma, 0.01, {**F32, **RK4}),
     "trio": Case(trio, 0.01, {"integrator": pc.BlanesMoan4()}),
     "trio adaptive": Case(trio, 0.01, {"dt": pc.AdaptiveStep()}),
+    "trio by its coefficients": Case(trio, 0.1, {"dt": pc.AutoStep(), **RADAU}),
+    "cluster GaussRadau15": Case(lambda: cluster(40), 0.05, RADAU),
+    "network GaussRadau15": Case(network, 0.05, RADAU),
+    "swarm GaussRadau15": Case(
+        lambda: swarm(STAR, RESISTANCE, BREEZE, count=20),
+        0.01,
+        RADAU,
+        large=lambda: swarm(STAR, RESISTANCE, BREEZE, count=30_000),
+    ),
+    "swarm in Python GaussRadau15": Case(lambda: swarm(harmonic(), count=20), 0.05, RADAU),
     "pool": Case(pool, 1e-3, large=lambda: pool(spacing=0.0125)),
     "pool f64 McLachlan2": Case(pool, 1e-3, {"precision": "f64", "integrator": pc.McLachlan2()}),
     "pool 3D": Case(lambda: pool(3), 1e-3, large=lambda: pool(3, spacing=0.03)),

@@ -43,8 +43,8 @@ def eight(velocity: tuple[float, float]) -> pc.Scene:
 
 
 def test_c07_a_figure_of_eight_to_rounding(record_property):
-    """Excellent: closure within 5.6e-12. The curve is stable: the start, rounded by ε/4 of 1, is what is off by then, and
-    grows like t² at the most: (2 π)² ε = 1e-14.
+    """Excellent: closure within 5.6e-12. The curve is stable: the start, rounded by ε/4 of 1, is what is off by then,
+    and grows like t² at the most: (2 π)² ε = 1e-14.
     """
     scene = eight(REFINED)
     run = pc.Simulation(scene, RADAU)
@@ -77,9 +77,10 @@ ENERGY = -12.816666666666666667
 
 
 def test_c08_three_bodies_from_rest(record_property):
-    """Excellent: 1e-9 at t = 10 and 1e-6 at t = 20, after the encounter at 4.1e-4 in t = 15.83, which multiplies errors by
-    some 1e4; the energy within 1e-10. Good to 1e-8 at t = 20: ε, times the 1e7 by which errors have grown, is 2e-9. An ulp
-    of the places, ε/2, is 3e-13 of that distance, and of a potential energy of 5e4 J in some hundred steps at random.
+    """Excellent: 1e-9 at t = 10 and 1e-6 at t = 20, after the encounter at 4.1e-4 in t = 15.83, which multiplies errors
+    by some 1e4; the energy within 1e-10. Good to 1e-8 at t = 20: ε, times the 1e7 by which errors have grown, is 2e-9.
+    An ulp of the places, ε/2, is 3e-13 of that distance, and of a potential energy of 5e4 J in some hundred steps at
+    random.
     """
     start = pc.Particles([[1.0, 3.0], [-2.0, -1.0], [1.0, -1.0]], mass=[3.0, 4.0, 5.0])
     run = pc.Simulation(pc.Scene(start, pc.Gravitation(1.0)), RADAU)
@@ -129,15 +130,15 @@ SPEED, HALFWAY = -2.00158510637908252240537862224, (-1.244822052026569705585, 0.
 
 def rotating(time: float, positions: Array, velocities: Array) -> Array:
     """Coriolis, centrifugal and attracting forces in the frame that turns with the earth and the moon."""
-    earth, moon = positions + (MOON, 0.0), positions - (1.0 - MOON, 0.0)
+    earth, moon = (positions - (place, 0.0) for place in (-MOON, 1.0 - MOON))
     pulls = [mass * d / ((d**2).sum(axis=1) ** 1.5)[:, None] for mass, d in ((1.0 - MOON, earth), (MOON, moon))]
     turned = np.stack([velocities[:, 1], -velocities[:, 0]], axis=1)
     return positions + 2.0 * turned - pulls[0] - pulls[1]
 
 
 def test_c11_arenstorfs_orbit_of_four_loops(record_property):
-    """Excellent: closure within 1e-7. A force that depends on velocity, in passes 0.006 from the moon, that multiply errors
-    by some 1e5 in all: 1e5 ε = 2e-11 and, with the moon's place rounded, ten times that.
+    """Excellent: closure within 1e-7. A force that depends on velocity, in passes 0.006 from the moon, that multiply
+    errors by some 1e5 in all: 1e5 ε = 2e-11 and, with the moon's place rounded, ten times that.
     """
     satellite = pc.Particles([[0.994, 0.0]], [[0.0, SPEED]])
     run = pc.Simulation(pc.Scene(satellite, pc.CustomForce(rotating)), RADAU)

@@ -65,7 +65,8 @@ class AdaptiveStep:
 
     With a tolerance, for scenes with friction or drag: the step follows the integrator's own estimate of its error,
     for which there are two: DormandPrince5(), and BogackiShampine3() for errors of a hundredth, or where stability
-    limits the step. One whose error is larger than the tolerance is taken back.
+    limits the step. One whose error is larger than the tolerance is taken back. GaussRadau15() has a tolerance of its
+    own.
 
     All particles share the step. Each step looks at the limits of all particles, on one thread, which for springs and
     pairs takes as long as about ten evaluations of their forces: there it pays where the step changes by more than
@@ -152,8 +153,8 @@ def check(options: Options, scene: Scene) -> Numerics:
     for each in chosen.values():
         if isinstance(dt, AutoStep) and each.self_adaptive and len(chosen) > 1:
             raise SceneError(
-                f"dt: {type(each).__name__}() chooses the steps of the bodies, and other items of this scene would have "
-                "to take the same: give dt a number, or AdaptiveStep()"
+                f"dt: {type(each).__name__}() chooses the steps of the bodies, and other items of this scene would "
+                "have to take the same: give dt a number, or AdaptiveStep()"
             )
         if isinstance(dt, AdaptiveStep) and dt.tolerance is not None and each.self_adaptive:
             kind = type(each).__name__
@@ -189,10 +190,10 @@ def _max_energy_growth(options: Options) -> float | None:
 
 
 def suited(scene: Scene) -> list[type[Integrator]]:
-    """The integrators that can drive something in a scene."""
+    """The integrators with steps of a given length that can drive something in a scene."""
     equations: set[Equation] = {"bodies"} if scene.bodies else set()
     equations |= {each.equation for each in scene.systems}
-    return [kind for kind in INTEGRATORS if not equations.isdisjoint(kind.solves)]
+    return [kind for kind in INTEGRATORS if not equations.isdisjoint(kind.solves) and not kind.self_adaptive]
 
 
 def _integrators(value: object, scene: Scene) -> dict[str, Integrator]:

@@ -30,6 +30,9 @@ def chosen(on: object, path: str) -> tuple[Body, ...] | None:
 class SceneItem:
     """Something in a scene beside bodies; its fields are plain numbers, tuples of numbers for vectors, or None."""
 
+    parts: ClassVar[tuple[type, ...]] = ()
+    """The classes of the things that its fields hold, which files have too."""
+
     def _set(self, **values: object) -> None:
         """Replace what the user passed by its checked form; only for `__post_init__`."""
         for name, value in values.items():
@@ -82,8 +85,6 @@ class ActingItem(SceneItem):
             SceneError: it cannot act on them.
         """
 
-    parts: ClassVar[tuple[type, ...]] = ()
-    """The classes of the things that its fields hold, which files have too."""
 
 
 @dataclass(frozen=True)

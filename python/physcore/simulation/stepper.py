@@ -144,7 +144,7 @@ class Stepper:
         if self._adaptive is not None:
             raise SceneError(
                 "dt: adaptive steps are not equal, and end where an interval ends: use run(duration), record or "
-                "frames; or give dt a number, or AutoStep()"
+                f"frames; or give dt a number{'' if self._numerics.integrator.self_adaptive else ', or AutoStep()'}"
             )
         if self.fixed is not None:
             return self._advance_by(left, self.fixed)

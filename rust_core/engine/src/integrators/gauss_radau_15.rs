@@ -24,9 +24,9 @@ pub const STAGES: usize = COEFFICIENTS + 1;
 /// The nodes h of the Gauss–Radau quadrature on [0, 1] with the left end: the zeros of P₇ + P₈ at 2h − 1.
 pub const NODES: [f64; STAGES] = [
     0.0,
-    0.056_262_560_536_922_146,
+    0.056_262_560_536_922_15,
     0.180_240_691_736_892_36,
-    0.352_624_717_113_169_64,
+    0.352_624_717_113_169_6,
     0.547_153_626_330_555_4,
     0.734_210_177_215_410_5,
     0.885_320_946_839_095_8,
@@ -372,16 +372,20 @@ mod tests {
     /// Rounding of sums of eight products of numbers up to 1.
     const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
+    fn power(base: f64, exponent: u32) -> f64 {
+        (0..exponent).map(|_| base).product()
+    }
+
     #[test]
     fn the_quadrature_is_exact_up_to_degree_14_and_no_further() {
-        let missed = |degree: i32| {
-            let sum: f64 = NODES.iter().zip(WEIGHTS).map(|(node, weight)| weight * node.powi(degree)).sum();
+        let missed = |degree: u32| {
+            let sum: f64 = NODES.iter().zip(WEIGHTS).map(|(node, weight)| weight * power(*node, degree)).sum();
             (sum - 1.0 / f64::from(degree + 1)).abs()
         };
-        for degree in 0..ORDER as i32 {
+        for degree in 0..ORDER {
             assert!(missed(degree) < ROUNDING, "degree {degree}: {:e}", missed(degree));
         }
-        assert!(missed(ORDER as i32) > 1e-9);
+        assert!(missed(ORDER) > 1e-9);
     }
 
     #[test]
@@ -397,7 +401,7 @@ mod tests {
     /// A polynomial of degree 7 is found in one pass: a = 1 + 2τ + … + 8τ⁷ has the integrals 8 and Σ 1/(k + 2).
     #[test]
     fn a_polynomial_is_integrated_exactly() {
-        let a = |node: usize| (0..STAGES).map(|k| (k + 1) as f64 * NODES[node].powi(k as i32)).sum::<f64>();
+        let a = |node: usize| (0..STAGES).map(|k| (k + 1) as f64 * power(NODES[node], k as u32)).sum::<f64>();
         let mut series = Series::<1>::new([a(0)], [[0.0]; COEFFICIENTS]);
         (1..STAGES).for_each(|node| _ = series.correct(node, &[a(node)]));
         let (mut memory, mut x, mut v) = (Memory::ZERO, [0.0], [3.0]);
@@ -450,7 +454,7 @@ mod tests {
             }
             // Well beyond, the iteration leaves more than it begins with.
             let change = step([0.6, 0.8], 7.0 * limit(ratio), ratio, 12).1;
-            assert!(!(change < 1.0), "ξ = {ratio}: {change}");
+            assert!(change.is_nan() || change > 1.0, "ξ = {ratio}: {change}");
         }
     }
 }

@@ -48,8 +48,9 @@ pub fn compile<V: Vector>(scene: &Scene, method: Box<dyn Method<V>>, executor: &
         all.push(Box::new(Springs::<V>::new(&springs, count)));
     }
     if let Some(fluid) = sph::fluid(scene, &properties, executor)? {
+        refuse_kinks(&about, "a fluid")?;
         let continuity = fluid.density().is_some_and(|density| density.scheme() == Scheme::Continuity);
-        if let (true, Some(reason)) = (continuity || about.sweeps, about.refuses_fields) {
+        if let (true, Some(reason)) = (continuity, about.refuses_fields) {
             let mut fit = Vec::new();
             with_integrator!(each Other => if integrators::refuses_fields::<Other>().is_none() {
                 fit.push(format!("{}()", Other::NAME));
@@ -64,9 +65,8 @@ pub fn compile<V: Vector>(scene: &Scene, method: Box<dyn Method<V>>, executor: &
         all.extend(forces::build(scene, item, &properties)?);
     }
     let contacts = Contacts::build(scene, &properties)?;
-    if let (Some(_), Some(reason)) = (&contacts, about.refuses_contacts) {
-        let expected = "an explicit one, such as VelocityVerlet(), for a scene with boundaries";
-        return Err(Error::parameter("integrator", expected, about.name).with_hint(reason));
+    if contacts.is_some() {
+        refuse_kinks(&about, "boundaries")?;
     }
     let known: Vec<About> = all.iter().map(|force| force.about()).collect();
     for About { name, layout, reach, .. } in &known {
@@ -126,6 +126,13 @@ pub fn compile<V: Vector>(scene: &Scene, method: Box<dyn Method<V>>, executor: &
     };
     let fields = scene.forces.iter().filter(|item| !forces::is_between_pairs(item)).cloned().collect();
     Ok(MatterSystem::new(dynamics, state, method, stages, fields))
+}
+
+/// Refuses a method of smooth motion where a scene has what breaks it.
+fn refuse_kinks(about: &MethodAbout, found: &str) -> Result<()> {
+    let Some(reason) = about.smooth_only else { return Ok(()) };
+    let expected = format!("an explicit one, such as VelocityVerlet(), for a scene with {found}");
+    Err(Error::parameter("integrator", expected, about.name).with_hint(reason))
 }
 
 /// Memory of a particle besides its state [bytes]: its properties, and during compilation its index in two orders.

@@ -53,9 +53,10 @@ pub struct About {
     pub exact_angles: bool,
     /// As [`Integrator::limit`].
     pub limit: fn(f64) -> f64,
-    /// Why it cannot advance a field that diffuses, and why it does not bear contacts, if so.
+    /// Why it cannot advance a field that diffuses, if it cannot.
     pub refuses_fields: Option<&'static str>,
-    pub refuses_contacts: Option<&'static str>,
+    /// Why it takes neither contacts nor fluids, if it takes smooth motion alone.
+    pub smooth_only: Option<&'static str>,
 }
 
 /// A time-stepping method for matter. Its history is the data that it keeps itself from step to step, beside the registers.
@@ -127,7 +128,7 @@ impl<V: Vector, I: Integrator> Method<V> for Explicit<I> {
             exact_angles: self.exact_angles,
             limit: I::limit,
             refuses_fields: integrators::refuses_fields::<I>(),
-            refuses_contacts: None,
+            smooth_only: None,
         }
     }
 

@@ -237,8 +237,8 @@ impl<V: Vector<Scalar = f64>> Method<V> for GaussRadau15 {
             gyrates: false,
             exact_angles: false,
             limit: rule::limit,
-            refuses_fields: Some("its nodes are not the ends of drifts, over which density is advanced"),
-            refuses_contacts: Some("a contact within a step would break the polynomial that it is"),
+            refuses_fields: None,
+            smooth_only: Some("its steps are polynomials of degree 9, which contacts and fluids would break"),
         }
     }
 

@@ -54,12 +54,12 @@ impl<T: Real> Kernel for Accelerations<'_, T> {
     fn run(self) -> f64 {
         let Self { axes, inverse_mass, inertia, power, dissipates } = self;
         let mut squares = [T::ZERO; LANES];
-        for Axis { x, v, force, law } in axes.into_iter().flatten() {
-            let (columns, weights) = ((x, v, force), (inverse_mass, inertia));
-            match law {
-                AxisLaw::Uniform(same) if dissipates => along(Uniform::<_, true>(same), columns, weights, power, &mut squares),
-                AxisLaw::Uniform(same) => along(Uniform::<_, false>(same), columns, weights, power, &mut squares),
-                AxisLaw::Varying(varying) => along(varying, columns, weights, power, &mut squares),
+        for axis in axes.into_iter().flatten() {
+            let weights = (inverse_mass, inertia);
+            match axis.law {
+                AxisLaw::Uniform(same) if dissipates => along(Uniform::<_, true>(same), axis, weights, power, &mut squares),
+                AxisLaw::Uniform(same) => along(Uniform::<_, false>(same), axis, weights, power, &mut squares),
+                AxisLaw::Varying(varying) => along(varying, axis, weights, power, &mut squares),
             }
         }
         kinetic(&squares)
@@ -70,7 +70,7 @@ impl<T: Real> Kernel for Accelerations<'_, T> {
 #[inline(always)]
 fn along<T: Real>(
     law: impl AxisForce<T>,
-    (x, v, force): (&[Lanes<T>], &[Lanes<T>], &mut [Lanes<T>]),
+    Axis { x, v, force, .. }: Axis<'_, T>,
     (inverse_mass, inertia): (&[Lanes<T>], &[Lanes<T>]),
     power: &mut Power,
     squares: &mut Lanes<T>,
