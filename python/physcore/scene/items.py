@@ -86,7 +86,6 @@ class ActingItem(SceneItem):
         """
 
 
-
 @dataclass(frozen=True)
 class Force(ActingItem):
     """A force on the particles of some bodies.
