@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import ClassVar
+from typing import ClassVar, Literal
 
 from physcore.checks import number
+from physcore.forces.tree import opening_angle
 from physcore.scene.items import Force, On
 from physcore.units import coulomb_constant
 
@@ -20,7 +21,8 @@ class Coulomb(Force):
 
     The force on particle i is F_i = k q_i Σ_j q_j d/s³ with d = x_i − x_j and s² = |d|² + softening², and a pair has
     the potential energy k q_i q_j/s. In 2D the law is the same: charges in a plane. The sum is exact, over all pairs,
-    and its cost grows like the square of the number of particles. The energy is by_term["coulomb"].
+    and its cost grows like the square of the number of particles; with an `opening_angle` it is that of a tree (Barnes
+    and Hut 1986), whose cost grows like N log N and whose error plan.force_error tells. The energy is by_term["coulomb"].
 
     A charge among `sources` that is not among `on` acts and feels nothing, as if it were held on its path: the work
     of that counts as external work.
@@ -30,6 +32,9 @@ class Coulomb(Force):
     Args:
         constant: k = 1/(4π ε₀) [N·m²/C²], at least zero.
         softening: [m], at least zero.
+        opening_angle: θ, at least zero: a cell of side s at the distance d is taken whole, with its quadrupole, where
+            s < θ d; 0.0 is the exact sum; "auto" the largest angle up to 1 whose error stays below `force_error`.
+        force_error: the wished rms error of the accelerations over their rms, for "auto"; above zero.
         on: the body or bodies that feel it; all by default.
         sources: the body or bodies whose charges act; all by default.
 
@@ -42,7 +47,9 @@ class Coulomb(Force):
 
     constant: float = coulomb_constant
     softening: float = 0.0
+    opening_angle: float | Literal["auto"] = 0.0
     sources: On = field(default=None, kw_only=True)
+    force_error: float = field(default=1e-3, kw_only=True)
 
     naming: ClassVar[tuple[str, ...]] = ("on", "sources")
 
@@ -51,4 +58,6 @@ class Coulomb(Force):
         self._set(
             constant=number(self.constant, "Coulomb.constant", least=0.0),
             softening=number(self.softening, "Coulomb.softening", least=0.0),
+            opening_angle=opening_angle(self.opening_angle, "Coulomb.opening_angle"),
+            force_error=number(self.force_error, "Coulomb.force_error", above=0.0),
         )

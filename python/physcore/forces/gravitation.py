@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import ClassVar
+from typing import ClassVar, Literal
 
 from physcore.checks import number
+from physcore.forces.tree import opening_angle
 from physcore.scene.items import Force, On
 from physcore.units import gravitational_constant
 
@@ -20,7 +21,8 @@ class Gravitation(Force):
 
     The force on particle i is F_i = −G m_i Σ_j m_j d/s³ with d = x_i − x_j and s² = |d|² + softening², and a pair has
     the potential energy −G m_i m_j/s. In 2D the law is the same: orbits in a plane. The sum is exact, over all pairs,
-    and its cost grows like the square of the number of particles. Fixed particles attract. The energy is
+    and its cost grows like the square of the number of particles; with an `opening_angle` it is that of a tree (Barnes
+    and Hut 1986), whose cost grows like N log N and whose error plan.force_error tells. Fixed particles attract. The energy is
     by_term["gravitation"].
 
     A mass among `sources` that is not among `on` attracts and feels nothing, as if it were held on its path: the work
@@ -32,6 +34,9 @@ class Gravitation(Force):
     Args:
         constant: G [m³/(kg·s²)], at least zero.
         softening: ε [m], at least zero (Plummer 1911).
+        opening_angle: θ, at least zero: a cell of side s at the distance d is taken whole, with its quadrupole, where
+            s < θ d; 0.0 is the exact sum; "auto" the largest angle up to 1 whose error stays below `force_error`.
+        force_error: the wished rms error of the accelerations over their rms, for "auto"; above zero.
         on: the body or bodies that feel it; all by default.
         sources: the body or bodies that attract; all by default.
 
@@ -44,7 +49,9 @@ class Gravitation(Force):
 
     constant: float = gravitational_constant
     softening: float = 0.0
+    opening_angle: float | Literal["auto"] = 0.0
     sources: On = field(default=None, kw_only=True)
+    force_error: float = field(default=1e-3, kw_only=True)
 
     naming: ClassVar[tuple[str, ...]] = ("on", "sources")
 
@@ -53,4 +60,6 @@ class Gravitation(Force):
         self._set(
             constant=number(self.constant, "Gravitation.constant", least=0.0),
             softening=number(self.softening, "Gravitation.softening", least=0.0),
+            opening_angle=opening_angle(self.opening_angle, "Gravitation.opening_angle"),
+            force_error=number(self.force_error, "Gravitation.force_error", above=0.0),
         )

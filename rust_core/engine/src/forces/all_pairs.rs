@@ -7,7 +7,9 @@
 //! Lengths and charges are computed in units of powers of two, those of the largest at the start: distances and their
 //! cubes in SI units may be out of the range of f32.
 
+mod expansion;
 mod sums;
+mod tree;
 
 use std::f64::consts::TAU;
 use std::ops::Range;
@@ -19,15 +21,29 @@ use crate::error::{Error, Result};
 use crate::history::History;
 use crate::ledger::{Class, Ledger};
 use crate::math::{AXES, Real, Vector};
-use crate::matter::{Columns, EnergySink};
-use crate::parallel::Executor;
+use crate::matter::{Columns, EnergySink, View};
+use crate::parallel::{BlockedSlice, Executor, SERIAL};
 use crate::scene::{Item, Scene, Value};
 use crate::simd::{LANES, Number, Record, WORDS};
 use crate::stability::{Horizon, SpectralBound};
+use expansion::Multipole;
 use sums::SourceLaw;
+use tree::{Body, Tree};
 
 /// Steps per period of the fastest orbit at an automatic time step.
 const STEPS_PER_TURN: f64 = 100.0;
+
+/// The largest opening angle that is chosen.
+const LARGEST_ANGLE: f64 = 1.0;
+
+/// The smallest one for which a tree is worth more than the exact sum.
+const SMALLEST_ANGLE: f64 = 0.1;
+
+/// About the power of the opening angle with which the error grows.
+const ERROR_ORDER: f64 = 3.8;
+
+/// Maximum number of bodies on which the error is measured.
+const SAMPLE: usize = 1000;
 
 /// Pairs of targets and sources.
 struct Group {
@@ -52,6 +68,12 @@ struct AllPairs<V: Vector> {
     /// Charge c of each particle.
     charge: Vec<f64>,
     groups: Vec<Group>,
+    /// Opening angle θ of the tree; 0 for the exact sum.
+    angle: f64,
+    /// Relative rms error of the acceleration at the start.
+    force_error: f64,
+    /// Interactions of targets with cells and bodies at the start.
+    pairs: usize,
     /// Unit of length, a power of two [m].
     length: f64,
     /// Units of the charges and of charges per mass, powers of two.
@@ -120,7 +142,7 @@ impl<V: Vector> AllPairs<V> {
         let softening = item.non_negative("softening")?;
         let offsets = scene.positions().into_iter().map(|position| (position - properties.origin).abs().max_element());
         let per_mass = charge.iter().zip(&properties.mass).map(|(charge, mass)| charge / mass);
-        Ok(Self {
+        let mut force = Self {
             name,
             path: item.path.clone(),
             constant,
@@ -129,9 +151,82 @@ impl<V: Vector> AllPairs<V> {
             length: unit(offsets.chain([softening])),
             units: [unit(charge.iter().copied()), unit(per_mass)],
             charge,
+            angle: 0.0,
+            force_error: 0.0,
+            pairs: 0,
             force: Columns::zeros(properties.count()),
             work: vec![0.0; properties.count()],
-        })
+        };
+        force.choose_angle(declared)?;
+        Ok(force)
+    }
+
+    /// Takes the opening angle of the item, or for "auto" the largest whose error stays below the wished one, and measures the
+    /// error in the scene as it starts.
+    fn choose_angle(&mut self, declared: &Declared<'_, V>) -> Result<()> {
+        let Declared { scene, item, properties, .. } = declared;
+        let (start, origin) = (scene.positions(), properties.origin);
+        let count = properties.count();
+        let position = Columns::from_fn(count, |index| V::narrow(start[properties.caller[index] as usize] - origin));
+        let velocity = Columns::zeros(count);
+        let (position, velocity) = (position.view(), velocity.view());
+        let at = StateView { position, velocity, residual: View::default(), properties, time: 0.0, executor: &SERIAL };
+        let wished = match item.values.get("opening_angle") {
+            Some(Value::Text(text)) if text == "auto" => Some(item.number("force_error")?),
+            _ => None,
+        };
+        self.angle = if wished.is_some() { LARGEST_ANGLE } else { item.non_negative("opening_angle")? };
+        (self.force_error, self.pairs) = self.measure(&at);
+        while let Some(wished) = wished.filter(|&wished| self.force_error > wished) {
+            // Not too far at once: the error's order is only about this.
+            self.angle *= libm::pow(wished / self.force_error, 1.0 / ERROR_ORDER).clamp(0.5, 0.95);
+            if !(self.angle > SMALLEST_ANGLE) {
+                self.angle = 0.0;
+            }
+            (self.force_error, self.pairs) = self.measure(&at);
+        }
+        Ok(())
+    }
+
+    /// The rms error of the acceleration over its rms, on some of the targets, and the number of interactions.
+    fn measure(&mut self, at: &StateView<'_, V>) -> (f64, usize) {
+        let angle = self.angle;
+        if angle == 0.0 {
+            return (0.0, self.groups.iter().map(|group| group.targets.len() * group.sources.len()).sum());
+        }
+        let count = at.properties.count();
+        let (mut exact, mut error, mut pairs) = (vec![DVec3::ZERO; count], vec![DVec3::ZERO; count], 0);
+        let field = |sums: &[f64; SUMS]| DVec3::new(sums[0], sums[1], sums[2]);
+        for group in &self.groups {
+            let (sums, interactions) = self.attraction::<V::Scalar>(group, at, at.executor);
+            pairs += interactions;
+            for (&index, sums) in group.targets.iter().zip(&sums) {
+                error[index] += field(sums);
+            }
+        }
+        self.angle = 0.0;
+        let stride = count.div_ceil(SAMPLE).max(1);
+        for group in &self.groups {
+            let targets = group.targets.iter().copied().filter(|index| index % stride == 0).collect();
+            let sample = Group { targets, sources: group.sources.clone(), mutual: group.mutual };
+            let (sums, _) = self.attraction::<f64>(&sample, at, at.executor);
+            for (&index, sums) in sample.targets.iter().zip(&sums) {
+                exact[index] += field(sums);
+            }
+        }
+        self.angle = angle;
+        let (mut difference, mut size) = (0.0, 0.0);
+        for index in (0..count).step_by(stride) {
+            let per_mass = self.charge[index] / self.units[0] / at.properties.mass[index];
+            difference += ((error[index] - exact[index]) * per_mass).length_squared();
+            size += (exact[index] * per_mass).length_squared();
+        }
+        (if size > 0.0 { (difference / size).sqrt() } else { 0.0 }, pairs)
+    }
+
+    /// The position of a particle in units of length.
+    fn place(&self, index: usize, at: &StateView<'_, V>) -> DVec3 {
+        at.position.get(index).widen() / self.length
     }
 
     /// Positions of some particles in units of length, in the precision of a sum.
@@ -156,21 +251,92 @@ impl<V: Vector> AllPairs<V> {
         self.positions(sources, at).into_iter().zip(sources).map(record).collect()
     }
 
-    /// The sums of [`Attraction`] for the targets of a group.
-    fn attraction<T: Real>(&self, group: &Group, at: &StateView<'_, V>, executor: &Executor) -> Vec<[f64; SUMS]> {
+    /// The sums of [`Attraction`] for the targets of a group, and the number of interactions.
+    fn attraction<T: Real>(&self, group: &Group, at: &StateView<'_, V>, executor: &Executor) -> (Vec<[f64; SUMS]>, usize) {
+        let square = T::from_f64((self.softening / self.length) * (self.softening / self.length));
+        match (square > T::ZERO, group.mutual) {
+            (true, true) => self.sums::<T, true, false>(square, group, at, executor),
+            (false, true) => self.sums::<T, false, false>(square, group, at, executor),
+            (true, false) => self.sums::<T, true, true>(square, group, at, executor),
+            (false, false) => self.sums::<T, false, true>(square, group, at, executor),
+        }
+    }
+
+    /// The same, exact or by the tree.
+    fn sums<T: Real, const SOFTENED: bool, const ONE_SIDED: bool>(
+        &self,
+        square: T,
+        group: &Group,
+        at: &StateView<'_, V>,
+        executor: &Executor,
+    ) -> (Vec<[f64; SUMS]>, usize) {
+        let law = Attraction::<T, SOFTENED, ONE_SIDED>(square);
+        if self.angle > 0.0 {
+            let body = |index: usize| Body {
+                position: self.place(index, at),
+                charge: self.charge[index] / self.units[0],
+                velocity: at.velocity.get(index).widen(),
+            };
+            return self.tree_sums(law, Multipole::<T, ONE_SIDED>(square), group, body, at, executor);
+        }
         let targets = self.positions::<T>(&group.targets, at);
         let sources = self.records::<T, 4>(&group.sources, at, |index| {
             let [x, y, z] = at.velocity.get(index).widen().to_array();
             [self.charge[index] / self.units[0], x, y, z]
         });
-        let square = T::from_f64((self.softening / self.length) * (self.softening / self.length));
-        let dimension = V::DIMENSION;
-        match (square > T::ZERO, group.mutual) {
-            (true, true) => sums::sum(dimension, Attraction::<T, true, false>(square), &targets, &sources, executor),
-            (false, true) => sums::sum(dimension, Attraction::<T, false, false>(square), &targets, &sources, executor),
-            (true, false) => sums::sum(dimension, Attraction::<T, true, true>(square), &targets, &sources, executor),
-            (false, false) => sums::sum(dimension, Attraction::<T, false, true>(square), &targets, &sources, executor),
+        (sums::sum(V::DIMENSION, law, &targets, &sources, executor), group.targets.len() * group.sources.len())
+    }
+
+    /// The same by the tree: one list of cells and bodies for each group of targets that follow each other in Morton order.
+    fn tree_sums<T: Real, L: SourceLaw<T, WORDS, N>, M: SourceLaw<T, { expansion::WORDS }, N>, const N: usize>(
+        &self,
+        near: L,
+        far: M,
+        group: &Group,
+        body: impl Fn(usize) -> Body,
+        at: &StateView<'_, V>,
+        executor: &Executor,
+    ) -> (Vec<[f64; N]>, usize) {
+        let place = |index: usize| self.place(index, at);
+        let sources: Vec<Body> = group.sources.iter().map(|&index| body(index)).collect();
+        let tree = Tree::new(&sources, V::DIMENSION, executor);
+        let order: Vec<u32> = if group.mutual {
+            tree.order.clone()
+        } else {
+            let positions: Vec<DVec3> = group.targets.iter().map(|&index| place(index)).collect();
+            tree::morton_order(&positions, V::DIMENSION, executor).0.into_iter().map(|key| key.1).collect()
+        };
+        let sorted: Vec<usize> = order.iter().map(|&index| group.targets[index as usize]).collect();
+        let record = |body: &Body| {
+            let [[x, y, z], [u, v, w]] = [body.position, body.velocity].map(DVec3::to_array);
+            [x, y, z, body.charge, u, v, w, 0.0].map(T::from_f64)
+        };
+        let records: Vec<Record<T>> = tree.bodies.iter().map(record).collect();
+        let mut found = vec![([0.0; N], 0_usize); sorted.len()];
+        executor.for_each_block(BlockedSlice::new(&mut found, sums::BLOCK), &|mine| {
+            let members = mine.start..mine.start + mine.items.len();
+            let places: Vec<DVec3> = sorted[members.clone()].iter().map(|&index| place(index)).collect();
+            let low = places.iter().copied().fold(DVec3::INFINITY, DVec3::min);
+            let high = places.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
+            let own = if group.mutual { members } else { 0..0 };
+            let (mut cells, mut bodies) = (Vec::new(), Vec::new());
+            let whole = |cell: &tree::Cell| cells.push(cell.moments.words::<T>());
+            tree.walk(low, high, self.angle, &own, whole, |range| bodies.extend_from_slice(&records[range]));
+            let targets: Vec<[T; AXES]> = places.iter().map(|place| place.to_array().map(T::from_f64)).collect();
+            let mut sums = vec![[0.0; N]; targets.len()];
+            sums::add(V::DIMENSION, near, &targets, &bodies, &mut sums);
+            sums::add(V::DIMENSION, far, &targets, &cells, &mut sums);
+            for (slot, sums) in mine.items.iter_mut().zip(sums) {
+                *slot = (sums, cells.len() + bodies.len());
+            }
+        });
+        let mut sums = vec![[0.0; N]; sorted.len()];
+        let mut pairs = 0;
+        for (&index, (found, count)) in order.iter().zip(found) {
+            sums[index as usize] = found;
+            pairs += count;
         }
+        (sums, pairs)
     }
 
     /// The error that a target coincides with a source.
@@ -198,12 +364,22 @@ impl<V: Vector> AllPairs<V> {
         let mass = &at.properties.mass;
         let mut largest = 0.0_f64;
         for group in &self.groups {
-            let targets = self.positions(&group.targets, at);
-            let sources = self.records(&group.sources, at, |index| {
-                let charge = self.charge[index].abs();
-                [charge / charges, if group.mutual { charge / mass[index] / ratios } else { 0.0 }]
-            });
-            let sums = sums::sum(V::DIMENSION, Tide(square), &targets, &sources, at.executor);
+            let ratio = |index: usize| if group.mutual { 1.0 / mass[index] / ratios * charges } else { 0.0 };
+            let sums = if self.angle > 0.0 {
+                let body = |index: usize| Body {
+                    position: self.place(index, at),
+                    charge: self.charge[index].abs() / charges,
+                    velocity: DVec3::new(ratio(index), 0.0, 0.0),
+                };
+                self.tree_sums(NearTide(square), FarTide(square), group, body, at, at.executor).0
+            } else {
+                let targets = self.positions(&group.targets, at);
+                let sources = self.records(&group.sources, at, |index| {
+                    let charge = self.charge[index].abs();
+                    [charge / charges, if group.mutual { charge / mass[index] / ratios } else { 0.0 }]
+                });
+                sums::sum(V::DIMENSION, Tide(square), &targets, &sources, at.executor)
+            };
             let mobile = group.targets.iter().zip(sums).filter(|&(&index, _)| !at.properties.is_fixed(index));
             largest = mobile.fold(largest, |largest, (&index, [by_charge, by_ratio])| {
                 let charge = self.charge[index].abs();
@@ -229,7 +405,8 @@ impl<V: Vector> Force<V> for AllPairs<V> {
     fn about(&self) -> About {
         let indices: usize = self.groups.iter().map(|group| group.targets.len() + group.sources.len()).sum();
         About {
-            pairs: self.groups.iter().map(|group| group.targets.len() * group.sources.len()).sum(),
+            pairs: self.pairs,
+            force_error: self.force_error,
             bytes: self.force.bytes() + 8 * (self.charge.len() + self.work.len() + indices),
             layout: "the exact sum over all pairs, in both directions".to_owned(),
             ..About::new(self.name, Reach::Far)
@@ -240,7 +417,7 @@ impl<V: Vector> Force<V> for AllPairs<V> {
         let mut force = vec![DVec3::ZERO; at.properties.count()];
         self.work.fill(0.0);
         for group in &self.groups {
-            let sums = self.attraction::<V::Scalar>(group, at, executor);
+            let sums = self.attraction::<V::Scalar>(group, at, executor).0;
             executor.check()?;
             // A particle coincides with itself.
             let expected = if group.mutual { 1.0 } else { 0.0 };
@@ -273,7 +450,7 @@ impl<V: Vector> Force<V> for AllPairs<V> {
     fn energy(&self, at: &StateView<'_, V>, ledger: &mut Ledger) -> Result<()> {
         let mut energy = 0.0;
         for group in &self.groups {
-            let sums = self.attraction::<f64>(group, at, at.executor);
+            let sums = self.attraction::<f64>(group, at, at.executor).0;
             at.executor.check()?;
             // Each mutual pair is summed from both ends, and with softening each particle with itself.
             let share = if group.mutual { 0.5 } else { 1.0 };
@@ -313,7 +490,7 @@ const COINCIDENT: usize = AXES + 2;
 #[derive(Debug, Clone, Copy)]
 struct Attraction<T, const SOFTENED: bool, const ONE_SIDED: bool>(T);
 
-impl<T: Real, const SOFTENED: bool, const ONE_SIDED: bool> SourceLaw<T, SUMS> for Attraction<T, SOFTENED, ONE_SIDED> {
+impl<T: Real, const SOFTENED: bool, const ONE_SIDED: bool> SourceLaw<T, WORDS, SUMS> for Attraction<T, SOFTENED, ONE_SIDED> {
     #[inline(always)]
     fn terms<N: Number<Scalar = T>>(&self, offset: [N; AXES], square: N, source: &Record<N>) -> [N; SUMS] {
         let (zero, one) = (N::constant(0.0), N::constant(1.0));
@@ -341,12 +518,39 @@ impl<T: Real, const SOFTENED: bool, const ONE_SIDED: bool> SourceLaw<T, SUMS> fo
 #[derive(Debug, Clone, Copy)]
 struct Tide<T>(T);
 
-impl<T: Real> SourceLaw<T, 2> for Tide<T> {
+impl<T: Real> SourceLaw<T, WORDS, 2> for Tide<T> {
     #[inline(always)]
     fn terms<N: Number<Scalar = T>>(&self, _offset: [N; AXES], square: N, source: &Record<N>) -> [N; 2] {
         let zero = N::constant(0.0);
         let softened = square + N::of(self.0);
         let cube = N::select(zero.less(square), N::constant(1.0) / (softened * softened.sqrt()), zero);
         [source[AXES] * cube, source[AXES + 1] * cube]
+    }
+}
+
+/// The sums of [`Tide`] for bodies whose second word is per charge.
+#[derive(Debug, Clone, Copy)]
+struct NearTide<T>(T);
+
+impl<T: Real> SourceLaw<T, WORDS, 2> for NearTide<T> {
+    #[inline(always)]
+    fn terms<N: Number<Scalar = T>>(&self, offset: [N; AXES], square: N, source: &Record<N>) -> [N; 2] {
+        let mut source = *source;
+        source[AXES + 1] = source[AXES] * source[AXES + 1];
+        Tide(self.0).terms(offset, square, &source)
+    }
+}
+
+/// The sums of [`Tide`] for cells: those of their total charges.
+#[derive(Debug, Clone, Copy)]
+struct FarTide<T>(T);
+
+impl<T: Real> SourceLaw<T, { expansion::WORDS }, 2> for FarTide<T> {
+    #[inline(always)]
+    fn terms<N: Number<Scalar = T>>(&self, offset: [N; AXES], square: N, source: &[N; expansion::WORDS]) -> [N; 2] {
+        let mut record = [N::constant(0.0); WORDS];
+        record[AXES] = source[AXES];
+        record[AXES + 1] = source[expansion::CURRENT];
+        Tide(self.0).terms(offset, square, &record)
     }
 }

@@ -121,6 +121,8 @@ pub struct About {
     pub callback: bool,
     /// About how many springs or other pairs it consists of.
     pub pairs: usize,
+    /// The relative rms error of the force in the state at the start; 0 where it is exact.
+    pub force_error: f64,
     /// The memory that it takes [bytes].
     pub bytes: usize,
     /// Its layout, for the plan; empty if there is nothing to say.
@@ -140,6 +142,7 @@ impl About {
             potential: Some(name),
             callback: false,
             pairs: 0,
+            force_error: 0.0,
             bytes: 0,
             layout: String::new(),
             findings: String::new(),

@@ -111,6 +111,7 @@ pub fn compile<V: Vector, I: Integrator>(scene: &Scene, executor: &Executor) -> 
         order,
         evaluations: I::NODES.len(),
         pairs: dynamics.pairs(),
+        force_error: known.iter().map(|force| force.force_error).fold(0.0, f64::max),
         limit_varies: false,
         layout,
         left_out,
