@@ -221,6 +221,8 @@ struct Declared<'a, V: Vector> {
     properties: &'a Properties<V>,
     /// Which particles it acts on, in the engine's order.
     chosen: Vec<bool>,
+    /// Who may share what takes long.
+    executor: &'a Executor,
 }
 
 impl<V: Vector> Declared<'_, V> {
@@ -280,11 +282,11 @@ pub fn are_between_neighbors(scene: &Scene) -> bool {
 }
 
 /// The forces that an item of the scene declares.
-pub fn build<V: Vector>(scene: &Scene, item: &Item, properties: &Properties<V>) -> Result<Forces<V>> {
+pub fn build<V: Vector>(scene: &Scene, item: &Item, properties: &Properties<V>, executor: &Executor) -> Result<Forces<V>> {
     let Some(kind) = kinds().into_iter().find(|kind| kind.name == item.kind) else {
         return Err(scene::unknown(item, "a force"));
     };
     let in_scene = scene.members(item);
     let chosen = properties.caller.iter().map(|&caller| in_scene[caller as usize]).collect();
-    (kind.build)(&Declared { scene, item, properties, chosen })
+    (kind.build)(&Declared { scene, item, properties, chosen, executor })
 }

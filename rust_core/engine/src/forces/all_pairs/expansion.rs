@@ -1,118 +1,178 @@
-//! The expansion of the softened potential 1/s, s² = |d|² + ε², about the center of a cell to second order in the offsets δ of
-//! its bodies: Φ = Q u − P·d u³ + ½ (3 dᵀS d u⁵ − tr S u³) with u = 1/s, Q = Σ c, P = Σ c δ and S = Σ c δδᵀ. The softened
-//! potential is not harmonic, so that the trace of S acts. The power of moving sources is expanded to first order.
+//! Expansions of sums about the center of a cell.
 //!
-//! The center is that of the charges' magnitudes: for masses P = 0.
+//! The center is that of the magnitudes |c| of the charges, so that it is in the cell whatever their signs.
 
 use glam::DVec3;
 
+use super::laws::{POTENTIAL, SUMS, Tide, WORK};
 use super::sums::SourceLaw;
-use super::tree::Body;
-use super::{POTENTIAL, SUMS, WORK};
 use crate::math::{AXES, Real};
-use crate::simd::Number;
+use crate::simd::{Number, Record, WORDS};
 
-/// The pairs of axes of a symmetric matrix's entries.
-const ENTRIES: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)];
+/// A sum over the bodies of a cell, by the moments of the cell.
+pub trait CellLaw<T, const CELL: usize, const SUMS: usize>: SourceLaw<T, CELL, SUMS> {
+    /// The moments.
+    type Moments: Moments<T, CELL>;
+}
 
-/// Words of a cell as a source: center, Q, P, S, and for moving sources Σ c v and the symmetric part of Σ c v δᵀ.
-pub const WORDS: usize = 22;
+/// Moments of bodies about a center.
+pub trait Moments<T, const CELL: usize>: Clone + Default + Send {
+    /// Adds a body at the offset δ from the center.
+    fn add_body(&mut self, body: &Record<T>, offset: DVec3);
+    /// Adds moments about a center at the offset δ from this one.
+    fn add(&mut self, part: &Self, offset: DVec3);
+    /// The record of the cell as a source, whose first words are left to its position.
+    fn words(&self) -> [T; CELL];
+}
 
-/// The first word of Σ c v.
-pub const CURRENT: usize = 13;
-
-/// Moments of a cell.
+/// The expansion of a sum over the bodies of a cell.
 #[derive(Debug, Clone, Default)]
-pub struct Expansion {
+pub struct Expansion<M> {
     /// The mean position, weighted by |c|.
     pub center: DVec3,
     /// Σ |c|.
     weight: f64,
+    /// At least the distance of every body from the center.
+    pub radius: f64,
+    /// The moments about the center.
+    pub moments: M,
+}
+
+impl<M> Expansion<M> {
+    /// That of some bodies.
+    pub fn of_bodies<T: Real, const CELL: usize>(bodies: &[Record<T>]) -> Self
+    where
+        M: Moments<T, CELL>,
+    {
+        let place = |body: &Record<T>| DVec3::new(body[0].to_f64(), body[1].to_f64(), body[2].to_f64());
+        let weighted = bodies.iter().map(|body| (body[AXES].to_f64().abs(), place(body)));
+        let mut whole = Self::about(weighted);
+        for body in bodies {
+            let offset = place(body) - whole.center;
+            whole.radius = whole.radius.max(offset.length());
+            whole.moments.add_body(body, offset);
+        }
+        whole
+    }
+
+    /// That of a cell with these parts.
+    pub fn of_parts<T: Real, const CELL: usize>(parts: &[Self]) -> Self
+    where
+        M: Moments<T, CELL>,
+    {
+        let mut whole = Self::about(parts.iter().map(|part| (part.weight, part.center)));
+        for part in parts {
+            let offset = part.center - whole.center;
+            whole.radius = whole.radius.max(offset.length() + part.radius);
+            whole.moments.add(&part.moments, offset);
+        }
+        whole
+    }
+
+    /// An empty one about the weighted mean of some places; about the plain mean where all weights are 0.
+    fn about<T, const CELL: usize>(weighted: impl Iterator<Item = (f64, DVec3)> + Clone) -> Self
+    where
+        M: Moments<T, CELL>,
+    {
+        let weight: f64 = weighted.clone().map(|(weight, _)| weight).sum();
+        let count = weighted.clone().count() as f64;
+        let center = if weight > 0.0 {
+            weighted.map(|(share, place)| share / weight * place).sum()
+        } else {
+            weighted.map(|(_, place)| place / count).sum()
+        };
+        Self { center, weight, radius: 0.0, moments: M::default() }
+    }
+}
+
+/// The pairs of axes of a symmetric matrix's entries.
+const ENTRIES: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)];
+
+/// Adds a symmetric matrix ½ (a bᵀ + b aᵀ).
+#[inline(always)]
+fn add_product(matrix: &mut [f64; 6], one: DVec3, other: DVec3) {
+    let (a, b) = (one.to_array(), other.to_array());
+    for (entry, (row, column)) in matrix.iter_mut().zip(ENTRIES) {
+        *entry += 0.5 * (a[row] * b[column] + b[row] * a[column]);
+    }
+}
+
+/// Moments of the charges to second order: charge Q = Σ c, dipole P = Σ c δ, and S = Σ c δδᵀ with its trace, because the
+/// softened potential is not harmonic.
+#[derive(Debug, Clone, Default)]
+pub struct Multipole {
     charge: f64,
     dipole: DVec3,
     second: [f64; 6],
+}
+
+/// Words of a cell for [`Multipole`]: position, Q, P, S and ½ tr S.
+pub const MULTIPOLE: usize = 14;
+
+impl<T: Real> Moments<T, MULTIPOLE> for Multipole {
+    fn add_body(&mut self, body: &Record<T>, offset: DVec3) {
+        let charge = body[AXES].to_f64();
+        self.charge += charge;
+        self.dipole += charge * offset;
+        add_product(&mut self.second, charge * offset, offset);
+    }
+
+    fn add(&mut self, part: &Self, offset: DVec3) {
+        self.charge += part.charge;
+        self.dipole += part.dipole + part.charge * offset;
+        self.second.iter_mut().zip(&part.second).for_each(|(entry, part)| *entry += part);
+        add_product(&mut self.second, 2.0 * part.dipole + part.charge * offset, offset);
+    }
+
+    fn words(&self) -> [T; MULTIPOLE] {
+        let ([px, py, pz], [xx, yy, zz, xy, xz, yz]) = (self.dipole.to_array(), self.second);
+        [0.0, 0.0, 0.0, self.charge, px, py, pz, xx, yy, zz, xy, xz, yz, 0.5 * (xx + yy + zz)].map(T::from_f64)
+    }
+}
+
+/// Those of moving charges: also Σ c v and the symmetric part F of Σ c v δᵀ, for the power to first order.
+#[derive(Debug, Clone, Default)]
+pub struct MovingMultipole {
+    still: Multipole,
     current: DVec3,
-    /// Entries of Σ c (v δᵀ + δ vᵀ)/2.
     flow: [f64; 6],
 }
 
-impl Expansion {
-    /// The moments of bodies.
-    pub fn of_bodies(bodies: &[Body]) -> Self {
-        let center = center(bodies.iter().map(|body| (body.charge.abs(), body.position)));
-        let mut sum = Self { center, ..Self::default() };
-        for body in bodies {
-            let part = Self {
-                center: body.position,
-                weight: body.charge.abs(),
-                charge: body.charge,
-                current: body.charge * body.velocity,
-                ..Self::default()
-            };
-            sum.add(&part);
-        }
-        sum
+/// Words of a cell for [`MovingMultipole`]: those of [`Multipole`], Σ c v, F and tr F.
+pub const MOVING: usize = MULTIPOLE + 10;
+
+impl<T: Real> Moments<T, MOVING> for MovingMultipole {
+    fn add_body(&mut self, body: &Record<T>, offset: DVec3) {
+        self.still.add_body(body, offset);
+        let [charge, u, v, w] = [AXES, AXES + 1, AXES + 2, AXES + 3].map(|word| body[word].to_f64());
+        let current = charge * DVec3::new(u, v, w);
+        self.current += current;
+        add_product(&mut self.flow, current, offset);
     }
 
-    /// The moments of a cell with these parts.
-    pub fn of_parts(parts: &[&Self]) -> Self {
-        let center = center(parts.iter().map(|part| (part.weight, part.center)));
-        let mut sum = Self { center, ..Self::default() };
-        parts.iter().for_each(|part| sum.add(part));
-        sum
-    }
-
-    /// Adds moments about another center.
-    fn add(&mut self, part: &Self) {
-        let shift = (part.center - self.center).to_array();
-        let (dipole, current) = (part.dipole.to_array(), part.current.to_array());
-        self.weight += part.weight;
-        self.charge += part.charge;
-        self.dipole += part.dipole + part.charge * (part.center - self.center);
+    fn add(&mut self, part: &Self, offset: DVec3) {
+        Moments::<T, MULTIPOLE>::add(&mut self.still, &part.still, offset);
         self.current += part.current;
-        for (entry, &(a, b)) in ENTRIES.iter().enumerate() {
-            self.second[entry] +=
-                part.second[entry] + (dipole[a] * shift[b] + shift[a] * dipole[b]) + part.charge * shift[a] * shift[b];
-            self.flow[entry] += part.flow[entry] + 0.5 * (current[a] * shift[b] + shift[a] * current[b]);
-        }
+        self.flow.iter_mut().zip(&part.flow).for_each(|(entry, part)| *entry += part);
+        add_product(&mut self.flow, part.current, offset);
     }
 
-    /// The words of the cell as a source.
-    pub fn words<T: Real>(&self) -> [T; WORDS] {
-        let mut words = [0.0; WORDS];
-        words[..3].copy_from_slice(&self.center.to_array());
-        words[3] = self.charge;
-        words[4..7].copy_from_slice(&self.dipole.to_array());
-        words[7..13].copy_from_slice(&self.second);
-        words[13..16].copy_from_slice(&self.current.to_array());
-        words[16..].copy_from_slice(&self.flow);
-        words.map(T::from_f64)
+    fn words(&self) -> [T; MOVING] {
+        let still: [T; MULTIPOLE] = self.still.words();
+        let ([u, v, w], [xx, yy, zz, xy, xz, yz]) = (self.current.to_array(), self.flow);
+        let moving = [u, v, w, xx, yy, zz, xy, xz, yz, xx + yy + zz].map(T::from_f64);
+        let mut words = [T::ZERO; MOVING];
+        words[..MULTIPOLE].copy_from_slice(&still);
+        words[MULTIPOLE..].copy_from_slice(&moving);
+        words
     }
 }
-
-/// The weighted mean of positions; the plain mean where the weights are 0.
-fn center(points: impl Iterator<Item = (f64, DVec3)> + Clone) -> DVec3 {
-    let total: f64 = points.clone().map(|point| point.0).sum();
-    if total > 0.0 {
-        return points.map(|(weight, position)| weight / total * position).sum();
-    }
-    let count = points.clone().count() as f64;
-    points.map(|(_, position)| position / count).sum()
-}
-
-/// The field, the potential and the power of cells, with the square of the softening.
-#[derive(Debug, Clone, Copy)]
-pub struct Multipole<T, const ONE_SIDED: bool>(pub T);
 
 /// The product of a symmetric matrix with a vector.
 #[inline(always)]
-fn product<N: Number>(entries: &[N], vector: [N; AXES]) -> [N; AXES] {
-    let [x, y, z] = vector;
-    [
-        entries[0] * x + entries[3] * y + entries[4] * z,
-        entries[3] * x + entries[1] * y + entries[5] * z,
-        entries[4] * x + entries[5] * y + entries[2] * z,
-    ]
+fn product<N: Number>(matrix: &[N], [x, y, z]: [N; AXES]) -> [N; AXES] {
+    let [xx, yy, zz, xy, xz, yz] = std::array::from_fn(|entry| matrix[entry]);
+    [xx * x + xy * y + xz * z, xy * x + yy * y + yz * z, xz * x + yz * y + zz * z]
 }
 
 #[inline(always)]
@@ -120,29 +180,77 @@ fn dot<N: Number>(one: [N; AXES], other: [N; AXES]) -> N {
     one[0] * other[0] + one[1] * other[1] + one[2] * other[2]
 }
 
-impl<T: Real, const ONE_SIDED: bool> SourceLaw<T, WORDS, SUMS> for Multipole<T, ONE_SIDED> {
+/// The attraction to cells: the potential Q u − P·d u³ + ½ (3 dᵀS d u⁵ − tr S u³) with u = 1/s, and minus its gradient, with the
+/// square of the softening.
+#[derive(Debug, Clone, Copy)]
+pub struct CellAttraction<T>(pub T);
+
+impl<T: Real> CellLaw<T, MULTIPOLE, SUMS> for CellAttraction<T> {
+    type Moments = Multipole;
+}
+
+impl<T: Real> SourceLaw<T, MULTIPOLE, SUMS> for CellAttraction<T> {
     #[inline(always)]
-    fn terms<N: Number<Scalar = T>>(&self, offset: [N; AXES], square: N, source: &[N; WORDS]) -> [N; SUMS] {
-        let c = N::constant;
-        let mut terms = [c(0.0); SUMS];
+    fn terms<N: Number<Scalar = T>>(&self, offset: [N; AXES], square: N, cell: &[N; MULTIPOLE]) -> [N; SUMS] {
+        let constant = N::constant;
+        let u = constant(1.0) / (square + N::of(self.0)).sqrt();
         // Directions e = d/s instead of powers of 1/s, which would leave the range of f32.
-        let u = c(1.0) / (square + N::of(self.0)).sqrt();
-        let e = [offset[0] * u, offset[1] * u, offset[2] * u];
-        let (u2, charge, dipole) = (u * u, source[3], [source[4], source[5], source[6]]);
-        let trace = source[7] + source[8] + source[9];
-        let second = product(&source[7..13], e);
-        let (along, quadratic) = (dot(dipole, e), dot(second, e));
-        terms[POTENTIAL] = u * (charge - u * along + u2 * (c(1.5) * quadratic - c(0.5) * trace));
-        let radial = charge - c(3.0) * (u * along) + u2 * (c(7.5) * quadratic - c(1.5) * trace);
+        let e = offset.map(|component| component * u);
+        let (u2, charge, dipole, half_trace) = (u * u, cell[3], [cell[4], cell[5], cell[6]], cell[13]);
+        let second = product(&cell[7..13], e);
+        let (along, quadratic) = (u * dot(dipole, e), constant(1.5) * dot(second, e));
+        let radial = charge - constant(3.0) * along + u2 * (constant(5.0) * quadratic - constant(3.0) * half_trace);
+        let mut terms = [constant(0.0); SUMS];
         for axis in 0..AXES {
-            terms[axis] = u2 * (radial * e[axis] + u * dipole[axis] - c(3.0) * (u2 * second[axis]));
+            terms[axis] = u2 * (radial * e[axis] + u * dipole[axis] - constant(3.0) * u2 * second[axis]);
         }
-        if ONE_SIDED {
-            let flow = product(&source[16..22], e);
-            let divergence = source[16] + source[17] + source[18];
-            let current = [source[13], source[14], source[15]];
-            terms[WORK] = u2 * (dot(current, e) + u * (divergence - c(3.0) * dot(flow, e)));
-        }
+        terms[POTENTIAL] = u * (charge - along + u2 * (quadratic - half_trace));
         terms
+    }
+}
+
+/// The same with the power of moving charges.
+#[derive(Debug, Clone, Copy)]
+pub struct MovingCellAttraction<T>(pub T);
+
+impl<T: Real> CellLaw<T, MOVING, SUMS> for MovingCellAttraction<T> {
+    type Moments = MovingMultipole;
+}
+
+impl<T: Real> SourceLaw<T, MOVING, SUMS> for MovingCellAttraction<T> {
+    #[inline(always)]
+    fn terms<N: Number<Scalar = T>>(&self, offset: [N; AXES], square: N, cell: &[N; MOVING]) -> [N; SUMS] {
+        let still = std::array::from_fn(|word| cell[word]);
+        let mut terms = CellAttraction(self.0).terms(offset, square, &still);
+        let u = N::constant(1.0) / (square + N::of(self.0)).sqrt();
+        let e = offset.map(|component| component * u);
+        let (current, trace) = ([cell[14], cell[15], cell[16]], cell[23]);
+        let flow = dot(product(&cell[17..23], e), e);
+        terms[WORK] = u * u * (dot(current, e) + u * (trace - N::constant(3.0) * flow));
+        terms
+    }
+}
+
+/// Moments for [`Tide`]: its words, summed.
+#[derive(Debug, Clone, Default)]
+pub struct Totals([f64; 2]);
+
+impl<T: Real> CellLaw<T, WORDS, 2> for Tide<T> {
+    type Moments = Totals;
+}
+
+impl<T: Real> Moments<T, WORDS> for Totals {
+    fn add_body(&mut self, body: &Record<T>, _offset: DVec3) {
+        self.0[0] += body[AXES].to_f64();
+        self.0[1] += body[AXES + 1].to_f64();
+    }
+
+    fn add(&mut self, part: &Self, _offset: DVec3) {
+        self.0[0] += part.0[0];
+        self.0[1] += part.0[1];
+    }
+
+    fn words(&self) -> [T; WORDS] {
+        [0.0, 0.0, 0.0, self.0[0], self.0[1], 0.0, 0.0, 0.0].map(T::from_f64)
     }
 }

@@ -59,7 +59,7 @@ pub fn compile<V: Vector, I: Integrator>(scene: &Scene, executor: &Executor) -> 
     }
     for item in &scene.forces {
         executor.check()?;
-        all.extend(forces::build(scene, item, &properties)?);
+        all.extend(forces::build(scene, item, &properties, executor)?);
     }
     let contacts = Contacts::build(scene, &properties)?;
     let known: Vec<About> = all.iter().map(|force| force.about()).collect();
