@@ -10,8 +10,8 @@
 mod accuracy;
 mod evaluation;
 mod expansion;
+mod hilbert;
 mod laws;
-mod morton;
 mod sums;
 mod tree;
 

@@ -32,7 +32,9 @@ pub struct Expansion<M> {
     pub center: DVec3,
     /// Σ |c|.
     weight: f64,
-    /// At least the distance of every body from the center.
+    /// Half the side of a cube about the center that contains all bodies.
+    pub half_side: f64,
+    /// The radius of a sphere that does.
     pub radius: f64,
     /// The moments about the center.
     pub moments: M,
@@ -49,6 +51,7 @@ impl<M> Expansion<M> {
         let mut whole = Self::about(weighted);
         for body in bodies {
             let offset = place(body) - whole.center;
+            whole.half_side = whole.half_side.max(offset.abs().max_element());
             whole.radius = whole.radius.max(offset.length());
             whole.moments.add_body(body, offset);
         }
@@ -63,6 +66,7 @@ impl<M> Expansion<M> {
         let mut whole = Self::about(parts.iter().map(|part| (part.weight, part.center)));
         for part in parts {
             let offset = part.center - whole.center;
+            whole.half_side = whole.half_side.max(offset.abs().max_element() + part.half_side);
             whole.radius = whole.radius.max(offset.length() + part.radius);
             whole.moments.add(&part.moments, offset);
         }
@@ -81,7 +85,7 @@ impl<M> Expansion<M> {
         } else {
             weighted.map(|(_, place)| place / count).sum()
         };
-        Self { center, weight, radius: 0.0, moments: M::default() }
+        Self { center, weight, half_side: 0.0, radius: 0.0, moments: M::default() }
     }
 }
 

@@ -1,9 +1,10 @@
 //! The tree of a sum over all pairs: a quadtree or octree of the sources, and its walk by groups of targets that follow each
-//! other in Morton order.
+//! other in Hilbert order.
 //!
-//! A cell is taken whole, by its expansion, if s < θ d, with its side s and the distance d of its center from the bounding box
-//! of the group, and if all of its bodies are nearer to the center than that; else its parts are, down to bodies. Cells are
-//! stored depth first, each with the number of cells in its subtree, so that a walk is one loop.
+//! A cell is taken whole, by its expansion about its center, if s < θ d, with the side s of a cube about the center that
+//! contains its bodies, and the distance d of the center from the bounding box of the group, and if all of the bodies are
+//! nearer to the center than d; else its parts are, down to bodies. Cells are stored depth first, each with the number of cells
+//! in its subtree, so that a walk is one loop.
 //!
 //! Sources: J. Barnes, P. Hut, Nature 324 (1986) 446; groups: J. E. Barnes, J. Comput. Phys. 87 (1990) 161; the bound by the
 //! bodies: J. K. Salmon, M. S. Warren, J. Comput. Phys. 111 (1994) 136.
@@ -14,14 +15,16 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use glam::DVec3;
 
 use super::expansion::{CellLaw, Expansion, Moments};
-use super::morton::MortonOrder;
+use super::hilbert::HilbertOrder;
 use super::sums::{self, BLOCK, SourceLaw};
 use crate::math::{AXES, Real};
 use crate::parallel::{BlockedSlice, Executor};
 use crate::simd::{Record, WORDS};
 
 /// Most bodies of a leaf, unless they have one key.
-const LEAF: usize = 16;
+fn knob(name: &str, default: f64) -> f64 {
+    std::env::var(name).ok().and_then(|t| t.parse().ok()).unwrap_or(default)
+}
 
 /// Most bodies of a branch, which one thread builds.
 const BRANCH: usize = 4096;
@@ -32,7 +35,8 @@ const GROUPS: usize = 8;
 /// The factor by which rounding can make a radius too small, and more.
 const ROUNDING: f64 = 1.0 + 1e-9;
 
-/// A cell: bodies that follow each other in Morton order.
+static NC: AtomicUsize = AtomicUsize::new(0);
+/// A cell: bodies that follow each other in Hilbert order.
 #[derive(Debug, Clone)]
 struct Cell {
     /// The center of its expansion.
@@ -46,15 +50,15 @@ struct Cell {
 
 /// The tree of some sources.
 pub struct Tree<T, const CELL: usize> {
-    order: MortonOrder,
-    /// The sources in Morton order.
+    order: HilbertOrder,
+    /// The sources in Hilbert order.
     bodies: Vec<Record<T>>,
     cells: Vec<Cell>,
     /// The record of each cell as a source.
     words: Vec<[T; CELL]>,
 }
 
-/// Targets in Morton order.
+/// Targets in Hilbert order.
 pub struct Targets<T> {
     /// The place of each in this order.
     slots: Vec<u32>,
@@ -66,7 +70,7 @@ impl<T: Real> Targets<T> {
     /// The targets at these positions.
     pub fn new(positions: &[[T; AXES]], dimension: usize, executor: &Executor) -> Self {
         let place = |index: usize| DVec3::from_array(positions[index].map(Real::to_f64));
-        let order = MortonOrder::new(positions.len(), dimension, &place, executor);
+        let order = HilbertOrder::new(positions.len(), dimension, &place, executor);
         Self { slots: order.slots(), positions: order.keys.iter().map(|key| positions[key.1 as usize]).collect() }
     }
 }
@@ -81,7 +85,9 @@ impl<T: Real, const CELL: usize> Tree<T, CELL> {
         executor: &Executor,
     ) -> Self {
         let place = |index: usize| DVec3::new(sources[index][0].to_f64(), sources[index][1].to_f64(), sources[index][2].to_f64());
-        let order = MortonOrder::new(sources.len(), dimension, &place, executor);
+        let t0 = std::time::Instant::now();
+        let order = HilbertOrder::new(sources.len(), dimension, &place, executor);
+        let t1 = std::time::Instant::now();
         let mut bodies = vec![[T::ZERO; WORDS]; sources.len()];
         executor.for_each_block(BlockedSlice::new(&mut bodies, BRANCH), &|mine| {
             for (body, key) in mine.items.iter_mut().zip(&order.keys[mine.start..]) {
@@ -90,6 +96,9 @@ impl<T: Real, const CELL: usize> Tree<T, CELL> {
         });
         let builder = Builder { order: &order, bodies: &bodies, angle };
         let Cells { cells, words, .. } = builder.build::<L::Moments, CELL>(executor);
+        if knob("TIME", 0.0) > 0.0 {
+            eprintln!("   order {:?} build {:?}", t1 - t0, t1.elapsed());
+        }
         Self { order, bodies, cells, words }
     }
 
@@ -108,26 +117,38 @@ impl<T: Real, const CELL: usize> Tree<T, CELL> {
         dimension: usize,
         executor: &Executor,
     ) -> (Vec<[f64; SUMS]>, usize) {
+        let t0 = std::time::Instant::now();
         let interactions = AtomicUsize::new(0);
         let mut sorted = vec![[0.0; SUMS]; targets.positions.len()];
+        let group_size = knob("GROUP", 64.0) as usize;
         executor.for_each_block(BlockedSlice::new(&mut sorted, GROUPS * BLOCK), &|mine| {
             let mut lists = (Vec::new(), Vec::new());
             let positions = &targets.positions[mine.start..][..mine.items.len()];
-            for (group, sums) in positions.chunks(BLOCK).zip(mine.items.chunks_mut(BLOCK)) {
+            for (group, sums) in positions.chunks(group_size).zip(mine.items.chunks_mut(group_size)) {
                 let middle = self.list(group, &mut lists);
                 let (cells, bodies) = &lists;
                 let relative: Vec<_> = group.iter().map(|place| from(middle, place).to_array().map(T::from_f64)).collect();
                 sums::add(dimension, near, group, bodies, sums);
                 sums::add(dimension, far, &relative, cells, sums);
+                NC.fetch_add(group.len() * cells.len(), Ordering::Relaxed);
                 interactions.fetch_add(group.len() * (cells.len() + bodies.len()), Ordering::Relaxed);
             }
         });
+        let t1 = std::time::Instant::now();
         let mut sums = vec![[0.0; SUMS]; sorted.len()];
         executor.for_each_block(BlockedSlice::new(&mut sums, BRANCH), &|mine| {
             for (sums, &slot) in mine.items.iter_mut().zip(&targets.slots[mine.start..]) {
                 *sums = sorted[slot as usize];
             }
         });
+        if knob("TIME", 0.0) > 0.0 {
+            eprintln!("   evaluate {:?} permute {:?}", t1 - t0, t1.elapsed());
+        }
+        let nc = NC.swap(0, Ordering::Relaxed) as f64 / sums.len() as f64;
+        let tot = interactions.load(Ordering::Relaxed) as f64 / sums.len() as f64;
+        if knob("SHOW", 0.0) > 0.0 {
+            eprintln!("   cells {:.0} bodies {:.0} of {} tree cells {}", nc, tot - nc, sums.len(), self.cells.len());
+        }
         (sums, interactions.into_inner())
     }
 
@@ -166,7 +187,7 @@ fn from<T: Real>(origin: DVec3, place: &[T; AXES]) -> DVec3 {
 
 /// The inputs of a tree.
 struct Builder<'a, T> {
-    order: &'a MortonOrder,
+    order: &'a HilbertOrder,
     bodies: &'a [Record<T>],
     angle: f64,
 }
@@ -190,7 +211,7 @@ impl<T: Real> Builder<'_, T> {
         });
         executor.for_each_block(BlockedSlice::new(&mut branches, 1), &|mine| {
             for (range, cells) in mine.items {
-                self.grow(range.clone(), LEAF, cells, &mut |range, cells| {
+                self.grow(range.clone(), knob("LEAF", 16.0) as usize, cells, &mut |range, cells| {
                     let expansion = Expansion::of_bodies(&self.bodies[range.clone()]);
                     let place = cells.begin(range);
                     self.complete(cells, place, expansion);
@@ -238,8 +259,7 @@ impl<T: Real> Builder<'_, T> {
     ) {
         let count = cells.cells.len() - place;
         let cell = &mut cells.cells[place];
-        let side = self.order.side(&(cell.bodies.start as usize..cell.bodies.end as usize));
-        let reach = (side / self.angle).max(expansion.radius * ROUNDING);
+        let reach = (2.0 * expansion.half_side / self.angle).max(expansion.radius) * ROUNDING;
         *cell = Cell { center: expansion.center, reach: reach * reach, bodies: cell.bodies.clone(), cells: count as u32 };
         cells.words[place] = expansion.moments.words();
         cells.expansions.push(expansion);
