@@ -110,7 +110,7 @@ pub struct Multipole {
     second: [f64; 6],
 }
 
-/// Words of a cell for [`Multipole`]: position, Q, P, S and ½ tr S.
+/// Words of a cell for [`Multipole`]: position, Q, P, 3/2 S and 1/2 tr S.
 pub const MULTIPOLE: usize = 14;
 
 impl<T: Real> Moments<T, MULTIPOLE> for Multipole {
@@ -129,8 +129,8 @@ impl<T: Real> Moments<T, MULTIPOLE> for Multipole {
     }
 
     fn words(&self) -> [T; MULTIPOLE] {
-        let ([px, py, pz], [xx, yy, zz, xy, xz, yz]) = (self.dipole.to_array(), self.second);
-        [0.0, 0.0, 0.0, self.charge, px, py, pz, xx, yy, zz, xy, xz, yz, 0.5 * (xx + yy + zz)].map(T::from_f64)
+        let ([px, py, pz], [xx, yy, zz, xy, xz, yz]) = (self.dipole.to_array(), self.second.map(|entry| 1.5 * entry));
+        [0.0, 0.0, 0.0, self.charge, px, py, pz, xx, yy, zz, xy, xz, yz, (xx + yy + zz) / 3.0].map(T::from_f64)
     }
 }
 
@@ -194,23 +194,34 @@ impl<T: Real> CellLaw<T, MULTIPOLE, SUMS> for CellAttraction<T> {
 }
 
 impl<T: Real> SourceLaw<T, MULTIPOLE, SUMS> for CellAttraction<T> {
+    const TERMS: usize = POTENTIAL + 1;
+
     #[inline(always)]
     fn terms<N: Number<Scalar = T>>(&self, offset: [N; AXES], square: N, cell: &[N; MULTIPOLE]) -> [N; SUMS] {
         let constant = N::constant;
-        let u = constant(1.0) / (square + N::of(self.0)).sqrt();
-        // Directions e = d/s instead of powers of 1/s, which would leave the range of f32.
-        let e = offset.map(|component| component * u);
-        let (u2, charge, dipole, half_trace) = (u * u, cell[3], [cell[4], cell[5], cell[6]], cell[13]);
-        let second = product(&cell[7..13], e);
-        let (along, quadratic) = (u * dot(dipole, e), constant(1.5) * dot(second, e));
-        let radial = charge - constant(3.0) * along + u2 * (constant(5.0) * quadratic - constant(3.0) * half_trace);
+        let (charge, dipole, trace) = (cell[3], [cell[4], cell[5], cell[6]], cell[13]);
+        // What does not need 1/s is computed while its root and quotient are.
+        let second = product(&cell[7..13], offset);
+        let (along, quadratic) = (dot(dipole, offset), dot(second, offset));
+        let (u, u2) = inverse(square + N::of(self.0));
+        let along = along * u2;
+        let difference = quadratic * u2 - trace;
+        let radial = charge - constant(3.0) * along + u2 * (constant(5.0) * difference + (trace + trace));
+        let (twice, cube) = (u2 + u2, u * u2);
         let mut terms = [constant(0.0); SUMS];
         for axis in 0..AXES {
-            terms[axis] = u2 * (radial * e[axis] + u * dipole[axis] - constant(3.0) * u2 * second[axis]);
+            terms[axis] = cube * (radial * offset[axis] - twice * second[axis] + dipole[axis]);
         }
-        terms[POTENTIAL] = u * (charge - along + u2 * (quadratic - half_trace));
+        terms[POTENTIAL] = u * (charge - along + u2 * difference);
         terms
     }
+}
+
+/// The inverse of a number's root and of the number.
+#[inline(always)]
+fn inverse<N: Number>(square: N) -> (N, N) {
+    let inverse = N::constant(1.0) / square;
+    (square.sqrt() * inverse, inverse)
 }
 
 /// The same with the power of moving charges.
@@ -222,15 +233,16 @@ impl<T: Real> CellLaw<T, MOVING, SUMS> for MovingCellAttraction<T> {
 }
 
 impl<T: Real> SourceLaw<T, MOVING, SUMS> for MovingCellAttraction<T> {
+    const TERMS: usize = WORK + 1;
+
     #[inline(always)]
     fn terms<N: Number<Scalar = T>>(&self, offset: [N; AXES], square: N, cell: &[N; MOVING]) -> [N; SUMS] {
         let still = std::array::from_fn(|word| cell[word]);
         let mut terms = CellAttraction(self.0).terms(offset, square, &still);
-        let u = N::constant(1.0) / (square + N::of(self.0)).sqrt();
-        let e = offset.map(|component| component * u);
         let (current, trace) = ([cell[14], cell[15], cell[16]], cell[23]);
-        let flow = dot(product(&cell[17..23], e), e);
-        terms[WORK] = u * u * (dot(current, e) + u * (trace - N::constant(3.0) * flow));
+        let flow = dot(product(&cell[17..23], offset), offset);
+        let (u, u2) = inverse(square + N::of(self.0));
+        terms[WORK] = u * u2 * (dot(current, offset) + (trace - N::constant(3.0) * (flow * u2)));
         terms
     }
 }

@@ -20,6 +20,12 @@ pub const COINCIDENT: usize = AXES + 2;
 pub struct Attraction<T, const SOFTENED: bool, const ONE_SIDED: bool>(pub T);
 
 impl<T: Real, const SOFTENED: bool, const ONE_SIDED: bool> SourceLaw<T, WORDS, SUMS> for Attraction<T, SOFTENED, ONE_SIDED> {
+    const TERMS: usize = match (SOFTENED, ONE_SIDED) {
+        (true, false) => POTENTIAL + 1,
+        (true, true) => WORK + 1,
+        (false, _) => COINCIDENT + 1,
+    };
+
     #[inline(always)]
     fn terms<N: Number<Scalar = T>>(&self, offset: [N; AXES], square: N, source: &Record<N>) -> [N; SUMS] {
         let (zero, one) = (N::constant(0.0), N::constant(1.0));

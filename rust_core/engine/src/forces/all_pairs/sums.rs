@@ -20,6 +20,9 @@ const RUN: usize = 256;
 
 /// The terms of a source in the sums of a target.
 pub trait SourceLaw<T, const WORDS: usize, const SUMS: usize>: Copy + Sync {
+    /// The number of terms, the first ones, that are not always 0.
+    const TERMS: usize = SUMS;
+
     /// The terms, for the offset d of the source from the target, its square |d|², and the source's record. All of its code is
     /// `#[inline(always)]`, or it does not stay in registers.
     fn terms<N: Number<Scalar = T>>(&self, offset: [N; AXES], square: N, source: &[N; WORDS]) -> [N; SUMS];
@@ -83,7 +86,7 @@ impl<T: Real, L: SourceLaw<T, WORDS, SUMS>, const DIMENSION: usize, const WORDS:
             for run in sources.chunks(RUN) {
                 let lanes = tile::<T, I::Pack<T>, L, DIMENSION, WORDS, SUMS>(law, &columns, first, run);
                 for (lane, sums) in sums[first..].iter_mut().take(TILE * width).enumerate() {
-                    for sum in 0..SUMS {
+                    for sum in 0..L::TERMS {
                         sums[sum] += lanes[sum][lane].to_f64();
                     }
                 }
@@ -130,14 +133,14 @@ fn tile<
                 square += offset[axis] * offset[axis];
             }
             let terms = law.terms(offset, square, &words);
-            for sum in 0..SUMS {
+            for sum in 0..L::TERMS {
                 sums[register][sum] += terms[sum];
             }
         }
     }
     let mut lanes = [[T::ZERO; BLOCK]; SUMS];
     for register in 0..TILE {
-        for sum in 0..SUMS {
+        for sum in 0..L::TERMS {
             sums[register][sum].store(&mut lanes[sum][register * P::WIDTH..]);
         }
     }
