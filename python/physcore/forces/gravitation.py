@@ -21,9 +21,13 @@ class Gravitation(Force):
 
     The force on particle i is F_i = −G m_i Σ_j m_j d/s³ with d = x_i − x_j and s² = |d|² + softening², and a pair has
     the potential energy −G m_i m_j/s. In 2D the law is the same: orbits in a plane. The sum is exact, over all pairs,
-    and its cost grows like the square of the number of particles; with an `opening_angle` it is that of a tree (Barnes
-    and Hut 1986), whose cost grows like N log N and whose error plan.force_error tells. Fixed particles attract. The energy is
+    and its cost grows like the square of the number of particles. Fixed particles attract. The energy is
     by_term["gravitation"].
+
+    With an `opening_angle` θ above zero the sum is that of a tree (Barnes and Hut 1986), whose cost grows like N log N: a
+    cell whose particles are within a cube of side s about their center, at the distance d, is taken whole where s < θ d,
+    by its expansion to quadrupoles. The error grows about like θ^3.5; plan.force_error is that of the scene as it starts, and
+    momentum is kept to it. The cells change from step to step, so that energy wanders by that error too.
 
     A mass among `sources` that is not among `on` attracts and feels nothing, as if it were held on its path: the work
     of that counts as external work.
@@ -34,8 +38,8 @@ class Gravitation(Force):
     Args:
         constant: G [m³/(kg·s²)], at least zero.
         softening: ε [m], at least zero (Plummer 1911).
-        opening_angle: θ, at least zero: a cell of side s at the distance d is taken whole, with its quadrupole, where
-            s < θ d; 0.0 is the exact sum; "auto" the largest angle up to 1 whose error stays below `force_error`.
+        opening_angle: θ, at least zero; 0.0 is the exact sum, "auto" the largest θ up to 2/√3 whose error stays below
+            `force_error`, or the exact sum where that needs fewer terms.
         force_error: the wished rms error of the accelerations over their rms, for "auto"; above zero.
         on: the body or bodies that feel it; all by default.
         sources: the body or bodies that attract; all by default.

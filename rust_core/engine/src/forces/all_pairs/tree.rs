@@ -22,9 +22,7 @@ use crate::parallel::{BlockedSlice, Executor};
 use crate::simd::{Record, WORDS};
 
 /// Most bodies of a leaf, unless they have one key.
-fn knob(name: &str, default: f64) -> f64 {
-    std::env::var(name).ok().and_then(|t| t.parse().ok()).unwrap_or(default)
-}
+const LEAF: usize = 16;
 
 /// Most bodies of a branch, which one thread builds.
 const BRANCH: usize = 4096;
@@ -35,7 +33,6 @@ const GROUPS: usize = 8;
 /// The factor by which rounding can make a radius too small, and more.
 const ROUNDING: f64 = 1.0 + 1e-9;
 
-static NC: AtomicUsize = AtomicUsize::new(0);
 /// A cell: bodies that follow each other in Hilbert order.
 #[derive(Debug, Clone)]
 struct Cell {
@@ -85,9 +82,7 @@ impl<T: Real, const CELL: usize> Tree<T, CELL> {
         executor: &Executor,
     ) -> Self {
         let place = |index: usize| DVec3::new(sources[index][0].to_f64(), sources[index][1].to_f64(), sources[index][2].to_f64());
-        let t0 = std::time::Instant::now();
         let order = HilbertOrder::new(sources.len(), dimension, &place, executor);
-        let t1 = std::time::Instant::now();
         let mut bodies = vec![[T::ZERO; WORDS]; sources.len()];
         executor.for_each_block(BlockedSlice::new(&mut bodies, BRANCH), &|mine| {
             for (body, key) in mine.items.iter_mut().zip(&order.keys[mine.start..]) {
@@ -96,9 +91,6 @@ impl<T: Real, const CELL: usize> Tree<T, CELL> {
         });
         let builder = Builder { order: &order, bodies: &bodies, angle };
         let Cells { cells, words, .. } = builder.build::<L::Moments, CELL>(executor);
-        if knob("TIME", 0.0) > 0.0 {
-            eprintln!("   order {:?} build {:?}", t1 - t0, t1.elapsed());
-        }
         Self { order, bodies, cells, words }
     }
 
@@ -117,38 +109,26 @@ impl<T: Real, const CELL: usize> Tree<T, CELL> {
         dimension: usize,
         executor: &Executor,
     ) -> (Vec<[f64; SUMS]>, usize) {
-        let t0 = std::time::Instant::now();
         let interactions = AtomicUsize::new(0);
         let mut sorted = vec![[0.0; SUMS]; targets.positions.len()];
-        let group_size = knob("GROUP", 64.0) as usize;
         executor.for_each_block(BlockedSlice::new(&mut sorted, GROUPS * BLOCK), &|mine| {
             let mut lists = (Vec::new(), Vec::new());
             let positions = &targets.positions[mine.start..][..mine.items.len()];
-            for (group, sums) in positions.chunks(group_size).zip(mine.items.chunks_mut(group_size)) {
+            for (group, sums) in positions.chunks(BLOCK).zip(mine.items.chunks_mut(BLOCK)) {
                 let middle = self.list(group, &mut lists);
                 let (cells, bodies) = &lists;
                 let relative: Vec<_> = group.iter().map(|place| from(middle, place).to_array().map(T::from_f64)).collect();
                 sums::add(dimension, near, group, bodies, sums);
                 sums::add(dimension, far, &relative, cells, sums);
-                NC.fetch_add(group.len() * cells.len(), Ordering::Relaxed);
                 interactions.fetch_add(group.len() * (cells.len() + bodies.len()), Ordering::Relaxed);
             }
         });
-        let t1 = std::time::Instant::now();
         let mut sums = vec![[0.0; SUMS]; sorted.len()];
         executor.for_each_block(BlockedSlice::new(&mut sums, BRANCH), &|mine| {
             for (sums, &slot) in mine.items.iter_mut().zip(&targets.slots[mine.start..]) {
                 *sums = sorted[slot as usize];
             }
         });
-        if knob("TIME", 0.0) > 0.0 {
-            eprintln!("   evaluate {:?} permute {:?}", t1 - t0, t1.elapsed());
-        }
-        let nc = NC.swap(0, Ordering::Relaxed) as f64 / sums.len() as f64;
-        let tot = interactions.load(Ordering::Relaxed) as f64 / sums.len() as f64;
-        if knob("SHOW", 0.0) > 0.0 {
-            eprintln!("   cells {:.0} bodies {:.0} of {} tree cells {}", nc, tot - nc, sums.len(), self.cells.len());
-        }
         (sums, interactions.into_inner())
     }
 
@@ -211,7 +191,7 @@ impl<T: Real> Builder<'_, T> {
         });
         executor.for_each_block(BlockedSlice::new(&mut branches, 1), &|mine| {
             for (range, cells) in mine.items {
-                self.grow(range.clone(), knob("LEAF", 16.0) as usize, cells, &mut |range, cells| {
+                self.grow(range.clone(), LEAF, cells, &mut |range, cells| {
                     let expansion = Expansion::of_bodies(&self.bodies[range.clone()]);
                     let place = cells.begin(range);
                     self.complete(cells, place, expansion);
