@@ -287,14 +287,14 @@ def cluster(count: int = 150, dimension: int = 3, **options: Any) -> pc.Scene:
     return pc.Scene(stars, comets, pc.Gravitation(1.0, 0.05, sources=stars, **options))
 
 
-def plasma(count: int = 100, dimension: int = 3) -> pc.Scene:
+def plasma(count: int = 100, dimension: int = 3, **options: Any) -> pc.Scene:
     """As many charges of each sign, in a harmonic well."""
     rng = _random()
     shape = (count, dimension)
     signs = np.where(np.arange(count) % 2 == 0, 1.0, -1.0)
     ions = pc.Particles(rng.uniform(-1.0, 1.0, shape), rng.uniform(-0.3, 0.3, shape), mass=0.5, charge=signs)
     well = pc.CentralForce((0.0,) * dimension, 1.0, exponent=1.0)
-    return pc.Scene(ions, pc.Coulomb(0.01, 0.05), well)
+    return pc.Scene(ions, pc.Coulomb(0.01, 0.05, **options), well)
 
 
 def crossed(count: int = 60, dimension: int = 2) -> pc.Scene:
@@ -421,6 +421,13 @@ SCENES: dict[str, Case] = {
     "cluster f32": Case(cluster, 0.01, F32, large=lambda: cluster(5000)),
     "plasma 2D": Case(lambda: plasma(dimension=2), 0.01, large=lambda: plasma(5000, 2)),
     "plasma f32 RungeKutta4": Case(plasma, 0.01, {**F32, **RK4}),
+    "cluster by a tree": Case(
+        lambda: cluster(300, opening_angle=0.9), 0.01, large=lambda: cluster(20_000, opening_angle=0.9)
+    ),
+    "cluster by a tree f32": Case(
+        lambda: cluster(300, opening_angle=0.9), 0.01, F32, large=lambda: cluster(20_000, opening_angle=0.9)
+    ),
+    "plasma by a tree 2D": Case(lambda: plasma(200, 2, opening_angle=0.8), 0.01),
     "trio": Case(trio, 0.01, {"integrator": pc.BlanesMoan4()}),
     "trio adaptive": Case(trio, 0.01, {"dt": pc.AdaptiveStep()}),
     "trio by its coefficients": Case(trio, 0.1, {"dt": pc.AutoStep(), **RADAU}),

@@ -13,11 +13,11 @@ STEPS, SAMPLES, REFINEMENT = 16, 8, 4
 
 
 def closure(case: Case, refinement: int, precision: str) -> tuple[float, float]:
-    """Root mean square of the change of the balance [J] at common times, and what rounding may add to it.
+    """Root mean square of the change of the balance [J] at common times, and what rounding and a tree may add to it.
 
     Rounding adds an ε of the energies in every step, with random signs: five standard deviations. The phases by which a
     wave function is multiplied are rounded once, so that each of them adds the same in every step, as does
-    the factor of absorption.
+    the factor of absorption. The force of a tree is the gradient of its potential up to its error.
     """
     run = case.simulation(dt=case.dt / refinement, precision=precision)
     first = run.energy().balance
@@ -32,7 +32,7 @@ def closure(case: Case, refinement: int, precision: str) -> tuple[float, float]:
     roundings = 5.0 * np.sqrt(refinement * STEPS)
     if any(isinstance(system, pc.Schrodinger) for system in run.scene.systems):
         roundings = refinement * STEPS * (run.plan.evaluations + 1) * run.scene.dimension
-    return float(np.sqrt(np.mean(np.square(errors)))), roundings * epsilon * size
+    return float(np.sqrt(np.mean(np.square(errors)))), (roundings * epsilon + run.plan.force_error) * size
 
 
 @pytest.mark.parametrize(

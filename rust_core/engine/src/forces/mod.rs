@@ -126,6 +126,8 @@ pub struct About {
     pub callback: bool,
     /// About how many springs or other pairs it consists of.
     pub pairs: usize,
+    /// The relative rms error of the force in the state at the start; 0 where it is exact.
+    pub force_error: f64,
     /// The memory that it takes [bytes].
     pub bytes: usize,
     /// Its layout, for the plan; empty if there is nothing to say.
@@ -145,6 +147,7 @@ impl About {
             potential: Some(name),
             callback: false,
             pairs: 0,
+            force_error: 0.0,
             bytes: 0,
             layout: String::new(),
             findings: String::new(),
@@ -226,6 +229,8 @@ struct Declared<'a, V: Vector> {
     properties: &'a Properties<V>,
     /// Which particles it acts on, in the engine's order.
     chosen: Vec<bool>,
+    /// Who may share what takes long.
+    executor: &'a Executor,
 }
 
 impl<V: Vector> Declared<'_, V> {
@@ -286,11 +291,11 @@ pub fn are_between_neighbors(scene: &Scene) -> bool {
 }
 
 /// The forces that an item of the scene declares.
-pub fn build<V: Vector>(scene: &Scene, item: &Item, properties: &Properties<V>) -> Result<Forces<V>> {
+pub fn build<V: Vector>(scene: &Scene, item: &Item, properties: &Properties<V>, executor: &Executor) -> Result<Forces<V>> {
     let Some(kind) = kinds().into_iter().find(|kind| kind.name == item.kind) else {
         return Err(scene::unknown(item, "a force"));
     };
     let in_scene = scene.members(item);
     let chosen = properties.caller.iter().map(|&caller| in_scene[caller as usize]).collect();
-    (kind.build)(&Declared { scene, item, properties, chosen })
+    (kind.build)(&Declared { scene, item, properties, chosen, executor })
 }

@@ -62,7 +62,7 @@ pub fn compile<V: Vector>(scene: &Scene, method: Box<dyn Method<V>>, executor: &
     }
     for item in &scene.forces {
         executor.check()?;
-        all.extend(forces::build(scene, item, &properties)?);
+        all.extend(forces::build(scene, item, &properties, executor)?);
     }
     let contacts = Contacts::build(scene, &properties)?;
     if contacts.is_some() {
@@ -119,6 +119,7 @@ pub fn compile<V: Vector>(scene: &Scene, method: Box<dyn Method<V>>, executor: &
         order,
         evaluations: about.evaluations,
         pairs: dynamics.pairs(),
+        force_error: known.iter().map(|force| force.force_error).fold(0.0, f64::max),
         limit_varies: false,
         layout,
         left_out,
