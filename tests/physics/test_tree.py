@@ -1,4 +1,4 @@
-"""The tree of gravitation and of Coulomb's law: beside the exact sum, its order, its symmetries, and what the plan says of it."""
+"""The tree of gravitation and of Coulomb's law: the exact sum beside it, its order, its symmetries, and its plan."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import physcore as pc
-from physics.laboratory import EPSILON, Array, simulation
+from physics.laboratory import Array, simulation
 
 SOFTENING = 0.05
 
@@ -58,11 +58,11 @@ def ions(count: int = 900, dimension: int = 3, **options: object) -> pc.Scene:
 @pytest.mark.parametrize("dimension", [2, 3])
 @pytest.mark.parametrize("scene", [stars, ions])
 def test_the_error_falls_with_the_third_power_of_the_opening_angle(scene, dimension):
-    """The first term that is left out of a cell's field is that of its octupoles, (s/d)³; those of many cells add at random,
-    and fewer cells are large. Wrong quadrupoles would leave (s/d)², wrong dipoles s/d.
+    """The first term that is left out of a cell's field is that of its octupoles, (s/d)³; those of many cells add at
+    random, and fewer cells are large. Wrong quadrupoles would leave (s/d)², wrong dipoles s/d.
 
-    Potentials err by no more than fields, whose octupoles are four times theirs; the energy is of both signs for charges,
-    so that its error is compared with the energy of all pairs without their signs.
+    Potentials err by no more than fields, whose octupoles are four times theirs; the energy is of both signs for
+    charges, so that its error is compared with the energy of all pairs without their signs.
     """
     exact, body = kick(scene(3000, dimension)), scene(3000, dimension).bodies[0]
     weights = body.mass if scene is stars else np.abs(body.charge)
@@ -80,8 +80,8 @@ def test_the_error_falls_with_the_third_power_of_the_opening_angle(scene, dimens
 @pytest.mark.parametrize("total", [1.0, 0.0], ids=["charged", "neutral"])
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_a_small_cell_errs_like_the_cube_of_its_size(dimension, total, softening):
-    """A cluster of charges of the size r, seen from d = 1 and more: field and potential of its octupoles are left out, r³, and
-    the power of its moving charges to r². Halving r divides them by 8 and 4, but for the next order, r ≤ 1/16.
+    """A cluster of charges of the size r, seen from d = 1 and more: field and potential of its octupoles are left out,
+    r³, and the power of its moving charges to r². Halving r divides them by 8 and 4, but for the next order, r ≤ 1/16.
     """
     rng = np.random.default_rng(3)
     charge = rng.uniform(-1.0, 1.0, 12)
@@ -204,7 +204,7 @@ def test_the_plan_tells_the_error_and_the_interactions(tmp_path):
 
 
 def test_an_automatic_angle_has_the_error_that_is_wished():
-    """The largest one below it: steps of at most 5 % near the end, (1/0.95)^3.8 = 1.2, and a curve that is not smooth."""
+    """The largest below it: by steps of 5 % and more near the end, (1/0.95)^3.5 = 1.2, on a curve that is not smooth."""
     for wished in (1e-3, 1e-4):
         plan = simulation(stars(4000, opening_angle="auto", force_error=wished), pc.VelocityVerlet(), 0.01).plan
         assert 0.3 * wished < plan.force_error <= wished

@@ -23,10 +23,10 @@ class Coulomb(Force):
     the potential energy k q_i q_j/s. In 2D the law is the same: charges in a plane. The sum is exact, over all pairs,
     and its cost grows like the square of the number of particles. The energy is by_term["coulomb"].
 
-    With an `opening_angle` θ above zero the sum is that of a tree (Barnes and Hut 1986), whose cost grows like N log N: a
-    cell whose particles are within a cube of side s about their center, at the distance d, is taken whole where s < θ d,
-    by its expansion to quadrupoles. The error grows about like θ^3.5; plan.force_error is that of the scene as it starts, and
-    momentum is kept to it. The cells change from step to step, so that energy wanders by that error too.
+    With an `opening_angle` θ above zero the sum is that of a tree (Barnes and Hut 1986), whose cost grows like N log N:
+    a cell whose particles are within a cube of side s about their center, at the distance d, is taken whole where
+    s < θ d, by its expansion to quadrupoles. The error grows about like θ^3.5; plan.force_error is that of the scene as
+    it starts, and momentum is kept to it. The cells change from step to step, so that energy wanders by that error too.
 
     A charge among `sources` that is not among `on` acts and feels nothing, as if it were held on its path: the work
     of that counts as external work.

@@ -24,10 +24,10 @@ class Gravitation(Force):
     and its cost grows like the square of the number of particles. Fixed particles attract. The energy is
     by_term["gravitation"].
 
-    With an `opening_angle` θ above zero the sum is that of a tree (Barnes and Hut 1986), whose cost grows like N log N: a
-    cell whose particles are within a cube of side s about their center, at the distance d, is taken whole where s < θ d,
-    by its expansion to quadrupoles. The error grows about like θ^3.5; plan.force_error is that of the scene as it starts, and
-    momentum is kept to it. The cells change from step to step, so that energy wanders by that error too.
+    With an `opening_angle` θ above zero the sum is that of a tree (Barnes and Hut 1986), whose cost grows like N log N:
+    a cell whose particles are within a cube of side s about their center, at the distance d, is taken whole where
+    s < θ d, by its expansion to quadrupoles. The error grows about like θ^3.5; plan.force_error is that of the scene as
+    it starts, and momentum is kept to it. The cells change from step to step, so that energy wanders by that error too.
 
     A mass among `sources` that is not among `on` attracts and feels nothing, as if it were held on its path: the work
     of that counts as external work.

@@ -25,8 +25,8 @@ class Plan:
     evaluations: int
     """Force evaluations per step."""
     pairs: int
-    """About how many springs, pairs of particles, and pairs of a particle and a cell of a tree each of them goes through,
-    at the start.
+    """About how many springs, pairs of particles, and pairs of a particle and a cell of a tree each of them goes
+    through, at the start.
     """
     dt: float
     """The time step [s]."""

@@ -52,7 +52,7 @@ impl<V: Vector> AllPairs<V> {
             let Some(wished) = wished.filter(|&wished| pairs >= all_pairs || self.force_error > wished) else { break };
             // Not too far at once: the error's order is only about this.
             self.angle *= libm::pow(wished / self.force_error, 1.0 / ORDER).clamp(0.5, 0.95);
-            if pairs >= all_pairs || !(self.angle >= SMALLEST) {
+            if pairs >= all_pairs || self.angle < SMALLEST {
                 (self.angle, self.force_error, self.pairs) = (0.0, 0.0, all_pairs);
                 break;
             }

@@ -90,7 +90,7 @@ impl<T: Real, const CELL: usize> Tree<T, CELL> {
             }
         });
         let builder = Builder { order: &order, bodies: &bodies, angle };
-        let Cells { cells, words, .. } = builder.build::<L::Moments, CELL>(executor);
+        let Branch { cells, words, .. } = builder.build::<L::Moments, CELL>(executor);
         Self { order, bodies, cells, words }
     }
 
@@ -172,8 +172,8 @@ struct Builder<'a, T> {
     angle: f64,
 }
 
-/// Cells in depth-first order.
-struct Cells<T, M, const CELL: usize> {
+/// Cells in depth-first order: a branch of the tree, or all of it.
+struct Branch<T, M, const CELL: usize> {
     cells: Vec<Cell>,
     words: Vec<[T; CELL]>,
     /// The expansions of those that are complete, but not yet a part of another.
@@ -182,11 +182,11 @@ struct Cells<T, M, const CELL: usize> {
 
 impl<T: Real> Builder<'_, T> {
     /// All cells. One thread finds branches, all build their cells, and one joins these.
-    fn build<M: Moments<T, CELL>, const CELL: usize>(&self, executor: &Executor) -> Cells<T, M, CELL> {
+    fn build<M: Moments<T, CELL>, const CELL: usize>(&self, executor: &Executor) -> Branch<T, M, CELL> {
         let all = 0..self.bodies.len();
         let mut branches = Vec::new();
-        self.grow(all.clone(), BRANCH, &mut Cells::<T, M, CELL>::default(), &mut |range, cells| {
-            branches.push((range, Cells::default()));
+        self.grow(all.clone(), BRANCH, &mut Branch::<T, M, CELL>::default(), &mut |range, cells| {
+            branches.push((range, Branch::default()));
             cells.expansions.push(Expansion::default());
         });
         executor.for_each_block(BlockedSlice::new(&mut branches, 1), &|mine| {
@@ -198,7 +198,7 @@ impl<T: Real> Builder<'_, T> {
                 });
             }
         });
-        let (mut cells, mut built) = (Cells::default(), branches.into_iter());
+        let (mut cells, mut built) = (Branch::default(), branches.into_iter());
         self.grow(all, BRANCH, &mut cells, &mut |_, cells| {
             if let Some((_, branch)) = built.next() {
                 cells.cells.extend(branch.cells);
@@ -214,8 +214,8 @@ impl<T: Real> Builder<'_, T> {
         &self,
         range: Range<usize>,
         most: usize,
-        cells: &mut Cells<T, M, CELL>,
-        finish: &mut impl FnMut(Range<usize>, &mut Cells<T, M, CELL>),
+        cells: &mut Branch<T, M, CELL>,
+        finish: &mut impl FnMut(Range<usize>, &mut Branch<T, M, CELL>),
     ) {
         if range.is_empty() {
             return;
@@ -233,7 +233,7 @@ impl<T: Real> Builder<'_, T> {
     /// Completes the cell at `place`, whose parts are those after it.
     fn complete<M: Moments<T, CELL>, const CELL: usize>(
         &self,
-        cells: &mut Cells<T, M, CELL>,
+        cells: &mut Branch<T, M, CELL>,
         place: usize,
         expansion: Expansion<M>,
     ) {
@@ -246,7 +246,7 @@ impl<T: Real> Builder<'_, T> {
     }
 }
 
-impl<T: Real, M, const CELL: usize> Cells<T, M, CELL> {
+impl<T: Real, M, const CELL: usize> Branch<T, M, CELL> {
     /// Appends an incomplete cell and returns its place.
     fn begin(&mut self, bodies: Range<usize>) -> usize {
         let bodies = bodies.start as u32..bodies.end as u32;
@@ -256,7 +256,7 @@ impl<T: Real, M, const CELL: usize> Cells<T, M, CELL> {
     }
 }
 
-impl<T, M, const CELL: usize> Default for Cells<T, M, CELL> {
+impl<T, M, const CELL: usize> Default for Branch<T, M, CELL> {
     fn default() -> Self {
         Self { cells: Vec::new(), words: Vec::new(), expansions: Vec::new() }
     }
