@@ -33,7 +33,7 @@ def scene() -> pc.Scene:
     generator = np.random.default_rng(8)
     angles = np.linspace(0.0, 2.0 * np.pi, 80, endpoint=False)
     ring = RADIUS * np.column_stack([0.0 * angles, np.cos(angles), np.sin(angles)])
-    coils = [pc.Particles(ring + (side * 0.5 * APART, 0.0, 0.0), fixed=True) for side in (-1.0, 1.0)]
+    coils = [pc.Particles(ring + 0.5 * APART * np.array([side, 0.0, 0.0]), fixed=True) for side in (-1.0, 1.0)]
     beams = []
     for name, pitch in (("steep", 62.0), ("middle", 46.0), ("flat", 36.0)):
         count = PROTONS // 3
