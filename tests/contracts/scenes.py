@@ -321,6 +321,12 @@ def trap(count: int = 600) -> pc.Scene:
     return pc.Scene(ions, DOWN, pc.ElectromagneticField(pc.QuadrupoleTrap(1.0, (0.1, 0.0, -0.2)), (0.0, 2.0, 6.0)))
 
 
+def trap_alone(count: int = 600) -> pc.Scene:
+    """The same in weightlessness."""
+    ions = trap(count).bodies[0]
+    return pc.Scene(ions, pc.ElectromagneticField(pc.QuadrupoleTrap(1.0, (0.1, 0.0, -0.2)), (0.0, 2.0, 6.0)))
+
+
 def bottle(count: int = 600) -> pc.Scene:
     """Ions in a magnetic bottle, under drag."""
     rng = _random()
@@ -501,6 +507,8 @@ SCENES: dict[str, Case] = {
     "charges": Case(crossed, 0.02, large=lambda: crossed(4200)),
     "charges 3D f32 RungeKutta4": Case(lambda: crossed(dimension=3), 0.02, {"integrator": pc.RungeKutta4(), **F32}),
     "trap": Case(trap, 0.01, large=lambda: trap(100_000)),
+    "trap alone": Case(trap_alone, 0.01, large=lambda: trap_alone(400_000)),
+    "trap alone f32": Case(trap_alone, 0.01, F32),
     "trap adaptive": Case(trap, 0.01, {"dt": pc.AdaptiveStep()}),
     "bottle f32": Case(bottle, 0.02, F32, large=lambda: bottle(200_000)),
     "bottle exact": Case(bottle, 0.05, {"integrator": pc.Boris(exact_angle=True)}),

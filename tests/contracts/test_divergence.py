@@ -46,7 +46,16 @@ BOUNDED = {
     **dict.fromkeys(("stirred", "whirl", "whirl with cores f32"), "is limited by accuracy"),
     "dish RungeKuttaChebyshev": "is limited by its reaction, whose values stay within bounds",
     **dict.fromkeys(
-        ("charges", "charges 3D f32 RungeKutta4", "trap", "bottle f32", "bottle exact", "by function"),
+        (
+            "charges",
+            "charges 3D f32 RungeKutta4",
+            "trap",
+            "trap alone",
+            "trap alone f32",
+            "bottle f32",
+            "bottle exact",
+            "by function",
+        ),
         "is limited by accuracy, and turns velocities at any step",
     ),
     "layers": "is limited as if the heaviest fluid pushed all of the net",

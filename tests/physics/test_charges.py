@@ -145,6 +145,32 @@ def test_orders_with_charges_that_attract_and_fields_that_vary(integrator, order
     assert measured == pytest.approx(order, abs=0.3)
 
 
+@pytest.mark.parametrize("precision", ["f64", "f32"])
+@pytest.mark.parametrize(
+    "magnetic",
+    [
+        (0.5, -1.0, 6.0),
+        pc.MagneticDipole((1e6, 0.0, 2e7), (0.0, 0.0, -3.0)),
+        pc.CurrentLoop(2.0, 1e7),
+        pc.MagneticBottle(3.0, 1.0),
+    ],
+    ids=["uniform", "dipole", "loop", "bottle"],
+)
+def test_fields_alone_are_what_they_are_among_other_forces(magnetic, precision):
+    """Whole steps in registers are those of stages, to some 20 roundings in each of 40 steps, of numbers below 10."""
+    rng = np.random.default_rng(4)
+    ions = pc.Particles(*rng.normal(size=(2, 100, 3)), mass=rng.uniform(0.5, 2.0, 100), charge=-1.0, fixed=[3])
+    field = pc.ElectromagneticField(pc.QuadrupoleTrap(1.0, (0.1, 0.0, 0.2)), magnetic)
+    runs = [
+        pc.Simulation(pc.Scene(ions, field, *others), pc.Boris(), dt=0.02, precision=precision)
+        for others in ((), (pc.CustomForce(lambda time, x, v: 0.0 * x),))
+    ]
+    for run in runs:
+        run.step(40)
+    epsilon = np.finfo(np.float64 if precision == "f64" else np.float32).eps
+    np.testing.assert_allclose(runs[0].positions, runs[1].positions, rtol=0.0, atol=40 * 20 * 10 * epsilon)
+
+
 def test_boris_without_a_magnetic_field_is_position_verlet():
     ball = ion((0.5, 0.2), (0.1, 1.0))
     scene = pc.Scene(ball, pc.CentralForce((0.0, 0.0), 1.0), pc.ElectromagneticField(electric=(0.1, 0.2)))

@@ -33,6 +33,8 @@ mod strength;
 
 pub use central::InverseSquare;
 pub use density::{DensityEvolution, Drift, Fields, Mach, Scheme};
+pub use electromagnetic::ReadyField;
+pub(crate) use electromagnetic::{Affine, FieldLaw, Law, Use};
 use linear::Fusion;
 pub use pointwise::ForceField;
 pub use strength::{PART, Strength};
@@ -208,6 +210,11 @@ pub trait Force<V: Vector>: History + Send + Sync {
     /// Itself as an inverse-square force, if it is one: of the forces that cannot be fused, this one is worth a kernel of its
     /// own, in which independent particles run through whole steps.
     fn inverse_square(&self, _properties: &Properties<V>) -> Option<InverseSquare<'_, V::Scalar>> {
+        None
+    }
+
+    /// Itself as an electric or magnetic field, if that is one the engine computes and does not change in time.
+    fn ready_field(&self) -> Option<ReadyField<'_, V::Scalar>> {
         None
     }
 

@@ -117,6 +117,18 @@ impl Law {
         }
     }
 
+    /// A uniform field or a constant quadrupole, which are affine in the position.
+    pub fn affine<T: Real>(self, origin: DVec3) -> Option<Affine<T>> {
+        let of = |vector: DVec3| vector.to_array().map(T::from_f64);
+        let (uniform, center, strength) = match self {
+            Self::Uniform(field) => (field, DVec3::ZERO, 0.0),
+            Self::Quadrupole { center, constant, alternating: 0.0, .. } => (DVec3::ZERO, center - origin, constant),
+            _ => return None,
+        };
+        let quadrupole = Quadrupole { center: of(center), strength: T::from_f64(strength), rate: T::ZERO };
+        Some(Affine { uniform: of(uniform), quadrupole })
+    }
+
     /// Gives its law at a time, for positions relative to `origin`, to a computation.
     pub fn with<T: Real, U: Use<T>>(self, time: f64, origin: DVec3, then: U) {
         let of = |vector: DVec3| vector.to_array().map(T::from_f64);
@@ -139,7 +151,7 @@ impl Law {
             }
             Self::Wave { amplitude, wave_vector, frequency, phase } => then.with(Wave {
                 amplitude: of(amplitude),
-                wave_vector,
+                per_length: wave_vector,
                 phase: wave_vector.dot(origin) - TAU * frequency * time + phase,
             }),
         }
@@ -189,7 +201,7 @@ impl<T: Real> FieldLaw<T> for Uniform<T> {
     }
 }
 
-#[derive(Clone, Copy)]
+#[derive(Debug, Clone, Copy)]
 struct Quadrupole<T> {
     center: [T; AXES],
     strength: T,
@@ -209,6 +221,21 @@ impl<T: Real> FieldLaw<T> for Quadrupole<T> {
     fn power(&self, x: [T; AXES], _v: [T; AXES]) -> T {
         let d = from(x, self.center);
         self.rate * (T::from_f64(0.5) * d[2] * d[2] - T::from_f64(0.25) * (d[0] * d[0] + d[1] * d[1]))
+    }
+}
+
+/// The sum of a uniform field and a quadrupole.
+#[derive(Debug, Clone, Copy)]
+pub struct Affine<T> {
+    uniform: [T; AXES],
+    quadrupole: Quadrupole<T>,
+}
+
+impl<T: Real> FieldLaw<T> for Affine<T> {
+    #[inline(always)]
+    fn at(&self, x: [T; AXES]) -> [T; AXES] {
+        let [a, b, c] = self.quadrupole.at(x);
+        [self.uniform[0] + a, self.uniform[1] + b, self.uniform[2] + c]
     }
 }
 
@@ -306,7 +333,8 @@ impl<T: Real> FieldLaw<T> for Bottle<T> {
 #[derive(Clone, Copy)]
 struct Wave<T> {
     amplitude: [T; AXES],
-    wave_vector: DVec3,
+    /// The wave vector k [rad/m].
+    per_length: DVec3,
     phase: f64,
 }
 
@@ -314,7 +342,7 @@ impl<T: Real> FieldLaw<T> for Wave<T> {
     #[inline(always)]
     fn at(&self, x: [T; AXES]) -> [T; AXES] {
         let place = DVec3::from_array(x.map(T::to_f64));
-        let cosine = T::from_f64(libm::cos(self.wave_vector.dot(place) + self.phase));
+        let cosine = T::from_f64(libm::cos(self.per_length.dot(place) + self.phase));
         self.amplitude.map(|amplitude| amplitude * cosine)
     }
 

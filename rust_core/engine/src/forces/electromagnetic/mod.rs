@@ -9,6 +9,7 @@ mod function;
 mod laws;
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use glam::DVec3;
 
@@ -21,7 +22,7 @@ use crate::scene::Value;
 use crate::simd::LANES;
 use crate::stability::{Horizon, SpectralBound};
 use function::{ElectricFunction, MagneticFunction};
-use laws::{FieldLaw, Law, Use};
+pub use laws::{Affine, FieldLaw, Law, Use};
 
 /// The name in plans and budgets.
 const NAME: &str = "electromagnetic field";
@@ -32,31 +33,36 @@ const STEPS_PER_PERIOD: f64 = 50.0;
 pub fn kind<V: Vector>() -> Kind<V> {
     let build = |declared: &Declared<'_, V>| -> Result<Forces<V>> {
         let mut forces: Forces<V> = Vec::new();
+        let charges: Arc<[V::Scalar]> = charges(declared).into();
+        let computed = |value: Option<&Value>| -> Result<Option<Computed<V>>> {
+            let laws = laws(value)?;
+            Ok((!laws.is_empty()).then(|| Computed { laws, charges: Arc::clone(&charges) }))
+        };
         match declared.item.values.get("electric") {
             Some(Value::Callback(callback)) => forces.push(Box::new(ElectricFunction::new(declared, callback)?)),
-            value => forces.extend(computed(declared, value)?.map(|field| Box::new(Electric(field)) as Box<dyn Force<V>>)),
+            value => forces.extend(computed(value)?.map(|field| Box::new(Electric(field)) as Box<dyn Force<V>>)),
         }
         match declared.item.values.get("magnetic") {
             Some(Value::Callback(callback)) => forces.push(Box::new(MagneticFunction::new(declared, callback))),
             Some(&Value::Number(number)) if number != 0.0 => {
-                forces.push(Box::new(Magnetic(Computed::new(declared, vec![Law::Uniform(DVec3::Z * number)]))));
+                let laws = vec![Law::Uniform(DVec3::Z * number)];
+                forces.push(Box::new(Magnetic(Computed { laws, charges: Arc::clone(&charges) })));
             }
-            value => forces.extend(computed(declared, value)?.map(|field| Box::new(Magnetic(field)) as Box<dyn Force<V>>)),
+            value => forces.extend(computed(value)?.map(|field| Box::new(Magnetic(field)) as Box<dyn Force<V>>)),
         }
         Ok(forces)
     };
     Kind { name: "ElectromagneticField", reach: Reach::Pointwise, build }
 }
 
-/// The field that a value declares: a vector, a field or some of them; None if it is zero.
-fn computed<V: Vector>(declared: &Declared<'_, V>, value: Option<&Value>) -> Result<Option<Computed<V>>> {
-    let laws = match value {
+/// The fields that a value declares: a vector, a field or some of them; none if it is zero.
+fn laws(value: Option<&Value>) -> Result<Vec<Law>> {
+    Ok(match value {
         Some(&Value::Vector(vector)) if vector != DVec3::ZERO => vec![Law::Uniform(vector)],
         Some(Value::Record(item)) => vec![Law::new(item)?],
         Some(Value::Records(items)) => items.iter().map(Law::new).collect::<Result<_>>()?,
         _ => Vec::new(),
-    };
-    Ok((!laws.is_empty()).then(|| Computed::new(declared, laws)))
+    })
 }
 
 /// The charges [C] of the particles that a force acts on, in the engine's order; 0 for all others, and for fixed ones. Padded.
@@ -71,16 +77,28 @@ fn charges<V: Vector>(declared: &Declared<'_, V>) -> Vec<V::Scalar> {
 /// A sum of fields that the engine computes.
 struct Computed<V: Vector> {
     laws: Vec<Law>,
-    charges: Vec<V::Scalar>,
+    charges: Arc<[V::Scalar]>,
+}
+
+/// One field that does not change in time, and the charges in it.
+#[derive(Debug, Clone, Copy)]
+pub struct ReadyField<'a, T> {
+    /// Its law.
+    pub(crate) law: Law,
+    /// The charges [C], those of E and B of one item in the same memory.
+    pub charges: &'a [T],
+    /// Whether it is magnetic.
+    pub is_magnetic: bool,
 }
 
 impl<V: Vector> Computed<V> {
-    fn new(declared: &Declared<'_, V>, laws: Vec<Law>) -> Self {
-        Self { laws, charges: charges(declared) }
+    fn ready(&self, is_magnetic: bool) -> Option<ReadyField<'_, V::Scalar>> {
+        let &[law] = self.laws.as_slice() else { return None };
+        (law.period() == f64::INFINITY).then(|| ReadyField { law, charges: &self.charges, is_magnetic })
     }
 
     fn about(&self) -> About {
-        About { bytes: size_of_val(self.charges.as_slice()), ..About::new(NAME, Reach::Pointwise) }
+        About { bytes: size_of_val(&*self.charges), ..About::new(NAME, Reach::Pointwise) }
     }
 
     /// Adds `role` of each law to the forces and powers of a block.
@@ -178,6 +196,10 @@ impl<V: Vector> Force<V> for Electric<V> {
         self.0.accumulate(Role::Electric, block, at, rates);
     }
 
+    fn ready_field(&self) -> Option<ReadyField<'_, V::Scalar>> {
+        self.0.ready(false)
+    }
+
     fn potential(&self, block: Range<usize>, at: &StateView<'_, V>) -> f64 {
         let energy = |index: usize| {
             let place = at.properties.origin + at.position.get(index).widen();
@@ -218,6 +240,10 @@ impl<V: Vector> Force<V> for Magnetic<V> {
 
     fn accumulate(&self, block: Range<usize>, at: &StateView<'_, V>, rates: &mut Rates<'_, V>) {
         self.0.accumulate(Role::Magnetic, block, at, rates);
+    }
+
+    fn ready_field(&self) -> Option<ReadyField<'_, V::Scalar>> {
+        self.0.ready(true)
     }
 
     fn magnetic(&self, block: Range<usize>, at: &StateView<'_, V>, strength: &mut Strength<V>) {

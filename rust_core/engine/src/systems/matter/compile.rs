@@ -104,7 +104,7 @@ pub fn compile<V: Vector>(scene: &Scene, method: Box<dyn Method<V>>, executor: &
         format!("a sweep over blocks of {} particles per evaluation", state.block)
     };
     let mut dynamics = Dynamics::new(properties, all, contacts, state.block);
-    (dynamics.gyrates, dynamics.exact_angles) = (about.gyrates, about.exact_angles);
+    dynamics.angle = about.angle;
     let dissipative = dynamics.velocity != VelocityDependence::None;
     let nominal = if dissipative { about.order_dissipative } else { about.order };
     let order = known.iter().map(|force| force.order).fold(nominal, u32::min);
@@ -194,8 +194,10 @@ fn relativistic(scene: &Scene, forces: &[About]) -> Option<String> {
     let speeds = scene.bodies.iter().flat_map(|body| &body.velocities).map(|velocity| velocity.length());
     let fastest = speeds.fold(0.0, f64::max);
     (forces.iter().any(charged) && fastest > 0.1 * SPEED_OF_LIGHT).then(|| {
-        format!("particles move at up to {:.2} c, and nothing here is relativistic: above 0.1 c masses are off by more than 0.5 %",
-            fastest / SPEED_OF_LIGHT)
+        format!(
+            "particles move at up to {:.2} c, and nothing here is relativistic: above 0.1 c masses are off by more than 0.5 %",
+            fastest / SPEED_OF_LIGHT
+        )
     })
 }
 

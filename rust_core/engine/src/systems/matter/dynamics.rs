@@ -2,11 +2,13 @@
 
 use std::ops::Range;
 
+use glam::DVec3;
+
 use crate::contacts::Contacts;
 use crate::error::Result;
 use crate::forces::linear::{Fusion, LinearForce};
 use crate::forces::{
-    DensityEvolution, Drift, Force, InverseSquare, Rates, Reach, Scheme, StateView, Strength, VelocityDependence,
+    DensityEvolution, Drift, Force, InverseSquare, Law, Rates, Reach, ReadyField, Scheme, StateView, Strength, VelocityDependence,
 };
 use crate::ledger::{Class, Ledger};
 use crate::math::{Real, Vector};
@@ -27,6 +29,24 @@ fn state_view<'a, V: Vector>(
 ) -> StateView<'a, V> {
     let (position, velocity, residual) = (matter.position.view(), matter.velocity.view(), matter.residual.view());
     StateView { position, velocity, residual, properties, time, executor }
+}
+
+/// The angle by which a method turns velocities in a magnetic field in a step.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Angle {
+    /// 2 atan(|q B| h/2m).
+    Boris,
+    /// |q B| h/m.
+    Exact,
+}
+
+/// The electric and the magnetic field of a scene without other forces.
+#[derive(Debug, Clone, Copy)]
+pub struct LoneFields<'a, T> {
+    pub electric: Law,
+    pub magnetic: Law,
+    /// Charges [C]; 0 for particles that feel nothing.
+    pub charges: &'a [T],
 }
 
 /// The forces and contacts of a scene.
@@ -51,10 +71,8 @@ pub struct Dynamics<V: Vector> {
     fused: usize,
     /// The number of fused forces and forces between particles; the others are pointwise.
     together: usize,
-    /// Whether the integrator turns velocities in magnetic fields, so that these add no force.
-    pub gyrates: bool,
-    /// Whether it does so by the exact angle.
-    pub exact_angles: bool,
+    /// The angle by which the integrator turns velocities in magnetic fields, if it does: these then add no force.
+    pub angle: Option<Angle>,
     /// Whether there is a magnetic field.
     pub magnetic: bool,
     /// Whether a fixed particle has a velocity, so that its constraint force does work.
@@ -79,8 +97,7 @@ impl<V: Vector> Dynamics<V> {
             shifts: densities.any(DensityEvolution::shifts),
             velocity: forces.iter().map(|force| force.about().velocity).max().unwrap_or(VelocityDependence::None),
             callbacks: forces.iter().filter(|force| force.about().callback).count(),
-            gyrates: false,
-            exact_angles: false,
+            angle: None,
             magnetic: forces.iter().any(|force| is_magnetic(force.as_ref())),
             fused: count,
             together,
@@ -119,6 +136,31 @@ impl<V: Vector> Dynamics<V> {
     pub fn lone_inverse_square(&self) -> Option<InverseSquare<'_, V::Scalar>> {
         match self.forces.as_slice() {
             [force] => force.inverse_square(&self.properties),
+            _ => None,
+        }
+    }
+
+    /// E and B, if these are the only forces, of fields that the engine computes and that do not change in time, and velocities are
+    /// turned in them by [`super::kernels::gyration_steps`].
+    pub fn lone_fields(&self) -> Option<LoneFields<'_, V::Scalar>> {
+        if self.angle != Some(Angle::Boris) {
+            return None;
+        }
+        let none = Law::Uniform(DVec3::ZERO);
+        match self.forces.as_slice() {
+            [magnetic] => {
+                let ReadyField { law, charges, is_magnetic } = magnetic.ready_field()?;
+                is_magnetic.then_some(LoneFields { electric: none, magnetic: law, charges })
+            }
+            [electric, magnetic] => {
+                let (electric, magnetic) = (electric.ready_field()?, magnetic.ready_field()?);
+                let together = std::ptr::eq(electric.charges, magnetic.charges);
+                (together && !electric.is_magnetic && magnetic.is_magnetic).then_some(LoneFields {
+                    electric: electric.law,
+                    magnetic: magnetic.law,
+                    charges: magnetic.charges,
+                })
+            }
             _ => None,
         }
     }
@@ -192,14 +234,16 @@ impl<V: Vector> Dynamics<V> {
         for axis in 0..V::DIMENSION {
             rates.force.axes[axis].fill(V::Scalar::ZERO);
         }
-        let acts = |force: &&Box<dyn Force<V>>| !self.gyrates || !self.magnetic || !is_magnetic(force.as_ref());
-        for force in self.forces[self.fused..self.together].iter().filter(acts) {
+        let turned = self.magnetic && self.angle.is_some();
+        let acting =
+            |forces: Range<usize>| self.forces[forces].iter().filter(move |force| !turned || !is_magnetic(force.as_ref()));
+        for force in acting(self.fused..self.together) {
             force.accumulate(block.clone(), at, rates);
         }
         if self.driven {
             self.count_reactions(block, at, rates);
         }
-        for force in self.forces[self.together..].iter().filter(acts) {
+        for force in acting(self.together..self.forces.len()) {
             force.accumulate(block.clone(), at, rates);
         }
     }

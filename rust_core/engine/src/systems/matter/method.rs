@@ -4,7 +4,7 @@ use std::marker::PhantomData;
 
 use super::activity::Activity;
 use super::coupled::Workspace;
-use super::dynamics::Dynamics;
+use super::dynamics::{Angle, Dynamics};
 use super::{coupled, independent};
 use crate::error::Result;
 use crate::history::History;
@@ -48,9 +48,8 @@ pub struct About {
     pub drifts_first: bool,
     /// Whether each stage is a sweep over all particles, even where these are independent.
     pub sweeps: bool,
-    /// Whether it turns velocities in magnetic fields, as [`Integrator::GYRATES`], and by the exact angle.
-    pub gyrates: bool,
-    pub exact_angles: bool,
+    /// The angle by which it turns velocities in magnetic fields, if it does, as [`Integrator::GYRATES`].
+    pub angle: Option<Angle>,
     /// As [`Integrator::limit`].
     pub limit: fn(f64) -> f64,
     /// Why it cannot advance a field that diffuses, if it cannot.
@@ -95,8 +94,8 @@ pub trait Method<V: Vector>: History + Send + Sync {
 
 /// An explicit integrator.
 pub struct Explicit<I> {
-    /// Whether it turns velocities in magnetic fields by the exact angle.
-    exact_angles: bool,
+    /// As [`About::angle`].
+    angle: Option<Angle>,
     integrator: PhantomData<I>,
 }
 
@@ -106,7 +105,9 @@ impl<I: Integrator> Explicit<I> {
     /// # Errors
     /// If a value is wrong.
     pub fn declared(item: &Item) -> Result<Self> {
-        Ok(Self { exact_angles: I::GYRATES && item.flag("exact_angle")?, integrator: PhantomData })
+        let exact = I::GYRATES && item.flag("exact_angle")?;
+        let angle = I::GYRATES.then_some(if exact { Angle::Exact } else { Angle::Boris });
+        Ok(Self { angle, integrator: PhantomData })
     }
 }
 
@@ -124,8 +125,7 @@ impl<V: Vector, I: Integrator> Method<V> for Explicit<I> {
             own: 0,
             drifts_first: I::DRIFTS_FIRST,
             sweeps: false,
-            gyrates: I::GYRATES,
-            exact_angles: self.exact_angles,
+            angle: self.angle,
             limit: I::limit,
             refuses_fields: integrators::refuses_fields::<I>(),
             smooth_only: None,

@@ -12,7 +12,7 @@ use crate::forces::{PART, StateView, Strength};
 use crate::math::{AXES, Real, Vector};
 use crate::matter::Span;
 use crate::simd::{Kernel, LANES, Lanes, dispatch};
-use crate::systems::matter::dynamics::Dynamics;
+use crate::systems::matter::dynamics::{Angle, Dynamics};
 
 /// Some particles of a block, with the accelerations by the linear force [m/s²].
 struct Gyration<'a, V: Vector> {
@@ -42,7 +42,7 @@ pub fn gyrate<V: Vector>(
         let some = start..(start + PART).min(block.end);
         strength.clear();
         dynamics.magnetic(some.clone(), at, &mut strength);
-        if dynamics.exact_angles {
+        if dynamics.angle == Some(Angle::Exact) {
             lengthen(&mut strength, dynamics, &some, h);
         }
         if dynamics.has_linear() {
@@ -73,7 +73,7 @@ fn lengthen<V: Vector>(strength: &mut Strength<V>, dynamics: &Dynamics<V>, some:
         if half > 0.0 {
             let factor = V::Scalar::from_f64(libm::tan(half) / half);
             for axis in 0..AXES {
-                strength.axes[axis][place] = strength.axes[axis][place] * factor;
+                strength.axes[axis][place] *= factor;
             }
         }
     }
@@ -86,7 +86,7 @@ impl<V: Vector> Kernel for Gyration<'_, V> {
     fn run(self) {
         let Self { range, strength, linear, inverse_mass, inertia, before, force, h } = self;
         let (half_step, step) = (V::Scalar::from_f64(0.5 * h), V::Scalar::from_f64(h));
-        let (zero, two) = ([V::Scalar::ZERO; LANES], V::Scalar::from_f64(2.0));
+        let zero = [V::Scalar::ZERO; LANES];
         let groups = range.len() / LANES;
         for group in 0..groups {
             let first = group * LANES;
@@ -114,21 +114,16 @@ impl<V: Vector> Kernel for Gyration<'_, V> {
                 let by_mass = half_step * inverse_mass[lane];
                 let turn = s.map(|s| s * by_mass);
                 let turn = if V::DIMENSION == 2 { [V::Scalar::ZERO, V::Scalar::ZERO, turn[0]] } else { turn };
-                let (mut half, mut minus) = ([V::Scalar::ZERO; AXES], [V::Scalar::ZERO; AXES]);
+                let mut half = [V::Scalar::ZERO; AXES];
                 for axis in 0..V::DIMENSION {
                     half[axis] = f[axis] * by_mass + a[axis] * half_step;
-                    minus[axis] = v[axis] + half[axis];
                 }
-                let tilt = cross(minus, turn);
-                let middle = [minus[0] + tilt[0], minus[1] + tilt[1], minus[2] + tilt[2]];
-                let square = turn[0] * turn[0] + turn[1] * turn[1] + turn[2] * turn[2];
-                let scale = two / (V::Scalar::ONE + square);
-                let change = cross(middle, turn).map(|change| change * scale);
+                let increment = kick(v, half, turn);
                 // A particle that does not turn keeps its force to the bit.
-                let turns = square > V::Scalar::ZERO;
+                let turns = turn != [V::Scalar::ZERO; AXES];
                 for axis in 0..V::DIMENSION {
                     // Divided: a rounded 1/h would lengthen or shorten the velocity by the same fraction in each step.
-                    let mean = (half[axis] + half[axis] + change[axis]) / step - a[axis];
+                    let mean = increment[axis] / step - a[axis];
                     kicked[axis][lane] = if turns { mean * inertia[lane] } else { f[axis] };
                 }
             }
@@ -137,6 +132,18 @@ impl<V: Vector> Kernel for Gyration<'_, V> {
             }
         }
     }
+}
+
+/// The increment of a velocity v in Boris' kick: half of that by all other forces, twice, and that of the rotation by t between.
+#[inline(always)]
+pub fn kick<T: Real>(v: [T; AXES], half: [T; AXES], t: [T; AXES]) -> [T; AXES] {
+    let minus = [v[0] + half[0], v[1] + half[1], v[2] + half[2]];
+    let tilt = cross(minus, t);
+    let middle = [minus[0] + tilt[0], minus[1] + tilt[1], minus[2] + tilt[2]];
+    let square = t[0] * t[0] + t[1] * t[1] + t[2] * t[2];
+    let scale = T::from_f64(2.0) / (T::ONE + square);
+    let change = cross(middle, t).map(|change| change * scale);
+    [half[0] + half[0] + change[0], half[1] + half[1] + change[1], half[2] + half[2] + change[2]]
 }
 
 #[inline(always)]
