@@ -204,7 +204,7 @@ def test_the_plan_tells_the_error_and_the_interactions(tmp_path):
 
 
 def test_an_automatic_angle_has_the_error_that_is_wished():
-    """The largest below it: by steps of 5 % and more near the end, (1/0.95)^3.5 = 1.2, on a rough curve."""
+    """The largest below it: by steps of 5 % and more near the end, (1/0.95)^3.5 = 1.2, on a curve not smooth."""
     for wished in (1e-3, 1e-4):
         plan = simulation(stars(4000, opening_angle="auto", force_error=wished), pc.VelocityVerlet(), 0.01).plan
         assert 0.3 * wished < plan.force_error <= wished
