@@ -20,9 +20,12 @@ DTYPES: dict[Precision, type[np.floating[Any]]] = {"f64": np.float64, "f32": np.
 
 
 def cluster(count: int) -> pc.Scene:
-    """Stars of one mass in a cube."""
+    """Stars of one mass in a cube, about half as fast as they fall: from rest, their energy would be diagnosed in each
+    step until it no longer doubles.
+    """
     generator = np.random.default_rng(3)
-    stars = pc.Particles(generator.uniform(size=(count, 3)), mass=1.0 / count)
+    positions, velocities = generator.uniform(size=(count, 3)), generator.normal(scale=0.5, size=(count, 3))
+    stars = pc.Particles(positions, velocities, mass=1.0 / count)
     return pc.Scene(stars, pc.Gravitation(1.0, SOFTENING))
 
 

@@ -39,10 +39,10 @@ def dish(cells: int) -> pc.ReactionDiffusion:
 
 
 def ours(cells: int, precision: Precision, threads: int = 1) -> Contender:
-    """physcore, by Euler's method, with the budgets of both species."""
+    """physcore, by Euler's method, with the budgets of both species; in whole passes, as its opponents."""
     scene = pc.Scene(dish(cells))
     simulation = pc.Simulation(scene, pc.ExplicitEuler(), dt=STEP, precision=precision, threads=threads)
-    return Contender("physcore", simulation.step, threads)
+    return Contender("physcore", simulation.step, threads, multiple=max(FUSED))
 
 
 def rival(make: Maker, cells: int, precision: Precision) -> Dish:

@@ -24,17 +24,18 @@ Maker = Callable[[np.ndarray, type, float], Pond]
 
 
 def pond(cells: int) -> pc.Wave:
-    """A hump at rest between fixed edges, c = Δ = 1."""
-    middle = 0.5 * cells
-    hump = np.exp(-(((np.arange(cells) + 0.5 - 0.9 * middle) / (0.1 * cells)) ** 2))
-    return pc.Wave(pc.Grid((cells, cells), 1.0), 1.0, hump[:, np.newaxis] * hump)
+    """Random displacements between fixed edges, c = Δ = 1: after a few steps half of the energy is kinetic, and nothing
+    has to be diagnosed.
+    """
+    displacements = np.random.default_rng(3).uniform(-1.0, 1.0, (cells, cells))
+    return pc.Wave(pc.Grid((cells, cells), 1.0), 1.0, displacements)
 
 
 def ours(cells: int, precision: Precision, threads: int = 1) -> Contender:
-    """physcore, by Verlet's method."""
+    """physcore, by Verlet's method; in whole passes, as its opponents."""
     scene = pc.Scene(pond(cells))
     simulation = pc.Simulation(scene, pc.VelocityVerlet(), dt=COURANT, precision=precision, threads=threads)
-    return Contender("physcore", simulation.step, threads)
+    return Contender("physcore", simulation.step, threads, multiple=max(FUSED))
 
 
 def agree(make: Maker, precision: Precision, steps: int) -> None:

@@ -15,7 +15,7 @@ import pytest
 
 import physcore as pc
 from physcore import styles
-from physcore.film import Follow, Keyframes, Orbit, Theme, Window, provenance
+from physcore.film import Corotating, Follow, Keyframes, Orbit, Theme, Window, provenance
 from physcore.film.colors.themes import DARK
 
 
@@ -233,6 +233,7 @@ CALLS: dict[str, tuple[Callable[..., object], dict[str, Any]]] = {
     "Orbit": (Orbit, {}),
     "Keyframes": (Keyframes, {"cameras": {0.0: Orbit(), 1.0: Orbit()}}),
     "Follow": (Follow, {"bodies": 0}),
+    "Corotating": (Corotating, {"first": 0, "second": 1}),
     "Theme": (Theme, {name: getattr(DARK, name) for name in inspect.signature(Theme).parameters}),
     **{f"styles.{kind.__name__}": (kind, {}) for kind in styles.STYLES},
 }

@@ -118,7 +118,7 @@ def _show(result: Any, script: str) -> None:
     film = NAMES["film"]
     kinds: dict[str, tuple[type, ...]] = {
         "style": (pc.styles.Style,),
-        "camera": (film.Window, film.Orbit, film.Keyframes, film.Follow),
+        "camera": (film.Window, film.Orbit, film.Keyframes, film.Follow, film.Corotating),
         "theme": (film.Theme,),
     }
     for name, kind in kinds.items():

@@ -62,6 +62,7 @@ VALID = {
         "Sphere.center": "(9.0, 9.0)",
         "CentralForce.center": "(5.0, 5.0)",
     },
+    **{"Corotating.first": "0", "Corotating.second": "(0, 1)"},
     **{"film.path": "'out.png'", "export.path": "'out.xyz'", "Tradeoff.path": "'out.json'"},
     **{
         "Floor.height": "-1.0",

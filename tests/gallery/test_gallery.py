@@ -88,6 +88,7 @@ def shown(tmp_path: Path, record_property: Callable[[str, object], None]) -> Cal
         "turing",
         "figure_eight",
         "solar_system",
+        "trojans",
         "collision",
         *(pytest.param(name, marks=pytest.mark.long) for name in LONG),
     ],

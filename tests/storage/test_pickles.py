@@ -10,7 +10,7 @@ import pytest
 
 import physcore as pc
 from physcore import styles
-from physcore.film import DARK, LIGHT, Follow, Keyframes, Orbit, Window
+from physcore.film import DARK, LIGHT, Corotating, Follow, Keyframes, Orbit, Window
 
 CLOTH = pc.cloth((4, 4), 0.1, 100.0, 0.1, pinned="top", name="cloth")
 WATER = pc.Fluid(pc.block((0.0, -1.0), (0.3, -0.7), 0.1), 0.1)
@@ -76,6 +76,7 @@ def test_a_texture_is_sent_with_its_style():
         Window((0.0, 0.0), (1.0, 1.0)),
         Keyframes({0.0: Orbit(), 1.0: Orbit(azimuth=0.0)}),
         Follow(0, Orbit()),
+        Corotating(0, (1, 2), Orbit()),
         pc.AdaptiveStep(tolerance=1e-3),
         pc.Periodic((0.0, 0.0), (1.0, 1.0)),
     ],

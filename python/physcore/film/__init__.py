@@ -17,6 +17,7 @@ from physcore.simulation.recording import show_with
 
 if TYPE_CHECKING:
     from physcore.film import styles
+    from physcore.film.camera.corotating import Corotating
     from physcore.film.camera.track import Follow, Keyframes
     from physcore.film.camera.view import Orbit, Window
     from physcore.film.colors.themes import DARK, LIGHT, Theme
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
 __all__ = [
     "DARK",
     "LIGHT",
+    "Corotating",
     "Follow",
     "Keyframes",
     "Orbit",
@@ -39,6 +41,7 @@ __all__ = [
 _MODULES = {
     "DARK": "colors.themes",
     "LIGHT": "colors.themes",
+    "Corotating": "camera.corotating",
     "Follow": "camera.track",
     "Keyframes": "camera.track",
     "Orbit": "camera.view",

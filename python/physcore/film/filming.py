@@ -15,6 +15,7 @@ from physcore.numerics.choices import Options
 
 # Drawing is imported where it is used: it takes as long as the rest of physcore.
 if TYPE_CHECKING:
+    from physcore.film.camera.corotating import Corotating
     from physcore.film.camera.track import Camera, Follow
     from physcore.film.colors.themes import Color, Theme, ThemeName
     from physcore.film.labels.diagram import Inset
@@ -31,7 +32,7 @@ def film(
     *,
     size: tuple[int, int] | None = None,
     style: Style | Sequence[Style] | None = None,
-    camera: Camera | Follow | None = None,
+    camera: Camera | Follow | Corotating | None = None,
     theme: Theme | ThemeName = "dark",
     background: Color | str | None = None,
     title: str | None = None,
@@ -71,8 +72,8 @@ def film(
         style: one or several of `physcore.styles`; None: springs by strain, fluids by speed, other bodies as points. A
             body that no style draws is drawn as points.
         camera: a Window in 2D, an Orbit in 3D; Keyframes between some of these, a function that gives one for a time
-            [s] (`lambda time: Orbit(azimuth=10 * time)`), or Follow a body; all are in `physcore.film`. None: so that
-            nothing leaves the picture.
+            [s] (`lambda time: Orbit(azimuth=10 * time)`), Follow a body, or the frame that is Corotating with two; all
+            are in `physcore.film`. None: so that nothing leaves the picture.
         theme: "dark", "light" or a `physcore.film.Theme`.
         background: a color instead of the theme's, such as "#000000".
         title: a line above the picture.

@@ -7,9 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from physcore.checks import FloatArray
+from physcore.film.derived import Derived
 from physcore.scene.scene import Scene
-from physcore.simulation.provenance_record import ProvenanceRecord
 from physcore.simulation.sources import Source, SourceFrame
 
 
@@ -27,54 +26,15 @@ class RaisedScene(Scene):
         return 3
 
 
-class Raised:
+class Raised(Derived):
     """A source in 2D whose particles have a height, zero until a painter raises them."""
 
     def __init__(self, flat: Source) -> None:
-        self._flat = flat
-        self.scene: Scene = RaisedScene(flat.scene)
-
-    @property
-    def fps(self) -> float:
-        """Frames per second of simulated time."""
-        return self._flat.fps
-
-    @property
-    def times(self) -> FloatArray:
-        """When the frames are [s]."""
-        return self._flat.times
-
-    @property
-    def count(self) -> int:
-        """How many frames there are."""
-        return self._flat.count
-
-    @property
-    def integrator(self) -> str | None:
-        """The integrator's name."""
-        return self._flat.integrator
-
-    @property
-    def audited(self) -> bool:
-        """Whether frames have energies and time steps."""
-        return self._flat.audited
-
-    @property
-    def simulated(self) -> bool:
-        """Whether its frames are simulated each time that they are looked at."""
-        return self._flat.simulated
-
-    @property
-    def provenance(self) -> ProvenanceRecord:
-        """The provenance of what is shown."""
-        return self._flat.provenance
-
-    def has(self, field: str) -> bool:
-        """Whether frames have a field of that name."""
-        return self._flat.has(field)
+        super().__init__(flat)
+        self.scene = RaisedScene(flat.scene)
 
     def frames(self) -> Iterator[SourceFrame]:
         """All frames from the start, with positions (N, 3)."""
-        for frame in self._flat.frames():
+        for frame in super().frames():
             positions = np.pad(frame.positions, ((0, 0), (0, 1)))
             yield replace(frame, fields={**frame.fields, "positions": positions})

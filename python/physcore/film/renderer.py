@@ -13,6 +13,7 @@ import numpy as np
 from physcore._core import Canvas
 from physcore.checks import FloatArray
 from physcore.film import assignment
+from physcore.film.camera.corotating import Corotating, corotating
 from physcore.film.camera.framing import CameraTrack, Extent, PanelView, camera_track, extents
 from physcore.film.camera.track import Camera, Follow
 from physcore.film.colors.samples import palette_samples
@@ -70,7 +71,7 @@ class Renderer:
         found: Sequence[Source],
         size: tuple[int, int] | None,
         style: Style | Sequence[Style] | None,
-        camera: Camera | Follow | None,
+        camera: Camera | Follow | Corotating | None,
         theme: Theme,
         titles: Sequence[str] | None,
         progress: bool | None,
@@ -83,7 +84,8 @@ class Renderer:
         self._titles, self._labels = check_titles(titles, len(found)), check_labels(labels, found)
         diagram = check_inset(inset, found)
         styles = assignment.asked(style, found)
-        found = self._found = [assignment.shown(source, styles) for source in found]
+        camera, found = corotating(camera, [assignment.shown(source, styles) for source in found])
+        self._found = found
         self._painters = [assignment.painters(source, styles, theme) for source in found]
         self.count = max(source.count for source in found)
         self._clock = _clock(found, self.count)

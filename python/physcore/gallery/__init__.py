@@ -48,6 +48,7 @@ DEMOS = (
     "turing",
     "figure_eight",
     "solar_system",
+    "trojans",
     "collision",
     "butterfly",
     "vortex_street",

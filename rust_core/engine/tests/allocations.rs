@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use glam::DVec3;
 use physcore_engine::forces::springs::Spring;
 use physcore_engine::parallel::SERIAL;
-use physcore_engine::scene::{Body, Item, PARTICLES, Scene, Value};
+use physcore_engine::scene::{Array, Body, Item, PARTICLES, Scene, Value};
 use physcore_engine::simulation::{Numerics, Simulation, Vigilance};
 
 fn rope(springs: bool) -> Body {
@@ -120,4 +120,40 @@ fn steps_of_a_shifted_fluid_allocate_nothing() {
     let allocated = allocation_counter::measure(|| (0..10).for_each(|_| world.step(1, 5e-4, &|| false).unwrap()));
     // As above.
     assert!(allocated.count_total <= 10, "{allocated:?}");
+}
+
+/// A wave, one step at a time and many in one pass over memory.
+#[test]
+fn steps_on_grids_allocate_nothing() {
+    const SIDE: usize = 64;
+    let grid = || {
+        let vector = |value: f64| Value::Vector(DVec3::new(value, value, 0.0));
+        let cells = ("cells", vector(SIDE as f64));
+        Item::new("Grid", [cells, ("spacing", Value::Number(1.0)), ("origin", vector(0.0)), ("periodic", vector(0.0))])
+    };
+    let ripple = |size: f64| {
+        let entries = (0..SIDE * SIDE).map(|cell| size * (0.01 * cell as f64).sin().abs()).collect();
+        Value::Numbers(Array { shape: vec![SIDE, SIDE], entries })
+    };
+    let edges = Value::Texts(vec!["fixed".to_owned(); 4]);
+    let numbers = [("speed", 1.0), ("damping", 0.0), ("rate", 0.0), ("density", 1.0), ("order", 2.0)];
+    let values = [("grid", Value::Record(Box::new(grid()))), ("edges", edges), ("displacement", ripple(1.0))];
+    let wave = Item::new("Wave", numbers.map(|(name, number)| (name, Value::Number(number))).into_iter().chain(values));
+    for integrator in ["VelocityVerlet", "RungeKutta4", "BlanesMoan4"] {
+        let scene = Scene { dimension: 2, systems: vec![wave.clone()], ..Scene::default() };
+        let numerics = Numerics {
+            integrator: integrator.into(),
+            integrators: BTreeMap::new(),
+            precision: "f64".to_owned(),
+            threads: Some(1),
+            max_energy_growth: 1e6,
+            vigilance: Vigilance::OutOfRange,
+        };
+        let mut world = Simulation::new(&scene, &numerics, &SERIAL).unwrap();
+        world.step(40, 0.5, &|| false).unwrap();
+        for steps in [1, 40] {
+            let allocated = allocation_counter::measure(|| (0..10).for_each(|_| world.step(steps, 0.5, &|| false).unwrap()));
+            assert!(allocated.count_total <= 10, "{integrator}, {steps} steps: {allocated:?}");
+        }
+    }
 }

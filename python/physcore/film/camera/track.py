@@ -110,7 +110,7 @@ class Follow:
             raise SceneError(f"Follow.bodies: must be a body or several ([one, two]), got {shown(self.bodies)}")
         object.__setattr__(self, "bodies", tuple(keys))
         object.__setattr__(self, "smoothing", span(self.smoothing, "Follow.smoothing", empty=True))
-        if not _is_camera(self.camera):
+        if not is_camera(self.camera):
             raise SceneError(
                 f"Follow.camera: must be a Window, an Orbit, Keyframes or a function, got {shown(self.camera)}"
             )
@@ -199,7 +199,7 @@ def middle(points: FloatArray, mass: FloatArray, domain: Periodic | None) -> Flo
     return domain.wrap(center)
 
 
-def _is_camera(value: object) -> bool:
+def is_camera(value: object) -> bool:
     """Whether it can be a camera: Orbit itself is none, though it can be called with a number."""
     return value is None or isinstance(value, (Window, Orbit)) or (callable(value) and not isinstance(value, type))
 

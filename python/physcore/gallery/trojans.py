@@ -1,0 +1,93 @@
+"""Asteroids keep 60° ahead of Jupiter and behind it, in the frame that turns with the Sun and Jupiter.
+
+The physics checked: the period of a small oscillation about Lagrange's point L4 in the restricted problem.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+import physcore as pc
+from physcore.film import DARK, Corotating, Window
+from physcore.gallery.figure import Figure
+from physcore.units import AU, gravitational_constant, jupiter_mass, solar_mass, year
+
+DURATION = 170.0 * year
+"""[s]"""
+DISTANCE = 5.2044 * AU
+"""Between the Sun and Jupiter, here on a circle [m]."""
+SHARE = jupiter_mass / (solar_mass + jupiter_mass)
+"""Mass of Jupiter over that of both."""
+RATE = float(np.sqrt(gravitational_constant * (solar_mass + jupiter_mass) / DISTANCE**3))
+"""Of the turning of both [rad/s]."""
+AHEAD = np.array([57.0, 50.0, 44.0, 38.0, 33.0, 29.0])
+"""Angles of the asteroids ahead of Jupiter at the start, or behind it [degrees]."""
+COLORS = ((255, 206, 84), (226, 150, 96), (92, 200, 180), (120, 150, 250), (240, 110, 140))
+
+
+def turning(places: np.ndarray) -> np.ndarray:
+    """Velocities [m/s] at rest in the corotating frame."""
+    return RATE * np.column_stack([-places[:, 1], places[:, 0]])
+
+
+def scene() -> pc.Scene:
+    """The Sun and Jupiter about their center of mass, and asteroids without weight at rest in the corotating frame."""
+    pair = DISTANCE * np.array([[-SHARE, 0.0], [1.0 - SHARE, 0.0]])
+    sun = pc.Particles(pair[:1], turning(pair[:1]), mass=solar_mass, name="Sun")
+    jupiter = pc.Particles(pair[1:], turning(pair[1:]), mass=jupiter_mass, name="Jupiter")
+    swarms = []
+    for name, angles in (("Greeks", AHEAD), ("Trojans", -AHEAD), ("horseshoe", np.array([19.0]))):
+        turned = np.radians(angles)
+        places = pair[0] + DISTANCE * np.column_stack([np.cos(turned), np.sin(turned)])
+        swarms.append(pc.Particles(places, turning(places), name=name))
+    return pc.Scene(sun, jupiter, *swarms, pc.Gravitation(sources=[sun, jupiter]))
+
+
+def main(path: str | os.PathLike[str] = "trojans.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
+    """Simulate an oscillation and more, and draw it in the corotating frame."""
+    recording = pc.simulate(
+        scene(), DURATION, fps=1.5 / year, integrator=pc.BlanesMoan6(), dt=year / 3.0, progress=progress
+    )
+    sun, jupiter, *swarms = recording.scene.bodies
+    style = [
+        pc.styles.Paths(on=swarms, width=1.2),
+        pc.styles.Points(color="body", size=30.0, glow=1.0, trail=0.0, on=sun),
+        pc.styles.Points(color="body", size=16.0, glow=0.3, trail=0.0, on=jupiter),
+        pc.styles.Points(color="body", size=5.0, glow=0.6, trail=0.0, on=swarms),
+    ]
+    around = Window((-6.4 * AU, -5.9 * AU), (6.4 * AU, 5.9 * AU))
+    pc.film(
+        recording,
+        path,
+        size=(640, 600),
+        style=style,
+        camera=Corotating(sun, jupiter, around),
+        theme=replace(DARK, bodies=COLORS),
+        labels=("energy",),
+        speed=17.0 * year,
+        progress=progress,
+    )
+    return {"asteroids": recording}
+
+
+def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
+    """Twice the time between two passages of the middle by the smallest oscillation about L4.
+
+    Source: V. Szebehely, Theory of Orbits (1967), section 5.3: the slow root of λ⁴ + λ² + 27/4 μ(1 − μ) = 0.
+    """
+    sky = recordings["asteroids"]
+    sun, jupiter, asteroid = (sky[name].positions[:, 0] for name in ("Sun", "Jupiter", "Greeks"))
+    x, y = asteroid - sun, jupiter - sun
+    angle = np.arctan2(y[:, 0] * x[:, 1] - y[:, 1] * x[:, 0], (x * y).sum(axis=1))
+    turn = round(2.0 * np.pi / RATE * sky.fps)  # over which the short oscillation averages out
+    slow = np.convolve(angle, np.ones(turn) / turn, mode="valid")
+    slow -= 0.5 * (slow.min() + slow.max())
+    before = np.flatnonzero(slow[:-1] * slow[1:] < 0.0)[:2]
+    first, second = before + slow[before] / (slow[before] - slow[before + 1])
+    root = np.sqrt(0.5 * (1.0 - np.sqrt(1.0 - 27.0 * SHARE * (1.0 - SHARE))))
+    period = 2.0 * float(second - first) / sky.fps
+    return Figure("oscillation about L4", period / year, 2.0 * np.pi / (RATE * root) / year, "by theory", 0.02, "years")
