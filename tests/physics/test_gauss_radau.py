@@ -328,3 +328,31 @@ def test_trades_and_accuracies_take_it_where_it_is_named():
     assert best[pc.GaussRadau15] < 1e-11
     recording = pc.simulate(kepler(0.3), PERIOD, fps=2.0, integrator=RADAU, accuracy=1e-12)
     assert recording.plan.integrator == "GaussRadau15"
+
+
+def test_a_tolerance_below_rounding_is_raised_to_it():
+    """b₆ is a sum of accelerations with the weights 1/Π (hₙ − hₘ), 11525 together, times their rounding ε/2: 1.3e-12.
+    Shorter steps would not make it smaller; at a tolerance below they are those of that one.
+    """
+    run = pc.Simulation(kepler(0.3), pc.GaussRadau15(1e-300))
+    run.run(PERIOD)
+    usual = pc.Simulation(kepler(0.3), pc.GaussRadau15(2e-12))
+    usual.run(PERIOD)
+    assert run.steps < 1.5 * usual.steps
+    np.testing.assert_allclose(run.positions, usual.positions, rtol=0.0, atol=100 * EPSILON)
+
+
+def test_an_encounter_far_from_the_origin_passes():
+    """Two stars come within 1e-7 of each other at a distance of 1 from the origin: an ulp there is 1e-9 of theirs, and
+    the force is known no better; steps that went on shrinking would not end.
+    """
+    near = 1e-7
+    speed = math.sqrt((2.0 - near) / near)
+    share = np.array([[-0.25], [0.75]])
+    pair = pc.Particles(1.0 + share * (2.0 - near, 0.0), share * (0.0, speed * near / (2.0 - near)), mass=[0.75, 0.25])
+    run = pc.Simulation(pc.Scene(pair, pc.Gravitation(1.0)), RADAU)
+    energy = run.energy().total
+    run.run(PERIOD)
+    assert run.steps < 3000
+    # The potential there is 2e6 times as large, of which an ulp is 1e-9.
+    assert run.energy().total == pytest.approx(energy, rel=0.1)

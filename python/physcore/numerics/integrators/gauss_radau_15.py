@@ -33,7 +33,8 @@ class GaussRadau15(Integrator):
 
     Args:
         tolerance: the largest |b₆| over |a|, above 0; for dt="auto". The error is far smaller: at 1e-9 some 1e-19 of
-            the energy of an orbit in a step. Take 1e-11, at twice the steps, for more than 1e5 orbits.
+            the energy of an orbit in a step. Take 1e-11, at twice the steps, for more than 1e5 orbits. One below the
+            rounding of b₆, 1.3e-12 and more where bodies meet far from the origin, is raised to that.
 
     Source: H. Rein, D. S. Spiegel, Mon. Not. R. Astron. Soc. 446, 1424 (2015).
 

@@ -99,6 +99,22 @@ const RECIPROCALS: [[f64; COEFFICIENTS]; STAGES] = {
     rows
 };
 
+/// The condition number of b₆ as a sum over the accelerations of all nodes, Σ 1/Π |hₙ − hₘ|: the most by which it multiplies
+/// their rounding.
+pub const CONDITION: f64 = {
+    let (mut sum, mut n) = (0.0, 0);
+    while n < STAGES {
+        let (mut product, mut m) = (1.0, 0);
+        while m < STAGES {
+            product *= if m != n { (NODES[n] - NODES[m]).abs() } else { 1.0 };
+            m += 1;
+        }
+        sum += 1.0 / product;
+        n += 1;
+    }
+    sum
+};
+
 /// Coefficients of a₀, b₀ … b₆ at each node: of the mean acceleration until then, τᵏ/(k + 1), and of the second integral over
 /// τ², τᵏ/((k + 1)(k + 2)).
 const INTEGRALS: [[[f64; STAGES]; 2]; STAGES] = {

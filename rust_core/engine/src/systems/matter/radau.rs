@@ -4,8 +4,9 @@
 //! rounding. The coefficients of the step before predict those of the next, so that two or three passes are enough. Positions
 //! and velocities are summed with their low-order parts. Power is integrated by the same quadrature, at the last pass.
 //!
-//! The estimated error is the largest |b₆| over the largest |a| of all particles. Source and formulas:
-//! [`crate::integrators::gauss_radau_15`].
+//! The estimated error is the largest |b₆| over the largest |a| of all particles. Where its rounding may exceed the
+//! tolerance, as in an encounter far from the origin, it is taken in units of that: shorter steps would not make it smaller.
+//! Source and formulas: [`crate::integrators::gauss_radau_15`].
 
 mod block;
 
@@ -114,7 +115,8 @@ impl GaussRadau15 {
         };
         self.update(matter, workspace, h, Task::Close, executor);
         self.kept.h = h;
-        self.error = if largest.last > 0.0 { largest.last / largest.acceleration } else { 0.0 };
+        let [error, rounding] = largest.error(h);
+        self.error = error * (self.tolerance / rounding.max(self.tolerance));
         for (tally, power) in matter.tallies.iter_mut().zip(&self.power) {
             for (power, weight) in power.iter().zip(rule::WEIGHTS) {
                 kernels::integrate(tally, power, &kernels::ALL, h * weight, 0.0, false);

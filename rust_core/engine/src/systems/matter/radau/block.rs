@@ -8,15 +8,20 @@ use crate::simd::{Kernel, LANES, Lanes, dispatch};
 /// The data that persist, of a group of lanes along one axis.
 pub type Memory = gauss_radau_15::Memory<LANES>;
 
-/// The largest |values| that say how an iteration converges and how accurate a step is [m/s²].
+/// The largest |values| that say how an iteration converges and how accurate a step is.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Largest {
-    /// The last change of b₆.
+    /// The last change of b₆ [m/s²].
     pub change: f64,
-    /// The acceleration at the last node.
+    /// The acceleration at the last node [m/s²].
     pub acceleration: f64,
-    /// b₆.
+    /// b₀ [m/s²].
+    pub first: f64,
+    /// b₆ [m/s²].
     pub last: f64,
+    /// The position [m] and the velocity [m/s] at the step's start.
+    pub position: f64,
+    pub velocity: f64,
 }
 
 impl Largest {
@@ -25,8 +30,21 @@ impl Largest {
         Self {
             change: self.change.max(other.change),
             acceleration: self.acceleration.max(other.acceleration),
+            first: self.first.max(other.first),
             last: self.last.max(other.last),
+            position: self.position.max(other.position),
+            velocity: self.velocity.max(other.velocity),
         }
+    }
+
+    /// The error of a step of `h` seconds, |b₆| over |a|, and what rounding makes of it at most: that of the accelerations, and
+    /// that of the positions times their gradient, which is b₀ over the way h v.
+    pub fn error(&self, h: f64) -> [f64; 2] {
+        if self.last == 0.0 {
+            return [0.0; 2];
+        }
+        let ulps = if self.velocity > 0.0 { self.first / self.acceleration * self.position / (h * self.velocity) } else { 0.0 };
+        [self.last / self.acceleration, 0.5 * f64::EPSILON * gauss_radau_15::CONDITION * (1.0 + ulps)]
     }
 }
 
@@ -72,7 +90,7 @@ impl<V: Vector<Scalar = f64>> Kernel for Block<'_, '_, V> {
         let Self { start, state: [positions, velocities], origin: [x0, v0], acceleration, series, memory, largest, h, task } =
             self;
         let nodes: [Node; STAGES] = std::array::from_fn(|node| Node::new(node, h));
-        let (mut change, mut size, mut last) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
+        let mut most = [[0.0; LANES]; 6];
         for axis in 0..V::DIMENSION {
             let range = start..start + positions.len();
             let [x0, v0, a] = [x0, v0, acceleration].map(|columns| columns.slice(axis, range.clone()).as_chunks::<LANES>().0);
@@ -90,9 +108,10 @@ impl<V: Vector<Scalar = f64>> Kernel for Block<'_, '_, V> {
                     Task::Correct(node) => {
                         let changed = series.correct(node, &a);
                         if node + 1 == STAGES {
-                            raise(&mut change, &changed);
-                            raise(&mut size, &a);
-                            raise(&mut last, &series.b[COEFFICIENTS - 1]);
+                            let values = [changed, a, series.b[0], series.b[COEFFICIENTS - 1], position, velocity];
+                            for (most, values) in most.iter_mut().zip(&values) {
+                                raise(most, values);
+                            }
                             1
                         } else {
                             node + 1
@@ -108,7 +127,8 @@ impl<V: Vector<Scalar = f64>> Kernel for Block<'_, '_, V> {
                 (x[group], v[group]) = (position, velocity);
             }
         }
-        *largest = Largest { change: most(&change), acceleration: most(&size), last: most(&last) };
+        let [change, acceleration, first, last, position, velocity] = most.map(|lanes| lanes.iter().copied().fold(0.0, f64::max));
+        *largest = Largest { change, acceleration, first, last, position, velocity };
     }
 }
 
@@ -119,10 +139,4 @@ fn raise(largest: &mut Lanes<f64>, values: &Lanes<f64>) {
         let value = values[lane].abs();
         largest[lane] = if value > largest[lane] { value } else { largest[lane] };
     }
-}
-
-/// The largest lane.
-#[inline(always)]
-fn most(lanes: &Lanes<f64>) -> f64 {
-    lanes.iter().copied().fold(0.0, f64::max)
 }
