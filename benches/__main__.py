@@ -12,6 +12,7 @@ from importlib.metadata import version
 from math import isnan
 
 import accuracy
+import charges
 import fluids
 import gravitation
 import numpy as np
@@ -94,6 +95,8 @@ TARGETS = (
     Target("tracers f32", 1.0, "G point-steps/s"),
     Target("two threads, tracers f64", 1.8, "times one"),
     Target("two threads, tracers f32", 1.8, "times one"),
+    Target("Boris f64", 0.3, "G particle-steps/s"),
+    Target("two threads, Boris f64", 1.8, "times one"),
     Target("import", 0.15, "s", at_most=True),
     Target("accuracy=, cost", 6.0, "returned runs", at_most=True),
     Target("accuracy=, share used", 0.1, "of what was allowed"),
@@ -110,7 +113,7 @@ def main() -> None:
     print("physcore audits and watches for divergence in every run; its opponents do neither.")
     figures = particles.main() | springs.main() | fluids.main() | waves.main()
     figures |= reactions.main() | wave_functions.main() | gravitation.main()
-    figures |= tracers.main() | overheads.main() | accuracy.main()
+    figures |= tracers.main() | charges.main() | overheads.main() | accuracy.main()
     print()
     film.main()
     print(f"\nTargets, as set on a Zen 4 core of about 3.6 GHz; measured here, not scaled: {where}")

@@ -38,6 +38,7 @@ class StagesRecord(TypedDict):
     order: int
     evaluations: int
     pairs: int
+    force_error: float
     limit_varies: bool
     layout: str
     left_out: list[str]

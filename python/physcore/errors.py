@@ -122,6 +122,10 @@ class StabilityWarning(UserWarning):
     """The time step is above the limit of stability, as far as that is certain, or it shows: a step failed, for one."""
 
 
+class SceneWarning(UserWarning):
+    """A scene says something that has no effect, such as charges where no force acts on them."""
+
+
 class MachWarning(UserWarning):
     """A fluid flows too fast for its speed of sound to pass for weakly compressible."""
 

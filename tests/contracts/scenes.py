@@ -33,7 +33,19 @@ class Case:
     @property
     def adaptive(self) -> bool:
         """Whether its steps follow the motion."""
-        return isinstance(self.numerics.get("dt"), pc.AdaptiveStep)
+        return isinstance(self.numerics.get("dt"), pc.AdaptiveStep) or (
+            self.is_self_adaptive and isinstance(self.numerics.get("dt"), pc.AutoStep)
+        )
+
+    @property
+    def is_self_adaptive(self) -> bool:
+        """Whether its integrator chooses the steps itself with dt="auto"."""
+        return isinstance(self.numerics.get("integrator"), pc.GaussRadau15)
+
+    @property
+    def is_double(self) -> bool:
+        """Whether it is refused in single precision."""
+        return isinstance(self.numerics.get("integrator"), pc.GaussRadau15)
 
     @property
     def duration(self) -> float:
@@ -275,14 +287,65 @@ def cluster(count: int = 150, dimension: int = 3, **options: Any) -> pc.Scene:
     return pc.Scene(stars, comets, pc.Gravitation(1.0, 0.05, sources=stars, **options))
 
 
-def plasma(count: int = 100, dimension: int = 3) -> pc.Scene:
+def plasma(count: int = 100, dimension: int = 3, **options: Any) -> pc.Scene:
     """As many charges of each sign, in a harmonic well."""
     rng = _random()
     shape = (count, dimension)
     signs = np.where(np.arange(count) % 2 == 0, 1.0, -1.0)
     ions = pc.Particles(rng.uniform(-1.0, 1.0, shape), rng.uniform(-0.3, 0.3, shape), mass=0.5, charge=signs)
     well = pc.CentralForce((0.0,) * dimension, 1.0, exponent=1.0)
-    return pc.Scene(ions, pc.Coulomb(0.01, 0.05), well)
+    return pc.Scene(ions, pc.Coulomb(0.01, 0.05, **options), well)
+
+
+def crossed(count: int = 60, dimension: int = 2) -> pc.Scene:
+    """Ions in crossed uniform fields, which repel each other, with one that is held."""
+    rng = _random()
+    shape = (count, dimension)
+    signs = np.where(np.arange(count) % 2 == 0, 1.0, -0.5)
+    start = rng.uniform(-1.0, 1.0, shape)
+    ions = pc.Particles(start, rng.uniform(-1.0, 1.0, shape), mass=0.5, charge=signs, fixed=[0])
+    electric, magnetic = ((0.3, -0.2), 1.5) if dimension == 2 else ((0.3, -0.2, 0.1), (0.5, -1.0, 1.5))
+    return pc.Scene(ions, pc.Coulomb(0.01, 0.05), pc.ElectromagneticField(electric, magnetic))
+
+
+def trap(count: int = 600) -> pc.Scene:
+    """Ions in a Penning trap whose magnet is tilted, in which they fall."""
+    rng = _random()
+    ions = pc.Particles(
+        rng.uniform(-1.0, 1.0, (count, 3)),
+        rng.uniform(-0.5, 0.5, (count, 3)),
+        mass=rng.uniform(0.5, 1.5, count),
+        charge=1.0,
+        fixed=[0],
+    )
+    return pc.Scene(ions, DOWN, pc.ElectromagneticField(pc.QuadrupoleTrap(1.0, (0.1, 0.0, -0.2)), (0.0, 2.0, 6.0)))
+
+
+def trap_alone(count: int = 600) -> pc.Scene:
+    """The same in weightlessness."""
+    ions = trap(count).bodies[0]
+    return pc.Scene(ions, pc.ElectromagneticField(pc.QuadrupoleTrap(1.0, (0.1, 0.0, -0.2)), (0.0, 2.0, 6.0)))
+
+
+def bottle(count: int = 600) -> pc.Scene:
+    """Ions in a magnetic bottle, under drag."""
+    rng = _random()
+    ions = pc.Particles(rng.uniform(-0.3, 0.3, (count, 3)), rng.uniform(-1.0, 1.0, (count, 3)), charge=-2.0)
+    return pc.Scene(ions, BREEZE, pc.ElectromagneticField(magnetic=pc.MagneticBottle(2.0, 0.7)))
+
+
+def by_function(count: int = 40) -> pc.Scene:
+    """Ions in fields written in Python, in operations that are rounded alike everywhere."""
+    rng = _random()
+    ions = pc.Particles(rng.uniform(-1.0, 1.0, (count, 2)), rng.uniform(-0.5, 0.5, (count, 2)), charge=0.5)
+    return pc.Scene(
+        ions,
+        pc.ElectromagneticField(
+            lambda time, x: -2.0 * x,
+            lambda time, x: 1.0 + time * x[:, 0] * x[:, 1],
+            potential=lambda x: 0.5 * float((x * x).sum()),
+        ),
+    )
 
 
 def trio() -> pc.Scene:
@@ -328,6 +391,7 @@ def _large_grains() -> pc.Scene:
 
 
 RK4 = {"integrator": pc.RungeKutta4()}
+RADAU = {"integrator": pc.GaussRadau15()}
 F32 = {"precision": "f32"}
 LARGE = {pc.VelocityVerlet: _large_network, pc.SemiImplicitEuler: _large_network, pc.DormandPrince5: _large_network}
 
@@ -363,8 +427,25 @@ SCENES: dict[str, Case] = {
     "cluster f32": Case(cluster, 0.01, F32, large=lambda: cluster(5000)),
     "plasma 2D": Case(lambda: plasma(dimension=2), 0.01, large=lambda: plasma(5000, 2)),
     "plasma f32 RungeKutta4": Case(plasma, 0.01, {**F32, **RK4}),
+    "cluster by a tree": Case(
+        lambda: cluster(300, opening_angle=0.9), 0.01, large=lambda: cluster(20_000, opening_angle=0.9)
+    ),
+    "cluster by a tree f32": Case(
+        lambda: cluster(300, opening_angle=0.9), 0.01, F32, large=lambda: cluster(20_000, opening_angle=0.9)
+    ),
+    "plasma by a tree 2D": Case(lambda: plasma(200, 2, opening_angle=0.8), 0.01),
     "trio": Case(trio, 0.01, {"integrator": pc.BlanesMoan4()}),
     "trio adaptive": Case(trio, 0.01, {"dt": pc.AdaptiveStep()}),
+    "trio by its coefficients": Case(trio, 0.1, {"dt": pc.AutoStep(), **RADAU}),
+    "cluster GaussRadau15": Case(lambda: cluster(40), 0.05, RADAU),
+    "network GaussRadau15": Case(network, 0.05, RADAU),
+    "swarm GaussRadau15": Case(
+        lambda: swarm(STAR, RESISTANCE, BREEZE, count=20),
+        0.01,
+        RADAU,
+        large=lambda: swarm(STAR, RESISTANCE, BREEZE, count=30_000),
+    ),
+    "swarm in Python GaussRadau15": Case(lambda: swarm(harmonic(), count=20), 0.05, RADAU),
     "pool": Case(pool, 1e-3, large=lambda: pool(spacing=0.0125)),
     "pool f64 McLachlan2": Case(pool, 1e-3, {"precision": "f64", "integrator": pc.McLachlan2()}),
     "pool 3D": Case(lambda: pool(3), 1e-3, large=lambda: pool(3, spacing=0.03)),
@@ -423,5 +504,14 @@ SCENES: dict[str, Case] = {
     "stirred": Case(stirred, 0.02),
     "whirl": Case(whirl, 0.02, {"integrator": pc.DormandPrince5()}, large=lambda: whirl(1500)),
     "whirl with cores f32": Case(lambda: whirl(dust=700, core=0.2), 0.02, F32, large=lambda: whirl(dust=20_000)),
+    "charges": Case(crossed, 0.02, large=lambda: crossed(4200)),
+    "charges 3D f32 RungeKutta4": Case(lambda: crossed(dimension=3), 0.02, {"integrator": pc.RungeKutta4(), **F32}),
+    "trap": Case(trap, 0.01, large=lambda: trap(100_000)),
+    "trap alone": Case(trap_alone, 0.01, large=lambda: trap_alone(400_000)),
+    "trap alone f32": Case(trap_alone, 0.01, F32),
+    "trap adaptive": Case(trap, 0.01, {"dt": pc.AdaptiveStep()}),
+    "bottle f32": Case(bottle, 0.02, F32, large=lambda: bottle(200_000)),
+    "bottle exact": Case(bottle, 0.05, {"integrator": pc.Boris(exact_angle=True)}),
+    "by function": Case(by_function, 0.02),
     "drop": Case(drops, 1e-3, large=lambda: drops(spacing=0.0125)),
 }

@@ -29,8 +29,10 @@ BOUNDED = {
     "swarm star": "flies apart, away from what limits its steps",
     "swarm star f32": "likewise",
     "swarm power": "likewise",
+    "swarm GaussRadau15": "likewise",
     "cluster": "is limited by accuracy, at a hundredth of a period",
-    **dict.fromkeys(("cluster f32", "plasma 2D", "plasma f32 RungeKutta4", "trio"), "likewise"),
+    **dict.fromkeys(("cluster f32", "plasma 2D", "plasma f32 RungeKutta4", "trio", "cluster GaussRadau15"), "likewise"),
+    **dict.fromkeys(("cluster by a tree", "cluster by a tree f32", "plasma by a tree 2D"), "likewise"),
     "grains": "bounce off each other, and lose more than they gain",
     "grains f32": "likewise",
     "packet": "is limited by accuracy, and its steps are unitary",
@@ -43,6 +45,19 @@ BOUNDED = {
     ),
     **dict.fromkeys(("stirred", "whirl", "whirl with cores f32"), "is limited by accuracy"),
     "dish RungeKuttaChebyshev": "is limited by its reaction, whose values stay within bounds",
+    **dict.fromkeys(
+        (
+            "charges",
+            "charges 3D f32 RungeKutta4",
+            "trap",
+            "trap alone",
+            "trap alone f32",
+            "bottle f32",
+            "bottle exact",
+            "by function",
+        ),
+        "is limited by accuracy, and turns velocities at any step",
+    ),
     "layers": "is limited as if the heaviest fluid pushed all of the net",
 }
 """Who comes through three times the limit."""

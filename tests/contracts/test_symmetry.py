@@ -14,8 +14,12 @@ from contracts.transforms import Array, Transform, moved, transformed
 from physcore.systems.flows import FLOWS
 from physcore.systems.kinetics import KINETICS
 
-RESTING = (pc.CentralForce, pc.CustomForce)
-"""Forces that are not the same for who moves along."""
+
+def is_resting(force: object) -> bool:
+    """Whether a force is not the same for who moves along."""
+    if isinstance(force, pc.ElectromagneticField):
+        return not all(isinstance(field, (float, tuple)) for field in (force.electric, force.magnetic))
+    return isinstance(force, (pc.CentralForce, pc.CustomForce))
 
 
 def rescaled(case: Case, t: Transform) -> Case:
@@ -84,7 +88,7 @@ def test_the_order_of_particles_does_not_matter(name):
 def moves_along(name: str) -> bool:
     """Whether nothing in a scene stands still by itself."""
     scene = SCENES[name].scene()
-    return bool(scene.bodies) and not scene.boundaries and not any(isinstance(force, RESTING) for force in scene.forces)
+    return bool(scene.bodies) and not scene.boundaries and not any(map(is_resting, scene.forces))
 
 
 @pytest.mark.filterwarnings("ignore::physcore.MachWarning")

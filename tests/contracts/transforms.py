@@ -105,6 +105,8 @@ QUANTITIES: dict[type, dict[str, Rule]] = {
     pc.LennardJones: {"epsilon": scalar(2, -2, 1), "sigma": scalar(1), "cutoff": scalar(1)},
     pc.Gravitation: {"constant": scalar(3, -2, -1), "softening": scalar(1)},
     pc.Coulomb: {"constant": scalar(3, -2, 1), "softening": scalar(1)},
+    pc.QuadrupoleTrap: {"strength": scalar(0, -2, 1), "center": point},
+    pc.MagneticBottle: {"strength": scalar(0, -1, 1), "length": scalar(1), "center": point},
     pc.Plane: {"point": point, "normal": vector()},
     pc.Sphere: {"center": point, "radius": scalar(1)},
     pc.Particles: MASSES,
@@ -150,6 +152,8 @@ def _item(item: ActingItem, t: Transform, bodies: dict[Body, Body]) -> ActingIte
     on = named["on"]
     if isinstance(item, pc.CustomForce):
         return _custom(item, t, on)
+    if isinstance(item, pc.ElectromagneticField):
+        return _electromagnetic(item, t, on)
     if isinstance(item, pc.Floor):  # which is no floor where another axis is up
         up = np.eye(t.axes.shape[1])[-1]
         shared = {"restitution": item.restitution, "friction": item.friction, "no_slip": item.no_slip, "on": on}
@@ -173,6 +177,89 @@ def _custom(force: pc.CustomForce, t: Transform, on: Any) -> pc.CustomForce:
         return force.potential(back(x)) * t.unit(2, -2, 1)
 
     return pc.CustomForce(function, None if force.potential is None else potential, on=on)
+
+
+FIELDS: dict[type, Callable[[Any, Array], Array]] = {
+    pc.QuadrupoleTrap: lambda f, x: f.strength * (x - f.center) * (0.5, 0.5, -1.0),
+    pc.MagneticBottle: lambda f, x: (
+        f.strength
+        * np.stack(
+            [
+                -x[:, 0] * x[:, 2] / f.length**2,
+                -x[:, 1] * x[:, 2] / f.length**2,
+                1.0 + (x[:, 2] ** 2 - 0.5 * (x[:, 0] ** 2 + x[:, 1] ** 2)) / f.length**2,
+            ],
+            axis=1,
+        )
+    ),
+}
+"""Fields that the engine computes, as functions in NumPy."""
+
+
+def _electromagnetic(force: pc.ElectromagneticField, t: Transform, on: Any) -> pc.ElectromagneticField:
+    """Charges stay: E is a force, B a force per velocity along the axis that a mirror turns round. Who moves along with
+    charges sees E − u × B.
+    """
+    plane = t.axes.shape == (2, 2)
+    if t.axes.shape[1] == 2:
+        axis = np.linalg.det(t.axes) if plane else np.cross(t.axes[:, 0], t.axes[:, 1])
+    else:
+        axis = np.linalg.det(t.axes) * t.axes
+
+    def back(x: Array) -> Array:
+        return (x / t.m - t.shift) @ t.axes
+
+    def turned(values: Any) -> Any:
+        """B in the new coordinates."""
+        flat = t.axes.shape[1] == 2
+        given = np.multiply.outer(values, axis) if flat else np.asarray(values) @ axis.T
+        return given * t.unit(0, -1, 1)
+
+    def ready(field: Any) -> Any:
+        """The same field in other units and elsewhere, or one along other axes."""
+        if np.array_equal(t.axes, np.eye(3)):
+            values = {entry.name: getattr(field, entry.name) for entry in fields(field)}
+            return type(field)(**_changed(field, values, t))
+        return lambda time, x: FIELDS[type(field)](field, x)
+
+    electric, magnetic = (
+        ready(field) if isinstance(field, tuple(FIELDS)) else field for field in (force.electric, force.magnetic)
+    )
+    assert not np.any(t.boost) or not callable(magnetic)
+    boost = 0.0
+    if np.any(t.boost):
+        u, b = t.boost * t.unit(1, -1), turned(magnetic)
+        boost = np.cross(u, b) if len(u) == 3 else b * np.array([u[1], -u[0]])
+
+    def electric_function(time: float, x: Array) -> Array:
+        return t.directions(electric(time / t.s, back(x))) * t.unit(1, -2, 1) - boost
+
+    def magnetic_function(time: float, x: Array) -> Array:
+        return turned(magnetic(time / t.s, back(x)))
+
+    def potential(x: Array) -> float:
+        return force.potential(back(x)) * t.unit(2, -2, 1)
+
+    def uniform(vector: Any) -> Any:
+        zero = np.zeros(t.axes.shape[1])
+        return tuple(t.directions(zero if isinstance(vector, float) else vector) * t.unit(1, -2, 1) - boost)
+
+    def uniform_magnetic(vector: Any) -> Any:
+        if isinstance(vector, float) and vector == 0.0:
+            return 0.0
+        return float(turned(vector)) if plane else tuple(turned(vector))
+
+    kept = tuple(FIELDS)
+    return pc.ElectromagneticField(
+        electric_function if callable(electric) else electric if isinstance(electric, kept) else uniform(electric),
+        magnetic_function
+        if callable(magnetic)
+        else magnetic
+        if isinstance(magnetic, kept)
+        else uniform_magnetic(magnetic),
+        None if force.potential is None else potential,
+        on=on,
+    )
 
 
 def _over_cells(t: Transform, values: Any) -> Any:

@@ -62,6 +62,17 @@ VALID = {
         "Sphere.center": "(9.0, 9.0)",
         "CentralForce.center": "(5.0, 5.0)",
     },
+    **{
+        "field": "(0.0, 1.0)",
+        "moment": "(0.0, 0.0, 1.0)",
+        "amplitude": "(0.0, 1.0)",
+        "wave_vector": "(1.0, 0.0)",
+        "PaulTrap.alternating": "1.0",
+        **dict.fromkeys(
+            tuple(f"{name}.center" for name in ("QuadrupoleTrap", "PaulTrap", "MagneticDipole", "CurrentLoop")),
+            "(0.0, 0.0, 0.0)",
+        ),
+    },
     **{"Corotating.first": "0", "Corotating.second": "(0, 1)"},
     **{"film.path": "'out.png'", "export.path": "'out.xyz'", "Tradeoff.path": "'out.json'"},
     **{

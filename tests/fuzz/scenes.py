@@ -88,6 +88,9 @@ def _acting(draw: st.DrawFn, dimension: int) -> str:
         lambda: f"pc.LennardJones({number()}, {number()})",
         lambda: f"pc.Gravitation({number()}, {number()})",
         lambda: f"pc.Coulomb({number()}, {number()})",
+        lambda: (
+            f"pc.ElectromagneticField([{number()}] * {dimension}, {['', '', number(), f'[{number()}] * 3'][dimension]})"
+        ),
         lambda: f"pc.SoftSpheres({number()}, {number()}, {draw(st.sampled_from(['0.0', '0.5']))})",
         lambda: f"pc.Floor(-{number()}, restitution={draw(st.sampled_from(['0.0', '0.5', '1.0']))})",
         lambda: f"pc.Box([-{number()}] * {dimension}, [9e9] * {dimension})",

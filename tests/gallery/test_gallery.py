@@ -90,6 +90,8 @@ def shown(tmp_path: Path, record_property: Callable[[str, object], None]) -> Cal
         "solar_system",
         "trojans",
         "collision",
+        "penning_trap",
+        "magnetic_bottle",
         *(pytest.param(name, marks=pytest.mark.long) for name in LONG),
     ],
 )

@@ -7,6 +7,18 @@ from physcore.forces.central import CentralForce
 from physcore.forces.coulomb import Coulomb
 from physcore.forces.custom import CustomForce
 from physcore.forces.drag import Drag
+from physcore.forces.electromagnetic_field import ElectromagneticField
+from physcore.forces.fields import (
+    READY_FIELDS,
+    CurrentLoop,
+    MagneticBottle,
+    MagneticDipole,
+    PaulTrap,
+    QuadrupoleTrap,
+    ReadyField,
+    TravellingWave,
+    UniformField,
+)
 from physcore.forces.gravitation import Gravitation
 from physcore.forces.gravity import Gravity
 from physcore.forces.lennard_jones import LennardJones
@@ -22,20 +34,31 @@ FORCES: tuple[type[Force], ...] = (
     LennardJones,
     Gravitation,
     Coulomb,
+    ElectromagneticField,
 )
 """Every force; what is registered here can be saved, and is tested."""
 
 __all__ = [
     "FORCES",
+    "READY_FIELDS",
     "CentralForce",
     "Coulomb",
+    "CurrentLoop",
     "CustomForce",
     "Drag",
+    "ElectromagneticField",
     "Force",
     "Gravitation",
     "Gravity",
     "LennardJones",
+    "MagneticBottle",
+    "MagneticDipole",
+    "PaulTrap",
+    "QuadrupoleTrap",
+    "ReadyField",
     "SoftSpheres",
+    "TravellingWave",
+    "UniformField",
 ]
 
 

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import ClassVar
+from typing import ClassVar, Literal
 
 from physcore.checks import number
+from physcore.forces.tree import opening_angle
 from physcore.scene.items import Force, On
 from physcore.units import coulomb_constant
 
@@ -22,6 +23,11 @@ class Coulomb(Force):
     the potential energy k q_i q_j/s. In 2D the law is the same: charges in a plane. The sum is exact, over all pairs,
     and its cost grows like the square of the number of particles. The energy is by_term["coulomb"].
 
+    With an `opening_angle` θ above zero the sum is that of a tree (Barnes and Hut 1986), whose cost grows like N log N:
+    a cell whose particles are within a cube of side s about their center, at the distance d, is taken whole where
+    s < θ d, by its expansion to quadrupoles. The error grows about like θ^3.5; plan.force_error is that of the scene as
+    it starts, and momentum is kept to it. The cells change from step to step, so that energy wanders by that error too.
+
     A charge among `sources` that is not among `on` acts and feels nothing, as if it were held on its path: the work
     of that counts as external work.
 
@@ -30,6 +36,9 @@ class Coulomb(Force):
     Args:
         constant: k = 1/(4π ε₀) [N·m²/C²], at least zero.
         softening: [m], at least zero.
+        opening_angle: θ, at least zero; 0.0 is the exact sum, "auto" the largest θ up to 2/√3 whose error stays below
+            `force_error`, or the exact sum where that needs fewer terms.
+        force_error: the wished rms error of the accelerations over their rms, for "auto"; above zero.
         on: the body or bodies that feel it; all by default.
         sources: the body or bodies whose charges act; all by default.
 
@@ -40,9 +49,13 @@ class Coulomb(Force):
     Source: k by CODATA 2018; the softening as that of Gravitation.
     """
 
+    feels_charges: ClassVar[bool] = True
+
     constant: float = coulomb_constant
     softening: float = 0.0
+    opening_angle: float | Literal["auto"] = 0.0
     sources: On = field(default=None, kw_only=True)
+    force_error: float = field(default=1e-3, kw_only=True)
 
     naming: ClassVar[tuple[str, ...]] = ("on", "sources")
 
@@ -51,4 +64,6 @@ class Coulomb(Force):
         self._set(
             constant=number(self.constant, "Coulomb.constant", least=0.0),
             softening=number(self.softening, "Coulomb.softening", least=0.0),
+            opening_angle=opening_angle(self.opening_angle, "Coulomb.opening_angle"),
+            force_error=number(self.force_error, "Coulomb.force_error", above=0.0),
         )

@@ -5,6 +5,7 @@ from __future__ import annotations
 import inspect
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import ClassVar
 
 from physcore.checks import FloatArray, shown
 from physcore.errors import SceneError
@@ -44,6 +45,8 @@ class CustomForce(Force):
             `forces[i].potential`, and the simulation stands at the last good step. What is no `Exception`, such as that
             of `sys.exit()`, passes as it is.
     """
+
+    feels_charges: ClassVar[bool] = True
 
     function: Callable[[float, FloatArray, FloatArray], FloatArray]
     potential: Callable[[FloatArray], float] | None = None

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import ClassVar
+from typing import ClassVar, Literal
 
 from physcore.checks import number
+from physcore.forces.tree import opening_angle
 from physcore.scene.items import Force, On
 from physcore.units import gravitational_constant
 
@@ -23,6 +24,11 @@ class Gravitation(Force):
     and its cost grows like the square of the number of particles. Fixed particles attract. The energy is
     by_term["gravitation"].
 
+    With an `opening_angle` θ above zero the sum is that of a tree (Barnes and Hut 1986), whose cost grows like N log N:
+    a cell whose particles are within a cube of side s about their center, at the distance d, is taken whole where
+    s < θ d, by its expansion to quadrupoles. The error grows about like θ^3.5; plan.force_error is that of the scene as
+    it starts, and momentum is kept to it. The cells change from step to step, so that energy wanders by that error too.
+
     A mass among `sources` that is not among `on` attracts and feels nothing, as if it were held on its path: the work
     of that counts as external work.
 
@@ -32,6 +38,9 @@ class Gravitation(Force):
     Args:
         constant: G [m³/(kg·s²)], at least zero.
         softening: ε [m], at least zero (Plummer 1911).
+        opening_angle: θ, at least zero; 0.0 is the exact sum, "auto" the largest θ up to 2/√3 whose error stays below
+            `force_error`, or the exact sum where that needs fewer terms.
+        force_error: the wished rms error of the accelerations over their rms, for "auto"; above zero.
         on: the body or bodies that feel it; all by default.
         sources: the body or bodies that attract; all by default.
 
@@ -44,7 +53,9 @@ class Gravitation(Force):
 
     constant: float = gravitational_constant
     softening: float = 0.0
+    opening_angle: float | Literal["auto"] = 0.0
     sources: On = field(default=None, kw_only=True)
+    force_error: float = field(default=1e-3, kw_only=True)
 
     naming: ClassVar[tuple[str, ...]] = ("on", "sources")
 
@@ -53,4 +64,6 @@ class Gravitation(Force):
         self._set(
             constant=number(self.constant, "Gravitation.constant", least=0.0),
             softening=number(self.softening, "Gravitation.softening", least=0.0),
+            opening_angle=opening_angle(self.opening_angle, "Gravitation.opening_angle"),
+            force_error=number(self.force_error, "Gravitation.force_error", above=0.0),
         )

@@ -50,6 +50,8 @@ DEMOS = (
     "solar_system",
     "trojans",
     "collision",
+    "penning_trap",
+    "magnetic_bottle",
     "butterfly",
     "vortex_street",
 )

@@ -32,10 +32,8 @@ def scene() -> pc.Scene:
 
 
 def main(path: str | os.PathLike[str] = "figure_eight.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
-    """Simulate two turns by a method of order 6, and draw them."""
-    recording = pc.simulate(
-        scene(), DURATION, fps=100 / PERIOD, integrator=pc.BlanesMoan6(), dt=PERIOD / 1000, progress=progress
-    )
+    """Simulate two turns to rounding, and draw them."""
+    recording = pc.simulate(scene(), DURATION, fps=100 / PERIOD, integrator=pc.GaussRadau15(), progress=progress)
     pc.film(
         recording,
         path,

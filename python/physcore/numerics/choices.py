@@ -9,7 +9,8 @@ from typing import Literal, TypeAlias, TypedDict
 
 from physcore.checks import MOST, count, is_word, number, shown, span, word
 from physcore.errors import SceneError, warn
-from physcore.numerics.integrators import INTEGRATORS, Integrator, SemiImplicitEuler, VelocityVerlet
+from physcore.forces import ElectromagneticField
+from physcore.numerics.integrators import INTEGRATORS, GaussRadau15, Integrator, SemiImplicitEuler, VelocityVerlet
 from physcore.scene.items import Equation
 from physcore.scene.scene import ItemKey, Scene
 
@@ -64,7 +65,8 @@ class AdaptiveStep:
 
     With a tolerance, for scenes with friction or drag: the step follows the integrator's own estimate of its error,
     for which there are two: DormandPrince5(), and BogackiShampine3() for errors of a hundredth, or where stability
-    limits the step. One whose error is larger than the tolerance is taken back.
+    limits the step. One whose error is larger than the tolerance is taken back. GaussRadau15() has a tolerance of its
+    own.
 
     All particles share the step. Each step looks at the limits of all particles, on one thread, which for springs and
     pairs takes as long as about ten evaluations of their forces: there it pays where the step changes by more than
@@ -129,6 +131,13 @@ class Numerics:
     integrators: Mapping[str, Integrator] = field(default_factory=dict)
     """Where not all are the same: that of each system by its path, of the bodies by the key "bodies"; else empty."""
 
+    @property
+    def adaptive(self) -> AdaptiveStep | None:
+        """The rule of steps that follow the motion, if they do: AdaptiveStep, or that of the integrator itself."""
+        if isinstance(self.dt, AutoStep) and isinstance(self.integrator, GaussRadau15):
+            return AdaptiveStep(self.dt.safety, self.integrator.tolerance)
+        return self.dt if isinstance(self.dt, AdaptiveStep) else None
+
 
 def check(options: Options, scene: Scene) -> Numerics:
     """Check numerical choices, and make those for a scene that were left open.
@@ -142,6 +151,16 @@ def check(options: Options, scene: Scene) -> Numerics:
     chosen, dt = _integrators(options.get("integrator", "auto"), scene), _dt(options.get("dt", "auto"))
     integrator = next(iter(chosen.values()))
     for each in chosen.values():
+        if isinstance(dt, AutoStep) and each.self_adaptive and len(chosen) > 1:
+            raise SceneError(
+                f"dt: {type(each).__name__}() chooses the steps of the bodies, and other items of this scene would "
+                "have to take the same: give dt a number, or AdaptiveStep()"
+            )
+        if isinstance(dt, AdaptiveStep) and dt.tolerance is not None and each.self_adaptive:
+            kind = type(each).__name__
+            raise SceneError(
+                f"dt: {kind}() has a tolerance of its own: leave dt out, and write {kind}(tolerance=…) or {kind}()"
+            )
         if isinstance(dt, AdaptiveStep) and dt.tolerance is not None and not each.embedded:
             able = " or ".join(f"{kind.__name__}()" for kind in suited(scene) if kind.embedded)
             raise SceneError(
@@ -171,10 +190,10 @@ def _max_energy_growth(options: Options) -> float | None:
 
 
 def suited(scene: Scene) -> list[type[Integrator]]:
-    """The integrators that can drive something in a scene."""
-    equations = {"second order"} if scene.bodies else set()
+    """The integrators with steps of a given length that can drive something in a scene."""
+    equations: set[Equation] = {"bodies"} if scene.bodies else set()
     equations |= {each.equation for each in scene.systems}
-    return [kind for kind in INTEGRATORS if not equations.isdisjoint(kind.solves)]
+    return [kind for kind in INTEGRATORS if not equations.isdisjoint(kind.solves) and not kind.self_adaptive]
 
 
 def _integrators(value: object, scene: Scene) -> dict[str, Integrator]:
@@ -183,7 +202,7 @@ def _integrators(value: object, scene: Scene) -> dict[str, Integrator]:
     Raises:
         SceneError: something is no integrator or no item, or an integrator cannot drive what it is to.
     """
-    paths: dict[str, tuple[Equation, str]] = {BODIES: ("second order", "VelocityVerlet")} if scene.bodies else {}
+    paths: dict[str, tuple[Equation, str]] = {BODIES: ("bodies", _default(scene))} if scene.bodies else {}
     paths |= {str(scene.system(each)): (each.equation, each.default_integrator) for each in scene.systems}
     chosen: dict[str, Integrator | None] = {}
     if isinstance(value, Mapping):
@@ -200,6 +219,12 @@ def _integrators(value: object, scene: Scene) -> dict[str, Integrator]:
         chosen = dict.fromkeys(driven, one)
     kinds = {kind.__name__: kind for kind in INTEGRATORS}
     return {path: chosen.get(path) or kinds[default]() for path, (_, default) in paths.items()}
+
+
+def _default(scene: Scene) -> str:
+    """The integrator of the bodies where nothing is said."""
+    magnetic = any(isinstance(force, ElectromagneticField) and force.is_magnetic for force in scene.forces)
+    return "Boris" if magnetic else "VelocityVerlet"
 
 
 def _path(key: object, scene: Scene) -> str:

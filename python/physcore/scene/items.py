@@ -30,6 +30,9 @@ def chosen(on: object, path: str) -> tuple[Body, ...] | None:
 class SceneItem:
     """Something in a scene beside bodies; its fields are plain numbers, tuples of numbers for vectors, or None."""
 
+    parts: ClassVar[tuple[type, ...]] = ()
+    """The classes of the things that its fields hold, which files have too."""
+
     def _set(self, **values: object) -> None:
         """Replace what the user passed by its checked form; only for `__post_init__`."""
         for name, value in values.items():
@@ -90,10 +93,13 @@ class Force(ActingItem):
     To add one: a file in `forces`, a line in `FORCES`, and its counterpart in Rust.
     """
 
+    feels_charges: ClassVar[bool] = False
+    """Whether it may act on the charges of bodies."""
 
-Equation = Literal["second order", "first order", "schrodinger", "flow"]
-"""The kind of an equation of motion, which says what integrators can advance it: x'' = a(x, v, t); x' = f(x, t);
-iħ ψ' = H ψ; incompressible flow."""
+
+Equation = Literal["bodies", "second order", "first order", "schrodinger", "flow"]
+"""The kind of an equation of motion, which says what integrators can advance it: x'' = a(x, v, t) of all bodies, and of
+a field; x' = f(x, t); iħ ψ' = H ψ; incompressible flow."""
 
 
 @dataclass(frozen=True)
@@ -107,8 +113,6 @@ class System(SceneItem):
     """The kind of its equation of motion."""
     default_integrator: ClassVar[str] = "VelocityVerlet"
     """The name of the integrator that advances it where nothing is said."""
-    parts: ClassVar[tuple[type, ...]] = ()
-    """The classes of the things that its fields hold, which files have too."""
     naming: ClassVar[tuple[str, ...]] = ()
     """Its fields that may name another system of the scene."""
     derived: ClassVar[tuple[str, ...]] = ()

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from physcore.checks import shown
-from physcore.errors import FileError, SceneError
+from physcore.errors import FileError, SceneError, SceneWarning, warn
 from physcore.scene.bodies import Body
 from physcore.scene.fluid import CLOSEST, Fluid, describe_pair
 from physcore.scene.items import ActingItem, Boundary, Force, SceneItem, System
@@ -60,6 +60,7 @@ class Scene:
         self._check_items("forces", self.forces)
         self._check_items("boundaries", self.boundaries)
         self._check_items("systems", self.systems)
+        self._warn_of_charges()
 
     @property
     def dimension(self) -> int:
@@ -218,6 +219,16 @@ class Scene:
         first, second = (f"bodies[{self.index(owner)}]" for owner in owners)
         where = f"particles of {first} and {second}" if first != second else f"particles of {first}, across the domain"
         raise SceneError(f"{second}.positions: overlapping bodies: {where}, {describe_pair(points, pair, spacing)}")
+
+    def _warn_of_charges(self) -> None:
+        """Charges have no effect where no force acts on them."""
+        charged = [position for position, body in enumerate(self.bodies) if body.charge.any()]
+        if charged and not any(force.feels_charges for force in self.forces):
+            warn(
+                f"bodies[{charged[0]}].charge: no force of the scene acts on charges; "
+                "add Coulomb() between them, or an ElectromagneticField(…)",
+                SceneWarning,
+            )
 
     def _check_items(self, section: str, items: Sequence[SceneItem]) -> None:
         for position, item in enumerate(items):

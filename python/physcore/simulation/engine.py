@@ -128,6 +128,7 @@ def plan(world: World, bound: Limit, dt: float) -> Plan:
         order=min(system["order"] for system in facts["systems"]),
         evaluations=evaluations(world),
         pairs=sum(system["pairs"] for system in facts["systems"]),
+        force_error=max((system["force_error"] for system in facts["systems"]), default=0.0),
         dt=dt,
         dt_limit=bound.dt,
         limit_kind=bound.kind,

@@ -25,7 +25,9 @@ class Plan:
     evaluations: int
     """Force evaluations per step."""
     pairs: int
-    """About how many springs and pairs of neighbors each of them goes through, at the start."""
+    """About how many springs, pairs of particles, and pairs of a particle and a cell of a tree each of them goes
+    through, at the start.
+    """
     dt: float
     """The time step [s]."""
     dt_limit: float
@@ -48,6 +50,10 @@ class Plan:
     """The stages that this scene does not need."""
     notes: tuple[str, ...]
     """Advice."""
+    force_error: float = 0.0
+    """The error of the accelerations by a tree, rms over rms, measured at the start on up to 1000 particles against the
+    exact sum; 0.0 where sums are exact.
+    """
     substeps: int = 0
     """How many steps failed and were taken again in parts."""
 
@@ -64,6 +70,7 @@ class Plan:
             "integrator": f"{self.integrator}, force evaluations per step: {self.evaluations}",
             "order": f"{self.order} in this scene",
             "dt": f"{self.dt:.6g} s, {self._limit()}",
+            "tree": f"rms error {self.force_error:.2g} of the accelerations" if self.force_error else "",
             "memory": _bytes(self.memory),
             "threads": f"{self.threads}, {self.simd}",
             "layout": self.layout,

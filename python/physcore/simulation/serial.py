@@ -27,7 +27,7 @@ from physcore.systems import SYSTEMS
 _BODIES = (Particles, SpringNetwork, Fluid)
 _RULES = (*INTEGRATORS, AutoStep, AdaptiveStep)
 _SECTIONS: dict[str, tuple[type[SceneItem], ...]] = {"forces": FORCES, "boundaries": BOUNDARIES}
-_PARTS = (*KERNELS, *dict.fromkeys(chain.from_iterable(kind.parts for kind in SYSTEMS)))
+_PARTS = (*KERNELS, *dict.fromkeys(chain.from_iterable(kind.parts for kind in (*FORCES, *SYSTEMS))))
 """What stands within items."""
 _KINDS: dict[str, type[Any]] = {
     kind_of(kind): kind for kind in (*_BODIES, *_PARTS, *chain(*_SECTIONS.values()), *SYSTEMS, Periodic, *_RULES)

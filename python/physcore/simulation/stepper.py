@@ -85,7 +85,7 @@ class Stepper:
         self._world = world
         self._scene = scene
         self._numerics = numerics
-        self._adaptive = numerics.dt if isinstance(numerics.dt, AdaptiveStep) else None
+        self._adaptive = numerics.adaptive
         self._limits: tuple[Limit, Limit] | None = None
         """With dt="auto" the limit at the start, and the one that the time step keeps to."""
         self._varies = engine.limit_varies(world)
@@ -144,7 +144,7 @@ class Stepper:
         if self._adaptive is not None:
             raise SceneError(
                 "dt: adaptive steps are not equal, and end where an interval ends: use run(duration), record or "
-                "frames; or give dt a number, or AutoStep()"
+                f"frames; or give dt a number{'' if self._numerics.integrator.self_adaptive else ', or AutoStep()'}"
             )
         if self.fixed is not None:
             return self._advance_by(left, self.fixed)
@@ -178,7 +178,9 @@ class Stepper:
         if self._adaptive is None:
             return []
         by = (
-            f"keep their error within {self._adaptive.tolerance:g} m"
+            f"keep their last coefficient within {self._adaptive.tolerance:g} of the largest acceleration"
+            if self._numerics.integrator.self_adaptive and self._adaptive.tolerance is not None
+            else f"keep their error within {self._adaptive.tolerance:g} m"
             if self._adaptive.tolerance is not None
             else f"keep to {self._adaptive.safety:.0%} of the limit at both of their ends, in blocks of halves"
         )

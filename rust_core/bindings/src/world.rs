@@ -453,6 +453,7 @@ fn stages_record<'py>(py: Python<'py>, stages: &Stages) -> PyResult<Bound<'py, P
     record.set_item("order", stages.order)?;
     record.set_item("evaluations", stages.evaluations)?;
     record.set_item("pairs", stages.pairs)?;
+    record.set_item("force_error", stages.force_error)?;
     record.set_item("limit_varies", stages.limit_varies)?;
     record.set_item("layout", &stages.layout)?;
     record.set_item("left_out", &stages.left_out)?;

@@ -10,6 +10,8 @@ use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::time::Duration;
 
+use rayon::slice::ParallelSliceMut;
+
 use crate::error::{Error, Result};
 
 /// Interval of polling for interrupts in a long job.
@@ -114,6 +116,15 @@ impl Executor {
             if rest.blocks() > 0 && !self.stopped() {
                 each(rest);
             }
+        }
+    }
+
+    /// Sorts items, of which equal ones cannot be told apart.
+    pub fn sort<T: Ord + Send>(&self, items: &mut [T]) {
+        if self.threads > 1 {
+            items.par_sort_unstable();
+        } else {
+            items.sort_unstable();
         }
     }
 }

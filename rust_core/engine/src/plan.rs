@@ -32,6 +32,8 @@ pub struct Stages {
     pub evaluations: usize,
     /// Approximate number of springs and neighbor pairs per evaluation.
     pub pairs: usize,
+    /// The relative rms error of forces at a distance in the state at the start; 0 where they are exact.
+    pub force_error: f64,
     /// Whether the limit of the time step changes with the state, so that it has to be monitored.
     pub limit_varies: bool,
     /// The memory layout of its data.

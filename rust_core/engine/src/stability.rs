@@ -20,6 +20,8 @@ mod lanczos;
 mod modes;
 mod rows;
 
+use std::f64::consts::TAU;
+
 use glam::DVec3;
 
 use crate::integrators::{Integrator, VelocityVerlet};
@@ -30,6 +32,11 @@ use rows::{GershgorinRows, Row};
 
 /// Maximum number of distinct oscillators with separate limits, which take as long as those of a few boxes of modes.
 const MOST_OSCILLATORS: usize = 256;
+
+/// The name of the rotation of velocities in magnetic fields.
+const GYRATION: &str = "gyration";
+/// Steps per gyration at an automatic time step.
+const STEPS_PER_TURN: f64 = 100.0;
 
 /// Ratio to the true limit within which a bound is called the limit: the uncertainty of Lanczos' method.
 const NEARLY: f64 = 1.1;
@@ -134,6 +141,8 @@ pub struct SpectralBound {
     largest: fn(f64) -> f64,
     /// [`Integrator::oscillator`].
     oscillator: fn(f64, f64, f64) -> [f64; 2],
+    /// [`Integrator::GYRATES`].
+    gyrates: bool,
 }
 
 impl SpectralBound {
@@ -152,6 +161,7 @@ impl SpectralBound {
             accuracy: None,
             largest: VelocityVerlet::limit,
             oscillator: VelocityVerlet::oscillator,
+            gyrates: false,
         }
     }
 
@@ -163,7 +173,7 @@ impl SpectralBound {
     /// The bound for waves of a field as this integrator advances them; the default is velocity Verlet.
     #[must_use]
     pub fn stepped_by<I: Integrator>(self) -> Self {
-        Self { largest: I::limit, oscillator: I::oscillator, ..self }
+        Self { largest: I::limit, oscillator: I::oscillator, gyrates: I::GYRATES, ..self }
     }
 
     /// The wave of a field with the shortest step, as the ω² [1/s²] and γ [1/s] of an oscillator with that limit. A wave is
@@ -251,6 +261,18 @@ impl SpectralBound {
         if self.inverse_mass[i] > 0.0 {
             self.stiffness.add(self.inverse_mass.len(), i, term, stiffness);
             self.damping.add(self.inverse_mass.len(), i, term, damping);
+        }
+    }
+
+    /// Adds a gyration, the rotation of the velocity of a particle in a magnetic field, of strength |q B| [N·s/m]: a frequency of
+    /// |q B|/m, but for an integrator that turns velocities itself. Its period limits the accuracy.
+    pub fn gyration(&mut self, i: usize, strength: f64) {
+        let rate = strength * self.inverse_mass[i];
+        if rate > 0.0 {
+            if !self.gyrates {
+                self.point(i, GYRATION, strength * rate, 0.0);
+            }
+            self.accuracy(GYRATION, TAU / rate / STEPS_PER_TURN);
         }
     }
 

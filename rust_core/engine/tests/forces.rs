@@ -58,7 +58,7 @@ fn the_limit_of_a_well_alone_is_the_same_everywhere() {
         let values =
             [("center", Value::Vector(DVec3::ZERO)), ("strength", Value::Number(2.0)), ("softening", Value::Number(0.1))];
         let field = item("CentralForce", &[&values[..], &[("exponent", Value::Number(exponent))]].concat());
-        let built = forces::build::<DVec2>(&scene(&[DVec3::X], field.clone()), &field, &properties).unwrap();
+        let built = forces::build::<DVec2>(&scene(&[DVec3::X], field.clone()), &field, &properties, &SERIAL).unwrap();
         let expected = if exponent == 1.0 { Validity::Always } else { Validity::Now };
         assert_eq!(built[0].validity(&at, Horizon::Present), expected, "exponent {exponent}");
     }

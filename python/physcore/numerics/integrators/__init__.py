@@ -6,9 +6,11 @@ from physcore.numerics.integrators.base import Integrator
 from physcore.numerics.integrators.blanes_moan_4 import BlanesMoan4
 from physcore.numerics.integrators.blanes_moan_6 import BlanesMoan6
 from physcore.numerics.integrators.bogacki_shampine_3 import BogackiShampine3
+from physcore.numerics.integrators.boris import Boris
 from physcore.numerics.integrators.crank_nicolson import CrankNicolson
 from physcore.numerics.integrators.dormand_prince_5 import DormandPrince5
 from physcore.numerics.integrators.explicit_euler import ExplicitEuler
+from physcore.numerics.integrators.gauss_radau_15 import GaussRadau15
 from physcore.numerics.integrators.mclachlan_2 import McLachlan2
 from physcore.numerics.integrators.pefrl import PEFRL
 from physcore.numerics.integrators.runge_kutta_4 import RungeKutta4
@@ -33,6 +35,8 @@ INTEGRATORS: tuple[type[Integrator], ...] = (
     SplitStep,
     CrankNicolson,
     Staggered,
+    Boris,
+    GaussRadau15,
 )
 """Every integrator; what is registered here can be saved, and is tested for its order."""
 
@@ -42,9 +46,11 @@ __all__ = [
     "BlanesMoan4",
     "BlanesMoan6",
     "BogackiShampine3",
+    "Boris",
     "CrankNicolson",
     "DormandPrince5",
     "ExplicitEuler",
+    "GaussRadau15",
     "Integrator",
     "McLachlan2",
     "RungeKutta4",

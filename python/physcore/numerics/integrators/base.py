@@ -22,5 +22,7 @@ class Integrator:
     """Whether it keeps the area in phase space: without dissipation its energy error then stays bounded."""
     embedded: ClassVar[bool] = False
     """Whether it estimates the error of each step, from a method of the order below that is embedded in it."""
-    solves: ClassVar[tuple[Equation, ...]] = ("second order",)
+    self_adaptive: ClassVar[bool] = False
+    """Whether it chooses the steps itself with dt="auto", by a `tolerance` of its own."""
+    solves: ClassVar[tuple[Equation, ...]] = ("bodies", "second order")
     """The kinds of equations of motion that it can advance."""

@@ -27,4 +27,4 @@ class BogackiShampine3(Integrator):
     order: ClassVar[int] = 3
     symplectic: ClassVar[bool] = False
     embedded: ClassVar[bool] = True
-    solves: ClassVar[tuple[Equation, ...]] = ("second order", "first order")
+    solves: ClassVar[tuple[Equation, ...]] = ("bodies", "second order", "first order")

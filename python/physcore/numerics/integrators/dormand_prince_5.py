@@ -30,4 +30,4 @@ class DormandPrince5(Integrator):
     order: ClassVar[int] = 5
     symplectic: ClassVar[bool] = False
     embedded: ClassVar[bool] = True
-    solves: ClassVar[tuple[Equation, ...]] = ("second order", "first order")
+    solves: ClassVar[tuple[Equation, ...]] = ("bodies", "second order", "first order")

@@ -25,4 +25,4 @@ class ExplicitEuler(Integrator):
 
     order: ClassVar[int] = 1
     symplectic: ClassVar[bool] = False
-    solves: ClassVar[tuple[Equation, ...]] = ("second order", "first order")
+    solves: ClassVar[tuple[Equation, ...]] = ("bodies", "second order", "first order")

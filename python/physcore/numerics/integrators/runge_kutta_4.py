@@ -26,4 +26,4 @@ class RungeKutta4(Integrator):
 
     order: ClassVar[int] = 4
     symplectic: ClassVar[bool] = False
-    solves: ClassVar[tuple[Equation, ...]] = ("second order", "first order")
+    solves: ClassVar[tuple[Equation, ...]] = ("bodies", "second order", "first order")

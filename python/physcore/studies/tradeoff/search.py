@@ -156,7 +156,8 @@ class WorkPrecisionDiagram:
             self.refused.setdefault(reason, []).append(f"{name} {precision}")
             return None
         self.simd = plan.simd
-        method = next(method for method in self._methods if method.integrator == integrator)
+        known = [method for method in self._methods if method.integrator == integrator]
+        method, *_ = known or methods(self.experiment, [integrator])
         largest = [SAFETY * largest_step(method, self._methods)] if dts is None else sorted(dts, reverse=True)
         steps = dict.fromkeys(self.experiment.steps_of(dt) for dt in largest)
         choices = [Choice(integrator, precision, number) for number in steps]

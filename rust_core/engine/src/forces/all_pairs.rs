@@ -7,7 +7,13 @@
 //! Lengths and charges are computed in units of powers of two, those of the largest at the start: distances and their
 //! cubes in SI units may be out of the range of f32.
 
+mod accuracy;
+mod evaluation;
+mod expansion;
+mod hilbert;
+mod laws;
 mod sums;
+mod tree;
 
 use std::f64::consts::TAU;
 use std::ops::Range;
@@ -18,16 +24,20 @@ use super::{About, Declared, Force, Forces, Kind, Rates, Reach, StateView, Valid
 use crate::error::{Error, Result};
 use crate::history::History;
 use crate::ledger::{Class, Ledger};
-use crate::math::{AXES, Real, Vector};
-use crate::matter::{Columns, EnergySink};
-use crate::parallel::Executor;
+use crate::math::{Real, Vector};
+use crate::matter::EnergySink;
+use crate::parallel::{BlockedSlice, Executor};
 use crate::scene::{Item, Scene, Value};
-use crate::simd::{LANES, Number, Record, WORDS};
+use crate::simd::LANES;
 use crate::stability::{Horizon, SpectralBound};
-use sums::SourceLaw;
+use evaluation::field;
+use laws::{COINCIDENT, POTENTIAL, WORK};
 
 /// Steps per period of the fastest orbit at an automatic time step.
 const STEPS_PER_TURN: f64 = 100.0;
+
+/// Particles per block of work.
+const BLOCK: usize = 4096;
 
 /// Pairs of targets and sources.
 struct Group {
@@ -52,12 +62,18 @@ struct AllPairs<V: Vector> {
     /// Charge c of each particle.
     charge: Vec<f64>,
     groups: Vec<Group>,
+    /// Opening angle θ of the tree; 0 for the exact sum.
+    angle: f64,
+    /// Rms error of the acceleration over its rms, at the start.
+    force_error: f64,
+    /// Interactions of targets with cells and bodies at the start.
+    pairs: usize,
     /// Unit of length, a power of two [m].
     length: f64,
     /// Units of the charges and of charges per mass, powers of two.
     units: [f64; 2],
     /// Forces of the last evaluation [N].
-    force: Columns<V>,
+    force: Vec<V>,
     /// Power of the last evaluation that holds one-sided sources on their paths [W].
     work: Vec<f64>,
 }
@@ -115,12 +131,12 @@ fn groups(targets: &[bool], sources: &[bool]) -> Vec<Group> {
 impl<V: Vector> AllPairs<V> {
     /// The force of an item with the constant κ, for particles of these charges.
     fn new(declared: &Declared<'_, V>, name: &'static str, constant: f64, charge: Vec<f64>) -> Result<Self> {
-        let Declared { scene, item, properties, chosen } = declared;
+        let Declared { scene, item, properties, chosen, .. } = declared;
         refuse_periodic(scene, item)?;
         let softening = item.non_negative("softening")?;
         let offsets = scene.positions().into_iter().map(|position| (position - properties.origin).abs().max_element());
         let per_mass = charge.iter().zip(&properties.mass).map(|(charge, mass)| charge / mass);
-        Ok(Self {
+        let mut force = Self {
             name,
             path: item.path.clone(),
             constant,
@@ -129,48 +145,14 @@ impl<V: Vector> AllPairs<V> {
             length: unit(offsets.chain([softening])),
             units: [unit(charge.iter().copied()), unit(per_mass)],
             charge,
-            force: Columns::zeros(properties.count()),
+            angle: 0.0,
+            force_error: 0.0,
+            pairs: 0,
+            force: vec![V::default(); properties.count()],
             work: vec![0.0; properties.count()],
-        })
-    }
-
-    /// Positions of some particles in units of length, in the precision of a sum.
-    fn positions<T: Real>(&self, particles: &[usize], at: &StateView<'_, V>) -> Vec<[T; AXES]> {
-        let scaled = |index: usize| (at.position.get(index).widen() / self.length).to_array().map(T::from_f64);
-        particles.iter().map(|&index| scaled(index)).collect()
-    }
-
-    /// The records of some particles as sources: their positions, and the words that follow.
-    fn records<T: Real, const N: usize>(
-        &self,
-        sources: &[usize],
-        at: &StateView<'_, V>,
-        words: impl Fn(usize) -> [f64; N],
-    ) -> Vec<Record<T>> {
-        let record = |(position, &index): ([T; AXES], &usize)| {
-            let mut record = [T::ZERO; WORDS];
-            record[..AXES].copy_from_slice(&position);
-            record[AXES..AXES + N].copy_from_slice(&words(index).map(T::from_f64));
-            record
         };
-        self.positions(sources, at).into_iter().zip(sources).map(record).collect()
-    }
-
-    /// The sums of [`Attraction`] for the targets of a group.
-    fn attraction<T: Real>(&self, group: &Group, at: &StateView<'_, V>, executor: &Executor) -> Vec<[f64; SUMS]> {
-        let targets = self.positions::<T>(&group.targets, at);
-        let sources = self.records::<T, 4>(&group.sources, at, |index| {
-            let [x, y, z] = at.velocity.get(index).widen().to_array();
-            [self.charge[index] / self.units[0], x, y, z]
-        });
-        let square = T::from_f64((self.softening / self.length) * (self.softening / self.length));
-        let dimension = V::DIMENSION;
-        match (square > T::ZERO, group.mutual) {
-            (true, true) => sums::sum(dimension, Attraction::<T, true, false>(square), &targets, &sources, executor),
-            (false, true) => sums::sum(dimension, Attraction::<T, false, false>(square), &targets, &sources, executor),
-            (true, false) => sums::sum(dimension, Attraction::<T, true, true>(square), &targets, &sources, executor),
-            (false, false) => sums::sum(dimension, Attraction::<T, false, true>(square), &targets, &sources, executor),
-        }
+        force.choose_angle(declared)?;
+        Ok(force)
     }
 
     /// The error that a target coincides with a source.
@@ -189,29 +171,6 @@ impl<V: Vector> AllPairs<V> {
             "give it a softening [m]"
         })
     }
-
-    /// The largest squared frequency of the relative motion of a target and its sources [1/s²]: Σⱼ κ|cᵢcⱼ|(1/mᵢ + 1/mⱼ)/s³,
-    /// for a pair that is alone the ω² of its circular orbit; one-sided sources count as infinitely heavy.
-    fn frequency_squared(&self, at: &StateView<'_, V>) -> f64 {
-        let square = V::Scalar::from_f64((self.softening / self.length) * (self.softening / self.length));
-        let [charges, ratios] = self.units;
-        let mass = &at.properties.mass;
-        let mut largest = 0.0_f64;
-        for group in &self.groups {
-            let targets = self.positions(&group.targets, at);
-            let sources = self.records(&group.sources, at, |index| {
-                let charge = self.charge[index].abs();
-                [charge / charges, if group.mutual { charge / mass[index] / ratios } else { 0.0 }]
-            });
-            let sums = sums::sum(V::DIMENSION, Tide(square), &targets, &sources, at.executor);
-            let mobile = group.targets.iter().zip(sums).filter(|&(&index, _)| !at.properties.is_fixed(index));
-            largest = mobile.fold(largest, |largest, (&index, [by_charge, by_ratio])| {
-                let charge = self.charge[index].abs();
-                largest.max(charge / mass[index] * charges * by_charge + charge * ratios * by_ratio)
-            });
-        }
-        self.constant.abs() / self.length.powi(3) * largest
-    }
 }
 
 /// Refuses a periodic domain.
@@ -228,44 +187,55 @@ impl<V: Vector> History for AllPairs<V> {}
 impl<V: Vector> Force<V> for AllPairs<V> {
     fn about(&self) -> About {
         let indices: usize = self.groups.iter().map(|group| group.targets.len() + group.sources.len()).sum();
+        let layout = if self.angle == 0.0 {
+            "the exact sum over all pairs, in both directions".to_owned()
+        } else {
+            format!("a tree with the opening angle {:.3}, cells by their quadrupoles", self.angle)
+        };
         About {
-            pairs: self.groups.iter().map(|group| group.targets.len() * group.sources.len()).sum(),
-            bytes: self.force.bytes() + 8 * (self.charge.len() + self.work.len() + indices),
-            layout: "the exact sum over all pairs, in both directions".to_owned(),
+            pairs: self.pairs,
+            force_error: self.force_error,
+            bytes: size_of_val(self.force.as_slice()) + 8 * (self.charge.len() + self.work.len() + indices),
+            layout,
             ..About::new(self.name, Reach::Far)
         }
     }
 
     fn prepare(&mut self, at: &StateView<'_, V>, executor: &Executor) -> Result<()> {
-        let mut force = vec![DVec3::ZERO; at.properties.count()];
-        self.work.fill(0.0);
+        let mut found = Vec::with_capacity(self.groups.len());
         for group in &self.groups {
-            let sums = self.attraction::<V::Scalar>(group, at, executor);
+            let (sums, _) = self.attraction::<V::Scalar>(group, at, executor);
             executor.check()?;
             // A particle coincides with itself.
             let expected = if group.mutual { 1.0 } else { 0.0 };
             if let Some(target) = sums.iter().position(|sums| self.softening == 0.0 && sums[COINCIDENT] > expected) {
                 return Err(self.coincidence(group, target, at));
             }
-            for (&index, sums) in group.targets.iter().zip(sums) {
-                let scale = self.constant * self.charge[index] * self.units[0] / (self.length * self.length);
-                force[index] += scale * DVec3::new(sums[0], sums[1], sums[2]);
-                self.work[index] += scale * sums[WORK];
-            }
+            found.push((group, sums));
         }
-        force.into_iter().enumerate().for_each(|(index, force)| self.force.set(index, V::narrow(force)));
+        let scale = |index: usize| self.constant * self.charge[index] * self.units[0] / (self.length * self.length);
+        let slots = (BlockedSlice::new(&mut self.force, BLOCK), BlockedSlice::new(&mut self.work, BLOCK));
+        executor.for_each_block(slots, &|(force, work)| {
+            let (start, end) = (force.start, force.start + force.items.len());
+            let mut sum = vec![DVec3::ZERO; force.items.len()];
+            work.items.fill(0.0);
+            for (group, sums) in &found {
+                let [first, last] = [start, end].map(|index| group.targets.partition_point(|&target| target < index));
+                for (&index, sums) in group.targets[first..last].iter().zip(&sums[first..]) {
+                    sum[index - start] += scale(index) * field(sums);
+                    work.items[index - start] += scale(index) * sums[WORK];
+                }
+            }
+            force.items.iter_mut().zip(sum).for_each(|(force, sum)| *force = V::narrow(sum));
+        });
         Ok(())
     }
 
     fn accumulate(&self, block: Range<usize>, _at: &StateView<'_, V>, rates: &mut Rates<'_, V>) {
-        let mine = self.force.view();
-        for axis in 0..V::DIMENSION {
-            let forces = mine.slice(axis, block.clone());
-            rates.force.axes[axis].iter_mut().zip(forces).for_each(|(sum, &force)| *sum += force);
-        }
         let power = &mut rates.power[EnergySink::Work as usize];
-        for (index, work) in self.work.iter().enumerate().take(block.end).skip(block.start) {
-            power[index % LANES] += work;
+        for (lane, index) in (block.start..block.end.min(self.force.len())).enumerate() {
+            rates.force.set(lane, rates.force.get(lane) + self.force[index]);
+            power[index % LANES] += self.work[index];
         }
     }
 
@@ -273,7 +243,7 @@ impl<V: Vector> Force<V> for AllPairs<V> {
     fn energy(&self, at: &StateView<'_, V>, ledger: &mut Ledger) -> Result<()> {
         let mut energy = 0.0;
         for group in &self.groups {
-            let sums = self.attraction::<f64>(group, at, at.executor);
+            let sums = self.attraction::<f64>(group, at, at.executor).0;
             at.executor.check()?;
             // Each mutual pair is summed from both ends, and with softening each particle with itself.
             let share = if group.mutual { 0.5 } else { 1.0 };
@@ -298,55 +268,5 @@ impl<V: Vector> Force<V> for AllPairs<V> {
 
     fn validity(&self, _at: &StateView<'_, V>, horizon: Horizon) -> Validity {
         if horizon == Horizon::Present { Validity::Now } else { Validity::Always }
-    }
-}
-
-/// The sums of [`Attraction`]: the field along each axis, the potential, the power of one-sided sources, and the sources at
-/// zero distance.
-const SUMS: usize = AXES + 3;
-const POTENTIAL: usize = AXES;
-const WORK: usize = AXES + 1;
-const COINCIDENT: usize = AXES + 2;
-
-/// Field Σ cⱼ d/s³ toward the sources and potential Σ cⱼ/s, with the square of the softening; without it a source at zero
-/// distance has no terms but is counted. `ONE_SIDED` adds the power Σ cⱼ d·vⱼ/s³.
-#[derive(Debug, Clone, Copy)]
-struct Attraction<T, const SOFTENED: bool, const ONE_SIDED: bool>(T);
-
-impl<T: Real, const SOFTENED: bool, const ONE_SIDED: bool> SourceLaw<T, SUMS> for Attraction<T, SOFTENED, ONE_SIDED> {
-    #[inline(always)]
-    fn terms<N: Number<Scalar = T>>(&self, offset: [N; AXES], square: N, source: &Record<N>) -> [N; SUMS] {
-        let (zero, one) = (N::constant(0.0), N::constant(1.0));
-        let softened = if SOFTENED { square + N::of(self.0) } else { square };
-        let mut inverse = one / softened.sqrt();
-        let mut terms = [zero; SUMS];
-        if !SOFTENED {
-            let apart = zero.less(square);
-            inverse = N::select(apart, inverse, zero);
-            terms[COINCIDENT] = N::select(apart, zero, one);
-        }
-        terms[POTENTIAL] = source[AXES] * inverse;
-        let strength = terms[POTENTIAL] * (inverse * inverse);
-        for axis in 0..AXES {
-            terms[axis] = strength * offset[axis];
-            if ONE_SIDED {
-                terms[WORK] += terms[axis] * source[AXES + 1 + axis];
-            }
-        }
-        terms
-    }
-}
-
-/// The sums Σ wⱼ/s³ of two words of each source at another place, with the square of the softening.
-#[derive(Debug, Clone, Copy)]
-struct Tide<T>(T);
-
-impl<T: Real> SourceLaw<T, 2> for Tide<T> {
-    #[inline(always)]
-    fn terms<N: Number<Scalar = T>>(&self, _offset: [N; AXES], square: N, source: &Record<N>) -> [N; 2] {
-        let zero = N::constant(0.0);
-        let softened = square + N::of(self.0);
-        let cube = N::select(zero.less(square), N::constant(1.0) / (softened * softened.sqrt()), zero);
-        [source[AXES] * cube, source[AXES + 1] * cube]
     }
 }

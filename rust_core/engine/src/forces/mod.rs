@@ -19,6 +19,7 @@ mod central;
 mod custom;
 pub mod density;
 mod drag;
+mod electromagnetic;
 mod gravity;
 mod lennard_jones;
 pub mod linear;
@@ -28,11 +29,15 @@ mod pointwise;
 mod soft_spheres;
 pub mod sph;
 pub mod springs;
+mod strength;
 
 pub use central::InverseSquare;
 pub use density::{DensityEvolution, Drift, Fields, Mach, Scheme};
+pub use electromagnetic::ReadyField;
+pub(crate) use electromagnetic::{Affine, FieldLaw, Law, Use};
 use linear::Fusion;
 pub use pointwise::ForceField;
+pub use strength::{PART, Strength};
 
 /// The matter at the moment when the forces are asked for.
 #[derive(Debug, Clone, Copy)]
@@ -89,6 +94,8 @@ pub enum Reach {
 pub enum VelocityDependence {
     /// Not at all.
     None,
+    /// It turns velocities, and does no work.
+    Gyroscopic,
     /// It takes energy out.
     Dissipative,
 }
@@ -121,6 +128,8 @@ pub struct About {
     pub callback: bool,
     /// About how many springs or other pairs it consists of.
     pub pairs: usize,
+    /// The relative rms error of the force in the state at the start; 0 where it is exact.
+    pub force_error: f64,
     /// The memory that it takes [bytes].
     pub bytes: usize,
     /// Its layout, for the plan; empty if there is nothing to say.
@@ -140,6 +149,7 @@ impl About {
             potential: Some(name),
             callback: false,
             pairs: 0,
+            force_error: 0.0,
             bytes: 0,
             layout: String::new(),
             findings: String::new(),
@@ -162,6 +172,9 @@ pub trait Force<V: Vector>: History + Send + Sync {
 
     /// Adds the force on each particle of `block` and the power that it dissipates or supplies there.
     fn accumulate(&self, _block: Range<usize>, _at: &StateView<'_, V>, _rates: &mut Rates<'_, V>) {}
+
+    /// Adds the charges times the magnetic field, q B, of the particles of `block` to `strength`, for a gyroscopic force F = v × q B.
+    fn magnetic(&self, _block: Range<usize>, _at: &StateView<'_, V>, _strength: &mut Strength<V>) {}
 
     /// The potential energy of the particles of `block` [J]; that of two particles is split between them, or counts at one.
     fn potential(&self, _block: Range<usize>, _at: &StateView<'_, V>) -> f64 {
@@ -200,6 +213,11 @@ pub trait Force<V: Vector>: History + Send + Sync {
         None
     }
 
+    /// Itself as an electric or magnetic field, if that is one the engine computes and does not change in time.
+    fn ready_field(&self) -> Option<ReadyField<'_, V::Scalar>> {
+        None
+    }
+
     /// The evolution of density that belongs to it, if there is one.
     fn density(&self) -> Option<&dyn DensityEvolution<V>> {
         None
@@ -218,6 +236,8 @@ struct Declared<'a, V: Vector> {
     properties: &'a Properties<V>,
     /// Which particles it acts on, in the engine's order.
     chosen: Vec<bool>,
+    /// Who may share what takes long.
+    executor: &'a Executor,
 }
 
 impl<V: Vector> Declared<'_, V> {
@@ -248,7 +268,7 @@ struct Kind<V: Vector> {
 }
 
 /// The registry.
-fn kinds<V: Vector>() -> [Kind<V>; 8] {
+fn kinds<V: Vector>() -> [Kind<V>; 9] {
     [
         gravity::kind(),
         drag::kind(),
@@ -258,6 +278,7 @@ fn kinds<V: Vector>() -> [Kind<V>; 8] {
         lennard_jones::kind(),
         all_pairs::gravitation(),
         all_pairs::coulomb(),
+        electromagnetic::kind(),
     ]
 }
 
@@ -277,11 +298,11 @@ pub fn are_between_neighbors(scene: &Scene) -> bool {
 }
 
 /// The forces that an item of the scene declares.
-pub fn build<V: Vector>(scene: &Scene, item: &Item, properties: &Properties<V>) -> Result<Forces<V>> {
+pub fn build<V: Vector>(scene: &Scene, item: &Item, properties: &Properties<V>, executor: &Executor) -> Result<Forces<V>> {
     let Some(kind) = kinds().into_iter().find(|kind| kind.name == item.kind) else {
         return Err(scene::unknown(item, "a force"));
     };
     let in_scene = scene.members(item);
     let chosen = properties.caller.iter().map(|&caller| in_scene[caller as usize]).collect();
-    (kind.build)(&Declared { scene, item, properties, chosen })
+    (kind.build)(&Declared { scene, item, properties, chosen, executor })
 }

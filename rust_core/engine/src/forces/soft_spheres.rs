@@ -50,7 +50,7 @@ pub fn kind<V: Vector>() -> Kind<V> {
 /// # Errors
 /// If a parameter is out of range, or no particle has a radius.
 fn build<V: Vector>(declared: &Declared<'_, V>) -> Result<Forces<V>> {
-    let Declared { scene, item, properties, chosen } = declared;
+    let Declared { scene, item, properties, chosen, .. } = declared;
     let radii = properties.radius.iter().zip(chosen).filter(|(radius, chosen)| **chosen && **radius > 0.0);
     let (smallest, largest) =
         radii.fold((f64::INFINITY, 0.0_f64), |(least, most), (&radius, _)| (least.min(radius), most.max(radius)));

@@ -13,10 +13,12 @@ pub(crate) mod amplification;
 mod blanes_moan_4;
 mod blanes_moan_6;
 mod bogacki_shampine_3;
+mod boris;
 mod dormand_prince_5;
 pub mod explicit;
 mod explicit_euler;
 pub mod first_order;
+pub mod gauss_radau_15;
 mod group;
 #[cfg(test)]
 mod limits;
@@ -32,6 +34,7 @@ mod velocity_verlet;
 pub use blanes_moan_4::BlanesMoan4;
 pub use blanes_moan_6::BlanesMoan6;
 pub use bogacki_shampine_3::BogackiShampine3;
+pub use boris::Boris;
 pub use dormand_prince_5::DormandPrince5;
 pub use explicit_euler::ExplicitEuler;
 pub use first_order::FirstOrder;
@@ -99,6 +102,8 @@ pub trait Integrator: Sized + Send + Sync + 'static {
     const ENDS_WITH_FORCES: bool = Self::LAST_WEIGHT != 0.0;
     /// Its drifts, if a step consists of drifts and kicks.
     const DRIFT_KICK: Option<DriftKick> = None;
+    /// Whether magnetic fields turn the velocity in the middle of its only kick.
+    const GYRATES: bool = false;
     /// The number of those that can be read after a step: first the persistent ones, then the estimates.
     const READABLE: usize = Self::PERSISTENT;
     /// The ones of those that hold the estimated errors of x and v, where a method of the order below is embedded.
@@ -172,7 +177,7 @@ macro_rules! with_integrator {
     (@registered $($then:tt)*) => {
         $crate::integrators::with_integrator!($($then)*;
             ExplicitEuler, SemiImplicitEuler, VelocityVerlet, McLachlan2, RungeKutta4, Pefrl, BlanesMoan4, BlanesMoan6,
-            BogackiShampine3, DormandPrince5)
+            BogackiShampine3, DormandPrince5, Boris)
     };
     (@named $name:expr, $I:ident, $body:expr, $otherwise:expr; $($integrator:ident),+) => {
         match $name {

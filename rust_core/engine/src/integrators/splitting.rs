@@ -24,6 +24,8 @@ pub trait Splitting: Send + Sync + 'static {
     const KICKS: &'static [f64];
     /// As [`Integrator::COUPLED`].
     const COUPLED: f64;
+    /// As [`Integrator::GYRATES`].
+    const GYRATES: bool = false;
 }
 
 /// The last acceleration that was evaluated.
@@ -88,6 +90,7 @@ impl<S: Splitting> Integrator for S {
     const PERSISTENT: usize = 1;
     const DRIFT_KICK: Option<DriftKick> = Some(DriftKick { drifts: S::DRIFTS, velocity: BEFORE });
     const COUPLED: f64 = S::COUPLED;
+    const GYRATES: bool = S::GYRATES;
 
     fn limit(damping_ratio: f64) -> f64 {
         amplification::limit::<S>(damping_ratio, 0.0)

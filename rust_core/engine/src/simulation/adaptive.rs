@@ -29,7 +29,7 @@ pub struct Rule {
     pub safety: f64,
     /// The step without a limit [s].
     pub free: f64,
-    /// The error tolerance per step [m], for error control.
+    /// The tolerance of the error per step, for error control: [m], or as the method estimates it.
     pub tolerance: Option<f64>,
 }
 
@@ -67,7 +67,7 @@ impl Simulation {
                 let expected = "one that estimates its errors, for a tolerance";
                 let estimates = || Error::parameter("integrator", expected, self.method());
                 let (_, order) = self.system.error(0.0).ok_or_else(estimates)?;
-                self.advance_by_errors(interval, rule, (tolerance, order), interrupted)
+                self.advance_by_errors(interval, rule, (tolerance, self.system.control(order)), interrupted)
             }
         }
     }

@@ -3,6 +3,7 @@
 //! To add one: give it a folder, and its line in [`build`]. A [simulation](crate::simulation) is a clock, a divergence
 //! monitor and a ledger over a system, independent of particles.
 
+mod control;
 pub mod matter;
 pub mod reaction_diffusion;
 pub mod schrodinger;
@@ -23,6 +24,7 @@ use crate::parallel::Executor;
 use crate::plan::Stages;
 use crate::scene::{self, Item, Scene};
 use crate::stability::{Horizon, Limit};
+pub use control::Control;
 use several::{Part, Several};
 
 /// An interval of equal steps.
@@ -156,6 +158,11 @@ pub trait System: History + Send + Sync {
         None
     }
 
+    /// The control of the step size by that error, of a method of this order.
+    fn control(&self, order: u32) -> Control {
+        Control::pair(order)
+    }
+
     /// The energy budget.
     ///
     /// # Errors
@@ -242,12 +249,7 @@ pub fn build(
 ) -> Result<Box<dyn System>> {
     let mut parts = Vec::new();
     if !scene.bodies.is_empty() || scene.systems.is_empty() {
-        let matter = with_integrator!(
-            method.kind.as_str(),
-            I => matter::build::<I>(scene, precision, executor),
-            Err(unknown_integrator(method))
-        );
-        parts.push(Part { name: String::new(), system: matter? });
+        parts.push(Part { name: String::new(), system: matter::build(scene, method, precision, executor)? });
     }
     let own = |item: &Item| methods.get(item.name.as_ref().unwrap_or(&item.path)).unwrap_or(method);
     for (index, item) in scene.systems.iter().enumerate().filter(|(_, item)| tracers::leader(item).is_none()) {
@@ -283,6 +285,7 @@ fn declared(items: &[&Item], method: &Item, precision: &str, _executor: &Executo
     Ok(Part { name: item.name.clone().unwrap_or_else(|| item.path.clone()), system: system? })
 }
 
+/// The error that there is no such integrator.
 fn unknown_integrator(method: &Item) -> Error {
     Error::parameter("integrator", "the name of an integrator", &method.kind)
 }

@@ -7,10 +7,10 @@
 
 use crate::math::{AXES, Real};
 use crate::parallel::{BlockedSlice, Executor};
-use crate::simd::{Isa, LevelKernel, Number, Pack, Record, WORDS, dispatch_level};
+use crate::simd::{Isa, LevelKernel, Number, Pack, dispatch_level};
 
 /// Targets per block: a whole number of tiles at every level.
-const BLOCK: usize = 64;
+pub const BLOCK: usize = 64;
 
 /// Registers of targets in a tile: independent square roots and divisions enough to occupy their unit.
 const TILE: usize = 2;
@@ -19,42 +19,57 @@ const TILE: usize = 2;
 const RUN: usize = 256;
 
 /// The terms of a source in the sums of a target.
-pub trait SourceLaw<T, const SUMS: usize>: Copy + Sync {
+pub trait SourceLaw<T, const WORDS: usize, const SUMS: usize>: Copy + Sync {
+    /// The number of terms, the first ones, that are not always 0.
+    const TERMS: usize = SUMS;
+
     /// The terms, for the offset d of the source from the target, its square |d|², and the source's record. All of its code is
     /// `#[inline(always)]`, or it does not stay in registers.
-    fn terms<N: Number<Scalar = T>>(&self, offset: [N; AXES], square: N, source: &Record<N>) -> [N; SUMS];
+    fn terms<N: Number<Scalar = T>>(&self, offset: [N; AXES], square: N, source: &[N; WORDS]) -> [N; SUMS];
 }
 
 /// The sums of a law over all sources for every target, in `dimension` dimensions. A source's record begins with its
 /// position.
-pub fn sum<T: Real, L: SourceLaw<T, SUMS>, const SUMS: usize>(
+pub fn sum<T: Real, L: SourceLaw<T, WORDS, SUMS>, const WORDS: usize, const SUMS: usize>(
     dimension: usize,
     law: L,
     targets: &[[T; AXES]],
-    sources: &[Record<T>],
+    sources: &[[T; WORDS]],
     executor: &Executor,
 ) -> Vec<[f64; SUMS]> {
     let mut sums = vec![[0.0; SUMS]; targets.len()];
     executor.for_each_block(BlockedSlice::new(&mut sums, BLOCK), &|mine| {
-        let targets = &targets[mine.start..][..mine.items.len()];
-        if dimension == 2 {
-            dispatch_level(Block::<T, L, 2, SUMS> { law, targets, sources, sums: mine.items });
-        } else {
-            dispatch_level(Block::<T, L, 3, SUMS> { law, targets, sources, sums: mine.items });
-        }
+        add(dimension, law, &targets[mine.start..][..mine.items.len()], sources, mine.items);
     });
     sums
 }
 
+/// Adds the sums for at most [`BLOCK`] targets.
+pub fn add<T: Real, L: SourceLaw<T, WORDS, SUMS>, const WORDS: usize, const SUMS: usize>(
+    dimension: usize,
+    law: L,
+    targets: &[[T; AXES]],
+    sources: &[[T; WORDS]],
+    sums: &mut [[f64; SUMS]],
+) {
+    if dimension == 2 {
+        dispatch_level(Block::<T, L, 2, WORDS, SUMS> { law, targets, sources, sums });
+    } else {
+        dispatch_level(Block::<T, L, 3, WORDS, SUMS> { law, targets, sources, sums });
+    }
+}
+
 /// The sums of one block of targets.
-struct Block<'a, T, L, const DIMENSION: usize, const SUMS: usize> {
+struct Block<'a, T, L, const DIMENSION: usize, const WORDS: usize, const SUMS: usize> {
     law: L,
     targets: &'a [[T; AXES]],
-    sources: &'a [Record<T>],
+    sources: &'a [[T; WORDS]],
     sums: &'a mut [[f64; SUMS]],
 }
 
-impl<T: Real, L: SourceLaw<T, SUMS>, const DIMENSION: usize, const SUMS: usize> LevelKernel for Block<'_, T, L, DIMENSION, SUMS> {
+impl<T: Real, L: SourceLaw<T, WORDS, SUMS>, const DIMENSION: usize, const WORDS: usize, const SUMS: usize> LevelKernel
+    for Block<'_, T, L, DIMENSION, WORDS, SUMS>
+{
     type Output = ();
 
     #[inline(always)]
@@ -69,9 +84,9 @@ impl<T: Real, L: SourceLaw<T, SUMS>, const DIMENSION: usize, const SUMS: usize> 
         let width = <I::Pack<T> as Pack>::WIDTH;
         for first in (0..targets.len()).step_by(TILE * width) {
             for run in sources.chunks(RUN) {
-                let lanes = tile::<T, I::Pack<T>, L, DIMENSION, SUMS>(law, &columns, first, run);
+                let lanes = tile::<T, I::Pack<T>, L, DIMENSION, WORDS, SUMS>(law, &columns, first, run);
                 for (lane, sums) in sums[first..].iter_mut().take(TILE * width).enumerate() {
-                    for sum in 0..SUMS {
+                    for sum in 0..L::TERMS {
                         sums[sum] += lanes[sum][lane].to_f64();
                     }
                 }
@@ -82,11 +97,18 @@ impl<T: Real, L: SourceLaw<T, SUMS>, const DIMENSION: usize, const SUMS: usize> 
 
 /// The sums of a tile of targets, from lane `first` of a block on, over one run of sources.
 #[inline(always)]
-fn tile<T: Real, P: Pack<Scalar = T>, L: SourceLaw<T, SUMS>, const DIMENSION: usize, const SUMS: usize>(
+fn tile<
+    T: Real,
+    P: Pack<Scalar = T>,
+    L: SourceLaw<T, WORDS, SUMS>,
+    const DIMENSION: usize,
+    const WORDS: usize,
+    const SUMS: usize,
+>(
     law: L,
     columns: &[[T; BLOCK]; AXES],
     first: usize,
-    sources: &[Record<T>],
+    sources: &[[T; WORDS]],
 ) -> [[T; BLOCK]; SUMS] {
     let zero = P::constant(0.0);
     let mut targets = [[zero; AXES]; TILE];
@@ -111,14 +133,14 @@ fn tile<T: Real, P: Pack<Scalar = T>, L: SourceLaw<T, SUMS>, const DIMENSION: us
                 square += offset[axis] * offset[axis];
             }
             let terms = law.terms(offset, square, &words);
-            for sum in 0..SUMS {
+            for sum in 0..L::TERMS {
                 sums[register][sum] += terms[sum];
             }
         }
     }
     let mut lanes = [[T::ZERO; BLOCK]; SUMS];
     for register in 0..TILE {
-        for sum in 0..SUMS {
+        for sum in 0..L::TERMS {
             sums[register][sum].store(&mut lanes[sum][register * P::WIDTH..]);
         }
     }

@@ -4,6 +4,7 @@ use glam::DVec3;
 
 use super::MatterSystem;
 use super::dynamics::Dynamics;
+use super::method::{About as MethodAbout, Method};
 use crate::contacts::Contacts;
 use crate::error::{Error, Result};
 use crate::forces::springs::{self, Spring, Springs};
@@ -19,18 +20,19 @@ use crate::scene::{self, PARTICLES, Scene};
 
 mod precision;
 
-/// Compiles a scene for an integrator.
+/// Compiles a scene for a method.
 ///
 /// # Errors
 /// If the scene is invalid or does not fit into memory, or on an interrupt.
-pub fn compile<V: Vector, I: Integrator>(scene: &Scene, executor: &Executor) -> Result<MatterSystem<V>> {
+pub fn compile<V: Vector>(scene: &Scene, method: Box<dyn Method<V>>, executor: &Executor) -> Result<MatterSystem<V>> {
+    let about = method.about();
     let count = scene.count();
     let known = |kind: &str| [PARTICLES, springs::KIND, sph::KIND].contains(&kind);
     if let Some(body) = scene.bodies.iter().find(|body| !known(&body.item.kind)) {
         return Err(scene::unknown(&body.item, "a body: Particles, SpringNetwork or Fluid"));
     }
-    memory::check("scene", footprint::<V, I>(scene)?, 0, || {
-        format!("for {count} particles and what {} keeps of each; take fewer particles or precision=\"f32\"", I::NAME)
+    memory::check("scene", footprint::<V>(scene, &about)?, 0, || {
+        format!("for {count} particles and what {} keeps of each; take fewer particles or precision=\"f32\"", about.name)
     })?;
     let springs = springs::declared(scene)?;
     let order = ordering(scene, &springs);
@@ -46,22 +48,26 @@ pub fn compile<V: Vector, I: Integrator>(scene: &Scene, executor: &Executor) -> 
         all.push(Box::new(Springs::<V>::new(&springs, count)));
     }
     if let Some(fluid) = sph::fluid(scene, &properties, executor)? {
+        refuse_kinks(&about, "a fluid")?;
         let continuity = fluid.density().is_some_and(|density| density.scheme() == Scheme::Continuity);
-        if let (true, Some(reason)) = (continuity, integrators::refuses_fields::<I>()) {
+        if let (true, Some(reason)) = (continuity, about.refuses_fields) {
             let mut fit = Vec::new();
             with_integrator!(each Other => if integrators::refuses_fields::<Other>().is_none() {
                 fit.push(format!("{}()", Other::NAME));
             });
             let expected = format!("{} for a fluid that carries its density along", fit.join(", "));
-            return Err(Error::parameter("integrator", expected, I::NAME).with_hint(reason));
+            return Err(Error::parameter("integrator", expected, about.name).with_hint(reason));
         }
         all.push(fluid);
     }
     for item in &scene.forces {
         executor.check()?;
-        all.extend(forces::build(scene, item, &properties)?);
+        all.extend(forces::build(scene, item, &properties, executor)?);
     }
     let contacts = Contacts::build(scene, &properties)?;
+    if contacts.is_some() {
+        refuse_kinks(&about, "boundaries")?;
+    }
     let known: Vec<About> = all.iter().map(|force| force.about()).collect();
     for About { name, layout, reach, .. } in &known {
         if !layout.is_empty() {
@@ -74,21 +80,22 @@ pub fn compile<V: Vector, I: Integrator>(scene: &Scene, executor: &Executor) -> 
             stages.push((*name).to_owned());
         }
     }
-    stages.push(I::NAME.to_owned());
+    stages.push(about.name.to_owned());
     if contacts.is_some() {
         // Where positions are final before the evaluation of forces, contacts come first.
-        stages.insert(if I::DRIFTS_FIRST { 0 } else { stages.len() }, "contacts".to_owned());
+        stages.insert(if about.drifts_first { 0 } else { stages.len() }, "contacts".to_owned());
     }
 
-    let independent = known.iter().all(|force| force.reach == Reach::Pointwise);
+    let independent = !about.sweeps && known.iter().all(|force| force.reach == Reach::Pointwise);
     let pairs = known.iter().any(|force| force.reach == Reach::Pairs);
-    let mut state = state::<V>(scene, &properties, MatterSystem::<V>::block::<I>(independent), pairs)?;
+    let mut state = state::<V>(scene, &properties, MatterSystem::<V>::block(&about, independent), pairs)?;
     if let Some(contacts) = &contacts {
         let pushed = contacts.project_inside(&mut state.position, &properties)?;
         if pushed > 0 {
             notes.push(format!("contacts: {pushed} particles overlapped a boundary at the start and were moved to its surface"));
         }
     }
+    notes.extend(relativistic(scene, &known));
     let left_out = left_out(&known, independent, contacts.is_some());
     let bends = contacts.is_none() && known.iter().any(|force| force.name != "gravity");
     let layout = if independent {
@@ -96,28 +103,37 @@ pub fn compile<V: Vector, I: Integrator>(scene: &Scene, executor: &Executor) -> 
     } else {
         format!("a sweep over blocks of {} particles per evaluation", state.block)
     };
-    let dynamics = Dynamics::new(properties, all, contacts, state.block);
+    let mut dynamics = Dynamics::new(properties, all, contacts, state.block);
+    dynamics.angle = about.angle;
     let dissipative = dynamics.velocity != VelocityDependence::None;
-    let nominal = if dissipative { I::ORDER_DISSIPATIVE } else { I::ORDER };
+    let nominal = if dissipative { about.order_dissipative } else { about.order };
     let order = known.iter().map(|force| force.order).fold(nominal, u32::min);
-    notes.extend(advice::<I>(dissipative, bends && dynamics.scheme != Some(Scheme::Continuity)));
+    notes.extend(advice(&about, dissipative, bends && dynamics.scheme != Some(Scheme::Continuity)));
     executor.check()?;
     let stages = Stages {
         item: String::new(),
         names: stages,
         dimension: V::DIMENSION,
         precision: V::Scalar::NAME,
-        method: I::NAME,
+        method: about.name,
         order,
-        evaluations: I::NODES.len(),
+        evaluations: about.evaluations,
         pairs: dynamics.pairs(),
+        force_error: known.iter().map(|force| force.force_error).fold(0.0, f64::max),
         limit_varies: false,
         layout,
         left_out,
         notes,
     };
     let fields = scene.forces.iter().filter(|item| !forces::is_between_pairs(item)).cloned().collect();
-    Ok(MatterSystem::new::<I>(dynamics, state, stages, fields))
+    Ok(MatterSystem::new(dynamics, state, method, stages, fields))
+}
+
+/// Refuses a method of smooth motion where a scene has what breaks it.
+fn refuse_kinks(about: &MethodAbout, found: &str) -> Result<()> {
+    let Some(reason) = about.smooth_only else { return Ok(()) };
+    let expected = format!("an explicit one, such as VelocityVerlet(), for a scene with {found}");
+    Err(Error::parameter("integrator", expected, about.name).with_hint(reason))
 }
 
 /// Memory of a particle besides its state [bytes]: its properties, and during compilation its index in two orders.
@@ -129,36 +145,36 @@ const SPRING: usize = 250;
 
 /// Estimate of the peak memory of a scene, during and after compilation [bytes], without neighbor lists, which are checked
 /// when they are built.
-fn footprint<V: Vector, I: Integrator>(scene: &Scene) -> Result<usize> {
+fn footprint<V: Vector>(scene: &Scene, about: &MethodAbout) -> Result<usize> {
     let springs = springs::count(scene)?;
-    let independent = springs == 0 && !forces::are_between_neighbors(scene);
-    let registers = if independent { I::READABLE } else { I::REGISTERS };
+    let independent = springs == 0 && !forces::are_between_neighbors(scene) && !about.sweeps;
+    let registers = if independent { about.readable } else { about.registers };
     // The state with its copy, and the workspace of sweeps.
-    let columns = 2 * (2 + registers) + if independent { 0 } else { 6 };
+    let columns = 2 * (2 + registers) + about.own + if independent { 0 } else { 6 };
     let vector = V::DIMENSION * size_of::<V::Scalar>();
     let neighbor = if forces::are_between_neighbors(scene) { NEIGHBOR } else { 0 } + if sph::is_in(scene) { FLUID } else { 0 };
     Ok(scene.count() * (columns * vector + PROPERTIES + neighbor) + springs * SPRING)
 }
 
 /// Advice on a better integrator. There is none under gravity alone, or where contacts reduce every method's order.
-fn advice<I: Integrator>(dissipative: bool, bends: bool) -> Option<String> {
-    match (I::ORDER, dissipative) {
-        _ if !bends => None,
+fn advice(about: &MethodAbout, dissipative: bool, bends: bool) -> Option<String> {
+    match (about.order, dissipative) {
+        _ if !bends || about.order > BlanesMoan6::ORDER => None,
         (1, false) => Some("order 1: VelocityVerlet costs the same and is of order 2".to_owned()),
         (1, true) => Some(
             "order 1: VelocityVerlet costs the same per step and is of order 2; where damping limits the step it bears half of it"
                 .to_owned(),
         ),
-        (_, false) if ![BlanesMoan4::NAME, BlanesMoan6::NAME].contains(&I::NAME) => Some(format!(
+        (_, false) if ![BlanesMoan4::NAME, BlanesMoan6::NAME].contains(&about.name) => Some(format!(
             "nothing here depends on velocity: with dt below {:.0}% of the stability limit {} keeps energy better at equal cost, and its energy error does not grow",
-            100.0 * worth::<I, BlanesMoan4>().min(1.0),
+            100.0 * worth::<BlanesMoan4>(about).min(1.0),
             BlanesMoan4::NAME
         )),
-        (_, true) if I::ORDER_DISSIPATIVE < I::ORDER => Some(format!(
+        (_, true) if about.order_dissipative < about.order => Some(format!(
             "forces depend on velocity: {} is only of order {} here; RungeKutta4 keeps order 4, VelocityVerlet gives order 2 with one evaluation instead of {}",
-            I::NAME,
-            I::ORDER_DISSIPATIVE,
-            I::NODES.len()
+            about.name,
+            about.order_dissipative,
+            about.evaluations
         )),
         _ => None,
     }
@@ -166,9 +182,23 @@ fn advice<I: Integrator>(dissipative: bool, bends: bool) -> Option<String> {
 
 /// The fraction of an integrator's limit below which another one, at equal cost, takes steps of at most half of its own
 /// limit.
-fn worth<I: Integrator, Other: Integrator>() -> f64 {
+fn worth<Other: Integrator>(about: &MethodAbout) -> f64 {
     let reach = |limit: f64, evaluations: usize| limit / evaluations as f64;
-    0.5 * reach(Other::limit(0.0), Other::NODES.len()) / reach(I::limit(0.0), I::NODES.len())
+    0.5 * reach(Other::limit(0.0), Other::NODES.len()) / reach((about.limit)(0.0), about.evaluations)
+}
+
+/// The note that charges are so fast that relativity matters, which nothing here counts: γ − 1 is above half a percent.
+fn relativistic(scene: &Scene, forces: &[About]) -> Option<String> {
+    const SPEED_OF_LIGHT: f64 = 299_792_458.0;
+    let charged = |force: &About| ["electromagnetic field", "coulomb"].contains(&force.name);
+    let speeds = scene.bodies.iter().flat_map(|body| &body.velocities).map(|velocity| velocity.length());
+    let fastest = speeds.fold(0.0, f64::max);
+    (forces.iter().any(charged) && fastest > 0.1 * SPEED_OF_LIGHT).then(|| {
+        format!(
+            "particles move at up to {:.2} c, and nothing here is relativistic: above 0.1 c masses are off by more than 0.5 %",
+            fastest / SPEED_OF_LIGHT
+        )
+    })
 }
 
 fn left_out(forces: &[About], independent: bool, contacts: bool) -> Vec<&'static str> {

@@ -14,17 +14,17 @@ use crate::systems::matter::activity::Activity;
 use crate::systems::matter::collisions::collide;
 use crate::systems::matter::displacement::displace;
 use crate::systems::matter::dynamics::Dynamics;
-use crate::systems::matter::kernels::{self, Action, Evaluation};
+use crate::systems::matter::kernels::{self, Action, Evaluation, kicked};
 
 /// Buffers of the sweeps.
 #[derive(Debug)]
 pub struct Workspace<V: Vector> {
-    position: Columns<V>,
-    velocity: Columns<V>,
-    force: Columns<V>,
+    pub position: Columns<V>,
+    pub velocity: Columns<V>,
+    pub force: Columns<V>,
     before: Option<[Columns<V>; 2]>,
     /// Activity of each block at the end of the step [J].
-    activity: Vec<f64>,
+    pub activity: Vec<f64>,
 }
 
 impl<V: Vector> Workspace<V> {
@@ -162,6 +162,9 @@ fn for_each_block<V: Vector, I: Integrator>(
         let mut power = [[0.0; LANES]; SINKS];
         if evaluates {
             dynamics.accumulate(&range, &at, &mut Rates { force: force.reborrow(), power: &mut power });
+            if let (true, Some(before)) = (I::GYRATES && dynamics.magnetic, kicked::<V, I>(&blocks, action)) {
+                kernels::gyrate(dynamics, &range, &at, before, interval.h, &mut force);
+            }
         }
         activity.items[0] = kernels::stage::<V, I>(dynamics, &mut blocks, &Evaluation { force, power }, interval.h, action);
         if let (Some(contacts), Some([position, velocity])) = (&dynamics.contacts, before) {

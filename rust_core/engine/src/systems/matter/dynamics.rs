@@ -2,16 +2,24 @@
 
 use std::ops::Range;
 
+use glam::DVec3;
+
 use crate::contacts::Contacts;
 use crate::error::Result;
 use crate::forces::linear::{Fusion, LinearForce};
-use crate::forces::{DensityEvolution, Drift, Force, InverseSquare, Rates, Reach, Scheme, StateView, VelocityDependence};
+use crate::forces::{
+    DensityEvolution, Drift, Force, InverseSquare, Law, Rates, Reach, ReadyField, Scheme, StateView, Strength, VelocityDependence,
+};
 use crate::ledger::{Class, Ledger};
 use crate::math::{Real, Vector};
 use crate::matter::{Columns, EnergySink, Matter, Power, Properties, SINKS, Span, View};
 use crate::parallel::{Executor, SERIAL};
 use crate::simd::{LANES, padded};
 use crate::stability::SpectralBound;
+
+fn is_magnetic<V: Vector>(force: &dyn Force<V>) -> bool {
+    force.about().velocity == VelocityDependence::Gyroscopic
+}
 
 fn state_view<'a, V: Vector>(
     properties: &'a Properties<V>,
@@ -21,6 +29,24 @@ fn state_view<'a, V: Vector>(
 ) -> StateView<'a, V> {
     let (position, velocity, residual) = (matter.position.view(), matter.velocity.view(), matter.residual.view());
     StateView { position, velocity, residual, properties, time, executor }
+}
+
+/// The angle by which a method turns velocities in a magnetic field in a step.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Angle {
+    /// 2 atan(|q B| h/2m).
+    Boris,
+    /// |q B| h/m.
+    Exact,
+}
+
+/// The electric and the magnetic field of a scene without other forces.
+#[derive(Debug, Clone, Copy)]
+pub struct LoneFields<'a, T> {
+    pub electric: Law,
+    pub magnetic: Law,
+    /// Charges [C]; 0 for particles that feel nothing.
+    pub charges: &'a [T],
 }
 
 /// The forces and contacts of a scene.
@@ -45,6 +71,10 @@ pub struct Dynamics<V: Vector> {
     fused: usize,
     /// The number of fused forces and forces between particles; the others are pointwise.
     together: usize,
+    /// The angle by which the integrator turns velocities in magnetic fields, if it does: these then add no force.
+    pub angle: Option<Angle>,
+    /// Whether there is a magnetic field.
+    pub magnetic: bool,
     /// Whether a fixed particle has a velocity, so that its constraint force does work.
     driven: bool,
 }
@@ -67,6 +97,8 @@ impl<V: Vector> Dynamics<V> {
             shifts: densities.any(DensityEvolution::shifts),
             velocity: forces.iter().map(|force| force.about().velocity).max().unwrap_or(VelocityDependence::None),
             callbacks: forces.iter().filter(|force| force.about().callback).count(),
+            angle: None,
+            magnetic: forces.iter().any(|force| is_magnetic(force.as_ref())),
             fused: count,
             together,
             forces,
@@ -104,6 +136,31 @@ impl<V: Vector> Dynamics<V> {
     pub fn lone_inverse_square(&self) -> Option<InverseSquare<'_, V::Scalar>> {
         match self.forces.as_slice() {
             [force] => force.inverse_square(&self.properties),
+            _ => None,
+        }
+    }
+
+    /// E and B, if these are the only forces, of fields that the engine computes and that do not change in time, and velocities are
+    /// turned in them by [`super::kernels::gyration_steps`].
+    pub fn lone_fields(&self) -> Option<LoneFields<'_, V::Scalar>> {
+        if self.angle != Some(Angle::Boris) {
+            return None;
+        }
+        let none = Law::Uniform(DVec3::ZERO);
+        match self.forces.as_slice() {
+            [magnetic] => {
+                let ReadyField { law, charges, is_magnetic } = magnetic.ready_field()?;
+                is_magnetic.then_some(LoneFields { electric: none, magnetic: law, charges })
+            }
+            [electric, magnetic] => {
+                let (electric, magnetic) = (electric.ready_field()?, magnetic.ready_field()?);
+                let together = std::ptr::eq(electric.charges, magnetic.charges);
+                (together && !electric.is_magnetic && magnetic.is_magnetic).then_some(LoneFields {
+                    electric: electric.law,
+                    magnetic: magnetic.law,
+                    charges: magnetic.charges,
+                })
+            }
             _ => None,
         }
     }
@@ -177,15 +234,29 @@ impl<V: Vector> Dynamics<V> {
         for axis in 0..V::DIMENSION {
             rates.force.axes[axis].fill(V::Scalar::ZERO);
         }
-        for force in &self.forces[self.fused..self.together] {
+        let turned = self.magnetic && self.angle.is_some();
+        let acting =
+            |forces: Range<usize>| self.forces[forces].iter().filter(move |force| !turned || !is_magnetic(force.as_ref()));
+        for force in acting(self.fused..self.together) {
             force.accumulate(block.clone(), at, rates);
         }
         if self.driven {
             self.count_reactions(block, at, rates);
         }
-        for force in &self.forces[self.together..] {
+        for force in acting(self.together..self.forces.len()) {
             force.accumulate(block.clone(), at, rates);
         }
+    }
+
+    /// Adds q B of all magnetic fields at the particles of a range to `strength`.
+    pub fn magnetic(&self, range: Range<usize>, at: &StateView<'_, V>, strength: &mut Strength<V>) {
+        let fields = self.forces.iter().filter(|force| is_magnetic(force.as_ref()));
+        fields.for_each(|force| force.magnetic(range.clone(), at, strength));
+    }
+
+    /// Whether there are fused forces.
+    pub fn has_linear(&self) -> bool {
+        self.fused > 0
     }
 
     /// The kinetic energy of a kick of `h` seconds from rest [J], Σ ½ m |a|² h²: the smallest energy that steps of `h` can

@@ -95,7 +95,7 @@ impl<V: Vector> MatterSystem<V> {
             }
         }
         let mut archive = crate::history::Archive::default();
-        self.capture_forces(&mut archive);
+        self.capture_histories(&mut archive);
         let previous = std::mem::replace(&mut self.state, state);
         // Forces first, because the energy of some of them follows from their evaluation.
         let done = self.begin(time, executor).and_then(|()| self.finite_audit(time, executor)).map(|energy| {
@@ -106,7 +106,7 @@ impl<V: Vector> MatterSystem<V> {
         if done.is_err() {
             self.state = previous;
             self.resume();
-            self.restore_forces(&mut archive)?;
+            self.restore_histories(&mut archive)?;
         }
         done
     }

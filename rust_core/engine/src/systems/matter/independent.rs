@@ -1,7 +1,7 @@
 //! Independent particles: a block runs through many steps while it stays in the cache.
 
 use crate::contacts::Before;
-use crate::forces::{InverseSquare, Rates};
+use crate::forces::Rates;
 use crate::integrators::Integrator;
 use crate::math::{Real, Vector};
 use crate::matter::{Blocks, Matter, SINKS, Span};
@@ -10,7 +10,7 @@ use crate::simd::LANES;
 use crate::systems::matter::activity::Activity;
 use crate::systems::matter::collisions::collide;
 use crate::systems::matter::dynamics::Dynamics;
-use crate::systems::matter::kernels::{self, Action, Evaluation};
+use crate::systems::matter::kernels::{self, Action, Evaluation, kicked};
 use crate::systems::{Interval, Record};
 
 /// Interval of steps between activities where steps run in registers. It counts the steps of the clock's segment, so that
@@ -40,7 +40,13 @@ pub fn advance<V: Vector, I: Integrator>(
                     *activity = kernels::activity(dynamics, &buffers.block);
                 }
             } else if let (Some(force), None) = (dynamics.lone_inverse_square(), &dynamics.contacts) {
-                sampled::<V, I>(dynamics, force, buffers, interval, record, activity);
+                sampled(dynamics, buffers, interval, record, activity, |block, steps| {
+                    kernels::point_force_steps::<V, I>(dynamics, force, block, interval.h, steps);
+                });
+            } else if let (Some(fields), None) = (dynamics.lone_fields(), &dynamics.contacts) {
+                sampled(dynamics, buffers, interval, record, activity, |block, steps| {
+                    kernels::gyration_steps(dynamics, fields, block, interval.h, steps);
+                });
             } else {
                 one_by_one::<V, I>(dynamics, buffers, interval, activity, executor);
             }
@@ -52,20 +58,20 @@ pub fn advance<V: Vector, I: Integrator>(
     activity.add_up(recorded);
 }
 
-/// Steps under an inverse-square force alone, with the activity after sampled steps.
-fn sampled<V: Vector, I: Integrator>(
+/// Steps under one force alone, with the activity after sampled steps.
+fn sampled<V: Vector>(
     dynamics: &Dynamics<V>,
-    force: InverseSquare<'_, V::Scalar>,
     buffers: &mut BlockBuffers<'_, V>,
     interval: Interval,
     record: Record,
     mut rest: &mut [f64],
+    advance: impl Fn(&mut Blocks<'_, V>, u64),
 ) {
     let every = if record == Record::EveryStep { 1 } else { SAMPLING };
     while !rest.is_empty() {
         let step = interval.first + interval.steps - rest.len() as u64;
         let steps = (every - step % every).min(rest.len() as u64);
-        kernels::point_force_steps::<V, I>(dynamics, force, &mut buffers.block, interval.h, steps);
+        advance(&mut buffers.block, steps);
         let (now, later) = rest.split_at_mut(steps as usize);
         if (step + steps).is_multiple_of(every) {
             now[now.len() - 1] = kernels::activity(dynamics, &buffers.block);
@@ -189,6 +195,9 @@ fn run_stage<V: Vector, I: Integrator>(
     if !matches!(action, Action::StageState) {
         let at = dynamics.state_view(block.position.view(range.start), block.velocity.view(range.start), time);
         dynamics.accumulate(&range, &at, &mut Rates { force: force.reborrow(), power: &mut power });
+        if let (true, Some(before)) = (I::GYRATES && dynamics.magnetic, kicked::<V, I>(block, action)) {
+            kernels::gyrate(dynamics, &range, &at, before, interval.h, force);
+        }
     }
     kernels::stage::<V, I>(dynamics, block, &Evaluation { force: force.reborrow(), power }, interval.h, action)
 }

@@ -4,15 +4,17 @@ use std::marker::PhantomData;
 
 use super::activity::Activity;
 use super::coupled::Workspace;
-use super::dynamics::Dynamics;
+use super::dynamics::{Angle, Dynamics};
 use super::{coupled, independent};
 use crate::error::Result;
-use crate::integrators::Integrator;
+use crate::history::History;
+use crate::integrators::{self, Integrator};
 use crate::math::Vector;
-use crate::matter::Matter;
+use crate::matter::{Columns, Matter};
 use crate::parallel::Executor;
+use crate::scene::Item;
 use crate::stability::{Limit, LimitCache, SpectralBound};
-use crate::systems::{Interval, Record};
+use crate::systems::{Control, Interval, Record};
 
 /// The data of a method's steps.
 pub struct Job<'a, V: Vector> {
@@ -27,14 +29,47 @@ pub struct Job<'a, V: Vector> {
     pub interval: Interval,
 }
 
-/// A time-stepping method for matter.
-pub trait Method<V: Vector>: Send + Sync {
-    /// The order of convergence without velocity-dependent forces.
-    fn order(&self) -> u32;
+/// What is known of a method before it steps.
+#[derive(Debug, Clone, Copy)]
+pub struct About {
+    /// The class's name in Python.
+    pub name: &'static str,
+    /// The order of convergence without velocity-dependent forces, and with dissipation.
+    pub order: u32,
+    pub order_dissipative: u32,
+    /// Evaluations of the forces per step.
+    pub evaluations: usize,
+    /// The number of registers in use between stages, and of those that can be read after a step.
+    pub registers: usize,
+    pub readable: usize,
+    /// Further vectors that it keeps of each particle.
+    pub own: usize,
+    /// Whether contacts come first, as [`Integrator::DRIFTS_FIRST`].
+    pub drifts_first: bool,
+    /// Whether each stage is a sweep over all particles, even where these are independent.
+    pub sweeps: bool,
+    /// The angle by which it turns velocities in magnetic fields, if it does, as [`Integrator::GYRATES`].
+    pub angle: Option<Angle>,
+    /// As [`Integrator::limit`].
+    pub limit: fn(f64) -> f64,
+    /// Why it cannot advance a field that diffuses, if it cannot.
+    pub refuses_fields: Option<&'static str>,
+    /// Why it takes neither contacts nor fluids, if it takes smooth motion alone.
+    pub smooth_only: Option<&'static str>,
+}
+
+/// A time-stepping method for matter. Its history is the data that it keeps itself from step to step, beside the registers.
+pub trait Method<V: Vector>: History + Send + Sync {
+    /// What is known of it before it steps.
+    fn about(&self) -> About;
     /// The number of registers that persist from step to step.
     fn persistent(&self) -> usize;
-    /// The registers that hold the estimated errors of x and v, where a method of the order below is embedded in it.
-    fn error(&self) -> Option<[usize; 2]>;
+    /// The estimated error of the last step of `h` seconds, if it has an estimate.
+    fn error(&self, state: &Matter<V>, h: f64) -> Option<f64>;
+    /// The control of the step size by that.
+    fn control(&self) -> Control {
+        Control::pair(self.about().order)
+    }
     /// Whether it is unconditionally unstable on an oscillator.
     fn gains_energy(&self) -> bool;
     /// A bound for the waves of a field as this method advances them.
@@ -43,30 +78,70 @@ pub trait Method<V: Vector>: Send + Sync {
     fn limit(&self, bound: &SpectralBound, cache: &mut LimitCache) -> Limit;
     /// The limit sharpened by the present directions of the springs.
     fn sharp_limit(&self, bound: SpectralBound) -> Limit;
+    /// A note for the plan on the steps so far.
+    fn note(&self) -> Option<String> {
+        None
+    }
+    /// Memory of the data that it keeps itself [bytes].
+    fn bytes(&self) -> usize {
+        0
+    }
     /// Evaluates the dynamics at the state and fills the persistent registers.
-    fn begin(&self, job: Job<'_, V>, executor: &Executor) -> Result<()>;
+    fn begin(&mut self, job: Job<'_, V>, executor: &Executor) -> Result<()>;
     /// Takes all steps of the interval.
-    fn advance(&self, job: Job<'_, V>, executor: &Executor) -> Result<()>;
+    fn advance(&mut self, job: Job<'_, V>, executor: &Executor) -> Result<()>;
 }
 
 /// An explicit integrator.
-pub struct Explicit<I>(PhantomData<I>);
-
-impl<I> Explicit<I> {
-    pub const NEW: Self = Self(PhantomData);
+pub struct Explicit<I> {
+    /// As [`About::angle`].
+    angle: Option<Angle>,
+    integrator: PhantomData<I>,
 }
 
+impl<I: Integrator> Explicit<I> {
+    /// The integrator of an item.
+    ///
+    /// # Errors
+    /// If a value is wrong.
+    pub fn declared(item: &Item) -> Result<Self> {
+        let exact = I::GYRATES && item.flag("exact_angle")?;
+        let angle = I::GYRATES.then_some(if exact { Angle::Exact } else { Angle::Boris });
+        Ok(Self { angle, integrator: PhantomData })
+    }
+}
+
+impl<I: Integrator> History for Explicit<I> {}
+
 impl<V: Vector, I: Integrator> Method<V> for Explicit<I> {
-    fn order(&self) -> u32 {
-        I::ORDER
+    fn about(&self) -> About {
+        About {
+            name: I::NAME,
+            order: I::ORDER,
+            order_dissipative: I::ORDER_DISSIPATIVE,
+            evaluations: I::NODES.len(),
+            registers: I::REGISTERS,
+            readable: I::READABLE,
+            own: 0,
+            drifts_first: I::DRIFTS_FIRST,
+            sweeps: false,
+            angle: self.angle,
+            limit: I::limit,
+            refuses_fields: integrators::refuses_fields::<I>(),
+            smooth_only: None,
+        }
     }
 
     fn persistent(&self) -> usize {
         I::PERSISTENT
     }
 
-    fn error(&self) -> Option<[usize; 2]> {
-        I::ERROR
+    /// The largest over all particles, of the position error, or of the velocity error times the step [m].
+    fn error(&self, state: &Matter<V>, h: f64) -> Option<f64> {
+        let [x, v] = I::ERROR?.map(|register| &state.registers[register]);
+        let length = |columns: &Columns<V>, index: usize| columns.get(index).widen().length();
+        let errors = (0..state.count()).map(|index| length(x, index).max(h * length(v, index)));
+        Some(errors.fold(0.0, f64::max))
     }
 
     fn gains_energy(&self) -> bool {
@@ -85,7 +160,7 @@ impl<V: Vector, I: Integrator> Method<V> for Explicit<I> {
         bound.sharp_limit::<I>()
     }
 
-    fn begin(&self, Job { dynamics, from, state, workspace, interval, .. }: Job<'_, V>, executor: &Executor) -> Result<()> {
+    fn begin(&mut self, Job { dynamics, from, state, workspace, interval, .. }: Job<'_, V>, executor: &Executor) -> Result<()> {
         if let Some(workspace) = workspace {
             return coupled::begin::<V, I>(dynamics, state, workspace, interval, executor);
         }
@@ -93,7 +168,11 @@ impl<V: Vector, I: Integrator> Method<V> for Explicit<I> {
         Ok(())
     }
 
-    fn advance(&self, Job { dynamics, from, state, record, workspace, interval }: Job<'_, V>, executor: &Executor) -> Result<()> {
+    fn advance(
+        &mut self,
+        Job { dynamics, from, state, record, workspace, interval }: Job<'_, V>,
+        executor: &Executor,
+    ) -> Result<()> {
         if let Some(workspace) = workspace {
             return coupled::advance::<V, I>(dynamics, state, workspace, interval, record.0, executor);
         }

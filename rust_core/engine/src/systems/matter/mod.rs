@@ -11,6 +11,7 @@ mod fields;
 mod independent;
 mod kernels;
 mod method;
+mod radau;
 mod test_particles;
 
 use std::sync::{Mutex, OnceLock, PoisonError};
@@ -20,12 +21,13 @@ use glam::{DVec2, DVec3, Vec2, Vec3};
 use activity::Activity;
 use coupled::Workspace;
 use dynamics::Dynamics;
-use method::{Explicit, Job, Method};
+use method::{About, Explicit, Job, Method};
+use radau::GaussRadau15;
 
 use crate::error::{Error, Result};
 use crate::forces::{Mach, Validity};
 use crate::history::{Archive, History};
-use crate::integrators::Integrator;
+use crate::integrators::{gauss_radau_15, with_integrator};
 use crate::ledger::{Class, Ledger};
 use crate::math::{Real, Vector};
 use crate::matter::{Columns, EnergyTally, Matter, SINKS};
@@ -34,7 +36,7 @@ use crate::plan::Stages;
 use crate::scene::{Item, Scene};
 use crate::simd::LANES;
 use crate::stability::{Horizon, Limit, LimitCache, SpectralBound};
-use crate::systems::{Element, Fault, FieldInfo, Interval, Record, System};
+use crate::systems::{Control, Element, Fault, FieldInfo, Interval, Record, System, unknown_integrator};
 
 /// Duration of a batch of steps [s]: long against the cost per batch, short enough that an interrupt loses little.
 const BATCH: f64 = 0.05;
@@ -45,19 +47,39 @@ const INDEPENDENT_BLOCK: usize = 512;
 /// the second-level cache.
 const COUPLED_BLOCK: usize = 4096;
 
-/// Compiles a scene for an integrator.
+/// Compiles a scene for a method.
 ///
 /// # Errors
 /// As [`crate::systems::build`].
-pub fn build<I: Integrator>(scene: &Scene, precision: &str, executor: &Executor) -> Result<Box<dyn System>> {
-    match (scene.dimension, precision) {
-        (2, "f32") => Ok(Box::new(compile::compile::<Vec2, I>(scene, executor)?)),
-        (3, "f32") => Ok(Box::new(compile::compile::<Vec3, I>(scene, executor)?)),
-        (2, "f64") => Ok(Box::new(compile::compile::<DVec2, I>(scene, executor)?)),
-        (3, "f64") => Ok(Box::new(compile::compile::<DVec3, I>(scene, executor)?)),
-        (2 | 3, other) => Err(Error::parameter("precision", "f32 or f64", other)),
-        (other, _) => Err(Error::parameter("scene.dimension", "2 or 3", other)),
+pub fn build(scene: &Scene, method: &Item, precision: &str, executor: &Executor) -> Result<Box<dyn System>> {
+    if !["f32", "f64"].contains(&precision) {
+        return Err(Error::parameter("precision", "f32 or f64", precision));
     }
+    if method.kind == gauss_radau_15::NAME {
+        return match (scene.dimension, precision) {
+            (2, "f64") => compiled::<DVec2>(scene, GaussRadau15::declared(method)?, executor),
+            (3, "f64") => compiled::<DVec3>(scene, GaussRadau15::declared(method)?, executor),
+            (2 | 3, _) => Err(Error::parameter("precision", "\"f64\" with GaussRadau15()", format!("{precision:?}"))
+                .with_hint("its errors are the roundings of double precision")),
+            (other, _) => Err(Error::parameter("scene.dimension", "2 or 3", other)),
+        };
+    }
+    with_integrator!(
+        method.kind.as_str(),
+        I => match (scene.dimension, precision) {
+            (2, "f32") => compiled::<Vec2>(scene, Explicit::<I>::declared(method)?, executor),
+            (3, "f32") => compiled::<Vec3>(scene, Explicit::<I>::declared(method)?, executor),
+            (2, _) => compiled::<DVec2>(scene, Explicit::<I>::declared(method)?, executor),
+            (3, _) => compiled::<DVec3>(scene, Explicit::<I>::declared(method)?, executor),
+            (other, _) => Err(Error::parameter("scene.dimension", "2 or 3", other)),
+        },
+        Err(unknown_integrator(method))
+    )
+}
+
+/// Compiles a scene in one precision and dimension.
+fn compiled<V: Vector>(scene: &Scene, method: impl Method<V> + 'static, executor: &Executor) -> Result<Box<dyn System>> {
+    Ok(Box::new(compile::compile::<V>(scene, Box::new(method), executor)?))
 }
 
 /// Particles with their dynamics.
@@ -80,8 +102,8 @@ struct MatterSystem<V: Vector> {
 
 impl<V: Vector> MatterSystem<V> {
     /// The number of particles per block, for independent or coupled particles.
-    fn block<I: Integrator>(independent: bool) -> usize {
-        match (independent, I::REGISTERS) {
+    fn block(about: &About, independent: bool) -> usize {
+        match (independent, about.registers) {
             (false, _) => COUPLED_BLOCK,
             (true, 0..=2) => INDEPENDENT_BLOCK,
             // More registers per particle, fewer particles in the same cache.
@@ -90,24 +112,26 @@ impl<V: Vector> MatterSystem<V> {
     }
 
     /// A system at a given state.
-    fn new<I: Integrator>(dynamics: Dynamics<V>, mut state: Matter<V>, stages: Stages, fields: Vec<Item>) -> Self {
+    fn new(dynamics: Dynamics<V>, mut state: Matter<V>, method: Box<dyn Method<V>>, stages: Stages, fields: Vec<Item>) -> Self {
+        let about = method.about();
+        let independent = dynamics.is_independent() && !about.sweeps;
         // Registers that live only between the stages of a step need not outlive a block that runs through whole steps.
-        let registers = if dynamics.is_independent() { I::READABLE } else { I::REGISTERS };
+        let registers = if independent { about.readable } else { about.registers };
         state.registers = vec![Columns::zeros(state.count()); registers];
         let count = state.count() as f64;
         let per_particle = if dynamics.is_fused() && dynamics.contacts.is_none() { 1.0 } else { 8.0 };
         let per_stage = 500.0 + count * per_particle + 6.0 * dynamics.pairs() as f64;
         // Estimates in nanoseconds on a typical core.
-        let cost = 1e-9 * I::NODES.len() as f64 * per_stage;
+        let cost = 1e-9 * about.evaluations as f64 * per_stage;
         let blocks = state.tallies.len();
-        let workspace = (!dynamics.is_independent()).then(|| Workspace::new(state.count(), blocks, dynamics.contacts.is_some()));
+        let workspace = (!independent).then(|| Workspace::new(state.count(), blocks, dynamics.contacts.is_some()));
         let mut system = Self {
             saved: state.clone(),
             dynamics,
             state,
             activity: Activity::default(),
             workspace,
-            method: Box::new(Explicit::<I>::NEW),
+            method,
             stages,
             fields,
             cost,
@@ -152,18 +176,21 @@ impl<V: Vector> MatterSystem<V> {
         [&state.position, &state.velocity, &state.residual].into_iter().chain(persistent)
     }
 
-    fn capture_forces(&self, archive: &mut Archive) {
+    fn capture_histories(&self, archive: &mut Archive) {
+        self.method.capture(archive);
         self.dynamics.forces().iter().for_each(|force| force.capture(archive));
     }
 
-    fn restore_forces(&mut self, archive: &mut Archive) -> Result<()> {
+    fn restore_histories(&mut self, archive: &mut Archive) -> Result<()> {
+        self.method.restore(archive)?;
         self.dynamics.forces_mut().iter_mut().try_for_each(|force| force.restore(archive))
     }
 }
 
-/// Positions, velocities, residuals, the persistent registers of the method, and the histories of the forces.
+/// Positions, velocities, residuals, the persistent registers of the method, and the histories of method and forces.
 impl<V: Vector> History for MatterSystem<V> {
     fn save(&mut self) {
+        self.method.save();
         self.dynamics.forces_mut().iter_mut().for_each(|force| force.save());
         if self.workspace.is_some() {
             self.saved.copy_from(&self.state);
@@ -175,6 +202,7 @@ impl<V: Vector> History for MatterSystem<V> {
 
     fn rollback(&mut self) {
         std::mem::swap(&mut self.saved, &mut self.state);
+        self.method.rollback();
         self.dynamics.forces_mut().iter_mut().for_each(|force| force.rollback());
     }
 
@@ -184,7 +212,7 @@ impl<V: Vector> History for MatterSystem<V> {
                 archive.write(columns.axis(axis)[..columns.count()].iter().map(|number| number.to_f64()));
             }
         }
-        self.capture_forces(archive);
+        self.capture_histories(archive);
     }
 
     fn restore(&mut self, archive: &mut Archive) -> Result<()> {
@@ -200,7 +228,7 @@ impl<V: Vector> History for MatterSystem<V> {
             }
         }
         self.resume();
-        self.restore_forces(archive)
+        self.restore_histories(archive)
     }
 }
 
@@ -211,7 +239,7 @@ impl<V: Vector> System for MatterSystem<V> {
         vec![Stages {
             pairs: self.dynamics.pairs(),
             limit_varies: self.limit_varies(Horizon::Certified, 0.0),
-            notes: self.stages.notes.iter().cloned().chain(findings).collect(),
+            notes: self.stages.notes.iter().cloned().chain(findings).chain(self.method.note()).collect(),
             ..self.stages.clone()
         }]
     }
@@ -219,7 +247,8 @@ impl<V: Vector> System for MatterSystem<V> {
     fn bytes(&self) -> usize {
         let workspace = self.workspace.as_ref().map_or(0, Workspace::bytes);
         let properties = self.state.count() * (5 * size_of::<f64>() + 2 * size_of::<V::Scalar>());
-        self.dynamics.bytes() + self.state.bytes() + self.saved.bytes() + self.activity.bytes() + workspace + properties
+        let own = self.method.bytes() + self.activity.bytes();
+        self.dynamics.bytes() + self.state.bytes() + self.saved.bytes() + own + workspace + properties
     }
 
     fn cost(&self) -> f64 {
@@ -297,12 +326,12 @@ impl<V: Vector> System for MatterSystem<V> {
         self.dynamics.forces().iter().any(|force| force.validity(&at, horizon) != Validity::Always)
     }
 
-    /// The largest over all particles, of the position error, or of the velocity error times the step.
     fn error(&self, h: f64) -> Option<(f64, u32)> {
-        let [x, v] = self.method.error()?.map(|register| &self.state.registers[register]);
-        let length = |columns: &Columns<V>, index: usize| columns.get(index).widen().length();
-        let errors = (0..self.state.count()).map(|index| length(x, index).max(h * length(v, index)));
-        Some((errors.fold(0.0, f64::max), self.method.order()))
+        Some((self.method.error(&self.state, h)?, self.method.about().order))
+    }
+
+    fn control(&self, _order: u32) -> Control {
+        self.method.control()
     }
 
     fn audit(&self, time: f64, executor: &Executor) -> Result<Ledger> {

@@ -40,7 +40,7 @@ fn of_scene<V: Vector>(scene: &Scene, time: f64, executor: &Executor) -> Result<
     let properties = Properties::<V>::new(vec![1.0; count]);
     let mut forces = Vec::new();
     for item in &scene.forces {
-        forces.extend(forces::build(scene, item, &properties)?);
+        forces.extend(forces::build(scene, item, &properties, executor)?);
     }
     let mut matter = Matter::zeros(count, 0, padded(count));
     matter.position = Columns::from_fn(count, |index| V::narrow(points[index]));

@@ -90,6 +90,7 @@ impl<T: Real> System for ReactionDiffusion<T> {
             order: self.method.order,
             evaluations: self.workspace.stages.1.len().max(count),
             pairs: 0,
+            force_error: 0.0,
             limit_varies: true,
             layout,
             left_out: if fixed { Vec::new() } else { vec!["fixed edges"] },

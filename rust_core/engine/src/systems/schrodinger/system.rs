@@ -96,6 +96,7 @@ impl<T: Number> System for Schrodinger<T> {
             order: if open { 1 } else { self.method.order() },
             evaluations: self.method.evaluations(hamiltonian),
             pairs: 0,
+            force_error: 0.0,
             limit_varies: false,
             layout: "lines of cells along one axis after the other".to_owned(),
             left_out: absent.into_iter().filter(|(present, _)| !present).map(|(_, name)| name).collect(),

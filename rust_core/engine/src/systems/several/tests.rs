@@ -26,7 +26,7 @@ fn rope(count: u32) -> Scene {
 }
 
 fn system(count: u32) -> Box<dyn System> {
-    let mut system = matter::build::<crate::integrators::VelocityVerlet>(&rope(count), "f64", &SERIAL).unwrap();
+    let mut system = matter::build(&rope(count), &"VelocityVerlet".into(), "f64", &SERIAL).unwrap();
     system.begin(0.0, &SERIAL).unwrap();
     system
 }

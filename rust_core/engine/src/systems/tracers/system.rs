@@ -86,6 +86,7 @@ impl<T: Real, const D: usize> System for Tracers<T, D> {
             order: self.method.order,
             evaluations: self.coefficients.evaluations,
             pairs: 0,
+            force_error: 0.0,
             limit_varies: false,
             layout: self.flow.layout().to_owned(),
             left_out: Vec::new(),

@@ -90,6 +90,7 @@ impl<T: Real, I: Integrator> System for Wave<T, I> {
             order: if damped || open { I::ORDER_DISSIPATIVE } else { I::ORDER },
             evaluations: I::NODES.len(),
             pairs: 0,
+            force_error: 0.0,
             limit_varies: false,
             layout,
             left_out: absent.into_iter().filter(|(present, _)| !present).map(|(_, name)| name).collect(),

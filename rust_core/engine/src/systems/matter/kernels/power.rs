@@ -6,13 +6,13 @@ use crate::matter::{EnergySink, EnergyTally, Power, SINKS};
 use crate::simd::{LANES, Lanes};
 
 /// All sinks.
-pub(super) const ALL: [EnergySink; SINKS] =
+pub const ALL: [EnergySink; SINKS] =
     [EnergySink::Drag, EnergySink::Damping, EnergySink::Contact, EnergySink::Viscosity, EnergySink::Work];
 
 /// Adds the energy through some sinks of a tally during one stage: the power times `span`, and the power at the last stage
 /// of the previous step times `last_span`. `keep` marks the last stage of its step.
 #[inline(always)]
-pub(super) fn integrate(tally: &mut EnergyTally, power: &Power, sinks: &[EnergySink], span: f64, last_span: f64, keep: bool) {
+pub fn integrate(tally: &mut EnergyTally, power: &Power, sinks: &[EnergySink], span: f64, last_span: f64, keep: bool) {
     for sink in sinks.iter().map(|&sink| sink as usize) {
         let (now, last) = (power[sink], tally.last[sink]);
         for lane in 0..LANES {

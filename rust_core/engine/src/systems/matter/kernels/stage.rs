@@ -24,6 +24,15 @@ pub enum Action {
     StageUpdate(usize, Option<usize>),
 }
 
+/// The velocities from which an evaluation of the forces kicks a block, if it does; at the start of a run the present ones.
+pub fn kicked<'a, 'b, V: Vector, I: Integrator>(blocks: &'a Blocks<'b, V>, action: Action) -> Option<&'a Span<'b, V>> {
+    match action {
+        Action::Begin => Some(&blocks.velocity),
+        Action::StageState => None,
+        Action::StageUpdate(..) => I::DRIFT_KICK.map(|drift_kick| &blocks.registers[drift_kick.velocity]),
+    }
+}
+
 /// The accumulated forces and powers of one block, without the linear force.
 #[derive(Debug)]
 pub struct Evaluation<'a, V: Vector> {

@@ -1,0 +1,103 @@
+"""Charges in an electric and a magnetic field."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import ClassVar, TypeAlias
+
+from physcore.checks import FloatArray, Vector, number, shown, vector
+from physcore.errors import SceneError
+from physcore.forces.fields import READY_FIELDS, ReadyField
+from physcore.scene.items import Force
+
+Field: TypeAlias = float | Vector | ReadyField | tuple[ReadyField, ...] | Callable[[float, FloatArray], FloatArray]
+"""A field: a vector, one that the engine computes or a sum of some, or `function(time, positions)`."""
+
+
+@dataclass(frozen=True)
+class ElectromagneticField(Force):
+    """The force on charges in an electric field E and a magnetic field B: F = q (E + v × B).
+
+        beam = pc.Particles([[0, 0]], [[1, 0]], charge=1.0)
+        scene = pc.Scene(beam, pc.ElectromagneticField(electric=(0.0, 0.1), magnetic=2.0))
+
+    A uniform E and that of a trap have a potential energy, by_term["electromagnetic field"]. What a function's E does
+    is work, unless `potential` is given. A magnetic force does no work. Where there is a magnetic field, Boris() is
+    the default integrator. Charges do not see each other's fields: for that, add Coulomb().
+
+    Args:
+        electric: E [V/m]: a vector; one of QuadrupoleTrap, PaulTrap, TravellingWave and UniformField, or a tuple of
+            some, which add; or `function(time, positions)` with the time [s] and the positions (N, D) [m] of the
+            particles that it acts on, which gives E at these, (N, D), at each of them by its own position. The number 0
+            is no field.
+        magnetic: B [T]: likewise, with MagneticDipole, CurrentLoop, MagneticBottle, TravellingWave and UniformField. In
+            2D its component along z: a number, or a function that gives (N,).
+        potential: `potential(positions)`, the energy of those particles in a function's E [J], one number.
+        on: the body or bodies that feel it; all by default.
+
+    Raises:
+        SceneError: a field is no such thing, not finite, or not of the scene's dimension. In a run: a function raised
+            an exception, or gave something else; the message starts with `forces[i].electric`, `.magnetic` or
+            `.potential`.
+
+    Source: J. D. Jackson, Classical Electrodynamics, 3rd edition (1999), § 6.7 and § 12.1.
+    """
+
+    feels_charges: ClassVar[bool] = True
+    parts: ClassVar[tuple[type, ...]] = READY_FIELDS
+
+    electric: Field = 0.0
+    magnetic: Field = 0.0
+    potential: Callable[[FloatArray], float] | None = None
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self._set(electric=_field(self.electric, "electric"), magnetic=_field(self.magnetic, "magnetic"))
+        if isinstance(self.electric, float) and self.electric != 0.0:
+            raise SceneError(f"ElectromagneticField.electric: must be a vector, a function or 0, got {self.electric:g}")
+        if self.potential is not None and not callable(self.potential):
+            raise SceneError(f"ElectromagneticField.potential: must be a function, got {shown(self.potential)}")
+        if self.potential is not None and not callable(self.electric):
+            raise SceneError(
+                "ElectromagneticField.potential: is for an electric field that is a function; others know it"
+            )
+
+    @property
+    def is_magnetic(self) -> bool:
+        """Whether there is a magnetic field."""
+        vectors = isinstance(self.magnetic, tuple) and all(isinstance(each, float) for each in self.magnetic)
+        return any(self.magnetic) if vectors else self.magnetic != 0.0  # type: ignore[arg-type]
+
+    def mismatch(self, dimension: int) -> tuple[str, int] | None:
+        """In 2D B is a number or a function, in 3D no number; fields have a dimension of their own."""
+        for name in ("electric", "magnetic"):
+            value = getattr(self, name)
+            parts = value if isinstance(value, tuple) else (value,)
+            for part in parts:
+                if isinstance(part, ReadyField) and (
+                    part.dimension != dimension or (name, dimension) == ("magnetic", 2)
+                ):
+                    return name, 3 if name == "magnetic" else part.dimension
+        magnetic = self.magnetic
+        if isinstance(magnetic, tuple) and isinstance(magnetic[0], float) and dimension == 2:
+            return "magnetic", len(magnetic)
+        if isinstance(magnetic, float) and magnetic != 0.0 and dimension == 3:
+            return "magnetic", 1
+        return super().mismatch(dimension)
+
+
+def _field(value: object, name: str) -> object:
+    """A field, checked."""
+    path = f"ElectromagneticField.{name}"
+    parts = value if isinstance(value, (tuple, list)) else (value,)
+    if any(isinstance(part, ReadyField) for part in parts):
+        for part in parts:
+            if not isinstance(part, ReadyField) or not getattr(part, name):
+                raise SceneError(f"{path}: must be a sum of {name} fields, got {shown(part)}")
+        return value if isinstance(value, ReadyField) else tuple(parts)
+    if callable(value) and not isinstance(value, type):
+        return value
+    if isinstance(value, (int, float)):
+        return number(value, path)
+    return vector(value, path)

@@ -1,0 +1,42 @@
+"""Boris' method, the default in magnetic fields."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from physcore.checks import flag
+from physcore.numerics.integrators.base import Integrator
+from physcore.scene.items import Equation
+
+
+@dataclass(frozen=True)
+class Boris(Integrator):
+    """Boris' method, order 2, one force evaluation: the default where there is a magnetic field.
+
+        pc.simulate(scene, 10.0, integrator=pc.Boris())
+
+    Half a drift; half a kick by all other forces, a rotation of the velocity by 2 atan(|q B| dt/2m) about q B, half a
+    kick; half a drift. It keeps volumes in phase space, is reversible, and keeps the speed in a magnetic field
+    alone, at any q B dt/m; without one it is position Verlet. It is not symplectic. A magnetic field limits only the
+    accuracy of its step, to a hundredth of the period of the gyration, 2πm/|qB|. Drag and damping are evaluated at a
+    predicted velocity, which keeps order 2.
+
+    Args:
+        exact_angle: turn velocities by |q B| dt/m instead, the angle of a uniform field.
+
+    Raises:
+        SceneError: `exact_angle` is neither True nor False.
+
+    Sources: J. P. Boris, Proc. 4th Conf. Numerical Simulation of Plasmas, 3 (1970); H. Qin et al., Phys. Plasmas 20,
+    084503 (2013).
+    """
+
+    order: ClassVar[int] = 2
+    symplectic: ClassVar[bool] = False
+    solves: ClassVar[tuple[Equation, ...]] = ("bodies",)
+
+    exact_angle: bool = False
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "exact_angle", flag(self.exact_angle, "Boris.exact_angle"))

@@ -1,0 +1,210 @@
+//! Hilbert order: points in the order of a curve that passes through one cell of a quadtree or octree after the other, at each
+//! level, and from each into one beside it. So the points of a cell follow each other, and any that do are near each other.
+//!
+//! Source: J. Skilling, Programming the Hilbert curve, AIP Conf. Proc. 707 (2004) 381.
+
+use std::ops::Range;
+
+use glam::DVec3;
+
+use crate::math::AXES;
+use crate::parallel::{BlockedSlice, Executor};
+use crate::simd::{Kernel, LANES, Lanes, dispatch};
+
+/// Points per block of work: whole groups of lanes.
+const BLOCK: usize = 4096;
+
+/// Some points in Hilbert order.
+#[derive(Debug)]
+pub struct HilbertOrder {
+    /// The key of each point and its index, ascending.
+    pub keys: Vec<(u64, u32)>,
+    dimension: u32,
+}
+
+impl HilbertOrder {
+    /// The order of `count` points. Those that are not finite are anywhere in it.
+    pub fn new(count: usize, dimension: usize, place: &(impl Fn(usize) -> DVec3 + Sync), executor: &Executor) -> Self {
+        let (low, high) = bounds(count, place, executor);
+        let side = (high - low).max_element();
+        let levels = levels(dimension);
+        let cells = f64::from(1_u32 << levels);
+        let scale = if side > 0.0 { (cells / side).min(f64::MAX) } else { 0.0 };
+        let mut keys = vec![(0, 0); count];
+        executor.for_each_block(BlockedSlice::new(&mut keys, BLOCK), &|mine| {
+            for (group, keys) in mine.items.chunks_mut(LANES).enumerate() {
+                let first = mine.start + LANES * group;
+                let mut cell = [[0; LANES]; AXES];
+                for lane in 0..keys.len() {
+                    let scaled = ((place(first + lane) - low) * scale).to_array();
+                    (0..AXES).for_each(|axis| cell[axis][lane] = scaled[axis].min(cells - 1.0) as u64);
+                }
+                let found = if dimension == 2 { dispatch(Keys([cell[0], cell[1]])) } else { dispatch(Keys(cell)) };
+                keys.iter_mut().enumerate().for_each(|(lane, key)| *key = (found[lane], (first + lane) as u32));
+            }
+        });
+        executor.sort(&mut keys);
+        Self { keys, dimension: dimension as u32 }
+    }
+
+    /// The number of levels in the smallest cell that contains a range of points; 0 if they have one key.
+    fn depth(&self, range: &Range<usize>) -> u32 {
+        let differing = self.keys[range.start].0 ^ self.keys[range.end - 1].0;
+        (u64::BITS - differing.leading_zeros()).div_ceil(self.dimension)
+    }
+
+    /// Whether the points of a range are not told apart.
+    pub fn have_one_key(&self, range: &Range<usize>) -> bool {
+        self.depth(range) == 0
+    }
+
+    /// The ranges in the parts of the smallest cell that contains a range of points: all of it if they have one key.
+    pub fn parts(&self, range: Range<usize>) -> impl Iterator<Item = Range<usize>> {
+        let shift = self.depth(&range).saturating_sub(1) * self.dimension;
+        let mut start = range.start;
+        std::iter::from_fn(move || {
+            let part = self.keys[start..range.end].first()?.0 >> shift;
+            let first = start;
+            start += self.keys[first..range.end].partition_point(|key| key.0 >> shift == part);
+            Some(first..start)
+        })
+    }
+
+    /// The place of each point in this order.
+    pub fn slots(&self) -> Vec<u32> {
+        let mut slots = vec![0; self.keys.len()];
+        self.keys.iter().enumerate().for_each(|(slot, key)| slots[key.1 as usize] = slot as u32);
+        slots
+    }
+}
+
+/// The number of levels below the root: as many bits of a key per axis.
+fn levels(dimension: usize) -> usize {
+    63 / dimension
+}
+
+/// The keys of cells with these coordinates along each axis.
+struct Keys<const DIMENSION: usize>([Lanes<u64>; DIMENSION]);
+
+impl<const DIMENSION: usize> Kernel for Keys<DIMENSION> {
+    type Output = Lanes<u64>;
+
+    #[inline(always)]
+    fn run(self) -> Lanes<u64> {
+        let Self(mut x) = self;
+        // The frame of each level turned and mirrored as the curve enters its cell.
+        for level in (1..levels(DIMENSION)).rev() {
+            let below = (1 << level) - 1;
+            for axis in 0..DIMENSION {
+                for lane in 0..LANES {
+                    let mirrored = (x[axis][lane] >> level & 1).wrapping_neg() & below;
+                    let swapped = (x[0][lane] ^ x[axis][lane]) & (below ^ mirrored);
+                    x[0][lane] ^= swapped ^ mirrored;
+                    x[axis][lane] ^= swapped;
+                }
+            }
+        }
+        // Gray code, and its bits in turn.
+        for axis in 1..DIMENSION {
+            for lane in 0..LANES {
+                x[axis][lane] ^= x[axis - 1][lane];
+            }
+        }
+        let mut keys = [0; LANES];
+        for lane in 0..LANES {
+            let last = x[DIMENSION - 1][lane];
+            let turned =
+                (1..levels(DIMENSION)).fold(0, |turned, level| turned ^ (last >> level & 1).wrapping_neg() & ((1 << level) - 1));
+            for axis in 0..DIMENSION {
+                keys[lane] |= spread::<DIMENSION>(x[axis][lane] ^ turned) << (DIMENSION - 1 - axis);
+            }
+        }
+        keys
+    }
+}
+
+/// Moves the bits of a number apart, so that those of the other axes fit between them.
+#[inline(always)]
+fn spread<const DIMENSION: usize>(bits: u64) -> u64 {
+    // Each step moves the upper half of every run of bits.
+    const PLANE: [(u32, u64); 5] = [
+        (16, 0x0000_ffff_0000_ffff),
+        (8, 0x00ff_00ff_00ff_00ff),
+        (4, 0x0f0f_0f0f_0f0f_0f0f),
+        (2, 0x3333_3333_3333_3333),
+        (1, 0x5555_5555_5555_5555),
+    ];
+    const SPACE: [(u32, u64); 5] = [
+        (32, 0x001f_0000_0000_ffff),
+        (16, 0x001f_0000_ff00_00ff),
+        (8, 0x100f_00f0_0f00_f00f),
+        (4, 0x10c3_0c30_c30c_30c3),
+        (2, 0x1249_2492_4924_9249),
+    ];
+    let steps = if DIMENSION == 2 { PLANE } else { SPACE };
+    steps.iter().fold(bits, |bits, (shift, mask)| (bits | bits << shift) & mask)
+}
+
+/// The bounding box of the points that are finite.
+fn bounds(count: usize, place: &(impl Fn(usize) -> DVec3 + Sync), executor: &Executor) -> (DVec3, DVec3) {
+    let empty = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    let union = |one: (DVec3, DVec3), other: (DVec3, DVec3)| (one.0.min(other.0), one.1.max(other.1));
+    let mut boxes = vec![empty; count.div_ceil(BLOCK)];
+    executor.for_each_block(BlockedSlice::new(&mut boxes, 1), &|mine| {
+        for (block, slot) in (mine.start..).zip(mine.items) {
+            let points = (block * BLOCK..count.min((block + 1) * BLOCK)).map(place).filter(|point| point.is_finite());
+            *slot = points.fold(empty, |all, point| union(all, (point, point)));
+        }
+    });
+    boxes.into_iter().fold(empty, union)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::parallel::SERIAL;
+
+    /// A point of a lattice of 8 per axis, in a shuffled order.
+    fn site(index: usize, dimension: usize) -> DVec3 {
+        let index = index * 12_345 % 8_usize.pow(dimension as u32);
+        DVec3::new((index % 8) as f64, (index / 8 % 8) as f64, (index / 64) as f64)
+    }
+
+    #[test]
+    fn the_curve_goes_from_each_point_of_a_lattice_to_one_beside_it() {
+        for dimension in [2, 3] {
+            let count = 8_usize.pow(dimension as u32);
+            let order = HilbertOrder::new(count, dimension, &|index| site(index, dimension), &SERIAL);
+            let places: Vec<DVec3> = order.keys.iter().map(|key| site(key.1 as usize, dimension)).collect();
+            assert!(places.windows(2).all(|pair| (pair[0] - pair[1]).length() == 1.0));
+            let slots = order.slots();
+            assert!(order.keys.iter().enumerate().all(|(slot, key)| slots[key.1 as usize] as usize == slot));
+        }
+    }
+
+    #[test]
+    fn the_parts_of_a_cell_are_its_halves_along_each_axis() {
+        for dimension in [2, 3] {
+            let count = 8_usize.pow(dimension as u32);
+            let order = HilbertOrder::new(count, dimension, &|index| site(index, dimension), &SERIAL);
+            let parts: Vec<_> = order.parts(0..count).collect();
+            assert_eq!(parts.len(), 1 << dimension);
+            for part in parts {
+                let places = || order.keys[part.clone()].iter().map(|key| site(key.1 as usize, dimension));
+                let low = places().fold(DVec3::INFINITY, DVec3::min);
+                let high = places().fold(DVec3::NEG_INFINITY, DVec3::max);
+                assert_eq!((part.len(), (high - low).max_element()), (count >> dimension, 3.0));
+            }
+        }
+    }
+
+    #[test]
+    fn points_in_one_place_and_those_that_are_not_finite_are_sorted_too() {
+        let order = HilbertOrder::new(5, 3, &|_| DVec3::ONE, &SERIAL);
+        assert!(order.have_one_key(&(0..5)));
+        assert_eq!(order.parts(0..5).count(), 1);
+        assert!(HilbertOrder::new(0, 2, &|_| DVec3::ONE, &SERIAL).keys.is_empty());
+        let places = [0.0, f64::NAN, 1.0, f64::INFINITY];
+        assert_eq!(HilbertOrder::new(4, 3, &|index| DVec3::splat(places[index]), &SERIAL).keys.len(), 4);
+    }
+}
