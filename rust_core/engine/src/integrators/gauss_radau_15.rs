@@ -106,7 +106,7 @@ pub const CONDITION: f64 = {
     while n < STAGES {
         let (mut product, mut m) = (1.0, 0);
         while m < STAGES {
-            product *= if m != n { (NODES[n] - NODES[m]).abs() } else { 1.0 };
+            product *= if m == n { 1.0 } else { (NODES[n] - NODES[m]).abs() };
             m += 1;
         }
         sum += 1.0 / product;
