@@ -1,14 +1,18 @@
-"""Gravitation by the exact sum over all pairs beside NumPy and Numba: `python benches/gravitation.py`."""
+"""Gravitation by the exact sum over all pairs beside NumPy and Numba, and by a tree beside pytreegrav:
+`python benches/gravitation.py`.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from statistics import median
 from typing import Any
 
 import numpy as np
 from measure import Contender, fastest, race, rate, speedup, table
 from rivals.gravitation import Cluster, NumpyCluster, numba_cluster
 from rivals.jit import with_threads
+from rivals.trees import accelerations, widest_angle
 
 import physcore as pc
 from physcore.numerics.choices import Precision
@@ -16,6 +20,9 @@ from physcore.numerics.choices import Precision
 COUNT = 10_240
 STEP = 1e-4
 SOFTENING = 0.01
+STARS = {"10⁵": 100_000, "10⁶": 1_000_000}
+FORCE_ERROR = 2e-3
+"""Rms error of the accelerations over their rms that trees may make."""
 DTYPES: dict[Precision, type[np.floating[Any]]] = {"f64": np.float64, "f32": np.float32}
 
 
@@ -75,6 +82,33 @@ def compare(precision: Precision) -> list[Contender]:
     return contenders
 
 
+def compare_trees(name: str) -> dict[str, float]:
+    """Race whole evaluations of the forces of stars in a cube by trees of the same error; give our seconds for each."""
+    count, generator = STARS[name], np.random.default_rng(3)
+    # Each with its own softening: pytreegrav has kernels of finite support, without which it is as fast.
+    stars = pc.Particles(generator.uniform(size=(count, 3)), 0.5 * generator.normal(size=(count, 3)), mass=1.0 / count)
+    scene = pc.Scene(stars, pc.Gravitation(1.0, SOFTENING, "auto", force_error=FORCE_ERROR))
+    # Copies, because Numba's classes take no arrays that cannot be written to.
+    positions, mass = stars.positions.copy(), np.full(count, 1.0 / count)
+    angle = widest_angle(positions, mass, FORCE_ERROR)
+
+    def theirs(steps: int) -> None:
+        for _ in range(steps):
+            accelerations(positions, mass, angle)
+
+    precisions: tuple[Precision, ...] = ("f32", "f64")
+    ours = {
+        precision: pc.Simulation(scene, pc.VelocityVerlet(), dt=STEP, precision=precision, threads=2)
+        for precision in precisions
+    }
+    contenders = [Contender(f"physcore, {precision}", run.step, 2) for precision, run in ours.items()]
+    race([*contenders, rival := Contender("pytreegrav, f64", with_threads(2, theirs), 2)], repetitions=3)
+    table(f"gravitation by a tree, {name} stars, rms error {FORCE_ERROR:g}", "stars", count, [*contenders, rival])
+    return {
+        f"tree {precision}, {name} stars": median(one.wall) for precision, one in zip(ours, contenders, strict=True)
+    }
+
+
 def main() -> dict[str, float]:
     """Print the tables; give the figures that have targets."""
     figures: dict[str, float] = {}
@@ -83,6 +117,8 @@ def main() -> dict[str, float]:
         contenders = compare(precision)
         figures[f"gravitation {precision}"] = rate(contenders[0], COUNT**2)
         figures[f"two threads, gravitation {precision}"] = speedup(contenders)
+    for name in STARS:
+        figures |= compare_trees(name)
     return figures
 
 
