@@ -10,7 +10,14 @@ from typing import Literal, TypeAlias, TypedDict
 from physcore.checks import MOST, count, is_word, number, shown, span, word
 from physcore.errors import SceneError, warn
 from physcore.forces import ElectromagneticField
-from physcore.numerics.integrators import INTEGRATORS, GaussRadau15, Integrator, SemiImplicitEuler, VelocityVerlet
+from physcore.numerics.integrators import (
+    INTEGRATORS,
+    Boris,
+    GaussRadau15,
+    Integrator,
+    SemiImplicitEuler,
+    VelocityVerlet,
+)
 from physcore.scene.items import Equation
 from physcore.scene.scene import ItemKey, Scene
 
@@ -190,10 +197,17 @@ def _max_energy_growth(options: Options) -> float | None:
 
 
 def suited(scene: Scene) -> list[type[Integrator]]:
-    """The integrators with steps of a given length that can drive something in a scene."""
+    """The integrators with steps of a given length that can drive something in a scene; Boris' in a magnetic field."""
     equations: set[Equation] = {"bodies"} if scene.bodies else set()
     equations |= {each.equation for each in scene.systems}
-    return [kind for kind in INTEGRATORS if not equations.isdisjoint(kind.solves) and not kind.self_adaptive]
+    others = () if _is_magnetic(scene) else (Boris,)
+    kinds = [kind for kind in INTEGRATORS if not equations.isdisjoint(kind.solves) and not kind.self_adaptive]
+    return [kind for kind in kinds if kind not in others]
+
+
+def _is_magnetic(scene: Scene) -> bool:
+    """Whether there is a magnetic field."""
+    return any(isinstance(force, ElectromagneticField) and force.is_magnetic for force in scene.forces)
 
 
 def _integrators(value: object, scene: Scene) -> dict[str, Integrator]:
@@ -223,8 +237,7 @@ def _integrators(value: object, scene: Scene) -> dict[str, Integrator]:
 
 def _default(scene: Scene) -> str:
     """The integrator of the bodies where nothing is said."""
-    magnetic = any(isinstance(force, ElectromagneticField) and force.is_magnetic for force in scene.forces)
-    return "Boris" if magnetic else "VelocityVerlet"
+    return "Boris" if _is_magnetic(scene) else "VelocityVerlet"
 
 
 def _path(key: object, scene: Scene) -> str:

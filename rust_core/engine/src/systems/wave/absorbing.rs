@@ -49,7 +49,7 @@ impl Absorption {
         }
         if runs_backwards::<I>() {
             let mut known = Vec::new();
-            with_integrator!(each J => known.extend((!runs_backwards::<J>()).then_some(J::NAME)));
+            with_integrator!(each J => known.extend((!runs_backwards::<J>() && !J::GYRATES).then_some(J::NAME)));
             let expected = format!("one without negative substeps beside absorbing edges: {}", known.join(", "));
             return Err(Error::parameter("integrator", expected, I::NAME));
         }
