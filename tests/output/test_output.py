@@ -30,12 +30,13 @@ SPACE = pc.Particles(
     np.random.default_rng(1).normal(size=(5, 3)) * 1e-5, velocities=[0.0, 0.0, 1e-7], mass=[1, 2, 3, 4, 5]
 )
 NET = pc.rope(3, length=0.2, stiffness=10.0, mass=0.1, start=(0.85, 0.5))
+FIELD = pc.ElectromagneticField((0.0, 0.1))
 
 SCENES = {
-    "springs": pc.Scene(CLOTH, GRAINS, pc.Gravity((0.0, -9.81))),
-    "water": pc.Scene(WATER, GRAINS, pc.Gravity((0.0, -1.0)), pc.Box((0.0, -0.05), (2.0, 1.0))),
+    "springs": pc.Scene(CLOTH, GRAINS, pc.Gravity((0.0, -9.81)), FIELD),
+    "water": pc.Scene(WATER, GRAINS, pc.Gravity((0.0, -1.0)), FIELD, pc.Box((0.0, -0.05), (2.0, 1.0))),
     "3D": pc.Scene(SPACE),
-    "strip": pc.Scene(GRAINS, NET, pc.Periodic((0.0, -np.inf), (1.0, np.inf))),
+    "strip": pc.Scene(GRAINS, NET, FIELD, pc.Periodic((0.0, -np.inf), (1.0, np.inf))),
     "periodic": pc.Scene(pc.Particles(SPACE.positions, [1.0, 0.0, 0.5]), pc.Periodic((-1e-5,) * 3, (2e-5, 3e-5, 4e-5))),
     "nothing": pc.Scene(pc.Particles(np.empty((0, 2)))),
 }

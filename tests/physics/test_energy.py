@@ -243,6 +243,10 @@ FIELDS = {
     pc.Gravitation: lambda d: [pc.Gravitation(1.5, softening) for softening in (0.0, 0.2)],
     pc.Coulomb: lambda d: [pc.Coulomb(0.7, softening) for softening in (0.0, 0.2)],
     pc.Drag: lambda d: [],
+    pc.ElectromagneticField: lambda d: [
+        pc.ElectromagneticField((0.3, -0.2, 0.5)[:d]),
+        *([pc.ElectromagneticField(pc.QuadrupoleTrap(1.5, (0.1, 0.0, 0.2)))] if d == 3 else []),
+    ],
 }
 """Forces with a potential, for each registered kind; Drag has none."""
 
@@ -281,6 +285,7 @@ def force(scene: pc.Scene) -> Array:
 TOLERANCE = 1e-9
 
 
+@pytest.mark.filterwarnings("ignore::physcore.SceneWarning")
 @pytest.mark.parametrize("dimension", [2, 3])
 @pytest.mark.parametrize("kind", FORCES, ids=lambda kind: kind.__name__)
 def test_a_force_is_minus_the_gradient_of_its_potential(kind, dimension):

@@ -8,6 +8,7 @@ import pytest
 import physcore as pc
 from physics.laboratory import EPSILON, Array, simulation
 
+pytestmark = pytest.mark.filterwarnings("ignore::physcore.SceneWarning")  # masses that have charges too
 EPSILONS = {"f64": EPSILON, "f32": float(np.finfo(np.float32).eps)}
 RUN = 256
 """Terms that the engine sums in the precision of the run."""

@@ -86,6 +86,7 @@ WRONG: list[Any] = [
 ]
 
 
+@pytest.mark.filterwarnings("ignore::physcore.SceneWarning")
 @pytest.mark.filterwarnings("ignore::physcore.MachWarning")
 @pytest.mark.parametrize("kind", ["simulation", "recording"])
 @pytest.mark.parametrize("value", WRONG, ids=lambda value: f"{type(value).__name__} {np.size(value)}")

@@ -27,6 +27,7 @@ SCENE = pc.Scene(
     pc.Gravity((0.0, -9.81), on=BODIES[0]),
     pc.CentralForce((0.0, 0.0), 0.1, softening=0.5, on=[BODIES[1]]),
     WIND,
+    pc.ElectromagneticField((0.0, 0.1)),
     pc.Floor(-1.0, restitution=0.5, friction=0.1),
 )
 
@@ -51,7 +52,7 @@ def test_a_checkpoint_keeps_scene_and_numerics(tmp_path):
     assert loaded.integrator == pc.VelocityVerlet()
     assert loaded.dt == 1e-4
     assert loaded.plan == simulation.plan
-    assert len(loaded.scene.forces) == 3
+    assert len(loaded.scene.forces) == 4
     assert loaded.scene.forces[2] == WIND
     assert loaded.scene.forces[0].bodies() == (loaded.scene.bodies[0],)
     assert loaded.scene.boundaries == SCENE.boundaries

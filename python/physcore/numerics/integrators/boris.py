@@ -28,7 +28,7 @@ class Boris(Integrator):
     Raises:
         SceneError: `exact_angle` is neither True nor False.
 
-    Sources: J. P. Boris, Proc. 4th Conf. Numerical Simulation of Plasmas, 3 (1970); H. Qin et al., Phys. Plasmas 20,
+    Source: J. P. Boris, Proc. 4th Conf. Numerical Simulation of Plasmas, 3 (1970); H. Qin et al., Phys. Plasmas 20,
     084503 (2013).
     """
 

@@ -34,7 +34,7 @@ mod strength;
 pub use central::InverseSquare;
 pub use density::{DensityEvolution, Drift, Fields, Mach, Scheme};
 pub use electromagnetic::ReadyField;
-pub(crate) use electromagnetic::{Affine, FieldLaw, Law, Use};
+pub(crate) use electromagnetic::{Affine, FieldLaw, Law, Use, times};
 use linear::Fusion;
 pub use pointwise::ForceField;
 pub use strength::{PART, Strength};

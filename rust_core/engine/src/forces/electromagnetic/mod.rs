@@ -147,7 +147,7 @@ struct ElectricLaw<L>(L);
 impl<V: Vector, L: FieldLaw<V::Scalar>> ForceField<V> for ElectricLaw<L> {
     #[inline(always)]
     fn at(&self, charge: V::Scalar, x: [V::Scalar; AXES], v: [V::Scalar; AXES]) -> PointRate<V::Scalar> {
-        let force = self.0.at(x).map(|field| charge * field);
+        let force = times(charge, self.0.at(x));
         PointRate { force, dissipated: V::Scalar::ZERO, work: charge * self.0.power(x, v) }
     }
 }
@@ -158,7 +158,7 @@ struct MagneticLaw<L>(L);
 impl<V: Vector, L: FieldLaw<V::Scalar>> ForceField<V> for MagneticLaw<L> {
     #[inline(always)]
     fn at(&self, charge: V::Scalar, x: [V::Scalar; AXES], v: [V::Scalar; AXES]) -> PointRate<V::Scalar> {
-        let strength = self.0.at(x).map(|field| charge * field);
+        let strength = times(charge, self.0.at(x));
         PointRate { force: cross(v, strength), dissipated: V::Scalar::ZERO, work: V::Scalar::ZERO }
     }
 }
@@ -170,10 +170,16 @@ struct StrengthLaw<L>(L);
 impl<V: Vector, L: FieldLaw<V::Scalar>> ForceField<V> for StrengthLaw<L> {
     #[inline(always)]
     fn at(&self, charge: V::Scalar, x: [V::Scalar; AXES], _v: [V::Scalar; AXES]) -> PointRate<V::Scalar> {
-        let [x, y, z] = self.0.at(x).map(|field| charge * field);
+        let [x, y, z] = times(charge, self.0.at(x));
         let force = if V::DIMENSION == 2 { [z, V::Scalar::ZERO, V::Scalar::ZERO] } else { [x, y, z] };
         PointRate { force, dissipated: V::Scalar::ZERO, work: V::Scalar::ZERO }
     }
+}
+
+/// A field times a charge; 0 without a charge, even where the field is infinite.
+#[inline(always)]
+pub(crate) fn times<T: Real>(charge: T, field: [T; AXES]) -> [T; AXES] {
+    field.map(|field| if charge == T::ZERO { T::ZERO } else { charge * field })
 }
 
 #[inline(always)]

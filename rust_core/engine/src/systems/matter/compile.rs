@@ -52,7 +52,7 @@ pub fn compile<V: Vector>(scene: &Scene, method: Box<dyn Method<V>>, executor: &
         let continuity = fluid.density().is_some_and(|density| density.scheme() == Scheme::Continuity);
         if let (true, Some(reason)) = (continuity, about.refuses_fields) {
             let mut fit = Vec::new();
-            with_integrator!(each Other => if integrators::refuses_fields::<Other>().is_none() {
+            with_integrator!(each Other => if integrators::refuses_fields::<Other>().is_none() && !Other::GYRATES {
                 fit.push(format!("{}()", Other::NAME));
             });
             let expected = format!("{} for a fluid that carries its density along", fit.join(", "));

@@ -2,7 +2,7 @@
 
 use super::components::columns;
 use super::gyration::kick;
-use crate::forces::{Affine, FieldLaw, Use};
+use crate::forces::{Affine, FieldLaw, Use, times};
 use crate::math::{Real, Vector};
 use crate::matter::Blocks;
 use crate::simd::{Kernel, dispatch};
@@ -82,7 +82,7 @@ impl<V: Vector, B: FieldLaw<V::Scalar>> Steps<Part<'_, '_, V>, B> {
                         field[2] = V::Scalar::ZERO;
                         turn = [V::Scalar::ZERO, V::Scalar::ZERO, turn[2]];
                     }
-                    let change = kick(velocity, field.map(|field| rate * field), turn.map(|turn| rate * turn));
+                    let change = kick(velocity, times(rate, field), times(rate, turn));
                     let kicked = [velocity[0] + change[0], velocity[1] + change[1], velocity[2] + change[2]];
                     [u[lane], v[lane], w[lane]] = kicked;
                     x[lane] = middle[0] + half * kicked[0];
