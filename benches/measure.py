@@ -94,7 +94,7 @@ def table(title: str, unit: str, work: float, contenders: Sequence[Contender]) -
         rates = [work / seconds / 1e6 for times in (one.wall, one.cpu) for seconds in (median(times), min(times))]
         ratio = median(one.cpu) / ours[one.threads]
         mark = f"  noisy: {one.noise:.0%}" if one.noise > NOISE else ""
-        figures = "".join(f"{rate:>10.{1 if rate < 100 else 0}f}" for rate in rates)
+        figures = "".join(f"{rate:>10.{2 if rate < 10 else 1 if rate < 100 else 0}f}" for rate in rates)
         print(f"{one.name:<36}{one.threads:>10}{figures}{ratio:>11.2f}×{mark}", flush=True)
 
 

@@ -1,4 +1,4 @@
-"""Charges by Boris' method as NumPy and Numba users write it, in a uniform magnetic field and an electric one."""
+"""Charges in a Penning trap as NumPy and Numba users write it: Boris' method."""
 
 from __future__ import annotations
 

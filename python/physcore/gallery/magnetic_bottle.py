@@ -46,10 +46,10 @@ def scene() -> pc.Scene:
         beams.append(
             pc.Particles(places, velocities, mass=proton_mass, charge=elementary_charge, name=f"{name} protons")
         )
-    east, west = (
+    west, east = (
         pc.CurrentLoop(RADIUS, CURRENT, (side * 0.5 * APART, 0.0, 0.0), (1.0, 0.0, 0.0)) for side in (-1.0, 1.0)
     )
-    return pc.Scene(*coils, *beams, pc.ElectromagneticField(magnetic=(east, west), on=beams))
+    return pc.Scene(*coils, *beams, pc.ElectromagneticField(magnetic=(west, east), on=beams))
 
 
 def main(path: str | os.PathLike[str] = "magnetic_bottle.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
@@ -81,7 +81,8 @@ def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
     Source: J. D. Jackson, Classical Electrodynamics, 3rd edition (1999), § 12.5.
     """
     protons = recordings["protons"]
-    x, v = protons.positions[:, 160:], protons.velocities[:, 160:]
+    fixed = sum(map(len, protons.scene.bodies[:2]))
+    x, v = protons.positions[:, fixed:], protons.velocities[:, fixed:]
     moments = (v[..., 1] ** 2 + v[..., 2] ** 2) / SPEED**2
     late = len(x) // 2
     last = []
