@@ -51,6 +51,7 @@ from physcore.forces import (
 from physcore.numerics.choices import AdaptiveStep, AutoStep
 from physcore.numerics.integrators import (
     PEFRL,
+    RATTLE,
     BlanesMoan4,
     BlanesMoan6,
     BogackiShampine3,
@@ -103,6 +104,7 @@ __version__: str
 
 __all__ = [
     "PEFRL",
+    "RATTLE",
     "Absorbing",
     "AccuracyError",
     "AdaptiveStep",

@@ -230,9 +230,9 @@ def array(value: object, path: str, *, finite: bool = True) -> FloatArray:
     return result
 
 
-def broadcast(value: ArrayLike, shape: tuple[int, ...], path: str) -> FloatArray:
-    """A new array of finite numbers of exactly `shape`, repeated the way NumPy broadcasts."""
-    given = array(value, path)
+def broadcast(value: ArrayLike, shape: tuple[int, ...], path: str, *, finite: bool = True) -> FloatArray:
+    """A new array of numbers of exactly `shape`, repeated the way NumPy broadcasts; `finite` as of `array`."""
+    given = array(value, path, finite=finite)
     try:
         return np.array(np.broadcast_to(given, shape), order="C")
     except ValueError:

@@ -11,11 +11,11 @@ import physcore as pc
 from physcore.boundaries import BOUNDARIES
 from physcore.film.looks import LOOKS, look_of
 from physcore.forces import FORCES
+from physcore.scene.channels import field_names
 from physcore.scene.items import System
 from physcore.scene.kernels import KERNELS
 from physcore.scene.records import Record, kind_of, parameters
 from physcore.simulation import engine
-from physcore.simulation.recording import field_names
 from physcore.systems import SYSTEMS
 
 DUST = pc.Particles([[0.0, 0.0], [1.0, 0.0]], radius=0.1, name="dust")

@@ -12,12 +12,14 @@ from physcore.errors import SceneError, warn
 from physcore.forces import ElectromagneticField
 from physcore.numerics.integrators import (
     INTEGRATORS,
+    RATTLE,
     Boris,
     GaussRadau15,
     Integrator,
     SemiImplicitEuler,
     VelocityVerlet,
 )
+from physcore.scene.channels import has_rods
 from physcore.scene.items import Equation
 from physcore.scene.scene import ItemKey, Scene
 
@@ -197,12 +199,14 @@ def _max_energy_growth(options: Options) -> float | None:
 
 
 def suited(scene: Scene) -> list[type[Integrator]]:
-    """The integrators with steps of a given length that can drive something in a scene; Boris' in a magnetic field."""
+    """The integrators with steps of a given length that can drive something in a scene; Boris' in a magnetic field,
+    with rods those that hold them.
+    """
     equations: set[Equation] = {"bodies"} if scene.bodies else set()
     equations |= {each.equation for each in scene.systems}
-    others = () if _is_magnetic(scene) else (Boris,)
+    others = (*(() if _is_magnetic(scene) else (Boris,)), *(() if has_rods(scene) else (RATTLE,)))
     kinds = [kind for kind in INTEGRATORS if not equations.isdisjoint(kind.solves) and not kind.self_adaptive]
-    return [kind for kind in kinds if kind not in others]
+    return [kind for kind in kinds if kind not in others and (kind.holds_rods or not has_rods(scene))]
 
 
 def _is_magnetic(scene: Scene) -> bool:
@@ -237,6 +241,8 @@ def _integrators(value: object, scene: Scene) -> dict[str, Integrator]:
 
 def _default(scene: Scene) -> str:
     """The integrator of the bodies where nothing is said."""
+    if has_rods(scene):
+        return "RATTLE"
     return "Boris" if _is_magnetic(scene) else "VelocityVerlet"
 
 

@@ -23,6 +23,9 @@ from physcore.checks import (
 from physcore.errors import SceneError
 from physcore.scene.records import APPEARANCE
 
+ROUNDED = 1e-6
+"""The relative difference by which a rod's ends may miss its length; they are moved there."""
+
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
 class Body:
@@ -138,7 +141,8 @@ class SpringNetwork(Body):
     Args:
         positions: [m], shape (N, D) with D = 2 or 3.
         pairs: indices of the two particles that each spring connects, shape (M, 2).
-        stiffness: k of each spring [N/m], broadcast to (M,), at least zero.
+        stiffness: k of each spring [N/m], broadcast to (M,), at least zero; math.inf makes a rod, whose length does not
+            change and which has no damping. Its ends must be at its rest length, and RATTLE holds it there.
         damping: c of each spring, along the spring [N·s/m], broadcast to (M,), at least zero.
         rest_length: l₀ of each spring [m], broadcast to (M,); None: the lengths that the springs have in `positions`.
         mass, fixed, velocities, charge, radius, name: as in Particles.
@@ -146,7 +150,8 @@ class SpringNetwork(Body):
             how it can be drawn (`physcore.styles.Surface`), and have no part in the motion.
 
     Raises:
-        SceneError: a shape does not fit, an index points outside, or a value is not finite or out of range.
+        SceneError: a shape does not fit, an index points outside, a value is not finite or out of range, or a rod is
+            not as long as it has to be.
     """
 
     pairs: IntArray
@@ -185,9 +190,29 @@ class SpringNetwork(Body):
         self._set(pairs=links)
         for column, value in springs.items():
             path = f"SpringNetwork.{column}"
-            values = broadcast(value, (len(links),), path)
+            values = broadcast(value, (len(links),), path, finite=column != "stiffness")
             require(values >= 0, values, path, "≥ 0")
             self._set(**{column: values})
+        self._check_rods()
+
+    @property
+    def rods(self) -> BoolArray:
+        """Which springs are rods, shape (M,)."""
+        return np.isinf(self.stiffness)
+
+    def _check_rods(self) -> None:
+        """Rods are as long as their ends are apart, but for rounding, and that is not zero."""
+        rods = np.flatnonzero(self.rods)
+        ends, lengths = self.positions[self.pairs[rods]], self.rest_length[rods]
+        apart = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
+        path = "SpringNetwork.rest_length"
+        wrong = ~(np.abs(apart - lengths) <= ROUNDED * lengths) | (lengths == 0.0)
+        if wrong.any():
+            row = int(np.argmax(wrong))
+            raise SceneError(
+                f"{path}[{rods[row]}]: a rod of {lengths[row]:g} m, whose ends are {apart[row]:g} m apart; "
+                "leave rest_length out, and place its ends at the length that it has to have"
+            )
 
 
 def _indices(value: ArrayLike, width: int, number: int, path: str) -> IntArray:

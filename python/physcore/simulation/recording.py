@@ -13,7 +13,15 @@ import numpy as np
 from physcore import memory
 from physcore.checks import FloatArray, is_word, words
 from physcore.errors import SceneError
-from physcore.scene.fluid import Fluid
+from physcore.scene.channels import (
+    CHANNELS,
+    FLUID_CHANNELS,
+    SPRING_CHANNELS,
+    body_fields,
+    field_names,
+    springs,
+    system_shapes,
+)
 from physcore.scene.grid import GridSystem
 from physcore.scene.points import PointSystem
 from physcore.scene.scene import BodyKey, ItemKey, Scene
@@ -25,34 +33,12 @@ from physcore.simulation.state import Frame
 from physcore.storage import archive
 from physcore.storage.schema import Sizes, anything, maybe, of, real, record, several, table, text, word
 
-CHANNELS = ("positions", "velocities")
-"""The fields of all particles."""
-FLUID_CHANNELS = ("densities", "pressures")
-"""The fields that fluids have beside."""
 AMOUNTS = ("kinetic", "internal", "dissipated", "work")
 """The parts of the energy budget that are one number each."""
 PARTS = ("removed_by", "supplied_by")
 """The parts of the budgets of other quantities that are one number for each cause."""
 TERMS = 8
 """About how many forces and frictions there are, each with an energy of its own."""
-
-
-def field_names(scene: Scene) -> tuple[str, ...]:
-    """The names of the fields that a scene has; positions and velocities always, if only of no particles."""
-    return (*CHANNELS, *(FLUID_CHANNELS if scene.fluids else ()), *_system_shapes(scene))
-
-
-def _system_shapes(scene: Scene) -> dict[str, tuple[int, ...]]:
-    """The shapes of the fields of further systems."""
-    shapes = (
-        (scene.system(system), name, shape) for system in scene.systems for name, shape in system.shapes().items()
-    )
-    return {f"{system}.{name}": shape for system, name, shape in shapes}
-
-
-def body_fields(scene: Scene, body: BodyKey) -> tuple[str, ...]:
-    """Those of one of its bodies."""
-    return (*CHANNELS, *FLUID_CHANNELS) if isinstance(scene.bodies[scene.index(body)], Fluid) else CHANNELS
 
 
 def check_channels(channels: object, scene: Scene) -> tuple[str, ...]:
@@ -103,6 +89,11 @@ class Trajectory:
         """[Pa], shape (F, N); not a number for particles that are not a fluid's."""
         return self._channel("pressures")
 
+    @property
+    def tensions(self) -> FloatArray:
+        """Of the springs of networks with rods [N], shape (F, S), positive where they pull; in the order of `pairs`."""
+        return self._channel("tensions")
+
     def __len__(self) -> int:
         return len(self.times)
 
@@ -127,6 +118,7 @@ class Trajectory:
     def _channel(self, name: str) -> FloatArray:
         if name not in self.channels:
             whose = "; only a Fluid has them" if name in FLUID_CHANNELS else ""
+            whose = "; only networks with rods have them" if name in SPRING_CHANNELS else whose
             raise SceneError(f"channels: {name} were not recorded; ask for them with channels=({name!r}, …){whose}")
         return self.channels[name]
 
@@ -164,9 +156,9 @@ class Recording(Trajectory):
                 self.times, shown({name.removeprefix(f"{system}."): values for name, values in own.items()})
             )
         body = cast("BodyKey", item)
-        part = self.scene.slice(body)
         mine = body_fields(self.scene, body)
-        return Trajectory(self.times, {name: self.channels[name][:, part] for name in self.channels if name in mine})
+        own = {name: self.channels[name][:, part] for name, part in mine.items() if name in self.channels}
+        return Trajectory(self.times, own)
 
     def __repr__(self) -> str:
         return (
@@ -208,11 +200,12 @@ class Recording(Trajectory):
             FileError: an entry is missing or wrong; with its path.
         """
         scene = unpack_scene(content.get("scene"))
-        sizes = Sizes(N=scene.particles, D=scene.dimension, A=_turns(scene))
+        sizes = Sizes(N=scene.particles, S=springs(scene), D=scene.dimension, A=_turns(scene))
         over_time = sizes.array("F")
         channels = several(word(*field_names(scene)))(content.get("channels"), "channels")
         axes = {**dict.fromkeys(CHANNELS, ("F", "N", "D")), **dict.fromkeys(FLUID_CHANNELS, ("F", "N"))}
-        for name, lengths in _system_shapes(scene).items():
+        axes |= dict.fromkeys(SPRING_CHANNELS, ("F", "S"))
+        for name, lengths in system_shapes(scene).items():
             axes[name] = ("F", *(f"{name}, axis {axis}" for axis in range(len(lengths))))
             sizes.update(zip(axes[name][1:], lengths, strict=True))
         # Particles that are no fluid's have no density.

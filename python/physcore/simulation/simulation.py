@@ -27,6 +27,7 @@ from physcore.numerics.choices import (
 from physcore.numerics.integrators import Integrator
 from physcore.progress import Progress
 from physcore.scene.bodies import Body
+from physcore.scene.channels import CHANNELS, FLUID_CHANNELS, body_fields
 from physcore.scene.items import System
 from physcore.scene.records import Record
 from physcore.scene.scene import BodyKey, ItemKey, Scene
@@ -35,7 +36,7 @@ from physcore.simulation import frames as sampling
 from physcore.simulation.energy import Amount, Energy
 from physcore.simulation.plan import Plan
 from physcore.simulation.provenance import SEGMENTS, Provenance, version
-from physcore.simulation.recording import CHANNELS, FLUID_CHANNELS, Recording, body_fields, check_channels, collect
+from physcore.simulation.recording import Recording, check_channels, collect
 from physcore.simulation.serial import pack_numerics, unpack_numerics, unpack_scene
 from physcore.simulation.state import Frame, Part
 from physcore.simulation.stepper import Captured, Stepper
@@ -175,8 +176,7 @@ class Simulation:
             own = {name: self._world.read(f"{path}.{name}") for name in system.shapes()}
             return Part(self.time, system.shown(own), lambda values: self._set_fields(system, path, values))
         body = cast("BodyKey", item)
-        part = self._scene.slice(body)
-        fields = {name: self._world.read(name)[part] for name in body_fields(self._scene, body)}
+        fields = {name: self._world.read(name)[part] for name, part in body_fields(self._scene, body).items()}
         shown = {**fields, "positions": engine.show(fields["positions"], self._scene)}
         return Part(self.time, shown, lambda values: self._set_body(body, values))
 

@@ -12,12 +12,13 @@ from physcore import memory
 from physcore.checks import FloatArray, shown, span
 from physcore.errors import InternalError, SceneError
 from physcore.numerics.choices import FRAMES_PER_SECOND, Options, check
+from physcore.scene.channels import field_names
 from physcore.scene.records import Record
 from physcore.scene.scene import Scene
 from physcore.simulation.energy import Drift, Energy
 from physcore.simulation.frames import frame_count
 from physcore.simulation.provenance_record import ProvenanceRecord, provenance_record, record_of
-from physcore.simulation.recording import Recording, field_names
+from physcore.simulation.recording import Recording
 from physcore.simulation.simulation import Simulation
 
 

@@ -8,6 +8,7 @@ from typing import Any, cast
 
 from physcore.checks import FloatArray
 from physcore.errors import SceneError
+from physcore.scene.channels import SPRING_CHANNELS, body_fields
 from physcore.scene.scene import BodyKey, ItemKey, Scene
 from physcore.simulation.energy import Amount, Energy
 
@@ -50,8 +51,9 @@ class Snapshot:
             own = {name: values for name, values in self.fields.items() if name.startswith(f"{path}.")}
             shown = next(each for each in self.scene.systems if self.scene.system(each) == path).shown
             return Snapshot(self.time, shown({name.removeprefix(f"{path}."): values for name, values in own.items()}))
-        part = self.scene.slice(cast("BodyKey", key))
-        return Snapshot(self.time, {name: values[part] for name, values in self.fields.items() if "." not in name})
+        parts = body_fields(self.scene, cast("BodyKey", key))
+        own = {name: self.fields[name][part] for name, part in parts.items() if name in self.fields}
+        return Snapshot(self.time, own)
 
     @property
     def positions(self) -> FloatArray:
@@ -73,9 +75,15 @@ class Snapshot:
         """[Pa], shape (N,); not a number for particles that are not a fluid's."""
         return self._field("pressures")
 
+    @property
+    def tensions(self) -> FloatArray:
+        """Of the springs of networks with rods [N], shape (S,), positive where they pull; in the order of `pairs`."""
+        return self._field("tensions")
+
     def _field(self, name: str) -> FloatArray:
         if name not in self.fields:
-            raise SceneError(f"{name}: only a Fluid has them")
+            whose = "networks with rods have" if name in SPRING_CHANNELS else "a Fluid has"
+            raise SceneError(f"{name}: only {whose} them")
         return self.fields[name]
 
     def __getattr__(self, name: str) -> FloatArray:

@@ -13,6 +13,7 @@ from physcore.numerics.integrators.explicit_euler import ExplicitEuler
 from physcore.numerics.integrators.gauss_radau_15 import GaussRadau15
 from physcore.numerics.integrators.mclachlan_2 import McLachlan2
 from physcore.numerics.integrators.pefrl import PEFRL
+from physcore.numerics.integrators.rattle import RATTLE
 from physcore.numerics.integrators.runge_kutta_4 import RungeKutta4
 from physcore.numerics.integrators.runge_kutta_chebyshev import RungeKuttaChebyshev
 from physcore.numerics.integrators.semi_implicit_euler import SemiImplicitEuler
@@ -37,12 +38,14 @@ INTEGRATORS: tuple[type[Integrator], ...] = (
     Staggered,
     Boris,
     GaussRadau15,
+    RATTLE,
 )
 """Every integrator; what is registered here can be saved, and is tested for its order."""
 
 __all__ = [
     "INTEGRATORS",
     "PEFRL",
+    "RATTLE",
     "BlanesMoan4",
     "BlanesMoan6",
     "BogackiShampine3",

@@ -24,5 +24,7 @@ class Integrator:
     """Whether it estimates the error of each step, from a method of the order below that is embedded in it."""
     self_adaptive: ClassVar[bool] = False
     """Whether it chooses the steps itself with dt="auto", by a `tolerance` of its own."""
+    holds_rods: ClassVar[bool] = False
+    """Whether it keeps springs of infinite stiffness at their lengths."""
     solves: ClassVar[tuple[Equation, ...]] = ("bodies", "second order")
     """The kinds of equations of motion that it can advance."""

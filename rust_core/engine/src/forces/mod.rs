@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 
 use crate::error::Result;
 use crate::history::History;
@@ -62,6 +62,13 @@ impl<V: Vector> StateView<'_, V> {
     pub fn exact_position(&self, axis: usize, index: usize) -> f64 {
         let residual = self.residual.axis(axis).get(index).map_or(0.0, |residual| residual.to_f64());
         self.position.axis(axis)[index].to_f64() + residual
+    }
+
+    /// The position of a particle, not rounded [m].
+    pub fn exact_point(&self, index: usize) -> DVec3 {
+        let mut point = [0.0; 3];
+        point[..V::DIMENSION].iter_mut().enumerate().for_each(|(axis, slot)| *slot = self.exact_position(axis, index));
+        DVec3::from_array(point)
     }
 }
 

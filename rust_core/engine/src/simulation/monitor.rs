@@ -158,6 +158,7 @@ impl Simulation {
         match self.advance(steps, record, interrupted) {
             Err(error) if stops_a_step(&error) && steps > 1 => return self.batch(steps / 2, rule, interrupted),
             Err(error) if is_beyond_search(&error) => return Err(self.step_beyond_search(1)),
+            Err(Error::Diverged(divergence)) => return Err(self.in_next_step(*divergence)),
             outcome => outcome?,
         }
         let activity = self.system.activity();
@@ -297,6 +298,12 @@ impl Simulation {
         Error::Diverged(Box::new(Divergence { step: self.steps + steps, time, ..self.beyond_search() }))
     }
 
+    /// The error of the next step, in which a method's equations had no solution.
+    fn in_next_step(&self, divergence: Divergence) -> Error {
+        let time = self.time() + self.segment.dt;
+        Error::Diverged(Box::new(Divergence { step: self.steps + 1, time, ..divergence }))
+    }
+
     /// The divergence of the present state, if it is what an error is about.
     pub(super) fn or_divergence(&self, error: Error) -> Error {
         if !is_beyond_search(&error) {
@@ -354,7 +361,7 @@ fn is_above(activity: f64, threshold: f64) -> bool {
 
 /// Whether the error belongs to a single step, independent of those before.
 fn stops_a_step(error: &Error) -> bool {
-    is_beyond_search(error) || matches!(error, Error::Memory { .. } | Error::Callback { .. })
+    is_beyond_search(error) || matches!(error, Error::Memory { .. } | Error::Callback { .. } | Error::Diverged(_))
 }
 
 /// Whether a step failed because positions are too large for a neighbor search: they diverge before they overflow.

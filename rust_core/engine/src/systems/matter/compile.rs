@@ -16,6 +16,7 @@ use crate::memory;
 use crate::neighbors;
 use crate::parallel::Executor;
 use crate::plan::Stages;
+use crate::rods::{self, Rods};
 use crate::scene::{self, PARTICLES, Scene};
 
 mod precision;
@@ -40,12 +41,14 @@ pub fn compile<V: Vector>(scene: &Scene, method: Box<dyn Method<V>>, executor: &
     let properties = properties::<V>(scene, &order);
     precision::check::<V>(scene, &springs, &properties)?;
     let springs = renumbered(springs, &order);
+    let rods = rods(scene, &springs, &properties, &about)?;
     executor.check()?;
 
     let (mut all, mut stages): (Vec<Box<dyn Force<V>>>, Vec<String>) = (Vec::new(), Vec::new());
     let mut notes = Vec::new();
-    if !springs.is_empty() {
-        all.push(Box::new(Springs::<V>::new(&springs, count)));
+    let elastic: Vec<Spring> = springs.iter().filter(|spring| !rods::is_rod(spring)).copied().collect();
+    if !elastic.is_empty() {
+        all.push(Box::new(Springs::<V>::new(&elastic, count)));
     }
     if let Some(fluid) = sph::fluid(scene, &properties, executor)? {
         refuse_kinks(&about, "a fluid")?;
@@ -81,14 +84,17 @@ pub fn compile<V: Vector>(scene: &Scene, method: Box<dyn Method<V>>, executor: &
         }
     }
     stages.push(about.name.to_owned());
+    if rods.is_some() {
+        stages.push("rods".to_owned());
+    }
     if contacts.is_some() {
         // Where positions are final before the evaluation of forces, contacts come first.
         stages.insert(if about.drifts_first { 0 } else { stages.len() }, "contacts".to_owned());
     }
 
-    let independent = !about.sweeps && known.iter().all(|force| force.reach == Reach::Pointwise);
-    let pairs = known.iter().any(|force| force.reach == Reach::Pairs);
-    let mut state = state::<V>(scene, &properties, MatterSystem::<V>::block(&about, independent), pairs)?;
+    let independent = !about.sweeps && rods.is_none() && known.iter().all(|force| force.reach == Reach::Pointwise);
+    let exact = rods.is_some() || known.iter().any(|force| force.reach == Reach::Pairs);
+    let mut state = state::<V>(scene, &properties, MatterSystem::<V>::block(&about, independent), exact)?;
     if let Some(contacts) = &contacts {
         let pushed = contacts.project_inside(&mut state.position, &properties)?;
         if pushed > 0 {
@@ -105,6 +111,7 @@ pub fn compile<V: Vector>(scene: &Scene, method: Box<dyn Method<V>>, executor: &
     };
     let mut dynamics = Dynamics::new(properties, all, contacts, state.block);
     dynamics.angle = about.angle;
+    (dynamics.springs, dynamics.rods) = if rods.is_some() { (springs, rods) } else { (Vec::new(), None) };
     let dissipative = dynamics.velocity != VelocityDependence::None;
     let nominal = if dissipative { about.order_dissipative } else { about.order };
     let order = known.iter().map(|force| force.order).fold(nominal, u32::min);
@@ -127,6 +134,28 @@ pub fn compile<V: Vector>(scene: &Scene, method: Box<dyn Method<V>>, executor: &
     };
     let fields = scene.forces.iter().filter(|item| !forces::is_between_pairs(item)).cloned().collect();
     Ok(MatterSystem::new(dynamics, state, method, stages, fields))
+}
+
+/// The rods among springs, refused where the method does not hold them, or where they hold two particles that have to part.
+fn rods<V: Vector>(scene: &Scene, springs: &[Spring], properties: &Properties<V>, about: &MethodAbout) -> Result<Option<Rods>> {
+    if !about.holds_rods && springs.iter().any(rods::is_rod) {
+        let hint = "their stiffness is infinite: its steps would have to be infinitely short";
+        return Err(Error::parameter("integrator", "RATTLE() for rods", about.name).with_hint(hint));
+    }
+    let velocity = |end: u32| {
+        let caller = properties.caller[end as usize] as usize;
+        scene.bodies.iter().flat_map(|body| &body.velocities).nth(caller).copied()
+    };
+    let parting = |spring: &&Spring| {
+        let [one, other] = spring.ends;
+        spring.ends.iter().all(|&end| properties.is_fixed(end as usize)) && velocity(one) != velocity(other)
+    };
+    if let Some(rod) = springs.iter().filter(|spring| rods::is_rod(spring)).find(parting) {
+        let ends = rod.ends.map(|end| properties.caller[end as usize]);
+        let found = format!("a rod between the fixed particles {} and {}, whose velocities differ", ends[0], ends[1]);
+        return Err(Error::parameter("scene", "rods whose ends can keep their distance", found));
+    }
+    Ok(Rods::new(springs, properties))
 }
 
 /// Refuses a method of smooth motion where a scene has what breaks it.

@@ -63,7 +63,7 @@ pub fn advance<V: Vector, I: Integrator>(
             velocity.copy_from(&matter.velocity);
         }
         if step == 0 || !moves_on {
-            for_each_block::<V, I>(dynamics, matter, workspace, interval, 0.0, Action::StageState, executor)?;
+            sweep::<V, I>(dynamics, matter, workspace, interval, 0.0, Action::StageState, executor)?;
         }
         if I::DRIFTS_FIRST {
             collisions::<V, I>(dynamics, matter, workspace, interval.h, executor);
@@ -81,7 +81,7 @@ pub fn advance<V: Vector, I: Integrator>(
                 )?;
             }
             let next = if stage + 1 < stages { Some(stage + 1) } else { (step + 1 < interval.steps && moves_on).then_some(0) };
-            for_each_block::<V, I>(dynamics, matter, workspace, interval, time, Action::StageUpdate(stage, next), executor)?;
+            sweep::<V, I>(dynamics, matter, workspace, interval, time, Action::StageUpdate(stage, next), executor)?;
         }
         activity.push(workspace.activity.iter().sum());
         if let Some(&last) = drifts.and_then(|drift_kick| drift_kick.drifts.get(stages)) {
@@ -105,7 +105,7 @@ pub fn begin<V: Vector, I: Integrator>(
     interval: Interval,
     executor: &Executor,
 ) -> Result<()> {
-    for_each_block::<V, I>(dynamics, matter, workspace, interval, interval.start, Action::Begin, executor)
+    sweep::<V, I>(dynamics, matter, workspace, interval, interval.start, Action::Begin, executor)
 }
 
 /// Advances density over the preceding drift of `h` seconds, at its end time, with the velocity in a register or the
@@ -130,7 +130,8 @@ fn drift<V: Vector>(
     if dynamics.shifts { displace(dynamics, matter, &mut workspace.force, time, executor) } else { Ok(()) }
 }
 
-fn for_each_block<V: Vector, I: Integrator>(
+/// One pass over all blocks: evaluates the forces, if the action needs them, and acts on the state.
+pub fn sweep<V: Vector, I: Integrator>(
     dynamics: &mut Dynamics<V>,
     matter: &mut Matter<V>,
     workspace: &mut Workspace<V>,

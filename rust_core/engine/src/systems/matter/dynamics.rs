@@ -7,6 +7,7 @@ use glam::DVec3;
 use crate::contacts::Contacts;
 use crate::error::Result;
 use crate::forces::linear::{Fusion, LinearForce};
+use crate::forces::springs::Spring;
 use crate::forces::{
     DensityEvolution, Drift, Force, InverseSquare, Law, Rates, Reach, ReadyField, Scheme, StateView, Strength, VelocityDependence,
 };
@@ -14,6 +15,7 @@ use crate::ledger::{Class, Ledger};
 use crate::math::{Real, Vector};
 use crate::matter::{Columns, EnergySink, Matter, Power, Properties, SINKS, Span, View};
 use crate::parallel::{Executor, SERIAL};
+use crate::rods::{self, Rods};
 use crate::simd::{LANES, padded};
 use crate::stability::SpectralBound;
 
@@ -77,6 +79,10 @@ pub struct Dynamics<V: Vector> {
     pub magnetic: bool,
     /// Whether a fixed particle has a velocity, so that its constraint force does work.
     driven: bool,
+    /// The rods, if there are any.
+    pub rods: Option<Rods>,
+    /// All springs with the rods among them, as declared, where there are rods.
+    pub springs: Vec<Spring>,
 }
 
 impl<V: Vector> Dynamics<V> {
@@ -103,6 +109,8 @@ impl<V: Vector> Dynamics<V> {
             together,
             forces,
             driven: false,
+            rods: None,
+            springs: Vec::new(),
         }
     }
 
@@ -291,9 +299,41 @@ impl<V: Vector> Dynamics<V> {
         }
     }
 
+    /// The tensions of all rods at a state with these accelerations by all other forces [N].
+    fn tensions(&self, at: &StateView<'_, V>, accelerations: &[DVec3]) -> Vec<f64> {
+        let (position, velocity) = (|index| at.exact_point(index), |index: usize| at.velocity.get(index).widen());
+        self.rods.clone().map_or_else(Vec::new, |rods| rods.tensions(position, velocity, |index| accelerations[index]))
+    }
+
+    /// The tensions of all springs, the rods among them, as declared, at a state at which the forces are prepared [N]: of a spring
+    /// k (l − l₀) + c l̇.
+    pub fn tensions_of_springs(&self, at: &StateView<'_, V>) -> Vec<f64> {
+        let accelerations: Vec<DVec3> = self.accelerations(at).map(V::widen).collect();
+        let of = |spring: &Spring| -> f64 {
+            let [one, other] = spring.ends.map(|end| end as usize);
+            let offset = at.exact_point(other) - at.exact_point(one);
+            let rate = offset.normalize_or_zero().dot(at.velocity.get(other).widen() - at.velocity.get(one).widen());
+            spring.stiffness * (offset.length() - spring.rest_length) + spring.damping * rate
+        };
+        // A rod between two fixed particles bears no load.
+        let mut tensions: Vec<f64> =
+            self.springs.iter().map(|spring| if rods::is_rod(spring) { 0.0 } else { of(spring) }).collect();
+        if let Some(rods) = &self.rods {
+            rods.springs()
+                .iter()
+                .zip(self.tensions(at, &accelerations))
+                .for_each(|(&spring, tension)| tensions[spring] = tension);
+        }
+        tensions
+    }
+
     /// The bound on the time step at a state, from one without terms for these particles.
     pub fn bound(&self, at: &StateView<'_, V>, mut bound: SpectralBound) -> Result<SpectralBound> {
         self.forces.iter().try_for_each(|force| force.bound(at, &mut bound))?;
+        if let Some(rods) = &self.rods {
+            let accelerations: Vec<DVec3> = self.accelerations(at).map(V::widen).collect();
+            rods.bound(&self.tensions(at, &accelerations), |index| accelerations[index], &mut bound);
+        }
         Ok(bound)
     }
 
@@ -305,6 +345,7 @@ impl<V: Vector> Dynamics<V> {
     /// Memory [bytes].
     pub fn bytes(&self) -> usize {
         let contacts = self.contacts.as_ref().map_or(0, Contacts::bytes);
-        self.linear.bytes() + contacts + self.forces.iter().map(|force| force.about().bytes).sum::<usize>()
+        let rods = self.rods.as_ref().map_or(0, Rods::bytes) + size_of_val(self.springs.as_slice());
+        self.linear.bytes() + contacts + rods + self.forces.iter().map(|force| force.about().bytes).sum::<usize>()
     }
 }

@@ -8,42 +8,54 @@ use crate::error::{Error, Result};
 use crate::forces::{Fields, Scheme};
 use crate::math::Vector;
 use crate::matter::{Columns, EnergySink};
-use crate::parallel::Executor;
+use crate::parallel::{Executor, SERIAL};
 use crate::systems::{FieldInfo, System};
 
-/// The number of fields of matter without a fluid.
-const MOTION: usize = 2;
-/// The names and units of all fields.
-const FIELDS: [(&str, &str); 4] = [("positions", "m"), ("velocities", "m/s"), ("densities", "kg/m³"), ("pressures", "Pa")];
+/// The names and units of the fields of all matter, of fluids, and of springs where there are rods.
+const MOTION: [(&str, &str); 2] = [("positions", "m"), ("velocities", "m/s")];
+const FLUID: [(&str, &str); 2] = [("densities", "kg/m³"), ("pressures", "Pa")];
+const TENSION: (&str, &str) = ("tensions", "N");
 
 impl<V: Vector> MatterSystem<V> {
-    /// The fields: those of a fluid only where there is one.
+    /// The names and units of the fields that this matter has.
+    fn names(&self) -> impl Iterator<Item = (&'static str, &'static str)> {
+        let fluid = self.dynamics.scheme.is_some().then_some(FLUID);
+        let tension = self.dynamics.rods.is_some().then_some(TENSION);
+        MOTION.into_iter().chain(fluid.into_iter().flatten()).chain(tension)
+    }
+
+    /// The fields: those of a fluid only where there is one, tensions where there are rods.
     pub(super) fn field_infos(&self) -> Vec<FieldInfo> {
-        let number = if self.dynamics.scheme.is_some() { FIELDS.len() } else { MOTION };
-        let info = |(index, &(name, unit)): (usize, &(&'static str, &'static str))| {
+        let info = |(name, unit): (&'static str, &'static str)| {
             let count = self.state.count();
-            let shape = if index < MOTION { vec![count, V::DIMENSION] } else { vec![count] };
+            let moves = MOTION.contains(&(name, unit));
+            let shape = match name {
+                _ if moves => vec![count, V::DIMENSION],
+                "tensions" => vec![self.dynamics.springs.len()],
+                _ => vec![count],
+            };
             let rate = (name == "positions").then(|| "velocities".to_owned());
             // Density by continuity is a part of the state, by summation it follows from the positions.
             let continuity = name == "densities" && self.dynamics.scheme == Some(Scheme::Continuity);
-            FieldInfo { name: name.to_owned(), unit, shape, rate, state: index < MOTION || continuity }
+            FieldInfo { name: name.to_owned(), unit, shape, rate, state: moves || continuity }
         };
-        FIELDS[..number].iter().enumerate().map(info).collect()
+        self.names().map(info).collect()
     }
 
     /// The values of a field.
     pub(super) fn values(&self, field: usize) -> Vec<f64> {
         let (state, properties) = (&self.state, &self.dynamics.properties);
-        match field {
-            0 => self.vectors(|index| properties.origin + state.exact_position(index)),
-            1 => self.vectors(|index| state.velocity.get(index).widen()),
-            _ => {
+        match self.names().nth(field).map_or("", |(name, _)| name) {
+            "positions" => self.vectors(|index| properties.origin + state.exact_position(index)),
+            "velocities" => self.vectors(|index| state.velocity.get(index).widen()),
+            "tensions" => self.dynamics.tensions_of_springs(&self.dynamics.view_of(state, 0.0, &SERIAL)),
+            name => {
                 let nothing = || vec![f64::NAN; properties.count()];
                 let mut fields = Fields { density: nothing(), pressure: nothing() };
                 let densities = self.dynamics.forces().iter().filter_map(|force| force.density());
                 densities.for_each(|density| density.export(&mut fields));
                 let mut ordered = nothing();
-                let values = if field == MOTION { fields.density } else { fields.pressure };
+                let values = if name == "densities" { fields.density } else { fields.pressure };
                 properties.caller.iter().zip(values).for_each(|(&caller, value)| ordered[caller as usize] = value);
                 ordered
             }

@@ -52,6 +52,8 @@ pub struct About {
     pub angle: Option<Angle>,
     /// As [`Integrator::limit`].
     pub limit: fn(f64) -> f64,
+    /// Whether it keeps rods at their lengths.
+    pub holds_rods: bool,
     /// Why it cannot advance a field that diffuses, if it cannot.
     pub refuses_fields: Option<&'static str>,
     /// Why it takes neither contacts nor fluids, if it takes smooth motion alone.
@@ -127,6 +129,7 @@ impl<V: Vector, I: Integrator> Method<V> for Explicit<I> {
             sweeps: false,
             angle: self.angle,
             limit: I::limit,
+            holds_rods: false,
             refuses_fields: integrators::refuses_fields::<I>(),
             smooth_only: None,
         }

@@ -12,6 +12,7 @@ mod independent;
 mod kernels;
 mod method;
 mod radau;
+mod rattle;
 mod test_particles;
 
 use std::sync::{Mutex, OnceLock, PoisonError};
@@ -23,9 +24,10 @@ use coupled::Workspace;
 use dynamics::Dynamics;
 use method::{About, Explicit, Job, Method};
 use radau::GaussRadau15;
+use rattle::Rattle;
 
 use crate::error::{Error, Result};
-use crate::forces::{Mach, Validity};
+use crate::forces::{Force, Mach, Validity};
 use crate::history::{Archive, History};
 use crate::integrators::{gauss_radau_15, with_integrator};
 use crate::ledger::{Class, Ledger};
@@ -33,6 +35,7 @@ use crate::math::{Real, Vector};
 use crate::matter::{Columns, EnergyTally, Matter, SINKS};
 use crate::parallel::{Executor, SERIAL};
 use crate::plan::Stages;
+use crate::rods::Rods;
 use crate::scene::{Item, Scene};
 use crate::simd::LANES;
 use crate::stability::{Horizon, Limit, LimitCache, SpectralBound};
@@ -61,6 +64,15 @@ pub fn build(scene: &Scene, method: &Item, precision: &str, executor: &Executor)
             (3, "f64") => compiled::<DVec3>(scene, GaussRadau15::declared(method)?, executor),
             (2 | 3, _) => Err(Error::parameter("precision", "\"f64\" with GaussRadau15()", format!("{precision:?}"))
                 .with_hint("its errors are the roundings of double precision")),
+            (other, _) => Err(Error::parameter("scene.dimension", "2 or 3", other)),
+        };
+    }
+    if method.kind == rattle::NAME {
+        return match (scene.dimension, precision) {
+            (2, "f32") => compiled::<Vec2>(scene, Rattle::declared(method)?, executor),
+            (3, "f32") => compiled::<Vec3>(scene, Rattle::declared(method)?, executor),
+            (2, _) => compiled::<DVec2>(scene, Rattle::declared(method)?, executor),
+            (3, _) => compiled::<DVec3>(scene, Rattle::declared(method)?, executor),
             (other, _) => Err(Error::parameter("scene.dimension", "2 or 3", other)),
         };
     }
@@ -122,7 +134,8 @@ impl<V: Vector> MatterSystem<V> {
         let per_particle = if dynamics.is_fused() && dynamics.contacts.is_none() { 1.0 } else { 8.0 };
         let per_stage = 500.0 + count * per_particle + 6.0 * dynamics.pairs() as f64;
         // Estimates in nanoseconds on a typical core.
-        let cost = 1e-9 * about.evaluations as f64 * per_stage;
+        let rods = dynamics.rods.as_ref().map_or(0.0, Rods::cost);
+        let cost = 1e-9 * about.evaluations as f64 * (per_stage + rods);
         let blocks = state.tallies.len();
         let workspace = (!independent).then(|| Workspace::new(state.count(), blocks, dynamics.contacts.is_some()));
         let mut system = Self {
@@ -151,7 +164,8 @@ impl<V: Vector> MatterSystem<V> {
     /// Whether the certified limit stays valid at this state.
     fn limit_holds(&self, time: f64) -> bool {
         let at = self.dynamics.view_of(&self.state, time, &SERIAL);
-        self.dynamics.forces().iter().all(|force| force.validity(&at, Horizon::Certified) != Validity::Now)
+        let holds = |force: &Box<dyn Force<V>>| force.validity(&at, Horizon::Certified) != Validity::Now;
+        self.dynamics.rods.is_none() && self.dynamics.forces().iter().all(holds)
     }
 
     /// Two coincident particles, in the caller's order.
@@ -236,10 +250,11 @@ impl<V: Vector> System for MatterSystem<V> {
     fn stages(&self) -> Vec<Stages> {
         let known = self.dynamics.forces().iter().map(|force| force.about()).filter(|about| !about.findings.is_empty());
         let findings = known.map(|about| format!("{}: {}", about.name, about.findings));
+        let rods = self.dynamics.rods.iter().flat_map(Rods::notes);
         vec![Stages {
             pairs: self.dynamics.pairs(),
             limit_varies: self.limit_varies(Horizon::Certified, 0.0),
-            notes: self.stages.notes.iter().cloned().chain(findings).chain(self.method.note()).collect(),
+            notes: self.stages.notes.iter().cloned().chain(findings).chain(self.method.note()).chain(rods).collect(),
             ..self.stages.clone()
         }]
     }
@@ -323,7 +338,8 @@ impl<V: Vector> System for MatterSystem<V> {
 
     fn limit_varies(&self, horizon: Horizon, time: f64) -> bool {
         let at = self.dynamics.view_of(&self.state, time, &SERIAL);
-        self.dynamics.forces().iter().any(|force| force.validity(&at, horizon) != Validity::Always)
+        let varies = |force: &Box<dyn Force<V>>| force.validity(&at, horizon) != Validity::Always;
+        self.dynamics.rods.is_some() || self.dynamics.forces().iter().any(varies)
     }
 
     fn error(&self, h: f64) -> Option<(f64, u32)> {

@@ -1,0 +1,405 @@
+//! Rods: connections of constant length, the holonomic constraints g = |r| − L = 0 of a network.
+//!
+//! A constraint acts by impulses λ along its direction n = r/|r|, equal and opposite at both ends. Those that make a residual of
+//! every rod vanish solve A λ = residual with A = J M⁻¹ Jᵀ, where J has the rows (−n, n): a sparse matrix, in which two rods are
+//! coupled that meet in a particle. It is factorized, so that a network converges in as few iterations as a single rod, in whatever
+//! order. Where rods are redundant A is singular; with A + ε 1, and residuals that are evaluated anew, multipliers converge to those of
+//! least norm (M. R. Hestenes, J. Optim. Theory Appl. 4, 303 (1969): proximal iterations from zero remain in the range of A).
+
+use glam::DVec3;
+
+use crate::error::Error;
+use crate::forces::springs::Spring;
+use crate::math::{Real, Vector};
+use crate::matter::{EnergySink, Matter, Properties};
+use crate::sparse::Factorization;
+use crate::stability::SpectralBound;
+
+/// The shift ε of A relative to its largest entry, for projections.
+const SHIFT: f64 = 1e-10;
+/// The same for tensions, in which redundant rods have rounding errors over ε.
+const SHIFT_OF_TENSIONS: f64 = 1e-7;
+/// A pivot of A + ε 1 below this multiple of ε belongs to a redundant rod.
+const REDUNDANT: f64 = 100.0;
+/// The most iterations of a projection.
+const MOST_ITERATIONS: usize = 100;
+/// The relative deviation from the length L at which the ends of a rod are refused.
+const DEVIATION: f64 = 1e-6;
+
+/// A rod between two particles of a network.
+#[derive(Debug, Clone, Copy)]
+struct Rod {
+    /// Its ends, as indices into [`Rods::particles`].
+    ends: [u32; 2],
+    /// Length L [m].
+    length: f64,
+}
+
+/// A rod whose length the iterations did not reach.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Unsolved {
+    /// A particle at its end.
+    pub particle: usize,
+    /// Its residual relative to rounding errors.
+    pub residual: f64,
+}
+
+/// All rods of a scene, with the factorization of A at the positions of the last [`Rods::turn`].
+#[derive(Debug, Clone)]
+pub struct Rods {
+    rods: Vec<Rod>,
+    /// The index of each in the declared springs.
+    springs: Vec<usize>,
+    /// The particles at their ends, and their 1/m [1/kg].
+    particles: Vec<u32>,
+    inverse_mass: Vec<f64>,
+    /// Unit vectors n from the first end to the second.
+    directions: Vec<DVec3>,
+    /// Pairs of rods that meet, with the sum of ± 1/m over the particles in which they do.
+    couplings: Vec<([u32; 2], f64)>,
+    factorization: Factorization,
+    diagonal: Vec<f64>,
+    off_diagonal: Vec<f64>,
+    /// The number of redundant rods.
+    redundant: usize,
+    /// The kinetic energy of velocities along rods in the states that were given [J].
+    removed: f64,
+    /// Vectors of the particles, to be projected, and their changes by that.
+    vectors: Vec<DVec3>,
+    changes: Vec<DVec3>,
+    residuals: Vec<f64>,
+    multipliers: Vec<f64>,
+}
+
+/// Whether a spring is a rod.
+pub fn is_rod(spring: &Spring) -> bool {
+    spring.stiffness.is_infinite()
+}
+
+impl Rods {
+    /// The rods among springs, whose ends are indices in the engine's order; None if there are none. Those between two fixed
+    /// particles constrain nothing.
+    pub fn new<V: Vector>(springs: &[Spring], properties: &Properties<V>) -> Option<Self> {
+        let free = |spring: &Spring| spring.ends.iter().any(|&end| !properties.is_fixed(end as usize));
+        let chosen: Vec<usize> = (0..springs.len()).filter(|&index| is_rod(&springs[index]) && free(&springs[index])).collect();
+        if chosen.is_empty() {
+            return None;
+        }
+        let mut particles: Vec<u32> = chosen.iter().flat_map(|&index| springs[index].ends).collect();
+        particles.sort_unstable();
+        particles.dedup();
+        let local = |particle: u32| particles.partition_point(|&other| other < particle) as u32;
+        let rods: Vec<Rod> = chosen
+            .iter()
+            .map(|&index| Rod { ends: springs[index].ends.map(local), length: springs[index].rest_length })
+            .collect();
+        let inverse_mass: Vec<f64> = particles.iter().map(|&particle| 1.0 / properties.mass[particle as usize]).collect();
+        let couplings = couplings(&rods, &inverse_mass);
+        let pattern: Vec<[u32; 2]> = couplings.iter().map(|&(pair, _)| pair).collect();
+        let weight = |rod: &Rod| rod.ends.iter().map(|&end| inverse_mass[end as usize]).sum::<f64>();
+        Some(Self {
+            factorization: Factorization::new(rods.len(), &pattern),
+            diagonal: rods.iter().map(weight).collect(),
+            off_diagonal: vec![0.0; couplings.len()],
+            directions: vec![DVec3::ZERO; rods.len()],
+            residuals: vec![0.0; rods.len()],
+            multipliers: vec![0.0; rods.len()],
+            vectors: vec![DVec3::ZERO; particles.len()],
+            changes: vec![DVec3::ZERO; particles.len()],
+            redundant: 0,
+            removed: 0.0,
+            springs: chosen,
+            rods,
+            particles,
+            inverse_mass,
+            couplings,
+        })
+    }
+
+    /// Moves the particles of an initial state onto the constraints, and takes the velocities along rods from it.
+    ///
+    /// # Errors
+    /// If a rod is not as long as it has to be, but for rounding.
+    pub fn begin<V: Vector>(&mut self, matter: &mut Matter<V>) -> Result<(), Error> {
+        let kinetic = |rods: &Self, matter: &Matter<V>| -> f64 {
+            let of =
+                |(&particle, &inverse): (&u32, &f64)| matter.velocity.get(particle as usize).widen().length_squared() / inverse;
+            rods.particles.iter().zip(&rods.inverse_mass).filter(|(_, inverse)| **inverse > 0.0).map(of).sum::<f64>() / 2.0
+        };
+        for (rod, &spring) in self.rods.iter().zip(&self.springs) {
+            let [one, other] = rod.ends.map(|end| matter.exact_position(self.particles[end as usize] as usize));
+            let found = (other - one).length();
+            if (found - rod.length).abs() > DEVIATION * rod.length {
+                let expected = format!("ends of rod {spring} that are {} m apart", rod.length);
+                return Err(Error::parameter("set.positions", expected, format!("{found} m")));
+            }
+        }
+        self.turn(|index| matter.exact_position(index));
+        let unsolved = |unsolved: Unsolved| {
+            Error::parameter(
+                "set.positions",
+                "ends of rods at their lengths",
+                format!("rods at particle {} that contradict", unsolved.particle),
+            )
+        };
+        self.hold_positions(matter, None).map_err(unsolved)?;
+        let before = kinetic(self, matter);
+        self.turn(|index| matter.exact_position(index));
+        self.hold_velocities(matter).map_err(unsolved)?;
+        let removed = before - kinetic(self, matter);
+        if removed > 1e-9 * before {
+            self.removed += removed;
+        }
+        Ok(())
+    }
+
+    /// Takes the directions at the positions of a state, and factorizes A there for projections.
+    pub fn turn(&mut self, position: impl Fn(usize) -> DVec3) {
+        self.turn_with(SHIFT, position);
+    }
+
+    fn turn_with(&mut self, shift: f64, position: impl Fn(usize) -> DVec3) {
+        for (direction, rod) in self.directions.iter_mut().zip(&self.rods) {
+            let [one, other] = rod.ends.map(|end| position(self.particles[end as usize] as usize));
+            *direction = (other - one).normalize_or_zero();
+        }
+        for (value, &([one, other], weight)) in self.off_diagonal.iter_mut().zip(&self.couplings) {
+            *value = weight * self.directions[one as usize].dot(self.directions[other as usize]);
+        }
+        let shift = shift * self.diagonal.iter().copied().fold(0.0, f64::max);
+        self.factorization.factorize(&self.diagonal, shift, &self.off_diagonal);
+        self.redundant = self.factorization.pivots().iter().filter(|&&pivot| pivot < REDUNDANT * shift).count();
+    }
+
+    /// Moves particles along the directions until all rods have their lengths; `drift` is the step [s] of the drift that led there,
+    /// with the register of its velocity v½, which changes by as much. The velocity that predicts the end of the step takes two such
+    /// half kicks.
+    ///
+    /// # Errors
+    /// If the iterations do not converge.
+    pub fn hold_positions<V: Vector>(&mut self, matter: &mut Matter<V>, drift: Option<(f64, usize)>) -> Result<(), Unsolved> {
+        let epsilon = resolution::<V>();
+        for (vector, &particle) in self.vectors.iter_mut().zip(&self.particles) {
+            *vector = matter.exact_position(particle as usize);
+        }
+        let length = |_: usize, rod: &Rod, _: DVec3, [one, other]: [DVec3; 2]| {
+            let residual = ((other - one).length_squared() - rod.length * rod.length) / (2.0 * rod.length);
+            // Coordinates are rounded by ε/2 of themselves.
+            (residual, epsilon * (2.0 * rod.length + one.abs().max_element() + other.abs().max_element()))
+        };
+        self.project(length)?;
+        for ((&vector, &change), &particle) in self.vectors.iter().zip(&self.changes).zip(&self.particles) {
+            let index = particle as usize;
+            if let Some((h, half)) = drift {
+                // Not of the positions, whose roundings would be divided by h.
+                let kick = change / h;
+                add(&mut matter.registers[half], index, kick);
+                add(&mut matter.velocity, index, 2.0 * kick);
+            }
+            matter.set_exact_position(index, vector);
+        }
+        if let Some((h, _)) = drift {
+            self.count_reactions(matter, 1.0 / h);
+        }
+        Ok(())
+    }
+
+    /// Takes the velocities along rods from a state, at whose positions A is factorized.
+    ///
+    /// # Errors
+    /// If the iterations do not converge.
+    pub fn hold_velocities<V: Vector>(&mut self, matter: &mut Matter<V>) -> Result<(), Unsolved> {
+        let epsilon = V::Scalar::EPSILON.to_f64();
+        for (vector, &particle) in self.vectors.iter_mut().zip(&self.particles) {
+            *vector = matter.velocity.get(particle as usize).widen();
+        }
+        let along = |_: usize, _: &Rod, direction: DVec3, [one, other]: [DVec3; 2]| {
+            (direction.dot(other - one), 2.0 * epsilon * (one.length() + other.length()))
+        };
+        self.project(along)?;
+        for (&vector, &particle) in self.vectors.iter().zip(&self.particles) {
+            matter.velocity.set(particle as usize, V::narrow(vector));
+        }
+        self.count_reactions(matter, 1.0);
+        Ok(())
+    }
+
+    /// The tensions [N] of a state with these positions and velocities, and accelerations by all other forces, in the order of the rods:
+    /// n·(a₂ − a₁) + |v₂ − v₁|²/L − (A T) = 0.
+    pub fn tensions(
+        mut self,
+        position: impl Fn(usize) -> DVec3,
+        velocity: impl Fn(usize) -> DVec3,
+        acceleration: impl Fn(usize) -> DVec3,
+    ) -> Vec<f64> {
+        self.turn_with(SHIFT_OF_TENSIONS, position);
+        let Self { vectors, particles, .. } = &mut self;
+        for (vector, &particle) in vectors.iter_mut().zip(particles.iter()) {
+            *vector = acceleration(particle as usize);
+        }
+        let centripetal: Vec<f64> = self
+            .rods
+            .iter()
+            .map(|rod| {
+                let [one, other] = rod.ends.map(|end| velocity(self.particles[end as usize] as usize));
+                (other - one).length_squared() / rod.length
+            })
+            .collect();
+        let along = |index: usize, _: &Rod, direction: DVec3, [one, other]: [DVec3; 2]| {
+            let turning = centripetal[index];
+            (direction.dot(other - one) + turning, 2.0 * f64::EPSILON * (one.length() + other.length() + turning))
+        };
+        // Where the iterations stop above rounding the multipliers are those of the last one.
+        let _ = self.project(along);
+        self.multipliers
+    }
+
+    /// The indices of the rods in the declared springs.
+    pub fn springs(&self) -> &[usize] {
+        &self.springs
+    }
+
+    /// Adds impulses along the directions until the residual of every rod vanishes. `residual` gives that of a rod with its direction and
+    /// the vectors at its ends, and its rounding error.
+    fn project(&mut self, residual: impl Fn(usize, &Rod, DVec3, [DVec3; 2]) -> (f64, f64)) -> Result<(), Unsolved> {
+        self.multipliers.fill(0.0);
+        self.changes.fill(DVec3::ZERO);
+        let (mut before, mut worst) = (f64::INFINITY, (0, 0.0));
+        for iteration in 0..MOST_ITERATIONS {
+            worst = (0, 0.0);
+            for (index, rod) in self.rods.iter().enumerate() {
+                let ends = rod.ends.map(|end| self.vectors[end as usize]);
+                let (value, rounding) = residual(index, rod, self.directions[index], ends);
+                self.residuals[index] = value;
+                let relative = value.abs() / rounding.max(f64::MIN_POSITIVE);
+                // A state that is not finite is found by the divergence monitor.
+                if relative.is_nan() && iteration == 0 {
+                    return Ok(());
+                }
+                if relative > worst.1 || relative.is_nan() {
+                    worst = (index, relative);
+                }
+            }
+            if !worst.1.is_finite() {
+                break;
+            }
+            // Rounding errors of all coupled rods add up to some of one.
+            if worst.1 <= 1.0 || (worst.1 <= 64.0 && worst.1 > 0.5 * before) {
+                return Ok(());
+            }
+            before = worst.1;
+            self.factorization.solve(&mut self.residuals);
+            for (index, rod) in self.rods.iter().enumerate() {
+                let (multiplier, [one, other]) = (self.residuals[index], rod.ends.map(|end| end as usize));
+                self.multipliers[index] += multiplier;
+                let impulse = multiplier * self.directions[index];
+                let changes = [self.inverse_mass[one] * impulse, -self.inverse_mass[other] * impulse];
+                for (end, change) in [one, other].into_iter().zip(changes) {
+                    self.vectors[end] += change;
+                    self.changes[end] += change;
+                }
+            }
+        }
+        let particle = self.particles[self.rods[worst.0].ends[1] as usize] as usize;
+        Err(Unsolved { particle, residual: worst.1 })
+    }
+
+    /// Adds the work on fixed particles that move, by the impulses `scale` λ of the last projection [N·s].
+    fn count_reactions<V: Vector>(&self, matter: &mut Matter<V>, scale: f64) {
+        for (index, rod) in self.rods.iter().enumerate() {
+            for (end, sign) in rod.ends.into_iter().zip([1.0, -1.0]) {
+                if self.inverse_mass[end as usize] == 0.0 {
+                    let particle = self.particles[end as usize] as usize;
+                    let along = self.directions[index].dot(matter.velocity.get(particle).widen());
+                    let tally = &mut matter.tallies[particle / matter.block];
+                    tally.add(EnergySink::Work, -sign * scale * self.multipliers[index] * along);
+                }
+            }
+        }
+    }
+
+    /// Adds the rods to the bound on the time step. One that turns at the rate ω has the tension μ ω² L of its reduced mass μ, and a
+    /// step of more than 1/ω, half of the limit of a spring with that frequency, may leave it without a solution; transverse waves of
+    /// tense chains have the stiffness T/L. Before it turns, the acceleration of its ends stands for that.
+    pub fn bound(&self, tensions: &[f64], acceleration: impl Fn(usize) -> DVec3, bound: &mut SpectralBound) {
+        for (rod, tension) in self.rods.iter().zip(tensions) {
+            let [one, other] = rod.ends.map(|end| self.particles[end as usize] as usize);
+            let weights = rod.ends.map(|end| self.inverse_mass[end as usize]);
+            let pull = (acceleration(other) - acceleration(one)).length() / weights.iter().sum::<f64>();
+            let stiffness = 4.0 * tension.abs().max(pull) / rod.length;
+            // By Gershgorin's theorem twice that, unless the other end is fixed.
+            for (end, partner) in [(one, weights[1]), (other, weights[0])] {
+                bound.point(end, "rods", if partner > 0.0 { 2.0 } else { 1.0 } * stiffness, 0.0);
+            }
+        }
+    }
+
+    /// Notes for the plan.
+    pub fn notes(&self) -> Vec<String> {
+        let count = self.rods.len();
+        let redundant = (self.redundant > 0).then(|| {
+            format!("rods: {} of {count} are redundant; redundant rods share the load so that the sum of squares of tensions is least", self.redundant)
+        });
+        let removed = (self.removed > 0.0).then(|| {
+            format!(
+                "rods: {:.3e} J of the kinetic energy that was given were velocities along rods, which they do not allow",
+                self.removed
+            )
+        });
+        redundant.into_iter().chain(removed).collect()
+    }
+
+    /// The number of rods.
+    pub fn count(&self) -> usize {
+        self.rods.len()
+    }
+
+    /// An estimate of the duration of a step [ns]: a factorization, and some six iterations.
+    pub fn cost(&self) -> f64 {
+        120.0 * self.rods.len() as f64 + self.factorization.products() as f64 + 12.0 * self.factorization.len() as f64
+    }
+
+    /// Memory [bytes].
+    pub fn bytes(&self) -> usize {
+        self.rods.len() * (size_of::<Rod>() + 72)
+            + self.particles.len() * 36
+            + self.couplings.len() * 24
+            + self.factorization.bytes()
+    }
+}
+
+/// The relative rounding error of positions.
+fn resolution<V: Vector>() -> f64 {
+    let epsilon = V::Scalar::EPSILON.to_f64();
+    // With the low-order part that single precision keeps.
+    f64::EPSILON.max(epsilon * epsilon)
+}
+
+fn add<V: Vector>(columns: &mut crate::matter::Columns<V>, index: usize, change: DVec3) {
+    columns.set(index, V::narrow(columns.get(index).widen() + change));
+}
+
+/// Pairs of rods that meet in particles that are not fixed, with the sum of ± 1/m: + where both begin or both end there.
+fn couplings(rods: &[Rod], inverse_mass: &[f64]) -> Vec<([u32; 2], f64)> {
+    let mut meeting: Vec<Vec<(u32, f64)>> = vec![Vec::new(); inverse_mass.len()];
+    for (index, rod) in rods.iter().enumerate() {
+        for (end, sign) in rod.ends.into_iter().zip([-1.0, 1.0]) {
+            meeting[end as usize].push((index as u32, sign));
+        }
+    }
+    let mut pairs = Vec::new();
+    for (rods, &inverse_mass) in meeting.iter().zip(inverse_mass).filter(|(_, inverse_mass)| **inverse_mass > 0.0) {
+        for (place, &(one, sign)) in rods.iter().enumerate() {
+            pairs.extend(rods[..place].iter().map(|&(other, other_sign)| ([one, other], sign * other_sign * inverse_mass)));
+        }
+    }
+    pairs.sort_by_key(|&(pair, _)| pair);
+    let mut couplings: Vec<([u32; 2], f64)> = Vec::new();
+    for (pair, weight) in pairs {
+        match couplings.last_mut() {
+            Some((last, sum)) if *last == pair => *sum += weight,
+            _ => couplings.push((pair, weight)),
+        }
+    }
+    couplings
+}

@@ -1,0 +1,164 @@
+//! RATTLE as a method of matter: velocity Verlet with rods.
+//!
+//!     v½ = v + h/2 (a − M⁻¹ Jᵀ(x) λ),  x ← x + h v½ with λ so that |r| = L,
+//!     v ← v½ + h/2 (a(x) − M⁻¹ Jᵀ(x) μ) with μ so that r·ṙ = 0
+//!
+//! Symplectic, reversible, of order 2; by symmetric composition of five such steps of order 4. The constraint forces act along the
+//! rods before the drift: along those after it alone it would be of order 1. Sources: H. C. Andersen, J. Comput. Phys. 52, 24 (1983);
+//! E. Hairer, C. Lubich, G. Wanner, "Geometric Numerical Integration", 2nd ed., 2006, section VII.1.4; for the composition M. Suzuki,
+//! Phys. Lett. A 146, 319 (1990).
+
+use super::coupled::{self, Workspace};
+use super::dynamics::Dynamics;
+use super::kernels::Action;
+use super::method::{About, Explicit, Job, Method};
+use crate::error::{Divergence, Error, Result};
+use crate::history::History;
+use crate::integrators::{Integrator, VelocityVerlet};
+use crate::math::Vector;
+use crate::matter::Matter;
+use crate::parallel::Executor;
+use crate::rods::Unsolved;
+use crate::scene::Item;
+use crate::stability::{Limit, LimitCache, SpectralBound};
+use crate::systems::Interval;
+
+/// The class's name in Python.
+pub const NAME: &str = "RATTLE";
+
+/// The method.
+pub struct Rattle {
+    /// The fractions of a step that Verlet's steps take.
+    parts: &'static [f64],
+    verlet: Explicit<VelocityVerlet>,
+}
+
+/// 1/(4 − 4^(1/3)), the outer steps of Suzuki's composition of order 4.
+const OUTER: f64 = 0.414_490_771_794_375_7;
+const ORDER_4: [f64; 5] = [OUTER, OUTER, 1.0 - 4.0 * OUTER, OUTER, OUTER];
+
+impl Rattle {
+    /// The method that an item declares.
+    ///
+    /// # Errors
+    /// If its order is another.
+    pub fn declared(item: &Item) -> Result<Self> {
+        let parts: &'static [f64] = match item.number("order")? {
+            2.0 => &[1.0],
+            4.0 => &ORDER_4,
+            other => return Err(Error::parameter(format!("{}.order", item.path), "2 or 4", other)),
+        };
+        Ok(Self { parts, verlet: Explicit::declared(item)? })
+    }
+}
+
+/// One of Verlet's steps with rods, from the time `time` on, of `h` seconds.
+fn step<V: Vector>(
+    dynamics: &mut Dynamics<V>,
+    matter: &mut Matter<V>,
+    workspace: &mut Workspace<V>,
+    (time, h): (f64, f64),
+    executor: &Executor,
+) -> Result<()> {
+    let interval = Interval { start: time, first: 0, h, steps: 1 };
+    let half = VelocityVerlet::DRIFT_KICK.map(|drift_kick| (h, drift_kick.velocity));
+    coupled::sweep::<V, VelocityVerlet>(dynamics, matter, workspace, interval, time, Action::StageState, executor)?;
+    if let Some(rods) = &mut dynamics.rods {
+        rods.hold_positions(matter, half).map_err(|unsolved| diverged(&dynamics.properties.caller, unsolved))?;
+    }
+    coupled::sweep::<V, VelocityVerlet>(dynamics, matter, workspace, interval, time + h, Action::StageUpdate(0, None), executor)?;
+    if let Some(rods) = &mut dynamics.rods {
+        rods.turn(|index| matter.exact_position(index));
+        rods.hold_velocities(matter).map_err(|unsolved| diverged(&dynamics.properties.caller, unsolved))?;
+    }
+    Ok(())
+}
+
+/// The divergence of a step whose rods have no solution; the monitor adds step, time and hint.
+fn diverged(caller: &[u32], Unsolved { particle, residual }: Unsolved) -> Error {
+    let index = caller[particle] as usize;
+    let cause = format!(
+        "does not satisfy its rods: they turn too far within a step, and a residual of {residual:.1e} rounding errors is left"
+    );
+    Error::Diverged(Box::new(Divergence {
+        step: 0,
+        time: 0.0,
+        element: format!("particle {index}"),
+        index,
+        quantity: "position",
+        cause,
+        hint: String::new(),
+    }))
+}
+
+impl History for Rattle {}
+
+impl<V: Vector> Method<V> for Rattle {
+    fn about(&self) -> About {
+        let composed = self.parts.len() > 1;
+        About {
+            name: NAME,
+            order: if composed { 4 } else { 2 },
+            // Forces that depend on velocity are taken at a prediction, which no composition of steps corrects.
+            order_dissipative: 2,
+            evaluations: self.parts.len(),
+            sweeps: true,
+            holds_rods: true,
+            smooth_only: Some("contacts would move particles off their rods"),
+            ..Method::<V>::about(&self.verlet)
+        }
+    }
+
+    fn persistent(&self) -> usize {
+        Method::<V>::persistent(&self.verlet)
+    }
+
+    fn error(&self, state: &Matter<V>, h: f64) -> Option<f64> {
+        self.verlet.error(state, h)
+    }
+
+    fn gains_energy(&self) -> bool {
+        false
+    }
+
+    fn bound(&self, bound: SpectralBound) -> SpectralBound {
+        Method::<V>::bound(&self.verlet, bound)
+    }
+
+    /// That of Verlet's method. The composition is stable up to ωh = 2.72 without damping, with less in sight of it.
+    fn limit(&self, bound: &SpectralBound, cache: &mut LimitCache) -> Limit {
+        Method::<V>::limit(&self.verlet, bound, cache)
+    }
+
+    fn sharp_limit(&self, bound: SpectralBound) -> Limit {
+        Method::<V>::sharp_limit(&self.verlet, bound)
+    }
+
+    fn begin(&mut self, job: Job<'_, V>, executor: &Executor) -> Result<()> {
+        if let Some(rods) = &mut job.dynamics.rods {
+            rods.begin(job.state)?;
+        }
+        self.verlet.begin(job, executor)
+    }
+
+    fn advance(&mut self, job: Job<'_, V>, executor: &Executor) -> Result<()> {
+        let Job { dynamics, state, record, workspace, interval, .. } = job;
+        let Some(workspace) = workspace else { return Ok(()) };
+        // The directions are those of another state after one that was rolled back or restored.
+        if let Some(rods) = &mut dynamics.rods {
+            rods.turn(|index| state.exact_position(index));
+        }
+        for index in 0..interval.steps {
+            let mut node = 0.0;
+            for part in self.parts {
+                step(dynamics, state, workspace, (interval.time(index, node), part * interval.h), executor)?;
+                node += part;
+            }
+            record.0.push(workspace.activity.iter().sum());
+            if executor.stopped() {
+                break;
+            }
+        }
+        Ok(())
+    }
+}
