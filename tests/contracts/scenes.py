@@ -98,6 +98,32 @@ def cloth(shape: tuple[int, int] = (12, 9)) -> pc.Scene:
     return pc.Scene(sheet, pc.Gravity((0.0, 0.0, -9.81)), pc.Drag(0.001), ground)
 
 
+def chain(links: int = 12, dimension: int = 2) -> pc.Scene:
+    """A chain of rods with a heavy end, and a loose one that two springs tie to it, with drag."""
+    nodes = np.zeros((links + 2, dimension))
+    nodes[:, 0] = 0.1 * np.arange(links + 2)
+    nodes[-2] += 0.1 * np.eye(dimension)[-1] - 0.1 * np.eye(dimension)[0]
+    nodes[1:, -1] += 0.02 * np.arange(1, links + 2) ** 1.5
+    ends = np.arange(links + 1)
+    body = pc.SpringNetwork(
+        nodes,
+        [*np.column_stack([ends, ends + 1]), [links - 1, links + 1]],
+        [*[np.inf] * (links - 1), np.inf, 20.0, 30.0],
+        0.05,
+        mass=[*[0.1] * links, 1.0, 0.3],
+        fixed=[0],
+    )
+    return pc.Scene(body, pc.Gravity(-9.81 * np.eye(dimension)[-1]), pc.Drag(0.02))
+
+
+def truss(side: int = 3) -> pc.Scene:
+    """A braced box of rods in space, of which many are redundant, that turns."""
+    nodes = np.stack(np.meshgrid(*[np.arange(side)] * 3, indexing="ij"), -1).reshape(-1, 3) * 0.5
+    pairs = [[i, j] for j in range(len(nodes)) for i in range(j) if np.linalg.norm(nodes[i] - nodes[j]) < 0.9]
+    velocities = np.cross((0.3, 1.0, -0.5), nodes) + 0.2
+    return pc.Scene(pc.SpringNetwork(nodes, pairs, np.inf, mass=0.2, velocities=velocities))
+
+
 def swarm(*items: pc.Force | pc.Boundary, dimension: int = 3, count: int = 700) -> pc.Scene:
     """Independent particles, in more than one block."""
     rng = _random()
@@ -406,6 +432,11 @@ SCENES: dict[str, Case] = {
     "network 3D": Case(lambda: network(3), 0.01),
     "network adaptive": Case(network, 0.01, {"dt": pc.AdaptiveStep()}),
     "network by error": Case(network, 0.01, {"dt": pc.AdaptiveStep(tolerance=1e-5), "integrator": pc.DormandPrince5()}),
+    "chain": Case(chain, 0.002, large=lambda: chain(20_000)),
+    "chain 3D f32": Case(lambda: chain(dimension=3), 0.002, F32),
+    "chain of order 4": Case(chain, 0.01, {"integrator": pc.RATTLE(4)}),
+    "chain adaptive": Case(chain, 0.002, {"dt": pc.AdaptiveStep()}),
+    "truss": Case(truss, 0.01),
     "cloth": Case(cloth, 0.002, large=_large_cloth),
     "cloth f32": Case(cloth, 0.002, F32, large=_large_cloth),
     "swarm folded": Case(lambda: swarm(DOWN, BREEZE), 0.01, large=_large_swarm),

@@ -94,7 +94,7 @@ def test_any_network_keeps_its_lengths_and_goes_back(seed, dimension, fixed, ela
 
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_free_networks_keep_momentum_and_angular_momentum(dimension):
-    """Impulses along rods are equal and opposite: what is left is rounding, of each of 500 steps and 8 nodes, at random."""
+    """Impulses along rods are equal and opposite: what is left is rounding, of 500 steps and 8 nodes, at random."""
     body = network(5, dimension, fixed=False, elastic=True)
     recording = pc.simulate(pc.Scene(body), 1.0, fps=20, dt=2e-3)
     scale = 4.0 * float(body.mass @ np.linalg.norm(body.velocities, axis=1))
@@ -152,7 +152,7 @@ def tensions(positions: ArrayLike, pairs: ArrayLike, *forces: pc.Force, **more: 
 
 
 def test_tensions_bear_weights_and_turn_velocities():
-    """A hanging chain carries what is below; a rod that turns about its center μ ω² L; a pendulum m g cos θ + m v²/L."""
+    """A hanging chain carries what is below; a rod that turns μ ω² L; a pendulum m g cos θ + m v²/L."""
     hanging = tensions(
         [[0.0, 0.0], [0.0, -1.0], [0.0, -1.5]], [[0, 1], [1, 2]], pc.Gravity((0.0, -10.0)), mass=2.0, fixed=[0]
     )
@@ -167,7 +167,7 @@ def test_tensions_bear_weights_and_turn_velocities():
 
 
 def test_redundant_rods_share_the_load_by_least_norm():
-    """A square with both diagonals turns: J M⁻¹ Jᵀ T = |Δv|²/L has a family of solutions, of which NumPy gives the least."""
+    """A square with both diagonals turns: J M⁻¹ Jᵀ T = |Δv|²/L has many solutions, of which NumPy gives the least."""
     corners = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]) - 0.5
     pairs = np.array([[i, j] for i in range(4) for j in range(i)])
     velocity = 3.0 * np.column_stack([-corners[:, 1], corners[:, 0]])

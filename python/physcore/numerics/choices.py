@@ -157,7 +157,7 @@ def check(options: Options, scene: Scene) -> Numerics:
     threads = options.get("threads")
     rule = word(options.get("on_divergence", "raise"), "on_divergence", DIVERGENCE_RULES)
     growth = _max_energy_growth(options)
-    chosen, dt = _integrators(options.get("integrator", "auto"), scene), _dt(options.get("dt", "auto"))
+    chosen, dt = _integrators(options.get("integrator", "auto"), scene), _dt(options.get("dt", "auto"), scene)
     integrator = next(iter(chosen.values()))
     for each in chosen.values():
         if isinstance(dt, AutoStep) and each.self_adaptive and len(chosen) > 1:
@@ -280,11 +280,12 @@ def _integrator(value: object, path: str, equation: Equation | None) -> Integrat
     raise SceneError(f"{path}: must be one of {known} or 'auto', got {shown(value)}{missing}")
 
 
-def _dt(value: object) -> float | StepRule:
+def _dt(value: object, scene: Scene) -> float | StepRule:
+    """Where there are rods, "auto" is AdaptiveStep(): they turn the faster the farther they have fallen."""
     if isinstance(value, StepRule):
         return value
     if is_word(value, "auto"):
-        return AutoStep()
+        return AdaptiveStep() if has_rods(scene) else AutoStep()
     if isinstance(value, (str, type)):
         raise SceneError(f"dt: must be a number of seconds, 'auto', AutoStep(…) or AdaptiveStep(…), got {shown(value)}")
     return span(value, "dt")

@@ -23,8 +23,8 @@ from physcore.checks import (
 from physcore.errors import SceneError
 from physcore.scene.records import APPEARANCE
 
-ROUNDED = 1e-6
-"""The relative difference by which a rod's ends may miss its length; they are moved there."""
+ROUNDED = 1e-4
+"""The relative difference by which a rod may miss its length, as of coordinates in single precision; its ends are moved."""
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)

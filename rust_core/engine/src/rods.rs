@@ -23,8 +23,8 @@ const SHIFT_OF_TENSIONS: f64 = 1e-7;
 const REDUNDANT: f64 = 100.0;
 /// The most iterations of a projection.
 const MOST_ITERATIONS: usize = 100;
-/// The relative deviation from the length L at which the ends of a rod are refused.
-const DEVIATION: f64 = 1e-6;
+/// The relative deviation from the length L, of coordinates in single precision, above which the ends of a rod are refused.
+const DEVIATION: f64 = 1e-4;
 
 /// A rod between two particles of a network.
 #[derive(Debug, Clone, Copy)]
@@ -47,7 +47,7 @@ pub struct Unsolved {
 /// All rods of a scene, with the factorization of A at the positions of the last [`Rods::turn`].
 #[derive(Debug, Clone)]
 pub struct Rods {
-    rods: Vec<Rod>,
+    links: Vec<Rod>,
     /// The index of each in the declared springs.
     springs: Vec<usize>,
     /// The particles at their ends, and their 1/m [1/kg].
@@ -89,27 +89,27 @@ impl Rods {
         particles.sort_unstable();
         particles.dedup();
         let local = |particle: u32| particles.partition_point(|&other| other < particle) as u32;
-        let rods: Vec<Rod> = chosen
+        let links: Vec<Rod> = chosen
             .iter()
             .map(|&index| Rod { ends: springs[index].ends.map(local), length: springs[index].rest_length })
             .collect();
         let inverse_mass: Vec<f64> = particles.iter().map(|&particle| 1.0 / properties.mass[particle as usize]).collect();
-        let couplings = couplings(&rods, &inverse_mass);
+        let couplings = couplings(&links, &inverse_mass);
         let pattern: Vec<[u32; 2]> = couplings.iter().map(|&(pair, _)| pair).collect();
         let weight = |rod: &Rod| rod.ends.iter().map(|&end| inverse_mass[end as usize]).sum::<f64>();
         Some(Self {
-            factorization: Factorization::new(rods.len(), &pattern),
-            diagonal: rods.iter().map(weight).collect(),
+            factorization: Factorization::new(links.len(), &pattern),
+            diagonal: links.iter().map(weight).collect(),
             off_diagonal: vec![0.0; couplings.len()],
-            directions: vec![DVec3::ZERO; rods.len()],
-            residuals: vec![0.0; rods.len()],
-            multipliers: vec![0.0; rods.len()],
+            directions: vec![DVec3::ZERO; links.len()],
+            residuals: vec![0.0; links.len()],
+            multipliers: vec![0.0; links.len()],
             vectors: vec![DVec3::ZERO; particles.len()],
             changes: vec![DVec3::ZERO; particles.len()],
             redundant: 0,
             removed: 0.0,
             springs: chosen,
-            rods,
+            links,
             particles,
             inverse_mass,
             couplings,
@@ -126,7 +126,7 @@ impl Rods {
                 |(&particle, &inverse): (&u32, &f64)| matter.velocity.get(particle as usize).widen().length_squared() / inverse;
             rods.particles.iter().zip(&rods.inverse_mass).filter(|(_, inverse)| **inverse > 0.0).map(of).sum::<f64>() / 2.0
         };
-        for (rod, &spring) in self.rods.iter().zip(&self.springs) {
+        for (rod, &spring) in self.links.iter().zip(&self.springs) {
             let [one, other] = rod.ends.map(|end| matter.exact_position(self.particles[end as usize] as usize));
             let found = (other - one).length();
             if (found - rod.length).abs() > DEVIATION * rod.length {
@@ -159,7 +159,7 @@ impl Rods {
     }
 
     fn turn_with(&mut self, shift: f64, position: impl Fn(usize) -> DVec3) {
-        for (direction, rod) in self.directions.iter_mut().zip(&self.rods) {
+        for (direction, rod) in self.directions.iter_mut().zip(&self.links) {
             let [one, other] = rod.ends.map(|end| position(self.particles[end as usize] as usize));
             *direction = (other - one).normalize_or_zero();
         }
@@ -238,7 +238,7 @@ impl Rods {
             *vector = acceleration(particle as usize);
         }
         let centripetal: Vec<f64> = self
-            .rods
+            .links
             .iter()
             .map(|rod| {
                 let [one, other] = rod.ends.map(|end| velocity(self.particles[end as usize] as usize));
@@ -267,7 +267,7 @@ impl Rods {
         let (mut before, mut worst) = (f64::INFINITY, (0, 0.0));
         for iteration in 0..MOST_ITERATIONS {
             worst = (0, 0.0);
-            for (index, rod) in self.rods.iter().enumerate() {
+            for (index, rod) in self.links.iter().enumerate() {
                 let ends = rod.ends.map(|end| self.vectors[end as usize]);
                 let (value, rounding) = residual(index, rod, self.directions[index], ends);
                 self.residuals[index] = value;
@@ -289,7 +289,7 @@ impl Rods {
             }
             before = worst.1;
             self.factorization.solve(&mut self.residuals);
-            for (index, rod) in self.rods.iter().enumerate() {
+            for (index, rod) in self.links.iter().enumerate() {
                 let (multiplier, [one, other]) = (self.residuals[index], rod.ends.map(|end| end as usize));
                 self.multipliers[index] += multiplier;
                 let impulse = multiplier * self.directions[index];
@@ -300,13 +300,13 @@ impl Rods {
                 }
             }
         }
-        let particle = self.particles[self.rods[worst.0].ends[1] as usize] as usize;
+        let particle = self.particles[self.links[worst.0].ends[1] as usize] as usize;
         Err(Unsolved { particle, residual: worst.1 })
     }
 
     /// Adds the work on fixed particles that move, by the impulses `scale` λ of the last projection [N·s].
     fn count_reactions<V: Vector>(&self, matter: &mut Matter<V>, scale: f64) {
-        for (index, rod) in self.rods.iter().enumerate() {
+        for (index, rod) in self.links.iter().enumerate() {
             for (end, sign) in rod.ends.into_iter().zip([1.0, -1.0]) {
                 if self.inverse_mass[end as usize] == 0.0 {
                     let particle = self.particles[end as usize] as usize;
@@ -322,7 +322,7 @@ impl Rods {
     /// step of more than 1/ω, half of the limit of a spring with that frequency, may leave it without a solution; transverse waves of
     /// tense chains have the stiffness T/L. Before it turns, the acceleration of its ends stands for that.
     pub fn bound(&self, tensions: &[f64], acceleration: impl Fn(usize) -> DVec3, bound: &mut SpectralBound) {
-        for (rod, tension) in self.rods.iter().zip(tensions) {
+        for (rod, tension) in self.links.iter().zip(tensions) {
             let [one, other] = rod.ends.map(|end| self.particles[end as usize] as usize);
             let weights = rod.ends.map(|end| self.inverse_mass[end as usize]);
             let pull = (acceleration(other) - acceleration(one)).length() / weights.iter().sum::<f64>();
@@ -336,7 +336,7 @@ impl Rods {
 
     /// Notes for the plan.
     pub fn notes(&self) -> Vec<String> {
-        let count = self.rods.len();
+        let count = self.links.len();
         let redundant = (self.redundant > 0).then(|| {
             format!("rods: {} of {count} are redundant; redundant rods share the load so that the sum of squares of tensions is least", self.redundant)
         });
@@ -351,17 +351,17 @@ impl Rods {
 
     /// The number of rods.
     pub fn count(&self) -> usize {
-        self.rods.len()
+        self.links.len()
     }
 
     /// An estimate of the duration of a step [ns]: a factorization, and some six iterations.
     pub fn cost(&self) -> f64 {
-        120.0 * self.rods.len() as f64 + self.factorization.products() as f64 + 12.0 * self.factorization.len() as f64
+        120.0 * self.links.len() as f64 + self.factorization.products() as f64 + 12.0 * self.factorization.len() as f64
     }
 
     /// Memory [bytes].
     pub fn bytes(&self) -> usize {
-        self.rods.len() * (size_of::<Rod>() + 72)
+        self.links.len() * (size_of::<Rod>() + 72)
             + self.particles.len() * 36
             + self.couplings.len() * 24
             + self.factorization.bytes()

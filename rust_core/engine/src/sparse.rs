@@ -187,19 +187,18 @@ impl Factorization {
 
 /// The rows in the order of their elimination.
 fn elimination_order(count: usize, entries: &[[u32; 2]]) -> Vec<u32> {
-    let mut columns: Vec<Vec<i32>> = (0..count as i32).map(|row| vec![row]).collect();
+    let mut columns: Vec<Vec<usize>> = (0..count).map(|row| vec![row]).collect();
     for &[one, other] in entries {
-        columns[one as usize].push(other as i32);
-        columns[other as usize].push(one as i32);
+        columns[one as usize].push(other as usize);
+        columns[other as usize].push(one as usize);
     }
-    let mut starts = vec![0_i32];
+    let mut starts = vec![0];
     for column in &mut columns {
         column.sort_unstable();
-        starts.push(starts.last().unwrap_or(&0) + column.len() as i32);
+        starts.push(starts.last().unwrap_or(&0) + column.len());
     }
-    let rows = columns.concat();
     let natural = || (0..count as u32).collect();
-    amd::order(count as i32, &starts, &rows, &amd::Control::default())
+    amd::order(count, &starts, &columns.concat(), &amd::Control::default())
         .map_or_else(|_| natural(), |(order, _, _)| order.into_iter().map(|row| row as u32).collect())
 }
 

@@ -44,8 +44,7 @@ pub fn compile<V: Vector>(scene: &Scene, method: Box<dyn Method<V>>, executor: &
     let rods = rods(scene, &springs, &properties, &about)?;
     executor.check()?;
 
-    let (mut all, mut stages): (Vec<Box<dyn Force<V>>>, Vec<String>) = (Vec::new(), Vec::new());
-    let mut notes = Vec::new();
+    let mut all: Vec<Box<dyn Force<V>>> = Vec::new();
     let elastic: Vec<Spring> = springs.iter().filter(|spring| !rods::is_rod(spring)).copied().collect();
     if !elastic.is_empty() {
         all.push(Box::new(Springs::<V>::new(&elastic, count)));
@@ -72,25 +71,7 @@ pub fn compile<V: Vector>(scene: &Scene, method: Box<dyn Method<V>>, executor: &
         refuse_kinks(&about, "boundaries")?;
     }
     let known: Vec<About> = all.iter().map(|force| force.about()).collect();
-    for About { name, layout, reach, .. } in &known {
-        if !layout.is_empty() {
-            notes.push(format!("{name}: {layout}"));
-        }
-        if *reach == Reach::Pairs && stages.first().is_none_or(|stage| stage != "neighbors") {
-            stages.insert(0, "neighbors".to_owned());
-        }
-        if !stages.iter().any(|stage| stage == name) {
-            stages.push((*name).to_owned());
-        }
-    }
-    stages.push(about.name.to_owned());
-    if rods.is_some() {
-        stages.push("rods".to_owned());
-    }
-    if contacts.is_some() {
-        // Where positions are final before the evaluation of forces, contacts come first.
-        stages.insert(if about.drifts_first { 0 } else { stages.len() }, "contacts".to_owned());
-    }
+    let (stages, mut notes) = sequence(&known, &about, rods.is_some(), contacts.is_some());
 
     let independent = !about.sweeps && rods.is_none() && known.iter().all(|force| force.reach == Reach::Pointwise);
     let exact = rods.is_some() || known.iter().any(|force| force.reach == Reach::Pairs);
@@ -134,6 +115,31 @@ pub fn compile<V: Vector>(scene: &Scene, method: Box<dyn Method<V>>, executor: &
     };
     let fields = scene.forces.iter().filter(|item| !forces::is_between_pairs(item)).cloned().collect();
     Ok(MatterSystem::new(dynamics, state, method, stages, fields))
+}
+
+/// The names of the stages of a step in their order, and notes on the layouts of the forces.
+fn sequence(known: &[About], about: &MethodAbout, rods: bool, contacts: bool) -> (Vec<String>, Vec<String>) {
+    let (mut stages, mut notes): (Vec<String>, Vec<String>) = (Vec::new(), Vec::new());
+    for About { name, layout, reach, .. } in known {
+        if !layout.is_empty() {
+            notes.push(format!("{name}: {layout}"));
+        }
+        if *reach == Reach::Pairs && stages.first().is_none_or(|stage| stage != "neighbors") {
+            stages.insert(0, "neighbors".to_owned());
+        }
+        if !stages.iter().any(|stage| stage == name) {
+            stages.push((*name).to_owned());
+        }
+    }
+    stages.push(about.name.to_owned());
+    if rods {
+        stages.push("rods".to_owned());
+    }
+    if contacts {
+        // Where positions are final before the evaluation of forces, contacts come first.
+        stages.insert(if about.drifts_first { 0 } else { stages.len() }, "contacts".to_owned());
+    }
+    (stages, notes)
 }
 
 /// The rods among springs, refused where the method does not hold them, or where they hold two particles that have to part.

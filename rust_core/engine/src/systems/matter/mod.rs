@@ -27,7 +27,7 @@ use radau::GaussRadau15;
 use rattle::Rattle;
 
 use crate::error::{Error, Result};
-use crate::forces::{Force, Mach, Validity};
+use crate::forces::{Mach, Validity};
 use crate::history::{Archive, History};
 use crate::integrators::{gauss_radau_15, with_integrator};
 use crate::ledger::{Class, Ledger};
@@ -164,8 +164,8 @@ impl<V: Vector> MatterSystem<V> {
     /// Whether the certified limit stays valid at this state.
     fn limit_holds(&self, time: f64) -> bool {
         let at = self.dynamics.view_of(&self.state, time, &SERIAL);
-        let holds = |force: &Box<dyn Force<V>>| force.validity(&at, Horizon::Certified) != Validity::Now;
-        self.dynamics.rods.is_none() && self.dynamics.forces().iter().all(holds)
+        let forces = self.dynamics.forces();
+        self.dynamics.rods.is_none() && forces.iter().all(|force| force.validity(&at, Horizon::Certified) != Validity::Now)
     }
 
     /// Two coincident particles, in the caller's order.
@@ -338,8 +338,8 @@ impl<V: Vector> System for MatterSystem<V> {
 
     fn limit_varies(&self, horizon: Horizon, time: f64) -> bool {
         let at = self.dynamics.view_of(&self.state, time, &SERIAL);
-        let varies = |force: &Box<dyn Force<V>>| force.validity(&at, horizon) != Validity::Always;
-        self.dynamics.rods.is_some() || self.dynamics.forces().iter().any(varies)
+        let forces = self.dynamics.forces();
+        self.dynamics.rods.is_some() || forces.iter().any(|force| force.validity(&at, horizon) != Validity::Always)
     }
 
     fn error(&self, h: f64) -> Option<(f64, u32)> {
