@@ -19,6 +19,7 @@ import numpy as np
 import overheads
 import particles
 import reactions
+import rods
 import springs
 import tracers
 import wave_functions
@@ -62,6 +63,7 @@ TARGETS = (
     Target("two threads, grid f32", 1.8, "times one"),
     Target("two threads, network f64", 1.8, "times one"),
     Target("two threads, network f32", 1.8, "times one"),
+    Target("50 rods", 50_000, "steps/s"),
     Target("fluid 3D, no walls", 5.0, "M particle-steps/s"),
     Target("fluid 3D", 3.5, "M particle-steps/s"),
     Target("fluid 2D", 10.0, "M particle-steps/s"),
@@ -117,7 +119,7 @@ def main() -> None:
     print("physcore audits and watches for divergence in every run; its opponents do neither.")
     figures = particles.main() | springs.main() | fluids.main() | waves.main()
     figures |= reactions.main() | wave_functions.main() | gravitation.main()
-    figures |= tracers.main() | charges.main() | overheads.main() | accuracy.main()
+    figures |= rods.main() | tracers.main() | charges.main() | overheads.main() | accuracy.main()
     print()
     film.main()
     print(f"\nTargets, as set on a Zen 4 core of about 3.6 GHz; measured here, not scaled: {where}")

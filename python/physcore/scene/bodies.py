@@ -24,7 +24,7 @@ from physcore.errors import SceneError
 from physcore.scene.records import APPEARANCE
 
 ROUNDED = 1e-4
-"""The relative difference by which a rod may miss its length, as of coordinates in single precision; its ends are moved."""
+"""The relative difference by which a rod may miss its length, as of coordinates in f32; its ends are moved."""
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)

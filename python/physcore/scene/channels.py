@@ -36,9 +36,14 @@ def body_fields(scene: Scene, body: BodyKey) -> dict[str, slice]:
     names = (*CHANNELS, *FLUID_CHANNELS) if isinstance(found, Fluid) else CHANNELS
     fields = dict.fromkeys(names, scene.slice(body))
     if isinstance(found, SpringNetwork) and has_rods(scene):
-        start = springs(scene, index)
+        start = first_spring(scene, found)
         fields |= dict.fromkeys(SPRING_CHANNELS, slice(start, start + len(found.pairs)))
     return fields
+
+
+def first_spring(scene: Scene, body: SpringNetwork) -> int:
+    """The index of a body's first spring among those of the scene."""
+    return springs(scene, scene.index(body))
 
 
 def has_rods(scene: Scene) -> bool:

@@ -19,8 +19,12 @@ use crate::stability::SpectralBound;
 const SHIFT: f64 = 1e-10;
 /// The same for tensions, in which redundant rods have rounding errors over ε.
 const SHIFT_OF_TENSIONS: f64 = 1e-7;
+/// A pivot of A below this multiple of its largest entry makes it singular; those of chains of 10⁴ rods are all above.
+const SINGULAR: f64 = 1e-9;
 /// A pivot of A + ε 1 below this multiple of ε belongs to a redundant rod.
 const REDUNDANT: f64 = 100.0;
+/// The largest accurate angle by which a rod turns in a step [rad]; one of 1 may have no solution.
+const LARGEST_ANGLE: f64 = 0.5;
 /// The most iterations of a projection.
 const MOST_ITERATIONS: usize = 100;
 /// The relative deviation from the length L, of coordinates in single precision, above which the ends of a rod are refused.
@@ -166,9 +170,15 @@ impl Rods {
         for (value, &([one, other], weight)) in self.off_diagonal.iter_mut().zip(&self.couplings) {
             *value = weight * self.directions[one as usize].dot(self.directions[other as usize]);
         }
-        let shift = shift * self.diagonal.iter().copied().fold(0.0, f64::max);
-        self.factorization.factorize(&self.diagonal, shift, &self.off_diagonal);
-        self.redundant = self.factorization.pivots().iter().filter(|&&pivot| pivot < REDUNDANT * shift).count();
+        let largest = self.diagonal.iter().copied().fold(0.0, f64::max);
+        let small =
+            |rods: &Self, bound: f64| rods.factorization.pivots().iter().filter(|&&pivot| pivot < bound * largest).count();
+        self.factorization.factorize(&self.diagonal, 0.0, &self.off_diagonal);
+        self.redundant = small(self, SINGULAR);
+        if self.redundant > 0 {
+            self.factorization.factorize(&self.diagonal, shift * largest, &self.off_diagonal);
+            self.redundant = small(self, REDUNDANT * shift);
+        }
     }
 
     /// Moves particles along the directions until all rods have their lengths; `drift` is the step [s] of the drift that led there,
@@ -318,15 +328,25 @@ impl Rods {
         }
     }
 
-    /// Adds the rods to the bound on the time step. One that turns at the rate ω has the tension μ ω² L of its reduced mass μ, and a
-    /// step of more than 1/ω, half of the limit of a spring with that frequency, may leave it without a solution; transverse waves of
-    /// tense chains have the stiffness T/L. Before it turns, the acceleration of its ends stands for that.
-    pub fn bound(&self, tensions: &[f64], acceleration: impl Fn(usize) -> DVec3, bound: &mut SpectralBound) {
+    /// Adds the rods to the bound on the time step. Transverse waves of tense chains have the stiffness T/L. A step of more than 1/ω
+    /// may leave a rod that turns at the rate ω = |Δv|/L without a solution; before it turns, √(|Δa|/L) stands for ω.
+    pub fn bound(
+        &self,
+        tensions: &[f64],
+        velocity: impl Fn(usize) -> DVec3,
+        acceleration: impl Fn(usize) -> DVec3,
+        bound: &mut SpectralBound,
+    ) {
         for (rod, tension) in self.links.iter().zip(tensions) {
             let [one, other] = rod.ends.map(|end| self.particles[end as usize] as usize);
             let weights = rod.ends.map(|end| self.inverse_mass[end as usize]);
-            let pull = (acceleration(other) - acceleration(one)).length() / weights.iter().sum::<f64>();
-            let stiffness = 4.0 * tension.abs().max(pull) / rod.length;
+            let rate = (velocity(other) - velocity(one)).length() / rod.length;
+            let onset = (acceleration(other) - acceleration(one)).length() / rod.length;
+            let fastest = rate.max(onset.sqrt());
+            if fastest > 0.0 {
+                bound.accuracy("rods", LARGEST_ANGLE / fastest);
+            }
+            let stiffness = tension.abs() / rod.length;
             // By Gershgorin's theorem twice that, unless the other end is fixed.
             for (end, partner) in [(one, weights[1]), (other, weights[0])] {
                 bound.point(end, "rods", if partner > 0.0 { 2.0 } else { 1.0 } * stiffness, 0.0);

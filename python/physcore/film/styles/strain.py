@@ -1,8 +1,8 @@
-"""Springs, colored by how far they are stretched or compressed."""
+"""Springs, colored by how far they are stretched or compressed; rods by their tension."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -14,7 +14,7 @@ from physcore.film.colors.colormaps import diverging, look_up
 from physcore.film.colors.themes import Theme
 from physcore.film.styles.base import BodyStyle, Painter, Part, Scale, inks, typical
 from physcore.scene.bodies import Body, SpringNetwork
-from physcore.scene.periodic import Periodic
+from physcore.scene.channels import first_spring
 from physcore.simulation.sources import Source, SourceFrame
 
 WIDTHS = (1.0, 3.4)
@@ -23,6 +23,8 @@ NEVER = 1e-9
 """Strains below this are rounding, and stay neutral [1]."""
 BRACE = 1.2
 """Springs longer than the typical shortest one by this factor are braces [1]."""
+TENSIONS = "tensions"
+"""The field of springs that rods are colored by."""
 FAINT = 0.5
 """Opacity of a brace, and its width as a fraction of the others'."""
 PIN = 2.4
@@ -34,11 +36,13 @@ class Strain(BodyStyle):
     """Each spring is a line: blue when compressed, red when stretched, neutral in between.
 
     The scale is symmetric, the same for the whole film, and goes with the root of the strain, so that small strains
-    show beside large ones. A spring that lies along two others is not drawn: bending springs would hide what they
-    reinforce. Braces, which are longer than their neighbors, are drawn fainter.
+    show beside large ones. Rods, which are never stretched, show their tension instead, if it was recorded. A spring
+    that lies along two others is not drawn: bending springs would hide what they reinforce. Braces,
+    which are longer than their neighbors, are drawn fainter.
 
     Args:
-        range: the strain (length / rest length - 1) at which colors end [1]; None: what is typical of the worst frame.
+        range: the strain (length / rest length - 1) at which colors end [1], of rods the tension [N]; None: what is
+            typical of the worst frame.
         width: of the lines [pixels]; None: as fits their length.
         on: as in Style; it must have springs.
 
@@ -62,21 +66,23 @@ class Strain(BodyStyle):
         for part in parts:
             if not self.can_draw(part.body):
                 raise SceneError(f"Strain.on: {part.body!r} has no springs; use Points(on=…) for it")
-        return StrainPainter(self, source.scene.periodic, parts, theme)
+        return StrainPainter(self, source, parts, theme)
 
 
 class StrainPainter(Painter):
     """Draws lines, and what is pinned."""
 
-    def __init__(self, style: Strain, domain: Periodic | None, parts: list[Part], theme: Theme) -> None:
-        self.style, self._style, self._domain, self._theme = style, style, domain, theme
+    def __init__(self, style: Strain, source: Source, parts: list[Part], theme: Theme) -> None:
+        self.style, self._style, self._domain, self._theme = style, style, source.scene.periodic, theme
         self._table = diverging(theme.compressed, theme.relaxed, theme.stretched)
-        pairs, rest, chain, brace, fixed = [], [], [], [], []
+        pairs, rest, chain, brace, fixed, springs, rods = [], [], [], [], [], [], []
         for part in parts:
             body = part.body
             assert isinstance(body, SpringNetwork)  # the style has made sure of it
             shown = ~covered(body.pairs, body.rest_length)
             pairs.append(body.pairs[shown] + part.where.start)
+            rods.append(body.rods[shown])
+            springs.append(np.flatnonzero(shown) + first_spring(source.scene, body))
             rest.append(body.rest_length[shown])
             brace.append(body.rest_length[shown] > BRACE * _spacing(body.pairs[shown], body.rest_length[shown]))
             chain.append(np.full(shown.sum(), shown.sum() < 1.5 * len(body)))
@@ -88,6 +94,8 @@ class StrainPainter(Painter):
         self._brace: BoolArray = np.concatenate(brace)[order]
         self._chain: BoolArray = np.concatenate(chain)[order]
         self._fixed: IntArray = np.concatenate(fixed)
+        rigid = bool(len(order)) and bool(np.concatenate(rods).all()) and source.has(TENSIONS)
+        self._rods: IntArray | None = np.concatenate(springs)[order] if rigid else None
         self.top = style.range or NEVER
 
     @property
@@ -98,12 +106,13 @@ class StrainPainter(Painter):
     @property
     def scale(self) -> Scale:
         """The scale of colors."""
-        return strain_scale(self.top, self._table)
+        scale = strain_scale(self.top, self._table)
+        return scale if self._rods is None else replace(scale, quantity="tension", unit="N")
 
     def observe(self, frame: SourceFrame) -> None:
         """Find the end of the color scale."""
         if self._style.range is None:
-            self.top = max(self.top, typical(np.abs(self._strain(frame))))
+            self.top = max(self.top, typical(np.abs(self._values(frame))))
 
     def inset(self, pixels: float) -> float:
         """A line's half width, or a pin."""
@@ -119,7 +128,7 @@ class StrainPainter(Painter):
             ends, there, _ = view.project(frame.positions[first] + self._separation(frame))
             between = None if depth is None or there is None else (depth[first] + there) / 2
         farness = None if between is None else view.farness(between)
-        colors = look_up(self._table, rooted(self._strain(frame) / self.top))
+        colors = look_up(self._table, rooted(self._values(frame) / self.top))
         ink = inks(colors, self._theme, farness)
         ink[self._brace, 3] = round(255 * FAINT)
         widths = self._widths(view)
@@ -128,6 +137,13 @@ class StrainPainter(Painter):
         radius = np.minimum(PIN, 0.6 + 0.7 * float(np.median(widths)))
         radii = np.full(len(self._fixed), radius, dtype=np.float32)
         canvas.discs(points[self._fixed], radii, pins, None if depth is None else depth[self._fixed])
+
+    def _values(self, frame: SourceFrame) -> FloatArray:
+        """Strains, or tensions of rods, (M,)."""
+        if self._rods is None:
+            return self._strain(frame)
+        tensions: FloatArray = frame.fields[TENSIONS][self._rods]
+        return tensions
 
     def _strain(self, frame: SourceFrame) -> FloatArray:
         """Length over rest length less one, (M,). Where the rest length is 0, the mean length takes its place."""

@@ -26,8 +26,8 @@ class RATTLE(Integrator):
     `recording[network].tensions` has them. Symplectic and reversible, so that the energy error stays bounded. At the
     start velocities along rods are taken away.
 
-    A rod must turn by less than some half a radian in a step, and chains under tension swing fast across; dt="auto"
-    counts both. Without rods it is VelocityVerlet. Not for boundaries and fluids.
+    A rod must turn by less than a radian in a step, and chains under tension swing fast across; dt="auto" follows
+    both, as AdaptiveStep(). Without rods it is VelocityVerlet. Not for boundaries and fluids.
 
     Args:
         order: 2, or 4 by a composition of five such steps, where no force depends on velocity.

@@ -332,7 +332,8 @@ impl<V: Vector> Dynamics<V> {
         self.forces.iter().try_for_each(|force| force.bound(at, &mut bound))?;
         if let Some(rods) = &self.rods {
             let accelerations: Vec<DVec3> = self.accelerations(at).map(V::widen).collect();
-            rods.bound(&self.tensions(at, &accelerations), |index| accelerations[index], &mut bound);
+            let velocity = |index: usize| at.velocity.get(index).widen();
+            rods.bound(&self.tensions(at, &accelerations), velocity, |index| accelerations[index], &mut bound);
         }
         Ok(bound)
     }
