@@ -52,6 +52,7 @@ from physcore.numerics.choices import AdaptiveStep, AutoStep
 from physcore.numerics.integrators import (
     PEFRL,
     RATTLE,
+    XPBD,
     BlanesMoan4,
     BlanesMoan6,
     BogackiShampine3,
@@ -62,6 +63,7 @@ from physcore.numerics.integrators import (
     GaussRadau15,
     Integrator,
     McLachlan2,
+    ProjectiveDynamics,
     RungeKutta4,
     RungeKuttaChebyshev,
     SemiImplicitEuler,
@@ -105,6 +107,7 @@ __version__: str
 __all__ = [
     "PEFRL",
     "RATTLE",
+    "XPBD",
     "Absorbing",
     "AccuracyError",
     "AdaptiveStep",
@@ -164,6 +167,7 @@ __all__ = [
     "Plan",
     "Plane",
     "PointVortices",
+    "ProjectiveDynamics",
     "QuadrupoleTrap",
     "Reaction",
     "ReactionDiffusion",

@@ -405,12 +405,18 @@ def test_a_scene_that_cannot_be_filmed_is_refused_before_it_is_simulated(tmp_pat
         ({"duration": "2"}, "duration: must be a number"),
         ({"duration": -1.0}, "duration: must be ≥ 0"),
         ({"duration": 1.0, "fps": 0}, "fps: must be > 0"),
-        ({"duration": 1.0, "fps": 60}, "at most 50 frames per second"),
+        ({"duration": 1.0, "fps": 60, "speed": 1.0}, "at most 50 frames per second"),
     ]:
         with pytest.raises(pc.SceneError, match=message):
             pc.film(scene, path, **options)
     with pytest.raises(pc.FileError, match="no such folder"):
         pc.film(scene, tmp_path / "none" / "film.gif", duration=1.0)
+
+
+def test_more_frames_than_a_format_shows_play_slower_and_it_says_so(tmp_path: Path) -> None:
+    with pytest.warns(pc.SceneWarning, match="at most 50 frames per second, so that this film of 60 plays at 0.83"):
+        film = pc.film(pc.Scene(dust(3)), tmp_path / "film.gif", duration=0.1, fps=60)
+    assert (film.rate, film.frames) == (50.0, 7)
 
 
 @pytest.mark.parametrize("item", [SCENES["particles"], "recording"])

@@ -40,7 +40,7 @@ def film(
     labels: Sequence[Label] = ("time",),
     color_bar: bool = True,
     inset: Inset | None = None,
-    speed: float = 1.0,
+    speed: float | None = None,
     duration: float | None = None,
     fps: float | None = None,
     quality: Quality = "fast",
@@ -82,7 +82,8 @@ def film(
             far); those of several panels each below its own.
         color_bar: whether to show at the lower right what colors mean, as far as there is room.
         inset: "energy": a diagram of kinetic, potential, internal and total energy in the emptiest corner of a panel.
-        speed: seconds of the simulation that pass in one second of the film.
+        speed: seconds of the simulation that pass in one second of the film; None: 1, or as near to it as the format
+            shows all frames, with a warning where a GIF of more than 50 per second becomes slower.
         duration: how long to simulate a scene [s].
         fps: frames per second of simulated time at which to film a scene; None: 30.
         quality: "fast", or "high" for a GIF whose colors are chosen with more care, in about twice the time.
@@ -140,7 +141,7 @@ def gif_bytes(
     size: tuple[int, int] | None = None,
     style: Style | Sequence[Style] | None = None,
     theme: Theme | ThemeName = "dark",
-    speed: float = 1.0,
+    speed: float | None = None,
 ) -> bytes:
     """The bytes of the GIF that `film` would write, for a notebook or a server; the arguments are those of `film`."""
     from physcore.film.colors.themes import resolve

@@ -72,6 +72,7 @@ pub struct Rods {
     vectors: Vec<DVec3>,
     changes: Vec<DVec3>,
     residuals: Vec<f64>,
+    buffer: Vec<f64>,
     multipliers: Vec<f64>,
 }
 
@@ -107,6 +108,7 @@ impl Rods {
             off_diagonal: vec![0.0; couplings.len()],
             directions: vec![DVec3::ZERO; links.len()],
             residuals: vec![0.0; links.len()],
+            buffer: Vec::new(),
             multipliers: vec![0.0; links.len()],
             vectors: vec![DVec3::ZERO; particles.len()],
             changes: vec![DVec3::ZERO; particles.len()],
@@ -298,7 +300,7 @@ impl Rods {
                 return Ok(());
             }
             before = worst.1;
-            self.factorization.solve(&mut self.residuals);
+            self.factorization.solve(&mut self.residuals, &mut self.buffer);
             for (index, rod) in self.links.iter().enumerate() {
                 let (multiplier, [one, other]) = (self.residuals[index], rod.ends.map(|end| end as usize));
                 self.multipliers[index] += multiplier;

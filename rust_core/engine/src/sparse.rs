@@ -5,6 +5,8 @@
 //! not zero, which the elimination tree gives: T. A. Davis, "Direct Methods for Sparse Linear Systems", 2006, chapter 4. All sums are
 //! in one fixed order, so that the bits are the same on every processor.
 
+use std::ops::{Div, Mul, SubAssign};
+
 /// A factorization of matrices with one pattern of entries.
 #[derive(Debug, Clone)]
 pub struct Factorization {
@@ -153,27 +155,30 @@ impl Factorization {
         &self.pivots
     }
 
-    /// Solves A x = b in place.
-    pub fn solve(&mut self, x: &mut [f64]) {
-        let Self { place, start, rows, values, pivots, scratch, .. } = self;
-        let y = &mut scratch.row;
+    /// Solves A x = b in place, for numbers or vectors; `y` is a buffer.
+    pub fn solve<X>(&self, x: &mut [X], y: &mut Vec<X>)
+    where
+        X: Copy + Default + SubAssign + Mul<f64, Output = X> + Div<f64, Output = X>,
+    {
+        let Self { place, start, rows, values, pivots, .. } = self;
+        y.resize(x.len(), X::default());
         x.iter().zip(place.iter()).for_each(|(&value, &place)| y[place as usize] = value);
         let end = |column: usize| start.get(column + 1).copied().unwrap_or(values.len());
         for column in 0..pivots.len() {
             let known = y[column];
             for entry in start[column]..end(column) {
-                y[rows[entry] as usize] -= values[entry] * known;
+                y[rows[entry] as usize] -= known * values[entry];
             }
         }
         for column in (0..pivots.len()).rev() {
             let mut sum = y[column] / pivots[column];
             for entry in start[column]..end(column) {
-                sum -= values[entry] * y[rows[entry] as usize];
+                sum -= y[rows[entry] as usize] * values[entry];
             }
             y[column] = sum;
         }
         for (value, &place) in x.iter_mut().zip(place.iter()) {
-            *value = std::mem::take(&mut y[place as usize]);
+            *value = y[place as usize];
         }
     }
 
@@ -259,7 +264,7 @@ mod tests {
             factorization.factorize(&vec![1.0; count], 0.0, &vec![0.0; values.len()]);
             factorization.factorize(&diagonal, 0.0, &values);
             let mut solution = right.clone();
-            factorization.solve(&mut solution);
+            factorization.solve(&mut solution, &mut Vec::new());
             let largest = diagonal.iter().copied().fold(0.0, f64::max);
             for (row, right) in full.iter().zip(&right) {
                 let product: f64 = row.iter().zip(&solution).map(|(a, x)| a * x).sum();

@@ -98,6 +98,14 @@ impl Limit {
         self.stability.min(self.accuracy)
     }
 
+    /// The limit of a step that consists of so many equal parts with this one.
+    #[must_use]
+    pub fn in_parts(self, parts: usize) -> Self {
+        let times = |dt: f64| dt * parts as f64;
+        let (stability, accuracy) = (times(self.stability), times(self.accuracy));
+        Self { stability, accuracy, certified: times(self.certified), endured: times(self.endured), ..self }
+    }
+
     /// The name of the limit: beyond a bound of stability a run need not be unstable, unless the limit is known exactly.
     pub fn name(&self) -> &'static str {
         match self.kind {

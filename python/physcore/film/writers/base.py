@@ -11,7 +11,7 @@ from typing import ClassVar, Literal, get_args
 
 from physcore._core import Canvas
 from physcore.checks import span
-from physcore.errors import SceneError
+from physcore.errors import SceneError, SceneWarning, warn
 from physcore.film.renderer import Renderer
 from physcore.progress import Progress
 from physcore.storage.formats import Format
@@ -85,13 +85,21 @@ class Writer(Format, ABC):
     """How long it can show one frame [s]."""
 
     @classmethod
-    def rate(cls, fps: float, speed: float) -> float:
-        """Frames per second of a film that shows `fps` frames of each simulated second.
+    def rate(cls, fps: float, speed: float | None) -> float:
+        """Frames per second of a film that shows `fps` frames of each simulated second; None: in real time, or slower,
+        with a warning, where the format cannot.
 
         Raises:
-            SceneError: the format cannot show them in real time.
+            SceneError: the format cannot show them at that speed.
         """
-        rate = fps * span(speed, "speed")
+        if speed is None and fps > cls.fastest * (1.0 + 1e-9):
+            warn(
+                f"{cls.name} shows at most {cls.fastest:g} frames per second, so that this film of {fps:g} plays at "
+                f"{cls.fastest / fps:.2g} of its speed; record {cls.fastest:g} or fewer for real time",
+                SceneWarning,
+            )
+            return cls.fastest
+        rate = fps * (1.0 if speed is None else span(speed, "speed"))
         if rate > cls.fastest * (1.0 + 1e-9):
             raise SceneError(
                 f"fps: {cls.name} shows at most {cls.fastest:g} frames per second, got {rate:g}; record fewer, "

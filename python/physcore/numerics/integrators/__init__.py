@@ -13,6 +13,7 @@ from physcore.numerics.integrators.explicit_euler import ExplicitEuler
 from physcore.numerics.integrators.gauss_radau_15 import GaussRadau15
 from physcore.numerics.integrators.mclachlan_2 import McLachlan2
 from physcore.numerics.integrators.pefrl import PEFRL
+from physcore.numerics.integrators.projective_dynamics import ProjectiveDynamics
 from physcore.numerics.integrators.rattle import RATTLE
 from physcore.numerics.integrators.runge_kutta_4 import RungeKutta4
 from physcore.numerics.integrators.runge_kutta_chebyshev import RungeKuttaChebyshev
@@ -20,6 +21,7 @@ from physcore.numerics.integrators.semi_implicit_euler import SemiImplicitEuler
 from physcore.numerics.integrators.split_step import SplitStep
 from physcore.numerics.integrators.staggered import Staggered
 from physcore.numerics.integrators.velocity_verlet import VelocityVerlet
+from physcore.numerics.integrators.xpbd import XPBD
 
 INTEGRATORS: tuple[type[Integrator], ...] = (
     ExplicitEuler,
@@ -39,6 +41,8 @@ INTEGRATORS: tuple[type[Integrator], ...] = (
     Boris,
     GaussRadau15,
     RATTLE,
+    XPBD,
+    ProjectiveDynamics,
 )
 """Every integrator; what is registered here can be saved, and is tested for its order."""
 
@@ -46,6 +50,7 @@ __all__ = [
     "INTEGRATORS",
     "PEFRL",
     "RATTLE",
+    "XPBD",
     "BlanesMoan4",
     "BlanesMoan6",
     "BogackiShampine3",
@@ -56,6 +61,7 @@ __all__ = [
     "GaussRadau15",
     "Integrator",
     "McLachlan2",
+    "ProjectiveDynamics",
     "RungeKutta4",
     "RungeKuttaChebyshev",
     "SemiImplicitEuler",

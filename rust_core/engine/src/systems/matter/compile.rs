@@ -51,6 +51,9 @@ pub fn compile<V: Vector>(scene: &Scene, method: Box<dyn Method<V>>, executor: &
     }
     if let Some(fluid) = sph::fluid(scene, &properties, executor)? {
         refuse_kinks(&about, "a fluid")?;
+        if about.projects {
+            return Err(cannot_project(&about, sph::KIND));
+        }
         let continuity = fluid.density().is_some_and(|density| density.scheme() == Scheme::Continuity);
         if let (true, Some(reason)) = (continuity, about.refuses_fields) {
             let mut fit = Vec::new();
@@ -64,7 +67,11 @@ pub fn compile<V: Vector>(scene: &Scene, method: Box<dyn Method<V>>, executor: &
     }
     for item in &scene.forces {
         executor.check()?;
-        all.extend(forces::build(scene, item, &properties, executor)?);
+        let built = forces::build(scene, item, &properties, executor)?;
+        if about.projects && built.iter().any(|force| force.about().reach != Reach::Pointwise || force.about().callback) {
+            return Err(cannot_project(&about, &item.kind));
+        }
+        all.extend(built);
     }
     let contacts = Contacts::build(scene, &properties)?;
     if contacts.is_some() {
@@ -92,7 +99,9 @@ pub fn compile<V: Vector>(scene: &Scene, method: Box<dyn Method<V>>, executor: &
     };
     let mut dynamics = Dynamics::new(properties, all, contacts, state.block);
     dynamics.angle = about.angle;
-    (dynamics.springs, dynamics.rods) = if rods.is_some() { (springs, rods) } else { (Vec::new(), None) };
+    dynamics.projects = about.projects;
+    dynamics.springs = if rods.is_some() || about.projects { springs } else { Vec::new() };
+    dynamics.rods = rods;
     let dissipative = dynamics.velocity != VelocityDependence::None;
     let nominal = if dissipative { about.order_dissipative } else { about.order };
     let order = known.iter().map(|force| force.order).fold(nominal, u32::min);
@@ -115,6 +124,13 @@ pub fn compile<V: Vector>(scene: &Scene, method: Box<dyn Method<V>>, executor: &
     };
     let fields = scene.forces.iter().filter(|item| !forces::is_between_pairs(item)).cloned().collect();
     Ok(MatterSystem::new(dynamics, state, method, stages, fields))
+}
+
+/// The error that a method of projections has none for a kind of item.
+fn cannot_project(about: &MethodAbout, kind: &str) -> Error {
+    let expected = format!("one that evaluates forces, such as VelocityVerlet(), for a {kind}");
+    Error::parameter("integrator", expected, about.name)
+        .with_hint("it has projections for springs alone, and takes fields as they are")
 }
 
 /// The names of the stages of a step in their order, and notes on the layouts of the forces.

@@ -22,7 +22,8 @@ pub struct Workspace<V: Vector> {
     pub position: Columns<V>,
     pub velocity: Columns<V>,
     pub force: Columns<V>,
-    before: Option<[Columns<V>; 2]>,
+    /// Positions and velocities at the start of the step, for contacts.
+    pub before: Option<[Columns<V>; 2]>,
     /// Activity of each block at the end of the step [J].
     pub activity: Vec<f64>,
 }

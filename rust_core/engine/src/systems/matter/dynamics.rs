@@ -79,9 +79,11 @@ pub struct Dynamics<V: Vector> {
     pub magnetic: bool,
     /// Whether a fixed particle has a velocity, so that its constraint force does work.
     driven: bool,
+    /// Whether the method moves particles onto springs itself: these then add no force.
+    pub projects: bool,
     /// The rods, if there are any.
     pub rods: Option<Rods>,
-    /// All springs with the rods among them, as declared, where there are rods.
+    /// All springs with the rods among them, as declared, where there are rods or the method projects.
     pub springs: Vec<Spring>,
 }
 
@@ -109,6 +111,7 @@ impl<V: Vector> Dynamics<V> {
             together,
             forces,
             driven: false,
+            projects: false,
             rods: None,
             springs: Vec::new(),
         }
@@ -245,7 +248,8 @@ impl<V: Vector> Dynamics<V> {
         let turned = self.magnetic && self.angle.is_some();
         let acting =
             |forces: Range<usize>| self.forces[forces].iter().filter(move |force| !turned || !is_magnetic(force.as_ref()));
-        for force in acting(self.fused..self.together) {
+        // Of a method that projects, springs are the only forces between particles.
+        for force in acting(self.fused..if self.projects { self.fused } else { self.together }) {
             force.accumulate(block.clone(), at, rates);
         }
         if self.driven {
@@ -254,6 +258,12 @@ impl<V: Vector> Dynamics<V> {
         for force in acting(self.together..self.forces.len()) {
             force.accumulate(block.clone(), at, rates);
         }
+    }
+
+    /// Adds the forces and powers of springs that dissipate, for a method that moves particles onto springs itself.
+    pub fn damp(&self, block: &Range<usize>, at: &StateView<'_, V>, rates: &mut Rates<'_, V>) {
+        let damped = |force: &&Box<dyn Force<V>>| force.about().velocity != VelocityDependence::None;
+        self.forces[self.fused..self.together].iter().filter(damped).for_each(|force| force.accumulate(block.clone(), at, rates));
     }
 
     /// Adds q B of all magnetic fields at the particles of a range to `strength`.
@@ -329,7 +339,9 @@ impl<V: Vector> Dynamics<V> {
 
     /// The bound on the time step at a state, from one without terms for these particles.
     pub fn bound(&self, at: &StateView<'_, V>, mut bound: SpectralBound) -> Result<SpectralBound> {
-        self.forces.iter().try_for_each(|force| force.bound(at, &mut bound))?;
+        let explicit = |index: usize| !(self.projects && (self.fused..self.together).contains(&index));
+        let mut forces = self.forces.iter().enumerate().filter(|&(index, _)| explicit(index));
+        forces.try_for_each(|(_, force)| force.bound(at, &mut bound))?;
         if let Some(rods) = &self.rods {
             let accelerations: Vec<DVec3> = self.accelerations(at).map(V::widen).collect();
             let velocity = |index: usize| at.velocity.get(index).widen();

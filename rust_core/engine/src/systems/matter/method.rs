@@ -54,6 +54,8 @@ pub struct About {
     pub limit: fn(f64) -> f64,
     /// Whether it keeps rods at their lengths.
     pub holds_rods: bool,
+    /// Whether it moves particles onto springs itself, so that these add no force.
+    pub projects: bool,
     /// Why it cannot advance a field that diffuses, if it cannot.
     pub refuses_fields: Option<&'static str>,
     /// Why it takes neither contacts nor fluids, if it takes smooth motion alone.
@@ -130,6 +132,7 @@ impl<V: Vector, I: Integrator> Method<V> for Explicit<I> {
             angle: self.angle,
             limit: I::limit,
             holds_rods: false,
+            projects: false,
             refuses_fields: integrators::refuses_fields::<I>(),
             smooth_only: None,
         }

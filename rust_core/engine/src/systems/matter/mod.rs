@@ -11,6 +11,7 @@ mod fields;
 mod independent;
 mod kernels;
 mod method;
+mod projection;
 mod radau;
 mod rattle;
 mod test_particles;
@@ -23,6 +24,7 @@ use activity::Activity;
 use coupled::Workspace;
 use dynamics::Dynamics;
 use method::{About, Explicit, Job, Method};
+use projection::{PROJECTIVE, Projection, Projective, Sweeps, XPBD};
 use radau::GaussRadau15;
 use rattle::Rattle;
 
@@ -50,6 +52,31 @@ const INDEPENDENT_BLOCK: usize = 512;
 /// the second-level cache.
 const COUPLED_BLOCK: usize = 4096;
 
+/// Runs code with the vectors of a dimension and a precision.
+macro_rules! with_space {
+    ($dimension:expr, $precision:expr, $V:ident => $run:expr) => {
+        match ($dimension, $precision) {
+            (2, "f32") => {
+                type $V = Vec2;
+                $run
+            }
+            (3, "f32") => {
+                type $V = Vec3;
+                $run
+            }
+            (2, _) => {
+                type $V = DVec2;
+                $run
+            }
+            (3, _) => {
+                type $V = DVec3;
+                $run
+            }
+            (other, _) => Err(Error::parameter("scene.dimension", "2 or 3", other)),
+        }
+    };
+}
+
 /// Compiles a scene for a method.
 ///
 /// # Errors
@@ -67,26 +94,21 @@ pub fn build(scene: &Scene, method: &Item, precision: &str, executor: &Executor)
             (other, _) => Err(Error::parameter("scene.dimension", "2 or 3", other)),
         };
     }
-    if method.kind == rattle::NAME {
-        return match (scene.dimension, precision) {
-            (2, "f32") => compiled::<Vec2>(scene, Rattle::declared(method)?, executor),
-            (3, "f32") => compiled::<Vec3>(scene, Rattle::declared(method)?, executor),
-            (2, _) => compiled::<DVec2>(scene, Rattle::declared(method)?, executor),
-            (3, _) => compiled::<DVec3>(scene, Rattle::declared(method)?, executor),
-            (other, _) => Err(Error::parameter("scene.dimension", "2 or 3", other)),
-        };
+    with_space!(scene.dimension, precision, V => method_of::<V>(scene, method, executor))
+}
+
+/// Compiles a scene for a method in one precision and dimension: the registry of methods.
+fn method_of<V: Vector>(scene: &Scene, method: &Item, executor: &Executor) -> Result<Box<dyn System>> {
+    match method.kind.as_str() {
+        rattle::NAME => compiled::<V>(scene, Rattle::declared(method)?, executor),
+        XPBD => compiled::<V>(scene, Projection::new(Sweeps::declared(method)?), executor),
+        PROJECTIVE => compiled::<V>(scene, Projection::new(Projective::<V>::declared(method)?), executor),
+        kind => with_integrator!(
+            kind,
+            I => compiled::<V>(scene, Explicit::<I>::declared(method)?, executor),
+            Err(unknown_integrator(method))
+        ),
     }
-    with_integrator!(
-        method.kind.as_str(),
-        I => match (scene.dimension, precision) {
-            (2, "f32") => compiled::<Vec2>(scene, Explicit::<I>::declared(method)?, executor),
-            (3, "f32") => compiled::<Vec3>(scene, Explicit::<I>::declared(method)?, executor),
-            (2, _) => compiled::<DVec2>(scene, Explicit::<I>::declared(method)?, executor),
-            (3, _) => compiled::<DVec3>(scene, Explicit::<I>::declared(method)?, executor),
-            (other, _) => Err(Error::parameter("scene.dimension", "2 or 3", other)),
-        },
-        Err(unknown_integrator(method))
-    )
 }
 
 /// Compiles a scene in one precision and dimension.

@@ -1,0 +1,226 @@
+//! Methods that move particles onto their springs: extended position-based dynamics and projective dynamics.
+//!
+//! A step of h seconds predicts displacements y = h v + h² a with the accelerations a of all other forces at its start, finds
+//! displacements u that a projector makes of them, and ends with x + u and the velocity u/h. Both projectors approach backward Euler's
+//! equation for the springs, M (u − y) = h² F(x + u, u/h): stable at any stiffness, of order 1, and with its damping, which is an error
+//! of the method and no dissipation. Contacts are resolved on the way from x to x + u.
+
+mod colors;
+mod projective;
+mod sweep;
+
+pub use projective::{NAME as PROJECTIVE, Projective};
+pub use sweep::{NAME as XPBD, Sweeps};
+
+use super::coupled::Workspace;
+use super::dynamics::Dynamics;
+use super::kernels;
+use super::method::{About, Job, Method};
+use crate::contacts::Before;
+use crate::error::Result;
+use crate::forces::Rates;
+use crate::history::History;
+use crate::integrators::{Integrator, SemiImplicitEuler};
+use crate::math::{Real, Vector};
+use crate::matter::{Blocks, Columns, Matter, Power, SINKS};
+use crate::parallel::{BlockedSlice, Executor};
+use crate::simd::LANES;
+use crate::stability::{Limit, LimitCache, SpectralBound};
+use crate::systems::matter::coupled::BlocksWithForces;
+
+/// Finds displacements for springs.
+pub trait Projector<V: Vector>: Send + Sync {
+    /// What is known of it.
+    fn about(&self) -> About;
+    /// The number of steps that a step of the method consists of.
+    fn substeps(&self) -> usize;
+    /// Prepares for the springs of a scene.
+    fn begin(&mut self, dynamics: &Dynamics<V>);
+    /// Turns predicted displacements over `h` seconds [m], from positions `from`, into those that it finds.
+    fn project(&mut self, dynamics: &Dynamics<V>, from: &Columns<V>, displacement: &mut Columns<V>, h: f64);
+    /// Memory [bytes].
+    fn bytes(&self) -> usize;
+}
+
+/// The method of a projector.
+pub struct Projection<V: Vector, P> {
+    projector: P,
+    displacement: Columns<V>,
+}
+
+impl<V: Vector, P: Projector<V>> Projection<V, P> {
+    /// The method.
+    pub fn new(projector: P) -> Self {
+        Self { projector, displacement: Columns::zeros(0) }
+    }
+
+    /// One step of `h` seconds at a time; returns the activity at its end.
+    fn step(
+        &mut self,
+        dynamics: &mut Dynamics<V>,
+        matter: &mut Matter<V>,
+        workspace: &mut Workspace<V>,
+        (time, h): (f64, f64),
+        executor: &Executor,
+    ) -> Result<f64> {
+        dynamics.prepare(matter, time, executor)?;
+        self.predict(dynamics, matter, workspace, h, executor);
+        self.projector.project(dynamics, &matter.position, &mut self.displacement, h);
+        if let Some([position, velocity]) = &mut workspace.before {
+            position.copy_from(&matter.position);
+            velocity.copy_from(&matter.velocity);
+        }
+        for index in 0..matter.count() {
+            let change = self.displacement.get(index).widen();
+            // Fixed particles keep their velocities to the bit.
+            if !dynamics.properties.is_fixed(index) {
+                matter.velocity.set(index, V::narrow(change / h));
+            }
+            matter.set_exact_position(index, matter.exact_position(index) + change);
+        }
+        self.finish(dynamics, matter, workspace, (time, h), executor);
+        Ok(workspace.activity.iter().sum())
+    }
+
+    /// Sets the displacements to y = h v + h² a, and integrates the power of the forces at the start.
+    fn predict(
+        &mut self,
+        dynamics: &Dynamics<V>,
+        matter: &mut Matter<V>,
+        workspace: &mut Workspace<V>,
+        h: f64,
+        executor: &Executor,
+    ) {
+        workspace.position.copy_from(&matter.position);
+        workspace.velocity.copy_from(&matter.velocity);
+        let at = dynamics.state_view(workspace.position.view(), workspace.velocity.view(), 0.0);
+        let work = BlocksWithForces { blocks: matter.blocks(), force: workspace.force.span() };
+        executor.for_each_block(work, &|work: BlocksWithForces<'_, V>| {
+            let BlocksWithForces { blocks, mut force } = work;
+            let mut power: Power = [[0.0; LANES]; SINKS];
+            dynamics.accumulate(&blocks.range(), &at, &mut Rates { force: force.reborrow(), power: &mut power });
+            kernels::accelerations(dynamics, blocks.start, (at.position, at.velocity), &mut force, &mut power);
+            kernels::integrate(&mut blocks.tallies[0], &power, &kernels::ALL, h, 0.0, false);
+        });
+        let (h, square) = (V::Scalar::from_f64(h), V::Scalar::from_f64(h * h));
+        let (displacement, velocity, acceleration) = (self.displacement.span(), &matter.velocity, &workspace.force);
+        for axis in 0..V::DIMENSION {
+            let columns = velocity.axis(axis).iter().zip(acceleration.axis(axis));
+            displacement.axes[axis].iter_mut().zip(columns).for_each(|(y, (&v, &a))| *y = h * v + square * a);
+        }
+    }
+
+    /// Resolves contacts, integrates the power of the springs' damping at the end of the step, and records the activity.
+    fn finish(
+        &self,
+        dynamics: &Dynamics<V>,
+        matter: &mut Matter<V>,
+        workspace: &mut Workspace<V>,
+        (time, h): (f64, f64),
+        executor: &Executor,
+    ) {
+        if let (Some(contacts), Some([position, velocity])) = (&dynamics.contacts, &workspace.before) {
+            executor.for_each_block(matter.blocks(), &|mut blocks: Blocks<'_, V>| {
+                let before = Before::part(position, velocity, &blocks.range());
+                contacts.resolve(&before, &mut blocks, &dynamics.properties, h);
+            });
+        }
+        workspace.position.copy_from(&matter.position);
+        workspace.velocity.copy_from(&matter.velocity);
+        let at = dynamics.state_view(workspace.position.view(), workspace.velocity.view(), time + h);
+        let work = (
+            BlocksWithForces { blocks: matter.blocks(), force: workspace.force.span() },
+            BlockedSlice::new(&mut workspace.activity, 1),
+        );
+        executor.for_each_block(work, &|(work, activity): (BlocksWithForces<'_, V>, BlockedSlice<'_, f64>)| {
+            let BlocksWithForces { blocks, mut force } = work;
+            let mut power: Power = [[0.0; LANES]; SINKS];
+            dynamics.damp(&blocks.range(), &at, &mut Rates { force: force.reborrow(), power: &mut power });
+            kernels::integrate(&mut blocks.tallies[0], &power, &kernels::ALL, h, 0.0, false);
+            activity.items[0] = kernels::activity(dynamics, &blocks) + kernels::out_of_range(dynamics, &blocks);
+        });
+    }
+}
+
+/// What all projectors have in common: one sweep over all particles, of order 1, forces other than those of springs explicit.
+fn about(name: &'static str, evaluations: usize) -> About {
+    About {
+        name,
+        order: 1,
+        order_dissipative: 1,
+        evaluations,
+        registers: 0,
+        readable: 0,
+        // The displacements.
+        own: 1,
+        drifts_first: false,
+        sweeps: true,
+        angle: None,
+        limit: SemiImplicitEuler::limit,
+        holds_rods: false,
+        projects: true,
+        refuses_fields: None,
+        smooth_only: None,
+    }
+}
+
+impl<V: Vector, P> History for Projection<V, P> {}
+
+impl<V: Vector, P: Projector<V>> Method<V> for Projection<V, P> {
+    fn about(&self) -> About {
+        self.projector.about()
+    }
+
+    fn persistent(&self) -> usize {
+        0
+    }
+
+    fn error(&self, _state: &Matter<V>, _h: f64) -> Option<f64> {
+        None
+    }
+
+    fn gains_energy(&self) -> bool {
+        false
+    }
+
+    fn bytes(&self) -> usize {
+        self.projector.bytes() + self.displacement.bytes()
+    }
+
+    fn bound(&self, bound: SpectralBound) -> SpectralBound {
+        bound.stepped_by::<SemiImplicitEuler>()
+    }
+
+    /// That of the forces other than springs, which are taken at the start of each part of a step.
+    fn limit(&self, bound: &SpectralBound, cache: &mut LimitCache) -> Limit {
+        bound.limit_after::<SemiImplicitEuler>(cache).in_parts(self.projector.substeps())
+    }
+
+    fn sharp_limit(&self, bound: SpectralBound) -> Limit {
+        bound.sharp_limit::<SemiImplicitEuler>().in_parts(self.projector.substeps())
+    }
+
+    fn begin(&mut self, Job { dynamics, state, interval, .. }: Job<'_, V>, executor: &Executor) -> Result<()> {
+        self.displacement = Columns::zeros(state.count());
+        self.projector.begin(dynamics);
+        dynamics.prepare(state, interval.start, executor)
+    }
+
+    fn advance(&mut self, job: Job<'_, V>, executor: &Executor) -> Result<()> {
+        let Job { dynamics, state, record, workspace, interval, .. } = job;
+        let Some(workspace) = workspace else { return Ok(()) };
+        let parts = self.projector.substeps();
+        for step in 0..interval.steps {
+            let mut activity = 0.0;
+            for part in 0..parts {
+                let time = interval.time(step, part as f64 / parts as f64);
+                activity = self.step(dynamics, state, workspace, (time, interval.h / parts as f64), executor)?;
+            }
+            record.0.push(activity);
+            if executor.stopped() {
+                break;
+            }
+        }
+        Ok(())
+    }
+}
