@@ -260,10 +260,16 @@ impl<V: Vector> Dynamics<V> {
         }
     }
 
-    /// Adds the forces and powers of springs that dissipate, for a method that moves particles onto springs itself.
-    pub fn damp(&self, block: &Range<usize>, at: &StateView<'_, V>, rates: &mut Rates<'_, V>) {
-        let damped = |force: &&Box<dyn Force<V>>| force.about().velocity != VelocityDependence::None;
-        self.forces[self.fused..self.together].iter().filter(damped).for_each(|force| force.accumulate(block.clone(), at, rates));
+    /// Adds the powers of springs that dissipate or do work on fixed particles, for a method that moves particles onto springs itself.
+    pub fn spring_power(&self, block: &Range<usize>, at: &StateView<'_, V>, rates: &mut Rates<'_, V>) {
+        if !self.driven && self.velocity == VelocityDependence::None {
+            return;
+        }
+        (0..V::DIMENSION).for_each(|axis| rates.force.axes[axis].fill(V::Scalar::ZERO));
+        self.forces[self.fused..self.together].iter().for_each(|force| force.accumulate(block.clone(), at, rates));
+        if self.driven {
+            self.count_reactions(block, at, rates);
+        }
     }
 
     /// Adds q B of all magnetic fields at the particles of a range to `strength`.

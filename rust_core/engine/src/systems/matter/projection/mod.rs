@@ -110,7 +110,7 @@ impl<V: Vector, P: Projector<V>> Projection<V, P> {
         }
     }
 
-    /// Resolves contacts, integrates the power of the springs' damping at the end of the step, and records the activity.
+    /// Resolves contacts, integrates the power of springs at the end of the step, and records the activity.
     fn finish(
         &self,
         dynamics: &Dynamics<V>,
@@ -135,7 +135,7 @@ impl<V: Vector, P: Projector<V>> Projection<V, P> {
         executor.for_each_block(work, &|(work, activity): (BlocksWithForces<'_, V>, BlockedSlice<'_, f64>)| {
             let BlocksWithForces { blocks, mut force } = work;
             let mut power: Power = [[0.0; LANES]; SINKS];
-            dynamics.damp(&blocks.range(), &at, &mut Rates { force: force.reborrow(), power: &mut power });
+            dynamics.spring_power(&blocks.range(), &at, &mut Rates { force: force.reborrow(), power: &mut power });
             kernels::integrate(&mut blocks.tallies[0], &power, &kernels::ALL, h, 0.0, false);
             activity.items[0] = kernels::activity(dynamics, &blocks) + kernels::out_of_range(dynamics, &blocks);
         });

@@ -1,0 +1,70 @@
+"""Stiff cloth by projections beside Numba: `python benches/stiff.py`."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from measure import Contender, fastest, race, rate, table
+from rivals.sweeps import Sheet
+
+import physcore as pc
+from physcore.numerics.choices import Precision
+
+SIDE = 100
+STEP = 1.0 / 600.0
+DTYPES: dict[Precision, type[np.floating[Any]]] = {"f32": np.float32, "f64": np.float64}
+
+
+def cloth(side: int = SIDE) -> pc.SpringNetwork:
+    """A sheet of side² particles with structural, shear and bending springs, in motion, held at two corners."""
+    sheet = pc.cloth((side, side), 1.0 / side, 1e4, mass=1e-4, pinned="top corners", axes=((1, 0, 0), (0, 1, 0)))
+    x, y = sheet.positions[:, 0], sheet.positions[:, 1]
+    velocities = np.stack([0.0 * x, 0.0 * x, 0.3 * np.sin(6.0 * x) * np.cos(5.0 * y)], axis=1) * ~sheet.fixed[:, None]
+    return pc.SpringNetwork(
+        sheet.positions, sheet.pairs, sheet.stiffness, mass=sheet.mass, fixed=sheet.fixed, velocities=velocities
+    )
+
+
+def ours(integrator: pc.Integrator, precision: Precision, dt: float = STEP, side: int = SIDE) -> pc.Simulation:
+    """physcore on one thread; energies and the monitor are on as always."""
+    scene = pc.Scene(cloth(side), pc.Gravity((0.0, 0.0, -9.81)))
+    return pc.Simulation(scene, integrator, dt=dt, precision=precision, threads=1)
+
+
+def agree(precision: Precision) -> None:
+    """Refuse an opponent that does other work: sweeps in another order of colors part slowly at small steps."""
+    simulation, rival = ours(pc.XPBD(1), precision, 1e-4, 20), Sheet(False, cloth(20), DTYPES[precision], 1e-4)
+    simulation.step(20)
+    rival.step(20)
+    moved = np.abs(rival.x - cloth(20).positions).max()
+    np.testing.assert_allclose(simulation.positions, rival.x, rtol=0.0, atol=0.02 * moved)
+
+
+def main() -> dict[str, float]:
+    """Print the tables; give the figures that have targets."""
+    figures: dict[str, float] = {}
+    springs = len(cloth().pairs)
+    for precision in DTYPES:
+        agree(precision)
+        numba = [
+            Contender(f"Numba, {'fastmath' if fast else 'strict'}", Sheet(fast, cloth(), DTYPES[precision], STEP).step)
+            for fast in (False, True)
+        ]
+        contenders = [
+            Contender("physcore, one sweep", ours(pc.XPBD(1), precision).step),
+            fastest(numba),
+            Contender("physcore, ten sweeps", ours(pc.XPBD(1, 10), precision, 10 * STEP).step),
+            Contender("physcore, projective, ten", ours(pc.ProjectiveDynamics(10), precision, 10 * STEP).step),
+        ]
+        race(contenders)
+        table(f"Cloth of {SIDE}², {springs} springs, {precision}", "spring-steps", springs, contenders)
+        sweep, _, ten, projective = (1e-6 / rate(each, 1.0) for each in contenders)
+        figures |= {f"XPBD sweep {precision}": sweep, f"XPBD ten sweeps {precision}": ten}
+        figures[f"projective dynamics {precision}"] = projective
+    print({name: f"{value:.3g} ms" for name, value in figures.items()})
+    return figures
+
+
+if __name__ == "__main__":
+    main()
