@@ -88,6 +88,8 @@ def test_the_order_of_particles_does_not_matter(name):
 def moves_along(name: str) -> bool:
     """Whether nothing in a scene stands still by itself."""
     scene = SCENES[name].scene()
+    if isinstance(SCENES[name].numerics.get("integrator"), pc.ProjectiveDynamics):
+        return False  # Its iterations start from the positions of the step before, and end before they converge.
     return bool(scene.bodies) and not scene.boundaries and not any(map(is_resting, scene.forces))
 
 
