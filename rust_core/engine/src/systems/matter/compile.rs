@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::MatterSystem;
-use super::dynamics::Dynamics;
+use super::dynamics::{Dynamics, Treatment};
 use super::method::{About as MethodAbout, Method};
 use crate::contacts::Contacts;
 use crate::error::{Error, Result};
@@ -27,6 +27,7 @@ mod precision;
 /// If the scene is invalid or does not fit into memory, or on an interrupt.
 pub fn compile<V: Vector>(scene: &Scene, method: Box<dyn Method<V>>, executor: &Executor) -> Result<MatterSystem<V>> {
     let about = method.about();
+    let projects = about.springs == Treatment::Projections;
     let count = scene.count();
     let known = |kind: &str| [PARTICLES, springs::KIND, sph::KIND].contains(&kind);
     if let Some(body) = scene.bodies.iter().find(|body| !known(&body.item.kind)) {
@@ -51,7 +52,7 @@ pub fn compile<V: Vector>(scene: &Scene, method: Box<dyn Method<V>>, executor: &
     }
     if let Some(fluid) = sph::fluid(scene, &properties, executor)? {
         refuse_kinks(&about, "a fluid")?;
-        if about.projects {
+        if projects {
             return Err(cannot_project(&about, sph::KIND));
         }
         let continuity = fluid.density().is_some_and(|density| density.scheme() == Scheme::Continuity);
@@ -68,7 +69,7 @@ pub fn compile<V: Vector>(scene: &Scene, method: Box<dyn Method<V>>, executor: &
     for item in &scene.forces {
         executor.check()?;
         let built = forces::build(scene, item, &properties, executor)?;
-        if about.projects && built.iter().any(|force| force.about().reach != Reach::Pointwise || force.about().callback) {
+        if projects && built.iter().any(|force| force.about().reach != Reach::Pointwise || force.about().callback) {
             return Err(cannot_project(&about, &item.kind));
         }
         all.extend(built);
@@ -99,8 +100,8 @@ pub fn compile<V: Vector>(scene: &Scene, method: Box<dyn Method<V>>, executor: &
     };
     let mut dynamics = Dynamics::new(properties, all, contacts, state.block);
     dynamics.angle = about.angle;
-    dynamics.projects = about.projects;
-    dynamics.springs = if rods.is_some() || about.projects { springs } else { Vec::new() };
+    dynamics.treatment = about.springs;
+    dynamics.springs = if rods.is_some() || projects { springs } else { Vec::new() };
     dynamics.rods = rods;
     let dissipative = dynamics.velocity != VelocityDependence::None;
     let nominal = if dissipative { about.order_dissipative } else { about.order };
@@ -160,7 +161,7 @@ fn sequence(known: &[About], about: &MethodAbout, rods: bool, contacts: bool) ->
 
 /// The rods among springs, refused where the method does not hold them, or where they hold two particles that have to part.
 fn rods<V: Vector>(scene: &Scene, springs: &[Spring], properties: &Properties<V>, about: &MethodAbout) -> Result<Option<Rods>> {
-    if !about.holds_rods && springs.iter().any(rods::is_rod) {
+    if about.springs != Treatment::Rods && springs.iter().any(rods::is_rod) {
         let hint = "their stiffness is infinite: its steps would have to be infinitely short";
         return Err(Error::parameter("integrator", "RATTLE() for rods", about.name).with_hint(hint));
     }

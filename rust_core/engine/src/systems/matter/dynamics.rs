@@ -42,6 +42,17 @@ pub enum Angle {
     Exact,
 }
 
+/// The treatment of springs by a method.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Treatment {
+    /// They are forces.
+    Forces,
+    /// They are forces, those of infinite stiffness rods that it keeps at their lengths.
+    Rods,
+    /// It moves particles onto them, so that they add no force.
+    Projections,
+}
+
 /// The electric and the magnetic field of a scene without other forces.
 #[derive(Debug, Clone, Copy)]
 pub struct LoneFields<'a, T> {
@@ -79,8 +90,8 @@ pub struct Dynamics<V: Vector> {
     pub magnetic: bool,
     /// Whether a fixed particle has a velocity, so that its constraint force does work.
     driven: bool,
-    /// Whether the method moves particles onto springs itself: these then add no force.
-    pub projects: bool,
+    /// The method's treatment of springs.
+    pub treatment: Treatment,
     /// The rods, if there are any.
     pub rods: Option<Rods>,
     /// All springs with the rods among them, as declared, where there are rods or the method projects.
@@ -111,7 +122,7 @@ impl<V: Vector> Dynamics<V> {
             together,
             forces,
             driven: false,
-            projects: false,
+            treatment: Treatment::Forces,
             rods: None,
             springs: Vec::new(),
         }
@@ -249,7 +260,7 @@ impl<V: Vector> Dynamics<V> {
         let acting =
             |forces: Range<usize>| self.forces[forces].iter().filter(move |force| !turned || !is_magnetic(force.as_ref()));
         // Of a method that projects, springs are the only forces between particles.
-        for force in acting(self.fused..if self.projects { self.fused } else { self.together }) {
+        for force in acting(self.fused..if self.treatment == Treatment::Projections { self.fused } else { self.together }) {
             force.accumulate(block.clone(), at, rates);
         }
         if self.driven {
@@ -345,7 +356,7 @@ impl<V: Vector> Dynamics<V> {
 
     /// The bound on the time step at a state, from one without terms for these particles.
     pub fn bound(&self, at: &StateView<'_, V>, mut bound: SpectralBound) -> Result<SpectralBound> {
-        let explicit = |index: usize| !(self.projects && (self.fused..self.together).contains(&index));
+        let explicit = |index: usize| self.treatment != Treatment::Projections || !(self.fused..self.together).contains(&index);
         let mut forces = self.forces.iter().enumerate().filter(|&(index, _)| explicit(index));
         forces.try_for_each(|(_, force)| force.bound(at, &mut bound))?;
         if let Some(rods) = &self.rods {

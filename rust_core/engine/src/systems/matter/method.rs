@@ -4,7 +4,7 @@ use std::marker::PhantomData;
 
 use super::activity::Activity;
 use super::coupled::Workspace;
-use super::dynamics::{Angle, Dynamics};
+use super::dynamics::{Angle, Dynamics, Treatment};
 use super::{coupled, independent};
 use crate::error::Result;
 use crate::history::History;
@@ -52,10 +52,8 @@ pub struct About {
     pub angle: Option<Angle>,
     /// As [`Integrator::limit`].
     pub limit: fn(f64) -> f64,
-    /// Whether it keeps rods at their lengths.
-    pub holds_rods: bool,
-    /// Whether it moves particles onto springs itself, so that these add no force.
-    pub projects: bool,
+    /// Its treatment of springs.
+    pub springs: Treatment,
     /// Why it cannot advance a field that diffuses, if it cannot.
     pub refuses_fields: Option<&'static str>,
     /// Why it takes neither contacts nor fluids, if it takes smooth motion alone.
@@ -131,8 +129,7 @@ impl<V: Vector, I: Integrator> Method<V> for Explicit<I> {
             sweeps: false,
             angle: self.angle,
             limit: I::limit,
-            holds_rods: false,
-            projects: false,
+            springs: Treatment::Forces,
             refuses_fields: integrators::refuses_fields::<I>(),
             smooth_only: None,
         }

@@ -14,7 +14,7 @@ use block::{Block, Largest, Memory, Task};
 
 use super::activity::Activity;
 use super::coupled::Workspace;
-use super::dynamics::Dynamics;
+use super::dynamics::{Dynamics, Treatment};
 use super::kernels;
 use super::method::{About, Job, Method};
 use crate::error::{Error, Result};
@@ -238,8 +238,7 @@ impl<V: Vector<Scalar = f64>> Method<V> for GaussRadau15 {
             sweeps: true,
             angle: None,
             limit: rule::limit,
-            holds_rods: false,
-            projects: false,
+            springs: Treatment::Forces,
             refuses_fields: None,
             smooth_only: Some("its steps are polynomials of degree 9, which contacts and fluids would break"),
         }

@@ -9,7 +9,7 @@
 //! Phys. Lett. A 146, 319 (1990).
 
 use super::coupled::{self, Workspace};
-use super::dynamics::Dynamics;
+use super::dynamics::{Dynamics, Treatment};
 use super::kernels::Action;
 use super::method::{About, Explicit, Job, Method};
 use crate::error::{Divergence, Error, Result};
@@ -103,7 +103,7 @@ impl<V: Vector> Method<V> for Rattle {
             order_dissipative: 2,
             evaluations: self.parts.len(),
             sweeps: true,
-            holds_rods: true,
+            springs: Treatment::Rods,
             smooth_only: Some("contacts would move particles off their rods"),
             ..Method::<V>::about(&self.verlet)
         }

@@ -100,7 +100,7 @@ impl<T: Real> Colors<T> {
         for lane in 0..LANES {
             let length = square[lane].sqrt();
             let inverse = if length > T::ZERO { T::ONE / length } else { T::ZERO };
-            (0..V::DIMENSION).for_each(|axis| direction[axis][lane] = direction[axis][lane] * inverse);
+            (0..V::DIMENSION).for_each(|axis| direction[axis][lane] *= inverse);
             pull[lane] = stiffness[lane] * (length - rest_length[lane]) + damping[lane] * (along[lane] * inverse);
         }
         State { direction, pull }
@@ -119,8 +119,11 @@ fn colors(springs: &[Spring], count: usize) -> Vec<Vec<u32>> {
     for (index, spring) in springs.iter().enumerate().filter(|(_, spring)| spring.ends[0] != spring.ends[1]) {
         let [one, other] = spring.ends.map(|end| end as usize);
         let word = |particle: usize, word: usize| taken[particle].get(word).copied().unwrap_or_default();
-        let free = (0..).map(|at| (at, !(word(one, at) | word(other, at)))).find(|&(_, free)| free != 0);
-        let color = free.map_or(0, |(at, free)| 64 * at + free.trailing_zeros() as usize);
+        let mut at = 0;
+        while word(one, at) | word(other, at) == u64::MAX {
+            at += 1;
+        }
+        let color = 64 * at + (word(one, at) | word(other, at)).trailing_ones() as usize;
         for particle in [one, other] {
             let words = taken[particle].len().max(color / 64 + 1);
             taken[particle].resize(words, 0);

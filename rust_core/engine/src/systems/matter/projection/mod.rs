@@ -13,7 +13,7 @@ pub use projective::{NAME as PROJECTIVE, Projective};
 pub use sweep::{NAME as XPBD, Sweeps};
 
 use super::coupled::Workspace;
-use super::dynamics::Dynamics;
+use super::dynamics::{Dynamics, Treatment};
 use super::kernels;
 use super::method::{About, Job, Method};
 use crate::contacts::Before;
@@ -78,7 +78,7 @@ impl<V: Vector, P: Projector<V>> Projection<V, P> {
             }
             matter.set_exact_position(index, matter.exact_position(index) + change);
         }
-        self.finish(dynamics, matter, workspace, (time, h), executor);
+        finish(dynamics, matter, workspace, (time, h), executor);
         Ok(workspace.activity.iter().sum())
     }
 
@@ -109,37 +109,36 @@ impl<V: Vector, P: Projector<V>> Projection<V, P> {
             displacement.axes[axis].iter_mut().zip(columns).for_each(|(y, (&v, &a))| *y = h * v + square * a);
         }
     }
+}
 
-    /// Resolves contacts, integrates the power of springs at the end of the step, and records the activity.
-    fn finish(
-        &self,
-        dynamics: &Dynamics<V>,
-        matter: &mut Matter<V>,
-        workspace: &mut Workspace<V>,
-        (time, h): (f64, f64),
-        executor: &Executor,
-    ) {
-        if let (Some(contacts), Some([position, velocity])) = (&dynamics.contacts, &workspace.before) {
-            executor.for_each_block(matter.blocks(), &|mut blocks: Blocks<'_, V>| {
-                let before = Before::part(position, velocity, &blocks.range());
-                contacts.resolve(&before, &mut blocks, &dynamics.properties, h);
-            });
-        }
-        workspace.position.copy_from(&matter.position);
-        workspace.velocity.copy_from(&matter.velocity);
-        let at = dynamics.state_view(workspace.position.view(), workspace.velocity.view(), time + h);
-        let work = (
-            BlocksWithForces { blocks: matter.blocks(), force: workspace.force.span() },
-            BlockedSlice::new(&mut workspace.activity, 1),
-        );
-        executor.for_each_block(work, &|(work, activity): (BlocksWithForces<'_, V>, BlockedSlice<'_, f64>)| {
-            let BlocksWithForces { blocks, mut force } = work;
-            let mut power: Power = [[0.0; LANES]; SINKS];
-            dynamics.spring_power(&blocks.range(), &at, &mut Rates { force: force.reborrow(), power: &mut power });
-            kernels::integrate(&mut blocks.tallies[0], &power, &kernels::ALL, h, 0.0, false);
-            activity.items[0] = kernels::activity(dynamics, &blocks) + kernels::out_of_range(dynamics, &blocks);
+/// Resolves contacts, integrates the power of springs at the end of the step, and records the activity.
+fn finish<V: Vector>(
+    dynamics: &Dynamics<V>,
+    matter: &mut Matter<V>,
+    workspace: &mut Workspace<V>,
+    (time, h): (f64, f64),
+    executor: &Executor,
+) {
+    if let (Some(contacts), Some([position, velocity])) = (&dynamics.contacts, &workspace.before) {
+        executor.for_each_block(matter.blocks(), &|mut blocks: Blocks<'_, V>| {
+            let before = Before::part(position, velocity, &blocks.range());
+            contacts.resolve(&before, &mut blocks, &dynamics.properties, h);
         });
     }
+    workspace.position.copy_from(&matter.position);
+    workspace.velocity.copy_from(&matter.velocity);
+    let at = dynamics.state_view(workspace.position.view(), workspace.velocity.view(), time + h);
+    let work = (
+        BlocksWithForces { blocks: matter.blocks(), force: workspace.force.span() },
+        BlockedSlice::new(&mut workspace.activity, 1),
+    );
+    executor.for_each_block(work, &|(work, activity): (BlocksWithForces<'_, V>, BlockedSlice<'_, f64>)| {
+        let BlocksWithForces { blocks, mut force } = work;
+        let mut power: Power = [[0.0; LANES]; SINKS];
+        dynamics.spring_power(&blocks.range(), &at, &mut Rates { force: force.reborrow(), power: &mut power });
+        kernels::integrate(&mut blocks.tallies[0], &power, &kernels::ALL, h, 0.0, false);
+        activity.items[0] = kernels::activity(dynamics, &blocks) + kernels::out_of_range(dynamics, &blocks);
+    });
 }
 
 /// What all projectors have in common: one sweep over all particles, of order 1, forces other than those of springs explicit.
@@ -157,8 +156,7 @@ fn about(name: &'static str, evaluations: usize) -> About {
         sweeps: true,
         angle: None,
         limit: SemiImplicitEuler::limit,
-        holds_rods: false,
-        projects: true,
+        springs: Treatment::Projections,
         refuses_fields: None,
         smooth_only: None,
     }

@@ -160,7 +160,7 @@ impl<V: Vector> Kernel for Forces<'_, V> {
                 for lane in 0..LANES {
                     let pull = state.pull[lane] * state.direction[axis][lane];
                     sums[0][axis][lane] += pull;
-                    sums[1][axis][lane] = sums[1][axis][lane] - pull;
+                    sums[1][axis][lane] -= pull;
                 }
             }
             colors.write::<V>(index, &sums, &mut force);

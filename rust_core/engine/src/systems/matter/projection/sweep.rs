@@ -116,7 +116,7 @@ impl<V: Vector> Kernel for Sweep<'_, V> {
                 for lane in 0..LANES {
                     let impulse = change[lane] * state.direction[axis][lane];
                     moved[0][axis][lane] += group.inverse_mass[0][lane] * impulse;
-                    moved[1][axis][lane] = moved[1][axis][lane] - group.inverse_mass[1][lane] * impulse;
+                    moved[1][axis][lane] -= group.inverse_mass[1][lane] * impulse;
                 }
             }
             colors.write::<V>(index, &moved, &mut displacement);
