@@ -35,20 +35,6 @@ impl Gather {
         &self.indices[group]
     }
 
-    /// Writes the first `used` values of one group to `column` at its indices.
-    ///
-    /// # Panics
-    /// If the column is shorter than promised, there is no such group, or it has fewer lanes.
-    #[inline(always)]
-    pub fn write<T: Copy>(&self, group: usize, used: usize, values: &Lanes<T>, column: &mut [T]) {
-        let indices = &self.indices[group];
-        assert!(column.len() >= self.length && used <= LANES);
-        for lane in 0..used {
-            // SAFETY: every index is at least 0 and below `self.length` (checked in `new`), the least length of a column.
-            unsafe { *column.get_unchecked_mut(indices[lane] as usize) = values[lane] };
-        }
-    }
-
     /// Copies the elements of `column` at the indices of some groups. A separate loop, because compilers emit gathers for
     /// no other form.
     ///

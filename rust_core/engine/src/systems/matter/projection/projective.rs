@@ -10,14 +10,14 @@
 
 use glam::DVec3;
 
-use super::colors::Colors;
+use super::links::{Link, Point, gather, links, scatter};
 use super::sweep::count;
 use super::{Projector, about};
 use crate::error::Result;
-use crate::math::{AXES, Real, Vector};
-use crate::matter::{Columns, Properties, Span, View};
+use crate::math::{Real, Vector};
+use crate::matter::Columns;
 use crate::scene::Item;
-use crate::simd::{Kernel, LANES, dispatch};
+use crate::simd::{Kernel, dispatch};
 use crate::sparse::Factorization;
 use crate::systems::matter::dynamics::Dynamics;
 use crate::systems::matter::method::About;
@@ -30,15 +30,17 @@ pub struct Projective<V: Vector> {
     iterations: usize,
     /// What belongs to a step size [s].
     prepared: Option<(f64, Prepared<V::Scalar>)>,
-    /// Predicted displacements y, the forces h² F, and the changes of all free particles.
-    predicted: Columns<V>,
-    force: Columns<V>,
+    /// Positions, predicted displacements y and displacements u [m], forces h² F [kg·m], and the changes of free particles.
+    from: Vec<Point<V::Scalar>>,
+    predicted: Vec<Point<V::Scalar>>,
+    displacements: Vec<Point<V::Scalar>>,
+    forces: Vec<Point<V::Scalar>>,
     changes: Vec<DVec3>,
     buffer: Vec<DVec3>,
 }
 
 struct Prepared<T> {
-    colors: Colors<T>,
+    links: Vec<Link<T>>,
     /// The particles that are not fixed.
     free: Vec<u32>,
     factorization: Factorization,
@@ -50,15 +52,16 @@ impl<V: Vector> Projective<V> {
     /// # Errors
     /// If its iterations are missing or below 1.
     pub fn declared(item: &Item) -> Result<Self> {
-        let (predicted, force) = (Columns::zeros(0), Columns::zeros(0));
-        let iterations = count(item, "iterations")?;
-        Ok(Self { iterations, prepared: None, predicted, force, changes: Vec::new(), buffer: Vec::new() })
+        let empty = [const { Vec::new() }; 4];
+        let [from, predicted, displacements, forces] = empty;
+        let (iterations, changes, buffer) = (count(item, "iterations")?, Vec::new(), Vec::new());
+        Ok(Self { iterations, prepared: None, from, predicted, displacements, forces, changes, buffer })
     }
 }
 
 /// The factorized matrix M + h² Σ (k + c/h) Dᵀ D of the free particles, and these.
 fn prepare<V: Vector>(dynamics: &Dynamics<V>, h: f64) -> Prepared<V::Scalar> {
-    let Properties { mass, inverse_mass, .. } = &dynamics.properties;
+    let mass = &dynamics.properties.mass;
     let free: Vec<u32> = (0..mass.len() as u32).filter(|&index| mass[index as usize].is_finite()).collect();
     let row = |particle: u32| free.binary_search(&particle).ok().map(|row| row as u32);
     let mut diagonal: Vec<f64> = free.iter().map(|&particle| mass[particle as usize]).collect();
@@ -84,7 +87,7 @@ fn prepare<V: Vector>(dynamics: &Dynamics<V>, h: f64) -> Prepared<V::Scalar> {
     }
     let mut factorization = Factorization::new(free.len(), &pattern);
     factorization.factorize(&diagonal, 0.0, &values);
-    Prepared { colors: Colors::new(&dynamics.springs, inverse_mass, mass.len(), h), free, factorization }
+    Prepared { links: links(&dynamics.springs, &dynamics.properties, h), free, factorization }
 }
 
 impl<V: Vector> Projector<V> for Projective<V> {
@@ -96,9 +99,7 @@ impl<V: Vector> Projector<V> for Projective<V> {
         1
     }
 
-    fn begin(&mut self, dynamics: &Dynamics<V>) {
-        let count = dynamics.properties.count();
-        (self.predicted, self.force) = (Columns::zeros(count), Columns::zeros(count));
+    fn begin(&mut self, _dynamics: &Dynamics<V>) {
         self.prepared = None;
     }
 
@@ -106,64 +107,66 @@ impl<V: Vector> Projector<V> for Projective<V> {
         if self.prepared.as_ref().is_none_or(|(known, _)| *known != h) {
             self.prepared = Some((h, prepare(dynamics, h)));
         }
-        let Some((_, Prepared { colors, free, factorization })) = &mut self.prepared else { return };
-        self.predicted.copy_from(displacement);
-        for &particle in free.iter() {
-            displacement.set(particle as usize, V::default());
-        }
-        self.changes.resize(free.len(), DVec3::ZERO);
-        for _ in 0..self.iterations {
-            let mut force = self.force.span();
-            (0..V::DIMENSION).for_each(|axis| force.axes[axis].fill(V::Scalar::ZERO));
-            dispatch(Forces::<V> { colors, from: from.view(), displacement: displacement.view(), force });
-            for (change, &particle) in self.changes.iter_mut().zip(free.iter()) {
-                let index = particle as usize;
-                let inertia = self.predicted.get(index).widen() - displacement.get(index).widen();
-                *change = dynamics.properties.mass[index] * inertia + self.force.get(index).widen();
+        let Self { iterations, prepared, from: positions, predicted, displacements, forces, changes, buffer } = self;
+        let Some((_, Prepared { links, free, factorization })) = prepared else { return };
+        gather(from, positions);
+        gather(displacement, predicted);
+        displacements.clone_from(predicted);
+        free.iter().for_each(|&particle| displacements[particle as usize] = Point::default());
+        for _ in 0..*iterations {
+            forces.clear();
+            forces.resize(predicted.len(), Point::default());
+            dispatch(Pulls { links, from: positions, displacements, forces });
+            let inertial =
+                |index: usize| dynamics.properties.mass[index] * (vector(&predicted[index]) - vector(&displacements[index]));
+            changes.clear();
+            changes.extend(free.iter().map(|&index| inertial(index as usize) + vector(&forces[index as usize])));
+            factorization.solve(changes, buffer);
+            for (change, &particle) in changes.iter().zip(free.iter()) {
+                let point = &mut displacements[particle as usize];
+                point.iter_mut().zip(change.to_array()).for_each(|(value, change)| *value += V::Scalar::from_f64(change));
             }
-            factorization.solve(&mut self.changes, &mut self.buffer);
-            for (change, &particle) in self.changes.iter().zip(free.iter()) {
-                let index = particle as usize;
-                displacement.set(index, V::narrow(displacement.get(index).widen() + *change));
-            }
         }
+        scatter(displacements, displacement);
     }
 
     fn bytes(&self) -> usize {
+        let points = [&self.from, &self.predicted, &self.displacements, &self.forces];
         let prepared = self.prepared.as_ref().map_or(0, |(_, prepared)| {
-            prepared.colors.bytes() + prepared.factorization.bytes() + size_of_val(prepared.free.as_slice())
+            size_of_val(prepared.links.as_slice()) + prepared.factorization.bytes() + size_of_val(prepared.free.as_slice())
         });
-        prepared + self.predicted.bytes() + self.force.bytes() + size_of_val(self.changes.as_slice())
+        prepared
+            + points.iter().map(|points| size_of_val(points.as_slice())).sum::<usize>()
+            + 2 * size_of_val(self.changes.as_slice())
     }
 }
 
-/// Adds the forces of all springs, times h².
-struct Forces<'a, V: Vector> {
-    colors: &'a Colors<V::Scalar>,
-    from: View<'a, V>,
-    displacement: View<'a, V>,
-    force: Span<'a, V>,
+/// The components of a point.
+fn vector<T: Real>(point: &Point<T>) -> DVec3 {
+    DVec3::from_array(std::array::from_fn(|axis| point[axis].to_f64()))
 }
 
-impl<V: Vector> Kernel for Forces<'_, V> {
+/// Adds the forces of all springs, times h².
+struct Pulls<'a, T> {
+    links: &'a [Link<T>],
+    from: &'a [Point<T>],
+    displacements: &'a [Point<T>],
+    forces: &'a mut [Point<T>],
+}
+
+impl<T: Real> Kernel for Pulls<'_, T> {
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
-        let Self { colors, from, displacement, mut force } = self;
-        let [from, displacement] =
-            [from, displacement].map(|view| -> [&[V::Scalar]; AXES] { std::array::from_fn(|axis| view.axis(axis)) });
-        for index in 0..colors.groups.len() {
-            let state = colors.state::<V>(index, &colors.read::<V>(index, from), &colors.read::<V>(index, displacement));
-            let mut sums = colors.read::<V>(index, force.axes.each_ref().map(|axis| &**axis));
-            for axis in 0..V::DIMENSION {
-                for lane in 0..LANES {
-                    let pull = state.pull[lane] * state.direction[axis][lane];
-                    sums[0][axis][lane] += pull;
-                    sums[1][axis][lane] -= pull;
-                }
-            }
-            colors.write::<V>(index, &sums, &mut force);
+        let Self { links, from, displacements, forces } = self;
+        for link in links {
+            let (direction, pull) = link.pull(from, displacements);
+            let force = direction.map(|along| pull * along);
+            let [one, other] = link.ends.map(|end| end as usize);
+            let [a, b] = [forces[one], forces[other]];
+            forces[one] = std::array::from_fn(|axis| a[axis] + force[axis]);
+            forces[other] = std::array::from_fn(|axis| b[axis] - force[axis]);
         }
     }
 }

@@ -4,17 +4,16 @@
 //!
 //!     Δq = (h² [k (r − L) + c n·Δu/h] − q) / (1 + (w₁ + w₂) (k h² + c h)),   u₁ ← u₁ + w₁ n Δq,  u₂ ← u₂ − w₂ n Δq
 //!
-//! which for c = 0 is Δλ = (−C − α̃ λ)/(w + α̃) with the compliance α̃ = 1/(k h²). Springs of a color have no common particles, and colors
-//! follow each other: Gauss and Seidel's iteration, in one fixed order. Sources: M. Macklin, M. Müller, N. Chentanez, "XPBD", MIG 2016;
+//! which for c = 0 is Δλ = (−C − α̃ λ)/(w + α̃) with the compliance α̃ = 1/(k h²): Gauss and Seidel's iteration, in one fixed order. Sources: M. Macklin, M. Müller, N. Chentanez, "XPBD", MIG 2016;
 //! M. Macklin et al., "Small steps in physics simulation", SCA 2019.
 
-use super::colors::Colors;
+use super::links::{Link, Point, gather, links, scatter};
 use super::{Projector, about};
 use crate::error::{Error, Result};
-use crate::math::{AXES, Real, Vector};
-use crate::matter::{Columns, Span, View};
+use crate::math::{Real, Vector};
+use crate::matter::Columns;
 use crate::scene::Item;
-use crate::simd::{Kernel, LANES, Lanes, dispatch};
+use crate::simd::{Kernel, dispatch};
 use crate::systems::matter::dynamics::Dynamics;
 use crate::systems::matter::method::About;
 
@@ -26,10 +25,14 @@ pub const NAME: &str = "XPBD";
 pub struct Sweeps<T> {
     substeps: usize,
     iterations: usize,
-    /// The springs, for steps of this length [s].
-    colors: Option<(f64, Colors<T>)>,
-    /// Multipliers q by groups [kg·m].
-    multipliers: Vec<Lanes<T>>,
+    /// The step size [s] of the links.
+    h: f64,
+    links: Vec<Link<T>>,
+    /// Multipliers q of the links [kg·m].
+    multipliers: Vec<T>,
+    /// Positions and displacements [m].
+    from: Vec<Point<T>>,
+    displacements: Vec<Point<T>>,
 }
 
 impl<T> Sweeps<T> {
@@ -39,7 +42,8 @@ impl<T> Sweeps<T> {
     /// If a number is missing or below 1.
     pub fn declared(item: &Item) -> Result<Self> {
         let [substeps, iterations] = [count(item, "substeps")?, count(item, "iterations")?];
-        Ok(Self { substeps, iterations, colors: None, multipliers: Vec::new() })
+        let (links, multipliers) = (Vec::new(), Vec::new());
+        Ok(Self { substeps, iterations, h: 0.0, links, multipliers, from: Vec::new(), displacements: Vec::new() })
     }
 }
 
@@ -61,65 +65,52 @@ impl<V: Vector> Projector<V> for Sweeps<V::Scalar> {
     }
 
     fn begin(&mut self, _dynamics: &Dynamics<V>) {
-        self.colors = None;
+        self.h = 0.0;
     }
 
     fn project(&mut self, dynamics: &Dynamics<V>, from: &Columns<V>, displacement: &mut Columns<V>, h: f64) {
-        if self.colors.as_ref().is_none_or(|(known, _)| *known != h) {
-            let properties = &dynamics.properties;
-            self.colors = Some((h, Colors::new(&dynamics.springs, &properties.inverse_mass, properties.count(), h)));
+        if self.h != h {
+            (self.h, self.links) = (h, links(&dynamics.springs, &dynamics.properties, h));
         }
-        let Some((_, colors)) = &self.colors else { return };
         self.multipliers.clear();
-        self.multipliers.resize(colors.groups.len(), [V::Scalar::ZERO; LANES]);
+        self.multipliers.resize(self.links.len(), V::Scalar::ZERO);
+        gather(from, &mut self.from);
+        gather(displacement, &mut self.displacements);
+        let Self { links, multipliers, from, displacements, .. } = self;
         for _ in 0..self.iterations {
-            dispatch(Sweep::<V> {
-                colors,
-                from: from.view(),
-                displacement: displacement.span(),
-                multipliers: &mut self.multipliers,
-            });
+            dispatch(Sweep { links, multipliers, from, displacements });
         }
+        scatter(&self.displacements, displacement);
     }
 
     fn bytes(&self) -> usize {
-        size_of_val(self.multipliers.as_slice()) + self.colors.as_ref().map_or(0, |(_, colors)| colors.bytes())
+        let of_links = size_of_val(self.links.as_slice()) + size_of_val(self.multipliers.as_slice());
+        of_links + size_of_val(self.from.as_slice()) + size_of_val(self.displacements.as_slice())
     }
 }
 
-struct Sweep<'a, V: Vector> {
-    colors: &'a Colors<V::Scalar>,
-    from: View<'a, V>,
-    displacement: Span<'a, V>,
-    multipliers: &'a mut [Lanes<V::Scalar>],
+struct Sweep<'a, T> {
+    links: &'a [Link<T>],
+    multipliers: &'a mut [T],
+    from: &'a [Point<T>],
+    displacements: &'a mut [Point<T>],
 }
 
-impl<V: Vector> Kernel for Sweep<'_, V> {
+impl<T: Real> Kernel for Sweep<'_, T> {
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
-        let Self { colors, from, mut displacement, multipliers } = self;
-        let from: [&[V::Scalar]; AXES] = std::array::from_fn(|axis| from.axis(axis));
-        for (index, multipliers) in multipliers.iter_mut().enumerate() {
-            let group = &colors.groups[index];
-            let mut moved = colors.read::<V>(index, displacement.axes.each_ref().map(|axis| &**axis));
-            let state = colors.state::<V>(index, &colors.read::<V>(index, from), &moved);
-            let mut change = [V::Scalar::ZERO; LANES];
-            for lane in 0..LANES {
-                let weight = group.inverse_mass[0][lane] + group.inverse_mass[1][lane];
-                let total = V::Scalar::ONE + weight * (group.stiffness[lane] + group.damping[lane]);
-                change[lane] = (state.pull[lane] - multipliers[lane]) / total;
-                multipliers[lane] += change[lane];
-            }
-            for axis in 0..V::DIMENSION {
-                for lane in 0..LANES {
-                    let impulse = change[lane] * state.direction[axis][lane];
-                    moved[0][axis][lane] += group.inverse_mass[0][lane] * impulse;
-                    moved[1][axis][lane] -= group.inverse_mass[1][lane] * impulse;
-                }
-            }
-            colors.write::<V>(index, &moved, &mut displacement);
+        let Self { links, multipliers, from, displacements } = self;
+        for (link, multiplier) in links.iter().zip(multipliers) {
+            let (direction, pull) = link.pull(from, displacements);
+            let change = (pull - *multiplier) * link.share;
+            *multiplier += change;
+            let [one, other] = link.ends.map(|end| end as usize);
+            let impulses = link.inverse_mass.map(|inverse_mass| inverse_mass * change);
+            let [u, v] = [displacements[one], displacements[other]];
+            displacements[one] = std::array::from_fn(|axis| u[axis] + impulses[0] * direction[axis]);
+            displacements[other] = std::array::from_fn(|axis| v[axis] - impulses[1] * direction[axis]);
         }
     }
 }

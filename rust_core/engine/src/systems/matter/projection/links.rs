@@ -1,0 +1,94 @@
+//! Springs in an order in which neighbors have no common particles, so that the processor computes several at once.
+
+use crate::forces::springs::Spring;
+use crate::math::{AXES, Real, Vector};
+use crate::matter::{Columns, Properties};
+
+/// A vector of a particle, with a component 0 that fills a register.
+pub type Point<T> = [T; 4];
+
+/// A spring, for steps of h seconds.
+#[derive(Debug, Clone, Copy)]
+pub struct Link<T> {
+    /// Its ends, as indices of particles.
+    pub ends: [u32; 2],
+    /// k h² and c h [kg].
+    stiffness: T,
+    damping: T,
+    rest_length: T,
+    /// 1/m of both ends [1/kg].
+    pub inverse_mass: [T; 2],
+    /// 1/(1 + (1/m₁ + 1/m₂) (k h² + c h)).
+    pub share: T,
+}
+
+impl<T: Real> Link<T> {
+    fn new(spring: &Spring, inverse_mass: &[T], h: f64) -> Self {
+        let inverse_mass = spring.ends.map(|end| inverse_mass[end as usize]);
+        let (stiffness, damping) = (spring.stiffness * h * h, spring.damping * h);
+        let weight: f64 = inverse_mass.iter().map(|inverse| inverse.to_f64()).sum();
+        Self {
+            ends: spring.ends,
+            stiffness: T::from_f64(stiffness),
+            damping: T::from_f64(damping),
+            rest_length: T::from_f64(spring.rest_length),
+            inverse_mass,
+            share: T::from_f64(1.0 / (1.0 + weight * (stiffness + damping))),
+        }
+    }
+
+    /// The unit vector n from its first end to the second, 0 where these coincide, and h² [k (r − L) + c n·Δu/h], the force of the
+    /// displacements u times h² [kg·m].
+    #[inline(always)]
+    pub fn pull(&self, from: &[Point<T>], moved: &[Point<T>]) -> (Point<T>, T) {
+        let [one, other] = self.ends.map(|end| end as usize);
+        let ([a, b], [u, v]) = ([from[one], from[other]], [moved[one], moved[other]]);
+        let apart: Point<T> = std::array::from_fn(|axis| v[axis] - u[axis]);
+        let separation: Point<T> = std::array::from_fn(|axis| (b[axis] - a[axis]) + apart[axis]);
+        let dot = |one: &Point<T>, other: &Point<T>| one[0] * other[0] + one[1] * other[1] + one[2] * other[2];
+        let length = dot(&separation, &separation).sqrt();
+        let inverse = if length > T::ZERO { T::ONE / length } else { T::ZERO };
+        let rate = dot(&separation, &apart) * inverse;
+        (separation.map(|along| along * inverse), self.stiffness * (length - self.rest_length) + self.damping * rate)
+    }
+}
+
+/// All springs, color by color, in which no two share a particle: each has the first color that is free at both ends.
+pub fn links<V: Vector>(springs: &[Spring], properties: &Properties<V>, h: f64) -> Vec<Link<V::Scalar>> {
+    let mut taken: Vec<Vec<u64>> = vec![Vec::new(); properties.count()];
+    let mut colors: Vec<Vec<&Spring>> = Vec::new();
+    for spring in springs.iter().filter(|spring| spring.ends[0] != spring.ends[1]) {
+        let [one, other] = spring.ends.map(|end| end as usize);
+        let word = |at: usize| [one, other].iter().filter_map(|&end| taken[end].get(at)).fold(0, |word, end| word | end);
+        let mut at = 0;
+        while word(at) == u64::MAX {
+            at += 1;
+        }
+        let color = 64 * at + word(at).trailing_ones() as usize;
+        for particle in [one, other] {
+            let words = taken[particle].len().max(at + 1);
+            taken[particle].resize(words, 0);
+            taken[particle][at] |= 1 << (color % 64);
+        }
+        colors.resize(colors.len().max(color + 1), Vec::new());
+        colors[color].push(spring);
+    }
+    colors.iter_mut().for_each(|color| color.sort_by_key(|spring| spring.ends));
+    colors.iter().flatten().map(|spring| Link::new(spring, &properties.inverse_mass, h)).collect()
+}
+
+/// Copies columns into points.
+pub fn gather<V: Vector>(columns: &Columns<V>, points: &mut Vec<Point<V::Scalar>>) {
+    points.resize(columns.count(), Point::default());
+    for axis in 0..V::DIMENSION.min(AXES) {
+        points.iter_mut().zip(columns.axis(axis)).for_each(|(point, &value)| point[axis] = value);
+    }
+}
+
+/// Copies points into columns.
+pub fn scatter<V: Vector>(points: &[Point<V::Scalar>], columns: &mut Columns<V>) {
+    let span = columns.span();
+    for axis in 0..V::DIMENSION {
+        span.axes[axis].iter_mut().zip(points).for_each(|(value, point)| *value = point[axis]);
+    }
+}
