@@ -66,8 +66,18 @@ class ElectromagneticField(Force):
     @property
     def is_magnetic(self) -> bool:
         """Whether there is a magnetic field."""
-        vectors = isinstance(self.magnetic, tuple) and all(isinstance(each, float) for each in self.magnetic)
-        return any(self.magnetic) if vectors else self.magnetic != 0.0  # type: ignore[arg-type]
+        return _is_there(self.magnetic)
+
+    @property
+    def is_electric(self) -> bool:
+        """Whether there is an electric field."""
+        return _is_there(self.electric)
+
+    @property
+    def changes(self) -> bool:
+        """Whether a field may change in time."""
+        fields = (part for field in (self.electric, self.magnetic) for part in _parts(field))
+        return any(callable(part) or getattr(part, "changes", False) for part in fields)
 
     def mismatch(self, dimension: int) -> tuple[str, int] | None:
         """In 2D B is a number or a function, in 3D no number; fields have a dimension of their own."""
@@ -101,3 +111,14 @@ def _field(value: object, name: str) -> object:
     if isinstance(value, (int, float)):
         return number(value, path)
     return vector(value, path)
+
+
+def _parts(field: object) -> tuple[object, ...]:
+    """The fields of a sum."""
+    return field if isinstance(field, tuple) else (field,)
+
+
+def _is_there(field: object) -> bool:
+    """Whether a field is not zero everywhere."""
+    vectors = isinstance(field, tuple) and all(isinstance(each, float) for each in field)
+    return any(field) if vectors else field != 0.0  # type: ignore[arg-type]

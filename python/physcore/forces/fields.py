@@ -20,6 +20,8 @@ class ReadyField:
     """Whether there is an electric field of that form."""
     magnetic: ClassVar[bool] = True
     """Whether there is a magnetic one."""
+    changes: ClassVar[bool] = False
+    """Whether it changes in time."""
 
     def __post_init__(self) -> None:
         raise NotImplementedError
@@ -116,6 +118,7 @@ class PaulTrap(ReadyField):
     """
 
     magnetic: ClassVar[bool] = False
+    changes: ClassVar[bool] = True
 
     constant: float
     alternating: float
@@ -240,6 +243,8 @@ class TravellingWave(ReadyField):
     Raises:
         SceneError: the frequency is not above 0, a value is not finite, or the vectors have not the same components.
     """
+
+    changes: ClassVar[bool] = True
 
     amplitude: Vector
     wave_vector: Vector

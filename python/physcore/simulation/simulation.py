@@ -335,17 +335,68 @@ class Simulation:
             SceneError: a shape does not fit; there is no such body; an acceleration is not finite; or the function of a
                 CustomForce fails, or gives no force for each of the points.
         """
-        places = array(points, "acceleration.points")
-        if places.ndim != 2 or places.shape[1] != self._scene.dimension:
-            raise SceneError(
-                f"acceleration.points: must have the shape (M, {self._scene.dimension}), got {places.shape}; "
-                "one point is [[x, y]] in 2D"
-            )
         try:
             body = None if on is None else self._scene.index(on)
         except KeyError as error:
             raise SceneError(f"acceleration.on: {error.args[0]}") from None
-        return self._world.acceleration(places, body)
+        return self._world.sample("acceleration", self._places(points, "acceleration"), body)
+
+    def electric_field(self, points: ArrayLike) -> FloatArray:
+        """The electric field at the present time, of every ElectromagneticField and of the charges under Coulomb:
+
+            simulation.electric_field([[0.0, 1.0], [2.0, 0.0]])
+
+        Args:
+            points: where [m], shape (M, D).
+
+        Returns:
+            E [V/m], shape (M, D).
+
+        Raises:
+            SceneError: a shape does not fit; a point is at a charge without softening, or where a field is not finite;
+                or the function of a field fails.
+        """
+        return self._world.sample("electric_field", self._places(points, "electric_field"), None)
+
+    def magnetic_field(self, points: ArrayLike) -> FloatArray:
+        """The magnetic field at the present time, of every ElectromagneticField.
+
+        Args:
+            points: where [m], shape (M, D).
+
+        Returns:
+            B [T], shape (M, 3); in 2D its component along z, shape (M,).
+
+        Raises:
+            SceneError: as for `electric_field`.
+        """
+        field: FloatArray = self._world.sample("magnetic_field", self._places(points, "magnetic_field"), None)
+        return field if self._scene.dimension == 3 else field[:, 2]
+
+    def electric_potential(self, points: ArrayLike) -> FloatArray:
+        """The potential V of the electric field at the present time, E = −∇V.
+
+        Args:
+            points: where [m], shape (M, D).
+
+        Returns:
+            V [V], shape (M,).
+
+        Raises:
+            SceneError: as for `electric_field`; or a field has no potential, as functions and fields that change in
+                time.
+        """
+        return self._world.sample("electric_potential", self._places(points, "electric_potential"), None)[:, 0]
+
+    def _places(self, points: ArrayLike, path: str) -> FloatArray:
+        """Points (M, D)."""
+        places = array(points, f"{path}.points")
+        if places.ndim != 2 or places.shape[1] != self._scene.dimension:
+            raise SceneError(
+                f"{path}.points: must have the shape (M, {self._scene.dimension}), got {places.shape}; "
+                "one point is [[x, y]] in 2D"
+            )
+        return places
 
     def state_hash(self) -> str:
         """A hash of everything that the bits of the next step depend on."""

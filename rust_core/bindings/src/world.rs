@@ -13,12 +13,13 @@ use physcore_engine::parallel::{Executor, SERIAL, attend};
 use physcore_engine::plan::Stages;
 use physcore_engine::simulation::{Adaptation, Checkpoint, Numerics, Rule, Segment, Simulation, Vigilance};
 use physcore_engine::stability::{Horizon, Kind, Limit};
+use physcore_engine::systems::{Quantity, Sample};
 use pyo3::gc::{PyTraverseError, PyVisit};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::callback::Function;
-use crate::errors::{FileError, InternalError, PhyscoreError, exception};
+use crate::errors::{FileError, InternalError, PhyscoreError, SceneError, exception};
 use crate::record::Reader;
 use crate::scene;
 
@@ -415,21 +416,33 @@ impl World {
         self.copy(py, self.memory(py)?, physcore_engine::simulation::Simulation::state_hash)
     }
 
-    /// The acceleration field at some points, of the forces on a body or of all.
-    fn acceleration<'py>(
+    /// A field in space at some points, of the forces on a body or of all, row by row; at a time, or the present one.
+    #[pyo3(signature = (field, points, on, time=None))]
+    fn sample<'py>(
         &self,
         py: Python<'py>,
+        field: &str,
         points: &Bound<'py, PyAny>,
         on: Option<usize>,
+        time: Option<f64>,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let quantity = Quantity::named(field).ok_or_else(|| SceneError::new_err(format!("no field {field:?}")))?;
         let points = scene::copied(&points.call_method0("ravel")?.extract()?)?;
+        let width = match quantity {
+            Quantity::Acceleration | Quantity::ElectricField => self.dimension,
+            Quantity::MagneticField => 3,
+            Quantity::ElectricPotential => 1,
+        };
+        let ask = move |world: &Simulation, executor: &Executor| {
+            world.sample(&Sample { quantity, time: time.unwrap_or_else(|| world.time()), points: &points, on }, executor)
+        };
         let rows = if self.functions.is_empty() {
-            self.ask(py, move |world, executor| world.acceleration(&points, on, executor))?
+            self.ask(py, ask)?
         } else {
             // As for the energy.
-            self.change_at_length(py, move |world, executor| world.acceleration(&points, on, executor))?
+            self.change_at_length(py, move |world, executor| ask(world, executor))?
         };
-        scene::rows(py, rows, self.dimension)
+        scene::rows(py, rows, width)
     }
 }
 

@@ -22,7 +22,7 @@ use crate::plan::Plan;
 use crate::scene::{Item, Scene};
 use crate::simd::Level;
 use crate::stability::{Horizon, Limit};
-use crate::systems::{self, FieldInfo, Interval, Record, System};
+use crate::systems::{self, FieldInfo, Interval, Record, Sample, System};
 use monitor::{Monitor, Steps};
 
 /// The numerical choices of a run.
@@ -80,6 +80,8 @@ pub struct Segment {
 
 impl Segment {
     /// The time now [s].
+    /// The present time [s].
+    /// The present time [s].
     pub fn time(&self) -> f64 {
         self.start + self.steps as f64 * self.dt
     }
@@ -156,7 +158,8 @@ impl Simulation {
         self.steps
     }
 
-    fn time(&self) -> f64 {
+    /// The present time [s].
+    pub fn time(&self) -> f64 {
         self.segment.time()
     }
 
@@ -294,12 +297,12 @@ impl Simulation {
         self.system.limit(horizon, self.time(), executor)
     }
 
-    /// The acceleration field [m/s²] at `points` [m] now.
+    /// A field in space at some points.
     ///
     /// # Errors
-    /// As [`System::acceleration`].
-    pub fn acceleration(&self, points: &[f64], on: Option<usize>, executor: &Executor) -> Result<Vec<f64>> {
-        self.system.acceleration(self.time(), points, on, executor)
+    /// As [`System::sample`].
+    pub fn sample(&self, sample: &Sample<'_>, executor: &Executor) -> Result<Vec<f64>> {
+        self.system.sample(sample, executor)
     }
 
     /// Finds something out about the present state, on all threads and asking `interrupted` meanwhile whether to stop where it

@@ -5,6 +5,8 @@ from __future__ import annotations
 from physcore.film.styles.arrows import Arrows
 from physcore.film.styles.base import BodyStyle, Painter, Style, SystemStyle
 from physcore.film.styles.density import Density
+from physcore.film.styles.equipotentials import Equipotentials
+from physcore.film.styles.field_lines import FieldLines
 from physcore.film.styles.fluid import Fluid
 from physcore.film.styles.grid_field import Field
 from physcore.film.styles.line import Line
@@ -25,6 +27,8 @@ STYLES: tuple[type[Style], ...] = (
     Paths,
     Arrows,
     Streamlines,
+    FieldLines,
+    Equipotentials,
     Field,
     Phase,
     Relief,
@@ -39,7 +43,9 @@ __all__ = [
     "Arrows",
     "BodyStyle",
     "Density",
+    "Equipotentials",
     "Field",
+    "FieldLines",
     "Fluid",
     "Line",
     "Painter",

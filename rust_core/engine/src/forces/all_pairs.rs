@@ -86,7 +86,7 @@ pub fn gravitation<V: Vector>() -> Kind<V> {
         let constant = declared.item.non_negative("constant")?;
         Ok(vec![Box::new(AllPairs::<V>::new(declared, "gravitation", constant, mass)?)])
     };
-    Kind { name: "Gravitation", reach: Reach::Far, build }
+    Kind { name: "Gravitation", reach: Reach::Far, charges: false, build }
 }
 
 /// The registry's entry for Coulomb's law.
@@ -95,7 +95,7 @@ pub fn coulomb<V: Vector>() -> Kind<V> {
         let constant = declared.item.non_negative("constant")?;
         Ok(vec![Box::new(AllPairs::<V>::new(declared, "coulomb", -constant, declared.properties.charge.clone())?)])
     };
-    Kind { name: "Coulomb", reach: Reach::Far, build }
+    Kind { name: "Coulomb", reach: Reach::Far, charges: true, build }
 }
 
 /// Whether each particle, in the engine's order, is in a body that an item names as a source.
@@ -153,6 +153,21 @@ impl<V: Vector> AllPairs<V> {
         };
         force.choose_angle(declared)?;
         Ok(force)
+    }
+
+    /// The unit of energies, κ c²/length [J].
+    fn energy_unit(&self) -> f64 {
+        self.constant * self.units[0] * self.units[0] / self.length
+    }
+
+    /// Calls `each` with every target of a group and its energy, the sum of cᵢcⱼ/s without itself, in units of [`AllPairs::energy_unit`].
+    fn energies(&self, group: &Group, at: &StateView<'_, V>, mut each: impl FnMut(usize, f64)) {
+        for (&index, sums) in group.targets.iter().zip(self.attraction::<f64>(group, at, at.executor).0) {
+            let charge = self.charge[index] / self.units[0];
+            // With softening each particle of a mutual group is summed with itself.
+            let itself = if group.mutual && self.softening > 0.0 { charge * (self.length / self.softening) } else { 0.0 };
+            each(index, charge * (sums[POTENTIAL] - itself));
+        }
     }
 
     /// The error that a target coincides with a source.
@@ -240,20 +255,20 @@ impl<V: Vector> Force<V> for AllPairs<V> {
     }
 
     /// In double precision, whatever that of the run.
+    fn potentials(&self, at: &StateView<'_, V>, sums: &mut [f64]) {
+        self.groups.iter().for_each(|group| self.energies(group, at, |index, energy| sums[index] -= self.energy_unit() * energy));
+    }
+
+    /// In double precision, whatever that of the run.
     fn energy(&self, at: &StateView<'_, V>, ledger: &mut Ledger) -> Result<()> {
         let mut energy = 0.0;
         for group in &self.groups {
-            let sums = self.attraction::<f64>(group, at, at.executor).0;
-            at.executor.check()?;
-            // Each mutual pair is summed from both ends, and with softening each particle with itself.
+            // Each mutual pair is summed from both ends.
             let share = if group.mutual { 0.5 } else { 1.0 };
-            for (&index, sums) in group.targets.iter().zip(sums) {
-                let charge = self.charge[index] / self.units[0];
-                let itself = if group.mutual && self.softening > 0.0 { charge * (self.length / self.softening) } else { 0.0 };
-                energy -= share * charge * (sums[POTENTIAL] - itself);
-            }
+            self.energies(group, at, |_, of_target| energy -= share * of_target);
+            at.executor.check()?;
         }
-        ledger.add(Class::Potential, self.name, self.constant * self.units[0] * self.units[0] / self.length * energy);
+        ledger.add(Class::Potential, self.name, self.energy_unit() * energy);
         Ok(())
     }
 

@@ -41,7 +41,7 @@ pub fn kind<V: Vector>() -> Kind<V> {
     let build = |declared: &Declared<'_, V>| -> Result<Forces<V>> {
         Ok(vec![Box::new(Central::<V>::new(declared.item, declared.mask())?)])
     };
-    Kind { name: "CentralForce", reach: Reach::Pointwise, build }
+    Kind { name: "CentralForce", reach: Reach::Pointwise, charges: false, build }
 }
 
 impl<V: Vector> Central<V> {

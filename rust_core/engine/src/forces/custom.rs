@@ -49,7 +49,7 @@ const POTENTIAL: &str = "potential";
 /// The registry's entry.
 pub fn kind<V: Vector>() -> Kind<V> {
     let build = |declared: &Declared<'_, V>| -> Result<Forces<V>> { Ok(vec![Box::new(Custom::<V>::new(declared)?)]) };
-    Kind { name: "CustomForce", reach: Reach::Whole, build }
+    Kind { name: "CustomForce", reach: Reach::Whole, charges: false, build }
 }
 
 impl<V: Vector> Custom<V> {

@@ -35,7 +35,7 @@ pub fn kind<V: Vector>() -> Kind<V> {
     let build = |declared: &Declared<'_, V>| -> Result<Forces<V>> {
         Ok(Drag::<V>::parts(declared.item, &declared.mask())?.into_iter().map(|part| Box::new(part) as _).collect())
     };
-    Kind { name: "Drag", reach: Reach::Pointwise, build }
+    Kind { name: "Drag", reach: Reach::Pointwise, charges: false, build }
 }
 
 impl<V: Vector> Drag<V> {

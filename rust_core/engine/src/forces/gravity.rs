@@ -29,7 +29,7 @@ const ACCELERATION: &str = "acceleration";
 pub fn kind<V: Vector>() -> Kind<V> {
     let build =
         |declared: &Declared<'_, V>| -> Result<Forces<V>> { Ok(vec![Box::new(Gravity::new(declared.item, declared.mobile())?)]) };
-    Kind { name: NAME, reach: Reach::Pointwise, build }
+    Kind { name: NAME, reach: Reach::Pointwise, charges: false, build }
 }
 
 /// The acceleration of a body by all uniform gravity of a scene [m/s²].

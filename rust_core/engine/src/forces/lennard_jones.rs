@@ -55,7 +55,7 @@ pub fn kind<V: Vector>() -> Kind<V> {
         let law = LennardJones::<V::Scalar>::new(declared.item)?;
         Ok(vec![Box::new(Pairs::<V, _>::new(declared.scene, declared.properties, &declared.chosen, law)?)])
     };
-    Kind { name: "LennardJones", reach: Reach::Pairs, build }
+    Kind { name: "LennardJones", reach: Reach::Pairs, charges: false, build }
 }
 
 impl<T: Real> LennardJones<T> {

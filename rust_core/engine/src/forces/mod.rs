@@ -188,6 +188,11 @@ pub trait Force<V: Vector>: History + Send + Sync {
         0.0
     }
 
+    /// Adds the potential energy of each particle in it [J], counted whole where it is that of a pair.
+    fn potentials(&self, at: &StateView<'_, V>, sums: &mut [f64]) {
+        (0..at.properties.count()).for_each(|index| sums[index] += self.potential(index..index + 1, at));
+    }
+
     /// Adds its energies to the budget.
     ///
     /// # Errors
@@ -270,6 +275,8 @@ struct Kind<V: Vector> {
     name: &'static str,
     /// How far such a force reaches.
     reach: Reach,
+    /// Whether it acts on charges.
+    charges: bool,
     /// Builds what an item of this kind declares.
     build: fn(&Declared<'_, V>) -> Result<Forces<V>>,
 }
@@ -292,6 +299,11 @@ fn kinds<V: Vector>() -> [Kind<V>; 9] {
 /// How far a force of the scene reaches.
 fn reach(item: &Item) -> Option<Reach> {
     kinds::<DVec2>().iter().find(|kind| kind.name == item.kind).map(|kind| kind.reach)
+}
+
+/// Whether a force of the scene acts on charges.
+pub fn feels_charges(item: &Item) -> bool {
+    kinds::<DVec2>().iter().any(|kind| kind.name == item.kind && kind.charges)
 }
 
 /// Whether a force of the scene passes between particles.

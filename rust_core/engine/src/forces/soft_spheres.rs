@@ -42,7 +42,7 @@ const OVERLAP: f64 = 0.01;
 
 /// The registry's entry.
 pub fn kind<V: Vector>() -> Kind<V> {
-    Kind { name: "Repulsion", reach: Reach::Pairs, build }
+    Kind { name: "Repulsion", reach: Reach::Pairs, charges: false, build }
 }
 
 /// The force as declared.

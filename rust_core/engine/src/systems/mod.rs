@@ -91,6 +91,51 @@ pub struct FieldInfo {
     pub state: bool,
 }
 
+/// A field in space.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Quantity {
+    /// The acceleration of 1 kg at rest by forces on single particles [m/s²].
+    Acceleration,
+    /// E of fields and charges [V/m].
+    ElectricField,
+    /// B, three components [T].
+    MagneticField,
+    /// The potential of E [V].
+    ElectricPotential,
+}
+
+impl Quantity {
+    const ALL: [Self; 4] = [Self::Acceleration, Self::ElectricField, Self::MagneticField, Self::ElectricPotential];
+
+    /// Its name.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Acceleration => "acceleration",
+            Self::ElectricField => "electric_field",
+            Self::MagneticField => "magnetic_field",
+            Self::ElectricPotential => "electric_potential",
+        }
+    }
+
+    /// That of a name.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|quantity| quantity.name() == name)
+    }
+}
+
+/// Points of a field in space.
+#[derive(Debug, Clone, Copy)]
+pub struct Sample<'a> {
+    /// The field.
+    pub quantity: Quantity,
+    /// The time of fields that change [s].
+    pub time: f64,
+    /// Points [m], row by row.
+    pub points: &'a [f64],
+    /// The body whose forces count; None: those on any.
+    pub on: Option<usize>,
+}
+
 /// A state with its law of motion, of any dimension and precision.
 pub trait System: History + Send + Sync {
     /// The stages of a step: one part for each system of the scene.
@@ -225,13 +270,12 @@ pub trait System: History + Send + Sync {
     /// If they belong to something else.
     fn restore_tallies(&mut self, numbers: &[f64]) -> Result<()>;
 
-    /// The acceleration field [m/s²] at `points` [m], row by row: that of a test particle of 1 kg at rest, on which act the
-    /// forces on one of the bodies, or those on any.
+    /// A field in space at some points, row by row.
     ///
     /// # Errors
     /// If it has none, or as [`System::audit`].
-    fn acceleration(&self, _time: f64, _points: &[f64], _on: Option<usize>, _executor: &Executor) -> Result<Vec<f64>> {
-        Err(Error::parameter("acceleration", "a scene with bodies", "none"))
+    fn sample(&self, sample: &Sample<'_>, _executor: &Executor) -> Result<Vec<f64>> {
+        Err(Error::parameter(sample.quantity.name(), "a scene with bodies", "none"))
     }
 }
 

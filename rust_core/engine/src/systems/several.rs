@@ -5,7 +5,7 @@
 
 use glam::DVec3;
 
-use super::{Element, Fault, FieldInfo, Interval, Record, System};
+use super::{Element, Fault, FieldInfo, Interval, Record, Sample, System};
 use crate::error::{Error, Result};
 use crate::forces::Mach;
 use crate::history::{Archive, History};
@@ -285,8 +285,8 @@ impl System for Several {
     }
 
     /// That of matter, which comes first.
-    fn acceleration(&self, time: f64, points: &[f64], on: Option<usize>, executor: &Executor) -> Result<Vec<f64>> {
-        self.parts[0].system.acceleration(time, points, on, executor)
+    fn sample(&self, sample: &Sample<'_>, executor: &Executor) -> Result<Vec<f64>> {
+        self.parts[0].system.sample(sample, executor)
     }
 }
 

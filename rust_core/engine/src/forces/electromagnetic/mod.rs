@@ -52,7 +52,7 @@ pub fn kind<V: Vector>() -> Kind<V> {
         }
         Ok(forces)
     };
-    Kind { name: "ElectromagneticField", reach: Reach::Pointwise, build }
+    Kind { name: "ElectromagneticField", reach: Reach::Pointwise, charges: true, build }
 }
 
 /// The fields that a value declares: a vector, a field or some of them; none if it is zero.

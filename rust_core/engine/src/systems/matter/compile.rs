@@ -17,7 +17,7 @@ use crate::neighbors;
 use crate::parallel::Executor;
 use crate::plan::Stages;
 use crate::rods::{self, Rods};
-use crate::scene::{self, PARTICLES, Scene};
+use crate::scene::{self, Item, PARTICLES, Scene};
 
 mod precision;
 
@@ -90,7 +90,7 @@ pub fn compile<V: Vector>(scene: &Scene, method: Box<dyn Method<V>>, executor: &
             notes.push(format!("contacts: {pushed} particles overlapped a boundary at the start and were moved to its surface"));
         }
     }
-    notes.extend(relativistic(scene, &known));
+    notes.extend(relativistic(scene));
     let left_out = left_out(&known, independent, contacts.is_some());
     let bends = contacts.is_none() && known.iter().any(|force| force.name != "gravity");
     let layout = if independent {
@@ -123,7 +123,8 @@ pub fn compile<V: Vector>(scene: &Scene, method: Box<dyn Method<V>>, executor: &
         left_out,
         notes,
     };
-    let fields = scene.forces.iter().filter(|item| !forces::is_between_pairs(item)).cloned().collect();
+    let is_field = |item: &&Item| forces::feels_charges(item) || !forces::is_between_pairs(item);
+    let fields = scene.forces.iter().filter(is_field).cloned().collect();
     Ok(MatterSystem::new(dynamics, state, method, stages, fields))
 }
 
@@ -240,12 +241,11 @@ fn worth<Other: Integrator>(about: &MethodAbout) -> f64 {
 }
 
 /// The note that charges are so fast that relativity matters, which nothing here counts: γ − 1 is above half a percent.
-fn relativistic(scene: &Scene, forces: &[About]) -> Option<String> {
+fn relativistic(scene: &Scene) -> Option<String> {
     const SPEED_OF_LIGHT: f64 = 299_792_458.0;
-    let charged = |force: &About| ["electromagnetic field", "coulomb"].contains(&force.name);
     let speeds = scene.bodies.iter().flat_map(|body| &body.velocities).map(|velocity| velocity.length());
     let fastest = speeds.fold(0.0, f64::max);
-    (forces.iter().any(charged) && fastest > 0.1 * SPEED_OF_LIGHT).then(|| {
+    (scene.forces.iter().any(forces::feels_charges) && fastest > 0.1 * SPEED_OF_LIGHT).then(|| {
         format!(
             "particles move at up to {:.2} c, and nothing here is relativistic: above 0.1 c masses are off by more than 0.5 %",
             fastest / SPEED_OF_LIGHT

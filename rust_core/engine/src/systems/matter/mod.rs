@@ -29,7 +29,7 @@ use radau::GaussRadau15;
 use rattle::Rattle;
 
 use crate::error::{Error, Result};
-use crate::forces::{Mach, Validity};
+use crate::forces::{self, Mach, Validity};
 use crate::history::{Archive, History};
 use crate::integrators::{gauss_radau_15, with_integrator};
 use crate::ledger::{Class, Ledger};
@@ -38,10 +38,10 @@ use crate::matter::{Columns, EnergyTally, Matter, SINKS};
 use crate::parallel::{Executor, SERIAL};
 use crate::plan::Stages;
 use crate::rods::Rods;
-use crate::scene::{Item, Scene};
+use crate::scene::{Body, Item, Scene};
 use crate::simd::LANES;
 use crate::stability::{Horizon, Limit, LimitCache, SpectralBound};
-use crate::systems::{Control, Element, Fault, FieldInfo, Interval, Record, System, unknown_integrator};
+use crate::systems::{Control, Element, Fault, FieldInfo, Interval, Quantity, Record, Sample, System, unknown_integrator};
 
 /// Duration of a batch of steps [s]: long against the cost per batch, short enough that an interrupt loses little.
 const BATCH: f64 = 0.05;
@@ -126,7 +126,7 @@ struct MatterSystem<V: Vector> {
     workspace: Option<Workspace<V>>,
     method: Box<dyn Method<V>>,
     stages: Stages,
-    /// The forces that do not pass between pairs, as declared: fields in space.
+    /// The forces that are fields in space, or sums of fields of charges, as declared.
     fields: Vec<Item>,
     cost: f64,
     cache: Mutex<LimitCache>,
@@ -203,6 +203,21 @@ impl<V: Vector> MatterSystem<V> {
     fn element(&self, index: usize) -> Element {
         let index = self.dynamics.properties.caller.get(index).map_or(0, |&caller| caller as usize);
         Element { name: format!("particle {index}"), index }
+    }
+
+    /// The bodies with their present positions and charges.
+    fn bodies(&self) -> Vec<Body> {
+        let properties = &self.dynamics.properties;
+        let count = properties.body.iter().max().map_or(0, |&last| last as usize + 1);
+        let mut bodies = vec![Body::default(); count];
+        let mut order: Vec<usize> = (0..properties.count()).collect();
+        order.sort_unstable_by_key(|&index| properties.caller[index]);
+        for index in order {
+            let body = &mut bodies[properties.body[index] as usize];
+            body.positions.push(properties.origin + self.state.exact_position(index));
+            body.charge.push(properties.charge[index]);
+        }
+        bodies
     }
 
     /// The columns that make up the state, in a fixed order.
@@ -453,9 +468,14 @@ impl<V: Vector> System for MatterSystem<V> {
         Ok(())
     }
 
-    fn acceleration(&self, time: f64, points: &[f64], on: Option<usize>, executor: &Executor) -> Result<Vec<f64>> {
-        let acting = self.fields.iter().filter(|item| on.is_none_or(|body| item.acts_on(body)));
-        let forces = acting.map(|item| Item { on: None, ..item.clone() }).collect();
-        test_particles::acceleration(V::DIMENSION, forces, time, points, executor)
+    fn sample(&self, sample: &Sample<'_>, executor: &Executor) -> Result<Vec<f64>> {
+        let acts = |item: &&Item| sample.on.is_none_or(|body| item.acts_on(body));
+        let feels = |item: &&Item| match sample.quantity {
+            Quantity::Acceleration => !forces::is_between_pairs(item),
+            _ => forces::feels_charges(item),
+        };
+        let forces = self.fields.iter().filter(acts).filter(feels).cloned().collect();
+        let bodies = if sample.quantity == Quantity::Acceleration { Vec::new() } else { self.bodies() };
+        test_particles::sample(V::DIMENSION, forces, bodies, sample, executor)
     }
 }

@@ -1,0 +1,92 @@
+"""Electric and magnetic fields of a scene in a frame, for the styles that draw them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Literal, TypeAlias
+
+import numpy as np
+
+from physcore.checks import FloatArray
+from physcore.errors import SceneError
+from physcore.film.colors.themes import Theme
+from physcore.forces import Coulomb, ElectromagneticField
+from physcore.scene.bodies import Body, Particles
+from physcore.scene.scene import Scene
+from physcore.simulation.simulation import Simulation
+from physcore.simulation.sources import SourceFrame
+
+Kind: TypeAlias = Literal["electric", "magnetic"]
+
+
+def require(scene: Scene, kind: Kind, path: str) -> None:
+    """Refuse a scene without such a field.
+
+    Raises:
+        SceneError: it has none.
+    """
+    fields = [force for force in scene.forces if isinstance(force, ElectromagneticField)]
+    charged = any(body.charge.any() for body in scene.bodies) and any(isinstance(f, Coulomb) for f in scene.forces)
+    if kind == "electric" and not charged and not any(field.is_electric for field in fields):
+        raise SceneError(f"{path}: this scene has no electric field: no charges under Coulomb(), no electric=")
+    if kind == "magnetic" and not any(field.is_magnetic for field in fields):
+        raise SceneError(f"{path}: this scene has no magnetic field: ElectromagneticField(magnetic=…) is one")
+    if kind == "magnetic" and scene.dimension == 2:
+        raise SceneError(f"{path}: in 2D the magnetic field points out of the plane, and has no lines in it")
+
+
+def mixed(theme: Theme, strength: float) -> FloatArray:
+    """The color of text against the background: opaque, so that the pieces of a line do not add up where they meet."""
+    text, background = (np.array(color, dtype=float) for color in (theme.text, theme.background))
+    color: FloatArray = background + strength * (text - background)
+    return color
+
+
+@dataclass(frozen=True, eq=False)
+class Fields:
+    """The fields of a scene with its charges where they are in a frame."""
+
+    scene: Scene
+    frame: SourceFrame
+
+    @cached_property
+    def _simulation(self) -> Simulation:
+        places = (self.frame.positions[self.scene.slice(body)] for body in self.scene.bodies)
+        held = [
+            Particles(at, charge=body.charge, fixed=True) for body, at in zip(self.scene.bodies, places, strict=True)
+        ]
+
+        def same(bodies: Sequence[Body] | None) -> list[Body] | None:
+            return None if bodies is None else [held[self.scene.bodies.index(body)] for body in bodies]
+
+        forces = [
+            replace(
+                force, on=None, **({"sources": same(force.bodies("sources"))} if isinstance(force, Coulomb) else {})
+            )
+            for force in self.scene.forces
+            if isinstance(force, (Coulomb, ElectromagneticField))
+        ]
+        return Simulation(Scene(*held, *forces), dt=1.0)
+
+    def at(self, kind: Kind, points: FloatArray) -> FloatArray:
+        """The field at some points (M, D), NaN where it is not finite."""
+        return self._sample(f"{kind}_field", points)[:, : self.scene.dimension]
+
+    def potential(self, points: FloatArray) -> FloatArray:
+        """The electric potential (M,) [V], NaN where it is not finite."""
+        return self._sample("electric_potential", points)[:, 0]
+
+    def _sample(self, field: str, points: FloatArray) -> FloatArray:
+        world = self._simulation._world
+        try:
+            return world.sample(field, points, None, self.frame.time)
+        except SceneError as error:
+            if ".points[" not in str(error) and "places" not in str(error):
+                raise
+        # One of them is at a charge.
+        if len(points) == 1:
+            return np.full((1, 3), np.nan)
+        half = len(points) // 2
+        return np.concatenate([self._sample(field, part) for part in (points[:half], points[half:])])

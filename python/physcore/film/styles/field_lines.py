@@ -1,0 +1,287 @@
+"""Field lines of electric and magnetic fields."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from physcore._core import Canvas
+from physcore.checks import FloatArray, count, number, word
+from physcore.film.camera.view import View
+from physcore.film.colors.themes import Theme
+from physcore.film.styles.arrows import heads
+from physcore.film.styles.base import BodyStyle, Painter, Part, inks
+from physcore.film.styles.charges import Fields, Kind, mixed, require
+from physcore.forces import Coulomb, ElectromagneticField
+from physcore.simulation.sources import Source, SourceFrame
+
+STEPS = 360
+"""Steps of a line in each direction; each is as long as a part of what is seen."""
+STEP = 1.0 / 90.0
+"""Length of a step over the reach of the view."""
+BEYOND = 2.5
+"""Lines end at this distance from the center, in units of the reach of the view."""
+CLOSE = 0.6
+"""A line ends where it is this near to a charge [steps]."""
+SHORTEST = STEPS // 18
+"""Steps of the shortest line that is drawn."""
+GOLDEN = np.pi * (3.0 - np.sqrt(5.0))
+"""The golden angle, by which points on a sphere follow each other [rad]."""
+
+
+@dataclass(frozen=True)
+class FieldLines(BodyStyle):
+    """Field lines: curves along the electric or the magnetic field, denser where it is stronger.
+
+        pc.film(recording, "dipole.gif", style=[pc.styles.FieldLines(), pc.styles.Points()])
+
+    Electric lines begin and end at charges, in number as the charges are large, evenly about each: those of positive
+    charges, and of negative ones those that come from far away. Without charges, and magnetic ones, pass through points
+    of an even pattern, and are drawn as far as they keep away from those before. Arrowheads show the direction. The
+    lines are followed by Runge and Kutta's method of order 4, in steps of a ninetieth of the view. In 2D the magnetic
+    field points out of the plane, and has no lines in it.
+
+    Args:
+        field: "electric" or "magnetic".
+        lines: that begin at the largest charge, at least 2; and about how many pass through the picture elsewhere.
+        width: [pixels].
+        strength: of the lines' color against the background, from 0 to 1.
+        on: as in Style; the field is that of the whole scene.
+
+    Raises:
+        SceneError: a value is out of range, or the scene has no such field.
+    """
+
+    overlay: ClassVar[bool] = True
+
+    field: Kind = "electric"
+    lines: int = 16
+    width: float = 1.4
+    strength: float = 0.75
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self._set(
+            field=word(self.field, "FieldLines.field", ("electric", "magnetic")),
+            lines=count(self.lines, "FieldLines.lines", least=2, most=400),
+            width=number(self.width, "FieldLines.width", above=0.0),
+            strength=number(self.strength, "FieldLines.strength", above=0.0, most=1.0),
+        )
+
+    def painter(self, source: Source, parts: list[Part], theme: Theme) -> Painter:
+        """A painter of one film."""
+        del parts
+        require(source.scene, self.field, "FieldLines.field")
+        return FieldLinesPainter(self, source, theme)
+
+
+class FieldLinesPainter(Painter):
+    """Follows lines and draws them."""
+
+    def __init__(self, style: FieldLines, source: Source, theme: Theme) -> None:
+        self.style, self._style, self._scene, self._theme = style, style, source.scene, theme
+        charges = any(isinstance(force, Coulomb) for force in self._scene.forces)
+        self._charge = np.concatenate([body.charge for body in self._scene.bodies] or [np.empty(0)])
+        if style.field == "magnetic" or not charges:
+            self._charge = np.zeros_like(self._charge)
+        self._known: tuple[FloatArray, View] | None = None
+        self._lines: FloatArray = np.empty((0, 0, self._scene.dimension))
+
+    @property
+    def settled(self) -> bool:
+        """It has no scale."""
+        return True
+
+    def observe(self, frame: SourceFrame) -> None:
+        """Nothing depends on the whole film."""
+
+    def inset(self, pixels: float) -> float:
+        """Half a line."""
+        del pixels
+        return self._style.width / 2
+
+    def paint(self, canvas: Canvas, frame: SourceFrame, view: View, pixels: float) -> None:
+        """Add all lines, with arrowheads in their middles."""
+        del pixels
+        lines = self._found(frame, view)
+        shape = lines.shape[:2]
+        if shape[0] == 0:
+            return
+        points, depth, _ = view.project(lines.reshape(-1, lines.shape[2]))
+        points = points.reshape(*shape, 2)
+        ends = np.concatenate([points[:, :-1], points[:, 1:]], axis=2).reshape(-1, 4)
+        between = None
+        if depth is not None:
+            depth = depth.reshape(shape)
+            between = (0.5 * (depth[:, :-1] + depth[:, 1:])).ravel()
+        drawn = np.isfinite(ends).all(axis=1) & (np.abs(ends[:, :2] - ends[:, 2:]).max(axis=1) > 0.0)
+        ends, between = ends[drawn], None if between is None else between[drawn]
+        canvas.lines(
+            ends, np.full(len(ends), self._style.width, np.float32), self._ink(len(ends), between, view), between
+        )
+        self._arrowheads(canvas, points, depth, view)
+
+    def _ink(self, number: int, depth: np.ndarray | None, view: View) -> np.ndarray:
+        colors = np.tile(mixed(self._theme, self._style.strength), (number, 1))
+        return inks(colors, self._theme, None if depth is None else view.farness(depth))
+
+    def _arrowheads(self, canvas: Canvas, points: np.ndarray, depth: np.ndarray | None, view: View) -> None:
+        """In the middle of what is seen of each line."""
+        seen = np.isfinite(points).all(axis=2) & (np.abs(points - np.array(view.middle)) < np.array(view.middle)).all(
+            axis=2
+        )
+        rows = np.flatnonzero(seen.sum(axis=1) > 12)
+        if len(rows) == 0:
+            return
+        order = np.cumsum(seen[rows], axis=1)
+        at = np.argmax(order >= order[:, -1:] // 2, axis=1)
+        at = np.clip(at, 3, points.shape[1] - 4)
+        tails, tips = points[rows, at - 3], points[rows, at + 3]
+        whole = np.isfinite(tails).all(axis=1) & np.isfinite(tips).all(axis=1)
+        rows, at, tails, tips = rows[whole], at[whole], tails[whole], tips[whole]
+        corners = heads(tails, tips, np.float32(9.0 * self._style.width))
+        between = None if depth is None else depth[rows, at]
+        ink = np.repeat(self._ink(len(rows), between, view)[:, np.newaxis], 3, axis=1).reshape(-1, 12)
+        canvas.triangles(corners.reshape(-1, 6), ink, between)
+
+    def _found(self, frame: SourceFrame, view: View) -> FloatArray:
+        """The lines (L, K, D); those of the frame before where nothing has changed."""
+        charged = frame.positions[self._charge != 0.0]
+        still = self._known is not None and np.array_equal(self._known[0], charged) and self._known[1] is view
+        changes = any(isinstance(force, ElectromagneticField) and force.changes for force in self._scene.forces)
+        if changes or not still:
+            fields = Fields(self._scene, frame)
+            self._lines = self._from_charges(fields, charged, view) if len(charged) else self._even(fields, view)
+            self._known = charged, view
+        return self._lines
+
+    def _from_charges(self, fields: Fields, places: FloatArray, view: View) -> FloatArray:
+        """Lines that leave positive charges, and those of negative ones that do not come from these."""
+        charge = self._charge[self._charge != 0.0]
+        share = np.abs(charge) / np.abs(charge).max()
+        step = STEP * _reach(view)
+        found = []
+        for positive in (True, False):
+            chosen = np.flatnonzero((charge > 0.0) == positive)
+            numbers = np.maximum(1, np.round(self._style.lines * share[chosen])).astype(int)
+            seeds = [
+                places[at] + step * _around(number, places.shape[1]) for at, number in zip(chosen, numbers, strict=True)
+            ]
+            if not seeds:
+                continue
+            lines, ended = self._followed(fields, np.concatenate(seeds), 1.0 if positive else -1.0, places, view)
+            if not positive:
+                # Those that end at a positive charge have been drawn from there.
+                lines = lines[~np.isin(ended, np.flatnonzero(charge > 0.0))][:, ::-1]
+            found.append(lines)
+        return np.concatenate(found)
+
+    def _even(self, fields: Fields, view: View) -> FloatArray:
+        """Lines through an even pattern, each as far as it keeps away from those before."""
+        dimension, reach = self._scene.dimension, _reach(view)
+        side = int(np.ceil((4.0 * self._style.lines) ** (1.0 / dimension)))
+        seeds = np.indices((side,) * dimension).reshape(dimension, -1).T / (0.5 * (side - 1)) - 1.0
+        middle = view.axes.T @ view.center
+        seeds = middle + reach * seeds[np.argsort(np.abs(seeds).max(axis=1), kind="stable")]
+        none = np.empty((0, dimension))
+        ahead, _ = self._followed(fields, seeds, 1.0, none, view)
+        behind, _ = self._followed(fields, seeds, -1.0, none, view)
+        lines = np.concatenate([behind[:, :0:-1], ahead], axis=1)
+        apart = 2.0 * reach / (2.2 * self._style.lines ** (1.0 / (dimension - 1.0)))
+        return _spaced(lines, STEPS - 1, apart)
+
+    def _followed(
+        self, fields: Fields, seeds: FloatArray, sign: float, charges: FloatArray, view: View
+    ) -> tuple[FloatArray, np.ndarray]:
+        """The lines (L, STEPS, D) from seeds along or against the field, NaN past their ends, and the charges at which
+        they end, or −1.
+        """
+        middle, reach = view.axes.T @ view.center, _reach(view)
+        step, places = STEP * reach, seeds.copy()
+        lines, ended = np.full((len(seeds), STEPS, seeds.shape[1]), np.nan), np.full(len(seeds), -1)
+        alive = np.arange(len(seeds))
+        for index in range(STEPS):
+            lines[alive, index] = places[alive]
+            here = places[alive]
+            moved = here + step * sign * self._slope(fields, here, step * sign)
+            if len(charges):
+                apart = np.linalg.norm(moved[:, np.newaxis] - charges, axis=2)
+                nearest = apart.argmin(axis=1)
+                at_charge = (apart.min(axis=1) < CLOSE * step) & (index > 0)
+                ended[alive[at_charge]] = nearest[at_charge]
+            else:
+                at_charge = np.zeros(len(alive), dtype=bool)
+            goes_on = (
+                np.isfinite(moved).all(axis=1) & ~at_charge & (np.linalg.norm(moved - middle, axis=1) < BEYOND * reach)
+            )
+            places[alive] = moved
+            alive = alive[goes_on]
+            if len(alive) == 0:
+                break
+        return lines, ended
+
+    def _slope(self, fields: Fields, here: FloatArray, step: float) -> FloatArray:
+        """The mean direction over a step, by Runge and Kutta's method of order 4."""
+
+        def direction(points: FloatArray) -> FloatArray:
+            values = fields.at(self._style.field, points)
+            size = np.linalg.norm(values, axis=1)[:, np.newaxis]
+            with np.errstate(invalid="ignore", divide="ignore"):
+                return np.where(size > 0.0, values / size, np.nan)
+
+        a = direction(here)
+        b = direction(_finite(here + 0.5 * step * a, here))
+        c = direction(_finite(here + 0.5 * step * b, here))
+        d = direction(_finite(here + step * c, here))
+        slope: FloatArray = (a + 2.0 * b + 2.0 * c + d) / 6.0
+        return slope
+
+
+def _finite(points: FloatArray, otherwise: FloatArray) -> FloatArray:
+    """Points, where they are finite."""
+    return np.where(np.isfinite(points).all(axis=1)[:, np.newaxis], points, otherwise)
+
+
+def _reach(view: View) -> float:
+    """Half of the longer side of what is seen [m]."""
+    return max(view.middle) / view.scale
+
+
+def _around(number: int, dimension: int) -> FloatArray:
+    """Directions spread evenly over a circle, or a sphere."""
+    index = np.arange(number) + 0.5
+    if dimension == 2:
+        angle = 2.0 * np.pi * index / number
+        return np.column_stack([np.cos(angle), np.sin(angle)])
+    height = 1.0 - 2.0 * index / number
+    ring, angle = np.sqrt(1.0 - height**2), GOLDEN * index
+    return np.column_stack([ring * np.cos(angle), ring * np.sin(angle), height])
+
+
+def _spaced(lines: FloatArray, seed: int, apart: float) -> FloatArray:
+    """The lines (L, K, D) that keep a distance to those before, cut where they come nearer than half of it; `seed` is
+    the index of the points that they were followed from.
+    """
+    near: set[tuple[int, ...]] = set()
+    nearer: set[tuple[int, ...]] = set()
+    kept = []
+    for line in lines:
+        known = np.isfinite(line).all(axis=1)
+        cells = [np.floor(np.where(known[:, np.newaxis], scale * line / apart, 0.0)).astype(int) for scale in (1, 2)]
+        coarse, fine = ([tuple(cell) for cell in part.tolist()] for part in cells)
+        if coarse[seed] in near:
+            continue
+        free = known & np.array([cell not in nearer for cell in fine])
+        # From the seed to the first point on each side that is not free.
+        first = seed + 1 - int(np.argmin(np.append(free[: seed + 1][::-1], False)))
+        last = seed + int(np.argmin(np.append(free[seed:], False)))
+        if last - first < SHORTEST:
+            continue
+        near.update(coarse[first:last])
+        nearer.update(fine[first:last])
+        part = np.full_like(line, np.nan)
+        part[first:last] = line[first:last]
+        kept.append(part)
+    return np.array(kept).reshape(len(kept), *lines.shape[1:])
