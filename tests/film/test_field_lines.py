@@ -18,7 +18,7 @@ from physcore.film.styles.equipotentials import contours
 from physcore.film.styles.field_lines import FieldLinesPainter
 from physcore.simulation.sources import SourceFrame, sources
 
-COULOMB = 8.9875517862e9
+COULOMB = pc.Coulomb().constant
 
 
 def charges(*values: float, dimension: int = 2) -> pc.Particles:
@@ -58,9 +58,7 @@ def lines(scene: pc.Scene, **options: Any) -> np.ndarray:
     ids=["dipole", "two charges in space", "uniform", "loop", "function"],
 )
 def test_lines_follow_the_field(scene, field):
-    """A chord of a curve that bends by φ within a step is off its direction by φ²/24 of its length at most on average of
-    both ends; steps are a ninetieth of the view, and lines near charges bend by less than one half.
-    """
+    """A chord of a curve that bends by φ within a step is off its direction there by a part of φ²/24; steps are a ninetieth of the view, and lines near charges bend by less than one half."""
     found = lines(scene, field=field, lines=12)
     assert len(found) >= 6
     fields = Fields(scene, SourceFrame(0.0, {"positions": np.concatenate([body.positions for body in scene.bodies])}))
@@ -141,7 +139,7 @@ def test_points_that_have_no_field_are_refused(ask, message):
 
 def test_a_function_has_no_potential_to_show():
     scene = pc.Scene(charges(1.0), pc.ElectromagneticField(lambda t, x: -x, potential=lambda x: 0.0))
-    with pytest.raises(pc.SceneError, match="electric fields with a potential.*functions"):
+    with pytest.raises(pc.SceneError, match=r"electric fields with a potential.*functions"):
         pc.Simulation(scene, dt=1e-3).electric_potential([[0.0, 1.0]])
 
 
@@ -184,8 +182,8 @@ def test_they_are_drawn_below_what_moves(tmp_path: Path):
     """Lines and levels cover some of the picture, and the charges stay above them."""
     scene = pc.Scene(charges(1.0, -1.0), pc.Coulomb(softening=0.01))
     styles = [pc.styles.Equipotentials(levels=[-20.0, 0.0, 20.0]), pc.styles.FieldLines(), pc.styles.Points()]
-    pc.film(scene, tmp_path / "film.png", duration=0.1, fps=10, dt=0.1, style=styles, size=(320, 240), labels=False)
-    plain = pc.film(scene, tmp_path / "plain.png", duration=0.1, fps=10, dt=0.1, size=(320, 240), labels=False)
+    pc.film(scene, tmp_path / "film.png", duration=0.1, fps=10, dt=0.1, style=styles, size=(320, 240))
+    plain = pc.film(scene, tmp_path / "plain.png", duration=0.1, fps=10, dt=0.1, size=(320, 240))
     pictures = [np.asarray(Image.open(path).convert("RGB")).astype(int) for path in (tmp_path / "film.png", plain.path)]
     changed = (np.abs(pictures[0] - pictures[1]).max(axis=2) > 20).mean()
     assert 0.03 < changed < 0.5
