@@ -204,11 +204,11 @@ def test_the_plan_tells_the_error_and_the_interactions(tmp_path):
 
 
 def test_an_automatic_angle_has_the_error_that_is_wished():
-    """The largest below it: by steps of 5 % and more near the end, (1/0.95)^3.5 = 1.2, on a curve not smooth."""
+    """At least 0.8 of it where the curve has no jump; the exact sum where it is not worth a tree."""
     for wished in (1e-3, 1e-4):
         plan = simulation(stars(4000, opening_angle="auto", force_error=wished), pc.VelocityVerlet(), 0.01).plan
-        assert 0.3 * wished < plan.force_error <= wished
-        assert plan.pairs < 0.6 * 4000**2
+        assert 0.7 * wished < plan.force_error <= wished
+        assert plan.pairs < 0.7 * 4000**2
     few = simulation(stars(20, opening_angle="auto"), pc.VelocityVerlet(), 0.01).plan
     assert (few.force_error, few.pairs) == (0.0, 20**2)
     fine = simulation(stars(opening_angle="auto", force_error=1e-13), pc.VelocityVerlet(), 0.01).plan

@@ -10,8 +10,8 @@ use crate::math::{Real, Vector};
 use crate::matter::{Columns, View};
 use crate::scene::Value;
 
-/// The largest opening angle that is chosen: from there on it is the sphere about a cell's bodies that decides.
-const LARGEST: f64 = 1.154_700_538_379_251_5;
+/// The largest opening angle that is chosen: from there on the sphere about the bodies of small cells decides.
+const LARGEST: f64 = 2.0;
 
 /// The smallest opening angle that is chosen before the exact sum.
 const SMALLEST: f64 = 0.1;

@@ -1,11 +1,12 @@
 //! The tree of a sum over all pairs: a quadtree or octree of the sources, and its walk by groups of targets that follow each
 //! other in Hilbert order.
 //!
-//! A cell is taken whole, by its expansion about its center, if s < θ (M/m)^(1/15) d, with the side s of a cube about the center
-//! that contains its bodies, the distance d of the center from the bounding box of the group, and the share m/M of all charge
-//! that is the cell's; and if all of the bodies are nearer to the center than d. Else its parts are, down to bodies. The
-//! exponent balances errors: with one angle for all cells, those of large cells would dominate, although they are few. Cells
-//! are stored depth first, each with the number of cells in its subtree, so that a walk is one loop.
+//! A cell is taken whole, by its expansion about its center, if s < θ d, with the side s of a cube about the center that
+//! contains its bodies, and the distance d of the center from the bounding box of the group, and if all of the bodies are
+//! nearer to the center than d; else its parts are, down to bodies. For a cell with more charge m than an average leaf, m₀, θ
+//! is smaller by the factor (m₀/m)^(1/15), which balances errors: with one angle for all cells, those of the large ones would
+//! dominate, although they are few. Cells are stored depth first, each with the number of cells in its subtree, so that a
+//! walk is one loop.
 //!
 //! Sources: J. Barnes, P. Hut, Nature 324 (1986) 446; groups: J. E. Barnes, J. Comput. Phys. 87 (1990) 161; the bound by the
 //! bodies: J. K. Salmon, M. S. Warren, J. Comput. Phys. 111 (1994) 136; angles that depend on the mass, θ⁵ ∝ m^(−1/3): W. Dehnen,
@@ -32,7 +33,7 @@ const BRANCH: usize = 4096;
 /// Groups of targets per block of work.
 const GROUPS: usize = 8;
 
-/// The exponent of a cell's share of all charge in its opening angle.
+/// The exponent of a cell's charge in its opening angle.
 const EXPONENT: f64 = -1.0 / 15.0;
 
 /// The factor by which rounding can make a radius too small, and more.
@@ -261,8 +262,8 @@ impl<T: Real> Builder<'_, T> {
     ) {
         let count = cells.cells.len() - place;
         let cell = &mut cells.cells[place];
-        let angle = self.angle * libm::pow(expansion.weight / self.weight, EXPONENT);
-        // Without any charge the angle is not a number, and only the sphere counts.
+        let share = expansion.weight / self.weight * (self.bodies.len() as f64 / LEAF as f64);
+        let angle = self.angle * libm::pow(share, EXPONENT).min(1.0);
         let reach = (2.0 * expansion.half_side / angle).max(expansion.radius) * ROUNDING;
         *cell = Cell { center: expansion.center, reach: reach * reach, bodies: cell.bodies.clone(), cells: count as u32 };
         cells.words[place] = expansion.moments.words();
