@@ -237,6 +237,26 @@ def test_bodies_anywhere_are_summed(dimension, angle):
             assert rms(tree - exact) <= 1e-2 * rms(exact)
 
 
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_stars_far_from_a_cluster_do_not_coarsen_its_tree(dimension):
+    """By keys of 2²¹ or 2³¹ cells along the whole scene the cluster would be one leaf, and all of its pairs be summed."""
+    cluster = cloud(2000, dimension)
+    far = np.array([1e8, 1e10])[:, None] * np.eye(dimension)[0]
+    law = pc.Gravitation(1.0, SOFTENING, 0.8)
+    alone, beside = (
+        simulation(pc.Scene(pc.Particles(places), law), pc.VelocityVerlet(), 1.0).plan.pairs
+        for places in (cluster, np.vstack([cluster, far]))
+    )
+    # Each star is a leaf beside the cluster, whose average leaf has by its charge 0.1 % more; each sees a few cells.
+    assert beside == pytest.approx(alone + 2 * 2000, rel=0.02)
+
+
+def test_the_plan_counts_the_memory_of_the_tree():
+    """Of each star at least its key, its record, its sums and its place, of 16, 64, 48 and 4 bytes."""
+    exact, tree = (simulation(stars(2000, opening_angle=angle), pc.VelocityVerlet(), 1.0).plan for angle in (0.0, 0.7))
+    assert 2000 * 132 < tree.memory - exact.memory < 2000 * 200
+
+
 def test_coincident_particles_are_named_where_there_is_no_softening():
     places = np.concatenate([cloud(70, 2), [[0.3, 0.4]], [[0.3, 0.4]]])
     scene = pc.Scene(pc.Particles(places), pc.Gravitation(1.0, opening_angle=1.0))
