@@ -18,9 +18,10 @@ const BLOCK: usize = 4096;
 impl<V: Vector> AllPairs<V> {
     /// The sums of [`Attraction`] for the targets of a group.
     pub(super) fn attraction<T: Real>(&self, group: &Group, at: &StateView<'_, V>, executor: &Executor) -> Sums<SUMS> {
+        let per_unit = 1.0 / self.units[0];
         let words = |index: usize| {
             let [x, y, z] = if group.mutual { [0.0; AXES] } else { at.velocity.get(index).widen().to_array() };
-            [self.charge[index] / self.units[0], x, y, z]
+            [self.charge[index] * per_unit, x, y, z]
         };
         let square = T::from_f64(self.softening_squared());
         let (moving, polar) = (MovingCellAttraction(square), CellAttraction::<T, true>(square));
@@ -75,7 +76,9 @@ impl<V: Vector> AllPairs<V> {
         at: &StateView<'_, V>,
         executor: &Executor,
     ) -> Sums<SUMS> {
-        let place = |index: usize| (at.position.get(index).widen() / self.length).to_array().map(T::from_f64);
+        // The unit is a power of two: its inverse is exact.
+        let per_length = 1.0 / self.length;
+        let place = |index: usize| (at.position.get(index).widen() * per_length).to_array().map(T::from_f64);
         let source = |source: usize| {
             let (mut record, index) = ([T::ZERO; WORDS], group.sources[source]);
             record[..AXES].copy_from_slice(&place(index));
