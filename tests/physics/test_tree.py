@@ -239,7 +239,7 @@ def test_bodies_anywhere_are_summed(dimension, angle):
 
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_stars_far_from_a_cluster_do_not_coarsen_its_tree(dimension):
-    """By keys of 2²¹ or 2³¹ cells along the whole scene the cluster would be one leaf, and all of its pairs be summed."""
+    """By keys of 2²¹ or 2³¹ cells along the whole scene the cluster would be one leaf, and all of its pairs summed."""
     cluster = cloud(2000, dimension)
     far = np.array([1e8, 1e10])[:, None] * np.eye(dimension)[0]
     law = pc.Gravitation(1.0, SOFTENING, 0.8)

@@ -38,8 +38,8 @@ class Coulomb(Force):
     Args:
         constant: k = 1/(4π ε₀) [N·m²/C²], at least zero.
         softening: [m], at least zero.
-        opening_angle: θ, at least zero; 0.0 is the exact sum, "auto" one up to 2 whose error is below `force_error`, but
-            not far, or the exact sum where that needs fewer terms.
+        opening_angle: θ, at least zero; 0.0 is the exact sum, "auto" one up to 2 whose error is at most `force_error`
+            and near it, or the exact sum where that needs fewer terms.
         force_error: the wished rms error of the accelerations over their rms, for "auto"; above zero.
         on: the body or bodies that feel it; all by default.
         sources: the body or bodies whose charges act; all by default.

@@ -40,8 +40,8 @@ class Gravitation(Force):
     Args:
         constant: G [m³/(kg·s²)], at least zero.
         softening: ε [m], at least zero (Plummer 1911).
-        opening_angle: θ, at least zero; 0.0 is the exact sum, "auto" one up to 2 whose error is below `force_error`, but
-            not far, or the exact sum where that needs fewer terms.
+        opening_angle: θ, at least zero; 0.0 is the exact sum, "auto" one up to 2 whose error is at most `force_error`
+            and near it, or the exact sum where that needs fewer terms.
         force_error: the wished rms error of the accelerations over their rms, for "auto"; above zero.
         on: the body or bodies that feel it; all by default.
         sources: the body or bodies that attract; all by default.
