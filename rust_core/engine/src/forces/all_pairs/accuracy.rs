@@ -124,9 +124,9 @@ fn widest(wished: f64, all_pairs: usize, first: Trial, trial: &mut impl FnMut(f6
             return None;
         }
         if last.error > wished {
-            wide = Some(last)
+            wide = Some(last);
         } else {
-            fine = Some(last)
+            fine = Some(last);
         }
         let angle = match (wide, fine) {
             // Not too far at once: the error's order is only about this.
