@@ -48,7 +48,7 @@ class Coulomb(Force):
         SceneError: a value is out of range or not finite; when the simulation is made, the scene has a Periodic domain;
             when it runs, two particles coincide and there is no softening.
 
-    Source: k by CODATA 2018; the softening as that of Gravitation.
+    Source: k by CODATA 2018; the softening and the tree as those of Gravitation.
     """
 
     feels_charges: ClassVar[bool] = True

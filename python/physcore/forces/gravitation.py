@@ -50,7 +50,8 @@ class Gravitation(Force):
         SceneError: a value is out of range or not finite; when the simulation is made, the scene has a Periodic domain;
             when it runs, two particles coincide and there is no softening.
 
-    Source: G by CODATA 2018; H. C. Plummer, Mon. Not. R. Astron. Soc. 71, 460 (1911).
+    Source: G by CODATA 2018; H. C. Plummer, Mon. Not. R. Astron. Soc. 71, 460 (1911); J. Barnes and P. Hut, Nature 324,
+        446 (1986); W. Dehnen, J. Comput. Phys. 179, 27 (2002).
     """
 
     constant: float = gravitational_constant
