@@ -1,5 +1,5 @@
-"""Gravitation by the exact sum over all pairs beside NumPy and Numba, and by a tree beside pytreegrav:
-`python benches/gravitation.py`.
+"""Gravitation by the exact sum over all pairs beside NumPy and Numba, and by a tree beside those of pytreegrav and
+REBOUND: `python benches/gravitation.py`.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ import numpy as np
 from measure import Contender, fastest, race, rate, speedup, table
 from rivals.gravitation import Cluster, NumpyCluster, numba_cluster
 from rivals.jit import with_threads
-from rivals.trees import accelerations, widest_angle
+from rivals.trees import accelerations, rebound_accelerations, rebound_run, widest_angle
 
 import physcore as pc
 from physcore.numerics.choices import Precision
@@ -21,6 +21,8 @@ COUNT = 10_240
 STEP = 1e-4
 SOFTENING = 0.01
 STARS = {"10⁵": 100_000, "10⁶": 1_000_000}
+SLOW = 200_000
+"""Number of stars from which on REBOUND is left out: a step of 10⁶ takes it a quarter of a minute."""
 FORCE_ERROR = 2e-3
 """Rms error of the accelerations over their rms that trees may make."""
 DTYPES: dict[Precision, type[np.floating[Any]]] = {"f64": np.float64, "f32": np.float32}
@@ -90,7 +92,7 @@ def compare_trees(name: str) -> dict[str, float]:
     scene = pc.Scene(stars, pc.Gravitation(1.0, SOFTENING, "auto", force_error=FORCE_ERROR))
     # Copies, because Numba's classes take no arrays that cannot be written to.
     positions, mass = stars.positions.copy(), np.full(count, 1.0 / count)
-    angle = widest_angle(positions, mass, FORCE_ERROR)
+    angle = widest_angle(accelerations, positions, mass, FORCE_ERROR)
 
     def theirs(steps: int) -> None:
         for _ in range(steps):
@@ -102,10 +104,16 @@ def compare_trees(name: str) -> dict[str, float]:
         for precision in precisions
     }
     contenders = [Contender(f"physcore, {precision}", run.step, 2) for precision, run in ours.items()]
-    race([*contenders, rival := Contender("pytreegrav, f64", with_threads(2, theirs), 2)], repetitions=3)
-    table(f"gravitation by a tree, {name} stars, rms error {FORCE_ERROR:g}", "stars", count, [*contenders, rival])
+    contenders.append(Contender("pytreegrav, f64", with_threads(2, theirs), 2))
+    if count < SLOW:
+        alone = pc.Simulation(scene, pc.VelocityVerlet(), dt=STEP, threads=1)
+        angle_of_rebound = widest_angle(rebound_accelerations, positions, mass, FORCE_ERROR)
+        rebound = rebound_run(positions, mass, angle_of_rebound, STEP)
+        contenders += [Contender("physcore, f64", alone.step), Contender("REBOUND, f64", rebound.steps)]
+    race(contenders, repetitions=3)
+    table(f"gravitation by a tree, {name} stars, rms error {FORCE_ERROR:g}", "stars", count, contenders)
     return {
-        f"tree {precision}, {name} stars": median(one.wall) for precision, one in zip(ours, contenders, strict=True)
+        f"tree {precision}, {name} stars": median(one.wall) for precision, one in zip(ours, contenders, strict=False)
     }
 
 

@@ -58,7 +58,9 @@ def lines(scene: pc.Scene, **options: Any) -> np.ndarray:
     ids=["dipole", "two charges in space", "uniform", "loop", "function"],
 )
 def test_lines_follow_the_field(scene, field):
-    """A chord of a curve that bends by φ within a step is off its direction there by a part of φ²/24; steps are a ninetieth of the view, and lines near charges bend by less than one half."""
+    """A chord of a curve that bends by φ within a step is off its direction there by a part of φ²/24; steps are a
+    ninetieth of the view, and lines near charges bend by less than one half.
+    """
     found = lines(scene, field=field, lines=12)
     assert len(found) >= 6
     fields = Fields(scene, SourceFrame(0.0, {"positions": np.concatenate([body.positions for body in scene.bodies])}))

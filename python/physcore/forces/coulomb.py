@@ -25,8 +25,10 @@ class Coulomb(Force):
 
     With an `opening_angle` θ above zero the sum is that of a tree (Barnes and Hut 1986), whose cost grows like N log N:
     a cell whose particles are within a cube of side s about their center, at the distance d, is taken whole where
-    s < θ d, by its expansion to quadrupoles. The error grows about like θ^3.5; plan.force_error is that of the scene as
-    it starts, and momentum is kept to it. The cells change from step to step, so that energy wanders by that error too.
+    s < θ d, by its expansion to quadrupoles. That is θ of small cells; of a cell with n times the charge of 32 average
+    particles it is θ n^(−1/15), which balances the errors of cells (Dehnen 2002). The error grows about like θ^3.5;
+    plan.force_error is that of the scene as it starts, and momentum is kept to it. The cells change from step to step,
+    so that energy wanders by that error too.
 
     A charge among `sources` that is not among `on` acts and feels nothing, as if it were held on its path: the work
     of that counts as external work.
@@ -36,8 +38,8 @@ class Coulomb(Force):
     Args:
         constant: k = 1/(4π ε₀) [N·m²/C²], at least zero.
         softening: [m], at least zero.
-        opening_angle: θ, at least zero; 0.0 is the exact sum, "auto" the largest θ up to 2/√3 whose error stays below
-            `force_error`, or the exact sum where that needs fewer terms.
+        opening_angle: θ, at least zero; 0.0 is the exact sum, "auto" one up to 2 whose error is at most `force_error`
+            and near it, or the exact sum where that needs fewer terms.
         force_error: the wished rms error of the accelerations over their rms, for "auto"; above zero.
         on: the body or bodies that feel it; all by default.
         sources: the body or bodies whose charges act; all by default.
@@ -46,7 +48,7 @@ class Coulomb(Force):
         SceneError: a value is out of range or not finite; when the simulation is made, the scene has a Periodic domain;
             when it runs, two particles coincide and there is no softening.
 
-    Source: k by CODATA 2018; the softening as that of Gravitation.
+    Source: k by CODATA 2018; the softening and the tree as those of Gravitation.
     """
 
     feels_charges: ClassVar[bool] = True

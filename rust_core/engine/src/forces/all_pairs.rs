@@ -68,6 +68,10 @@ struct AllPairs<V: Vector> {
     force_error: f64,
     /// Interactions of targets with cells and bodies at the start.
     pairs: usize,
+    /// Memory of an evaluation by the tree at the start [bytes].
+    evaluation: usize,
+    /// Whether there are charges of both signs.
+    polar: bool,
     /// Unit of length, a power of two [m].
     length: f64,
     /// Units of the charges and of charges per mass, powers of two.
@@ -144,10 +148,12 @@ impl<V: Vector> AllPairs<V> {
             groups: groups(chosen, &sources(declared)?),
             length: unit(offsets.chain([softening])),
             units: [unit(charge.iter().copied()), unit(per_mass)],
+            polar: charge.iter().any(|&charge| charge > 0.0) && charge.iter().any(|&charge| charge < 0.0),
             charge,
             angle: 0.0,
             force_error: 0.0,
             pairs: 0,
+            evaluation: 0,
             force: vec![V::default(); properties.count()],
             work: vec![0.0; properties.count()],
         };
@@ -162,11 +168,12 @@ impl<V: Vector> AllPairs<V> {
 
     /// Calls `each` with every target of a group and its energy, the sum of cᵢcⱼ/s without itself, in units of [`AllPairs::energy_unit`].
     fn energies(&self, group: &Group, at: &StateView<'_, V>, mut each: impl FnMut(usize, f64)) {
-        for (&index, sums) in group.targets.iter().zip(self.attraction::<f64>(group, at, at.executor).0) {
+        let sums = self.attraction::<f64>(group, at, at.executor);
+        for (target, &index) in group.targets.iter().enumerate() {
             let charge = self.charge[index] / self.units[0];
             // With softening each particle of a mutual group is summed with itself.
             let itself = if group.mutual && self.softening > 0.0 { charge * (self.length / self.softening) } else { 0.0 };
-            each(index, charge * (sums[POTENTIAL] - itself));
+            each(index, charge * (sums[target][POTENTIAL] - itself));
         }
     }
 
@@ -210,7 +217,7 @@ impl<V: Vector> Force<V> for AllPairs<V> {
         About {
             pairs: self.pairs,
             force_error: self.force_error,
-            bytes: size_of_val(self.force.as_slice()) + 8 * (self.charge.len() + self.work.len() + indices),
+            bytes: size_of_val(self.force.as_slice()) + 8 * (self.charge.len() + self.work.len() + indices) + self.evaluation,
             layout,
             ..About::new(self.name, Reach::Far)
         }
@@ -219,11 +226,12 @@ impl<V: Vector> Force<V> for AllPairs<V> {
     fn prepare(&mut self, at: &StateView<'_, V>, executor: &Executor) -> Result<()> {
         let mut found = Vec::with_capacity(self.groups.len());
         for group in &self.groups {
-            let (sums, _) = self.attraction::<V::Scalar>(group, at, executor);
+            let sums = self.attraction::<V::Scalar>(group, at, executor);
             executor.check()?;
             // A particle coincides with itself.
             let expected = if group.mutual { 1.0 } else { 0.0 };
-            if let Some(target) = sums.iter().position(|sums| self.softening == 0.0 && sums[COINCIDENT] > expected) {
+            let coincides = |&target: &usize| sums[target][COINCIDENT] > expected;
+            if let Some(target) = (0..group.targets.len()).find(|target| self.softening == 0.0 && coincides(target)) {
                 return Err(self.coincidence(group, target, at));
             }
             found.push((group, sums));
@@ -236,7 +244,8 @@ impl<V: Vector> Force<V> for AllPairs<V> {
             work.items.fill(0.0);
             for (group, sums) in &found {
                 let [first, last] = [start, end].map(|index| group.targets.partition_point(|&target| target < index));
-                for (&index, sums) in group.targets[first..last].iter().zip(&sums[first..]) {
+                for target in first..last {
+                    let (index, sums) = (group.targets[target], &sums[target]);
                     sum[index - start] += scale(index) * field(sums);
                     work.items[index - start] += scale(index) * sums[WORK];
                 }

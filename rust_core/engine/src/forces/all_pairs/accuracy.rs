@@ -10,8 +10,8 @@ use crate::math::{Real, Vector};
 use crate::matter::{Columns, View};
 use crate::scene::Value;
 
-/// The largest opening angle that is chosen: from there on it is the sphere about a cell's bodies that decides.
-const LARGEST: f64 = 1.154_700_538_379_251_5;
+/// The largest opening angle that is chosen: from there on the sphere about the bodies of small cells decides.
+const LARGEST: f64 = 2.0;
 
 /// The smallest opening angle that is chosen before the exact sum.
 const SMALLEST: f64 = 0.1;
@@ -22,9 +22,24 @@ const ORDER: f64 = 3.5;
 /// Maximum number of bodies on which the error is measured.
 const SAMPLE: usize = 1000;
 
+/// The share of the wished error from which on an angle is not widened further.
+const CLOSE: f64 = 0.8;
+
+/// Number of trials from which on the widest angle so far is taken.
+const TRIALS: usize = 10;
+
+/// An evaluation by the tree.
+#[derive(Debug, Clone, Copy)]
+struct Trial {
+    angle: f64,
+    error: f64,
+    pairs: usize,
+    bytes: usize,
+}
+
 impl<V: Vector> AllPairs<V> {
-    /// Takes the opening angle of the item, or for "auto" the largest whose error stays below the wished one if that needs fewer
-    /// interactions than the exact sum; and measures both in the scene as it starts.
+    /// Takes the opening angle of the item, or for "auto" one whose error is below the wished one, but not far, if that needs
+    /// fewer interactions than the exact sum; and measures both in the scene as it starts.
     pub(super) fn choose_angle(&mut self, declared: &Declared<'_, V>) -> Result<()> {
         let Declared { scene, item, properties, executor, .. } = declared;
         let wished = match item.values.get("opening_angle") {
@@ -42,20 +57,22 @@ impl<V: Vector> AllPairs<V> {
         let (position, velocity) = (position.view(), velocity.view());
         let at = StateView { position, velocity, residual: View::default(), properties, time: 0.0, executor };
         let sample = self.sample(&at);
-        let (exact, _) = self.accelerations::<f64>(&sample, &self.of_sample(&sample), &at);
+        let exact = self.accelerations::<f64>(&sample, &self.of_sample(&sample), &at).0;
         let all_pairs = self.pairs;
-        self.angle = angle;
-        loop {
-            let (found, pairs) = self.accelerations::<V::Scalar>(&sample, &self.groups, &at);
-            executor.check()?;
-            (self.force_error, self.pairs) = (relative_error(&found, &exact), pairs);
-            let Some(wished) = wished.filter(|&wished| pairs >= all_pairs || self.force_error > wished) else { break };
-            // Not too far at once: the error's order is only about this.
-            self.angle *= libm::pow(wished / self.force_error, 1.0 / ORDER).clamp(0.5, 0.95);
-            if pairs >= all_pairs || self.angle < SMALLEST {
-                (self.angle, self.force_error, self.pairs) = (0.0, 0.0, all_pairs);
-                break;
-            }
+        let mut trial = |angle: f64| {
+            self.angle = angle;
+            let (found, pairs, bytes) = self.accelerations::<V::Scalar>(&sample, &self.groups, &at);
+            Trial { angle, error: relative_error(&found, &exact), pairs, bytes }
+        };
+        let first = trial(angle);
+        let chosen = match wished {
+            Some(wished) => widest(wished, all_pairs, first, &mut trial),
+            None => Some(first),
+        };
+        executor.check()?;
+        self.angle = 0.0;
+        if let Some(Trial { angle, error, pairs, bytes }) = chosen {
+            (self.angle, self.force_error, self.pairs, self.evaluation) = (angle, error, pairs, bytes);
         }
         Ok(())
     }
@@ -80,12 +97,13 @@ impl<V: Vector> AllPairs<V> {
         self.groups.iter().map(reduced).collect()
     }
 
-    /// The accelerations of a sample by some groups, in units of this force, and the number of interactions of all.
-    fn accelerations<T: Real>(&self, sample: &[usize], groups: &[Group], at: &StateView<'_, V>) -> (Vec<DVec3>, usize) {
-        let (mut accelerations, mut pairs) = (vec![DVec3::ZERO; sample.len()], 0);
+    /// The accelerations of a sample by some groups, in units of this force; the number of interactions of all, and the memory
+    /// of the evaluation [bytes].
+    fn accelerations<T: Real>(&self, sample: &[usize], groups: &[Group], at: &StateView<'_, V>) -> (Vec<DVec3>, usize, usize) {
+        let (mut accelerations, mut pairs, mut bytes) = (vec![DVec3::ZERO; sample.len()], 0, 0);
         for group in groups {
-            let (sums, interactions) = self.attraction::<T>(group, at, at.executor);
-            pairs += interactions;
+            let sums = self.attraction::<T>(group, at, at.executor);
+            (pairs, bytes) = (pairs + sums.interactions, bytes + sums.bytes);
             for (sum, index) in accelerations.iter_mut().zip(sample) {
                 if let Ok(target) = group.targets.binary_search(index) {
                     let per_mass = self.charge[*index] / self.units[0] / at.properties.mass[*index];
@@ -93,8 +111,36 @@ impl<V: Vector> AllPairs<V> {
                 }
             }
         }
-        (accelerations, pairs)
+        (accelerations, pairs, bytes)
     }
+}
+
+/// A trial of an angle whose error is at most the wished one, and near it if there is one; none if such trees need more
+/// interactions than all pairs. The error is interpolated as a power of the angle, between the nearest ones on both sides.
+fn widest(wished: f64, all_pairs: usize, first: Trial, trial: &mut impl FnMut(f64) -> Trial) -> Option<Trial> {
+    let (mut last, mut wide, mut fine) = (first, None::<Trial>, None::<Trial>);
+    for trials in 1.. {
+        if last.pairs >= all_pairs || last.angle < SMALLEST {
+            return None;
+        }
+        if last.error > wished {
+            wide = Some(last);
+        } else {
+            fine = Some(last);
+        }
+        let angle = match (wide, fine) {
+            // Not too far at once: the error's order is only about this.
+            (Some(wide), None) => wide.angle * libm::pow(wished / wide.error, 1.0 / ORDER).clamp(0.5, 0.95),
+            (Some(wide), Some(fine)) if trials < TRIALS && fine.error > 0.0 && fine.error < CLOSE * wished => {
+                let log = |one: f64, other: f64| libm::log(one / other);
+                let share = log(CLOSE.sqrt() * wished, fine.error) / log(wide.error, fine.error);
+                fine.angle * libm::pow(wide.angle / fine.angle, share)
+            }
+            _ => break,
+        };
+        last = trial(angle);
+    }
+    fine
 }
 
 /// The rms difference over the rms of the exact vectors; 0 if these are 0.

@@ -4,34 +4,36 @@ use glam::DVec3;
 
 use super::expansion::{CellAttraction, CellLaw, MovingCellAttraction};
 use super::laws::{Attraction, SUMS, Tide};
-use super::sums::{self, SourceLaw};
-use super::tree::{Targets, Tree};
+use super::sums::{self, SourceLaw, Sums};
+use super::tree::Tree;
 use super::{AllPairs, Group};
 use crate::forces::StateView;
 use crate::math::{AXES, Real, Vector};
 use crate::parallel::{BlockedSlice, Executor};
-use crate::simd::{Record, WORDS};
+use crate::simd::WORDS;
 
 /// Particles per block of work.
 const BLOCK: usize = 4096;
 
-/// The sums for each target of a group, and the number of interactions that they consist of.
-type Sums<const SUMS: usize> = (Vec<[f64; SUMS]>, usize);
-
 impl<V: Vector> AllPairs<V> {
     /// The sums of [`Attraction`] for the targets of a group.
     pub(super) fn attraction<T: Real>(&self, group: &Group, at: &StateView<'_, V>, executor: &Executor) -> Sums<SUMS> {
+        let per_unit = 1.0 / self.units[0];
         let words = |index: usize| {
-            let [x, y, z] = at.velocity.get(index).widen().to_array();
-            [self.charge[index] / self.units[0], x, y, z]
+            let [x, y, z] = if group.mutual { [0.0; AXES] } else { at.velocity.get(index).widen().to_array() };
+            [self.charge[index] * per_unit, x, y, z]
         };
         let square = T::from_f64(self.softening_squared());
-        let (still, moving) = (CellAttraction(square), MovingCellAttraction(square));
-        match (square > T::ZERO, group.mutual) {
-            (true, true) => self.sums(Attraction::<T, true, false>(square), still, group, words, at, executor),
-            (false, true) => self.sums(Attraction::<T, false, false>(square), still, group, words, at, executor),
-            (true, false) => self.sums(Attraction::<T, true, true>(square), moving, group, words, at, executor),
-            (false, false) => self.sums(Attraction::<T, false, true>(square), moving, group, words, at, executor),
+        let (moving, polar) = (MovingCellAttraction(square), CellAttraction::<T, true>(square));
+        let monopolar = CellAttraction::<T, false>(square);
+        let (soft, hard) = (Attraction::<T, true, false>(square), Attraction::<T, false, false>(square));
+        match (square > T::ZERO, group.mutual, self.polar) {
+            (true, true, false) => self.sums(soft, monopolar, group, words, at, executor),
+            (true, true, true) => self.sums(soft, polar, group, words, at, executor),
+            (false, true, false) => self.sums(hard, monopolar, group, words, at, executor),
+            (false, true, true) => self.sums(hard, polar, group, words, at, executor),
+            (true, false, _) => self.sums(Attraction::<T, true, true>(square), moving, group, words, at, executor),
+            (false, false, _) => self.sums(Attraction::<T, false, true>(square), moving, group, words, at, executor),
         }
     }
 
@@ -47,9 +49,10 @@ impl<V: Vector> AllPairs<V> {
                 let charge = self.charge[index].abs();
                 [charge / charges, if group.mutual { charge / mass[index] / ratios } else { 0.0 }]
             };
-            let (sums, _) = self.sums(law, law, group, words, at, at.executor);
-            let mobile = group.targets.iter().zip(sums).filter(|&(&index, _)| !at.properties.is_fixed(index));
-            largest = mobile.fold(largest, |largest, (&index, [by_charge, by_ratio])| {
+            let sums = self.sums(law, law, group, words, at, at.executor);
+            let mobile = group.targets.iter().enumerate().filter(|&(_, &index)| !at.properties.is_fixed(index));
+            largest = mobile.fold(largest, |largest, (target, &index)| {
+                let [by_charge, by_ratio] = sums[target];
                 let charge = self.charge[index].abs();
                 largest.max(charge / mass[index] * charges * by_charge + charge * ratios * by_ratio)
             });
@@ -73,29 +76,34 @@ impl<V: Vector> AllPairs<V> {
         at: &StateView<'_, V>,
         executor: &Executor,
     ) -> Sums<SUMS> {
-        let place = |index: usize| (at.position.get(index).widen() / self.length).to_array().map(T::from_f64);
-        let sources: Vec<Record<T>> = each(&group.sources, executor, |index| {
-            let mut record = [T::ZERO; WORDS];
+        // The unit is a power of two: its inverse is exact.
+        let per_length = 1.0 / self.length;
+        let place = |index: usize| (at.position.get(index).widen() * per_length).to_array().map(T::from_f64);
+        let source = |source: usize| {
+            let (mut record, index) = ([T::ZERO; WORDS], group.sources[source]);
             record[..AXES].copy_from_slice(&place(index));
             record[AXES..AXES + WITH].copy_from_slice(&words(index).map(T::from_f64));
             record
-        });
-        let targets = || each(&group.targets, executor, place);
+        };
+        let target = |target: usize| place(group.targets[target]);
+        let (targets, sources) = (group.targets.len(), group.sources.len());
         if self.angle == 0.0 {
-            let sums = sums::sum(V::DIMENSION, near, &targets(), &sources, executor);
-            return (sums, group.targets.len() * group.sources.len());
+            return sums::sum(V::DIMENSION, near, &each(targets, executor, target), &each(sources, executor, source), executor);
         }
-        let tree = Tree::new(far, &sources, V::DIMENSION, self.angle, executor);
-        let targets = if group.mutual { tree.targets() } else { Targets::new(&targets(), V::DIMENSION, executor) };
-        tree.sums(near, far, &targets, V::DIMENSION, executor)
+        let tree = Tree::new(far, sources, &source, V::DIMENSION, self.angle, executor);
+        if group.mutual {
+            tree.mutual_sums(near, far, V::DIMENSION, executor)
+        } else {
+            tree.sums_at(near, far, targets, &target, V::DIMENSION, executor)
+        }
     }
 }
 
-/// A value for each of some particles.
-fn each<R: Copy + Default + Send>(particles: &[usize], executor: &Executor, of: impl Fn(usize) -> R + Sync) -> Vec<R> {
-    let mut values = vec![R::default(); particles.len()];
+/// `count` values.
+fn each<R: Copy + Default + Send>(count: usize, executor: &Executor, of: impl Fn(usize) -> R + Sync) -> Vec<R> {
+    let mut values = vec![R::default(); count];
     executor.for_each_block(BlockedSlice::new(&mut values, BLOCK), &|mine| {
-        mine.items.iter_mut().zip(&particles[mine.start..]).for_each(|(value, &index)| *value = of(index));
+        mine.items.iter_mut().zip(mine.start..).for_each(|(value, index)| *value = of(index));
     });
     values
 }

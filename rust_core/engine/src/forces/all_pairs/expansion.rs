@@ -30,8 +30,8 @@ pub trait Moments<T, const CELL: usize>: Clone + Default + Send {
 pub struct Expansion<M> {
     /// The mean position, weighted by |c|.
     pub center: DVec3,
-    /// Σ |c|.
-    weight: f64,
+    /// The sum of the magnitudes Σ |c|.
+    pub weight: f64,
     /// Half the side of a cube about the center that contains all bodies.
     pub half_side: f64,
     /// The radius of a sphere that does.
@@ -185,15 +185,15 @@ fn dot<N: Number>(one: [N; AXES], other: [N; AXES]) -> N {
 }
 
 /// The attraction to cells: the potential Q u − P·d u³ + ½ (3 dᵀS d u⁵ − tr S u³) with u = 1/s, and minus its gradient, with the
-/// square of the softening.
+/// square of the softening. `POLAR` unless all charges are of one sign: P is 0 about the center of such charges.
 #[derive(Debug, Clone, Copy)]
-pub struct CellAttraction<T>(pub T);
+pub struct CellAttraction<T, const POLAR: bool>(pub T);
 
-impl<T: Real> CellLaw<T, MULTIPOLE, SUMS> for CellAttraction<T> {
+impl<T: Real, const POLAR: bool> CellLaw<T, MULTIPOLE, SUMS> for CellAttraction<T, POLAR> {
     type Moments = Multipole;
 }
 
-impl<T: Real> SourceLaw<T, MULTIPOLE, SUMS> for CellAttraction<T> {
+impl<T: Real, const POLAR: bool> SourceLaw<T, MULTIPOLE, SUMS> for CellAttraction<T, POLAR> {
     const TERMS: usize = POTENTIAL + 1;
 
     #[inline(always)]
@@ -202,17 +202,26 @@ impl<T: Real> SourceLaw<T, MULTIPOLE, SUMS> for CellAttraction<T> {
         let (charge, dipole, trace) = (cell[3], [cell[4], cell[5], cell[6]], cell[13]);
         // What does not need 1/s is computed while its root and quotient are.
         let second = product(&cell[7..13], offset);
-        let (along, quadratic) = (dot(dipole, offset), dot(second, offset));
+        let quadratic = dot(second, offset);
         let (u, u2) = inverse(square + N::of(self.0));
-        let along = along * u2;
-        let difference = quadratic * u2 - trace;
-        let radial = charge - constant(3.0) * along + u2 * (constant(5.0) * difference + (trace + trace));
-        let (twice, cube) = (u2 + u2, u * u2);
+        let quadratic = quadratic * u2;
+        let mut radial = charge + u2 * (constant(5.0) * quadratic - constant(3.0) * trace);
+        let mut potential = charge + u2 * (quadratic - trace);
+        if POLAR {
+            let along = dot(dipole, offset) * u2;
+            radial = radial - constant(3.0) * along;
+            potential = potential - along;
+        }
+        let cube = u * u2;
+        let (radial, tangential) = (cube * radial, cube * (u2 + u2));
         let mut terms = [constant(0.0); SUMS];
         for axis in 0..AXES {
-            terms[axis] = cube * (radial * offset[axis] - twice * second[axis] + dipole[axis]);
+            terms[axis] = radial * offset[axis] - tangential * second[axis];
+            if POLAR {
+                terms[axis] += cube * dipole[axis];
+            }
         }
-        terms[POTENTIAL] = u * (charge - along + u2 * difference);
+        terms[POTENTIAL] = u * potential;
         terms
     }
 }
@@ -238,7 +247,7 @@ impl<T: Real> SourceLaw<T, MOVING, SUMS> for MovingCellAttraction<T> {
     #[inline(always)]
     fn terms<N: Number<Scalar = T>>(&self, offset: [N; AXES], square: N, cell: &[N; MOVING]) -> [N; SUMS] {
         let still = std::array::from_fn(|word| cell[word]);
-        let mut terms = CellAttraction(self.0).terms(offset, square, &still);
+        let mut terms = CellAttraction::<T, true>(self.0).terms(offset, square, &still);
         let (current, trace) = ([cell[14], cell[15], cell[16]], cell[23]);
         let flow = dot(product(&cell[17..23], offset), offset);
         let (u, u2) = inverse(square + N::of(self.0));

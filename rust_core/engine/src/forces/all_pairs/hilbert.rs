@@ -14,12 +14,18 @@ use crate::simd::{Kernel, LANES, Lanes, dispatch};
 /// Points per block of work: whole groups of lanes.
 const BLOCK: usize = 4096;
 
+/// Most points of one key that are not told apart by keys of their own.
+const CROWD: usize = 32;
+
 /// Some points in Hilbert order.
 #[derive(Debug)]
 pub struct HilbertOrder {
-    /// The key of each point and its index, ascending.
+    /// The key of each point and its index, ascending by key.
     pub keys: Vec<(u64, u32)>,
     dimension: u32,
+    /// Crowds of points of one key, as of a cluster beside a point far away: the first place of each in this order, and its
+    /// order in a bounding box of its own.
+    crowds: Vec<(usize, HilbertOrder)>,
 }
 
 impl HilbertOrder {
@@ -44,7 +50,33 @@ impl HilbertOrder {
             }
         });
         executor.sort(&mut keys);
-        Self { keys, dimension: dimension as u32 }
+        let mut order = Self { keys, dimension: dimension as u32, crowds: Vec::new() };
+        for crowd in order.crowded() {
+            let keys = &mut order.keys[crowd.clone()];
+            let points: Vec<u32> = keys.iter().map(|key| key.1).collect();
+            let places: Vec<DVec3> = points.iter().map(|&point| place(point as usize)).collect();
+            let finer = Self::of_places(&places, dimension, executor);
+            keys.iter_mut().zip(&finer.keys).for_each(|(key, finer)| key.1 = points[finer.1 as usize]);
+            order.crowds.push((crowd.start, finer));
+        }
+        order
+    }
+
+    /// The order of points in these places: of one type, so that orders can be nested.
+    fn of_places(places: &[DVec3], dimension: usize, executor: &Executor) -> Self {
+        Self::new(places.len(), dimension, &|index| places[index], executor)
+    }
+
+    /// The ranges of more than [`CROWD`] points of one key, if they are not all points, which are then in one place.
+    fn crowded(&self) -> Vec<Range<usize>> {
+        let (mut crowds, mut start) = (Vec::new(), 0);
+        for crowd in self.keys.chunk_by(|one, other| one.0 == other.0) {
+            if crowd.len() > CROWD && crowd.len() < self.keys.len() {
+                crowds.push(start..start + crowd.len());
+            }
+            start += crowd.len();
+        }
+        crowds
     }
 
     /// The number of levels in the smallest cell that contains a range of points; 0 if they have one key.
@@ -53,20 +85,34 @@ impl HilbertOrder {
         (u64::BITS - differing.leading_zeros()).div_ceil(self.dimension)
     }
 
+    /// The order whose keys tell the points of a range apart, and the place of its first point in this one.
+    fn finest(&self, range: &Range<usize>) -> (&Self, usize) {
+        let before = self.crowds.partition_point(|crowd| crowd.0 <= range.start);
+        match self.crowds[..before].last() {
+            Some((start, crowd)) if range.end <= start + crowd.keys.len() => {
+                let (order, first) = crowd.finest(&(range.start - start..range.end - start));
+                (order, start + first)
+            }
+            _ => (self, 0),
+        }
+    }
+
     /// Whether the points of a range are not told apart.
     pub fn have_one_key(&self, range: &Range<usize>) -> bool {
-        self.depth(range) == 0
+        let (order, first) = self.finest(range);
+        order.depth(&(range.start - first..range.end - first)) == 0
     }
 
     /// The ranges in the parts of the smallest cell that contains a range of points: all of it if they have one key.
     pub fn parts(&self, range: Range<usize>) -> impl Iterator<Item = Range<usize>> {
-        let shift = self.depth(&range).saturating_sub(1) * self.dimension;
-        let mut start = range.start;
+        let (order, first) = self.finest(&range);
+        let (mut start, end) = (range.start - first, range.end - first);
+        let shift = order.depth(&(start..end)).saturating_sub(1) * order.dimension;
         std::iter::from_fn(move || {
-            let part = self.keys[start..range.end].first()?.0 >> shift;
-            let first = start;
-            start += self.keys[first..range.end].partition_point(|key| key.0 >> shift == part);
-            Some(first..start)
+            let part = order.keys[start..end].first()?.0 >> shift;
+            let begin = start;
+            start += order.keys[begin..end].partition_point(|key| key.0 >> shift == part);
+            Some(first + begin..first + start)
         })
     }
 
@@ -161,6 +207,8 @@ fn bounds(count: usize, place: &(impl Fn(usize) -> DVec3 + Sync), executor: &Exe
 
 #[cfg(test)]
 mod tests {
+    use std::collections::HashSet;
+
     use super::*;
     use crate::parallel::SERIAL;
 
@@ -200,11 +248,29 @@ mod tests {
 
     #[test]
     fn points_in_one_place_and_those_that_are_not_finite_are_sorted_too() {
-        let order = HilbertOrder::new(5, 3, &|_| DVec3::ONE, &SERIAL);
-        assert!(order.have_one_key(&(0..5)));
-        assert_eq!(order.parts(0..5).count(), 1);
+        let order = HilbertOrder::new(50, 3, &|_| DVec3::ONE, &SERIAL);
+        assert!(order.have_one_key(&(0..50)));
+        assert_eq!(order.parts(0..50).count(), 1);
         assert!(HilbertOrder::new(0, 2, &|_| DVec3::ONE, &SERIAL).keys.is_empty());
         let places = [0.0, f64::NAN, 1.0, f64::INFINITY];
         assert_eq!(HilbertOrder::new(4, 3, &|index| DVec3::splat(places[index]), &SERIAL).keys.len(), 4);
+    }
+
+    #[test]
+    fn points_beside_some_far_away_are_in_the_order_that_they_have_without_them() {
+        for dimension in [2, 3] {
+            let count = 8_usize.pow(dimension as u32);
+            let far = [1e20, 1e40, 1e60];
+            let place = |index: usize| if index < count { site(index, dimension) } else { far[index - count] * DVec3::X };
+            let alone = HilbertOrder::new(count, dimension, &place, &SERIAL);
+            let order = HilbertOrder::new(count + 3, dimension, &place, &SERIAL);
+            assert_eq!(order.keys.iter().map(|key| key.1).collect::<HashSet<_>>().len(), count + 3);
+            let crowd = (0..order.keys.len()).find(|&start| (order.keys[start].1 as usize) < count).expect("all are there");
+            let range = crowd..crowd + count;
+            assert!(order.keys[range.clone()].iter().zip(&alone.keys).all(|(one, other)| one.1 == other.1));
+            assert!(!order.have_one_key(&range));
+            let shifted = |part: Range<usize>| part.start + crowd..part.end + crowd;
+            assert!(order.parts(range).eq(alone.parts(0..count).map(shifted)));
+        }
     }
 }

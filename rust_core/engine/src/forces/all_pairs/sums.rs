@@ -5,9 +5,11 @@
 //! are summed in the precision of the run and these sums in double precision: the rounding error of a sum does not grow
 //! with the number of sources.
 
+use std::ops::Index;
+
 use crate::math::{AXES, Real};
 use crate::parallel::{BlockedSlice, Executor};
-use crate::simd::{Isa, LevelKernel, Number, Pack, dispatch_level};
+use crate::simd::{Isa, LANES, LevelKernel, Number, Pack, dispatch_level};
 
 /// Targets per block: a whole number of tiles at every level.
 pub const BLOCK: usize = 64;
@@ -28,6 +30,26 @@ pub trait SourceLaw<T, const WORDS: usize, const SUMS: usize>: Copy + Sync {
     fn terms<N: Number<Scalar = T>>(&self, offset: [N; AXES], square: N, source: &[N; WORDS]) -> [N; SUMS];
 }
 
+/// The sums for some targets.
+pub struct Sums<const SUMS: usize> {
+    /// Those of each, in some order.
+    pub values: Vec<[f64; SUMS]>,
+    /// The place of each target in that order; none in its own.
+    pub slots: Vec<u32>,
+    /// The number of interactions of targets with cells and bodies.
+    pub interactions: usize,
+    /// Memory of the evaluation [bytes].
+    pub bytes: usize,
+}
+
+impl<const SUMS: usize> Index<usize> for Sums<SUMS> {
+    type Output = [f64; SUMS];
+
+    fn index(&self, target: usize) -> &[f64; SUMS] {
+        &self.values[self.slots.get(target).map_or(target, |&slot| slot as usize)]
+    }
+}
+
 /// The sums of a law over all sources for every target, in `dimension` dimensions. A source's record begins with its
 /// position.
 pub fn sum<T: Real, L: SourceLaw<T, WORDS, SUMS>, const WORDS: usize, const SUMS: usize>(
@@ -36,12 +58,13 @@ pub fn sum<T: Real, L: SourceLaw<T, WORDS, SUMS>, const WORDS: usize, const SUMS
     targets: &[[T; AXES]],
     sources: &[[T; WORDS]],
     executor: &Executor,
-) -> Vec<[f64; SUMS]> {
-    let mut sums = vec![[0.0; SUMS]; targets.len()];
-    executor.for_each_block(BlockedSlice::new(&mut sums, BLOCK), &|mine| {
+) -> Sums<SUMS> {
+    let mut values = vec![[0.0; SUMS]; targets.len()];
+    executor.for_each_block(BlockedSlice::new(&mut values, BLOCK), &|mine| {
         add(dimension, law, &targets[mine.start..][..mine.items.len()], sources, mine.items);
     });
-    sums
+    let bytes = size_of_val(targets) + size_of_val(sources) + size_of_val(values.as_slice());
+    Sums { values, slots: Vec::new(), interactions: targets.len() * sources.len(), bytes }
 }
 
 /// Adds the sums for at most [`BLOCK`] targets.
@@ -81,21 +104,21 @@ impl<T: Real, L: SourceLaw<T, WORDS, SUMS>, const DIMENSION: usize, const WORDS:
                 columns[axis][lane] = target[axis];
             }
         }
-        let width = <I::Pack<T> as Pack>::WIDTH;
-        for first in (0..targets.len()).step_by(TILE * width) {
+        let mut totals = [[0.0; BLOCK]; SUMS];
+        for first in (0..targets.len()).step_by(TILE * <I::Pack<T> as Pack>::WIDTH) {
             for run in sources.chunks(RUN) {
-                let lanes = tile::<T, I::Pack<T>, L, DIMENSION, WORDS, SUMS>(law, &columns, first, run);
-                for (lane, sums) in sums[first..].iter_mut().take(TILE * width).enumerate() {
-                    for sum in 0..L::TERMS {
-                        sums[sum] += lanes[sum][lane].to_f64();
-                    }
-                }
+                tile::<T, I::Pack<T>, L, DIMENSION, WORDS, SUMS>(law, &columns, first, run, &mut totals);
+            }
+        }
+        for (lane, sums) in sums.iter_mut().enumerate() {
+            for sum in 0..L::TERMS {
+                sums[sum] += totals[sum][lane];
             }
         }
     }
 }
 
-/// The sums of a tile of targets, from lane `first` of a block on, over one run of sources.
+/// Adds the sums of a tile of targets, from lane `first` of a block on, over one run of sources.
 #[inline(always)]
 fn tile<
     T: Real,
@@ -109,7 +132,8 @@ fn tile<
     columns: &[[T; BLOCK]; AXES],
     first: usize,
     sources: &[[T; WORDS]],
-) -> [[T; BLOCK]; SUMS] {
+    totals: &mut [[f64; BLOCK]; SUMS],
+) {
     let zero = P::constant(0.0);
     let mut targets = [[zero; AXES]; TILE];
     for register in 0..TILE {
@@ -138,11 +162,14 @@ fn tile<
             }
         }
     }
-    let mut lanes = [[T::ZERO; BLOCK]; SUMS];
     for register in 0..TILE {
         for sum in 0..L::TERMS {
-            sums[register][sum].store(&mut lanes[sum][register * P::WIDTH..]);
+            let mut lanes = [T::ZERO; LANES];
+            sums[register][sum].store(&mut lanes);
+            let totals = &mut totals[sum][first + register * P::WIDTH..][..P::WIDTH];
+            for lane in 0..P::WIDTH {
+                totals[lane] += lanes[lane].to_f64();
+            }
         }
     }
-    lanes
 }

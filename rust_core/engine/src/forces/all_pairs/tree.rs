@@ -3,11 +3,14 @@
 //!
 //! A cell is taken whole, by its expansion about its center, if s < θ d, with the side s of a cube about the center that
 //! contains its bodies, and the distance d of the center from the bounding box of the group, and if all of the bodies are
-//! nearer to the center than d; else its parts are, down to bodies. Cells are stored depth first, each with the number of cells
-//! in its subtree, so that a walk is one loop.
+//! nearer to the center than d; else its parts are, down to bodies. For a cell with more charge m than an average leaf, m₀, θ
+//! is smaller by the factor (m₀/m)^(1/15), which balances errors: with one angle for all cells, those of the large ones would
+//! dominate, although they are few. Cells are stored depth first, each with the number of cells in its subtree, so that a
+//! walk is one loop.
 //!
 //! Sources: J. Barnes, P. Hut, Nature 324 (1986) 446; groups: J. E. Barnes, J. Comput. Phys. 87 (1990) 161; the bound by the
-//! bodies: J. K. Salmon, M. S. Warren, J. Comput. Phys. 111 (1994) 136.
+//! bodies: J. K. Salmon, M. S. Warren, J. Comput. Phys. 111 (1994) 136; angles that depend on the mass, θ⁵ ∝ m^(−1/3): W. Dehnen,
+//! J. Comput. Phys. 179 (2002) 27.
 
 use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -16,19 +19,22 @@ use glam::DVec3;
 
 use super::expansion::{CellLaw, Expansion, Moments};
 use super::hilbert::HilbertOrder;
-use super::sums::{self, BLOCK, SourceLaw};
+use super::sums::{self, BLOCK, SourceLaw, Sums};
 use crate::math::{AXES, Real};
 use crate::parallel::{BlockedSlice, Executor};
 use crate::simd::{Record, WORDS};
 
 /// Most bodies of a leaf, unless they have one key.
-const LEAF: usize = 16;
+const LEAF: usize = 32;
 
 /// Most bodies of a branch, which one thread builds.
 const BRANCH: usize = 4096;
 
 /// Groups of targets per block of work.
 const GROUPS: usize = 8;
+
+/// The exponent of a cell's charge in its opening angle.
+const EXPONENT: f64 = -1.0 / 15.0;
 
 /// The factor by which rounding can make a radius too small, and more.
 const ROUNDING: f64 = 1.0 + 1e-9;
@@ -55,81 +61,91 @@ pub struct Tree<T, const CELL: usize> {
     words: Vec<[T; CELL]>,
 }
 
-/// Targets in Hilbert order.
-pub struct Targets<T> {
-    /// The place of each in this order.
-    slots: Vec<u32>,
-    /// Their positions, in it.
-    positions: Vec<[T; AXES]>,
-}
-
-impl<T: Real> Targets<T> {
-    /// The targets at these positions.
-    pub fn new(positions: &[[T; AXES]], dimension: usize, executor: &Executor) -> Self {
-        let place = |index: usize| DVec3::from_array(positions[index].map(Real::to_f64));
-        let order = HilbertOrder::new(positions.len(), dimension, &place, executor);
-        Self { slots: order.slots(), positions: order.keys.iter().map(|key| positions[key.1 as usize]).collect() }
-    }
-}
-
 impl<T: Real, const CELL: usize> Tree<T, CELL> {
-    /// The tree of `sources` for a law, with the opening angle θ.
+    /// The tree of `count` sources for a law, with the opening angle θ.
     pub fn new<L: CellLaw<T, CELL, SUMS>, const SUMS: usize>(
         _law: L,
-        sources: &[Record<T>],
+        count: usize,
+        source: &(impl Fn(usize) -> Record<T> + Sync),
         dimension: usize,
         angle: f64,
         executor: &Executor,
     ) -> Self {
-        let place = |index: usize| DVec3::new(sources[index][0].to_f64(), sources[index][1].to_f64(), sources[index][2].to_f64());
-        let order = HilbertOrder::new(sources.len(), dimension, &place, executor);
-        let mut bodies = vec![[T::ZERO; WORDS]; sources.len()];
-        executor.for_each_block(BlockedSlice::new(&mut bodies, BRANCH), &|mine| {
+        let order = HilbertOrder::new(count, dimension, &|index| from(DVec3::ZERO, &place(&source(index))), executor);
+        let mut bodies = vec![[T::ZERO; WORDS]; count];
+        let mut weights = vec![0.0; count.div_ceil(BRANCH)];
+        let slots = (BlockedSlice::new(&mut bodies, BRANCH), BlockedSlice::new(&mut weights, 1));
+        executor.for_each_block(slots, &|(mine, weight)| {
             for (body, key) in mine.items.iter_mut().zip(&order.keys[mine.start..]) {
-                *body = sources[key.1 as usize];
+                *body = source(key.1 as usize);
             }
+            weight.items[0] = mine.items.iter().map(|body| body[AXES].to_f64().abs()).sum();
         });
-        let builder = Builder { order: &order, bodies: &bodies, angle };
+        let builder = Builder { order: &order, bodies: &bodies, angle, weight: weights.iter().sum() };
         let Branch { cells, words, .. } = builder.build::<L::Moments, CELL>(executor);
         Self { order, bodies, cells, words }
     }
 
-    /// The sources as targets.
-    pub fn targets(&self) -> Targets<T> {
-        let positions = self.bodies.iter().map(|body| [body[0], body[1], body[2]]).collect();
-        Targets { slots: self.order.slots(), positions }
-    }
-
-    /// The sums of a law for bodies and one for cells over all sources, for each target, and the number of interactions.
-    pub fn sums<const SUMS: usize>(
+    /// The sums of a law for bodies and one for cells over all sources, for the sources as targets.
+    pub fn mutual_sums<const SUMS: usize>(
         &self,
         near: impl SourceLaw<T, WORDS, SUMS>,
         far: impl SourceLaw<T, CELL, SUMS>,
-        targets: &Targets<T>,
         dimension: usize,
         executor: &Executor,
-    ) -> (Vec<[f64; SUMS]>, usize) {
+    ) -> Sums<SUMS> {
+        self.sums(near, far, &self.order, |slot| place(&self.bodies[slot]), dimension, executor)
+    }
+
+    /// The same for `count` targets at other places.
+    pub fn sums_at<const SUMS: usize>(
+        &self,
+        near: impl SourceLaw<T, WORDS, SUMS>,
+        far: impl SourceLaw<T, CELL, SUMS>,
+        count: usize,
+        target: &(impl Fn(usize) -> [T; AXES] + Sync),
+        dimension: usize,
+        executor: &Executor,
+    ) -> Sums<SUMS> {
+        let order = HilbertOrder::new(count, dimension, &|index| from(DVec3::ZERO, &target(index)), executor);
+        self.sums(near, far, &order, |slot| target(order.keys[slot].1 as usize), dimension, executor)
+    }
+
+    /// The same for targets in an order along which their places are `target`.
+    fn sums<const SUMS: usize>(
+        &self,
+        near: impl SourceLaw<T, WORDS, SUMS>,
+        far: impl SourceLaw<T, CELL, SUMS>,
+        order: &HilbertOrder,
+        target: impl Fn(usize) -> [T; AXES] + Sync,
+        dimension: usize,
+        executor: &Executor,
+    ) -> Sums<SUMS> {
         let interactions = AtomicUsize::new(0);
-        let mut sorted = vec![[0.0; SUMS]; targets.positions.len()];
-        executor.for_each_block(BlockedSlice::new(&mut sorted, GROUPS * BLOCK), &|mine| {
-            let mut lists = (Vec::new(), Vec::new());
-            let positions = &targets.positions[mine.start..][..mine.items.len()];
-            for (group, sums) in positions.chunks(BLOCK).zip(mine.items.chunks_mut(BLOCK)) {
-                let middle = self.list(group, &mut lists);
+        let mut values = vec![[0.0; SUMS]; order.keys.len()];
+        executor.for_each_block(BlockedSlice::new(&mut values, GROUPS * BLOCK), &|mine| {
+            let (mut lists, mut group, mut relative) = ((Vec::new(), Vec::new()), Vec::new(), Vec::new());
+            for (first, sums) in (mine.start..).step_by(BLOCK).zip(mine.items.chunks_mut(BLOCK)) {
+                group.clear();
+                group.extend((first..first + sums.len()).map(&target));
+                let middle = self.list(&group, &mut lists);
+                relative.clear();
+                relative.extend(group.iter().map(|place| from(middle, place).to_array().map(T::from_f64)));
                 let (cells, bodies) = &lists;
-                let relative: Vec<_> = group.iter().map(|place| from(middle, place).to_array().map(T::from_f64)).collect();
-                sums::add(dimension, near, group, bodies, sums);
+                sums::add(dimension, near, &group, bodies, sums);
                 sums::add(dimension, far, &relative, cells, sums);
                 interactions.fetch_add(group.len() * (cells.len() + bodies.len()), Ordering::Relaxed);
             }
         });
-        let mut sums = vec![[0.0; SUMS]; sorted.len()];
-        executor.for_each_block(BlockedSlice::new(&mut sums, BRANCH), &|mine| {
-            for (sums, &slot) in mine.items.iter_mut().zip(&targets.slots[mine.start..]) {
-                *sums = sorted[slot as usize];
-            }
-        });
-        (sums, interactions.into_inner())
+        let slots = order.slots();
+        let results = size_of_val(values.as_slice()) + size_of_val(slots.as_slice());
+        Sums { bytes: self.bytes() + results, values, slots, interactions: interactions.into_inner() }
+    }
+
+    /// Memory [bytes].
+    fn bytes(&self) -> usize {
+        let sources = size_of_val(self.order.keys.as_slice()) + size_of_val(self.bodies.as_slice());
+        sources + size_of_val(self.cells.as_slice()) + size_of_val(self.words.as_slice())
     }
 
     /// Lists the sources of a group of targets: cells that are taken whole, and bodies. The positions of cells are relative to
@@ -160,6 +176,11 @@ impl<T: Real, const CELL: usize> Tree<T, CELL> {
     }
 }
 
+/// The place of a body.
+fn place<T: Copy>(body: &Record<T>) -> [T; AXES] {
+    [body[0], body[1], body[2]]
+}
+
 /// The offset of a place from an origin.
 fn from<T: Real>(origin: DVec3, place: &[T; AXES]) -> DVec3 {
     DVec3::from_array(place.map(Real::to_f64)) - origin
@@ -170,6 +191,8 @@ struct Builder<'a, T> {
     order: &'a HilbertOrder,
     bodies: &'a [Record<T>],
     angle: f64,
+    /// The sum of the magnitudes of all charges.
+    weight: f64,
 }
 
 /// Cells in depth-first order: a branch of the tree, or all of it.
@@ -239,7 +262,9 @@ impl<T: Real> Builder<'_, T> {
     ) {
         let count = cells.cells.len() - place;
         let cell = &mut cells.cells[place];
-        let reach = (2.0 * expansion.half_side / self.angle).max(expansion.radius) * ROUNDING;
+        let share = expansion.weight / self.weight * (self.bodies.len() as f64 / LEAF as f64);
+        let angle = self.angle * libm::pow(share, EXPONENT).min(1.0);
+        let reach = (2.0 * expansion.half_side / angle).max(expansion.radius) * ROUNDING;
         *cell = Cell { center: expansion.center, reach: reach * reach, bodies: cell.bodies.clone(), cells: count as u32 };
         cells.words[place] = expansion.moments.words();
         cells.expansions.push(expansion);
