@@ -21,6 +21,7 @@ import particles
 import reactions
 import rods
 import springs
+import stiff
 import tracers
 import wave_functions
 import waves
@@ -64,6 +65,9 @@ TARGETS = (
     Target("two threads, network f64", 1.8, "times one"),
     Target("two threads, network f32", 1.8, "times one"),
     Target("50 rods", 50_000, "steps/s"),
+    Target("XPBD sweep f32", 0.55, "ms", at_most=True),
+    Target("XPBD ten sweeps f32", 6.0, "ms", at_most=True),
+    Target("projective dynamics f32", 15.0, "ms", at_most=True),
     Target("fluid 3D, no walls", 5.0, "M particle-steps/s"),
     Target("fluid 3D", 3.5, "M particle-steps/s"),
     Target("fluid 2D", 10.0, "M particle-steps/s"),
@@ -119,7 +123,7 @@ def main() -> None:
     print("physcore audits and watches for divergence in every run; its opponents do neither.")
     figures = particles.main() | springs.main() | fluids.main() | waves.main()
     figures |= reactions.main() | wave_functions.main() | gravitation.main()
-    figures |= rods.main() | tracers.main() | charges.main() | overheads.main() | accuracy.main()
+    figures |= rods.main() | stiff.main() | tracers.main() | charges.main() | overheads.main() | accuracy.main()
     print()
     film.main()
     print(f"\nTargets, as set on a Zen 4 core of about 3.6 GHz; measured here, not scaled: {where}")

@@ -114,6 +114,9 @@ def test_every_style_draws_what_it_is_for_and_stays_inside_the_picture(
         grid = pc.Grid((12,) * dimension, 0.1)
         wave = pc.Wave(grid, 1.0, np.cos(np.sum(3.0 * grid.centers, axis=-1)), walls=grid.centers[..., 0] > 1.1)
         recording = pc.simulate(pc.Scene(wave), 0.2)
+    elif kind in (pc.styles.FieldLines, pc.styles.Equipotentials):
+        ions = pc.Particles(np.eye(dimension)[:2], charge=[1e-9, -1e-9])
+        recording = recorded(pc.Scene(ions, pc.Coulomb()), shift)
     else:
         body = pc.Fluid(pc.block(*corners, 0.1), 0.1) if kind is pc.styles.Fluid else net(dimension)
         recording = recorded(pc.Scene(body), shift)
@@ -121,6 +124,8 @@ def test_every_style_draws_what_it_is_for_and_stays_inside_the_picture(
     for picture in frames(tmp_path / "film.gif")[0]:
         drawn = ink(picture)
         assert drawn.sum() > 100
+        if kind in (pc.styles.FieldLines, pc.styles.Equipotentials):
+            continue  # a field has no end
         assert not drawn[0].any()
         assert not drawn[:, [0, -1]].any()
 

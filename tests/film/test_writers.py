@@ -157,7 +157,7 @@ def test_what_a_format_cannot_show_is_refused_before_anything_is_simulated(
 ) -> None:
     scene, path = pc.Scene(ROPE, pc.CustomForce(never)), tmp_path / f"film{suffix}"
     with pytest.raises(pc.SceneError, match=f"at most {fastest} frames per second, got {fastest + 1}; record fewer"):
-        pc.film(scene, path, duration=1.0, fps=fastest + 1)
+        pc.film(scene, path, duration=1.0, fps=fastest + 1, speed=1.0)
     with pytest.raises(pc.SceneError, match=r"shows a frame for at most \d+ s"):
         pc.film(scene, path, duration=1e5, fps=1e-5)
     with pytest.raises(pc.FileError, match="no such folder"):

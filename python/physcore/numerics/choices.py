@@ -199,13 +199,15 @@ def _max_energy_growth(options: Options) -> float | None:
 
 
 def suited(scene: Scene) -> list[type[Integrator]]:
-    """The integrators with steps of a given length that can drive something in a scene; Boris' in a magnetic field,
+    """The integrators with steps of a given length that resolve the motion of a scene; Boris' in a magnetic field,
     with rods those that hold them.
     """
     equations: set[Equation] = {"bodies"} if scene.bodies else set()
     equations |= {each.equation for each in scene.systems}
     others = (*(() if _is_magnetic(scene) else (Boris,)), *(() if has_rods(scene) else (RATTLE,)))
-    kinds = [kind for kind in INTEGRATORS if not equations.isdisjoint(kind.solves) and not kind.self_adaptive]
+    kinds = [
+        kind for kind in INTEGRATORS if not equations.isdisjoint(kind.solves) and not (kind.self_adaptive or kind.damps)
+    ]
     return [kind for kind in kinds if kind not in others and (kind.holds_rods or not has_rods(scene))]
 
 
