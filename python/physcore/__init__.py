@@ -50,9 +50,11 @@ from physcore.forces import (
 )
 from physcore.numerics.choices import AdaptiveStep, AutoStep
 from physcore.numerics.integrators import (
+    BDF2,
     PEFRL,
     RATTLE,
     XPBD,
+    BackwardEuler,
     BlanesMoan4,
     BlanesMoan6,
     BogackiShampine3,
@@ -61,6 +63,7 @@ from physcore.numerics.integrators import (
     DormandPrince5,
     ExplicitEuler,
     GaussRadau15,
+    ImplicitMidpoint,
     Integrator,
     McLachlan2,
     ProjectiveDynamics,
@@ -105,6 +108,7 @@ __version__: str
 """The version of the installed package."""
 
 __all__ = [
+    "BDF2",
     "PEFRL",
     "RATTLE",
     "XPBD",
@@ -115,6 +119,7 @@ __all__ = [
     "Amount",
     "AmountSeries",
     "AutoStep",
+    "BackwardEuler",
     "BlanesMoan4",
     "BlanesMoan6",
     "Body",
@@ -148,6 +153,7 @@ __all__ = [
     "GrayScott",
     "Grid",
     "Halvorsen",
+    "ImplicitMidpoint",
     "Integrator",
     "InternalError",
     "Kernel",

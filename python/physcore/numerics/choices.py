@@ -206,7 +206,7 @@ def suited(scene: Scene) -> list[type[Integrator]]:
     equations |= {each.equation for each in scene.systems}
     others = (*(() if _is_magnetic(scene) else (Boris,)), *(() if has_rods(scene) else (RATTLE,)))
     kinds = [
-        kind for kind in INTEGRATORS if not equations.isdisjoint(kind.solves) and not (kind.self_adaptive or kind.damps)
+        kind for kind in INTEGRATORS if not equations.isdisjoint(kind.solves) and not (kind.self_adaptive or kind.stiff)
     ]
     return [kind for kind in kinds if kind not in others and (kind.holds_rods or not has_rods(scene))]
 

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Literal, TypeAlias
+from typing import Literal, TypeAlias, cast
 
 import numpy as np
 
@@ -13,7 +12,7 @@ from physcore.checks import FloatArray
 from physcore.errors import SceneError
 from physcore.film.colors.themes import Theme
 from physcore.forces import Coulomb, ElectromagneticField
-from physcore.scene.bodies import Body, Particles
+from physcore.scene.bodies import Particles
 from physcore.scene.scene import Scene
 from physcore.simulation.simulation import Simulation
 from physcore.simulation.sources import SourceFrame
@@ -58,16 +57,14 @@ class Fields:
             Particles(at, charge=body.charge, fixed=True) for body, at in zip(self.scene.bodies, places, strict=True)
         ]
 
-        def same(bodies: Sequence[Body] | None) -> list[Body] | None:
-            return None if bodies is None else [held[self.scene.bodies.index(body)] for body in bodies]
+        def alone(force: Coulomb | ElectromagneticField) -> Coulomb | ElectromagneticField:
+            named = force.bodies("sources") if isinstance(force, Coulomb) else None
+            if named is None:
+                return replace(force, on=None)
+            sources = [held[self.scene.bodies.index(body)] for body in named]
+            return replace(cast("Coulomb", force), on=None, sources=sources)
 
-        forces = [
-            replace(
-                force, on=None, **({"sources": same(force.bodies("sources"))} if isinstance(force, Coulomb) else {})
-            )
-            for force in self.scene.forces
-            if isinstance(force, (Coulomb, ElectromagneticField))
-        ]
+        forces = [alone(each) for each in self.scene.forces if isinstance(each, (Coulomb, ElectromagneticField))]
         return Simulation(Scene(*held, *forces), dt=1.0)
 
     def at(self, kind: Kind, points: FloatArray) -> FloatArray:

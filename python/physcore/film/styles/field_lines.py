@@ -241,7 +241,7 @@ class FieldLinesPainter(Painter):
 
 def _finite(points: FloatArray, otherwise: FloatArray) -> FloatArray:
     """Points, where they are finite."""
-    return np.where(np.isfinite(points).all(axis=1)[:, np.newaxis], points, otherwise)
+    return np.where(np.isfinite(points).all(axis=1, keepdims=True), points, otherwise)
 
 
 def _reach(view: View) -> float:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from physcore.numerics.integrators.backward_euler import BackwardEuler
 from physcore.numerics.integrators.base import Integrator
+from physcore.numerics.integrators.bdf2 import BDF2
 from physcore.numerics.integrators.blanes_moan_4 import BlanesMoan4
 from physcore.numerics.integrators.blanes_moan_6 import BlanesMoan6
 from physcore.numerics.integrators.bogacki_shampine_3 import BogackiShampine3
@@ -11,6 +13,7 @@ from physcore.numerics.integrators.crank_nicolson import CrankNicolson
 from physcore.numerics.integrators.dormand_prince_5 import DormandPrince5
 from physcore.numerics.integrators.explicit_euler import ExplicitEuler
 from physcore.numerics.integrators.gauss_radau_15 import GaussRadau15
+from physcore.numerics.integrators.implicit_midpoint import ImplicitMidpoint
 from physcore.numerics.integrators.mclachlan_2 import McLachlan2
 from physcore.numerics.integrators.pefrl import PEFRL
 from physcore.numerics.integrators.projective_dynamics import ProjectiveDynamics
@@ -43,14 +46,19 @@ INTEGRATORS: tuple[type[Integrator], ...] = (
     RATTLE,
     XPBD,
     ProjectiveDynamics,
+    BackwardEuler,
+    ImplicitMidpoint,
+    BDF2,
 )
 """Every integrator; what is registered here can be saved, and is tested for its order."""
 
 __all__ = [
+    "BDF2",
     "INTEGRATORS",
     "PEFRL",
     "RATTLE",
     "XPBD",
+    "BackwardEuler",
     "BlanesMoan4",
     "BlanesMoan6",
     "BogackiShampine3",
@@ -59,6 +67,7 @@ __all__ = [
     "DormandPrince5",
     "ExplicitEuler",
     "GaussRadau15",
+    "ImplicitMidpoint",
     "Integrator",
     "McLachlan2",
     "ProjectiveDynamics",

@@ -24,8 +24,8 @@ class Integrator:
     """Whether it estimates the error of each step, from a method of the order below that is embedded in it."""
     self_adaptive: ClassVar[bool] = False
     """Whether it chooses the steps itself with dt="auto", by a `tolerance` of its own."""
-    damps: ClassVar[bool] = False
-    """Whether it is for motion that it does not resolve, which it damps: it is then compared where it is named."""
+    stiff: ClassVar[bool] = False
+    """Whether it is for motion that steps do not resolve: it is then compared where it is named."""
     holds_rods: ClassVar[bool] = False
     """Whether it keeps springs of infinite stiffness at their lengths."""
     solves: ClassVar[tuple[Equation, ...]] = ("bodies", "second order")

@@ -36,7 +36,7 @@ class ProjectiveDynamics(Integrator):
 
     order: ClassVar[int] = 1
     symplectic: ClassVar[bool] = False
-    damps: ClassVar[bool] = True
+    stiff: ClassVar[bool] = True
     solves: ClassVar[tuple[Equation, ...]] = ("bodies",)
 
     iterations: int = 10

@@ -38,7 +38,7 @@ class XPBD(Integrator):
 
     order: ClassVar[int] = 1
     symplectic: ClassVar[bool] = False
-    damps: ClassVar[bool] = True
+    stiff: ClassVar[bool] = True
     solves: ClassVar[tuple[Equation, ...]] = ("bodies",)
 
     substeps: int = 10

@@ -136,6 +136,18 @@ impl<V: Vector> LinearForce<V> {
         }
     }
 
+    /// a₀ along one axis, b and c of one particle.
+    pub fn coefficients(&self, axis: usize, index: usize) -> [f64; 3] {
+        match self.uniform {
+            Some(same) if index < self.first => [same[axis].a0, same[axis].b, same[axis].c],
+            _ => {
+                let entry = index - self.first;
+                [self.a0[axis][entry], self.b[entry], self.c[entry]]
+            }
+        }
+        .map(Real::to_f64)
+    }
+
     /// The acceleration of one particle along one axis [m/s²], at a position relative to the origin and a velocity.
     pub fn acceleration(&self, axis: usize, index: usize, x: V::Scalar, v: V::Scalar) -> V::Scalar {
         match self.uniform {

@@ -7,6 +7,7 @@ use super::dynamics::{Dynamics, Treatment};
 use super::method::{About as MethodAbout, Method};
 use crate::contacts::Contacts;
 use crate::error::{Error, Result};
+use crate::forces::linear::Fusion;
 use crate::forces::springs::{self, Spring, Springs};
 use crate::forces::{self, About, Force, Reach, Scheme, VelocityDependence, sph};
 use crate::integrators::{self, BlanesMoan4, BlanesMoan6, Integrator, with_integrator};
@@ -27,7 +28,7 @@ mod precision;
 /// If the scene is invalid or does not fit into memory, or on an interrupt.
 pub fn compile<V: Vector>(scene: &Scene, method: Box<dyn Method<V>>, executor: &Executor) -> Result<MatterSystem<V>> {
     let about = method.about();
-    let projects = about.springs == Treatment::Projections;
+    let [projects, solves] = [Treatment::Projections, Treatment::Solved].map(|treatment| about.springs == treatment);
     let count = scene.count();
     let known = |kind: &str| [PARTICLES, springs::KIND, sph::KIND].contains(&kind);
     if let Some(body) = scene.bodies.iter().find(|body| !known(&body.item.kind)) {
@@ -52,8 +53,8 @@ pub fn compile<V: Vector>(scene: &Scene, method: Box<dyn Method<V>>, executor: &
     }
     if let Some(fluid) = sph::fluid(scene, &properties, executor)? {
         refuse_kinks(&about, "a fluid")?;
-        if projects {
-            return Err(cannot_project(&about, sph::KIND));
+        if projects || solves {
+            return Err(cannot_take(&about, sph::KIND));
         }
         let continuity = fluid.density().is_some_and(|density| density.scheme() == Scheme::Continuity);
         if let (true, Some(reason)) = (continuity, about.refuses_fields) {
@@ -69,9 +70,7 @@ pub fn compile<V: Vector>(scene: &Scene, method: Box<dyn Method<V>>, executor: &
     for item in &scene.forces {
         executor.check()?;
         let built = forces::build(scene, item, &properties, executor)?;
-        if projects && built.iter().any(|force| force.about().reach != Reach::Pointwise || force.about().callback) {
-            return Err(cannot_project(&about, &item.kind));
-        }
+        refuse_forces(&about, item, &built, &properties)?;
         all.extend(built);
     }
     let contacts = Contacts::build(scene, &properties)?;
@@ -101,7 +100,7 @@ pub fn compile<V: Vector>(scene: &Scene, method: Box<dyn Method<V>>, executor: &
     let mut dynamics = Dynamics::new(properties, all, contacts, state.block);
     dynamics.angle = about.angle;
     dynamics.treatment = about.springs;
-    dynamics.springs = if rods.is_some() || projects { springs } else { Vec::new() };
+    dynamics.springs = if rods.is_some() || projects || solves { springs } else { Vec::new() };
     dynamics.rods = rods;
     let dissipative = dynamics.velocity != VelocityDependence::None;
     let nominal = if dissipative { about.order_dissipative } else { about.order };
@@ -128,11 +127,29 @@ pub fn compile<V: Vector>(scene: &Scene, method: Box<dyn Method<V>>, executor: &
     Ok(MatterSystem::new(dynamics, state, method, stages, fields))
 }
 
-/// The error that a method of projections has none for a kind of item.
-fn cannot_project(about: &MethodAbout, kind: &str) -> Error {
+/// Refuses forces for which a method has no projections, or no derivatives.
+fn refuse_forces<V: Vector>(
+    about: &MethodAbout,
+    item: &Item,
+    built: &[Box<dyn Force<V>>],
+    properties: &Properties<V>,
+) -> Result<()> {
+    let fits = |force: &dyn Force<V>| match about.springs {
+        Treatment::Projections => force.about().reach == Reach::Pointwise && !force.about().callback,
+        Treatment::Solved => force.fuse(properties, &mut Fusion::new(properties.count())),
+        Treatment::Forces | Treatment::Rods => true,
+    };
+    if built.iter().all(|force| fits(force.as_ref())) { Ok(()) } else { Err(cannot_take(about, &item.kind)) }
+}
+
+/// The error that a method has no projections, or no derivatives, of a kind of item.
+fn cannot_take(about: &MethodAbout, kind: &str) -> Error {
     let expected = format!("one that evaluates forces, such as VelocityVerlet(), for a {kind}");
-    Error::parameter("integrator", expected, about.name)
-        .with_hint("it has projections for springs alone, and takes fields as they are")
+    Error::parameter("integrator", expected, about.name).with_hint(if about.springs == Treatment::Solved {
+        "it has the derivatives of springs and of forces linear in position and velocity, as Gravity and linear Drag"
+    } else {
+        "it has projections for springs alone, and takes fields as they are"
+    })
 }
 
 /// The names of the stages of a step in their order, and notes on the layouts of the forces.

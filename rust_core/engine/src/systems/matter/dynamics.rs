@@ -49,6 +49,8 @@ pub enum Treatment {
     Forces,
     /// They are forces, those of infinite stiffness rods that it keeps at their lengths.
     Rods,
+    /// They are forces whose derivatives it takes to solve its equations.
+    Solved,
     /// It moves particles onto them, so that they add no force.
     Projections,
 }
@@ -94,7 +96,7 @@ pub struct Dynamics<V: Vector> {
     pub treatment: Treatment,
     /// The rods, if there are any.
     pub rods: Option<Rods>,
-    /// All springs with the rods among them, as declared, where there are rods or the method projects.
+    /// All springs with the rods among them, as declared, where there are rods or the method projects or solves.
     pub springs: Vec<Spring>,
 }
 

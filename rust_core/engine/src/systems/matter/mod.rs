@@ -8,6 +8,7 @@ mod coupled;
 mod displacement;
 mod dynamics;
 mod fields;
+mod implicit;
 mod independent;
 mod kernels;
 mod method;
@@ -23,6 +24,7 @@ use glam::{DVec2, DVec3, Vec2, Vec3};
 use activity::Activity;
 use coupled::Workspace;
 use dynamics::Dynamics;
+use implicit::Implicit;
 use method::{About, Explicit, Job, Method};
 use projection::{PROJECTIVE, Projection, Projective, Sweeps, XPBD};
 use radau::GaussRadau15;
@@ -103,6 +105,7 @@ fn method_of<V: Vector>(scene: &Scene, method: &Item, executor: &Executor) -> Re
         rattle::NAME => compiled::<V>(scene, Rattle::declared(method)?, executor),
         XPBD => compiled::<V>(scene, Projection::new(Sweeps::declared(method)?), executor),
         PROJECTIVE => compiled::<V>(scene, Projection::new(Projective::<V>::declared(method)?), executor),
+        "BackwardEuler" | "ImplicitMidpoint" | "BDF2" => compiled::<V>(scene, Implicit::declared(method)?, executor),
         kind => with_integrator!(
             kind,
             I => compiled::<V>(scene, Explicit::<I>::declared(method)?, executor),

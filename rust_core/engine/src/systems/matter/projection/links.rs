@@ -53,11 +53,12 @@ impl<T: Real> Link<T> {
     }
 }
 
-/// All springs, color by color, in which no two share a particle: each has the first color that is free at both ends.
-pub fn links<V: Vector>(springs: &[Spring], properties: &Properties<V>, h: f64) -> Vec<Link<V::Scalar>> {
-    let mut taken: Vec<Vec<u64>> = vec![Vec::new(); properties.count()];
-    let mut colors: Vec<Vec<&Spring>> = Vec::new();
-    for spring in springs.iter().filter(|spring| spring.ends[0] != spring.ends[1]) {
+/// All springs between different particles, of which there are `count`, color by color, in which no two share a particle: each has the
+/// first color that is free at both ends.
+pub fn colored(springs: &[Spring], count: usize) -> Vec<Spring> {
+    let mut taken: Vec<Vec<u64>> = vec![Vec::new(); count];
+    let mut colors: Vec<Vec<Spring>> = Vec::new();
+    for &spring in springs.iter().filter(|spring| spring.ends[0] != spring.ends[1]) {
         let [one, other] = spring.ends.map(|end| end as usize);
         let word = |at: usize| [one, other].iter().filter_map(|&end| taken[end].get(at)).fold(0, |word, end| word | end);
         let mut at = 0;
@@ -74,7 +75,12 @@ pub fn links<V: Vector>(springs: &[Spring], properties: &Properties<V>, h: f64) 
         colors[color].push(spring);
     }
     colors.iter_mut().for_each(|color| color.sort_by_key(|spring| spring.ends));
-    colors.iter().flatten().map(|spring| Link::new(spring, &properties.inverse_mass, h)).collect()
+    colors.concat()
+}
+
+/// The links of all springs, for steps of `h` seconds.
+pub fn links<V: Vector>(springs: &[Spring], properties: &Properties<V>, h: f64) -> Vec<Link<V::Scalar>> {
+    colored(springs, properties.count()).iter().map(|spring| Link::new(spring, &properties.inverse_mass, h)).collect()
 }
 
 /// Copies columns into points.

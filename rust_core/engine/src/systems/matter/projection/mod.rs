@@ -9,6 +9,7 @@ mod links;
 mod projective;
 mod sweep;
 
+pub use links::colored;
 pub use projective::{NAME as PROJECTIVE, Projective};
 pub use sweep::{NAME as XPBD, Sweeps};
 

@@ -1,0 +1,320 @@
+//! Implicit methods: backward Euler, the implicit midpoint rule and BDF2, for springs of any stiffness.
+//!
+//! With the displacement u of a step of h seconds, all three solve
+//!
+//!     σ M (u − y) = h² F(x + α u, β u/h + w)
+//!
+//! backward Euler with σ = α = β = 1, y = h v; the midpoint rule with σ = 2, α = ½, β = 1, y = h v; BDF2, from the displacement d and
+//! the velocity v₋ of the step before, with σ = 9/4, α = 1, β = 3/2, y = d/3 + 2h (4v − v₋)/9, w = −d/2h. Newton's method finds u
+//! ([`newton`]). Sources: E. Hairer, S. P. Nørsett, G. Wanner, "Solving Ordinary Differential Equations I", 2nd ed., 1993, sections II.7
+//! and III.1; D. Baraff, A. Witkin, SIGGRAPH 1998, 43.
+
+mod newton;
+mod stiffness;
+
+use glam::DVec3;
+
+use super::coupled::{BlocksWithForces, Workspace};
+use super::dynamics::{Dynamics, Treatment};
+use super::kernels;
+use super::method::{About, Job, Method};
+use crate::contacts::Before;
+use crate::error::{Divergence, Error, Result};
+use crate::forces::Rates;
+use crate::history::{Archive, History};
+use crate::math::Vector;
+use crate::matter::{Blocks, Matter, Power, SINKS};
+use crate::parallel::{BlockedSlice, Executor};
+use crate::scene::Item;
+use crate::simd::LANES;
+use crate::stability::{Limit, LimitCache, SpectralBound};
+use crate::systems::unknown_integrator;
+use newton::{Equation, Newton, Unsolved};
+
+/// A scheme.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Scheme {
+    BackwardEuler,
+    Midpoint,
+    Bdf2,
+}
+
+/// The classes' names in Python.
+const NAMES: [(&str, Scheme); 3] =
+    [("BackwardEuler", Scheme::BackwardEuler), ("ImplicitMidpoint", Scheme::Midpoint), ("BDF2", Scheme::Bdf2)];
+
+/// The registers of BDF2: the displacement d and the velocity v₋ of the step before.
+const DISPLACEMENT: usize = 0;
+const VELOCITY: usize = 1;
+
+/// A method.
+pub struct Implicit {
+    name: &'static str,
+    scheme: Scheme,
+    newton: Newton,
+    /// The size of the step that the registers are of [s]; 0 without one, and after a contact.
+    before: f64,
+    saved: f64,
+    /// Steps, and the iterations and products in them.
+    taken: [u64; 3],
+}
+
+impl Implicit {
+    /// The method that an item declares.
+    ///
+    /// # Errors
+    /// If it is none of these, or its tolerance is not above 0.
+    pub fn declared(item: &Item) -> Result<Self> {
+        let known = NAMES.iter().find(|(name, _)| *name == item.kind);
+        let &(name, scheme) = known.ok_or_else(|| unknown_integrator(item))?;
+        let tolerance = item.number("tolerance")?;
+        if tolerance <= 0.0 {
+            return Err(Error::parameter(format!("{}.tolerance", item.path), "a number > 0", tolerance));
+        }
+        Ok(Self { name, scheme, newton: Newton::new(tolerance), before: 0.0, saved: 0.0, taken: [0; 3] })
+    }
+
+    /// The equation of a step of `h` seconds, and whether it is BDF2's with a step before it.
+    fn equation<V: Vector>(&self, dynamics: &Dynamics<V>, matter: &Matter<V>, h: f64) -> (Equation, bool) {
+        let count = matter.count();
+        let velocity = |index: usize| matter.velocity.get(index).widen();
+        let two_step = self.scheme == Scheme::Bdf2 && self.before == h;
+        let (inertia, position, rate) = match self.scheme {
+            Scheme::Midpoint => (2.0, 0.5, 1.0),
+            Scheme::Bdf2 if two_step => (2.25, 1.0, 1.5),
+            _ => (1.0, 1.0, 1.0),
+        };
+        let old = |register: usize, index: usize| matter.registers[register].get(index).widen();
+        let predicted = |index: usize| {
+            if two_step && !dynamics.properties.is_fixed(index) {
+                old(DISPLACEMENT, index) / 3.0 + 2.0 * h / 9.0 * (4.0 * velocity(index) - old(VELOCITY, index))
+            } else {
+                h * velocity(index)
+            }
+        };
+        let offset = |index: usize| if two_step { old(DISPLACEMENT, index) / (-2.0 * h) } else { DVec3::ZERO };
+        let equation = Equation {
+            h,
+            inertia,
+            position,
+            rate,
+            from: (0..count).map(|index| matter.exact_position(index)).collect(),
+            predicted: (0..count).map(predicted).collect(),
+            offset: (0..count).map(offset).collect(),
+        };
+        (equation, two_step)
+    }
+
+    /// One step from `time` on; returns the activity at its end.
+    fn step<V: Vector>(
+        &mut self,
+        dynamics: &mut Dynamics<V>,
+        matter: &mut Matter<V>,
+        workspace: &mut Workspace<V>,
+        (time, h): (f64, f64),
+        executor: &Executor,
+    ) -> Result<f64> {
+        dynamics.prepare(matter, time, executor)?;
+        let (equation, two_step) = self.equation(dynamics, matter, h);
+        let (displacements, counts) =
+            self.newton.solve(dynamics, &equation).map_err(|unsolved| diverged(&dynamics.properties.caller, &unsolved))?;
+        self.taken.iter_mut().zip([1, counts[0], counts[1]]).for_each(|(sum, count)| *sum += count);
+        if self.scheme == Scheme::Midpoint {
+            for (index, &u) in displacements.iter().enumerate() {
+                workspace.position.set(index, V::narrow(equation.from[index] + equation.position * u));
+                workspace.velocity.set(index, V::narrow(u / h));
+            }
+            integrate(dynamics, matter, workspace, (time + 0.5 * h, [h, 0.0]), executor);
+        }
+        if let Some([position, velocity]) = &mut workspace.before {
+            position.copy_from(&matter.position);
+            velocity.copy_from(&matter.velocity);
+        }
+        for index in (0..matter.count()).filter(|&index| !dynamics.properties.is_fixed(index)) {
+            let (u, v) = (displacements[index], matter.velocity.get(index).widen());
+            let velocity = match self.scheme {
+                Scheme::Midpoint => 2.0 * u / h - v,
+                _ => equation.rate * u / h + equation.offset[index],
+            };
+            matter.velocity.set(index, V::narrow(velocity));
+            if self.scheme == Scheme::Bdf2 {
+                matter.registers[DISPLACEMENT].set(index, V::narrow(u));
+                matter.registers[VELOCITY].set(index, V::narrow(v));
+            }
+        }
+        for index in 0..matter.count() {
+            let moved = equation.from[index] + displacements[index];
+            matter.set_exact_position(index, moved);
+        }
+        let touched = collide(dynamics, matter, workspace, h, executor);
+        self.before = if touched { 0.0 } else { h };
+        if self.scheme != Scheme::Midpoint {
+            let shares = if two_step { [0.5 * h, 0.5 * h] } else { [h, 0.0] };
+            workspace.position.copy_from(&matter.position);
+            workspace.velocity.copy_from(&matter.velocity);
+            integrate(dynamics, matter, workspace, (time + h, shares), executor);
+        }
+        let work = (matter.blocks(), BlockedSlice::new(&mut workspace.activity, 1));
+        executor.for_each_block(work, &|(blocks, sum): (Blocks<'_, V>, BlockedSlice<'_, f64>)| {
+            sum.items[0] = kernels::activity(dynamics, &blocks) + kernels::out_of_range(dynamics, &blocks);
+        });
+        Ok(workspace.activity.iter().sum())
+    }
+}
+
+/// Adds the power at the state of the workspace, times a share [s], and that of the last evaluation, times another.
+fn integrate<V: Vector>(
+    dynamics: &Dynamics<V>,
+    matter: &mut Matter<V>,
+    workspace: &mut Workspace<V>,
+    (time, [share, last]): (f64, [f64; 2]),
+    executor: &Executor,
+) {
+    let at = dynamics.state_view(workspace.position.view(), workspace.velocity.view(), time);
+    let work = BlocksWithForces { blocks: matter.blocks(), force: workspace.force.span() };
+    executor.for_each_block(work, &|work: BlocksWithForces<'_, V>| {
+        let BlocksWithForces { blocks, mut force } = work;
+        let mut power: Power = [[0.0; LANES]; SINKS];
+        dynamics.accumulate(&blocks.range(), &at, &mut Rates { force: force.reborrow(), power: &mut power });
+        kernels::accelerations(dynamics, blocks.start, (at.position, at.velocity), &mut force, &mut power);
+        kernels::integrate(&mut blocks.tallies[0], &power, &kernels::ALL, share, last, true);
+    });
+}
+
+/// Resolves contacts on the way of a step; returns whether there were any.
+fn collide<V: Vector>(
+    dynamics: &Dynamics<V>,
+    matter: &mut Matter<V>,
+    workspace: &mut Workspace<V>,
+    h: f64,
+    executor: &Executor,
+) -> bool {
+    let (Some(contacts), Some([position, velocity])) = (&dynamics.contacts, &workspace.before) else { return false };
+    workspace.velocity.copy_from(&matter.velocity);
+    executor.for_each_block(matter.blocks(), &|mut blocks: Blocks<'_, V>| {
+        let before = Before::part(position, velocity, &blocks.range());
+        contacts.resolve(&before, &mut blocks, &dynamics.properties, h);
+    });
+    (0..matter.count()).any(|index| workspace.velocity.get(index) != matter.velocity.get(index))
+}
+
+/// The divergence of a step whose equation was not solved; the monitor adds step, time and hint.
+fn diverged(caller: &[u32], &Unsolved { particle, residual, iterations }: &Unsolved) -> Error {
+    let index = caller[particle] as usize;
+    let cause =
+        format!("was not found in {iterations} iterations of Newton's method: {residual:.1e} of the forces is left unbalanced");
+    Error::Diverged(Box::new(Divergence {
+        step: 0,
+        time: 0.0,
+        element: format!("particle {index}"),
+        index,
+        quantity: "position",
+        cause,
+        hint: String::new(),
+    }))
+}
+
+/// The size of the step before; BDF2's registers are those of matter.
+impl History for Implicit {
+    fn save(&mut self) {
+        self.saved = self.before;
+    }
+
+    fn rollback(&mut self) {
+        std::mem::swap(&mut self.saved, &mut self.before);
+    }
+
+    fn capture(&self, archive: &mut Archive) {
+        archive.write([self.before]);
+    }
+
+    fn restore(&mut self, archive: &mut Archive) -> Result<()> {
+        self.before = archive.read(1)?[0];
+        Ok(())
+    }
+}
+
+impl<V: Vector> Method<V> for Implicit {
+    fn about(&self) -> About {
+        let order = if self.scheme == Scheme::BackwardEuler { 1 } else { 2 };
+        let registers = if self.scheme == Scheme::Bdf2 { 2 } else { 0 };
+        About {
+            name: self.name,
+            order,
+            order_dissipative: order,
+            // Of a step whose equation is solved in some three iterations.
+            evaluations: 4,
+            registers,
+            readable: registers,
+            own: 6,
+            drifts_first: false,
+            sweeps: true,
+            angle: None,
+            limit: |_| f64::INFINITY,
+            springs: Treatment::Solved,
+            refuses_fields: None,
+            smooth_only: None,
+        }
+    }
+
+    fn persistent(&self) -> usize {
+        if self.scheme == Scheme::Bdf2 { 2 } else { 0 }
+    }
+
+    fn error(&self, _state: &Matter<V>, _h: f64) -> Option<f64> {
+        None
+    }
+
+    fn gains_energy(&self) -> bool {
+        false
+    }
+
+    fn note(&self) -> Option<String> {
+        let [steps, iterations, products] = self.taken;
+        let mean = |count: u64| count as f64 / steps as f64;
+        (steps > 0).then(|| {
+            format!(
+                "{}: {:.1} iterations of Newton's method per step, {:.0} products with its matrix",
+                self.name,
+                mean(iterations),
+                mean(products)
+            )
+        })
+    }
+
+    fn bytes(&self) -> usize {
+        self.newton.bytes()
+    }
+
+    fn bound(&self, bound: SpectralBound) -> SpectralBound {
+        bound
+    }
+
+    /// No step is too long for its stability.
+    fn limit(&self, _bound: &SpectralBound, _cache: &mut LimitCache) -> Limit {
+        Limit::NONE
+    }
+
+    fn sharp_limit(&self, _bound: SpectralBound) -> Limit {
+        Limit::NONE
+    }
+
+    fn begin(&mut self, job: Job<'_, V>, executor: &Executor) -> Result<()> {
+        self.before = 0.0;
+        self.newton.begin(job.dynamics);
+        job.dynamics.prepare(job.state, job.interval.start, executor)
+    }
+
+    fn advance(&mut self, job: Job<'_, V>, executor: &Executor) -> Result<()> {
+        let Job { dynamics, state, record, workspace, interval, .. } = job;
+        let Some(workspace) = workspace else { return Ok(()) };
+        for index in 0..interval.steps {
+            let kinetic = self.step(dynamics, state, workspace, (interval.time(index, 0.0), interval.h), executor)?;
+            record.0.push(kinetic);
+            if executor.stopped() {
+                break;
+            }
+        }
+        Ok(())
+    }
+}

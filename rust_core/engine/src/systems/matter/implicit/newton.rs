@@ -1,0 +1,223 @@
+//! Newton's method with line search, whose linear equations are solved by preconditioned conjugate gradients.
+//!
+//! The residual R(u) = σ M (u − y) − h² F is the gradient of a function of u, where forces have a potential: a search along p ends where
+//! the derivative R·p has fallen to nine tenths at most, so that it needs no potential. All sums are in one fixed order. Source:
+//! J. Nocedal, S. J. Wright, "Numerical Optimization", 2nd ed., 2006, chapters 3, 5 and 7.
+
+use glam::DVec3;
+
+use super::stiffness::Stiffness;
+use crate::forces::springs::Spring;
+use crate::math::Vector;
+use crate::systems::matter::dynamics::Dynamics;
+use crate::systems::matter::projection::colored;
+
+/// The most iterations of Newton's method, and halvings of a step of it.
+const MOST_ITERATIONS: u64 = 100;
+const MOST_HALVINGS: u32 = 12;
+/// The derivative along a direction at the end of a search, over that at its start.
+const DESCENT: f64 = 0.9;
+/// Rounding errors of the force of a spring, in units of ε k r.
+const ROUNDINGS: f64 = 16.0;
+
+/// The equation of a step: σ M (u − y) = h² F(x + α u, β u/h + w).
+#[derive(Debug)]
+pub struct Equation {
+    /// h [s].
+    pub h: f64,
+    /// σ, α and β.
+    pub inertia: f64,
+    pub position: f64,
+    pub rate: f64,
+    /// x [m].
+    pub from: Vec<DVec3>,
+    /// y [m].
+    pub predicted: Vec<DVec3>,
+    /// w [m/s].
+    pub offset: Vec<DVec3>,
+}
+
+/// An equation that was not solved.
+#[derive(Debug, Clone, Copy)]
+pub struct Unsolved {
+    /// The particle with the largest residual.
+    pub particle: usize,
+    /// That residual over the largest force.
+    pub residual: f64,
+    /// Iterations.
+    pub iterations: u64,
+}
+
+/// A solver with its buffers.
+#[derive(Debug, Default)]
+pub struct Newton {
+    tolerance: f64,
+    /// The springs, in an order in which neighbors have no common particles.
+    springs: Vec<Spring>,
+    /// Masses [kg], infinite where fixed.
+    mass: Vec<f64>,
+    matrix: Stiffness,
+    places: Vec<DVec3>,
+    velocities: Vec<DVec3>,
+    residual: Vec<DVec3>,
+    direction: Vec<DVec3>,
+    /// Of conjugate gradients: the residual, the preconditioned one, the direction and its product.
+    vectors: [Vec<DVec3>; 4],
+}
+
+fn dot(one: &[DVec3], other: &[DVec3]) -> f64 {
+    one.iter().zip(other).map(|(one, other)| one.dot(*other)).sum()
+}
+
+impl Newton {
+    /// A solver to a tolerance, the largest residual over the largest force.
+    pub fn new(tolerance: f64) -> Self {
+        Self { tolerance, ..Self::default() }
+    }
+
+    /// Takes the springs of a scene.
+    pub fn begin<V: Vector>(&mut self, dynamics: &Dynamics<V>) {
+        self.springs = colored(&dynamics.springs, dynamics.properties.count());
+        self.mass.clone_from(&dynamics.properties.mass);
+        let zeros = vec![DVec3::ZERO; self.mass.len()];
+        for vector in
+            [&mut self.places, &mut self.velocities, &mut self.residual, &mut self.direction].into_iter().chain(&mut self.vectors)
+        {
+            vector.clone_from(&zeros);
+        }
+    }
+
+    /// The displacements that solve an equation, and the numbers of iterations and products.
+    ///
+    /// # Errors
+    /// If the residual does not become small enough.
+    pub fn solve<V: Vector>(&mut self, dynamics: &Dynamics<V>, equation: &Equation) -> Result<(Vec<DVec3>, [u64; 2]), Unsolved> {
+        let square = equation.h * equation.h;
+        let mobile = |index: usize| {
+            let [_, rate, well] = dynamics.linear.coefficients(0, index);
+            self.mass[index] * (equation.inertia - square * (equation.position * well + equation.rate / equation.h * rate))
+        };
+        let diagonal = |index: usize| if self.mass[index].is_finite() { mobile(index) } else { 0.0 };
+        self.matrix.diagonal = (0..self.mass.len()).map(diagonal).collect();
+        // From the positions, and not from the prediction, which may have turned stiff springs over to another solution.
+        let start = |index: usize| if self.mass[index].is_finite() { DVec3::ZERO } else { equation.predicted[index] };
+        let mut u: Vec<DVec3> = (0..self.mass.len()).map(start).collect();
+        let mut products = 0;
+        let (mut worst, mut first) = (self.evaluate(dynamics, equation, &u), None);
+        for iteration in 0..MOST_ITERATIONS {
+            // A state that is not finite is found by the divergence monitor.
+            if worst.1 <= self.tolerance || worst.1.is_nan() {
+                return Ok((u, [iteration, products]));
+            }
+            let factors = [square * equation.position, square * equation.rate / equation.h];
+            self.matrix.assemble(&self.springs, &self.places, &self.velocities, factors);
+            // Superlinear convergence: the linear equations are solved the better the nearer the solution is.
+            let norm = dot(&self.residual, &self.residual).sqrt();
+            let start = *first.get_or_insert(norm);
+            products += self.descend((norm / start).sqrt().min(0.1));
+            let slope = dot(&self.residual, &self.direction);
+            let (before, mut part) = (u.clone(), 1.0);
+            for _ in 0..MOST_HALVINGS {
+                u.iter_mut().zip(&before).zip(&self.direction).for_each(|((u, &before), &p)| *u = before + part * p);
+                worst = self.evaluate(dynamics, equation, &u);
+                if worst.1 <= self.tolerance || dot(&self.residual, &self.direction).abs() <= DESCENT * slope.abs() {
+                    break;
+                }
+                part *= 0.5;
+            }
+        }
+        Err(Unsolved { particle: worst.0, residual: worst.1, iterations: MOST_ITERATIONS })
+    }
+
+    /// The residual at displacements; returns the particle where it is largest, and it over the largest force.
+    fn evaluate<V: Vector>(&mut self, dynamics: &Dynamics<V>, equation: &Equation, u: &[DVec3]) -> (usize, f64) {
+        let (h, square) = (equation.h, equation.h * equation.h);
+        for index in 0..u.len() {
+            self.places[index] = equation.from[index] + equation.position * u[index];
+            self.velocities[index] = equation.rate / h * u[index] + equation.offset[index];
+        }
+        let mut scale = 0.0_f64;
+        for index in 0..u.len() {
+            let force = linear(dynamics, index, self.places[index], self.velocities[index]);
+            let mass = if self.mass[index].is_finite() { self.mass[index] } else { 0.0 };
+            let inertia = equation.inertia * mass * (u[index] - equation.predicted[index]);
+            self.residual[index] = inertia - square * mass * force;
+            scale = scale.max(inertia.length()).max(square * mass * force.length());
+        }
+        let mut rounding = 0.0_f64;
+        for spring in &self.springs {
+            let [one, other] = spring.ends.map(|end| end as usize);
+            let (offset, relative) = (self.places[other] - self.places[one], self.velocities[other] - self.velocities[one]);
+            let length = offset.length();
+            let direction = if length > 0.0 { offset / length } else { DVec3::ZERO };
+            let pull = spring.stiffness * (length - spring.rest_length) + spring.damping * direction.dot(relative);
+            let force = square * pull * direction;
+            self.residual[one] -= force;
+            self.residual[other] += force;
+            scale = scale.max(force.length());
+            rounding = rounding.max(square * spring.stiffness * length.max(spring.rest_length));
+        }
+        let mut worst = (0, 0.0);
+        let floor = ROUNDINGS * f64::EPSILON * rounding / self.tolerance;
+        for (index, residual) in self.residual.iter_mut().enumerate() {
+            if !self.mass[index].is_finite() {
+                *residual = DVec3::ZERO;
+            }
+            let relative = residual.length() / scale.max(floor).max(f64::MIN_POSITIVE);
+            if relative > worst.1 || relative.is_nan() {
+                worst = (index, relative);
+            }
+        }
+        worst
+    }
+
+    /// The direction p with A p = −R, to a relative residual, or until curvature is negative; returns the number of products.
+    fn descend(&mut self, tolerance: f64) -> u64 {
+        let Self { matrix, residual, direction, vectors: [r, z, p, product], .. } = self;
+        direction.fill(DVec3::ZERO);
+        r.iter_mut().zip(residual.iter()).for_each(|(r, &residual)| *r = -residual);
+        matrix.precondition(r, z);
+        p.clone_from(z);
+        let (mut now, target) = (dot(r, z), tolerance * tolerance * dot(r, r));
+        let most = 3 * r.len() as u64 + 10;
+        for count in 0..most {
+            if dot(r, r) <= target || now <= 0.0 {
+                return count;
+            }
+            matrix.multiply(p, product);
+            let curvature = dot(p, product);
+            if curvature <= 0.0 {
+                // A direction of negative curvature ends the search; as the first one, it descends.
+                if count == 0 {
+                    direction.clone_from(p);
+                }
+                return count + 1;
+            }
+            let step = now / curvature;
+            direction.iter_mut().zip(p.iter()).for_each(|(x, &p)| *x += step * p);
+            r.iter_mut().zip(product.iter()).for_each(|(r, &product)| *r -= step * product);
+            matrix.precondition(r, z);
+            let next = dot(r, z);
+            p.iter_mut().zip(z.iter()).for_each(|(p, &z)| *p = z + next / now * *p);
+            now = next;
+        }
+        most
+    }
+
+    /// Memory [bytes].
+    pub fn bytes(&self) -> usize {
+        let vectors = 9 * size_of_val(self.places.as_slice());
+        size_of_val(self.springs.as_slice()) + self.matrix.bytes() + vectors + size_of_val(self.mass.as_slice())
+    }
+}
+
+/// The acceleration by linear forces [m/s²].
+fn linear<V: Vector>(dynamics: &Dynamics<V>, index: usize, place: DVec3, velocity: DVec3) -> DVec3 {
+    let (place, velocity) = (place.to_array(), velocity.to_array());
+    let mut acceleration = [0.0; 3];
+    for axis in 0..V::DIMENSION {
+        let [constant, rate, well] = dynamics.linear.coefficients(axis, index);
+        acceleration[axis] = constant + rate * velocity[axis] + well * place[axis];
+    }
+    DVec3::from_array(acceleration)
+}
