@@ -68,6 +68,7 @@ TARGETS = (
     Target("XPBD sweep f32", 0.55, "ms", at_most=True),
     Target("XPBD ten sweeps f32", 6.0, "ms", at_most=True),
     Target("projective dynamics f32", 15.0, "ms", at_most=True),
+    Target("implicit step f64", 70.0, "ms", at_most=True),
     Target("fluid 3D, no walls", 5.0, "M particle-steps/s"),
     Target("fluid 3D", 3.5, "M particle-steps/s"),
     Target("fluid 2D", 10.0, "M particle-steps/s"),

@@ -62,6 +62,11 @@ def main() -> dict[str, float]:
         sweep, _, ten, projective = (1e-6 / rate(each, 1.0) for each in contenders)
         figures |= {f"XPBD sweep {precision}": sweep, f"XPBD ten sweeps {precision}": ten}
         figures[f"projective dynamics {precision}"] = projective
+        explicit = pc.stability_limit(pc.Scene(cloth(), pc.Gravity((0.0, 0.0, -9.81))), pc.VelocityVerlet())
+        implicit = Contender("physcore, backward Euler", ours(pc.BackwardEuler(1e-6), precision, 10 * explicit).step)
+        race([implicit])
+        table(f"The same at ten times the explicit limit, {precision}", "spring-steps", springs, [implicit])
+        figures[f"implicit step {precision}"] = 1e-6 / rate(implicit, 1.0)
     print({name: f"{value:.3g} ms" for name, value in figures.items()})
     return figures
 

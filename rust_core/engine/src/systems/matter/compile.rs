@@ -230,6 +230,8 @@ fn footprint<V: Vector>(scene: &Scene, about: &MethodAbout) -> Result<usize> {
 fn advice(about: &MethodAbout, dissipative: bool, bends: bool) -> Option<String> {
     match (about.order, dissipative) {
         _ if !bends || about.order > BlanesMoan6::ORDER => None,
+        // Those for stiff matter are not taken for their order.
+        _ if matches!(about.springs, Treatment::Projections | Treatment::Solved) => None,
         (1, false) => Some("order 1: VelocityVerlet costs the same and is of order 2".to_owned()),
         (1, true) => Some(
             "order 1: VelocityVerlet costs the same per step and is of order 2; where damping limits the step it bears half of it"

@@ -92,7 +92,12 @@ impl Implicit {
                 h * velocity(index)
             }
         };
-        let offset = |index: usize| if two_step { old(DISPLACEMENT, index) / (-2.0 * h) } else { DVec3::ZERO };
+        // Those of a fixed particle give its velocity.
+        let offset = |index: usize| match (two_step, dynamics.properties.is_fixed(index)) {
+            (false, _) => DVec3::ZERO,
+            (true, false) => old(DISPLACEMENT, index) / (-2.0 * h),
+            (true, true) => -0.5 * velocity(index),
+        };
         let equation = Equation {
             h,
             inertia,

@@ -17,8 +17,8 @@ const MOST_ITERATIONS: u64 = 100;
 const MOST_HALVINGS: u32 = 12;
 /// The derivative along a direction at the end of a search, over that at its start.
 const DESCENT: f64 = 0.9;
-/// Rounding errors of the force of a spring, in units of ε k r.
-const ROUNDINGS: f64 = 16.0;
+/// Rounding errors of the forces on a particle, in units of ε k times the coordinates of its springs.
+const ROUNDINGS: f64 = 4.0;
 
 /// The equation of a step: σ M (u − y) = h² F(x + α u, β u/h + w).
 #[derive(Debug)]
@@ -155,7 +155,8 @@ impl Newton {
             self.residual[one] -= force;
             self.residual[other] += force;
             scale = scale.max(force.length());
-            rounding = rounding.max(square * spring.stiffness * length.max(spring.rest_length));
+            let size = self.places[one].abs().max_element() + self.places[other].abs().max_element() + spring.rest_length;
+            rounding = rounding.max(square * spring.stiffness * size);
         }
         let mut worst = (0, 0.0);
         let floor = ROUNDINGS * f64::EPSILON * rounding / self.tolerance;
