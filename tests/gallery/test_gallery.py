@@ -15,7 +15,18 @@ from physcore.gallery.crystal import lattice_energy
 from physcore.gallery.figure import Figure
 from physcore.gallery.hourglass import GRAINS
 
-LONG = ("flag", "drape", "bowl", "labyrinth", "spirals", "butterfly", "vortex_street")
+LONG = (
+    "flag",
+    "drape",
+    "bowl",
+    "labyrinth",
+    "spirals",
+    "butterfly",
+    "vortex_street",
+    "dipole",
+    "double_pendulum",
+    "curtain",
+)
 """Demos that take more than five seconds, of those that have no test of their own."""
 FRAMES = 2
 """How many steps of a film the quick test simulates."""

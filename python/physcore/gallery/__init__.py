@@ -54,6 +54,10 @@ DEMOS = (
     "magnetic_bottle",
     "butterfly",
     "vortex_street",
+    "dipole",
+    "double_pendulum",
+    "chain",
+    "curtain",
 )
 """Every demo; the first one is the default."""
 

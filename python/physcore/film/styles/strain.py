@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from physcore._core import Canvas
-from physcore.checks import BoolArray, FloatArray, IntArray
+from physcore.checks import BoolArray, FloatArray, IntArray, flag
 from physcore.errors import SceneError
 from physcore.film.camera.view import View
 from physcore.film.colors.colormaps import diverging, look_up
@@ -44,6 +44,7 @@ class Strain(BodyStyle):
         range: the strain (length / rest length - 1) at which colors end [1], of rods the tension [N]; None: what is
             typical of the worst frame.
         width: of the lines [pixels]; None: as fits their length.
+        nodes: whether particles with a radius are drawn as discs of that size.
         on: as in Style; it must have springs.
 
     Raises:
@@ -52,10 +53,12 @@ class Strain(BodyStyle):
 
     range: float | None = None
     width: float | None = None
+    nodes: bool = False
 
     def __post_init__(self) -> None:
         super().__post_init__()
         self._set_positive("range", "width")
+        self._set(nodes=flag(self.nodes, "Strain.nodes"))
 
     def can_draw(self, body: Body) -> bool:
         """Whether it has springs."""
@@ -75,7 +78,7 @@ class StrainPainter(Painter):
     def __init__(self, style: Strain, source: Source, parts: list[Part], theme: Theme) -> None:
         self.style, self._style, self._domain, self._theme = style, style, source.scene.periodic, theme
         self._table = diverging(theme.compressed, theme.relaxed, theme.stretched)
-        pairs, rest, chain, brace, fixed, springs, rods = [], [], [], [], [], [], []
+        pairs, rest, chain, brace, fixed, springs, rods, nodes, radii = [], [], [], [], [], [], [], [], []
         for part in parts:
             body = part.body
             assert isinstance(body, SpringNetwork)  # the style has made sure of it
@@ -87,6 +90,9 @@ class StrainPainter(Painter):
             brace.append(body.rest_length[shown] > BRACE * _spacing(body.pairs[shown], body.rest_length[shown]))
             chain.append(np.full(shown.sum(), shown.sum() < 1.5 * len(body)))
             fixed.append(np.flatnonzero(body.fixed) + part.where.start)
+            seen = np.flatnonzero((body.radius > 0.0) & style.nodes)
+            nodes.append(seen + part.where.start)
+            radii.append(body.radius[seen])
         # The longest are painted first, so that in a cloth the weave lies above its diagonals.
         order = np.argsort(-np.concatenate(rest), kind="stable")
         self._pairs: IntArray = np.concatenate(pairs)[order]
@@ -94,6 +100,8 @@ class StrainPainter(Painter):
         self._brace: BoolArray = np.concatenate(brace)[order]
         self._chain: BoolArray = np.concatenate(chain)[order]
         self._fixed: IntArray = np.concatenate(fixed)
+        self._nodes: IntArray = np.concatenate(nodes)
+        self._radii: FloatArray = np.concatenate(radii)
         rigid = bool(len(order)) and bool(np.concatenate(rods).all()) and source.has(TENSIONS)
         self._rods: IntArray | None = np.concatenate(springs)[order] if rigid else None
         self.top = style.range or NEVER
@@ -133,6 +141,10 @@ class StrainPainter(Painter):
         ink[self._brace, 3] = round(255 * FAINT)
         widths = self._widths(view)
         canvas.lines(np.concatenate([points[first], ends], axis=1), widths, ink, between)
+        _, _, magnification = view.project(frame.positions[self._nodes])
+        sizes = (self._radii * magnification).astype(np.float32)
+        middle = np.tile(np.array([*self._theme.text, 255], dtype=np.uint8), (len(sizes), 1))
+        canvas.discs(points[self._nodes], sizes, middle, None if depth is None else depth[self._nodes])
         pins = np.tile(np.array([*self._theme.text, 255], dtype=np.uint8), (len(self._fixed), 1))
         radius = np.minimum(PIN, 0.6 + 0.7 * float(np.median(widths)))
         radii = np.full(len(self._fixed), radius, dtype=np.float32)

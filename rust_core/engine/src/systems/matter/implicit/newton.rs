@@ -1,7 +1,7 @@
 //! Newton's method with line search, whose linear equations are solved by preconditioned conjugate gradients.
 //!
 //! The residual R(u) = σ M (u − y) − h² F is the gradient of a function of u, where forces have a potential: a search along p ends where
-//! the derivative R·p has fallen to nine tenths at most, so that it needs no potential. All sums are in one fixed order. Source:
+//! the derivative R·p has fallen to a half at most, so that it needs no potential. All sums are in one fixed order. Source:
 //! J. Nocedal, S. J. Wright, "Numerical Optimization", 2nd ed., 2006, chapters 3, 5 and 7.
 
 use glam::DVec3;
@@ -12,11 +12,13 @@ use crate::math::Vector;
 use crate::systems::matter::dynamics::Dynamics;
 use crate::systems::matter::projection::colored;
 
-/// The most iterations of Newton's method, and halvings of a step of it.
-const MOST_ITERATIONS: u64 = 100;
-const MOST_HALVINGS: u32 = 12;
+/// The most iterations of Newton's method, and trials of a search along a direction.
+const MOST_ITERATIONS: u64 = 200;
+const MOST_TRIALS: u32 = 16;
+/// The residual over the largest force below which all derivatives are taken.
+const NEAR: f64 = 0.01;
 /// The derivative along a direction at the end of a search, over that at its start.
-const DESCENT: f64 = 0.9;
+const DESCENT: f64 = 0.5;
 /// Rounding errors of the forces on a particle, in units of ε k times the coordinates of its springs.
 const ROUNDINGS: f64 = 4.0;
 
@@ -114,19 +116,36 @@ impl Newton {
             // Superlinear convergence: the linear equations are solved the better the nearer the solution is.
             let norm = dot(&self.residual, &self.residual).sqrt();
             let start = *first.get_or_insert(norm);
-            products += self.descend((norm / start).sqrt().min(0.1));
+            let tolerance = (norm / start).sqrt().min(0.1);
+            // Near the solution, with all derivatives, convergence is quadratic; elsewhere compressed springs may make the matrix
+            // indefinite, and then their stiffness across is left out.
+            let exact = (worst.1 < NEAR).then(|| self.descend(tolerance, false));
+            let count = exact.flatten().or_else(|| self.descend(tolerance, true));
+            products += count.unwrap_or_default();
             let slope = dot(&self.residual, &self.direction);
-            let (before, mut part) = (u.clone(), 1.0);
-            for _ in 0..MOST_HALVINGS {
-                u.iter_mut().zip(&before).zip(&self.direction).for_each(|((u, &before), &p)| *u = before + part * p);
-                worst = self.evaluate(dynamics, equation, &u);
-                if worst.1 <= self.tolerance || dot(&self.residual, &self.direction).abs() <= DESCENT * slope.abs() {
-                    break;
-                }
-                part *= 0.5;
-            }
+            worst = self.search(dynamics, equation, &mut u, slope);
         }
         Err(Unsolved { particle: worst.0, residual: worst.1, iterations: MOST_ITERATIONS })
+    }
+
+    /// Moves displacements along the direction, in whose beginning the derivative is `slope` < 0, until it has fallen to a half of
+    /// that; a direction along which it has hardly changed is followed further, as where springs buckle.
+    fn search<V: Vector>(&mut self, dynamics: &Dynamics<V>, equation: &Equation, u: &mut [DVec3], slope: f64) -> (usize, f64) {
+        let before = u.to_vec();
+        let mut bracket = [0.0, f64::INFINITY];
+        let mut part = 1.0;
+        let mut worst = (0, f64::INFINITY);
+        for _ in 0..MOST_TRIALS {
+            u.iter_mut().zip(&before).zip(&self.direction).for_each(|((u, &before), &p)| *u = before + part * p);
+            worst = self.evaluate(dynamics, equation, u);
+            let derivative = dot(&self.residual, &self.direction);
+            if worst.1 <= self.tolerance || derivative.abs() <= DESCENT * slope.abs() {
+                break;
+            }
+            bracket[usize::from(derivative > 0.0)] = part;
+            part = if bracket[1].is_finite() { 0.5 * (bracket[0] + bracket[1]) } else { 2.0 * part };
+        }
+        worst
     }
 
     /// The residual at displacements; returns the particle where it is largest, and it over the largest force.
@@ -172,8 +191,8 @@ impl Newton {
         worst
     }
 
-    /// The direction p with A p = −R, to a relative residual, or until curvature is negative; returns the number of products.
-    fn descend(&mut self, tolerance: f64) -> u64 {
+    /// The direction p with A p = −R, to a relative residual; returns the number of products, or None where A is not definite.
+    fn descend(&mut self, tolerance: f64, definite: bool) -> Option<u64> {
         let Self { matrix, residual, direction, vectors: [r, z, p, product], .. } = self;
         direction.fill(DVec3::ZERO);
         r.iter_mut().zip(residual.iter()).for_each(|(r, &residual)| *r = -residual);
@@ -183,16 +202,12 @@ impl Newton {
         let most = 3 * r.len() as u64 + 10;
         for count in 0..most {
             if dot(r, r) <= target || now <= 0.0 {
-                return count;
+                return Some(count);
             }
-            matrix.multiply(p, product);
+            matrix.multiply(p, product, definite);
             let curvature = dot(p, product);
             if curvature <= 0.0 {
-                // A direction of negative curvature ends the search; as the first one, it descends.
-                if count == 0 {
-                    direction.clone_from(p);
-                }
-                return count + 1;
+                return None;
             }
             let step = now / curvature;
             direction.iter_mut().zip(p.iter()).for_each(|(x, &p)| *x += step * p);
@@ -202,7 +217,7 @@ impl Newton {
             p.iter_mut().zip(z.iter()).for_each(|(p, &z)| *p = z + next / now * *p);
             now = next;
         }
-        most
+        Some(most)
     }
 
     /// Memory [bytes].

@@ -57,15 +57,17 @@ impl Stiffness {
         }
     }
 
-    /// A p into `product`; components of fixed particles are 0.
-    pub fn multiply(&self, p: &[DVec3], product: &mut [DVec3]) {
+    /// A p into `product`; components of fixed particles are 0. `definite` leaves negative stiffness across out.
+    pub fn multiply(&self, p: &[DVec3], product: &mut [DVec3], definite: bool) {
+        let least = if definite { 0.0 } else { f64::NEG_INFINITY };
         for ((product, &p), &diagonal) in product.iter_mut().zip(p).zip(&self.diagonal) {
             *product = diagonal * p;
         }
         for block in &self.blocks {
             let [one, other] = block.ends.map(|end| end as usize);
             let apart = p[other] - p[one];
-            let force = block.across * apart + (block.along - block.across) * block.direction.dot(apart) * block.direction;
+            let across = block.across.max(least);
+            let force = across * apart + (block.along - across) * block.direction.dot(apart) * block.direction;
             product[one] -= force;
             product[other] += force;
         }

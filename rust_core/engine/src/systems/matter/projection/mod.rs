@@ -5,6 +5,7 @@
 //! equation for the springs, M (u − y) = h² F(x + u, u/h): stable at any stiffness, of order 1, and with its damping, which is an error
 //! of the method and no dissipation. Contacts are resolved on the way from x to x + u.
 
+mod curvature;
 mod links;
 mod projective;
 mod sweep;

@@ -5,11 +5,13 @@
 //!     (M + h² Σ (k + c/h) Dᵀ D) Δu = −M (u − y) + h² F(x + u, u/h)
 //!
 //! decreases the incremental energy in every iteration. D takes differences of positions, so that the matrix is the same for all axes;
-//! it is factorized once for each step size. Iterations start from u = 0, where a state of rest remains. Sources: S. Bouaziz et al.,
+//! it is factorized once for each step size. It is stiff across springs too, where a swinging cloth is not: what iterations learn of
+//! that corrects it ([`super::curvature`]). They start from u = 0, where a state of rest remains. Sources: S. Bouaziz et al.,
 //! ACM Trans. Graph. 33, 154 (2014); T. Liu, S. Bouaziz, L. Kavan, ACM Trans. Graph. 36, 23 (2017) for the quasi-Newton form.
 
 use glam::DVec3;
 
+use super::curvature::{Curvature, dot};
 use super::links::{Link, Point, gather, links, scatter};
 use super::sweep::count;
 use super::{Projector, about};
@@ -25,17 +27,23 @@ use crate::systems::matter::method::About;
 /// The class's name in Python.
 pub const NAME: &str = "ProjectiveDynamics";
 
+/// The most halvings of a step, and the derivative of the energy along it at its end, over that at its start.
+const MOST_HALVINGS: usize = 6;
+const DESCENT: f64 = 0.95;
+
 /// The projector.
 pub struct Projective<V: Vector> {
     iterations: usize,
     /// What belongs to a step size [s].
     prepared: Option<(f64, Prepared<V::Scalar>)>,
-    /// Positions, predicted displacements y and displacements u [m], forces h² F [kg·m], and the changes of free particles.
+    /// Positions, predicted displacements y and displacements u [m], and forces h² F [kg·m].
     from: Vec<Point<V::Scalar>>,
     predicted: Vec<Point<V::Scalar>>,
     displacements: Vec<Point<V::Scalar>>,
     forces: Vec<Point<V::Scalar>>,
-    changes: Vec<DVec3>,
+    /// Residuals of the free particles, and what is known of their changes.
+    residual: Vec<DVec3>,
+    curvature: Curvature,
     buffer: Vec<DVec3>,
 }
 
@@ -54,8 +62,9 @@ impl<V: Vector> Projective<V> {
     pub fn declared(item: &Item) -> Result<Self> {
         let empty = [const { Vec::new() }; 4];
         let [from, predicted, displacements, forces] = empty;
-        let (iterations, changes, buffer) = (count(item, "iterations")?, Vec::new(), Vec::new());
-        Ok(Self { iterations, prepared: None, from, predicted, displacements, forces, changes, buffer })
+        let (iterations, residual, buffer) = (count(item, "iterations")?, Vec::new(), Vec::new());
+        let curvature = Curvature::default();
+        Ok(Self { iterations, prepared: None, from, predicted, displacements, forces, residual, curvature, buffer })
     }
 }
 
@@ -107,27 +116,20 @@ impl<V: Vector> Projector<V> for Projective<V> {
         if self.prepared.as_ref().is_none_or(|(known, _)| *known != h) {
             self.prepared = Some((h, prepare(dynamics, h)));
         }
-        let Self { iterations, prepared, from: positions, predicted, displacements, forces, changes, buffer } = self;
-        let Some((_, Prepared { links, free, factorization })) = prepared else { return };
-        gather(from, positions);
-        gather(displacement, predicted);
-        displacements.clone_from(predicted);
-        free.iter().for_each(|&particle| displacements[particle as usize] = Point::default());
-        for _ in 0..*iterations {
-            forces.clear();
-            forces.resize(predicted.len(), Point::default());
-            dispatch(Pulls { links, from: positions, displacements, forces });
-            let inertial =
-                |index: usize| dynamics.properties.mass[index] * (vector(&predicted[index]) - vector(&displacements[index]));
-            changes.clear();
-            changes.extend(free.iter().map(|&index| inertial(index as usize) + vector(&forces[index as usize])));
-            factorization.solve(changes, buffer);
-            for (change, &particle) in changes.iter().zip(free.iter()) {
-                let point = &mut displacements[particle as usize];
-                point.iter_mut().zip(change.to_array()).for_each(|(value, change)| *value += V::Scalar::from_f64(change));
+        gather(from, &mut self.from);
+        gather(displacement, &mut self.predicted);
+        self.displacements.clone_from(&self.predicted);
+        let Some((_, prepared)) = self.prepared.take() else { return };
+        prepared.free.iter().for_each(|&particle| self.displacements[particle as usize] = Point::default());
+        self.curvature.clear();
+        self.balance(dynamics, &prepared);
+        for iteration in 0..self.iterations {
+            if !self.iterate(dynamics, &prepared, iteration == 0) {
+                break;
             }
         }
-        scatter(displacements, displacement);
+        self.prepared = Some((h, prepared));
+        scatter(&self.displacements, displacement);
     }
 
     fn bytes(&self) -> usize {
@@ -137,7 +139,56 @@ impl<V: Vector> Projector<V> for Projective<V> {
         });
         prepared
             + points.iter().map(|points| size_of_val(points.as_slice())).sum::<usize>()
-            + 2 * size_of_val(self.changes.as_slice())
+            + 2 * size_of_val(self.residual.as_slice())
+            + self.curvature.bytes()
+    }
+}
+
+impl<V: Vector> Projective<V> {
+    /// Sets the residual −M (u − y) + h² F of the free particles.
+    fn balance(&mut self, dynamics: &Dynamics<V>, Prepared { links, free, .. }: &Prepared<V::Scalar>) {
+        let Self { from, predicted, displacements, forces, residual, .. } = self;
+        forces.clear();
+        forces.resize(predicted.len(), Point::default());
+        dispatch(Pulls { links, from, displacements, forces });
+        let inertial =
+            |index: usize| dynamics.properties.mass[index] * (vector(&predicted[index]) - vector(&displacements[index]));
+        residual.clear();
+        residual.extend(free.iter().map(|&index| inertial(index as usize) + vector(&forces[index as usize])));
+    }
+
+    /// One iteration: a step along the corrected direction, halved until the residual has fallen along it; false where there is none.
+    /// The first one is whole, and leaves a residual without a sum where nothing is held: with it momentum is kept, by the later ones
+    /// too as long as they do not remember the first.
+    fn iterate(&mut self, dynamics: &Dynamics<V>, prepared: &Prepared<V::Scalar>, first: bool) -> bool {
+        let before = self.residual.clone();
+        let mut direction = before.clone();
+        self.curvature.direct(&mut direction, |vector| prepared.factorization.solve(vector, &mut self.buffer));
+        let slope = dot(&before, &direction);
+        if slope <= 0.0 || slope.is_nan() {
+            return false;
+        }
+        let start: Vec<Point<V::Scalar>> = prepared.free.iter().map(|&particle| self.displacements[particle as usize]).collect();
+        let mut part = 1.0;
+        for _ in 0..MOST_HALVINGS {
+            for ((&particle, point), step) in prepared.free.iter().zip(&start).zip(&direction) {
+                let step = (part * *step).to_array();
+                let moved = &mut self.displacements[particle as usize];
+                (0..3).for_each(|axis| moved[axis] = point[axis] + V::Scalar::from_f64(step[axis]));
+            }
+            self.balance(dynamics, prepared);
+            if first || dot(&self.residual, &direction).abs() <= DESCENT * slope {
+                break;
+            }
+            part *= 0.5;
+        }
+        if first {
+            return true;
+        }
+        direction.iter_mut().for_each(|step| *step *= part);
+        let change = before.iter().zip(&self.residual).map(|(before, after)| *before - *after).collect();
+        self.curvature.remember(direction, change);
+        true
     }
 }
 

@@ -1,0 +1,76 @@
+"""Two opposite charges orbit each other and carry their field with them: its lines run from one to the other.
+
+The physics checked: the period of two charges that attract each other is that of Kepler's third law.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+import physcore as pc
+from physcore.film import Window
+from physcore.film.colors.themes import DARK
+from physcore.gallery.figure import Figure
+
+CHARGE, MASS = 1e-6, 1e-3
+"""[C] and [kg] of each."""
+APART, SLOW = 1.0, 0.8
+"""The distance at the start [m], and the speed there over that of a circular orbit."""
+
+STRENGTH = pc.Coulomb().constant * CHARGE**2
+"""Of their attraction [N·m²]."""
+AXIS = APART / (2.0 - SLOW**2)
+"""The semi-major axis of the relative orbit, by the energy at the start [m]."""
+PERIOD = 2.0 * math.pi * math.sqrt(0.5 * MASS * AXIS**3 / STRENGTH)
+"""[s]"""
+DURATION = PERIOD
+"""[s]"""
+
+
+def scene() -> pc.Scene:
+    """They begin at their largest distance."""
+    speed = 0.5 * SLOW * math.sqrt(STRENGTH / (0.5 * MASS * APART))
+    ends = np.array([[-0.5, 0.0], [0.5, 0.0]]) * APART
+    names = ("positive", "negative")
+    charges = [
+        pc.Particles([at], [[0.0, math.copysign(speed, at[0])]], MASS, sign * CHARGE, 0.045, name=name)
+        for at, sign, name in zip(ends, (1.0, -1.0), names, strict=True)
+    ]
+    return pc.Scene(*charges, pc.Coulomb())
+
+
+def main(path: str | os.PathLike[str] = "dipole.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
+    """Simulate it and draw both with field lines and equipotentials."""
+    recording = pc.simulate(scene(), DURATION, fps=48.0 / PERIOD, integrator=pc.GaussRadau15(), progress=progress)
+    style = [
+        pc.styles.Equipotentials(17, strength=0.3),
+        pc.styles.FieldLines(lines=20, strength=0.75),
+        pc.styles.Points(color="body", glow=0.9, trail=0.0),
+    ]
+    pc.film(
+        recording,
+        path,
+        size=(560, 420),
+        style=style,
+        camera=Window((-1.15, -0.86), (1.15, 0.86)),
+        theme=replace(DARK, bodies=((255, 96, 84), (86, 156, 255))),
+        speed=PERIOD / 2.4,
+        progress=progress,
+    )
+    return {"charges": recording}
+
+
+def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
+    """Twice the time of the perihelion, at which the distance stops to shrink."""
+    charges = recordings["charges"]
+    apart = charges.positions[:, 0] - charges.positions[:, 1]
+    rate = ((charges.velocities[:, 0] - charges.velocities[:, 1]) * apart).sum(axis=1)
+    middle = len(rate) // 2
+    near = slice(middle - 1, middle + 2)
+    found = 2.0 * float(np.interp(0.0, rate[near], charges.times[near]))
+    return Figure("period", found, PERIOD, "by Kepler's third law", 1e-5, "s")

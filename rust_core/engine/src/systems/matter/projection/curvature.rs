@@ -1,0 +1,66 @@
+//! Limited-memory BFGS: the last changes of displacements and residuals correct a constant matrix.
+//!
+//! Source: J. Nocedal, S. J. Wright, "Numerical Optimization", 2nd ed., 2006, algorithm 7.4.
+
+use glam::DVec3;
+
+/// The number of changes that are remembered.
+const REMEMBERED: usize = 5;
+
+/// A change s of the displacements, that of the residual, and 1 over their product.
+#[derive(Debug)]
+struct Change {
+    step: Vec<DVec3>,
+    residual: Vec<DVec3>,
+    weight: f64,
+}
+
+/// The last changes, oldest first.
+#[derive(Debug, Default)]
+pub struct Curvature {
+    changes: Vec<Change>,
+}
+
+/// The scalar product, in one fixed order.
+pub fn dot(one: &[DVec3], other: &[DVec3]) -> f64 {
+    one.iter().zip(other).map(|(one, other)| one.dot(*other)).sum()
+}
+
+fn add(sum: &mut [DVec3], factor: f64, vector: &[DVec3]) {
+    sum.iter_mut().zip(vector).for_each(|(sum, &vector)| *sum += factor * vector);
+}
+
+impl Curvature {
+    /// Forgets all changes.
+    pub fn clear(&mut self) {
+        self.changes.clear();
+    }
+
+    /// Remembers a change, if the residual falls along it.
+    pub fn remember(&mut self, step: Vec<DVec3>, residual: Vec<DVec3>) {
+        let product = dot(&step, &residual);
+        if product > 0.0 {
+            self.changes.drain(..(self.changes.len() + 1).saturating_sub(REMEMBERED));
+            self.changes.push(Change { step, residual, weight: 1.0 / product });
+        }
+    }
+
+    /// Turns a residual into the direction in which it falls; `solve` multiplies by the inverse of the constant matrix.
+    pub fn direct(&self, residual: &mut Vec<DVec3>, solve: impl FnOnce(&mut Vec<DVec3>)) {
+        let mut shares = [0.0; REMEMBERED];
+        for (change, share) in self.changes.iter().zip(&mut shares).rev() {
+            *share = change.weight * dot(&change.step, residual);
+            add(residual, -*share, &change.residual);
+        }
+        solve(residual);
+        for (change, share) in self.changes.iter().zip(shares) {
+            let known = change.weight * dot(&change.residual, residual);
+            add(residual, share - known, &change.step);
+        }
+    }
+
+    /// Memory [bytes].
+    pub fn bytes(&self) -> usize {
+        self.changes.iter().map(|change| 2 * size_of_val(change.step.as_slice())).sum()
+    }
+}
