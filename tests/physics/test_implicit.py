@@ -211,6 +211,14 @@ def test_forces_without_derivatives_are_refused_by_name(integrator, item):
         pc.Simulation(pc.Scene(sheet(3), item), integrator)
 
 
+def test_winds_of_two_kinds_are_refused():
+    """Linear drag joins one linear force, which has one wind."""
+    drags = (pc.Drag(linear=0.1, wind=(1.0, 0.0, 0.0)), pc.Drag(linear=0.1, wind=(0.0, 1.0, 0.0)))
+    pc.Simulation(pc.Scene(sheet(3), drags[0]), pc.BackwardEuler())
+    with pytest.raises(pc.SceneError, match="for a Drag, got BackwardEuler"):
+        pc.Simulation(pc.Scene(sheet(3), *drags), pc.BackwardEuler())
+
+
 @pytest.mark.parametrize("kind", [pc.BackwardEuler, pc.ImplicitMidpoint, pc.BDF2])
 def test_a_tolerance_out_of_range_is_refused(kind: Any):
     for tolerance in (0.0, -1.0, math.nan, "small"):

@@ -67,10 +67,11 @@ pub fn compile<V: Vector>(scene: &Scene, method: Box<dyn Method<V>>, executor: &
         }
         all.push(fluid);
     }
+    let mut fusion = Fusion::new(if solves { count } else { 0 });
     for item in &scene.forces {
         executor.check()?;
         let built = forces::build(scene, item, &properties, executor)?;
-        refuse_forces(&about, item, &built, &properties)?;
+        refuse_forces(&about, item, &built, (&properties, &mut fusion))?;
         all.extend(built);
     }
     let contacts = Contacts::build(scene, &properties)?;
@@ -127,16 +128,16 @@ pub fn compile<V: Vector>(scene: &Scene, method: Box<dyn Method<V>>, executor: &
     Ok(MatterSystem::new(dynamics, state, method, stages, fields))
 }
 
-/// Refuses forces for which a method has no projections, or no derivatives.
+/// Refuses forces for which a method has no projections, or no derivatives: those that do not join the linear force of those before.
 fn refuse_forces<V: Vector>(
     about: &MethodAbout,
     item: &Item,
     built: &[Box<dyn Force<V>>],
-    properties: &Properties<V>,
+    (properties, fusion): (&Properties<V>, &mut Fusion),
 ) -> Result<()> {
-    let fits = |force: &dyn Force<V>| match about.springs {
+    let mut fits = |force: &dyn Force<V>| match about.springs {
         Treatment::Projections => force.about().reach == Reach::Pointwise && !force.about().callback,
-        Treatment::Solved => force.fuse(properties, &mut Fusion::new(properties.count())),
+        Treatment::Solved => force.fuse(properties, fusion),
         Treatment::Forces | Treatment::Rods => true,
     };
     if built.iter().all(|force| fits(force.as_ref())) { Ok(()) } else { Err(cannot_take(about, &item.kind)) }
