@@ -103,6 +103,9 @@ def shown(tmp_path: Path, record_property: Callable[[str, object], None]) -> Cal
         "collision",
         "penning_trap",
         "magnetic_bottle",
+        "dipole",
+        "double_pendulum",
+        "chain",
         *(pytest.param(name, marks=pytest.mark.long) for name in LONG),
     ],
 )
@@ -111,6 +114,14 @@ def test_a_figure_holds_and_the_budget_closes(name: str, shown: Callable[[str], 
     recording = shown(name)
     for budget in (recording.energy, *recording.budgets.values()):
         assert abs(budget.drift).max() < 0.02
+
+
+@pytest.mark.long
+def test_the_curtain_loses_energy_to_its_methods_alone(shown: Callable[[str], pc.Recording]) -> None:
+    """Nothing but drag and damping dissipates; what backward Euler's equation takes beside is drift, downwards."""
+    recording = shown("curtain")
+    assert set(recording.energy.dissipated_by) >= {"drag", "damping"}
+    assert recording.energy.drift[-1] < -0.05
 
 
 def test_every_demo_is_run_whole() -> None:
