@@ -23,9 +23,6 @@ LONG = (
     "spirals",
     "butterfly",
     "vortex_street",
-    "dipole",
-    "double_pendulum",
-    "curtain",
 )
 """Demos that take more than five seconds, of those that have no test of their own."""
 FRAMES = 2
