@@ -98,6 +98,23 @@ def cloth(shape: tuple[int, int] = (12, 9)) -> pc.Scene:
     return pc.Scene(sheet, pc.Gravity((0.0, 0.0, -9.81)), pc.Drag(0.001), ground)
 
 
+def torn(side: int = 9) -> pc.Scene:
+    """A sheet in the plane that is pulled apart, so that its springs break from the third step on."""
+    sheet = pc.cloth((side, side), 0.1, 100.0, 0.02, mass=0.01)
+    sites = sheet.positions - sheet.positions.mean(axis=0)
+    body = pc.SpringNetwork(
+        sheet.positions,
+        sheet.pairs,
+        sheet.stiffness,
+        sheet.damping,
+        mass=0.01,
+        velocities=sites @ [[0.4, 1.0], [0.3, 9.0]],
+        fixed=[0],
+        breaking_strain=_random().uniform(0.02, 0.12, len(sheet.pairs)),
+    )
+    return pc.Scene(body, pc.Gravity((0.0, -9.81)))
+
+
 def chain(links: int = 12, dimension: int = 2) -> pc.Scene:
     """A chain of rods with a heavy end, and a loose one that two springs tie to it, with drag."""
     nodes = np.zeros((links + 2, dimension))
@@ -448,6 +465,12 @@ SCENES: dict[str, Case] = {
     "cloth ProjectiveDynamics f32": Case(cloth, 0.005, {**F32, "integrator": pc.ProjectiveDynamics(6)}),
     "cloth": Case(cloth, 0.002, large=_large_cloth),
     "cloth f32": Case(cloth, 0.002, F32, large=_large_cloth),
+    "torn": Case(torn, 0.002, large=lambda: torn(90)),
+    "torn f32 RungeKutta4": Case(torn, 0.002, {**RK4, **F32}),
+    "torn adaptive": Case(torn, 0.002, {"dt": pc.AdaptiveStep()}),
+    "torn BackwardEuler": Case(torn, 0.002, {"integrator": pc.BackwardEuler(1e-12)}),
+    "torn XPBD": Case(torn, 0.002, {"integrator": pc.XPBD(3, 2)}),
+    "torn ProjectiveDynamics": Case(torn, 0.002, {"integrator": pc.ProjectiveDynamics(6)}),
     "swarm folded": Case(lambda: swarm(DOWN, BREEZE), 0.01, large=_large_swarm),
     "swarm folded f32": Case(lambda: swarm(DOWN, pc.Drag(0.1)), 0.01, F32, large=_large_swarm),
     "swarm quadratic drag": Case(

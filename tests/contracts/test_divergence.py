@@ -35,6 +35,7 @@ BOUNDED = {
     **dict.fromkeys(("cluster by a tree", "cluster by a tree f32", "plasma by a tree 2D"), "likewise"),
     "grains": "bounce off each other, and lose more than they gain",
     "grains f32": "likewise",
+    **dict.fromkeys(("torn", "torn f32 RungeKutta4", "torn XPBD"), "breaks, and what is left is soft"),
     "cloth ProjectiveDynamics f32": "is limited by its drag alone, which its springs bear",
     "packet": "is limited by accuracy, and its steps are unitary",
     **dict.fromkeys(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -146,6 +147,9 @@ class SpringNetwork(Body):
         damping: c of each spring, along the spring [N·s/m], broadcast to (M,), at least zero.
         rest_length: l₀ of each spring [m], broadcast to (M,); None: the lengths that the springs have in `positions`.
         mass, fixed, velocities, charge, radius, name: as in Particles.
+        breaking_strain: strain (l − l₀)/l₀ of each spring beyond which it breaks, broadcast to (M,), at least zero;
+            infinite by default. A broken spring is gone from the end of that step on, and its energy is dissipated as
+            "tearing"; `recording[network].broken` says which are. Rods, and springs of rest length 0, do not break.
         faces: indices of the three corners of each triangle of a surface, shape (T, 3); None: it has none. They say
             how it can be drawn (`physcore.styles.Surface`), and have no part in the motion.
 
@@ -162,6 +166,8 @@ class SpringNetwork(Body):
     """Damping along each spring [N·s/m], shape (M,)."""
     rest_length: FloatArray
     """Rest length of each spring [m], shape (M,)."""
+    breaking_strain: FloatArray
+    """Strain beyond which each spring breaks, shape (M,)."""
     faces: IntArray = field(metadata=APPEARANCE)
     """Indices of the corners of each triangle of its surface, shape (T, 3)."""
 
@@ -179,6 +185,7 @@ class SpringNetwork(Body):
         radius: ArrayLike = 0.0,
         name: str | None = None,
         faces: ArrayLike | None = None,
+        breaking_strain: ArrayLike = math.inf,
     ) -> None:
         self._set_particles(positions, velocities, mass, charge, radius, fixed, name)
         links = _indices(pairs, 2, len(self), "SpringNetwork.pairs")
@@ -186,19 +193,41 @@ class SpringNetwork(Body):
         if rest_length is None:
             with np.errstate(over="ignore"):  # A length that is too large is refused as infinite.
                 rest_length = np.linalg.norm(self.positions[links[:, 1]] - self.positions[links[:, 0]], axis=1)
-        springs = {"stiffness": stiffness, "damping": damping, "rest_length": rest_length}
+        springs = {
+            "stiffness": stiffness,
+            "damping": damping,
+            "rest_length": rest_length,
+            "breaking_strain": breaking_strain,
+        }
         self._set(pairs=links)
         for column, value in springs.items():
             path = f"SpringNetwork.{column}"
-            values = broadcast(value, (len(links),), path, finite=column != "stiffness")
+            values = broadcast(value, (len(links),), path, finite=column not in ("stiffness", "breaking_strain"))
             require(values >= 0, values, path, "≥ 0")
             self._set(**{column: values})
         self._check_rods()
+        self._check_breaking()
 
     @property
     def rods(self) -> BoolArray:
         """Which springs are rods, shape (M,)."""
         return np.isinf(self.stiffness)
+
+    @property
+    def can_tear(self) -> bool:
+        """Whether a spring can break."""
+        return bool(np.isfinite(self.breaking_strain).any())
+
+    def _check_breaking(self) -> None:
+        """What breaks has a strain, which neither a rod has nor a spring of rest length 0."""
+        strainless = np.isfinite(self.breaking_strain) & (self.rods | (self.rest_length == 0.0))
+        if strainless.any():
+            row = int(np.argmax(strainless))
+            what = "a rod" if self.rods[row] else "a spring of rest length 0"
+            raise SceneError(
+                f"SpringNetwork.breaking_strain[{row}]: must be infinite for {what}, which has no strain, "
+                f"got {self.breaking_strain[row]:g}"
+            )
 
     def _check_rods(self) -> None:
         """Rods are as long as their ends are apart, but for rounding, and that is not zero."""

@@ -64,6 +64,7 @@ def rope(
     velocities: ArrayLike = 0.0,
     radius: ArrayLike = 0.0,
     name: str | None = None,
+    breaking_strain: float = math.inf,
 ) -> SpringNetwork:
     """A straight chain of particles, each joined to the next by a spring.
 
@@ -77,6 +78,7 @@ def rope(
         direction: where the rope points to; +x by default; its length does not matter.
         pinned: "start", "end", "both", a bool mask, or integer indices.
         velocities, radius, name: as in Particles.
+        breaking_strain: the strain beyond which a spring breaks.
 
     Raises:
         SceneError: a parameter is out of range or of the wrong shape.
@@ -98,6 +100,7 @@ def rope(
         velocities=velocities,
         radius=radius,
         name=name,
+        breaking_strain=breaking_strain,
     )
 
 
@@ -118,6 +121,7 @@ def cloth(
     velocities: ArrayLike = 0.0,
     radius: ArrayLike = 0.0,
     name: str | None = None,
+    breaking_strain: float = math.inf,
 ) -> SpringNetwork:
     """A rectangular cloth of structural, shear and bend springs (Provot 1995), at rest.
 
@@ -138,6 +142,7 @@ def cloth(
             a bool mask, or integer indices.
         shear_damping, bend_damping: [N·s/m]; None: the same as `damping`.
         velocities, radius, name: as in Particles.
+        breaking_strain: the strain beyond which a spring breaks.
 
     Raises:
         SceneError: a parameter is out of range or of the wrong shape.
@@ -176,6 +181,7 @@ def cloth(
         velocities=velocities,
         radius=radius,
         name=name,
+        breaking_strain=breaking_strain,
     )
 
 
@@ -193,6 +199,7 @@ def soft_body(
     velocities: ArrayLike = 0.0,
     radius: ArrayLike = 0.0,
     name: str | None = None,
+    breaking_strain: float = math.inf,
 ) -> SpringNetwork:
     """A block of jelly: a lattice of springs along its axes and along the diagonals of its faces, at rest.
 
@@ -211,6 +218,7 @@ def soft_body(
             (along y), a tuple of these, a bool mask, or integer indices.
         shear_damping: along each diagonal [N·s/m]; None: the same as `damping`.
         velocities, radius, name: as in Particles.
+        breaking_strain: the strain beyond which a spring breaks.
 
     Raises:
         SceneError: a parameter is out of range or of the wrong shape.
@@ -252,6 +260,7 @@ def soft_body(
         velocities=velocities,
         radius=radius,
         name=name,
+        breaking_strain=breaking_strain,
     )
 
 
@@ -266,6 +275,7 @@ def _lattice(
     velocities: ArrayLike,
     radius: ArrayLike,
     name: str | None,
+    breaking_strain: float,
 ) -> SpringNetwork:
     """Join the particles of a lattice by every kind of spring that has any strength."""
     present = [kind for kind in kinds if kind.stiffness > 0 or kind.damping > 0]
@@ -283,6 +293,7 @@ def _lattice(
         radius=radius,
         name=name,
         faces=faces,
+        breaking_strain=breaking_strain,
     )
 
 

@@ -10,15 +10,21 @@ CHANNELS = ("positions", "velocities")
 """The fields of all particles."""
 FLUID_CHANNELS = ("densities", "pressures")
 """The fields that fluids have beside."""
-SPRING_CHANNELS = ("tensions",)
-"""The fields of springs, in scenes with rods."""
+SPRING_CHANNELS = ("tensions", "broken")
+"""The fields of springs: tensions in scenes with rods, broken springs where springs can break."""
+
+OWNERS = {
+    **dict.fromkeys(FLUID_CHANNELS, "a Fluid has"),
+    "tensions": "networks with rods have",
+    "broken": "networks with a breaking_strain have",
+}
+"""The bodies that have a field, in words."""
 
 
 def field_names(scene: Scene) -> tuple[str, ...]:
     """The names of the fields that a scene has; positions and velocities always, if only of no particles."""
     fluids = FLUID_CHANNELS if scene.fluids else ()
-    springs = SPRING_CHANNELS if has_rods(scene) else ()
-    return (*CHANNELS, *fluids, *springs, *system_shapes(scene))
+    return (*CHANNELS, *fluids, *spring_channels(scene), *system_shapes(scene))
 
 
 def system_shapes(scene: Scene) -> dict[str, tuple[int, ...]]:
@@ -35,15 +41,26 @@ def body_fields(scene: Scene, body: BodyKey) -> dict[str, slice]:
     found = scene.bodies[index]
     names = (*CHANNELS, *FLUID_CHANNELS) if isinstance(found, Fluid) else CHANNELS
     fields = dict.fromkeys(names, scene.slice(body))
-    if isinstance(found, SpringNetwork) and has_rods(scene):
+    if isinstance(found, SpringNetwork):
         start = first_spring(scene, found)
-        fields |= dict.fromkeys(SPRING_CHANNELS, slice(start, start + len(found.pairs)))
+        fields |= dict.fromkeys(spring_channels(scene), slice(start, start + len(found.pairs)))
     return fields
 
 
 def first_spring(scene: Scene, body: SpringNetwork) -> int:
     """The index of a body's first spring among those of the scene."""
     return springs(scene, scene.index(body))
+
+
+def spring_channels(scene: Scene) -> tuple[str, ...]:
+    """The fields that the springs of a scene have."""
+    has = {"tensions": has_rods(scene), "broken": can_tear(scene)}
+    return tuple(name for name in SPRING_CHANNELS if has[name])
+
+
+def can_tear(scene: Scene) -> bool:
+    """Whether a spring of a scene can break."""
+    return any(isinstance(body, SpringNetwork) and body.can_tear for body in scene.bodies)
 
 
 def has_rods(scene: Scene) -> bool:

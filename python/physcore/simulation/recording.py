@@ -11,11 +11,12 @@ from typing import Self, cast
 import numpy as np
 
 from physcore import memory
-from physcore.checks import FloatArray, is_word, words
+from physcore.checks import BoolArray, FloatArray, is_word, words
 from physcore.errors import SceneError
 from physcore.scene.channels import (
     CHANNELS,
     FLUID_CHANNELS,
+    OWNERS,
     SPRING_CHANNELS,
     body_fields,
     field_names,
@@ -94,6 +95,11 @@ class Trajectory:
         """Of the springs of networks with rods [N], shape (F, S), positive where they pull; in the order of `pairs`."""
         return self._channel("tensions")
 
+    @property
+    def broken(self) -> BoolArray:
+        """Which springs are broken, of networks that can tear, shape (F, S); in the order of `pairs`."""
+        return self._channel("broken") != 0.0
+
     def __len__(self) -> int:
         return len(self.times)
 
@@ -117,8 +123,7 @@ class Trajectory:
 
     def _channel(self, name: str) -> FloatArray:
         if name not in self.channels:
-            whose = "; only a Fluid has them" if name in FLUID_CHANNELS else ""
-            whose = "; only networks with rods have them" if name in SPRING_CHANNELS else whose
+            whose = f"; only {OWNERS[name]} them" if name in OWNERS else ""
             raise SceneError(f"channels: {name} were not recorded; ask for them with channels=({name!r}, …){whose}")
         return self.channels[name]
 

@@ -6,9 +6,9 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, cast
 
-from physcore.checks import FloatArray
+from physcore.checks import BoolArray, FloatArray
 from physcore.errors import SceneError
-from physcore.scene.channels import SPRING_CHANNELS, body_fields
+from physcore.scene.channels import OWNERS, body_fields
 from physcore.scene.scene import BodyKey, ItemKey, Scene
 from physcore.simulation.energy import Amount, Energy
 
@@ -80,10 +80,14 @@ class Snapshot:
         """Of the springs of networks with rods [N], shape (S,), positive where they pull; in the order of `pairs`."""
         return self._field("tensions")
 
+    @property
+    def broken(self) -> BoolArray:
+        """Which springs are broken, of networks that can tear, shape (S,); in the order of `pairs`."""
+        return self._field("broken") != 0.0
+
     def _field(self, name: str) -> FloatArray:
         if name not in self.fields:
-            whose = "networks with rods have" if name in SPRING_CHANNELS else "a Fluid has"
-            raise SceneError(f"{name}: only {whose} them")
+            raise SceneError(f"{name}: only {OWNERS[name]} them")
         return self.fields[name]
 
     def __getattr__(self, name: str) -> FloatArray:

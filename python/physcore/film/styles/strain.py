@@ -13,6 +13,7 @@ from physcore.film.camera.view import View
 from physcore.film.colors.colormaps import diverging, look_up
 from physcore.film.colors.themes import Theme
 from physcore.film.styles.base import BodyStyle, Painter, Part, Scale, inks, typical
+from physcore.film.styles.torn import has_tears, intact
 from physcore.scene.bodies import Body, SpringNetwork
 from physcore.scene.channels import first_spring
 from physcore.simulation.sources import Source, SourceFrame
@@ -38,7 +39,7 @@ class Strain(BodyStyle):
     The scale is symmetric, the same for the whole film, and goes with the root of the strain, so that small strains
     show beside large ones. Rods, which are never stretched, show their tension instead, if it was recorded. A spring
     that lies along two others is not drawn: bending springs would hide what they reinforce. Braces,
-    which are longer than their neighbors, are drawn fainter.
+    which are longer than their neighbors, are drawn fainter. Broken springs are not drawn.
 
     Args:
         range: the strain (length / rest length - 1) at which colors end [1], of rods the tension [N]; None: what is
@@ -103,6 +104,7 @@ class StrainPainter(Painter):
         self._nodes: IntArray = np.concatenate(nodes)
         self._radii: FloatArray = np.concatenate(radii)
         rigid = bool(len(order)) and bool(np.concatenate(rods).all()) and source.has(TENSIONS)
+        self._springs: IntArray | None = np.concatenate(springs)[order] if has_tears(source, parts) else None
         self._rods: IntArray | None = np.concatenate(springs)[order] if rigid else None
         self.top = style.range or NEVER
 
@@ -120,7 +122,7 @@ class StrainPainter(Painter):
     def observe(self, frame: SourceFrame) -> None:
         """Find the end of the color scale."""
         if self._style.range is None:
-            self.top = max(self.top, typical(np.abs(self._values(frame))))
+            self.top = max(self.top, typical(np.abs(self._values(frame)[self._whole(frame)])))
 
     def inset(self, pixels: float) -> float:
         """A line's half width, or a pin."""
@@ -140,7 +142,9 @@ class StrainPainter(Painter):
         ink = inks(colors, self._theme, farness)
         ink[self._brace, 3] = round(255 * FAINT)
         widths = self._widths(view)
-        canvas.lines(np.concatenate([points[first], ends], axis=1), widths, ink, between)
+        whole = self._whole(frame)
+        lines = np.concatenate([points[first], ends], axis=1)[whole]
+        canvas.lines(lines, widths[whole], ink[whole], None if between is None else between[whole])
         _, _, magnification = view.project(frame.positions[self._nodes])
         sizes = (self._radii * magnification).astype(np.float32)
         middle = np.tile(np.array([*self._theme.text, 255], dtype=np.uint8), (len(sizes), 1))
@@ -149,6 +153,10 @@ class StrainPainter(Painter):
         radius = np.minimum(PIN, 0.6 + 0.7 * float(np.median(widths)))
         radii = np.full(len(self._fixed), radius, dtype=np.float32)
         canvas.discs(points[self._fixed], radii, pins, None if depth is None else depth[self._fixed])
+
+    def _whole(self, frame: SourceFrame) -> BoolArray | slice:
+        """Which springs are drawn (M,)."""
+        return slice(None) if self._springs is None else intact(frame, self._springs)
 
     def _values(self, frame: SourceFrame) -> FloatArray:
         """Strains, or tensions of rods, (M,)."""

@@ -18,7 +18,9 @@ from physcore.film.colors.themes import Color, Theme, color
 from physcore.film.pictures import opened
 from physcore.film.styles.base import BodyStyle, Painter, Part, Scale, body_color, inks, places, straight, sums, typical
 from physcore.film.styles.strain import rooted, strain_scale
+from physcore.film.styles.torn import has_tears, intact, sides
 from physcore.scene.bodies import Body, SpringNetwork
+from physcore.scene.channels import first_spring
 from physcore.scene.periodic import Periodic
 from physcore.simulation.sources import Source, SourceFrame
 
@@ -59,7 +61,10 @@ class Picture:
 
 @dataclass(frozen=True)
 class Surface(BodyStyle):
-    """The triangles of a spring network's `faces`, filled; in 3D with Lambert's light and smooth normals.
+    """The triangles of a spring network's `faces`, filled; in 3D with Lambert's light and smooth normals. A triangle
+    with a broken side is not drawn.
+
+        pc.film(recording, "flag.gif", style=pc.styles.Surface("#c0392b", back="#f4e7d3"))
 
     Args:
         color: "body", "strain", or a color such as "#10c0ff"; by strain each particle has the color of its
@@ -67,6 +72,7 @@ class Surface(BodyStyle):
         texture: a picture that is laid on the body as it was at the start, seen along its thinnest side: a path, or
             an array (H, W, 3) of bytes; None: none.
         range: the strain at which colors end [1]; None: what is typical of the worst frame.
+        back: the color of the back, in 3D, the side from which corners go round clockwise; None: that of the front.
         on: as in Style; it must have faces.
 
     Raises:
@@ -77,9 +83,12 @@ class Surface(BodyStyle):
     color: Literal["body", "strain"] | str | Color = "body"
     texture: str | os.PathLike[str] | NDArray[np.uint8] | Picture | None = None
     range: float | None = None
+    back: str | Color | None = None
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        if self.back is not None:
+            self._set(back=color(self.back, "Surface.back"))
         if not (is_word(self.color, "body") or is_word(self.color, "strain")):
             self._set(color=color(self.color, "Surface.color"))
         self._set_positive("range")
@@ -104,20 +113,23 @@ class SurfacePainter(Painter):
     def __init__(self, style: Surface, source: Source, parts: list[Part], theme: Theme) -> None:
         self.style, self._style, self._theme = style, style, theme
         self._domain: Periodic | None = source.scene.periodic
-        faces, pairs, rest, spots = [], [], [], []
+        faces, pairs, rest, spots, springs = [], [], [], [], []
         for part in parts:
             body = part.body
             assert isinstance(body, SpringNetwork)  # the style has made sure of it
             faces.append(body.faces + part.where.start)
             pairs.append(body.pairs + part.where.start)
             rest.append(body.rest_length)
+            springs.append(np.arange(len(body.pairs)) + first_spring(source.scene, body))
             spots.append(spread(body.positions))
         self._faces: IntArray = np.concatenate(faces)
         self._pairs: IntArray = np.concatenate(pairs)
         self._rest: FloatArray = np.concatenate(rest)
+        self._springs: IntArray = np.concatenate(springs)
+        self._sides: IntArray | None = sides(source.scene, parts) if has_tears(source, parts) else None
+        self._back = None if style.back is None else np.array(color(style.back, "Surface.back"), dtype=np.float64)
         self._where = places(parts)
         count = source.scene.particles
-        self._degree = np.maximum(np.bincount(self._pairs.ravel(), minlength=count), 1)
         self._table = diverging(theme.compressed, theme.relaxed, theme.stretched)
         self._plain = np.zeros((count, 3))
         for part in parts:
@@ -144,7 +156,7 @@ class SurfacePainter(Painter):
     def observe(self, frame: SourceFrame) -> None:
         """Find the end of the color scale."""
         if not self.settled:
-            self.top = max(self.top, typical(np.abs(self._strain(frame.positions))[self._where]))
+            self.top = max(self.top, typical(np.abs(self._strain(frame))[self._where]))
 
     def inset(self, pixels: float) -> float:
         """A rim."""
@@ -156,35 +168,48 @@ class SurfacePainter(Painter):
         del pixels
         corners, depth, _ = view.project(frame.positions)
         light = np.ones(len(corners)) if view.flat else self._light(frame.positions, view)
-        colors = self._colors(frame.positions) * light[:, np.newaxis]
-        ink = inks(np.clip(colors, 0.0, 255.0), self._theme, None if depth is None else view.farness(depth))
+        farness = None if depth is None else view.farness(depth)
+        ink = inks(np.clip(self._colors(frame) * light[:, np.newaxis], 0.0, 255.0), self._theme, farness)
         faces, spots = self._faces, self._spots
+        inked = ink[faces]
+        if self._back is not None and not view.flat:
+            behind = inks(np.clip(self._back * light[:, np.newaxis], 0.0, 255.0), self._theme, farness)
+            one, other = corners[faces[:, 1]] - corners[faces[:, 0]], corners[faces[:, 2]] - corners[faces[:, 0]]
+            # Pixels are counted downward: what goes round to the left is seen with a negative area.
+            hidden = one[:, 0] * other[:, 1] > one[:, 1] * other[:, 0]
+            inked[hidden] = behind[faces[hidden]]
+        shown = np.ones(len(faces), dtype=np.bool_)
+        if self._sides is not None:
+            shown &= intact(frame, self._sides).all(axis=1)
         if self._domain is not None:
             # A triangle that reaches across a face of the domain would cross the picture.
-            whole = straight(self._domain, np.diff(frame.positions[faces[:, [0, 1, 2, 0]]], axis=1)).all(axis=1)
-            faces, spots = faces[whole], spots[whole]
+            shown &= straight(self._domain, np.diff(frame.positions[faces[:, [0, 1, 2, 0]]], axis=1)).all(axis=1)
+        if not shown.all():
+            faces, spots, inked = faces[shown], spots[shown], inked[shown]
         canvas.triangles(
             np.ascontiguousarray(corners[faces].reshape(-1, 6)),
-            np.ascontiguousarray(ink[faces].reshape(-1, 12)),
+            np.ascontiguousarray(inked.reshape(-1, 12)),
             None if depth is None else depth[faces].mean(axis=1, dtype=np.float32),
             self._texture,
             spots,
         )
 
-    def _colors(self, positions: FloatArray) -> FloatArray:
+    def _colors(self, frame: SourceFrame) -> FloatArray:
         if self._style.color != "strain":
             return self._plain
-        return look_up(self._table, rooted(self._strain(positions) / self.top))
+        return look_up(self._table, rooted(self._strain(frame) / self.top))
 
-    def _strain(self, positions: FloatArray) -> FloatArray:
-        """The mean strain of each particle's springs (N,)."""
-        separation = positions[self._pairs[:, 1]] - positions[self._pairs[:, 0]]
+    def _strain(self, frame: SourceFrame) -> FloatArray:
+        """The mean strain of each particle's springs that are not broken (N,)."""
+        whole = slice(None) if self._sides is None else intact(frame, self._springs)
+        positions, pairs = frame.positions, self._pairs[whole]
+        separation = positions[pairs[:, 1]] - positions[pairs[:, 0]]
         if self._domain is not None:
             separation = self._domain.nearest(separation)
-        rest = np.maximum(self._rest, NEVER)
+        rest = np.maximum(self._rest[whole], NEVER)
         strain = np.sqrt(np.einsum("md,md->m", separation, separation)) / rest - 1.0
-        total = np.bincount(self._pairs.ravel(), weights=np.repeat(strain, 2), minlength=len(positions))
-        mean: FloatArray = total / self._degree
+        total = np.bincount(pairs.ravel(), weights=np.repeat(strain, 2), minlength=len(positions))
+        mean: FloatArray = total / np.maximum(np.bincount(pairs.ravel(), minlength=len(positions)), 1)
         return mean
 
     def _light(self, positions: FloatArray, view: View) -> FloatArray:

@@ -34,6 +34,8 @@ use stencil::{Scratch, Stencil, TILE};
 /// single precision: above it the bound on the time step has the same bits for any configuration.
 const HALF: f64 = 0.501;
 
+/// The name of the force in plans and budgets.
+pub const NAME: &str = "springs";
 /// The kind of a body whose particles springs connect.
 pub const KIND: &str = "SpringNetwork";
 
@@ -63,6 +65,11 @@ impl Spring {
         ];
         Item::new(KIND, values)
     }
+}
+
+/// Whether a spring exerts a force: it is no rod, and not broken.
+pub fn is_elastic(spring: &Spring) -> bool {
+    spring.stiffness.is_finite() && (spring.stiffness > 0.0 || spring.damping > 0.0)
 }
 
 /// The number of springs in a scene.
@@ -173,7 +180,7 @@ impl<V: Vector> Force<V> for Springs<V> {
             pairs: stencils.iter().map(|stencil| stencil.count).sum::<usize>() + slices.map_or(0, |slices| slices.count),
             bytes: stencils.iter().map(Stencil::bytes).sum::<usize>() + slices.map_or(0, Slices::bytes),
             layout: self.layout(),
-            ..About::new("springs", Reach::Network)
+            ..About::new(NAME, Reach::Network)
         }
     }
 

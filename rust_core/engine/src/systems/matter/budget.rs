@@ -32,6 +32,9 @@ pub fn energy<V: Vector>(dynamics: &Dynamics<V>, matter: &Matter<V>, time: f64, 
         force.energy(&at, &mut ledger)?;
         executor.check()?;
     }
+    if let Some(tearing) = &dynamics.tearing {
+        ledger.add(Class::Dissipated, "tearing", tearing.dissipated());
+    }
     for (sink, class, name) in SINKS {
         ledger.add(class, name, matter.tallied(sink));
     }

@@ -5,6 +5,7 @@ use glam::DVec3;
 use super::MatterSystem;
 use super::dynamics::{Dynamics, Treatment};
 use super::method::{About as MethodAbout, Method};
+use super::tearing::Tearing;
 use crate::contacts::Contacts;
 use crate::error::{Error, Result};
 use crate::forces::linear::Fusion;
@@ -74,6 +75,10 @@ pub fn compile<V: Vector>(scene: &Scene, method: Box<dyn Method<V>>, executor: &
         refuse_forces(&about, item, &built, (&properties, &mut fusion))?;
         all.extend(built);
     }
+    let tearing = Tearing::declared(scene, &springs)?;
+    if tearing.is_some() && about.springs != Treatment::Rods {
+        refuse_kinks(&about, "springs that break")?;
+    }
     let contacts = Contacts::build(scene, &properties)?;
     if contacts.is_some() {
         refuse_kinks(&about, "boundaries")?;
@@ -101,10 +106,13 @@ pub fn compile<V: Vector>(scene: &Scene, method: Box<dyn Method<V>>, executor: &
     let mut dynamics = Dynamics::new(properties, all, contacts, state.block);
     dynamics.angle = about.angle;
     dynamics.treatment = about.springs;
-    dynamics.springs = if rods.is_some() || projects || solves { springs } else { Vec::new() };
+    dynamics.springs = if rods.is_some() || projects || solves || tearing.is_some() { springs } else { Vec::new() };
     dynamics.rods = rods;
+    dynamics.tearing = tearing;
     let dissipative = dynamics.velocity != VelocityDependence::None;
     let nominal = if dissipative { about.order_dissipative } else { about.order };
+    // A spring breaks at the end of a step, later than it should by up to a whole one.
+    let nominal = if dynamics.tearing.is_some() { 1 } else { nominal };
     let order = known.iter().map(|force| force.order).fold(nominal, u32::min);
     notes.extend(advice(&about, dissipative, bends && dynamics.scheme != Some(Scheme::Continuity)));
     executor.check()?;

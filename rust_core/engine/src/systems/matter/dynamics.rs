@@ -7,7 +7,7 @@ use glam::DVec3;
 use crate::contacts::Contacts;
 use crate::error::Result;
 use crate::forces::linear::{Fusion, LinearForce};
-use crate::forces::springs::Spring;
+use crate::forces::springs::{self, Spring, Springs};
 use crate::forces::{
     DensityEvolution, Drift, Force, InverseSquare, Law, Rates, Reach, ReadyField, Scheme, StateView, Strength, VelocityDependence,
 };
@@ -18,6 +18,7 @@ use crate::parallel::{Executor, SERIAL};
 use crate::rods::{self, Rods};
 use crate::simd::{LANES, padded};
 use crate::stability::SpectralBound;
+use crate::systems::matter::tearing::Tearing;
 
 fn is_magnetic<V: Vector>(force: &dyn Force<V>) -> bool {
     force.about().velocity == VelocityDependence::Gyroscopic
@@ -96,8 +97,10 @@ pub struct Dynamics<V: Vector> {
     pub treatment: Treatment,
     /// The rods, if there are any.
     pub rods: Option<Rods>,
-    /// All springs with the rods among them, as declared, where there are rods or the method projects or solves.
+    /// All springs with the rods among them, as declared, where there are rods, springs can break, or the method projects or solves.
     pub springs: Vec<Spring>,
+    /// The springs that can break, if there are any.
+    pub tearing: Option<Tearing>,
 }
 
 impl<V: Vector> Dynamics<V> {
@@ -127,6 +130,26 @@ impl<V: Vector> Dynamics<V> {
             treatment: Treatment::Forces,
             rods: None,
             springs: Vec::new(),
+            tearing: None,
+        }
+    }
+
+    /// Breaks the springs that are stretched too far; returns whether there are any.
+    pub fn tear(&mut self, matter: &Matter<V>) -> bool {
+        let torn = self.tearing.as_mut().is_some_and(|tearing| tearing.tear(|index| matter.exact_position(index)));
+        if torn {
+            self.leave_out_broken();
+        }
+        torn
+    }
+
+    /// Takes the springs that are not broken.
+    pub fn leave_out_broken(&mut self) {
+        let Some(tearing) = &self.tearing else { return };
+        self.springs = tearing.springs();
+        let elastic: Vec<Spring> = self.springs.iter().filter(|spring| springs::is_elastic(spring)).copied().collect();
+        if let Some(force) = self.forces.iter_mut().find(|force| force.about().name == springs::NAME) {
+            *force = Box::new(Springs::<V>::new(&elastic, self.properties.count()));
         }
     }
 
@@ -378,6 +401,7 @@ impl<V: Vector> Dynamics<V> {
     pub fn bytes(&self) -> usize {
         let contacts = self.contacts.as_ref().map_or(0, Contacts::bytes);
         let rods = self.rods.as_ref().map_or(0, Rods::bytes) + size_of_val(self.springs.as_slice());
-        self.linear.bytes() + contacts + rods + self.forces.iter().map(|force| force.about().bytes).sum::<usize>()
+        let tearing = self.tearing.as_ref().map_or(0, Tearing::bytes);
+        self.linear.bytes() + contacts + rods + tearing + self.forces.iter().map(|force| force.about().bytes).sum::<usize>()
     }
 }

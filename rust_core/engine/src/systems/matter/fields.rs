@@ -11,27 +11,29 @@ use crate::matter::{Columns, EnergySink};
 use crate::parallel::{Executor, SERIAL};
 use crate::systems::{FieldInfo, System};
 
-/// The names and units of the fields of all matter, of fluids, and of springs where there are rods.
+/// The names and units of the fields of all matter, of fluids, and of springs where there are rods or they can break.
 const MOTION: [(&str, &str); 2] = [("positions", "m"), ("velocities", "m/s")];
 const FLUID: [(&str, &str); 2] = [("densities", "kg/m³"), ("pressures", "Pa")];
 const TENSION: (&str, &str) = ("tensions", "N");
+const BROKEN: (&str, &str) = ("broken", "1");
 
 impl<V: Vector> MatterSystem<V> {
     /// The names and units of the fields that this matter has.
     fn names(&self) -> impl Iterator<Item = (&'static str, &'static str)> {
         let fluid = self.dynamics.scheme.is_some().then_some(FLUID);
         let tension = self.dynamics.rods.is_some().then_some(TENSION);
-        MOTION.into_iter().chain(fluid.into_iter().flatten()).chain(tension)
+        let broken = self.dynamics.tearing.is_some().then_some(BROKEN);
+        MOTION.into_iter().chain(fluid.into_iter().flatten()).chain(tension).chain(broken)
     }
 
-    /// The fields: those of a fluid only where there is one, tensions where there are rods.
+    /// The fields: those of a fluid only where there is one, tensions where there are rods, broken springs where they can break.
     pub(super) fn field_infos(&self) -> Vec<FieldInfo> {
         let info = |(name, unit): (&'static str, &'static str)| {
             let count = self.state.count();
             let moves = MOTION.contains(&(name, unit));
             let shape = match name {
                 _ if moves => vec![count, V::DIMENSION],
-                "tensions" => vec![self.dynamics.springs.len()],
+                "tensions" | "broken" => vec![self.dynamics.springs.len()],
                 _ => vec![count],
             };
             let rate = (name == "positions").then(|| "velocities".to_owned());
@@ -49,6 +51,10 @@ impl<V: Vector> MatterSystem<V> {
             "positions" => self.vectors(|index| properties.origin + state.exact_position(index)),
             "velocities" => self.vectors(|index| state.velocity.get(index).widen()),
             "tensions" => self.dynamics.tensions_of_springs(&self.dynamics.view_of(state, 0.0, &SERIAL)),
+            "broken" => {
+                let broken = self.dynamics.tearing.as_ref().map_or(&[][..], |tearing| tearing.broken());
+                broken.iter().map(|&torn| f64::from(u8::from(torn))).collect()
+            }
             name => {
                 let nothing = || vec![f64::NAN; properties.count()];
                 let mut fields = Fields { density: nothing(), pressure: nothing() };

@@ -88,6 +88,8 @@ pub trait Method<V: Vector>: History + Send + Sync {
     fn bytes(&self) -> usize {
         0
     }
+    /// Takes the springs of the dynamics anew, of which others are broken.
+    fn take_springs(&mut self, _dynamics: &Dynamics<V>) {}
     /// Evaluates the dynamics at the state and fills the persistent registers.
     fn begin(&mut self, job: Job<'_, V>, executor: &Executor) -> Result<()>;
     /// Takes all steps of the interval.

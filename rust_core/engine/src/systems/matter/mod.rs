@@ -15,6 +15,7 @@ mod method;
 mod projection;
 mod radau;
 mod rattle;
+mod tearing;
 mod test_particles;
 
 use std::sync::{Mutex, OnceLock, PoisonError};
@@ -230,13 +231,52 @@ impl<V: Vector> MatterSystem<V> {
         [&state.position, &state.velocity, &state.residual].into_iter().chain(persistent)
     }
 
+    /// Evaluates the forces at the present state, and fills the persistent registers.
+    fn evaluate(&mut self, time: f64, executor: &Executor) -> Result<()> {
+        let Self { dynamics, state, saved, activity, workspace, method, .. } = self;
+        let interval = Interval { start: time, first: 0, h: 0.0, steps: 0 };
+        let record = (activity, Record::LastStep);
+        method.begin(Job { dynamics, from: saved, state, record, workspace: workspace.as_mut(), interval }, executor)
+    }
+
+    /// Takes steps.
+    fn take(&mut self, interval: Interval, record: Record, executor: &Executor) -> Result<()> {
+        let Self { dynamics, state, saved, activity, workspace, method, .. } = self;
+        let job = Job { dynamics, from: saved, state, record: (activity, record), workspace: workspace.as_mut(), interval };
+        method.advance(job, executor).and_then(|()| executor.check())
+    }
+
+    /// Takes steps, between which springs break.
+    fn take_and_tear(&mut self, interval: Interval, record: Record, executor: &Executor) -> Result<()> {
+        for index in 0..interval.steps {
+            self.take(Interval { first: interval.first + index, steps: 1, ..interval }, record, executor)?;
+            if self.dynamics.tear(&self.state) {
+                self.certified = OnceLock::new();
+                self.evaluate(interval.time(index, 1.0), executor)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Takes the springs that are not broken, after a rollback or from a checkpoint.
+    fn leave_out_broken(&mut self) {
+        self.dynamics.leave_out_broken();
+        self.method.take_springs(&self.dynamics);
+        self.certified = OnceLock::new();
+    }
+
     fn capture_histories(&self, archive: &mut Archive) {
         self.method.capture(archive);
+        self.dynamics.tearing.iter().for_each(|tearing| tearing.capture(archive));
         self.dynamics.forces().iter().for_each(|force| force.capture(archive));
     }
 
     fn restore_histories(&mut self, archive: &mut Archive) -> Result<()> {
         self.method.restore(archive)?;
+        if let Some(tearing) = &mut self.dynamics.tearing {
+            tearing.restore(archive)?;
+            self.leave_out_broken();
+        }
         self.dynamics.forces_mut().iter_mut().try_for_each(|force| force.restore(archive))
     }
 }
@@ -245,6 +285,7 @@ impl<V: Vector> MatterSystem<V> {
 impl<V: Vector> History for MatterSystem<V> {
     fn save(&mut self) {
         self.method.save();
+        self.dynamics.tearing.iter_mut().for_each(History::save);
         self.dynamics.forces_mut().iter_mut().for_each(|force| force.save());
         if self.workspace.is_some() {
             self.saved.copy_from(&self.state);
@@ -257,6 +298,10 @@ impl<V: Vector> History for MatterSystem<V> {
     fn rollback(&mut self) {
         std::mem::swap(&mut self.saved, &mut self.state);
         self.method.rollback();
+        if self.dynamics.tearing.as_ref().is_some_and(tearing::Tearing::differs_from_saved) {
+            self.dynamics.tearing.iter_mut().for_each(History::rollback);
+            self.leave_out_broken();
+        }
         self.dynamics.forces_mut().iter_mut().for_each(|force| force.rollback());
     }
 
@@ -328,20 +373,18 @@ impl<V: Vector> System for MatterSystem<V> {
 
     fn begin(&mut self, time: f64, executor: &Executor) -> Result<()> {
         self.resume();
-        let Self { dynamics, state, saved, activity, workspace, method, .. } = self;
-        saved.copy_from(state);
-        let interval = Interval { start: time, first: 0, h: 0.0, steps: 0 };
-        let record = (activity, Record::LastStep);
-        method.begin(Job { dynamics, from: saved, state, record, workspace: workspace.as_mut(), interval }, executor)?;
+        self.saved.copy_from(&self.state);
+        self.evaluate(time, executor)?;
         executor.check()
     }
 
     fn advance(&mut self, interval: Interval, record: Record, executor: &Executor) -> Result<()> {
         self.save();
-        let Self { dynamics, state, saved, activity, workspace, method, .. } = self;
-        activity.clear();
-        let job = Job { dynamics, from: saved, state, record: (activity, record), workspace: workspace.as_mut(), interval };
-        let outcome = method.advance(job, executor).and_then(|()| executor.check());
+        self.activity.clear();
+        let outcome = match self.dynamics.tearing {
+            None => self.take(interval, record, executor),
+            Some(_) => self.take_and_tear(interval, record, executor),
+        };
         if outcome.is_err() {
             self.rollback();
         }

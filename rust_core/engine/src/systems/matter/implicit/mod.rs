@@ -304,6 +304,10 @@ impl<V: Vector> Method<V> for Implicit {
         Limit::NONE
     }
 
+    fn take_springs(&mut self, dynamics: &Dynamics<V>) {
+        self.newton.begin(dynamics);
+    }
+
     fn begin(&mut self, job: Job<'_, V>, executor: &Executor) -> Result<()> {
         self.before = 0.0;
         self.newton.begin(job.dynamics);

@@ -200,6 +200,10 @@ impl<V: Vector, P: Projector<V>> Method<V> for Projection<V, P> {
         bound.sharp_limit::<SemiImplicitEuler>().in_parts(self.projector.substeps())
     }
 
+    fn take_springs(&mut self, dynamics: &Dynamics<V>) {
+        self.projector.begin(dynamics);
+    }
+
     fn begin(&mut self, Job { dynamics, state, interval, .. }: Job<'_, V>, executor: &Executor) -> Result<()> {
         self.displacement = Columns::zeros(state.count());
         self.projector.begin(dynamics);

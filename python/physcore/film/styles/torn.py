@@ -1,0 +1,43 @@
+"""The springs and the faces that are left of a body that tears."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from physcore.checks import BoolArray, IntArray
+from physcore.film.styles.base import Part
+from physcore.scene.bodies import SpringNetwork
+from physcore.scene.channels import first_spring
+from physcore.scene.scene import Scene
+from physcore.simulation.sources import Source, SourceFrame
+
+BROKEN = "broken"
+"""The field of springs that are broken."""
+
+
+def has_tears(source: Source, parts: list[Part]) -> bool:
+    """Whether springs of these bodies may be broken in a film."""
+    return source.has(BROKEN) and any(isinstance(part.body, SpringNetwork) and part.body.can_tear for part in parts)
+
+
+def intact(frame: SourceFrame, springs: IntArray) -> BoolArray:
+    """Which of these springs (M,), as indices in the scene, are not broken; -1 is a spring that does not exist."""
+    whole: BoolArray = (frame.fields[BROKEN][springs] == 0.0) | (springs < 0)
+    return whole
+
+
+def sides(scene: Scene, parts: list[Part]) -> IntArray:
+    """The springs along the three sides of each face of these bodies (T, 3), as indices in the scene; -1: none."""
+    found = []
+    for part in parts:
+        body = part.body
+        assert isinstance(body, SpringNetwork)  # the style has made sure of it
+        count = len(body)
+        keys = np.sort(body.pairs, axis=1) @ [count, 1]
+        order = np.argsort(keys, kind="stable")
+        wanted = np.sort(body.faces[:, [[0, 1], [1, 2], [2, 0]]], axis=2) @ [count, 1]
+        at = np.minimum(np.searchsorted(keys[order], wanted), max(len(keys) - 1, 0))
+        exists = keys[order][at] == wanted if len(keys) else np.zeros(wanted.shape, dtype=np.bool_)
+        springs = order[at] if len(keys) else np.zeros(wanted.shape, dtype=np.int64)
+        found.append(np.where(exists, springs + first_spring(scene, body), -1))
+    return np.concatenate(found)

@@ -1,0 +1,130 @@
+//! Tearing: a spring that is stretched beyond its breaking strain is gone.
+//!
+//! At the end of each step, every spring of strain (r − L)/L > s breaks: it exerts no force from then on, and its energy ½ k (r − L)²
+//! is dissipated. A step is of order 1 across that.
+
+use glam::DVec3;
+
+use crate::error::{Error, Result};
+use crate::forces::springs::{self, Spring};
+use crate::history::{Archive, History};
+use crate::scene::{Item, Scene, Value};
+
+/// The springs that can break, and those that are broken.
+#[derive(Debug, Clone, Default)]
+pub struct Tearing {
+    /// All springs, as declared.
+    whole: Vec<Spring>,
+    /// The springs that can break, as indices, with the squares of the lengths at which they do [m²].
+    limits: Vec<(u32, f64)>,
+    now: Broken,
+    saved: Broken,
+}
+
+/// The broken springs, and their energy [J].
+#[derive(Debug, Clone, Default, PartialEq)]
+struct Broken {
+    springs: Vec<bool>,
+    energy: f64,
+}
+
+impl Tearing {
+    /// The tearing of a scene with these springs, if one of them can break.
+    ///
+    /// # Errors
+    /// If a network does not say one breaking strain ≥ 0 for each of its springs.
+    pub fn declared(scene: &Scene, springs: &[Spring]) -> Result<Option<Self>> {
+        let networks = scene.bodies.iter().filter(|body| body.item.kind == springs::KIND);
+        let strains: Vec<f64> = networks.map(|body| strains(&body.item)).collect::<Result<Vec<_>>>()?.concat();
+        let limits: Vec<(u32, f64)> = springs
+            .iter()
+            .zip(strains)
+            .zip(0..)
+            .filter(|((_, strain), _)| strain.is_finite())
+            .map(|((spring, strain), index)| (index, (spring.rest_length * (1.0 + strain)).powi(2)))
+            .collect();
+        let now = Broken { springs: vec![false; springs.len()], energy: 0.0 };
+        let tearing = Self { whole: springs.to_vec(), limits, saved: now.clone(), now };
+        Ok((!tearing.limits.is_empty()).then_some(tearing))
+    }
+
+    /// Breaks the springs that are too long at these positions; returns whether there are any.
+    pub fn tear(&mut self, position: impl Fn(usize) -> DVec3) -> bool {
+        let mut torn = false;
+        for &(index, limit) in &self.limits {
+            let Spring { ends: [one, other], stiffness, rest_length, .. } = self.whole[index as usize];
+            let square = (position(other as usize) - position(one as usize)).length_squared();
+            let broken = &mut self.now.springs[index as usize];
+            if square > limit && !*broken {
+                *broken = true;
+                torn = true;
+                self.now.energy += 0.5 * stiffness * (square.sqrt() - rest_length).powi(2);
+            }
+        }
+        torn
+    }
+
+    /// All springs, of which the broken ones have neither stiffness nor damping.
+    pub fn springs(&self) -> Vec<Spring> {
+        let broken = |spring: &Spring| Spring { stiffness: 0.0, damping: 0.0, ..*spring };
+        self.whole.iter().zip(&self.now.springs).map(|(spring, &torn)| if torn { broken(spring) } else { *spring }).collect()
+    }
+
+    /// Whether each spring, as declared, is broken.
+    pub fn broken(&self) -> &[bool] {
+        &self.now.springs
+    }
+
+    /// The energy of the broken springs [J].
+    pub fn dissipated(&self) -> f64 {
+        self.now.energy
+    }
+
+    /// Whether other springs were broken when it was saved.
+    pub fn differs_from_saved(&self) -> bool {
+        self.now.springs != self.saved.springs
+    }
+
+    /// Memory [bytes].
+    pub fn bytes(&self) -> usize {
+        let broken = size_of_val(self.now.springs.as_slice()) + size_of_val(self.saved.springs.as_slice());
+        broken + size_of_val(self.whole.as_slice()) + size_of_val(self.limits.as_slice())
+    }
+}
+
+/// The breaking strains of a network's springs, infinite where it says none.
+fn strains(network: &Item) -> Result<Vec<f64>> {
+    let count = network.tuples::<2>("pairs")?.len();
+    if !network.values.contains_key("breaking_strain") {
+        return Ok(vec![f64::INFINITY; count]);
+    }
+    let strains = network.numbers("breaking_strain", count)?;
+    match strains.iter().position(|strain| strain.is_nan() || *strain < 0.0) {
+        Some(index) => {
+            let path = format!("{}.breaking_strain[{index}]", network.path);
+            Err(Error::parameter(path, "a number ≥ 0", format!("{:?}", Value::Number(strains[index]))))
+        }
+        None => Ok(strains.to_vec()),
+    }
+}
+
+impl History for Tearing {
+    fn save(&mut self) {
+        self.saved.clone_from(&self.now);
+    }
+
+    fn rollback(&mut self) {
+        self.now.clone_from(&self.saved);
+    }
+
+    fn capture(&self, archive: &mut Archive) {
+        archive.write([self.now.energy]);
+        archive.write(self.now.springs.iter().map(|&broken| f64::from(u8::from(broken))));
+    }
+
+    fn restore(&mut self, archive: &mut Archive) -> Result<()> {
+        let numbers = archive.read(1 + self.now.springs.len())?;
+        self.now = Broken { energy: numbers[0], springs: numbers[1..].iter().map(|&number| number != 0.0).collect() };
+        Ok(())
+    }
+}
