@@ -21,6 +21,7 @@ LAYERS = [
     "scene",
     "forces",
     "boundaries",
+    "constraints",
     "systems",
     "numerics",
     "simulation",

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 
 from physcore import units
 from physcore.boundaries import Boundary, Box, Floor, Plane, Sphere
+from physcore.constraints import SelfContact
 from physcore.errors import (
     AccuracyError,
     FileError,
@@ -187,6 +188,7 @@ __all__ = [
     "SceneWarning",
     "Schnakenberg",
     "Schrodinger",
+    "SelfContact",
     "SemiImplicitEuler",
     "Simulation",
     "SimulationDiverged",

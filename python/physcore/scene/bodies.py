@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -22,7 +22,6 @@ from physcore.checks import (
     text,
 )
 from physcore.errors import SceneError
-from physcore.scene.records import APPEARANCE
 
 ROUNDED = 1e-4
 """The relative difference by which a rod may miss its length, as of coordinates in f32; its ends are moved."""
@@ -151,7 +150,7 @@ class SpringNetwork(Body):
             infinite by default. A broken spring is gone from the end of that step on, and its energy is dissipated as
             "tearing"; `recording[network].broken` says which are. Rods, and springs of rest length 0, do not break.
         faces: indices of the three corners of each triangle of a surface, shape (T, 3); None: it has none. They say
-            how it can be drawn (`physcore.styles.Surface`), and have no part in the motion.
+            how it can be drawn (`physcore.styles.Surface`) and what meets (`SelfContact`), and exert no force.
 
     Raises:
         SceneError: a shape does not fit, an index points outside, a value is not finite or out of range, or a rod is
@@ -168,7 +167,7 @@ class SpringNetwork(Body):
     """Rest length of each spring [m], shape (M,)."""
     breaking_strain: FloatArray
     """Strain beyond which each spring breaks, shape (M,)."""
-    faces: IntArray = field(metadata=APPEARANCE)
+    faces: IntArray
     """Indices of the corners of each triangle of its surface, shape (T, 3)."""
 
     def __init__(

@@ -1,4 +1,4 @@
-"""Scene items beside bodies: their parameters, whom they act on, and the bases of forces, boundaries and systems."""
+"""Scene items beside bodies: their parameters, whom they act on, and the bases of the kinds."""
 
 from __future__ import annotations
 
@@ -162,6 +162,14 @@ class System(SceneItem):
 
     def __post_init__(self) -> None:
         self._set(name=None if self.name is None else text(self.name, f"{type(self).__name__}.name"))
+
+
+@dataclass(frozen=True)
+class Constraint(ActingItem):
+    """A condition on the motion of bodies, such as that they do not pass through each other.
+
+    To add one: a file in `constraints`, a line in `CONSTRAINTS`, and its counterpart in Rust.
+    """
 
 
 @dataclass(frozen=True)

@@ -11,8 +11,6 @@ import numpy as np
 
 from physcore.storage.archive import Tree
 
-APPEARANCE: Mapping[str, bool] = {"appearance": True}
-"""Metadata of a field that has no part in the motion, which the engine is not told."""
 Named: TypeAlias = Mapping[str, "list[int] | None"]
 """The indices of the bodies that fields name; None: all."""
 _NONE: Named = {}
@@ -30,8 +28,6 @@ class Record:
     """Every field by name; first the arguments of the class, in their order, then what follows from them."""
     arguments: tuple[str, ...]
     """The names of the arguments."""
-    appearance: frozenset[str]
-    """The names of the fields that have no part in the motion."""
 
     @classmethod
     def of(cls, item: object) -> Record:
@@ -41,8 +37,7 @@ class Record:
         named = {entry.name: entry for entry in fields(own)}
         values = {name: getattr(item, name) for name in dict.fromkeys((*arguments, *named))}
         inner = {name: _inner(value) for name, value in values.items()}
-        appearance = frozenset(name for name, entry in named.items() if "appearance" in entry.metadata)
-        return cls(kind_of(own), inner, arguments, appearance)
+        return cls(kind_of(own), inner, arguments)
 
     @property
     def is_code(self) -> bool:
@@ -56,7 +51,7 @@ class Record:
 
     def described(self, bodies: Named = _NONE) -> dict[str, object]:
         """The form of the engine: all values, and the indices of the bodies that fields name; None: all."""
-        hidden = (*_OWN, *self.appearance, *bodies)
+        hidden = (*_OWN, *bodies)
         values = {name: _described(value) for name, value in self.values.items() if name not in hidden}
         indices = {name: None if named is None else np.array(named, int) for name, named in bodies.items()}
         others = {name: named for name, named in indices.items() if name not in _OWN}

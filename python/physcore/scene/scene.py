@@ -11,7 +11,7 @@ from physcore.checks import shown
 from physcore.errors import FileError, SceneError, SceneWarning, warn
 from physcore.scene.bodies import Body
 from physcore.scene.fluid import CLOSEST, Fluid, describe_pair
-from physcore.scene.items import ActingItem, Boundary, Force, SceneItem, System
+from physcore.scene.items import ActingItem, Boundary, Constraint, Force, SceneItem, System
 from physcore.scene.overlaps import closer_than
 from physcore.scene.periodic import Periodic
 from physcore.scene.records import Record, pack
@@ -25,12 +25,12 @@ ItemKey = BodyKey | System
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
 class Scene:
-    """Bodies, forces, boundaries and further systems, in 2D or 3D, systems alone in 1D too. Immutable; the dimension
-    follows from the positions and grids.
+    """Bodies, forces, boundaries, constraints and further systems, in 2D or 3D, systems alone in 1D too. Immutable; the
+    dimension follows from the positions and grids.
 
     Args:
-        items: bodies (Particles, SpringNetwork, Fluid), forces, boundaries, further systems and at most one Periodic
-            domain, in any order. Results list the particles body by body in the order given here.
+        items: bodies (Particles, SpringNetwork, Fluid), forces, boundaries, constraints, further systems and at most
+            one Periodic domain, in any order. Results list the particles body by body in the order given here.
 
     Raises:
         SceneError: there is neither a body nor a system, the dimensions differ, a body or a name is there twice, a
@@ -40,18 +40,19 @@ class Scene:
     bodies: tuple[Body, ...]
     forces: tuple[Force, ...]
     boundaries: tuple[Boundary, ...]
+    constraints: tuple[Constraint, ...]
     systems: tuple[System, ...]
     periodic: Periodic | None
     """The domain that repeats itself, or None."""
 
-    def __init__(self, *items: Body | Force | Boundary | System | Periodic) -> None:
+    def __init__(self, *items: Body | Force | Boundary | Constraint | System | Periodic) -> None:
         for position, item in enumerate(items):
-            if not isinstance(item, (Body, Force, Boundary, System, Periodic)):
+            if not isinstance(item, (Body, Force, Boundary, Constraint, System, Periodic)):
                 raise SceneError(
-                    f"items[{position}]: must be a body, a force, a boundary, a system or a Periodic domain, "
-                    f"got {shown(item)}{_advice(item)}"
+                    f"items[{position}]: must be a body, a force, a boundary, a constraint, a system or a "
+                    f"Periodic domain, got {shown(item)}{_advice(item)}"
                 )
-        kinds = {"bodies": Body, "forces": Force, "boundaries": Boundary, "systems": System}
+        kinds = {"bodies": Body, "forces": Force, "boundaries": Boundary, "constraints": Constraint, "systems": System}
         for field, kind in kinds.items():
             object.__setattr__(self, field, tuple(item for item in items if isinstance(item, kind)))
         self._check_bodies()
@@ -59,6 +60,7 @@ class Scene:
         self._check_fluids()
         self._check_items("forces", self.forces)
         self._check_items("boundaries", self.boundaries)
+        self._check_items("constraints", self.constraints)
         self._check_items("systems", self.systems)
         self._warn_of_charges()
 
@@ -142,8 +144,9 @@ class Scene:
             "boundaries": self._packed_items("boundaries", self.boundaries),
             "periodic": pack(self.periodic),
         }
-        # Scenes without further systems keep the hash that they had before there were any.
-        return tree | ({"systems": self._packed_items("systems", self.systems)} if self.systems else {})
+        # Scenes without constraints and further systems keep the hash that they had before there were any.
+        later = {"constraints": self.constraints, "systems": self.systems}
+        return tree | {name: self._packed_items(name, items) for name, items in later.items() if items}
 
     def _packed_items(self, path: str, items: Sequence[SceneItem]) -> list[Tree]:
         """Items; the bodies and systems that they name by index, because each is saved once."""
@@ -160,7 +163,7 @@ class Scene:
 
     def __repr__(self) -> str:
         domain = () if self.periodic is None else (self.periodic,)
-        parts = [repr(item) for item in (*self.bodies, *self.forces, *self.boundaries, *self.systems, *domain)]
+        parts = [repr(item) for item in (*self.bodies, *self.forces, *self.boundaries, *self.constraints, *self.systems, *domain)]
         return f"Scene({', '.join(parts)})"
 
     def _check_bodies(self) -> None:

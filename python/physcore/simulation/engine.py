@@ -46,6 +46,7 @@ def describe(scene: Scene) -> dict[str, object]:
         "bodies": [Record.of(body).described() for body in scene.bodies],
         "forces": [_item(force, scene) for force in scene.forces],
         "boundaries": [_item(boundary, scene) for boundary in scene.boundaries],
+        "constraints": [_item(constraint, scene) for constraint in scene.constraints],
         "systems": [_item(system, scene) for system in scene.systems],
         "periodic": None if scene.periodic is None else Record.of(scene.periodic).described(),
     }

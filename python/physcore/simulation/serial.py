@@ -9,6 +9,7 @@ from itertools import chain
 from typing import Any, cast
 
 from physcore.boundaries import BOUNDARIES
+from physcore.constraints import CONSTRAINTS
 from physcore.errors import FileError, SceneError
 from physcore.forces import FORCES
 from physcore.numerics.choices import AdaptiveStep, AutoStep, Numerics, Options
@@ -26,7 +27,11 @@ from physcore.systems import SYSTEMS
 
 _BODIES = (Particles, SpringNetwork, Fluid)
 _RULES = (*INTEGRATORS, AutoStep, AdaptiveStep)
-_SECTIONS: dict[str, tuple[type[SceneItem], ...]] = {"forces": FORCES, "boundaries": BOUNDARIES}
+_SECTIONS: dict[str, tuple[type[SceneItem], ...]] = {
+    "forces": FORCES,
+    "boundaries": BOUNDARIES,
+    "constraints": CONSTRAINTS,
+}
 _PARTS = (*KERNELS, *dict.fromkeys(chain.from_iterable(kind.parts for kind in (*FORCES, *SYSTEMS))))
 """What stands within items."""
 _KINDS: dict[str, type[Any]] = {
@@ -34,7 +39,7 @@ _KINDS: dict[str, type[Any]] = {
 }
 
 _SCENE = record(
-    {"systems": several(anything)},
+    {"systems": several(anything), "constraints": several(anything)},
     bodies=several(anything),
     forces=several(anything),
     boundaries=several(anything),

@@ -23,13 +23,14 @@ pub fn read(scene: &Bound<'_, PyDict>) -> PyResult<(Scene, Vec<Arc<Function>>)> 
         .map_err(|error| exception(py, error))?;
     let mut reader = Reader { dimension, functions: Vec::new() };
     let mut items = |name: &str| reader.items(&entry(scene, name)?, name);
-    let (bodies, forces, boundaries, systems) = (items("bodies")?, items("forces")?, items("boundaries")?, items("systems")?);
+    let (bodies, forces, boundaries) = (items("bodies")?, items("forces")?, items("boundaries")?);
+    let (constraints, systems) = (items("constraints")?, items("systems")?);
     let domain = entry(scene, "periodic")?;
     let domain = if domain.is_none() { None } else { Some(reader.item(&domain, "periodic".to_owned())?) };
     let scene = py.detach(|| {
         let bodies = bodies.into_iter().map(|item| Body::new(item, dimension)).collect::<Result<_, _>>()?;
         let periodic = domain.map(|item| corners(&item, dimension)).transpose()?;
-        Ok(Scene { dimension, bodies, forces, boundaries, systems, periodic })
+        Ok(Scene { dimension, bodies, forces, boundaries, constraints, systems, periodic })
     });
     Ok((scene.map_err(|error| exception(py, error))?, reader.functions))
 }

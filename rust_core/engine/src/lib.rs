@@ -25,6 +25,7 @@ pub mod parallel;
 pub mod plan;
 pub mod rods;
 pub mod scene;
+pub mod self_contact;
 pub mod simd;
 pub mod simulation;
 pub mod sparse;

@@ -23,6 +23,8 @@ pub struct Scene {
     pub forces: Vec<Item>,
     /// The boundaries.
     pub boundaries: Vec<Item>,
+    /// The constraints.
+    pub constraints: Vec<Item>,
     /// The systems beside matter.
     pub systems: Vec<Item>,
     /// The periodic domain: its lower and its upper corner [m], infinite along an axis that is not periodic.

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The modules of the crate, in order. Those of one group may import each other.
-const LAYERS: [&[&str]; 17] = [
+const LAYERS: [&[&str]; 18] = [
     &["error"],
     &["memory"],
     &["simd"],
@@ -19,6 +19,7 @@ const LAYERS: [&[&str]; 17] = [
     &["stability"],
     &["boundaries"],
     &["forces", "contacts", "rods"],
+    &["self_contact"],
     &["plan"],
     &["systems"],
     &["simulation"],

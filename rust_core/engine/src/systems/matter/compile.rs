@@ -20,6 +20,7 @@ use crate::parallel::Executor;
 use crate::plan::Stages;
 use crate::rods::{self, Rods};
 use crate::scene::{self, Item, PARTICLES, Scene};
+use crate::self_contact::SelfContacts;
 
 mod precision;
 
@@ -52,22 +53,7 @@ pub fn compile<V: Vector>(scene: &Scene, method: Box<dyn Method<V>>, executor: &
     if !elastic.is_empty() {
         all.push(Box::new(Springs::<V>::new(&elastic, count)));
     }
-    if let Some(fluid) = sph::fluid(scene, &properties, executor)? {
-        refuse_kinks(&about, "a fluid")?;
-        if projects || solves {
-            return Err(cannot_take(&about, sph::KIND));
-        }
-        let continuity = fluid.density().is_some_and(|density| density.scheme() == Scheme::Continuity);
-        if let (true, Some(reason)) = (continuity, about.refuses_fields) {
-            let mut fit = Vec::new();
-            with_integrator!(each Other => if integrators::refuses_fields::<Other>().is_none() && !Other::GYRATES {
-                fit.push(format!("{}()", Other::NAME));
-            });
-            let expected = format!("{} for a fluid that carries its density along", fit.join(", "));
-            return Err(Error::parameter("integrator", expected, about.name).with_hint(reason));
-        }
-        all.push(fluid);
-    }
+    all.extend(fluid(scene, &properties, &about, executor)?);
     let mut fusion = Fusion::new(if solves { count } else { 0 });
     for item in &scene.forces {
         executor.check()?;
@@ -83,10 +69,17 @@ pub fn compile<V: Vector>(scene: &Scene, method: Box<dyn Method<V>>, executor: &
     if contacts.is_some() {
         refuse_kinks(&about, "boundaries")?;
     }
+    let self_contacts = self_contacts(scene, &properties, &about)?;
     let known: Vec<About> = all.iter().map(|force| force.about()).collect();
-    let (stages, mut notes) = sequence(&known, &about, rods.is_some(), contacts.is_some());
+    let (mut stages, mut notes) = sequence(&known, &about, rods.is_some(), contacts.is_some());
+    if let Some(meshes) = &self_contacts {
+        // After the other contacts, which are those with walls.
+        stages.insert(if about.drifts_first { usize::from(contacts.is_some()) } else { stages.len() }, "self-contact".to_owned());
+        notes.push(format!("self-contact: a tree of {} triangles and free edges", meshes.elements()));
+    }
 
-    let independent = !about.sweeps && rods.is_none() && known.iter().all(|force| force.reach == Reach::Pointwise);
+    let independent =
+        !about.sweeps && rods.is_none() && self_contacts.is_none() && known.iter().all(|force| force.reach == Reach::Pointwise);
     let exact = rods.is_some() || known.iter().any(|force| force.reach == Reach::Pairs);
     let mut state = state::<V>(scene, &properties, MatterSystem::<V>::block(&about, independent), exact)?;
     if let Some(contacts) = &contacts {
@@ -109,10 +102,11 @@ pub fn compile<V: Vector>(scene: &Scene, method: Box<dyn Method<V>>, executor: &
     dynamics.springs = if rods.is_some() || projects || solves || tearing.is_some() { springs } else { Vec::new() };
     dynamics.rods = rods;
     dynamics.tearing = tearing;
+    dynamics.self_contacts = self_contacts;
     let dissipative = dynamics.velocity != VelocityDependence::None;
     let nominal = if dissipative { about.order_dissipative } else { about.order };
-    // A spring breaks at the end of a step, later than it should by up to a whole one.
-    let nominal = if dynamics.tearing.is_some() { 1 } else { nominal };
+    // A spring breaks at the end of a step, and contacts between meshes begin at the start of one: off by up to a whole one.
+    let nominal = if dynamics.tearing.is_some() || dynamics.self_contacts.is_some() { 1 } else { nominal };
     let order = known.iter().map(|force| force.order).fold(nominal, u32::min);
     notes.extend(advice(&about, dissipative, bends && dynamics.scheme != Some(Scheme::Continuity)));
     executor.check()?;
@@ -134,6 +128,41 @@ pub fn compile<V: Vector>(scene: &Scene, method: Box<dyn Method<V>>, executor: &
     let is_field = |item: &&Item| forces::feels_charges(item) || !forces::is_between_pairs(item);
     let fields = scene.forces.iter().filter(is_field).cloned().collect();
     Ok(MatterSystem::new(dynamics, state, method, stages, fields))
+}
+
+/// The fluid of a scene, for a method that can take it.
+fn fluid<V: Vector>(
+    scene: &Scene,
+    properties: &Properties<V>,
+    about: &MethodAbout,
+    executor: &Executor,
+) -> Result<Option<Box<dyn Force<V>>>> {
+    let Some(fluid) = sph::fluid(scene, properties, executor)? else { return Ok(None) };
+    refuse_kinks(about, "a fluid")?;
+    if [Treatment::Projections, Treatment::Solved].contains(&about.springs) {
+        return Err(cannot_take(about, sph::KIND));
+    }
+    let continuity = fluid.density().is_some_and(|density| density.scheme() == Scheme::Continuity);
+    if let (true, Some(reason)) = (continuity, about.refuses_fields) {
+        let mut fit = Vec::new();
+        with_integrator!(each Other => if integrators::refuses_fields::<Other>().is_none() && !Other::GYRATES {
+            fit.push(format!("{}()", Other::NAME));
+        });
+        let expected = format!("{} for a fluid that carries its density along", fit.join(", "));
+        return Err(Error::parameter("integrator", expected, about.name).with_hint(reason));
+    }
+    Ok(Some(fluid))
+}
+
+/// The contacts between meshes of a scene, for a method that can take them.
+fn self_contacts<V: Vector>(scene: &Scene, properties: &Properties<V>, about: &MethodAbout) -> Result<Option<SelfContacts>> {
+    let contacts = SelfContacts::build(scene, properties)?;
+    if let (Some(_), None) = (&contacts, about.impulses) {
+        let expected =
+            "VelocityVerlet(), BackwardEuler(), ImplicitMidpoint(), BDF2(), XPBD() or ProjectiveDynamics() for SelfContact";
+        return Err(Error::parameter("integrator", expected, about.name));
+    }
+    Ok(contacts)
 }
 
 /// Refuses forces for which a method has no projections, or no derivatives: those that do not join the linear force of those before.

@@ -13,7 +13,7 @@ use crate::systems::Interval;
 use crate::systems::matter::activity::Activity;
 use crate::systems::matter::collisions::collide;
 use crate::systems::matter::displacement::displace;
-use crate::systems::matter::dynamics::Dynamics;
+use crate::systems::matter::dynamics::{Dynamics, Impulses};
 use crate::systems::matter::kernels::{self, Action, Evaluation, kicked};
 
 /// Buffers of the sweeps.
@@ -59,6 +59,7 @@ pub fn advance<V: Vector, I: Integrator>(
     let sums = dynamics.scheme == Some(Scheme::Summation) && !I::ENDS_WITH_FORCES;
     let moves_on = workspace.before.is_none() && !sums && drifts.is_none_or(|drift_kick| drift_kick.drifts.len() == stages);
     for step in 0..interval.steps {
+        dynamics.begin_self_contacts(matter);
         if let Some([position, velocity]) = &mut workspace.before {
             position.copy_from(&matter.position);
             velocity.copy_from(&matter.velocity);
@@ -67,7 +68,7 @@ pub fn advance<V: Vector, I: Integrator>(
             sweep::<V, I>(dynamics, matter, workspace, interval, 0.0, Action::StageState, executor)?;
         }
         if I::DRIFTS_FIRST {
-            collisions::<V, I>(dynamics, matter, workspace, interval.h, executor);
+            collisions::<V, I>(dynamics, matter, workspace, interval.h, executor)?;
         }
         for stage in 0..stages {
             let time = interval.time(step, I::NODES[stage]);
@@ -181,17 +182,23 @@ pub fn sweep<V: Vector, I: Integrator>(
 
 /// Resolves all contacts within the drift.
 fn collisions<V: Vector, I: Integrator>(
-    dynamics: &Dynamics<V>,
+    dynamics: &mut Dynamics<V>,
     matter: &mut Matter<V>,
     workspace: &Workspace<V>,
     h: f64,
     executor: &Executor,
-) {
-    let (Some(contacts), Some([position, velocity])) = (&dynamics.contacts, &workspace.before) else { return };
-    executor.for_each_block(matter.blocks(), &|mut block: Blocks<'_, V>| {
-        let before = Before::part(position, velocity, &block.range());
-        collide::<V, I>(dynamics, contacts, &mut block, &before, h);
-    });
+) -> Result<()> {
+    if let (Some(contacts), Some([position, velocity])) = (&dynamics.contacts, &workspace.before) {
+        let dynamics = &*dynamics;
+        executor.for_each_block(matter.blocks(), &|mut block: Blocks<'_, V>| {
+            let before = Before::part(position, velocity, &block.range());
+            collide::<V, I>(dynamics, contacts, &mut block, &before, h);
+        });
+    }
+    if let Some(drift_kick) = I::DRIFT_KICK {
+        dynamics.resolve_self_contacts(matter, h, Impulses::Register(drift_kick.velocity), executor)?;
+    }
+    Ok(())
 }
 
 /// Blocks with their forces.

@@ -5,7 +5,7 @@ use std::ops::Range;
 use glam::DVec3;
 
 use crate::contacts::Contacts;
-use crate::error::Result;
+use crate::error::{Divergence, Error, Result};
 use crate::forces::linear::{Fusion, LinearForce};
 use crate::forces::springs::{self, Spring, Springs};
 use crate::forces::{
@@ -16,6 +16,7 @@ use crate::math::{Real, Vector};
 use crate::matter::{Columns, EnergySink, Matter, Power, Properties, SINKS, Span, View};
 use crate::parallel::{Executor, SERIAL};
 use crate::rods::{self, Rods};
+use crate::self_contact::SelfContacts;
 use crate::simd::{LANES, padded};
 use crate::stability::SpectralBound;
 use crate::systems::matter::tearing::Tearing;
@@ -101,6 +102,17 @@ pub struct Dynamics<V: Vector> {
     pub springs: Vec<Spring>,
     /// The springs that can break, if there are any.
     pub tearing: Option<Tearing>,
+    /// The contacts between meshes, if there are any.
+    pub self_contacts: Option<SelfContacts>,
+}
+
+/// The velocity that the impulses of contacts between meshes change.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Impulses {
+    /// That in a register, with which the step has moved; the velocity follows it.
+    Register(usize),
+    /// That at the end of the step.
+    Velocity,
 }
 
 impl<V: Vector> Dynamics<V> {
@@ -131,6 +143,7 @@ impl<V: Vector> Dynamics<V> {
             rods: None,
             springs: Vec::new(),
             tearing: None,
+            self_contacts: None,
         }
     }
 
@@ -151,6 +164,80 @@ impl<V: Vector> Dynamics<V> {
         if let Some(force) = self.forces.iter_mut().find(|force| force.about().name == springs::NAME) {
             *force = Box::new(Springs::<V>::new(&elastic, self.properties.count()));
         }
+        if let Some(contacts) = &mut self.self_contacts {
+            contacts.leave_out(tearing.broken());
+        }
+    }
+
+    /// Looks whether meshes pass through each other before the first step.
+    pub fn check_self_contacts(&mut self, matter: &Matter<V>, executor: &Executor) -> Result<()> {
+        let Some(contacts) = &mut self.self_contacts else { return Ok(()) };
+        contacts.check(|index| matter.exact_position(index), executor).map_err(|ends| {
+            let [one, other] = ends.map(|end| self.properties.caller[end as usize]);
+            let found = format!("the edge between the particles {one} and {other} in a triangle");
+            Error::parameter("scene", "bodies with SelfContact that do not pass through each other", found)
+        })
+    }
+
+    /// Takes the positions at the start of a step for the contacts between meshes.
+    pub fn begin_self_contacts(&mut self, matter: &Matter<V>) {
+        if let Some(contacts) = &mut self.self_contacts {
+            contacts.begin(|index| matter.exact_position(index));
+        }
+    }
+
+    /// Resolves the contacts between meshes on the way of a step of `h` seconds, whose positions are reached; returns whether there were
+    /// any.
+    pub fn resolve_self_contacts(
+        &mut self,
+        matter: &mut Matter<V>,
+        h: f64,
+        impulses: Impulses,
+        executor: &Executor,
+    ) -> Result<bool> {
+        let Some(meshes) = &mut self.self_contacts else { return Ok(false) };
+        let (properties, walls) = (&self.properties, &self.contacts);
+        let free: Vec<DVec3> =
+            (0..matter.count()).map(|index| (matter.exact_position(index) - meshes.start()[index]) / h).collect();
+        let mut velocities = free.clone();
+        let confine = |index: usize, x: DVec3| walls.as_ref().and_then(|walls| walls.confine(x, properties, index));
+        let touched = meshes.resolve(&mut velocities, h, &confine, executor).map_err(|unresolved| {
+            let index = properties.caller[unresolved.particle] as usize;
+            Error::Diverged(Box::new(Divergence {
+                step: 0,
+                time: 0.0,
+                element: format!("particle {index}"),
+                index,
+                quantity: "position",
+                cause: "passes through others, whatever impulses act: fixed particles drive it there, or it is too fast"
+                    .to_owned(),
+                hint: String::new(),
+            }))
+        })?;
+        if !touched {
+            return Ok(false);
+        }
+        for (index, (before, after)) in free.iter().zip(&velocities).enumerate() {
+            if before == after || properties.is_fixed(index) {
+                continue;
+            }
+            let change = *after - *before;
+            let end = meshes.start()[index] + h * *after;
+            matter.set_exact_position(index, confine(index, end).unwrap_or(end));
+            let kicked = matter.velocity.get(index).widen();
+            let mut old = kicked;
+            if let Impulses::Register(register) = impulses {
+                let middle = &mut matter.registers[register];
+                // The impulse acts at the start of the step, on the velocity before half a kick: with that before a whole one, so
+                // that what rests on a contact loses nothing.
+                old = 2.0 * middle.get(index).widen() - kicked;
+                middle.set(index, V::narrow(middle.get(index).widen() + change));
+            }
+            matter.velocity.set(index, V::narrow(kicked + change));
+            let lost = -properties.mass[index] * change.dot(old + 0.5 * change);
+            matter.tallies[index / matter.block].add(EnergySink::Contact, lost);
+        }
+        Ok(true)
     }
 
     /// Updates whether a fixed particle has a velocity.
@@ -402,6 +489,12 @@ impl<V: Vector> Dynamics<V> {
         let contacts = self.contacts.as_ref().map_or(0, Contacts::bytes);
         let rods = self.rods.as_ref().map_or(0, Rods::bytes) + size_of_val(self.springs.as_slice());
         let tearing = self.tearing.as_ref().map_or(0, Tearing::bytes);
-        self.linear.bytes() + contacts + rods + tearing + self.forces.iter().map(|force| force.about().bytes).sum::<usize>()
+        let meshes = self.self_contacts.as_ref().map_or(0, SelfContacts::bytes);
+        self.linear.bytes()
+            + contacts
+            + rods
+            + tearing
+            + meshes
+            + self.forces.iter().map(|force| force.about().bytes).sum::<usize>()
     }
 }

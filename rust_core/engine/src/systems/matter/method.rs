@@ -4,7 +4,7 @@ use std::marker::PhantomData;
 
 use super::activity::Activity;
 use super::coupled::Workspace;
-use super::dynamics::{Angle, Dynamics, Treatment};
+use super::dynamics::{Angle, Dynamics, Impulses, Treatment};
 use super::{coupled, independent};
 use crate::error::Result;
 use crate::history::History;
@@ -58,6 +58,8 @@ pub struct About {
     pub refuses_fields: Option<&'static str>,
     /// Why it takes neither contacts nor fluids, if it takes smooth motion alone.
     pub smooth_only: Option<&'static str>,
+    /// The velocity that contacts between meshes change, if it takes these.
+    pub impulses: Option<Impulses>,
 }
 
 /// A time-stepping method for matter. Its history is the data that it keeps itself from step to step, beside the registers.
@@ -134,6 +136,7 @@ impl<V: Vector, I: Integrator> Method<V> for Explicit<I> {
             springs: Treatment::Forces,
             refuses_fields: integrators::refuses_fields::<I>(),
             smooth_only: None,
+            impulses: I::DRIFT_KICK.filter(|_| I::DRIFTS_FIRST).map(|drift_kick| Impulses::Register(drift_kick.velocity)),
         }
     }
 

@@ -42,6 +42,7 @@ use crate::parallel::{Executor, SERIAL};
 use crate::plan::Stages;
 use crate::rods::Rods;
 use crate::scene::{Body, Item, Scene};
+use crate::self_contact::SelfContacts;
 use crate::simd::LANES;
 use crate::stability::{Horizon, Limit, LimitCache, SpectralBound};
 use crate::systems::{Control, Element, Fault, FieldInfo, Interval, Quantity, Record, Sample, System, unknown_integrator};
@@ -152,7 +153,7 @@ impl<V: Vector> MatterSystem<V> {
     /// A system at a given state.
     fn new(dynamics: Dynamics<V>, mut state: Matter<V>, method: Box<dyn Method<V>>, stages: Stages, fields: Vec<Item>) -> Self {
         let about = method.about();
-        let independent = dynamics.is_independent() && !about.sweeps;
+        let independent = dynamics.is_independent() && !about.sweeps && dynamics.self_contacts.is_none();
         // Registers that live only between the stages of a step need not outlive a block that runs through whole steps.
         let registers = if independent { about.readable } else { about.registers };
         state.registers = vec![Columns::zeros(state.count()); registers];
@@ -161,9 +162,11 @@ impl<V: Vector> MatterSystem<V> {
         let per_stage = 500.0 + count * per_particle + 6.0 * dynamics.pairs() as f64;
         // Estimates in nanoseconds on a typical core.
         let rods = dynamics.rods.as_ref().map_or(0.0, Rods::cost);
-        let cost = 1e-9 * about.evaluations as f64 * (per_stage + rods);
+        let meshes = dynamics.self_contacts.as_ref().map_or(0.0, |contacts| 2000.0 * contacts.elements() as f64);
+        let cost = 1e-9 * (about.evaluations as f64 * (per_stage + rods) + meshes);
         let blocks = state.tallies.len();
-        let workspace = (!independent).then(|| Workspace::new(state.count(), blocks, dynamics.contacts.is_some()));
+        let workspace = (!independent)
+            .then(|| Workspace::new(state.count(), blocks, dynamics.contacts.is_some() || dynamics.self_contacts.is_some()));
         let mut system = Self {
             saved: state.clone(),
             dynamics,
@@ -268,6 +271,7 @@ impl<V: Vector> MatterSystem<V> {
     fn capture_histories(&self, archive: &mut Archive) {
         self.method.capture(archive);
         self.dynamics.tearing.iter().for_each(|tearing| tearing.capture(archive));
+        self.dynamics.self_contacts.iter().for_each(|contacts| contacts.capture(archive));
         self.dynamics.forces().iter().for_each(|force| force.capture(archive));
     }
 
@@ -276,6 +280,9 @@ impl<V: Vector> MatterSystem<V> {
         if let Some(tearing) = &mut self.dynamics.tearing {
             tearing.restore(archive)?;
             self.leave_out_broken();
+        }
+        if let Some(contacts) = &mut self.dynamics.self_contacts {
+            contacts.restore(archive)?;
         }
         self.dynamics.forces_mut().iter_mut().try_for_each(|force| force.restore(archive))
     }
@@ -286,6 +293,7 @@ impl<V: Vector> History for MatterSystem<V> {
     fn save(&mut self) {
         self.method.save();
         self.dynamics.tearing.iter_mut().for_each(History::save);
+        self.dynamics.self_contacts.iter_mut().for_each(History::save);
         self.dynamics.forces_mut().iter_mut().for_each(|force| force.save());
         if self.workspace.is_some() {
             self.saved.copy_from(&self.state);
@@ -298,6 +306,7 @@ impl<V: Vector> History for MatterSystem<V> {
     fn rollback(&mut self) {
         std::mem::swap(&mut self.saved, &mut self.state);
         self.method.rollback();
+        self.dynamics.self_contacts.iter_mut().for_each(History::rollback);
         if self.dynamics.tearing.as_ref().is_some_and(tearing::Tearing::differs_from_saved) {
             self.dynamics.tearing.iter_mut().for_each(History::rollback);
             self.leave_out_broken();
@@ -336,10 +345,20 @@ impl<V: Vector> System for MatterSystem<V> {
         let known = self.dynamics.forces().iter().map(|force| force.about()).filter(|about| !about.findings.is_empty());
         let findings = known.map(|about| format!("{}: {}", about.name, about.findings));
         let rods = self.dynamics.rods.iter().flat_map(Rods::notes);
+        let meshes = self.dynamics.self_contacts.iter().filter_map(SelfContacts::note);
         vec![Stages {
             pairs: self.dynamics.pairs(),
             limit_varies: self.limit_varies(Horizon::Certified, 0.0),
-            notes: self.stages.notes.iter().cloned().chain(findings).chain(self.method.note()).chain(rods).collect(),
+            notes: self
+                .stages
+                .notes
+                .iter()
+                .cloned()
+                .chain(findings)
+                .chain(self.method.note())
+                .chain(rods)
+                .chain(meshes)
+                .collect(),
             ..self.stages.clone()
         }]
     }
@@ -374,6 +393,7 @@ impl<V: Vector> System for MatterSystem<V> {
     fn begin(&mut self, time: f64, executor: &Executor) -> Result<()> {
         self.resume();
         self.saved.copy_from(&self.state);
+        self.dynamics.check_self_contacts(&self.state, executor)?;
         self.evaluate(time, executor)?;
         executor.check()
     }

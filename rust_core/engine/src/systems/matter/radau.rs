@@ -241,6 +241,7 @@ impl<V: Vector<Scalar = f64>> Method<V> for GaussRadau15 {
             springs: Treatment::Forces,
             refuses_fields: None,
             smooth_only: Some("its steps are polynomials of degree 9, which contacts and fluids would break"),
+            impulses: None,
         }
     }
 

@@ -105,6 +105,7 @@ impl<V: Vector> Method<V> for Rattle {
             sweeps: true,
             springs: Treatment::Rods,
             smooth_only: Some("contacts would move particles off their rods"),
+            impulses: None,
             ..Method::<V>::about(&self.verlet)
         }
     }

@@ -15,7 +15,7 @@ mod stiffness;
 use glam::DVec3;
 
 use super::coupled::{BlocksWithForces, Workspace};
-use super::dynamics::{Dynamics, Treatment};
+use super::dynamics::{Dynamics, Impulses, Treatment};
 use super::kernels;
 use super::method::{About, Job, Method};
 use crate::contacts::Before;
@@ -120,6 +120,7 @@ impl Implicit {
         executor: &Executor,
     ) -> Result<f64> {
         dynamics.prepare(matter, time, executor)?;
+        dynamics.begin_self_contacts(matter);
         let (equation, two_step) = self.equation(dynamics, matter, h);
         let (displacements, counts) =
             self.newton.solve(dynamics, &equation).map_err(|unsolved| diverged(&dynamics.properties.caller, &unsolved))?;
@@ -151,7 +152,8 @@ impl Implicit {
             let moved = equation.from[index] + displacements[index];
             matter.set_exact_position(index, moved);
         }
-        let touched = collide(dynamics, matter, workspace, h, executor);
+        let bounced = collide(dynamics, matter, workspace, h, executor);
+        let touched = dynamics.resolve_self_contacts(matter, h, Impulses::Velocity, executor)? || bounced;
         self.before = if touched { 0.0 } else { h };
         if self.scheme != Scheme::Midpoint {
             let shares = if two_step { [0.5 * h, 0.5 * h] } else { [h, 0.0] };
@@ -259,6 +261,7 @@ impl<V: Vector> Method<V> for Implicit {
             springs: Treatment::Solved,
             refuses_fields: None,
             smooth_only: None,
+            impulses: Some(Impulses::Velocity),
         }
     }
 

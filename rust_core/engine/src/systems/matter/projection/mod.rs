@@ -15,7 +15,7 @@ pub use projective::{NAME as PROJECTIVE, Projective};
 pub use sweep::{NAME as XPBD, Sweeps};
 
 use super::coupled::Workspace;
-use super::dynamics::{Dynamics, Treatment};
+use super::dynamics::{Dynamics, Impulses, Treatment};
 use super::kernels;
 use super::method::{About, Job, Method};
 use crate::contacts::Before;
@@ -66,6 +66,7 @@ impl<V: Vector, P: Projector<V>> Projection<V, P> {
         executor: &Executor,
     ) -> Result<f64> {
         dynamics.prepare(matter, time, executor)?;
+        dynamics.begin_self_contacts(matter);
         self.predict(dynamics, matter, workspace, h, executor);
         self.projector.project(dynamics, &matter.position, &mut self.displacement, h);
         if let Some([position, velocity]) = &mut workspace.before {
@@ -80,7 +81,7 @@ impl<V: Vector, P: Projector<V>> Projection<V, P> {
             }
             matter.set_exact_position(index, matter.exact_position(index) + change);
         }
-        finish(dynamics, matter, workspace, (time, h), executor);
+        finish(dynamics, matter, workspace, (time, h), executor)?;
         Ok(workspace.activity.iter().sum())
     }
 
@@ -115,18 +116,20 @@ impl<V: Vector, P: Projector<V>> Projection<V, P> {
 
 /// Resolves contacts, integrates the power of springs at the end of the step, and records the activity.
 fn finish<V: Vector>(
-    dynamics: &Dynamics<V>,
+    dynamics: &mut Dynamics<V>,
     matter: &mut Matter<V>,
     workspace: &mut Workspace<V>,
     (time, h): (f64, f64),
     executor: &Executor,
-) {
+) -> Result<()> {
     if let (Some(contacts), Some([position, velocity])) = (&dynamics.contacts, &workspace.before) {
         executor.for_each_block(matter.blocks(), &|mut blocks: Blocks<'_, V>| {
             let before = Before::part(position, velocity, &blocks.range());
             contacts.resolve(&before, &mut blocks, &dynamics.properties, h);
         });
     }
+    dynamics.resolve_self_contacts(matter, h, Impulses::Velocity, executor)?;
+    let dynamics = &*dynamics;
     workspace.position.copy_from(&matter.position);
     workspace.velocity.copy_from(&matter.velocity);
     let at = dynamics.state_view(workspace.position.view(), workspace.velocity.view(), time + h);
@@ -141,6 +144,7 @@ fn finish<V: Vector>(
         kernels::integrate(&mut blocks.tallies[0], &power, &kernels::ALL, h, 0.0, false);
         activity.items[0] = kernels::activity(dynamics, &blocks) + kernels::out_of_range(dynamics, &blocks);
     });
+    Ok(())
 }
 
 /// What all projectors have in common: one sweep over all particles, of order 1, forces other than those of springs explicit.
@@ -161,6 +165,7 @@ fn about(name: &'static str, evaluations: usize) -> About {
         springs: Treatment::Projections,
         refuses_fields: None,
         smooth_only: None,
+        impulses: Some(Impulses::Velocity),
     }
 }
 

@@ -1,0 +1,108 @@
+"""Contact of a surface with itself and with others."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from physcore.checks import number, shown
+from physcore.errors import SceneError
+from physcore.scene.bodies import Body, SpringNetwork
+from physcore.scene.items import Constraint, chosen
+
+LEAST_AREA = 1e-12
+"""Twice the least area of a triangle, over the square of its longest side: above what rounding makes of a line."""
+
+
+@dataclass(frozen=True)
+class SelfContact(Constraint):
+    """No vertex of a body goes through its triangles and no edge through its edges, nor through those of bodies `on`.
+
+        cloth = pc.cloth((30, 30), 0.02, 100.0, mass=1e-4, origin=(0.0, 0.0, 0.5), axes=((1, 0, 0), (0, 0, 1)))
+        scene = pc.Scene(cloth, pc.Gravity((0, 0, -9.81)), pc.Floor(0.0), pc.SelfContact(cloth, thickness=0.005))
+
+    The triangles are the `faces` of a SpringNetwork, the edges their sides; of a network without faces, such as a rope,
+    its springs. Parts with a common vertex are left out, all others meet, however near they are along the surface.
+    Triangles with a broken side are gone.
+
+    A contact begins where two of them, locally closest to each other, are nearer than `thickness`; from then on they
+    come no nearer by more than what the iteration leaves. Whatever happens, no path within a step crosses: all are
+    checked by conservative advancement. Impulses act between the closest points, so that momentum is kept to rounding,
+    and angular momentum but for the distance of these points; the kinetic energy that they take is dissipated by
+    "contacts". Where no impulses keep particles apart, some move on together, and the plan says in how many steps.
+
+    Contact is of order 1 in the time step. It needs VelocityVerlet, BackwardEuler, ImplicitMidpoint, BDF2, XPBD or
+    ProjectiveDynamics, and space in 3D without a Periodic domain.
+
+    Args:
+        body: the SpringNetwork, which meets itself.
+        thickness: the distance of mid-surfaces at which contact begins [m], above zero and below the length of the
+            shortest edge.
+        friction: Coulomb's coefficient, at least zero.
+        restitution: ratio of the normal speeds after and before a contact that is new, from 0 to 1.
+        on: further networks that the body meets.
+
+    Raises:
+        SceneError: a value is out of range, a body has no springs, a triangle no area, or edges are as short as the
+            thickness; and when it is simulated, if an edge is in a triangle at the start.
+
+    Source: R. Bridson, R. Fedkiw, J. Anderson, ACM Trans. Graph. 21, 594 (2002); M. Li, D. M. Kaufman, C. Jiang,
+    ACM Trans. Graph. 40, 170 (2021) for the advancement.
+    """
+
+    body: Body
+    thickness: float
+    friction: float = 0.0
+    restitution: float = 0.0
+
+    naming: ClassVar[tuple[str, ...]] = ("on", "body")
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        own = chosen(self.body, "SelfContact.body")
+        if own is None or len(own) != 1:
+            raise SceneError(f"SelfContact.body: must be one SpringNetwork, got {shown(self.body)}")
+        others = self.bodies() or ()
+        if own[0] in others:
+            raise SceneError("SelfContact.on: must be other bodies; the body meets itself anyway")
+        self._set(
+            on=tuple(dict.fromkeys(others)),
+            body=own[0],
+            thickness=number(self.thickness, "SelfContact.thickness", above=0.0),
+            friction=number(self.friction, "SelfContact.friction", least=0.0),
+            restitution=number(self.restitution, "SelfContact.restitution", least=0.0, most=1.0),
+        )
+        named = [(self.body, "SelfContact.body"), *((other, f"SelfContact.on[{k}]") for k, other in enumerate(self.on or ()))]
+        for network, path in named:
+            _check_surface(network, path, self.thickness)
+
+    def bodies(self, field: str = "on") -> tuple[Body, ...] | None:
+        """The bodies that it names in a field."""
+        return (self.body,) if field == "body" else super().bodies(field)
+
+
+def _check_surface(body: Body, path: str, thickness: float) -> None:
+    """Its triangles have areas, and its edges are longer than the thickness."""
+    if not isinstance(body, SpringNetwork) or body.dimension != 3 or not len(body.pairs):
+        raise SceneError(f"{path}: must be a SpringNetwork in 3D with springs, got {body!r}")
+    if len(body.faces):
+        corners = body.positions[body.faces]
+        sides = np.roll(corners, -1, axis=1) - corners
+        longest = (sides**2).sum(axis=2).max(axis=1)
+        flat = ~(np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1) > LEAST_AREA * longest)
+        if flat.any():
+            row = int(np.argmax(flat))
+            raise SceneError(
+                f"{path}: must have triangles with an area, and the corners of faces[{row}], "
+                f"the particles {body.faces[row].tolist()}, are on a line"
+            )
+    else:
+        sides = np.diff(body.positions[body.pairs], axis=1)
+    shortest = float(np.sqrt((sides**2).sum(axis=2).min()))
+    if thickness >= shortest:
+        raise SceneError(
+            f"SelfContact.thickness: must be below the length of the shortest edge, {shortest:g} m, got {thickness:g}; "
+            "neighbors would touch from the start: take a finer thickness or a coarser mesh"
+        )

@@ -1,0 +1,138 @@
+//! Impulses of contacts: the velocities nearest to given ones at which no contact closes too far, by projected Gauss–Seidel iteration.
+//!
+//! For the relative normal velocities J v ≥ b of all contacts, with impulses λ ≥ 0,
+//!
+//!     v = v* + M⁻¹ Jᵀ λ   where λ maximizes   D(λ) = −½ λᵀ J M⁻¹ Jᵀ λ − λᵀ (J v* − b),
+//!
+//! and Coulomb's friction on top, `|λ_t|` ≤ μ λ. The kinetic energy changes by λᵀ b − D(λ) at most, so that with b ≤ 0 it does not grow as
+//! long as D ≥ 0: the impulses of the last step, from which the iteration starts, are scaled to that, and no iteration lowers D.
+//! Sources: J. J. Moreau, "Unilateral contact and dry friction in finite freedom dynamics", 1988; D. M. Kaufman et al., ACM Trans.
+//! Graph. 27, 164 (2008).
+
+use glam::DVec3;
+
+use super::distance::combined;
+
+/// The most iterations, and the change of relative velocities in one, over the largest that is needed, that ends them.
+const MOST: u32 = 30;
+pub const CONVERGED: f64 = 1e-3;
+
+/// A contact of up to four particles.
+#[derive(Debug, Clone, Copy)]
+pub struct Contact {
+    pub nodes: [u32; 4],
+    /// Weights wᵢ: the relative velocity is Σ wᵢ vᵢ.
+    pub weights: [f64; 4],
+    /// The unit normal n.
+    pub normal: DVec3,
+    /// The least normal velocity b [m/s].
+    pub least: f64,
+    /// Coulomb's coefficient μ.
+    pub friction: f64,
+    /// The pair, or the wall.
+    pub key: u64,
+    /// λ, and the impulse of friction [kg·m/s].
+    pub impulse: f64,
+    pub tangential: DVec3,
+    /// wᵢ/mᵢ, and 1/Σ wᵢ²/mᵢ.
+    change: [f64; 4],
+    mass: f64,
+}
+
+impl Contact {
+    /// A contact without impulse yet; None where no particle of it is free to move.
+    pub fn new(
+        (nodes, key): ([u32; 4], u64),
+        weights: [f64; 4],
+        normal: DVec3,
+        (least, friction): (f64, f64),
+        inverse_mass: &[f64],
+    ) -> Option<Self> {
+        let change: [f64; 4] = std::array::from_fn(|node| weights[node] * inverse_mass[nodes[node] as usize]);
+        let inverse: f64 = weights.iter().zip(&change).map(|(weight, change)| weight * change).sum();
+        let (impulse, tangential) = (0.0, DVec3::ZERO);
+        (inverse > 0.0).then_some(Self {
+            nodes,
+            weights,
+            normal,
+            least,
+            friction,
+            key,
+            impulse,
+            tangential,
+            change,
+            mass: 1.0 / inverse,
+        })
+    }
+
+    /// The relative velocity [m/s].
+    #[inline(always)]
+    pub fn velocity(&self, velocities: &[DVec3]) -> DVec3 {
+        combined(&self.weights, &self.nodes.map(|node| velocities[node as usize]))
+    }
+
+    /// Adds an impulse.
+    #[inline(always)]
+    fn push(&self, impulse: DVec3, velocities: &mut [DVec3]) {
+        for (node, change) in self.nodes.iter().zip(self.change) {
+            velocities[*node as usize] += change * impulse;
+        }
+    }
+
+    /// Takes the impulses that satisfy it alone; returns the change of the normal velocity.
+    #[inline(always)]
+    fn relax(&mut self, velocities: &mut [DVec3]) -> f64 {
+        let relative = self.velocity(velocities);
+        let normal = self.normal.dot(relative);
+        let impulse = (self.impulse + self.mass * (self.least - normal)).max(0.0);
+        let mut push = (impulse - self.impulse) * self.normal;
+        let change = (impulse - self.impulse).abs() / self.mass;
+        self.impulse = impulse;
+        if self.friction > 0.0 {
+            let slip = relative - normal * self.normal;
+            let wanted = self.tangential - self.mass * slip;
+            let tangential = wanted.clamp_length_max(self.friction * impulse);
+            push += tangential - self.tangential;
+            self.tangential = tangential;
+        }
+        if push != DVec3::ZERO {
+            self.push(push, velocities);
+        }
+        change
+    }
+}
+
+/// Starts from normal impulses, scaled by the factor from 0 to 1 at which D is largest. `velocities` are without them.
+pub fn start(contacts: &mut [Contact], velocities: &mut [DVec3]) {
+    let mut changes = vec![DVec3::ZERO; velocities.len()];
+    contacts.iter().for_each(|contact| contact.push(contact.impulse * contact.normal, &mut changes));
+    let (mut linear, mut square) = (0.0, 0.0);
+    for contact in contacts.iter() {
+        linear -= contact.impulse * (contact.normal.dot(contact.velocity(velocities)) - contact.least);
+        square += contact.impulse * contact.normal.dot(contact.velocity(&changes));
+    }
+    let factor = if square > 0.0 { (linear / square).clamp(0.0, 1.0) } else { 0.0 };
+    contacts.iter_mut().for_each(|contact| contact.impulse *= factor);
+    velocities.iter_mut().zip(&changes).for_each(|(velocity, change)| *velocity += factor * *change);
+}
+
+/// Iterates over the contacts to and fro.
+pub fn solve(contacts: &mut [Contact], velocities: &mut [DVec3]) {
+    let violation = |contact: &Contact| contact.least - contact.normal.dot(contact.velocity(velocities));
+    let carried = contacts.iter().map(|contact| contact.impulse / contact.mass).fold(0.0, f64::max);
+    let needed = contacts.iter().map(violation).fold(carried, f64::max);
+    if needed <= 0.0 {
+        return;
+    }
+    for iteration in 0..MOST {
+        let mut largest = 0.0_f64;
+        if iteration % 2 == 0 {
+            contacts.iter_mut().for_each(|contact| largest = largest.max(contact.relax(velocities)));
+        } else {
+            contacts.iter_mut().rev().for_each(|contact| largest = largest.max(contact.relax(velocities)));
+        }
+        if largest <= CONVERGED * needed {
+            break;
+        }
+    }
+}
