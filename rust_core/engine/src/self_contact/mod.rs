@@ -1,7 +1,7 @@
 //! Contact of meshes with themselves and with each other: nothing passes through, and distances stay at the thickness.
 //!
 //! A step moves vertices along straight paths. [`mesh`] finds the pairs, vertex and triangle or edge and edge, that may touch on
-//! the way; those that are locally closest at the start are contacts, whose impulses keep them from closing to less than the
+//! the way; those with closest points within both elements, or locally closest ones, are contacts, whose impulses keep them from closing to less than the
 //! thickness ([`impulses`]). Conservative advancement then looks at all pairs on the new paths ([`advancement`]): what still meets
 //! becomes a contact as it meets, and if some rounds of that do not help, particles move on together ([`zones`]). So no path of a step
 //! lets an edge through a triangle, whatever its length.
@@ -299,9 +299,8 @@ impl SelfContacts {
                 *distance = closest.separation.length();
                 let rule = &self.rules[pair.rule as usize];
                 let (travel, _) = advancement::relative(&pair.gather(free).map(|velocity| h * velocity), pair.split());
-                // Beyond the thickness every pair counts, because others may become the closest one on the way.
-                let counts = |distance: f64| (closest.interior && distance >= rule.thickness) || self.is_local(pair, &closest);
-                if *distance - travel < rule.thickness && *distance > 0.0 && counts(*distance) {
+                let counts = || closest.interior || self.is_local(pair, &closest);
+                if *distance - travel < rule.thickness && *distance > 0.0 && counts() {
                     found.items[0].extend(self.early(pair, &closest, *distance, free, h));
                 }
             }
