@@ -1,0 +1,273 @@
+//! Bending of a triangle mesh by the angles between adjacent faces: discrete shells (E. Grinspun, A. N. Hirani, M. Desbrun,
+//! P. Schröder, Symposium on Computer Animation 2003).
+//!
+//! A hinge is an edge from x₀ to x₁ with the opposite corners x₂ and x₃ of its two faces. With e = x₁ − x₀ and the normals
+//! n₁ = e × (x₂ − x₀) and n₂ = (x₃ − x₀) × e, both of twice the area of their face, the angle is
+//!
+//! θ = atan2(|e| n₁·(x₃ − x₀), n₁·n₂),   0 where the faces are in a plane,
+//!
+//! and with the bending rigidity B [J], the damping c [J·s] and a weight w of the shape at rest, its energy and the torque
+//! about the edge are
+//!
+//! U = ½ w B (θ − θ₀)²,   τ = w (B (θ − θ₀) + c dθ/dt),   Fᵢ = −τ ∇ᵢθ.
+//!
+//! The gradient is that of R. Bridson, S. Marino, R. Fedkiw (Symposium on Computer Animation 2003): ∇₂θ = |e| n₁/|n₁|²,
+//! ∇₃θ = |e| n₂/|n₂|², and with the feet s = (x − x₀)·e/|e|² of the heights from x₂ and x₃ on the edge
+//!
+//! ∇₀θ = −(1 − s₂) ∇₂θ − (1 − s₃) ∇₃θ,   ∇₁θ = −s₂ ∇₂θ − s₃ ∇₃θ,
+//!
+//! so that the forces of a hinge have neither a sum nor a moment. θ − θ₀ is taken in (−π, π], without loss of digits, as the
+//! angle of (cos θ, sin θ) turned back by θ₀. All of this is computed in double precision, whatever that of the run.
+
+use std::ops::Range;
+
+use glam::DVec3;
+
+use super::{About, Declared, Force, Forces, Kind, Rates, Reach, StateView, Validity, VelocityDependence};
+use crate::error::{Error, Result};
+use crate::history::History;
+use crate::math::Vector;
+use crate::matter::EnergySink;
+use crate::parallel::{BlockedSlice, Executor};
+use crate::simd::LANES;
+use crate::stability::{Horizon, SpectralBound};
+
+/// Hinges per block of work.
+const BLOCK: usize = 1024;
+
+/// An edge with its two faces.
+#[derive(Debug)]
+struct Hinge {
+    /// The ends of the edge and the opposite corners, by their index in the engine's order.
+    corners: [u32; 4],
+    /// cos θ₀ and sin θ₀.
+    rest: [f64; 2],
+    /// Stiffness w B [J] and damping w c [J·s].
+    strength: [f64; 2],
+}
+
+/// A hinge in a state.
+struct Bent {
+    /// θ − θ₀.
+    angle: f64,
+    /// ∇θ by each corner [1/m].
+    gradient: [DVec3; 4],
+    /// The inverse heights of each face over its edges, from x₀, x₁ and the opposite corner [1/m].
+    inverse_heights: [[f64; 3]; 2],
+}
+
+impl Hinge {
+    /// Its state at these corners [m]; None where a face has no area, which exerts no force.
+    fn bent(&self, x: [DVec3; 4]) -> Option<Bent> {
+        let (edge, arms) = (x[1] - x[0], [x[2] - x[0], x[3] - x[0]]);
+        let (square, length) = (edge.length_squared(), edge.length());
+        let normals = [edge.cross(arms[0]), arms[1].cross(edge)];
+        let squares = normals.map(DVec3::length_squared);
+        if squares.contains(&0.0) {
+            return None;
+        }
+        let (cosine, sine) = (normals[0].dot(normals[1]), length * normals[0].dot(arms[1]));
+        let [rest_cosine, rest_sine] = self.rest;
+        let angle = libm::atan2(sine * rest_cosine - cosine * rest_sine, cosine * rest_cosine + sine * rest_sine);
+        let opposite = [0, 1].map(|face| normals[face] * (length / squares[face]));
+        let feet = arms.map(|arm| arm.dot(edge) / square);
+        let at_end = |share: fn(f64) -> f64| -(opposite[0] * share(feet[0]) + opposite[1] * share(feet[1]));
+        let inverse_heights = [0, 1].map(|face| {
+            let sides = [x[face + 2] - x[1], arms[face], edge].map(DVec3::length);
+            sides.map(|side| side / squares[face].sqrt())
+        });
+        Some(Bent {
+            angle,
+            gradient: [at_end(|foot| 1.0 - foot), at_end(|foot| foot), opposite[0], opposite[1]],
+            inverse_heights,
+        })
+    }
+
+    /// dθ/dt at these velocities [1/s].
+    fn rate(&self, bent: &Bent, v: [DVec3; 4]) -> f64 {
+        (0..4).map(|corner| bent.gradient[corner].dot(v[corner])).sum()
+    }
+}
+
+/// The bending of some networks.
+#[derive(Debug)]
+pub struct Dihedral<V: Vector> {
+    hinges: Vec<Hinge>,
+    /// The places of particle i in hinges are `places[first[i]..first[i + 1]]`, as four times the hinge plus the corner.
+    first: Vec<u32>,
+    places: Vec<u32>,
+    /// The forces of the last evaluation on the corners of every hinge [N].
+    force: Vec<[V; 4]>,
+    /// The power that every hinge dissipated there [W].
+    power: Vec<f64>,
+}
+
+/// The registry's entry.
+pub fn kind<V: Vector>() -> Kind<V> {
+    let build = |declared: &Declared<'_, V>| -> Result<Forces<V>> { Ok(vec![Box::new(Dihedral::<V>::new(declared)?)]) };
+    Kind { name: "Dihedral", reach: Reach::Network, charges: false, build }
+}
+
+impl<V: Vector> Dihedral<V> {
+    /// The bending that an item declares: its hinges count the particles of the bodies that it names, one body after the
+    /// other.
+    fn new(declared: &Declared<'_, V>) -> Result<Self> {
+        let Declared { scene, item, properties, .. } = declared;
+        if V::DIMENSION != 3 {
+            return Err(Error::parameter(&item.path, "a scene in 3D", format!("{}D", V::DIMENSION)));
+        }
+        let corners = item.tuples::<4>("hinges")?;
+        let (rest_angle, weight) = (item.numbers("rest_angle", corners.len())?, item.numbers("weight", corners.len())?);
+        let strength = [item.non_negative("stiffness")?, item.non_negative("damping")?];
+        let mut engine = vec![0; properties.count()];
+        properties.caller.iter().enumerate().for_each(|(index, &caller)| engine[caller as usize] = index as u32);
+        let ends = scene.bodies.iter().scan(0, |end, body| {
+            *end += body.positions.len();
+            Some(*end - body.positions.len()..*end)
+        });
+        let ranges: Vec<Range<usize>> = ends.collect();
+        let all: Vec<usize> = (0..ranges.len()).collect();
+        let named = item.on.as_ref().unwrap_or(&all).iter().filter_map(|&body| ranges.get(body));
+        let particles: Vec<u32> = named.flat_map(|range| &engine[range.clone()]).copied().collect();
+        if let Some(row) = corners.iter().position(|corners| corners.iter().any(|&end| end as usize >= particles.len())) {
+            let path = format!("{}.hinges[{row}]", item.path);
+            return Err(Error::parameter(path, format!("four of {} particles", particles.len()), format!("{:?}", corners[row])));
+        }
+        let hinges: Vec<Hinge> = (corners.iter().zip(rest_angle).zip(weight))
+            .map(|((corners, &angle), &weight)| Hinge {
+                corners: corners.map(|corner| particles[corner as usize]),
+                rest: [libm::cos(angle), libm::sin(angle)],
+                strength: strength.map(|strength| strength * weight),
+            })
+            .collect();
+        let mut of_particles = vec![Vec::new(); properties.count()];
+        for (place, corner) in hinges.iter().flat_map(|hinge| hinge.corners).enumerate() {
+            of_particles[corner as usize].push(place as u32);
+        }
+        let mut first = vec![0; properties.count() + 1];
+        (0..properties.count()).for_each(|index| first[index + 1] = first[index] + of_particles[index].len() as u32);
+        Ok(Self {
+            force: vec![[V::default(); 4]; hinges.len()],
+            power: vec![0.0; hinges.len()],
+            first,
+            places: of_particles.concat(),
+            hinges,
+        })
+    }
+
+    /// The places of a particle in hinges.
+    fn places(&self, index: usize) -> impl Iterator<Item = (usize, usize)> {
+        let places = &self.places[self.first[index] as usize..self.first[index + 1] as usize];
+        places.iter().map(|&place| (place as usize / 4, place as usize % 4))
+    }
+
+    /// The particles of a block, without padding.
+    fn particles(&self, block: &Range<usize>) -> Range<usize> {
+        block.start..block.end.min(self.first.len() - 1)
+    }
+
+    /// A hinge in a state, with its torque [N·m] and the power that it dissipates [W].
+    fn loaded(&self, hinge: &Hinge, at: &StateView<'_, V>) -> Option<(Bent, f64, f64)> {
+        let bent = hinge.bent(hinge.corners.map(|corner| at.position.get(corner as usize).widen()))?;
+        let [stiffness, damping] = hinge.strength;
+        let rate = if damping == 0.0 {
+            0.0
+        } else {
+            hinge.rate(&bent, hinge.corners.map(|corner| at.velocity.get(corner as usize).widen()))
+        };
+        let torque = stiffness * bent.angle + damping * rate;
+        Some((bent, torque, damping * rate * rate))
+    }
+}
+
+impl<V: Vector> History for Dihedral<V> {}
+
+impl<V: Vector> Force<V> for Dihedral<V> {
+    fn about(&self) -> About {
+        let damped = self.hinges.iter().any(|hinge| hinge.strength[1] != 0.0);
+        let lists = size_of_val(self.first.as_slice()) + size_of_val(self.places.as_slice());
+        let results = size_of_val(self.force.as_slice()) + size_of_val(self.power.as_slice());
+        About {
+            velocity: if damped { VelocityDependence::Dissipative } else { VelocityDependence::None },
+            pairs: self.hinges.len(),
+            bytes: size_of_val(self.hinges.as_slice()) + lists + results,
+            layout: format!("{} hinges", self.hinges.len()),
+            ..About::new("dihedral", Reach::Network)
+        }
+    }
+
+    fn prepare(&mut self, at: &StateView<'_, V>, executor: &Executor) -> Result<()> {
+        let (mut force, mut power) = (std::mem::take(&mut self.force), std::mem::take(&mut self.power));
+        let slots = (BlockedSlice::new(&mut force, BLOCK), BlockedSlice::new(&mut power, BLOCK));
+        executor.for_each_block(slots, &|(force, power)| {
+            let hinges = &self.hinges[force.start..force.start + force.items.len()];
+            for (hinge, (force, power)) in hinges.iter().zip(force.items.iter_mut().zip(power.items)) {
+                (*force, *power) = match self.loaded(hinge, at) {
+                    Some((bent, torque, dissipated)) => (bent.gradient.map(|gradient| V::narrow(gradient * -torque)), dissipated),
+                    None => Default::default(),
+                };
+            }
+        });
+        (self.force, self.power) = (force, power);
+        executor.check()
+    }
+
+    fn accumulate(&self, block: Range<usize>, _at: &StateView<'_, V>, rates: &mut Rates<'_, V>) {
+        let damping = &mut rates.power[EnergySink::Damping as usize];
+        for (lane, index) in self.particles(&block).enumerate() {
+            let mut sum = V::default();
+            for (hinge, corner) in self.places(index) {
+                sum += self.force[hinge][corner];
+                // The power of a hinge is counted at its first corner.
+                damping[index % LANES] += if corner == 0 { self.power[hinge] } else { 0.0 };
+            }
+            rates.force.set(lane, rates.force.get(lane) + sum);
+        }
+    }
+
+    /// The energy of a hinge is counted at its first corner.
+    fn potential(&self, block: Range<usize>, at: &StateView<'_, V>) -> f64 {
+        let places = self.particles(&block).flat_map(|index| self.places(index)).filter(|&(_, corner)| corner == 0);
+        let hinges = places.map(|(hinge, _)| &self.hinges[hinge]);
+        let energy = |hinge: &Hinge| {
+            let bent = hinge.bent(hinge.corners.map(|corner| at.position.get(corner as usize).widen()));
+            bent.map_or(0.0, |bent| 0.5 * hinge.strength[0] * bent.angle * bent.angle)
+        };
+        hinges.map(energy).sum()
+    }
+
+    /// The stiffness matrix is w B ∇θ ∇θᵀ + τ ∇²θ, the damping matrix w c ∇θ ∇θᵀ. A symmetric matrix of blocks Kᵢⱼ is at most
+    /// the diagonal one of the sums Σⱼ |Kᵢⱼ|, which here are |∇ᵢθ| Σⱼ |∇ⱼθ| and, as a face turns by |δxᵢ|/hᵢ at most when a
+    /// corner with the height hᵢ moves, and the lengths in ∇θ change by up to twice as much, √5/hᵢ Σⱼ 1/hⱼ for each face.
+    fn bound(&self, at: &StateView<'_, V>, bound: &mut SpectralBound) -> Result<()> {
+        for hinge in &self.hinges {
+            let Some((bent, torque, _)) = self.loaded(hinge, at) else { continue };
+            let slopes = bent.gradient.map(DVec3::length);
+            let all: f64 = slopes.iter().sum();
+            let [stiffness, damping] = hinge.strength;
+            for (corner, &index) in hinge.corners.iter().enumerate() {
+                let in_faces: f64 = bent
+                    .inverse_heights
+                    .iter()
+                    .enumerate()
+                    .map(|(face, inverse_heights)| {
+                        let own = match corner {
+                            0 | 1 => inverse_heights[corner],
+                            _ if corner == face + 2 => inverse_heights[2],
+                            _ => 0.0,
+                        };
+                        own * inverse_heights.iter().sum::<f64>()
+                    })
+                    .sum();
+                let turning = 5.0_f64.sqrt() * torque.abs() * in_faces;
+                let slope = slopes[corner] * all;
+                bound.point(index as usize, "dihedral", stiffness * slope + turning, damping * slope);
+            }
+        }
+        Ok(())
+    }
+
+    fn validity(&self, _at: &StateView<'_, V>, _horizon: Horizon) -> Validity {
+        if self.hinges.is_empty() { Validity::Always } else { Validity::Now }
+    }
+}
