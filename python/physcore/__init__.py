@@ -76,6 +76,7 @@ from physcore.numerics.integrators import (
     VelocityVerlet,
 )
 from physcore.output import export
+from physcore.scene import materials
 from physcore.scene.bodies import Body, Particles, SpringNetwork
 from physcore.scene.builders import cloth, rope, soft_body
 from physcore.scene.fluid import Fluid
@@ -217,6 +218,7 @@ __all__ = [
     "film",
     "load",
     "lyapunov",
+    "materials",
     "rope",
     "simulate",
     "soft_body",

@@ -249,7 +249,7 @@ FIELDS = {
         *([pc.ElectromagneticField(pc.QuadrupoleTrap(1.5, (0.1, 0.0, 0.2)))] if d == 3 else []),
     ],
 }
-"""Forces with a potential, for each registered kind; Drag has none, and Dihedral that of a surface (`test_dihedral.py`)."""
+"""Forces with a potential, for each registered kind; Drag has none, Dihedral that of a surface (test_dihedral.py)."""
 
 
 def test_every_registered_force_is_held_against_its_potential():

@@ -31,12 +31,12 @@ class Dihedral(Force):
     −τ ∇θ: forces without a sum and without a moment. They do not resist stretching, and springs do not resist bending
     if they are in the surface, as those of a cloth without bend springs. The energy is by_term["dihedral"].
 
-    This is Grinspun's energy with 3 k = B/2, so that B is the rigidity of a plate, ½ B/R² per area where it is bent to
-    a cylinder of radius R: on a mesh of squares with diagonals, as a cloth has, along its rows and columns, where the
-    edges across it are bent by θ = a/R, w = 1 and there is one for every a²; on a mesh of equilateral triangles in
-    every direction. As in all models of hinges the rest follows from the mesh: a sheet of equilateral triangles has
-    Poisson's ratio −1/3, a cloth has 0, and resists a twist twice as much as a plate, 2 B κ² per area for the twist
-    κ = ∂²z/∂x∂y.
+    This is Grinspun's energy with 3 k = B/2, so that B is the rigidity of a plate: ½ B/R² per area where the particles
+    lie on a cylinder of radius R, on a mesh of equilateral triangles in every direction, on one of squares with
+    diagonals, as a cloth has, along its rows and columns, where every edge across the bend turns by a/R, has w = 1 and
+    the area a² about it. The rest follows from the mesh, as in all models of hinges. Equilateral triangles have
+    Poisson's ratio −1/3. A cloth resists a twist κ = ∂²z/∂x∂y by 2 B κ² per area, twice as much as a plate, and in
+    free motion it bends with 5/6 B, because particles where eight edges meet rise against the others.
 
     The angle θ − θ₀ is counted from −π to π: at ±π, where faces lie on one another, the energy is continuous and the
     torque changes its sign. A face without area, in a run, has no angle and feels no force.
@@ -131,5 +131,7 @@ def _edges(faces: IntArray, path: str) -> IntArray:
     opposite = sides[1:][same, 2]
     twice = first[:, 2] == opposite
     if twice.any():
-        raise SceneError(f"{path}: must have every face once, got {sorted(first[int(np.argmax(twice))].tolist())} twice")
+        raise SceneError(
+            f"{path}: must have every face once, got {sorted(first[int(np.argmax(twice))].tolist())} twice"
+        )
     return np.column_stack([first, opposite])

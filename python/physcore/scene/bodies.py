@@ -147,7 +147,7 @@ class SpringNetwork(Body):
         rest_length: l₀ of each spring [m], broadcast to (M,); None: the lengths that the springs have in `positions`.
         mass, fixed, velocities, charge, radius, name: as in Particles.
         faces: indices of the three corners of each triangle of a surface, shape (T, 3); None: it has none. They say
-            how it can be drawn (`physcore.styles.Surface`), and have no part in the motion.
+            how it can be drawn (`physcore.styles.Surface`), and have a part in the motion only by `Dihedral`.
 
     Raises:
         SceneError: a shape does not fit, an index points outside, a value is not finite or out of range, or a rod is

@@ -27,7 +27,7 @@ use super::{About, Declared, Force, Forces, Kind, Rates, Reach, StateView, Valid
 use crate::error::{Error, Result};
 use crate::history::History;
 use crate::math::Vector;
-use crate::matter::EnergySink;
+use crate::matter::{EnergySink, View};
 use crate::parallel::{BlockedSlice, Executor};
 use crate::simd::LANES;
 use crate::stability::{Horizon, SpectralBound};
@@ -52,13 +52,28 @@ struct Bent {
     angle: f64,
     /// ∇θ by each corner [1/m].
     gradient: [DVec3; 4],
-    /// The inverse heights of each face over its edges, from x₀, x₁ and the opposite corner [1/m].
-    inverse_heights: [[f64; 3]; 2],
+    /// The inverse height of each face from each corner [1/m]; 0 from that of the other face.
+    inverse_heights: [[f64; 4]; 2],
+}
+
+/// A hinge in a state, with what follows from its stiffness and damping.
+struct Loaded {
+    bent: Bent,
+    /// The torque τ [N·m].
+    torque: f64,
+    /// The power that it dissipates [W].
+    dissipated: f64,
 }
 
 impl Hinge {
-    /// Its state at these corners [m]; None where a face has no area, which exerts no force.
-    fn bent(&self, x: [DVec3; 4]) -> Option<Bent> {
+    /// The positions or velocities of its corners.
+    fn corners<V: Vector>(&self, columns: &View<'_, V>) -> [DVec3; 4] {
+        self.corners.map(|corner| columns.get(corner as usize).widen())
+    }
+
+    /// Its state; None where a face has no area, which exerts no force.
+    fn bent<V: Vector>(&self, at: &StateView<'_, V>) -> Option<Bent> {
+        let x = self.corners(&at.position);
         let (edge, arms) = (x[1] - x[0], [x[2] - x[0], x[3] - x[0]]);
         let (square, length) = (edge.length_squared(), edge.length());
         let normals = [edge.cross(arms[0]), arms[1].cross(edge)];
@@ -73,7 +88,8 @@ impl Hinge {
         let feet = arms.map(|arm| arm.dot(edge) / square);
         let at_end = |share: fn(f64) -> f64| -(opposite[0] * share(feet[0]) + opposite[1] * share(feet[1]));
         let inverse_heights = [0, 1].map(|face| {
-            let sides = [x[face + 2] - x[1], arms[face], edge].map(DVec3::length);
+            let mut sides = [(x[face + 2] - x[1]).length(), arms[face].length(), 0.0, 0.0];
+            sides[face + 2] = length;
             sides.map(|side| side / squares[face].sqrt())
         });
         Some(Bent {
@@ -83,9 +99,13 @@ impl Hinge {
         })
     }
 
-    /// dθ/dt at these velocities [1/s].
-    fn rate(&self, bent: &Bent, v: [DVec3; 4]) -> f64 {
-        (0..4).map(|corner| bent.gradient[corner].dot(v[corner])).sum()
+    /// Its state with its torque.
+    fn loaded<V: Vector>(&self, at: &StateView<'_, V>) -> Option<Loaded> {
+        let bent = self.bent(at)?;
+        let [stiffness, damping] = self.strength;
+        let velocities = if damping == 0.0 { [DVec3::ZERO; 4] } else { self.corners(&at.velocity) };
+        let rate: f64 = bent.gradient.iter().zip(velocities).map(|(gradient, velocity)| gradient.dot(velocity)).sum();
+        Some(Loaded { torque: stiffness * bent.angle + damping * rate, dissipated: damping * rate * rate, bent })
     }
 }
 
@@ -121,14 +141,9 @@ impl<V: Vector> Dihedral<V> {
         let strength = [item.non_negative("stiffness")?, item.non_negative("damping")?];
         let mut engine = vec![0; properties.count()];
         properties.caller.iter().enumerate().for_each(|(index, &caller)| engine[caller as usize] = index as u32);
-        let ends = scene.bodies.iter().scan(0, |end, body| {
-            *end += body.positions.len();
-            Some(*end - body.positions.len()..*end)
-        });
-        let ranges: Vec<Range<usize>> = ends.collect();
-        let all: Vec<usize> = (0..ranges.len()).collect();
-        let named = item.on.as_ref().unwrap_or(&all).iter().filter_map(|&body| ranges.get(body));
-        let particles: Vec<u32> = named.flat_map(|range| &engine[range.clone()]).copied().collect();
+        let start = |body: usize| scene.bodies[..body].iter().map(|body| body.positions.len()).sum::<usize>();
+        let named = item.on.clone().unwrap_or_else(|| (0..scene.bodies.len()).collect());
+        let particles: Vec<u32> = named.iter().flat_map(|&body| &engine[start(body)..start(body + 1)]).copied().collect();
         if let Some(row) = corners.iter().position(|corners| corners.iter().any(|&end| end as usize >= particles.len())) {
             let path = format!("{}.hinges[{row}]", item.path);
             return Err(Error::parameter(path, format!("four of {} particles", particles.len()), format!("{:?}", corners[row])));
@@ -165,19 +180,6 @@ impl<V: Vector> Dihedral<V> {
     fn particles(&self, block: &Range<usize>) -> Range<usize> {
         block.start..block.end.min(self.first.len() - 1)
     }
-
-    /// A hinge in a state, with its torque [N·m] and the power that it dissipates [W].
-    fn loaded(&self, hinge: &Hinge, at: &StateView<'_, V>) -> Option<(Bent, f64, f64)> {
-        let bent = hinge.bent(hinge.corners.map(|corner| at.position.get(corner as usize).widen()))?;
-        let [stiffness, damping] = hinge.strength;
-        let rate = if damping == 0.0 {
-            0.0
-        } else {
-            hinge.rate(&bent, hinge.corners.map(|corner| at.velocity.get(corner as usize).widen()))
-        };
-        let torque = stiffness * bent.angle + damping * rate;
-        Some((bent, torque, damping * rate * rate))
-    }
 }
 
 impl<V: Vector> History for Dihedral<V> {}
@@ -202,10 +204,9 @@ impl<V: Vector> Force<V> for Dihedral<V> {
         executor.for_each_block(slots, &|(force, power)| {
             let hinges = &self.hinges[force.start..force.start + force.items.len()];
             for (hinge, (force, power)) in hinges.iter().zip(force.items.iter_mut().zip(power.items)) {
-                (*force, *power) = match self.loaded(hinge, at) {
-                    Some((bent, torque, dissipated)) => (bent.gradient.map(|gradient| V::narrow(gradient * -torque)), dissipated),
-                    None => Default::default(),
-                };
+                (*force, *power) = hinge.loaded(at).map_or_else(Default::default, |Loaded { bent, torque, dissipated }| {
+                    (bent.gradient.map(|gradient| V::narrow(gradient * -torque)), dissipated)
+                });
             }
         });
         (self.force, self.power) = (force, power);
@@ -229,38 +230,22 @@ impl<V: Vector> Force<V> for Dihedral<V> {
     fn potential(&self, block: Range<usize>, at: &StateView<'_, V>) -> f64 {
         let places = self.particles(&block).flat_map(|index| self.places(index)).filter(|&(_, corner)| corner == 0);
         let hinges = places.map(|(hinge, _)| &self.hinges[hinge]);
-        let energy = |hinge: &Hinge| {
-            let bent = hinge.bent(hinge.corners.map(|corner| at.position.get(corner as usize).widen()));
-            bent.map_or(0.0, |bent| 0.5 * hinge.strength[0] * bent.angle * bent.angle)
-        };
-        hinges.map(energy).sum()
+        hinges.map(|hinge| hinge.bent(at).map_or(0.0, |bent| 0.5 * hinge.strength[0] * bent.angle * bent.angle)).sum()
     }
 
     /// The stiffness matrix is w B ∇θ ∇θᵀ + τ ∇²θ, the damping matrix w c ∇θ ∇θᵀ. A symmetric matrix of blocks Kᵢⱼ is at most
-    /// the diagonal one of the sums Σⱼ |Kᵢⱼ|, which here are |∇ᵢθ| Σⱼ |∇ⱼθ| and, as a face turns by |δxᵢ|/hᵢ at most when a
-    /// corner with the height hᵢ moves, and the lengths in ∇θ change by up to twice as much, √5/hᵢ Σⱼ 1/hⱼ for each face.
+    /// the diagonal one of the row sums Σⱼ |Kᵢⱼ|. Those of ∇θ ∇θᵀ are |∇ᵢθ| Σⱼ |∇ⱼθ|. A face gives each of its corners i,
+    /// with the height hᵢ, a part of ∇ᵢθ along its normal of 1/hᵢ at most. Where a corner j moves, the normal turns by
+    /// |δxⱼ|/hⱼ at most, and that part changes by a fraction of 2 |δxⱼ|/hⱼ at most: √5/hᵢ Σⱼ 1/hⱼ for each face.
     fn bound(&self, at: &StateView<'_, V>, bound: &mut SpectralBound) -> Result<()> {
         for hinge in &self.hinges {
-            let Some((bent, torque, _)) = self.loaded(hinge, at) else { continue };
+            let Some(Loaded { bent, torque, .. }) = hinge.loaded(at) else { continue };
             let slopes = bent.gradient.map(DVec3::length);
-            let all: f64 = slopes.iter().sum();
             let [stiffness, damping] = hinge.strength;
             for (corner, &index) in hinge.corners.iter().enumerate() {
-                let in_faces: f64 = bent
-                    .inverse_heights
-                    .iter()
-                    .enumerate()
-                    .map(|(face, inverse_heights)| {
-                        let own = match corner {
-                            0 | 1 => inverse_heights[corner],
-                            _ if corner == face + 2 => inverse_heights[2],
-                            _ => 0.0,
-                        };
-                        own * inverse_heights.iter().sum::<f64>()
-                    })
-                    .sum();
-                let turning = 5.0_f64.sqrt() * torque.abs() * in_faces;
-                let slope = slopes[corner] * all;
+                let of_face = |inverse_heights: &[f64; 4]| inverse_heights[corner] * inverse_heights.iter().sum::<f64>();
+                let turning = 5.0_f64.sqrt() * torque.abs() * bent.inverse_heights.iter().map(of_face).sum::<f64>();
+                let slope = slopes[corner] * slopes.iter().sum::<f64>();
                 bound.point(index as usize, "dihedral", stiffness * slope + turning, damping * slope);
             }
         }
