@@ -306,12 +306,14 @@ def _lattice(
     present = [kind for kind in kinds if kind.stiffness > 0 or kind.damping > 0]
     links = [np.concatenate([_links(shape, offset) for offset in kind.offsets]) for kind in present]
     sizes = [len(pairs) for pairs in links]
-    carried = [_shares(shape, kind.offsets[0]) if kind.halved else 1.0 for kind in present]
-    strengths = [np.full(size, kind.stiffness) * part for kind, size, part in zip(present, sizes, carried, strict=True)]
+    stiffness = np.repeat([kind.stiffness for kind in present], sizes)
+    for kind, part in zip(present, np.split(stiffness, np.cumsum(sizes)[:-1]), strict=False):
+        if kind.halved:
+            part *= _shares(shape, kind.offsets[0])
     return SpringNetwork(
         positions,
         np.concatenate([np.empty((0, 2), dtype=np.int64), *links]),
-        stiffness=np.concatenate([np.empty(0), *strengths]),
+        stiffness=stiffness,
         damping=np.repeat([kind.damping for kind in present], sizes),
         rest_length=np.repeat([kind.rest_length for kind in present], sizes),
         mass=mass,
