@@ -19,6 +19,8 @@
 //! so that the forces of a hinge have neither a sum nor a moment. θ − θ₀ is taken in (−π, π], without loss of digits, as the
 //! angle of (cos θ, sin θ) turned back by θ₀. All of this is computed in double precision, whatever that of the run.
 
+mod hinge;
+
 use std::ops::Range;
 
 use glam::DVec3;
@@ -27,87 +29,14 @@ use super::{About, Declared, Force, Forces, Kind, Rates, Reach, StateView, Valid
 use crate::error::{Error, Result};
 use crate::history::History;
 use crate::math::Vector;
-use crate::matter::{EnergySink, View};
+use crate::matter::EnergySink;
 use crate::parallel::{BlockedSlice, Executor};
 use crate::simd::LANES;
 use crate::stability::{Horizon, SpectralBound};
+use hinge::{Bent, Hinge};
 
 /// Hinges per block of work.
 const BLOCK: usize = 1024;
-
-/// An edge with its two faces.
-#[derive(Debug)]
-struct Hinge {
-    /// The ends of the edge and the opposite corners, by their index in the engine's order.
-    corners: [u32; 4],
-    /// cos θ₀ and sin θ₀.
-    rest: [f64; 2],
-    /// Stiffness w B [J] and damping w c [J·s].
-    strength: [f64; 2],
-}
-
-/// A hinge in a state.
-struct Bent {
-    /// θ − θ₀.
-    angle: f64,
-    /// ∇θ by each corner [1/m].
-    gradient: [DVec3; 4],
-    /// The inverse height of each face from each corner [1/m]; 0 from that of the other face.
-    inverse_heights: [[f64; 4]; 2],
-}
-
-/// A hinge in a state, with what follows from its stiffness and damping.
-struct Loaded {
-    bent: Bent,
-    /// The torque τ [N·m].
-    torque: f64,
-    /// The power that it dissipates [W].
-    dissipated: f64,
-}
-
-impl Hinge {
-    /// The positions or velocities of its corners.
-    fn corners<V: Vector>(&self, columns: &View<'_, V>) -> [DVec3; 4] {
-        self.corners.map(|corner| columns.get(corner as usize).widen())
-    }
-
-    /// Its state; None where a face has no area, which exerts no force.
-    fn bent<V: Vector>(&self, at: &StateView<'_, V>) -> Option<Bent> {
-        let x = self.corners(&at.position);
-        let (edge, arms) = (x[1] - x[0], [x[2] - x[0], x[3] - x[0]]);
-        let (square, length) = (edge.length_squared(), edge.length());
-        let normals = [edge.cross(arms[0]), arms[1].cross(edge)];
-        let squares = normals.map(DVec3::length_squared);
-        if squares.contains(&0.0) {
-            return None;
-        }
-        let (cosine, sine) = (normals[0].dot(normals[1]), length * normals[0].dot(arms[1]));
-        let [rest_cosine, rest_sine] = self.rest;
-        let angle = libm::atan2(sine * rest_cosine - cosine * rest_sine, cosine * rest_cosine + sine * rest_sine);
-        let opposite = [0, 1].map(|face| normals[face] * (length / squares[face]));
-        let feet = arms.map(|arm| arm.dot(edge) / square);
-        let at_end = |share: fn(f64) -> f64| -(opposite[0] * share(feet[0]) + opposite[1] * share(feet[1]));
-        let inverse_heights = [0, 1].map(|face| {
-            let mut sides = [(x[face + 2] - x[1]).length(), arms[face].length(), 0.0, 0.0];
-            sides[face + 2] = length;
-            sides.map(|side| side / squares[face].sqrt())
-        });
-        Some(Bent {
-            angle,
-            gradient: [at_end(|foot| 1.0 - foot), at_end(|foot| foot), opposite[0], opposite[1]],
-            inverse_heights,
-        })
-    }
-
-    /// Its state with its torque.
-    fn loaded<V: Vector>(&self, at: &StateView<'_, V>) -> Option<Loaded> {
-        let bent = self.bent(at)?;
-        let [stiffness, damping] = self.strength;
-        let velocities = if damping == 0.0 { [DVec3::ZERO; 4] } else { self.corners(&at.velocity) };
-        let rate: f64 = bent.gradient.iter().zip(velocities).map(|(gradient, velocity)| gradient.dot(velocity)).sum();
-        Some(Loaded { torque: stiffness * bent.angle + damping * rate, dissipated: damping * rate * rate, bent })
-    }
-}
 
 /// The bending of some networks.
 #[derive(Debug)]
@@ -138,7 +67,7 @@ impl<V: Vector> Dihedral<V> {
         }
         let corners = item.tuples::<4>("hinges")?;
         let (rest_angle, weight) = (item.numbers("rest_angle", corners.len())?, item.numbers("weight", corners.len())?);
-        let strength = [item.non_negative("stiffness")?, item.non_negative("damping")?];
+        let (stiffness, damping) = (item.non_negative("stiffness")?, item.non_negative("damping")?);
         let mut engine = vec![0; properties.count()];
         properties.caller.iter().enumerate().for_each(|(index, &caller)| engine[caller as usize] = index as u32);
         let start = |body: usize| scene.bodies[..body].iter().map(|body| body.positions.len()).sum::<usize>();
@@ -152,7 +81,8 @@ impl<V: Vector> Dihedral<V> {
             .map(|((corners, &angle), &weight)| Hinge {
                 corners: corners.map(|corner| particles[corner as usize]),
                 rest: [libm::cos(angle), libm::sin(angle)],
-                strength: strength.map(|strength| strength * weight),
+                stiffness: stiffness * weight,
+                damping: damping * weight,
             })
             .collect();
         let mut of_particles = vec![Vec::new(); properties.count()];
@@ -186,7 +116,7 @@ impl<V: Vector> History for Dihedral<V> {}
 
 impl<V: Vector> Force<V> for Dihedral<V> {
     fn about(&self) -> About {
-        let damped = self.hinges.iter().any(|hinge| hinge.strength[1] != 0.0);
+        let damped = self.hinges.iter().any(|hinge| hinge.damping != 0.0);
         let lists = size_of_val(self.first.as_slice()) + size_of_val(self.places.as_slice());
         let results = size_of_val(self.force.as_slice()) + size_of_val(self.power.as_slice());
         About {
@@ -204,9 +134,10 @@ impl<V: Vector> Force<V> for Dihedral<V> {
         executor.for_each_block(slots, &|(force, power)| {
             let hinges = &self.hinges[force.start..force.start + force.items.len()];
             for (hinge, (force, power)) in hinges.iter().zip(force.items.iter_mut().zip(power.items)) {
-                (*force, *power) = hinge.loaded(at).map_or_else(Default::default, |Loaded { bent, torque, dissipated }| {
-                    (bent.gradient.map(|gradient| V::narrow(gradient * -torque)), dissipated)
-                });
+                (*force, *power) =
+                    hinge.bent(at).map_or_else(Default::default, |Bent { gradient, torque, dissipated, .. }| {
+                        (gradient.map(|gradient| V::narrow(gradient * -torque)), dissipated)
+                    });
             }
         });
         (self.force, self.power) = (force, power);
@@ -229,8 +160,7 @@ impl<V: Vector> Force<V> for Dihedral<V> {
     /// The energy of a hinge is counted at its first corner.
     fn potential(&self, block: Range<usize>, at: &StateView<'_, V>) -> f64 {
         let places = self.particles(&block).flat_map(|index| self.places(index)).filter(|&(_, corner)| corner == 0);
-        let hinges = places.map(|(hinge, _)| &self.hinges[hinge]);
-        hinges.map(|hinge| hinge.bent(at).map_or(0.0, |bent| 0.5 * hinge.strength[0] * bent.angle * bent.angle)).sum()
+        places.filter_map(|(hinge, _)| self.hinges[hinge].bent(at)).map(|bent| bent.energy).sum()
     }
 
     /// The stiffness matrix is w B ∇θ ∇θᵀ + τ ∇²θ, the damping matrix w c ∇θ ∇θᵀ. A symmetric matrix of blocks Kᵢⱼ is at most
@@ -239,14 +169,13 @@ impl<V: Vector> Force<V> for Dihedral<V> {
     /// |δxⱼ|/hⱼ at most, and that part changes by a fraction of 2 |δxⱼ|/hⱼ at most: √5/hᵢ Σⱼ 1/hⱼ for each face.
     fn bound(&self, at: &StateView<'_, V>, bound: &mut SpectralBound) -> Result<()> {
         for hinge in &self.hinges {
-            let Some(Loaded { bent, torque, .. }) = hinge.loaded(at) else { continue };
-            let slopes = bent.gradient.map(DVec3::length);
-            let [stiffness, damping] = hinge.strength;
+            let Some(Bent { gradient, torque, .. }) = hinge.bent(at) else { continue };
+            let (slopes, inverse_heights) = (gradient.map(DVec3::length), hinge.inverse_heights(at));
             for (corner, &index) in hinge.corners.iter().enumerate() {
-                let of_face = |inverse_heights: &[f64; 4]| inverse_heights[corner] * inverse_heights.iter().sum::<f64>();
-                let turning = 5.0_f64.sqrt() * torque.abs() * bent.inverse_heights.iter().map(of_face).sum::<f64>();
                 let slope = slopes[corner] * slopes.iter().sum::<f64>();
-                bound.point(index as usize, "dihedral", stiffness * slope + turning, damping * slope);
+                let of_face = |inverse: &[f64; 4]| inverse[corner] * inverse.iter().sum::<f64>();
+                let turning = 5.0_f64.sqrt() * torque.abs() * inverse_heights.iter().map(of_face).sum::<f64>();
+                bound.point(index as usize, "dihedral", hinge.stiffness * slope + turning, hinge.damping * slope);
             }
         }
         Ok(())
