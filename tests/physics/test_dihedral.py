@@ -272,7 +272,7 @@ def hessian(body: pc.SpringNetwork, x: Array) -> Array:
 
 @pytest.mark.parametrize("seed", [None, 0, 1, 2])
 def test_steps_up_to_the_limit_are_stable(seed):
-    """The limit is below 2/ω of the fastest mode, by up to a third for flat sheets, of which rows are nearly exact."""
+    """The limit is below 2/ω of the fastest mode: by up to a tenth for flat sheets, by up to a half for crumpled ones."""
     body = sheet(6, 5) if seed is None else dented(seed)
     x = body.positions.copy()
     if seed is not None:
@@ -282,7 +282,7 @@ def test_steps_up_to_the_limit_are_stable(seed):
     run.set(positions=x)
     found = run.plan.dt_limit
     assert found <= 2.0 / np.sqrt(fastest)
-    assert found >= (0.66 if seed is None else 0.2) * 2.0 / np.sqrt(fastest)
+    assert found >= (0.9 if seed is None else 0.5) * 2.0 / np.sqrt(fastest)
 
 
 def vibrating(damping: float = 0.0) -> pc.Scene:
