@@ -28,14 +28,23 @@ def folded() -> pc.SpringNetwork:
     points = np.outer(width * u, across) + np.outer(v, along) + np.outer(depth * height, (0.0, 0.0, 1.0))
     inward = -np.outer(2.0 * (u - u.mean()) * width, across)
     return pc.SpringNetwork(
-        points, flat.pairs, flat.stiffness, flat.damping, flat.rest_length, flat.mass, velocities=inward, faces=flat.faces
+        points,
+        flat.pairs,
+        flat.stiffness,
+        flat.damping,
+        flat.rest_length,
+        flat.mass,
+        velocities=inward,
+        faces=flat.faces,
     )
 
 
 def ours(precision: Precision) -> pc.Simulation:
     """physcore on one thread; energies and the monitor are on as always."""
     cloth = folded()
-    scene = pc.Scene(cloth, pc.Gravity((0.0, 0.0, -9.81)), pc.Floor(-0.05, friction=0.3), pc.SelfContact(cloth, SPACING / 4))
+    scene = pc.Scene(
+        cloth, pc.Gravity((0.0, 0.0, -9.81)), pc.Floor(-0.05, friction=0.3), pc.SelfContact(cloth, SPACING / 4)
+    )
     return pc.Simulation(scene, pc.XPBD(1, 10), dt=STEP, precision=precision, threads=1)
 
 

@@ -104,6 +104,7 @@ VALUES: dict[str, Any] = {
     "a path": Path("nowhere") / "at all.gif",
 }
 
+SHEET = pc.cloth((3, 3), 1.0, 1.0, origin=(0.0, 0.0, 0.0))
 POINTS = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
 ONE = pc.Particles(POINTS, radius=0.1)
 SCENE = pc.Scene(ONE, pc.Gravity((0.0, -1.0)))
@@ -124,6 +125,11 @@ CALLS: dict[str, tuple[Callable[..., object], dict[str, Any]]] = {
     "Fluid": (pc.Fluid, {"positions": POINTS, "spacing": 1.0}),
     "rope": (pc.rope, {"particles": 3, "length": 1.0, "stiffness": 1.0}),
     "cloth": (pc.cloth, {"shape": (2, 3), "spacing": 1.0, "stiffness": 1.0}),
+    "cloth of a material": (pc.cloth, {"shape": (2, 3), "spacing": 1.0, "material": pc.materials.silk}),
+    "Material": (
+        pc.materials.Material,
+        {"areal_density": 0.1, "warp": 2.0, "weft": 3.0, "shear": 1.0, "bending": 1e-6},
+    ),
     "soft_body": (pc.soft_body, {"shape": (2, 3), "spacing": 1.0, "stiffness": 1.0}),
     "block": (pc.block, {"lower": (0.0, 0.0), "upper": (1.0, 1.0), "spacing": 0.5}),
     "ball": (pc.ball, {"center": (0.0, 0.0), "radius": 1.0, "spacing": 0.5}),
@@ -131,6 +137,7 @@ CALLS: dict[str, tuple[Callable[..., object], dict[str, Any]]] = {
     "Gravity": (pc.Gravity, {"acceleration": (0.0, -1.0)}),
     "Drag": (pc.Drag, {"linear": 1.0}),
     "CentralForce": (pc.CentralForce, {"center": (0.0, 0.0), "strength": 1.0}),
+    "Dihedral": (pc.Dihedral, {"on": SHEET, "stiffness": 1.0}),
     "SoftSpheres": (pc.SoftSpheres, {"stiffness": 1.0}),
     "Gravitation": (pc.Gravitation, {"constant": 1.0}),
     "Coulomb": (pc.Coulomb, {"constant": 1.0}),

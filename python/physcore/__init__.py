@@ -35,6 +35,7 @@ from physcore.forces import (
     Coulomb,
     CurrentLoop,
     CustomForce,
+    Dihedral,
     Drag,
     ElectromagneticField,
     Force,
@@ -76,6 +77,7 @@ from physcore.numerics.integrators import (
     VelocityVerlet,
 )
 from physcore.output import export
+from physcore.scene import materials
 from physcore.scene.bodies import Body, Particles, SpringNetwork
 from physcore.scene.builders import cloth, rope, soft_body
 from physcore.scene.fluid import Fluid
@@ -135,6 +137,7 @@ __all__ = [
     "CubicSpline",
     "CurrentLoop",
     "CustomForce",
+    "Dihedral",
     "DormandPrince5",
     "Drag",
     "ElectromagneticField",
@@ -217,6 +220,7 @@ __all__ = [
     "film",
     "load",
     "lyapunov",
+    "materials",
     "rope",
     "simulate",
     "soft_body",

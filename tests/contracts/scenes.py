@@ -115,6 +115,24 @@ def torn(side: int = 9) -> pc.Scene:
     return pc.Scene(body, pc.Gravity((0.0, -9.81)))
 
 
+def shell(shape: tuple[int, int] = (8, 6)) -> pc.Scene:
+    """A dented sheet, held at two corners, that springs and the angles between its faces hold in shape."""
+    rng = _random()
+    sheet = pc.cloth(shape, 0.1, 1.0, origin=(-0.35, -0.25, 0.0))
+    dented = sheet.positions + rng.uniform(-0.02, 0.02, sheet.positions.shape)
+    body = pc.SpringNetwork(
+        dented,
+        sheet.pairs,
+        rng.uniform(20.0, 50.0, len(sheet.pairs)),
+        0.02,
+        mass=rng.uniform(0.005, 0.015, len(sheet)),
+        fixed=[0, shape[0] - 1],
+        velocities=rng.uniform(-0.5, 0.5, dented.shape),
+        faces=sheet.faces,
+    )
+    return pc.Scene(body, pc.Dihedral(body, 0.02, 1e-4), pc.Gravity((0.0, 0.0, -9.81)))
+
+
 def chain(links: int = 12, dimension: int = 2) -> pc.Scene:
     """A chain of rods with a heavy end, and a loose one that two springs tie to it, with drag."""
     nodes = np.zeros((links + 2, dimension))
@@ -449,6 +467,8 @@ SCENES: dict[str, Case] = {
     "network 3D": Case(lambda: network(3), 0.01),
     "network adaptive": Case(network, 0.01, {"dt": pc.AdaptiveStep()}),
     "network by error": Case(network, 0.01, {"dt": pc.AdaptiveStep(tolerance=1e-5), "integrator": pc.DormandPrince5()}),
+    "shell": Case(shell, 0.002, large=lambda: shell((100, 60))),
+    "shell f32 RungeKutta4": Case(shell, 0.002, {**F32, **RK4}, large=lambda: shell((100, 60))),
     "chain": Case(chain, 0.002, large=lambda: chain(20_000)),
     "chain 3D f32": Case(lambda: chain(dimension=3), 0.002, F32),
     "chain of order 4": Case(chain, 0.01, {"integrator": pc.RATTLE(4)}),

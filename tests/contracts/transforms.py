@@ -101,6 +101,7 @@ QUANTITIES: dict[type, dict[str, Rule]] = {
     pc.Gravity: {"acceleration": vector(1, -2)},
     pc.Drag: {"linear": RESISTANCE, "quadratic": scalar(-1, 0, 1), "wind": wind},
     pc.CentralForce: {"center": point, "softening": scalar(1)},
+    pc.Dihedral: {"stiffness": scalar(2, -2, 1), "damping": scalar(2, -1, 1)},
     pc.SoftSpheres: {"damping": RESISTANCE, "tangential_damping": RESISTANCE},
     pc.LennardJones: {"epsilon": scalar(2, -2, 1), "sigma": scalar(1), "cutoff": scalar(1)},
     pc.Gravitation: {"constant": scalar(3, -2, -1), "softening": scalar(1)},
@@ -158,7 +159,7 @@ def _item(item: ActingItem, t: Transform, bodies: dict[Body, Body]) -> ActingIte
         up = np.eye(t.axes.shape[1])[-1]
         shared = {"restitution": item.restitution, "friction": item.friction, "no_slip": item.no_slip, "on": on}
         return pc.Plane(tuple(t.points(item.height * up)), tuple(t.directions(up)), **shared)
-    values = {entry.name: getattr(item, entry.name) for entry in fields(item) if entry.name not in named}
+    values = {entry.name: getattr(item, entry.name) for entry in fields(item) if entry.init and entry.name not in named}
     return type(item)(**_changed(item, values, t), **named)
 
 

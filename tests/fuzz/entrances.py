@@ -55,6 +55,7 @@ VALID = {
         "Box.lower": "(-9.0, -9.0)",
         "Box.upper": "(9.0, 9.0)",
         "Theme.bodies": "((1, 2, 3),)",
+        "Dihedral.on": "pc.cloth((3, 3), 1.0, 1.0, origin=(0.0, 0.0, 0.0))",
     },
     **{
         "Periodic.lower": "(-9.0, -9.0)",
@@ -93,6 +94,7 @@ ALWAYS: dict[str, dict[str, str]] = {
     "film": {"size": "(32, 32)", **QUIET},
     "gif_bytes": {"size": "(32, 32)"},
     "Source": {"frequency": "1.0"},
+    "cloth": {"stiffness": "1.0"},
     "tradeoff": {"budget": "0.01", **QUIET},
     **dict.fromkeys(("export", "simulate", "Simulation.record"), QUIET),
 }

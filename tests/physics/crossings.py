@@ -42,5 +42,7 @@ def _pierces(points: NDArray[np.float64], edge: Any, face: Any) -> bool:
 
 def _volume(a: Any, b: Any, c: Any, d: Any) -> Any:
     """Six times the signed volume of a tetrahedron."""
-    (ax, ay, az), (bx, by, bz), (cx, cy, cz) = ([one - other for one, other in zip(p, d, strict=True)] for p in (a, b, c))
+    (ax, ay, az), (bx, by, bz), (cx, cy, cz) = (
+        [one - other for one, other in zip(p, d, strict=True)] for p in (a, b, c)
+    )
     return ax * (by * cz - bz * cy) - ay * (bx * cz - bz * cx) + az * (bx * cy - by * cx)

@@ -139,6 +139,8 @@ def test_the_sides_of_a_soft_body_have_names():
         (lambda: pc.rope(3, 1.0, 1.0, pinned="top"), "rope.pinned: must be one of 'start', 'end', 'both'"),
         (lambda: pc.cloth((1, 2), 1.0, 1.0), r"cloth.shape\[0\]: must be ≥ 2, got 1"),
         (lambda: pc.cloth(3, 1.0, 1.0), r"cloth.shape: must be 2 whole numbers, got 3; write \(columns, rows\)"),
+        (lambda: pc.cloth((2, 2), 1.0), "cloth.stiffness: must be a number where there is no material=, got None"),
+        (lambda: pc.cloth((2, 2), 1.0, material="silk"), "cloth.material: must be one of physcore.materials, .*'silk'"),
         (lambda: pc.cloth((2, 2), 1.0, 1.0, axes=1.0), "cloth.axes: must be a list of 2 directions, got 1.0"),
         (lambda: pc.cloth((2, 2), 1.0, 1.0, axes=(1, 0)), r"cloth.axes\[0\]: must be 2 or 3 numbers"),
         (lambda: pc.cloth((2, 2), 1.0, 1.0, bend_stiffness=-1.0), "cloth.bend_stiffness: must be ≥ 0"),

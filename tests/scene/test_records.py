@@ -21,6 +21,7 @@ from physcore.systems import SYSTEMS
 DUST = pc.Particles([[0.0, 0.0], [1.0, 0.0]], radius=0.1, name="dust")
 NET = pc.SpringNetwork([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]], [[0, 1]], 2.0, faces=[[0, 1, 2]])
 WATER = pc.Fluid(pc.block((2.0, 0.0), (2.4, 0.4), 0.1), 0.1, sound_speed=20.0)
+SHEET = pc.cloth((3, 3), 1.0, 1.0, origin=(0.0, 0.0, 0.0))
 GRID = pc.Grid((4, 3), 0.1)
 ARGUMENTS: dict[str, tuple[object, ...]] = {
     "Gravity": ((0.0, -1.0),),
@@ -47,6 +48,7 @@ ARGUMENTS: dict[str, tuple[object, ...]] = {
     "Schrodinger": (pc.Grid((4, 3), 0.1), np.full((4, 3), 1.0 + 0.5j), np.zeros((4, 3)), 1.0, 1.0, 0.5, {"x": "free"}),
     "Tracers": ([[0.0, 0.0], [1.0, 0.0]], pc.Flow(lambda time, x: -x)),
     "PointVortices": ([[0.0, 0.0], [1.0, 0.0]], [1.0, -2.0], 0.1),
+    "Dihedral": (SHEET, 0.1, 0.01),
     "Repulsion": (10.0,),
     "LennardJones": (1.0, 0.1),
     "Plane": ((0.0, -9.0), (0.0, 2.0)),

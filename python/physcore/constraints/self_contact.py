@@ -74,7 +74,10 @@ class SelfContact(Constraint):
             friction=number(self.friction, "SelfContact.friction", least=0.0),
             restitution=number(self.restitution, "SelfContact.restitution", least=0.0, most=1.0),
         )
-        named = [(self.body, "SelfContact.body"), *((other, f"SelfContact.on[{k}]") for k, other in enumerate(self.on or ()))]
+        named = [
+            (self.body, "SelfContact.body"),
+            *((other, f"SelfContact.on[{k}]") for k, other in enumerate(self.on or ())),
+        ]
         for network, path in named:
             _check_surface(network, path, self.thickness)
 

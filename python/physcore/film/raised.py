@@ -16,7 +16,14 @@ class RaisedScene(Scene):
     """The bodies and systems of a scene in 2D, as a film in 3D has them; boundaries and domains stay in the plane."""
 
     def __init__(self, flat: Scene) -> None:
-        values = {"bodies": flat.bodies, "systems": flat.systems, "forces": (), "boundaries": (), "constraints": (), "periodic": None}
+        values = {
+            "bodies": flat.bodies,
+            "systems": flat.systems,
+            "forces": (),
+            "boundaries": (),
+            "constraints": (),
+            "periodic": None,
+        }
         for name, value in values.items():
             object.__setattr__(self, name, value)
 

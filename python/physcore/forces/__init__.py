@@ -6,6 +6,7 @@ from physcore.errors import warn
 from physcore.forces.central import CentralForce
 from physcore.forces.coulomb import Coulomb
 from physcore.forces.custom import CustomForce
+from physcore.forces.dihedral import Dihedral
 from physcore.forces.drag import Drag
 from physcore.forces.electromagnetic_field import ElectromagneticField
 from physcore.forces.fields import (
@@ -35,6 +36,7 @@ FORCES: tuple[type[Force], ...] = (
     Gravitation,
     Coulomb,
     ElectromagneticField,
+    Dihedral,
 )
 """Every force; what is registered here can be saved, and is tested."""
 
@@ -45,6 +47,7 @@ __all__ = [
     "Coulomb",
     "CurrentLoop",
     "CustomForce",
+    "Dihedral",
     "Drag",
     "ElectromagneticField",
     "Force",

@@ -10,6 +10,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
+from types import NoneType
 from typing import TypeAlias
 
 import numpy as np
@@ -33,6 +34,7 @@ from physcore.checks import (
 )
 from physcore.errors import SceneError
 from physcore.scene.bodies import SpringNetwork
+from physcore.scene.materials import Material
 
 Pinned: TypeAlias = str | tuple[str, ...] | ArrayLike | None
 Offset: TypeAlias = tuple[int, ...]
@@ -49,6 +51,8 @@ class _Kind:
     rest_length: float
     stiffness: float
     damping: float
+    halved: bool = False
+    """Whether those along a border of a sheet carry half the width of the others, and have half their stiffness."""
 
 
 def rope(
@@ -107,9 +111,9 @@ def rope(
 def cloth(
     shape: tuple[int, int],
     spacing: float,
-    stiffness: float,
+    stiffness: float | None = None,
     damping: float = 0.0,
-    mass: ArrayLike = 1.0,
+    mass: ArrayLike | None = None,
     origin: Vector | None = None,
     axes: tuple[Vector, Vector] | None = None,
     shear_stiffness: float | None = None,
@@ -118,6 +122,7 @@ def cloth(
     *,
     shear_damping: float | None = None,
     bend_damping: float | None = None,
+    material: Material | None = None,
     velocities: ArrayLike = 0.0,
     radius: ArrayLike = 0.0,
     name: str | None = None,
@@ -128,24 +133,37 @@ def cloth(
     Structural springs join neighbors in a row and in a column, shear springs the diagonals of each cell, bend springs
     every second particle of a row and of a column. Particles are listed row by row from the lower left.
 
+        flag = pc.cloth((40, 30), 0.025, 400.0, damping=0.02, mass=0.002, pinned="left")
+        scarf = pc.cloth((40, 30), 0.025, damping=0.02, origin=(0.0, 0.0, 0.0), material=pc.materials.silk)
+
+    With a `material` the springs are those of the sheet, whatever the spacing a, for small strains. Sheared by γ, both
+    diagonals of a cell change their length by a γ/√2, which takes ½ k γ² a² together: k is the shear stiffness of the
+    material. Stretched by ε along a row at constant width, they take ½ k ε² a², so that the springs of a row, which
+    carries the width a, have the stiffness of the material along the warp less k, and half of that at the border, where
+    a row carries a/2. Columns have that along the weft. Poisson's ratio follows from that: k over the stiffness along
+    warp or weft. There are no bend springs: `Dihedral(cloth, material.bending)` resists bending. A particle has the
+    mass of its share of the area, a², half of that at the border and a quarter at a corner.
+
     Args:
         shape: (columns, rows), each at least 2.
         spacing: between neighbors [m].
-        stiffness: of each structural spring [N/m].
+        stiffness: of each structural spring [N/m]; None: that of the material.
         damping: along each structural spring [N·s/m].
-        mass: per particle [kg], one or (columns · rows,).
+        mass: per particle [kg], one or (columns · rows,); None: that of the material, or 1.
         origin: of the lower left particle [m]; zero by default. Three numbers make the cloth 3D.
         axes: the directions of a row and of a column, perpendicular; +x and +y by default.
-        shear_stiffness, bend_stiffness: [N/m]; None: the same as `stiffness`; 0 leaves those springs out, unless their
-            damping is given.
+        shear_stiffness, bend_stiffness: [N/m]; None: that of the material, or the same as `stiffness`; 0 leaves those
+            springs out, unless their damping is given.
         pinned: "top", "bottom", "left", "right", "corners", "top corners", "bottom corners", a tuple of these,
             a bool mask, or integer indices.
         shear_damping, bend_damping: [N·s/m]; None: the same as `damping`.
+        material: one of `physcore.materials`, or another; what is given beside it counts instead of its values.
         velocities, radius, name: as in Particles.
         breaking_strain: the strain beyond which a spring breaks.
 
     Raises:
-        SceneError: a parameter is out of range or of the wrong shape.
+        SceneError: a parameter is out of range or of the wrong shape, there is neither a stiffness nor a material, or
+            the shear stiffness is above the material's along warp or weft.
 
     Source: X. Provot, "Deformation constraints in a mass-spring model to describe rigid cloth behavior",
     Graphics Interface 1995.
@@ -153,14 +171,31 @@ def cloth(
     columns, rows = _shape(shape, (2,), "cloth.shape", CLOTH_BYTES)
     step = span(spacing, "cloth.spacing")
     corner, directions = _frame(origin, axes, 2, "cloth.origin", "cloth.axes")
-    structural = _strength(stiffness, damping, "cloth.")
+    if not isinstance(material, (Material, NoneType)):
+        raise SceneError(f"cloth.material: must be one of physcore.materials, or a Material, got {shown(material)}")
+    if stiffness is None and material is None:
+        raise SceneError("cloth.stiffness: must be a number where there is no material=, got None")
+    if material is not None and shear_stiffness is None:
+        shear_stiffness = material.shear
+    if material is not None and bend_stiffness is None:
+        bend_stiffness = 0.0
+    structural = _strength(0.0 if stiffness is None else stiffness, damping, "cloth.")
     shear = _strength(shear_stiffness, shear_damping, "cloth.shear_", structural)
     bend = _strength(bend_stiffness, bend_damping, "cloth.bend_", structural)
+    if material is None or stiffness is not None:
+        along = [_Kind(((1, 0), (0, 1)), step, *structural)]
+    else:
+        along = [
+            _Kind((offset,), step, _along_threads(whole, shear[0], thread), structural[1], halved=True)
+            for offset, whole, thread in (((1, 0), material.warp, "warp"), ((0, 1), material.weft, "weft"))
+        ]
     kinds = [
-        _Kind(((1, 0), (0, 1)), step, *structural),
+        *along,
         _Kind(((1, 1), (-1, 1)), step * math.sqrt(2.0), *shear),
         _Kind(((2, 0), (0, 2)), 2.0 * step, *bend),
     ]
+    if mass is None:
+        mass = 1.0 if material is None else material.areal_density * step**2 * _shares((columns, rows), (0, 0))
     grid = np.arange(columns * rows).reshape(rows, columns)
     edges = {
         "bottom": grid[0],
@@ -281,10 +316,14 @@ def _lattice(
     present = [kind for kind in kinds if kind.stiffness > 0 or kind.damping > 0]
     links = [np.concatenate([_links(shape, offset) for offset in kind.offsets]) for kind in present]
     sizes = [len(pairs) for pairs in links]
+    stiffness = np.repeat([kind.stiffness for kind in present], sizes)
+    for kind, part in zip(present, np.split(stiffness, np.cumsum(sizes)[:-1]), strict=False):
+        if kind.halved:
+            part *= _shares(shape, kind.offsets[0])
     return SpringNetwork(
         positions,
         np.concatenate([np.empty((0, 2), dtype=np.int64), *links]),
-        stiffness=np.repeat([kind.stiffness for kind in present], sizes),
+        stiffness=stiffness,
         damping=np.repeat([kind.damping for kind in present], sizes),
         rest_length=np.repeat([kind.rest_length for kind in present], sizes),
         mass=mass,
@@ -316,6 +355,19 @@ def _links(shape: tuple[int, ...], offset: Offset) -> IntArray:
     first = tuple(slice(max(0, -o), size - max(0, o)) for o, size in zip(offset, shape, strict=True))
     second = tuple(slice(max(0, o), size + min(0, o)) for o, size in zip(offset, shape, strict=True))
     return np.stack([grid[first[::-1]].ravel(), grid[second[::-1]].ravel()], axis=1)
+
+
+def _shares(shape: tuple[int, ...], offset: Offset) -> FloatArray:
+    """The width that every spring of `_links` carries, in spacings: ½ along a border. With no offset the area of every
+    particle.
+    """
+    shares = np.ones((1,))
+    for size, step in zip(shape[::-1], offset[::-1], strict=True):
+        along = np.ones(size - abs(step))
+        if step == 0:
+            along[[0, -1]] = 0.5
+        shares = np.outer(shares, along).ravel()
+    return shares
 
 
 def _grid(shape: tuple[int, ...], spacing: float) -> FloatArray:
@@ -375,6 +427,16 @@ def _strength(
     if damping is None:
         return k, (0.0 if stiffness is not None and k == 0.0 else default[1])
     return k, number(damping, f"{prefix}damping", least=0.0)
+
+
+def _along_threads(whole: float, shear: float, thread: str) -> float:
+    """The stiffness of springs along warp or weft: that of the sheet less what the diagonals take."""
+    if shear > whole:
+        raise SceneError(
+            f"cloth.shear_stiffness: must be at most the material's stiffness along the {thread}, {whole:g} N/m, "
+            f"got {shear:g}; diagonals resist a stretch too"
+        )
+    return whole - shear
 
 
 def _pins(pinned: Pinned, edges: Mapping[str, IntArray], nodes: int, path: str) -> BoolArray:

@@ -38,6 +38,10 @@ class SceneItem:
         for name, value in values.items():
             object.__setattr__(self, name, value)
 
+    def __setstate__(self, state: dict[str, object]) -> None:
+        """A copy, or what comes out of a pickle, has read-only arrays too."""
+        self._set(**{name: frozen(value) if isinstance(value, np.ndarray) else value for name, value in state.items()})
+
     def mismatch(self, dimension: int) -> tuple[str, int] | None:
         """The name and the size of the first vector that has not `dimension` components, or None."""
         vectors = {entry.name: getattr(self, entry.name) for entry in fields(self) if entry.name != "on"}
@@ -155,10 +159,6 @@ class System(SceneItem):
     def shown(self, fields: dict[str, FloatArray]) -> dict[str, FloatArray]:
         """The fields as results have them, of fields as the engine has them; over time or not."""
         return fields
-
-    def __setstate__(self, state: dict[str, object]) -> None:
-        """A copy, or what comes out of a pickle, has read-only arrays too."""
-        self._set(**{name: frozen(value) if isinstance(value, np.ndarray) else value for name, value in state.items()})
 
     def __post_init__(self) -> None:
         self._set(name=None if self.name is None else text(self.name, f"{type(self).__name__}.name"))

@@ -163,7 +163,10 @@ class Scene:
 
     def __repr__(self) -> str:
         domain = () if self.periodic is None else (self.periodic,)
-        parts = [repr(item) for item in (*self.bodies, *self.forces, *self.boundaries, *self.constraints, *self.systems, *domain)]
+        parts = [
+            repr(item)
+            for item in (*self.bodies, *self.forces, *self.boundaries, *self.constraints, *self.systems, *domain)
+        ]
         return f"Scene({', '.join(parts)})"
 
     def _check_bodies(self) -> None:

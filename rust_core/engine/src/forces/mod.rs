@@ -18,6 +18,7 @@ mod all_pairs;
 mod central;
 mod custom;
 pub mod density;
+mod dihedral;
 mod drag;
 mod electromagnetic;
 mod gravity;
@@ -282,7 +283,7 @@ struct Kind<V: Vector> {
 }
 
 /// The registry.
-fn kinds<V: Vector>() -> [Kind<V>; 9] {
+fn kinds<V: Vector>() -> [Kind<V>; 10] {
     [
         gravity::kind(),
         drag::kind(),
@@ -292,6 +293,7 @@ fn kinds<V: Vector>() -> [Kind<V>; 9] {
         lennard_jones::kind(),
         all_pairs::gravitation(),
         all_pairs::coulomb(),
+        dihedral::kind(),
         electromagnetic::kind(),
     ]
 }
@@ -308,7 +310,7 @@ pub fn feels_charges(item: &Item) -> bool {
 
 /// Whether a force of the scene passes between particles.
 pub fn is_between_pairs(item: &Item) -> bool {
-    matches!(reach(item), Some(Reach::Pairs | Reach::Far))
+    matches!(reach(item), Some(Reach::Network | Reach::Pairs | Reach::Far))
 }
 
 /// Whether any passes between all particles that are near each other.

@@ -1,10 +1,10 @@
 //! Contact of meshes with themselves and with each other: nothing passes through, and distances stay at the thickness.
 //!
 //! A step moves vertices along straight paths. [`mesh`] finds the pairs, vertex and triangle or edge and edge, that may touch on
-//! the way; those with closest points within both elements, or locally closest ones, are contacts, whose impulses keep them from closing to less than the
-//! thickness ([`impulses`]). Conservative advancement then looks at all pairs on the new paths ([`advancement`]): what still meets
-//! becomes a contact as it meets, and if some rounds of that do not help, particles move on together ([`zones`]). So no path of a step
-//! lets an edge through a triangle, whatever its length.
+//! the way; those whose closest points are within both elements, or locally closest, are contacts, whose impulses keep them from
+//! closing to less than the thickness ([`impulses`]). Conservative advancement then looks at all pairs on the new paths
+//! ([`advancement`]): what still meets becomes a contact as it meets, and if some rounds of that do not help, particles move on
+//! together ([`zones`]). So no path of a step lets an edge through a triangle, whatever its length.
 
 use std::collections::BTreeSet;
 

@@ -1,0 +1,187 @@
+//! Bending of a triangle mesh by the angles between adjacent faces: discrete shells (E. Grinspun, A. N. Hirani, M. Desbrun,
+//! P. Schröder, Symposium on Computer Animation 2003).
+//!
+//! A hinge is an edge from x₀ to x₁ with the opposite corners x₂ and x₃ of its two faces. With e = x₁ − x₀ and the normals
+//! n₁ = e × (x₂ − x₀) and n₂ = (x₃ − x₀) × e, both of twice the area of their face, the angle is
+//!
+//! θ = atan2(|e| n₁·(x₃ − x₀), n₁·n₂),   0 where the faces are in a plane,
+//!
+//! and with the bending rigidity B [J], the damping c [J·s] and a weight w of the shape at rest, its energy and the torque
+//! about the edge are
+//!
+//! U = ½ w B (θ − θ₀)²,   τ = w (B (θ − θ₀) + c dθ/dt),   Fᵢ = −τ ∇ᵢθ.
+//!
+//! The gradient is that of R. Bridson, S. Marino, R. Fedkiw (Symposium on Computer Animation 2003): ∇₂θ = |e| n₁/|n₁|²,
+//! ∇₃θ = |e| n₂/|n₂|², and with the feet s = (x − x₀)·e/|e|² of the heights from x₂ and x₃ on the edge
+//!
+//! ∇₀θ = −(1 − s₂) ∇₂θ − (1 − s₃) ∇₃θ,   ∇₁θ = −s₂ ∇₂θ − s₃ ∇₃θ,
+//!
+//! so that the forces of a hinge have neither a sum nor a moment. θ − θ₀ is taken in (−π, π], without loss of digits, as the
+//! angle of (cos θ, sin θ) turned back by θ₀. All of this is computed in double precision, whatever that of the run.
+
+mod hinge;
+
+use std::ops::Range;
+
+use glam::DVec3;
+
+use super::{About, Declared, Force, Forces, Kind, Rates, Reach, StateView, Validity, VelocityDependence};
+use crate::error::{Error, Result};
+use crate::history::History;
+use crate::math::Vector;
+use crate::matter::EnergySink;
+use crate::parallel::{BlockedSlice, Executor};
+use crate::simd::LANES;
+use crate::stability::{Horizon, SpectralBound};
+use hinge::{Bent, Hinge};
+
+/// Hinges per block of work.
+const BLOCK: usize = 1024;
+
+/// The bending of some networks.
+#[derive(Debug)]
+pub struct Dihedral<V: Vector> {
+    hinges: Vec<Hinge>,
+    /// The places of particle i in hinges are `places[first[i]..first[i + 1]]`, as four times the hinge plus the corner.
+    first: Vec<u32>,
+    places: Vec<u32>,
+    /// The forces of the last evaluation on the corners of every hinge [N].
+    force: Vec<[V; 4]>,
+    /// The power that every hinge dissipated there [W].
+    power: Vec<f64>,
+}
+
+/// The registry's entry.
+pub fn kind<V: Vector>() -> Kind<V> {
+    let build = |declared: &Declared<'_, V>| -> Result<Forces<V>> { Ok(vec![Box::new(Dihedral::<V>::new(declared)?)]) };
+    Kind { name: "Dihedral", reach: Reach::Network, charges: false, build }
+}
+
+impl<V: Vector> Dihedral<V> {
+    /// The bending that an item declares: its hinges count the particles of the bodies that it names, one body after the
+    /// other.
+    fn new(declared: &Declared<'_, V>) -> Result<Self> {
+        let Declared { scene, item, properties, .. } = declared;
+        if V::DIMENSION != 3 {
+            return Err(Error::parameter(&item.path, "a scene in 3D", format!("{}D", V::DIMENSION)));
+        }
+        let corners = item.tuples::<4>("hinges")?;
+        let (rest_angle, weight) = (item.numbers("rest_angle", corners.len())?, item.numbers("weight", corners.len())?);
+        let (stiffness, damping) = (item.non_negative("stiffness")?, item.non_negative("damping")?);
+        let mut engine = vec![0; properties.count()];
+        properties.caller.iter().enumerate().for_each(|(index, &caller)| engine[caller as usize] = index as u32);
+        let start = |body: usize| scene.bodies[..body].iter().map(|body| body.positions.len()).sum::<usize>();
+        let named = item.on.clone().unwrap_or_else(|| (0..scene.bodies.len()).collect());
+        let particles: Vec<u32> = named.iter().flat_map(|&body| &engine[start(body)..start(body + 1)]).copied().collect();
+        if let Some(row) = corners.iter().position(|corners| corners.iter().any(|&end| end as usize >= particles.len())) {
+            let path = format!("{}.hinges[{row}]", item.path);
+            return Err(Error::parameter(path, format!("four of {} particles", particles.len()), format!("{:?}", corners[row])));
+        }
+        let hinges: Vec<Hinge> = (corners.iter().zip(rest_angle).zip(weight))
+            .map(|((corners, &angle), &weight)| Hinge {
+                corners: corners.map(|corner| particles[corner as usize]),
+                rest: [libm::cos(angle), libm::sin(angle)],
+                stiffness: stiffness * weight,
+                damping: damping * weight,
+            })
+            .collect();
+        let mut of_particles = vec![Vec::new(); properties.count()];
+        for (place, corner) in hinges.iter().flat_map(|hinge| hinge.corners).enumerate() {
+            of_particles[corner as usize].push(place as u32);
+        }
+        let mut first = vec![0; properties.count() + 1];
+        (0..properties.count()).for_each(|index| first[index + 1] = first[index] + of_particles[index].len() as u32);
+        Ok(Self {
+            force: vec![[V::default(); 4]; hinges.len()],
+            power: vec![0.0; hinges.len()],
+            first,
+            places: of_particles.concat(),
+            hinges,
+        })
+    }
+
+    /// The places of a particle in hinges.
+    fn places(&self, index: usize) -> impl Iterator<Item = (usize, usize)> {
+        let places = &self.places[self.first[index] as usize..self.first[index + 1] as usize];
+        places.iter().map(|&place| (place as usize / 4, place as usize % 4))
+    }
+
+    /// The particles of a block, without padding.
+    fn particles(&self, block: &Range<usize>) -> Range<usize> {
+        block.start..block.end.min(self.first.len() - 1)
+    }
+}
+
+impl<V: Vector> History for Dihedral<V> {}
+
+impl<V: Vector> Force<V> for Dihedral<V> {
+    fn about(&self) -> About {
+        let damped = self.hinges.iter().any(|hinge| hinge.damping != 0.0);
+        let lists = size_of_val(self.first.as_slice()) + size_of_val(self.places.as_slice());
+        let results = size_of_val(self.force.as_slice()) + size_of_val(self.power.as_slice());
+        About {
+            velocity: if damped { VelocityDependence::Dissipative } else { VelocityDependence::None },
+            pairs: self.hinges.len(),
+            bytes: size_of_val(self.hinges.as_slice()) + lists + results,
+            layout: format!("{} hinges", self.hinges.len()),
+            ..About::new("dihedral", Reach::Network)
+        }
+    }
+
+    fn prepare(&mut self, at: &StateView<'_, V>, executor: &Executor) -> Result<()> {
+        let (mut force, mut power) = (std::mem::take(&mut self.force), std::mem::take(&mut self.power));
+        let slots = (BlockedSlice::new(&mut force, BLOCK), BlockedSlice::new(&mut power, BLOCK));
+        executor.for_each_block(slots, &|(force, power)| {
+            let hinges = &self.hinges[force.start..force.start + force.items.len()];
+            for (hinge, (force, power)) in hinges.iter().zip(force.items.iter_mut().zip(power.items)) {
+                (*force, *power) =
+                    hinge.bent(at).map_or_else(Default::default, |Bent { gradient, torque, dissipated, .. }| {
+                        (gradient.map(|gradient| V::narrow(gradient * -torque)), dissipated)
+                    });
+            }
+        });
+        (self.force, self.power) = (force, power);
+        executor.check()
+    }
+
+    fn accumulate(&self, block: Range<usize>, _at: &StateView<'_, V>, rates: &mut Rates<'_, V>) {
+        let damping = &mut rates.power[EnergySink::Damping as usize];
+        for (lane, index) in self.particles(&block).enumerate() {
+            let mut sum = V::default();
+            for (hinge, corner) in self.places(index) {
+                sum += self.force[hinge][corner];
+                // The power of a hinge is counted at its first corner.
+                damping[index % LANES] += if corner == 0 { self.power[hinge] } else { 0.0 };
+            }
+            rates.force.set(lane, rates.force.get(lane) + sum);
+        }
+    }
+
+    /// The energy of a hinge is counted at its first corner.
+    fn potential(&self, block: Range<usize>, at: &StateView<'_, V>) -> f64 {
+        let places = self.particles(&block).flat_map(|index| self.places(index)).filter(|&(_, corner)| corner == 0);
+        places.filter_map(|(hinge, _)| self.hinges[hinge].bent(at)).map(|bent| bent.energy).sum()
+    }
+
+    /// The stiffness matrix is w B ∇θ ∇θᵀ + τ ∇²θ, the damping matrix w c ∇θ ∇θᵀ. A symmetric matrix of blocks Kᵢⱼ is at most
+    /// the diagonal one of the row sums Σⱼ |Kᵢⱼ|. Those of ∇θ ∇θᵀ are |∇ᵢθ| Σⱼ |∇ⱼθ|. A face gives each of its corners i,
+    /// with the height hᵢ, a part of ∇ᵢθ along its normal of 1/hᵢ at most. Where a corner j moves, the normal turns by
+    /// |δxⱼ|/hⱼ at most, and that part changes by a fraction of 2 |δxⱼ|/hⱼ at most: √5/hᵢ Σⱼ 1/hⱼ for each face.
+    fn bound(&self, at: &StateView<'_, V>, bound: &mut SpectralBound) -> Result<()> {
+        for hinge in &self.hinges {
+            let Some(Bent { gradient, torque, .. }) = hinge.bent(at) else { continue };
+            let (slopes, inverse_heights) = (gradient.map(DVec3::length), hinge.inverse_heights(at));
+            for (corner, &index) in hinge.corners.iter().enumerate() {
+                let slope = slopes[corner] * slopes.iter().sum::<f64>();
+                let of_face = |inverse: &[f64; 4]| inverse[corner] * inverse.iter().sum::<f64>();
+                let turning = 5.0_f64.sqrt() * torque.abs() * inverse_heights.iter().map(of_face).sum::<f64>();
+                bound.point(index as usize, "dihedral", hinge.stiffness * slope + turning, hinge.damping * slope);
+            }
+        }
+        Ok(())
+    }
+
+    fn validity(&self, _at: &StateView<'_, V>, _horizon: Horizon) -> Validity {
+        if self.hinges.is_empty() { Validity::Always } else { Validity::Now }
+    }
+}
