@@ -17,8 +17,9 @@ STEP = 1.0 / 60.0
 
 
 def folded() -> pc.SpringNetwork:
-    """A cloth in pleats askew to its rows, of an opening angle of 24°, which is pressed together at 1 m/s and 0.3 of its
-    width per second."""
+    """A cloth in pleats askew to its rows, of an opening angle of 24°, whose halves move together with the velocity
+    −2 x [m/s] at the distance x [m] from the middle.
+    """
     flat = pc.cloth(SHAPE, SPACING, 200.0, 0.02, mass=1e-4, origin=(0.0, 0.0, 0.0))
     across = np.array([math.cos(0.4), math.sin(0.4), 0.0])
     along = np.cross((0.0, 0.0, 1.0), across)

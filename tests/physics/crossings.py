@@ -12,7 +12,7 @@ import physcore as pc
 
 
 def mesh(*networks: pc.SpringNetwork) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """The edges (E, 2) and the triangles (T, 3) of bodies that stand one after the other; springs where there are none."""
+    """The edges (E, 2) and the triangles (T, 3) of bodies, one after the other; springs where there are none."""
     starts = np.cumsum([0, *(len(network) for network in networks[:-1])]).tolist()
     faces = np.vstack([network.faces + start for network, start in zip(networks, starts, strict=True)])
     free = [network.pairs + start for network, start in zip(networks, starts, strict=True) if not len(network.faces)]

@@ -272,7 +272,7 @@ def hessian(body: pc.SpringNetwork, x: Array) -> Array:
 
 @pytest.mark.parametrize("seed", [None, 0, 1, 2])
 def test_steps_up_to_the_limit_are_stable(seed):
-    """The limit is below 2/ω of the fastest mode: by up to a tenth for flat sheets, by up to a half for crumpled ones."""
+    """The limit is below 2/ω of the fastest mode: by a tenth for flat sheets, by a half for crumpled ones."""
     body = sheet(6, 5) if seed is None else dented(seed)
     x = body.positions.copy()
     if seed is not None:

@@ -11,9 +11,7 @@ from physcore.checks import number, shown
 from physcore.errors import SceneError
 from physcore.scene.bodies import Body, SpringNetwork
 from physcore.scene.items import Constraint, chosen
-
-LEAST_AREA = 1e-12
-"""Twice the least area of a triangle, over the square of its longest side: above what rounding makes of a line."""
+from physcore.scene.surfaces import check_areas
 
 
 @dataclass(frozen=True)
@@ -27,9 +25,9 @@ class SelfContact(Constraint):
     its springs. Parts with a common vertex are left out, all others meet, however near they are along the surface.
     Triangles with a broken side are gone.
 
-    A contact begins where two of them, locally closest to each other, are nearer than `thickness`; from then on they
-    come no nearer by more than what the iteration leaves. Whatever happens, no path within a step crosses: all are
-    checked by conservative advancement. Impulses act between the closest points, so that momentum is kept to rounding,
+    A contact begins where two of them come nearer than `thickness`; from then on they approach by no more than what the
+    iteration of the impulses leaves. Whatever happens, no path within a step crosses: all are checked by conservative
+    advancement. Impulses act between the closest points, so that momentum is kept to rounding,
     and angular momentum but for the distance of these points; the kinetic energy that they take is dissipated by
     "contacts". Where no impulses keep particles apart, some move on together, and the plan says in how many steps.
 
@@ -91,18 +89,9 @@ def _check_surface(body: Body, path: str, thickness: float) -> None:
     if not isinstance(body, SpringNetwork) or body.dimension != 3 or not len(body.pairs):
         raise SceneError(f"{path}: must be a SpringNetwork in 3D with springs, got {body!r}")
     if len(body.faces):
-        corners = body.positions[body.faces]
-        sides = np.roll(corners, -1, axis=1) - corners
-        longest = (sides**2).sum(axis=2).max(axis=1)
-        flat = ~(np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1) > LEAST_AREA * longest)
-        if flat.any():
-            row = int(np.argmax(flat))
-            raise SceneError(
-                f"{path}: must have triangles with an area, and the corners of faces[{row}], "
-                f"the particles {body.faces[row].tolist()}, are on a line"
-            )
-    else:
-        sides = np.diff(body.positions[body.pairs], axis=1)
+        check_areas(body, path)
+    ends = body.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2) if len(body.faces) else body.pairs
+    sides = np.diff(body.positions[ends], axis=1)
     shortest = float(np.sqrt((sides**2).sum(axis=2).min()))
     if thickness >= shortest:
         raise SceneError(

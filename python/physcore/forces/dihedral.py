@@ -10,9 +10,7 @@ from physcore.checks import FloatArray, IntArray, frozen, number, shown
 from physcore.errors import SceneError
 from physcore.scene.bodies import SpringNetwork
 from physcore.scene.items import Force, On
-
-LEAST_AREA = 1e-12
-"""Twice the least area of a face, relative to the square of its longest side: above what rounding makes of a line."""
+from physcore.scene.surfaces import check_areas
 
 
 @dataclass(frozen=True)
@@ -39,7 +37,8 @@ class Dihedral(Force):
     free motion it bends with 5/6 B, because particles where eight edges meet rise against the others.
 
     The angle θ − θ₀ is counted from −π to π: at ±π, where faces lie on one another, the energy is continuous and the
-    torque changes its sign. A face without area, in a run, has no angle and feels no force.
+    torque changes its sign. A face without area, in a run, has no angle and feels no force. Where a spring along a side
+    of a face breaks (`breaking_strain`), the face bends no more, and its energy is dissipated as "tearing".
 
     Args:
         on: the SpringNetwork in 3D, or several, with faces (T, 3) of which no more than two meet at an edge.
@@ -93,18 +92,7 @@ def _hinges(body: object, path: str) -> tuple[IntArray, FloatArray, FloatArray]:
     if not len(body.faces):
         raise SceneError(f"{path}: must have faces, got {body!r} without any; say which: SpringNetwork(…, faces=…)")
     hinges = _edges(body.faces, path)
-    corners = body.positions[body.faces]
-    sides = np.roll(corners, -1, axis=1) - corners
-    with np.errstate(over="ignore", invalid="ignore"):
-        longest = (sides**2).sum(axis=2).max(axis=1)
-        area = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1)
-        flat = ~(area > LEAST_AREA * longest)
-    if flat.any():
-        row = int(np.argmax(flat))
-        raise SceneError(
-            f"{path}: must have faces with an area, and the corners of faces[{row}], "
-            f"the particles {body.faces[row].tolist()}, are on a line"
-        )
+    check_areas(body, path)
     start, end, one, other = np.moveaxis(body.positions[hinges], 1, 0)
     edge = end - start
     length = np.linalg.norm(edge, axis=1)

@@ -150,7 +150,8 @@ class SpringNetwork(Body):
             infinite by default. A broken spring is gone from the end of that step on, and its energy is dissipated as
             "tearing"; `recording[network].broken` says which are. Rods, and springs of rest length 0, do not break.
         faces: indices of the three corners of each triangle of a surface, shape (T, 3); None: it has none. They say
-            how it can be drawn (`physcore.styles.Surface`) and what meets (`SelfContact`), and exert no force but by `Dihedral`.
+            how it can be drawn (`physcore.styles.Surface`), what meets (`SelfContact`) and what bends (`Dihedral`), and
+            exert no force themselves.
 
     Raises:
         SceneError: a shape does not fit, an index points outside, a value is not finite or out of range, or a rod is

@@ -83,6 +83,7 @@ impl<V: Vector> Dihedral<V> {
                 rest: [libm::cos(angle), libm::sin(angle)],
                 stiffness: stiffness * weight,
                 damping: damping * weight,
+                torn: false,
             })
             .collect();
         let mut of_particles = vec![Vec::new(); properties.count()];
@@ -161,6 +162,16 @@ impl<V: Vector> Force<V> for Dihedral<V> {
     fn potential(&self, block: Range<usize>, at: &StateView<'_, V>) -> f64 {
         let places = self.particles(&block).flat_map(|index| self.places(index)).filter(|&(_, corner)| corner == 0);
         places.filter_map(|(hinge, _)| self.hinges[hinge].bent(at)).map(|bent| bent.energy).sum()
+    }
+
+    fn tear(&mut self, torn: &dyn Fn([u32; 2]) -> bool, at: &StateView<'_, V>) -> f64 {
+        let mut lost = 0.0;
+        for hinge in &mut self.hinges {
+            let energy = hinge.bent(at).map_or(0.0, |bent| bent.energy);
+            hinge.torn = hinge.sides().into_iter().any(torn);
+            lost += if hinge.torn { energy } else { 0.0 };
+        }
+        lost
     }
 
     /// The stiffness matrix is w B ∇θ ∇θᵀ + τ ∇²θ, the damping matrix w c ∇θ ∇θᵀ. A symmetric matrix of blocks Kᵢⱼ is at most

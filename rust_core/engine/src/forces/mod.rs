@@ -205,6 +205,11 @@ pub trait Force<V: Vector>: History + Send + Sync {
         Ok(())
     }
 
+    /// Leaves out what hangs on edges that are torn, by their ends in ascending order; returns the potential energy that it had [J].
+    fn tear(&mut self, _torn: &dyn Fn([u32; 2]) -> bool, _at: &StateView<'_, V>) -> f64 {
+        0.0
+    }
+
     /// Adds its stiffness and damping in this state to the bound on the time step. If that is [certified](Horizon::Certified),
     /// it counts what is known to be ahead too.
     ///

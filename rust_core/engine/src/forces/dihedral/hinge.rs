@@ -17,6 +17,8 @@ pub struct Hinge {
     pub stiffness: f64,
     /// Damping w c [J·s].
     pub damping: f64,
+    /// Whether a side of its faces is torn: it has no energy then, and exerts no force.
+    pub torn: bool,
 }
 
 /// A hinge in a state.
@@ -38,8 +40,17 @@ impl Hinge {
         self.corners.map(|corner| columns.get(corner as usize).widen())
     }
 
-    /// Its state; None where a face has no area, which then feels no force.
+    /// The sides of its faces, by their ends in ascending order.
+    pub fn sides(&self) -> [[u32; 2]; 5] {
+        let [start, end, one, other] = self.corners;
+        [[start, end], [start, one], [end, one], [start, other], [end, other]].map(|[a, b]| [a.min(b), a.max(b)])
+    }
+
+    /// Its state; None where it is torn or a face has no area, which then feels no force.
     pub fn bent<V: Vector>(&self, at: &StateView<'_, V>) -> Option<Bent> {
+        if self.torn {
+            return None;
+        }
         let x = self.corners(&at.position);
         let (edge, arms) = (x[1] - x[0], [x[2] - x[0], x[3] - x[0]]);
         let (square, length) = (edge.length_squared(), edge.length());

@@ -151,14 +151,15 @@ impl<V: Vector> Dynamics<V> {
     pub fn tear(&mut self, matter: &Matter<V>) -> bool {
         let torn = self.tearing.as_mut().is_some_and(|tearing| tearing.tear(|index| matter.exact_position(index)));
         if torn {
-            self.leave_out_broken();
+            let energy = self.leave_out_broken(matter);
+            self.tearing.iter_mut().for_each(|tearing| tearing.lose(energy));
         }
         torn
     }
 
-    /// Takes the springs that are not broken.
-    pub fn leave_out_broken(&mut self) {
-        let Some(tearing) = &self.tearing else { return };
+    /// Takes the springs that are not broken, and what does not hang on one that is; returns the energy that the rest had [J].
+    pub fn leave_out_broken(&mut self, matter: &Matter<V>) -> f64 {
+        let Some(tearing) = &self.tearing else { return 0.0 };
         self.springs = tearing.springs();
         let elastic: Vec<Spring> = self.springs.iter().filter(|spring| springs::is_elastic(spring)).copied().collect();
         if let Some(force) = self.forces.iter_mut().find(|force| force.about().name == springs::NAME) {
@@ -167,6 +168,9 @@ impl<V: Vector> Dynamics<V> {
         if let Some(contacts) = &mut self.self_contacts {
             contacts.leave_out(tearing.broken());
         }
+        let sides = tearing.sides();
+        let at = state_view(&self.properties, matter, 0.0, &SERIAL);
+        self.forces.iter_mut().map(|force| force.tear(&|ends| sides.contains(&ends), &at)).sum()
     }
 
     /// Looks whether meshes pass through each other before the first step.

@@ -263,7 +263,7 @@ impl<V: Vector> MatterSystem<V> {
 
     /// Takes the springs that are not broken, after a rollback or from a checkpoint.
     fn leave_out_broken(&mut self) {
-        self.dynamics.leave_out_broken();
+        self.dynamics.leave_out_broken(&self.state);
         self.method.take_springs(&self.dynamics);
         self.certified = OnceLock::new();
     }

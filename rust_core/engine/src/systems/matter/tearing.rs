@@ -3,6 +3,8 @@
 //! At the end of each step, every spring of strain (r − L)/L > s breaks: it exerts no force from then on, and its energy ½ k (r − L)²
 //! is dissipated. A step is of order 1 across that.
 
+use std::collections::BTreeSet;
+
 use glam::DVec3;
 
 use crate::error::{Error, Result};
@@ -21,7 +23,7 @@ pub struct Tearing {
     saved: Broken,
 }
 
-/// The broken springs, and their energy [J].
+/// The broken springs, and their energy with that of what hung on them [J].
 #[derive(Debug, Clone, Default, PartialEq)]
 struct Broken {
     springs: Vec<bool>,
@@ -75,7 +77,18 @@ impl Tearing {
         &self.now.springs
     }
 
-    /// The energy of the broken springs [J].
+    /// The ends of the broken springs, in ascending order.
+    pub fn sides(&self) -> BTreeSet<[u32; 2]> {
+        let broken = self.whole.iter().zip(&self.now.springs).filter(|(_, broken)| **broken);
+        broken.map(|(Spring { ends: [one, other], .. }, _)| [*one.min(other), *one.max(other)]).collect()
+    }
+
+    /// Counts the energy of what hung on the springs that broke last [J].
+    pub fn lose(&mut self, energy: f64) {
+        self.now.energy += energy;
+    }
+
+    /// The energy of the broken springs and of what hung on them [J].
     pub fn dissipated(&self) -> f64 {
         self.now.energy
     }

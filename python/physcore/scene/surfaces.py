@@ -1,0 +1,27 @@
+"""What the faces of a network must be for laws of surfaces."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from physcore.errors import SceneError
+from physcore.scene.bodies import SpringNetwork
+
+LEAST_AREA = 1e-12
+"""Twice the least area of a face, relative to the square of its longest side: above what rounding makes of a line."""
+
+
+def check_areas(network: SpringNetwork, path: str) -> None:
+    """Check that every face has an area in `positions`."""
+    corners = network.positions[network.faces]
+    sides = np.roll(corners, -1, axis=1) - corners
+    with np.errstate(over="ignore", invalid="ignore"):
+        longest = (sides**2).sum(axis=2).max(axis=1)
+        area = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1)
+        flat = ~(area > LEAST_AREA * longest)
+    if flat.any():
+        row = int(np.argmax(flat))
+        raise SceneError(
+            f"{path}: must have faces with an area, and the corners of faces[{row}], "
+            f"the particles {network.faces[row].tolist()}, are on a line"
+        )
