@@ -20,6 +20,7 @@ import overheads
 import particles
 import reactions
 import rods
+import self_contact
 import springs
 import stiff
 import tracers
@@ -69,6 +70,8 @@ TARGETS = (
     Target("XPBD ten sweeps f32", 6.0, "ms", at_most=True),
     Target("projective dynamics f32", 15.0, "ms", at_most=True),
     Target("implicit step f64", 70.0, "ms", at_most=True),
+    Target("self-contact f32", 25.0, "ms", at_most=True),
+    Target("self-contact f64", 25.0, "ms", at_most=True),
     Target("fluid 3D, no walls", 5.0, "M particle-steps/s"),
     Target("fluid 3D", 3.5, "M particle-steps/s"),
     Target("fluid 2D", 10.0, "M particle-steps/s"),
@@ -124,7 +127,15 @@ def main() -> None:
     print("physcore audits and watches for divergence in every run; its opponents do neither.")
     figures = particles.main() | springs.main() | fluids.main() | waves.main()
     figures |= reactions.main() | wave_functions.main() | gravitation.main()
-    figures |= rods.main() | stiff.main() | tracers.main() | charges.main() | overheads.main() | accuracy.main()
+    figures |= (
+        rods.main()
+        | stiff.main()
+        | self_contact.main()
+        | tracers.main()
+        | charges.main()
+        | overheads.main()
+        | accuracy.main()
+    )
     print()
     film.main()
     print(f"\nTargets, as set on a Zen 4 core of about 3.6 GHz; measured here, not scaled: {where}")

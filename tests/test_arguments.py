@@ -138,6 +138,7 @@ CALLS: dict[str, tuple[Callable[..., object], dict[str, Any]]] = {
     "Drag": (pc.Drag, {"linear": 1.0}),
     "CentralForce": (pc.CentralForce, {"center": (0.0, 0.0), "strength": 1.0}),
     "Dihedral": (pc.Dihedral, {"on": SHEET, "stiffness": 1.0}),
+    "SelfContact": (pc.SelfContact, {"body": SHEET, "thickness": 0.1}),
     "SoftSpheres": (pc.SoftSpheres, {"stiffness": 1.0}),
     "Gravitation": (pc.Gravitation, {"constant": 1.0}),
     "Coulomb": (pc.Coulomb, {"constant": 1.0}),

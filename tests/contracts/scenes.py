@@ -133,6 +133,28 @@ def shell(shape: tuple[int, int] = (8, 6)) -> pc.Scene:
     return pc.Scene(body, pc.Dihedral(body, 0.02, 1e-4), pc.Gravity((0.0, 0.0, -9.81)))
 
 
+def sheets(shape: tuple[int, int] = (7, 6)) -> pc.Scene:
+    """A dented sheet that falls on another one, held at three corners, with friction, and bounces a little."""
+    rng = _random()
+    width, depth = shape
+    across = np.array([0.8, 0.36, 0.48]), np.array([-0.6, 0.48, 0.64])
+    bodies = []
+    for height, turn, speed in ((0.0, 1.0, 0.0), (0.06, 0.83, -1.5)):
+        sheet = pc.cloth(shape, 0.1 * turn, 40.0, 0.02, mass=0.01, origin=(0.0, 0.0, 0.0), axes=across)
+        normal = np.cross(*across)
+        dents = rng.uniform(-0.01, 0.01, sheet.positions.shape)
+        x = sheet.positions - sheet.positions.mean(axis=0) + dents + height * normal
+        mass = rng.uniform(0.005, 0.015, len(sheet))
+        fixed = [] if speed else [0, width - 1, width * (depth - 1)]
+        body = pc.SpringNetwork(
+            x, sheet.pairs, 40.0, 0.02, mass=mass, velocities=speed * normal, fixed=fixed, faces=sheet.faces
+        )
+        bodies.append(body)
+    held, falling = bodies
+    touch = pc.SelfContact(falling, 0.03, friction=0.3, restitution=0.4, on=held)
+    return pc.Scene(held, falling, pc.Gravity((-2.0, 1.0, -9.0)), touch)
+
+
 def chain(links: int = 12, dimension: int = 2) -> pc.Scene:
     """A chain of rods with a heavy end, and a loose one that two springs tie to it, with drag."""
     nodes = np.zeros((links + 2, dimension))
@@ -491,6 +513,14 @@ SCENES: dict[str, Case] = {
     "torn BackwardEuler": Case(torn, 0.002, {"integrator": pc.BackwardEuler(1e-12)}),
     "torn XPBD": Case(torn, 0.002, {"integrator": pc.XPBD(3, 2)}),
     "torn ProjectiveDynamics": Case(torn, 0.002, {"integrator": pc.ProjectiveDynamics(6)}),
+    "sheets": Case(sheets, 0.002, large=lambda: sheets((70, 60))),
+    "sheets f32": Case(sheets, 0.002, F32),
+    "sheets adaptive": Case(sheets, 0.002, {"dt": pc.AdaptiveStep()}),
+    "sheets BackwardEuler": Case(sheets, 0.004, {"integrator": pc.BackwardEuler(1e-12)}),
+    "sheets ImplicitMidpoint": Case(sheets, 0.004, {"integrator": pc.ImplicitMidpoint(1e-12)}),
+    "sheets BDF2": Case(sheets, 0.004, {"integrator": pc.BDF2(1e-12)}),
+    "sheets XPBD f32": Case(sheets, 0.004, {**F32, "integrator": pc.XPBD(3, 2)}),
+    "sheets ProjectiveDynamics": Case(sheets, 0.004, {"integrator": pc.ProjectiveDynamics(6)}),
     "swarm folded": Case(lambda: swarm(DOWN, BREEZE), 0.01, large=_large_swarm),
     "swarm folded f32": Case(lambda: swarm(DOWN, pc.Drag(0.1)), 0.01, F32, large=_large_swarm),
     "swarm quadratic drag": Case(

@@ -101,6 +101,7 @@ QUANTITIES: dict[type, dict[str, Rule]] = {
     pc.Gravity: {"acceleration": vector(1, -2)},
     pc.Drag: {"linear": RESISTANCE, "quadratic": scalar(-1, 0, 1), "wind": wind},
     pc.CentralForce: {"center": point, "softening": scalar(1)},
+    pc.SelfContact: {"thickness": scalar(1)},
     pc.Dihedral: {"stiffness": scalar(2, -2, 1), "damping": scalar(2, -1, 1)},
     pc.SoftSpheres: {"damping": RESISTANCE, "tangential_damping": RESISTANCE},
     pc.LennardJones: {"epsilon": scalar(2, -2, 1), "sigma": scalar(1), "cutoff": scalar(1)},
@@ -447,7 +448,7 @@ def transformed(scene: pc.Scene, t: Transform, orders: list[NDArray[np.int64]] |
     """The same scene in other coordinates and units, the particles of every body in the given order."""
     orders = orders or [np.arange(len(body)) for body in scene.bodies]
     bodies = {body: _body(body, t, order) for body, order in zip(scene.bodies, orders, strict=True)}
-    items = [_item(item, t, bodies) for item in (*scene.forces, *scene.boundaries)]
+    items = [_item(item, t, bodies) for item in (*scene.forces, *scene.boundaries, *scene.constraints)]
     domain = scene.periodic
     domains = [] if domain is None else [pc.Periodic(*t.corners(domain.lower, domain.upper, np.inf))]
     found = {system: SYSTEMS[type(system)](system, t) for system in scene.systems if not system.named()}

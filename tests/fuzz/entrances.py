@@ -55,6 +55,7 @@ VALID = {
         "Box.lower": "(-9.0, -9.0)",
         "Box.upper": "(9.0, 9.0)",
         "Theme.bodies": "((1, 2, 3),)",
+        "SelfContact.body": "pc.cloth((3, 3), 1.0, 1.0, origin=(0.0, 0.0, 0.0))",
         "Dihedral.on": "pc.cloth((3, 3), 1.0, 1.0, origin=(0.0, 0.0, 0.0))",
     },
     **{

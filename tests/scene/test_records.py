@@ -9,6 +9,7 @@ import pytest
 
 import physcore as pc
 from physcore.boundaries import BOUNDARIES
+from physcore.constraints import CONSTRAINTS
 from physcore.film.looks import LOOKS, look_of
 from physcore.forces import FORCES
 from physcore.scene.channels import field_names
@@ -49,6 +50,7 @@ ARGUMENTS: dict[str, tuple[object, ...]] = {
     "Tracers": ([[0.0, 0.0], [1.0, 0.0]], pc.Flow(lambda time, x: -x)),
     "PointVortices": ([[0.0, 0.0], [1.0, 0.0]], [1.0, -2.0], 0.1),
     "Dihedral": (SHEET, 0.1, 0.01),
+    "SelfContact": (SHEET, 0.1, 0.2, 0.5),
     "Repulsion": (10.0,),
     "LennardJones": (1.0, 0.1),
     "Plane": ((0.0, -9.0), (0.0, 2.0)),
@@ -60,7 +62,7 @@ ITEMS = [
     NET,
     WATER,
     pc.Periodic((-5.0, -5.0), (5.0, 5.0)),
-    *(kind(*ARGUMENTS.get(kind_of(kind), ())) for kind in (*FORCES, *BOUNDARIES, *SYSTEMS, *KERNELS)),
+    *(kind(*ARGUMENTS.get(kind_of(kind), ())) for kind in (*FORCES, *BOUNDARIES, *CONSTRAINTS, *SYSTEMS, *KERNELS)),
 ]
 
 

@@ -7,6 +7,7 @@ import pytest
 
 import physcore as pc
 from physcore.boundaries import BOUNDARIES
+from physcore.constraints import CONSTRAINTS
 from physcore.forces import FORCES
 from physcore.integrators import INTEGRATORS
 from physcore.scene.records import Record
@@ -92,7 +93,7 @@ def test_a_force_acts_on_one_body_or_several():
     assert pc.Gravity((0, -1)).bodies() is None
 
 
-@pytest.mark.parametrize("kind", [*FORCES, *BOUNDARIES, *INTEGRATORS])
+@pytest.mark.parametrize("kind", [*FORCES, *BOUNDARIES, *CONSTRAINTS, *INTEGRATORS])
 def test_everything_registered_is_public_and_explains_itself(kind):
     assert getattr(pc, kind.__name__) is kind
     assert kind.__name__ in pc.__all__

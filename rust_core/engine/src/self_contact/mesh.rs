@@ -142,7 +142,15 @@ impl Mesh {
         self.elements.push(element);
     }
 
-    /// The neighbors of a particle along edges.
+    /// The vertices, each once.
+    pub fn vertices(&self) -> impl Iterator<Item = u32> {
+        let owned = |element: &Element| {
+            (0..3).filter(|&corner| element.owned_vertices[corner]).map(|corner| element.vertices[corner]).collect::<Vec<u32>>()
+        };
+        self.elements.iter().flat_map(owned)
+    }
+
+    /// The neighbors of a particle along edges, in the order of these.
     #[inline(always)]
     pub fn neighbors(&self, vertex: u32) -> &[u32] {
         &self.neighbors[self.starts[vertex as usize] as usize..self.starts[vertex as usize + 1] as usize]
@@ -161,41 +169,45 @@ impl Mesh {
         let mut found: Vec<Vec<Pair>> = vec![Vec::new(); mesh.elements.len().div_ceil(BLOCK)];
         let work = BlockedSlice::new(&mut found, 1);
         executor.for_each_block(work, &|work: BlockedSlice<'_, Vec<Pair>>| {
-            let first = work.start * BLOCK;
+            let (first, mut near) = (work.start * BLOCK, Vec::new());
             for index in first..(first + BLOCK).min(mesh.elements.len()) {
-                mesh.search(index, &around, &mut work.items[0]);
+                mesh.search(index, &around, &mut near, &mut work.items[0]);
             }
         });
         found.concat()
     }
 
-    /// Adds the pairs of one element with those after it.
+    /// Adds the pairs of one element with those after it, in the order of these, so that it does not depend on the tree.
     #[inline]
-    fn search(&self, index: usize, around: &impl Fn(&[u32]) -> Bounds, found: &mut Vec<Pair>) {
+    fn search(&self, index: usize, around: &impl Fn(&[u32]) -> Bounds, near: &mut Vec<u32>, found: &mut Vec<Pair>) {
         let (one, bounds) = (&self.elements[index], &self.bounds[index]);
+        near.clear();
         self.tree.query(bounds, |other| {
-            let second = &self.elements[other as usize];
-            if other as usize <= index || !self.bounds[other as usize].overlaps(bounds) {
-                return;
+            if other as usize > index && self.bounds[other as usize].overlaps(bounds) {
+                near.push(other);
             }
+        });
+        near.sort_unstable();
+        for &other in &*near {
+            let second = &self.elements[other as usize];
             let rule = self.rules[one.body as usize * self.bodies + second.body as usize];
             if rule == NONE {
-                return;
+                continue;
             }
             self.vertices_on_face((one, second), other, rule, around, found);
             self.vertices_on_face((second, one), index as u32, rule, around, found);
             for (edge, ends) in edges_of(one) {
-                let near = around(&ends);
+                let part = around(&ends);
                 for (facing, far) in edges_of(second) {
                     let apart = ends.iter().all(|end| !far.contains(end));
-                    if apart && near.overlaps(&around(&far)) {
+                    if apart && part.overlaps(&around(&far)) {
                         let (low, high) = (edge.min(facing), edge.max(facing));
                         let [a, b] = if edge == low { [ends, far] } else { [far, ends] };
                         found.push(Pair { nodes: [a[0], a[1], b[0], b[1]], key: u64::from(low) << 32 | u64::from(high), rule });
                     }
                 }
             }
-        });
+        }
     }
 
     #[inline]

@@ -155,8 +155,7 @@ impl SelfContacts {
             .collect();
         let count = self.inverse_mass.len();
         self.mesh = Mesh::new(&bodies, self.table.clone(), count, |vertex| self.start[vertex as usize]);
-        let vertices = self.mesh.elements.iter().flat_map(|element| element.vertices);
-        self.vertices = vertices.collect::<BTreeSet<u32>>().into_iter().collect();
+        self.vertices = self.mesh.vertices().collect();
     }
 
     /// Looks at the state of a first step.
@@ -423,10 +422,10 @@ impl SelfContacts {
                 let opposite = self.mesh.opposite[edges[side] as usize];
                 opposite.iter().all(|&vertex| vertex == a || vertex == b || toward.dot(x[vertex as usize] - point) <= 0.0)
             } else {
-                // All edges at a vertex have it as their closest point: the one to its first neighbor stands for them.
+                // All edges at a vertex have it as their closest point: that to its first neighbor stands for them.
                 ends += 1;
                 let [vertex, other] = if along <= 0.0 { [a, b] } else { [b, a] };
-                ends == 1 && self.mesh.neighbors(vertex).iter().min() == Some(&other) && alone(vertex, toward)
+                ends == 1 && self.mesh.neighbors(vertex).first() == Some(&other) && alone(vertex, toward)
             }
         })
     }
