@@ -6,8 +6,6 @@
 //! ([`advancement`]): what still meets becomes a contact as it meets, and if some rounds of that do not help, particles move on
 //! together ([`zones`]). So no path of a step lets an edge through a triangle, whatever its length.
 
-use std::collections::BTreeSet;
-
 use glam::DVec3;
 use robust::{Coord3D, orient3d};
 
@@ -40,10 +38,11 @@ const SLACK: f64 = 0.25;
 /// The distance that is always kept, in units of the thickness, and of the present distance where that is less.
 const KEPT: f64 = 0.5;
 const KEPT_OF_PRESENT: f64 = 0.5;
-/// Rounds in which what meets becomes a contact, searches of pairs, and rounds in which zones grow.
+/// Rounds in which what meets becomes a contact, searches of pairs, rounds in which zones grow, and corrections of a zone at walls.
 const ROUNDS: u32 = 8;
 const SEARCHES: u32 = 12;
 const MERGERS: u32 = 1000;
+const WALLS: u32 = 8;
 /// Pairs that one thread measures at a time.
 const BLOCK: usize = 1024;
 
@@ -56,6 +55,17 @@ pub struct Unresolved {
 
 /// Keeps particles inside walls: a new position, where one is outside.
 pub type Confine<'a> = dyn Fn(usize, DVec3) -> Option<DVec3> + Sync + 'a;
+
+/// A step, the walls around it, and the threads for it.
+#[derive(Clone, Copy)]
+pub struct Step<'a> {
+    /// Its size [s].
+    pub h: f64,
+    /// The walls.
+    pub confine: &'a Confine<'a>,
+    /// The threads.
+    pub executor: &'a Executor,
+}
 
 /// A body's triangles and free edges, with the springs along the sides of each.
 #[derive(Debug, Clone, Default)]
@@ -75,8 +85,9 @@ pub struct SelfContacts {
     /// The vertices of all meshes.
     vertices: Vec<u32>,
     inverse_mass: Vec<f64>,
-    /// Positions at the start of the step [m].
+    /// Positions [m] and velocities [m/s] at the start of the step.
     start: Vec<DVec3>,
+    start_velocities: Vec<DVec3>,
     /// The forces of the contacts of the last step [N], by the keys of their pairs.
     loads: Vec<(u64, f64)>,
     saved: Vec<(u64, f64)>,
@@ -185,6 +196,17 @@ impl SelfContacts {
         self.start.iter_mut().enumerate().for_each(|(index, start)| *start = position(index));
     }
 
+    /// Takes the velocities at the start of a step [m/s].
+    pub fn begin_velocities(&mut self, velocity: impl Fn(usize) -> DVec3) {
+        self.start_velocities.clear();
+        self.start_velocities.extend((0..self.start.len()).map(velocity));
+    }
+
+    /// The velocities at the start of the step [m/s].
+    pub fn start_velocities(&self) -> &[DVec3] {
+        &self.start_velocities
+    }
+
     /// The positions at the start of the step [m].
     pub fn start(&self) -> &[DVec3] {
         &self.start
@@ -194,13 +216,8 @@ impl SelfContacts {
     ///
     /// # Errors
     /// If particles that have to keep their velocities pass through each other.
-    pub fn resolve(
-        &mut self,
-        velocities: &mut Vec<DVec3>,
-        h: f64,
-        confine: &Confine<'_>,
-        executor: &Executor,
-    ) -> std::result::Result<bool, Unresolved> {
+    pub fn resolve(&mut self, velocities: &mut Vec<DVec3>, step: Step<'_>) -> std::result::Result<bool, Unresolved> {
+        let Step { h, executor, .. } = step;
         let thickness = self.rules.iter().map(|rule| rule.thickness).fold(0.0, f64::max);
         let finite = |&vertex: &u32| (self.start[vertex as usize] + velocities[vertex as usize]).is_finite();
         if !self.vertices.iter().all(finite) {
@@ -215,7 +232,7 @@ impl SelfContacts {
         for search in 0..SEARCHES {
             let pairs = self.mesh.pairs(&boxes, (0.5 + SLACK) * thickness, executor);
             velocities.clone_from(&free);
-            let contacts = self.separate(&pairs, &free, velocities, h, confine, executor)?;
+            let contacts = self.separate(&pairs, &free, velocities, step)?;
             let mut left = false;
             for &vertex in &self.vertices {
                 let bounds = &mut boxes[vertex as usize];
@@ -251,33 +268,34 @@ impl SelfContacts {
         pairs: &[Pair],
         free: &[DVec3],
         velocities: &mut [DVec3],
-        h: f64,
-        confine: &Confine<'_>,
-        executor: &Executor,
+        step: Step<'_>,
     ) -> std::result::Result<Vec<Contact>, Unresolved> {
+        let Step { h, confine, executor } = step;
         let mut distances = vec![0.0; pairs.len()];
         let mut contacts = self.contacts(pairs, free, h, &mut distances, executor);
         impulses::start(&mut contacts, velocities);
         impulses::solve(&mut contacts, velocities);
-        let mut walls = BTreeSet::new();
-        for round in 0.. {
-            let mut met = self.meetings(pairs, &distances, velocities, h, executor);
-            if round < ROUNDS {
-                for &vertex in self.vertices.iter().filter(|&&vertex| velocities[vertex as usize] != free[vertex as usize]) {
-                    contacts.extend(self.wall(vertex, velocities, h, confine).inspect(|_| {
-                        walls.insert(vertex);
-                        met.push((usize::MAX, Closest { weights: [0.0; 4], separation: DVec3::ZERO, interior: false }));
-                    }));
+        for round in 0..=ROUNDS {
+            let known = contacts.len();
+            for &vertex in &self.vertices {
+                if velocities[vertex as usize] == free[vertex as usize] {
+                    continue;
+                }
+                let [from, to] = self.path(vertex, velocities, h);
+                if let Some(inside) = confine(vertex as usize, to) {
+                    contacts.extend(self.wall(vertex, [from, to], inside, h));
+                    velocities[vertex as usize] = (inside - from) / h;
                 }
             }
-            if met.is_empty() {
+            let met = self.meetings(pairs, &distances, velocities, step);
+            if met.is_empty() && contacts.len() == known {
                 break;
             }
             if round == ROUNDS {
-                self.merge(pairs, &distances, (met, &walls), (free, velocities), h, executor)?;
+                self.merge(pairs, &distances, met, velocities, step)?;
                 break;
             }
-            for (index, closest) in met.into_iter().filter(|(index, _)| *index != usize::MAX) {
+            for (index, closest) in met {
                 contacts.extend(self.late(&pairs[index], &closest, distances[index], h));
             }
             impulses::solve(&mut contacts, velocities);
@@ -332,10 +350,8 @@ impl SelfContacts {
         Contact::new((pair.nodes, 0), closest.weights, normal, (least, rule.friction), &self.inverse_mass)
     }
 
-    /// The contact of a vertex with the walls that it would leave.
-    fn wall(&self, vertex: u32, velocities: &[DVec3], h: f64, confine: &Confine<'_>) -> Option<Contact> {
-        let [from, to] = self.path(vertex, velocities, h);
-        let inside = confine(vertex as usize, to)?;
+    /// The contact of a vertex on a path with the walls that it would leave.
+    fn wall(&self, vertex: u32, [from, to]: [DVec3; 2], inside: DVec3, h: f64) -> Option<Contact> {
         let way = (inside - to).length();
         let normal = (inside - to) / way;
         // What solving leaves of a velocity is no reason for another round.
@@ -350,8 +366,7 @@ impl SelfContacts {
         pairs: &[Pair],
         distances: &[f64],
         velocities: &[DVec3],
-        h: f64,
-        executor: &Executor,
+        Step { h, executor, .. }: Step<'_>,
     ) -> Vec<(usize, Closest)> {
         let mut found: Vec<Vec<(usize, Closest)>> = vec![Vec::new(); pairs.len().div_ceil(BLOCK)];
         executor.for_each_block(BlockedSlice::new(&mut found, 1), &|work: BlockedSlice<'_, Vec<(usize, Closest)>>| {
@@ -369,35 +384,42 @@ impl SelfContacts {
         found.concat()
     }
 
-    /// Lets particles move on together until no pair meets. Those at walls keep the velocities that these allow.
+    /// Lets particles move on together until no pair meets.
     fn merge(
         &mut self,
         pairs: &[Pair],
         distances: &[f64],
-        (mut met, walls): (Vec<(usize, Closest)>, &BTreeSet<u32>),
-        (free, velocities): (&[DVec3], &mut [DVec3]),
-        h: f64,
-        executor: &Executor,
+        mut met: Vec<(usize, Closest)>,
+        velocities: &mut [DVec3],
+        step: Step<'_>,
     ) -> std::result::Result<(), Unresolved> {
         self.merged += 1;
-        let mut inverse_mass = self.inverse_mass.clone();
-        for &vertex in walls {
-            inverse_mass[vertex as usize] = 0.0;
-            velocities[vertex as usize] = free[vertex as usize];
-        }
         let mut zones = Zones::default();
         let mut last = 0;
         for _ in 0..MERGERS {
-            met.retain(|(index, _)| *index != usize::MAX);
             if met.is_empty() {
                 return Ok(());
             }
             last = pairs[met[0].0].nodes[0] as usize;
             met.iter().for_each(|(index, _)| zones.join(&pairs[*index].nodes));
-            zones.merge(&inverse_mass, velocities);
-            met = self.meetings(pairs, distances, velocities, h, executor);
+            zones.merge(&self.inverse_mass, velocities, |members, velocity| self.within_walls(members, velocity, step));
+            met = self.meetings(pairs, distances, velocities, step);
         }
         Err(Unresolved { particle: last })
+    }
+
+    /// The velocity of particles that move together, without what leads one of them out of the walls; 0 if that is not found.
+    fn within_walls(&self, members: &[u32], mut velocity: DVec3, Step { h, confine, .. }: Step<'_>) -> DVec3 {
+        for _ in 0..WALLS {
+            let way_back = |&vertex: &u32| {
+                let to = self.start[vertex as usize] + h * velocity;
+                confine(vertex as usize, to).map(|inside| inside - to)
+            };
+            let farthest = members.iter().filter_map(way_back).max_by(|a, b| a.length_squared().total_cmp(&b.length_squared()));
+            let Some(way) = farthest else { return velocity };
+            velocity += way / h;
+        }
+        DVec3::ZERO
     }
 
     /// Whether nothing near the closest points of a pair is closer.
@@ -455,7 +477,7 @@ impl SelfContacts {
     /// Memory [bytes].
     pub fn bytes(&self) -> usize {
         let loads = size_of_val(self.loads.as_slice()) + size_of_val(self.saved.as_slice());
-        self.mesh.bytes() + size_of_val(self.start.as_slice()) + size_of_val(self.inverse_mass.as_slice()) + loads
+        self.mesh.bytes() + 2 * size_of_val(self.start.as_slice()) + size_of_val(self.inverse_mass.as_slice()) + loads
     }
 }
 

@@ -33,8 +33,8 @@ impl Zones {
         }
     }
 
-    /// Gives each zone the mean velocity of its mass; one with fixed particles that of the first of these.
-    pub fn merge(&mut self, inverse_mass: &[f64], velocities: &mut [DVec3]) {
+    /// Gives each zone the mean velocity of its mass, as far as walls allow it; one with fixed particles that of the first of these.
+    pub fn merge(&mut self, inverse_mass: &[f64], velocities: &mut [DVec3], within: impl Fn(&[u32], DVec3) -> DVec3) {
         let nodes: Vec<u32> = self.parent.keys().copied().collect();
         let mut zones: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
         for node in nodes {
@@ -46,7 +46,7 @@ impl Zones {
                 || {
                     let mass = |node: &u32| 1.0 / inverse_mass[*node as usize];
                     let momentum: DVec3 = members.iter().map(|node| mass(node) * velocities[*node as usize]).sum();
-                    momentum / members.iter().map(mass).sum::<f64>()
+                    within(members, momentum / members.iter().map(mass).sum::<f64>())
                 },
                 |&node| velocities[node as usize],
             );

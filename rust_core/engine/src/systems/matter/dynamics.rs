@@ -16,7 +16,7 @@ use crate::math::{Real, Vector};
 use crate::matter::{Columns, EnergySink, Matter, Power, Properties, SINKS, Span, View};
 use crate::parallel::{Executor, SERIAL};
 use crate::rods::{self, Rods};
-use crate::self_contact::SelfContacts;
+use crate::self_contact::{SelfContacts, Step};
 use crate::simd::{LANES, padded};
 use crate::stability::SpectralBound;
 use crate::systems::matter::tearing::Tearing;
@@ -109,10 +109,12 @@ pub struct Dynamics<V: Vector> {
 /// The velocity that the impulses of contacts between meshes change.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Impulses {
-    /// That in a register, with which the step has moved; the velocity follows it.
+    /// That in a register, with which the step moves, and the one at its end, which follows from it.
     Register(usize),
-    /// That at the end of the step.
-    Velocity,
+    /// That at the end of the step, with which it moves.
+    End,
+    /// That at the end of the step, which moves with the mean of it and the one at its start.
+    Mean,
 }
 
 impl<V: Vector> Dynamics<V> {
@@ -187,6 +189,7 @@ impl<V: Vector> Dynamics<V> {
     pub fn begin_self_contacts(&mut self, matter: &Matter<V>) {
         if let Some(contacts) = &mut self.self_contacts {
             contacts.begin(|index| matter.exact_position(index));
+            contacts.begin_velocities(|index| matter.velocity.get(index).widen());
         }
     }
 
@@ -205,7 +208,7 @@ impl<V: Vector> Dynamics<V> {
             (0..matter.count()).map(|index| (matter.exact_position(index) - meshes.start()[index]) / h).collect();
         let mut velocities = free.clone();
         let confine = |index: usize, x: DVec3| walls.as_ref().and_then(|walls| walls.confine(x, properties, index));
-        let touched = meshes.resolve(&mut velocities, h, &confine, executor).map_err(|unresolved| {
+        let touched = meshes.resolve(&mut velocities, Step { h, confine: &confine, executor }).map_err(|unresolved| {
             let index = properties.caller[unresolved.particle] as usize;
             Error::Diverged(Box::new(Divergence {
                 step: 0,
@@ -228,16 +231,20 @@ impl<V: Vector> Dynamics<V> {
             let change = *after - *before;
             let end = meshes.start()[index] + h * *after;
             matter.set_exact_position(index, confine(index, end).unwrap_or(end));
-            let kicked = matter.velocity.get(index).widen();
-            let mut old = kicked;
-            if let Impulses::Register(register) = impulses {
-                let middle = &mut matter.registers[register];
-                // The impulse acts at the start of the step, on the velocity before half a kick: with that before a whole one, so
-                // that what rests on a contact loses nothing.
-                old = 2.0 * middle.get(index).widen() - kicked;
-                middle.set(index, V::narrow(middle.get(index).widen() + change));
-            }
-            matter.velocity.set(index, V::narrow(kicked + change));
+            let end_velocity = matter.velocity.get(index).widen();
+            matter.velocity.set(index, V::narrow(end_velocity + change));
+            // The impulse acts at the start of the step, on the velocity before half of its kick, so that what rests on others loses
+            // nothing.
+            let old = match impulses {
+                Impulses::Register(register) => {
+                    let middle = &mut matter.registers[register];
+                    let way = middle.get(index).widen();
+                    middle.set(index, V::narrow(way + change));
+                    2.0 * way - end_velocity
+                }
+                Impulses::Mean => 2.0 * *before - end_velocity,
+                Impulses::End => 0.5 * (meshes.start_velocities()[index] + *before),
+            };
             let lost = -properties.mass[index] * change.dot(old + 0.5 * change);
             matter.tallies[index / matter.block].add(EnergySink::Contact, lost);
         }

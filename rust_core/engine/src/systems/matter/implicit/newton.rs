@@ -155,15 +155,15 @@ impl Newton {
             self.places[index] = equation.from[index] + equation.position * u[index];
             self.velocities[index] = equation.rate / h * u[index] + equation.offset[index];
         }
-        let mut scale = 0.0_f64;
+        let (mut scale, mut rounding) = (0.0_f64, 0.0_f64);
         for index in 0..u.len() {
             let force = linear(dynamics, index, self.places[index], self.velocities[index]);
             let mass = if self.mass[index].is_finite() { self.mass[index] } else { 0.0 };
             let inertia = equation.inertia * mass * (u[index] - equation.predicted[index]);
             self.residual[index] = inertia - square * mass * force;
             scale = scale.max(inertia.length()).max(square * mass * force.length());
+            rounding = rounding.max(equation.inertia * mass * equation.predicted[index].abs().max_element());
         }
-        let mut rounding = 0.0_f64;
         for spring in &self.springs {
             let [one, other] = spring.ends.map(|end| end as usize);
             let (offset, relative) = (self.places[other] - self.places[one], self.velocities[other] - self.velocities[one]);

@@ -128,7 +128,7 @@ fn finish<V: Vector>(
             contacts.resolve(&before, &mut blocks, &dynamics.properties, h);
         });
     }
-    dynamics.resolve_self_contacts(matter, h, Impulses::Velocity, executor)?;
+    dynamics.resolve_self_contacts(matter, h, Impulses::End, executor)?;
     let dynamics = &*dynamics;
     workspace.position.copy_from(&matter.position);
     workspace.velocity.copy_from(&matter.velocity);
@@ -165,7 +165,7 @@ fn about(name: &'static str, evaluations: usize) -> About {
         springs: Treatment::Projections,
         refuses_fields: None,
         smooth_only: None,
-        impulses: Some(Impulses::Velocity),
+        impulses: Some(Impulses::End),
     }
 }
 

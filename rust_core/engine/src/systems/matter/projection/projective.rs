@@ -170,6 +170,7 @@ impl<V: Vector> Projective<V> {
         }
         let start: Vec<Point<V::Scalar>> = prepared.free.iter().map(|&particle| self.displacements[particle as usize]).collect();
         let mut part = 1.0;
+        let mut falls = false;
         for _ in 0..MOST_HALVINGS {
             for ((&particle, point), step) in prepared.free.iter().zip(&start).zip(&direction) {
                 let step = (part * *step).to_array();
@@ -177,10 +178,17 @@ impl<V: Vector> Projective<V> {
                 (0..3).for_each(|axis| moved[axis] = point[axis] + V::Scalar::from_f64(step[axis]));
             }
             self.balance(dynamics, prepared);
-            if first || dot(&self.residual, &direction).abs() <= DESCENT * slope {
+            falls = first || dot(&self.residual, &direction).abs() <= DESCENT * slope;
+            if falls {
                 break;
             }
             part *= 0.5;
+        }
+        if !falls {
+            // What is left is rounding, of which no direction is known.
+            prepared.free.iter().zip(start).for_each(|(&particle, point)| self.displacements[particle as usize] = point);
+            self.balance(dynamics, prepared);
+            return false;
         }
         if first {
             return true;
