@@ -517,7 +517,6 @@ SCENES: dict[str, Case] = {
     "sheets f32": Case(sheets, 0.002, F32),
     "sheets adaptive": Case(sheets, 0.002, {"dt": pc.AdaptiveStep()}),
     "sheets BackwardEuler": Case(sheets, 0.004, {"integrator": pc.BackwardEuler(1e-12)}),
-    "sheets ImplicitMidpoint": Case(sheets, 0.004, {"integrator": pc.ImplicitMidpoint(1e-12)}),
     "sheets BDF2": Case(sheets, 0.004, {"integrator": pc.BDF2(1e-12)}),
     "sheets XPBD f32": Case(sheets, 0.004, {**F32, "integrator": pc.XPBD(3, 2)}),
     "sheets ProjectiveDynamics": Case(sheets, 0.004, {"integrator": pc.ProjectiveDynamics(6)}),

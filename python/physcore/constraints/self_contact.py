@@ -31,8 +31,8 @@ class SelfContact(Constraint):
     and angular momentum but for the distance of these points; the kinetic energy that they take is dissipated by
     "contacts". Where no impulses keep particles apart, some move on together, and the plan says in how many steps.
 
-    Contact is of order 1 in the time step. It needs VelocityVerlet, BackwardEuler, ImplicitMidpoint, BDF2, XPBD or
-    ProjectiveDynamics, and space in 3D without a Periodic domain.
+    Contact is of order 1 in the time step. It needs VelocityVerlet, BackwardEuler, BDF2, XPBD or ProjectiveDynamics,
+    and space in 3D without a Periodic domain.
 
     Args:
         body: the SpringNetwork, which meets itself.

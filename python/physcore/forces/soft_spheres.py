@@ -26,6 +26,8 @@ class SoftSpheres(Force):
 
         F_t = −min(γ_t |v_t|, μ F_n) v_t/|v_t|,         v_t their relative velocity across the normal.
 
+    The two ends of a spring or a rod do not touch each other, so that neighbors in a network may overlap.
+
     Particles have no spin: friction acts on their centers, so that a rolling grain slides, and angular momentum is kept
     only without friction.
 

@@ -11,7 +11,7 @@ use crate::error::{Error, Result};
 use crate::history::{Archive, History};
 use crate::math::{AXES, Real, Vector};
 use crate::matter::Properties;
-use crate::neighbors::{Domain, Neighbors};
+use crate::neighbors::{Domain, Excluded, Neighbors};
 use crate::parallel::{BlockedSlice, Executor};
 use crate::scene::Scene;
 
@@ -63,6 +63,15 @@ impl NeighborList {
         Ok(Self { members, member_of, neighbors, positions, saved, renewed: false, rolled_back: false, skin })
     }
 
+    /// The same without pairs of particles, of which the members' are left out.
+    #[must_use]
+    pub fn excluding(self, pairs: impl Iterator<Item = [u32; 2]>) -> Self {
+        let numbers = pairs.map(|ends| ends.map(|end| self.member_of[end as usize]));
+        let pairs: Vec<[u32; 2]> = numbers.filter(|numbers| !numbers.contains(&NOT_A_MEMBER)).collect();
+        let excluded = Excluded::new(self.members.len(), &pairs);
+        Self { neighbors: self.neighbors.excluding(excluded), ..self }
+    }
+
     /// Updates positions and lists, and returns whether the lists were rebuilt. `position` gives that of a particle along
     /// an axis, relative to the origin [m].
     ///
@@ -93,7 +102,8 @@ impl NeighborList {
         let mut anew = Self {
             members: members.clone(),
             member_of: member_of.clone(),
-            neighbors: Neighbors::new(count, dimension, neighbors.domain(), cutoff, *skin)?,
+            neighbors: Neighbors::new(count, dimension, neighbors.domain(), cutoff, *skin)?
+                .excluding(neighbors.excluded().clone()),
             positions: positions.clone(),
             saved: saved.clone(),
             renewed: false,

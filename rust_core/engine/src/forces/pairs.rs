@@ -9,6 +9,7 @@ use std::ops::Range;
 use glam::{DMat3, DVec3};
 
 use super::neighbor_list::NeighborList;
+use super::springs;
 use super::{About, Force, Rates, Reach, StateView, Validity, VelocityDependence};
 use crate::error::Result;
 use crate::history::{Archive, History};
@@ -29,6 +30,8 @@ pub const SUMS: usize = AXES + 1;
 pub trait Interaction<V: Vector>: PairLaw<V, SUMS> + Send {
     /// Its name in the plan and in the energy budget.
     const NAME: &'static str;
+    /// Whether it leaves out the ends of each spring.
+    const SPARES_BONDED: bool = false;
 
     /// Cutoff radius [m].
     fn cutoff(&self) -> f64;
@@ -119,7 +122,13 @@ impl<V: Vector, L: Interaction<V>> Pairs<V, L> {
         let members: Vec<u32> = (0..properties.count() as u32).filter(|&index| chosen[index as usize]).collect();
         let attributes: Vec<f64> = members.iter().map(|&index| law.attribute(properties, index as usize)).collect();
         let sums = vec![[V::Scalar::ZERO; SUMS]; members.len()];
-        let neighbor_list = NeighborList::new(scene, properties, members, law.cutoff())?;
+        let mut neighbor_list = NeighborList::new(scene, properties, members, law.cutoff())?;
+        if L::SPARES_BONDED {
+            let mut engine = vec![0; properties.count()];
+            properties.caller.iter().zip(0..).for_each(|(&caller, index)| engine[caller as usize] = index);
+            let ends = springs::declared(scene)?.into_iter().map(|spring| spring.ends.map(|end| engine[end as usize]));
+            neighbor_list = neighbor_list.excluding(ends);
+        }
         let records = Records::new(neighbor_list.neighbors());
         Ok(Self { law, attributes, neighbor_list, records, sums })
     }
@@ -139,8 +148,10 @@ impl<V: Vector, L: Interaction<V>> Pairs<V, L> {
         let slot =
             |axis: usize| self.neighbor_list.members().iter().map(|&member| at.exact_position(axis, member as usize)).collect();
         let positions: [Vec<f64>; AXES] = std::array::from_fn(|axis| if axis < V::DIMENSION { slot(axis) } else { Vec::new() });
-        let (count, domain) = (self.attributes.len(), self.neighbor_list.neighbors().domain());
-        let mut neighbors = Neighbors::new(count, V::DIMENSION, domain, self.law.cutoff(), 0.0)?;
+        let listed = self.neighbor_list.neighbors();
+        let (count, domain) = (self.attributes.len(), listed.domain());
+        let mut neighbors =
+            Neighbors::new(count, V::DIMENSION, domain, self.law.cutoff(), 0.0)?.excluding(listed.excluded().clone());
         neighbors.arrange(positions.each_ref().map(Vec::as_slice), at.executor)?;
         let (order, encodings) = (neighbors.order(), domain.lengths().map(|length| f64::encoding(length, neighbors.support())));
         let mut buffers: Vec<_> = (0..BUFFERS).map(|_| (neighbors.listed(), Vec::new())).collect();

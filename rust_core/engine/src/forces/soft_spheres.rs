@@ -131,6 +131,7 @@ impl<V: Vector, const HERTZIAN: bool> PairLaw<V, SUMS> for SoftSpheres<V::Scalar
 
 impl<V: Vector, const HERTZIAN: bool> Interaction<V> for SoftSpheres<V::Scalar, HERTZIAN> {
     const NAME: &'static str = "repulsion";
+    const SPARES_BONDED: bool = true;
 
     fn cutoff(&self) -> f64 {
         self.cutoff

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::grid::{Grid, Rows, Runs};
-use super::{BLOCK, Metric};
+use super::{BLOCK, Excluded, Metric};
 use crate::error::Result;
 use crate::math::{AXES, Coordinate};
 use crate::memory;
@@ -39,6 +39,9 @@ pub struct Candidates<'a> {
     pub columns: [&'a [f64]; AXES],
     /// The metric of distances.
     pub metric: &'a Metric,
+    /// The particle at each slot, and pairs of these that are left out.
+    pub order: &'a [u32],
+    pub excluded: &'a Excluded,
 }
 
 impl Lists {
@@ -168,7 +171,7 @@ impl<const DIMENSION: usize, const PERIODIC: bool> LevelKernel for Flat<'_, DIME
     #[inline(always)]
     fn run<I: Isa>(self, isa: I) {
         let Search { candidates, start, ends, segment, executor } = self.0;
-        let Candidates { grid, starts, columns, .. } = candidates;
+        let Candidates { grid, starts, columns, order, excluded, .. } = candidates;
         let nowhere = starts[starts.len() - 2] as usize;
         segment.clear();
         let (mut last, mut rows, mut runs) = (u32::MAX, Rows::NONE, Runs::NONE);
@@ -181,10 +184,15 @@ impl<const DIMENSION: usize, const PERIODIC: bool> LevelKernel for Flat<'_, DIME
                     (last, rows) = (bucket, grid.rows(bucket));
                 }
                 grid.runs(&rows, point, candidates.metric.square, starts, &mut runs);
+                let from = segment.len();
                 for run in runs.iter() {
                     for first in run.clone().step_by(LANES) {
                         add_group::<I, DIMENSION, PERIODIC>(isa, &candidates, slot, first, run.end, point, segment);
                     }
+                }
+                let left_out = excluded.of(order[slot] as usize);
+                if !left_out.is_empty() {
+                    segment.retain(from, |other| !left_out.contains(&order[other as usize]));
                 }
             }
             *end = segment.len();

@@ -11,6 +11,7 @@
 
 mod brute;
 mod domain;
+mod excluded;
 mod grid;
 mod lists;
 mod ordering;
@@ -19,6 +20,7 @@ pub mod sums;
 
 pub use brute::brute;
 pub use domain::Domain;
+pub use excluded::Excluded;
 pub use lists::List;
 pub use ordering::ordering;
 
@@ -82,6 +84,8 @@ pub struct Neighbors {
     bounds: Vec<Bounds>,
     /// Whether a displacement in each block exceeds half the skin.
     moved: Vec<bool>,
+    /// Pairs that are left out.
+    excluded: Excluded,
     /// Whether the lists are valid.
     built: bool,
 }
@@ -117,8 +121,20 @@ impl Neighbors {
             sorted: columns(count + LANES),
             bounds: vec![Bounds::EMPTY; count.div_ceil(BLOCK)],
             moved: vec![false; count.div_ceil(BLOCK)],
+            excluded: Excluded::default(),
             built: false,
         })
+    }
+
+    /// The same without some pairs.
+    #[must_use]
+    pub fn excluding(self, excluded: Excluded) -> Self {
+        Self { excluded, ..self }
+    }
+
+    /// The pairs that are left out.
+    pub fn excluded(&self) -> &Excluded {
+        &self.excluded
     }
 
     /// Rebuilds the lists if a displacement since the last build exceeds half the skin, and returns whether it did.
@@ -133,7 +149,8 @@ impl Neighbors {
             return Ok(false);
         }
         self.arrange(positions.axes, executor)?;
-        self.lists.build(candidates(&self.grid, &self.sort, &self.sorted, &self.metric), self.dimension, executor)?;
+        let Self { grid, sort, sorted, metric, excluded, lists, .. } = self;
+        lists.build(candidates(grid, (sort, sorted), metric, excluded), self.dimension, executor)?;
         // After an interrupt the lists are invalid.
         self.built = !executor.stopped();
         Ok(true)
@@ -143,7 +160,7 @@ impl Neighbors {
     pub fn list_slots(&self, slots: Range<usize>, listed: &mut Listed, executor: &Executor) {
         listed.ends.clear();
         listed.ends.resize(slots.len(), 0);
-        let candidates = candidates(&self.grid, &self.sort, &self.sorted, &self.metric);
+        let candidates = candidates(&self.grid, (&self.sort, &self.sorted), &self.metric, &self.excluded);
         lists::list(candidates, self.dimension, slots.start, &mut listed.ends, &mut listed.segment, executor);
     }
 
@@ -225,7 +242,12 @@ impl Neighbors {
     /// Memory [bytes].
     pub fn bytes(&self) -> usize {
         let columns = self.anchors.iter().chain(&self.sorted).map(|axis| std::mem::size_of_val(axis.as_slice())).sum::<usize>();
-        columns + std::mem::size_of_val(self.bounds.as_slice()) + self.moved.len() + self.sort.bytes() + self.lists.bytes()
+        columns
+            + std::mem::size_of_val(self.bounds.as_slice())
+            + self.moved.len()
+            + self.sort.bytes()
+            + self.lists.bytes()
+            + self.excluded.bytes()
     }
 
     /// Whether a displacement since the last build exceeds half the skin, or is not finite.
@@ -277,8 +299,13 @@ impl Neighbors {
 }
 
 /// The input of a list build.
-fn candidates<'a>(grid: &'a Grid, sort: &'a Sort, sorted: &'a [Vec<f64>; AXES], metric: &'a Metric) -> Candidates<'a> {
-    Candidates { grid, starts: &sort.starts, columns: sorted.each_ref().map(Vec::as_slice), metric }
+fn candidates<'a>(
+    grid: &'a Grid,
+    (sort, sorted): (&'a Sort, &'a [Vec<f64>; AXES]),
+    metric: &'a Metric,
+    excluded: &'a Excluded,
+) -> Candidates<'a> {
+    Candidates { grid, starts: &sort.starts, columns: sorted.each_ref().map(Vec::as_slice), metric, order: &sort.order, excluded }
 }
 
 /// The neighbors of some slots, for a single use.

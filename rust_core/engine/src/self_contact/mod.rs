@@ -240,7 +240,7 @@ impl SelfContacts {
                 let [_, to] = self.path(vertex, velocities, h);
                 if !(Bounds { low: bounds.low - slack, high: bounds.high + slack }).contains(to) {
                     // Farther each time, so that a vertex that others push on and on is caught.
-                    let more = DVec3::splat(f64::from(search) * thickness);
+                    let more = DVec3::splat(SLACK * thickness * f64::from(search).exp2());
                     *bounds = bounds.union(&Bounds { low: to - more, high: to + more });
                     left = true;
                 }

@@ -67,6 +67,16 @@ impl Selection {
         self.overflowed = false;
     }
 
+    /// Keeps some of the indices from `start` on, in their order.
+    pub fn retain(&mut self, start: usize, keep: impl Fn(u32) -> bool) {
+        let mut end = start;
+        for at in start..self.length {
+            self.entries[end] = self.entries[at];
+            end += usize::from(keep(self.entries[at]));
+        }
+        self.length = end;
+    }
+
     /// Whether memory ran out since the last clear, with the beginning of the selection overwritten.
     pub fn has_overflowed(&self) -> bool {
         self.overflowed

@@ -158,8 +158,7 @@ fn fluid<V: Vector>(
 fn self_contacts<V: Vector>(scene: &Scene, properties: &Properties<V>, about: &MethodAbout) -> Result<Option<SelfContacts>> {
     let contacts = SelfContacts::build(scene, properties)?;
     if let (Some(_), None) = (&contacts, about.impulses) {
-        let expected =
-            "VelocityVerlet(), BackwardEuler(), ImplicitMidpoint(), BDF2(), XPBD() or ProjectiveDynamics() for SelfContact";
+        let expected = "VelocityVerlet(), BackwardEuler(), BDF2(), XPBD() or ProjectiveDynamics() for SelfContact";
         return Err(Error::parameter("integrator", expected, about.name));
     }
     Ok(contacts)

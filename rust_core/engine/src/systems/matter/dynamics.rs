@@ -113,8 +113,6 @@ pub enum Impulses {
     Register(usize),
     /// That at the end of the step, with which it moves.
     End,
-    /// That at the end of the step, which moves with the mean of it and the one at its start.
-    Mean,
 }
 
 impl<V: Vector> Dynamics<V> {
@@ -242,7 +240,6 @@ impl<V: Vector> Dynamics<V> {
                     middle.set(index, V::narrow(way + change));
                     2.0 * way - end_velocity
                 }
-                Impulses::Mean => 2.0 * *before - end_velocity,
                 Impulses::End => 0.5 * (meshes.start_velocities()[index] + *before),
             };
             let lost = -properties.mass[index] * change.dot(old + 0.5 * change);

@@ -74,11 +74,6 @@ impl Implicit {
         Ok(Self { name, scheme, newton: Newton::new(tolerance), before: 0.0, saved: 0.0, taken: [0; 3] })
     }
 
-    /// The velocity that impulses change.
-    fn impulses(&self) -> Impulses {
-        if self.scheme == Scheme::Midpoint { Impulses::Mean } else { Impulses::End }
-    }
-
     /// The equation of a step of `h` seconds, and whether it is BDF2's with a step before it.
     fn equation<V: Vector>(&self, dynamics: &Dynamics<V>, matter: &Matter<V>, h: f64) -> (Equation, bool) {
         let count = matter.count();
@@ -158,7 +153,7 @@ impl Implicit {
             matter.set_exact_position(index, moved);
         }
         let bounced = collide(dynamics, matter, workspace, h, executor);
-        let touched = dynamics.resolve_self_contacts(matter, h, self.impulses(), executor)? || bounced;
+        let touched = dynamics.resolve_self_contacts(matter, h, Impulses::End, executor)? || bounced;
         self.before = if touched { 0.0 } else { h };
         if self.scheme != Scheme::Midpoint {
             let shares = if two_step { [0.5 * h, 0.5 * h] } else { [h, 0.0] };
@@ -266,7 +261,8 @@ impl<V: Vector> Method<V> for Implicit {
             springs: Treatment::Solved,
             refuses_fields: None,
             smooth_only: None,
-            impulses: Some(self.impulses()),
+            // The midpoint rule keeps the energy of modes faster than a step, which impulses on its paths would raise.
+            impulses: (self.scheme != Scheme::Midpoint).then_some(Impulses::End),
         }
     }
 
