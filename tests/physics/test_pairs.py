@@ -178,6 +178,34 @@ def test_a_force_that_names_bodies_acts_on_them_and_between_them(law):
     assert (np.abs(np.delete(found, alone, axis=0) - forces(rest)) <= allowed).all()
 
 
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_the_ends_of_a_spring_do_not_touch(dimension):
+    """Forces and energy are the sums over all other pairs that overlap, by brute force; the springs are at rest."""
+    rng = np.random.default_rng(dimension)
+    x = rng.uniform(0.0, 3.0, (120, dimension))
+    bonds = np.unique(np.sort(rng.integers(0, 100, (300, 2)), axis=1), axis=0)
+    bonds = bonds[bonds[:, 0] < bonds[:, 1]]
+    body = pc.SpringNetwork(x, bonds, 1.0, mass=1.0, radius=0.4)
+    one, other = np.triu_indices(len(x), 1)
+    free = ~(one * len(x) + other == (bonds[:, :1] * len(x) + bonds[:, 1:])).any(axis=0)
+    apart = x[one[free]] - x[other[free]]
+    distance = np.linalg.norm(apart, axis=1)
+    overlap = np.maximum(0.8 - distance, 0.0)
+    expected = np.zeros_like(x)
+    push = (10.0 * overlap / distance)[:, None] * apart
+    np.add.at(expected, one[free], push)
+    np.add.at(expected, other[free], -push)
+    found = one_evaluation(pc.Scene(body, pc.SoftSpheres(10.0)))
+    # Some 30 terms of up to 8 N, and springs whose lengths are rounded.
+    assert np.abs(found - expected).max() <= 1e3 * EPSILON * 8.0
+    energy = pc.Simulation(pc.Scene(body, pc.SoftSpheres(10.0)), dt=1e-3).energy().by_term["repulsion"]
+    assert energy == pytest.approx(5.0 * float((overlap**2).sum()), rel=1e-13)
+    chain = pc.rope(5, 0.4, 100.0, radius=0.1)
+    resting = simulation(pc.Scene(chain, pc.SoftSpheres(100.0)), pc.VelocityVerlet(), 1e-3)
+    resting.step(10)
+    assert np.abs(resting.velocities).max() < 1e-12
+
+
 def test_fixed_grains_push_and_are_not_pushed():
     """The fixed one is left out of the momentum; the energy of the pair goes to the other."""
     body = pc.Particles([[0.0, 0.0], [0.9, 0.0]], mass=2.0, radius=0.5, fixed=[0])

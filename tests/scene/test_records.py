@@ -109,7 +109,7 @@ def test_a_record_has_every_field_and_files_hold_every_argument(item):
     assert set(record.values) == {entry.name for entry in fields(item)}
     assert list(record.packed()["fields"]) == list(parameters(type(item)))
     told = record.described()["values"]
-    assert set(told) == set(record.values) - {"name", "on", "faces"}
+    assert set(told) == set(record.values) - {"name", "on"}
     for name, value in told.items():
         given = getattr(item, name)
         assert value is given or value == told_of(given), "values are passed on as they are, uncopied"
@@ -157,12 +157,6 @@ def test_a_scene_takes_systems_beside_bodies():
 def test_every_boundary_has_a_look_of_its_own():
     drawn = [type(look_of(kind(*ARGUMENTS.get(kind.__name__, ())).resolved(2))) for kind in BOUNDARIES]
     assert set(drawn) == set(LOOKS.values())
-
-
-def test_what_has_no_part_in_the_motion_stays_in_python():
-    told = Record.of(NET).described()["values"]
-    assert "faces" not in told
-    np.testing.assert_array_equal(Record.of(NET).packed()["fields"]["faces"], [[0, 1, 2]])
 
 
 def test_a_further_system_has_a_path_a_name_of_its_own_and_the_dimension_of_the_scene():

@@ -72,12 +72,9 @@ class SelfContact(Constraint):
             friction=number(self.friction, "SelfContact.friction", least=0.0),
             restitution=number(self.restitution, "SelfContact.restitution", least=0.0, most=1.0),
         )
-        named = [
-            (self.body, "SelfContact.body"),
-            *((other, f"SelfContact.on[{k}]") for k, other in enumerate(self.on or ())),
-        ]
-        for network, path in named:
-            _check_surface(network, path, self.thickness)
+        _check_surface(self.body, "SelfContact.body", self.thickness)
+        for place, other in enumerate(others):
+            _check_surface(other, f"SelfContact.on[{place}]", self.thickness)
 
     def bodies(self, field: str = "on") -> tuple[Body, ...] | None:
         """The bodies that it names in a field."""

@@ -98,7 +98,7 @@ class Trajectory:
     @property
     def broken(self) -> BoolArray:
         """Which springs are broken, of networks that can tear, shape (F, S); in the order of `pairs`."""
-        return self._channel("broken") != 0.0
+        return np.not_equal(self._channel("broken"), 0.0)
 
     def __len__(self) -> int:
         return len(self.times)

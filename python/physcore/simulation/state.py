@@ -6,6 +6,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, cast
 
+import numpy as np
+
 from physcore.checks import BoolArray, FloatArray
 from physcore.errors import SceneError
 from physcore.scene.channels import OWNERS, body_fields
@@ -83,7 +85,7 @@ class Snapshot:
     @property
     def broken(self) -> BoolArray:
         """Which springs are broken, of networks that can tear, shape (S,); in the order of `pairs`."""
-        return self._field("broken") != 0.0
+        return np.not_equal(self._field("broken"), 0.0)
 
     def _field(self, name: str) -> FloatArray:
         if name not in self.fields:
