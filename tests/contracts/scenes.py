@@ -518,7 +518,7 @@ SCENES: dict[str, Case] = {
     "sheets adaptive": Case(sheets, 0.002, {"dt": pc.AdaptiveStep()}),
     "sheets BackwardEuler": Case(sheets, 0.004, {"integrator": pc.BackwardEuler(1e-12)}),
     "sheets BDF2": Case(sheets, 0.004, {"integrator": pc.BDF2(1e-12)}),
-    "sheets XPBD f32": Case(sheets, 0.004, {**F32, "integrator": pc.XPBD(3, 2)}),
+    "sheets XPBD": Case(sheets, 0.004, {"integrator": pc.XPBD(3, 2)}),
     "sheets ProjectiveDynamics": Case(sheets, 0.004, {"integrator": pc.ProjectiveDynamics(6)}),
     "swarm folded": Case(lambda: swarm(DOWN, BREEZE), 0.01, large=_large_swarm),
     "swarm folded f32": Case(lambda: swarm(DOWN, pc.Drag(0.1)), 0.01, F32, large=_large_swarm),
