@@ -1,4 +1,4 @@
-"""What speed costs in accuracy, on five scenes, in demos and at the extremes: writes docs/tradeoff.md and its figures.
+"""What speed costs in accuracy, on six scenes, in demos and at the extremes: writes docs/tradeoff.md and its figures.
 
 make tradeoff, or python benches/tradeoff.py [FOLDER] [--seconds N]
 """
@@ -41,6 +41,8 @@ class Study:
     observe: Callable[[pc.Simulation], np.ndarray] | None = None
     share: float = 1.0
     """Of the budget, beside the others."""
+    integrators: tuple[pc.Integrator, ...] | None = None
+    """What is compared; None: all explicit ones."""
 
 
 def kepler() -> Study:
@@ -62,6 +64,28 @@ def cloth() -> Study:
     scene = pc.Scene(sheet, pc.Gravity((0.0, -9.81)), pc.Drag(linear=2e-4))
     about = "A damped cloth of 384 particles that hangs by its upper edge and is let go: forces depend on velocity."
     return Study("Cloth", about, scene, 1.0, 0.75)
+
+
+def stiff_cloth() -> Study:
+    sheet = pc.cloth(
+        (12, 10), 0.05, 2e4, 0.5, mass=0.004, axes=((1.0, 0.0, 0.0), (0.0, 0.5, -0.8660254037844386)), pinned="top"
+    )
+    scene = pc.Scene(sheet, pc.Gravity((0.0, 0.0, -9.81)), pc.Drag(linear=2e-3))
+    about = (
+        "A cloth a hundred times as stiff, swinging about its upper edge: explicit, implicit and projective methods, "
+        "XPBD by its substeps and projective dynamics by its iterations."
+    )
+    methods = (
+        pc.SemiImplicitEuler(),
+        pc.VelocityVerlet(),
+        pc.RungeKutta4(),
+        pc.BackwardEuler(1e-6),
+        pc.ImplicitMidpoint(1e-6),
+        pc.BDF2(1e-6),
+        *(pc.XPBD(substeps) for substeps in (1, 5, 20)),
+        *(pc.ProjectiveDynamics(iterations) for iterations in (5, 20)),
+    )
+    return Study("Stiff cloth", about, scene, 1.0, 0.5, share=2.0, integrators=methods)
 
 
 def gas() -> Study:
@@ -105,7 +129,7 @@ def main() -> None:
     options = parser.parse_args()
     (options.folder / "images").mkdir(parents=True, exist_ok=True)
     begin = time.perf_counter()
-    studies = [kepler(), pendulum(), cloth(), gas(), dam(), *map(demonstration, DEMOS)]
+    studies = [kepler(), pendulum(), cloth(), stiff_cloth(), gas(), dam(), *map(demonstration, DEMOS)]
     whole = sum(study.share for study in studies)
     trades = {}
     for study in studies:
@@ -113,6 +137,7 @@ def main() -> None:
         trades[study.name] = pc.tradeoff(
             study.scene,
             study.duration,
+            integrators=study.integrators,
             resolutions=study.resolutions,
             observe=study.observe,
             budget=options.seconds * study.share / whole,
