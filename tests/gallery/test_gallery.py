@@ -23,6 +23,7 @@ LONG = (
     "spirals",
     "butterfly",
     "vortex_street",
+    "folds",
 )
 """Demos that take more than five seconds, of those that have no test of their own."""
 FRAMES = 2
@@ -103,6 +104,7 @@ def shown(tmp_path: Path, record_property: Callable[[str, object], None]) -> Cal
         "dipole",
         "double_pendulum",
         "chain",
+        "knot",
         *(pytest.param(name, marks=pytest.mark.long) for name in LONG),
     ],
 )

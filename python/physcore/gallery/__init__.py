@@ -58,6 +58,8 @@ DEMOS = (
     "double_pendulum",
     "chain",
     "curtain",
+    "folds",
+    "knot",
 )
 """Every demo; the first one is the default."""
 
