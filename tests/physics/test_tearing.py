@@ -171,7 +171,7 @@ def test_films_leave_out_what_is_broken(tmp_path: Any):
 def test_the_bending_of_torn_faces_is_dissipated_with_them():
     """A sheet that bends as it is torn apart: hinges at torn faces are gone, and the balance keeps their energy.
 
-    Verlet keeps the balance to (ω dt)², some 1e-5; left out, the energy of bending would be missing, up to a fifth of it.
+    Verlet keeps the balance to (ω dt)², some 1e-5; left out, the energy of bending would be missing, up to a fifth.
     """
     flat = pc.cloth((6, 5), 0.1, 200.0, mass=0.01, origin=(0.0, 0.0, 0.0), breaking_strain=0.02)
     middle = flat.positions.mean(axis=0)
