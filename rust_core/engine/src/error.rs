@@ -79,6 +79,19 @@ impl Error {
         Self::Parameter { path: path.into(), expected: expected.into(), found: found.to_string(), hint: String::new() }
     }
 
+    /// A step has no solution for a particle, by its index in the caller's order; the monitor adds step, time and hint.
+    pub fn unsolved(index: usize, cause: impl Into<String>) -> Self {
+        Self::Diverged(Box::new(Divergence {
+            step: 0,
+            time: 0.0,
+            element: format!("particle {index}"),
+            index,
+            quantity: "position",
+            cause: cause.into(),
+            hint: String::new(),
+        }))
+    }
+
     /// The same error with a hint, where it is about a parameter.
     #[must_use]
     pub fn with_hint(mut self, advice: impl Into<String>) -> Self {

@@ -8,6 +8,7 @@
 //! between pairs by the lists of [`neighbors`]) and resolves contacts with the [`boundaries`], block by block, on the
 //! threads of [`parallel`] and at the SIMD level of [`simd`].
 
+pub mod adjacency;
 pub mod boundaries;
 pub mod columns;
 pub mod contacts;

@@ -53,6 +53,18 @@ impl<V: Vector> Properties<V> {
         }
     }
 
+    /// The index in the engine's order of each particle of the caller's.
+    pub fn engine(&self) -> Vec<u32> {
+        let mut engine = vec![0; self.caller.len()];
+        self.caller.iter().zip(0..).for_each(|(&caller, index)| engine[caller as usize] = index);
+        engine
+    }
+
+    /// Positions in the caller's order [m], in the engine's and relative to the origin.
+    pub fn relative(&self, positions: &[DVec3]) -> Vec<DVec3> {
+        self.caller.iter().map(|&caller| positions[caller as usize] - self.origin).collect()
+    }
+
     /// The number of particles.
     pub fn count(&self) -> usize {
         self.mass.len()

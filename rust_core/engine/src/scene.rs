@@ -48,6 +48,11 @@ impl Scene {
         self.count() + self.bodies.iter().map(longest).sum::<usize>() + self.systems.iter().map(Item::cells).sum::<usize>()
     }
 
+    /// The index of the first particle of a body.
+    pub fn first(&self, body: usize) -> usize {
+        self.bodies[..body].iter().map(|body| body.positions.len()).sum()
+    }
+
     /// The positions of all particles, body by body [m].
     pub fn positions(&self) -> Vec<DVec3> {
         self.bodies.iter().flat_map(|body| &body.positions).copied().collect()

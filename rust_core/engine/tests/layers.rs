@@ -12,7 +12,7 @@ const LAYERS: [&[&str]; 18] = [
     &["scene"],
     &["parallel", "sparse"],
     &["history", "ledger"],
-    &["columns", "grid", "tally"],
+    &["adjacency", "columns", "grid", "tally"],
     &["neighbors"],
     &["matter"],
     &["integrators"],

@@ -56,13 +56,11 @@ impl<V: Vector> Custom<V> {
     /// A custom force as declared.
     fn new(declared: &Declared<'_, V>) -> Result<Self> {
         let (item, count) = (declared.item, declared.chosen.len());
-        let mut engine = vec![0; count];
-        declared.properties.caller.iter().enumerate().for_each(|(index, &caller)| engine[caller as usize] = index);
         Ok(Self {
             function: item.callback(FUNCTION)?,
             potential: item.optional_callback(POTENTIAL)?,
             path: item.path.clone(),
-            members: engine.into_iter().filter(|&index| declared.chosen[index]).collect(),
+            members: declared.members(),
             force: Columns::zeros(count),
             found: Mutex::new(None),
         })

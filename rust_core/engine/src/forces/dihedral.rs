@@ -26,6 +26,7 @@ use std::ops::Range;
 use glam::DVec3;
 
 use super::{About, Declared, Force, Forces, Kind, Rates, Reach, StateView, Validity, VelocityDependence};
+use crate::adjacency::Adjacency;
 use crate::error::{Error, Result};
 use crate::history::History;
 use crate::math::Vector;
@@ -42,9 +43,8 @@ const BLOCK: usize = 1024;
 #[derive(Debug)]
 pub struct Dihedral<V: Vector> {
     hinges: Vec<Hinge>,
-    /// The places of particle i in hinges are `places[first[i]..first[i + 1]]`, as four times the hinge plus the corner.
-    first: Vec<u32>,
-    places: Vec<u32>,
+    /// The places of each particle in hinges, as four times the hinge plus the corner.
+    places: Adjacency,
     /// The forces of the last evaluation on the corners of every hinge [N].
     force: Vec<[V; 4]>,
     /// The power that every hinge dissipated there [W].
@@ -68,11 +68,10 @@ impl<V: Vector> Dihedral<V> {
         let corners = item.tuples::<4>("hinges")?;
         let (rest_angle, weight) = (item.numbers("rest_angle", corners.len())?, item.numbers("weight", corners.len())?);
         let (stiffness, damping) = (item.non_negative("stiffness")?, item.non_negative("damping")?);
-        let mut engine = vec![0; properties.count()];
-        properties.caller.iter().enumerate().for_each(|(index, &caller)| engine[caller as usize] = index as u32);
-        let start = |body: usize| scene.bodies[..body].iter().map(|body| body.positions.len()).sum::<usize>();
+        let engine = properties.engine();
         let named = item.on.clone().unwrap_or_else(|| (0..scene.bodies.len()).collect());
-        let particles: Vec<u32> = named.iter().flat_map(|&body| &engine[start(body)..start(body + 1)]).copied().collect();
+        let particles: Vec<u32> =
+            named.iter().flat_map(|&body| &engine[scene.first(body)..scene.first(body + 1)]).copied().collect();
         if let Some(row) = corners.iter().position(|corners| corners.iter().any(|&end| end as usize >= particles.len())) {
             let path = format!("{}.hinges[{row}]", item.path);
             return Err(Error::parameter(path, format!("four of {} particles", particles.len()), format!("{:?}", corners[row])));
@@ -86,30 +85,24 @@ impl<V: Vector> Dihedral<V> {
                 torn: false,
             })
             .collect();
-        let mut of_particles = vec![Vec::new(); properties.count()];
-        for (place, corner) in hinges.iter().flat_map(|hinge| hinge.corners).enumerate() {
-            of_particles[corner as usize].push(place as u32);
-        }
-        let mut first = vec![0; properties.count() + 1];
-        (0..properties.count()).for_each(|index| first[index + 1] = first[index] + of_particles[index].len() as u32);
+        let places: Vec<[u32; 2]> =
+            hinges.iter().flat_map(|hinge| hinge.corners).zip(0..).map(|(corner, place)| [corner, place]).collect();
         Ok(Self {
             force: vec![[V::default(); 4]; hinges.len()],
             power: vec![0.0; hinges.len()],
-            first,
-            places: of_particles.concat(),
+            places: Adjacency::new(properties.count(), &places),
             hinges,
         })
     }
 
     /// The places of a particle in hinges.
     fn places(&self, index: usize) -> impl Iterator<Item = (usize, usize)> {
-        let places = &self.places[self.first[index] as usize..self.first[index + 1] as usize];
-        places.iter().map(|&place| (place as usize / 4, place as usize % 4))
+        self.places.of(index).iter().map(|&place| (place as usize / 4, place as usize % 4))
     }
 
     /// The particles of a block, without padding.
     fn particles(&self, block: &Range<usize>) -> Range<usize> {
-        block.start..block.end.min(self.first.len() - 1)
+        block.start..block.end.min(self.places.count())
     }
 }
 
@@ -118,12 +111,11 @@ impl<V: Vector> History for Dihedral<V> {}
 impl<V: Vector> Force<V> for Dihedral<V> {
     fn about(&self) -> About {
         let damped = self.hinges.iter().any(|hinge| hinge.damping != 0.0);
-        let lists = size_of_val(self.first.as_slice()) + size_of_val(self.places.as_slice());
         let results = size_of_val(self.force.as_slice()) + size_of_val(self.power.as_slice());
         About {
             velocity: if damped { VelocityDependence::Dissipative } else { VelocityDependence::None },
             pairs: self.hinges.len(),
-            bytes: size_of_val(self.hinges.as_slice()) + lists + results,
+            bytes: size_of_val(self.hinges.as_slice()) + self.places.bytes() + results,
             layout: format!("{} hinges", self.hinges.len()),
             ..About::new("dihedral", Reach::Network)
         }

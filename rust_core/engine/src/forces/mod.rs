@@ -259,6 +259,11 @@ struct Declared<'a, V: Vector> {
 }
 
 impl<V: Vector> Declared<'_, V> {
+    /// The particles that it acts on, in the caller's order.
+    fn members(&self) -> Vec<usize> {
+        self.properties.engine().into_iter().map(|index| index as usize).filter(|&index| self.chosen[index]).collect()
+    }
+
     /// Which of these particles are not fixed: pointwise forces act on no others, those between pairs count with them.
     fn mobile(&self) -> Vec<bool> {
         self.chosen.iter().enumerate().map(|(index, &chosen)| chosen && !self.properties.is_fixed(index)).collect()

@@ -7,11 +7,12 @@ use std::ops::Range;
 
 use glam::DVec3;
 
+use crate::adjacency::Adjacency;
 use crate::error::{Error, Result};
 use crate::history::{Archive, History};
 use crate::math::{AXES, Real, Vector};
 use crate::matter::Properties;
-use crate::neighbors::{Domain, Excluded, Neighbors};
+use crate::neighbors::{Domain, Neighbors};
 use crate::parallel::{BlockedSlice, Executor};
 use crate::scene::Scene;
 
@@ -67,8 +68,8 @@ impl NeighborList {
     #[must_use]
     pub fn excluding(self, pairs: impl Iterator<Item = [u32; 2]>) -> Self {
         let numbers = pairs.map(|ends| ends.map(|end| self.member_of[end as usize]));
-        let pairs: Vec<[u32; 2]> = numbers.filter(|numbers| !numbers.contains(&NOT_A_MEMBER)).collect();
-        let excluded = Excluded::new(self.members.len(), &pairs);
+        let pairs = numbers.filter(|numbers| !numbers.contains(&NOT_A_MEMBER));
+        let excluded = Adjacency::of_graph(self.members.len(), pairs);
         Self { neighbors: self.neighbors.excluding(excluded), ..self }
     }
 

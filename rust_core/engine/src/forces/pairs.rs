@@ -124,8 +124,7 @@ impl<V: Vector, L: Interaction<V>> Pairs<V, L> {
         let sums = vec![[V::Scalar::ZERO; SUMS]; members.len()];
         let mut neighbor_list = NeighborList::new(scene, properties, members, law.cutoff())?;
         if L::SPARES_BONDED {
-            let mut engine = vec![0; properties.count()];
-            properties.caller.iter().zip(0..).for_each(|(&caller, index)| engine[caller as usize] = index);
+            let engine = properties.engine();
             let ends = springs::declared(scene)?.into_iter().map(|spring| spring.ends.map(|end| engine[end as usize]));
             neighbor_list = neighbor_list.excluding(ends);
         }

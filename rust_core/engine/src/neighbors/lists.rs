@@ -3,7 +3,8 @@
 use std::ops::Range;
 
 use super::grid::{Grid, Rows, Runs};
-use super::{BLOCK, Excluded, Metric};
+use super::{BLOCK, Metric};
+use crate::adjacency::Adjacency;
 use crate::error::Result;
 use crate::math::{AXES, Coordinate};
 use crate::memory;
@@ -41,7 +42,7 @@ pub struct Candidates<'a> {
     pub metric: &'a Metric,
     /// The particle at each slot, and pairs of these that are left out.
     pub order: &'a [u32],
-    pub excluded: &'a Excluded,
+    pub excluded: &'a Adjacency,
 }
 
 impl Lists {

@@ -11,7 +11,6 @@
 
 mod brute;
 mod domain;
-mod excluded;
 mod grid;
 mod lists;
 mod ordering;
@@ -20,7 +19,6 @@ pub mod sums;
 
 pub use brute::brute;
 pub use domain::Domain;
-pub use excluded::Excluded;
 pub use lists::List;
 pub use ordering::ordering;
 
@@ -28,6 +26,7 @@ use std::ops::Range;
 
 use glam::DVec3;
 
+use crate::adjacency::Adjacency;
 use crate::error::{Error, Result};
 use crate::math::{AXES, Coordinate};
 use crate::parallel::{BlockedSlice, Executor};
@@ -85,7 +84,7 @@ pub struct Neighbors {
     /// Whether a displacement in each block exceeds half the skin.
     moved: Vec<bool>,
     /// Pairs that are left out.
-    excluded: Excluded,
+    excluded: Adjacency,
     /// Whether the lists are valid.
     built: bool,
 }
@@ -121,19 +120,19 @@ impl Neighbors {
             sorted: columns(count + LANES),
             bounds: vec![Bounds::EMPTY; count.div_ceil(BLOCK)],
             moved: vec![false; count.div_ceil(BLOCK)],
-            excluded: Excluded::default(),
+            excluded: Adjacency::default(),
             built: false,
         })
     }
 
-    /// The same without some pairs.
+    /// The same without some pairs, given by the others of each particle.
     #[must_use]
-    pub fn excluding(self, excluded: Excluded) -> Self {
+    pub fn excluding(self, excluded: Adjacency) -> Self {
         Self { excluded, ..self }
     }
 
     /// The pairs that are left out.
-    pub fn excluded(&self) -> &Excluded {
+    pub fn excluded(&self) -> &Adjacency {
         &self.excluded
     }
 
@@ -303,7 +302,7 @@ fn candidates<'a>(
     grid: &'a Grid,
     (sort, sorted): (&'a Sort, &'a [Vec<f64>; AXES]),
     metric: &'a Metric,
-    excluded: &'a Excluded,
+    excluded: &'a Adjacency,
 ) -> Candidates<'a> {
     Candidates { grid, starts: &sort.starts, columns: sorted.each_ref().map(Vec::as_slice), metric, order: &sort.order, excluded }
 }

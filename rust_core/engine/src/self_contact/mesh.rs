@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use glam::DVec3;
 
 use super::tree::{Bounds, Tree};
+use crate::adjacency::Adjacency;
 use crate::parallel::{BlockedSlice, Executor};
 
 /// A triangle, or an edge that belongs to none, whose third vertex is its second.
@@ -69,9 +70,8 @@ pub struct Mesh {
     /// Ends of each edge, and the vertices opposite to it in up to two triangles; its own end where there is none.
     pub edges: Vec<[u32; 2]>,
     pub opposite: Vec<[u32; 2]>,
-    /// The neighbors of each particle along edges: where they begin, and one end more.
-    starts: Vec<u32>,
-    neighbors: Vec<u32>,
+    /// The neighbors of each particle along edges.
+    neighbors: Adjacency,
     /// The rule of each pair of bodies, as an index, row by row; [`NONE`] for bodies that do not touch.
     rules: Vec<u32>,
     bodies: usize,
@@ -99,14 +99,7 @@ impl Mesh {
                 mesh.add(vertices, is_face, body, (&mut has_vertex, &mut numbers));
             }
         }
-        let mut neighbors = vec![Vec::new(); count];
-        for &[one, other] in &mesh.edges {
-            neighbors[one as usize].push(other);
-            neighbors[other as usize].push(one);
-        }
-        mesh.starts = neighbors.iter().scan(0, |sum, list| Some(std::mem::replace(sum, *sum + list.len() as u32))).collect();
-        mesh.neighbors = neighbors.concat();
-        mesh.starts.push(mesh.neighbors.len() as u32);
+        mesh.neighbors = Adjacency::of_graph(count, mesh.edges.iter().copied());
         let center = |element: &Element| element.vertices.iter().map(|&vertex| position(vertex)).sum::<DVec3>() / 3.0;
         mesh.tree = Tree::new(&mesh.elements.iter().map(center).collect::<Vec<_>>());
         mesh
@@ -153,7 +146,7 @@ impl Mesh {
     /// The neighbors of a particle along edges, in the order of these.
     #[inline(always)]
     pub fn neighbors(&self, vertex: u32) -> &[u32] {
-        &self.neighbors[self.starts[vertex as usize] as usize..self.starts[vertex as usize + 1] as usize]
+        self.neighbors.of(vertex as usize)
     }
 
     /// The pairs of elements without common vertices that may touch where each vertex stays in its box, each larger by `margin`.
@@ -237,9 +230,12 @@ impl Mesh {
 
     /// Memory [bytes].
     pub fn bytes(&self) -> usize {
-        let lists = size_of_val(self.neighbors.as_slice()) + size_of_val(self.starts.as_slice());
         let edges = 2 * size_of_val(self.edges.as_slice());
-        size_of_val(self.elements.as_slice()) + edges + lists + size_of_val(self.bounds.as_slice()) + self.tree.bytes()
+        size_of_val(self.elements.as_slice())
+            + edges
+            + self.neighbors.bytes()
+            + size_of_val(self.bounds.as_slice())
+            + self.tree.bytes()
     }
 }
 

@@ -142,12 +142,10 @@ impl SelfContacts {
             }
             (table[one * size + other], table[other * size + one]) = (rule, rule);
         }
-        let mut engine = vec![0; properties.count()];
-        properties.caller.iter().enumerate().for_each(|(index, &caller)| engine[caller as usize] = index as u32);
+        let engine = properties.engine();
         let surfaces: Vec<Surface> = bodies.iter().map(|&body| surface(scene, body, &engine)).collect::<Result<_>>()?;
         let inverse_mass = properties.mass.iter().map(|mass| 1.0 / mass).collect();
-        let positions = scene.positions();
-        let start = properties.caller.iter().map(|&caller| positions[caller as usize] - properties.origin).collect();
+        let start = properties.relative(&scene.positions());
         let mut contacts = Self { rules, table, surfaces, inverse_mass, start, ..Self::default() };
         contacts.leave_out(&[]);
         Ok(Some(contacts))
@@ -174,7 +172,7 @@ impl SelfContacts {
     /// # Errors
     /// The particles of an edge that is within a triangle.
     pub fn check(&mut self, position: impl Fn(usize) -> DVec3, executor: &Executor) -> std::result::Result<(), [u32; 2]> {
-        self.begin(position);
+        self.begin(|index| [position(index), DVec3::ZERO]);
         let x = &self.start;
         let longest = self.mesh.edges.iter().map(|&[a, b]| (x[a as usize] - x[b as usize]).length()).fold(0.0, f64::max);
         let boxes: Vec<Bounds> = x.iter().map(|&x| Bounds { low: x, high: x }).collect();
@@ -191,15 +189,12 @@ impl SelfContacts {
         Ok(())
     }
 
-    /// Takes the positions at the start of a step [m].
-    pub fn begin(&mut self, position: impl Fn(usize) -> DVec3) {
-        self.start.iter_mut().enumerate().for_each(|(index, start)| *start = position(index));
-    }
-
-    /// Takes the velocities at the start of a step [m/s].
-    pub fn begin_velocities(&mut self, velocity: impl Fn(usize) -> DVec3) {
-        self.start_velocities.clear();
-        self.start_velocities.extend((0..self.start.len()).map(velocity));
+    /// Takes the positions [m] and velocities [m/s] at the start of a step.
+    pub fn begin(&mut self, state: impl Fn(usize) -> [DVec3; 2]) {
+        self.start_velocities.resize(self.start.len(), DVec3::ZERO);
+        for (index, (start, velocity)) in self.start.iter_mut().zip(&mut self.start_velocities).enumerate() {
+            [*start, *velocity] = state(index);
+        }
     }
 
     /// The velocities at the start of the step [m/s].
@@ -303,7 +298,8 @@ impl SelfContacts {
         Ok(contacts)
     }
 
-    /// The contacts of the pairs that are locally closest, with the impulses of the last step, and the distances of all pairs [m].
+    /// The contacts of the pairs that may come nearer than the thickness, with the impulses of the last step, and the distances of all
+    /// pairs [m]. Closest points on a boundary are those of several pairs: one of these counts, if it is locally closest.
     fn contacts(&self, pairs: &[Pair], free: &[DVec3], h: f64, distances: &mut [f64], executor: &Executor) -> Vec<Contact> {
         let mut found: Vec<Vec<Contact>> = vec![Vec::new(); pairs.len().div_ceil(BLOCK)];
         let work = (BlockedSlice::new(distances, BLOCK), BlockedSlice::new(&mut found, 1));
@@ -498,7 +494,7 @@ fn pierces([p, q]: [DVec3; 2], [a, b, c]: [DVec3; 3]) -> bool {
 
 /// The triangles of a body, or its springs where it has none, in the engine's order.
 fn surface(scene: &Scene, body: usize, engine: &[u32]) -> Result<Surface> {
-    let first: usize = scene.bodies[..body].iter().map(|body| body.positions.len()).sum();
+    let first = scene.first(body);
     let networks = scene.bodies[..body].iter().filter(|body| body.item.kind == springs::KIND);
     let spring: usize = networks.map(|body| body.item.tuples::<2>("pairs").map(<[_]>::len)).sum::<Result<usize>>()?;
     let Body { item, .. } = &scene.bodies[body];

@@ -35,13 +35,11 @@ struct Given<V: Vector> {
 
 impl<V: Vector> Given<V> {
     fn new(declared: &Declared<'_, V>, name: &str, function: &Arc<dyn Callback>) -> Self {
-        let mut engine = vec![0; declared.chosen.len()];
-        declared.properties.caller.iter().enumerate().for_each(|(index, &caller)| engine[caller as usize] = index);
         Self {
             function: Arc::clone(function),
             path: format!("{}.{name}", declared.item.path),
             axial: name == "magnetic" && V::DIMENSION == 2,
-            members: engine.into_iter().filter(|&index| declared.chosen[index]).collect(),
+            members: declared.members(),
             charges: charges(declared),
             values: vec![DVec3::ZERO; declared.chosen.len()],
         }

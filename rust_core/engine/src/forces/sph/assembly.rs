@@ -1,7 +1,5 @@
 //! Construction of a scene's fluids: pair laws from the materials, initial densities and volumes from the positions.
 
-use glam::DVec3;
-
 use super::Fluids;
 use super::kernel::{self, Kernel, Shape};
 use super::laws::{Continuity, Extrapolation, FORCES, KINDS, Momentum, OBSTACLE, PairCoefficients};
@@ -94,9 +92,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
     /// Sets the hydrostatic density of every fluid particle, and the volume of every obstacle particle: 1/Σ W over
     /// obstacles, of N. Akinci et al., ACM Trans. Graph. 31 (2012) 62.
     fn fill_space(&mut self, scene: &Scene, properties: &Properties<V>, executor: &Executor) -> Result<()> {
-        let positions = scene.positions();
-        // By the index of the particle, relative to the origin.
-        let at: Vec<DVec3> = properties.caller.iter().map(|&caller| positions[caller as usize] - properties.origin).collect();
+        let at = properties.relative(&scene.positions());
         let members: Vec<usize> = self.neighbor_list.members().iter().map(|&index| index as usize).collect();
         let common = self.materials.first();
         let down = common.gravity.normalize_or_zero();

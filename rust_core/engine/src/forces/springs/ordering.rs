@@ -4,6 +4,7 @@ use std::collections::VecDeque;
 
 use super::Spring;
 use super::stencil;
+use crate::adjacency::Adjacency;
 
 /// Share of a component's springs in stencils, in percent, above which its order is kept.
 const STRUCTURED: usize = 90;
@@ -11,33 +12,20 @@ const STRUCTURED: usize = 90;
 /// Least reduction factor of the mean index distance of partners for which a component is reordered.
 const GAIN: usize = 2;
 
-/// The graph of a network: the neighbors of particle i are `list[first[i]..first[i + 1]]`.
-struct Graph {
-    first: Vec<usize>,
-    list: Vec<u32>,
-}
+/// The graph of a network.
+struct Graph(Adjacency);
 
 impl Graph {
     fn new(springs: &[Spring], count: usize) -> Self {
-        let mut first = vec![0; count + 1];
-        springs.iter().flat_map(|spring| spring.ends).for_each(|end| first[end as usize + 1] += 1);
-        (0..count).for_each(|index| first[index + 1] += first[index]);
-        let (mut next, mut list) = (first.clone(), vec![0; 2 * springs.len()]);
-        for [i, j] in springs.iter().flat_map(|spring| [spring.ends, [spring.ends[1], spring.ends[0]]]) {
-            list[next[i as usize]] = j;
-            next[i as usize] += 1;
-        }
-        let mut graph = Self { first, list };
+        let mut neighbors = Adjacency::of_graph(count, springs.iter().map(|spring| spring.ends));
         // Neighbors of low degree come first, then those of low index: the order of E. Cuthill and J. McKee.
-        let degrees: Vec<usize> = (0..count as u32).map(|index| graph.neighbors(index).len()).collect();
-        for index in 0..count {
-            graph.list[graph.first[index]..graph.first[index + 1]].sort_by_key(|&j| (degrees[j as usize], j));
-        }
-        graph
+        let degrees: Vec<usize> = (0..count).map(|index| neighbors.of(index).len()).collect();
+        neighbors.sort_by_key(|index| (degrees[index as usize], index));
+        Self(neighbors)
     }
 
     fn neighbors(&self, index: u32) -> &[u32] {
-        &self.list[self.first[index as usize]..self.first[index as usize + 1]]
+        self.0.of(index as usize)
     }
 
     /// A component in breadth-first order from `start`, and its depth. `level` is a buffer of the caller, `FAR` for the

@@ -388,7 +388,7 @@ fn state<V: Vector>(scene: &Scene, properties: &Properties<V>, block: usize, exa
     for (name, columns, given) in [("positions", &state.position, &positions), ("velocities", &state.velocity, &velocities)] {
         if let Some(index) = columns.out_of_range() {
             let (caller, body) = (properties.caller[index] as usize, properties.body[index] as usize);
-            let first = scene.bodies[..body].iter().map(|body| body.positions.len()).sum::<usize>();
+            let first = scene.first(body);
             return Err(out_of_range::<V>(&format!("bodies[{body}].{name}[{}]", caller - first), given[caller]));
         }
     }

@@ -5,7 +5,7 @@ use std::ops::Range;
 use glam::DVec3;
 
 use crate::contacts::Contacts;
-use crate::error::{Divergence, Error, Result};
+use crate::error::{Error, Result};
 use crate::forces::linear::{Fusion, LinearForce};
 use crate::forces::springs::{self, Spring, Springs};
 use crate::forces::{
@@ -183,11 +183,10 @@ impl<V: Vector> Dynamics<V> {
         })
     }
 
-    /// Takes the positions at the start of a step for the contacts between meshes.
+    /// Takes the state at the start of a step for the contacts between meshes.
     pub fn begin_self_contacts(&mut self, matter: &Matter<V>) {
         if let Some(contacts) = &mut self.self_contacts {
-            contacts.begin(|index| matter.exact_position(index));
-            contacts.begin_velocities(|index| matter.velocity.get(index).widen());
+            contacts.begin(|index| [matter.exact_position(index), matter.velocity.get(index).widen()]);
         }
     }
 
@@ -208,16 +207,10 @@ impl<V: Vector> Dynamics<V> {
         let confine = |index: usize, x: DVec3| walls.as_ref().and_then(|walls| walls.confine(x, properties, index));
         let touched = meshes.resolve(&mut velocities, Step { h, confine: &confine, executor }).map_err(|unresolved| {
             let index = properties.caller[unresolved.particle] as usize;
-            Error::Diverged(Box::new(Divergence {
-                step: 0,
-                time: 0.0,
-                element: format!("particle {index}"),
+            Error::unsolved(
                 index,
-                quantity: "position",
-                cause: "passes through others, whatever impulses act: fixed particles drive it there, or it is too fast"
-                    .to_owned(),
-                hint: String::new(),
-            }))
+                "passes through others, whatever impulses act: fixed particles drive it there, or it is too fast",
+            )
         })?;
         if !touched {
             return Ok(false);

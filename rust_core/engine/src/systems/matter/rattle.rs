@@ -12,7 +12,7 @@ use super::coupled::{self, Workspace};
 use super::dynamics::{Dynamics, Treatment};
 use super::kernels::Action;
 use super::method::{About, Explicit, Job, Method};
-use crate::error::{Divergence, Error, Result};
+use crate::error::{Error, Result};
 use crate::history::History;
 use crate::integrators::{Integrator, VelocityVerlet};
 use crate::math::Vector;
@@ -74,21 +74,13 @@ fn step<V: Vector>(
     Ok(())
 }
 
-/// The divergence of a step whose rods have no solution; the monitor adds step, time and hint.
+/// The divergence of a step whose rods have no solution.
 fn diverged(caller: &[u32], Unsolved { particle, residual }: Unsolved) -> Error {
     let index = caller[particle] as usize;
     let cause = format!(
         "does not satisfy its rods: they turn too far within a step, and a residual of {residual:.1e} rounding errors is left"
     );
-    Error::Diverged(Box::new(Divergence {
-        step: 0,
-        time: 0.0,
-        element: format!("particle {index}"),
-        index,
-        quantity: "position",
-        cause,
-        hint: String::new(),
-    }))
+    Error::unsolved(index, cause)
 }
 
 impl History for Rattle {}

@@ -19,7 +19,7 @@ use super::dynamics::{Dynamics, Impulses, Treatment};
 use super::kernels;
 use super::method::{About, Job, Method};
 use crate::contacts::Before;
-use crate::error::{Divergence, Error, Result};
+use crate::error::{Error, Result};
 use crate::forces::Rates;
 use crate::history::{Archive, History};
 use crate::math::Vector;
@@ -205,20 +205,12 @@ fn collide<V: Vector>(
     (0..matter.count()).any(|index| workspace.velocity.get(index) != matter.velocity.get(index))
 }
 
-/// The divergence of a step whose equation was not solved; the monitor adds step, time and hint.
+/// The divergence of a step whose equation was not solved.
 fn diverged(caller: &[u32], &Unsolved { particle, residual, iterations }: &Unsolved) -> Error {
     let index = caller[particle] as usize;
     let cause =
         format!("was not found in {iterations} iterations of Newton's method: {residual:.1e} of the forces is left unbalanced");
-    Error::Diverged(Box::new(Divergence {
-        step: 0,
-        time: 0.0,
-        element: format!("particle {index}"),
-        index,
-        quantity: "position",
-        cause,
-        hint: String::new(),
-    }))
+    Error::unsolved(index, cause)
 }
 
 /// The size of the step before; BDF2's registers are those of matter.
