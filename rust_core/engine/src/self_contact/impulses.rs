@@ -14,8 +14,19 @@ use glam::DVec3;
 use super::distance::combined;
 
 /// The most iterations, and the change of relative velocities in one, over the largest that is needed, that ends them.
-const MOST: u32 = 30;
+const MOST: u32 = 15;
 pub const CONVERGED: f64 = 1e-3;
+
+/// Where a contact comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Origin {
+    /// A pair that is near at the start of a step, by its key.
+    Pair(u64),
+    /// A vertex at a wall.
+    Wall,
+    /// A pair that meets on its way.
+    Way,
+}
 
 /// A contact of up to four particles.
 #[derive(Debug, Clone, Copy)]
@@ -29,8 +40,7 @@ pub struct Contact {
     pub least: f64,
     /// Coulomb's coefficient μ.
     pub friction: f64,
-    /// The pair, or the wall.
-    pub key: u64,
+    pub origin: Origin,
     /// λ, and the impulse of friction [kg·m/s].
     pub impulse: f64,
     pub tangential: DVec3,
@@ -42,7 +52,7 @@ pub struct Contact {
 impl Contact {
     /// A contact without impulse yet; None where no particle of it is free to move.
     pub fn new(
-        (nodes, key): ([u32; 4], u64),
+        (nodes, origin): ([u32; 4], Origin),
         weights: [f64; 4],
         normal: DVec3,
         (least, friction): (f64, f64),
@@ -57,7 +67,7 @@ impl Contact {
             normal,
             least,
             friction,
-            key,
+            origin,
             impulse,
             tangential,
             change,

@@ -2,9 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use glam::DVec3;
+use glam::{DVec3, Vec3, Vec3A};
 
-use super::tree::{Bounds, Tree};
+use super::distance::{Closest, edge_edge, vertex_face};
+use super::tree::{Swept, Tree};
 use crate::adjacency::Adjacency;
 use crate::parallel::{BlockedSlice, Executor};
 
@@ -17,9 +18,28 @@ pub struct Element {
     pub is_face: bool,
     /// Its body, as an index among those of the meshes.
     pub body: u32,
-    /// Of each vertex and each edge, whether this element stands for it.
-    owned_vertices: [bool; 3],
-    owned_edges: [Option<u32>; 3],
+    /// The vertices and the edges that it stands for.
+    own_vertices: Few,
+    own_edges: Few,
+}
+
+/// Up to three numbers.
+#[derive(Debug, Clone, Copy, Default)]
+struct Few {
+    numbers: [u32; 3],
+    count: u32,
+}
+
+impl Few {
+    fn push(&mut self, number: u32) {
+        self.numbers[self.count as usize] = number;
+        self.count += 1;
+    }
+
+    #[inline(always)]
+    fn as_slice(&self) -> &[u32] {
+        &self.numbers[..self.count as usize]
+    }
 }
 
 /// The contact of two bodies.
@@ -56,6 +76,12 @@ impl Pair {
         if self.has_face() { 1 } else { 2 }
     }
 
+    /// Its closest points at positions.
+    #[inline(always)]
+    pub fn measure(&self, x: &[DVec3; 4]) -> Closest {
+        if self.has_face() { vertex_face(x) } else { edge_edge(x) }
+    }
+
     /// The vectors of its particles.
     #[inline(always)]
     pub fn gather(&self, vectors: &[DVec3]) -> [DVec3; 4] {
@@ -76,12 +102,14 @@ pub struct Mesh {
     rules: Vec<u32>,
     bodies: usize,
     tree: Tree,
-    bounds: Vec<Bounds>,
+    /// Boxes around the elements and the edges.
+    boxes: Vec<Swept>,
+    edge_boxes: Vec<Swept>,
 }
 
 /// Bodies that do not touch.
 pub const NONE: u32 = u32::MAX;
-/// Elements that one thread searches at a time.
+/// Nodes of the tree that one thread searches at a time.
 const BLOCK: usize = 512;
 
 /// The triangles and the free edges of a body, by their vertices.
@@ -90,7 +118,7 @@ pub type Body = (Vec<[u32; 3]>, Vec<[u32; 2]>);
 impl Mesh {
     /// The meshes of bodies, each with its triangles and its free edges, of which `rules` has a row and a column each, between
     /// `count` particles.
-    pub fn new(bodies: &[Body], rules: Vec<u32>, count: usize, position: impl Fn(u32) -> DVec3) -> Self {
+    pub fn new(bodies: &[Body], rules: Vec<u32>, count: usize) -> Self {
         let mut mesh = Self { rules, bodies: bodies.len(), ..Self::default() };
         let (mut has_vertex, mut numbers) = (vec![false; count], BTreeMap::<[u32; 2], u32>::new());
         for ((faces, edges), body) in bodies.iter().zip(0..) {
@@ -100,8 +128,6 @@ impl Mesh {
             }
         }
         mesh.neighbors = Adjacency::of_graph(count, mesh.edges.iter().copied());
-        let center = |element: &Element| element.vertices.iter().map(|&vertex| position(vertex)).sum::<DVec3>() / 3.0;
-        mesh.tree = Tree::new(&mesh.elements.iter().map(center).collect::<Vec<_>>());
         mesh
     }
 
@@ -113,10 +139,12 @@ impl Mesh {
         (has_vertex, numbers): (&mut [bool], &mut BTreeMap<[u32; 2], u32>),
     ) {
         let size = if is_face { 3 } else { 2 };
-        let mut element = Element { vertices, is_face, body, owned_vertices: [false; 3], owned_edges: [None; 3] };
+        let mut element = Element { vertices, is_face, body, own_vertices: Few::default(), own_edges: Few::default() };
         for corner in 0..size {
             let [vertex, next] = [vertices[corner], vertices[(corner + 1) % 3]];
-            element.owned_vertices[corner] = !std::mem::replace(&mut has_vertex[vertex as usize], true);
+            if !std::mem::replace(&mut has_vertex[vertex as usize], true) {
+                element.own_vertices.push(vertex);
+            }
             if !is_face && corner == 1 {
                 break;
             }
@@ -127,7 +155,7 @@ impl Mesh {
             } else {
                 let edge = self.edges.len() as u32;
                 numbers.insert(key, edge);
-                element.owned_edges[corner] = Some(edge);
+                element.own_edges.push(edge);
                 self.edges.push(key);
                 self.opposite.push([opposite, key[0]]);
             }
@@ -137,10 +165,7 @@ impl Mesh {
 
     /// The vertices, each once.
     pub fn vertices(&self) -> impl Iterator<Item = u32> {
-        let owned = |element: &Element| {
-            (0..3).filter(|&corner| element.owned_vertices[corner]).map(|corner| element.vertices[corner]).collect::<Vec<u32>>()
-        };
-        self.elements.iter().flat_map(owned)
+        self.elements.iter().flat_map(|element| element.own_vertices.as_slice()).copied()
     }
 
     /// The neighbors of a particle along edges, in the order of these.
@@ -149,56 +174,77 @@ impl Mesh {
         self.neighbors.of(vertex as usize)
     }
 
-    /// The pairs of elements without common vertices that may touch where each vertex stays in its box, each larger by `margin`.
-    pub fn pairs(&mut self, boxes: &[Bounds], margin: f64, executor: &Executor) -> Vec<Pair> {
-        let around = |vertices: &[u32]| {
-            let union = vertices.iter().fold(Bounds::EMPTY, |sum, &vertex| sum.union(&boxes[vertex as usize]));
-            Bounds { low: union.low - margin, high: union.high + margin }
-        };
-        self.bounds.clear();
-        self.bounds.extend(self.elements.iter().map(|element| around(&element.vertices)));
-        self.tree.refit(&self.bounds);
-        let mesh = &*self;
-        let mut found: Vec<Vec<Pair>> = vec![Vec::new(); mesh.elements.len().div_ceil(BLOCK)];
-        let work = BlockedSlice::new(&mut found, 1);
-        executor.for_each_block(work, &|work: BlockedSlice<'_, Vec<Pair>>| {
-            let (first, mut near) = (work.start * BLOCK, Vec::new());
-            for index in first..(first + BLOCK).min(mesh.elements.len()) {
-                mesh.search(index, &around, &mut near, &mut work.items[0]);
-            }
-        });
-        found.concat()
+    /// Sorts the elements in space, for the searches of a step.
+    pub fn sort(&mut self, position: impl Fn(u32) -> DVec3) {
+        let center =
+            |element: &Element| Vec3A::from(element.vertices.iter().map(|&vertex| position(vertex).as_vec3()).sum::<Vec3>());
+        self.tree.build(&self.elements.iter().map(center).collect::<Vec<_>>());
     }
 
-    /// Adds the pairs of one element with those after it, in the order of these, so that it does not depend on the tree.
-    #[inline]
-    fn search(&self, index: usize, around: &impl Fn(&[u32]) -> Bounds, near: &mut Vec<u32>, found: &mut Vec<Pair>) {
-        let (one, bounds) = (&self.elements[index], &self.bounds[index]);
-        near.clear();
-        self.tree.query(bounds, |other| {
-            if other as usize > index && self.bounds[other as usize].overlaps(bounds) {
-                near.push(other);
+    /// Takes the boxes of all particles, and calls `each` with the pairs of elements without common vertices of which one has a vertex
+    /// with `changed`, and whose boxes overlap: what it returns is found, block by block.
+    pub fn pairs<T: Send + Clone>(
+        &mut self,
+        boxes: &[Swept],
+        changed: &[bool],
+        executor: &Executor,
+        found: &mut Vec<Vec<T>>,
+        each: &(impl Fn(Pair, &Swept, &Swept) -> Option<T> + Sync),
+    ) {
+        let around = |vertices: &[u32]| vertices.iter().fold(Swept::EMPTY, |sum, &vertex| sum.union(&boxes[vertex as usize]));
+        self.boxes.clear();
+        self.boxes.extend(self.elements.iter().map(|element| around(&element.vertices)));
+        self.edge_boxes.clear();
+        self.edge_boxes.extend(self.edges.iter().map(|ends| around(ends)));
+        let has_changed = |nodes: &[u32]| nodes.iter().any(|&node| changed[node as usize]);
+        let (tree, elements, swept) = (&mut self.tree, &self.elements, &self.boxes);
+        tree.refit(|element| (swept[element as usize].hull(), has_changed(&elements[element as usize].vertices)));
+        let mesh = &*self;
+        found.resize(mesh.tree.nodes().div_ceil(BLOCK), Vec::new());
+        found.iter_mut().for_each(Vec::clear);
+        let work = BlockedSlice::new(found, 1);
+        executor.for_each_block(work, &|work: BlockedSlice<'_, Vec<T>>| {
+            let first = work.start * BLOCK;
+            let mut take = |pair: Pair, one: &Swept, other: &Swept| {
+                if has_changed(&pair.nodes) {
+                    work.items[0].extend(each(pair, one, other));
+                }
+            };
+            for node in first..(first + BLOCK).min(mesh.tree.nodes()) {
+                mesh.tree.query(node, |some, others| {
+                    let same = std::ptr::eq(some, others);
+                    for (index, &one) in some.iter().enumerate() {
+                        for &other in &others[if same { index + 1 } else { 0 }..] {
+                            if mesh.boxes[one as usize].overlaps(&mesh.boxes[other as usize]) {
+                                mesh.pairs_of([one, other], boxes, &mut take);
+                            }
+                        }
+                    }
+                });
             }
         });
-        near.sort_unstable();
-        for &other in &*near {
-            let second = &self.elements[other as usize];
-            let rule = self.rules[one.body as usize * self.bodies + second.body as usize];
-            if rule == NONE {
-                continue;
-            }
-            self.vertices_on_face((one, second), other, rule, around, found);
-            self.vertices_on_face((second, one), index as u32, rule, around, found);
-            for (edge, ends) in edges_of(one) {
-                let part = around(&ends);
-                for (facing, far) in edges_of(second) {
-                    let apart = ends.iter().all(|end| !far.contains(end));
-                    if apart && part.overlaps(&around(&far)) {
-                        let (low, high) = (edge.min(facing), edge.max(facing));
-                        let [a, b] = if edge == low { [ends, far] } else { [far, ends] };
-                        found.push(Pair { nodes: [a[0], a[1], b[0], b[1]], key: u64::from(low) << 32 | u64::from(high), rule });
-                    }
+    }
+
+    /// Calls `found` with the pairs of two elements.
+    #[inline]
+    fn pairs_of(&self, [one, other]: [u32; 2], boxes: &[Swept], found: &mut impl FnMut(Pair, &Swept, &Swept)) {
+        let (first, second) = (&self.elements[one as usize], &self.elements[other as usize]);
+        let rule = self.rules[first.body as usize * self.bodies + second.body as usize];
+        if rule == NONE {
+            return;
+        }
+        self.vertices_on_face((first, second), other, rule, boxes, found);
+        self.vertices_on_face((second, first), one, rule, boxes, found);
+        for &edge in first.own_edges.as_slice() {
+            let (ends, part) = (self.edges[edge as usize], &self.edge_boxes[edge as usize]);
+            for &facing in second.own_edges.as_slice() {
+                let (far, opposite) = (self.edges[facing as usize], &self.edge_boxes[facing as usize]);
+                if ends.iter().any(|end| far.contains(end)) || !part.overlaps(opposite) {
+                    continue;
                 }
+                let (low, high) = (edge.min(facing), edge.max(facing));
+                let ([a, b], [c, d]) = if edge == low { (ends, far) } else { (far, ends) };
+                found(Pair { nodes: [a, b, c, d], key: u64::from(low) << 32 | u64::from(high), rule }, part, opposite);
             }
         }
     }
@@ -209,21 +255,19 @@ impl Mesh {
         (one, face): (&Element, &Element),
         index: u32,
         rule: u32,
-        around: &impl Fn(&[u32]) -> Bounds,
-        found: &mut Vec<Pair>,
+        boxes: &[Swept],
+        found: &mut impl FnMut(Pair, &Swept, &Swept),
     ) {
         if !face.is_face {
             return;
         }
-        for corner in 0..3 {
-            let vertex = one.vertices[corner];
-            if one.owned_vertices[corner]
-                && !face.vertices.contains(&vertex)
-                && around(&[vertex]).overlaps(&self.bounds[index as usize])
-            {
+        let around = &self.boxes[index as usize];
+        for &vertex in one.own_vertices.as_slice() {
+            let point = &boxes[vertex as usize];
+            if !face.vertices.contains(&vertex) && point.overlaps(around) {
                 let [a, b, c] = face.vertices;
                 let key = 1 << 63 | u64::from(vertex) << 32 | u64::from(index);
-                found.push(Pair { nodes: [vertex, a, b, c], key, rule });
+                found(Pair { nodes: [vertex, a, b, c], key, rule }, point, around);
             }
         }
     }
@@ -234,14 +278,8 @@ impl Mesh {
         size_of_val(self.elements.as_slice())
             + edges
             + self.neighbors.bytes()
-            + size_of_val(self.bounds.as_slice())
+            + size_of_val(self.boxes.as_slice())
+            + size_of_val(self.edge_boxes.as_slice())
             + self.tree.bytes()
     }
-}
-
-/// The edges that an element stands for, with their ends.
-fn edges_of(element: &Element) -> impl Iterator<Item = (u32, [u32; 2])> {
-    let vertices = element.vertices;
-    (0..3)
-        .filter_map(move |corner| element.owned_edges[corner].map(|edge| (edge, [vertices[corner], vertices[(corner + 1) % 3]])))
 }

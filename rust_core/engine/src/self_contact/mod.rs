@@ -1,10 +1,10 @@
 //! Contact of meshes with themselves and with each other: nothing passes through, and distances stay at the thickness.
 //!
 //! A step moves vertices along straight paths. [`mesh`] finds the pairs, vertex and triangle or edge and edge, that may touch on
-//! the way; those whose closest points are within both elements, or locally closest, are contacts, whose impulses keep them from
-//! closing to less than the thickness ([`impulses`]). Conservative advancement then looks at all pairs on the new paths
-//! ([`advancement`]): what still meets becomes a contact as it meets, and if some rounds of that do not help, particles move on
-//! together ([`zones`]). So no path of a step lets an edge through a triangle, whatever its length.
+//! the way ([`nearby`] keeps the list complete as ways change); those whose closest points are within both elements, or locally closest,
+//! are contacts, whose impulses keep them from closing to less than the thickness ([`impulses`]). Conservative advancement then looks
+//! at all pairs on the new paths ([`advancement`]): what still meets becomes a contact as it meets, and if some rounds of that do not
+//! help, particles move on together ([`zones`]). So no path of a step lets an edge through a triangle, whatever its length.
 
 use glam::DVec3;
 use robust::{Coord3D, orient3d};
@@ -13,13 +13,15 @@ mod advancement;
 mod distance;
 mod impulses;
 mod mesh;
+mod nearby;
 mod tree;
 mod zones;
 
-use distance::{Closest, combined, edge_edge, vertex_face};
-use impulses::Contact;
+use distance::{Closest, combined};
+use impulses::{Contact, Origin};
 use mesh::{Mesh, NONE, Pair, Rule};
-use tree::Bounds;
+use nearby::{Near, Nearby};
+use tree::{Bounds, Swept};
 use zones::Zones;
 
 use crate::error::{Error, Result};
@@ -33,14 +35,11 @@ use crate::scene::{Body, Item, Scene, Value};
 /// The kind of the items.
 pub const KIND: &str = "SelfContact";
 
-/// By how much impulses may lead a vertex beyond its first path before pairs are searched again, in units of the thickness.
-const SLACK: f64 = 0.25;
 /// The distance that is always kept, in units of the thickness, and of the present distance where that is less.
 const KEPT: f64 = 0.5;
 const KEPT_OF_PRESENT: f64 = 0.5;
-/// Rounds in which what meets becomes a contact, searches of pairs, rounds in which zones grow, and corrections of a zone at walls.
-const ROUNDS: u32 = 8;
-const SEARCHES: u32 = 12;
+/// Rounds in which what meets becomes a contact, rounds in which zones grow, and corrections of a zone at walls.
+const ROUNDS: u32 = 6;
 const MERGERS: u32 = 1000;
 const WALLS: u32 = 8;
 /// Pairs that one thread measures at a time.
@@ -74,6 +73,35 @@ struct Surface {
     edges: Vec<([u32; 2], Vec<u32>)>,
 }
 
+/// The forces of contacts [N].
+#[derive(Debug, Clone, Default)]
+struct Loads {
+    /// Of pairs, by their keys.
+    pairs: Vec<(u64, f64)>,
+    /// Of vertices on walls, with the normal there.
+    walls: Vec<(u32, DVec3, f64)>,
+}
+
+impl Loads {
+    fn new(contacts: &[Contact], h: f64) -> Self {
+        let (mut pairs, mut walls) = (Vec::new(), Vec::new());
+        for contact in contacts.iter().filter(|contact| contact.impulse > 0.0) {
+            match contact.origin {
+                Origin::Pair(key) => pairs.push((key, contact.impulse / h)),
+                Origin::Wall => walls.push((contact.nodes[0], contact.normal, contact.impulse / h)),
+                Origin::Way => {}
+            }
+        }
+        pairs.sort_unstable_by_key(|&(key, _)| key);
+        Self { pairs, walls }
+    }
+
+    /// The force of a pair.
+    fn of(&self, key: u64) -> Option<f64> {
+        self.pairs.binary_search_by_key(&key, |&(key, _)| key).ok().map(|index| self.pairs[index].1)
+    }
+}
+
 /// The contacts of meshes.
 #[derive(Debug, Clone, Default)]
 pub struct SelfContacts {
@@ -82,15 +110,16 @@ pub struct SelfContacts {
     table: Vec<u32>,
     surfaces: Vec<Surface>,
     mesh: Mesh,
+    nearby: Nearby,
     /// The vertices of all meshes.
     vertices: Vec<u32>,
     inverse_mass: Vec<f64>,
     /// Positions [m] and velocities [m/s] at the start of the step.
     start: Vec<DVec3>,
     start_velocities: Vec<DVec3>,
-    /// The forces of the contacts of the last step [N], by the keys of their pairs.
-    loads: Vec<(u64, f64)>,
-    saved: Vec<(u64, f64)>,
+    /// The contacts of the last step.
+    loads: Loads,
+    saved: Loads,
     /// Steps in which particles moved on together.
     merged: u64,
 }
@@ -163,7 +192,7 @@ impl SelfContacts {
             })
             .collect();
         let count = self.inverse_mass.len();
-        self.mesh = Mesh::new(&bodies, self.table.clone(), count, |vertex| self.start[vertex as usize]);
+        self.mesh = Mesh::new(&bodies, self.table.clone(), count);
         self.vertices = self.mesh.vertices().collect();
     }
 
@@ -175,9 +204,13 @@ impl SelfContacts {
         self.begin(|index| [position(index), DVec3::ZERO]);
         let x = &self.start;
         let longest = self.mesh.edges.iter().map(|&[a, b]| (x[a as usize] - x[b as usize]).length()).fold(0.0, f64::max);
-        let boxes: Vec<Bounds> = x.iter().map(|&x| Bounds { low: x, high: x }).collect();
-        let pairs = self.mesh.pairs(&boxes, longest, executor);
-        for pair in pairs.iter().filter(|pair| pair.has_face()) {
+        let around = |&x: &DVec3| Swept { from: Bounds::around(x, longest), way: Bounds::around(DVec3::ZERO, 0.0) };
+        let boxes: Vec<Swept> = x.iter().map(around).collect();
+        let all = vec![true; x.len()];
+        self.mesh.sort(|vertex| self.start[vertex as usize]);
+        let mut found = Vec::new();
+        self.mesh.pairs(&boxes, &all, executor, &mut found, &|pair, _, _| pair.has_face().then_some(pair));
+        for pair in found.into_iter().flatten() {
             let [vertex, corners @ ..] = pair.nodes;
             let [p, a, b, c] = pair.gather(x);
             for &end in self.mesh.neighbors(vertex).iter().filter(|&end| !corners.contains(end)) {
@@ -212,62 +245,20 @@ impl SelfContacts {
     /// # Errors
     /// If particles that have to keep their velocities pass through each other.
     pub fn resolve(&mut self, velocities: &mut Vec<DVec3>, step: Step<'_>) -> std::result::Result<bool, Unresolved> {
-        let Step { h, executor, .. } = step;
+        let h = step.h;
         let thickness = self.rules.iter().map(|rule| rule.thickness).fold(0.0, f64::max);
         let finite = |&vertex: &u32| (self.start[vertex as usize] + velocities[vertex as usize]).is_finite();
         if !self.vertices.iter().all(finite) {
             return Ok(false);
         }
-        let mut boxes: Vec<Bounds> = vec![Bounds::EMPTY; self.start.len()];
-        for &vertex in &self.vertices {
-            let [from, to] = self.path(vertex, velocities, h);
-            boxes[vertex as usize] = Bounds { low: from.min(to), high: from.max(to) };
-        }
         let free = velocities.clone();
-        for search in 0..SEARCHES {
-            let pairs = self.mesh.pairs(&boxes, (0.5 + SLACK) * thickness, executor);
-            velocities.clone_from(&free);
-            let contacts = self.separate(&pairs, &free, velocities, step)?;
-            let mut left = false;
-            for &vertex in &self.vertices {
-                let bounds = &mut boxes[vertex as usize];
-                let slack = DVec3::splat(SLACK * thickness);
-                let [_, to] = self.path(vertex, velocities, h);
-                if !(Bounds { low: bounds.low - slack, high: bounds.high + slack }).contains(to) {
-                    // Farther each time, so that a vertex that others push on and on is caught.
-                    let more = DVec3::splat(SLACK * thickness * f64::from(search).exp2());
-                    *bounds = bounds.union(&Bounds { low: to - more, high: to + more });
-                    left = true;
-                }
-            }
-            if !left {
-                self.remember(&contacts, h);
-                return Ok(*velocities != free);
-            }
-        }
-        let stray = self.vertices.iter().copied().max_by(|&one, &other| {
-            let change = |vertex: u32| (velocities[vertex as usize] - free[vertex as usize]).length_squared();
-            change(one).total_cmp(&change(other))
-        });
-        Err(Unresolved { particle: stray.unwrap_or(0) as usize })
-    }
-
-    fn path(&self, vertex: u32, velocities: &[DVec3], h: f64) -> [DVec3; 2] {
-        let from = self.start[vertex as usize];
-        [from, from + h * velocities[vertex as usize]]
-    }
-
-    /// Velocities at which none of these pairs meets; returns the contacts.
-    fn separate(
-        &mut self,
-        pairs: &[Pair],
-        free: &[DVec3],
-        velocities: &mut [DVec3],
-        step: Step<'_>,
-    ) -> std::result::Result<Vec<Contact>, Unresolved> {
-        let Step { h, confine, executor } = step;
-        let mut distances = vec![0.0; pairs.len()];
-        let mut contacts = self.contacts(pairs, free, h, &mut distances, executor);
+        self.mesh.sort(|vertex| self.start[vertex as usize]);
+        self.nearby.begin(&self.vertices, &self.start, [&free, &self.start_velocities], h, thickness);
+        self.cover(&free, step);
+        let mut contacts = self.early(&free, step);
+        contacts.extend(self.loads.walls.iter().filter_map(|wall| self.resting(wall, thickness, step)));
+        let mut held = vec![false; free.len()];
+        contacts.iter().filter(|contact| contact.origin == Origin::Wall).for_each(|wall| held[wall.nodes[0] as usize] = true);
         impulses::start(&mut contacts, velocities);
         impulses::solve(&mut contacts, velocities);
         for round in 0..=ROUNDS {
@@ -277,73 +268,80 @@ impl SelfContacts {
                     continue;
                 }
                 let [from, to] = self.path(vertex, velocities, h);
-                if let Some(inside) = confine(vertex as usize, to) {
-                    contacts.extend(self.wall(vertex, [from, to], inside, h));
+                if let Some(inside) = (step.confine)(vertex as usize, to) {
+                    if !std::mem::replace(&mut held[vertex as usize], true) {
+                        contacts.extend(self.wall(vertex, [from, to], inside, h));
+                    }
                     velocities[vertex as usize] = (inside - from) / h;
                 }
             }
-            let met = self.meetings(pairs, &distances, velocities, step);
-            if met.is_empty() && contacts.len() == known {
+            self.cover(velocities, step);
+            let met = self.meetings(velocities, step, |_| true);
+            // What presses on what a wall holds is solved together with it, once.
+            if met.is_empty() && (round > 0 || contacts.len() == known) {
                 break;
             }
             if round == ROUNDS {
-                self.merge(pairs, &distances, met, velocities, step)?;
+                self.merge(met, velocities, step)?;
                 break;
             }
-            for (index, closest) in met {
-                contacts.extend(self.late(&pairs[index], &closest, distances[index], h));
-            }
+            contacts.extend(met.iter().filter_map(|(near, closest)| self.late(near, closest, h)));
             impulses::solve(&mut contacts, velocities);
         }
-        Ok(contacts)
+        self.loads = Loads::new(&contacts, h);
+        Ok(*velocities != free)
     }
 
-    /// The contacts of the pairs that may come nearer than the thickness, with the impulses of the last step, and the distances of all
-    /// pairs [m]. Closest points on a boundary are those of several pairs: one of these counts, if it is locally closest.
-    fn contacts(&self, pairs: &[Pair], free: &[DVec3], h: f64, distances: &mut [f64], executor: &Executor) -> Vec<Contact> {
-        let mut found: Vec<Vec<Contact>> = vec![Vec::new(); pairs.len().div_ceil(BLOCK)];
-        let work = (BlockedSlice::new(distances, BLOCK), BlockedSlice::new(&mut found, 1));
-        executor.for_each_block(work, &|(distances, found): (BlockedSlice<'_, f64>, BlockedSlice<'_, Vec<Contact>>)| {
-            let first = distances.start;
-            for (offset, distance) in distances.items.iter_mut().enumerate() {
-                let pair = &pairs[first + offset];
-                let x = pair.gather(&self.start);
-                let closest = measure(pair, &x);
-                *distance = closest.separation.length();
-                let rule = &self.rules[pair.rule as usize];
-                let (travel, _) = advancement::relative(&pair.gather(free).map(|velocity| h * velocity), pair.split());
-                let counts = || closest.interior || self.is_local(pair, &closest);
-                if *distance - travel < rule.thickness && *distance > 0.0 && counts() {
-                    found.items[0].extend(self.early(pair, &closest, *distance, free, h));
-                }
-            }
-        });
-        found.concat()
+    /// Finds the pairs that may touch with these velocities.
+    fn cover(&mut self, velocities: &[DVec3], Step { h, executor, .. }: Step<'_>) {
+        let paths = (self.start.as_slice(), velocities);
+        self.nearby.cover((&mut self.mesh, &self.rules), &self.vertices, paths, h, executor);
     }
 
-    /// The contact of a pair as it is at the start.
-    fn early(&self, pair: &Pair, closest: &Closest, distance: f64, free: &[DVec3], h: f64) -> Option<Contact> {
-        let rule = &self.rules[pair.rule as usize];
-        let normal = closest.separation / distance;
-        let approach = normal.dot(combined(&closest.weights, &pair.gather(free)));
-        let known = self.loads.binary_search_by_key(&pair.key, |&(key, _)| key).ok();
-        let least = ((rule.thickness - distance) / h).min(0.0);
-        // What touched in the last step rests; what arrives bounces.
-        let bounces = known.is_none() && approach < least;
-        let least = if bounces { least.max(-rule.restitution * approach) } else { least };
-        let mut contact =
-            Contact::new((pair.nodes, pair.key), closest.weights, normal, (least, rule.friction), &self.inverse_mass)?;
-        contact.impulse = known.map_or(0.0, |known| h * self.loads[known].1);
-        Some(contact)
+    fn path(&self, vertex: u32, velocities: &[DVec3], h: f64) -> [DVec3; 2] {
+        let from = self.start[vertex as usize];
+        [from, from + h * velocities[vertex as usize]]
+    }
+
+    /// The contacts of the pairs that may come nearer than the thickness, with the impulses of the last step. Closest points on a boundary
+    /// are those of several pairs: one of these counts, if it is locally closest.
+    fn early(&self, free: &[DVec3], Step { h, .. }: Step<'_>) -> Vec<Contact> {
+        let contact = |&Near { ref pair, ref closest, distance }: &Near| {
+            let rule = &self.rules[pair.rule as usize];
+            let (travel, _) = advancement::relative(&pair.gather(free).map(|velocity| h * velocity), pair.split());
+            let counts = || closest.interior || self.is_local(pair, closest);
+            (distance - travel < rule.thickness && distance > 0.0 && counts()).then_some(())?;
+            let normal = closest.separation / distance;
+            let approach = normal.dot(combined(&closest.weights, &pair.gather(free)));
+            let known = self.loads.of(pair.key);
+            let least = ((rule.thickness - distance) / h).min(0.0);
+            // What touched in the last step rests; what arrives bounces.
+            let bounces = known.is_none() && approach < least;
+            let least = if bounces { least.max(-rule.restitution * approach) } else { least };
+            let mut contact =
+                Contact::new((pair.nodes, Origin::Pair(pair.key)), closest.weights, normal, (least, rule.friction), &self.inverse_mass)?;
+            contact.impulse = known.map_or(0.0, |load| h * load);
+            Some(contact)
+        };
+        self.nearby.pairs.iter().filter_map(contact).collect()
     }
 
     /// The contact of a pair as it meets on its way.
-    fn late(&self, pair: &Pair, closest: &Closest, distance: f64, h: f64) -> Option<Contact> {
+    fn late(&self, &Near { ref pair, distance, .. }: &Near, closest: &Closest, h: f64) -> Option<Contact> {
         let rule = &self.rules[pair.rule as usize];
         let normal = closest.separation.normalize_or_zero();
         let gap = normal.dot(combined(&closest.weights, &pair.gather(&self.start)));
         let least = ((distance.min(rule.thickness) - gap) / h).min(0.0);
-        Contact::new((pair.nodes, 0), closest.weights, normal, (least, rule.friction), &self.inverse_mass)
+        Contact::new((pair.nodes, Origin::Way), closest.weights, normal, (least, rule.friction), &self.inverse_mass)
+    }
+
+    /// The contact of a vertex that was on a wall in the last step, if it is within the thickness of one.
+    fn resting(&self, &(vertex, normal, load): &(u32, DVec3, f64), thickness: f64, Step { h, confine, .. }: Step<'_>) -> Option<Contact> {
+        let from = self.start[vertex as usize];
+        let beyond = from - thickness * normal;
+        let mut wall = self.wall(vertex, [from, beyond], confine(vertex as usize, beyond)?, h)?;
+        wall.impulse = h * load;
+        Some(wall)
     }
 
     /// The contact of a vertex on a path with the walls that it would leave.
@@ -353,27 +351,27 @@ impl SelfContacts {
         // What solving leaves of a velocity is no reason for another round.
         (way > impulses::CONVERGED * (to - from).length()).then_some(())?;
         let least = normal.dot(inside - from) / h;
-        Contact::new(([vertex; 4], 0), [1.0, 0.0, 0.0, 0.0], normal, (least, 0.0), &self.inverse_mass)
+        Contact::new(([vertex; 4], Origin::Wall), [1.0, 0.0, 0.0, 0.0], normal, (least, 0.0), &self.inverse_mass)
     }
 
-    /// The pairs that come too near each other, and how.
+    /// The pairs among these that come too near each other, and how.
     fn meetings(
         &self,
-        pairs: &[Pair],
-        distances: &[f64],
         velocities: &[DVec3],
         Step { h, executor, .. }: Step<'_>,
-    ) -> Vec<(usize, Closest)> {
-        let mut found: Vec<Vec<(usize, Closest)>> = vec![Vec::new(); pairs.len().div_ceil(BLOCK)];
-        executor.for_each_block(BlockedSlice::new(&mut found, 1), &|work: BlockedSlice<'_, Vec<(usize, Closest)>>| {
+        among: impl Fn(&Pair) -> bool + Sync,
+    ) -> Vec<(Near, Closest)> {
+        let near = &self.nearby.pairs;
+        let mut found: Vec<Vec<(Near, Closest)>> = vec![Vec::new(); near.len().div_ceil(BLOCK)];
+        executor.for_each_block(BlockedSlice::new(&mut found, 1), &|work: BlockedSlice<'_, Vec<(Near, Closest)>>| {
             let first = work.start * BLOCK;
-            for index in first..(first + BLOCK).min(pairs.len()) {
-                let (pair, distance) = (&pairs[index], distances[index]);
+            for near in near[first..near.len().min(first + BLOCK)].iter().filter(|near| among(&near.pair)) {
+                let (pair, distance) = (&near.pair, near.distance);
                 let motion = advancement::relative(&pair.gather(velocities).map(|velocity| h * velocity), pair.split());
                 let least = (KEPT * self.rules[pair.rule as usize].thickness).min(KEPT_OF_PRESENT * distance);
                 if distance - motion.0 <= least {
-                    let met = advancement::meeting(|x| measure(pair, x), pair.gather(&self.start), motion, least);
-                    work.items[0].extend(met.map(|closest| (index, closest)));
+                    let met = advancement::meeting(|x| pair.measure(x), pair.gather(&self.start), motion, least);
+                    work.items[0].extend(met.map(|closest| (*near, closest)));
                 }
             }
         });
@@ -383,23 +381,22 @@ impl SelfContacts {
     /// Lets particles move on together until no pair meets.
     fn merge(
         &mut self,
-        pairs: &[Pair],
-        distances: &[f64],
-        mut met: Vec<(usize, Closest)>,
+        mut met: Vec<(Near, Closest)>,
         velocities: &mut [DVec3],
         step: Step<'_>,
     ) -> std::result::Result<(), Unresolved> {
-        self.merged += 1;
-        let mut zones = Zones::default();
+        self.merged += u64::from(!met.is_empty());
+        let mut zones = Zones::new(self.start.len());
         let mut last = 0;
         for _ in 0..MERGERS {
             if met.is_empty() {
                 return Ok(());
             }
-            last = pairs[met[0].0].nodes[0] as usize;
-            met.iter().for_each(|(index, _)| zones.join(&pairs[*index].nodes));
+            last = met[0].0.pair.nodes[0] as usize;
+            met.iter().for_each(|(near, _)| zones.join(&near.pair.nodes));
             zones.merge(&self.inverse_mass, velocities, |members, velocity| self.within_walls(members, velocity, step));
-            met = self.meetings(pairs, distances, velocities, step);
+            self.cover(velocities, step);
+            met = self.meetings(velocities, step, |pair| pair.nodes.iter().any(|&node| zones.contains(node)));
         }
         Err(Unresolved { particle: last })
     }
@@ -448,13 +445,6 @@ impl SelfContacts {
         })
     }
 
-    fn remember(&mut self, contacts: &[Contact], h: f64) {
-        self.loads.clear();
-        let loaded = contacts.iter().filter(|contact| contact.key != 0 && contact.impulse > 0.0);
-        self.loads.extend(loaded.map(|contact| (contact.key, contact.impulse / h)));
-        self.loads.sort_unstable_by_key(|&(key, _)| key);
-    }
-
     /// The number of triangles and free edges.
     pub fn elements(&self) -> usize {
         self.mesh.elements.len()
@@ -472,15 +462,13 @@ impl SelfContacts {
 
     /// Memory [bytes].
     pub fn bytes(&self) -> usize {
-        let loads = size_of_val(self.loads.as_slice()) + size_of_val(self.saved.as_slice());
-        self.mesh.bytes() + 2 * size_of_val(self.start.as_slice()) + size_of_val(self.inverse_mass.as_slice()) + loads
+        let loads = size_of_val(self.loads.pairs.as_slice()) + size_of_val(self.loads.walls.as_slice());
+        self.mesh.bytes()
+            + self.nearby.bytes()
+            + 2 * size_of_val(self.start.as_slice())
+            + size_of_val(self.inverse_mass.as_slice())
+            + loads
     }
-}
-
-/// The closest points of a pair at positions.
-#[inline(always)]
-fn measure(pair: &Pair, x: &[DVec3; 4]) -> Closest {
-    if pair.has_face() { vertex_face(x) } else { edge_edge(x) }
 }
 
 /// Whether an edge passes through a triangle, decided without rounding.
@@ -529,16 +517,19 @@ impl History for SelfContacts {
     }
 
     fn capture(&self, archive: &mut Archive) {
-        archive.write([self.loads.len() as f64]);
+        let Loads { pairs, walls } = &self.loads;
+        archive.write([pairs.len() as f64, walls.len() as f64]);
         // The two halves of a key are whole numbers, which doubles hold.
-        archive.write(self.loads.iter().flat_map(|&(key, load)| [(key >> 32) as f64, (key & 0xffff_ffff) as f64, load]));
+        archive.write(pairs.iter().flat_map(|&(key, load)| [(key >> 32) as f64, (key & 0xffff_ffff) as f64, load]));
+        archive.write(walls.iter().flat_map(|&(vertex, normal, load)| [f64::from(vertex), normal.x, normal.y, normal.z, load]));
     }
 
     fn restore(&mut self, archive: &mut Archive) -> Result<()> {
-        let count = archive.read(1)?[0];
-        let numbers = archive.read(3 * count as usize)?;
-        self.loads =
-            numbers.as_chunks::<3>().0.iter().map(|&[high, low, load]| ((high as u64) << 32 | low as u64, load)).collect();
+        let counts = [archive.read(1)?[0], archive.read(1)?[0]].map(|count| count as usize);
+        let pairs = archive.read(3 * counts[0])?.as_chunks::<3>().0.iter();
+        self.loads.pairs = pairs.map(|&[high, low, load]| ((high as u64) << 32 | low as u64, load)).collect();
+        let walls = archive.read(5 * counts[1])?.as_chunks::<5>().0.iter();
+        self.loads.walls = walls.map(|&[vertex, x, y, z, load]| (vertex as u32, DVec3::new(x, y, z), load)).collect();
         Ok(())
     }
 }

@@ -1,21 +1,30 @@
 //! A binary tree of boxes around the elements of a mesh: its topology follows from where they are at the start, its boxes from where
 //! they are now.
 
-use glam::DVec3;
+use glam::{DVec3, Vec3A};
 
 /// Elements in a leaf.
 const LEAF: usize = 4;
 
-/// A box along the axes.
+/// The margin of a box for the rounding of its corners and of sums of a few of them, relative to these: 8 half units of the last place.
+const ROUNDING: f32 = 4.0 * f32::EPSILON;
+
+/// A box along the axes, in single precision, rounded outward.
 #[derive(Debug, Clone, Copy)]
 pub struct Bounds {
-    /// Its corners [m].
-    pub low: DVec3,
-    pub high: DVec3,
+    low: Vec3A,
+    high: Vec3A,
 }
 
 impl Bounds {
-    pub const EMPTY: Self = Self { low: DVec3::INFINITY, high: DVec3::NEG_INFINITY };
+    pub const EMPTY: Self = Self { low: Vec3A::INFINITY, high: Vec3A::NEG_INFINITY };
+
+    /// A box around a point, `margin` [m] away on all sides.
+    #[inline(always)]
+    pub fn around(point: DVec3, margin: f64) -> Self {
+        let (low, high) = (Vec3A::from((point - margin).as_vec3()), Vec3A::from((point + margin).as_vec3()));
+        Self { low: low - ROUNDING * low.abs(), high: high + ROUNDING * high.abs() }
+    }
 
     #[inline(always)]
     pub fn union(&self, other: &Self) -> Self {
@@ -24,23 +33,73 @@ impl Bounds {
 
     #[inline(always)]
     pub fn overlaps(&self, other: &Self) -> bool {
-        self.low.cmple(other.high).all() && other.low.cmple(self.high).all()
+        (self.low.cmple(other.high) & other.low.cmple(self.high)).all()
     }
 
+    /// Whether another box is within this one.
     #[inline(always)]
-    pub fn contains(&self, point: DVec3) -> bool {
-        self.low.cmple(point).all() && point.cmple(self.high).all()
+    pub fn contains(&self, other: &Self) -> bool {
+        (self.low.cmple(other.low) & other.high.cmple(self.high)).all()
+    }
+
+    /// The distance of a point [m].
+    pub fn distance(&self, point: DVec3) -> f64 {
+        let point = Vec3A::from(point.as_vec3());
+        f64::from((self.low - point).max(point - self.high).max(Vec3A::ZERO).length())
+    }
+
+    /// The largest distance of a point in it from the origin [m].
+    #[inline(always)]
+    pub fn reach(&self) -> f64 {
+        f64::from(self.low.abs().max(self.high.abs()).length() * (1.0 + ROUNDING))
     }
 }
 
-/// A node: its box, and two nodes or the elements of a leaf.
+/// A box around an element at the start of a step, and one around the displacements of its points.
+#[derive(Debug, Clone, Copy)]
+pub struct Swept {
+    pub from: Bounds,
+    pub way: Bounds,
+}
+
+impl Swept {
+    pub const EMPTY: Self = Self { from: Bounds::EMPTY, way: Bounds::EMPTY };
+
+    #[inline(always)]
+    pub fn union(&self, other: &Self) -> Self {
+        Self { from: self.from.union(&other.from), way: self.way.union(&other.way) }
+    }
+
+    /// A box around the element on its way.
+    #[inline(always)]
+    pub fn hull(&self) -> Bounds {
+        let (low, high) = (self.way.low.min(Vec3A::ZERO), self.way.high.max(Vec3A::ZERO));
+        Bounds { low: self.from.low + low, high: self.from.high + high }
+    }
+
+    /// The displacements of another element relative to this one.
+    #[inline(always)]
+    pub fn relative(&self, other: &Self) -> Bounds {
+        Bounds { low: other.way.low - self.way.high, high: other.way.high - self.way.low }
+    }
+
+    /// Whether the elements may touch: a displacement that both have in common does not bring them together.
+    #[inline(always)]
+    pub fn overlaps(&self, other: &Self) -> bool {
+        self.from.overlaps(&Self { from: other.from, way: self.relative(other) }.hull())
+    }
+}
+
+/// A node in depth-first order: its box, and the next node that is not below it.
 #[derive(Debug, Clone, Copy)]
 struct Node {
     bounds: Bounds,
-    /// The first element in the tree's order, and their number in a leaf; the right child of an inner node, and 0. Its left child
-    /// follows it.
+    skip: u32,
+    /// The elements of a leaf, in the tree's order; no elements in an inner node.
     start: u32,
     count: u32,
+    /// Whether an element in it has changed.
+    changed: bool,
 }
 
 /// The tree.
@@ -52,68 +111,74 @@ pub struct Tree {
 }
 
 impl Tree {
-    /// A tree of elements with these centers.
-    pub fn new(centers: &[DVec3]) -> Self {
-        let mut tree = Self { nodes: Vec::new(), order: (0..centers.len() as u32).collect() };
+    /// Builds the tree of elements with these centers.
+    pub fn build(&mut self, centers: &[Vec3A]) {
+        self.nodes.clear();
+        self.order.clear();
+        self.order.extend(0..centers.len() as u32);
         if !centers.is_empty() {
-            tree.split(centers, 0, centers.len());
+            self.split(centers, 0, centers.len());
         }
-        tree
     }
 
     /// Adds the node of a part of the elements, halved along the longest axis.
-    fn split(&mut self, centers: &[DVec3], start: usize, end: usize) {
+    fn split(&mut self, centers: &[Vec3A], start: usize, end: usize) {
         let at = self.nodes.len();
         let count = if end - start <= LEAF { (end - start) as u32 } else { 0 };
-        self.nodes.push(Node { bounds: Bounds::EMPTY, start: start as u32, count });
-        if count > 0 {
-            return;
+        self.nodes.push(Node { bounds: Bounds::EMPTY, skip: 0, start: start as u32, count, changed: false });
+        if count == 0 {
+            let part = &mut self.order[start..end];
+            let center = |element: &u32| centers[*element as usize];
+            let low = part.iter().map(center).fold(Vec3A::INFINITY, Vec3A::min);
+            let size = (part.iter().map(center).fold(Vec3A::NEG_INFINITY, Vec3A::max) - low).to_array();
+            let axis = (1..3).fold(0, |axis, other| if size[other] > size[axis] { other } else { axis });
+            let half = (end - start) / 2;
+            let key = |element: &u32| centers[*element as usize].to_array()[axis];
+            part.select_nth_unstable_by(half, |one, other| key(one).total_cmp(&key(other)).then(one.cmp(other)));
+            self.split(centers, start, start + half);
+            self.split(centers, start + half, end);
         }
-        let part = &mut self.order[start..end];
-        let center = |element: &u32| centers[*element as usize];
-        let low = part.iter().map(center).fold(DVec3::INFINITY, DVec3::min);
-        let size = (part.iter().map(center).fold(DVec3::NEG_INFINITY, DVec3::max) - low).to_array();
-        let axis = (1..3).fold(0, |axis, other| if size[other] > size[axis] { other } else { axis });
-        let half = (end - start) / 2;
-        let key = |element: &u32| centers[*element as usize].to_array()[axis];
-        part.select_nth_unstable_by(half, |one, other| key(one).total_cmp(&key(other)).then(one.cmp(other)));
-        self.split(centers, start, start + half);
-        self.nodes[at].start = self.nodes.len() as u32;
-        self.split(centers, start + half, end);
+        self.nodes[at].skip = self.nodes.len() as u32;
     }
 
-    /// Takes boxes of the elements.
-    pub fn refit(&mut self, bounds: &[Bounds]) {
+    /// Takes boxes of the elements, and whether they have changed.
+    pub fn refit(&mut self, element: impl Fn(u32) -> (Bounds, bool)) {
         for at in (0..self.nodes.len()).rev() {
             let node = self.nodes[at];
-            let part = if node.count > 0 {
-                let elements = &self.order[node.start as usize..(node.start + node.count) as usize];
-                elements.iter().fold(Bounds::EMPTY, |sum, &element| sum.union(&bounds[element as usize]))
+            let (bounds, changed) = if node.count > 0 {
+                let join = |sum: (Bounds, bool), part: (Bounds, bool)| (sum.0.union(&part.0), sum.1 || part.1);
+                self.elements(&node).iter().map(|&index| element(index)).fold((Bounds::EMPTY, false), join)
             } else {
-                self.nodes[at + 1].bounds.union(&self.nodes[node.start as usize].bounds)
+                let [left, right] = [at + 1, self.nodes[at + 1].skip as usize].map(|child| &self.nodes[child]);
+                (left.bounds.union(&right.bounds), left.changed || right.changed)
             };
-            self.nodes[at].bounds = part;
+            (self.nodes[at].bounds, self.nodes[at].changed) = (bounds, changed);
         }
     }
 
-    /// Calls `each` with every element whose leaf's box overlaps a box, in the tree's order.
+    #[inline(always)]
+    fn elements(&self, node: &Node) -> &[u32] {
+        &self.order[node.start as usize..(node.start + node.count) as usize]
+    }
+
+    /// The number of nodes.
+    pub fn nodes(&self) -> usize {
+        self.nodes.len()
+    }
+
+    /// Calls `each` with the elements of one node, if it is a leaf, and those of every leaf from there on whose box overlaps its own, if an
+    /// element of the two has changed.
     #[inline]
-    pub fn query(&self, bounds: &Bounds, mut each: impl FnMut(u32)) {
-        let mut stack = [0_u32; 64];
-        let mut depth = usize::from(!self.nodes.is_empty());
-        while depth > 0 {
-            depth -= 1;
-            let at = stack[depth] as usize;
-            let node = &self.nodes[at];
-            if !node.bounds.overlaps(bounds) {
-                continue;
+    pub fn query(&self, node: usize, mut each: impl FnMut(&[u32], &[u32])) {
+        let leaf = &self.nodes[node];
+        let mut at = node;
+        while at < self.nodes.len() && leaf.count > 0 {
+            let other = &self.nodes[at];
+            let touches = (leaf.changed || other.changed) && leaf.bounds.overlaps(&other.bounds);
+            if touches && other.count > 0 {
+                each(self.elements(leaf), self.elements(other));
             }
-            if node.count > 0 {
-                self.order[node.start as usize..(node.start + node.count) as usize].iter().for_each(|&element| each(element));
-            } else {
-                (stack[depth], stack[depth + 1]) = (node.start, at as u32 + 1);
-                depth += 2;
-            }
+            at = if touches { at + 1 } else { other.skip as usize };
         }
     }
 

@@ -8,20 +8,38 @@ use std::collections::BTreeMap;
 use glam::DVec3;
 
 /// Particles in disjoint sets.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct Zones {
-    parent: BTreeMap<u32, u32>,
+    /// The parent of each particle in the tree of its set; [`ALONE`] for those in none.
+    parent: Vec<u32>,
+    members: Vec<u32>,
 }
 
+const ALONE: u32 = u32::MAX;
+
 impl Zones {
-    fn root(&mut self, node: u32) -> u32 {
-        let parent = *self.parent.entry(node).or_insert(node);
-        if parent == node {
-            return node;
+    /// No zones yet among `count` particles.
+    pub fn new(count: usize) -> Self {
+        Self { parent: vec![ALONE; count], members: Vec::new() }
+    }
+
+    /// Whether a particle is in a zone.
+    #[inline(always)]
+    pub fn contains(&self, node: u32) -> bool {
+        self.parent[node as usize] != ALONE
+    }
+
+    fn root(&mut self, mut node: u32) -> u32 {
+        if !self.contains(node) {
+            self.parent[node as usize] = node;
+            self.members.push(node);
         }
-        let root = self.root(parent);
-        self.parent.insert(node, root);
-        root
+        while self.parent[node as usize] != node {
+            let next = self.parent[node as usize];
+            self.parent[node as usize] = self.parent[next as usize];
+            node = next;
+        }
+        node
     }
 
     /// Joins the zones of some particles.
@@ -29,15 +47,15 @@ impl Zones {
         let roots: Vec<u32> = nodes.iter().map(|&node| self.root(node)).collect();
         let first = roots.iter().copied().min().unwrap_or(0);
         for root in roots {
-            self.parent.insert(root, first);
+            self.parent[root as usize] = first;
         }
     }
 
     /// Gives each zone the mean velocity of its mass, as far as walls allow it; one with fixed particles that of the first of these.
     pub fn merge(&mut self, inverse_mass: &[f64], velocities: &mut [DVec3], within: impl Fn(&[u32], DVec3) -> DVec3) {
-        let nodes: Vec<u32> = self.parent.keys().copied().collect();
         let mut zones: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
-        for node in nodes {
+        self.members.sort_unstable();
+        for node in self.members.clone() {
             zones.entry(self.root(node)).or_default().push(node);
         }
         for members in zones.values() {
