@@ -133,6 +133,30 @@ def shell(shape: tuple[int, int] = (8, 6)) -> pc.Scene:
     return pc.Scene(body, pc.Dihedral(body, 0.02, 1e-4), pc.Gravity((0.0, 0.0, -9.81)))
 
 
+def flag(shape: tuple[int, int] = (8, 6)) -> pc.Scene:
+    """The same sheet in the wind, without resistance to bending."""
+    (body,) = shell(shape).bodies
+    return pc.Scene(body, pc.Wind((3.0, -2.0, 4.0), 1.2, tangential=0.1), pc.Gravity((0.0, 0.0, -9.81)))
+
+
+def strings(shape: tuple[int, int] = (7, 6)) -> pc.Scene:
+    """A soft sheet that swings between its upper corners, at its longest in many places."""
+    sheet = pc.cloth(shape, 0.1, 20.0, 0.02, mass=0.01, origin=(0.0, 0.0, 0.0), pinned="top corners", strain_limit=0.02)
+    velocities = _random().uniform(-0.5, 0.5, (len(sheet), 3)) * ~sheet.fixed[:, None]
+    body = pc.SpringNetwork(
+        sheet.positions,
+        sheet.pairs,
+        sheet.stiffness,
+        sheet.damping,
+        sheet.rest_length,
+        sheet.mass,
+        fixed=sheet.fixed,
+        velocities=velocities,
+        strain_limit=sheet.strain_limit,
+    )
+    return pc.Scene(body, pc.Gravity((0.0, -9.81, 0.0)))
+
+
 def sheets(shape: tuple[int, int] = (7, 6)) -> pc.Scene:
     """A dented sheet that falls on another one, held at three corners, with friction, and bounces a little."""
     rng = _random()
@@ -442,6 +466,10 @@ def harmonic() -> pc.CustomForce:
     return pc.CustomForce(lambda time, x, v: -3.0 * x, potential=lambda x: 1.5 * float((x * x).sum()))
 
 
+STONES = (
+    pc.ConvexHull([[-0.9, -0.9, -1.1], [0.8, -0.7, -1.2], [0.0, 0.9, -1.15], [0.1, 0.0, -1.8]], restitution=0.5),
+    pc.Capsule((-1.0, -0.2, -1.4), (1.0, 0.9, -1.3), 0.2, friction=0.3),
+)
 ROOM = pc.Box((-1.1,) * 3, (1.1,) * 3, restitution=0.8, friction=0.3)
 GRAINS = pc.SoftSpheres(50.0, 0.2, 0.3, 0.1, exponent=1.5)
 DOWN = pc.Gravity((0.0, 0.0, -9.81))
@@ -507,12 +535,18 @@ SCENES: dict[str, Case] = {
     "cloth ProjectiveDynamics f32": Case(cloth, 0.005, {**F32, "integrator": pc.ProjectiveDynamics(6)}),
     "cloth": Case(cloth, 0.002, large=_large_cloth),
     "cloth f32": Case(cloth, 0.002, F32, large=_large_cloth),
+    "flag": Case(flag, 0.002, large=lambda: flag((100, 60))),
+    "flag f32 RungeKutta4": Case(flag, 0.002, {**F32, **RK4}, large=lambda: flag((100, 60))),
     "torn": Case(torn, 0.002, large=lambda: torn(90)),
     "torn f32 RungeKutta4": Case(torn, 0.002, {**RK4, **F32}),
     "torn adaptive": Case(torn, 0.002, {"dt": pc.AdaptiveStep()}),
     "torn BackwardEuler": Case(torn, 0.002, {"integrator": pc.BackwardEuler(1e-12)}),
     "torn XPBD": Case(torn, 0.002, {"integrator": pc.XPBD(3, 2)}),
     "torn ProjectiveDynamics": Case(torn, 0.002, {"integrator": pc.ProjectiveDynamics(6)}),
+    "strings": Case(strings, 0.002),
+    "strings f32": Case(strings, 0.002, F32),
+    "strings BDF2": Case(strings, 0.004, {"integrator": pc.BDF2(1e-12)}),
+    "strings XPBD": Case(strings, 0.002, {"integrator": pc.XPBD(3, 2)}),
     "sheets": Case(sheets, 0.002, large=lambda: sheets((70, 60))),
     "sheets f32": Case(sheets, 0.002, F32),
     "sheets adaptive": Case(sheets, 0.002, {"dt": pc.AdaptiveStep()}),
@@ -530,6 +564,8 @@ SCENES: dict[str, Case] = {
     "swarm power": Case(lambda: swarm(POWER, dimension=2), 0.01, large=lambda: swarm(POWER, dimension=2, count=30_000)),
     "swarm in a box": Case(lambda: swarm(DOWN, ROOM), 0.01, large=lambda: swarm(DOWN, ROOM, count=30_000)),
     "swarm in a box RungeKutta4": Case(lambda: swarm(DOWN, ROOM), 0.01, RK4),
+    "swarm on stones": Case(lambda: swarm(DOWN, *STONES), 0.01, large=lambda: swarm(DOWN, *STONES, count=30_000)),
+    "swarm on stones f32": Case(lambda: swarm(DOWN, *STONES), 0.01, F32),
     "swarm in Python": Case(lambda: swarm(harmonic()), 0.01),
     "grains": Case(grains, 0.002, large=_large_grains),
     "grains f32": Case(grains, 0.002, F32, large=_large_grains),

@@ -103,6 +103,7 @@ QUANTITIES: dict[type, dict[str, Rule]] = {
     pc.CentralForce: {"center": point, "softening": scalar(1)},
     pc.SelfContact: {"thickness": scalar(1)},
     pc.Dihedral: {"stiffness": scalar(2, -2, 1), "damping": scalar(2, -1, 1)},
+    pc.Wind: {"velocity": wind, "density": scalar(-3, 0, 1)},
     pc.SoftSpheres: {"damping": RESISTANCE, "tangential_damping": RESISTANCE},
     pc.LennardJones: {"epsilon": scalar(2, -2, 1), "sigma": scalar(1), "cutoff": scalar(1)},
     pc.Gravitation: {"constant": scalar(3, -2, -1), "softening": scalar(1)},
@@ -111,6 +112,8 @@ QUANTITIES: dict[type, dict[str, Rule]] = {
     pc.MagneticBottle: {"strength": scalar(0, -1, 1), "length": scalar(1), "center": point},
     pc.Plane: {"point": point, "normal": vector()},
     pc.Sphere: {"center": point, "radius": scalar(1)},
+    pc.Capsule: {"start": point, "end": point, "radius": scalar(1)},
+    pc.ConvexHull: {"points": Transform.points},
     pc.Particles: MASSES,
     pc.SpringNetwork: {**MASSES, "stiffness": scalar(0, -2, 1), "damping": RESISTANCE, "rest_length": scalar(1)},
     pc.Fluid: {

@@ -25,6 +25,8 @@ from physcore.errors import SceneError
 
 ROUNDED = 1e-4
 """The relative difference by which a rod may miss its length, as of coordinates in f32; its ends are moved."""
+BEYOND = 1e-3
+"""The relative excess of the longest length of a spring at which it may start: what impulses leave."""
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
@@ -149,6 +151,10 @@ class SpringNetwork(Body):
         breaking_strain: strain (l − l₀)/l₀ of each spring beyond which it breaks, broadcast to (M,), at least zero;
             infinite by default. A broken spring is gone from the end of that step on, and its energy is dissipated as
             "tearing"; `recording[network].broken` says which are. Rods, and springs of rest length 0, do not break.
+        strain_limit: strain (l − l₀)/l₀ of each spring at which it is as long as it gets, broadcast to (M,), at least
+            zero; infinite by default. There it is a rod until it is shorter again: impulses along it keep its length,
+            to 1e-4 of that where few springs are at their limits, and what they dissipate stands under "contacts". A
+            spring without stiffness is a string then. Rods, and springs of rest length 0, have no limit.
         faces: indices of the three corners of each triangle of a surface, shape (T, 3); None: it has none. They say
             how it can be drawn (`physcore.styles.Surface`), what meets (`SelfContact`) and what bends (`Dihedral`), and
             exert no force themselves.
@@ -168,6 +174,8 @@ class SpringNetwork(Body):
     """Rest length of each spring [m], shape (M,)."""
     breaking_strain: FloatArray
     """Strain beyond which each spring breaks, shape (M,)."""
+    strain_limit: FloatArray
+    """Strain at which each spring is as long as it gets, shape (M,)."""
     faces: IntArray
     """Indices of the corners of each triangle of its surface, shape (T, 3)."""
 
@@ -186,6 +194,7 @@ class SpringNetwork(Body):
         name: str | None = None,
         faces: ArrayLike | None = None,
         breaking_strain: ArrayLike = math.inf,
+        strain_limit: ArrayLike = math.inf,
     ) -> None:
         self._set_particles(positions, velocities, mass, charge, radius, fixed, name)
         links = _indices(pairs, 2, len(self), "SpringNetwork.pairs")
@@ -198,15 +207,16 @@ class SpringNetwork(Body):
             "damping": damping,
             "rest_length": rest_length,
             "breaking_strain": breaking_strain,
+            "strain_limit": strain_limit,
         }
         self._set(pairs=links)
         for column, value in springs.items():
             path = f"SpringNetwork.{column}"
-            values = broadcast(value, (len(links),), path, finite=column not in ("stiffness", "breaking_strain"))
+            values = broadcast(value, (len(links),), path, finite=column in ("damping", "rest_length"))
             require(values >= 0, values, path, "≥ 0")
             self._set(**{column: values})
         self._check_rods()
-        self._check_breaking()
+        self._check_strains()
 
     @property
     def rods(self) -> BoolArray:
@@ -218,15 +228,28 @@ class SpringNetwork(Body):
         """Whether a spring can break."""
         return bool(np.isfinite(self.breaking_strain).any())
 
-    def _check_breaking(self) -> None:
-        """What breaks has a strain, which neither a rod has nor a spring of rest length 0."""
-        strainless = np.isfinite(self.breaking_strain) & (self.rods | (self.rest_length == 0.0))
-        if strainless.any():
-            row = int(np.argmax(strainless))
-            what = "a rod" if self.rods[row] else "a spring of rest length 0"
+    def _check_strains(self) -> None:
+        """A spring that breaks or has a limit has a strain, as neither a rod has nor a spring of rest length 0."""
+        for column in ("breaking_strain", "strain_limit"):
+            strains = getattr(self, column)
+            strainless = np.isfinite(strains) & (self.rods | (self.rest_length == 0.0))
+            if strainless.any():
+                row = int(np.argmax(strainless))
+                what = "a rod" if self.rods[row] else "a spring of rest length 0"
+                raise SceneError(
+                    f"SpringNetwork.{column}[{row}]: must be infinite for {what}, which has no strain, "
+                    f"got {strains[row]:g}"
+                )
+        limited = np.flatnonzero(np.isfinite(self.strain_limit))
+        ends = self.positions[self.pairs[limited]]
+        apart = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
+        longest = (1.0 + self.strain_limit[limited]) * self.rest_length[limited]
+        beyond = apart > (1.0 + BEYOND) * longest
+        if beyond.any():
+            row = int(np.argmax(beyond))
             raise SceneError(
-                f"SpringNetwork.breaking_strain[{row}]: must be infinite for {what}, which has no strain, "
-                f"got {self.breaking_strain[row]:g}"
+                f"SpringNetwork.strain_limit[{limited[row]}]: the spring gets {longest[row]:g} m long at most, but its "
+                f"ends are {apart[row]:g} m apart"
             )
 
     def _check_rods(self) -> None:

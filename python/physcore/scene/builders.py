@@ -69,6 +69,7 @@ def rope(
     radius: ArrayLike = 0.0,
     name: str | None = None,
     breaking_strain: float = math.inf,
+    strain_limit: float = math.inf,
 ) -> SpringNetwork:
     """A straight chain of particles, each joined to the next by a spring.
 
@@ -82,7 +83,7 @@ def rope(
         direction: where the rope points to; +x by default; its length does not matter.
         pinned: "start", "end", "both", a bool mask, or integer indices.
         velocities, radius, name: as in Particles.
-        breaking_strain: the strain beyond which a spring breaks.
+        breaking_strain, strain_limit: of each spring, as in SpringNetwork.
 
     Raises:
         SceneError: a parameter is out of range or of the wrong shape.
@@ -105,6 +106,7 @@ def rope(
         radius=radius,
         name=name,
         breaking_strain=breaking_strain,
+        strain_limit=strain_limit,
     )
 
 
@@ -127,6 +129,7 @@ def cloth(
     radius: ArrayLike = 0.0,
     name: str | None = None,
     breaking_strain: float = math.inf,
+    strain_limit: float = math.inf,
 ) -> SpringNetwork:
     """A rectangular cloth of structural, shear and bend springs (Provot 1995), at rest.
 
@@ -159,7 +162,7 @@ def cloth(
         shear_damping, bend_damping: [N·s/m]; None: the same as `damping`.
         material: one of `physcore.materials`, or another; what is given beside it counts instead of its values.
         velocities, radius, name: as in Particles.
-        breaking_strain: the strain beyond which a spring breaks.
+        breaking_strain, strain_limit: of each spring, as in SpringNetwork.
 
     Raises:
         SceneError: a parameter is out of range or of the wrong shape, there is neither a stiffness nor a material, or
@@ -217,6 +220,7 @@ def cloth(
         radius=radius,
         name=name,
         breaking_strain=breaking_strain,
+        strain_limit=strain_limit,
     )
 
 
@@ -235,6 +239,7 @@ def soft_body(
     radius: ArrayLike = 0.0,
     name: str | None = None,
     breaking_strain: float = math.inf,
+    strain_limit: float = math.inf,
 ) -> SpringNetwork:
     """A block of jelly: a lattice of springs along its axes and along the diagonals of its faces, at rest.
 
@@ -253,7 +258,7 @@ def soft_body(
             (along y), a tuple of these, a bool mask, or integer indices.
         shear_damping: along each diagonal [N·s/m]; None: the same as `damping`.
         velocities, radius, name: as in Particles.
-        breaking_strain: the strain beyond which a spring breaks.
+        breaking_strain, strain_limit: of each spring, as in SpringNetwork.
 
     Raises:
         SceneError: a parameter is out of range or of the wrong shape.
@@ -296,6 +301,7 @@ def soft_body(
         radius=radius,
         name=name,
         breaking_strain=breaking_strain,
+        strain_limit=strain_limit,
     )
 
 
@@ -311,6 +317,7 @@ def _lattice(
     radius: ArrayLike,
     name: str | None,
     breaking_strain: float,
+    strain_limit: float,
 ) -> SpringNetwork:
     """Join the particles of a lattice by every kind of spring that has any strength."""
     present = [kind for kind in kinds if kind.stiffness > 0 or kind.damping > 0]
@@ -333,6 +340,7 @@ def _lattice(
         name=name,
         faces=faces,
         breaking_strain=breaking_strain,
+        strain_limit=strain_limit,
     )
 
 

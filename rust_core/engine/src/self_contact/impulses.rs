@@ -14,7 +14,7 @@ use glam::DVec3;
 use super::distance::combined;
 
 /// The most iterations, and the change of relative velocities in one, over the largest that is needed, that ends them.
-const MOST: u32 = 15;
+const MOST: u32 = 30;
 pub const CONVERGED: f64 = 1e-3;
 
 /// Where a contact comes from.

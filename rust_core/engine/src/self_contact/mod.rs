@@ -5,6 +5,8 @@
 //! are contacts, whose impulses keep them from closing to less than the thickness ([`impulses`]). Conservative advancement then looks
 //! at all pairs on the new paths ([`advancement`]): what still meets becomes a contact as it meets, and if some rounds of that do not
 //! help, particles move on together ([`zones`]). So no path of a step lets an edge through a triangle, whatever its length.
+//!
+//! The same impulses hold springs at their strain limits ([`limits`]).
 
 use glam::DVec3;
 use robust::{Coord3D, orient3d};
@@ -12,6 +14,7 @@ use robust::{Coord3D, orient3d};
 mod advancement;
 mod distance;
 mod impulses;
+mod limits;
 mod mesh;
 mod nearby;
 mod tree;
@@ -19,13 +22,14 @@ mod zones;
 
 use distance::{Closest, combined};
 use impulses::{Contact, Origin};
+use limits::Limit;
 use mesh::{Mesh, NONE, Pair, Rule};
 use nearby::{Near, Nearby};
 use tree::{Bounds, Swept};
 use zones::Zones;
 
 use crate::error::{Error, Result};
-use crate::forces::springs;
+use crate::forces::springs::{self, Spring};
 use crate::history::{Archive, History};
 use crate::math::Vector;
 use crate::matter::Properties;
@@ -42,6 +46,8 @@ const KEPT_OF_PRESENT: f64 = 0.5;
 const ROUNDS: u32 = 6;
 const MERGERS: u32 = 1000;
 const WALLS: u32 = 8;
+/// The excess over a longest length that is said, relative to that.
+const NOTED: f64 = 0.01;
 /// Pairs that one thread measures at a time.
 const BLOCK: usize = 1024;
 
@@ -109,6 +115,9 @@ pub struct SelfContacts {
     /// The rule of each pair of bodies, row by row.
     table: Vec<u32>,
     surfaces: Vec<Surface>,
+    /// All springs with a strain limit, and those that are whole.
+    limits: Vec<Limit>,
+    limited: Vec<Limit>,
     mesh: Mesh,
     nearby: Nearby,
     /// The vertices of all meshes.
@@ -122,22 +131,27 @@ pub struct SelfContacts {
     saved: Loads,
     /// Steps in which particles moved on together.
     merged: u64,
+    /// The largest excess of a spring over its longest length, relative to that.
+    excess: f64,
 }
 
 impl SelfContacts {
-    /// The contacts that a scene declares, if there are any.
+    /// The contacts and strain limits that a scene with these springs declares, if there are any.
     ///
     /// # Errors
     /// If a value is wrong, or two items are about the same bodies.
-    pub fn build<V: Vector>(scene: &Scene, properties: &Properties<V>) -> Result<Option<Self>> {
+    pub fn build<V: Vector>(scene: &Scene, springs: &[Spring], properties: &Properties<V>) -> Result<Option<Self>> {
         let items: Vec<&Item> = scene.constraints.iter().filter(|item| item.kind == KIND).collect();
-        let Some(first) = items.first() else { return Ok(None) };
-        if scene.dimension != 3 {
-            return Err(Error::parameter(&first.path, "a scene in 3D", format!("one in {}D", scene.dimension)));
+        let limits = Limit::declared(scene, springs)?;
+        let Some(path) = items.first().map(|item| item.path.as_str()).or((!limits.is_empty()).then_some("strain_limit")) else {
+            return Ok(None);
+        };
+        if scene.dimension != 3 && !items.is_empty() {
+            return Err(Error::parameter(path, "a scene in 3D", format!("one in {}D", scene.dimension)));
         }
         if scene.periodic.is_some() {
-            return Err(Error::parameter(&first.path, "no Periodic domain", "one")
-                .with_hint("contacts are looked for between the bodies themselves, not between their images"));
+            return Err(Error::parameter(path, "no Periodic domain", "one")
+                .with_hint("contacts and lengths are those of the bodies themselves, not of their images"));
         }
         let mut bodies: Vec<usize> = Vec::new();
         let mut place = |body: usize| {
@@ -175,14 +189,15 @@ impl SelfContacts {
         let surfaces: Vec<Surface> = bodies.iter().map(|&body| surface(scene, body, &engine)).collect::<Result<_>>()?;
         let inverse_mass = properties.mass.iter().map(|mass| 1.0 / mass).collect();
         let start = properties.relative(&scene.positions());
-        let mut contacts = Self { rules, table, surfaces, inverse_mass, start, ..Self::default() };
+        let mut contacts = Self { rules, table, surfaces, limits, inverse_mass, start, ..Self::default() };
         contacts.leave_out(&[]);
         Ok(Some(contacts))
     }
 
-    /// Takes the triangles and free edges along which no spring is broken.
+    /// Takes the springs that are not broken, and the triangles and free edges along which none is.
     pub fn leave_out(&mut self, broken: &[bool]) {
         let whole = |springs: &[u32]| springs.iter().all(|&spring| !broken.get(spring as usize).copied().unwrap_or(false));
+        self.limited = self.limits.iter().filter(|limit| whole(&[limit.spring])).copied().collect();
         let bodies: Vec<mesh::Body> = self
             .surfaces
             .iter()
@@ -193,7 +208,9 @@ impl SelfContacts {
             .collect();
         let count = self.inverse_mass.len();
         self.mesh = Mesh::new(&bodies, self.table.clone(), count);
-        self.vertices = self.mesh.vertices().collect();
+        self.vertices = self.mesh.vertices().chain(self.limited.iter().flat_map(|limit| limit.ends)).collect();
+        self.vertices.sort_unstable();
+        self.vertices.dedup();
     }
 
     /// Looks at the state of a first step.
@@ -259,10 +276,13 @@ impl SelfContacts {
         contacts.extend(self.loads.walls.iter().filter_map(|wall| self.resting(wall, thickness, step)));
         let mut held = vec![false; free.len()];
         contacts.iter().filter(|contact| contact.origin == Origin::Wall).for_each(|wall| held[wall.nodes[0] as usize] = true);
+        let mut taut = vec![None; self.limited.len()];
+        self.tauten(&mut taut, &mut contacts, &free, h);
         impulses::start(&mut contacts, velocities);
         impulses::solve(&mut contacts, velocities);
         for round in 0..=ROUNDS {
             let known = contacts.len();
+            let longer = self.tauten(&mut taut, &mut contacts, velocities, h);
             for &vertex in &self.vertices {
                 if velocities[vertex as usize] == free[vertex as usize] {
                     continue;
@@ -278,7 +298,7 @@ impl SelfContacts {
             self.cover(velocities, step);
             let met = self.meetings(velocities, step, |_| true);
             // What presses on what a wall holds is solved together with it, once.
-            if met.is_empty() && (round > 0 || contacts.len() == known) {
+            if met.is_empty() && !longer && (round > 0 || contacts.len() == known) {
                 break;
             }
             if round == ROUNDS {
@@ -288,8 +308,33 @@ impl SelfContacts {
             contacts.extend(met.iter().filter_map(|(near, closest)| self.late(near, closest, h)));
             impulses::solve(&mut contacts, velocities);
         }
+        let held = self.limited.iter().zip(&taut).filter(|(_, taut)| taut.is_some());
+        self.excess = held.map(|(limit, _)| limit.excess(&self.start, velocities, h)).fold(self.excess, f64::max);
         self.loads = Loads::new(&contacts, h);
         Ok(*velocities != free)
+    }
+
+    /// Adds the constraints of springs that exceed their longest lengths, or renews them; returns whether one does by more than the
+    /// tolerance. `taut` are the constraints of all.
+    fn tauten(&self, taut: &mut [Option<usize>], contacts: &mut Vec<Contact>, velocities: &[DVec3], h: f64) -> bool {
+        let mut largest = 0.0_f64;
+        for (limit, taut) in self.limited.iter().zip(taut) {
+            let excess = limit.excess(&self.start, velocities, h);
+            if excess <= 0.0 {
+                continue;
+            }
+            let needed = limit.needed(&self.start, velocities, h);
+            if let Some(index) = *taut {
+                contacts[index].least = needed.1;
+            } else {
+                let impulse = h * self.loads.of(limit.key()).unwrap_or(0.0);
+                let Some(constraint) = limit.constraint(needed, impulse, &self.inverse_mass) else { continue };
+                *taut = Some(contacts.len());
+                contacts.push(constraint);
+            }
+            largest = largest.max(excess);
+        }
+        largest > limits::TOLERANCE
     }
 
     /// Finds the pairs that may touch with these velocities.
@@ -303,14 +348,15 @@ impl SelfContacts {
         [from, from + h * velocities[vertex as usize]]
     }
 
-    /// The contacts of the pairs that may come nearer than the thickness, with the impulses of the last step. Closest points on a boundary
-    /// are those of several pairs: one of these counts, if it is locally closest.
+    /// The contacts of the pairs that may come nearer than the thickness, the nearest first, with the impulses of the last step. Closest points on a boundary are those of several pairs: one of these counts, if it is locally closest.
     fn early(&self, free: &[DVec3], Step { h, .. }: Step<'_>) -> Vec<Contact> {
+        let counts = |&&Near { ref pair, ref closest, distance }: &&Near| {
+            let (travel, _) = advancement::relative(&pair.gather(free).map(|velocity| h * velocity), pair.split());
+            let reached = distance - travel < self.rules[pair.rule as usize].thickness && distance > 0.0;
+            reached && (closest.interior || self.is_local(pair, closest))
+        };
         let contact = |&Near { ref pair, ref closest, distance }: &Near| {
             let rule = &self.rules[pair.rule as usize];
-            let (travel, _) = advancement::relative(&pair.gather(free).map(|velocity| h * velocity), pair.split());
-            let counts = || closest.interior || self.is_local(pair, closest);
-            (distance - travel < rule.thickness && distance > 0.0 && counts()).then_some(())?;
             let normal = closest.separation / distance;
             let approach = normal.dot(combined(&closest.weights, &pair.gather(free)));
             let known = self.loads.of(pair.key);
@@ -318,12 +364,19 @@ impl SelfContacts {
             // What touched in the last step rests; what arrives bounces.
             let bounces = known.is_none() && approach < least;
             let least = if bounces { least.max(-rule.restitution * approach) } else { least };
-            let mut contact =
-                Contact::new((pair.nodes, Origin::Pair(pair.key)), closest.weights, normal, (least, rule.friction), &self.inverse_mass)?;
+            let mut contact = Contact::new(
+                (pair.nodes, Origin::Pair(pair.key)),
+                closest.weights,
+                normal,
+                (least, rule.friction),
+                &self.inverse_mass,
+            )?;
             contact.impulse = known.map_or(0.0, |load| h * load);
             Some(contact)
         };
-        self.nearby.pairs.iter().filter_map(contact).collect()
+        let mut near: Vec<&Near> = self.nearby.pairs.iter().filter(counts).collect();
+        near.sort_unstable_by(|one, other| one.order(other));
+        near.into_iter().filter_map(contact).collect()
     }
 
     /// The contact of a pair as it meets on its way.
@@ -336,7 +389,12 @@ impl SelfContacts {
     }
 
     /// The contact of a vertex that was on a wall in the last step, if it is within the thickness of one.
-    fn resting(&self, &(vertex, normal, load): &(u32, DVec3, f64), thickness: f64, Step { h, confine, .. }: Step<'_>) -> Option<Contact> {
+    fn resting(
+        &self,
+        &(vertex, normal, load): &(u32, DVec3, f64),
+        thickness: f64,
+        Step { h, confine, .. }: Step<'_>,
+    ) -> Option<Contact> {
         let from = self.start[vertex as usize];
         let beyond = from - thickness * normal;
         let mut wall = self.wall(vertex, [from, beyond], confine(vertex as usize, beyond)?, h)?;
@@ -354,7 +412,7 @@ impl SelfContacts {
         Contact::new(([vertex; 4], Origin::Wall), [1.0, 0.0, 0.0, 0.0], normal, (least, 0.0), &self.inverse_mass)
     }
 
-    /// The pairs among these that come too near each other, and how.
+    /// The pairs among these that come too near each other, the nearest first, and how.
     fn meetings(
         &self,
         velocities: &[DVec3],
@@ -375,7 +433,9 @@ impl SelfContacts {
                 }
             }
         });
-        found.concat()
+        let mut found = found.concat();
+        found.sort_unstable_by(|(one, _), (other, _)| one.order(other));
+        found
     }
 
     /// Lets particles move on together until no pair meets.
@@ -445,19 +505,31 @@ impl SelfContacts {
         })
     }
 
+    /// The names of its parts, with what they are about.
+    pub fn stages(&self) -> Vec<(&'static str, String)> {
+        let contact = ("self-contact", format!("a tree of {} triangles and free edges", self.elements()));
+        let limits = ("strain limits", format!("{} springs, which are rods at their longest", self.limits.len()));
+        let parts = [(self.elements() > 0, contact), (!self.limits.is_empty(), limits)];
+        parts.into_iter().filter(|(used, _)| *used).map(|(_, part)| part).collect()
+    }
+
     /// The number of triangles and free edges.
     pub fn elements(&self) -> usize {
         self.mesh.elements.len()
     }
 
-    /// A note for the plan on the steps so far.
-    pub fn note(&self) -> Option<String> {
-        (self.merged > 0).then(|| {
-            format!(
-                "self-contact: in {} steps some particles moved on together, because no impulses kept them apart; shorter steps do",
-                self.merged
-            )
-        })
+    /// Notes for the plan on the steps so far.
+    pub fn notes(&self) -> Vec<String> {
+        let merged = format!(
+            "self-contact: in {} steps some particles moved on together, because no impulses kept them apart; shorter steps do",
+            self.merged
+        );
+        let excess = format!(
+            "strain limits: a spring was {:.1} % longer than its longest length; shorter steps hold it better",
+            100.0 * self.excess
+        );
+        let notes = [(self.merged > 0, merged), (self.excess > NOTED, excess)];
+        notes.into_iter().filter(|(holds, _)| *holds).map(|(_, note)| note).collect()
     }
 
     /// Memory [bytes].

@@ -1,5 +1,7 @@
 //! The pairs that may touch in a step, wherever impulses lead the vertices.
 
+use std::cmp::Ordering;
+
 use glam::DVec3;
 
 use super::distance::Closest;
@@ -17,6 +19,13 @@ pub struct Near {
     pub closest: Closest,
     /// [m]
     pub distance: f64,
+}
+
+impl Near {
+    /// The order of distances, which neither the axes nor the numbers of the particles change.
+    pub fn order(&self, other: &Self) -> Ordering {
+        self.distance.total_cmp(&other.distance).then(self.pair.key.cmp(&other.pair.key))
+    }
 }
 
 /// The pairs near each other on the ways of all vertices.

@@ -11,7 +11,7 @@ use crate::error::{Error, Result};
 use crate::history::History;
 use crate::math::{Real, Vector};
 use crate::matter::{Power, Span};
-use crate::scene::{Array, Item, Scene, Value};
+use crate::scene::{Array, Body, Item, Scene, Value};
 use crate::simd::{Kernel, LANES, dispatch, padded};
 use crate::stability::{Horizon, Link, SpectralBound};
 
@@ -96,6 +96,28 @@ pub fn declared(scene: &Scene) -> Result<Vec<Spring>> {
         first += count as u32;
     }
     Ok(springs)
+}
+
+/// A strain of every spring, in the order of [`declared`]; infinite where a network does not say it.
+///
+/// # Errors
+/// If a network does not say a number ≥ 0 for each of its springs.
+pub fn strains(scene: &Scene, name: &str) -> Result<Vec<f64>> {
+    let mut all = Vec::with_capacity(count(scene)?);
+    for Body { item, .. } in scene.bodies.iter().filter(|body| body.item.kind == KIND) {
+        let count = item.tuples::<2>("pairs")?.len();
+        if !item.values.contains_key(name) {
+            all.resize(all.len() + count, f64::INFINITY);
+            continue;
+        }
+        let strains = item.numbers(name, count)?;
+        if let Some(index) = strains.iter().position(|strain| strain.is_nan() || *strain < 0.0) {
+            let path = format!("{}.{name}[{index}]", item.path);
+            return Err(Error::parameter(path, "a number ≥ 0", format!("{:?}", Value::Number(strains[index]))));
+        }
+        all.extend(strains);
+    }
+    Ok(all)
 }
 
 /// Adds the springs of a network between these particles.

@@ -69,13 +69,16 @@ pub fn compile<V: Vector>(scene: &Scene, method: Box<dyn Method<V>>, executor: &
     if contacts.is_some() {
         refuse_kinks(&about, "boundaries")?;
     }
-    let self_contacts = self_contacts(scene, &properties, &about)?;
+    let self_contacts = self_contacts(scene, &springs, &properties, &about)?;
     let known: Vec<About> = all.iter().map(|force| force.about()).collect();
     let (mut stages, mut notes) = sequence(&known, &about, rods.is_some(), contacts.is_some());
     if let Some(meshes) = &self_contacts {
         // After the other contacts, which are those with walls.
-        stages.insert(if about.drifts_first { usize::from(contacts.is_some()) } else { stages.len() }, "self-contact".to_owned());
-        notes.push(format!("self-contact: a tree of {} triangles and free edges", meshes.elements()));
+        let at = if about.drifts_first { usize::from(contacts.is_some()) } else { stages.len() };
+        for (stage, note) in meshes.stages() {
+            stages.insert(at, stage.to_owned());
+            notes.push(format!("{stage}: {note}"));
+        }
     }
 
     let independent =
@@ -154,11 +157,17 @@ fn fluid<V: Vector>(
     Ok(Some(fluid))
 }
 
-/// The contacts between meshes of a scene, for a method that can take them.
-fn self_contacts<V: Vector>(scene: &Scene, properties: &Properties<V>, about: &MethodAbout) -> Result<Option<SelfContacts>> {
-    let contacts = SelfContacts::build(scene, properties)?;
+/// The contacts between meshes of a scene and the strain limits of its springs, for a method that can take them.
+fn self_contacts<V: Vector>(
+    scene: &Scene,
+    springs: &[Spring],
+    properties: &Properties<V>,
+    about: &MethodAbout,
+) -> Result<Option<SelfContacts>> {
+    let contacts = SelfContacts::build(scene, springs, properties)?;
     if let (Some(_), None) = (&contacts, about.impulses) {
-        let expected = "VelocityVerlet(), BackwardEuler(), BDF2(), XPBD() or ProjectiveDynamics() for SelfContact";
+        let expected =
+            "VelocityVerlet(), BackwardEuler(), BDF2(), XPBD() or ProjectiveDynamics() for SelfContact and strain limits";
         return Err(Error::parameter("integrator", expected, about.name));
     }
     Ok(contacts)

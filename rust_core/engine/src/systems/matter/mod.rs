@@ -345,7 +345,7 @@ impl<V: Vector> System for MatterSystem<V> {
         let known = self.dynamics.forces().iter().map(|force| force.about()).filter(|about| !about.findings.is_empty());
         let findings = known.map(|about| format!("{}: {}", about.name, about.findings));
         let rods = self.dynamics.rods.iter().flat_map(Rods::notes);
-        let meshes = self.dynamics.self_contacts.iter().filter_map(SelfContacts::note);
+        let meshes = self.dynamics.self_contacts.iter().flat_map(SelfContacts::notes);
         vec![Stages {
             pairs: self.dynamics.pairs(),
             limit_varies: self.limit_varies(Horizon::Certified, 0.0),

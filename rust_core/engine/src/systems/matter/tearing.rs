@@ -7,10 +7,10 @@ use std::collections::BTreeSet;
 
 use glam::DVec3;
 
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::forces::springs::{self, Spring};
 use crate::history::{Archive, History};
-use crate::scene::{Item, Scene, Value};
+use crate::scene::Scene;
 
 /// The springs that can break, and those that are broken.
 #[derive(Debug, Clone, Default)]
@@ -36,8 +36,7 @@ impl Tearing {
     /// # Errors
     /// If a network does not say one breaking strain ≥ 0 for each of its springs.
     pub fn declared(scene: &Scene, springs: &[Spring]) -> Result<Option<Self>> {
-        let networks = scene.bodies.iter().filter(|body| body.item.kind == springs::KIND);
-        let strains: Vec<f64> = networks.map(|body| strains(&body.item)).collect::<Result<Vec<_>>>()?.concat();
+        let strains = springs::strains(scene, "breaking_strain")?;
         let limits: Vec<(u32, f64)> = springs
             .iter()
             .zip(strains)
@@ -102,22 +101,6 @@ impl Tearing {
     pub fn bytes(&self) -> usize {
         let broken = size_of_val(self.now.springs.as_slice()) + size_of_val(self.saved.springs.as_slice());
         broken + size_of_val(self.whole.as_slice()) + size_of_val(self.limits.as_slice())
-    }
-}
-
-/// The breaking strains of a network's springs, infinite where it says none.
-fn strains(network: &Item) -> Result<Vec<f64>> {
-    let count = network.tuples::<2>("pairs")?.len();
-    if !network.values.contains_key("breaking_strain") {
-        return Ok(vec![f64::INFINITY; count]);
-    }
-    let strains = network.numbers("breaking_strain", count)?;
-    match strains.iter().position(|strain| strain.is_nan() || *strain < 0.0) {
-        Some(index) => {
-            let path = format!("{}.breaking_strain[{index}]", network.path);
-            Err(Error::parameter(path, "a number ≥ 0", format!("{:?}", Value::Number(strains[index]))))
-        }
-        None => Ok(strains.to_vec()),
     }
 }
 
