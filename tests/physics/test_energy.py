@@ -244,12 +244,14 @@ FIELDS = {
     pc.Coulomb: lambda d: [pc.Coulomb(0.7, softening) for softening in (0.0, 0.2)],
     pc.Drag: lambda d: [],
     pc.Dihedral: lambda d: [],
+    pc.Wind: lambda d: [],
     pc.ElectromagneticField: lambda d: [
         pc.ElectromagneticField((0.3, -0.2, 0.5)[:d]),
         *([pc.ElectromagneticField(pc.QuadrupoleTrap(1.5, (0.1, 0.0, 0.2)))] if d == 3 else []),
     ],
 }
-"""Forces with a potential, for each registered kind; Drag has none, Dihedral that of a surface (test_dihedral.py)."""
+"""Forces with a potential, for each registered kind; Drag and Wind have none, Dihedral that of a surface
+(test_dihedral.py)."""
 
 
 def test_every_registered_force_is_held_against_its_potential():

@@ -24,6 +24,7 @@ from physcore.forces.gravitation import Gravitation
 from physcore.forces.gravity import Gravity
 from physcore.forces.lennard_jones import LennardJones
 from physcore.forces.soft_spheres import SoftSpheres
+from physcore.forces.wind import Wind
 from physcore.scene.items import Force
 
 FORCES: tuple[type[Force], ...] = (
@@ -37,6 +38,7 @@ FORCES: tuple[type[Force], ...] = (
     Coulomb,
     ElectromagneticField,
     Dihedral,
+    Wind,
 )
 """Every force; what is registered here can be saved, and is tested."""
 
@@ -62,6 +64,7 @@ __all__ = [
     "SoftSpheres",
     "TravellingWave",
     "UniformField",
+    "Wind",
 ]
 
 

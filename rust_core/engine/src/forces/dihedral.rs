@@ -25,30 +25,22 @@ use std::ops::Range;
 
 use glam::DVec3;
 
+use super::corners::Corners;
 use super::{About, Declared, Force, Forces, Kind, Rates, Reach, StateView, Validity, VelocityDependence};
-use crate::adjacency::Adjacency;
 use crate::error::{Error, Result};
 use crate::history::History;
 use crate::math::Vector;
 use crate::matter::EnergySink;
-use crate::parallel::{BlockedSlice, Executor};
-use crate::simd::LANES;
+use crate::parallel::Executor;
 use crate::stability::{Horizon, SpectralBound};
 use hinge::{Bent, Hinge};
-
-/// Hinges per block of work.
-const BLOCK: usize = 1024;
 
 /// The bending of some networks.
 #[derive(Debug)]
 pub struct Dihedral<V: Vector> {
     hinges: Vec<Hinge>,
-    /// The places of each particle in hinges, as four times the hinge plus the corner.
-    places: Adjacency,
-    /// The forces of the last evaluation on the corners of every hinge [N].
-    force: Vec<[V; 4]>,
-    /// The power that every hinge dissipated there [W].
-    power: Vec<f64>,
+    /// The forces on their corners, and the power that they dissipate.
+    corners: Corners<V, 4, 1>,
 }
 
 /// The registry's entry.
@@ -85,24 +77,8 @@ impl<V: Vector> Dihedral<V> {
                 torn: false,
             })
             .collect();
-        let places: Vec<[u32; 2]> =
-            hinges.iter().flat_map(|hinge| hinge.corners).zip(0..).map(|(corner, place)| [corner, place]).collect();
-        Ok(Self {
-            force: vec![[V::default(); 4]; hinges.len()],
-            power: vec![0.0; hinges.len()],
-            places: Adjacency::new(properties.count(), &places),
-            hinges,
-        })
-    }
-
-    /// The places of a particle in hinges.
-    fn places(&self, index: usize) -> impl Iterator<Item = (usize, usize)> {
-        self.places.of(index).iter().map(|&place| (place as usize / 4, place as usize % 4))
-    }
-
-    /// The particles of a block, without padding.
-    fn particles(&self, block: &Range<usize>) -> Range<usize> {
-        block.start..block.end.min(self.places.count())
+        let elements = hinges.iter().map(|hinge| hinge.corners);
+        Ok(Self { corners: Corners::new(properties.count(), elements), hinges })
     }
 }
 
@@ -111,48 +87,32 @@ impl<V: Vector> History for Dihedral<V> {}
 impl<V: Vector> Force<V> for Dihedral<V> {
     fn about(&self) -> About {
         let damped = self.hinges.iter().any(|hinge| hinge.damping != 0.0);
-        let results = size_of_val(self.force.as_slice()) + size_of_val(self.power.as_slice());
         About {
             velocity: if damped { VelocityDependence::Dissipative } else { VelocityDependence::None },
             pairs: self.hinges.len(),
-            bytes: size_of_val(self.hinges.as_slice()) + self.places.bytes() + results,
+            bytes: size_of_val(self.hinges.as_slice()) + self.corners.bytes(),
             layout: format!("{} hinges", self.hinges.len()),
             ..About::new("dihedral", Reach::Network)
         }
     }
 
     fn prepare(&mut self, at: &StateView<'_, V>, executor: &Executor) -> Result<()> {
-        let (mut force, mut power) = (std::mem::take(&mut self.force), std::mem::take(&mut self.power));
-        let slots = (BlockedSlice::new(&mut force, BLOCK), BlockedSlice::new(&mut power, BLOCK));
-        executor.for_each_block(slots, &|(force, power)| {
-            let hinges = &self.hinges[force.start..force.start + force.items.len()];
-            for (hinge, (force, power)) in hinges.iter().zip(force.items.iter_mut().zip(power.items)) {
-                (*force, *power) =
-                    hinge.bent(at).map_or_else(Default::default, |Bent { gradient, torque, dissipated, .. }| {
-                        (gradient.map(|gradient| V::narrow(gradient * -torque)), dissipated)
-                    });
-            }
-        });
-        (self.force, self.power) = (force, power);
-        executor.check()
+        let hinges = &self.hinges;
+        self.corners.evaluate(executor, |hinge| {
+            hinges[hinge].bent(at).map_or_else(Default::default, |Bent { gradient, torque, dissipated, .. }| {
+                (gradient.map(|gradient| gradient * -torque), [dissipated])
+            })
+        })
     }
 
     fn accumulate(&self, block: Range<usize>, _at: &StateView<'_, V>, rates: &mut Rates<'_, V>) {
-        let damping = &mut rates.power[EnergySink::Damping as usize];
-        for (lane, index) in self.particles(&block).enumerate() {
-            let mut sum = V::default();
-            for (hinge, corner) in self.places(index) {
-                sum += self.force[hinge][corner];
-                // The power of a hinge is counted at its first corner.
-                damping[index % LANES] += if corner == 0 { self.power[hinge] } else { 0.0 };
-            }
-            rates.force.set(lane, rates.force.get(lane) + sum);
-        }
+        self.corners.accumulate(&block, [EnergySink::Damping], rates);
     }
 
     /// The energy of a hinge is counted at its first corner.
     fn potential(&self, block: Range<usize>, at: &StateView<'_, V>) -> f64 {
-        let places = self.particles(&block).flat_map(|index| self.places(index)).filter(|&(_, corner)| corner == 0);
+        let corners = self.corners.particles(&block).flat_map(|index| self.corners.of(index));
+        let places = corners.filter(|&(_, corner)| corner == 0);
         places.filter_map(|(hinge, _)| self.hinges[hinge].bent(at)).map(|bent| bent.energy).sum()
     }
 

@@ -16,6 +16,7 @@ use crate::stability::{Horizon, SpectralBound};
 
 mod all_pairs;
 mod central;
+mod corners;
 mod custom;
 pub mod density;
 mod dihedral;
@@ -31,6 +32,7 @@ mod soft_spheres;
 pub mod sph;
 pub mod springs;
 mod strength;
+mod wind;
 
 pub use central::InverseSquare;
 pub use density::{DensityEvolution, Drift, Fields, Mach, Scheme};
@@ -293,7 +295,7 @@ struct Kind<V: Vector> {
 }
 
 /// The registry.
-fn kinds<V: Vector>() -> [Kind<V>; 10] {
+fn kinds<V: Vector>() -> [Kind<V>; 11] {
     [
         gravity::kind(),
         drag::kind(),
@@ -305,6 +307,7 @@ fn kinds<V: Vector>() -> [Kind<V>; 10] {
         all_pairs::coulomb(),
         dihedral::kind(),
         electromagnetic::kind(),
+        wind::kind(),
     ]
 }
 

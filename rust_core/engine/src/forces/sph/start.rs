@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use super::laws::{KINDS, OBSTACLE};
 use super::walls::Side;
-use crate::boundaries::{self, Wall};
+use crate::boundaries::{self, Gap, Path, Wall};
 use crate::error::{Error, Result};
 use crate::forces::{gravity, is_between_pairs};
 use crate::math::Real;
@@ -114,7 +114,7 @@ pub fn walls(scene: &Scene, origin: DVec3) -> Result<Vec<Side>> {
     for item in scene.boundaries.iter().filter(|item| fluids(scene).any(|(body, _)| item.acts_on(body))) {
         let no_slip = if item.values.contains_key("no_slip") { item.flag("no_slip")? } else { false };
         let boundary = boundaries::build(item, scene.dimension, origin)?;
-        walls.extend(boundary.walls().iter().map(|&wall| Side { wall, no_slip }));
+        walls.extend(boundary.walls().iter().map(|wall| Side { wall: wall.clone(), no_slip }));
     }
     Ok(walls)
 }
@@ -307,6 +307,10 @@ fn hit(wall: &Wall, x: DVec3, direction: DVec3) -> Option<f64> {
             let (away, square) = ((x - center).dot(direction), (x - center).length_squared() - radius * radius);
             let root = (away * away - square).sqrt();
             if inside { root - away } else { -root - away }
+        }
+        Wall::Solid(_) => {
+            let ray = Path { position: x, velocity: direction, acceleration: DVec3::ZERO };
+            Gap::new(wall, &ray, 0.0, false).first_contact(2.0 * (x.length() + wall.extent()))?
         }
     };
     (distance > 0.0 && distance.is_finite()).then_some(distance)

@@ -154,7 +154,7 @@ impl BlockImages {
         for slot in block {
             let x = neighbor_list.anchor(slot);
             // The mirrors of a particle near a curved wall rotate as it moves.
-            let turn = |side: &Side| 2.0 * support * neighbor_list.skin() * side.wall.curvature(x).abs();
+            let turn = |side: &Side| 2.0 * support * neighbor_list.skin() * side.wall.curvature(x, DVec3::ZERO).abs();
             let near = (0..).zip(sides).map(|(number, side)| (number, side.mirror(x, false), turn(side)));
             let mut near = near.filter(|(_, mirror, _)| mirror.distance < support);
             let mirrors: [_; CORNER] = std::array::from_fn(|_| near.next());

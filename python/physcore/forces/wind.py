@@ -1,0 +1,72 @@
+"""Wind on the faces of surfaces."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import ClassVar
+
+from physcore.checks import Vector, number, vector
+from physcore.errors import SceneError
+from physcore.scene.bodies import Body, SpringNetwork
+from physcore.scene.items import Force
+
+
+@dataclass(frozen=True)
+class Wind(Force):
+    """Air in uniform motion, that presses on the faces of cloth and flows along them.
+
+        flag = pc.cloth((30, 20), 0.02, 60.0, mass=0.0004, axes=((1, 0, 0), (0, 0, 1)), pinned="left")
+        scene = pc.Scene(flag, pc.Wind((6.0, 0.0, 0.0), on=flag), pc.Gravity((0.0, 0.0, -9.81)))
+
+    A face of area A and unit normal n, whose centroid moves with u, feels
+
+        F = ½ density A (normal |q| q n + tangential |t| t),   q = n·r,   t = r − q n,   r = velocity − u,
+
+    a third at each corner, on both of its sides together: nothing depends on how its corners turn. Where the wind is
+    faster than waves run along a cloth, it flutters. Of the power, F·velocity counts as work and F·r ≥ 0 as dissipated
+    by drag. These are the forces of steady flow past each face alone: no wake, no added mass of the air, no lee.
+
+    Args:
+        velocity: of the air [m/s], shape (3,).
+        density: of the air [kg/m³], at least zero; 1.225 at sea level by default.
+        normal: coefficient of the force across a face, at least zero; 1.17 is that of a square plate.
+        tangential: coefficient of skin friction, at least zero; 0.01 for both sides at Reynolds numbers near 10⁵.
+        on: the SpringNetwork with faces in 3D that it acts on, or several; by default all that have faces.
+
+    Raises:
+        SceneError: a value is out of range or not finite, a body named has no faces, or none in the scene has.
+
+    Source: S. F. Hoerner, "Fluid-Dynamic Drag", 1965, chapters 2 and 3.
+    """
+
+    velocity: Vector
+    density: float = 1.225
+    normal: float = 1.17
+    tangential: float = 0.01
+
+    spares_fluids: ClassVar[bool] = True
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self._set(
+            velocity=vector(self.velocity, "Wind.velocity"),
+            density=number(self.density, "Wind.density", least=0.0),
+            normal=number(self.normal, "Wind.normal", least=0.0),
+            tangential=number(self.tangential, "Wind.tangential", least=0.0),
+        )
+
+    def check(self, bodies: Sequence[Body], path: str) -> None:
+        """Look for faces on the bodies that it acts on."""
+        named = self.bodies() is not None
+        surfaces = [body for body in bodies if isinstance(body, SpringNetwork) and len(body.faces)]
+        bare = next((body for body in bodies if named and body not in surfaces), None)
+        if bare is not None or not surfaces:
+            found = f"{bare!r} without any" if bare is not None else "none on any body"
+            raise SceneError(
+                f"{path}: must act on faces, got {found}; say which there are: SpringNetwork(…, faces=…), or take "
+                "Drag(…, wind=…) for particles"
+            )
+        for body in surfaces:
+            if body.dimension != 3:
+                raise SceneError(f"{path}: must act on faces in 3D, got {body!r}")
