@@ -15,7 +15,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from physcore import units
-from physcore.boundaries import Boundary, Box, Floor, Plane, Sphere
+from physcore.boundaries import Boundary, Box, Capsule, ConvexHull, Floor, Plane, Sphere
 from physcore.constraints import SelfContact
 from physcore.errors import (
     AccuracyError,
@@ -49,6 +49,7 @@ from physcore.forces import (
     SoftSpheres,
     TravellingWave,
     UniformField,
+    Wind,
 )
 from physcore.numerics.choices import AdaptiveStep, AutoStep
 from physcore.numerics.integrators import (
@@ -131,7 +132,9 @@ __all__ = [
     "Boundary",
     "Box",
     "Brusselator",
+    "Capsule",
     "CentralForce",
+    "ConvexHull",
     "Coulomb",
     "CrankNicolson",
     "CubicSpline",
@@ -212,6 +215,7 @@ __all__ = [
     "Wave",
     "WendlandC2",
     "WendlandC4",
+    "Wind",
     "ball",
     "block",
     "cloth",

@@ -50,12 +50,15 @@ ARGUMENTS: dict[str, tuple[object, ...]] = {
     "Tracers": ([[0.0, 0.0], [1.0, 0.0]], pc.Flow(lambda time, x: -x)),
     "PointVortices": ([[0.0, 0.0], [1.0, 0.0]], [1.0, -2.0], 0.1),
     "Dihedral": (SHEET, 0.1, 0.01),
+    "Wind": ((1.0, 2.0, 3.0), 1.2, 1.1, 0.02),
     "SelfContact": (SHEET, 0.1, 0.2, 0.5),
     "Repulsion": (10.0,),
     "LennardJones": (1.0, 0.1),
     "Plane": ((0.0, -9.0), (0.0, 2.0)),
     "Box": ((-9.0, -9.0), (9.0, 9.0)),
     "Sphere": ((0.0, 0.0), 9.0),
+    "Capsule": ((-9.0, -9.0), (9.0, -9.0), 0.5),
+    "ConvexHull": ([[-9.0, -9.0], [9.0, -9.0], [0.0, -8.0]],),
 }
 ITEMS = [
     DUST,

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from physcore.boundaries.box import Box
+from physcore.boundaries.capsule import Capsule
+from physcore.boundaries.convex_hull import ConvexHull
 from physcore.boundaries.plane import Floor, Plane
 from physcore.boundaries.sphere import Sphere
 from physcore.scene.items import Boundary
@@ -12,7 +14,9 @@ BOUNDARIES: tuple[type[Boundary], ...] = (
     Plane,
     Box,
     Sphere,
+    Capsule,
+    ConvexHull,
 )
 """Every boundary; what is registered here can be saved, and is tested."""
 
-__all__ = ["BOUNDARIES", "Boundary", "Box", "Floor", "Plane", "Sphere"]
+__all__ = ["BOUNDARIES", "Boundary", "Box", "Capsule", "ConvexHull", "Floor", "Plane", "Sphere"]

@@ -4,18 +4,22 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from physcore.checks import Vector, vector
+from physcore.checks import Vector, flag, vector
 from physcore.errors import SceneError
 from physcore.scene.items import Boundary
 
 
 @dataclass(frozen=True)
 class Box(Boundary):
-    """A box (a rectangle in 2D) along the axes; particles stay inside.
+    """A box (a rectangle in 2D) along the axes; particles stay inside, or outside of a solid one.
+
+        tank = pc.Box((0.0, 0.0), (2.0, 1.0))
+        step = pc.Box((1.2, 0.0), (1.4, 0.3), inside=False)
 
     Args:
         lower: the corner with the smallest coordinates [m].
         upper: the corner with the largest coordinates [m].
+        inside: whether particles are kept inside the box.
         restitution, friction, no_slip, on: as in Boundary.
 
     Raises:
@@ -24,6 +28,7 @@ class Box(Boundary):
 
     lower: Vector
     upper: Vector
+    inside: bool = True
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -32,4 +37,4 @@ class Box(Boundary):
             raise SceneError(f"Box.upper: must have {len(lower)} components like the lower corner, got {len(upper)}")
         if not all(low < high for low, high in zip(lower, upper, strict=True)):
             raise SceneError(f"Box.upper: must be above the lower corner {lower} in every component, got {upper}")
-        self._set(lower=lower, upper=upper)
+        self._set(lower=lower, upper=upper, inside=flag(self.inside, "Box.inside"))

@@ -7,6 +7,7 @@ mod callback;
 mod canvas;
 mod errors;
 mod gif;
+mod hull;
 mod record;
 mod scene;
 mod view;
@@ -29,6 +30,8 @@ mod _core {
     use super::canvas::{Canvas, Texture, coverage, heatmap};
     #[pymodule_export]
     use super::gif::Gif;
+    #[pymodule_export]
+    use super::hull::convex_hull;
     #[pymodule_export]
     use super::view::{Projection, norms, tint};
     #[pymodule_export]

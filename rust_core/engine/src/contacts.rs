@@ -146,8 +146,8 @@ impl<V: Vector> Contacts<V> {
         }
         let index = self.paths.len();
         self.tests.extend(Test::of(boundary.walls(), set, largest));
-        self.surfaces.extend(boundary.walls().iter().map(|&wall| Surface {
-            wall,
+        self.surfaces.extend(boundary.walls().iter().map(|wall| Surface {
+            wall: wall.clone(),
             restitution,
             friction,
             bodies: bodies.to_vec(),
@@ -296,7 +296,7 @@ fn room(walls: &[Wall]) -> f64 {
     for (index, wall) in walls.iter().enumerate() {
         match *wall {
             Wall::Sphere { radius, inside, .. } if inside => room = room.min(radius),
-            Wall::Sphere { .. } => {}
+            Wall::Sphere { .. } | Wall::Solid(_) => {}
             Wall::Plane { normal, offset } => {
                 for other in &walls[index + 1..] {
                     if let Wall::Plane { normal: opposite, offset: behind } = *other

@@ -5,19 +5,26 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
+
 from physcore.boundaries.box import Box
+from physcore.boundaries.capsule import Capsule
+from physcore.boundaries.convex_hull import ConvexHull
 from physcore.boundaries.plane import Plane
 from physcore.boundaries.sphere import Sphere
-from physcore.film.looks.base import Look
+from physcore.film.looks.base import Look, corners
 from physcore.film.looks.box import BoxLook
 from physcore.film.looks.plane import PlaneLook
+from physcore.film.looks.solid import SolidLook
 from physcore.film.looks.sphere import SphereLook
 from physcore.scene.items import Boundary, SceneItem
 
 LOOKS: dict[type[Boundary], Callable[[Any], Look]] = {
     Plane: PlaneLook,
-    Box: BoxLook,
+    Box: lambda box: BoxLook(box) if box.inside else SolidLook(corners(np.array(box.lower), np.array(box.upper))),
     Sphere: SphereLook,
+    Capsule: SolidLook.capsule,
+    ConvexHull: SolidLook.hull,
 }
 """The look of each boundary."""
 

@@ -1,4 +1,4 @@
-"""Boxes: their edges."""
+"""Boxes: their edges; solid ones are as other solids."""
 
 from __future__ import annotations
 

@@ -13,12 +13,12 @@ from physcore.checks import BoolArray, FloatArray, IntArray, number
 from physcore.errors import SceneError
 from physcore.film.camera.view import View
 from physcore.film.colors.colormaps import STEPS, ColormapName, look_up, sequential
+from physcore.film.colors.light import LAMP
 from physcore.film.colors.themes import Theme, mixed
 from physcore.film.looks.base import corners
 from physcore.film.resampling import cubic
 from physcore.film.styles.base import Painter, Scale, SystemPart, SystemStyle, inks
 from physcore.film.styles.grid_field import NEVER, GridPainter
-from physcore.film.styles.surface import LAMP
 from physcore.scene.grid import GridSystem
 from physcore.simulation.sources import Source, SourceFrame
 

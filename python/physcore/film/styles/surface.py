@@ -14,6 +14,7 @@ from physcore.checks import FloatArray, IntArray, file_path, frozen, is_word, re
 from physcore.errors import FileError, SceneError
 from physcore.film.camera.view import Orbit, View
 from physcore.film.colors.colormaps import diverging, look_up
+from physcore.film.colors.light import AMBIENT, LAMP
 from physcore.film.colors.themes import Color, Theme, color
 from physcore.film.pictures import opened
 from physcore.film.styles.base import BodyStyle, Painter, Part, Scale, body_color, inks, places, straight, sums, typical
@@ -24,10 +25,6 @@ from physcore.scene.channels import first_spring
 from physcore.scene.periodic import Periodic
 from physcore.simulation.sources import Source, SourceFrame
 
-LAMP = np.array([-0.408, 0.577, 0.707])
-"""Direction to the lamp: left, up, toward the eye; where that of balls stands too."""
-AMBIENT = 0.38
-"""How much of its light a surface has that is turned away from the lamp."""
 BACK = 0.8
 """The light of the back of a surface, beside that of its front."""
 NEVER = 1e-9

@@ -1,7 +1,7 @@
 //! Boundaries, one file each. To add one: write its file, which defines its walls, and add its line to [`build`].
 //!
-//! A boundary is an intersection of smooth [`Wall`]s. Every wall has a signed distance, and along a parabolic path its
-//! [`Gap`] to a particle is a polynomial in time, whose first root is the time of contact: no particle can tunnel.
+//! A boundary is an intersection of [`Wall`]s. Every wall has a signed distance, and its [`Gap`] to a particle along a parabolic path
+//! finds the time of the first contact: no particle can tunnel.
 
 use std::fmt::Debug;
 
@@ -13,12 +13,17 @@ use crate::scene::{self, Item};
 mod cuboid;
 mod gap;
 mod plane;
+mod polynomial;
+mod polytope;
+mod solid;
 mod sphere;
 mod wall;
 
 pub use cuboid::Cuboid;
 pub use gap::{Gap, Path};
 pub use plane::Plane;
+pub use polytope::{Feature, Nearest, Polytope};
+pub use solid::Solid;
 pub use sphere::Sphere;
 pub use wall::Wall;
 
@@ -49,6 +54,8 @@ pub fn build(item: &Item, dimension: usize, origin: DVec3) -> Result<Box<dyn Bou
         "Plane" => Ok(Box::new(Plane::new(item, origin)?)),
         "Box" => Ok(Box::new(Cuboid::new(item, dimension, origin)?)),
         "Sphere" => Ok(Box::new(Sphere::new(item, origin)?)),
-        _ => Err(scene::unknown(item, "a boundary: Plane, Box or Sphere")),
+        "Capsule" => Ok(Box::new(Solid::capsule(item, origin)?)),
+        "ConvexHull" => Ok(Box::new(Solid::hull(item, dimension, origin)?)),
+        _ => Err(scene::unknown(item, "a boundary: Plane, Box, Sphere, Capsule or ConvexHull")),
     }
 }

@@ -11,7 +11,7 @@
 
 use glam::DVec3;
 
-use super::Wall;
+use super::Path;
 
 /// Maximum bisection depth of an interval, at which its ends are neighboring numbers.
 const DEPTH: usize = 60;
@@ -19,38 +19,9 @@ const DEPTH: usize = 60;
 /// harmless, because a particle that recedes from a wall is not reflected.
 const INTERVALS: usize = 256;
 
-/// A parabolic path x(t) = x₀ + v t + a t²/2.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Path {
-    /// Initial position x₀ [m].
-    pub position: DVec3,
-    /// Initial slope v [m/s].
-    pub velocity: DVec3,
-    /// Acceleration a [m/s²].
-    pub acceleration: DVec3,
-}
-
-impl Path {
-    /// The position after `time`.
-    pub fn at(&self, time: f64) -> DVec3 {
-        self.position + (self.velocity + self.acceleration * (0.5 * time)) * time
-    }
-
-    /// The slope after `time`.
-    pub fn slope(&self, time: f64) -> DVec3 {
-        self.velocity + self.acceleration * time
-    }
-
-    /// The three Bernstein control points between two times.
-    fn control(&self, start: f64, end: f64) -> [DVec3; 3] {
-        let first = self.at(start);
-        [first, first + self.slope(start) * (0.5 * (end - start)), self.at(end)]
-    }
-}
-
-/// The gap between a particle on its path and a wall.
+/// The gap between a particle on its path and a plane or a sphere.
 #[derive(Debug, Clone, Copy)]
-pub struct Gap {
+pub struct Polynomial {
     form: Form,
     touching: bool,
 }
@@ -63,23 +34,20 @@ enum Form {
     Sphere { path: Path, square: f64, sign: f64 },
 }
 
-impl Gap {
-    /// The gap to `wall` of a particle of radius `radius`. If the particle is `touching` at the start and does not
-    /// approach, the wall is taken at zero gap, and only a later contact counts.
-    pub fn new(wall: &Wall, path: &Path, radius: f64, touching: bool) -> Self {
-        let form = match *wall {
-            Wall::Plane { normal, offset } => {
-                let distance = if touching { 0.0 } else { normal.dot(path.position) - offset - radius };
-                Form::Plane([distance, normal.dot(path.velocity), 0.5 * normal.dot(path.acceleration)])
-            }
-            Wall::Sphere { center, radius: size, inside } => {
-                let path = Path { position: path.position - center, ..*path };
-                let reach = if inside { size - radius } else { size + radius };
-                let square = if touching { path.position.length_squared() } else { reach * reach };
-                Form::Sphere { path, square, sign: if inside { -1.0 } else { 1.0 } }
-            }
-        };
-        Self { form, touching }
+impl Polynomial {
+    /// The gap to the plane n·x = offset, with its normal and offset, of a particle of radius `radius`. If the particle is
+    /// `touching` at the start and does not approach, the wall is taken at zero gap, and only a later contact counts.
+    pub fn plane((normal, offset): (DVec3, f64), path: &Path, radius: f64, touching: bool) -> Self {
+        let distance = if touching { 0.0 } else { normal.dot(path.position) - offset - radius };
+        Self { form: Form::Plane([distance, normal.dot(path.velocity), 0.5 * normal.dot(path.acceleration)]), touching }
+    }
+
+    /// The gap to the sphere with a center and a radius, likewise, on its `inside` or outside.
+    pub fn sphere((center, size, inside): (DVec3, f64, bool), path: &Path, radius: f64, touching: bool) -> Self {
+        let path = Path { position: path.position - center, ..*path };
+        let reach = if inside { size - radius } else { size + radius };
+        let square = if touching { path.position.length_squared() } else { reach * reach };
+        Self { form: Form::Sphere { path, square, sign: if inside { -1.0 } else { 1.0 } }, touching }
     }
 
     /// The time of first contact within `duration` [s]; None is certain.
@@ -194,6 +162,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
+    use crate::boundaries::Wall;
 
     fn vector() -> impl Strategy<Value = DVec3> {
         prop::array::uniform3(-2.0..2.0_f64).prop_map(DVec3::from_array)
@@ -212,6 +181,14 @@ mod tests {
         (vector(), vector(), vector()).prop_map(|(position, velocity, acceleration)| Path { position, velocity, acceleration })
     }
 
+    fn polynomial(wall: &Wall, path: &Path) -> Polynomial {
+        match *wall {
+            Wall::Plane { normal, offset } => Polynomial::plane((normal, offset), path, 0.1, false),
+            Wall::Sphere { center, radius, inside } => Polynomial::sphere((center, radius, inside), path, 0.1, false),
+            Wall::Solid(_) => unreachable!("not drawn"),
+        }
+    }
+
     /// All numbers here are below 100, so that f is exact to some 20 roundings of 100.
     const ROUNDING: f64 = 20.0 * 100.0 * f64::EPSILON;
 
@@ -219,7 +196,7 @@ mod tests {
         /// The coefficients are those of f: Σ bₖ Bₖ(u) = f(t).
         #[test]
         fn coefficients_are_those_of_the_gap(wall in wall(), path in path(), start in 0.0..1.0_f64, length in 0.0..1.0_f64, u in 0.0..=1.0_f64) {
-            let gap = Gap::new(&wall, &path, 0.1, false);
+            let gap = polynomial(&wall, &path);
             let weights = [1.0, 4.0, 6.0, 4.0, 1.0];
             let terms = (0..).zip(weights).zip(gap.coefficients(start, start + length));
             let sum: f64 = terms.map(|((k, weight), b)| weight * u.powi(k) * (1.0 - u).powi(4 - k) * b).sum();
@@ -231,7 +208,7 @@ mod tests {
         fn the_first_contact_is_the_first(wall in wall(), path in path()) {
             let (distance, _) = wall.distance(path.position);
             prop_assume!(distance > 0.1);
-            let gap = Gap::new(&wall, &path, 0.1, false);
+            let gap = polynomial(&wall, &path);
             let contact = gap.first_contact(2.0);
             let open = contact.unwrap_or(2.0);
             for sample in 0..=200 {

@@ -1,9 +1,13 @@
-//! Walls: the smooth surfaces of boundaries.
+//! Walls: the surfaces of boundaries.
+
+use std::sync::Arc;
 
 use glam::DVec3;
 
-/// A smooth surface with an allowed side.
-#[derive(Debug, Clone, Copy, PartialEq)]
+use super::polytope::Polytope;
+
+/// A surface with an allowed side.
+#[derive(Debug, Clone, PartialEq)]
 pub enum Wall {
     /// n·x ≥ offset.
     Plane {
@@ -21,12 +25,18 @@ pub enum Wall {
         /// Whether the inside is the allowed side.
         inside: bool,
     },
+    /// The outside of a rounded convex polytope.
+    Solid(Arc<Polytope>),
 }
 
 impl Wall {
     /// The signed distance from the wall to `x` [m], positive on the allowed side, and the unit normal into that side.
     pub fn distance(&self, x: DVec3) -> (f64, DVec3) {
         match *self {
+            Self::Solid(ref solid) => {
+                let nearest = solid.nearest(x);
+                (nearest.distance, nearest.normal)
+            }
             Self::Plane { normal, offset } => (normal.dot(x) - offset, normal),
             Self::Sphere { center, radius, inside } => {
                 let away = x - center;
@@ -38,10 +48,11 @@ impl Wall {
         }
     }
 
-    /// The curvature κ [1/m] of the surface at the wall's distance from `x`: moving along it with velocity v changes
-    /// the distance by d'' = n·a + κ v².
-    pub fn curvature(&self, x: DVec3) -> f64 {
+    /// The curvature κ [1/m] of the surface at the wall's distance from `x` along a unit direction: moving along that with
+    /// velocity v changes the distance by d'' = n·a + κ v². For no direction, the curvature of the largest magnitude.
+    pub fn curvature(&self, x: DVec3, direction: DVec3) -> f64 {
         match *self {
+            Self::Solid(ref solid) => solid.curvature(x, direction),
             Self::Plane { .. } => 0.0,
             Self::Sphere { center, inside, .. } => {
                 let length = (x - center).length();
@@ -54,6 +65,7 @@ impl Wall {
     /// Magnitude of the operands of a distance near the surface [m], the scale of its rounding error.
     pub fn extent(&self) -> f64 {
         match *self {
+            Self::Solid(ref solid) => solid.extent(),
             Self::Plane { offset, .. } => offset.abs(),
             Self::Sphere { center, radius, .. } => center.abs().max_element() + radius,
         }

@@ -8,7 +8,7 @@ use crate::matter::{Blocks, Properties};
 use crate::simd::{Kernel, LANES, Lanes};
 
 /// A wall, or two parallel ones, in the form of the test. `set` is the column of radii that it uses.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub(super) enum Test<T> {
     /// lower ≤ x ≤ upper along one axis.
     Slab { set: usize, axis: usize, lower: T, upper: T },
@@ -16,7 +16,12 @@ pub(super) enum Test<T> {
     Plane { set: usize, normal: [T; AXES], offset: T },
     /// |x − c| ≤ R or ≥ R.
     Sphere { set: usize, center: [T; AXES], radius: T, inside: bool },
+    /// n·x ≥ offset for one of these planes at least.
+    Solid { set: usize, planes: Vec<([T; AXES], T)> },
 }
+
+/// The most facets of a solid that are tested one by one; one with more, or with none, is in a ball.
+const FACETS: usize = 16;
 
 impl<T: Real> Test<T> {
     /// The tests of the walls of a boundary for particles of at most the radius `largest`. Each wall is offset inward by a
@@ -45,6 +50,18 @@ impl<T: Real> Test<T> {
                     } else {
                         tests.push(Self::Slab { set, axis, lower: below, upper: above });
                     }
+                }
+                Wall::Solid(ref solid) => {
+                    let planes =
+                        solid.planes().map(|(normal, offset)| (normal.to_array().map(T::from_f64), T::from_f64(offset + margin)));
+                    let planes: Vec<_> = planes.collect();
+                    let (center, radius) = solid.ball();
+                    tests.push(if (1..=FACETS).contains(&planes.len()) {
+                        Self::Solid { set, planes }
+                    } else {
+                        let center = center.to_array().map(T::from_f64);
+                        Self::Sphere { set, center, radius: T::from_f64(radius + margin), inside: false }
+                    });
                 }
                 Wall::Sphere { center, radius, inside } => {
                     let radius = T::from_f64(if inside { radius - margin } else { radius + margin });
@@ -127,19 +144,22 @@ impl<V: Vector> Sweep<'_, '_, '_, V> {
                 }
             }
             Test::Plane { set, normal, offset } => {
+                let (radius, lowest) = (reach(*set), self.lowest(base, normal));
+                for lane in 0..LANES {
+                    clear[lane] = smaller(lowest[lane] - *offset - radius[lane], clear[lane]);
+                }
+            }
+            Test::Solid { set, planes } => {
                 let radius = reach(*set);
-                let mut height = [[V::Scalar::ZERO; LANES]; 3];
-                for (axis, &slope) in normal.iter().enumerate().take(V::DIMENSION) {
-                    for (height, control) in height.iter_mut().zip(self.control(base, axis)) {
-                        for lane in 0..LANES {
-                            height[lane] += slope * control[lane];
-                        }
+                let mut gap = [V::Scalar::from_f64(f64::NEG_INFINITY); LANES];
+                for (normal, offset) in planes {
+                    let lowest = self.lowest(base, normal);
+                    for lane in 0..LANES {
+                        gap[lane] = larger(lowest[lane] - *offset - radius[lane], gap[lane]);
                     }
                 }
-                let [first, middle, last] = &height;
                 for lane in 0..LANES {
-                    let lowest = smaller(smaller(first[lane], middle[lane]), last[lane]);
-                    clear[lane] = smaller(lowest - *offset - radius[lane], clear[lane]);
+                    clear[lane] = smaller(gap[lane], clear[lane]);
                 }
             }
             Test::Sphere { set, center, radius, inside } => {
@@ -158,6 +178,21 @@ impl<V: Vector> Sweep<'_, '_, '_, V> {
                 }
             }
         }
+    }
+
+    /// The smallest Bernstein coefficient of n·x along a group's paths.
+    #[inline(always)]
+    fn lowest(&self, base: usize, normal: &[V::Scalar; AXES]) -> Lanes<V::Scalar> {
+        let mut height = [[V::Scalar::ZERO; LANES]; 3];
+        for (axis, &slope) in normal.iter().enumerate().take(V::DIMENSION) {
+            for (height, control) in height.iter_mut().zip(self.control(base, axis)) {
+                for lane in 0..LANES {
+                    height[lane] += slope * control[lane];
+                }
+            }
+        }
+        let [first, middle, last] = &height;
+        std::array::from_fn(|lane| smaller(smaller(first[lane], middle[lane]), last[lane]))
     }
 
     /// The smallest and the largest Bernstein coefficient of |x − c|² along a group's paths.

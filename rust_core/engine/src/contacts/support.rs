@@ -24,8 +24,9 @@ pub(super) struct Support {
     pub acceleration: DVec3,
     /// Deceleration by friction, Σ μ λ [m/s²].
     friction: f64,
-    /// The largest |κ| of the carrying walls [1/m].
+    /// The largest |κ| of the carrying walls along the velocity, and in any direction [1/m].
     pub curvature: f64,
+    pub bend: f64,
 }
 
 /// An interval of sliding at uniform acceleration.
@@ -68,6 +69,7 @@ impl Support {
                 acceleration: DVec3::ZERO,
                 friction: carriers[0].friction * push[0].max(0.0) + carriers[1].friction * push[1].max(0.0),
                 curvature: carriers[0].curvature.abs().max(carriers[1].curvature.abs()),
+                bend: carriers[0].bend.abs().max(carriers[1].bend.abs()),
             };
             support.acceleration = support.along(acceleration);
             for contact in parallel.as_slice().iter().filter(|contact| leaves(contact, total) <= tolerance) {
@@ -109,11 +111,11 @@ impl Support {
         }
     }
 
-    /// The same support at another position, where `surface` gives a wall's normal and curvature.
-    pub fn moved(&self, surface: impl Fn(usize) -> (DVec3, f64)) -> Self {
+    /// The same support at another position, where `surface` gives a wall's normal and curvatures.
+    pub fn moved(&self, surface: impl Fn(usize) -> (DVec3, f64, f64)) -> Self {
         let mut moved = *self;
         for contact in moved.carriers.iter_mut().take(self.count.min(2)) {
-            (contact.normal, contact.curvature) = surface(contact.surface);
+            (contact.normal, contact.curvature, contact.bend) = surface(contact.surface);
         }
         moved
     }
@@ -140,8 +142,8 @@ impl Support {
             return Slip { acceleration: DVec3::ZERO, duration: 0.0, stops: true, rests: true };
         }
         let mut duration = left;
-        if self.curvature > 0.0 {
-            let arc = ANGLE / self.curvature;
+        if self.bend > 0.0 {
+            let arc = ANGLE / self.bend;
             duration = duration.min(arc / speed).min((arc / a.length()).sqrt());
             let middle = velocity + (a - velocity.normalize_or_zero() * friction) * (0.5 * duration);
             friction = self.friction_at(middle.length());

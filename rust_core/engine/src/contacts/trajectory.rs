@@ -19,7 +19,7 @@ use glam::DVec3;
 
 use super::Surface;
 use super::support::{Slip, Support};
-use crate::boundaries::{Gap, Path};
+use crate::boundaries::{Gap, Path, Wall};
 
 /// Maximum number of impacts and slides within one step.
 const EVENTS: usize = 64;
@@ -51,8 +51,10 @@ pub(super) struct Contact {
     pub surface: usize,
     /// The unit normal into the allowed side.
     pub normal: DVec3,
-    /// Curvature κ [1/m]: sliding with velocity v takes a normal acceleration −κ v².
+    /// Curvature κ [1/m] along the velocity: sliding with velocity v takes a normal acceleration −κ v².
     pub curvature: f64,
+    /// The largest curvature in magnitude [1/m].
+    pub bend: f64,
     /// Coulomb's coefficient of friction μ.
     pub friction: f64,
     /// Contact tolerance [m].
@@ -87,7 +89,7 @@ impl<'a> Walls<'a> {
     /// Integrates a step of `h` with contacts, which the integrator took along `path` from the velocity `start`; None
     /// without contact.
     pub fn trajectory(&self, path: &Path, start: DVec3, h: f64) -> Option<End> {
-        let (time, surface) = self.first(path, h, &self.contacts(path.position, None), &ContactSet::default())?;
+        let (time, surface) = self.first(path, h, &self.contacts(path.position, start, None), &ContactSet::default())?;
         let trajectory = Trajectory {
             walls: *self,
             position: path.at(time),
@@ -104,15 +106,16 @@ impl<'a> Walls<'a> {
         self.surfaces.iter().enumerate().filter(move |(_, surface)| surface.bodies[body])
     }
 
-    /// The walls that a particle at `x` touches; `hit` is one of them irrespective of rounding.
-    fn contacts(&self, x: DVec3, hit: Option<usize>) -> ContactSet {
+    /// The walls that a particle at `x` with a velocity touches; `hit` is one of them irrespective of rounding.
+    fn contacts(&self, x: DVec3, velocity: DVec3, hit: Option<usize>) -> ContactSet {
         let mut contacts = ContactSet::default();
         for (index, surface) in self.acting() {
             let (distance, normal) = surface.wall.distance(x);
             let slack = surface.slack(self.rounding, x, self.radius);
             if distance - self.radius <= slack || hit == Some(index) {
-                let curvature = surface.wall.curvature(x);
-                contacts.add(Contact { surface: index, normal, curvature, friction: surface.friction, slack });
+                let [curvature, bend] =
+                    [velocity.normalize_or_zero(), DVec3::ZERO].map(|direction| surface.wall.curvature(x, direction));
+                contacts.add(Contact { surface: index, normal, curvature, bend, friction: surface.friction, slack });
             }
         }
         contacts
@@ -185,7 +188,7 @@ impl Trajectory<'_> {
     fn finish(mut self, surface: usize) -> End {
         let mut hit = Some(surface);
         for _ in 0..EVENTS {
-            let contacts = self.walls.contacts(self.position, hit);
+            let contacts = self.walls.contacts(self.position, self.velocity, hit);
             if let Some(contact) = self.approached(&contacts) {
                 self.bounce(&contact);
                 hit = Some(contact.surface);
@@ -265,7 +268,7 @@ impl Trajectory<'_> {
         }
         // In units of the duration, because the square of a short duration may underflow.
         let way = self.velocity * duration;
-        let bend = if support.curvature > 0.0 {
+        let bend = if support.bend > 0.0 {
             (self.slide_to(support, acceleration, duration) - self.position - way) * 2.0
         } else {
             acceleration * (duration * duration)
@@ -273,12 +276,14 @@ impl Trajectory<'_> {
         let path = Path { position: self.position, velocity: way, acceleration: bend };
         let next = self.walls.first(&path, 1.0, contacts, &support.slides);
         let time = next.map_or(duration, |(share, _)| share * duration);
-        let stops = stops && next.is_none();
+        let edge = self.edge(support, acceleration, time);
+        let (time, next) = if edge < time { (edge, None) } else { (time, next) };
+        let stops = stops && next.is_none() && edge == duration;
         let middle = self.velocity + acceleration * (0.5 * time);
         self.position = self.slide_to(support, acceleration, time);
         self.left -= time;
         let drag = support.acceleration - acceleration;
-        if support.curvature > 0.0 && !stops {
+        if support.bend > 0.0 && !stops {
             self.turn(support, middle, drag.length(), time);
         } else {
             self.lost += drag.dot(middle) * time;
@@ -290,6 +295,28 @@ impl Trajectory<'_> {
             self.left = if rests { 0.0 } else { self.left };
         }
         next.map(|(_, surface)| surface)
+    }
+
+    /// The time, up to `time`, until which a slide on facets stays on them: beyond an edge the path lifts off.
+    fn edge(&self, support: &Support, acceleration: DVec3, time: f64) -> f64 {
+        let lifted = |time: f64| {
+            let x = self.position + (self.velocity + acceleration * (0.5 * time)) * time;
+            support.slides.as_slice().iter().any(|contact| {
+                let Surface { wall, .. } = &self.walls.surfaces[contact.surface];
+                matches!(wall, Wall::Solid(_)) && wall.distance(x).0 - self.walls.radius > 2.0 * contact.slack
+            })
+        };
+        if support.bend > 0.0 || !lifted(time) {
+            return time;
+        }
+        let (mut low, mut high) = (0.0, time);
+        loop {
+            let middle = 0.5 * (low + high);
+            if middle <= low || middle >= high {
+                return high;
+            }
+            if lifted(middle) { high = middle } else { low = middle }
+        }
     }
 
     /// The final position of a slide with the given tangential acceleration.
@@ -305,7 +332,9 @@ impl Trajectory<'_> {
     fn turn(&mut self, support: &Support, middle: DVec3, drag: f64, time: f64) {
         let here = support.moved(|surface| {
             let wall = &self.walls.surfaces[surface].wall;
-            (wall.distance(self.position).1, wall.curvature(self.position))
+            let [curvature, bend] =
+                [middle.normalize_or_zero(), DVec3::ZERO].map(|direction| wall.curvature(self.position, direction));
+            (wall.distance(self.position).1, curvature, bend)
         });
         let speed = middle.length();
         let middle = here.along(middle).normalize_or_zero() * speed;

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::{Array, Item, Value};
+use super::{Item, Value};
 use crate::error::Result;
 
 /// Particles.
@@ -66,15 +66,9 @@ impl Body {
 
 /// Takes rows of vectors out of an item.
 fn vectors(item: &mut Item, name: &str, count: Option<usize>, dimension: usize) -> Result<Vec<DVec3>> {
-    let fits =
-        |array: &Array<f64>| matches!(array.shape[..], [rows, width] if width == dimension && rows == count.unwrap_or(rows));
-    match item.values.remove(name) {
-        Some(Value::Numbers(array)) if fits(&array) => Ok(match dimension {
-            3 => array.entries.as_chunks().0.iter().map(|&row| DVec3::from_array(row)).collect(),
-            _ => array.entries.as_chunks().0.iter().map(|&[x, y]| DVec3::new(x, y, 0.0)).collect(),
-        }),
-        other => Err(item.wrong(name, &format!("a vector of {dimension} components for each particle"), other.as_ref())),
-    }
+    let vectors = item.vectors(name, count, dimension)?;
+    item.values.remove(name);
+    Ok(vectors)
 }
 
 /// Takes one number for each particle out of an item.

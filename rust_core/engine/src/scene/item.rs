@@ -200,6 +200,19 @@ impl Item {
         }
     }
 
+    /// Rows of `dimension` numbers, 2 or 3, as vectors: `count` of them, if that is known.
+    pub fn vectors(&self, name: &str, count: Option<usize>, dimension: usize) -> Result<Vec<DVec3>> {
+        let fits =
+            |array: &Array<f64>| matches!(array.shape[..], [rows, width] if width == dimension && rows == count.unwrap_or(rows));
+        match self.values.get(name) {
+            Some(Value::Numbers(array)) if fits(array) => Ok(match dimension {
+                3 => array.entries.as_chunks().0.iter().map(|&row| DVec3::from_array(row)).collect(),
+                _ => array.entries.as_chunks().0.iter().map(|&[x, y]| DVec3::new(x, y, 0.0)).collect(),
+            }),
+            other => Err(self.wrong(name, &format!("rows of {dimension} components, one for each"), other)),
+        }
+    }
+
     /// Rows of N indices each.
     pub fn tuples<const N: usize>(&self, name: &str) -> Result<&[[u32; N]]> {
         match self.values.get(name) {

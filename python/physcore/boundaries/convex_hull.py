@@ -1,0 +1,72 @@
+"""The convex hull of points, as an obstacle."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from numpy.typing import ArrayLike
+
+from physcore._core import convex_hull
+from physcore.checks import FloatArray, IntArray, array, frozen
+from physcore.errors import SceneError
+from physcore.scene.items import Boundary, On
+
+MOST = 100
+"""The most points; the nearest of all facets and edges is found by looking at each."""
+
+
+@dataclass(frozen=True, eq=False, init=False, repr=False)
+class ConvexHull(Boundary):
+    """The smallest convex solid that holds some points, in 2D a polygon; particles stay outside.
+
+        ramp = pc.ConvexHull([[0.0, 0.0], [1.0, 0.0], [0.0, 0.5]], friction=0.2)
+        scene = pc.Scene(grains, ramp, pc.Floor(), pc.Gravity((0.0, -9.81)))
+
+    Several solids side by side or in one another are their union: steps are boxes (`Box(…, inside=False)`). Particles
+    with a radius go round edges and corners as round cylinders and spheres of that radius.
+
+    Args:
+        points: [m], shape (V, 2) or (V, 3), at most 100; those within the hull do not matter.
+        restitution, friction, no_slip, on: as in Boundary.
+
+    Raises:
+        SceneError: the points are too many, span no area or volume, or a value is not finite.
+    """
+
+    points: FloatArray
+
+    def __init__(
+        self,
+        points: ArrayLike,
+        *,
+        restitution: float = 1.0,
+        friction: float = 0.0,
+        no_slip: bool = False,
+        on: On = None,
+    ) -> None:
+        values = array(points, "ConvexHull.points")
+        if values.ndim != 2 or values.shape[1] not in (2, 3):
+            raise SceneError(f"ConvexHull.points: must have the shape (V, 2) or (V, 3), got {values.shape}")
+        if len(values) > MOST:
+            raise SceneError(f"ConvexHull.points: must be at most {MOST}, got {len(values)}; leave out those within")
+        self._set(points=frozen(values), restitution=restitution, friction=friction, no_slip=no_slip, on=on)
+        self.__post_init__()
+        if not self.facets():
+            spanned = "an area" if self.dimension == 2 else "a volume"
+            raise SceneError(f"ConvexHull.points: must span {spanned}, got points that are flat")
+
+    def __repr__(self) -> str:
+        return f"ConvexHull({len(self.points)} points in {self.dimension}D)"
+
+    @property
+    def dimension(self) -> int:
+        """2 or 3."""
+        return int(self.points.shape[1])
+
+    def facets(self) -> list[IntArray]:
+        """The indices of the vertices of every facet, counterclockwise as seen from outside; in 2D of every side."""
+        return [frozen(facet) for facet in convex_hull(self.points)]
+
+    def mismatch(self, dimension: int) -> tuple[str, int] | None:
+        """The points, if they have not `dimension` components."""
+        return None if self.dimension == dimension else ("points", self.dimension)

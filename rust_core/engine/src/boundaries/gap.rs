@@ -1,0 +1,175 @@
+//! The time of first contact of a particle on a parabolic path with a wall, to rounding, or a certificate that there is none.
+//!
+//! The gap to a plane or a sphere is a polynomial in time ([`super::polynomial`]). A convex solid lies behind the plane through its
+//! point nearest to the particle, normal to their separation: no contact comes before the path meets that plane, from where the next
+//! one follows. On a facet the second plane is the last; elsewhere this is Newton's method for a convex function.
+
+use std::sync::Arc;
+
+use glam::DVec3;
+
+use super::polynomial::Polynomial;
+use super::{Polytope, Wall};
+
+/// Maximum number of supporting planes. Only rounding at a grazing contact could need more; it then counts as a contact, which is
+/// harmless, because a particle that recedes from a wall is not reflected.
+const PLANES: usize = 128;
+/// The gap that counts as closed, in units of rounding of the operands.
+const CLOSED: f64 = 2.0;
+
+/// A parabolic path x(t) = x₀ + v t + a t²/2.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Path {
+    /// Initial position x₀ [m].
+    pub position: DVec3,
+    /// Initial slope v [m/s].
+    pub velocity: DVec3,
+    /// Acceleration a [m/s²].
+    pub acceleration: DVec3,
+}
+
+impl Path {
+    /// The position after `time`.
+    pub fn at(&self, time: f64) -> DVec3 {
+        self.position + (self.velocity + self.acceleration * (0.5 * time)) * time
+    }
+
+    /// The slope after `time`.
+    pub fn slope(&self, time: f64) -> DVec3 {
+        self.velocity + self.acceleration * time
+    }
+
+    /// The three Bernstein control points between two times.
+    pub(super) fn control(&self, start: f64, end: f64) -> [DVec3; 3] {
+        let first = self.at(start);
+        [first, first + self.slope(start) * (0.5 * (end - start)), self.at(end)]
+    }
+}
+
+/// The gap between a particle on its path and a wall.
+#[derive(Debug, Clone)]
+pub enum Gap {
+    /// To a plane or a sphere.
+    Smooth(Polynomial),
+    /// To a solid.
+    Solid(Approach),
+}
+
+/// A particle on its path towards a solid.
+#[derive(Debug, Clone)]
+pub struct Approach {
+    solid: Arc<Polytope>,
+    path: Path,
+    radius: f64,
+    touching: bool,
+}
+
+impl Gap {
+    /// The gap to `wall` of a particle of radius `radius`. If the particle is `touching` at the start and does not
+    /// approach, the wall is taken at zero gap, and only a later contact counts.
+    pub fn new(wall: &Wall, path: &Path, radius: f64, touching: bool) -> Self {
+        match *wall {
+            Wall::Plane { normal, offset } => Self::Smooth(Polynomial::plane((normal, offset), path, radius, touching)),
+            Wall::Sphere { center, radius: size, inside } => {
+                Self::Smooth(Polynomial::sphere((center, size, inside), path, radius, touching))
+            }
+            Wall::Solid(ref solid) => Self::Solid(Approach { solid: Arc::clone(solid), path: *path, radius, touching }),
+        }
+    }
+
+    /// The time of first contact within `duration` [s]; None is certain.
+    pub fn first_contact(&self, duration: f64) -> Option<f64> {
+        match self {
+            Self::Smooth(polynomial) => polynomial.first_contact(duration),
+            Self::Solid(approach) => approach.first_contact(duration),
+        }
+    }
+}
+
+impl Approach {
+    fn first_contact(&self, duration: f64) -> Option<f64> {
+        let Self { solid, path, radius, touching } = self;
+        let mut time = 0.0;
+        for plane in 0..PLANES {
+            let ahead = Path { position: path.at(time), velocity: path.slope(time), ..*path };
+            let nearest = solid.nearest(ahead.position);
+            let gap = nearest.distance - radius;
+            let touching = *touching && plane == 0;
+            let operands = ahead.position.abs().max_element() + solid.extent() + radius;
+            if !touching && gap <= CLOSED * f64::EPSILON * operands {
+                return Some(time);
+            }
+            let offset = nearest.normal.dot(ahead.position) - gap;
+            let way = Polynomial::plane((nearest.normal, offset), &ahead, 0.0, touching).first_contact(duration - time)?;
+            if plane > 0 && way == 0.0 {
+                return Some(time);
+            }
+            time += way;
+        }
+        Some(time)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    /// Solids of vertices with coordinates below 1 m, rounded by up to 0.3 m, or capsules.
+    fn solid() -> impl Strategy<Value = Polytope> {
+        let point = || prop::array::uniform3(-1.0..1.0_f64).prop_map(DVec3::from_array);
+        let hull = (prop::collection::vec(point(), 4..12), 0.0..0.3_f64)
+            .prop_filter_map("flat", |(points, rounding)| Polytope::hull(&points, 3, rounding));
+        let capsule = (point(), point(), 0.1..0.5_f64).prop_map(|(start, end, radius)| Polytope::capsule([start, end], radius));
+        prop_oneof![hull, capsule]
+    }
+
+    /// Numbers of up to 30 m are rounded, and a distance is a sum of a few products of them.
+    const ROUNDING: f64 = 100.0 * 30.0 * f64::EPSILON;
+
+    proptest! {
+        /// Up to the first contact the gap is open, and there it is closed; None means open to the end.
+        #[test]
+        fn the_first_contact_with_a_solid_is_the_first(
+            solid in solid(),
+            [x, v, a] in prop::array::uniform3(prop::array::uniform3(-3.0..3.0_f64).prop_map(DVec3::from_array)),
+            radius in 0.0..0.3_f64,
+        ) {
+            let path = Path { position: x, velocity: v, acceleration: a };
+            prop_assume!(solid.nearest(x).distance > radius + 0.01);
+            let solid = Arc::new(solid);
+            let contact = Gap::new(&Wall::Solid(Arc::clone(&solid)), &path, radius, false).first_contact(2.0);
+            for sample in 0..=200 {
+                let x = path.at(contact.unwrap_or(2.0) * f64::from(sample) / 200.0);
+                prop_assert!(solid.nearest(x).distance - radius > -ROUNDING);
+            }
+            if let Some(time) = contact {
+                prop_assert!((solid.nearest(path.at(time)).distance - radius).abs() < ROUNDING);
+            }
+        }
+
+        /// The nearest point of the surface is no farther than any other point of the solid, and on it.
+        #[test]
+        fn the_nearest_point_is_the_nearest(
+            points in prop::collection::vec(prop::array::uniform3(-1.0..1.0_f64).prop_map(DVec3::from_array), 4..12),
+            x in prop::array::uniform3(-3.0..3.0_f64).prop_map(DVec3::from_array),
+            weights in prop::collection::vec(prop::collection::vec(0.01..1.0_f64, 12), 50),
+        ) {
+            let Some(solid) = Polytope::hull(&points, 3, 0.0) else { return Ok(()) };
+            let nearest = solid.nearest(x);
+            for weights in weights {
+                let total: f64 = weights.iter().take(points.len()).sum();
+                let inner = points.iter().zip(&weights).map(|(point, weight)| *point * *weight).sum::<DVec3>() / total;
+                if nearest.distance > 0.0 {
+                    // The plane through the nearest point has the solid behind it, and x at the distance before it.
+                    prop_assert!(nearest.normal.dot(x - inner) >= nearest.distance - ROUNDING);
+                }
+                prop_assert!(solid.nearest(inner).distance <= ROUNDING);
+            }
+            if nearest.distance > 0.0 {
+                prop_assert!(solid.nearest(x - nearest.distance * nearest.normal).distance.abs() < ROUNDING);
+            }
+        }
+    }
+}

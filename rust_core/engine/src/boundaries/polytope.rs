@@ -1,0 +1,235 @@
+//! Rounded convex polytopes: all points within a radius of the hull of some points. Capsules and boxes are such.
+
+use glam::DVec3;
+
+/// How near a point is to a plane through others, relative to their extent, to count as one of it.
+const FLAT: f64 = 1e-9;
+/// Distances below this are of no direction, relative to the extent.
+const DIRECTED: f64 = f64::EPSILON;
+
+/// The hull of some points, in 2D at z = 0, and a radius of rounding.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Polytope {
+    /// The vertices [m].
+    vertices: Vec<DVec3>,
+    facets: Vec<Facet>,
+    /// The edges by their ends; in 2D the vertices.
+    edges: Vec<[u32; 2]>,
+    /// The radius of rounding [m].
+    rounding: f64,
+    /// The largest coordinate [m].
+    extent: f64,
+}
+
+/// A facet of the hull; in 2D a side.
+#[derive(Debug, Clone, PartialEq)]
+struct Facet {
+    /// The unit normal n, outward, and n·x of its points.
+    normal: DVec3,
+    offset: f64,
+    /// Its vertices, counterclockwise as seen from outside.
+    loops: Vec<u32>,
+    /// The inward unit normals of its sides within its plane, and their products with points of these.
+    sides: Vec<(DVec3, f64)>,
+}
+
+/// The part of the surface that is nearest to a point.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Feature {
+    /// A facet, which is flat.
+    Facet,
+    /// An edge, with its unit direction.
+    Edge(DVec3),
+    /// A vertex.
+    Vertex,
+}
+
+/// The surface nearest to a point.
+#[derive(Debug, Clone, Copy)]
+pub struct Nearest {
+    /// The signed distance [m], positive outside.
+    pub distance: f64,
+    /// The unit normal outward.
+    pub normal: DVec3,
+    /// The part of the surface that it is on.
+    pub feature: Feature,
+}
+
+impl Polytope {
+    /// The hull of `points`, rounded; None where they span no area in 2D, or no volume in 3D.
+    pub fn hull(points: &[DVec3], dimension: usize, rounding: f64) -> Option<Self> {
+        let extent = extent(points);
+        let size = points.iter().map(|point| (*point - points[0]).length()).fold(0.0, f64::max);
+        let tolerance = FLAT * size;
+        let mut facets: Vec<Facet> = Vec::new();
+        let mut add = |normal: DVec3, through: DVec3| {
+            let Some(normal) = normal.try_normalize() else { return };
+            for normal in [normal, -normal] {
+                let offset = points.iter().map(|point| normal.dot(*point)).fold(f64::NEG_INFINITY, f64::max);
+                let known = |facet: &Facet| facet.normal.dot(normal) > 1.0 - FLAT && (facet.offset - offset).abs() <= tolerance;
+                if offset - normal.dot(through) <= tolerance && !facets.iter().any(known) {
+                    facets.push(Facet::new(normal, offset, points, tolerance, dimension));
+                }
+            }
+        };
+        for (index, &one) in points.iter().enumerate() {
+            for (next, &other) in points.iter().enumerate().skip(index + 1) {
+                if dimension == 2 {
+                    add(DVec3::Z.cross(other - one), one);
+                    continue;
+                }
+                for &third in &points[next + 1..] {
+                    let normal = (other - one).cross(third - one);
+                    if normal.length() > tolerance * size {
+                        add(normal, one);
+                    }
+                }
+            }
+        }
+        let flat = |facet: &Facet| points.iter().all(|point| facet.offset - facet.normal.dot(*point) <= tolerance);
+        if facets.len() <= dimension || facets.iter().any(flat) {
+            return None;
+        }
+        let mut edges: Vec<[u32; 2]> = Vec::new();
+        for Facet { loops, .. } in &facets {
+            for (place, &from) in loops.iter().enumerate() {
+                let to = loops[(place + 1) % loops.len()];
+                let ends = if dimension == 2 { [from, from] } else { [from.min(to), from.max(to)] };
+                if !edges.contains(&ends) {
+                    edges.push(ends);
+                }
+            }
+        }
+        Some(Self { vertices: points.to_vec(), facets, edges, rounding, extent })
+    }
+
+    /// The points within `radius` of the segment between two points.
+    pub fn capsule(ends: [DVec3; 2], radius: f64) -> Self {
+        let extent = extent(&ends);
+        Self { vertices: ends.to_vec(), facets: Vec::new(), edges: vec![[0, 1]], rounding: radius, extent }
+    }
+
+    /// Its largest coordinate [m].
+    pub fn extent(&self) -> f64 {
+        self.extent + self.rounding
+    }
+
+    /// The vertices of every facet, counterclockwise as seen from outside.
+    pub fn loops(&self) -> impl Iterator<Item = &[u32]> {
+        self.facets.iter().map(|facet| facet.loops.as_slice())
+    }
+
+    /// The planes n·x = offset of its facets, with its rounding.
+    pub fn planes(&self) -> impl Iterator<Item = (DVec3, f64)> {
+        self.facets.iter().map(|facet| (facet.normal, facet.offset + self.rounding))
+    }
+
+    /// The center and the radius of a ball around it.
+    pub fn ball(&self) -> (DVec3, f64) {
+        let center = self.vertices.iter().sum::<DVec3>() / self.vertices.len() as f64;
+        (center, self.rounding + self.vertices.iter().map(|vertex| (*vertex - center).length()).fold(0.0, f64::max))
+    }
+
+    /// The surface nearest to `x`.
+    pub fn nearest(&self, x: DVec3) -> Nearest {
+        let heights = self.facets.iter().map(|facet| (facet.normal.dot(x) - facet.offset, facet));
+        let highest = heights.clone().reduce(|one, other| if other.0 > one.0 { other } else { one });
+        let of_facet = |(height, facet): (f64, &Facet)| Nearest {
+            distance: height - self.rounding,
+            normal: facet.normal,
+            feature: Feature::Facet,
+        };
+        if let Some(facet) = highest.filter(|(height, _)| *height <= 0.0) {
+            return of_facet(facet);
+        }
+        if let Some(facet) = heights.filter(|(height, _)| *height > 0.0).find(|(_, facet)| facet.is_over(x)) {
+            return of_facet(facet);
+        }
+        let points = self.edges.iter().map(|&[from, to]| on_segment(x, [from, to].map(|end| self.vertices[end as usize])));
+        let nearer = |one: (DVec3, Feature), other: (DVec3, Feature)| {
+            if (x - other.0).length_squared() < (x - one.0).length_squared() { other } else { one }
+        };
+        let (point, feature) = points.reduce(nearer).unwrap_or((self.vertices[0], Feature::Vertex));
+        let away = x - point;
+        let length = away.length();
+        if let Some(facet) = highest.filter(|_| length <= DIRECTED * self.extent) {
+            return of_facet(facet);
+        }
+        let normal = match feature {
+            _ if length > 0.0 => away / length,
+            Feature::Edge(direction) if direction.z == 0.0 => DVec3::new(-direction.y, direction.x, 0.0),
+            Feature::Edge(direction) => direction.any_orthonormal_vector(),
+            _ => DVec3::X,
+        };
+        Nearest { distance: length - self.rounding, normal, feature }
+    }
+
+    /// The curvature [1/m] along a unit direction of the surface at the distance of `x`, or the largest for no direction.
+    pub fn curvature(&self, x: DVec3, direction: DVec3) -> f64 {
+        let Nearest { distance, feature, .. } = self.nearest(x);
+        let straight = match feature {
+            Feature::Facet => return 0.0,
+            Feature::Edge(edge) => edge.dot(direction).powi(2),
+            Feature::Vertex => 0.0,
+        };
+        (1.0 - straight).max(0.0) / (distance + self.rounding).max(f64::MIN_POSITIVE)
+    }
+}
+
+impl Facet {
+    fn new(normal: DVec3, offset: f64, points: &[DVec3], tolerance: f64, dimension: usize) -> Self {
+        let along = if dimension == 2 { normal.cross(DVec3::Z) } else { normal.any_orthonormal_vector() };
+        let on = (0..).zip(points).filter(|(_, point)| offset - normal.dot(**point) <= tolerance);
+        let mut loops: Vec<u32> = on.map(|(index, _)| index).collect();
+        let at = |index: u32| points[index as usize];
+        if dimension == 2 {
+            loops.sort_by(|&one, &other| along.dot(at(one)).total_cmp(&along.dot(at(other))));
+            loops = vec![loops[0], loops[loops.len() - 1]];
+            let sides = [(along, along.dot(at(loops[0]))), (-along, -along.dot(at(loops[1])))];
+            return Self { normal, offset, loops, sides: sides.to_vec() };
+        }
+        let center = loops.iter().map(|&index| at(index)).sum::<DVec3>() / loops.len() as f64;
+        let across = normal.cross(along);
+        let angle = |index: u32| libm::atan2(across.dot(at(index) - center), along.dot(at(index) - center));
+        loops.sort_by(|&one, &other| angle(one).total_cmp(&angle(other)));
+        // Points within a side, or within the facet, are no vertices.
+        let is_corner = |loops: &[u32], place: usize| {
+            let count = loops.len();
+            let [before, here, after] = [place + count - 1, place, place + 1].map(|place| at(loops[place % count]));
+            (here - before).cross(after - here).dot(normal) > tolerance * (here - before).length()
+        };
+        while let Some(place) = (0..loops.len()).find(|&place| !is_corner(&loops, place)) {
+            loops.remove(place);
+        }
+        let side = |place: usize| {
+            let [from, to] = [place, place + 1].map(|place| at(loops[place % loops.len()]));
+            let inward = normal.cross(to - from).normalize();
+            (inward, inward.dot(from))
+        };
+        let sides = (0..loops.len()).map(side).collect();
+        Self { normal, offset, loops, sides }
+    }
+
+    /// Whether a point is above the facet along its normal.
+    fn is_over(&self, x: DVec3) -> bool {
+        self.sides.iter().all(|(inward, offset)| inward.dot(x) >= *offset)
+    }
+}
+
+/// The largest coordinate.
+fn extent(points: &[DVec3]) -> f64 {
+    points.iter().map(|point| point.abs().max_element()).fold(0.0, f64::max)
+}
+
+/// The point of a segment nearest to `x`.
+fn on_segment(x: DVec3, [from, to]: [DVec3; 2]) -> (DVec3, Feature) {
+    let way = to - from;
+    let along = way.dot(x - from);
+    if along <= 0.0 {
+        (from, Feature::Vertex)
+    } else if along >= way.length_squared() {
+        (to, Feature::Vertex)
+    } else {
+        (from + way * (along / way.length_squared()), Feature::Edge(way.normalize()))
+    }
+}
