@@ -3,7 +3,7 @@
     import physcore as pc
 
     cloth = pc.cloth((40, 30), spacing=0.025, stiffness=400.0, damping=0.02, mass=0.002, pinned="top corners")
-    recording = pc.simulate(pc.Scene(cloth, pc.Gravity((0.0, -9.81))), duration=4.0)
+    recording = pc.simulate(pc.Scene(cloth, pc.Gravity()), duration=4.0)
     pc.film(recording, "cloth.gif")
 
 A Scene says what is there; the numerics (integrator, dt, precision, threads) stand beside it; a Simulation owns state
@@ -12,10 +12,13 @@ and clock; a Recording is arrays and the audit; `film` draws them.
 
 from __future__ import annotations
 
+import sys
+from importlib import import_module
 from typing import TYPE_CHECKING
 
 from physcore import units
 from physcore.boundaries import Boundary, Box, Floor, Plane, Sphere
+from physcore.checks import did_you_mean
 from physcore.constraints import SelfContact
 from physcore.errors import (
     AccuracyError,
@@ -105,13 +108,26 @@ from physcore.systems.tracers import Tracers
 from physcore.systems.wave import Ricker, Source, Wave
 
 if TYPE_CHECKING:
-    from physcore.film import styles
+    from physcore.film import (
+        DARK,
+        LIGHT,
+        Corotating,
+        Follow,
+        Keyframes,
+        Orbit,
+        Theme,
+        Window,
+        provenance,
+        styles,
+    )
 
 __version__: str
 """The version of the installed package."""
 
 __all__ = [
     "BDF2",
+    "DARK",
+    "LIGHT",
     "PEFRL",
     "RATTLE",
     "XPBD",
@@ -132,6 +148,7 @@ __all__ = [
     "Box",
     "Brusselator",
     "CentralForce",
+    "Corotating",
     "Coulomb",
     "CrankNicolson",
     "CubicSpline",
@@ -149,6 +166,7 @@ __all__ = [
     "Floor",
     "Flow",
     "Fluid",
+    "Follow",
     "Force",
     "Frame",
     "GaussRadau15",
@@ -161,6 +179,7 @@ __all__ = [
     "Integrator",
     "InternalError",
     "Kernel",
+    "Keyframes",
     "LennardJones",
     "Lorenz",
     "Lyapunov",
@@ -169,6 +188,7 @@ __all__ = [
     "MagneticDipole",
     "McLachlan2",
     "MeasuredLimit",
+    "Orbit",
     "Part",
     "Particles",
     "PaulTrap",
@@ -203,6 +223,7 @@ __all__ = [
     "SpringNetwork",
     "StabilityWarning",
     "Staggered",
+    "Theme",
     "Thomas",
     "Tracers",
     "Tradeoff",
@@ -212,6 +233,7 @@ __all__ = [
     "Wave",
     "WendlandC2",
     "WendlandC4",
+    "Window",
     "ball",
     "block",
     "cloth",
@@ -221,6 +243,7 @@ __all__ = [
     "load",
     "lyapunov",
     "materials",
+    "provenance",
     "rope",
     "simulate",
     "soft_body",
@@ -231,18 +254,27 @@ __all__ = [
     "wave_packet",
 ]
 
+_OF_FILMS = {"DARK", "LIGHT", "Corotating", "Follow", "Keyframes", "Orbit", "Theme", "Window", "provenance", "styles"}
+"""What films are made with. It is imported when it is asked for: it takes as long as all other imports."""
+_BEFORE = {"Repulsion": "SoftSpheres", "evidence": "provenance"}
+"""Names of before."""
+
+Recording.film = film  # Here, because what draws films imports recordings.
+
 
 def __getattr__(name: str) -> object:
-    """The version and the styles of films, which take as long as all other imports, and names of before."""
-    if name == "styles":
-        from physcore.film import styles
-
-        return styles
-    if name == "Repulsion":
-        warn("Repulsion is now SoftSpheres", DeprecationWarning)
-        return SoftSpheres
+    """The version, what films are made with, and names of before."""
+    if name in _BEFORE:
+        warn(f"{name} is now {_BEFORE[name]}", DeprecationWarning)
+        return getattr(sys.modules[__name__], _BEFORE[name])
+    if name in _OF_FILMS:
+        return getattr(import_module("physcore.film"), name)
     if name != "__version__":
-        raise AttributeError(f"module 'physcore' has no attribute {name!r}")
+        raise AttributeError(f"module 'physcore' has no attribute {name!r}{did_you_mean(name, __all__)}")
     from importlib.metadata import version
 
     return version("physcore")
+
+
+def __dir__() -> list[str]:
+    return [*__all__, "__version__"]

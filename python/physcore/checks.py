@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import os
 import sys
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from pathlib import Path
 from reprlib import Repr
 from typing import Any, TypeAlias, TypeVar
@@ -126,8 +126,19 @@ def flag(value: object, path: str) -> bool:
 def word(value: object, path: str, known: Collection[Word]) -> Word:
     """One of some words."""
     if not isinstance(value, str) or value not in known:
-        raise SceneError(f"{path}: must be {_alternatives(known)}, got {shown(value)}")
+        raise SceneError(f"{path}: must be {_alternatives(known)}, got {shown(value)}{did_you_mean(value, known)}")
     return next(each for each in known if each == value)
+
+
+def did_you_mean(value: object, known: Iterable[str]) -> str:
+    """The end of a message: the word that was meant, where one of some is written nearly so."""
+    if not isinstance(value, str):
+        return ""
+    from difflib import get_close_matches
+
+    spelled = {each.casefold(): each for each in known}
+    close = get_close_matches(value.casefold(), spelled, 1)
+    return f"; did you mean {spelled[close[0]]!r}?" if close else ""
 
 
 def is_word(value: object, expected: str) -> bool:
@@ -141,7 +152,9 @@ def words(value: object, path: str, known: Collection[Word], hint: str = "") -> 
         isinstance(each, str) and each in known for each in value
     ):
         names = ", ".join(map(repr, known))
-        raise SceneError(f"{path}: must be a tuple of {names}, got {shown(value)}{hint}")
+        entries = value if isinstance(value, (tuple, list)) else ()
+        wrong = next((each for each in entries if isinstance(each, str) and each not in known), None)
+        raise SceneError(f"{path}: must be a tuple of {names}, got {shown(value)}{hint or did_you_mean(wrong, known)}")
     return tuple(dict.fromkeys(value))
 
 

@@ -59,6 +59,12 @@ def __getattr__(name: str) -> object:
     if name == "evidence":
         warn("physcore.film.evidence is now physcore.film.provenance", DeprecationWarning)
         name = "provenance"
+    if name == "styles":
+        return import_module(f"{__name__}.styles")
     if name not in _MODULES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     return getattr(import_module(f"{__name__}.{_MODULES[name]}"), name)
+
+
+def __dir__() -> list[str]:
+    return list(__all__)

@@ -57,7 +57,7 @@ def film(
     pass is enough where nothing depends on the whole film: with a Window, or Orbits with target and extent, styles
     whose ends of the color scale are given (`top`, `range`), no inset and no label "dt". The file appears under its
     name when it is whole; until then, and on any failure, what was there stays. It carries its provenance,
-    which `physcore.film.provenance` reads: a hash of the scene, the numerics, the steps taken, the drift of the
+    which `physcore.provenance` reads: a hash of the scene, the numerics, the steps taken, the drift of the
     energy and the hash of the last state.
 
     All formats keep real time and show every frame. A .gif, of 255 colors and at most 50 frames per second, is shown
@@ -73,8 +73,8 @@ def film(
             body that no style draws is drawn as points.
         camera: a Window in 2D, an Orbit in 3D; Keyframes between some of these, a function that gives one for a time
             [s] (`lambda time: Orbit(azimuth=10 * time)`), Follow a body, or the frame that is Corotating with two; all
-            are in `physcore.film`. None: so that nothing leaves the picture.
-        theme: "dark", "light" or a `physcore.film.Theme`.
+            are in `physcore`. None: so that nothing leaves the picture.
+        theme: "dark", "light" or a `physcore.Theme`.
         background: a color instead of the theme's, such as "#000000".
         title: a line above the picture.
         titles: a line above each panel.

@@ -7,17 +7,19 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal, TypeAlias, TypedDict
 
-from physcore.checks import MOST, count, is_word, number, shown, span, word
+from physcore.checks import MOST, count, did_you_mean, is_word, number, shown, span, word
 from physcore.errors import SceneError, warn
 from physcore.forces import ElectromagneticField
 from physcore.numerics.integrators import (
     INTEGRATORS,
+    INTEGRATORS_BY_NAME,
     RATTLE,
     Boris,
     GaussRadau15,
     Integrator,
     SemiImplicitEuler,
     VelocityVerlet,
+    made,
 )
 from physcore.scene.channels import has_rods
 from physcore.scene.items import Equation
@@ -109,7 +111,7 @@ StepRule = AutoStep | AdaptiveStep
 BODIES = "bodies"
 """The key of all bodies together among integrators: they are one system."""
 
-Integrators: TypeAlias = Integrator | Mapping[ItemKey, Integrator | Literal["auto"]] | Literal["auto"]
+Integrators: TypeAlias = Integrator | str | Mapping[ItemKey, Integrator | str]
 """One integrator for all that it can drive, or one for each item."""
 
 
@@ -237,8 +239,7 @@ def _integrators(value: object, scene: Scene) -> dict[str, Integrator]:
         if not driven:
             _integrator(value, "integrator", next(iter(paths.values()))[0])  # says which can
         chosen = dict.fromkeys(driven, one)
-    kinds = {kind.__name__: kind for kind in INTEGRATORS}
-    return {path: chosen.get(path) or kinds[default]() for path, (_, default) in paths.items()}
+    return {path: chosen.get(path) or INTEGRATORS_BY_NAME[default]() for path, (_, default) in paths.items()}
 
 
 def _default(scene: Scene) -> str:
@@ -272,14 +273,15 @@ def _integrator(value: object, path: str, equation: Equation | None) -> Integrat
     """An integrator, None where none is named; one that can drive equations of a kind, if that is given."""
     if is_word(value, "auto"):
         return None
+    value = made(value)
     able = [kind for kind in INTEGRATORS if equation is None or equation in kind.solves]
     if isinstance(value, INTEGRATORS) and isinstance(value, tuple(able)):
         return value
     known = ", ".join(f"{kind.__name__}()" for kind in able)
-    missing = f"; write {value.__name__}()" if isinstance(value, type) else ""
     if isinstance(value, INTEGRATORS):
         raise SceneError(f"{path}: {type(value).__name__}() cannot drive it; {known} can")
-    raise SceneError(f"{path}: must be one of {known} or 'auto', got {shown(value)}{missing}")
+    hint = f"; write {value.__name__}()" if isinstance(value, type) else did_you_mean(value, INTEGRATORS_BY_NAME)
+    raise SceneError(f"{path}: must be one of {known}, its name, or 'auto', got {shown(value)}{hint}")
 
 
 def _dt(value: object, scene: Scene) -> float | StepRule:

@@ -25,6 +25,7 @@ from physcore.checks import (
     IntArray,
     Vector,
     count,
+    did_you_mean,
     items,
     mask,
     number,
@@ -65,6 +66,7 @@ def rope(
     direction: Vector | None = None,
     pinned: Pinned = None,
     *,
+    fixed: Pinned = None,
     velocities: ArrayLike = 0.0,
     radius: ArrayLike = 0.0,
     name: str | None = None,
@@ -81,6 +83,7 @@ def rope(
         start: where the first particle is [m]; the origin by default. Three numbers make the rope 3D.
         direction: where the rope points to; +x by default; its length does not matter.
         pinned: "start", "end", "both", a bool mask, or integer indices.
+        fixed: the same as `pinned`, the word of Particles; what either of them says is held.
         velocities, radius, name: as in Particles.
         breaking_strain: the strain beyond which a spring breaks.
 
@@ -100,7 +103,7 @@ def rope(
         origin + along[:, None] * axis,
         [kind],
         mass=mass,
-        fixed=_pins(pinned, edges, nodes, "rope.pinned"),
+        fixed=_pins(pinned, edges, nodes, "rope.pinned") | _pins(fixed, edges, nodes, "rope.fixed"),
         velocities=velocities,
         radius=radius,
         name=name,
@@ -120,6 +123,7 @@ def cloth(
     bend_stiffness: float | None = None,
     pinned: Pinned = None,
     *,
+    fixed: Pinned = None,
     shear_damping: float | None = None,
     bend_damping: float | None = None,
     material: Material | None = None,
@@ -156,6 +160,7 @@ def cloth(
             springs out, unless their damping is given.
         pinned: "top", "bottom", "left", "right", "corners", "top corners", "bottom corners", a tuple of these,
             a bool mask, or integer indices.
+        fixed: the same as `pinned`, the word of Particles; what either of them says is held.
         shear_damping, bend_damping: [N·s/m]; None: the same as `damping`.
         material: one of `physcore.materials`, or another; what is given beside it counts instead of its values.
         velocities, radius, name: as in Particles.
@@ -212,7 +217,7 @@ def cloth(
         kinds,
         faces=_faces(grid),
         mass=mass,
-        fixed=_pins(pinned, edges, columns * rows, "cloth.pinned"),
+        fixed=_pins(pinned, edges, columns * rows, "cloth.pinned") | _pins(fixed, edges, columns * rows, "cloth.fixed"),
         velocities=velocities,
         radius=radius,
         name=name,
@@ -230,6 +235,7 @@ def soft_body(
     shear_stiffness: float | None = None,
     pinned: Pinned = None,
     *,
+    fixed: Pinned = None,
     shear_damping: float | None = None,
     velocities: ArrayLike = 0.0,
     radius: ArrayLike = 0.0,
@@ -251,6 +257,7 @@ def soft_body(
             damping is given.
         pinned: "left" and "right" (along x), "bottom" and "top" (along the last axis), in 3D also "front" and "back"
             (along y), a tuple of these, a bool mask, or integer indices.
+        fixed: the same as `pinned`, the word of Particles; what either of them says is held.
         shear_damping: along each diagonal [N·s/m]; None: the same as `damping`.
         velocities, radius, name: as in Particles.
         breaking_strain: the strain beyond which a spring breaks.
@@ -291,7 +298,7 @@ def soft_body(
         kinds,
         faces=faces,
         mass=mass,
-        fixed=_pins(pinned, edges, grid.size, "soft_body.pinned"),
+        fixed=_pins(pinned, edges, grid.size, "soft_body.pinned") | _pins(fixed, edges, grid.size, "soft_body.fixed"),
         velocities=velocities,
         radius=radius,
         name=name,
@@ -448,6 +455,8 @@ def _pins(pinned: Pinned, edges: Mapping[str, IntArray], nodes: int, path: str) 
     for name in names:
         if not isinstance(name, str) or name not in edges:
             known = ", ".join(map(repr, edges))
-            raise SceneError(f"{path}: must be one of {known}, a mask or indices, got {shown(name)}")
+            raise SceneError(
+                f"{path}: must be one of {known}, a mask or indices, got {shown(name)}{did_you_mean(name, edges)}"
+            )
         chosen[edges[name]] = True
     return chosen

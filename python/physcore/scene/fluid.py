@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from physcore.checks import FloatArray, flag, is_word, number, shown, span, word
+from physcore.checks import FloatArray, Vector, flag, is_word, number, shown, span, word
 from physcore.errors import SceneError
 from physcore.scene.bodies import Body
 from physcore.scene.kernels import KERNELS, Kernel, WendlandC2
 from physcore.scene.overlaps import closer_than
+from physcore.scene.shapes import block
 
 FINEST = 1e-50
 """The least spacing [m]: the slopes of kernels go with its inverse up to the fifth power, and are still numbers."""
@@ -152,6 +153,23 @@ class Fluid(Body):
         pair = closer_than(self.positions, CLOSEST * step)
         if pair is not None:
             raise SceneError(f"Fluid.positions: overlapping particles: {describe_pair(self.positions, pair, step)}")
+
+    @classmethod
+    def block(cls, lower: Vector, upper: Vector, spacing: float, **options: Any) -> Fluid:
+        """A rectangle in 2D, or a cuboid in 3D, full of a fluid, as `physcore.block` fills it.
+
+            water = pc.Fluid.block((0.0, 0.0), (0.5, 1.0), spacing=0.05, name="water")
+
+        Args:
+            lower: the corner with the smallest coordinates [m].
+            upper: the corner with the largest coordinates [m].
+            spacing: the distance between neighboring particles [m].
+            options: the other arguments of Fluid.
+
+        Raises:
+            SceneError: as for `physcore.block` and Fluid.
+        """
+        return cls(block(lower, upper, spacing), spacing, **options)
 
 
 def describe_pair(points: FloatArray, pair: tuple[int, int], spacing: float) -> str:

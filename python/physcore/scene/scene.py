@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from physcore.checks import shown
+from physcore.checks import did_you_mean, shown
 from physcore.errors import FileError, SceneError, SceneWarning, warn
 from physcore.scene.bodies import Body
 from physcore.scene.fluid import CLOSEST, Fluid, describe_pair
@@ -56,6 +56,9 @@ class Scene:
         for field, kind in kinds.items():
             object.__setattr__(self, field, tuple(item for item in items if isinstance(item, kind)))
         self._check_bodies()
+        for field in ("forces", "boundaries", "constraints"):
+            known = (item.among(self.bodies, f"{field}[{place}]") for place, item in enumerate(getattr(self, field)))
+            object.__setattr__(self, field, tuple(known))
         self._set_domain([item for item in items if isinstance(item, Periodic)])
         self._check_fluids()
         self._check_items("forces", self.forces)
@@ -87,7 +90,7 @@ class Scene:
         """
         if not isinstance(item, ActingItem):
             raise SceneError(f"targets.item: must be a force or a boundary, got {shown(item)}")
-        named = item.bodies()
+        named = item.among(self.bodies, "targets.item").bodies()
         if named is not None:
             return named
         return tuple(body for body in self.bodies if not (item.spares_fluids and isinstance(body, Fluid)))
@@ -105,8 +108,11 @@ class Scene:
         number = int(key) if whole else len(self.bodies)  # type: ignore[arg-type]
         if -len(self.bodies) <= number < len(self.bodies):
             return number % len(self.bodies)
-        names = ", ".join(repr(body.name) for body in self.bodies if body.name is not None) or "none"
-        raise KeyError(f"no body {shown(key)}: this scene has {len(self.bodies)}, and of names {names}")
+        known = [body.name for body in self.bodies if body.name is not None]
+        names = ", ".join(map(repr, known)) or "none"
+        raise KeyError(
+            f"no body {shown(key)}: this scene has {len(self.bodies)}, and of names {names}{did_you_mean(key, known)}"
+        )
 
     def slice(self, key: BodyKey) -> slice:
         """The slice of a body's particles in the results."""
@@ -260,7 +266,7 @@ class Scene:
                 if body not in self.bodies:
                     raise SceneError(f"{path}.{field}: {body!r} is not in the scene; add it as an item too")
         targets = self.targets(item)
-        if not targets and item.on is None:
+        if not targets and item.on is None and self.bodies:
             raise SceneError(f"{path}.on: {type(item).__name__} acts on fluids only where they are named: on=fluid")
         item.check(targets, path)
 

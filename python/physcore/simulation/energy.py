@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Generic, TypeVar
 import numpy as np
 
 from physcore.checks import FloatArray
-from physcore.errors import PhyscoreError
+from physcore.simulation.diagrams import canvas
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -55,6 +55,20 @@ class Budget(Generic[T]):
         """total + dissipated − work: constant, up to the integrator's error."""
         return self.total + self.dissipated - self.work
 
+    def _rows(self) -> dict[str, T]:
+        """The lines of the table, from top to bottom."""
+        spent = {f"    by {name}": value for name, value in self.dissipated_by.items() if np.any(value)}
+        return {
+            "kinetic": self.kinetic,
+            **{f"potential: {term}": value for term, value in self.by_term.items()},
+            **({"internal": self.internal} if np.any(self.internal) else {}),
+            "total": self.total,
+            "+ dissipated": self.dissipated,
+            **spent,
+            "− work": self.work,
+            "= balance": self.balance,
+        }
+
 
 @dataclass(frozen=True, eq=False)
 class Energy(Budget[float]):
@@ -62,6 +76,9 @@ class Energy(Budget[float]):
 
     time: float
     """When it was taken [s]."""
+
+    def __str__(self) -> str:
+        return _table([f"at {self.time:.4g} s"], {name: [value] for name, value in self._rows().items()})
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,6 +98,11 @@ class EnergySeries(Budget[FloatArray]):
         scale = self.kinetic.max() + np.ptp(self.potential) + np.ptp(self.internal)
         drift: FloatArray = change / scale if scale > 0 else change
         return drift
+
+    def __str__(self) -> str:
+        ends = {name: [values[0], values[-1]] for name, values in self._rows().items()}
+        drift = f"  drift: at most {np.abs(self.drift).max():.1e} of the energy in motion"
+        return f"{_table(['start', 'end'], ends)}\n{drift}"
 
     def at(self, index: int) -> Energy:
         """The budget of one frame."""
@@ -102,12 +124,7 @@ class EnergySeries(Budget[FloatArray]):
         Raises:
             PhyscoreError: Matplotlib is not installed.
         """
-        if axes is None:
-            try:
-                from matplotlib import pyplot
-            except ImportError:
-                raise PhyscoreError('plotting needs Matplotlib: pip install "physcore[plot]"') from None
-            axes = pyplot.subplots(layout="constrained")[1]
+        axes = canvas(axes)
         curves = {"kinetic": self.kinetic, **{f"potential: {name}": values for name, values in self.by_term.items()}}
         for label, values in curves.items():
             axes.plot(self.times, values, label=label)
@@ -214,3 +231,11 @@ class Drift:
         _, _, potential, internal = upper - lower
         scale = upper[1] + potential + internal
         return float(change / scale if scale > 0 else change)
+
+
+def _table(heads: Sequence[str], rows: Mapping[str, Sequence[float]]) -> str:
+    """Energies [J] in columns."""
+    width = max(map(len, rows))
+    lines = [f"  {'energy [J]':<{width}}" + "".join(f"  {head:>12}" for head in heads)]
+    lines += [f"  {name:<{width}}" + "".join(f"  {value:>12.6g}" for value in row) for name, row in rows.items()]
+    return "\n".join(lines)

@@ -63,14 +63,14 @@ class MeasuredLimit:
 
 
 @overload
-def stability_limit(scene: Scene, integrator: Integrator, *, measured: Literal[False] = False) -> float: ...
+def stability_limit(scene: Scene, integrator: Integrator | str, *, measured: Literal[False] = False) -> float: ...
 
 
 @overload
-def stability_limit(scene: Scene, integrator: Integrator, *, measured: Literal[True]) -> MeasuredLimit: ...
+def stability_limit(scene: Scene, integrator: Integrator | str, *, measured: Literal[True]) -> MeasuredLimit: ...
 
 
-def stability_limit(scene: Scene, integrator: Integrator, *, measured: bool = False) -> float | MeasuredLimit:
+def stability_limit(scene: Scene, integrator: Integrator | str, *, measured: bool = False) -> float | MeasuredLimit:
     """The largest time step [s] at which a scene is stable, as it stands at the start; inf: any; 0.0: none is certain.
 
     Particles under linear drag and harmonic central forces alone are oscillators, and this is their exact limit.
@@ -84,7 +84,7 @@ def stability_limit(scene: Scene, integrator: Integrator, *, measured: bool = Fa
 
     Args:
         scene: what to simulate.
-        integrator: how.
+        integrator: how, or its name.
         measured: whether to look for the limit by bisection of real runs too, of 2000 steps from the scene's start with
             every particle nudged a little; a `MeasuredLimit` then gives both, to a thousandth.
 

@@ -23,7 +23,7 @@ Member = BodyKey | tuple[BodyKey, int]
 class Corotating:
     """The frame of reference that turns with a pair of bodies about their center of mass, the origin.
 
-        frame = pc.film.Corotating((planets, 0), (planets, 1))
+        frame = pc.Corotating((planets, 0), (planets, 1))
         pc.film.film(recording, "trojans.gif", camera=frame, style=[pc.styles.Paths(), pc.styles.Points()])
 
     The first body is on the left and the second on the right, at all times on one horizontal line. Positions and

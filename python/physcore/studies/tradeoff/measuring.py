@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from physcore.checks import FloatArray, count, flag, items, number, shown, span, words
+from physcore.checks import FloatArray, count, did_you_mean, flag, items, number, shown, span, words
 from physcore.errors import SceneError
 from physcore.numerics.choices import MOST_THREADS, suited
-from physcore.numerics.integrators import INTEGRATORS, Integrator
+from physcore.numerics.integrators import INTEGRATORS, INTEGRATORS_BY_NAME, Integrator, made
 from physcore.progress import Progress
 from physcore.scene.scene import Scene
 from physcore.simulation.recording import refuse_if_too_large
@@ -36,7 +36,7 @@ def tradeoff(
     scene: Scene | Callable[[float], Scene],
     duration: float,
     *,
-    integrators: Sequence[Integrator] | None = None,
+    integrators: Sequence[Integrator | str] | None = None,
     precisions: Sequence[Literal["f32", "f64"]] = PRECISIONS,
     dts: Sequence[float] | None = None,
     resolutions: Sequence[float] | None = None,
@@ -60,7 +60,7 @@ def tradeoff(
     Args:
         scene: what to simulate; or a function that builds it from a resolution.
         duration: how long to simulate it [s].
-        integrators: what to compare; None: all that can compute the scene.
+        integrators: what to compare, or their names; None: all that can compute the scene.
         precisions: "f64", "f32" or both.
         dts: the time steps to try [s], each made a whole fraction of a 32nd of the duration by rounding it down, all of
             them whatever the budget; None: the search.
@@ -173,15 +173,19 @@ def _scenes(scene: Scene | Callable[[float], Scene], resolutions: Sequence[float
     return scenes
 
 
-def _integrators(integrators: Sequence[Integrator]) -> list[Integrator]:
+def _integrators(integrators: Sequence[Integrator | str]) -> list[Integrator]:
     """Some integrators, each once."""
-    given = items(integrators, "integrators", "integrators")
+    given = [made(each) for each in items(integrators, "integrators", "integrators")]
     for integrator in given:
         if not isinstance(integrator, INTEGRATORS):
-            raise SceneError(f"integrators: must be integrators, such as VelocityVerlet(), got {shown(integrator)}")
+            hint = did_you_mean(integrator, INTEGRATORS_BY_NAME)
+            raise SceneError(
+                f"integrators: must be integrators, such as VelocityVerlet(), or their names, got {shown(integrator)}"
+                f"{hint}"
+            )
     if not given:
         raise SceneError("integrators: must not be empty")
-    return list(dict.fromkeys(given))
+    return list(dict.fromkeys(each for each in given if isinstance(each, Integrator)))
 
 
 def _centers(simulation: Simulation) -> FloatArray:
