@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import importlib
+import inspect
 
 import numpy as np
 import pytest
 
 import physcore as pc
+from physcore.spelling import spelled
 
 BALL = pc.Particles([[0.0, 1.0], [0.5, 1.0]], velocities=[[0.3, 0.0], [0.0, 0.1]], name="ball")
 STONE = pc.Particles([[1.0, 2.0]], name="stone")
@@ -134,3 +136,49 @@ def test_what_films_are_made_with_is_at_the_top_level():
     assert sorted(dir(pc)) == sorted([*pc.__all__, "__version__"])
     with pytest.raises(AttributeError, match=r"no attribute 'Windw'; did you mean 'Window'\?"):
         _ = pc.Windw
+
+
+@pytest.mark.parametrize(
+    ("call", "name", "meant"),
+    [
+        (pc.Particles, "velocity", "velocities"),
+        (pc.cloth, "dampng", "damping"),
+        (pc.Fluid, "viscosty", "viscosity"),
+        (pc.simulate, "acuracy", "accuracy"),
+        (pc.simulate, "integrater", "integrator"),
+        (pc.film, "titel", "title"),
+        (pc.film, "integrater", "integrator"),
+        (pc.Drag, "quadratc", "quadratic"),
+        (pc.AutoStep, "safty", "safety"),
+        (pc.Orbit, "azimut", "azimuth"),
+        (pc.Window, "lowr", "lower"),
+        (pc.styles.Points, "colour", "color"),
+    ],
+)
+def test_what_is_nearly_a_keyword_is_suggested(call, name, meant):
+    given = {
+        pc.Particles: ([[0.0, 0.0]],),
+        pc.cloth: ((3, 3), 0.1, 1.0),
+        pc.Fluid: ([[0.0, 0.0]], 0.1),
+        pc.simulate: (pc.Scene(BALL), 0.1),
+        pc.film: (pc.Scene(BALL), "never.png"),
+        pc.Window: ((0.0, 0.0), (1.0, 1.0)),
+    }.get(call, ())
+    message = rf"^{call.__name__}\(\) got an unexpected keyword argument '{name}'; did you mean '{meant}'\?$"
+    with pytest.raises(TypeError, match=message):
+        call(*given, **{name: 1})
+
+
+def test_a_type_error_of_another_function_stays_as_it_is():
+    @spelled
+    def outer(size, **others):
+        raise TypeError("inner() got an unexpected keyword argument 'size'")
+
+    with pytest.raises(TypeError, match=r"^inner\(\) got an unexpected keyword argument 'size'$"):
+        outer(size=1)
+
+
+def test_classes_keep_their_signatures():
+    assert list(inspect.signature(pc.Particles).parameters)[:2] == ["positions", "velocities"]
+    assert list(inspect.signature(pc.Orbit).parameters)[:1] == ["azimuth"]
+    assert "style" in inspect.signature(pc.film).parameters

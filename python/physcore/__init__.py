@@ -18,7 +18,6 @@ from typing import TYPE_CHECKING
 
 from physcore import units
 from physcore.boundaries import Boundary, Box, Floor, Plane, Sphere
-from physcore.checks import did_you_mean
 from physcore.constraints import SelfContact
 from physcore.errors import (
     AccuracyError,
@@ -95,6 +94,7 @@ from physcore.simulation.plan import Plan
 from physcore.simulation.recording import Recording
 from physcore.simulation.simulation import Simulation
 from physcore.simulation.state import Frame, Part, Snapshot
+from physcore.spelling import did_you_mean, spell
 from physcore.studies.accuracy import simulate
 from physcore.studies.lyapunov import Lyapunov, lyapunov
 from physcore.studies.stability import MeasuredLimit, stability_limit
@@ -259,6 +259,7 @@ _OF_FILMS = {"DARK", "LIGHT", "Corotating", "Follow", "Keyframes", "Orbit", "The
 _BEFORE = {"Repulsion": "SoftSpheres", "evidence": "provenance"}
 """Names of before."""
 
+spell(globals()[name] for name in __all__ if name in globals())
 Recording.film = film  # Here, because what draws films imports recordings.
 
 

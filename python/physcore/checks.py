@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import os
 import sys
-from collections.abc import Callable, Collection, Iterable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from pathlib import Path
 from reprlib import Repr
 from typing import Any, TypeAlias, TypeVar
@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from physcore import memory
 from physcore.errors import SceneError
+from physcore.spelling import did_you_mean
 
 FloatArray: TypeAlias = NDArray[np.float64]
 IntArray: TypeAlias = NDArray[np.int64]
@@ -128,17 +129,6 @@ def word(value: object, path: str, known: Collection[Word]) -> Word:
     if not isinstance(value, str) or value not in known:
         raise SceneError(f"{path}: must be {_alternatives(known)}, got {shown(value)}{did_you_mean(value, known)}")
     return next(each for each in known if each == value)
-
-
-def did_you_mean(value: object, known: Iterable[str]) -> str:
-    """The end of a message: the word that was meant, where one of some is written nearly so."""
-    if not isinstance(value, str):
-        return ""
-    from difflib import get_close_matches
-
-    spelled = {each.casefold(): each for each in known}
-    close = get_close_matches(value.casefold(), spelled, 1)
-    return f"; did you mean {spelled[close[0]]!r}?" if close else ""
 
 
 def is_word(value: object, expected: str) -> bool:

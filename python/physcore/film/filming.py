@@ -12,6 +12,7 @@ from physcore.checks import count as whole_number
 from physcore.checks import flag, text, word
 from physcore.errors import FileError, SceneError
 from physcore.numerics.choices import Options
+from physcore.spelling import spelled
 
 # Drawing is imported where it is used: it takes as long as the rest of physcore.
 if TYPE_CHECKING:
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
     from physcore.simulation.recording import Recording
 
 
+@spelled
 def film(
     recording: Recording | Scene | Sequence[Recording | Scene],
     path: str | os.PathLike[str],

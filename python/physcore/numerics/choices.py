@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal, TypeAlias, TypedDict
 
-from physcore.checks import MOST, count, did_you_mean, is_word, number, shown, span, word
+from physcore.checks import MOST, count, is_word, number, shown, span, word
 from physcore.errors import SceneError, warn
 from physcore.forces import ElectromagneticField
 from physcore.numerics.integrators import (
@@ -24,6 +24,7 @@ from physcore.numerics.integrators import (
 from physcore.scene.channels import has_rods
 from physcore.scene.items import Equation
 from physcore.scene.scene import ItemKey, Scene
+from physcore.spelling import did_you_mean
 
 DivergenceRule = Literal["raise", "ignore", "substep"]
 Precision = Literal["f32", "f64", "auto"]

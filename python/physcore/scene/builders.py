@@ -25,7 +25,6 @@ from physcore.checks import (
     IntArray,
     Vector,
     count,
-    did_you_mean,
     items,
     mask,
     number,
@@ -36,6 +35,7 @@ from physcore.checks import (
 from physcore.errors import SceneError
 from physcore.scene.bodies import SpringNetwork
 from physcore.scene.materials import Material
+from physcore.spelling import did_you_mean, spelled
 
 Pinned: TypeAlias = str | tuple[str, ...] | ArrayLike | None
 Offset: TypeAlias = tuple[int, ...]
@@ -56,6 +56,7 @@ class _Kind:
     """Whether those along a border of a sheet carry half the width of the others, and have half their stiffness."""
 
 
+@spelled
 def rope(
     particles: int,
     length: float,
@@ -111,6 +112,7 @@ def rope(
     )
 
 
+@spelled
 def cloth(
     shape: tuple[int, int],
     spacing: float,
@@ -225,6 +227,7 @@ def cloth(
     )
 
 
+@spelled
 def soft_body(
     shape: tuple[int, int] | tuple[int, int, int],
     spacing: float,

@@ -9,9 +9,10 @@ from typing import ClassVar, Literal, Self, TypeAlias, TypeVar, cast
 
 import numpy as np
 
-from physcore.checks import FloatArray, broadcast, did_you_mean, flag, frozen, number, shown, text
+from physcore.checks import FloatArray, broadcast, flag, frozen, number, shown, text
 from physcore.errors import SceneError
 from physcore.scene.bodies import Body
+from physcore.spelling import did_you_mean
 
 On: TypeAlias = Body | str | Sequence[Body | str] | None
 """Bodies, by themselves or by their names; None: all."""

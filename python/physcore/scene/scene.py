@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from physcore.checks import did_you_mean, shown
+from physcore.checks import shown
 from physcore.errors import FileError, SceneError, SceneWarning, warn
 from physcore.scene.bodies import Body
 from physcore.scene.fluid import CLOSEST, Fluid, describe_pair
@@ -15,6 +15,7 @@ from physcore.scene.items import ActingItem, Boundary, Constraint, Force, SceneI
 from physcore.scene.overlaps import closer_than
 from physcore.scene.periodic import Periodic
 from physcore.scene.records import Record, pack
+from physcore.spelling import did_you_mean
 from physcore.storage.archive import Tree, digest
 
 BodyKey = Body | int | str

@@ -10,11 +10,13 @@ import numpy as np
 from physcore import memory
 from physcore.checks import MOST, FloatArray, Vector, span, vector
 from physcore.errors import SceneError
+from physcore.spelling import spelled
 
 COPIES = 3
 """Arrays of coordinates that are in memory at once while a shape is filled."""
 
 
+@spelled
 def block(lower: Vector, upper: Vector, spacing: float) -> FloatArray:
     """A rectangle in 2D, a cuboid in 3D.
 
@@ -47,6 +49,7 @@ def block(lower: Vector, upper: Vector, spacing: float) -> FloatArray:
     return np.array(low) + step * _centers(counts)
 
 
+@spelled
 def ball(center: Vector, radius: float, spacing: float) -> FloatArray:
     """A disc in 2D, a ball in 3D.
 
@@ -65,6 +68,7 @@ def ball(center: Vector, radius: float, spacing: float) -> FloatArray:
     return np.array(middle) + _round(span(radius, "ball.radius"), spacing, len(middle), "ball")
 
 
+@spelled
 def cylinder(center: Vector, radius: float, height: float, spacing: float) -> FloatArray:
     """An upright cylinder in 3D.
 

@@ -15,6 +15,7 @@ from physcore.scene.scene import Scene
 from physcore.simulation.frames import frame_count
 from physcore.simulation.recording import Recording, check_channels, refuse_if_too_large
 from physcore.simulation.simulation import Simulation, require_scene
+from physcore.spelling import spelled
 from physcore.studies.state import primary, size, unit
 from physcore.studies.tradeoff.experiment import Choice, Experiment, Trial
 from physcore.studies.tradeoff.methods import SAFETY, largest_step, methods
@@ -26,6 +27,7 @@ COPIES = 6
 differ by."""
 
 
+@spelled
 def simulate(
     scene: Scene,
     duration: float,

@@ -13,6 +13,7 @@ from physcore.numerics.choices import Options, steps_to
 from physcore.progress import Progress
 from physcore.scene.scene import Scene
 from physcore.simulation.simulation import Simulation
+from physcore.spelling import spelled
 from physcore.systems.point_vortices import PointVortices
 from physcore.systems.tracers import Tracers
 
@@ -55,6 +56,7 @@ class Lyapunov:
         return j + float(sums[j - 1] / abs(self.exponents[j]))
 
 
+@spelled
 def lyapunov(
     tracers: Tracers,
     duration: float,

@@ -16,6 +16,7 @@ from physcore.scene.scene import Scene
 from physcore.simulation import engine
 from physcore.simulation.simulation import Simulation, require_scene
 from physcore.simulation.stepper import unwarned
+from physcore.spelling import spelled
 from physcore.studies.state import nudge, place
 
 STEPS = 2000
@@ -70,6 +71,7 @@ def stability_limit(scene: Scene, integrator: Integrator | str, *, measured: Lit
 def stability_limit(scene: Scene, integrator: Integrator | str, *, measured: Literal[True]) -> MeasuredLimit: ...
 
 
+@spelled
 def stability_limit(scene: Scene, integrator: Integrator | str, *, measured: bool = False) -> float | MeasuredLimit:
     """The largest time step [s] at which a scene is stable, as it stands at the start; inf: any; 0.0: none is certain.
 

@@ -18,6 +18,7 @@ from physcore.film.styles.strain import Strain
 from physcore.film.styles.streamlines import Streamlines
 from physcore.film.styles.surface import Surface
 from physcore.film.styles.trails import Trails
+from physcore.spelling import spell
 
 STYLES: tuple[type[Style], ...] = (
     Points,
@@ -37,6 +38,8 @@ STYLES: tuple[type[Style], ...] = (
     Density,
 )
 """Every style; what is registered here is tested."""
+
+spell(STYLES)
 
 __all__ = [
     "STYLES",

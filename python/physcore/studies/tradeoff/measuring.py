@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from physcore.checks import FloatArray, count, did_you_mean, flag, items, number, shown, span, words
+from physcore.checks import FloatArray, count, flag, items, number, shown, span, words
 from physcore.errors import SceneError
 from physcore.numerics.choices import MOST_THREADS, suited
 from physcore.numerics.integrators import INTEGRATORS, INTEGRATORS_BY_NAME, Integrator, made
@@ -17,6 +17,7 @@ from physcore.progress import Progress
 from physcore.scene.scene import Scene
 from physcore.simulation.recording import refuse_if_too_large
 from physcore.simulation.simulation import Simulation
+from physcore.spelling import did_you_mean, spelled
 from physcore.studies.state import size
 from physcore.studies.tradeoff.experiment import SAMPLES, Experiment, Observer
 from physcore.studies.tradeoff.result import Row
@@ -32,6 +33,7 @@ COPIES = 6
 """Arrays of samples that are in memory at once: three runs of a reference, the reference, its check and a row."""
 
 
+@spelled
 def tradeoff(
     scene: Scene | Callable[[float], Scene],
     duration: float,
