@@ -13,6 +13,9 @@ from physcore.scene.items import Boundary
 class Box(Boundary):
     """A box (a rectangle in 2D) along the axes; particles stay inside.
 
+        gas = pc.Particles(rng.uniform(0.1, 0.9, (50, 2)), velocities=rng.normal(size=(50, 2)), radius=0.01)
+        scene = pc.Scene(gas, pc.Box((0.0, 0.0), (1.0, 1.0)))
+
     Args:
         lower: the corner with the smallest coordinates [m].
         upper: the corner with the largest coordinates [m].

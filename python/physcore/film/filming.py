@@ -53,6 +53,9 @@ def film(
 ) -> Film:
     """Draw a recording, or a scene while it is simulated, as a film; as a PNG, its last frame.
 
+        pc.film(recording, "cloth.gif", title="A cloth")
+        pc.film(scene, "scene.gif", duration=0.5, style=pc.styles.Strain())
+
     Of a scene only one frame is in memory at a time. In a first pass the framing and the ranges of the colors are
     found, and the second one draws. Between them frames wait in a temporary file without a name, of at most a quarter
     of the free disk, unless simulating again, which gives the same bits, takes less time than writing and reading. One

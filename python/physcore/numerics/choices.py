@@ -50,6 +50,8 @@ STEPS_PER_FREE_FRAME = 4
 class AutoStep:
     """Choose the time step from the limit of stability of the scene.
 
+        recording = pc.simulate(scene, duration=0.5, dt=pc.AutoStep(safety=0.2))
+
     Args:
         safety: the largest fraction of the limit to use, above 0 and at most 1. At one half, Verlet runs the fastest
             oscillation 5 % too fast (arcsin(½)/½ = 1.047); the error of slower ones falls with their frequency squared.
@@ -69,6 +71,10 @@ class AutoStep:
 @dataclass(frozen=True)
 class AdaptiveStep:
     """Let the time step follow the motion: small where it is fast, large where it is slow.
+
+        comet = pc.Particles([[1.0, 0.0]], velocities=[[0.0, 0.3]])
+        sun = pc.CentralForce((0.0, 0.0), strength=1.0, exponent=-2)
+        recording = pc.simulate(pc.Scene(comet, sun), duration=5.0, dt=pc.AdaptiveStep())
 
     Without a tolerance, for conservative scenes and any integrator: each frame interval, or what `run` is given, is
     halved as often as need be, and a step is as long as `safety` times the scene's limit allows at its beginning *and*

@@ -40,6 +40,8 @@ def export(
 ) -> None:
     """Write a recording, or a scene while it is simulated, to a file that other tools read.
 
+        pc.export(recording, "cloth.xyz")
+
     The end of the name says which format:
 
         .xyz, .extxyz   extended XYZ: text, for OVITO, ASE and many others

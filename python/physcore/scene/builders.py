@@ -75,6 +75,8 @@ def rope(
 ) -> SpringNetwork:
     """A straight chain of particles, each joined to the next by a spring.
 
+        rope = pc.rope(20, length=1.0, stiffness=500.0, damping=0.05, mass=0.01, pinned="start")
+
     Args:
         particles: how many, at least 2; there are particles − 1 springs.
         length: from the first to the last particle [m]; every spring is at rest.
@@ -246,6 +248,9 @@ def soft_body(
     breaking_strain: float = math.inf,
 ) -> SpringNetwork:
     """A block of jelly: a lattice of springs along its axes and along the diagonals of its faces, at rest.
+
+        jelly = pc.soft_body((8, 6), spacing=0.1, stiffness=200.0, damping=0.2, mass=0.05, origin=(0.0, 1.0))
+        scene = pc.Scene(jelly, pc.Gravity(), pc.Floor())
 
     Particles are listed along x first, then along y, then along z.
 

@@ -134,6 +134,9 @@ class ActingItem(SceneItem):
 class Force(ActingItem):
     """A force on the particles of some bodies.
 
+        scene.forces  # (Gravity(…),)
+        all(isinstance(force, pc.Force) for force in scene.forces)  # True
+
     To add one: a file in `forces`, a line in `FORCES`, and its counterpart in Rust.
     """
 
@@ -215,6 +218,9 @@ class Constraint(ActingItem):
 @dataclass(frozen=True)
 class Boundary(ActingItem):
     """A wall that particles bounce off.
+
+        floor = pc.Floor(restitution=0.5, friction=0.3)
+        isinstance(floor, pc.Boundary)  # True
 
     To add one: a file in `boundaries`, a line in `BOUNDARIES`, and its counterpart in Rust.
 

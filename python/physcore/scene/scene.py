@@ -29,6 +29,9 @@ class Scene:
     """Bodies, forces, boundaries, constraints and further systems, in 2D or 3D, systems alone in 1D too. Immutable; the
     dimension follows from the positions and grids.
 
+        ball = pc.Particles([[0.0, 1.0]], radius=0.1, name="ball")
+        scene = pc.Scene(ball, pc.Gravity(), pc.Floor(restitution=0.8), pc.Drag(linear=0.01, on="ball"))
+
     Args:
         items: bodies (Particles, SpringNetwork, Fluid), forces, boundaries, constraints, further systems and at most
             one Periodic domain, in any order. Results list the particles body by body in the order given here.

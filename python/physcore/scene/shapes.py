@@ -20,6 +20,8 @@ COPIES = 3
 def block(lower: Vector, upper: Vector, spacing: float) -> FloatArray:
     """A rectangle in 2D, a cuboid in 3D.
 
+        water = pc.Fluid(pc.block((0.0, 0.0), (0.5, 1.0), spacing=0.05), spacing=0.05)
+
     Args:
         lower: the corner with the smallest coordinates [m].
         upper: the corner with the largest coordinates [m].
@@ -53,6 +55,8 @@ def block(lower: Vector, upper: Vector, spacing: float) -> FloatArray:
 def ball(center: Vector, radius: float, spacing: float) -> FloatArray:
     """A disc in 2D, a ball in 3D.
 
+        drop = pc.Fluid(pc.ball((0.0, 0.5), radius=0.2, spacing=0.02), spacing=0.02)
+
     Args:
         center: [m].
         radius: [m], above zero.
@@ -71,6 +75,8 @@ def ball(center: Vector, radius: float, spacing: float) -> FloatArray:
 @spelled
 def cylinder(center: Vector, radius: float, height: float, spacing: float) -> FloatArray:
     """An upright cylinder in 3D.
+
+        water = pc.Fluid(pc.cylinder((0.0, 0.0, 0.0), radius=0.2, height=0.4, spacing=0.05), spacing=0.05)
 
     Args:
         center: the middle of its base [m].

@@ -72,7 +72,14 @@ class Budget(Generic[T]):
 
 @dataclass(frozen=True, eq=False)
 class Energy(Budget[float]):
-    """The energy budget at one moment, in joules."""
+    """The energy budget at one moment, in joules.
+
+        energy = pc.Simulation(scene).energy()  # an Energy
+        print(energy)  # a table
+        energy.kinetic, energy.by_term["springs"]
+
+    `Simulation.energy` gives it; `print` shows it as a table.
+    """
 
     time: float
     """When it was taken [s]."""
@@ -83,7 +90,14 @@ class Energy(Budget[float]):
 
 @dataclass(frozen=True, eq=False)
 class EnergySeries(Budget[FloatArray]):
-    """The energy budget over time, in joules; every array has the shape (F,)."""
+    """The energy budget over time, in joules; every array has the shape (F,).
+
+        energy = recording.energy  # an EnergySeries
+        print(energy)  # a table of its start and its end
+        energy.by_term["springs"], energy.drift  # each of shape (F,)
+
+    `Recording.energy` is one; `print` shows its start and its end as a table, and `plot` draws it.
+    """
 
     times: FloatArray
     """When each was taken [s]: at the last step at or before each frame."""
@@ -168,7 +182,14 @@ class Stock(Generic[T]):
 
 @dataclass(frozen=True, eq=False)
 class Amount(Stock[float]):
-    """The budget of a conserved quantity at one moment."""
+    """The budget of a conserved quantity at one moment.
+
+        grid = pc.Grid((64, 64), spacing=0.01)
+        dish = pc.ReactionDiffusion(grid, pc.GrayScott(0.035, 0.0625), {"u": 2e-5, "v": 1e-5}, {"u": 1.0, "v": 0.0})
+        pc.Simulation(pc.Scene(dish)).budgets()["u"].total  # of an Amount
+
+    `Simulation.budgets` gives one by the name of each quantity.
+    """
 
     time: float
     """When it was taken [s]."""
@@ -176,7 +197,14 @@ class Amount(Stock[float]):
 
 @dataclass(frozen=True, eq=False)
 class AmountSeries(Stock[FloatArray]):
-    """The budget of a conserved quantity over time; every array has the shape (F,)."""
+    """The budget of a conserved quantity over time; every array has the shape (F,).
+
+        grid = pc.Grid((64, 64), spacing=0.01)
+        dish = pc.ReactionDiffusion(grid, pc.GrayScott(0.035, 0.0625), {"u": 2e-5, "v": 1e-5}, {"u": 1.0, "v": 0.0})
+        pc.simulate(pc.Scene(dish), duration=10.0).budgets["u"].drift  # of an AmountSeries, shape (F,)
+
+    `Recording.budgets` has one by the name of each quantity.
+    """
 
     times: FloatArray
     """When each was taken [s]: at the last step at or before each frame."""

@@ -176,6 +176,11 @@ class Trajectory:
 class Recording(Trajectory):
     """Frames of a simulation at a fixed rate; `recording[body]` gives the part of one body.
 
+        recording = pc.simulate(scene, duration=0.2)  # a Recording
+        recording["cloth"].positions  # (F, N, D)
+        print(recording.energy)
+        recording.film("cloth.png")
+
     Save one with `save`, read it back with `physcore.load`, draw it with `physcore.film`.
     """
 

@@ -50,6 +50,10 @@ State = ArrayLike | Mapping[BodyKey, ArrayLike]
 class Simulation:
     """The state of a scene, and the clock that moves it on.
 
+        simulation = pc.Simulation(scene, integrator="RungeKutta4", dt=1e-3)
+        simulation.step(100)
+        simulation.time, simulation["cloth"].positions
+
     Args:
         scene: what to simulate.
         integrator: how to step, such as RungeKutta4(), or its name, "RungeKutta4"; "auto": VelocityVerlet(), with rods

@@ -41,6 +41,9 @@ def simulate(
 ) -> Recording:
     """Simulate a scene from its start and record it.
 
+        recording = pc.simulate(scene, duration=0.5, fps=30)
+        recording.positions.shape  # (16, 20, 2)
+
     With `accuracy` or `energy_drift` integrator and time step are chosen: short probes price every integrator, the
     cheapest goes on with a few runs of the whole duration, whose steps are found from the order that is measured, and
     the first run that is proven to meet the target is returned. A run is proven by others with other steps: where the

@@ -36,7 +36,13 @@ STRIDE = 1.1
 
 @dataclass(frozen=True)
 class MeasuredLimit:
-    """The largest time step that real runs withstood, beside that of theory."""
+    """The largest time step that real runs withstood, beside that of theory.
+
+        limit = pc.stability_limit(scene, "PEFRL", measured=True)  # a MeasuredLimit
+        print(limit.measured, limit.theory)
+
+    `stability_limit` gives it with `measured=True`.
+    """
 
     integrator: Integrator
     measured: float
@@ -74,6 +80,8 @@ def stability_limit(scene: Scene, integrator: Integrator | str, *, measured: Lit
 @spelled
 def stability_limit(scene: Scene, integrator: Integrator | str, *, measured: bool = False) -> float | MeasuredLimit:
     """The largest time step [s] at which a scene is stable, as it stands at the start; inf: any; 0.0: none is certain.
+
+        pc.stability_limit(scene, "RungeKutta4")  # [s]
 
     Particles under linear drag and harmonic central forces alone are oscillators, and this is their exact limit.
 

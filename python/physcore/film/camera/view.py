@@ -31,6 +31,8 @@ class Face:
 class Window(Face):
     """A part of the plane, for 2D scenes; it is shown whole, in the middle, without distortion.
 
+        pc.film(recording, "cloth.png", camera=pc.Window((-0.2, -0.2), (0.6, 0.5)))
+
     Args:
         lower: its lower left corner [m].
         upper: its upper right corner [m].
@@ -53,6 +55,10 @@ class Window(Face):
 @dataclass(frozen=True)
 class Orbit:
     """An eye that looks at a point of a 3D scene; up in the picture is +z.
+
+        ball = pc.Particles([[0.0, 0.0, 1.0]], radius=0.1)
+        scene = pc.Scene(ball, pc.Gravity(), pc.Floor())
+        pc.film(scene, "ball.png", duration=1.0, camera=pc.Orbit(azimuth=30.0, elevation=20.0))
 
     Args:
         azimuth: where the eye is around the vertical, from +x toward +y [degrees].

@@ -1,4 +1,9 @@
-"""How bodies and systems look, one file each; overlays add something to bodies that another style draws."""
+"""How bodies and systems look, one file each; overlays add something to bodies that another style draws.
+
+    pc.film(recording, "cloth.png", style=pc.styles.Surface(color="strain"))
+
+`film` takes one or several of them as `style=`.
+"""
 
 from __future__ import annotations
 
