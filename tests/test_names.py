@@ -182,3 +182,22 @@ def test_classes_keep_their_signatures():
     assert list(inspect.signature(pc.Particles).parameters)[:2] == ["positions", "velocities"]
     assert list(inspect.signature(pc.Orbit).parameters)[:1] == ["azimuth"]
     assert "style" in inspect.signature(pc.film).parameters
+
+
+def test_messages_call_bodies_by_their_names():
+    low = pc.Particles([[0.5, -1.0]], name="low")
+    with pytest.raises(pc.SceneError, match=r"^bodies\['low'\].positions\[0\]: "):
+        pc.Simulation(pc.Scene(BALL, low, pc.Floor()))
+    with pytest.raises(pc.SceneError, match=r"^bodies\[0\].positions\[0\]: "):
+        pc.Simulation(pc.Scene(pc.Particles([[0.5, -1.0]]), pc.Floor()))
+    water, milk = (
+        pc.Fluid.block((at, 0.0), (at + 1.0, 1.0), 0.1, name=name) for at, name in [(0, "water"), (0.5, "milk")]
+    )
+    with pytest.raises(pc.SceneError, match=r"particles of bodies\['water'\] and bodies\['milk'\]"):
+        pc.Scene(water, milk)
+    spring = pc.SpringNetwork([[0.0, 0.0], [1.0, 0.0]], [[0, 1]], 1e8, velocities=[[0, 0], [1, 0]], name="spring")
+    with pytest.warns(pc.StabilityWarning), pytest.raises(pc.SimulationDiverged) as caught:
+        pc.Simulation(pc.Scene(BALL, spring), dt=1.0).step(100)
+    assert caught.value.particle in (2, 3)
+    assert f"of particle {caught.value.particle} ({caught.value.particle - 2} of 'spring') has" in str(caught.value)
+    assert caught.value.element == f"particle {caught.value.particle}"

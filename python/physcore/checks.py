@@ -72,6 +72,11 @@ def shown(value: object) -> str:
     return " ".join(text.split()).encode(errors="backslashreplace").decode()
 
 
+def written(point: Sequence[float]) -> str:
+    """A point or a vector as people write it: (0, 2.5)."""
+    return f"({', '.join(f'{component:g}' for component in point)})"
+
+
 def number(
     value: object, path: str, *, above: float = -math.inf, least: float = -math.inf, most: float = math.inf
 ) -> float:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from physcore.checks import Vector, vector
+from physcore.checks import Vector, vector, written
 from physcore.errors import SceneError
 from physcore.scene.items import Boundary
 
@@ -34,5 +34,7 @@ class Box(Boundary):
         if len(lower) != len(upper):
             raise SceneError(f"Box.upper: must have {len(lower)} components like the lower corner, got {len(upper)}")
         if not all(low < high for low, high in zip(lower, upper, strict=True)):
-            raise SceneError(f"Box.upper: must be above the lower corner {lower} in every component, got {upper}")
+            raise SceneError(
+                f"Box.upper: must be above the lower corner {written(lower)} in every component, got {written(upper)}"
+            )
         self._set(lower=lower, upper=upper)

@@ -118,6 +118,11 @@ class Scene:
             f"no body {shown(key)}: this scene has {len(self.bodies)}, and of names {names}{did_you_mean(key, known)}"
         )
 
+    def path(self, index: int) -> str:
+        """What messages call a body: bodies['water'], or bodies[0] if it has no name."""
+        name = self.bodies[index].name
+        return f"bodies[{index if name is None else repr(name)}]"
+
     def slice(self, key: BodyKey) -> slice:
         """The slice of a body's particles in the results."""
         index = self.index(key)
@@ -203,7 +208,7 @@ class Scene:
                 names.add(body.name)
             if body.dimension != self.dimension:
                 raise SceneError(
-                    f"bodies[{position}].positions: {body.dimension}D, but the first body is {self.dimension}D"
+                    f"{self.path(position)}.positions: {body.dimension}D, but the first body is {self.dimension}D"
                 )
 
     def _set_domain(self, domains: list[Periodic]) -> None:
@@ -232,7 +237,7 @@ class Scene:
             return
         starts = np.cumsum([0, *(len(fluid) for fluid in fluids)])
         owners = [fluids[int(np.searchsorted(starts, origins[end], side="right")) - 1] for end in pair]
-        first, second = (f"bodies[{self.index(owner)}]" for owner in owners)
+        first, second = (self.path(self.index(owner)) for owner in owners)
         where = f"particles of {first} and {second}" if first != second else f"particles of {first}, across the domain"
         raise SceneError(f"{second}.positions: overlapping bodies: {where}, {describe_pair(points, pair, spacing)}")
 
@@ -241,7 +246,7 @@ class Scene:
         charged = [position for position, body in enumerate(self.bodies) if body.charge.any()]
         if charged and not any(force.feels_charges for force in self.forces):
             warn(
-                f"bodies[{charged[0]}].charge: no force of the scene acts on charges; "
+                f"{self.path(charged[0])}.charge: no force of the scene acts on charges; "
                 "add Coulomb() between them, or an ElectromagneticField(…)",
                 SceneWarning,
             )

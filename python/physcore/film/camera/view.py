@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from physcore._core import Projection
-from physcore.checks import FloatArray, number, span, vector
+from physcore.checks import FloatArray, number, span, vector, written
 from physcore.errors import SceneError
 
 PixelArray = NDArray[np.float32]
@@ -47,7 +47,9 @@ class Window(Face):
     def __post_init__(self) -> None:
         lower, upper = vector(self.lower, "Window.lower"), vector(self.upper, "Window.upper")
         if len(lower) != 2 or len(upper) != 2 or not all(low < high for low, high in zip(lower, upper, strict=True)):
-            raise SceneError(f"Window.upper: must be right of and above the lower corner {lower}, got {upper}")
+            raise SceneError(
+                f"Window.upper: must be right of and above the lower corner {written(lower)}, got {written(upper)}"
+            )
         object.__setattr__(self, "lower", lower)
         object.__setattr__(self, "upper", upper)
 
