@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import json
 import signal
 import subprocess
 import sys
 import time
 from html.parser import HTMLParser
+from pathlib import Path
 
 import pytest
 from PIL import Image
@@ -14,8 +16,9 @@ from PIL import Image
 from physcore.__main__ import main
 from physcore.film import provenance
 from physcore.film.writers import WRITERS
-from physcore.gallery import DEMOS, caption, demo
+from physcore.gallery import DEMOS, Cost, caption, costs, demo
 from physcore.gallery.figure import Figure
+from physcore.gallery.page import gallery
 from physcore.progress import Progress
 
 
@@ -94,11 +97,60 @@ def test_a_gallery_is_a_page_with_its_films_beside_it(capsys, tmp_path):
     assert str(tmp_path) not in text
     assert "://" not in text
     output = capsys.readouterr().out
+    assert "1 of 2 demos; about " in output
+    assert "2 of 2 demos; about 0 s left" in output
     for word in ("every figure holds", "Kepler&#x27;s third law", "RungeKutta4, dt = 0.00314 s, f64", "energy drift"):
         assert word in text
     assert "def scene() -&gt; pc.Scene:" in text
     assert str(folder / "index.html") in output
     assert "rope.gif" in output
+
+
+def test_the_page_of_a_gallery_grows_with_each_film(tmp_path):
+    for number, entry in enumerate(gallery(tmp_path, ["orbits", "rope"], progress=False), 1):
+        page = Page((tmp_path / "index.html").read_text(encoding="utf-8"))
+        assert page.references == ["orbits.gif", "rope.gif"][:number]
+        costs = json.loads((tmp_path / "costs.json").read_text(encoding="utf-8"))
+        assert costs[entry.name]["bytes"] == (tmp_path / entry.film).stat().st_size
+        assert 0.0 < costs[entry.name]["seconds"] < 600.0
+
+
+def test_demos_run_in_several_processes(capsys, tmp_path):
+    assert main(["gallery", "rope", "orbits", "-o", str(tmp_path / "two"), "--jobs", "2"]) == 0
+    assert "2 of 2 demos" in capsys.readouterr().out
+    assert main(["gallery", "rope", "-o", str(tmp_path / "one")]) == 0
+    assert (tmp_path / "two" / "rope.gif").read_bytes() == (tmp_path / "one" / "rope.gif").read_bytes()
+    assert Page((tmp_path / "two" / "index.html").read_text(encoding="utf-8")).references == ["rope.gif", "orbits.gif"]
+    assert main(["gallery", "rope", "-o", str(tmp_path / "none"), "--jobs", "0"]) == 1
+    assert "jobs: must be ≥ 1, got 0" in capsys.readouterr().err
+
+
+def test_a_quick_gallery_leaves_out_what_takes_long(capsys, monkeypatch, tmp_path):
+    known = {"rope": Cost(1.0, 10**6), "bowl": Cost(100.0, 10**6)}
+    monkeypatch.setattr("physcore.gallery.costs", lambda: known)
+    assert main(["gallery", "bowl", "rope", "knot", "-o", str(tmp_path), "--quick"]) == 0
+    assert capsys.readouterr().out.startswith("Left out: bowl, knot.")
+    assert Page((tmp_path / "index.html").read_text(encoding="utf-8")).references == ["rope.gif"]
+
+
+def test_costs_are_those_of_demos_and_are_listed(capsys):
+    known = costs()
+    assert set(known) <= set(DEMOS)
+    assert main(["list"]) == 0
+    lines = {line.split()[0]: line for line in capsys.readouterr().out.splitlines()}
+    for name, cost in known.items():
+        assert f"{cost.seconds:.0f} s" in lines[name]
+        assert f"{cost.bytes / 1e6:.1f} MB" in lines[name]
+
+
+def test_the_source_of_a_demo_is_its_file(capsys):
+    assert main(["demo", "rope", "--source"]) == 0
+    assert capsys.readouterr().out == Path(demo("rope").__file__).read_text(encoding="utf-8")
+
+
+def test_a_misspelt_demo_is_guessed(capsys):
+    assert main(["demo", "rop"]) == 2
+    assert "did you mean 'rope'?" in capsys.readouterr().err
 
 
 def test_a_figure_that_does_not_hold_is_marked_and_is_a_failure(capsys, monkeypatch, tmp_path):
@@ -134,7 +186,8 @@ def test_a_gallery_that_is_killed_leaves_what_was_there_and_whole_films(tmp_path
     finally:
         running.kill()
     assert running.wait() == -signal.SIGKILL
-    assert (tmp_path / "index.html").read_text() == "the last one"
+    text = (tmp_path / "index.html").read_text()
+    assert text == "the last one" or Page(text).references[0] == "rope.gif"
     for path in tmp_path.glob("[!.]*.gif"):
         with Image.open(path) as film:
             film.seek(film.n_frames - 1)

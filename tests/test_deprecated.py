@@ -19,6 +19,7 @@ SCENE = pc.Scene(pc.Particles([[0.0, 0.0]], velocities=1.0))
     [
         ("physcore", "Repulsion", pc.SoftSpheres),
         ("physcore.forces", "Repulsion", forces.SoftSpheres),
+        ("physcore", "evidence", provenance),
         ("physcore.film", "evidence", provenance),
     ],
 )

@@ -12,6 +12,7 @@ PACKAGE = Path(__file__).parents[1] / "python" / "physcore"
 
 LAYERS = [
     "errors",
+    "spelling",
     "_core",
     "memory",
     "units",

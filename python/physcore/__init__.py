@@ -3,7 +3,7 @@
     import physcore as pc
 
     cloth = pc.cloth((40, 30), spacing=0.025, stiffness=400.0, damping=0.02, mass=0.002, pinned="top corners")
-    recording = pc.simulate(pc.Scene(cloth, pc.Gravity((0.0, -9.81))), duration=4.0)
+    recording = pc.simulate(pc.Scene(cloth, pc.Gravity()), duration=4.0)
     pc.film(recording, "cloth.gif")
 
 A Scene says what is there; the numerics (integrator, dt, precision, threads) stand beside it; a Simulation owns state
@@ -12,6 +12,8 @@ and clock; a Recording is arrays and the audit; `film` draws them.
 
 from __future__ import annotations
 
+import sys
+from importlib import import_module
 from typing import TYPE_CHECKING
 
 from physcore import units
@@ -93,6 +95,7 @@ from physcore.simulation.plan import Plan
 from physcore.simulation.recording import Recording
 from physcore.simulation.simulation import Simulation
 from physcore.simulation.state import Frame, Part, Snapshot
+from physcore.spelling import did_you_mean, spell
 from physcore.studies.accuracy import simulate
 from physcore.studies.lyapunov import Lyapunov, lyapunov
 from physcore.studies.stability import MeasuredLimit, stability_limit
@@ -106,13 +109,26 @@ from physcore.systems.tracers import Tracers
 from physcore.systems.wave import Ricker, Source, Wave
 
 if TYPE_CHECKING:
-    from physcore.film import styles
+    from physcore.film import (
+        DARK,
+        LIGHT,
+        Corotating,
+        Follow,
+        Keyframes,
+        Orbit,
+        Theme,
+        Window,
+        provenance,
+        styles,
+    )
 
 __version__: str
 """The version of the installed package."""
 
 __all__ = [
     "BDF2",
+    "DARK",
+    "LIGHT",
     "PEFRL",
     "RATTLE",
     "XPBD",
@@ -135,6 +151,7 @@ __all__ = [
     "Capsule",
     "CentralForce",
     "ConvexHull",
+    "Corotating",
     "Coulomb",
     "CrankNicolson",
     "CubicSpline",
@@ -152,6 +169,7 @@ __all__ = [
     "Floor",
     "Flow",
     "Fluid",
+    "Follow",
     "Force",
     "Frame",
     "GaussRadau15",
@@ -164,6 +182,7 @@ __all__ = [
     "Integrator",
     "InternalError",
     "Kernel",
+    "Keyframes",
     "LennardJones",
     "Lorenz",
     "Lyapunov",
@@ -172,6 +191,7 @@ __all__ = [
     "MagneticDipole",
     "McLachlan2",
     "MeasuredLimit",
+    "Orbit",
     "Part",
     "Particles",
     "PaulTrap",
@@ -206,6 +226,7 @@ __all__ = [
     "SpringNetwork",
     "StabilityWarning",
     "Staggered",
+    "Theme",
     "Thomas",
     "Tracers",
     "Tradeoff",
@@ -216,6 +237,7 @@ __all__ = [
     "WendlandC2",
     "WendlandC4",
     "Wind",
+    "Window",
     "ball",
     "block",
     "cloth",
@@ -225,6 +247,7 @@ __all__ = [
     "load",
     "lyapunov",
     "materials",
+    "provenance",
     "rope",
     "simulate",
     "soft_body",
@@ -235,18 +258,28 @@ __all__ = [
     "wave_packet",
 ]
 
+_OF_FILMS = {"DARK", "LIGHT", "Corotating", "Follow", "Keyframes", "Orbit", "Theme", "Window", "provenance", "styles"}
+"""What films are made with. It is imported when it is asked for: it takes as long as all other imports."""
+_BEFORE = {"Repulsion": "SoftSpheres", "evidence": "provenance"}
+"""Names of before."""
+
+spell(globals()[name] for name in __all__ if name in globals())
+Recording.film = film  # Here, because what draws films imports recordings.
+
 
 def __getattr__(name: str) -> object:
-    """The version and the styles of films, which take as long as all other imports, and names of before."""
-    if name == "styles":
-        from physcore.film import styles
-
-        return styles
-    if name == "Repulsion":
-        warn("Repulsion is now SoftSpheres", DeprecationWarning)
-        return SoftSpheres
+    """The version, what films are made with, and names of before."""
+    if name in _BEFORE:
+        warn(f"{name} is now {_BEFORE[name]}", DeprecationWarning)
+        return getattr(sys.modules[__name__], _BEFORE[name])
+    if name in _OF_FILMS:
+        return getattr(import_module("physcore.film"), name)
     if name != "__version__":
-        raise AttributeError(f"module 'physcore' has no attribute {name!r}")
+        raise AttributeError(f"module 'physcore' has no attribute {name!r}{did_you_mean(name, __all__)}")
     from importlib.metadata import version
 
     return version("physcore")
+
+
+def __dir__() -> list[str]:
+    return [*__all__, "__version__"]

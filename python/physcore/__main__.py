@@ -3,16 +3,24 @@
 from __future__ import annotations
 
 import argparse
+import inspect
+import math
 import os
 import sys
+import time
 from collections.abc import Sequence
 from pathlib import Path
+from types import ModuleType
+from typing import cast
 
 import physcore
 from physcore.errors import PhyscoreError
+from physcore.spelling import did_you_mean
 
 INTERRUPTED = 130
 """The exit code after Ctrl-C, as shells have it."""
+QUICK = 6.0
+"""The processor time of a demo that is quick [s]."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -37,7 +45,9 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="version", version=f"physcore {physcore.__version__}")
     commands = parser.add_subparsers(title="commands", required=True, metavar="COMMAND")
-    commands.add_parser("list", help="name the demos").set_defaults(run=_list)
+    commands.add_parser(
+        "list", help="name the demos, with the processor time that each takes and the size of its film"
+    ).set_defaults(run=_list)
     demo = commands.add_parser("demo", help="run a demo: write its film, print its audit")
     demo.add_argument("name", nargs="?", metavar="NAME", help="one of `physcore list` (default: the first)")
     demo.add_argument(
@@ -47,11 +57,18 @@ def _parser() -> argparse.ArgumentParser:
         metavar="FILE",
         help="the film to write: .gif, .webp, .apng, .mp4, or .png for its last frame (default: NAME.gif)",
     )
+    demo.add_argument("--source", action="store_true", help="print the script of the demo instead of running it")
     demo.set_defaults(run=_demo)
     page = commands.add_parser("gallery", help="run the demos: write their films and a page that shows them")
     page.add_argument("names", nargs="*", metavar="NAME", help="some of `physcore list` (default: all)")
     page.add_argument(
         "-o", "--output", type=Path, required=True, metavar="DIR", help="where to write index.html and the films"
+    )
+    page.add_argument(
+        "--quick", action="store_true", help=f"leave out the demos that take more than {QUICK:g} s of processor time"
+    )
+    page.add_argument(
+        "-j", "--jobs", type=int, default=1, metavar="N", help="how many demos to run at once (default: 1)"
     )
     page.set_defaults(run=_gallery)
     trade = commands.add_parser("tradeoff", help="measure what speed costs in accuracy in a demo")
@@ -69,11 +86,14 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _list(options: argparse.Namespace) -> int:
-    from physcore.gallery import DEMOS, caption
+    from physcore.gallery import DEMOS, caption, costs
 
-    width = max(map(len, DEMOS))
+    width, known = max(map(len, DEMOS)), costs()
     for name in DEMOS:
-        print(f"{name:<{width}}  {caption(name)}")
+        seconds, size = (
+            (f"{known[name].seconds:.0f}", f"{known[name].bytes / 1e6:.1f}") if name in known else ("?", "?")
+        )
+        print(f"{name:<{width}}  {seconds:>4} s  {size:>4} MB  {caption(name)}")
     return 0
 
 
@@ -86,6 +106,9 @@ def _demo(options: argparse.Namespace) -> int:
     name = options.name or DEMOS[0]
     if not _exists(name):
         return 2
+    if options.source:
+        print(inspect.getsource(cast(ModuleType, demo(name))), end="")
+        return 0
     try:
         path = Path(options.output or f"{name}.gif")
         writable(path, WRITERS)
@@ -102,25 +125,38 @@ def _demo(options: argparse.Namespace) -> int:
 
 
 def _gallery(options: argparse.Namespace) -> int:
-    from physcore.gallery import DEMOS
+    from physcore.gallery import DEMOS, costs
     from physcore.gallery.page import INDEX, gallery
 
-    names = list(dict.fromkeys(options.names)) or DEMOS
+    names = list(dict.fromkeys(options.names)) or list(DEMOS)
     if not all(map(_exists, names)):
         return 2
-    failed = []
-    for entry in gallery(options.output, names, progress=True):
+    known = {name: cost.seconds for name, cost in costs().items()}
+    if options.quick:
+        slow = [name for name in names if known.get(name, math.inf) > QUICK]
+        names = [name for name in names if name not in slow]
+        print(f"Left out: {', '.join(slow) or 'nothing'}.")
+    # What was never measured counts as an average one.
+    weights = {name: known.get(name, sum(known.values()) / max(len(known), 1)) for name in names}
+    failed, done, start = [], 0.0, time.monotonic()
+    for number, entry in enumerate(gallery(options.output, names, progress=True, jobs=options.jobs), 1):
+        done += weights[entry.name]
+        left = (time.monotonic() - start) * (sum(weights.values()) / done - 1.0) if done else 0.0
+        film = options.output / entry.film
         print(f"{entry.name}: {entry.figure}")
-        print(
-            f"  {_written(options.output / entry.film)} ({(options.output / entry.film).stat().st_size / 1e6:.1f} MB)",
-            flush=True,
-        )
+        print(f"  {_written(film)} ({film.stat().st_size / 1e6:.1f} MB)")
+        print(f"  {number} of {len(names)} demos; about {_minutes(left)} left", flush=True)
         if not entry.figure.holds:
             failed.append(entry.name)
     print(f"\nThe page is {_written(options.output / INDEX)}.")
     if failed:
         print(f"physcore: the figures of {', '.join(failed)} do not hold", file=sys.stderr)
     return 1 if failed else 0
+
+
+def _minutes(seconds: float) -> str:
+    """A time as people say it."""
+    return f"{seconds:.0f} s" if seconds < 100.0 else f"{seconds / 60.0:.0f} min"
 
 
 def _tradeoff(options: argparse.Namespace) -> int:
@@ -162,7 +198,7 @@ def _exists(name: str) -> bool:
 
     if name in DEMOS:
         return True
-    print(f"physcore: no demo {name!r}; there are {', '.join(DEMOS)}", file=sys.stderr)
+    print(f"physcore: no demo {name!r}; there are {', '.join(DEMOS)}{did_you_mean(name, DEMOS)}", file=sys.stderr)
     return False
 
 

@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from physcore import memory
 from physcore.errors import SceneError
+from physcore.spelling import did_you_mean
 
 FloatArray: TypeAlias = NDArray[np.float64]
 IntArray: TypeAlias = NDArray[np.int64]
@@ -69,6 +70,11 @@ def shown(value: object) -> str:
     except Exception:
         text = f"something of the type {type(value).__name__}"
     return " ".join(text.split()).encode(errors="backslashreplace").decode()
+
+
+def written(point: Sequence[float]) -> str:
+    """A point or a vector as people write it: (0, 2.5)."""
+    return f"({', '.join(f'{component:g}' for component in point)})"
 
 
 def number(
@@ -126,7 +132,7 @@ def flag(value: object, path: str) -> bool:
 def word(value: object, path: str, known: Collection[Word]) -> Word:
     """One of some words."""
     if not isinstance(value, str) or value not in known:
-        raise SceneError(f"{path}: must be {_alternatives(known)}, got {shown(value)}")
+        raise SceneError(f"{path}: must be {_alternatives(known)}, got {shown(value)}{did_you_mean(value, known)}")
     return next(each for each in known if each == value)
 
 
@@ -141,7 +147,9 @@ def words(value: object, path: str, known: Collection[Word], hint: str = "") -> 
         isinstance(each, str) and each in known for each in value
     ):
         names = ", ".join(map(repr, known))
-        raise SceneError(f"{path}: must be a tuple of {names}, got {shown(value)}{hint}")
+        entries = value if isinstance(value, (tuple, list)) else ()
+        wrong = next((each for each in entries if isinstance(each, str) and each not in known), None)
+        raise SceneError(f"{path}: must be a tuple of {names}, got {shown(value)}{hint or did_you_mean(wrong, known)}")
     return tuple(dict.fromkeys(value))
 
 

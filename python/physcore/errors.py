@@ -11,19 +11,51 @@ from numpy.typing import NDArray
 
 
 class PhyscoreError(Exception):
-    """The base of every error that physcore raises on purpose."""
+    """The base of every error that physcore raises on purpose.
+
+        try:
+            pc.load("missing.npz")
+        except pc.PhyscoreError as error:
+            print(error)
+
+    SceneError, FileError, SimulationDiverged, AccuracyError and InternalError are below it.
+    """
 
 
 class SceneError(PhyscoreError, ValueError):
-    """A scene or a numerical choice is not valid: the message starts with the path of the parameter."""
+    """A scene or a numerical choice is not valid: the message starts with the path of the parameter.
+
+        try:
+            pc.Particles([[0.0, 0.0]], mass=-1.0)
+        except pc.SceneError as error:
+            print(error)  # Particles.mass[0]: must be > 0 …
+
+    It is a ValueError too.
+    """
 
 
 class FileError(PhyscoreError, OSError):
-    """A file cannot be read or written, is damaged, or is of another version."""
+    """A file cannot be read or written, is damaged, or is of another version.
+
+        try:
+            pc.load("missing.npz")
+        except pc.FileError as error:
+            print(error)
+
+    It is an OSError too.
+    """
 
 
 class InternalError(PhyscoreError):
-    """physcore broke a promise to itself; please report it with the script that led here."""
+    """physcore broke a promise to itself; please report it with the script that led here.
+
+        try:
+            pc.simulate(scene, duration=0.1)
+        except pc.InternalError as error:
+            print("please report", error)
+
+    A run that raises it stands at the last good step.
+    """
 
 
 class State(Protocol):
@@ -52,6 +84,11 @@ class State(Protocol):
 
 class SimulationDiverged(PhyscoreError, ArithmeticError):
     """The simulation blew up, and stands at the last good state.
+
+        try:
+            pc.simulate(scene, duration=5.0, dt=0.1)
+        except pc.SimulationDiverged as error:
+            print(error.hint, error.last_good.positions.max())
 
     Attributes:
         step: the step that failed, counted from 1.
@@ -95,6 +132,11 @@ class SimulationDiverged(PhyscoreError, ArithmeticError):
 class AccuracyError(PhyscoreError, ArithmeticError):
     """No method computes a scene as accurately as was asked for.
 
+        try:
+            pc.simulate(scene, duration=0.1, accuracy=1e-18)
+        except pc.AccuracyError as error:
+            print(error.error)  # how near it came [m]
+
     Attributes:
         error: the smallest error that was reached [m]; inf where everything diverged.
         energy_drift: the drift of the energy balance of that run.
@@ -119,15 +161,33 @@ def _rebuild_divergence(message: str, attributes: dict[str, object]) -> Simulati
 
 
 class StabilityWarning(UserWarning):
-    """The time step is above the limit of stability, as far as that is certain, or it shows: a step failed, for one."""
+    """The time step is above the limit of stability, as far as that is certain, or it shows: a step failed, for one.
+
+        import warnings
+        warnings.simplefilter("error", pc.StabilityWarning)  # a step that is too long stops the script
+
+    `stability_limit` gives the limit.
+    """
 
 
 class SceneWarning(UserWarning):
-    """A scene says something that has no effect, such as charges where no force acts on them."""
+    """A scene says something that has no effect, such as charges where no force acts on them.
+
+        import warnings
+        warnings.simplefilter("ignore", pc.SceneWarning)
+
+    The scene is simulated as it is.
+    """
 
 
 class MachWarning(UserWarning):
-    """A fluid flows too fast for its speed of sound to pass for weakly compressible."""
+    """A fluid flows too fast for its speed of sound to pass for weakly compressible.
+
+        import warnings
+        warnings.simplefilter("error", pc.MachWarning)  # a fluid that is too fast stops the script
+
+    A larger `sound_speed` cures it, in steps that are shorter by as much.
+    """
 
 
 def warn(message: str, category: type[Warning]) -> None:

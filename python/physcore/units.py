@@ -1,5 +1,8 @@
 """Units and constants in SI: a length of 5 AU is 5 * pc.units.AU.
 
+    earth = pc.Particles([[pc.units.AU, 0.0]], mass=pc.units.earth_mass)
+    year = pc.units.year  # [s]
+
 Sources: E. Tiesinga et al., CODATA recommended values of the fundamental physical constants: 2018, Rev. Mod. Phys. 93,
 025010 (2021), where no other is named; those that define the SI are exact. Resolutions of the IAU: the astronomical
 unit (2012 B2), and nominal values of the Sun, of the Earth and of Jupiter (2015 B3), whose masses are GM over G.

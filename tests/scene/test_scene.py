@@ -126,7 +126,7 @@ def test_every_integrator_names_its_order_and_its_source(kind):
             lambda: pc.Scene(ONE, pc.Gravity((0, -1), on=TWO)),
             r"forces\[0\].on: Particles\('two', .* is not in the scene",
         ),
-        (lambda: pc.Gravity((0, -1), on="one"), "Gravity.on: must be a body or several"),
+        (lambda: pc.Gravity((0, -1), on=1.0), "Gravity.on: must be a body, its name, or several"),
         (lambda: pc.Gravity(-9.81), "Gravity.acceleration: must be 2 or 3 numbers"),
         (lambda: pc.Gravity((0, float("nan"))), r"Gravity.acceleration\[1\]: must be finite"),
         (lambda: pc.Drag(-1.0), "Drag.linear: must be ≥ 0, got -1"),

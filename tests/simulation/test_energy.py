@@ -78,3 +78,15 @@ def test_a_budget_beyond_the_search_for_neighbors_is_a_divergence():
     simulation.step()
     with pytest.raises(pc.SimulationDiverged, match=r"step 1 .* position of particle 0"):
         simulation.energy()
+
+
+def test_a_budget_is_printed_as_a_table():
+    head, *rows, drift = str(SERIES).splitlines()
+    assert head.split() == ["energy", "[J]", "start", "end"]
+    assert [row.split()[-2:] for row in rows if "springs" in row] == [["0", "0.5"]]
+    assert [row.split()[-2:] for row in rows if "balance" in row] == [["5.5", "4"]]
+    assert drift == "  drift: at most 2.3e-01 of the energy in motion"  # 1.5 / 6.5
+    assert "array(" not in str(SERIES)
+    last = str(SERIES.at(2)).splitlines()
+    assert last[0].split() == ["energy", "[J]", "at", "0.2", "s"]
+    assert [row.split()[-1] for row in last if "balance" in row] == ["4"]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from dataclasses import replace
 
 import numpy as np
@@ -179,3 +180,56 @@ def test_budgets_of_other_quantities_are_saved_and_tell_their_drift(tmp_path):
         np.testing.assert_allclose(series.drift, [0.0, -0.1, -0.2])
         np.testing.assert_allclose(series.times, [0.0, 0.1, 0.2])
     assert "u [mol]: 2 → 1, drift at most 2.0e-01" in audit(recording)
+
+
+def test_a_recording_is_filmed_by_itself(tmp_path):
+    recording = pc.simulate(THROW, 0.1)
+    film = recording.film(tmp_path / "one.png", size=(80, 60))
+    pc.film(recording, tmp_path / "other.png", size=(80, 60))
+    assert film.path.read_bytes() == (tmp_path / "other.png").read_bytes()
+
+
+def test_a_table_has_a_row_for_each_particle_at_each_time():
+    pytest.importorskip("pandas")
+    grains = pc.Particles([[0.0, 1.0], [2.0, 3.0]], velocities=[[1.0, 0.0], [0.0, 0.0]])
+    recording = pc.simulate(pc.Scene(BALL, grains, pc.Gravity()), 0.1)
+    table = recording.to_dataframe()
+    assert list(table.columns) == ["time", "body", "particle", "x", "y", "vx", "vy"]
+    assert len(table) == len(recording) * 3
+    assert table.body[:3].tolist() == ["ball", 1, 1]
+    assert table.particle[:3].tolist() == [0, 0, 1]
+    np.testing.assert_array_equal(table[["x", "y"]].to_numpy(), recording.positions.reshape(-1, 2))
+    np.testing.assert_array_equal(table[["vx", "vy"]].to_numpy(), recording.velocities.reshape(-1, 2))
+    np.testing.assert_array_equal(table.time[::3], recording.times)
+    mine = recording[grains].to_dataframe()
+    assert list(mine.columns) == ["time", "particle", "x", "y", "vx", "vy"]
+    np.testing.assert_array_equal(mine.y, recording.positions[:, 1:, 1].ravel())
+    wave = pc.simulate(pc.Scene(pc.Wave(pc.Grid((4, 4), 0.1), 1.0)), 0.1)
+    with pytest.raises(pc.SceneError, match="to_dataframe: nothing with particles was recorded"):
+        wave.to_dataframe()
+
+
+def test_a_plot_shows_means_and_bands():
+    pytest.importorskip("matplotlib").use("Agg")
+    two = pc.Particles([[0.0, 1.0], [2.0, 3.0]], name="two")
+    recording = pc.simulate(pc.Scene(two, pc.Gravity()), 0.1)
+    axes = recording.plot("positions")
+    assert [line.get_label() for line in axes.get_lines()] == ["x", "y"]
+    np.testing.assert_array_equal(axes.get_lines()[1].get_ydata(), recording.positions[:, :, 1].mean(axis=1))
+    assert len(axes.collections) == 2
+    assert axes.get_ylabel() == "positions [m]"
+    assert recording["two"].plot("velocities").get_ylabel() == "velocities [m/s]"
+    assert recording.plot().get_ylabel() == "energy [J]"
+    (line,) = recording.plot("angular_momentum").get_lines()
+    np.testing.assert_array_equal(line.get_ydata(), recording.angular_momentum[:, 0])
+    with pytest.raises(pc.SceneError, match=r"plot.channel: .* did you mean 'velocities'\?"):
+        recording.plot("velocity")
+
+
+@pytest.mark.parametrize(("module", "call"), [("pandas", "to_dataframe"), ("matplotlib", "plot")])
+def test_what_is_not_installed_is_named(module, call, monkeypatch):
+    recording = pc.simulate(THROW, 0.1)
+    for name in (module, *(each for each in sys.modules if each.startswith(f"{module}."))):
+        monkeypatch.setitem(sys.modules, name, None)
+    with pytest.raises(pc.PhyscoreError, match=r"pip install \"physcore\["):
+        getattr(recording, call)()

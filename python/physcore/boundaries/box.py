@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from physcore.checks import Vector, flag, vector
+from physcore.checks import Vector, flag, vector, written
 from physcore.errors import SceneError
 from physcore.scene.items import Boundary
 
@@ -13,8 +13,8 @@ from physcore.scene.items import Boundary
 class Box(Boundary):
     """A box (a rectangle in 2D) along the axes; particles stay inside, or outside of a solid one.
 
-        tank = pc.Box((0.0, 0.0), (2.0, 1.0))
-        step = pc.Box((1.2, 0.0), (1.4, 0.3), inside=False)
+        gas = pc.Particles(rng.uniform(0.1, 0.9, (50, 2)), velocities=rng.normal(size=(50, 2)), radius=0.01)
+        scene = pc.Scene(gas, pc.Box((0.0, 0.0), (1.0, 1.0)), pc.Box((0.4, -0.1), (0.6, 0.05), inside=False))
 
     Args:
         lower: the corner with the smallest coordinates [m].
@@ -36,5 +36,7 @@ class Box(Boundary):
         if len(lower) != len(upper):
             raise SceneError(f"Box.upper: must have {len(lower)} components like the lower corner, got {len(upper)}")
         if not all(low < high for low, high in zip(lower, upper, strict=True)):
-            raise SceneError(f"Box.upper: must be above the lower corner {lower} in every component, got {upper}")
+            raise SceneError(
+                f"Box.upper: must be above the lower corner {written(lower)} in every component, got {written(upper)}"
+            )
         self._set(lower=lower, upper=upper, inside=flag(self.inside, "Box.inside"))

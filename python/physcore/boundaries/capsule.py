@@ -13,6 +13,7 @@ from physcore.scene.items import Boundary
 class Capsule(Boundary):
     """All points within a radius of a segment: a rounded rod, in 2D a rounded bar; particles stay outside.
 
+        grains = pc.Particles(rng.uniform((-0.4, 0.4), (0.4, 1.0), (50, 2)), radius=0.01)
         bar = pc.Capsule((-0.5, 0.3), (0.5, 0.0), radius=0.05, friction=0.4)
         scene = pc.Scene(grains, bar, pc.Gravity((0.0, -9.81)))
 

@@ -19,6 +19,7 @@ MOST = 100
 class ConvexHull(Boundary):
     """The smallest convex solid that holds some points, in 2D a polygon; particles stay outside.
 
+        grains = pc.Particles(rng.uniform((0.1, 0.6), (0.9, 1.0), (50, 2)), radius=0.01)
         ramp = pc.ConvexHull([[0.0, 0.0], [1.0, 0.0], [0.0, 0.5]], friction=0.2)
         scene = pc.Scene(grains, ramp, pc.Floor(), pc.Gravity((0.0, -9.81)))
 

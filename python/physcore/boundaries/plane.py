@@ -15,6 +15,9 @@ from physcore.scene.items import Boundary
 class Plane(Boundary):
     """A plane (a line in 2D); particles stay on the side to which the normal points.
 
+        ball = pc.Particles([[0.0, 1.0]], radius=0.1)
+        scene = pc.Scene(ball, pc.Gravity(), pc.Plane((0.0, 0.0), normal=(1.0, 2.0), friction=0.3))
+
     Args:
         point: any point of the plane [m].
         normal: its normal; the length does not matter.
@@ -47,6 +50,9 @@ class Plane(Boundary):
 @dataclass(frozen=True)
 class Floor(Boundary):
     """A horizontal floor; particles stay above it. Up is the last axis: y in 2D, z in 3D.
+
+        ball = pc.Particles([[0.0, 1.0]], radius=0.1)
+        scene = pc.Scene(ball, pc.Gravity(), pc.Floor(restitution=0.8))
 
     Args:
         height: of the floor along the last axis [m].

@@ -12,6 +12,9 @@ from physcore.scene.items import Boundary
 class Sphere(Boundary):
     """A sphere (a circle in 2D); particles stay outside, or inside when `inside` is true.
 
+        ball = pc.Particles([[0.1, 1.5]], radius=0.1)
+        scene = pc.Scene(ball, pc.Gravity(), pc.Sphere((0.0, 0.0), radius=1.0, inside=False))
+
     Args:
         center: [m], as many numbers as the scene has dimensions.
         radius: [m], above zero.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import ClassVar, cast
 
 import numpy as np
 
@@ -35,12 +35,12 @@ class SelfContact(Constraint):
     and space in 3D without a Periodic domain.
 
     Args:
-        body: the SpringNetwork, which meets itself.
+        body: the SpringNetwork, which meets itself, or its name.
         thickness: the distance of mid-surfaces at which contact begins [m], above zero and below the length of the
             shortest edge.
         friction: Coulomb's coefficient, at least zero.
         restitution: ratio of the normal speeds after and before a contact that is new, from 0 to 1.
-        on: further networks that the body meets.
+        on: further networks that the body meets, or their names.
 
     Raises:
         SceneError: a value is out of range, a body has no springs, a triangle no area, or edges are as short as the
@@ -50,7 +50,7 @@ class SelfContact(Constraint):
     ACM Trans. Graph. 40, 170 (2021) for the advancement.
     """
 
-    body: Body
+    body: Body | str
     thickness: float
     friction: float = 0.0
     restitution: float = 0.0
@@ -62,29 +62,31 @@ class SelfContact(Constraint):
         own = chosen(self.body, "SelfContact.body")
         if own is None or len(own) != 1:
             raise SceneError(f"SelfContact.body: must be one SpringNetwork, got {shown(self.body)}")
-        others = self.bodies() or ()
+        others = tuple(dict.fromkeys(self.bodies() or ()))
         if own[0] in others:
             raise SceneError("SelfContact.on: must be other bodies; the body meets itself anyway")
         self._set(
-            on=tuple(dict.fromkeys(others)),
+            on=others,
             body=own[0],
             thickness=number(self.thickness, "SelfContact.thickness", above=0.0),
             friction=number(self.friction, "SelfContact.friction", least=0.0),
             restitution=number(self.restitution, "SelfContact.restitution", least=0.0, most=1.0),
         )
-        _check_surface(self.body, "SelfContact.body", self.thickness)
+        if self.by_name:
+            return
+        _check_surface(own[0], "SelfContact.body", self.thickness)
         for place, other in enumerate(others):
             _check_surface(other, f"SelfContact.on[{place}]", self.thickness)
 
     def bodies(self, field: str = "on") -> tuple[Body, ...] | None:
         """The bodies that it names in a field."""
-        return (self.body,) if field == "body" else super().bodies(field)
+        return (cast("Body", self.body),) if field == "body" else super().bodies(field)
 
 
-def _check_surface(body: Body, path: str, thickness: float) -> None:
+def _check_surface(body: object, path: str, thickness: float) -> None:
     """Its triangles have areas, and its edges are longer than the thickness."""
     if not isinstance(body, SpringNetwork) or body.dimension != 3 or not len(body.pairs):
-        raise SceneError(f"{path}: must be a SpringNetwork in 3D with springs, got {body!r}")
+        raise SceneError(f"{path}: must be a SpringNetwork in 3D with springs, got {shown(body)}")
     if len(body.faces):
         check_areas(body, path)
     ends = body.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2) if len(body.faces) else body.pairs

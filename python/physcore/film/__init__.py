@@ -14,6 +14,7 @@ from physcore.errors import warn
 from physcore.film.filming import film, gif_bytes
 from physcore.film.notebook import html
 from physcore.simulation.recording import show_with
+from physcore.spelling import did_you_mean, spell
 
 if TYPE_CHECKING:
     from physcore.film import styles
@@ -59,6 +60,14 @@ def __getattr__(name: str) -> object:
     if name == "evidence":
         warn("physcore.film.evidence is now physcore.film.provenance", DeprecationWarning)
         name = "provenance"
+    if name == "styles":
+        return import_module(f"{__name__}.styles")
     if name not in _MODULES:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return getattr(import_module(f"{__name__}.{_MODULES[name]}"), name)
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}{did_you_mean(name, __all__)}")
+    found = getattr(import_module(f"{__name__}.{_MODULES[name]}"), name)
+    spell([found])
+    return found
+
+
+def __dir__() -> list[str]:
+    return list(__all__)

@@ -34,10 +34,11 @@ def asked(style: object, found: Sequence[Source]) -> list[Style]:
         return [Strain(), Fluid()] if fluids else [Strain()]
     styles = []
     every = [item for source in found for item in _items(source)]
-    for each in style if isinstance(style, (list, tuple)) else [style]:
-        if not isinstance(each, Style):
-            missing = f"; write {each.__name__}()" if isinstance(each, type) else ""
-            raise SceneError(f"style: must be one or a list of physcore.styles, got {checks.shown(each)}{missing}")
+    for given in style if isinstance(style, (list, tuple)) else [style]:
+        if not isinstance(given, Style):
+            missing = f"; write {given.__name__}()" if isinstance(given, type) else ""
+            raise SceneError(f"style: must be one or a list of physcore.styles, got {checks.shown(given)}{missing}")
+        each = given.among(every)
         for item in each.items() or ():
             if not any(item is known for known in every):
                 raise SceneError(

@@ -12,6 +12,7 @@ from physcore.checks import count as whole_number
 from physcore.checks import flag, text, word
 from physcore.errors import FileError, SceneError
 from physcore.numerics.choices import Options
+from physcore.spelling import spelled
 
 # Drawing is imported where it is used: it takes as long as the rest of physcore.
 if TYPE_CHECKING:
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
     from physcore.simulation.recording import Recording
 
 
+@spelled
 def film(
     recording: Recording | Scene | Sequence[Recording | Scene],
     path: str | os.PathLike[str],
@@ -51,13 +53,16 @@ def film(
 ) -> Film:
     """Draw a recording, or a scene while it is simulated, as a film; as a PNG, its last frame.
 
+        pc.film(recording, "cloth.gif", title="A cloth")
+        pc.film(scene, "scene.gif", duration=0.5, style=pc.styles.Strain())
+
     Of a scene only one frame is in memory at a time. In a first pass the framing and the ranges of the colors are
     found, and the second one draws. Between them frames wait in a temporary file without a name, of at most a quarter
     of the free disk, unless simulating again, which gives the same bits, takes less time than writing and reading. One
     pass is enough where nothing depends on the whole film: with a Window, or Orbits with target and extent, styles
     whose ends of the color scale are given (`top`, `range`), no inset and no label "dt". The file appears under its
     name when it is whole; until then, and on any failure, what was there stays. It carries its provenance,
-    which `physcore.film.provenance` reads: a hash of the scene, the numerics, the steps taken, the drift of the
+    which `physcore.provenance` reads: a hash of the scene, the numerics, the steps taken, the drift of the
     energy and the hash of the last state.
 
     All formats keep real time and show every frame. A .gif, of 255 colors and at most 50 frames per second, is shown
@@ -73,8 +78,8 @@ def film(
             body that no style draws is drawn as points.
         camera: a Window in 2D, an Orbit in 3D; Keyframes between some of these, a function that gives one for a time
             [s] (`lambda time: Orbit(azimuth=10 * time)`), Follow a body, or the frame that is Corotating with two; all
-            are in `physcore.film`. None: so that nothing leaves the picture.
-        theme: "dark", "light" or a `physcore.film.Theme`.
+            are in `physcore`. None: so that nothing leaves the picture.
+        theme: "dark", "light" or a `physcore.Theme`.
         background: a color instead of the theme's, such as "#000000".
         title: a line above the picture.
         titles: a line above each panel.

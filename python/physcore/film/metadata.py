@@ -46,6 +46,9 @@ def write_sidecar(found: Sequence[Source], target: Path) -> None:
 def provenance(path: str | os.PathLike[str]) -> list[ProvenanceRecord]:
     """The provenance of a film, from itself or the JSON file beside it: one dictionary for each panel.
 
+        pc.film(recording, "cloth.png")
+        pc.provenance("cloth.png")[0]["scene"] == recording.scene.hash()  # True
+
     Their keys are those of `ProvenanceRecord`. To check a film, compare "scene" with `scene.hash()`, simulate that
     scene with the same numerics and the same steps, and compare "state" with `Simulation.state_hash()`.
 

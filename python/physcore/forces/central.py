@@ -12,6 +12,9 @@ from physcore.scene.items import Force
 class CentralForce(Force):
     """A force toward a fixed center: F = −strength · s^(exponent − 1) · r, r = x − center, s = √(|r|² + softening²).
 
+        planet = pc.Particles([[1.0, 0.0]], velocities=[[0.0, 1.0]])
+        scene = pc.Scene(planet, pc.CentralForce((0.0, 0.0), strength=1.0, exponent=-2))
+
     Without softening its magnitude is strength · r^exponent. It does not scale with mass: for the gravity of a mass M
     on particles of mass m, the strength is G M m.
 

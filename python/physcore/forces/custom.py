@@ -16,6 +16,9 @@ from physcore.scene.items import Force
 class CustomForce(Force):
     """A force from a Python function. Slow, correct, and named in the plan.
 
+        swing = pc.CustomForce(lambda time, x, v: -4.0 * x, potential=lambda x: 2.0 * (x**2).sum())
+        scene = pc.Scene(pc.Particles([[1.0, 0.0]]), swing)
+
     Args:
         function: `function(time, positions, velocities)` with the time [s] and arrays of shape (N, D) [m, m/s] of the
             particles that it acts on, which are copies; gives the forces [N], shape (N, D), finite and real. The same

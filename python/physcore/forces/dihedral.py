@@ -41,7 +41,8 @@ class Dihedral(Force):
     of a face breaks (`breaking_strain`), the face bends no more, and its energy is dissipated as "tearing".
 
     Args:
-        on: the SpringNetwork in 3D, or several, with faces (T, 3) of which no more than two meet at an edge.
+        on: the SpringNetwork in 3D, or several, or their names, with faces (T, 3) of which no more than two meet at an
+            edge.
         stiffness: the bending rigidity B [N·m], at least zero; E h³/12/(1 − ν²) of an elastic sheet of thickness h.
         damping: [N·m·s], at least zero; what it takes counts as dissipated by damping.
 
@@ -71,12 +72,16 @@ class Dihedral(Force):
         if not named:
             raise SceneError(f"Dihedral.on: must be a SpringNetwork with faces, got {shown(self.on)}")
         networks = tuple(dict.fromkeys(named))
-        parts = [_hinges(body, "Dihedral.on" + (f"[{k}]" if len(named) > 1 else "")) for k, body in enumerate(networks)]
-        starts = np.cumsum([0, *map(len, networks)])
         self._set(
             on=networks,
             stiffness=number(self.stiffness, "Dihedral.stiffness", least=0.0),
             damping=number(self.damping, "Dihedral.damping", least=0.0),
+        )
+        if self.by_name:
+            return
+        parts = [_hinges(body, "Dihedral.on" + (f"[{k}]" if len(named) > 1 else "")) for k, body in enumerate(networks)]
+        starts = np.cumsum([0, *map(len, networks)])
+        self._set(
             hinges=frozen(np.concatenate([start + part[0] for start, part in zip(starts, parts, strict=False)])),
             rest_angle=frozen(np.concatenate([angle for _, angle, _ in parts])),
             weight=frozen(np.concatenate([weight for _, _, weight in parts])),

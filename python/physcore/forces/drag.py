@@ -13,6 +13,9 @@ from physcore.scene.items import Force
 class Drag(Force):
     """Resistance of the surrounding medium: F = −(b + c |u|) u, where u = v − wind.
 
+        ball = pc.Particles([[0.0, 0.0]], velocities=[[10.0, 0.0]], name="ball")
+        scene = pc.Scene(ball, pc.Drag(linear=0.1, wind=(0.0, 1.0), on="ball"))
+
     The linear term is Stokes' law for slow motion, the quadratic one Newton's for fast motion. What the drag takes in
     the frame of the wind, (b + c |u|) |u|², counts as dissipated; what the wind gives counts as work.
 

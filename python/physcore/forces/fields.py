@@ -164,6 +164,7 @@ class CurrentLoop(ReadyField):
     """The field of a circular loop of current, by complete elliptic integrals; infinite on the wire.
 
         mirror = (pc.CurrentLoop(0.1, 1e4, (0, 0, -0.2)), pc.CurrentLoop(0.1, 1e4, (0, 0, 0.2)))
+        ions = pc.Particles([[0.0, 0.0, 0.0]], velocities=[[1e4, 0.0, 1e4]], mass=1.7e-27, charge=1.6e-19)
         scene = pc.Scene(ions, pc.ElectromagneticField(magnetic=mirror))
 
     Args:
@@ -232,6 +233,7 @@ class TravellingWave(ReadyField):
     """A plane wave, A cos(k·x − 2πft + φ); an electric one has no potential, so that all it does is work.
 
         light = pc.TravellingWave((0, 1e6, 0), (2 * math.pi / 1e-6, 0, 0), frequency=3e14)
+        electrons = pc.Particles([[0.0, 0.0, 0.0]], mass=9.1e-31, charge=-1.6e-19)
         scene = pc.Scene(electrons, pc.ElectromagneticField(electric=light))
 
     Args:

@@ -2,26 +2,38 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from physcore.checks import Vector, vector
 from physcore.scene.items import Force
+
+G = 9.81
+"""Of the Earth [m/s²]: 9.78 at the equator, 9.83 at the poles."""
 
 
 @dataclass(frozen=True)
 class Gravity(Force):
     """The same acceleration for every particle: F = m g, with the potential −m g·x.
 
+        scene = pc.Scene(pc.Particles([[0.0, 1.0]]), pc.Gravity())
+        on_the_moon = pc.Gravity((0.0, -1.62))
+
     Args:
-        acceleration: g [m/s²], as many numbers as the scene has dimensions.
-        on: the body or bodies that it acts on; all by default.
+        acceleration: g [m/s²], as many numbers as the scene has dimensions; None: 9.81 m/s² downward, against the last
+            axis, y in 2D and z in 3D.
+        on: the body or bodies that it acts on, or their names; all by default.
 
     Raises:
         SceneError: `acceleration` is not two or three finite numbers.
     """
 
-    acceleration: Vector
+    acceleration: Vector | None = None
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        self._set(acceleration=vector(self.acceleration, "Gravity.acceleration"))
+        if self.acceleration is not None:
+            self._set(acceleration=vector(self.acceleration, "Gravity.acceleration"))
+
+    def resolved(self, dimension: int) -> Gravity:
+        """The same, with its acceleration in a scene of `dimension` dimensions."""
+        return self if self.acceleration is not None else replace(self, acceleration=(0.0,) * (dimension - 1) + (-G,))

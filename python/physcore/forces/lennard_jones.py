@@ -16,6 +16,9 @@ CUTOFF = 2.5
 class LennardJones(Force):
     """Atoms that attract each other from afar and repel each other near by, with a shifted force.
 
+        atoms = pc.Particles(pc.block((0.0, 0.0), (6.0, 6.0), 1.12))
+        scene = pc.Scene(atoms, pc.LennardJones(epsilon=1.0, sigma=1.0))
+
     With u(r) = 4ε [(σ/r)¹² − (σ/r)⁶] and f(r) = −u'(r), two atoms at a distance r < r_c repel each other with
 
         F(r) = f(r) − f(r_c),     U(r) = u(r) − u(r_c) + (r − r_c) f(r_c),

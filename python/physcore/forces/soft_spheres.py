@@ -18,6 +18,9 @@ LINEAR, HERTZIAN = 1.0, 1.5
 class SoftSpheres(Force):
     """Contact of soft spheres: particles repel each other where they overlap, as spheres of their radii.
 
+        grains = pc.Particles(pc.block((0.0, 0.0), (1.0, 1.0), 0.1), radius=0.05, mass=0.01)
+        scene = pc.Scene(grains, pc.Gravity(), pc.Floor(), pc.SoftSpheres(1000.0, damping=0.1, friction=0.3))
+
     Two particles a distance d apart overlap by δ = r_i + r_j − |d|. While δ > 0 they push with the normal force
 
         F_n = max(0, k δ^exponent + damping · u_n),     u_n the speed of their approach,

@@ -8,9 +8,12 @@ in `DEMOS`. `physcore gallery` shows them all on a page.
 
 from __future__ import annotations
 
+import json
 import os
 from collections.abc import Mapping
+from dataclasses import dataclass
 from importlib import import_module
+from importlib.resources import files
 from typing import Protocol, cast
 
 from physcore.gallery.figure import Figure
@@ -63,6 +66,9 @@ DEMOS = (
 )
 """Every demo; the first one is the default."""
 
+COSTS = "costs.json"
+"""The file with what each demo costs."""
+
 
 class Demo(Protocol):
     """What a module in this folder has."""
@@ -90,6 +96,22 @@ def demo(name: str) -> Demo:
     if name not in DEMOS:
         raise KeyError(name)
     return cast(Demo, import_module(f"{__name__}.{name}"))
+
+
+@dataclass(frozen=True)
+class Cost:
+    """What a demo took when it was last measured."""
+
+    seconds: float
+    """Processor time [s], which does not depend on what else the machine does."""
+    bytes: int
+    """The size of its film."""
+
+
+def costs() -> dict[str, Cost]:
+    """The costs of demos, as far as they were measured: `physcore gallery -o DIR` writes them into DIR/costs.json."""
+    table = json.loads(files(__name__).joinpath(COSTS).read_text(encoding="utf-8"))
+    return {name: Cost(**values) for name, values in table.items()}
 
 
 def caption(name: str) -> str:

@@ -3,20 +3,23 @@
 from __future__ import annotations
 
 import inspect
+import json
+import math
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from html import escape
 from importlib.resources import files
 from pathlib import Path
+from time import process_time
 from types import ModuleType
 from typing import cast
 
 import physcore
-from physcore.checks import file_path
+from physcore.checks import count, file_path
 from physcore.errors import FileError
 from physcore.film.pictures import opened
-from physcore.gallery import caption, demo
+from physcore.gallery import COSTS, Cost, caption, costs, demo
 from physcore.gallery.figure import Figure
 from physcore.simulation.recording import Recording
 from physcore.storage.files import replacing, require_writable
@@ -42,6 +45,7 @@ class Entry:
     """How each recording was computed, and how well its energy budget closes."""
     source: str
     """The file of the demo."""
+    cost: Cost
 
     @property
     def title(self) -> str:
@@ -49,38 +53,80 @@ class Entry:
         return self.name.replace("_", " ").capitalize().replace("3d", "3D")
 
 
-def gallery(directory: str | os.PathLike[str], names: Sequence[str], progress: bool | None = None) -> Iterator[Entry]:
+def gallery(
+    directory: str | os.PathLike[str], names: Sequence[str], progress: bool | None = None, *, jobs: int = 1
+) -> Iterator[Entry]:
     """Run demos and write their films and a page that shows them; each entry is given when its film is there.
 
-    The films and the page appear under their names when they are whole. The page is written after the last film.
+    The films and the page appear under their names when they are whole. The page is written after each film, with all
+    that are there, and beside it what each cost, in costs.json.
 
     Args:
         directory: where to write; it is made if need be.
         names: of the demos, in the order of the page.
-        progress: whether to show progress bars.
+        progress: whether to show progress bars; with several jobs there are none.
+        jobs: how many demos run at once, each in a process of its own and on its share of the threads; the most
+            expensive begin.
 
     Raises:
+        SceneError: `jobs` is no whole number above zero.
         FileError: a file cannot be written.
         KeyError: there is no such demo.
     """
     folder, chosen = file_path(directory, "directory"), {name: demo(name) for name in names}
+    at_once = min(count(jobs, "jobs", least=1), max(len(chosen), 1))
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise FileError(f"{folder}: cannot be made a folder: {error.strerror or error}") from error
-    for name in (INDEX, *(f"{name}.gif" for name in chosen)):
+    for name in (INDEX, COSTS, *(f"{name}.gif" for name in chosen)):
         require_writable(folder / name)
-    entries = []
-    for name, shown in chosen.items():
-        film = f"{name}.gif"
-        recordings = shown.main(folder / film, progress)
-        source = inspect.getsource(cast(ModuleType, shown))
-        numerics = tuple(_numerics(recordings))
-        entry = Entry(name, caption(name), film, _size(folder / film), shown.figure(recordings), numerics, source)
-        entries.append(entry)
+    entries: dict[str, Entry] = {}
+    made = (_entry(name, folder, progress) for name in chosen) if at_once == 1 else _shared(chosen, folder, at_once)
+    for entry in made:
+        entries[entry.name] = entry
+        ready = [entries[name] for name in chosen if name in entries]
+        for name, text in ((INDEX, page(ready)), (COSTS, _cost_table(ready))):
+            with replacing(folder / name) as file:
+                file.write(text.encode())
         yield entry
-    with replacing(folder / INDEX) as file:
-        file.write(page(entries).encode())
+
+
+def _shared(names: Iterable[str], folder: Path, jobs: int) -> Iterator[Entry]:
+    """The entries of demos that run in several processes, as they are ready."""
+    from concurrent.futures import ProcessPoolExecutor, as_completed
+    from multiprocessing import get_context
+
+    known, threads = costs(), max((os.cpu_count() or 1) // jobs, 1)
+    order = sorted(names, key=lambda name: known[name].seconds if name in known else math.inf, reverse=True)
+    with ProcessPoolExecutor(jobs, get_context("spawn"), _limit_threads, (threads,)) as workers:
+        running = [workers.submit(_entry, name, folder, False) for name in order]
+        try:
+            for done in as_completed(running):
+                yield done.result()
+        finally:
+            workers.shutdown(wait=False, cancel_futures=True)
+
+
+def _limit_threads(threads: int) -> None:
+    """Let this process use so many threads."""
+    os.environ["PHYSCORE_NUM_THREADS"] = str(threads)
+
+
+def _entry(name: str, folder: Path, progress: bool | None) -> Entry:
+    """Run a demo and write its film."""
+    shown, film, start = demo(name), f"{name}.gif", process_time()
+    recordings = shown.main(folder / film, progress)
+    seconds = process_time() - start
+    source, numerics = inspect.getsource(cast(ModuleType, shown)), tuple(_numerics(recordings))
+    cost = Cost(round(seconds, 1), (folder / film).stat().st_size)
+    return Entry(name, caption(name), film, _size(folder / film), shown.figure(recordings), numerics, source, cost)
+
+
+def _cost_table(entries: Sequence[Entry]) -> str:
+    """What each demo cost, a line for each."""
+    lines = (f'  "{entry.name}": {json.dumps(vars(entry.cost))}' for entry in entries)
+    return "{\n" + ",\n".join(lines) + "\n}\n"
 
 
 def page(entries: Sequence[Entry]) -> str:
@@ -135,9 +181,9 @@ def _article(entry: Entry) -> str:
 def _numerics(recordings: Mapping[str, Recording]) -> Iterator[str]:
     """A line for each recording."""
     for title, recording in recordings.items():
-        plan, count, drift = recording.plan, recording.scene.particles, float(abs(recording.energy.drift).max())
+        plan, number, drift = recording.plan, recording.scene.particles, float(abs(recording.energy.drift).max())
         yield (
-            f"{title}: {count} particle{'s' * (count > 1)} in {plan.dimension}D, "
+            f"{title}: {number} particle{'s' * (number > 1)} in {plan.dimension}D, "
             f"{plan.integrator}, dt = {plan.dt:.3g} s, {plan.precision}; energy drift at most {drift:.1e}"
         )
 

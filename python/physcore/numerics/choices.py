@@ -12,16 +12,19 @@ from physcore.errors import SceneError, warn
 from physcore.forces import ElectromagneticField
 from physcore.numerics.integrators import (
     INTEGRATORS,
+    INTEGRATORS_BY_NAME,
     RATTLE,
     Boris,
     GaussRadau15,
     Integrator,
     SemiImplicitEuler,
     VelocityVerlet,
+    made,
 )
 from physcore.scene.channels import has_rods
 from physcore.scene.items import Equation
 from physcore.scene.scene import ItemKey, Scene
+from physcore.spelling import did_you_mean
 
 DivergenceRule = Literal["raise", "ignore", "substep"]
 Precision = Literal["f32", "f64", "auto"]
@@ -47,6 +50,8 @@ STEPS_PER_FREE_FRAME = 4
 class AutoStep:
     """Choose the time step from the limit of stability of the scene.
 
+        recording = pc.simulate(scene, duration=0.5, dt=pc.AutoStep(safety=0.2))
+
     Args:
         safety: the largest fraction of the limit to use, above 0 and at most 1. At one half, Verlet runs the fastest
             oscillation 5 % too fast (arcsin(½)/½ = 1.047); the error of slower ones falls with their frequency squared.
@@ -66,6 +71,10 @@ class AutoStep:
 @dataclass(frozen=True)
 class AdaptiveStep:
     """Let the time step follow the motion: small where it is fast, large where it is slow.
+
+        comet = pc.Particles([[1.0, 0.0]], velocities=[[0.0, 0.3]])
+        sun = pc.CentralForce((0.0, 0.0), strength=1.0, exponent=-2)
+        recording = pc.simulate(pc.Scene(comet, sun), duration=5.0, dt=pc.AdaptiveStep())
 
     Without a tolerance, for conservative scenes and any integrator: each frame interval, or what `run` is given, is
     halved as often as need be, and a step is as long as `safety` times the scene's limit allows at its beginning *and*
@@ -109,7 +118,7 @@ StepRule = AutoStep | AdaptiveStep
 BODIES = "bodies"
 """The key of all bodies together among integrators: they are one system."""
 
-Integrators: TypeAlias = Integrator | Mapping[ItemKey, Integrator | Literal["auto"]] | Literal["auto"]
+Integrators: TypeAlias = Integrator | str | Mapping[ItemKey, Integrator | str]
 """One integrator for all that it can drive, or one for each item."""
 
 
@@ -237,8 +246,7 @@ def _integrators(value: object, scene: Scene) -> dict[str, Integrator]:
         if not driven:
             _integrator(value, "integrator", next(iter(paths.values()))[0])  # says which can
         chosen = dict.fromkeys(driven, one)
-    kinds = {kind.__name__: kind for kind in INTEGRATORS}
-    return {path: chosen.get(path) or kinds[default]() for path, (_, default) in paths.items()}
+    return {path: chosen.get(path) or INTEGRATORS_BY_NAME[default]() for path, (_, default) in paths.items()}
 
 
 def _default(scene: Scene) -> str:
@@ -272,14 +280,15 @@ def _integrator(value: object, path: str, equation: Equation | None) -> Integrat
     """An integrator, None where none is named; one that can drive equations of a kind, if that is given."""
     if is_word(value, "auto"):
         return None
+    value = made(value)
     able = [kind for kind in INTEGRATORS if equation is None or equation in kind.solves]
     if isinstance(value, INTEGRATORS) and isinstance(value, tuple(able)):
         return value
     known = ", ".join(f"{kind.__name__}()" for kind in able)
-    missing = f"; write {value.__name__}()" if isinstance(value, type) else ""
     if isinstance(value, INTEGRATORS):
         raise SceneError(f"{path}: {type(value).__name__}() cannot drive it; {known} can")
-    raise SceneError(f"{path}: must be one of {known} or 'auto', got {shown(value)}{missing}")
+    hint = f"; write {value.__name__}()" if isinstance(value, type) else did_you_mean(value, INTEGRATORS_BY_NAME)
+    raise SceneError(f"{path}: must be one of {known}, its name, or 'auto', got {shown(value)}{hint}")
 
 
 def _dt(value: object, scene: Scene) -> float | StepRule:

@@ -19,6 +19,7 @@ from physcore.output.vtk import VtkWriter
 from physcore.scene.scene import Scene
 from physcore.simulation.recording import Recording
 from physcore.simulation.sources import sources
+from physcore.spelling import spelled
 from physcore.storage.formats import writable
 
 FORMATS: tuple[type[TrajectoryWriter], ...] = (ExtendedXyzWriter, VtkWriter, H5mdWriter)
@@ -27,6 +28,7 @@ FORMATS: tuple[type[TrajectoryWriter], ...] = (ExtendedXyzWriter, VtkWriter, H5m
 __all__ = ["FORMATS", "export"]
 
 
+@spelled
 def export(
     recording: Recording | Scene,
     path: str | os.PathLike[str],
@@ -37,6 +39,8 @@ def export(
     **numerics: Unpack[Options],
 ) -> None:
     """Write a recording, or a scene while it is simulated, to a file that other tools read.
+
+        pc.export(recording, "cloth.xyz")
 
     The end of the name says which format:
 

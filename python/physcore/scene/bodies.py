@@ -31,7 +31,13 @@ BEYOND = 1e-3
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
 class Body:
-    """N particles in D dimensions: what all bodies have in common."""
+    """N particles in D dimensions: what all bodies have in common.
+
+        isinstance(cloth, pc.Body)  # True
+        len(cloth), cloth.positions, cloth.mass
+
+    Particles, SpringNetwork and Fluid are bodies.
+    """
 
     positions: FloatArray
     """Positions [m], shape (N, D)."""
@@ -107,6 +113,8 @@ class Body:
 class Particles(Body):
     """Independent particles.
 
+        balls = pc.Particles([[0.0, 1.0], [0.5, 1.2]], velocities=[[1.0, 0.0], [0.0, 0.0]], radius=0.05, name="balls")
+
     Args:
         positions: [m], shape (N, D) with D = 2 or 3.
         velocities: [m/s], broadcast to (N, D).
@@ -136,6 +144,9 @@ class Particles(Body):
 @dataclass(frozen=True, eq=False, init=False, repr=False)
 class SpringNetwork(Body):
     """Particles connected by damped linear springs.
+
+        corners, sides = [[0, 0], [1, 0], [0, 1]], [[0, 1], [1, 2], [2, 0]]
+        triangle = pc.SpringNetwork(corners, pairs=sides, stiffness=100.0, fixed=[0])
 
     A spring of length l and direction n between the particles i and j pulls them together with the force
     k (l − l₀) + c (v_j − v_i)·n, along n [N].

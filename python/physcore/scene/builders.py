@@ -35,6 +35,7 @@ from physcore.checks import (
 from physcore.errors import SceneError
 from physcore.scene.bodies import SpringNetwork
 from physcore.scene.materials import Material
+from physcore.spelling import did_you_mean, spelled
 
 Pinned: TypeAlias = str | tuple[str, ...] | ArrayLike | None
 Offset: TypeAlias = tuple[int, ...]
@@ -55,6 +56,7 @@ class _Kind:
     """Whether those along a border of a sheet carry half the width of the others, and have half their stiffness."""
 
 
+@spelled
 def rope(
     particles: int,
     length: float,
@@ -65,6 +67,7 @@ def rope(
     direction: Vector | None = None,
     pinned: Pinned = None,
     *,
+    fixed: Pinned = None,
     velocities: ArrayLike = 0.0,
     radius: ArrayLike = 0.0,
     name: str | None = None,
@@ -72,6 +75,8 @@ def rope(
     strain_limit: float = math.inf,
 ) -> SpringNetwork:
     """A straight chain of particles, each joined to the next by a spring.
+
+        rope = pc.rope(20, length=1.0, stiffness=500.0, damping=0.05, mass=0.01, pinned="start")
 
     Args:
         particles: how many, at least 2; there are particles − 1 springs.
@@ -82,6 +87,7 @@ def rope(
         start: where the first particle is [m]; the origin by default. Three numbers make the rope 3D.
         direction: where the rope points to; +x by default; its length does not matter.
         pinned: "start", "end", "both", a bool mask, or integer indices.
+        fixed: the same as `pinned`, the word of Particles; what either of them says is held.
         velocities, radius, name: as in Particles.
         breaking_strain, strain_limit: of each spring, as in SpringNetwork.
 
@@ -101,7 +107,7 @@ def rope(
         origin + along[:, None] * axis,
         [kind],
         mass=mass,
-        fixed=_pins(pinned, edges, nodes, "rope.pinned"),
+        fixed=_pins(pinned, edges, nodes, "rope.pinned") | _pins(fixed, edges, nodes, "rope.fixed"),
         velocities=velocities,
         radius=radius,
         name=name,
@@ -110,6 +116,7 @@ def rope(
     )
 
 
+@spelled
 def cloth(
     shape: tuple[int, int],
     spacing: float,
@@ -122,6 +129,7 @@ def cloth(
     bend_stiffness: float | None = None,
     pinned: Pinned = None,
     *,
+    fixed: Pinned = None,
     shear_damping: float | None = None,
     bend_damping: float | None = None,
     material: Material | None = None,
@@ -159,6 +167,7 @@ def cloth(
             springs out, unless their damping is given.
         pinned: "top", "bottom", "left", "right", "corners", "top corners", "bottom corners", a tuple of these,
             a bool mask, or integer indices.
+        fixed: the same as `pinned`, the word of Particles; what either of them says is held.
         shear_damping, bend_damping: [N·s/m]; None: the same as `damping`.
         material: one of `physcore.materials`, or another; what is given beside it counts instead of its values.
         velocities, radius, name: as in Particles.
@@ -215,7 +224,7 @@ def cloth(
         kinds,
         faces=_faces(grid),
         mass=mass,
-        fixed=_pins(pinned, edges, columns * rows, "cloth.pinned"),
+        fixed=_pins(pinned, edges, columns * rows, "cloth.pinned") | _pins(fixed, edges, columns * rows, "cloth.fixed"),
         velocities=velocities,
         radius=radius,
         name=name,
@@ -224,6 +233,7 @@ def cloth(
     )
 
 
+@spelled
 def soft_body(
     shape: tuple[int, int] | tuple[int, int, int],
     spacing: float,
@@ -234,6 +244,7 @@ def soft_body(
     shear_stiffness: float | None = None,
     pinned: Pinned = None,
     *,
+    fixed: Pinned = None,
     shear_damping: float | None = None,
     velocities: ArrayLike = 0.0,
     radius: ArrayLike = 0.0,
@@ -242,6 +253,9 @@ def soft_body(
     strain_limit: float = math.inf,
 ) -> SpringNetwork:
     """A block of jelly: a lattice of springs along its axes and along the diagonals of its faces, at rest.
+
+        jelly = pc.soft_body((8, 6), spacing=0.1, stiffness=200.0, damping=0.2, mass=0.05, origin=(0.0, 1.0))
+        scene = pc.Scene(jelly, pc.Gravity(), pc.Floor())
 
     Particles are listed along x first, then along y, then along z.
 
@@ -256,6 +270,7 @@ def soft_body(
             damping is given.
         pinned: "left" and "right" (along x), "bottom" and "top" (along the last axis), in 3D also "front" and "back"
             (along y), a tuple of these, a bool mask, or integer indices.
+        fixed: the same as `pinned`, the word of Particles; what either of them says is held.
         shear_damping: along each diagonal [N·s/m]; None: the same as `damping`.
         velocities, radius, name: as in Particles.
         breaking_strain, strain_limit: of each spring, as in SpringNetwork.
@@ -296,7 +311,7 @@ def soft_body(
         kinds,
         faces=faces,
         mass=mass,
-        fixed=_pins(pinned, edges, grid.size, "soft_body.pinned"),
+        fixed=_pins(pinned, edges, grid.size, "soft_body.pinned") | _pins(fixed, edges, grid.size, "soft_body.fixed"),
         velocities=velocities,
         radius=radius,
         name=name,
@@ -456,6 +471,8 @@ def _pins(pinned: Pinned, edges: Mapping[str, IntArray], nodes: int, path: str) 
     for name in names:
         if not isinstance(name, str) or name not in edges:
             known = ", ".join(map(repr, edges))
-            raise SceneError(f"{path}: must be one of {known}, a mask or indices, got {shown(name)}")
+            raise SceneError(
+                f"{path}: must be one of {known}, a mask or indices, got {shown(name)}{did_you_mean(name, edges)}"
+            )
         chosen[edges[name]] = True
     return chosen

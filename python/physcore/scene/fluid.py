@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from physcore.checks import FloatArray, flag, is_word, number, shown, span, word
+from physcore.checks import FloatArray, Vector, flag, is_word, number, shown, span, word
 from physcore.errors import SceneError
 from physcore.scene.bodies import Body
 from physcore.scene.kernels import KERNELS, Kernel, WendlandC2
 from physcore.scene.overlaps import closer_than
+from physcore.scene.shapes import block
 
 FINEST = 1e-50
 """The least spacing [m]: the slopes of kernels go with its inverse up to the fifth power, and are still numbers."""
@@ -25,6 +26,16 @@ CLOSEST = 0.5
 @dataclass(frozen=True, eq=False, init=False, repr=False)
 class Fluid(Body):
     """A weakly compressible fluid, as smoothed particle hydrodynamics (SPH) sees it.
+
+        water = pc.Fluid.block((0.0, 0.0), (0.4, 0.6), spacing=0.05, name="water")
+        tank = pc.Box((0.0, 0.0), (1.2, 1.0))
+        scene = pc.Scene(water, pc.Gravity(), tank)
+        recording = pc.simulate(scene, duration=0.5)
+        recording.film("dam_break.png")
+
+    Change these three first: `spacing`, how fine the water is (with half of it a film takes eight times as long in 2D,
+    and sixteen times in 3D); `viscosity`, 1e-3 of water, 1 of honey; and `surface_tension`, 0.072 of water, which drops
+    need and a tank does not.
 
     Each particle is a lump of the mass density · spacing^D that moves with the flow; in 2D the mass is that of a meter
     of depth. Pressure grows with density, p = c² ρ₀/7 ((ρ/ρ₀)⁷ − 1), and c is far above the speed of the flow, so that
@@ -152,6 +163,23 @@ class Fluid(Body):
         pair = closer_than(self.positions, CLOSEST * step)
         if pair is not None:
             raise SceneError(f"Fluid.positions: overlapping particles: {describe_pair(self.positions, pair, step)}")
+
+    @classmethod
+    def block(cls, lower: Vector, upper: Vector, spacing: float, **options: Any) -> Fluid:
+        """A rectangle in 2D, or a cuboid in 3D, full of a fluid, as `physcore.block` fills it.
+
+            water = pc.Fluid.block((0.0, 0.0), (0.5, 1.0), spacing=0.05, name="water")
+
+        Args:
+            lower: the corner with the smallest coordinates [m].
+            upper: the corner with the largest coordinates [m].
+            spacing: the distance between neighboring particles [m].
+            options: the other arguments of Fluid.
+
+        Raises:
+            SceneError: as for `physcore.block` and Fluid.
+        """
+        return cls(block(lower, upper, spacing), spacing, **options)
 
 
 def describe_pair(points: FloatArray, pair: tuple[int, int], spacing: float) -> str:

@@ -226,6 +226,9 @@ class Grid:
 class Absorbing:
     """A layer outside of an edge of a grid in which waves fade away; what is in it counts in no total.
 
+        grid = pc.Grid((100, 60), spacing=0.1)
+        pond = pc.Wave(grid, speed=1.0, edges={"x": pc.Absorbing(), "y": "free"})
+
     What crosses the edge is metered there: it counts as dissipated, or removed, by "edges", and negative where it
     comes back.
 

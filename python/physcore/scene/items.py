@@ -3,27 +3,47 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, fields
-from typing import ClassVar, Literal, TypeAlias, cast
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, fields, replace
+from typing import ClassVar, Literal, Self, TypeAlias, TypeVar, cast
 
 import numpy as np
 
 from physcore.checks import FloatArray, broadcast, flag, frozen, number, shown, text
 from physcore.errors import SceneError
 from physcore.scene.bodies import Body
+from physcore.spelling import did_you_mean
 
-On: TypeAlias = Body | Sequence[Body] | None
+On: TypeAlias = Body | str | Sequence[Body | str] | None
+"""Bodies, by themselves or by their names; None: all."""
+T = TypeVar("T")
 
 
-def chosen(on: object, path: str) -> tuple[Body, ...] | None:
-    """The bodies that `on=` names, checked; None: all."""
+def chosen(on: object, path: str) -> tuple[Body | str, ...] | None:
+    """The bodies that `on=` says, checked, by themselves or by their names; None: all."""
     if on is None:
         return None
-    bodies = (on,) if isinstance(on, Body) else on
-    if not isinstance(bodies, (tuple, list)) or not all(isinstance(body, Body) for body in bodies):
-        raise SceneError(f"{path}: must be a body or several ([one, two]), got {shown(on)}")
+    bodies = (on,) if isinstance(on, (Body, str)) else on
+    if not isinstance(bodies, (tuple, list)) or not all(isinstance(body, (Body, str)) for body in bodies):
+        raise SceneError(f"{path}: must be a body, its name, or several ([one, two]), got {shown(on)}")
     return tuple(bodies)
+
+
+def found(keys: Sequence[T | str], items: Iterable[T], path: str) -> tuple[T, ...]:
+    """Items, where some are given by their names; all that have a name.
+
+    Raises:
+        SceneError: there is none of a name.
+    """
+    named: dict[str, list[T]] = {}
+    for item in items:
+        if getattr(item, "name", None) is not None:
+            named.setdefault(item.name, []).append(item)  # type: ignore[attr-defined]
+    for key in keys:
+        if isinstance(key, str) and key not in named:
+            names = ", ".join(map(repr, named)) or "none that has a name"
+            raise SceneError(f"{path}: nothing is called {shown(key)}; there are {names}{did_you_mean(key, named)}")
+    return tuple(item for key in keys for item in (named[key] if isinstance(key, str) else [key]))
 
 
 @dataclass(frozen=True)
@@ -68,7 +88,7 @@ class ActingItem(SceneItem):
     """Something that acts on bodies."""
 
     on: On = field(default=None, kw_only=True)
-    """The body or bodies that it acts on; None: all, but for fluids where it spares them."""
+    """The body or bodies that it acts on, or their names; None: all, but for fluids where it spares them."""
 
     spares_fluids: ClassVar[bool] = False
     """Whether it acts on a fluid only where that is named."""
@@ -78,9 +98,29 @@ class ActingItem(SceneItem):
     def __post_init__(self) -> None:
         self._set(**{name: chosen(getattr(self, name), f"{type(self).__name__}.{name}") for name in self.naming})
 
+    @property
+    def by_name(self) -> bool:
+        """Whether it says some bodies by their names: until it is in a scene, it does not know them."""
+        return any(isinstance(each, str) for keys in self._keys().values() for each in keys)
+
+    def _keys(self) -> dict[str, tuple[Body | str, ...]]:
+        """What its fields name, where they do."""
+        given = {name: chosen(getattr(self, name), f"{type(self).__name__}.{name}") for name in self.naming}
+        return {name: keys for name, keys in given.items() if keys is not None}
+
+    def among(self, bodies: Sequence[Body], path: str) -> Self:
+        """The same item, with the bodies of a scene in the place of their names.
+
+        Raises:
+            SceneError: there is none of a name, or it cannot be acted on.
+        """
+        if not self.by_name:
+            return self
+        return replace(self, **{name: found(keys, bodies, f"{path}.{name}") for name, keys in self._keys().items()})
+
     def bodies(self, field: str = "on") -> tuple[Body, ...] | None:
-        """The bodies that it names in a field, or None."""
-        return cast("tuple[Body, ...] | None", getattr(self, field))  # made so by __post_init__
+        """The bodies that it names in a field, or None; of an item of a scene."""
+        return cast("tuple[Body, ...] | None", getattr(self, field))  # made so by __post_init__ and `among`
 
     def check(self, bodies: Sequence[Body], path: str) -> None:
         """Look at the bodies that it acts on, once they are known; `path` says where it stands in the scene.
@@ -93,6 +133,9 @@ class ActingItem(SceneItem):
 @dataclass(frozen=True)
 class Force(ActingItem):
     """A force on the particles of some bodies.
+
+        scene.forces  # (Gravity(…),)
+        all(isinstance(force, pc.Force) for force in scene.forces)  # True
 
     To add one: a file in `forces`, a line in `FORCES`, and its counterpart in Rust.
     """
@@ -175,6 +218,9 @@ class Constraint(ActingItem):
 @dataclass(frozen=True)
 class Boundary(ActingItem):
     """A wall that particles bounce off.
+
+        floor = pc.Floor(restitution=0.5, friction=0.3)
+        isinstance(floor, pc.Boundary)  # True
 
     To add one: a file in `boundaries`, a line in `BOUNDARIES`, and its counterpart in Rust.
 

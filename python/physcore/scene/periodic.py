@@ -15,6 +15,9 @@ from physcore.errors import SceneError
 class Periodic:
     """The domain of a scene that repeats itself along some axes or all; at most one in a scene.
 
+        atoms = pc.Particles(pc.block((0.0, 0.0), (10.0, 10.0), 1.2), velocities=0.1)
+        scene = pc.Scene(atoms, pc.LennardJones(1.0, 1.0), pc.Periodic((0.0, 0.0), (10.0, 10.0)))
+
     Pair forces and fluids act across its faces, each particle with the nearest image of each other one. Positions are
     shown within the domain: those of a simulation, of recordings and of films. Springs, boundaries, central and custom
     forces see particles where they have gone without being put back, and so does the angular momentum.

@@ -15,6 +15,7 @@ from physcore.scene.items import ActingItem, Boundary, Constraint, Force, SceneI
 from physcore.scene.overlaps import closer_than
 from physcore.scene.periodic import Periodic
 from physcore.scene.records import Record, pack
+from physcore.spelling import did_you_mean
 from physcore.storage.archive import Tree, digest
 
 BodyKey = Body | int | str
@@ -27,6 +28,9 @@ ItemKey = BodyKey | System
 class Scene:
     """Bodies, forces, boundaries, constraints and further systems, in 2D or 3D, systems alone in 1D too. Immutable; the
     dimension follows from the positions and grids.
+
+        ball = pc.Particles([[0.0, 1.0]], radius=0.1, name="ball")
+        scene = pc.Scene(ball, pc.Gravity(), pc.Floor(restitution=0.8), pc.Drag(linear=0.01, on="ball"))
 
     Args:
         items: bodies (Particles, SpringNetwork, Fluid), forces, boundaries, constraints, further systems and at most
@@ -56,6 +60,9 @@ class Scene:
         for field, kind in kinds.items():
             object.__setattr__(self, field, tuple(item for item in items if isinstance(item, kind)))
         self._check_bodies()
+        for field in ("forces", "boundaries", "constraints"):
+            known = (item.among(self.bodies, f"{field}[{place}]") for place, item in enumerate(getattr(self, field)))
+            object.__setattr__(self, field, tuple(known))
         self._set_domain([item for item in items if isinstance(item, Periodic)])
         self._check_fluids()
         self._check_items("forces", self.forces)
@@ -87,7 +94,7 @@ class Scene:
         """
         if not isinstance(item, ActingItem):
             raise SceneError(f"targets.item: must be a force or a boundary, got {shown(item)}")
-        named = item.bodies()
+        named = item.among(self.bodies, "targets.item").bodies()
         if named is not None:
             return named
         return tuple(body for body in self.bodies if not (item.spares_fluids and isinstance(body, Fluid)))
@@ -105,8 +112,16 @@ class Scene:
         number = int(key) if whole else len(self.bodies)  # type: ignore[arg-type]
         if -len(self.bodies) <= number < len(self.bodies):
             return number % len(self.bodies)
-        names = ", ".join(repr(body.name) for body in self.bodies if body.name is not None) or "none"
-        raise KeyError(f"no body {shown(key)}: this scene has {len(self.bodies)}, and of names {names}")
+        known = [body.name for body in self.bodies if body.name is not None]
+        names = ", ".join(map(repr, known)) or "none"
+        raise KeyError(
+            f"no body {shown(key)}: this scene has {len(self.bodies)}, and of names {names}{did_you_mean(key, known)}"
+        )
+
+    def path(self, index: int) -> str:
+        """What messages call a body: bodies['water'], or bodies[0] if it has no name."""
+        name = self.bodies[index].name
+        return f"bodies[{index if name is None else repr(name)}]"
 
     def slice(self, key: BodyKey) -> slice:
         """The slice of a body's particles in the results."""
@@ -193,7 +208,7 @@ class Scene:
                 names.add(body.name)
             if body.dimension != self.dimension:
                 raise SceneError(
-                    f"bodies[{position}].positions: {body.dimension}D, but the first body is {self.dimension}D"
+                    f"{self.path(position)}.positions: {body.dimension}D, but the first body is {self.dimension}D"
                 )
 
     def _set_domain(self, domains: list[Periodic]) -> None:
@@ -222,7 +237,7 @@ class Scene:
             return
         starts = np.cumsum([0, *(len(fluid) for fluid in fluids)])
         owners = [fluids[int(np.searchsorted(starts, origins[end], side="right")) - 1] for end in pair]
-        first, second = (f"bodies[{self.index(owner)}]" for owner in owners)
+        first, second = (self.path(self.index(owner)) for owner in owners)
         where = f"particles of {first} and {second}" if first != second else f"particles of {first}, across the domain"
         raise SceneError(f"{second}.positions: overlapping bodies: {where}, {describe_pair(points, pair, spacing)}")
 
@@ -231,7 +246,7 @@ class Scene:
         charged = [position for position, body in enumerate(self.bodies) if body.charge.any()]
         if charged and not any(force.feels_charges for force in self.forces):
             warn(
-                f"bodies[{charged[0]}].charge: no force of the scene acts on charges; "
+                f"{self.path(charged[0])}.charge: no force of the scene acts on charges; "
                 "add Coulomb() between them, or an ElectromagneticField(…)",
                 SceneWarning,
             )
@@ -260,7 +275,7 @@ class Scene:
                 if body not in self.bodies:
                     raise SceneError(f"{path}.{field}: {body!r} is not in the scene; add it as an item too")
         targets = self.targets(item)
-        if not targets and item.on is None:
+        if not targets and item.on is None and self.bodies:
             raise SceneError(f"{path}.on: {type(item).__name__} acts on fluids only where they are named: on=fluid")
         item.check(targets, path)
 

@@ -10,13 +10,17 @@ import numpy as np
 from physcore import memory
 from physcore.checks import MOST, FloatArray, Vector, span, vector
 from physcore.errors import SceneError
+from physcore.spelling import spelled
 
 COPIES = 3
 """Arrays of coordinates that are in memory at once while a shape is filled."""
 
 
+@spelled
 def block(lower: Vector, upper: Vector, spacing: float) -> FloatArray:
     """A rectangle in 2D, a cuboid in 3D.
+
+        water = pc.Fluid(pc.block((0.0, 0.0), (0.5, 1.0), spacing=0.05), spacing=0.05)
 
     Args:
         lower: the corner with the smallest coordinates [m].
@@ -47,8 +51,11 @@ def block(lower: Vector, upper: Vector, spacing: float) -> FloatArray:
     return np.array(low) + step * _centers(counts)
 
 
+@spelled
 def ball(center: Vector, radius: float, spacing: float) -> FloatArray:
     """A disc in 2D, a ball in 3D.
+
+        drop = pc.Fluid(pc.ball((0.0, 0.5), radius=0.2, spacing=0.02), spacing=0.02)
 
     Args:
         center: [m].
@@ -65,8 +72,11 @@ def ball(center: Vector, radius: float, spacing: float) -> FloatArray:
     return np.array(middle) + _round(span(radius, "ball.radius"), spacing, len(middle), "ball")
 
 
+@spelled
 def cylinder(center: Vector, radius: float, height: float, spacing: float) -> FloatArray:
     """An upright cylinder in 3D.
+
+        water = pc.Fluid(pc.cylinder((0.0, 0.0, 0.0), radius=0.2, height=0.4, spacing=0.05), spacing=0.05)
 
     Args:
         center: the middle of its base [m].

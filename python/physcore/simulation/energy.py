@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Generic, TypeVar
 import numpy as np
 
 from physcore.checks import FloatArray
-from physcore.errors import PhyscoreError
+from physcore.simulation.diagrams import canvas
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -55,18 +55,49 @@ class Budget(Generic[T]):
         """total + dissipated − work: constant, up to the integrator's error."""
         return self.total + self.dissipated - self.work
 
+    def _rows(self) -> dict[str, T]:
+        """The lines of the table, from top to bottom."""
+        spent = {f"    by {name}": value for name, value in self.dissipated_by.items() if np.any(value)}
+        return {
+            "kinetic": self.kinetic,
+            **{f"potential: {term}": value for term, value in self.by_term.items()},
+            **({"internal": self.internal} if np.any(self.internal) else {}),
+            "total": self.total,
+            "+ dissipated": self.dissipated,
+            **spent,
+            "− work": self.work,
+            "= balance": self.balance,
+        }
+
 
 @dataclass(frozen=True, eq=False)
 class Energy(Budget[float]):
-    """The energy budget at one moment, in joules."""
+    """The energy budget at one moment, in joules.
+
+        energy = pc.Simulation(scene).energy()  # an Energy
+        print(energy)  # a table
+        energy.kinetic, energy.by_term["springs"]
+
+    `Simulation.energy` gives it; `print` shows it as a table.
+    """
 
     time: float
     """When it was taken [s]."""
 
+    def __str__(self) -> str:
+        return _table([f"at {self.time:.4g} s"], {name: [value] for name, value in self._rows().items()})
+
 
 @dataclass(frozen=True, eq=False)
 class EnergySeries(Budget[FloatArray]):
-    """The energy budget over time, in joules; every array has the shape (F,)."""
+    """The energy budget over time, in joules; every array has the shape (F,).
+
+        energy = recording.energy  # an EnergySeries
+        print(energy)  # a table of its start and its end
+        energy.by_term["springs"], energy.drift  # each of shape (F,)
+
+    `Recording.energy` is one; `print` shows its start and its end as a table, and `plot` draws it.
+    """
 
     times: FloatArray
     """When each was taken [s]: at the last step at or before each frame."""
@@ -81,6 +112,11 @@ class EnergySeries(Budget[FloatArray]):
         scale = self.kinetic.max() + np.ptp(self.potential) + np.ptp(self.internal)
         drift: FloatArray = change / scale if scale > 0 else change
         return drift
+
+    def __str__(self) -> str:
+        ends = {name: [values[0], values[-1]] for name, values in self._rows().items()}
+        drift = f"  drift: at most {np.abs(self.drift).max():.1e} of the energy in motion"
+        return f"{_table(['start', 'end'], ends)}\n{drift}"
 
     def at(self, index: int) -> Energy:
         """The budget of one frame."""
@@ -102,12 +138,7 @@ class EnergySeries(Budget[FloatArray]):
         Raises:
             PhyscoreError: Matplotlib is not installed.
         """
-        if axes is None:
-            try:
-                from matplotlib import pyplot
-            except ImportError:
-                raise PhyscoreError('plotting needs Matplotlib: pip install "physcore[plot]"') from None
-            axes = pyplot.subplots(layout="constrained")[1]
+        axes = canvas(axes)
         curves = {"kinetic": self.kinetic, **{f"potential: {name}": values for name, values in self.by_term.items()}}
         for label, values in curves.items():
             axes.plot(self.times, values, label=label)
@@ -151,7 +182,14 @@ class Stock(Generic[T]):
 
 @dataclass(frozen=True, eq=False)
 class Amount(Stock[float]):
-    """The budget of a conserved quantity at one moment."""
+    """The budget of a conserved quantity at one moment.
+
+        grid = pc.Grid((64, 64), spacing=0.01)
+        dish = pc.ReactionDiffusion(grid, pc.GrayScott(0.035, 0.0625), {"u": 2e-5, "v": 1e-5}, {"u": 1.0, "v": 0.0})
+        pc.Simulation(pc.Scene(dish)).budgets()["u"].total  # of an Amount
+
+    `Simulation.budgets` gives one by the name of each quantity.
+    """
 
     time: float
     """When it was taken [s]."""
@@ -159,7 +197,14 @@ class Amount(Stock[float]):
 
 @dataclass(frozen=True, eq=False)
 class AmountSeries(Stock[FloatArray]):
-    """The budget of a conserved quantity over time; every array has the shape (F,)."""
+    """The budget of a conserved quantity over time; every array has the shape (F,).
+
+        grid = pc.Grid((64, 64), spacing=0.01)
+        dish = pc.ReactionDiffusion(grid, pc.GrayScott(0.035, 0.0625), {"u": 2e-5, "v": 1e-5}, {"u": 1.0, "v": 0.0})
+        pc.simulate(pc.Scene(dish), duration=10.0).budgets["u"].drift  # of an AmountSeries, shape (F,)
+
+    `Recording.budgets` has one by the name of each quantity.
+    """
 
     times: FloatArray
     """When each was taken [s]: at the last step at or before each frame."""
@@ -214,3 +259,11 @@ class Drift:
         _, _, potential, internal = upper - lower
         scale = upper[1] + potential + internal
         return float(change / scale if scale > 0 else change)
+
+
+def _table(heads: Sequence[str], rows: Mapping[str, Sequence[float]]) -> str:
+    """Energies [J] in columns."""
+    width = max(map(len, rows))
+    lines = [f"  {'energy [J]':<{width}}" + "".join(f"  {head:>12}" for head in heads)]
+    lines += [f"  {name:<{width}}" + "".join(f"  {value:>12.6g}" for value in row) for name, row in rows.items()]
+    return "\n".join(lines)

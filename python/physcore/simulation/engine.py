@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from typing import TYPE_CHECKING, TypeVar
 
@@ -9,6 +10,7 @@ import numpy as np
 
 from physcore._core import World
 from physcore.checks import FloatArray
+from physcore.errors import SceneError
 from physcore.numerics.choices import Limit, Numerics
 from physcore.scene.items import ActingItem, SceneItem
 from physcore.scene.records import Record
@@ -28,15 +30,19 @@ def build(scene: Scene, numerics: Numerics) -> World:
     Raises:
         SceneError: the engine cannot do what was asked, or a particle starts outside of a boundary.
     """
-    return World(
-        describe(scene),
-        Record.of(numerics.integrator).described(),
-        {path: Record.of(integrator).described() for path, integrator in numerics.integrators.items()},
-        numerics.precision,
-        numerics.threads,
-        numerics.max_energy_growth,
-        numerics.on_divergence,
-    )
+    try:
+        return World(
+            describe(scene),
+            Record.of(numerics.integrator).described(),
+            {path: Record.of(integrator).described() for path, integrator in numerics.integrators.items()},
+            numerics.precision,
+            numerics.threads,
+            numerics.max_energy_growth,
+            numerics.on_divergence,
+        )
+    except SceneError as error:  # The engine does not know the names of bodies.
+        message = re.sub(r"\bbodies\[(\d+)\]", lambda found: scene.path(int(found[1])), str(error))
+        raise SceneError(message) from error.__cause__
 
 
 def describe(scene: Scene) -> dict[str, object]:

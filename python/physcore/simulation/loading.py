@@ -22,6 +22,9 @@ _KINDS: dict[str, Callable[[dict[str, archive.Tree]], Simulation | Recording]] =
 def load(path: str | os.PathLike[str]) -> Simulation | Recording:
     """Read a checkpoint or a recording.
 
+        recording.save("cloth.npz")
+        recording = pc.load("cloth.npz")
+
     A checkpoint gives a Simulation that goes on with the same bits as the one that was saved.
 
     Raises:

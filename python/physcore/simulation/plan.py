@@ -10,7 +10,12 @@ from physcore.numerics.choices import LimitKind
 
 @dataclass(frozen=True)
 class Plan:
-    """Exactly the stages that a scene requires, and the choices that were made; `print` it."""
+    """Exactly the stages that a scene requires, and the choices that were made; `print` it.
+
+        print(pc.Simulation(scene).plan)  # a Plan
+
+    `Simulation.plan` and `Recording.plan` give it.
+    """
 
     stages: tuple[str, ...]
     """The stages of one step, in order."""

@@ -6,12 +6,12 @@ import math
 import os
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import asdict, dataclass, field, fields
-from typing import Self, cast
+from typing import TYPE_CHECKING, Any, ClassVar, Self, cast
 
 import numpy as np
 
 from physcore import memory
-from physcore.checks import BoolArray, FloatArray, is_word, words
+from physcore.checks import BoolArray, FloatArray, is_word, word, words
 from physcore.errors import SceneError
 from physcore.scene.channels import (
     CHANNELS,
@@ -26,18 +26,28 @@ from physcore.scene.channels import (
 from physcore.scene.grid import GridSystem
 from physcore.scene.points import PointSystem
 from physcore.scene.scene import BodyKey, ItemKey, Scene
+from physcore.simulation.diagrams import over_time
 from physcore.simulation.energy import Amount, AmountSeries, EnergySeries
 from physcore.simulation.plan import Plan
 from physcore.simulation.provenance import Provenance
 from physcore.simulation.serial import unpack_scene
 from physcore.simulation.state import Frame
-from physcore.storage import archive
-from physcore.storage.schema import Sizes, anything, maybe, of, real, record, several, table, text, word
+from physcore.simulation.tables import data_frame
+from physcore.storage import archive, schema
+from physcore.storage.schema import Sizes, anything, maybe, of, real, record, several, table, text
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from pandas import DataFrame
 
 AMOUNTS = ("kinetic", "internal", "dissipated", "work")
 """The parts of the energy budget that are one number each."""
 PARTS = ("removed_by", "supplied_by")
 """The parts of the budgets of other quantities that are one number for each cause."""
+TOTALS = {"momentum": "kg·m/s", "angular_momentum": "kg·m²/s"}
+"""The sums over all particles, with their units."""
+UNITS = {"positions": "m", "velocities": "m/s", "densities": "kg/m³", "pressures": "Pa", "tensions": "N"}
+"""The units of channels."""
 TERMS = 8
 """About how many forces and frictions there are, each with an energy of its own."""
 
@@ -100,6 +110,40 @@ class Trajectory:
         """Which springs are broken, of networks that can tear, shape (F, S); in the order of `pairs`."""
         return np.not_equal(self._channel("broken"), 0.0)
 
+    def to_dataframe(self) -> DataFrame:
+        """A table of pandas (`pip install "physcore[pandas]"`): a row for each particle at each time.
+
+            table = recording["balls"].to_dataframe()
+            table[table.particle == 0].plot("time", "y")
+
+        Returns:
+            Columns: time [s], particle (its index), x, y and z [m], vx, vy and vz [m/s] and the other channels of
+            particles, as far as they were recorded; of a whole recording body too, its name or its index.
+
+        Raises:
+            PhyscoreError: pandas is not installed.
+            SceneError: there is nothing with particles, or the table would not fit into memory.
+        """
+        return data_frame(self.times, self.channels)
+
+    def plot(self, channel: str = "positions", axes: Axes | None = None) -> Axes:
+        """Draw a channel over time with Matplotlib (`pip install "physcore[plot]"`): the mean of each component, and
+        a band from the smallest to the largest value.
+
+        Args:
+            channel: what to draw, such as "positions" or "velocities".
+            axes: where to draw; a new figure by default.
+
+        Raises:
+            PhyscoreError: Matplotlib is not installed.
+            SceneError: there is no such channel.
+        """
+        name = word(channel, "plot.channel", self.channels)
+        values = self.channels[name]
+        flat = values if values.ndim == 3 and name in CHANNELS else values.reshape(len(values), -1, 1)
+        unit = f" [{UNITS[name]}]" if name in UNITS else ""
+        return over_time(self.times, flat, "xyz"[: flat.shape[2]], f"{name}{unit}", axes)
+
     def __len__(self) -> int:
         return len(self.times)
 
@@ -132,6 +176,11 @@ class Trajectory:
 class Recording(Trajectory):
     """Frames of a simulation at a fixed rate; `recording[body]` gives the part of one body.
 
+        recording = pc.simulate(scene, duration=0.2)  # a Recording
+        recording["cloth"].positions  # (F, N, D)
+        print(recording.energy)
+        recording.film("cloth.png")
+
     Save one with `save`, read it back with `physcore.load`, draw it with `physcore.film`.
     """
 
@@ -151,6 +200,40 @@ class Recording(Trajectory):
     """The budgets of what is conserved beside energy, by name, such as `budgets["u"]` for the amount of a species."""
     provenance: Provenance | None = None
     """The steps that were taken, and the hash of the state at the end; None in files of an earlier physcore."""
+    film: ClassVar[Callable[..., Any]]
+    """`recording.film("run.gif", …)` is `physcore.film(recording, "run.gif", …)`; the package gives it to this class,
+    because what draws films imports recordings."""
+
+    def to_dataframe(self) -> DataFrame:
+        """As of `Trajectory`, of all bodies one after the other at each time."""
+        names = [(index if body.name is None else body.name, len(body)) for index, body in enumerate(self.scene.bodies)]
+        own = {name: values for name, values in self.channels.items() if name in (*CHANNELS, *FLUID_CHANNELS)}
+        return data_frame(self.times, own if names else {}, names)
+
+    def plot(self, channel: str = "energy", axes: Axes | None = None) -> Axes:
+        """Draw a quantity over time with Matplotlib (`pip install "physcore[plot]"`).
+
+            axes = recording.plot()
+            axes = recording.plot("velocities")
+
+        Args:
+            channel: "energy", the budget; "momentum", "angular_momentum"; or a channel, such as "positions": the mean
+                of each component, and a band from the smallest to the largest value.
+            axes: where to draw; a new figure by default.
+
+        Raises:
+            PhyscoreError: Matplotlib is not installed.
+            SceneError: there is no such quantity.
+        """
+        name = word(channel, "plot.channel", ("energy", *TOTALS, *self.channels))
+        if name == "energy":
+            return self.energy.plot(axes)
+        if name not in TOTALS:
+            return super().plot(name, axes)
+        values: FloatArray = getattr(self, name)
+        components = "xyz"[-values.shape[1] :] if name == "angular_momentum" else "xyz"[: values.shape[1]]
+        label = f"{name.replace('_', ' ')} [{TOTALS[name]}]"
+        return over_time(self.energy.times, values[:, np.newaxis], components, label, axes)
 
     def __getitem__(self, item: ItemKey) -> Trajectory:  # type: ignore[override]  # of a whole scene the part of an item
         system = self.scene.system(item)
@@ -207,7 +290,7 @@ class Recording(Trajectory):
         scene = unpack_scene(content.get("scene"))
         sizes = Sizes(N=scene.particles, S=springs(scene), D=scene.dimension, A=_turns(scene))
         over_time = sizes.array("F")
-        channels = several(word(*field_names(scene)))(content.get("channels"), "channels")
+        channels = several(schema.word(*field_names(scene)))(content.get("channels"), "channels")
         axes = {**dict.fromkeys(CHANNELS, ("F", "N", "D")), **dict.fromkeys(FLUID_CHANNELS, ("F", "N"))}
         axes |= dict.fromkeys(SPRING_CHANNELS, ("F", "S"))
         for name, lengths in system_shapes(scene).items():

@@ -50,12 +50,16 @@ State = ArrayLike | Mapping[BodyKey, ArrayLike]
 class Simulation:
     """The state of a scene, and the clock that moves it on.
 
+        simulation = pc.Simulation(scene, integrator="RungeKutta4", dt=1e-3)
+        simulation.step(100)
+        simulation.time, simulation["cloth"].positions
+
     Args:
         scene: what to simulate.
-        integrator: how to step; "auto": VelocityVerlet(), with rods RATTLE(), in magnetic fields Boris(), or what an
-            item says is its default. One is for all that it can drive; a mapping gives some items their own:
-            `{wave: pc.RungeKutta4(), "bodies": pc.PEFRL()}`, by items or their names. All bodies are one system, with
-            one integrator.
+        integrator: how to step, such as RungeKutta4(), or its name, "RungeKutta4"; "auto": VelocityVerlet(), with rods
+            RATTLE(), in magnetic fields Boris(), or what an item says is its default. One is for all that it can drive;
+            a mapping gives some items their own: `{wave: pc.RungeKutta4(), "bodies": pc.PEFRL()}`, by items or their
+            names. All bodies are one system, with one integrator.
         dt: the time step [s]; "auto" is AutoStep(), which chooses it from the limit of stability of the scene, or with
             GaussRadau15() the control of its own, or where there are rods AdaptiveStep(), which follows the motion.
         precision: "f64", or "f32": forces in single precision, energies in double; "auto" is "f32" for scenes with a

@@ -20,6 +20,7 @@ from physcore.simulation.frames import frame_count
 from physcore.simulation.provenance_record import ProvenanceRecord, provenance_record, record_of
 from physcore.simulation.recording import Recording
 from physcore.simulation.simulation import Simulation
+from physcore.spelling import KeywordError
 
 
 @dataclass(frozen=True, eq=False)
@@ -223,7 +224,7 @@ def sources(source: object, duration: float | None, fps: float | None, numerics:
     """
     for name in numerics:
         if name not in Options.__annotations__:
-            raise TypeError(f"got an unexpected keyword argument {name!r}")
+            raise KeywordError("film", name, Options.__annotations__)
     items = list(source) if isinstance(source, (list, tuple)) else [source]
     if not items:
         raise SceneError("recording: there must be at least one")

@@ -33,7 +33,13 @@ class FieldInfo:
 
 @dataclass(frozen=True, eq=False)
 class Snapshot:
-    """The fields of a scene, or of one body, at one time; the arrays are copies."""
+    """The fields of a scene, or of one body, at one time; the arrays are copies.
+
+        for snapshot in pc.Simulation(scene).frames(duration=0.1):  # a Frame is a Snapshot with its audit
+            print(snapshot.time, snapshot["cloth"].positions)
+
+    `SimulationDiverged.last_good` is one, and every Frame.
+    """
 
     time: float
     """[s]"""
@@ -103,7 +109,13 @@ class Snapshot:
 
 @dataclass(frozen=True, eq=False)
 class Frame(Snapshot):
-    """A snapshot at a frame's time, with the audit of the last step at or before it."""
+    """A snapshot at a frame's time, with the audit of the last step at or before it.
+
+        for frame in pc.Simulation(scene).frames(duration=0.1):  # each is a Frame
+            print(frame.time, frame.positions.mean(axis=0))
+
+    `Simulation.frames` gives one after the other.
+    """
 
     dt: float
     """The time step in use [s]."""
@@ -119,7 +131,13 @@ class Frame(Snapshot):
 
 @dataclass(frozen=True, eq=False)
 class Part(Snapshot):
-    """The present state of one item of a running simulation, which can be changed between two steps."""
+    """The present state of one item of a running simulation, which can be changed between two steps.
+
+        simulation = pc.Simulation(scene)
+        simulation["cloth"].set(velocities=(0.0, 1.0))  # of a Part
+
+    `simulation[item]` gives it.
+    """
 
     replace: Callable[[Mapping[str, Any]], None]
     """Replaces fields by name."""

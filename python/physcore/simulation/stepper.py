@@ -277,7 +277,14 @@ class Stepper:
             raise failed
 
     def _complete(self, error: SimulationDiverged) -> None:
-        """Put the last good state into a divergence."""
+        """Put the last good state into a divergence, and the body of its particle, if that has a name."""
+        if error.element.startswith("particle "):
+            start = 0
+            for body in self._scene.bodies:
+                if start <= error.particle < start + len(body) and body.name is not None:
+                    mine = f"{error.element} ({error.particle - start} of {body.name!r})"
+                    error.args = (str(error).replace(f"{error.element} ", f"{mine} ", 1),)
+                start += len(body)
         error.last_good = engine.shown(engine.snapshot(self._world, self._scene), self._scene)
 
     def _warn_of_mach_number(self, mach: float, share: float, sound: float) -> None:

@@ -15,6 +15,7 @@ from physcore.scene.scene import Scene
 from physcore.simulation.frames import frame_count
 from physcore.simulation.recording import Recording, check_channels, refuse_if_too_large
 from physcore.simulation.simulation import Simulation, require_scene
+from physcore.spelling import spelled
 from physcore.studies.state import primary, size, unit
 from physcore.studies.tradeoff.experiment import Choice, Experiment, Trial
 from physcore.studies.tradeoff.methods import SAFETY, largest_step, methods
@@ -26,6 +27,7 @@ COPIES = 6
 differ by."""
 
 
+@spelled
 def simulate(
     scene: Scene,
     duration: float,
@@ -38,6 +40,9 @@ def simulate(
     **numerics: Unpack[Options],
 ) -> Recording:
     """Simulate a scene from its start and record it.
+
+        recording = pc.simulate(scene, duration=0.5, fps=30)
+        recording.positions.shape  # (16, 20, 2)
 
     With `accuracy` or `energy_drift` integrator and time step are chosen: short probes price every integrator, the
     cheapest goes on with a few runs of the whole duration, whose steps are found from the order that is measured, and

@@ -13,6 +13,7 @@ from physcore.numerics.choices import Options, steps_to
 from physcore.progress import Progress
 from physcore.scene.scene import Scene
 from physcore.simulation.simulation import Simulation
+from physcore.spelling import spelled
 from physcore.systems.point_vortices import PointVortices
 from physcore.systems.tracers import Tracers
 
@@ -27,7 +28,14 @@ FARTHEST = 1e4
 
 @dataclass(frozen=True, eq=False)
 class Lyapunov:
-    """The Lyapunov exponents of a flow, the largest first."""
+    """The Lyapunov exponents of a flow, the largest first.
+
+        cloud = pc.Tracers(rng.normal(size=(20, 3)) + (0, 0, 25), pc.Lorenz())
+        spectrum = pc.lyapunov(cloud, duration=5.0, transient=1.0, dt=0.01)  # a Lyapunov
+        spectrum.exponents, spectrum.dimension
+
+    `lyapunov` measures it.
+    """
 
     exponents: FloatArray
     """Mean rates of growth λ along the D directions of the tangent space [1/s], shape (D,)."""
@@ -55,6 +63,7 @@ class Lyapunov:
         return j + float(sums[j - 1] / abs(self.exponents[j]))
 
 
+@spelled
 def lyapunov(
     tracers: Tracers,
     duration: float,

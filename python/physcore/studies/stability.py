@@ -16,6 +16,7 @@ from physcore.scene.scene import Scene
 from physcore.simulation import engine
 from physcore.simulation.simulation import Simulation, require_scene
 from physcore.simulation.stepper import unwarned
+from physcore.spelling import spelled
 from physcore.studies.state import nudge, place
 
 STEPS = 2000
@@ -35,7 +36,13 @@ STRIDE = 1.1
 
 @dataclass(frozen=True)
 class MeasuredLimit:
-    """The largest time step that real runs withstood, beside that of theory."""
+    """The largest time step that real runs withstood, beside that of theory.
+
+        limit = pc.stability_limit(scene, "PEFRL", measured=True)  # a MeasuredLimit
+        print(limit.measured, limit.theory)
+
+    `stability_limit` gives it with `measured=True`.
+    """
 
     integrator: Integrator
     measured: float
@@ -63,15 +70,18 @@ class MeasuredLimit:
 
 
 @overload
-def stability_limit(scene: Scene, integrator: Integrator, *, measured: Literal[False] = False) -> float: ...
+def stability_limit(scene: Scene, integrator: Integrator | str, *, measured: Literal[False] = False) -> float: ...
 
 
 @overload
-def stability_limit(scene: Scene, integrator: Integrator, *, measured: Literal[True]) -> MeasuredLimit: ...
+def stability_limit(scene: Scene, integrator: Integrator | str, *, measured: Literal[True]) -> MeasuredLimit: ...
 
 
-def stability_limit(scene: Scene, integrator: Integrator, *, measured: bool = False) -> float | MeasuredLimit:
+@spelled
+def stability_limit(scene: Scene, integrator: Integrator | str, *, measured: bool = False) -> float | MeasuredLimit:
     """The largest time step [s] at which a scene is stable, as it stands at the start; inf: any; 0.0: none is certain.
+
+        pc.stability_limit(scene, "RungeKutta4")  # [s]
 
     Particles under linear drag and harmonic central forces alone are oscillators, and this is their exact limit.
 
@@ -84,7 +94,7 @@ def stability_limit(scene: Scene, integrator: Integrator, *, measured: bool = Fa
 
     Args:
         scene: what to simulate.
-        integrator: how.
+        integrator: how, or its name.
         measured: whether to look for the limit by bisection of real runs too, of 2000 steps from the scene's start with
             every particle nudged a little; a `MeasuredLimit` then gives both, to a thousandth.
 

@@ -22,11 +22,11 @@ EDGES: tuple[Edge, ...] = ("free", "fixed")
 class ReactionDiffusion(GridSystem):
     """Species that react and diffuse: u_t = D_u ∇²u + R_u(u, v, …), and likewise for each.
 
-        grid = pc.Grid((256, 256), spacing=0.01)
+        grid = pc.Grid((128, 128), spacing=0.01)
         dish = pc.ReactionDiffusion(grid, pc.GrayScott(0.035, 0.0625), diffusion={"u": 2e-5, "v": 1e-5},
-                                    initial={"u": 1.0, "v": lambda x, y: 0.3 * (np.hypot(x - 1.28, y - 1.28) < 0.1)})
-        recording = pc.simulate(pc.Scene(dish), duration=2000.0)
-        recording[dish]["v"]  # (F, 256, 256)
+                                    initial={"u": 1.0, "v": lambda x, y: 0.3 * (np.hypot(x - 0.64, y - 0.64) < 0.1)})
+        recording = pc.simulate(pc.Scene(dish), duration=500.0, fps=0.1)
+        recording[dish]["v"]  # (F, 128, 128)
         recording.budgets["v"].supplied  # (F,)
 
     The Laplacian has two neighbors along each axis. Amounts, Σ u hᴰ, have budgets by species: `supplied` and `removed`

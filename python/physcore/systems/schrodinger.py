@@ -13,6 +13,7 @@ from physcore.checks import LONGEST, FloatArray, array, called, frozen, number, 
 from physcore.errors import SceneError
 from physcore.scene.grid import Absorbing, Field, Grid, GridSystem
 from physcore.scene.items import Equation
+from physcore.spelling import spelled
 from physcore.systems.wave import EDGES, Edges
 
 ComplexArray: TypeAlias = NDArray[np.complex128]
@@ -20,6 +21,7 @@ Complex: TypeAlias = ArrayLike | Callable[..., ArrayLike]
 """A complex field: an array of the grid's shape, or a function of the coordinates."""
 
 
+@spelled
 def wave_packet(
     grid: Grid, center: ArrayLike, momentum: ArrayLike, width: ArrayLike, hbar: float = 1.0
 ) -> ComplexArray:

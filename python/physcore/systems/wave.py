@@ -39,6 +39,10 @@ ORDERS = (2, 4)
 class Ricker:
     """A pulse, the second derivative of a Gaussian: (1 − 2 π² f² τ²) exp(−π² f² τ²) with τ = t − 1.5/f.
 
+        grid = pc.Grid((100, 60), spacing=0.1)
+        drop = pc.Source((5.0, 3.0), amplitude=1.0, signal=pc.Ricker(2.0))
+        pond = pc.Wave(grid, speed=1.0, sources=[drop])
+
     Its largest value is 1, at t = 1.5/f, and its spectrum is largest at f. At t = 0 it is 1e-8 of that.
 
     Args:
@@ -66,8 +70,10 @@ class Ricker:
 class Source:
     """A source of waves: s = amplitude · sin(2 π f t + phase) from `start` to `stop`, and nothing before and after.
 
-        pc.Source((8.0, 6.0), amplitude=0.5, frequency=0.6)
-        pc.Source(np.abs(x) < 0.1, amplitude=1.0, signal=pc.Ricker(2.0))
+        grid = pc.Grid((100, 60), spacing=0.1)
+        lamp = pc.Source((8.0, 3.0), amplitude=0.5, frequency=0.6)
+        slit = pc.Source(grid.centers[..., 0] < 0.1, amplitude=1.0, signal=pc.Ricker(2.0))
+        pond = pc.Wave(grid, speed=1.0, sources=[lamp, slit])
 
     Args:
         where: a point [m], D numbers within the grid: the integral of s over space is then the amplitude, spread

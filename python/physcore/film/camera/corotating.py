@@ -23,8 +23,10 @@ Member = BodyKey | tuple[BodyKey, int]
 class Corotating:
     """The frame of reference that turns with a pair of bodies about their center of mass, the origin.
 
-        frame = pc.film.Corotating((planets, 0), (planets, 1))
-        pc.film.film(recording, "trojans.gif", camera=frame, style=[pc.styles.Paths(), pc.styles.Points()])
+        planets = pc.Particles([[0, 0], [1, 0]], velocities=[[0, -0.1], [0, 1]], mass=[1.0, 0.1], name="planets")
+        recording = pc.simulate(pc.Scene(planets, pc.Gravitation(1.0)), duration=2.0)
+        frame = pc.Corotating(("planets", 0), ("planets", 1))
+        pc.film(recording, "trojans.png", camera=frame, style=[pc.styles.Paths(), pc.styles.Points()])
 
     The first body is on the left and the second on the right, at all times on one horizontal line. Positions and
     velocities are those of the frame, v' = R(v − V − ω × (x − X)), with the position X and velocity V of the center of

@@ -30,6 +30,9 @@ NARROW = 0.1
 class Keyframes:
     """A camera that goes from one to the next, for orbits, zooms and looking around.
 
+        near, far = pc.Window((0.0, 0.0), (0.4, 0.3)), pc.Window((-0.4, -0.3), (0.8, 0.6))
+        pc.film(recording, "cloth.png", camera=pc.Keyframes({0.0: far, 0.2: near}))
+
     Angles and targets change evenly, an `extent` (and the size of a Window) by equal factors in equal times, so that a
     zoom looks even; a target moves along with the zoom. Before the first time and after the last one the camera stands
     still. What all of them leave as None is found from the motion, once for the whole film.
@@ -84,6 +87,8 @@ Camera = Window | Orbit | Keyframes | Callable[[float], Window | Orbit]
 @dataclass(frozen=True)
 class Follow:
     """A camera that keeps a body in the middle of the picture.
+
+        pc.film(recording, "cloth.png", camera=pc.Follow("cloth"))
 
     It looks at the center of mass of the particles that can move, smoothed over the film with a Gaussian in
     time: it begins to turn before the body does, never overshoots and keeps up with an even motion. In a periodic

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from physcore._core import Projection
-from physcore.checks import FloatArray, number, span, vector
+from physcore.checks import FloatArray, number, span, vector, written
 from physcore.errors import SceneError
 
 PixelArray = NDArray[np.float32]
@@ -31,6 +31,8 @@ class Face:
 class Window(Face):
     """A part of the plane, for 2D scenes; it is shown whole, in the middle, without distortion.
 
+        pc.film(recording, "cloth.png", camera=pc.Window((-0.2, -0.2), (0.6, 0.5)))
+
     Args:
         lower: its lower left corner [m].
         upper: its upper right corner [m].
@@ -45,7 +47,9 @@ class Window(Face):
     def __post_init__(self) -> None:
         lower, upper = vector(self.lower, "Window.lower"), vector(self.upper, "Window.upper")
         if len(lower) != 2 or len(upper) != 2 or not all(low < high for low, high in zip(lower, upper, strict=True)):
-            raise SceneError(f"Window.upper: must be right of and above the lower corner {lower}, got {upper}")
+            raise SceneError(
+                f"Window.upper: must be right of and above the lower corner {written(lower)}, got {written(upper)}"
+            )
         object.__setattr__(self, "lower", lower)
         object.__setattr__(self, "upper", upper)
 
@@ -53,6 +57,10 @@ class Window(Face):
 @dataclass(frozen=True)
 class Orbit:
     """An eye that looks at a point of a 3D scene; up in the picture is +z.
+
+        ball = pc.Particles([[0.0, 0.0, 1.0]], radius=0.1)
+        scene = pc.Scene(ball, pc.Gravity(), pc.Floor())
+        pc.film(scene, "ball.png", duration=1.0, camera=pc.Orbit(azimuth=30.0, elevation=20.0))
 
     Args:
         azimuth: where the eye is around the vertical, from +x toward +y [degrees].

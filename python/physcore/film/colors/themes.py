@@ -39,7 +39,14 @@ def color(value: object, path: str) -> Color:
 
 @dataclass(frozen=True)
 class Theme:
-    """Colors that go together; every pair that must be told apart differs in lightness too."""
+    """Colors that go together; every pair that must be told apart differs in lightness too.
+
+        from dataclasses import replace
+        night = replace(pc.DARK, background=(0, 0, 0))  # a Theme; pc.LIGHT is the other one
+        pc.film(recording, "cloth.png", theme=night)
+
+    DARK and LIGHT are the two that are there; `film` takes one as `theme=`.
+    """
 
     background: Color
     surface: Color

@@ -1,4 +1,9 @@
-"""How bodies and systems look, one file each; overlays add something to bodies that another style draws."""
+"""How bodies and systems look, one file each; overlays add something to bodies that another style draws.
+
+    pc.film(recording, "cloth.png", style=pc.styles.Surface(color="strain"))
+
+`film` takes one or several of them as `style=`.
+"""
 
 from __future__ import annotations
 
@@ -18,6 +23,7 @@ from physcore.film.styles.strain import Strain
 from physcore.film.styles.streamlines import Streamlines
 from physcore.film.styles.surface import Surface
 from physcore.film.styles.trails import Trails
+from physcore.spelling import spell
 
 STYLES: tuple[type[Style], ...] = (
     Points,
@@ -37,6 +43,8 @@ STYLES: tuple[type[Style], ...] = (
     Density,
 )
 """Every style; what is registered here is tested."""
+
+spell(STYLES)
 
 __all__ = [
     "STYLES",

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
+from copy import copy
 from dataclasses import dataclass, field
 from itertools import pairwise
-from typing import Any, ClassVar, cast
+from typing import Any, ClassVar, Self, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +19,7 @@ from physcore.film.camera.view import PixelArray, View
 from physcore.film.colors.colormaps import ColormapName, sequential
 from physcore.film.colors.themes import Theme
 from physcore.scene.bodies import Body
-from physcore.scene.items import On, System, chosen
+from physcore.scene.items import On, System, chosen, found
 from physcore.scene.periodic import Periodic
 from physcore.scene.scene import Scene
 from physcore.simulation.sources import Source, SourceFrame
@@ -88,7 +89,7 @@ class Style(ABC):
     """The kind of items that it can draw."""
 
     on: Any = field(default=None, kw_only=True)
-    """The item or items drawn in this style; None: all that it can draw."""
+    """The item or items drawn in this style, or their names; None: all that it can draw."""
 
     def __post_init__(self) -> None:
         self._set(on=_chosen(self.on, self.draws_items, f"{type(self).__name__}.on"))
@@ -106,8 +107,20 @@ class Style(ABC):
                 self._set(**{name: number(value, f"{type(self).__name__}.{name}", above=0.0)})
 
     def items(self) -> tuple[Body | System, ...] | None:
-        """The items drawn in this style; None: all that it can draw."""
-        return cast("tuple[Body | System, ...] | None", self.on)  # made so by __post_init__
+        """The items drawn in this style; None: all that it can draw. Those of a film, after `among`."""
+        return cast("tuple[Body | System, ...] | None", self.on)  # made so by __post_init__ and `among`
+
+    def among(self, items: Sequence[Body | System]) -> Self:
+        """The same style, with the items that are filmed in the place of their names.
+
+        Raises:
+            SceneError: there is none of a name.
+        """
+        if self.on is None or not any(isinstance(each, str) for each in self.on):
+            return self
+        resolved = copy(self)
+        resolved._set(on=_chosen(found(self.on, items, f"{type(self).__name__}.on"), self.draws_items, "style.on"))
+        return resolved
 
     def draws(self, item: Body | System) -> bool:
         """Whether an item is drawn in this style."""
@@ -133,7 +146,7 @@ class BodyStyle(Style):
     draws_items: ClassVar[type[Body] | type[System]] = Body
 
     on: On = field(default=None, kw_only=True)
-    """The body or bodies drawn in this style; None: all that it can draw."""
+    """The body or bodies drawn in this style, or their names; None: all that it can draw."""
 
     def painters(self, source: Source, items: Sequence[Body | System], theme: Theme) -> list[Painter]:
         """One painter of all bodies."""
@@ -151,8 +164,8 @@ class SystemStyle(Style):
 
     draws_items: ClassVar[type[Body] | type[System]] = System
 
-    on: System | Sequence[System] | None = field(default=None, kw_only=True)
-    """The system or systems drawn in this style; None: all that it can draw."""
+    on: System | str | Sequence[System | str] | None = field(default=None, kw_only=True)
+    """The system or systems drawn in this style, or their names; None: all that it can draw."""
 
     def painters(self, source: Source, items: Sequence[Body | System], theme: Theme) -> list[Painter]:
         """One painter for each system."""
@@ -225,13 +238,15 @@ class Painter(ABC):
         """Add the bodies to the painting of a panel of so many pixels."""
 
 
-def _chosen(on: object, kind: type[Body] | type[System], path: str) -> tuple[Body | System, ...] | None:
-    """The items that `on=` names, checked; None: all."""
+def _chosen(on: object, kind: type[Body] | type[System], path: str) -> tuple[Body | System | str, ...] | None:
+    """The items that `on=` says, checked, by themselves or by their names; None: all."""
     if kind is Body or on is None:
         return chosen(on, path)
-    systems = (on,) if isinstance(on, System) else on
-    if not isinstance(systems, (tuple, list)) or not all(isinstance(each, System) for each in systems):
-        raise SceneError(f"{path}: must be a system of the scene, such as a Wave, or several, got {shown(on)}")
+    systems = (on,) if isinstance(on, (System, str)) else on
+    if not isinstance(systems, (tuple, list)) or not all(isinstance(each, (System, str)) for each in systems):
+        raise SceneError(
+            f"{path}: must be a system of the scene, such as a Wave, its name, or several, got {shown(on)}"
+        )
     return tuple(systems)
 
 

@@ -52,6 +52,16 @@ INTEGRATORS: tuple[type[Integrator], ...] = (
 )
 """Every integrator; what is registered here can be saved, and is tested for its order."""
 
+INTEGRATORS_BY_NAME = {kind.__name__: kind for kind in INTEGRATORS}
+"""The same by their names, by which they can be asked for."""
+
+
+def made(value: object) -> object:
+    """The integrator that has a name, with its defaults; anything else as it is."""
+    kind = INTEGRATORS_BY_NAME.get(value) if isinstance(value, str) else None
+    return value if kind is None else kind()
+
+
 __all__ = [
     "BDF2",
     "INTEGRATORS",

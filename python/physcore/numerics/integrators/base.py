@@ -13,6 +13,9 @@ class Integrator:
     """A way to advance an equation of motion, such as x' = v, v' = a(x, v, t). Integrators of the same kind and
     parameters are equal.
 
+        integrator = pc.RungeKutta4()  # an Integrator
+        integrator.order  # 4
+
     To add one: a file here, a line in `INTEGRATORS`, and its counterpart in Rust.
     """
 

@@ -12,6 +12,8 @@ from physcore.numerics.integrators.base import Integrator
 class BlanesMoan4(Integrator):
     """Blanes and Moan's SRKN₆ᵇ, order 4, symplectic, six force evaluations: for energy errors of 1e-4 to 1e-6.
 
+        recording = pc.simulate(scene, duration=0.5, integrator=pc.BlanesMoan4())
+
         v ← v + b₁ a(x) dt;  x ← x + a₁ v dt;  v ← v + b₂ a(x) dt;  …;  x ← x + a₆ v dt;  v ← v + b₇ a(x) dt
         a₁ = 0.245298957184271,   a₂ = 0.604872665711080,  a₃ = ½ − a₁ − a₂
         b₁ = 0.0829844064174052,  b₂ = 0.396309801498368,  b₃ = −0.0390563049223486,  b₄ = 1 − 2(b₁ + b₂ + b₃)

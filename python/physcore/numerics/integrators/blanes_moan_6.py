@@ -12,6 +12,8 @@ from physcore.numerics.integrators.base import Integrator
 class BlanesMoan6(Integrator):
     """Blanes and Moan's SRKN₁₁ᵇ, order 6, symplectic, eleven force evaluations: for positions, and the smallest errors.
 
+        recording = pc.simulate(scene, duration=0.5, integrator=pc.BlanesMoan6())
+
         v ← v + b₁ a(x) dt;  x ← x + a₁ v dt;  v ← v + b₂ a(x) dt;  …;  x ← x + a₁₁ v dt;  v ← v + b₁₂ a(x) dt
         a₁ =  0.123229775946271,  a₂ =  0.290553797799558,   b₁ =  0.0414649985182624,  b₂ =  0.198128671918067
         a₃ = −0.127049212625417,  a₄ = −0.246331761062075,   b₃ = −0.0400061921041533,  b₄ =  0.0752539843015807

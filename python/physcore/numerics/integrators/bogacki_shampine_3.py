@@ -13,6 +13,8 @@ from physcore.scene.items import Equation
 class BogackiShampine3(Integrator):
     """Bogacki–Shampine 3(2), order 3, three force evaluations, with an estimate of the error of each step.
 
+        recording = pc.simulate(scene, 0.5, integrator=pc.BogackiShampine3(), dt=pc.AdaptiveStep(tolerance=1e-4))
+
         k₂ = f(y + k₁ dt/2),  k₃ = f(y + 3 k₂ dt/4),  y ← y + (2 k₁ + 3 k₂ + 4 k₃) dt/9,  k₄ = f(y),   y = (x, v)
         error = (−5 k₁ + 6 k₂ + 8 k₃ − 9 k₄) dt/72
 

@@ -13,6 +13,10 @@ from physcore.scene.items import Equation
 class CrankNicolson(Integrator):
     """Crank–Nicolson steps of wave functions, order 2, implicit and unitary.
 
+        line = pc.Grid((256,), spacing=0.1)
+        psi = pc.Schrodinger(line, pc.wave_packet(line, center=12.0, momentum=2.0, width=1.5))
+        recording = pc.simulate(pc.Scene(psi), duration=1.0, integrator=pc.CrankNicolson())
+
         (1 + iH dt/2ħ) ψ_new = (1 − iH dt/2ħ) ψ
 
     The Laplacian is that of three points, of order 2 in the spacing. In 1D ⟨H⟩ is kept to rounding whatever dt; in 2D

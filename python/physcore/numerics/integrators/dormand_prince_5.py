@@ -13,6 +13,8 @@ from physcore.scene.items import Equation
 class DormandPrince5(Integrator):
     """Dormand–Prince 5(4), order 5, six force evaluations, with an estimate of the error of each step.
 
+        recording = pc.simulate(scene, 0.5, integrator=pc.DormandPrince5(), dt=pc.AdaptiveStep(tolerance=1e-6))
+
         kᵢ = f(y + dt Σ aᵢⱼ kⱼ),  i = 1 … 6,   y = (x, v)
         y ← y + (35 k₁/384 + 500 k₃/1113 + 125 k₄/192 − 2187 k₅/6784 + 11 k₆/84) dt,   k₇ = f(y)
         error = (71 k₁/57600 − 71 k₃/16695 + 71 k₄/1920 − 17253 k₅/339200 + 22 k₆/525 − k₇/40) dt

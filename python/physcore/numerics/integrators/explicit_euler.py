@@ -13,6 +13,9 @@ from physcore.scene.items import Equation
 class ExplicitEuler(Integrator):
     """Explicit Euler, order 1, one force evaluation: for teaching, not for work.
 
+        ball = pc.Particles([[0.0, 1.0]], velocities=[[1.0, 2.0]])
+        recording = pc.simulate(pc.Scene(ball, pc.Gravity()), duration=1.0, integrator=pc.ExplicitEuler(), dt=1e-3)
+
         x ← x + v dt,   v ← v + a(x, v) dt   (both from the old state)
 
     It feeds energy into every undamped oscillation, at any time step, so orbits spiral out; its limit of stability

@@ -14,7 +14,8 @@ from physcore.scene.items import Equation
 class GaussRadau15(Integrator):
     """Gauss–Radau collocation, order 15, with steps of its own choice: IAS15.
 
-        pc.simulate(scene, 100.0, integrator=pc.GaussRadau15())
+        stars = pc.Particles([[0, 0], [1, 0]], velocities=[[0, -0.5], [0, 0.5]])
+        pc.simulate(pc.Scene(stars, pc.Gravitation(1.0)), 100.0, integrator=pc.GaussRadau15())
 
     The acceleration over a step is a polynomial of degree 7 through its values at the step's start and at the seven
     nodes of the Gauss–Radau quadrature; positions and velocities there follow from it, so that it is found by

@@ -12,6 +12,8 @@ from physcore.numerics.integrators.base import Integrator
 class McLachlan2(Integrator):
     """McLachlan's two-stage method, order 2, symplectic, two force evaluations.
 
+        recording = pc.simulate(scene, duration=0.5, integrator=pc.McLachlan2())
+
         x ← x + λ v dt;         v ← v + a(x) dt/2
         x ← x + (1 − 2λ) v dt;  v ← v + a(x) dt/2
         x ← x + λ v dt

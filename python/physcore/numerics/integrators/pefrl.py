@@ -12,6 +12,8 @@ from physcore.numerics.integrators.base import Integrator
 class PEFRL(Integrator):
     """Position-extended Forest–Ruth-like (PEFRL), order 4, symplectic, four force evaluations.
 
+        recording = pc.simulate(scene, duration=0.5, integrator=pc.PEFRL())
+
         x ← x + ξ v dt;           v ← v + (1 − 2λ) a(x) dt/2
         x ← x + χ v dt;           v ← v + λ a(x) dt
         x ← x + (1 − 2(χ + ξ)) v dt;  v ← v + λ a(x) dt

@@ -15,6 +15,10 @@ from physcore.scene.items import Equation
 class RATTLE(Integrator):
     """Velocity Verlet with rods, order 2 or 4: the default where springs are rods.
 
+        links = [(k, k + 1) for k in range(9)]
+        chain = pc.SpringNetwork([[0.1 * k, 0.0] for k in range(10)], links, stiffness=math.inf, mass=0.01, fixed=[0])
+        recording = pc.simulate(pc.Scene(chain, pc.Gravity()), duration=0.5, integrator=pc.RATTLE())
+
         chain = pc.SpringNetwork(positions, pairs, stiffness=math.inf, fixed=[0])
         pc.simulate(pc.Scene(chain, pc.Gravity((0.0, -9.81))), 10.0)
 

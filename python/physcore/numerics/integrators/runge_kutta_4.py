@@ -13,6 +13,8 @@ from physcore.scene.items import Equation
 class RungeKutta4(Integrator):
     """The classical Runge–Kutta method, order 4, four force evaluations.
 
+        recording = pc.simulate(scene, duration=0.5, integrator=pc.RungeKutta4())
+
         k₁ = f(y),  k₂ = f(y + k₁ dt/2),  k₃ = f(y + k₂ dt/2),  k₄ = f(y + k₃ dt)
         y ← y + (k₁ + 2 k₂ + 2 k₃ + k₄) dt/6,   y = (x, v)
 

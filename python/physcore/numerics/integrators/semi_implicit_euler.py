@@ -12,6 +12,8 @@ from physcore.numerics.integrators.base import Integrator
 class SemiImplicitEuler(Integrator):
     """Semi-implicit (symplectic) Euler, order 1, one force evaluation.
 
+        recording = pc.simulate(scene, duration=0.5, integrator=pc.SemiImplicitEuler())
+
         v ← v + a(x, v) dt,   x ← x + v dt   (with the new velocity)
 
     Symplectic: its energy error stays bounded. Stable for ω dt < 2 without damping,

@@ -15,6 +15,10 @@ from physcore.scene.items import Equation
 class SplitStep(Integrator):
     """Split steps of wave functions, order 2 or 4, unitary: the default for them.
 
+        line = pc.Grid((256,), spacing=0.1)
+        psi = pc.Schrodinger(line, pc.wave_packet(line, center=12.0, momentum=2.0, width=1.5))
+        recording = pc.simulate(pc.Scene(psi), duration=1.0, integrator=pc.SplitStep())
+
         ψ ← exp(−iV dt/2ħ) exp(−iT dt/ħ) exp(−iV dt/2ħ) ψ
 
     T acts on the modes of the grid: plane waves, sines or cosines, as the edges are. Free motion is exact; with a

@@ -13,6 +13,10 @@ from physcore.scene.items import Equation
 class Staggered(Integrator):
     """Staggered steps of wave functions, order 2, explicit: real and imaginary parts R and I in turn.
 
+        line = pc.Grid((256,), spacing=0.1)
+        psi = pc.Schrodinger(line, pc.wave_packet(line, center=12.0, momentum=2.0, width=1.5))
+        recording = pc.simulate(pc.Scene(psi), duration=1.0, integrator=pc.Staggered())
+
         I ← I − HR dt/2ħ,   R ← R + HI dt/ħ,   I ← I − HR dt/2ħ
 
     The Laplacian is that of three points. Stable for E dt < 2ħ at the largest eigenvalue E of H; the norm oscillates by

@@ -12,6 +12,8 @@ from physcore.numerics.integrators.base import Integrator
 class VelocityVerlet(Integrator):
     """Velocity Verlet, order 2, one force evaluation: the default.
 
+        recording = pc.simulate(scene, duration=0.5, integrator=pc.VelocityVerlet())
+
         x ← x + v dt + a dt²/2,   v ← v + (a + a_new) dt/2
 
     Symplectic and reversible: its energy error stays bounded. Stable for ω dt < 2 without damping. A force that depends

@@ -95,7 +95,7 @@ class Experiment:
     """As in Simulation."""
     on_divergence: DivergenceRule = "raise"
     """As in Simulation."""
-    integrators: Mapping[ItemKey, Integrator | Literal["auto"]] | None = None
+    integrators: Mapping[ItemKey, Integrator | str] | None = None
     """Those of the items, where they are given; a choice's is then that of the first."""
 
     @property

@@ -12,11 +12,12 @@ import numpy as np
 from physcore.checks import FloatArray, count, flag, items, number, shown, span, words
 from physcore.errors import SceneError
 from physcore.numerics.choices import MOST_THREADS, suited
-from physcore.numerics.integrators import INTEGRATORS, Integrator
+from physcore.numerics.integrators import INTEGRATORS, INTEGRATORS_BY_NAME, Integrator, made
 from physcore.progress import Progress
 from physcore.scene.scene import Scene
 from physcore.simulation.recording import refuse_if_too_large
 from physcore.simulation.simulation import Simulation
+from physcore.spelling import did_you_mean, spelled
 from physcore.studies.state import size
 from physcore.studies.tradeoff.experiment import SAMPLES, Experiment, Observer
 from physcore.studies.tradeoff.result import Row
@@ -32,11 +33,12 @@ COPIES = 6
 """Arrays of samples that are in memory at once: three runs of a reference, the reference, its check and a row."""
 
 
+@spelled
 def tradeoff(
     scene: Scene | Callable[[float], Scene],
     duration: float,
     *,
-    integrators: Sequence[Integrator] | None = None,
+    integrators: Sequence[Integrator | str] | None = None,
     precisions: Sequence[Literal["f32", "f64"]] = PRECISIONS,
     dts: Sequence[float] | None = None,
     resolutions: Sequence[float] | None = None,
@@ -47,6 +49,10 @@ def tradeoff(
     progress: bool | None = None,
 ) -> Tradeoff:
     """Measure what speed costs in accuracy: many integrators, time steps and precisions against a reference.
+
+        trade = pc.tradeoff(scene, duration=0.1, budget=1.0)
+        print(trade)
+        simulation = pc.Simulation(scene, **trade.best(error=1e-3).numerics)
 
     Each integrator in each precision begins at 0.95 of its limit of stability and halves its time step until the error
     is that of the reference, finer steps have stopped to help, or the budget is spent. Every row is compared with the
@@ -60,7 +66,7 @@ def tradeoff(
     Args:
         scene: what to simulate; or a function that builds it from a resolution.
         duration: how long to simulate it [s].
-        integrators: what to compare; None: all that can compute the scene.
+        integrators: what to compare, or their names; None: all that can compute the scene.
         precisions: "f64", "f32" or both.
         dts: the time steps to try [s], each made a whole fraction of a 32nd of the duration by rounding it down, all of
             them whatever the budget; None: the search.
@@ -173,15 +179,19 @@ def _scenes(scene: Scene | Callable[[float], Scene], resolutions: Sequence[float
     return scenes
 
 
-def _integrators(integrators: Sequence[Integrator]) -> list[Integrator]:
+def _integrators(integrators: Sequence[Integrator | str]) -> list[Integrator]:
     """Some integrators, each once."""
-    given = items(integrators, "integrators", "integrators")
+    given = [made(each) for each in items(integrators, "integrators", "integrators")]
     for integrator in given:
         if not isinstance(integrator, INTEGRATORS):
-            raise SceneError(f"integrators: must be integrators, such as VelocityVerlet(), got {shown(integrator)}")
+            hint = did_you_mean(integrator, INTEGRATORS_BY_NAME)
+            raise SceneError(
+                f"integrators: must be integrators, such as VelocityVerlet(), or their names, got {shown(integrator)}"
+                f"{hint}"
+            )
     if not given:
         raise SceneError("integrators: must not be empty")
-    return list(dict.fromkeys(given))
+    return list(dict.fromkeys(each for each in given if isinstance(each, Integrator)))
 
 
 def _centers(simulation: Simulation) -> FloatArray:

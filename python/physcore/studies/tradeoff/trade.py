@@ -17,7 +17,14 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Tradeoff(Measurements):
-    """What speed costs in accuracy, in one scene; `print` it for the table, `explain` it for sentences."""
+    """What speed costs in accuracy, in one scene; `print` it for the table, `explain` it for sentences.
+
+        trade = pc.tradeoff(scene, duration=0.1, budget=1.0)  # a Tradeoff
+        print(trade)
+        simulation = pc.Simulation(scene, **trade.best(error=1e-3).numerics)
+
+    `tradeoff` measures it.
+    """
 
     def explain(self) -> str:
         """What was found, in sentences."""

@@ -1,0 +1,53 @@
+"""Diagrams of what was recorded, with Matplotlib."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from physcore.checks import FloatArray
+from physcore.errors import PhyscoreError
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+BAND = 0.2
+"""Opacity of the band between the smallest and the largest value."""
+
+
+def canvas(axes: Axes | None) -> Axes:
+    """The axes to draw into: those given, or of a new figure.
+
+    Raises:
+        PhyscoreError: Matplotlib is not installed.
+    """
+    if axes is not None:
+        return axes
+    try:
+        from matplotlib import pyplot
+    except ImportError:
+        raise PhyscoreError('plotting needs Matplotlib: pip install "physcore[plot]"') from None
+    return pyplot.subplots(layout="constrained")[1]
+
+
+def over_time(times: FloatArray, values: FloatArray, names: str, label: str, axes: Axes | None) -> Axes:
+    """The components of a quantity over time: the mean of each, and a band from its smallest to its largest value.
+
+    Args:
+        times: [s], shape (F,).
+        values: shape (F, N, C): C components of N things.
+        names: one letter for each component.
+        label: the quantity, with its unit.
+        axes: where to draw; a new figure by default.
+    """
+    axes = canvas(axes)
+    if values.shape[1]:
+        for name, part in zip(names, np.moveaxis(values, 2, 0), strict=True):
+            (line,) = axes.plot(times, part.mean(axis=1), label=name)
+            if part.shape[1] > 1:
+                axes.fill_between(times, part.min(axis=1), part.max(axis=1), color=line.get_color(), alpha=BAND, lw=0)
+    axes.set(xlabel="time [s]", ylabel=label)
+    if len(names) > 1:
+        axes.legend(frameon=False)
+    return axes

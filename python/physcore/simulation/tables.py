@@ -1,0 +1,59 @@
+"""Recordings as pandas data frames: a row for each particle at each time."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from physcore import memory
+from physcore.checks import FloatArray
+from physcore.errors import PhyscoreError, SceneError
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+
+COLUMNS = {"positions": "{axis}", "velocities": "v{axis}"}
+"""The names of the columns of a vector; those of others begin with the name of the field."""
+AXES = "xyz"
+
+
+def data_frame(
+    times: FloatArray, channels: Mapping[str, FloatArray], owners: Sequence[tuple[object, int]] = ()
+) -> DataFrame:
+    """The fields of particles over time.
+
+    Args:
+        times: [s], shape (F,).
+        channels: fields by name, of shape (F, N) or (F, N, D); others are left out.
+        owners: the name and the number of particles of each body, for a column of their names.
+
+    Raises:
+        PhyscoreError: pandas is not installed.
+        SceneError: there is nothing with particles, or the table would not fit into memory.
+    """
+    try:
+        import pandas
+    except ImportError:
+        raise PhyscoreError('data frames need pandas: pip install "physcore[pandas]"') from None
+    number = next((values.shape[1] for values in channels.values() if values.ndim in (2, 3)), None)
+    if number is None:
+        raise SceneError("to_dataframe: nothing with particles was recorded; fields on grids are arrays")
+    frames = len(times)
+    index = np.concatenate([np.arange(count) for _, count in owners]) if owners else np.arange(number)
+    columns: dict[str, object] = {"time": np.repeat(times, number)}
+    if owners:
+        names, counts = zip(*owners, strict=True)
+        codes = np.tile(np.repeat(np.arange(len(owners)), counts), frames)
+        columns["body"] = pandas.Categorical.from_codes(codes, categories=list(names))
+    columns["particle"] = np.tile(index, frames)
+    fields = {name: values for name, values in channels.items() if values.shape[1:2] == (number,) and values.ndim < 4}
+    memory.require(8.0 * sum(values.size for values in fields.values()), "the numbers of the table", "to_dataframe")
+    for name, values in fields.items():
+        if values.ndim == 2:
+            columns[name] = values.ravel()
+            continue
+        for axis, component in zip(AXES, np.moveaxis(values, 2, 0), strict=False):
+            columns[COLUMNS.get(name, name + "_{axis}").format(axis=axis)] = component.ravel()
+    return pandas.DataFrame(columns)

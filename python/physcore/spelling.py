@@ -1,0 +1,70 @@
+"""Words that are misspelt: which one was meant, in messages about choices, names and keywords."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable
+from functools import wraps
+from inspect import Parameter, signature
+from typing import Any, ParamSpec, TypeVar
+
+P = ParamSpec("P")
+R = TypeVar("R")
+
+_UNEXPECTED = re.compile(r"unexpected keyword argument '(\w+)'")
+
+
+class KeywordError(TypeError):
+    """A function has no argument of that name."""
+
+    def __init__(self, function: str, name: str, known: Iterable[str]) -> None:
+        self.known = tuple(dict.fromkeys(known))
+        hint = did_you_mean(name, self.known) or f"; it takes {', '.join(self.known)}"
+        super().__init__(f"{function}() got an unexpected keyword argument {name!r}{hint}")
+
+
+def did_you_mean(value: object, known: Iterable[str]) -> str:
+    """The end of a message: the word that was meant, where one of some is written nearly so."""
+    if not isinstance(value, str):
+        return ""
+    from difflib import get_close_matches
+
+    spelled = {each.casefold(): each for each in known}
+    close = get_close_matches(value.casefold(), spelled, 1)
+    return f"; did you mean {spelled[close[0]]!r}?" if close else ""
+
+
+def spelled(function: Callable[P, R]) -> Callable[P, R]:
+    """A function that says which keyword was meant, as all do from Python 3.13 on."""
+
+    @wraps(function)
+    def called(*arguments: P.args, **keywords: P.kwargs) -> R:
+        try:
+            return function(*arguments, **keywords)
+        except TypeError as error:
+            raise _explained(error, function, keywords) from error.__cause__
+
+    return called
+
+
+def spell(kinds: Iterable[object]) -> None:
+    """Let those of some things that are classes say which keyword was meant."""
+    for kind in kinds:
+        own = vars(kind).get("__init__") if isinstance(kind, type) else None
+        if own is not None and not hasattr(own, "__wrapped__"):
+            kind.__init__ = spelled(own)  # type: ignore[misc]
+
+
+def _explained(error: TypeError, function: Callable[..., object], keywords: dict[str, Any]) -> TypeError:
+    """The error of a keyword that a function does not have, with those that it has; any other error as it is."""
+    found = _UNEXPECTED.search(str(error))
+    if found is None or found[1] not in keywords:
+        return error
+    parameters = signature(function).parameters.values()
+    named = (Parameter.POSITIONAL_OR_KEYWORD, Parameter.KEYWORD_ONLY)
+    own = [each.name for each in parameters if each.kind in named and each.name != "self"]
+    if found[1] in own:
+        return error
+    # What takes any keyword passes it on, to a function that has complained.
+    passed = getattr(error, "known", ()) if any(each.kind == Parameter.VAR_KEYWORD for each in parameters) else ()
+    return KeywordError(function.__qualname__.removesuffix(".__init__"), found[1], (*own, *passed))

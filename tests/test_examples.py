@@ -1,0 +1,45 @@
+"""The docstring of every top-level name begins with an example, which runs."""
+
+from __future__ import annotations
+
+import inspect
+import math
+import re
+import textwrap
+
+import numpy as np
+import pytest
+
+import physcore as pc
+
+
+def example(text: str) -> str:
+    """The first indented block of a docstring, before its sections (Args:, Raises: …)."""
+    head = re.split(r"^[A-Z][\w ]*:\n(?=    )", inspect.cleandoc(text), maxsplit=1, flags=re.MULTILINE)[0]
+    found = re.search(r"^\n((?:    .*\n)+)", f"{head}\n", flags=re.MULTILINE)
+    return textwrap.dedent(found[1]) if found else ""
+
+
+@pytest.fixture
+def names(tmp_path, monkeypatch):
+    """What examples may use without building it."""
+    monkeypatch.chdir(tmp_path)
+    cloth = pc.cloth((5, 4), 0.1, 100.0, damping=0.02, mass=0.01, pinned="top corners", name="cloth")
+    scene = pc.Scene(cloth, pc.Gravity())
+    recording = pc.simulate(scene, duration=0.2)
+    rng = np.random.default_rng(1)
+    return {"pc": pc, "np": np, "math": math, "rng": rng, "cloth": cloth, "scene": scene, "recording": recording}
+
+
+@pytest.mark.filterwarnings("ignore::UserWarning")  # Some show what is warned of.
+@pytest.mark.parametrize("name", pc.__all__)
+def test_the_example_of_a_name_runs(name, names):
+    text = example(getattr(pc, name).__doc__)
+    assert f"{name}" in text, text
+    exec(compile(text, name, "exec"), names)
+
+
+def test_the_help_of_a_fluid_starts_with_five_lines_and_what_to_change():
+    lines = inspect.cleandoc(pc.Fluid.__doc__).splitlines()
+    assert len([line for line in lines[2:8] if line.startswith("    ")]) == 5
+    assert lines[8].startswith("Change these three first: ")
