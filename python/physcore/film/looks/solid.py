@@ -58,7 +58,8 @@ class SolidLook(Look):
         assert depth is not None  # it is seen in space
         first, second, third = np.moveaxis(pixels.reshape(-1, 3, 2), 1, 0)
         # Counterclockwise from outside; pixels are counted downward.
-        seen = np.cross(second - first, third - first) < 0.0
+        along, across = (second - first).T, (third - first).T
+        seen = along[0] * across[1] < along[1] * across[0]
         colors = np.clip(lambert(normals[seen].reshape(-1, 3), view)[:, np.newaxis] * np.array(theme.solid), 0.0, 255.0)
         inks = np.concatenate([colors, np.full((len(colors), 1), 255.0)], axis=1).astype(np.uint8)
         canvas.triangles(
