@@ -13,6 +13,7 @@ __all__ = [
     "Texture",
     "World",
     "available_memory",
+    "convex_hull",
     "coverage",
     "heatmap",
     "norms",
