@@ -97,6 +97,7 @@ from physcore.simulation.simulation import Simulation
 from physcore.simulation.state import Frame, Part, Snapshot
 from physcore.spelling import did_you_mean, spell
 from physcore.studies.accuracy import simulate
+from physcore.studies.diagnosis import Diagnosis, Finding, diagnose
 from physcore.studies.lyapunov import Lyapunov, lyapunov
 from physcore.studies.stability import MeasuredLimit, stability_limit
 from physcore.studies.tradeoff import Tradeoff, tradeoff
@@ -157,6 +158,7 @@ __all__ = [
     "CubicSpline",
     "CurrentLoop",
     "CustomForce",
+    "Diagnosis",
     "Dihedral",
     "DormandPrince5",
     "Drag",
@@ -165,6 +167,7 @@ __all__ = [
     "EnergySeries",
     "ExplicitEuler",
     "FileError",
+    "Finding",
     "FitzHughNagumo",
     "Floor",
     "Flow",
@@ -242,6 +245,7 @@ __all__ = [
     "block",
     "cloth",
     "cylinder",
+    "diagnose",
     "export",
     "film",
     "load",

@@ -85,7 +85,7 @@ def test_a_budget_is_printed_as_a_table():
     assert head.split() == ["energy", "[J]", "start", "end"]
     assert [row.split()[-2:] for row in rows if "springs" in row] == [["0", "0.5"]]
     assert [row.split()[-2:] for row in rows if "balance" in row] == [["5.5", "4"]]
-    assert drift == "  drift: at most 2.3e-01 of the energy in motion"  # 1.5 / 6.5
+    assert drift == "  drift: at most 2.3e-01 of the energy in motion: look at dt"  # 1.5 / 6.5
     assert "array(" not in str(SERIES)
     last = str(SERIES.at(2)).splitlines()
     assert last[0].split() == ["energy", "[J]", "at", "0.2", "s"]

@@ -1,0 +1,29 @@
+"""How many steps a run takes, and what to relax where they are too many."""
+
+from __future__ import annotations
+
+MOST_STEPS = 10_000_000
+"""Steps above which a run is called long: at a microsecond or so, which the smallest scene takes for each, 10 s; a film
+of a minute at 30 frames per second would take 5000 of them for each frame."""
+
+RELAX = {
+    "springs": "lower the stiffness or the damping of the springs, raise their masses, or take pc.BackwardEuler()",
+    "repulsion": "lower the stiffness or the damping of SoftSpheres, or raise the masses",
+    "Lennard-Jones": "move apart the particles that start inside each other: at rest they are 1.12 sigma apart",
+    "custom": "make the function of the CustomForce less steep, or raise the masses",
+    "sound": "take a larger spacing or a lower sound_speed for the fluid",
+    "viscosity": "take a larger spacing or a lower viscosity for the fluid",
+    "gravitation": "move apart the closest particles, or give Gravitation a softening",
+    "coulomb": "move apart the closest charges, or give Coulomb a softening",
+    "gyration": "lower the magnetic field, or raise the masses",
+    "central": "start farther from the center of the CentralForce",
+    "flow": "slow the flow down",
+}
+"""What to change where a term of the scene limits the time step, by the term's name in the plan."""
+
+
+def remedy(term: str, given: bool) -> str:
+    """What to change where a run takes too many steps, with a time step that was given or follows from a term."""
+    if given:
+        return 'leave dt to "auto", or give a larger one'
+    return RELAX.get(term, "make the scene coarser") + "; or ask for a shorter duration"

@@ -1,0 +1,56 @@
+"""Explodes: the energy balance does not hold, or is not going to."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from physcore.simulation.energy import GOOD_DRIFT
+from physcore.simulation.recording import Recording
+from physcore.studies.diagnosis.case import Case
+from physcore.studies.diagnosis.finding import Finding
+
+WRONG_DRIFT = 0.05
+"""Drift above which a run is wrong to the eye: the amplitude of an oscillation goes with the root of its energy, and
+is off by half of this, 8 pixels of the 320 between the middle and the edge of a film."""
+
+
+def explodes(case: Case) -> Iterator[Finding]:
+    """Energy from nowhere: by the drift of a recording, or a time step above the limit of stability."""
+    plan = case.plan
+    if case.recording is None:
+        if plan.limit_kind == "stability" and plan.margin > 1.0:
+            cause = f"dt = {plan.dt:.3g} s is {plan.margin:.3g} times the limit of stability ({plan.limit_term})"
+            yield Finding("explodes", cause, f'take dt={0.5 * plan.dt_limit:.2g}, or leave dt to "auto"', plan.margin)
+        return
+    drift = worst_drift(case.recording)
+    if abs(drift) <= WRONG_DRIFT or is_loss(case, drift):
+        return
+    limit = (
+        f"; dt = {plan.dt:.3g} s is {plan.margin:.0%} of its limit ({plan.limit_term})"
+        if 0.0 < plan.dt_limit < math.inf
+        else ""
+    )
+    cause = f"the energy balance is off by {abs(drift):.2g} of the energy in motion{limit}"
+    yield Finding("explodes", cause, _cure(case, abs(drift)), abs(drift))
+
+
+def worst_drift(recording: Recording) -> float:
+    """The largest drift of the energy balance, with its sign."""
+    drift = recording.energy.drift
+    if not np.isfinite(drift).all():
+        return math.inf
+    return float(drift[np.argmax(np.abs(drift))])
+
+
+def is_loss(case: Case, drift: float) -> bool:
+    """Whether the energy is what a method takes that is not symplectic: a loss, and no blow-up."""
+    return drift < 0.0 and not case.integrator.symplectic
+
+
+def _cure(case: Case, drift: float) -> str:
+    """A time step whose drift is good, as far as the order of the method tells: drift ∝ dt^order."""
+    smaller = case.plan.dt * (GOOD_DRIFT / min(drift, 1.0)) ** (1.0 / max(case.plan.order, 1))
+    return f"take a smaller time step, dt={smaller:.2g}, or pc.AutoStep(safety=0.1)"
