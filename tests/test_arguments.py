@@ -354,7 +354,7 @@ def test_any_value_of_any_argument_is_taken_or_refused_by_name(call, parameter, 
         (lambda: simulation().save(None), "path: must be the name of a file, a string or a pathlib.Path, got None"),
         (lambda: pc.export(RECORDING, "\udcff.pvd"), "path: must be a string without lone surrogates"),
         (lambda: simulation().save("a\0b"), "path: must be a name without null characters"),
-        (lambda: Theme(**{**vars(DARK), "text": "red"}), "Theme.text: must be like '#10c0ff'"),
+        (lambda: Theme(**{**vars(DARK), "text": "reed"}), "Theme.text: must be like '#10c0ff'"),
     ],
 )
 def test_what_is_wrong_with_an_argument_is_said(build, message, tmp_path, monkeypatch):

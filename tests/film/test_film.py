@@ -368,7 +368,7 @@ def test_a_file_that_cannot_be_written_is_a_file_error(tmp_path: Path) -> None:
         ({"size": 640}, "size: must be"),
         ({"style": pc.styles.Points}, r"write Points\(\)"),
         ({"theme": "blue"}, "theme: must be one of 'dark', 'light'"),
-        ({"background": "red"}, "background"),
+        ({"background": "reed"}, "background"),
         ({"camera": Orbit()}, "camera: must be a Window in 2D"),
         ({"titles": ["a", "b"]}, "titles: must be one for each"),
         ({"speed": 10.0}, "at most 50 frames per second, got 300"),

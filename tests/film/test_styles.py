@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from PIL import Image
+from PIL import Image, ImageColor
 
 import physcore as pc
 from physcore.film import DARK, LIGHT, Orbit, Window
@@ -573,3 +573,82 @@ def test_what_is_no_tracer_has_no_trail(tmp_path: Path) -> None:
     for style in (pc.styles.Trails(on=wave), pc.styles.Density(on=wave)):
         with pytest.raises(pc.SceneError, match=rf"{type(style).__name__}.on: .* has no points; only tracers"):
             last(pc.Scene(wave), tmp_path, 0.1, 10.0, style=style)
+
+
+def exactly(picture: np.ndarray, name: str) -> int:
+    """How many pixels have a color, within what a palette of 255 leaves of it."""
+    return int((np.abs(picture.astype(int) - ImageColor.getrgb(name)).max(axis=2) <= 12).sum())
+
+
+@pytest.mark.parametrize(
+    ("color", "expected"),
+    [
+        ("tomato", {"tomato": 2}),
+        ("#22cc88", {"#22cc88": 2}),
+        ((34, 204, 136), {"#22cc88": 2}),
+        ({"left": "tomato", "right": "#22cc88"}, {"tomato": 1, "#22cc88": 1}),
+        (["tomato", "#22cc88"], {"tomato": 1, "#22cc88": 1}),
+        (np.array([[255, 99, 71], [34, 204, 136]], dtype=np.uint8), {"tomato": 1, "#22cc88": 1}),
+        (np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]), {"#ff0000": 1, "#0000ff": 1}),
+        (lambda time, places, velocities: places[:, :1] * (1.0, 0.0, 0.0), {"#ff0000": 1}),
+        ([0.0, 7.0], {"#f0f921": 1}),  # the upper end of plasma
+        (lambda time, places, velocities: places[:, 0], {"#f0f921": 1}),
+    ],
+    ids=[
+        "name",
+        "hex",
+        "numbers",
+        "mapping",
+        "names",
+        "bytes",
+        "fractions",
+        "function",
+        "values",
+        "function-of-values",
+    ],
+)
+def test_points_have_the_color_that_was_asked_for(tmp_path: Path, color: Any, expected: dict[str, int]) -> None:
+    balls = [pc.Particles([[x, 0.0]], radius=0.3, name=name) for x, name in ((0.0, "left"), (1.0, "right"))]
+    style, camera = pc.styles.Points(color, shading=False), Window((-0.5, -0.5), (1.5, 0.5))
+    picture = still(pc.Scene(*balls), tmp_path, style=style, color_bar=False, labels=(), camera=camera)
+    per_ball = np.pi * (0.3 * picture.shape[1] / 2.0) ** 2
+    for name, balls in expected.items():
+        assert exactly(picture, name) == pytest.approx(balls * per_ball, rel=0.25), name  # without edges
+    assert pc.styles.Points(color) == pc.styles.Points(color)
+
+
+def test_shading_changes_the_color_of_balls_in_space_alone(tmp_path: Path) -> None:
+    scene = pc.Scene(pc.Particles([[0.0, 0.0, 0.0]], radius=1.0))
+    plain, lit = (still(scene, tmp_path, style=pc.styles.Points("tomato", shading=each)) for each in (False, True))
+    assert exactly(plain, "tomato") > 2 * exactly(lit, "tomato")
+
+
+def test_sizes_go_with_mass_or_are_given(tmp_path: Path) -> None:
+    scene = pc.Scene(pc.Particles([[0.0, 0.0], [1.0, 0.0], [2.0, 0.0]], mass=[1.0, 1.0, 9.0]))
+    for size, ratio in (("mass", 9.0), ([8.0, 8.0, 16.0], 4.0)):
+        style = pc.styles.Points(["red", "red", "blue"], size=size)
+        picture = still(scene, tmp_path, style=style, camera=Window((-1.0, -1.0), (3.0, 1.0)), labels=())
+        # Red R and blue B of a pixel are linear in the shares that red and blue discs have in it.
+        (r, _, b), total = DARK.background, picture.reshape(-1, 3)[:, [0, 2]].sum(axis=0)
+        shares = np.linalg.solve([[255 - r, -r], [-b, 255 - b]], total - np.array([r, b]) * picture[..., 0].size)
+        assert 2.0 * shares[1] / shares[0] == pytest.approx(ratio, rel=0.1)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"color": "tomatoe"}, "Points.color: must be like"),
+        ({"color": {"nobody": "red"}}, "'nobody' is not among the bodies"),
+        ({"color": [1.0, 2.0]}, "3 for the particles, got 2"),
+        ({"color": [1.0, 2.0, np.nan]}, "Points.color: must be finite"),
+        ({"color": lambda time, places, velocities: places}, "Points.color.*shape"),
+        ({"color": lambda time, places, velocities: [1.0]}, "must give 3 values, got 1"),
+        ({"size": "radius"}, "needs particles with a radius"),
+        ({"size": [1.0, 2.0, 0.0]}, "Points.size: must be above 0"),
+    ],
+)
+def test_what_says_no_color_or_size_is_refused(tmp_path: Path, arguments: dict[str, Any], message: str) -> None:
+    with pytest.raises(pc.SceneError, match=message):
+        still(
+            pc.Scene(pc.Particles([[0.0, 0.0], [1.0, 0.0], [2.0, 0.0]])), tmp_path, style=pc.styles.Points(**arguments)
+        )

@@ -82,9 +82,10 @@ def _items(source: Source) -> Iterator[Body | System]:
 def share_scales(painters: list[list[Painter]]) -> None:
     """Let painters of equal styles, in all panels, agree on what a color means."""
     for each in (painter for panel in painters for painter in panel):
-        each.top = max(
-            other.top
+        alike = [
+            other
             for panel in painters
             for other in panel
             if (type(other), other.style, other.quantity) == (type(each), each.style, each.quantity)
-        )
+        ]
+        each.low, each.top = min(other.low for other in alike), max(other.top for other in alike)

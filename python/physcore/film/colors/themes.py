@@ -18,23 +18,26 @@ LEGIBLE = 4.5
 
 
 def color(value: object, path: str) -> Color:
-    """A color from three numbers 0–255 or a string like "#10c0ff".
+    """A color from three numbers 0–255, a string like "#10c0ff" or a name of CSS, such as "tomato".
 
     Raises:
-        SceneError: it is neither.
+        SceneError: it is none of them.
     """
-    if isinstance(value, str) and len(value) == 7 and value.startswith("#"):
+    if isinstance(value, str):
+        from PIL import ImageColor
+
         try:
-            red, green, blue = bytes.fromhex(value[1:])
+            channels = ImageColor.getrgb(value)
         except ValueError:
             pass
         else:
-            return (red, green, blue)
+            if len(channels) == 3:  # one that is clear in part has a fourth
+                return channels
     if isinstance(value, (tuple, list)) and len(value) == 3:
         red, green, blue = value
         if all(isinstance(channel, int) and 0 <= channel <= 255 for channel in value):
             return (red, green, blue)
-    raise SceneError(f"{path}: must be like '#10c0ff' or (16, 192, 255), got {shown(value)}")
+    raise SceneError(f"{path}: must be like '#10c0ff', 'tomato' or (16, 192, 255), got {shown(value)}")
 
 
 @dataclass(frozen=True)

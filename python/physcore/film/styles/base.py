@@ -192,6 +192,8 @@ class Painter(ABC):
     """What its colors show, where the style does not say."""
     top: float = 0.0
     """The value at the end of the color scale. Panels with equal styles and quantities share it."""
+    low: float = 0.0
+    """The value at its start, likewise."""
 
     @property
     def scale(self) -> Scale | None:

@@ -5,14 +5,16 @@ from __future__ import annotations
 import math
 from collections import deque
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, cast
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from physcore._core import Canvas, norms, tint
-from physcore.checks import FloatArray, number, word
+from physcore.checks import FloatArray, array, flag, is_word, number, shown
 from physcore.errors import SceneError
 from physcore.film.camera.view import PixelArray, View
+from physcore.film.colors.chosen import Chosen, ColorChoice, PerBody, PerParticle, chosen, numbers
 from physcore.film.colors.colormaps import ColormapName, sequential
 from physcore.film.colors.themes import Theme
 from physcore.film.styles.base import (
@@ -33,10 +35,13 @@ from physcore.film.styles.base import (
 from physcore.simulation.sources import Source, SourceFrame
 
 ColorBy = Literal["speed", "energy", "body"]
+COLOR_BY = ("speed", "energy", "body")
 
 UNITS = {"speed": "m/s", "energy": "J"}
 SPACING = 0.3
 """A disc's radius as a fraction of the mean distance that the particles would have if they filled the panel."""
+LARGEST = 8.0
+"""The largest diameter by mass, over that of a particle of median mass."""
 RADII = (0.5, 5.5)
 """The smallest and the largest radius that is chosen by itself [pixels]."""
 TRAIL = 0.7
@@ -53,11 +58,20 @@ FEW = 16
 class Points(BodyStyle):
     """Each particle is a disc, and in 3D a lit ball.
 
+        pc.film(recording, "balls.gif", style=pc.styles.Points("tomato"))
+        pc.film(recording, "balls.gif", style=pc.styles.Points({"earth": "#2a6fdb", "moon": "silver"}, size="mass"))
+        pc.film(recording, "balls.gif", style=pc.styles.Points(lambda time, positions, velocities: positions[:, 1]))
+
     Args:
         color: by "speed" [m/s], kinetic "energy" [J] or "body"; None: speed if it was recorded, otherwise body. Scales
-            begin at zero.
-        colormap: "plasma", "viridis", "inferno", "magma", "water" or "ember".
-        size: diameter [pixels]; None: as large as the particle if it has a radius, otherwise as fits their number.
+            of these begin at zero. Or colors of one's own: a name of CSS, such as "tomato", or "#10c0ff"; a mapping
+            from bodies, or their names, to such (bodies that it does not name keep their own); a list of them, or an
+            array (N, 3), for the particles that are drawn; values (N,) that are shown on a ramp; or a function of the
+            time [s], positions and velocities (N, D) of these particles that gives such values or colors in each frame.
+        colormap: the ramp, "plasma", "viridis", "inferno", "magma", "water" or "ember".
+        size: diameter [pixels], one or for each particle (N,); "mass": areas, in 3D volumes, go with the masses;
+            "radius": as large as the particle, which has to have a radius; None: as large as the particle if it has a
+            radius, otherwise as fits their number.
         trail: for how long the path behind each particle is shown [s]; None: where there are only a few particles, an
             eighth of the film, otherwise not.
         glow: how brightly what is at the top of the color scale shines, 0 to 1; by body, everything shines. On a light
@@ -65,71 +79,122 @@ class Points(BodyStyle):
         blur: the part of the time between two frames for which the shutter is open, 0 to 1: discs are drawn out along
             their velocities. 0.5 is what film cameras have.
         top: the value at the end of the color scale [m/s or J], above zero; None: what is typical of the fastest frame.
+        shading: whether balls are lit in 3D and fade with distance; if not, each color is exactly what was asked for.
         on: as in Style.
 
     Raises:
-        SceneError: a value is out of range, or velocities are needed and were not recorded.
+        SceneError: a value is out of range or of a wrong shape, or velocities are needed and were not recorded.
     """
 
-    color: ColorBy | None = None
+    color: ColorBy | ColorChoice | PerBody | PerParticle | None = None
     colormap: ColormapName = "plasma"
-    size: float | None = None
+    size: float | Literal["mass", "radius"] | ArrayLike | PerParticle | None = None
     trail: float | None = None
     glow: float = 0.0
     blur: float = 0.0
     top: float | None = None
+    shading: bool = True
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if self.color is not None:
-            word(self.color, "Points.color", ("speed", "energy", "body"))
+        if self.color is not None and not any(is_word(self.color, each) for each in COLOR_BY):
+            self._set(color=chosen(self.color, "Points.color", COLOR_BY))
         sequential(self.colormap, (0.0, 1.0), "Points.colormap")
         self._set(
             trail=None if self.trail is None else number(self.trail, "Points.trail", least=0.0),
             glow=number(self.glow, "Points.glow", least=0.0, most=1.0),
             blur=number(self.blur, "Points.blur", least=0.0, most=1.0),
         )
-        self._set_positive("size", "top")
+        self._set(size=_size(self.size), shading=flag(self.shading, "Points.shading"))
+        self._set_positive("top")
 
     def painter(self, source: Source, parts: list[Part], theme: Theme) -> Painter:
         """A painter with the color scale of one film."""
-        color = self.color or ("speed" if source.has("velocities") else "body")
+        color = ("speed" if source.has("velocities") else "body") if self.color is None else self.color
         if self.blur > 0.0 and not source.has("velocities"):
             raise SceneError("Points.blur: needs velocities, which were not recorded; record them, or leave it out")
-        if color != "body" and not source.has("velocities"):
+        if color in ("speed", "energy") and not source.has("velocities"):
             raise SceneError(f"Points.color: {color!r} needs velocities, which were not recorded; use 'body'")
-        return PointsPainter(self, color, source, parts, theme)
+        for name, given in (("color", color), ("size", self.size)):
+            count = sum(len(part.body) for part in parts)
+            if isinstance(given, PerParticle) and len(given.values) != count:
+                raise SceneError(f"Points.{name}: must be one, or {count} for the particles, got {len(given.values)}")
+        if is_word(self.size, "radius") and not any((part.body.radius > 0.0).any() for part in parts):
+            raise SceneError("Points.size: 'radius' needs particles with a radius; give Particles radius=…")
+        if isinstance(color, PerBody):
+            known = [key for part in parts for key in (part.body, part.body.name)]
+            for key in color.colors:
+                if key not in known:
+                    raise SceneError(f"Points.color: {shown(key)} is not among the bodies that are drawn")
+        return PointsPainter(self, cast("ColorBy | Chosen", color), source, parts, theme)
 
 
 class PointsPainter(Painter):
     """Draws discs, the trails behind them and the light around them."""
 
-    def __init__(self, style: Points, color: ColorBy, source: Source, parts: list[Part], theme: Theme) -> None:
+    def __init__(self, style: Points, color: ColorBy | Chosen, source: Source, parts: list[Part], theme: Theme) -> None:
         self.style, self._style, self._color, self._theme = style, style, color, theme
         self._where = places(parts)
         self._mass = np.concatenate([part.body.mass for part in parts])
         self._radius = np.concatenate([part.body.radius for part in parts])
-        self._sized = bool((self._radius > 0.0).any())
+        self._sized = bool((self._radius > 0.0).any()) and style.size in (None, "radius")
+        self._own = self._diameters(source.scene.dimension)
         self._table = sequential(style.colormap, theme.part, "Points.colormap")
         self._fps = source.fps
-        each = np.stack([body_color(source, part, theme) for part in parts])
-        self._bodies = np.repeat(each, [len(part.body) for part in parts], axis=0)
+        self._fixed = self._fixed_colors(source, parts, theme)
         self._domain = source.scene.periodic
-        self.top = style.top or 0.0
+        self._measured = color in ("speed", "energy")
+        self.top, self.low = style.top or (0.0 if self._measured else -math.inf), 0.0 if self._measured else math.inf
+        if isinstance(color, PerParticle) and color.values.ndim == 1:
+            self.low, self.top = (
+                float(color.values.min(initial=math.inf)),
+                style.top or float(color.values.max(initial=-math.inf)),
+            )
         frames = source.count / 8 if len(self._mass) <= FEW else 0.0
         if style.trail is not None:
             frames = min(style.trail * source.fps, source.count)
         self._past: deque[FloatArray] = deque(maxlen=1 + round(frames))
 
+    def _fixed_colors(self, source: Source, parts: list[Part], theme: Theme) -> FloatArray | None:
+        """The colors (N, 3) of particles that keep them; None where values or a function say them."""
+        color, count = self._color, len(self._mass)
+        if isinstance(color, PerParticle):
+            return color.values if color.values.ndim == 2 else None
+        if isinstance(color, tuple):
+            return np.tile(np.array(color, dtype=float), (count, 1))
+        if not (color == "body" or isinstance(color, PerBody)):
+            return None
+        each = []
+        for part in parts:
+            own = color.of(part.body) if isinstance(color, PerBody) else None
+            each.append(body_color(source, part, theme) if own is None else np.array(own, dtype=float))
+        return np.repeat(np.stack(each), [len(part.body) for part in parts], axis=0)
+
+    def _diameters(self, dimension: int) -> FloatArray | None:
+        """Diameters over the one that is chosen for all (N,), or in pixels, where they differ; None if they do not."""
+        if isinstance(self._style.size, PerParticle):
+            return self._style.size.values
+        if not is_word(self._style.size, "mass"):
+            return None
+        relative = self._mass / max(float(np.median(self._mass)), np.finfo(float).tiny)
+        return np.minimum(relative ** (1.0 / max(dimension, 2)), LARGEST)
+
     @property
     def scale(self) -> Scale | None:
         """The scale of colors."""
-        return None if self._color == "body" else Scale(self._color, UNITS[self._color], (0.0, self.top), self._table)
+        if self._fixed is not None or self.low > self.top:
+            return None
+        if self._measured:
+            return Scale(str(self._color), UNITS[str(self._color)], (0.0, self.top), self._table)
+        name = getattr(self._color, "__name__", "value")
+        return Scale("value" if name.startswith("<") else name.replace("_", " "), "", (self.low, self.top), self._table)
 
     @property
     def settled(self) -> bool:
-        """Whether the end of the color scale was given, or there is none."""
-        return self._color == "body" or self._style.top is not None
+        """Whether the ends of the color scale were given, or there is none."""
+        if self._measured:
+            return self._style.top is not None
+        return not callable(self._color)
 
     def begin(self) -> None:
         """Forget the paths."""
@@ -137,19 +202,29 @@ class PointsPainter(Painter):
 
     def observe(self, frame: SourceFrame) -> None:
         """Find the top of the color scale."""
-        if not self.settled:
-            self.top = max(self.top, typical(self._values(frame)))
+        if self.settled:
+            return
+        values = self._values(frame)
+        if values.ndim == 1:
+            self.top = max(self.top, self._style.top or typical(values))
+            if not self._measured:
+                self.low = min(self.low, -typical(-values))
 
     def inset(self, pixels: float) -> float:
         """A radius."""
-        return self._chosen(pixels) + 1.0
+        most = 1.0 if self._own is None else float(self._own.max(initial=0.0))
+        if isinstance(self._style.size, PerParticle):
+            return most / 2 + 1.0
+        return most * self._chosen(pixels) + 1.0
 
     def paint(self, canvas: Canvas, frame: SourceFrame, view: View, pixels: float) -> None:
         """Add trails, then halos, then discs."""
         positions = frame.positions[self._where]
         centers, depth, scale = view.project(positions)
-        fraction = None if self._color == "body" else self._values(frame) / (self.top or 1.0)
-        ink = self._inks(fraction, depth, view)
+        fraction = None if self._fixed is not None else self._values(frame)
+        if fraction is not None and fraction.ndim == 1:
+            fraction = (fraction - self.low) / ((self.top - self.low) or 1.0)
+        ink = self._inks(fraction, depth if self._style.shading else None, view)
         radii = self._radii(scale, view, pixels)
         if self._past.maxlen != 1:
             self._past.append(positions)
@@ -159,7 +234,7 @@ class PointsPainter(Painter):
         if self._style.blur > 0.0:
             self._paint_streaks(canvas, frame, view, radii, ink)
             return
-        shading = 0.0 if view.flat or radii.max(initial=0.0) < 2.0 else SHADING
+        shading = 0.0 if view.flat or not self._style.shading or radii.max(initial=0.0) < 2.0 else SHADING
         canvas.discs(centers, radii, ink, depth, shading)
 
     def _paint_trails(self, canvas: Canvas, view: View, ink: InkArray, width: float) -> None:
@@ -187,7 +262,7 @@ class PointsPainter(Painter):
         fraction: FloatArray | None,
     ) -> None:
         """Light around what is at the top of the scale; it goes with the square of the value, as energy does."""
-        strength = np.ones(len(ink)) if fraction is None else np.clip(fraction, 0.0, 1.0) ** 2
+        strength = np.ones(len(ink)) if fraction is None or fraction.ndim == 2 else np.clip(fraction, 0.0, 1.0) ** 2
         light = ink.copy()
         light[:, 3] = np.round(255.0 * self._style.glow * GLOW * strength)
         shining = light[:, 3] > 0
@@ -211,31 +286,62 @@ class PointsPainter(Painter):
         canvas.lines(np.concatenate([tails, tips], axis=1), 2.0 * radii, faint, depth)
 
     def _values(self, frame: SourceFrame) -> FloatArray:
-        """The quantity that the color shows, (N,)."""
-        velocities = frame.fields["velocities"][self._where]
+        """The quantity that the color shows (N,), or colors (N, 3), which a function may give too."""
+        if isinstance(self._color, PerParticle):
+            return self._color.values
+        velocities = frame.fields["velocities"][self._where] if "velocities" in frame.fields else None
+        if callable(self._color):
+            given = self._color(frame.time, frame.positions[self._where], velocities)
+            values = numbers(given, "Points.color(time, positions, velocities)")
+            if len(values) != len(self._mass):
+                raise SceneError(f"Points.color: the function must give {len(self._mass)} values, got {len(values)}")
+            return values
+        assert velocities is not None  # the style has made sure of it
         speeds = norms(velocities)
         return speeds if self._color == "speed" else 0.5 * self._mass * speeds**2
 
     def _inks(self, fraction: FloatArray | None, depth: PixelArray | None, view: View) -> InkArray:
-        """The color of each particle (N, 4), of its body or by the fraction of the scale that it has reached."""
-        if fraction is None:
-            return inks(self._bodies, self._theme, None if depth is None else view.farness(depth))
+        """The color of each particle (N, 4), its own or by the fraction of the scale that it has reached."""
+        colors = self._fixed if fraction is None else fraction if fraction.ndim == 2 else None
+        if colors is not None:
+            return inks(colors, self._theme, None if depth is None else view.farness(depth))
+        assert fraction is not None
         return tint(fraction, (0.0, 1.0), self._table, self._theme.background, depth, (view.reach, FOG))
 
     def _chosen(self, pixels: float) -> float:
         """The radius of a particle that has none [pixels]."""
-        if self._style.size is not None:
+        if isinstance(self._style.size, float):
             return self._style.size / 2
         least, most = RADII
         return float(np.clip(SPACING * math.sqrt(pixels / max(len(self._mass), 1)), least, most))
 
     def _radii(self, scale: PixelArray, view: View, pixels: float) -> PixelArray:
-        chosen = np.float32(self._chosen(pixels))
         perspective = scale / np.float32(view.scale)
-        if self._style.size is not None:
+        if isinstance(self._style.size, PerParticle):
+            return (perspective * self._style.size.values / 2).astype(np.float32)
+        chosen = np.float32(self._chosen(pixels))
+        if isinstance(self._style.size, float):
             return chosen * perspective
+        if self._own is not None:
+            return np.maximum(chosen * perspective * self._own, RADII[0]).astype(np.float32)
         if not self._sized:
             shown: PixelArray = np.maximum(chosen * perspective, np.float32(RADII[0]))
             return shown
         own = scale * self._radius.astype(np.float32)
         return np.where(self._radius > 0.0, np.maximum(own, RADII[0]), chosen * perspective).astype(np.float32)
+
+
+def _size(value: object) -> float | str | PerParticle | None:
+    """The checked form of a size."""
+    if value is None or isinstance(value, PerParticle):
+        return value
+    if isinstance(value, str):
+        if value in ("mass", "radius"):
+            return value
+        raise SceneError(f"Points.size: must be a number of pixels, 'mass' or 'radius', got {shown(value)}")
+    if isinstance(value, (list, tuple, np.ndarray)) and np.ndim(value) == 1:
+        sizes = array(value, "Points.size")
+        if not (sizes > 0.0).all():
+            raise SceneError(f"Points.size: must be above 0, got {sizes.min():g}")
+        return PerParticle(sizes)
+    return number(value, "Points.size", above=0.0)
