@@ -1,4 +1,4 @@
-"""Finding two points that are too close together, in N log N."""
+"""Finding points that are too close together, in N log N."""
 
 from __future__ import annotations
 
@@ -31,17 +31,25 @@ def closer_than(points: FloatArray, distance: float) -> tuple[int, int] | None:
 
 
 def _closer_than(points: FloatArray, distance: float) -> tuple[int, int] | None:
+    for first, second, _ in close_pairs(points, distance):
+        one, other = sorted((int(first[0]), int(second[0])))
+        return one, other
+    return None
+
+
+def close_pairs(points: FloatArray, distance: float) -> Iterator[tuple[IntArray, IntArray, FloatArray]]:
+    """All pairs of points that are closer together than a distance, each once: indices, and how far apart [m]; a few
+    of them at a time.
+    """
     keys, strides = _keys(points, distance)
     order = np.argsort(keys, kind="stable")
     keys, sorted_points = keys[order], points[order]
     for first, second in _candidates(keys, strides):
         separation = sorted_points[first] - sorted_points[second]
-        close = np.einsum("nd,nd->n", separation, separation) < distance**2
+        squared = np.einsum("nd,nd->n", separation, separation)
+        close = squared < distance**2
         if close.any():
-            found = int(np.argmax(close))
-            one, other = sorted((int(order[first[found]]), int(order[second[found]])))
-            return one, other
-    return None
+            yield order[first[close]], order[second[close]], np.sqrt(squared[close])
 
 
 def _keys(points: FloatArray, size: float) -> tuple[IntArray, IntArray]:
