@@ -18,6 +18,7 @@ from physcore.film.colors.colormaps import LUMA, two_sided
 from physcore.film.resampling import cubic
 from physcore.film.styles import fields
 from physcore.film.styles.base import Part
+from physcore.film.styles.curve import Curve
 from physcore.simulation.sources import Recorded, SourceFrame, sources
 
 SIZE = (240, 180)
@@ -652,3 +653,50 @@ def test_what_says_no_color_or_size_is_refused(tmp_path: Path, arguments: dict[s
         still(
             pc.Scene(pc.Particles([[0.0, 0.0], [1.0, 0.0], [2.0, 0.0]])), tmp_path, style=pc.styles.Points(**arguments)
         )
+
+
+@pytest.mark.parametrize("phase", [0.13, 0.5, 0.81])
+def test_a_path_has_its_corner_at_the_wall(phase: float) -> None:
+    """A ball falls from 1 m and bounces off the floor with half its speed; frames see it only before and after."""
+    g, dt, velocity = 9.81, 1 / 20, np.array([0.7, 0.0])
+    hit = np.sqrt(2.0 / g)
+    curve, corners = Curve(dt), []
+    for time in hit + dt * (phase + np.arange(-4, 3)):
+        fall, rise = time <= hit, 0.5 * g * hit
+        height = 1.0 - 0.5 * g * time**2 if fall else rise * (time - hit) - 0.5 * g * (time - hit) ** 2
+        speed = -g * time if fall else rise - g * (time - hit)
+        points = np.array([[0.7 * time, height]])
+        corners.append(curve.piece(points, velocity + np.array([[0.0, speed]])))
+    way = np.concatenate(corners)[:, 0]
+    low = way[way[:, 1].argmin()]
+    # The arcs are exact here; the time at which they meet is that of a parabola through moments dt/32 apart.
+    assert abs(low - (0.7 * hit, 0.0)).max() < 1e-3
+    assert way[:, 1].min() > -1e-3
+
+
+def test_a_smooth_path_is_the_cubic_through_frames(tmp_path: Path) -> None:
+    """On a circle of radius 1 with steps of θ, a Hermite cubic is off by θ⁴/384, and a chord by θ²/8."""
+    curve, step = Curve(0.5), 0.5
+    pieces = []
+    for time in step * np.arange(8):
+        place, along = np.array([[np.cos(time), np.sin(time)]]), np.array([[-np.sin(time), np.cos(time)]])
+        pieces.append(curve.piece(place, along))
+    away = np.abs(np.linalg.norm(np.concatenate(pieces), axis=2) - 1.0)
+    assert away.max() < 1.1 * step**4 / 384 < 0.1 * step**2 / 8
+
+
+def test_paths_take_a_color(tmp_path: Path) -> None:
+    """A path of two points in the color that was asked for."""
+    places = np.array([[[0.0, 0.0]], [[1.0, 0.0]]])
+    scene = pc.Scene(pc.Particles(places[0]))
+    recording: Any = SimpleNamespace(
+        scene=scene, times=np.arange(2) / 30, positions=places, fps=30.0, channels={"positions": places}
+    )
+    style = [pc.styles.Paths(color="#22cc88", width=8.0), pc.styles.Points(size=2.0, trail=0.0)]
+    pc.film(recording, tmp_path / "path.gif", size=SIZE, style=style, camera=Window((-0.5, -0.5), (1.5, 0.5)))
+    with Image.open(tmp_path / "path.gif") as image:
+        image.seek(image.n_frames - 1)
+        picture = np.asarray(image.convert("RGB"))
+    # FRESH of the color, over the ground.
+    faded = 0.85 * np.array([34, 204, 136]) + 0.15 * np.array(DARK.background)
+    assert (np.abs(picture - faded).max(axis=2) <= 8).sum() > 6.0 * SIZE[0] / 2.0

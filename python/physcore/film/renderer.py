@@ -142,9 +142,10 @@ class Renderer:
                 painter.begin()  # samples are far apart: no trail joins them
             chosen = [panel.samples[min(index, len(panel.samples) - 1)] for panel in self._panels]
             yield self._draw([index for index, _ in chosen], [frame for _, frame in chosen])
-        if self._once:
-            for source, painters in zip(self._found, self._painters, strict=True):
-                yield palette_samples(painters, len(source.scene.bodies), self._theme, flat=source.scene.dimension < 3)
+        for source, painters in zip(self._found, self._painters, strict=True):
+            if self._once or any(painter.traced is not None for painter in painters):
+                bodies, flat = len(source.scene.bodies), source.scene.dimension < 3
+                yield palette_samples(painters, bodies, self._theme, flat=flat, once=self._once)
 
     def frames(self) -> Iterator[Canvas]:
         """Every frame; each canvas is valid until the next is asked for. A panel that ends early keeps its last."""

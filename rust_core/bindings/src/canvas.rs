@@ -188,7 +188,8 @@ impl Canvas {
             return Err(PyValueError::new_err("past: must have the shape (K, N, 2)"));
         }
         let trails = Trails { past, widths, colors, fade, gaps, depths };
-        trails.lines().for_each(|(line, depth)| self.painting.line(line, depth));
+        let mixing = trails.mixing();
+        trails.lines().for_each(|(line, depth)| self.painting.trail(line, mixing, depth));
         Ok(())
     }
 

@@ -2,7 +2,7 @@
 //! blending all shapes in the same order: the pixels do not depend on the number of bands.
 
 use crate::color::Ink;
-use crate::ink::{Paint, Shade};
+use crate::ink::{Mixing, Paint, Shade};
 use crate::shapes::{Disc, Halo, Line, Triangle, drawn_half_width, drawn_radius, ramp};
 use crate::texture::Texture;
 
@@ -85,7 +85,7 @@ impl Band<'_> {
     }
 
     /// Draws a line.
-    pub(crate) fn line(&mut self, line: Line) {
+    pub(crate) fn line(&mut self, line: Line, mixing: Mixing) {
         let (half, opacity) = drawn_half_width(line.width, line.softness);
         let (reach, sharpness) = (half + 0.5 * line.softness, 1.0 / line.softness);
         let ([x0, y0], [x1, y1]) = (line.from, line.to);
@@ -109,7 +109,11 @@ impl Band<'_> {
                 let dx = offset - x0 + f32::from(column);
                 let along = ((dx * ux + dy * uy) * per_square).clamp(0.0, 1.0);
                 let (ex, ey) = (dx - along * ux, dy - along * uy);
-                paint.blend(pixel, ramp(((ex * ex + ey * ey).sqrt() - half) * sharpness));
+                let coverage = ramp(((ex * ex + ey * ey).sqrt() - half) * sharpness);
+                match mixing {
+                    Mixing::Over => paint.blend(pixel, coverage),
+                    _ => paint.shift(pixel, coverage, mixing),
+                }
             }
         }
     }

@@ -5,6 +5,7 @@
 use crate::band::{Band, Rectangle};
 use crate::color::{Ink, Rgb};
 use crate::error::Error;
+use crate::ink::Mixing;
 use crate::shapes::{Disc, Halo, Line, Triangle};
 use crate::texture::Texture;
 
@@ -70,7 +71,7 @@ impl Canvas {
 
     /// Draws a line.
     pub fn line(&mut self, line: Line) {
-        self.whole().line(line);
+        self.whole().line(line, Mixing::Over);
     }
 
     /// Draws a triangle, half a pixel larger than it is.

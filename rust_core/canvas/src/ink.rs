@@ -2,6 +2,18 @@
 
 use crate::color::Ink;
 
+/// How a shape changes what is below it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Mixing {
+    /// It covers that.
+    #[default]
+    Over,
+    /// Each channel becomes lighter or stays, as where light is added.
+    Lighter,
+    /// Each channel becomes darker or stays.
+    Darker,
+}
+
 /// A color, its alpha replaced by a factor that turns coverage into 256ths of opacity.
 #[derive(Clone, Copy)]
 pub(crate) struct Paint {
@@ -23,6 +35,20 @@ impl Paint {
     #[inline(always)]
     pub(crate) fn blend(self, pixel: &mut [u8; 4], coverage: f32) {
         self.mix(pixel, self.amount(coverage));
+    }
+
+    /// Blends into the channels of a pixel that this changes in one direction; the others stay.
+    #[inline(always)]
+    pub(crate) fn shift(self, pixel: &mut [u8; 4], coverage: f32, mixing: Mixing) {
+        let before = *pixel;
+        self.blend(pixel, coverage);
+        for (channel, before) in pixel.iter_mut().zip(before) {
+            *channel = match mixing {
+                Mixing::Over => *channel,
+                Mixing::Lighter => before.max(*channel),
+                Mixing::Darker => before.min(*channel),
+            };
+        }
     }
 
     /// The opacity of a coverage of 0–1, in 256ths.

@@ -59,6 +59,7 @@ pub use error::Error;
 pub use file::NewFile;
 pub use gif::Gif;
 pub use heatmap::{Samples, Shading, coverage, heatmap};
+pub use ink::Mixing;
 pub use liquid::Drop;
 pub use painting::{Lens, Painting};
 pub use palette::{Histogram, Palette};

@@ -6,6 +6,7 @@ use std::thread::available_parallelism;
 use crate::band::Band;
 use crate::canvas::Canvas;
 use crate::color::Rgb;
+use crate::ink::Mixing;
 use crate::liquid::{Drop, Liquid};
 use crate::shapes::{Disc, Halo, Line, Triangle};
 use crate::texture::Texture;
@@ -61,7 +62,7 @@ struct Entry {
 #[derive(Clone, Copy, Debug)]
 enum Shape {
     Disc(u32),
-    Line(u32),
+    Line(u32, Mixing),
     Triangle(u32),
     Halo(u32),
 }
@@ -87,8 +88,16 @@ impl Painting {
 
     /// Adds a line; `depth` as for [`Painting::disc`].
     pub fn line(&mut self, line: Line, depth: f32) {
-        self.add(depth, Shape::Line(self.lines.len() as u32));
+        self.add(depth, Shape::Line(self.lines.len() as u32, Mixing::Over));
         self.lines.push(if self.lens.blur > 0.0 { line.blurred(self.lens.confusion(depth)) } else { line });
+    }
+
+    /// Adds a line that only makes lighter, or darker, what is below it; `depth` as for [`Painting::disc`].
+    pub fn trail(&mut self, line: Line, mixing: Mixing, depth: f32) {
+        self.line(line, depth);
+        if let Some(Entry { shape, .. }) = self.order.last_mut() {
+            *shape = Shape::Line(self.lines.len() as u32 - 1, mixing);
+        }
     }
 
     /// Adds a triangle; `depth` as for [`Painting::disc`], `texture` as [`Painting::texture`] gave it.
@@ -164,7 +173,7 @@ impl Painting {
     fn draw(&self, entry: &Entry, band: &mut Band<'_>) {
         match entry.shape {
             Shape::Disc(index) => band.disc(self.discs[index as usize]),
-            Shape::Line(index) => band.line(self.lines[index as usize]),
+            Shape::Line(index, mixing) => band.line(self.lines[index as usize], mixing),
             Shape::Halo(index) => band.halo(self.halos[index as usize]),
             Shape::Triangle(index) => {
                 let (triangle, texture) = &self.triangles[index as usize];
@@ -178,7 +187,7 @@ impl Painting {
         match entry.shape {
             Shape::Disc(index) => self.discs[index as usize].center,
             Shape::Halo(index) => self.halos[index as usize].center,
-            Shape::Line(index) => {
+            Shape::Line(index, _) => {
                 let Line { from, to, .. } = self.lines[index as usize];
                 [0.5 * (from[0] + to[0]), 0.5 * (from[1] + to[1])]
             }

@@ -1,6 +1,7 @@
 //! Trails of moving points: lines that taper and fade with age.
 
 use crate::color::{Ink, Rgb};
+use crate::ink::Mixing;
 use crate::shapes::Line;
 use crate::view::{Fog, opaque};
 
@@ -14,7 +15,8 @@ pub struct Trails<'a> {
     /// Color of each point's trail at its fresh end.
     pub colors: &'a [Ink],
     /// Background that trails fade into, and the fraction of color left at the fresh end. They fade by color, not by
-    /// opacity: joints of opaque lines do not show. Without it they only taper, as fits a multicolored background.
+    /// opacity: joints of opaque lines do not show; and they only add light to what is below, or take it from a light
+    /// ground, so that a faint end does not cover what it crosses. Without it they only taper, as fits a multicolored background.
     pub fade: Option<(Rgb, f32)>,
     /// Whether a point's path between two times is not straight, (K−1)·N in all.
     pub gaps: Option<&'a [bool]>,
@@ -27,6 +29,16 @@ pub struct Trails<'a> {
 const SHORTEST: f32 = 5.0;
 
 impl Trails<'_> {
+    /// How the lines change what is below them.
+    pub fn mixing(&self) -> Mixing {
+        const MIDDLE: u32 = 384; // of the sum of the three channels
+        match self.fade {
+            None => Mixing::Over,
+            Some((ground, _)) if ground.map(u32::from).iter().sum::<u32>() > MIDDLE => Mixing::Darker,
+            Some(_) => Mixing::Lighter,
+        }
+    }
+
     /// The lines with their depths, the oldest first.
     pub fn lines(&self) -> impl Iterator<Item = (Line, f32)> {
         let count = self.widths.len().max(1);

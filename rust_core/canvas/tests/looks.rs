@@ -239,3 +239,33 @@ proptest! {
         prop_assert!(lines.windows(2).all(|pair| pair[0].to == pair[1].from && pair[0].width < pair[1].width));
     }
 }
+
+/// A trail that fades does not cover what it crosses: on a dark ground no channel becomes darker, on a light one none lighter.
+#[test]
+fn a_faint_trail_leaves_what_is_brighter_below_it() {
+    let past = [[4.0, 16.0], [60.0, 16.0]];
+    for (ground, below) in [([10, 12, 16], [200, 60, 220]), ([250, 250, 250], [60, 120, 20])] {
+        let mut canvas = Canvas::new(64, 32, ground).expect("a valid size");
+        canvas.polygon(&[[30.0, 0.0], [64.0, 0.0], [64.0, 32.0], [30.0, 32.0]], [below[0], below[1], below[2], 255]);
+        let before = canvas.pixels().to_vec();
+        let trails = Trails {
+            past: &past,
+            widths: &[6.0],
+            colors: &[[120, 100, 110, 255]],
+            fade: Some((ground, 0.5)),
+            gaps: None,
+            depths: None,
+        };
+        let mut painting = Painting::default();
+        trails.lines().for_each(|(line, depth)| painting.trail(line, trails.mixing(), depth));
+        painting.paint(&mut canvas);
+        let light = ground[0] > 128;
+        let changed = canvas.pixels().iter().zip(&before).filter(|(now, before)| now != before).count();
+        assert!(changed > 50, "the trail is seen on the ground");
+        for (now, before) in canvas.pixels().iter().zip(&before) {
+            for (now, before) in now.iter().zip(before) {
+                assert!(if light { now <= before } else { now >= before }, "{now} over {before} on {ground:?}");
+            }
+        }
+    }
+}

@@ -22,17 +22,21 @@ DEEP = tuple(np.linspace(1.0, 1.0 - FOG, 8).tolist())
 """The same in 3D, where what is far away fades into the background."""
 
 
-def palette_samples(painters: Sequence[Painter], bodies: int, theme: Theme, *, flat: bool) -> Canvas:
+def palette_samples(painters: Sequence[Painter], bodies: int, theme: Theme, *, flat: bool, once: bool) -> Canvas:
     """A canvas with the colors of the painters' scales, of so many bodies and of the theme, from fresh to faded.
 
     Args:
         painters: what draws the film.
         bodies: how many bodies there are.
         theme: the colors.
+        once: whether nothing of the film was seen, not even its scales and bodies.
         flat: whether the film is in 2D, where nothing is lit from the side.
     """
-    tables = [painter.scale.table for painter in painters if painter.scale is not None]
-    named = np.array([*theme.bodies[:bodies], theme.text, theme.label, theme.edge, theme.surface, theme.solid], float)
+    tables = [painter.scale.table for painter in painters if painter.scale is not None and once]
+    tables += [painter.traced for painter in painters if painter.traced is not None]
+    named = np.array(
+        [*theme.bodies[: bodies if once else 0], theme.text, theme.label, theme.edge, theme.surface, theme.solid], float
+    )
     strengths = FLAT if flat else DEEP
     canvas = Canvas(COLUMNS * PITCH, PITCH * (len(strengths) * len(tables) + 1), theme.background)
     background = np.array(theme.background, dtype=float)

@@ -201,6 +201,11 @@ class Painter(ABC):
         return None
 
     @property
+    def traced(self) -> FloatArray | None:
+        """Colors (K, 3) of what it draws only where frames follow each other, which samples of a film do not show."""
+        return None
+
+    @property
     def settled(self) -> bool:
         """Whether it knows what to draw without having seen the film first."""
         return True

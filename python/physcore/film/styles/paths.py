@@ -13,8 +13,9 @@ from physcore._core import Canvas
 from physcore.checks import FloatArray, IntArray, number, regular, shown
 from physcore.errors import SceneError
 from physcore.film.camera.view import PixelArray, View
-from physcore.film.colors.themes import Theme
+from physcore.film.colors.themes import Color, Theme, color
 from physcore.film.styles.base import BodyStyle, Painter, Part, body_color, inks, straight
+from physcore.film.styles.curve import Curve, joined
 from physcore.scene.bodies import Body
 from physcore.simulation.sources import Source, SourceFrame
 
@@ -26,12 +27,16 @@ FRESH = 0.85
 class Paths(BodyStyle):
     """The way that chosen particles have come since the film began, as lines in the colors of their bodies.
 
-    It is drawn in addition to how the bodies look: `style=[Paths([0, 5]), Points()]`.
+        pc.film(recording, "balls.gif", style=[pc.styles.Paths([0, 5], color="gold", fade=1.0), pc.styles.Points()])
+
+    It is drawn in addition to how the bodies look, along the curves that the velocities tell, with a corner where a
+    particle bounces. What fades only adds light to what is below it, or takes some from a light ground.
 
     Args:
         particles: indices within each body, shape (K,); negative ones count from the end. None: all.
         width: of the lines [pixels].
         fade: for how long a path is shown, which fades and becomes thin with age [s]; None: for ever, as it is.
+        color: of the lines, such as "tomato" or "#10c0ff"; None: that of each body.
         on: as in Style.
 
     Raises:
@@ -43,11 +48,14 @@ class Paths(BodyStyle):
     particles: ArrayLike | None = None
     width: float = 1.4
     fade: float | None = None
+    color: str | Color | None = None
 
     def __post_init__(self) -> None:
         super().__post_init__()
         self._set(width=number(self.width, "Paths.width", above=0.0))
         self._set_positive("fade")
+        if self.color is not None:
+            self._set(color=color(self.color, "Paths.color"))
         if self.particles is not None:
             given = np.atleast_1d(regular(self.particles, "Paths.particles"))
             if given.ndim != 1 or given.size == 0 or given.dtype.kind not in "iu":
@@ -77,15 +85,25 @@ class PathsPainter(Painter):
             every = np.arange(part.where.start, part.where.stop)
             mine = every if style.particles is None else every[list(np.asarray(style.particles))]
             where.append(mine)
-            colors.append(np.tile(body_color(source, part, theme), (len(mine), 1)))
+            own = (
+                body_color(source, part, theme) if style.color is None else np.array(color(style.color, "Paths.color"))
+            )
+            colors.append(np.tile(own.astype(float), (len(mine), 1)))
         self._where: IntArray = np.concatenate(where)
         self._colors = FRESH * np.concatenate(colors) + (1.0 - FRESH) * np.array(theme.background)
         frames = None if style.fade is None else 1 + round(min(style.fade * source.fps, source.count))
         self._past: deque[FloatArray] = deque(maxlen=frames)
+        self._curve = Curve(1.0 / source.fps, smooth=self._domain is None)
+
+    @property
+    def traced(self) -> FloatArray:
+        """The colors of the lines."""
+        return np.unique(self._colors, axis=0)
 
     def begin(self) -> None:
         """Forget the ways."""
         self._past.clear()
+        self._curve.begin()
 
     def observe(self, frame: SourceFrame) -> None:
         """Nothing depends on the film."""
@@ -98,8 +116,9 @@ class PathsPainter(Painter):
     def paint(self, canvas: Canvas, frame: SourceFrame, view: View, pixels: float) -> None:
         """Add lines."""
         del pixels
-        self._past.append(frame.positions[self._where])
-        past = np.stack(self._past)
+        velocities = frame.fields["velocities"][self._where] if "velocities" in frame.fields else None
+        self._past.append(self._curve.piece(frame.positions[self._where], velocities))
+        past = joined(self._past)
         frames, count, dimension = past.shape
         points, depth, _ = view.project(past.reshape(-1, dimension))
         if self._past.maxlen is not None:

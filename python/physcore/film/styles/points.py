@@ -32,6 +32,7 @@ from physcore.film.styles.base import (
     straight,
     typical,
 )
+from physcore.film.styles.curve import Curve, joined
 from physcore.simulation.sources import Source, SourceFrame
 
 ColorBy = Literal["speed", "energy", "body"]
@@ -154,6 +155,7 @@ class PointsPainter(Painter):
         if style.trail is not None:
             frames = min(style.trail * source.fps, source.count)
         self._past: deque[FloatArray] = deque(maxlen=1 + round(frames))
+        self._curve = Curve(1.0 / source.fps, smooth=self._domain is None)
 
     def _fixed_colors(self, source: Source, parts: list[Part], theme: Theme) -> FloatArray | None:
         """The colors (N, 3) of particles that keep them; None where values or a function say them."""
@@ -199,6 +201,7 @@ class PointsPainter(Painter):
     def begin(self) -> None:
         """Forget the paths."""
         self._past.clear()
+        self._curve.begin()
 
     def observe(self, frame: SourceFrame) -> None:
         """Find the top of the color scale."""
@@ -227,7 +230,8 @@ class PointsPainter(Painter):
         ink = self._inks(fraction, depth if self._style.shading else None, view)
         radii = self._radii(scale, view, pixels)
         if self._past.maxlen != 1:
-            self._past.append(positions)
+            velocities = frame.fields["velocities"][self._where] if "velocities" in frame.fields else None
+            self._past.append(self._curve.piece(positions, velocities))
             self._paint_trails(canvas, view, self._inks(fraction, None, view), 0.7 * self._chosen(pixels))
         if self._style.glow > 0.0:
             self._paint_halos(canvas, centers, radii, ink, depth, fraction)
@@ -239,7 +243,7 @@ class PointsPainter(Painter):
 
     def _paint_trails(self, canvas: Canvas, view: View, ink: InkArray, width: float) -> None:
         """Lines along the last positions that fade with age."""
-        past = np.stack(self._past)
+        past = joined(self._past)
         frames, count, dimension = past.shape
         pixels, depth, _ = view.project(past.reshape(-1, dimension))
         gaps = None if self._domain is None else ~straight(self._domain, np.diff(past, axis=0))

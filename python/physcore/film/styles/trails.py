@@ -12,6 +12,7 @@ from physcore.checks import FloatArray, number
 from physcore.film.camera.view import View
 from physcore.film.colors.themes import Theme
 from physcore.film.styles.base import SHADING, SystemPart, SystemStyle, inks
+from physcore.film.styles.curve import BETWEEN, Curve, joined
 from physcore.film.styles.density import FEW, PointsPainter
 from physcore.scene.points import PointSystem
 from physcore.simulation.sources import Source, SourceFrame
@@ -21,8 +22,6 @@ SHARE = 0.3
 """The part of the film for which a path is shown where nothing is said."""
 FRESH = 0.9
 """How much of its color the freshest part of a path has, beside the background's."""
-BETWEEN = 6
-"""Points of a path between two frames."""
 LONGEST = 400_000
 """The most points of all paths."""
 
@@ -70,13 +69,12 @@ class TrailsPainter(PointsPainter):
 
     def __init__(self, style: Trails, source: Source, part: SystemPart, theme: Theme) -> None:
         super().__init__(style, source, part)
-        self._trails, self._theme, self._interval = style, theme, 1.0 / source.fps
+        self._trails, self._theme, self._curve = style, theme, Curve(1.0 / source.fps)
         rates = f"{part.path}.velocities"
         self._rates = rates if source.has(rates) else None
         frames = SHARE * source.count if style.duration is None else min(style.duration * source.fps, source.count)
         most = LONGEST // max(len(self._system) * BETWEEN, 1)
         self._past: deque[FloatArray] = deque(maxlen=max(1, min(round(frames), most)))
-        self._last: tuple[FloatArray, FloatArray | None] | None = None
         palette = np.array(theme.bodies, dtype=float)
         each = np.arange(len(self._system)) % len(palette)
         if isinstance(self._system, PointVortices):
@@ -86,7 +84,7 @@ class TrailsPainter(PointsPainter):
     def begin(self) -> None:
         """Forget the paths."""
         self._past.clear()
-        self._last = None
+        self._curve.begin()
 
     def inset(self, pixels: float) -> float:
         """A disc."""
@@ -97,9 +95,9 @@ class TrailsPainter(PointsPainter):
         """Add paths, then discs."""
         del pixels
         points = frame.fields[self._field]
-        self._past.append(self._way(frame))
+        self._past.append(self._curve.piece(points, None if self._rates is None else frame.fields[self._rates]))
         count = len(points)
-        path = np.concatenate(self._past)
+        path = joined(self._past)
         places, depth, _ = view.project(path.reshape(-1, points.shape[1]))
         canvas.trails(
             np.ascontiguousarray(places.reshape(len(path), count, 2)),
@@ -113,16 +111,3 @@ class TrailsPainter(PointsPainter):
         radii = (0.5 * self._trails.size * scale / view.scale).astype(np.float32)
         ink = inks(self._colors, self._theme, None if near is None else view.farness(near))
         canvas.discs(centers, radii, ink, near, 0.0 if view.flat else SHADING)
-
-    def _way(self, frame: SourceFrame) -> FloatArray:
-        """The path since the last frame (K, N, D), its end included."""
-        points = frame.fields[self._field]
-        rates = None if self._rates is None else frame.fields[self._rates]
-        last, self._last = self._last, (points, rates)
-        before, slopes = last or (points, None)
-        if rates is None or slopes is None:
-            return points[np.newaxis]
-        s = (np.arange(1, BETWEEN + 1) / BETWEEN)[:, np.newaxis, np.newaxis]
-        r, shift, dt = 1.0 - s, points - before, self._interval
-        way: FloatArray = before + s * s * (3.0 - 2.0 * s) * shift + dt * s * r * (r * slopes - s * rates)
-        return way
