@@ -254,8 +254,9 @@ class SpringNetwork(Body):
         limited = np.flatnonzero(np.isfinite(self.strain_limit))
         ends = self.positions[self.pairs[limited]]
         apart = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
-        longest = (1.0 + self.strain_limit[limited]) * self.rest_length[limited]
-        beyond = apart > (1.0 + BEYOND) * longest
+        with np.errstate(over="ignore"):  # the greatest numbers limit nothing, as infinity does
+            longest = (1.0 + self.strain_limit[limited]) * self.rest_length[limited]
+            beyond = apart > (1.0 + BEYOND) * longest
         if beyond.any():
             row = int(np.argmax(beyond))
             raise SceneError(
