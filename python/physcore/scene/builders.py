@@ -40,7 +40,7 @@ from physcore.spelling import did_you_mean, spelled
 Pinned: TypeAlias = str | tuple[str, ...] | ArrayLike | None
 Offset: TypeAlias = tuple[int, ...]
 
-ROPE_BYTES, CLOTH_BYTES, SOFT_BODY_BYTES = 220, 850, 1050
+ROPE_BYTES, CLOTH_BYTES, SOFT_BODY_BYTES = 225, 900, 1130
 """Memory of a particle with its springs while they are joined, at most [bytes]."""
 
 

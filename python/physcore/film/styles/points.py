@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from physcore._core import Canvas, norms, tint
-from physcore.checks import FloatArray, array, flag, is_word, number, shown
+from physcore.checks import FloatArray, array, flag, is_word, number, regular, shown
 from physcore.errors import SceneError
 from physcore.film.camera.view import PixelArray, View
 from physcore.film.colors.chosen import Chosen, ColorChoice, PerBody, PerParticle, chosen, numbers
@@ -343,7 +343,7 @@ def _size(value: object) -> float | str | PerParticle | None:
         if value in ("mass", "radius"):
             return value
         raise SceneError(f"Points.size: must be a number of pixels, 'mass' or 'radius', got {shown(value)}")
-    if isinstance(value, (list, tuple, np.ndarray)) and np.ndim(value) == 1:
+    if isinstance(value, (list, tuple, np.ndarray)) and regular(value, "Points.size").ndim == 1:
         sizes = array(value, "Points.size")
         if not (sizes > 0.0).all():
             raise SceneError(f"Points.size: must be above 0, got {sizes.min():g}")
