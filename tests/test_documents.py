@@ -7,8 +7,17 @@ from pathlib import Path
 
 import pytest
 
+from physcore.studies.diagnosis import SYMPTOMS
+
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
+
+TROUBLES = re.findall(
+    r"```python\n(.*?)```\n\n```text\n(.*?)```",
+    (ROOT / "docs" / "troubles.md").read_text(encoding="utf-8"),
+    flags=re.DOTALL,
+)
+"""Scripts, and what they print."""
 
 
 def test_the_script_of_the_readme_runs(tmp_path, monkeypatch):
@@ -16,6 +25,23 @@ def test_the_script_of_the_readme_runs(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     exec(compile(script, "README.md", "exec"), {})
     assert (tmp_path / "cloth.gif").read_bytes().startswith(b"GIF89a")
+
+
+@pytest.mark.parametrize(("script", "printed"), TROUBLES)
+def test_the_scripts_of_the_troubles_print_what_stands_beneath_them(script, printed, capsys):
+    exec(compile(script, "docs/troubles.md", "exec"), {})
+    took = re.compile(r"about \d+ (s|minutes|hours)")  # That of a run depends on the machine.
+    assert took.sub("about", capsys.readouterr().out) == took.sub("about", printed)
+
+
+def test_the_table_of_troubles_has_all_symptoms():
+    text = (ROOT / "docs" / "troubles.md").read_text(encoding="utf-8")
+    printed = {line.partition(":")[0] for _, block in TROUBLES for line in block.splitlines() if line[0] != " "}
+    assert len(TROUBLES) == len(SYMPTOMS) + 1  # Two ways to penetrate.
+    for symptom in printed - {"nothing wrong was found"}:
+        assert symptom in text.partition("## ")[0]
+    for heading in re.findall(r"\]\(#([a-z-]+)\)", text):
+        assert f"\n## {heading.replace('-', ' ').capitalize()}\n" in text
 
 
 @pytest.mark.parametrize("name", ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "CHANGELOG.md"])

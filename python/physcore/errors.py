@@ -171,7 +171,7 @@ class StabilityWarning(UserWarning):
 
 
 class SceneWarning(UserWarning):
-    """A scene says something that has no effect, such as charges where no force acts on them.
+    """A scene says something that was hardly meant, such as charges that no force acts on, or 10⁸ steps for a second.
 
         import warnings
         warnings.simplefilter("ignore", pc.SceneWarning)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from physcore.checks import MOST
+
 MOST_STEPS = 10_000_000
 """Steps above which a run is called long: at a microsecond or so, which the smallest scene takes for each, 10 s; a film
 of a minute at 30 frames per second would take 5000 of them for each frame."""
@@ -27,3 +29,15 @@ def remedy(term: str, given: bool) -> str:
     if given:
         return 'leave dt to "auto", or give a larger one'
     return RELAX.get(term, "make the scene coarser") + "; or ask for a shorter duration"
+
+
+def long_run(duration: float, dt: float, term: str, given: bool) -> str | None:
+    """What to say before a run of a duration [s] in steps of dt [s] that are too many; None where they are not."""
+    steps = duration / dt
+    if not MOST_STEPS < steps <= MOST:
+        return None
+    cause = f", because of {term}" if term and not given else ""
+    return (
+        f"duration: {duration:g} s are {steps:.1e} steps of {dt:.2g} s{cause}: {remedy(term, given)}; "
+        "pc.diagnose(simulation, duration) estimates the time"
+    )

@@ -19,6 +19,8 @@ T = TypeVar("T", float, FloatArray)
 GOOD_DRIFT = 1e-2
 """The largest drift that is called good: the amplitude of an oscillation goes with the root of its energy, and is off
 by half of this, less than 2 pixels of the 320 between the middle and the edge of a film."""
+WRONG_DRIFT = 0.05
+"""The drift above which a run is wrong to the eye: 8 pixels, likewise."""
 
 
 def verdict(drift: float) -> str:

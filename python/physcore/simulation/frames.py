@@ -110,6 +110,7 @@ def frames(world: World, scene: Scene, stepper: Stepper, duration: float, fps: f
     count = frame_count(duration, fps)
     if stepper.fixed is not None:
         steps_to(duration, stepper.fixed, TIME_TOLERANCE)  # Refuses more than can be counted.
+    stepper.warn_if_long(duration)
     sampled = _stepped if stepper.fixed is None else _interpolated
     for index, sample in enumerate(sampled(world, scene, stepper, count, fps)):
         here = world.steps

@@ -34,6 +34,7 @@ from physcore.scene.scene import BodyKey, ItemKey, Scene
 from physcore.simulation import engine
 from physcore.simulation import frames as sampling
 from physcore.simulation.energy import Amount, Energy
+from physcore.simulation.notes import noted, of_scene
 from physcore.simulation.plan import Plan
 from physcore.simulation.provenance import SEGMENTS, Provenance, version
 from physcore.simulation.recording import Recording, check_channels, collect
@@ -163,7 +164,9 @@ class Simulation:
     def plan(self) -> Plan:
         """The plan: the stages of one step, and the choices that were made."""
         plan = engine.plan(self._world, self._stepper.limit, self.dt)
-        return replace(plan, substeps=self.substeps, notes=(*plan.notes, *self._stepper.notes()))
+        return replace(
+            plan, substeps=self.substeps, notes=(*plan.notes, *of_scene(self._scene), *self._stepper.notes())
+        )
 
     @property
     def provenance(self) -> Provenance:
@@ -242,6 +245,10 @@ class Simulation:
         Raises:
             SceneError: the recording would not fit into memory, or an argument is out of range.
             SimulationDiverged, KeyboardInterrupt: as for `step`.
+
+        Warns:
+            StabilityWarning: dt was left to be chosen, and the energy balance does not hold to 5 %.
+            SceneWarning: this takes more than 10⁷ steps.
         """
         kept = check_channels(channels, self._scene)
         shown = None if progress is None else flag(progress, "progress")
@@ -249,7 +256,9 @@ class Simulation:
         count = sampling.frame_count(float(duration), float(fps))
         with Progress(count, "simulating", shown) as bar:
             shapes = {info.name: info.shape for info in engine.fields(self._world, self._scene) if info.name in kept}
-            return collect(frames, count, self._scene, float(fps), shapes, self._end, bar.update)
+            recording = collect(frames, count, self._scene, float(fps), shapes, self._end, bar.update)
+        self._stepper.warn_of_drift(float(np.abs(recording.energy.drift).max()))
+        return noted(recording)
 
     def set(self, positions: State | None = None, velocities: State | None = None) -> None:
         """Replace the state between two steps; the change of energy counts as work.

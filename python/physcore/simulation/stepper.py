@@ -13,7 +13,15 @@ from typing import Any, TypedDict
 
 from physcore._core import World
 from physcore.checks import count, number
-from physcore.errors import MachWarning, PhyscoreError, SceneError, SimulationDiverged, StabilityWarning, warn
+from physcore.errors import (
+    MachWarning,
+    PhyscoreError,
+    SceneError,
+    SceneWarning,
+    SimulationDiverged,
+    StabilityWarning,
+    warn,
+)
 from physcore.numerics.choices import (
     FRAMES_PER_SECOND,
     AdaptiveStep,
@@ -27,6 +35,8 @@ from physcore.numerics.choices import (
 )
 from physcore.scene.scene import Scene
 from physcore.simulation import engine
+from physcore.simulation.effort import MOST_STEPS, long_run
+from physcore.simulation.energy import WRONG_DRIFT
 from physcore.simulation.provenance import Segment, segments_from
 
 CHECK_INTERVAL = 256
@@ -92,6 +102,7 @@ class Stepper:
         self._interval = FLUID_CHECK_INTERVAL if scene.fluids else CHECK_INTERVAL
         self._stepping = threading.Lock()
         self._mach_warned = False
+        self._long_warned = False
         self._substepped = 0
         self._segments: list[Segment] | None = []
 
@@ -158,6 +169,7 @@ class Stepper:
     def run(self, duration: float, fps: float = FRAMES_PER_SECOND) -> None:
         """Advance by a duration [s]: to its end with dt="auto", to the first step at or after it with a given dt."""
         interval = number(duration, "run.duration", least=0.0)
+        self.warn_if_long(interval)
         if self.fixed is not None:
             return self._advance_by(max(0, steps_to(interval, self.fixed, TIME_TOLERANCE)), self.fixed)
         if interval == 0.0:
@@ -286,6 +298,26 @@ class Stepper:
                     error.args = (str(error).replace(f"{error.element} ", f"{mine} ", 1),)
                 start += len(body)
         error.last_good = engine.shown(engine.snapshot(self._world, self._scene), self._scene)
+
+    def warn_if_long(self, duration: float) -> None:
+        """Say once that a duration [s] takes more steps than anybody is likely to mean."""
+        given = self.fixed is not None
+        if self._long_warned or duration <= MOST_STEPS * self.dt or _UNWARNED.get():
+            return
+        message = long_run(duration, self.dt, "" if given else self.limit.term, given)
+        if message is not None:
+            self._long_warned = True
+            warn(message, SceneWarning)
+
+    def warn_of_drift(self, drift: float) -> None:
+        """Say that the energy balance of a whole run does not hold, where its time step was not given."""
+        if self.fixed is not None or drift <= WRONG_DRIFT or _UNWARNED.get():
+            return
+        warn(
+            f"the energy balance drifted by {drift:.2g} of the energy in motion: the motion is not resolved; take "
+            "dt=pc.AutoStep(safety=0.1), and see pc.diagnose(recording)",
+            StabilityWarning,
+        )
 
     def _warn_of_mach_number(self, mach: float, share: float, sound: float) -> None:
         if self._mach_warned or share <= FAST_SHARE:

@@ -7,14 +7,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from physcore.simulation.energy import GOOD_DRIFT
+from physcore.simulation.energy import GOOD_DRIFT, WRONG_DRIFT
 from physcore.simulation.recording import Recording
 from physcore.studies.diagnosis.case import Case
 from physcore.studies.diagnosis.finding import Finding
-
-WRONG_DRIFT = 0.05
-"""Drift above which a run is wrong to the eye: the amplitude of an oscillation goes with the root of its energy, and
-is off by half of this, 8 pixels of the 320 between the middle and the edge of a film."""
 
 
 def explodes(case: Case) -> Iterator[Finding]:

@@ -174,10 +174,10 @@ def _meshes(scene: Scene, frames: FloatArray) -> Iterator[Finding]:
                 for mesh, center in zip(frames[:, part], centers, strict=True)
             )
             if depth > DEEPEST:
-                width = float(np.median(body.rest_length))
+                width = float(body.rest_length.min())
                 cause = (
                     f"{name} reaches through {scene.path(index)} by {depth:.2g} of its radius: the mesh, of springs of "
-                    f"{width:.2g} m, is coarse beside it"
+                    f"{width:.2g} m and more, is coarse beside it"
                 )
                 cure = f"take a finer mesh, of a spacing of {0.5 * float(radii.min()):.2g} m, or a larger ball"
                 yield Finding("penetrates", cause, cure, depth)

@@ -8,8 +8,9 @@ import numpy as np
 
 from physcore.checks import FloatArray
 from physcore.scene.bodies import SpringNetwork
+from physcore.simulation.energy import WRONG_DRIFT
 from physcore.studies.diagnosis.case import Case
-from physcore.studies.diagnosis.explodes import WRONG_DRIFT, is_loss, worst_drift
+from physcore.studies.diagnosis.explodes import is_loss, worst_drift
 from physcore.studies.diagnosis.finding import Finding
 
 OVERDAMPED = 3.0

@@ -1,0 +1,103 @@
+"""Notes of a plan on what was hardly meant: before a run what its scene tells, after it what its recording does."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from physcore.boundaries import Box, Plane, Sphere
+from physcore.checks import FloatArray
+from physcore.forces import Dihedral, Drag, Gravity
+from physcore.scene.bodies import SpringNetwork
+from physcore.scene.fluid import Fluid
+from physcore.scene.items import SceneItem
+from physcore.scene.scene import Scene
+from physcore.simulation.energy import GOOD_DRIFT, verdict
+from physcore.simulation.recording import Recording
+
+ROUNDING = 1e-12
+"""Of the extent of a body: what is closer to a plane is in it."""
+
+
+def noted(recording: Recording) -> Recording:
+    """A recording whose plan has the notes on what it shows."""
+    notes = (*recording.plan.notes, *_drift(recording), *_untouched(recording))
+    return replace(recording, plan=replace(recording.plan, notes=notes))
+
+
+def _drift(recording: Recording) -> Iterator[str]:
+    """A drift that is not good."""
+    largest = float(np.abs(recording.energy.drift).max())
+    if not largest <= GOOD_DRIFT:
+        yield (
+            f"the energy balance drifted by {largest:.2g} of the energy in motion: {verdict(largest)}; "
+            "pc.diagnose(recording) says more"
+        )
+
+
+def _untouched(recording: Recording) -> Iterator[str]:
+    """Planes that no particle can have touched, between two frames either."""
+    scene, channels = recording.scene, recording.channels
+    if scene.periodic is not None or not {"positions", "velocities"} <= channels.keys():
+        return
+    for place, boundary in enumerate(scene.boundaries):
+        plane = boundary.resolved(scene.dimension)
+        if not isinstance(plane, Plane):
+            continue
+        nearest = np.inf
+        for body in scene.targets(boundary):
+            part = scene.slice(scene.index(body))
+            normal = np.array(plane.normal)
+            height = (channels["positions"][:, part] - np.array(plane.point)) @ normal
+            fastest = np.abs(channels["velocities"][:, part] @ normal).max(axis=0, initial=0.0)
+            size = body.spacing if isinstance(body, Fluid) else body.radius
+            room = height.min(axis=0, initial=np.inf) - size - 0.5 * fastest / recording.fps
+            nearest = min(nearest, float(room.min(initial=np.inf)))
+        if 0.0 < nearest < np.inf:
+            kind = type(boundary).__name__
+            yield f"boundaries[{place}]: nothing touched this {kind}, the nearest was {nearest:.2g} m away"
+
+
+def of_scene(scene: Scene) -> list[str]:
+    """A network that falls on its edge in unstable balance: flat, with nothing that acts across its plane."""
+    network = scene.bodies[0] if len(scene.bodies) == 1 else None
+    if not isinstance(network, SpringNetwork) or network.fixed.any() or not scene.boundaries:
+        return []
+    normal = _normal(network.positions)
+    if normal is None or network.velocities.dot(normal).any():
+        return []
+    pull = np.zeros(scene.dimension)
+    for force in scene.forces:
+        if isinstance(force, Gravity):
+            pull += np.array(force.resolved(scene.dimension).acceleration)
+        elif not isinstance(force, Dihedral) and not (isinstance(force, Drag) and force.wind is None):
+            return []
+    middle = network.positions.mean(axis=0)
+    symmetric = all(_is_symmetric(boundary.resolved(scene.dimension), middle, normal) for boundary in scene.boundaries)
+    if not pull.any() or abs(pull @ normal) > ROUNDING * np.linalg.norm(pull) or not symmetric:
+        return []
+    return [
+        f"{scene.path(0)}: falls edge-on, and nothing acts across its plane: it stays flat, in unstable balance, "
+        "however hard it lands; tilt it a little, or shift its positions by a thousandth of its springs' length"
+    ]
+
+
+def _normal(positions: FloatArray) -> FloatArray | None:
+    """The direction across the plane, or in 2D the line, of all positions; None where there is none, or several."""
+    if len(positions) <= positions.shape[1]:
+        return None
+    _, extents, directions = np.linalg.svd(positions - positions.mean(axis=0), full_matrices=False)
+    flat = extents < ROUNDING * extents[0]
+    direction: FloatArray = directions[-1]
+    return direction if flat[-1] and not flat[:-1].any() else None
+
+
+def _is_symmetric(boundary: SceneItem, middle: FloatArray, normal: FloatArray) -> bool:
+    """Whether a boundary looks the same from both sides of a plane, as far as what falls along it can meet it."""
+    if isinstance(boundary, Plane):
+        return bool(abs(np.array(boundary.normal) @ normal) < ROUNDING)
+    if isinstance(boundary, Sphere):
+        return bool(abs((np.array(boundary.center) - middle) @ normal) < ROUNDING * boundary.radius)
+    return isinstance(boundary, Box) and boundary.inside and bool(np.abs(normal).max() > 1.0 - ROUNDING)
