@@ -79,7 +79,6 @@ from physcore.numerics.integrators import (
     Staggered,
     VelocityVerlet,
 )
-from physcore.output import export
 from physcore.scene import materials
 from physcore.scene.bodies import Body, Particles, SpringNetwork
 from physcore.scene.builders import cloth, rope, soft_body
@@ -97,10 +96,6 @@ from physcore.simulation.simulation import Simulation
 from physcore.simulation.state import Frame, Part, Snapshot
 from physcore.spelling import did_you_mean, spell
 from physcore.studies.accuracy import simulate
-from physcore.studies.diagnosis import Diagnosis, Finding, diagnose
-from physcore.studies.lyapunov import Lyapunov, lyapunov
-from physcore.studies.stability import MeasuredLimit, stability_limit
-from physcore.studies.tradeoff import Tradeoff, tradeoff
 from physcore.systems.flows import Aizawa, Flow, Halvorsen, Lorenz, Rossler, Thomas
 from physcore.systems.kinetics import Brusselator, FitzHughNagumo, GrayScott, Reaction, Schnakenberg
 from physcore.systems.point_vortices import PointVortices
@@ -122,6 +117,11 @@ if TYPE_CHECKING:
         provenance,
         styles,
     )
+    from physcore.output import export
+    from physcore.studies.diagnosis import Diagnosis, Finding, diagnose
+    from physcore.studies.lyapunov import Lyapunov, lyapunov
+    from physcore.studies.stability import MeasuredLimit, stability_limit
+    from physcore.studies.tradeoff import Tradeoff, tradeoff
 
 __version__: str
 """The version of the installed package."""
@@ -262,8 +262,26 @@ __all__ = [
     "wave_packet",
 ]
 
-_OF_FILMS = {"DARK", "LIGHT", "Corotating", "Follow", "Keyframes", "Orbit", "Theme", "Window", "provenance", "styles"}
-"""What films are made with. It is imported when it is asked for: it takes as long as all other imports."""
+_LATER = {
+    "physcore.film": (
+        "DARK",
+        "LIGHT",
+        "Corotating",
+        "Follow",
+        "Keyframes",
+        "Orbit",
+        "Theme",
+        "Window",
+        "provenance",
+        "styles",
+    ),
+    "physcore.output": ("export",),
+    "physcore.studies.diagnosis": ("Diagnosis", "Finding", "diagnose"),
+    "physcore.studies.lyapunov": ("Lyapunov", "lyapunov"),
+    "physcore.studies.stability": ("MeasuredLimit", "stability_limit"),
+    "physcore.studies.tradeoff": ("Tradeoff", "tradeoff"),
+}
+"""Names that few scripts use, by module: each module is imported when one of its names is asked for."""
 _BEFORE = {"Repulsion": "SoftSpheres", "evidence": "provenance"}
 """Names of before."""
 
@@ -272,12 +290,13 @@ Recording.film = film  # Here, because what draws films imports recordings.
 
 
 def __getattr__(name: str) -> object:
-    """The version, what films are made with, and names of before."""
+    """The version, names whose module is imported when they are asked for, and names of before."""
     if name in _BEFORE:
         warn(f"{name} is now {_BEFORE[name]}", DeprecationWarning)
         return getattr(sys.modules[__name__], _BEFORE[name])
-    if name in _OF_FILMS:
-        return getattr(import_module("physcore.film"), name)
+    for module, names in _LATER.items():
+        if name in names:
+            return getattr(import_module(module), name)
     if name != "__version__":
         raise AttributeError(f"module 'physcore' has no attribute {name!r}{did_you_mean(name, __all__)}")
     from importlib.metadata import version

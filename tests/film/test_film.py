@@ -431,6 +431,7 @@ def test_an_unknown_argument_is_called_that(item: Any, tmp_path: Path) -> None:
         pc.film(item, tmp_path / "film.gif", colour="red")
 
 
+@pytest.mark.filterwarnings("ignore:duration. 518400 s are")
 @pytest.mark.parametrize(("fps", "delay"), [(30.0, 33.3), (75.0, 20.0), (400.0, 20.0), (1.0 / 86400.0, 200.0)])
 def test_a_notebook_plays_any_recording_as_near_to_real_time_as_a_gif_can(fps: float, delay: float) -> None:
     recording = pc.simulate(pc.Scene(dust(2)), 6 / fps, fps)

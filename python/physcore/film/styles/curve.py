@@ -19,6 +19,8 @@ MEETING = 0.05
 """Arcs meet where they pass closer than this part of the way that the change of velocity makes in an interval."""
 MOMENTS = 33
 """Moments within an interval that are tried for a collision."""
+FLAT = 1e-9
+"""Of the squared distances around a moment: a second difference below this share is rounding."""
 
 
 class Curve:
@@ -97,7 +99,9 @@ def _cornered(
     middle = np.clip(apart.argmin(axis=0), 1, MOMENTS - 2)
     # The squared distance is nearly a parabola in time: its vertex lies between the moments that were tried.
     low, least, high = (np.take_along_axis(apart, (middle + step)[np.newaxis], axis=0)[0] for step in (-1, 0, 1))
-    bend = np.maximum(low - 2.0 * least + high, 1e-300)
+    # No curvature beyond rounding, no vertex: the moment that was tried stands.
+    bend = low - 2.0 * least + high
+    bend[bend <= FLAT * (low + high)] = np.inf
     vertex = (middle + np.clip(0.5 * (low - high) / bend, -1.0, 1.0)) * dt / (MOMENTS - 1)
     corner = vertex[:, np.newaxis]
     first, last = BETWEEN // 2, BETWEEN - BETWEEN // 2

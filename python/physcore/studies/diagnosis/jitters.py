@@ -42,8 +42,8 @@ def jitters(case: Case) -> Iterator[Finding]:
         extent = float(np.ptp(positions, axis=(0, 1)).max())
         if share > REVERSED and jumps > VISIBLE * extent:
             cause = (
-                f"{share:.0%} of the kinetic energy in {case.scene.path(index)} turns around from one frame to the next, in "
-                f"jumps of {jumps:.2g} m, where it should be at rest"
+                f"{share:.0%} of the kinetic energy in {case.scene.path(index)} turns around from one frame to the "
+                f"next, in jumps of {jumps:.2g} m, where it should be at rest"
             )
             yield Finding("jitters", cause, _cure(body), share)
 
