@@ -247,6 +247,6 @@ def test_forces_between_pairs_and_other_numerics_are_refused():
     wet = water(cells)
     with pytest.raises(pc.SceneError, match=r"forces\[0\]\.on: expected no fluid that is shifted"):
         pc.Simulation(pc.Scene(wet, pc.LennardJones(1.0, SPACING, on=wet)))
-    with pytest.raises(pc.SceneError, match=r"bodies\[1\].*numerics as those of bodies\[0\]"):
+    with pytest.raises(pc.SceneError, match=r"bodies\['other'\].*numerics as those of bodies\['water'\]"):
         pc.Simulation(pc.Scene(wet, water(cells + np.array([1.0, 0.0]), shifting=0.0, name="other")))
     assert "shifted by A = 6" in str(run(cells).plan)
