@@ -96,6 +96,7 @@ impl<V: Vector> Method<V> for Rattle {
             evaluations: self.parts.len(),
             sweeps: true,
             springs: Treatment::Rods,
+            holds_rods: true,
             smooth_only: Some("contacts would move particles off their rods"),
             impulses: None,
             ..Method::<V>::about(&self.verlet)
