@@ -7,15 +7,19 @@
 //! least norm (M. R. Hestenes, J. Optim. Theory Appl. 4, 303 (1969): proximal iterations from zero remain in the range of A).
 
 mod network;
+mod supports;
 
 use glam::DVec3;
 
+use crate::contacts::Contacts;
 use crate::error::Error;
 use crate::forces::springs::Spring;
 use crate::math::{Real, Vector};
 use crate::matter::{EnergySink, Matter, Properties};
 use crate::stability::SpectralBound;
 use network::{Network, Rod};
+
+use supports::{Supports, Walls};
 
 pub use network::Unsolved;
 
@@ -32,6 +36,8 @@ const DEVIATION: f64 = 1e-4;
 #[derive(Debug, Clone)]
 pub struct Rods {
     network: Network,
+    /// Their contacts with walls, if there are any.
+    supports: Option<Supports>,
     /// The index of each in the declared springs.
     springs: Vec<usize>,
     /// The particles at their ends.
@@ -63,7 +69,58 @@ impl Rods {
             .map(|&index| Rod { ends: springs[index].ends.map(local), length: springs[index].rest_length })
             .collect();
         let inverse_mass: Vec<f64> = particles.iter().map(|&particle| 1.0 / properties.mass[particle as usize]).collect();
-        Some(Self { network: Network::new(links, inverse_mass), springs: chosen, particles, removed: 0.0 })
+        Some(Self { network: Network::new(links, inverse_mass), supports: None, springs: chosen, particles, removed: 0.0 })
+    }
+
+    /// Lets them meet walls, in a space of so many axes.
+    pub fn meet_walls(&mut self, axes: usize) {
+        self.supports = Some(Supports::new(&self.network, axes));
+    }
+
+    /// The particles at their ends, in the engine's order.
+    pub fn particles(&self) -> &[u32] {
+        &self.particles
+    }
+
+    /// Takes the state at the start of a step.
+    pub fn start<V: Vector>(&mut self, matter: &Matter<V>) {
+        if let Some(supports) = &mut self.supports {
+            supports.start(&self.particles, matter);
+        }
+    }
+
+    /// Keeps particles outside of walls, after [`Rods::hold_positions`] for the same drift.
+    ///
+    /// # Errors
+    /// If rods and walls contradict each other.
+    pub fn hold_gaps<V: Vector>(
+        &mut self,
+        matter: &mut Matter<V>,
+        (contacts, properties): (&Contacts<V>, &Properties<V>),
+        drift: (f64, usize),
+    ) -> Result<(), Unsolved> {
+        let Some(supports) = &mut self.supports else { return Ok(()) };
+        let walls = Walls { contacts, properties, particles: &self.particles };
+        let held = supports.hold_positions(matter, &walls, &self.network.directions, drift);
+        held.map_err(|unsolved| self.located(unsolved))
+    }
+
+    /// The same as [`Rods::hold_velocities`], at the end of a step of `h` seconds at walls.
+    ///
+    /// # Errors
+    /// If rods and walls contradict each other.
+    pub fn hold_velocities_at_walls<V: Vector>(
+        &mut self,
+        matter: &mut Matter<V>,
+        (contacts, properties): (&Contacts<V>, &Properties<V>),
+        h: f64,
+    ) -> Result<(), Unsolved> {
+        let walls = Walls { contacts, properties, particles: &self.particles };
+        let touches = match &mut self.supports {
+            Some(supports) => supports.hold_velocities(matter, &walls, &self.network.directions, h),
+            None => Ok(false),
+        };
+        if touches.map_err(|unsolved| self.located(unsolved))? { Ok(()) } else { self.hold_velocities(matter) }
     }
 
     /// Moves the particles of an initial state onto the constraints, and takes the velocities along rods from it.
@@ -142,7 +199,7 @@ impl Rods {
             matter.set_exact_position(index, vector);
         }
         if let Some((h, _)) = drift {
-            self.count_reactions(matter, 1.0 / h);
+            count_reactions(&self.network, self.springs.len(), &self.particles, matter, 1.0 / h);
         }
         Ok(())
     }
@@ -161,7 +218,7 @@ impl Rods {
         for (&vector, &particle) in self.network.vectors.iter().zip(&self.particles) {
             matter.velocity.set(particle as usize, V::narrow(vector));
         }
-        self.count_reactions(matter, 1.0);
+        count_reactions(&self.network, self.springs.len(), &self.particles, matter, 1.0);
         Ok(())
     }
 
@@ -203,21 +260,6 @@ impl Rods {
     /// The same with the particle's index in the engine's order.
     fn located(&self, unsolved: Unsolved) -> Unsolved {
         Unsolved { particle: self.particles[unsolved.particle] as usize, ..unsolved }
-    }
-
-    /// Adds the work on fixed particles that move, by the impulses `scale` λ of the last projection [N·s].
-    fn count_reactions<V: Vector>(&self, matter: &mut Matter<V>, scale: f64) {
-        let Network { links, inverse_mass, directions, multipliers, .. } = &self.network;
-        for (index, rod) in links.iter().enumerate() {
-            for (end, sign) in rod.ends.into_iter().zip([1.0, -1.0]) {
-                if inverse_mass[end as usize] == 0.0 {
-                    let particle = self.particles[end as usize] as usize;
-                    let along = directions[index].dot(matter.velocity.get(particle).widen());
-                    let tally = &mut matter.tallies[particle / matter.block];
-                    tally.add(EnergySink::Work, -sign * scale * multipliers[index] * along);
-                }
-            }
-        }
     }
 
     /// Adds the rods to the bound on the time step. Transverse waves of tense chains have the stiffness T/L. A step of more than 1/ω
@@ -273,7 +315,22 @@ impl Rods {
 
     /// Memory [bytes].
     pub fn bytes(&self) -> usize {
-        self.network.bytes() + self.particles.len() * size_of::<u32>()
+        let supports = self.supports.as_ref().map_or(0, Supports::bytes);
+        self.network.bytes() + supports + self.particles.len() * size_of::<u32>()
+    }
+}
+
+/// Adds the work on fixed particles that move, by the impulses `scale` λ of the last projection [N·s] of the first `rods` of a network.
+fn count_reactions<V: Vector>(network: &Network, rods: usize, particles: &[u32], matter: &mut Matter<V>, scale: f64) {
+    for (index, rod) in network.links[..rods].iter().enumerate() {
+        for (end, sign) in rod.ends.into_iter().zip([1.0, -1.0]) {
+            if network.inverse_mass[end as usize] == 0.0 {
+                let particle = particles[end as usize] as usize;
+                let along = network.directions[index].dot(matter.velocity.get(particle).widen());
+                let tally = &mut matter.tallies[particle / matter.block];
+                tally.add(EnergySink::Work, -sign * scale * network.multipliers[index] * along);
+            }
+        }
     }
 }
 

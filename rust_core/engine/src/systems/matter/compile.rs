@@ -45,7 +45,7 @@ pub fn compile<V: Vector>(scene: &Scene, method: Box<dyn Method<V>>, executor: &
     let properties = properties::<V>(scene, &order);
     precision::check::<V>(scene, &springs, &properties)?;
     let springs = renumbered(springs, &order);
-    let rods = rods(scene, &springs, &properties, &about)?;
+    let mut rods = rods(scene, &springs, &properties, &about)?;
     executor.check()?;
 
     let mut all: Vec<Box<dyn Force<V>>> = Vec::new();
@@ -65,9 +65,17 @@ pub fn compile<V: Vector>(scene: &Scene, method: Box<dyn Method<V>>, executor: &
     if tearing.is_some() && about.springs != Treatment::Rods {
         refuse_kinks(&about, "springs that break")?;
     }
-    let contacts = Contacts::build(scene, &properties)?;
-    if contacts.is_some() {
+    let mut contacts = Contacts::build(scene, &properties)?;
+    if contacts.is_some() && !(about.springs == Treatment::Rods && about.order == 2) {
         refuse_kinks(&about, "boundaries")?;
+    }
+    if let (Some(rods), Some(contacts)) = (&mut rods, &mut contacts) {
+        rods.meet_walls(V::DIMENSION);
+        contacts.leave_out(rods.particles());
+        if let Some((path, friction)) = contacts.friction(&properties, rods.particles()) {
+            return Err(Error::parameter(format!("{path}.friction"), "0 with rods", friction)
+                .with_hint("the friction of what rods hold is not computed; name bodies without rods with on="));
+        }
     }
     let self_contacts = self_contacts(scene, &springs, &properties, &about)?;
     let known: Vec<About> = all.iter().map(|force| force.about()).collect();
@@ -108,8 +116,10 @@ pub fn compile<V: Vector>(scene: &Scene, method: Box<dyn Method<V>>, executor: &
     dynamics.self_contacts = self_contacts;
     let dissipative = dynamics.velocity != VelocityDependence::None;
     let nominal = if dissipative { about.order_dissipative } else { about.order };
-    // A spring breaks at the end of a step, and contacts between meshes begin at the start of one: off by up to a whole one.
-    let nominal = if dynamics.tearing.is_some() || dynamics.self_contacts.is_some() { 1 } else { nominal };
+    // A spring breaks at the end of a step, contacts between meshes begin at the start of one, and those of rods with walls are resolved
+    // together: off by up to a whole one.
+    let rods_meet_walls = dynamics.rods.is_some() && dynamics.contacts.is_some();
+    let nominal = if dynamics.tearing.is_some() || dynamics.self_contacts.is_some() || rods_meet_walls { 1 } else { nominal };
     let order = known.iter().map(|force| force.order).fold(nominal, u32::min);
     notes.extend(advice(&about, dissipative, bends && dynamics.scheme != Some(Scheme::Continuity)));
     executor.check()?;
