@@ -67,6 +67,21 @@ impl Surface {
     }
 }
 
+/// A wall as a particle sees it.
+#[derive(Debug, Clone, Copy)]
+pub struct Gap {
+    /// The index of the wall.
+    pub wall: usize,
+    /// The distance of the particle's surface from it [m].
+    pub distance: f64,
+    /// The unit normal into its allowed side.
+    pub normal: DVec3,
+    /// The distance up to which they touch [m].
+    pub slack: f64,
+    /// Coefficient of restitution e.
+    pub restitution: f64,
+}
+
 /// A block's state at the start of the step.
 #[derive(Debug, Clone, Copy)]
 pub struct Before<'a, V: Vector> {
@@ -162,6 +177,38 @@ impl<V: Vector> Contacts<V> {
     pub fn bytes(&self) -> usize {
         let reach: usize = self.reach.iter().map(|column| std::mem::size_of_val(column.as_slice())).sum();
         reach + std::mem::size_of_val(self.surfaces.as_slice()) + std::mem::size_of_val(self.tests.as_slice())
+    }
+
+    /// Leaves particles to another who resolves their contacts.
+    pub fn leave_out(&mut self, particles: &[u32]) {
+        for column in &mut self.reach {
+            particles.iter().for_each(|&index| column[index as usize] = V::Scalar::from_f64(f64::NEG_INFINITY));
+        }
+    }
+
+    /// The indices of the walls that act on a particle.
+    pub fn walls_of(&self, properties: &Properties<V>, index: usize) -> impl Iterator<Item = usize> {
+        let body = properties.body[index] as usize;
+        (0..self.surfaces.len()).filter(move |&wall| self.surfaces[wall].bodies[body])
+    }
+
+    /// A wall as a particle at `x` sees it, for numbers with the relative rounding error `rounding`.
+    pub fn gap(&self, wall: usize, x: DVec3, properties: &Properties<V>, index: usize, rounding: f64) -> Gap {
+        let (surface, radius) = (&self.surfaces[wall], properties.radius[index]);
+        let (distance, normal) = surface.wall.distance(x);
+        let slack = surface.slack(rounding, x, radius);
+        Gap { wall, distance: distance - radius, normal, slack, restitution: surface.restitution }
+    }
+
+    /// The path and the friction of a boundary with friction that acts on one of the particles, if there is one.
+    pub fn friction(&self, properties: &Properties<V>, particles: &[u32]) -> Option<(&str, f64)> {
+        let rubs = |surface: &&Surface| {
+            surface.friction > 0.0
+                && particles.iter().any(|&index| {
+                    !properties.is_fixed(index as usize) && surface.bodies[properties.body[index as usize] as usize]
+                })
+        };
+        self.surfaces.iter().find(rubs).map(|surface| (self.paths[surface.boundary].as_str(), surface.friction))
     }
 
     /// Projects initial positions inside: particles whose surface overlaps a wall are moved along its normal. Returns their

@@ -6,6 +6,7 @@ use glam::DVec3;
 
 use crate::contacts::Contacts;
 use crate::error::{Error, Result};
+use crate::forces::derivatives::Derivatives;
 use crate::forces::linear::{Fusion, LinearForce};
 use crate::forces::springs::{self, Spring, Springs};
 use crate::forces::{
@@ -315,6 +316,20 @@ impl<V: Vector> Dynamics<V> {
         let Self { properties, forces, fused, together, .. } = self;
         let at = state_view(properties, matter, time, executor);
         forces[*fused..*together].iter_mut().try_for_each(|force| force.prepare(&at, executor))
+    }
+
+    /// The same at positions and velocities of the stage of a step.
+    pub fn prepare_at(&mut self, [position, velocity]: [&Columns<V>; 2], time: f64, executor: &Executor) -> Result<()> {
+        let Self { properties, forces, fused, together, .. } = self;
+        let (position, velocity, residual) = (position.view(), velocity.view(), View::default());
+        let at = StateView { position, velocity, residual, properties, time, executor };
+        forces[*fused..*together].iter_mut().try_for_each(|force| force.prepare(&at, executor))
+    }
+
+    /// The derivatives of the forces that are not fused and have some.
+    pub fn derivatives(&mut self) -> impl Iterator<Item = &mut dyn Derivatives> {
+        let fused = self.fused;
+        self.forces[fused..].iter_mut().filter_map(|force| force.derivatives())
     }
 
     /// Sums density over the positions at the end of a step without an evaluation of forces.
