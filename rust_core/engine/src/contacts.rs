@@ -256,6 +256,16 @@ impl<V: Vector> Contacts<V> {
         is_entered.then(|| self.inside(x, body, radius).widen())
     }
 
+    /// The coefficients of friction and restitution of the wall that a particle displaced to `x` enters the farthest; None if `x` is
+    /// clear of them.
+    pub fn coefficients(&self, x: DVec3, properties: &Properties<V>, index: usize) -> Option<[f64; 2]> {
+        let (body, radius) = (properties.body[index] as usize, properties.radius[index]);
+        let surfaces = self.surfaces.iter().filter(|surface| surface.bodies[body]);
+        let depths = surfaces.map(|surface| (surface.wall.distance(x).0 - radius, surface));
+        let (_, deepest) = depths.min_by(|(one, _), (other, _)| one.total_cmp(other))?;
+        Some([deepest.friction, deepest.restitution])
+    }
+
     /// The nearest representable position to `x` at which a particle of `radius` is outside no wall, if the projections
     /// find one.
     fn inside(&self, x: DVec3, body: usize, radius: f64) -> V {

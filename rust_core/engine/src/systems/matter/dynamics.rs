@@ -17,7 +17,7 @@ use crate::math::{Real, Vector};
 use crate::matter::{Columns, EnergySink, Matter, Power, Properties, SINKS, Span, View};
 use crate::parallel::{Executor, SERIAL};
 use crate::rods::{self, Rods};
-use crate::self_contact::{SelfContacts, Step};
+use crate::self_contact::{Inside, SelfContacts, Step};
 use crate::simd::{LANES, padded};
 use crate::stability::SpectralBound;
 use crate::systems::matter::tearing::Tearing;
@@ -205,8 +205,13 @@ impl<V: Vector> Dynamics<V> {
         let free: Vec<DVec3> =
             (0..matter.count()).map(|index| (matter.exact_position(index) - meshes.start()[index]) / h).collect();
         let mut velocities = free.clone();
-        let confine = |index: usize, x: DVec3| walls.as_ref().and_then(|walls| walls.confine(x, properties, index));
-        let touched = meshes.resolve(&mut velocities, Step { h, confine: &confine, executor }).map_err(|unresolved| {
+        let inside = |index: usize, x: DVec3| {
+            let walls = walls.as_ref()?;
+            let position = walls.confine(x, properties, index)?;
+            let [friction, restitution] = walls.coefficients(x, properties, index)?;
+            Some(Inside { position, friction, restitution })
+        };
+        let touched = meshes.resolve(&mut velocities, Step { h, walls: &inside, executor }).map_err(|unresolved| {
             let index = properties.caller[unresolved.particle] as usize;
             Error::unsolved(
                 index,
@@ -222,7 +227,7 @@ impl<V: Vector> Dynamics<V> {
             }
             let change = *after - *before;
             let end = meshes.start()[index] + h * *after;
-            matter.set_exact_position(index, confine(index, end).unwrap_or(end));
+            matter.set_exact_position(index, inside(index, end).map_or(end, |inside| inside.position));
             let end_velocity = matter.velocity.get(index).widen();
             matter.velocity.set(index, V::narrow(end_velocity + change));
             // The impulse acts at the start of the step, on the velocity before half of its kick, so that what rests on others loses
