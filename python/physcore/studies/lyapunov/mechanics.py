@@ -113,8 +113,9 @@ class Mechanics:
             rows[0, at, 0, end] = r * self._pilot.extent
             rows[1, at, 1, end] = r * self._pilot.speed
             rows[1, at, 0, end] = v * self._pilot.extent
-        flat: FloatArray = rows[:, :, :, self._free].reshape(2 * count, 2 * int(self._free.sum()) * self._scene.dimension)
-        return flat
+        free = 2 * int(self._free.sum()) * self._scene.dimension
+        equations: FloatArray = rows[:, :, :, self._free].reshape(2 * count, free)
+        return equations
 
 
 def _row_space(equations: FloatArray) -> FloatArray:
