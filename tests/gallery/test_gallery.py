@@ -103,6 +103,7 @@ def shown(tmp_path: Path, record_property: Callable[[str, object], None]) -> Cal
         "magnetic_bottle",
         "dipole",
         "double_pendulum",
+        "sixfold_pendulum",
         "chain",
         "knot",
         *(pytest.param(name, marks=pytest.mark.long) for name in LONG),

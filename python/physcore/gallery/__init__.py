@@ -59,6 +59,7 @@ DEMOS = (
     "vortex_street",
     "dipole",
     "double_pendulum",
+    "sixfold_pendulum",
     "chain",
     "curtain",
     "folds",

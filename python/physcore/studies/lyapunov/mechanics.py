@@ -15,7 +15,7 @@ from physcore.simulation.simulation import Simulation
 from physcore.simulation.stepper import unwarned
 from physcore.studies.lyapunov.neighbors import APART, TINY, orthonormalized, random_frame
 
-PILOT, LOOKS = 1.0 / 32.0, 16
+PILOT, LOOKS = 1.0 / 8.0, 32
 """How much of the motion tells its extent, and how often it is looked at."""
 INTERVALS = 1000
 """Orthonormalizations over the duration, unless their interval is given."""
