@@ -17,6 +17,7 @@ from physcore.gallery.hourglass import GRAINS
 
 LONG = (
     "flag",
+    "torn_flag",
     "drape",
     "bowl",
     "labyrinth",

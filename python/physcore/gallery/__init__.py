@@ -28,6 +28,7 @@ DEMOS = (
     "pendulums",
     "galaxy",
     "flag",
+    "torn_flag",
     "drape",
     "bowl",
     "dam_break",
