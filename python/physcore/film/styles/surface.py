@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from physcore._core import Canvas, Texture
-from physcore.checks import FloatArray, IntArray, file_path, frozen, is_word, regular
+from physcore.checks import FloatArray, IntArray, file_path, frozen, is_word, number, regular
 from physcore.errors import FileError, SceneError
 from physcore.film.camera.view import Orbit, View
 from physcore.film.colors.colormaps import diverging, look_up
@@ -18,6 +18,7 @@ from physcore.film.colors.light import AMBIENT, LAMP
 from physcore.film.colors.themes import Color, Theme, color
 from physcore.film.pictures import opened
 from physcore.film.styles.base import BodyStyle, Painter, Part, Scale, body_color, inks, places, straight, sums, typical
+from physcore.film.styles.rim import paint_rim, thickness_of
 from physcore.film.styles.strain import rooted, strain_scale
 from physcore.film.styles.torn import has_tears, intact, sides
 from physcore.scene.bodies import Body, SpringNetwork
@@ -27,6 +28,8 @@ from physcore.simulation.sources import Source, SourceFrame
 
 BACK = 0.8
 """The light of the back of a surface, beside that of its front."""
+RIM = 0.75
+"""That of its rim."""
 NEVER = 1e-9
 """Strains below this are rounding, and stay neutral [1]."""
 UPWARD = ((0.0, 0.0, 1.0), (0.0, 1.0, 0.0))
@@ -70,6 +73,7 @@ class Surface(BodyStyle):
             an array (H, W, 3) of bytes; None: none.
         range: the strain at which colors end [1]; None: what is typical of the worst frame.
         back: the color of the back, in 3D, the side from which corners go round clockwise; None: that of the front.
+        thickness: the width of the rim of a cloth in 3D [m], at least zero; None: that of its SelfContact, or no rim.
         on: as in Style; it must have faces.
 
     Raises:
@@ -81,6 +85,7 @@ class Surface(BodyStyle):
     texture: str | os.PathLike[str] | NDArray[np.uint8] | Picture | None = None
     range: float | None = None
     back: str | Color | None = None
+    thickness: float | None = None
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -89,6 +94,8 @@ class Surface(BodyStyle):
         if not (is_word(self.color, "body") or is_word(self.color, "strain")):
             self._set(color=color(self.color, "Surface.color"))
         self._set_positive("range")
+        if self.thickness is not None:
+            self._set(thickness=number(self.thickness, "Surface.thickness", least=0.0))
         if self.texture is not None and not isinstance(self.texture, Picture):
             self._set(texture=Picture(_pixels(self.texture)))
 
@@ -124,6 +131,10 @@ class SurfacePainter(Painter):
         self._rest: FloatArray = np.concatenate(rest)
         self._springs: IntArray = np.concatenate(springs)
         self._sides: IntArray | None = sides(source.scene, parts) if has_tears(source, parts) else None
+        self._thickness = np.zeros(source.scene.particles)
+        for part in parts:
+            given = style.thickness
+            self._thickness[part.where] = thickness_of(part.body, source.scene) if given is None else given
         self._back = None if style.back is None else np.array(color(style.back, "Surface.back"), dtype=np.float64)
         self._where = places(parts)
         count = source.scene.particles
@@ -190,6 +201,9 @@ class SurfacePainter(Painter):
             self._texture,
             spots,
         )
+        if self._thickness.any() and not view.flat:
+            rim = inks(np.clip(RIM * self._colors(frame) * light[:, np.newaxis], 0.0, 255.0), self._theme, farness)
+            paint_rim(canvas, frame.positions, faces, self._thickness, rim, view)
 
     def _colors(self, frame: SourceFrame) -> FloatArray:
         if self._style.color != "strain":

@@ -8,7 +8,10 @@ import platform
 from dataclasses import asdict
 from typing import Any
 
+from physcore.numerics.integrators import Integrator
+from physcore.studies.tradeoff.labels import labels, parameters
 from physcore.studies.tradeoff.reference import Reference
+from physcore.studies.tradeoff.restarts import Windows
 from physcore.studies.tradeoff.result import CERTAIN, Measurements, Row
 
 KINDS = {
@@ -74,7 +77,7 @@ def _cells(row: Row, on_front: bool) -> list[str]:
     """A line of the table."""
     return [
         "*" if on_front else "",
-        type(row.integrator).__name__,
+        row.label,
         f"{row.dt:.4g}",
         row.precision,
         *([f"{row.resolution:g}"] if row.resolution is not None else []),
@@ -118,7 +121,8 @@ def _on_chaos(trade: Measurements) -> str:
 
 def _on_reference(trade: Measurements) -> str:
     experiment, reference = trade.experiments[-1], trade.references[-1]
-    name = f"{type(reference.choice.integrator).__name__} with dt = {experiment.dt(reference.choice):.3g} s"
+    names = labels([*(row.integrator for row in trade.rows), *_integrators(reference)])
+    name = f"{names[reference.choice.integrator]} with dt = {experiment.dt(reference.choice):.3g} s"
     if not isinstance(reference, Reference):
         doubt = "" if reference.agrees else ", because a method of another family is that far from them"
         return f"The reference windows are those of {name}, uncertain by {reference.uncertainty:.1e} m{doubt}."
@@ -127,13 +131,19 @@ def _on_reference(trade: Measurements) -> str:
     text = f"The reference is {name} ({order}, {how}), uncertain by {reference.uncertainty:.1e} m"
     if reference.check is None:
         return f"{text}; no method of another family can compute this scene, so nothing has checked it."
-    other = type(reference.check.integrator).__name__
+    other = names[reference.check.integrator]
     if reference.agrees:
         return f"{text}; {other} agrees with it to {reference.disagreement:.1e} m."
     return (
         f"{text}: that is how far {other} is from it, which is more than their own uncertainties allow. Do not trust "
         f"errors below {CERTAIN * reference.uncertainty:.1e} m."
     )
+
+
+def _integrators(reference: Reference | Windows) -> list[Integrator]:
+    """What a reference was computed with, and checked by."""
+    check = reference.check if isinstance(reference, Reference) else None
+    return [choice.integrator for choice in (reference.choice, check) if choice is not None]
 
 
 def _on_front(trade: Measurements) -> str:
@@ -164,7 +174,7 @@ def _on_divergence(trade: Measurements) -> str:
 
 
 def _name(row: Row) -> str:
-    return f"{type(row.integrator).__name__} {row.precision}"
+    return f"{row.label} {row.precision}"
 
 
 def _on_precision(trade: Measurements) -> str:
@@ -216,7 +226,7 @@ def document(trade: Measurements) -> dict[str, Any]:
         ],
         "references": [
             {
-                "integrator": type(reference.choice.integrator).__name__,
+                **_method(reference.choice.integrator),
                 "dt": experiment.dt(reference.choice),
                 "uncertainty": _plain(reference.uncertainty),
                 **(
@@ -230,13 +240,15 @@ def document(trade: Measurements) -> dict[str, Any]:
         ],
         "notes": list(trade.notes),
         "rows": [
-            {
-                **{name: _plain(value) for name, value in asdict(row).items()},
-                "integrator": type(row.integrator).__name__,
-            }
+            {**{name: _plain(value) for name, value in asdict(row).items()}, **_method(row.integrator)}
             for row in trade.rows
         ],
     }
+
+
+def _method(integrator: Integrator) -> dict[str, Any]:
+    """An integrator as plain values."""
+    return {"integrator": type(integrator).__name__, "parameters": parameters(integrator)}
 
 
 def _plain(value: Any) -> Any:

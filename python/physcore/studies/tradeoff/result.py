@@ -41,6 +41,8 @@ class Row:
     """One way to compute the scene: what it costs, and how far it is from the truth."""
 
     integrator: Integrator
+    label: str
+    """What it is called beside the others: its name, with the parameters in which those of its kind differ."""
     dt: float
     """[s]"""
     precision: Literal["f32", "f64"]
@@ -101,7 +103,7 @@ class Row:
         at = "" if self.resolution is None else f", resolution {self.resolution:g}"
         error = f"{self.total_error:.2g}" if self.status != "diverged" else "—"
         return (
-            f"{type(self.integrator).__name__}, dt = {self.dt:.4g} s, {self.precision}{at}: error {error} m "
+            f"{self.label}, dt = {self.dt:.4g} s, {self.precision}{at}: error {error} m "
             f"in {self.seconds:.3g} s, {self.status}"
         )
 
