@@ -1,0 +1,157 @@
+//! Shadows and ambient occlusion on all that has been painted, by the depth of each pixel.
+//!
+//! A lamp's light is held back by what stands in its way (`shadow`), light from everywhere by what is near: the share of it
+//! that does not come through is estimated from the depths of pixels around (after M. McGuire, M. Mara and D. Luebke,
+//! "Scalable ambient obscurance", 2012).
+
+#![expect(clippy::cast_possible_wrap, reason = "no side is longer than 65535 pixels")]
+#![expect(clippy::doc_markdown, reason = "names of people")]
+
+use crate::band::Band;
+use crate::eye::{Eye, OPEN};
+use crate::math::{cross, dot, minus, plus, unit};
+use crate::shadow::ShadowMap;
+
+/// The light of a scene in space.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Light {
+    /// Unit vector to the lamp: right, up, toward the eye.
+    pub lamp: [f32; 3],
+    /// The share of light that a place in the deepest shadow has lost.
+    pub shadow: f32,
+    /// The share of light that a place has lost whose surroundings hide everything.
+    pub occlusion: f32,
+    /// How far ambient light is looked for [pixels].
+    pub reach: f32,
+}
+
+/// How much less than red, green and blue lose in a shadow: it is lit by the sky.
+const COOL: [f32; 3] = [1.0, 0.97, 0.9];
+/// Places around a pixel that ambient light is looked for at.
+const TAPS: usize = 18;
+/// The angle from one of them to the next [rad], of which no multiple comes near to a turn.
+const GOLDEN: f32 = 2.399_963_2;
+/// The cosine below which a place around is not above the surface.
+const BIAS: f32 = 0.12;
+/// The cosine of the lamp's light from which on a surface shows a full shadow: one that is turned away is dark already.
+const FACING: f32 = 0.35;
+
+/// What is looked up at each pixel: depths, row by row.
+pub(crate) struct Depths<'a> {
+    pub(crate) eye: Eye,
+    pub(crate) width: usize,
+    pub(crate) values: &'a [f32],
+}
+
+impl Depths<'_> {
+    /// The place that a pixel shows.
+    #[inline(always)]
+    fn place(&self, column: usize, row: usize) -> [f32; 3] {
+        self.eye.place([column as f32 + 0.5, row as f32 + 0.5], self.values[row * self.width + column])
+    }
+
+    /// The step to a pixel beside another one, of the two on both sides the one that is nearer in depth; None if there is none.
+    #[inline(always)]
+    fn step(&self, here: [f32; 3], before: Option<(usize, usize)>, after: Option<(usize, usize)>) -> Option<[f32; 3]> {
+        let found = |pixel: Option<(usize, usize)>| {
+            let (column, row) = pixel?;
+            let there = self.place(column, row);
+            there[2].is_finite().then_some(there)
+        };
+        match (found(before), found(after)) {
+            (Some(one), Some(other)) if (one[2] - here[2]).abs() < (other[2] - here[2]).abs() => Some(minus(here, one)),
+            (_, Some(other)) => Some(minus(other, here)),
+            (Some(one), None) => Some(minus(here, one)),
+            (None, None) => None,
+        }
+    }
+
+    /// The normal of the surface at a pixel.
+    fn normal(&self, here: [f32; 3], column: usize, row: usize) -> [f32; 3] {
+        let height = self.values.len() / self.width;
+        let left = column.checked_sub(1).map(|column| (column, row));
+        let right = (column + 1 < self.width).then_some((column + 1, row));
+        let above = row.checked_sub(1).map(|row| (column, row));
+        let below = (row + 1 < height).then_some((column, row + 1));
+        match (self.step(here, left, right), self.step(here, below, above)) {
+            (Some(along), Some(up)) => unit(cross(along, up)),
+            _ => [0.0, 0.0, 1.0],
+        }
+    }
+}
+
+/// A light, prepared for one painting.
+pub(crate) struct Lighting {
+    light: Light,
+    shadows: Option<ShadowMap>,
+    /// Where ambient light is looked for around a pixel: columns and rows.
+    taps: [[i32; 2]; TAPS],
+}
+
+impl Lighting {
+    pub(crate) fn new(light: Light, shadows: Option<ShadowMap>) -> Self {
+        let taps = std::array::from_fn(|index| {
+            let (radius, angle) = (light.reach * ((index as f32 + 0.5) / TAPS as f32).sqrt(), GOLDEN * index as f32);
+            [radius * angle.cos(), radius * angle.sin()].map(|offset| offset.round() as i32)
+        });
+        Self { light, shadows, taps }
+    }
+
+    /// Lights the rows of a band.
+    pub(crate) fn shade(&self, band: &mut Band<'_>, depths: &Depths<'_>) {
+        let clip = band.clip;
+        for row in clip.top..clip.bottom {
+            let first = (row - band.top) as usize * band.width;
+            for column in clip.left..clip.right {
+                let depth = depths.values[row as usize * depths.width + column as usize];
+                if depth != OPEN {
+                    let [dark, hidden] = self.at(depths, column as usize, row as usize);
+                    let pixel = &mut band.pixels[first + column as usize];
+                    for (channel, cool) in pixel.iter_mut().zip(COOL) {
+                        let left = (1.0 - cool * dark) * (1.0 - hidden);
+                        *channel = (f32::from(*channel) * left + 0.5) as u8;
+                    }
+                }
+            }
+        }
+    }
+
+    /// The shares of the lamp's and of ambient light that a pixel's place has lost.
+    fn at(&self, depths: &Depths<'_>, column: usize, row: usize) -> [f32; 2] {
+        let here = depths.place(column, row);
+        let normal = depths.normal(here, column, row);
+        let dark = self.shadows.as_ref().map_or(0.0, |shadows| {
+            let facing = (dot(normal, self.light.lamp) / FACING).clamp(0.0, 1.0);
+            if facing > 0.0 { facing * shadows.at(plus(here, 2.0 * shadows.texel(), normal)) } else { 0.0 }
+        });
+        [self.light.shadow * dark, self.light.occlusion * self.occlusion(depths, here, normal, column as i32, row as i32)]
+    }
+
+    /// The share of ambient light that is held back by what is around a place.
+    fn occlusion(&self, depths: &Depths<'_>, here: [f32; 3], normal: [f32; 3], column: i32, row: i32) -> f32 {
+        if self.light.occlusion <= 0.0 {
+            return 0.0;
+        }
+        let reach = self.light.reach / depths.eye.magnification(-here[2]);
+        let (square, width) = (reach * reach, depths.width as i32);
+        let height = (depths.values.len() / depths.width) as i32;
+        let mut hidden = 0.0;
+        for [right, down] in self.taps {
+            let (column, row) = (column + right, row + down);
+            if column < 0 || row < 0 || column >= width || row >= height {
+                continue;
+            }
+            let there = depths.place(column as usize, row as usize);
+            if there[2] == -OPEN {
+                continue;
+            }
+            let way = minus(there, here);
+            let away = dot(way, way);
+            let near = 1.0 - away / square;
+            if near > 0.0 && away > 0.0 {
+                hidden += near * (dot(way, normal) / away.sqrt() - BIAS).max(0.0);
+            }
+        }
+        (2.5 * hidden / TAPS as f32).min(1.0)
+    }
+}
