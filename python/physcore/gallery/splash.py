@@ -42,7 +42,8 @@ def scene() -> pc.Scene:
 def main(path: str | os.PathLike[str] = "splash.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
     """Simulate it and draw it."""
     recording = pc.simulate(scene(), duration=DURATION, fps=200, progress=progress)
-    pc.film(recording, path, size=(640, 440), camera=Orbit(elevation=24.0), speed=0.125, progress=progress)
+    style, camera = pc.styles.Fluid("#f7f5ee", opacity=1.0), Orbit(elevation=24.0)
+    pc.film(recording, path, size=(640, 440), style=style, camera=camera, speed=0.125, progress=progress)
     return {"splash": recording}
 
 

@@ -143,6 +143,11 @@ impl Canvas {
         (&mut self.pixels[range.clone()], self.depths.get_mut(range).unwrap_or_default())
     }
 
+    /// The depths of the backdrop.
+    pub(crate) fn backdrop_depths(&self) -> &[f32] {
+        &self.backdrop_depths
+    }
+
     /// All rows.
     fn whole(&mut self) -> Band<'_> {
         Band { pixels: &mut self.pixels, depths: &mut [], eye: None, width: self.width, top: 0, clip: self.clip }

@@ -27,18 +27,23 @@ impl Eye {
     /// Pixels per unit of length at a depth behind the focus.
     #[inline(always)]
     pub(crate) fn magnification(self, depth: f32) -> f32 {
+        1.0 / self.length(depth)
+    }
+
+    /// The length of a pixel at a depth behind the focus.
+    #[inline(always)]
+    pub(crate) fn length(self, depth: f32) -> f32 {
         const NEAREST: f32 = 0.05;
-        if self.distance < f32::INFINITY {
-            self.scale * self.distance / (self.distance + depth).max(NEAREST * self.distance)
-        } else {
-            self.scale
-        }
+        let per_scale = 1.0 / self.scale;
+        // Hoisted out of loops: the eye is the same for all pixels.
+        let per_depth = if self.distance < f32::INFINITY { per_scale / self.distance } else { 0.0 };
+        (per_scale + per_depth * depth).max(NEAREST * per_scale)
     }
 
     /// The place of a pixel at a depth: to the right, up and toward the eye from the focus.
     #[inline(always)]
     pub(crate) fn place(self, [x, y]: [f32; 2], depth: f32) -> [f32; 3] {
-        let per_pixel = 1.0 / self.magnification(depth);
+        let per_pixel = self.length(depth);
         [(x - self.middle[0]) * per_pixel, (self.middle[1] - y) * per_pixel, -depth]
     }
 }
@@ -54,7 +59,7 @@ impl Band<'_> {
         let Some(eye) = self.eye.filter(|_| is_solid(disc.color)) else {
             return;
         };
-        let ([x, y], radius, per_pixel) = (disc.center, disc.radius.max(0.5), 1.0 / eye.magnification(depth));
+        let ([x, y], radius, per_pixel) = (disc.center, disc.radius.max(0.5), eye.length(depth));
         let lit = disc.shading > 0.0 && depth.is_finite();
         self.deepen([x - radius, y - radius], [x + radius, y + radius], |column, row| {
             let square = radius * radius - (column - x) * (column - x) - (row - y) * (row - y);
@@ -69,7 +74,7 @@ impl Band<'_> {
         };
         let ([x0, y0], [x1, y1], half) = (line.from, line.to, 0.5 * line.width.max(1.0));
         let (low, high) = ([x0.min(x1) - half, y0.min(y1) - half], [x0.max(x1) + half, y0.max(y1) + half]);
-        let ([ux, uy], per_pixel) = ([x1 - x0, y1 - y0], 1.0 / eye.magnification(depth));
+        let ([ux, uy], per_pixel) = ([x1 - x0, y1 - y0], eye.length(depth));
         let per_square = 1.0 / (ux * ux + uy * uy).max(1e-12);
         self.deepen(low, high, |column, row| {
             let (dx, dy) = (column - x0, row - y0);

@@ -27,7 +27,7 @@ impl Canvas {
     pub fn backdrop(&mut self, center: [f32; 2], radius: f32, color: Rgb, share: f32) {
         self.each(|pixel, [x, y], _| {
             let square = ((x - center[0]) * (x - center[0]) + (y - center[1]) * (y - center[1])) / (radius * radius);
-            mix(pixel, color, share / ((1.0 + square) * (1.0 + square)));
+            mix_evenly(pixel, color, share / ((1.0 + square) * (1.0 + square)), [x, y]);
         });
     }
 
@@ -52,7 +52,7 @@ impl Canvas {
             if lit < 0.01 {
                 return;
             }
-            mix(pixel, ground.color, lit);
+            mix_evenly(pixel, ground.color, lit, [x, y]);
             if let Some((color, pitch, opacity)) = ground.grid {
                 let (right, below) = (seen(x + 1.0, y), seen(x, y + 1.0));
                 if let (Some((_, right)), Some((_, below))) = (right, below) {
@@ -99,6 +99,24 @@ fn meet(eye: Eye, ground: &Ground, x: f32, y: f32) -> Option<[f32; 3]> {
     let way = -rise / fall;
     let seen = fall < 0.0 && (way > 0.0 || eye.distance == f32::INFINITY);
     seen.then(|| plus(from, way, toward)).filter(|place| place[2].is_finite())
+}
+
+/// Mixes a color into a pixel with an ordered dither: in the few colors of a GIF, gradients would have steps.
+///
+/// Source: B. Bayer, "An optimum method for two-level rendition of continuous-tone pictures" (1973).
+#[inline(always)]
+fn mix_evenly(pixel: &mut [u8; 4], color: Rgb, share: f32, center: [f32; 2]) {
+    const LEVELS: f32 = 3.0;
+    let ([x, y], mut threshold) = (center.map(|coordinate| coordinate as u32), 0);
+    for bit in 0..3 {
+        let (right, down) = ((x >> bit) & 1, (y >> bit) & 1);
+        threshold = 4 * threshold + 2 * (right ^ down) + down;
+    }
+    let offset = LEVELS * ((threshold as f32 + 0.5) / 64.0 - 0.5);
+    for (channel, toward) in pixel.iter_mut().zip(color) {
+        let below = f32::from(*channel);
+        *channel = (below + (f32::from(toward) - below) * share + offset * (4.0 * share).min(1.0) + 0.5) as u8;
+    }
 }
 
 #[inline(always)]

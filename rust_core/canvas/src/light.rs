@@ -80,21 +80,29 @@ impl Depths<'_> {
     }
 }
 
+/// The side of the tiles that are lit or left out [pixels].
+const TILE: usize = 16;
+
 /// A light, prepared for one painting.
 pub(crate) struct Lighting {
     light: Light,
     shadows: Option<ShadowMap>,
     /// Where ambient light is looked for around a pixel: columns and rows.
     taps: [[i32; 2]; TAPS],
+    /// Tiles that are near to something else than the backdrop, row by row: elsewhere nothing holds back ambient light.
+    crowded: Vec<bool>,
+    tiles: usize,
 }
 
 impl Lighting {
-    pub(crate) fn new(light: Light, shadows: Option<ShadowMap>) -> Self {
+    /// A light for pixels with these depths, where a backdrop has those.
+    pub(crate) fn new(light: Light, shadows: Option<ShadowMap>, depths: &Depths<'_>, backdrop: &[f32]) -> Self {
         let taps = std::array::from_fn(|index| {
             let (radius, angle) = (light.reach * ((index as f32 + 0.5) / TAPS as f32).sqrt(), GOLDEN * index as f32);
             [radius * angle.cos(), radius * angle.sin()].map(|offset| offset.round() as i32)
         });
-        Self { light, shadows, taps }
+        let (tiles, crowded) = crowded(depths, backdrop, (light.reach / TILE as f32).ceil() as usize);
+        Self { light, shadows, taps, crowded, tiles }
     }
 
     /// Lights the rows of a band.
@@ -104,8 +112,11 @@ impl Lighting {
             let first = (row - band.top) as usize * band.width;
             for column in clip.left..clip.right {
                 let depth = depths.values[row as usize * depths.width + column as usize];
-                if depth != OPEN {
-                    let [dark, hidden] = self.at(depths, column as usize, row as usize);
+                if depth == OPEN {
+                    continue;
+                }
+                let [dark, hidden] = self.at(depths, column as usize, row as usize);
+                if dark > 0.0 || hidden > 0.0 {
                     let pixel = &mut band.pixels[first + column as usize];
                     for (channel, cool) in pixel.iter_mut().zip(COOL) {
                         let left = (1.0 - cool * dark) * (1.0 - hidden);
@@ -117,23 +128,28 @@ impl Lighting {
     }
 
     /// The shares of the lamp's and of ambient light that a pixel's place has lost.
+    #[inline(always)]
     fn at(&self, depths: &Depths<'_>, column: usize, row: usize) -> [f32; 2] {
         let here = depths.place(column, row);
+        let crowded = self.crowded[row / TILE * self.tiles + column / TILE];
+        let shadows = self.shadows.as_ref().filter(|shadows| shadows.reaches(here));
+        if !crowded && shadows.is_none() {
+            return [0.0; 2];
+        }
         let normal = depths.normal(here, column, row);
-        let dark = self.shadows.as_ref().map_or(0.0, |shadows| {
-            let facing = (dot(normal, self.light.lamp) / FACING).clamp(0.0, 1.0);
-            if facing > 0.0 { facing * shadows.at(plus(here, 2.0 * shadows.texel(), normal)) } else { 0.0 }
-        });
-        [self.light.shadow * dark, self.light.occlusion * self.occlusion(depths, here, normal, column as i32, row as i32)]
+        let facing = (dot(normal, self.light.lamp) / FACING).clamp(0.0, 1.0);
+        let dark = match shadows {
+            Some(shadows) if facing > 0.0 => facing * shadows.at(plus(here, 2.0 * shadows.texel(), normal)),
+            _ => 0.0,
+        };
+        let hidden = if crowded { self.occlusion(depths, here, normal, column as i32, row as i32) } else { 0.0 };
+        [self.light.shadow * dark, self.light.occlusion * hidden]
     }
 
     /// The share of ambient light that is held back by what is around a place.
     fn occlusion(&self, depths: &Depths<'_>, here: [f32; 3], normal: [f32; 3], column: i32, row: i32) -> f32 {
-        if self.light.occlusion <= 0.0 {
-            return 0.0;
-        }
-        let reach = self.light.reach / depths.eye.magnification(-here[2]);
-        let (square, width) = (reach * reach, depths.width as i32);
+        let reach = self.light.reach * depths.eye.length(-here[2]);
+        let (per_square, width) = (1.0 / (reach * reach), depths.width as i32);
         let height = (depths.values.len() / depths.width) as i32;
         let mut hidden = 0.0;
         for [right, down] in self.taps {
@@ -141,17 +157,33 @@ impl Lighting {
             if column < 0 || row < 0 || column >= width || row >= height {
                 continue;
             }
-            let there = depths.place(column as usize, row as usize);
-            if there[2] == -OPEN {
-                continue;
-            }
-            let way = minus(there, here);
-            let away = dot(way, way);
-            let near = 1.0 - away / square;
-            if near > 0.0 && away > 0.0 {
-                hidden += near * (dot(way, normal) / away.sqrt() - BIAS).max(0.0);
+            let way = minus(depths.place(column as usize, row as usize), here);
+            let above = dot(way, normal);
+            // Written so that a pixel without depth is not above.
+            if above > 0.0 && above < reach {
+                let away = dot(way, way);
+                hidden += (1.0 - away * per_square).max(0.0) * (above / away.sqrt() - BIAS).max(0.0);
             }
         }
         (2.5 * hidden / TAPS as f32).min(1.0)
     }
+}
+
+/// The number of tiles across a picture, and which of them are no farther than so many from one that differs from a backdrop.
+fn crowded(depths: &Depths<'_>, backdrop: &[f32], reach: usize) -> (usize, Vec<bool>) {
+    let (across, height) = (depths.width.div_ceil(TILE), depths.values.len() / depths.width);
+    let down = height.div_ceil(TILE);
+    let mut crowded = vec![false; across * down];
+    for row in 0..height {
+        for tile in 0..across {
+            let pixels = row * depths.width + tile * TILE..row * depths.width + ((tile + 1) * TILE).min(depths.width);
+            if backdrop.get(pixels.clone()) != Some(&depths.values[pixels]) {
+                let (above, left) = ((row / TILE).saturating_sub(reach), tile.saturating_sub(reach));
+                for line in above..(row / TILE + reach + 1).min(down) {
+                    crowded[line * across + left..line * across + (tile + reach + 1).min(across)].fill(true);
+                }
+            }
+        }
+    }
+    (across, crowded)
 }

@@ -302,7 +302,8 @@ impl Liquid {
         let optical = SCATTERS[0] * (SCATTERS[1] / SCATTERS[0]).powf(opacity) * amount;
         let passes = (-optical).exp();
         let mirrored = (1.0 - self.glow) * (0.02 + 0.45 * (1.0 - nz).powi(3)) * (amount / BRIM).min(1.0);
-        let highlight = (1.0 - self.glow) * 200.0 * shining.powi(64) * ((nz - 0.35) * 3.0).clamp(0.0, 1.0) * (0.5 * amount / BRIM).min(1.0);
+        let highlight =
+            (1.0 - self.glow) * 200.0 * shining.powi(64) * ((nz - 0.35) * 3.0).clamp(0.0, 1.0) * (0.5 * amount / BRIM).min(1.0);
         let diffuse = 0.62 + 0.12 * (0.5 - 0.5 * ny) + 0.38 * light;
         let diffuse = diffuse + (1.0 - diffuse) * self.glow;
         let bent = (BENDS * amount * self.mean_radius()).min(FARTHEST);

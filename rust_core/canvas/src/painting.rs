@@ -181,9 +181,10 @@ impl Painting {
         if casters.is_empty() {
             return;
         }
-        let lighting = Lighting::new(light, ShadowMap::new(light.lamp, &casters));
         let depths = canvas.depths().to_vec();
         let depths = Depths { eye, width: canvas.width(), values: &depths };
+        let shadows = ShadowMap::new(light.lamp, &casters);
+        let lighting = Lighting::new(light, shadows, &depths, canvas.backdrop_depths());
         in_bands(canvas, threads(FEW), &|band: &mut Band<'_>| lighting.shade(band, &depths));
     }
 
@@ -191,7 +192,7 @@ impl Painting {
     fn casters(&self, eye: Eye) -> Vec<(Caster, f32)> {
         let mut casters = Vec::with_capacity(self.len());
         for Entry { depth, shape } in self.order.iter().filter(|entry| entry.depth.is_finite()) {
-            let per_pixel = 1.0 / eye.magnification(*depth);
+            let per_pixel = eye.length(*depth);
             let caster = match *shape {
                 Shape::Disc(index) => {
                     let disc = &self.discs[index as usize];

@@ -31,9 +31,9 @@ impl Caster {
 }
 
 /// Texels along the longer side of a map.
-const SIDE: usize = 400;
+const SIDE: usize = 300;
 /// Blur of the sharper map, and of the softer one [texels]; both are used twice.
-const BLURS: [usize; 2] = [1, 10];
+const BLURS: [usize; 2] = [1, 8];
 /// Free texels around all that throws a shadow.
 const MARGIN: usize = 2 * BLURS[1] + 2;
 /// How high above a place something has to be for its softest shadow, over the size of the map.
@@ -105,6 +105,14 @@ impl ShadowMap {
         let sharp = blurred(texels.collect(), width, BLURS[0]);
         let soft = blurred(sharp.clone(), width, BLURS[1]);
         Some(Self { axes, corner, per_length, width, sharp, soft, size })
+    }
+
+    /// Whether a place may be in a shadow.
+    #[inline(always)]
+    pub(crate) fn reaches(&self, place: [f32; 3]) -> bool {
+        let x = (dot(self.axes[0], place) - self.corner[0]) * self.per_length;
+        let y = (dot(self.axes[1], place) - self.corner[1]) * self.per_length;
+        x > 0.0 && y > 0.0 && x < self.width as f32 && y < (self.sharp.len() / self.width) as f32
     }
 
     /// The length of a texel's side.

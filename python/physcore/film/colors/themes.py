@@ -93,7 +93,7 @@ DARK = Theme(
     text=(236, 239, 244),
     label=(148, 158, 174),
     compressed=(45, 140, 255),
-    relaxed=(132, 143, 162),
+    relaxed=(226, 230, 236),
     stretched=(255, 76, 56),
     # After Okabe and Ito, "Color Universal Design" (2008), lightened for a dark ground.
     bodies=((86, 180, 233), (240, 170, 40), (40, 190, 140), (232, 116, 60), (222, 140, 190), (240, 228, 66)),
@@ -109,7 +109,7 @@ LIGHT = Theme(
     text=(24, 29, 38),
     label=(96, 106, 122),
     compressed=(0, 92, 220),
-    relaxed=(150, 156, 166),
+    relaxed=(186, 191, 200),
     stretched=(214, 34, 20),
     # Okabe and Ito, "Color Universal Design" (2008).
     bodies=((0, 114, 178), (213, 94, 0), (0, 158, 115), (204, 121, 167), (180, 130, 0), (86, 180, 233)),
