@@ -21,7 +21,7 @@ DURATION = 2.5
 """[s]"""
 
 
-KINDS = {"soft": (60.0, "#e8443a"), "medium": (150.0, "#f6a21c"), "firm": (500.0, "#58b947")}
+KINDS = {"soft": (12.0, "#e8443a"), "medium": (40.0, "#f6a21c"), "firm": (160.0, "#58b947")}
 """The stiffness of their springs [N/m], and their colors."""
 NODES, SPACING = 8, 0.045
 """Along each side of a cube, and the distance from one to the next [m]."""
@@ -29,11 +29,11 @@ NODES, SPACING = 8, 0.045
 
 def cube(name: str, stiffness: float, place: float) -> pc.SpringNetwork:
     """A cube that turns, with one corner down."""
-    lattice = pc.soft_body((NODES,) * 3, SPACING, stiffness, damping=0.12, mass=0.002, radius=0.004, name=name)
+    lattice = pc.soft_body((NODES,) * 3, SPACING, stiffness, damping=0.03, mass=0.002, name=name)
     inward = lattice.positions - lattice.positions.mean(axis=0)
     turned = inward @ rotation((1.0, -1.0, 0.0), 0.7).T @ rotation((0.0, 0.0, 1.0), 0.5 + place).T
-    spin = np.cross((1.5, 2.0, 1.0), turned)
-    return replace(lattice, positions=turned + (place, 0.0, 0.75), velocities=spin)
+    spin = np.cross((0.0, 0.0, 2.0), turned)
+    return replace(lattice, positions=turned + (place, 0.0, 0.62), velocities=spin)
 
 
 def rotation(axis: tuple[float, float, float], angle: float) -> FloatArray:
@@ -45,9 +45,9 @@ def rotation(axis: tuple[float, float, float], angle: float) -> FloatArray:
 
 def scene() -> pc.Scene:
     """Drop them side by side."""
-    places = (-0.75, 0.0, 0.75)
+    places = (-0.7, 0.0, 0.7)
     cubes = [cube(name, stiffness, place) for (name, (stiffness, _)), place in zip(KINDS.items(), places, strict=True)]
-    return pc.Scene(*cubes, pc.Gravity((0.0, 0.0, -9.81)), pc.Floor(0.0, restitution=0.4, friction=0.6))
+    return pc.Scene(*cubes, pc.Gravity((0.0, 0.0, -9.81)), pc.Floor(0.0, restitution=0.2, friction=0.8))
 
 
 def main(path: str | os.PathLike[str] = "jelly.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
@@ -55,7 +55,7 @@ def main(path: str | os.PathLike[str] = "jelly.gif", progress: bool | None = Non
     # Every impact rings at frequencies close to the limit of stability: a quarter of it resolves them.
     recording = pc.simulate(scene(), duration=DURATION, fps=40, dt=pc.AutoStep(safety=0.25), progress=progress)
     style = pc.styles.Surface({name: color for name, (_, color) in KINDS.items()})
-    camera = Orbit(-72.0, 16.0, target=(0.0, 0.0, 0.42), extent=1.5)
+    camera = Orbit(-72.0, 16.0, target=(0.0, 0.0, 0.38), extent=1.25)
     pc.film(recording, path, size=(640, 360), style=style, camera=camera, speed=0.5, progress=progress)
     return {"jelly": recording}
 

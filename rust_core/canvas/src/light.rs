@@ -92,17 +92,59 @@ pub(crate) struct Lighting {
     /// Tiles that are near to something else than the backdrop, row by row: elsewhere nothing holds back ambient light.
     crowded: Vec<bool>,
     tiles: usize,
+    /// The share of ambient light that is held back from every second pixel of every second row.
+    hidden: Vec<f32>,
 }
 
 impl Lighting {
     /// A light for pixels with these depths, where a backdrop has those.
-    pub(crate) fn new(light: Light, shadows: Option<ShadowMap>, depths: &Depths<'_>, backdrop: &[f32]) -> Self {
+    pub(crate) fn new(light: Light, shadows: Option<ShadowMap>, depths: &Depths<'_>, backdrop: &[f32], threads: usize) -> Self {
         let taps = std::array::from_fn(|index| {
             let (radius, angle) = (light.reach * ((index as f32 + 0.5) / TAPS as f32).sqrt(), GOLDEN * index as f32);
             [radius * angle.cos(), radius * angle.sin()].map(|offset| offset.round() as i32)
         });
         let (tiles, crowded) = crowded(depths, backdrop, (light.reach / TILE as f32).ceil() as usize);
-        Self { light, shadows, taps, crowded, tiles }
+        let mut found = Self { light, shadows, taps, crowded, tiles, hidden: Vec::new() };
+        found.hidden = found.occlusions(depths, threads);
+        found
+    }
+
+    /// The ambient light held back, by so many threads.
+    fn occlusions(&self, depths: &Depths<'_>, threads: usize) -> Vec<f32> {
+        let (across, height) = (depths.width.div_ceil(2), depths.values.len() / depths.width);
+        let mut hidden = vec![0.0; across * height.div_ceil(2)];
+        let rows = height.div_ceil(2).div_ceil(threads.max(1));
+        std::thread::scope(|scope| {
+            for (part, hidden) in hidden.chunks_mut((rows * across).max(1)).enumerate() {
+                scope.spawn(move || {
+                    for (index, hidden) in hidden.iter_mut().enumerate() {
+                        let (column, row) = (2 * (index % across), 2 * (part * rows + index / across));
+                        let crowded = self.crowded[row / TILE * self.tiles + column / TILE];
+                        if crowded && depths.values[row * depths.width + column] != OPEN {
+                            *hidden = self.occlusion(depths, column, row);
+                        }
+                    }
+                });
+            }
+        });
+        hidden
+    }
+
+    /// The ambient light held back from a pixel: the mean of those around it for which it is known and that lie as deep.
+    #[inline(always)]
+    fn hidden(&self, depths: &Depths<'_>, depth: f32, column: usize, row: usize) -> f32 {
+        let across = depths.width.div_ceil(2);
+        let (left, above) = (column / 2, row / 2);
+        let (right, below) = (column.div_ceil(2).min(across - 1), row.div_ceil(2).min(self.hidden.len() / across - 1));
+        let near = 4.0 * depths.eye.length(depth);
+        let (mut sum, mut total) = (0.0, 0.0);
+        for (column, row) in [(left, above), (right, above), (left, below), (right, below)] {
+            let there = depths.values[2 * row * depths.width + 2 * column];
+            let weight = if (there - depth).abs() < near { 1.0 } else { 1e-3 };
+            sum += weight * self.hidden[row * across + column];
+            total += weight;
+        }
+        sum / total
     }
 
     /// Lights the rows of a band.
@@ -136,18 +178,19 @@ impl Lighting {
         if !crowded && shadows.is_none() {
             return [0.0; 2];
         }
-        let normal = depths.normal(here, column, row);
-        let facing = (dot(normal, self.light.lamp) / FACING).clamp(0.0, 1.0);
-        let dark = match shadows {
-            Some(shadows) if facing > 0.0 => facing * shadows.at(plus(here, 2.0 * shadows.texel(), normal)),
-            _ => 0.0,
-        };
-        let hidden = if crowded { self.occlusion(depths, here, normal, column as i32, row as i32) } else { 0.0 };
+        let dark = shadows.map_or(0.0, |shadows| {
+            let normal = depths.normal(here, column, row);
+            let facing = (dot(normal, self.light.lamp) / FACING).clamp(0.0, 1.0);
+            if facing > 0.0 { facing * shadows.at(plus(here, 2.0 * shadows.texel(), normal)) } else { 0.0 }
+        });
+        let hidden = if crowded { self.hidden(depths, -here[2], column, row) } else { 0.0 };
         [self.light.shadow * dark, self.light.occlusion * hidden]
     }
 
     /// The share of ambient light that is held back by what is around a place.
-    fn occlusion(&self, depths: &Depths<'_>, here: [f32; 3], normal: [f32; 3], column: i32, row: i32) -> f32 {
+    fn occlusion(&self, depths: &Depths<'_>, column: usize, row: usize) -> f32 {
+        let here = depths.place(column, row);
+        let (normal, column, row) = (depths.normal(here, column, row), column as i32, row as i32);
         let reach = self.light.reach * depths.eye.length(-here[2]);
         let (per_square, width) = (1.0 / (reach * reach), depths.width as i32);
         let height = (depths.values.len() / depths.width) as i32;

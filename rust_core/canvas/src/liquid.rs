@@ -43,7 +43,7 @@ const RIM: f32 = 0.75;
 const RIM_LIGHT: f32 = 0.5;
 /// How far from its edge a liquid in 2D is darker, over a drop's support, and by how much.
 const DEEP: f32 = 4.0;
-const DARKER: f32 = 0.34;
+const DARKER: f32 = 0.2;
 /// Thickness below which the edge of a liquid in 3D fades.
 const BRIM: f32 = 0.2;
 /// Optical depth of a liquid as thick as a drop's support for the light that it scatters, if it is clear, and if it is not.
@@ -302,8 +302,7 @@ impl Liquid {
         let optical = SCATTERS[0] * (SCATTERS[1] / SCATTERS[0]).powf(opacity) * amount;
         let passes = (-optical).exp();
         let mirrored = (1.0 - self.glow) * (0.02 + 0.45 * (1.0 - nz).powi(3)) * (amount / BRIM).min(1.0);
-        let highlight =
-            (1.0 - self.glow) * 200.0 * shining.powi(64) * ((nz - 0.35) * 3.0).clamp(0.0, 1.0) * (0.5 * amount / BRIM).min(1.0);
+        let highlight = (1.0 - self.glow) * 200.0 * shining.powi(64) * (0.7 * amount).min(1.0) * (0.7 * amount).min(1.0);
         let diffuse = 0.62 + 0.12 * (0.5 - 0.5 * ny) + 0.38 * light;
         let diffuse = diffuse + (1.0 - diffuse) * self.glow;
         let bent = (BENDS * amount * self.mean_radius()).min(FARTHEST);
@@ -328,8 +327,8 @@ impl Liquid {
         pixels[(row + 0.5) as usize * self.width + (column + 0.5) as usize]
     }
 
-    /// Gradient of a buffer to the right and down; the smaller of the two one-sided differences, so that a depth step
-    /// counts on one side only.
+    /// Gradient of a buffer to the right and down; where one of the two one-sided differences is much smaller, that one, so
+    /// that a depth step counts on one side only.
     fn slope(&self, plane: &[f32], row: usize, column: usize, joined: impl Fn(f32, f32) -> bool) -> [f32; 2] {
         let pixel = row * self.width + column;
         let here = plane[pixel];
@@ -338,6 +337,7 @@ impl Liquid {
             if joined(here, there) { Some(there - here) } else { None }
         };
         let gentler = |after: Option<f32>, before: Option<f32>| match (after, before.map(|step| -step)) {
+            (Some(p), Some(q)) if p.abs().min(q.abs()) > 0.25 * p.abs().max(q.abs()) => 0.5 * (p + q),
             (Some(p), Some(q)) if q.abs() < p.abs() => q,
             (Some(p), _) => p,
             (None, q) => q.unwrap_or(0.0),

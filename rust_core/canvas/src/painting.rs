@@ -184,7 +184,7 @@ impl Painting {
         let depths = canvas.depths().to_vec();
         let depths = Depths { eye, width: canvas.width(), values: &depths };
         let shadows = ShadowMap::new(light.lamp, &casters);
-        let lighting = Lighting::new(light, shadows, &depths, canvas.backdrop_depths());
+        let lighting = Lighting::new(light, shadows, &depths, canvas.backdrop_depths(), threads(FEW));
         in_bands(canvas, threads(FEW), &|band: &mut Band<'_>| lighting.shade(band, &depths));
     }
 

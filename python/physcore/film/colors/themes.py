@@ -97,7 +97,7 @@ DARK = Theme(
     stretched=(255, 76, 56),
     # After Okabe and Ito, "Color Universal Design" (2008), lightened for a dark ground.
     bodies=((86, 180, 233), (240, 170, 40), (40, 190, 140), (232, 116, 60), (222, 140, 190), (240, 228, 66)),
-    part=(0.3, 1.0),
+    part=(0.36, 1.0),
 )
 """For projectors and screens: light shapes on a dark ground."""
 

@@ -50,6 +50,7 @@ class SphereLook(Look):
         """The far half of a hollow sphere, with meridians and parallels."""
         center, radius = self.center, self.radius
         disc(canvas, view, center, radius, theme.edge, extra=1.0)
+        canvas.paint()
         self._hollow(canvas, view, theme)
         turn = np.linspace(0.0, 2.0 * np.pi, SEGMENTS + 1)
         curves = []

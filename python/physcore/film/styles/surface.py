@@ -28,7 +28,7 @@ from physcore.scene.periodic import Periodic
 from physcore.simulation.sources import Source, SourceFrame
 
 CREASE = 0.75
-"""The cosine between the normals of a face and of its corner below which there is an edge."""
+"""The cosine between the normals of two faces below which there is an edge between them."""
 NEVER = 1e-9
 """Strains below this are rounding, and stay neutral [1]."""
 UPWARD = ((0.0, 0.0, 1.0), (0.0, 1.0, 0.0))
@@ -130,6 +130,15 @@ class SurfacePainter(Painter):
         self._springs: IntArray = np.concatenate(springs)
         self._sides: IntArray | None = sides(source.scene, parts) if has_tears(source, parts) else None
         self._back = None if style.back is None else np.array(color(style.back, "Surface.back"), dtype=np.float64)
+        start = np.concatenate([body.positions for body in source.scene.bodies])
+        self._around = None if start.shape[1] < 3 else _around(start, self._faces)
+        self._closed = np.concatenate(
+            [
+                np.full(len(part.body.faces), _closed(part.body.faces))
+                for part in parts
+                if isinstance(part.body, SpringNetwork)
+            ]
+        )
         self._where = places(parts)
         count = source.scene.particles
         self._table = diverging(theme.compressed, theme.relaxed, theme.stretched)
@@ -188,7 +197,8 @@ class SurfacePainter(Painter):
             colors = lit(colors, self._normals(frame.positions, away, view))
         far = None if farness is None else farness[faces].ravel()
         inked = inks(np.clip(colors, 0.0, 255.0), self._theme, far).reshape(-1, 12)
-        shown = np.ones(len(faces), dtype=np.bool_)
+        # The inside of a closed surface is not seen.
+        shown = np.ones(len(faces), dtype=np.bool_) if view.flat else ~(self._closed & away[::3])
         if self._sides is not None:
             shown &= intact(frame, self._sides).all(axis=1)
         if self._domain is not None:
@@ -226,17 +236,47 @@ class SurfacePainter(Painter):
     def _normals(self, positions: FloatArray, away: BoolArray, view: View) -> FloatArray:
         """Unit normals at the corners of all faces (3T, 3) along the view's axes; those turned away from it are turned.
 
-        A corner has the mean normal of the faces around it, or that of its face where the surface has an edge.
+        A corner has the mean normal of the faces around it, without those that lie behind an edge at the start.
         """
-        first, second, third = (positions[self._faces[:, corner]] for corner in (0, 1, 2))
-        flat = np.cross(second - first, third - first) @ view.axes.T
-        smooth = sums(self._faces.ravel(), np.repeat(flat, 3, axis=0), len(positions))
-        own, mean = np.repeat(_unit(flat), 3, axis=0), _unit(smooth)[self._faces.ravel()]
-        normals = np.where((np.einsum("nd,nd->n", own, mean) < CREASE)[:, np.newaxis], own, mean)
+        flat = _areas(positions, self._faces) @ view.axes.T
+        if self._around is None:
+            normals = _unit(sums(self._faces.ravel(), np.repeat(flat, 3, axis=0), len(positions)))[self._faces.ravel()]
+        else:
+            corner, face = self._around
+            normals = _unit(sums(corner, flat[face], 3 * len(flat)))
         normals[away] *= -1.0
         # A mean normal may point away from the eye where its face does not: that is the rim.
         normals[:, 2] = np.maximum(normals[:, 2], 0.0)
         return normals
+
+
+def _areas(positions: FloatArray, faces: IntArray) -> FloatArray:
+    """Normals of faces (T, 3), twice as long as they are large."""
+    first, second, third = (positions[faces[:, corner]] for corner in (0, 1, 2))
+    return np.cross(second - first, third - first)
+
+
+def _closed(faces: IntArray) -> bool:
+    """Whether each edge of faces (T, 3) belongs to two of them, once in each direction."""
+    edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
+    count = int(faces.max(initial=0)) + 1
+    return bool((np.sort(edges @ [count, 1]) == np.sort(edges[:, ::-1] @ [count, 1])).all())
+
+
+def _around(positions: FloatArray, faces: IntArray) -> tuple[IntArray, IntArray] | None:
+    """The faces around each corner of each face that are not behind an edge: corners (K,) of 3T and faces (K,) of T.
+
+    None where there is no edge, so that all faces around a particle are.
+    """
+    corners, normals = faces.ravel(), _unit(_areas(positions, faces))
+    order = np.argsort(corners, kind="stable")
+    counts = np.bincount(corners, minlength=len(positions))
+    starts = np.cumsum(counts) - counts
+    corner = np.repeat(np.arange(len(corners)), counts[corners])
+    step = np.arange(len(corner)) - np.repeat(np.cumsum(counts[corners]) - counts[corners], counts[corners])
+    face = order[starts[corners[corner]] + step] // 3
+    level = np.einsum("kd,kd->k", normals[corner // 3], normals[face]) > CREASE
+    return None if level.all() else (corner[level], face[level])
 
 
 def _unit(vectors: FloatArray) -> FloatArray:
