@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import chain
@@ -16,6 +17,7 @@ from physcore.film import assignment
 from physcore.film.camera.corotating import Corotating, corotating
 from physcore.film.camera.framing import CameraTrack, Extent, PanelView, camera_track, extents
 from physcore.film.camera.track import Camera, Follow
+from physcore.film.colors.light import LAMP, OCCLUSION, REACH, SHADOW
 from physcore.film.colors.samples import palette_samples
 from physcore.film.colors.themes import Color, Theme
 from physcore.film.first_pass import FirstPass, first_pass
@@ -24,7 +26,7 @@ from physcore.film.labels.diagram import Diagram, History, Inset, check_inset
 from physcore.film.labels.footer import Bar, Footer, Label, bars, check_labels
 from physcore.film.labels.text import text_height
 from physcore.film.layout import Layout, best, check_size, check_titles
-from physcore.film.scenery import draw_among, draw_behind
+from physcore.film.scenery import draw_among, draw_backdrop, draw_behind
 from physcore.film.styles import Painter, Style
 from physcore.progress import Progress
 from physcore.simulation.sources import Source, SourceFrame
@@ -256,6 +258,9 @@ class Renderer:
         for panel in self._panels:
             canvas.clip(*panel.rectangle)
             view = panel.view.at(index)
+            if not view.flat:
+                canvas.eye(view.scale, view.middle, view.distance)
+                draw_backdrop(canvas, panel.source.scene, panel.rectangle, self._theme)
             draw_behind(canvas, panel.source.scene, view, self._theme, panel.view.scenery(view))
         canvas.clip(0, 0, *self.size)
 
@@ -278,6 +283,9 @@ class Renderer:
                 shown = painter.raised(shown)
             canvas.clip(*panel.free)
             canvas.lens(view.blur, view.distance)
+            if not view.flat:
+                canvas.eye(view.scale, view.middle, view.distance)
+                canvas.light(LAMP, SHADOW, OCCLUSION, REACH * math.sqrt(panel.pixels))
             draw_among(canvas, panel.source.scene, view, self._theme, panel.view.scenery(view))
             for painter in panel.painters:
                 painter.paint(canvas, shown, view, panel.pixels)

@@ -47,7 +47,7 @@ def paint_rim(
         canvas.triangles(
             np.ascontiguousarray(np.concatenate([places[corner] for corner in triangle], axis=1)),
             np.ascontiguousarray(ink[ends[:, own]].reshape(-1, 12)),
-            depths.mean(axis=1, dtype=np.float32),
+            np.ascontiguousarray(depths[:, triangle]),
             None,
             np.zeros((len(ends), 6), dtype=np.float32),
         )
