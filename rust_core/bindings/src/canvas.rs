@@ -346,6 +346,18 @@ fn texels<'a>(pixels: &'a PyReadonlyArray3<'_, u8>) -> PyResult<&'a [Rgb]> {
     Ok(pixels.as_slice().map_err(|_| PyValueError::new_err("pixels: must be C-contiguous"))?.as_chunks().0)
 }
 
+/// The width of a line of text, `height` pixels high [pixels].
+#[pyfunction]
+pub fn text_width(text: &str, height: usize) -> usize {
+    physcore_canvas::text_width(text, height)
+}
+
+/// The signs of a text that no face has, each once.
+#[pyfunction]
+pub fn missing_signs(text: &str) -> String {
+    physcore_canvas::missing_signs(text)
+}
+
 /// How much of each pixel (H, W) is covered by cells (nx, ny) that are 1, not 0; the other arguments are those of `heatmap`.
 #[pyfunction]
 pub fn coverage<'py>(

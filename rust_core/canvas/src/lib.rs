@@ -22,8 +22,8 @@
 //! rasterizes on some rows of the `canvas`, `ink` blends colors, `painting` sorts shapes by depth, `texture` covers
 //! surfaces, `liquid` finds liquid surfaces, `heatmap` colors
 //! the values of grids, `density` exposes very many points, `palette` reduces millions of colors to 255 by `quantize`, `nearest` finds the
-//! nearest of them for each pixel, `difference` leaves out unchanged pixels, `lzw` compresses the indices, `gif` writes the
-//! container, `background` moves all this to another thread, and `file` makes the file appear only when it is complete.
+//! nearest of them for each pixel, `difference` leaves out unchanged pixels, `lzw` compresses the indices, `tolerant` indices of
+//! which some may be replaced by near ones, `gif` writes the container, `background` moves all this to another thread, and `file` makes the file appear only when it is complete.
 //! [`Quality`] sets the resolution of the histogram and the look-up, and whether a frame is stored in the smaller of two
 //! encodings.
 
@@ -53,6 +53,7 @@ mod shadow;
 mod shapes;
 mod text;
 mod texture;
+mod tolerant;
 mod trails;
 mod view;
 
@@ -73,7 +74,7 @@ pub use painting::{Lens, Painting};
 pub use palette::{Histogram, Palette};
 pub use quality::Quality;
 pub use shapes::{Disc, Halo, Line, Triangle};
-pub use text::{Align, text_width};
+pub use text::{Align, missing_signs, text_width};
 pub use texture::Texture;
 pub use trails::Trails;
 pub use view::{Fog, Projection, look_up, opaque};

@@ -6,6 +6,7 @@ import math
 import os
 import platform
 from dataclasses import asdict
+from html import escape
 from typing import Any
 
 from physcore.numerics.integrators import Integrator
@@ -71,6 +72,18 @@ def table(trade: Measurements) -> str:
             "? the median time is 5 % above the least",
         ]
     )
+
+
+def html(trade: Measurements) -> str:
+    """The same table for notebooks."""
+    front = set(map(id, trade.front))
+    lines = [_cells(row, id(row) in front) for row in trade.rows]
+    resolved = ["resolution"] if trade.rows and trade.rows[0].resolution is not None else []
+    heads = ["", "integrator", "dt [s]", "precision", *resolved, "seconds", "evaluations", "error [m]", "energy drift"]
+    top = "".join(f"<th>{escape(head)}</th>" for head in (*heads, "status"))
+    body = "".join(f"<tr>{''.join(f'<td>{escape(cell)}</td>' for cell in line)}</tr>" for line in lines)
+    caption = f"Error: {KINDS[trade.measure]}; {trade.duration:g} s simulated. * on the Pareto front"
+    return f"<table><caption>{escape(caption)}</caption><thead><tr>{top}</tr></thead><tbody>{body}</tbody></table>"
 
 
 def _cells(row: Row, on_front: bool) -> list[str]:
