@@ -43,6 +43,8 @@ class Study:
     """Of the budget, beside the others."""
     integrators: tuple[pc.Integrator, ...] | None = None
     """What is compared; None: all explicit ones."""
+    fluids: tuple[pc.FluidMethod, ...] | None = None
+    """How fluids are computed; None: by default."""
 
 
 def kepler() -> Study:
@@ -118,7 +120,9 @@ def demonstration(name: str) -> Study:
     """A demo of the gallery."""
     scene = demo(name).scene()
     size = max(float(np.ptp(body.positions, axis=0).max()) for body in scene.bodies)
-    return Study(f"Demo {name}", caption(name), scene, demo(name).DURATION, size or 1.0)
+    method = getattr(demo(name), "METHOD", None)
+    fluids = None if method is None else (method,)
+    return Study(f"Demo {name}", caption(name), scene, demo(name).DURATION, size or 1.0, fluids=fluids)
 
 
 def main() -> None:
@@ -139,6 +143,7 @@ def main() -> None:
             study.duration,
             integrators=study.integrators,
             resolutions=study.resolutions,
+            fluids=study.fluids,
             observe=study.observe,
             budget=options.seconds * study.share / whole,
             threads=1,

@@ -18,6 +18,8 @@ from physcore.gallery.figure import Figure, budget
 
 DURATION = 0.55
 """[s]"""
+METHOD = pc.WeaklyCompressible(kernel=pc.WendlandC2(smoothing=1.25))
+"""How the milk is computed."""
 WEBER = 1650.0
 """ρv²D/σ of a drop of milk, 1030 · 4² · 0.005/0.05."""
 RADIUS, SPEED = 0.09, 5.0
@@ -26,12 +28,12 @@ RADIUS, SPEED = 0.09, 5.0
 
 def scene() -> pc.Scene:
     """Let a drop hit a pool half as deep as the drop is wide."""
-    spacing, kernel = 1 / 60, pc.WendlandC2(smoothing=1.25)
+    spacing = 1 / 60
     tension = 1000.0 * SPEED**2 * 2.0 * RADIUS / WEBER
 
     def milk(places: FloatArray, speed: float, name: str) -> pc.Fluid:
         velocity = (0.0, 0.0, -speed)
-        return pc.Fluid(places, spacing, velocities=velocity, kernel=kernel, surface_tension=tension, name=name)
+        return pc.Fluid(places, spacing, velocities=velocity, surface_tension=tension, name=name)
 
     pool = milk(pc.block((-0.5, -0.5, 0.0), (0.5, 0.5, 5 * spacing), spacing), 0.0, "pool")
     drop = milk(pc.ball((0.0, 0.0, 0.1 + RADIUS), RADIUS, spacing), SPEED, "drop")
@@ -41,7 +43,7 @@ def scene() -> pc.Scene:
 
 def main(path: str | os.PathLike[str] = "splash.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
     """Simulate it and draw it."""
-    recording = pc.simulate(scene(), duration=DURATION, fps=200, progress=progress)
+    recording = pc.simulate(scene(), duration=DURATION, fps=200, progress=progress, fluids=METHOD)
     pc.film(recording, path, size=(640, 440), camera=Orbit(elevation=24.0), speed=0.125, progress=progress)
     return {"splash": recording}
 

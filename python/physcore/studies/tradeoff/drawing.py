@@ -11,9 +11,11 @@ from physcore.checks import shown
 from physcore.errors import PhyscoreError, SceneError
 from physcore.film import film as film_recordings
 from physcore.film.writers import WRITERS
+from physcore.numerics.fluids import FluidMethod
 from physcore.simulation.simulation import Simulation
 from physcore.storage.files import replacing, require_writable
 from physcore.storage.formats import writable
+from physcore.studies.tradeoff.report import differences
 from physcore.studies.tradeoff.result import CERTAIN, Measurements, Row
 
 if TYPE_CHECKING:
@@ -66,8 +68,9 @@ def plot(trade: Measurements, path: str | os.PathLike[str] | None, axes: Axes | 
         solid_capstyle="round",
         label="Pareto front",
     )
-    for (name, precision, resolution), rows in _series(trade).items():
+    for (name, precision, resolution, fluids), rows in _series(trade).items():
         label = f"{name}, {precision}" + ("" if resolution is None else f", {resolution:g}")
+        label += "" if fluids is None else f", {differences(fluids)}"
         axes.plot(
             [row.seconds for row in rows],
             [row.total_error for row in rows],
@@ -98,23 +101,31 @@ def plot(trade: Measurements, path: str | os.PathLike[str] | None, axes: Axes | 
     return axes
 
 
-def _series(trade: Measurements) -> dict[tuple[str, str, float | None], list[Row]]:
+def _series(trade: Measurements) -> dict[tuple[str, str, float | None, FluidMethod | None], list[Row]]:
     """The rows that have a place in a logarithmic figure, by what a line stands for."""
-    found: dict[tuple[str, str, float | None], list[Row]] = {}
+    found: dict[tuple[str, str, float | None, FluidMethod | None], list[Row]] = {}
     for row in trade.rows:
         if math.isfinite(row.error) and row.total_error > 0.0:
-            found.setdefault((type(row.integrator).__name__, row.precision, row.resolution), []).append(row)
+            key = (type(row.integrator).__name__, row.precision, row.resolution, row.fluids)
+            found.setdefault(key, []).append(row)
     return found
 
 
 def film(trade: Measurements, path: str | os.PathLike[str], row: Row, fps: float, options: dict[str, Any]) -> None:
     """What was chosen beside the reference; see `Tradeoff.film`."""
     writable(path, WRITERS)
-    position = list(dict.fromkeys(each.resolution for each in trade.rows)).index(row.resolution)
+    position = list(dict.fromkeys((each.fluids, each.resolution) for each in trade.rows)).index(
+        (row.fluids, row.resolution)
+    )
     experiment, reference = trade.experiments[position], trade.references[position]
     chosen = Simulation(experiment.scene, **row.numerics).record(trade.duration, fps)
     truth = Simulation(
-        experiment.scene, reference.choice.integrator, experiment.dt(reference.choice), "f64", experiment.threads
+        experiment.scene,
+        reference.choice.integrator,
+        experiment.dt(reference.choice),
+        "f64",
+        experiment.threads,
+        fluids=experiment.fluids,
     ).record(trade.duration, fps)
     name = type(row.integrator).__name__
     titles = [f"{name}, {row.precision}, {row.seconds:.2g} s", f"reference, ±{reference.uncertainty:.0e} m"]

@@ -5,9 +5,10 @@ from __future__ import annotations
 import math
 import os
 import platform
-from dataclasses import asdict
+from dataclasses import asdict, fields
 from typing import Any
 
+from physcore.numerics.fluids import FluidMethod
 from physcore.studies.tradeoff.reference import Reference
 from physcore.studies.tradeoff.result import CERTAIN, Measurements, Row
 
@@ -48,7 +49,8 @@ def table(trade: Measurements) -> str:
     """Every row, with marks: * on the Pareto front, ~ an error that the reference hardly resolves, ? a noisy time."""
     front = set(map(id, trade.front))
     resolved = trade.rows and trade.rows[0].resolution is not None
-    header = ["", "integrator", "dt [s]", "", *(["resolution"] if resolved else [])]
+    compared = trade.rows and trade.rows[0].fluids is not None
+    header = ["", "integrator", "dt [s]", "", *(["fluids"] if compared else []), *(["resolution"] if resolved else [])]
     header += ["seconds", "evaluations", "error [m]", "energy drift", "status"]
     lines = [header, *(_cells(row, id(row) in front) for row in trade.rows)]
     widths = [max(len(line[column]) for line in lines) for column in range(len(header))]
@@ -77,6 +79,7 @@ def _cells(row: Row, on_front: bool) -> list[str]:
         type(row.integrator).__name__,
         f"{row.dt:.4g}",
         row.precision,
+        *([differences(row.fluids)] if row.fluids is not None else []),
         *([f"{row.resolution:g}"] if row.resolution is not None else []),
         f"{row.seconds:.3g}{'?' if row.noisy else ' '}",
         str(row.evaluations),
@@ -84,6 +87,13 @@ def _cells(row: Row, on_front: bool) -> list[str]:
         f"{row.energy_drift:.1e}" if math.isfinite(row.energy_drift) else "—",
         row.status,
     ]
+
+
+def differences(method: FluidMethod) -> str:
+    """A method for fluids by what is not its default, such as "WeaklyCompressible(shifting=6.0)"."""
+    given = {each.name: getattr(method, each.name) for each in fields(method)}
+    other = ", ".join(f"{each.name}={given[each.name]}" for each in fields(method) if given[each.name] != each.default)
+    return f"{type(method).__name__}({other})"
 
 
 def _error(row: Row) -> str:
@@ -233,6 +243,7 @@ def document(trade: Measurements) -> dict[str, Any]:
             {
                 **{name: _plain(value) for name, value in asdict(row).items()},
                 "integrator": type(row.integrator).__name__,
+                "fluids": None if row.fluids is None else differences(row.fluids),
             }
             for row in trade.rows
         ],
