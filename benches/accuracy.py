@@ -232,7 +232,7 @@ def chaos(random: np.random.Generator) -> tuple[pc.Scene, float, float]:
 def water(random: np.random.Generator) -> tuple[pc.Scene, float, float]:
     """A column that collapses."""
     spacing = random.uniform(0.04, 0.06)
-    column = pc.Fluid(pc.block((0.0, 0.0), (0.3, 0.5), spacing), spacing, sound_speed=30.0)
+    column = pc.Fluid(pc.block((0.0, 0.0), (0.3, 0.5), spacing), spacing)
     return pc.Scene(column, pc.Gravity((0.0, -9.81)), pc.Box((0.0, 0.0), (1.0, 1.0))), random.uniform(0.1, 0.3), 0.3
 
 

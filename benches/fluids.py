@@ -38,6 +38,7 @@ class Dam:
     fluid: pc.Fluid
     densities: NDArray[np.float64]
     dt: float
+    method: pc.WeaklyCompressible
     walls: bool = True
 
     @property
@@ -54,12 +55,14 @@ class Dam:
 
     def simulation(self, threads: int = 1, precision: Precision = "f32") -> pc.Simulation:
         """Its simulation."""
-        return pc.Simulation(self.scene, dt=self.dt, precision=precision, threads=threads)
+        return pc.Simulation(self.scene, dt=self.dt, precision=precision, threads=threads, fluids=self.method)
 
     def rival(self) -> NumbaFluid:
         """Numba's."""
         lower = tuple(0.0 for _ in self.upper)
-        return NumbaFluid(Tank(self.fluid, self.densities, SOUND, lower, self.upper, G, self.walls), self.dt)
+        return NumbaFluid(
+            Tank(self.fluid, self.method, self.densities, SOUND, lower, self.upper, G, self.walls), self.dt
+        )
 
 
 def standing(dimension: int, rows: int, smoothing: float = KERNEL.smoothing) -> Dam:
@@ -67,10 +70,11 @@ def standing(dimension: int, rows: int, smoothing: float = KERNEL.smoothing) -> 
     spacing = HEIGHT / rows
     top = (HEIGHT, DEPTH, HEIGHT) if dimension == 3 else (WIDTH, HEIGHT)
     places = pc.block(tuple(0.0 for _ in top), top, spacing)
-    fluid = pc.Fluid(
-        places, spacing, sound_speed=SOUND, kernel=pc.WendlandC2(smoothing), artificial_viscosity=VISCOSITY
+    fluid = pc.Fluid(places, spacing)
+    method = pc.WeaklyCompressible(
+        sound_speed=SOUND, kernel=pc.WendlandC2(smoothing), artificial_viscosity=VISCOSITY, shifting=0.0
     )
-    dam = Dam(fluid, np.empty(0), dt=1e-6)
+    dam = Dam(fluid, np.empty(0), dt=1e-6, method=method)
     simulation = dam.simulation()
     return replace(dam, densities=simulation[fluid].densities, dt=0.5 * simulation.plan.dt_limit)
 
@@ -84,24 +88,14 @@ def flowing(dimension: int, rows: int) -> Dam:
     return replace(moved, densities=moved.simulation()[0].densities)
 
 
-def _like(
-    fluid: pc.Fluid, positions: NDArray[np.float64], velocities: NDArray[np.float64], diffusion: float | None = None
-) -> pc.Fluid:
+def _like(fluid: pc.Fluid, positions: NDArray[np.float64], velocities: NDArray[np.float64]) -> pc.Fluid:
     """The same fluid, elsewhere."""
-    return pc.Fluid(
-        positions,
-        fluid.spacing,
-        sound_speed=SOUND,
-        kernel=fluid.kernel,
-        artificial_viscosity=VISCOSITY,
-        density_diffusion=fluid.density_diffusion if diffusion is None else diffusion,
-        velocities=velocities,
-    )
+    return pc.Fluid(positions, fluid.spacing, velocities=velocities)
 
 
 def bare(dam: Dam) -> Dam:
     """The same without walls and diffusion."""
-    return replace(dam, fluid=_like(dam.fluid, dam.fluid.positions, dam.fluid.velocities, diffusion=0.0), walls=False)
+    return replace(dam, method=replace(dam.method, density_diffusion=0.0), walls=False)
 
 
 def agree(dimension: int) -> None:
@@ -172,7 +166,7 @@ def deviations(dam: Dam, dt: float, moments: int, duration: float) -> tuple[int,
 def trade() -> None:
     """Print how many steps a dam break takes, and how wrong its density is, at several time steps."""
     dam = standing(2, 32, smoothing=1.5)
-    unit = dam.fluid.kernel.smoothing * dam.fluid.spacing / SOUND
+    unit = dam.method.kernel.smoothing * dam.fluid.spacing / SOUND
     limit = 2.0 * dam.dt
     duration, moments = 0.4, 8
     choices = {"0.2 h/c": 0.2 * unit, "half the limit": 0.5 * limit, "95 % of the limit": 0.95 * limit}

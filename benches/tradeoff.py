@@ -49,6 +49,8 @@ class Study:
     precisions: tuple[Literal["f32", "f64"], ...] = ("f64", "f32")
     advice: Callable[[pc.Tradeoff], str] | None = None
     """What to choose when, in words, from what was measured."""
+    fluids: tuple[pc.FluidMethod, ...] | None = None
+    """How fluids are computed; None: by default."""
 
 
 def kepler() -> Study:
@@ -156,7 +158,9 @@ def demonstration(name: str) -> Study:
     """A demo of the gallery."""
     scene = demo(name).scene()
     size = max(float(np.ptp(body.positions, axis=0).max()) for body in scene.bodies)
-    return Study(f"Demo {name}", caption(name), scene, demo(name).DURATION, size or 1.0)
+    method = getattr(demo(name), "METHOD", None)
+    fluids = None if method is None else (method,)
+    return Study(f"Demo {name}", caption(name), scene, demo(name).DURATION, size or 1.0, fluids=fluids)
 
 
 def main() -> None:
@@ -195,6 +199,7 @@ def _measured(study: Study, budget: float) -> pc.Tradeoff:
         study.duration,
         integrators=study.integrators,
         resolutions=study.resolutions,
+        fluids=study.fluids,
         observe=study.observe,
         precisions=study.precisions,
         budget=budget,

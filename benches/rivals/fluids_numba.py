@@ -43,6 +43,7 @@ class Tank:
     """A fluid in a box."""
 
     fluid: pc.Fluid
+    method: pc.WeaklyCompressible
     density: Array
     """Of each particle [kg/m³]."""
     sound_speed: float
@@ -59,7 +60,7 @@ class NumbaFluid:
 
     def __init__(self, tank: Tank, dt: float) -> None:
         dtype = np.float32
-        fluid = tank.fluid
+        fluid, method = tank.fluid, tank.method
         self.dimension = fluid.dimension
         self.state = np.zeros((STATE, len(fluid)), dtype)
         self.state[: self.dimension] = fluid.positions.T
@@ -68,9 +69,9 @@ class NumbaFluid:
         self.identity = np.arange(len(fluid), dtype=np.int32)
         self.acceleration = np.zeros((3, len(fluid)), dtype)
 
-        length = fluid.kernel.smoothing * fluid.spacing
+        length = method.kernel.smoothing * fluid.spacing
         support = 2.0 * length
-        slope = -5.0 * _height(self.dimension) / length ** (self.dimension + 2) / _moment(fluid)
+        slope = -5.0 * _height(self.dimension) / length ** (self.dimension + 2) / _moment(method.kernel, self.dimension)
         down = np.zeros(3)
         down[self.dimension - 1] = -tank.gravity
         c, rest = tank.sound_speed, fluid.density
@@ -92,9 +93,9 @@ class NumbaFluid:
             fluid.mass[0],
             rest,
             c,
-            fluid.artificial_viscosity * length * c * rest,
+            float(method.artificial_viscosity) * length * c * rest,
             2.0 * fluid.viscosity,
-            2.0 * fluid.density_diffusion * length * c,
+            2.0 * method.density_diffusion * length * c,
             0.01 * length**2,
             cell,
             -rest * tank.gravity / c**2,
@@ -122,13 +123,13 @@ def _height(dimension: int) -> float:
     return (7.0 / (4.0 * pi), 21.0 / (16.0 * pi))[dimension - 2]
 
 
-def _moment(fluid: pc.Fluid) -> float:
+def _moment(kernel: pc.Kernel, dimension: int) -> float:
     """What the gradient of a linear field comes out as on a lattice: physcore divides by it."""
-    spacing = 1.0 / fluid.kernel.smoothing
-    points = spacing * np.array(list(product(range(-4, 5), repeat=fluid.dimension)))
+    spacing = 1.0 / kernel.smoothing
+    points = spacing * np.array(list(product(range(-4, 5), repeat=dimension)))
     distance = np.minimum(np.linalg.norm(points, axis=1), 2.0)
-    slope = -5.0 * _height(fluid.dimension) * (1.0 - 0.5 * distance) ** 3
-    return float(-(slope * points[:, 0] ** 2).sum() * spacing**fluid.dimension)
+    slope = -5.0 * _height(dimension) * (1.0 - 0.5 * distance) ** 3
+    return float(-(slope * points[:, 0] ** 2).sum() * spacing**dimension)
 
 
 _COMPILED: dict[bool, Any] = {}

@@ -54,6 +54,7 @@ from physcore.forces import (
     Wind,
 )
 from physcore.numerics.choices import AdaptiveStep, AutoStep
+from physcore.numerics.fluids import FluidMethod, WeaklyCompressible
 from physcore.numerics.integrators import (
     BDF2,
     PEFRL,
@@ -86,6 +87,7 @@ from physcore.scene.fluid import Fluid
 from physcore.scene.grid import Absorbing, Grid
 from physcore.scene.kernels import CubicSpline, Kernel, WendlandC2, WendlandC4
 from physcore.scene.periodic import Periodic
+from physcore.scene.probe import Probe
 from physcore.scene.scene import Scene
 from physcore.scene.shapes import ball, block, cylinder
 from physcore.simulation.energy import Amount, AmountSeries, Energy, EnergySeries
@@ -172,6 +174,7 @@ __all__ = [
     "Floor",
     "Flow",
     "Fluid",
+    "FluidMethod",
     "Follow",
     "Force",
     "Frame",
@@ -203,6 +206,7 @@ __all__ = [
     "Plan",
     "Plane",
     "PointVortices",
+    "Probe",
     "ProjectiveDynamics",
     "QuadrupoleTrap",
     "Reaction",
@@ -237,6 +241,7 @@ __all__ = [
     "UniformField",
     "VelocityVerlet",
     "Wave",
+    "WeaklyCompressible",
     "WendlandC2",
     "WendlandC4",
     "Wind",

@@ -177,7 +177,9 @@ def _tradeoff(options: argparse.Namespace) -> int:
     print(caption(options.name))
     chosen = demo(options.name)
     duration = chosen.DURATION if options.duration is None else options.duration
-    trade = physcore.tradeoff(chosen.scene(), duration, budget=options.budget, progress=True)
+    method = getattr(chosen, "METHOD", None)  # of those with a fluid, where it is not the default
+    fluids = None if method is None else [method]
+    trade = physcore.tradeoff(chosen.scene(), duration, fluids=fluids, budget=options.budget, progress=True)
     print(f"\n{trade}\n\n{trade.explain()}")
     if options.output is not None:
         trade.plot(options.output)

@@ -29,6 +29,9 @@ def rescaled(case: Case, t: Transform) -> Case:
     if isinstance(rule, pc.AdaptiveStep) and rule.tolerance is not None:
         unit = 1.0 if any(isinstance(system, pc.ReactionDiffusion) for system in case.scene().systems) else t.m
         numerics["dt"] = pc.AdaptiveStep(rule.safety, rule.tolerance * unit)
+    method = numerics.get("fluids")
+    if method is not None and method.sound_speed != "auto":
+        numerics["fluids"] = replace(method, sound_speed=method.sound_speed * t.m / t.s)
     return replace(case, dt=case.dt * t.s, numerics=numerics)
 
 

@@ -121,7 +121,6 @@ QUANTITIES: dict[type, dict[str, Rule]] = {
         "spacing": scalar(1),
         "density": per_volume(),
         "viscosity": per_volume(2, -1),
-        "sound_speed": scalar(1, -1),
         "surface_tension": per_volume(3, -2),
     },
 }

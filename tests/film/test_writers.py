@@ -276,7 +276,7 @@ def meeting() -> pc.Scene:
 
 def fluid() -> pc.Scene:
     """A block of water that falls into a box."""
-    water = pc.Fluid(pc.block((0.0, 0.2), (0.5, 0.7), 0.05), 0.05, sound_speed=80.0)
+    water = pc.Fluid(pc.block((0.0, 0.2), (0.5, 0.7), 0.05), 0.05)
     return pc.Scene(water, pc.Gravity((0.0, -9.81)), pc.Box((0.0, 0.0), (1.0, 1.0)))
 
 
@@ -286,7 +286,7 @@ def fluid() -> pc.Scene:
     [
         (SCENE, {"dt": 1e-3}, 1),
         (SCENE, {"integrator": pc.PEFRL()}, 1),
-        (fluid(), {"precision": "f32"}, 1),
+        (fluid(), {"precision": "f32", "fluids": pc.WeaklyCompressible(sound_speed=80.0)}, 1),
         (meeting(), {"dt": 0.02, "on_divergence": "substep"}, 3),
     ],
 )

@@ -68,10 +68,9 @@ def _body(draw: st.DrawFn, dimension: int) -> str:
             return (
                 f"pc.SpringNetwork([{', '.join(points)}], [[0, 1], [1, 2], [2, 0]], {draw(NUMBER)}, rest_length={size})"
             )
-    density = draw(st.sampled_from(["continuity", "summation"]))
     return (
         f"pc.Fluid(pc.block([0.0] * {dimension}, [2.0 * {size}] * {dimension}, {size}), {size}, {draw(NUMBER)}, "
-        f"viscosity={draw(NUMBER)}, velocities={draw(vector)}, density_from='{density}', "
+        f"viscosity={draw(NUMBER)}, velocities={draw(vector)}, "
         f"surface_tension={draw(st.sampled_from(['0.0', '0.072']))})"
     )
 

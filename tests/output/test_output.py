@@ -24,7 +24,7 @@ from physcore.output import FORMATS
 SUFFIXES = [suffix for kind in FORMATS for suffix in kind.suffixes]
 
 CLOTH = pc.cloth((4, 3), spacing=0.1, stiffness=50.0, mass=0.01, pinned="top", name="cloth")
-WATER = pc.Fluid(pc.block((0.6, 0.0), (1.0, 0.4), 0.1), 0.1, sound_speed=60.0)
+WATER = pc.Fluid(pc.block((0.6, 0.0), (1.0, 0.4), 0.1), 0.1)
 GRAINS = pc.Particles([[0.1, 0.1], [0.9, 0.7]], velocities=[[0.3, 0.1], [5.0, 1.0 / 3.0]], radius=0.02, charge=1e-9)
 SPACE = pc.Particles(
     np.random.default_rng(1).normal(size=(5, 3)) * 1e-5, velocities=[0.0, 0.0, 1e-7], mass=[1, 2, 3, 4, 5]

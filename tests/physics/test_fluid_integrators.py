@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -14,19 +15,23 @@ FORWARD = [pc.SemiImplicitEuler(), pc.VelocityVerlet(), pc.McLachlan2()]
 """Splittings without negative substeps."""
 OTHERS = [integrator for integrator in ALL if integrator not in FORWARD]
 SIDE, SPACING, SOUND = 1.0, 0.1, 10.0
-QUIET = {"density_from": "summation", "artificial_viscosity": 0.0, "viscosity": 0.0, "kernel": pc.WendlandC4()}
+CARRIED = pc.WeaklyCompressible(sound_speed=SOUND, artificial_viscosity=0.02, shifting=0.0)
+COUNTED = pc.WeaklyCompressible(SOUND, pc.WendlandC4(), artificial_viscosity=0.0, density_from="summation")
+QUIET = {"method": COUNTED, "viscosity": 0.0}
 """A fluid whose energy is that of places and velocities alone."""
 
 
-def vortices(integrator: pc.Integrator, dt: object = "auto", threads: int = 1, **changes: object) -> pc.Simulation:
+def vortices(
+    integrator: pc.Integrator, dt: object = "auto", method: pc.FluidMethod = CARRIED, viscosity: float = 1e-3
+) -> pc.Simulation:
     """Four vortices in a periodic box, in double precision."""
     cells = pc.block((0.0, 0.0), (SIDE, SIDE), SPACING)
     x, y = 2.0 * np.pi * cells.T
     flow = 0.5 * np.stack([np.sin(x) * np.cos(y), -np.cos(x) * np.sin(y)], axis=1)
-    water = pc.Fluid(cells, SPACING, velocities=flow, name="water", **{"sound_speed": SOUND, **changes})
+    water = pc.Fluid(cells, SPACING, velocities=flow, viscosity=viscosity, name="water")
     scene = pc.Scene(water, pc.Periodic((0.0, 0.0), (SIDE, SIDE)))
     with unwarned():
-        return pc.Simulation(scene, integrator, dt, "f64", threads)
+        return pc.Simulation(scene, integrator, dt, "f64", 1, fluids=method)
 
 
 def path(integrator: pc.Integrator, dt: float, **changes: object) -> Array:
@@ -71,7 +76,8 @@ def test_a_density_that_is_counted_has_the_order_of_the_integrator(integrator, r
 def test_the_limit_of_quiet_water_is_that_of_its_fastest_wave(integrator):
     """The same ω for all: limits are to each other as those of an oscillator, which for Verlet is 2."""
     scene = vortices(pc.VelocityVerlet(), **QUIET).scene
-    ratio = pc.stability_limit(scene, integrator) / pc.stability_limit(scene, pc.VelocityVerlet())
+    limits = [pc.stability_limit(scene, each, fluids=COUNTED) for each in (integrator, pc.VelocityVerlet())]
+    ratio = limits[0] / limits[1]
     assert ratio == pytest.approx(largest_step(integrator) / 2.0, rel=1e-6)
 
 
@@ -87,9 +93,9 @@ def test_the_energy_of_a_counted_density_is_that_of_the_end_of_the_step(integrat
     run = vortices(integrator, 1e-3, **QUIET)
     run.step(7)
     cells, flow = run.positions, run.velocities
-    water = pc.Fluid(cells, SPACING, velocities=flow, sound_speed=SOUND, **QUIET)  # type: ignore[arg-type]
+    water = pc.Fluid(cells, SPACING, velocities=flow, viscosity=0.0)
     scene = pc.Scene(water, pc.Periodic((0.0, 0.0), (SIDE, SIDE)))
-    fresh = pc.Simulation(scene, pc.VelocityVerlet(), 1e-3, "f64", 1)
+    fresh = pc.Simulation(scene, pc.VelocityVerlet(), 1e-3, "f64", 1, fluids=COUNTED)
     np.testing.assert_allclose(run["water"].densities, fresh[water].densities, rtol=1e-12)
 
 
@@ -110,9 +116,9 @@ def test_the_limit_is_that_of_a_real_run(integrator, viscosity, record_property)
     """
     cells = pc.block((0.0, 0.0), (SIDE, SIDE), SPACING)
     flow = 1e-3 * np.random.default_rng(5).standard_normal(cells.shape)
-    values = {"sound_speed": SOUND, "artificial_viscosity": viscosity}
-    scene = pc.Scene(pc.Fluid(cells, SPACING, velocities=flow, **values), pc.Periodic((0.0, 0.0), (SIDE, SIDE)))
-    found = pc.stability_limit(scene, integrator, measured=True)
+    method = pc.WeaklyCompressible(SOUND, artificial_viscosity=viscosity, shifting=0.0)
+    scene = pc.Scene(pc.Fluid(cells, SPACING, velocities=flow), pc.Periodic((0.0, 0.0), (SIDE, SIDE)))
+    found = pc.stability_limit(scene, integrator, fluids=method, measured=True)
     record_property("measured over theory", f"{found.measured / found.theory:.3f}")
     assert 0.97 < found.measured / found.theory < 1.25
 
@@ -122,7 +128,7 @@ def test_the_budget_closes_with_the_order_of_the_integrator(integrator):
     """What diffusion takes is metered over its own drift, and what viscosity takes by its own power at the kicks."""
     holes = []
     for dt in (1e-3, 2.5e-4):
-        run = vortices(integrator, dt, sound_speed=20.0)
+        run = vortices(integrator, dt, replace(CARRIED, sound_speed=20.0))
         before = run.energy()
         run.run(0.1)
         after = run.energy()
@@ -137,11 +143,12 @@ def test_the_budget_closes_with_the_order_of_the_integrator(integrator):
 def test_a_checkpoint_at_any_step_of_a_splash_changes_no_bit(integrator, dt, tmp_path: Path):
     """Also between the renewal of lists and the look at the surface, and where the limit is looked at next."""
     cells = pc.block((0.0, 0.3), (0.4, 0.7), 0.04)
-    water = pc.Fluid(cells, 0.04, sound_speed=100.0, velocities=(1.0, -2.0))
+    water = pc.Fluid(cells, 0.04, velocities=(1.0, -2.0))
+    method = pc.WeaklyCompressible(sound_speed=100.0)
     scene = pc.Scene(water, pc.Gravity((0.0, -9.81)), pc.Box((0.0, 0.0), (1.0, 1.0)))
     with unwarned():
-        whole = pc.Simulation(scene, integrator, dt, "f64", 1)
-        parts = pc.Simulation(scene, integrator, dt, "f64", 1)
+        whole = pc.Simulation(scene, integrator, dt, "f64", 1, fluids=method)
+        parts = pc.Simulation(scene, integrator, dt, "f64", 1, fluids=method)
     for _ in range(40):
         whole.step(8)
         parts.step(8)

@@ -9,6 +9,7 @@ import physcore as pc
 
 SPACING = 0.05
 DOWN = pc.Gravity((0.0, -9.81))
+SLOW = pc.WeaklyCompressible(sound_speed=20.0)
 
 
 def layers(lower: float, upper: float, *, precision: str = "f64") -> pc.Simulation:
@@ -50,10 +51,8 @@ def test_a_fluid_and_a_net_push_each_other():
     N·steps forces, which here is 1e-10 of what passes from one to the other.
     """
     net = pc.rope(25, length=0.96, stiffness=2e3, damping=1.0, mass=2.0, start=(0.0, -0.1), name="net")
-    drop = pc.Fluid(
-        pc.block((0.28, 0.0), (0.68, 0.4), SPACING), SPACING, sound_speed=20.0, velocities=(0.0, -1.0), name="drop"
-    )
-    run = pc.Simulation(pc.Scene(net, drop), precision="f64")
+    drop = pc.Fluid(pc.block((0.28, 0.0), (0.68, 0.4), SPACING), SPACING, velocities=(0.0, -1.0), name="drop")
+    run = pc.Simulation(pc.Scene(net, drop), precision="f64", fluids=SLOW)
     before, start = run.momentum(), run.energy()
     run.run(0.2)
     passed = float(net.mass[0] * run["net"].velocities[:, 1].sum())
@@ -72,10 +71,11 @@ def test_a_light_net_is_stepped_for_the_heaviest_fluid_that_may_push_it():
     as long. Beside water oil asks for nothing.
     """
     net = pc.Particles(pc.block((2.0, 0.0), (2.4, SPACING), SPACING), mass=1e-3)
-    water = pc.Fluid(pc.block((0.0, 0.0), (0.4, 0.4), SPACING), SPACING, sound_speed=20.0)
-    oil = pc.Fluid(pc.block((1.0, 0.0), (1.4, 0.4), SPACING), SPACING, density=500.0, sound_speed=20.0)
+    water = pc.Fluid(pc.block((0.0, 0.0), (0.4, 0.4), SPACING), SPACING)
+    oil = pc.Fluid(pc.block((1.0, 0.0), (1.4, 0.4), SPACING), SPACING, density=500.0)
     limits = [
-        pc.stability_limit(pc.Scene(net, *fluids), pc.VelocityVerlet()) for fluids in ([water], [water, oil], [oil])
+        pc.stability_limit(pc.Scene(net, *fluids), pc.VelocityVerlet(), fluids=SLOW)
+        for fluids in ([water], [water, oil], [oil])
     ]
     assert limits[1] == pytest.approx(limits[0], rel=1e-6)
     assert limits[2] == pytest.approx(2.0 * limits[0], rel=0.01)
@@ -83,8 +83,8 @@ def test_a_light_net_is_stepped_for_the_heaviest_fluid_that_may_push_it():
 
 def test_without_obstacles_they_pass_through_each_other():
     net = pc.rope(25, length=0.96, stiffness=2e3, mass=2.0, start=(0.0, -0.1), name="net")
-    drop = pc.Fluid(pc.block((0.28, 0.0), (0.68, 0.4), SPACING), SPACING, sound_speed=20.0, obstacles=False)
-    run = pc.Simulation(pc.Scene(net, drop), precision="f64", dt=1e-4)
+    drop = pc.Fluid(pc.block((0.28, 0.0), (0.68, 0.4), SPACING), SPACING, obstacles=False)
+    run = pc.Simulation(pc.Scene(net, drop), precision="f64", dt=1e-4, fluids=SLOW)
     run.step(20)
     np.testing.assert_array_equal(run["net"].velocities[:, 1], 0.0)
 
@@ -102,13 +102,13 @@ def test_obstacles_go_on_across_the_ends_of_a_periodic_domain():
 
 
 def test_a_fourth_kind_of_fluid_and_other_numerics_are_refused():
-    def pools(*fluids: pc.Fluid) -> None:
-        pc.Simulation(pc.Scene(*fluids, pc.Box((0.0, 0.0), (9.0, 2.0)), DOWN))
+    def pools(*fluids: pc.Fluid, **numerics: object) -> None:
+        pc.Simulation(pc.Scene(*fluids, pc.Box((0.0, 0.0), (9.0, 2.0)), DOWN), **numerics)
 
-    def pool(place: float, density: float, **numerics: float) -> pc.Fluid:
-        return pc.Fluid(pc.block((place, 0.0), (place + 0.2, 0.2), SPACING), SPACING, density, **numerics)
+    def pool(place: float, density: float) -> pc.Fluid:
+        return pc.Fluid(pc.block((place, 0.0), (place + 0.2, 0.2), SPACING), SPACING, density)
 
     with pytest.raises(pc.SceneError, match="at most three kinds of fluid"):
         pools(*(pool(float(index), 1000.0 + index) for index in range(4)))
     with pytest.raises(pc.SceneError, match="may differ in density, viscosity and surface tension alone"):
-        pools(pool(0.0, 1000.0), pool(1.0, 1000.0, density_diffusion=0.2))
+        pools(pool(0.0, 1000.0), pool(1.0, 1000.0), fluids={1: pc.WeaklyCompressible(density_diffusion=0.2)})

@@ -30,12 +30,18 @@ def swirl(cells: Array) -> Array:
 
 
 def water(cells: Array, **changes: object) -> pc.Fluid:
-    values = {"sound_speed": SOUND, "shifting": A, "velocities": swirl(cells), "name": "water", **changes}
-    return pc.Fluid(cells, SPACING, **values)
+    return pc.Fluid(cells, SPACING, **{"velocities": swirl(cells), "name": "water", **changes})
 
 
-def run(cells: Array, *items: object, dt: float = DT, **changes: object) -> pc.Simulation:
-    return pc.Simulation(pc.Scene(water(cells, **changes), *items), dt=dt, precision="f64", threads=1)
+def method(shifting: float = A, sound_speed: float = SOUND) -> pc.WeaklyCompressible:
+    return pc.WeaklyCompressible(sound_speed, shifting=shifting)
+
+
+def run(
+    cells: Array, *items: object, dt: float = DT, shifting: float = A, sound_speed: float = SOUND, **changes: object
+) -> pc.Simulation:
+    scene = pc.Scene(water(cells, **changes), *items)
+    return pc.Simulation(scene, dt=dt, precision="f64", threads=1, fluids=method(shifting, sound_speed))
 
 
 def shifts(cells: Array, *items: object, **changes: object) -> Array:
@@ -193,7 +199,7 @@ def test_nothing_is_shifted_through_a_wall_or_an_obstacle():
     cells *= np.minimum(1.0, 0.499 / np.linalg.norm(cells, axis=1))[:, None]
     for precision in ("f32", "f64"):
         scene = pc.Scene(water(cells), post, pc.Sphere((0.0, 0.0), 0.5, inside=True))
-        one = pc.Simulation(scene, precision=precision, dt=DT)
+        one = pc.Simulation(scene, precision=precision, dt=DT, fluids=method())
         for _ in range(20):
             one.step(50)
             radius = np.linalg.norm(one["water"].positions, axis=1)
@@ -246,7 +252,8 @@ def test_forces_between_pairs_and_other_numerics_are_refused():
     cells = pc.block((0.0, 0.0), (0.5, 0.5), SPACING)
     wet = water(cells)
     with pytest.raises(pc.SceneError, match=r"forces\[0\]\.on: expected no fluid that is shifted"):
-        pc.Simulation(pc.Scene(wet, pc.LennardJones(1.0, SPACING, on=wet)))
+        pc.Simulation(pc.Scene(wet, pc.LennardJones(1.0, SPACING, on=wet)), fluids=method())
+    scene = pc.Scene(wet, water(cells + np.array([1.0, 0.0]), name="other"))
     with pytest.raises(pc.SceneError, match=r"bodies\['other'\].*numerics as those of bodies\['water'\]"):
-        pc.Simulation(pc.Scene(wet, water(cells + np.array([1.0, 0.0]), shifting=0.0, name="other")))
+        pc.Simulation(scene, fluids={"water": method(), "other": method(0.0)})
     assert "shifted by A = 6" in str(run(cells).plan)

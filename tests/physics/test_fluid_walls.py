@@ -20,11 +20,10 @@ def test_a_drop_that_hits_a_ceiling_falls_off_again(dimension, speed):
     """
     center = (*(0.5,) * (dimension - 1), 0.7)
     up = (*(0.0,) * (dimension - 1), 1.0)
-    drop = pc.Fluid(
-        pc.ball(center, 0.15, SPACING), SPACING, velocities=speed * np.array(up), sound_speed=100.0, name="drop"
-    )
+    drop = pc.Fluid(pc.ball(center, 0.15, SPACING), SPACING, velocities=speed * np.array(up), name="drop")
     box = pc.Box((0.0,) * dimension, (1.0,) * dimension)
-    run = pc.Simulation(pc.Scene(drop, box, pc.Gravity(-9.81 * np.array(up))), threads=1)
+    scene = pc.Scene(drop, box, pc.Gravity(-9.81 * np.array(up)))
+    run = pc.Simulation(scene, threads=1, fluids=pc.WeaklyCompressible(sound_speed=100.0))
     highest = run.record(0.7, fps=20.0).positions[:, :, -1].max(axis=1)
     assert highest[highest.argmax() :].min() < 0.85
 
@@ -34,8 +33,9 @@ def test_the_speed_of_sound_is_ten_times_that_of_a_fall_into_the_wall_below(low)
     """From the highest particle to the bottom of a bowl, wherever that is; the limit on dt says how fast sound is."""
     cells = pc.block((-5.5 * SPACING, 0.0), (5.5 * SPACING, 0.5), SPACING) + np.array([1.0, low + 0.5])
     bowl, down = pc.Sphere((1.0, low + 1.0), 1.0, inside=True), pc.Gravity((0.0, -9.81))
+    scene = pc.Scene(pc.Fluid(cells, SPACING), bowl, down)
     limits = [
-        pc.stability_limit(pc.Scene(pc.Fluid(cells, SPACING, sound_speed=sound), bowl, down), pc.VelocityVerlet())
+        pc.stability_limit(scene, pc.VelocityVerlet(), fluids=pc.WeaklyCompressible(sound_speed=sound))
         for sound in ("auto", 10.0 * np.sqrt(2.0 * 9.81 * (cells[:, 1].max() - low)))
     ]
     assert limits[0] == pytest.approx(limits[1], rel=1e-9)
@@ -44,16 +44,18 @@ def test_the_speed_of_sound_is_ten_times_that_of_a_fall_into_the_wall_below(low)
 def test_a_wall_in_which_nobody_is_seen_takes_no_memory():
     """A layer within the support 2h = 0.15 m of its floor, and out of that of its image: less than a byte for each."""
     layer = np.stack([SPACING * np.arange(1000.0), np.zeros(1000)], axis=1)
-    water = pc.Fluid(layer, SPACING, sound_speed=1.0)
-    near, far = (pc.Simulation(pc.Scene(water, pc.Floor(-depth)), dt=1e-6).plan.memory for depth in (0.125, 5.0))
+    water, method = pc.Fluid(layer, SPACING), pc.WeaklyCompressible(sound_speed=1.0)
+    scenes = [pc.Scene(water, pc.Floor(-depth)) for depth in (0.125, 5.0)]
+    near, far = (pc.Simulation(scene, dt=1e-6, fluids=method).plan.memory for scene in scenes)
     assert near - far < 1000
 
 
 def test_a_drop_slides_down_a_wall_as_fast_as_it_falls():
     """A wall without friction does not hold it: g t²/2 for its center, to the 1 % that compression may mean."""
     cells = pc.block((0.0, 1.0), (0.15, 1.15), SPACING)
-    drop = pc.Fluid(cells, SPACING, velocities=(-1.0, 0.0), sound_speed=50.0)
-    run = pc.Simulation(pc.Scene(drop, pc.Plane((0.0, 0.0), (1.0, 0.0)), pc.Gravity((0.0, -9.81))), threads=1)
+    drop = pc.Fluid(cells, SPACING, velocities=(-1.0, 0.0))
+    scene = pc.Scene(drop, pc.Plane((0.0, 0.0), (1.0, 0.0)), pc.Gravity((0.0, -9.81)))
+    run = pc.Simulation(scene, threads=1, fluids=pc.WeaklyCompressible(sound_speed=50.0))
     run.run(0.4)
     fallen = (cells - run.positions)[:, 1].mean()
     assert fallen == pytest.approx(9.81 * run.time**2 / 2.0, rel=0.01)

@@ -10,12 +10,13 @@ from physics.laboratory import EPSILON, Array, name
 
 SPACING = 0.05
 DT = 5e-4
+SLOW = pc.WeaklyCompressible(sound_speed=10.0)
 
 
-def tank(sides: float = 1.0, dimension: int = 2, shifting: float = 0.0, **numerics: object) -> pc.Simulation:
+def tank(sides: float = 1.0, dimension: int = 2, **numerics: object) -> pc.Simulation:
     """A column of water that falls over in a box; it names no precision, which makes it single."""
     size = (0.5 * sides, *(0.3,) * (dimension - 2), sides)
-    water = pc.Fluid(pc.block((0.0,) * dimension, size, SPACING), SPACING, shifting=shifting, name="water")
+    water = pc.Fluid(pc.block((0.0,) * dimension, size, SPACING), SPACING, name="water")
     box = pc.Box((0.0,) * dimension, (2.0 * sides, *(0.3,) * (dimension - 2), 2.0 * sides))
     down = pc.Gravity((*(0.0,) * (dimension - 1), -9.81))
     return pc.Simulation(pc.Scene(water, box, down), **{"dt": DT, **numerics})
@@ -28,8 +29,9 @@ def test_water_pushes_and_rubs_in_pairs():
     """
     cells = pc.block((0.0, 0.0), (1.0, 1.0), SPACING)
     swirl = 0.5 * np.stack([np.sin(2 * np.pi * cells[:, 1]), np.sin(2 * np.pi * cells[:, 0])], axis=1)
-    water = pc.Fluid(cells, SPACING, velocities=swirl + 0.1, sound_speed=10.0)
-    run = pc.Simulation(pc.Scene(water, pc.Periodic((0.0, 0.0), (1.0, 1.0))), dt=DT, precision="f64")
+    water = pc.Fluid(cells, SPACING, velocities=swirl + 0.1)
+    scene = pc.Scene(water, pc.Periodic((0.0, 0.0), (1.0, 1.0)))
+    run = pc.Simulation(scene, dt=DT, precision="f64", fluids=pc.WeaklyCompressible(10.0, shifting=0.0))
     before = run.momentum()
     run.step(1000)
     force = 10.0**2 * 1000.0 * 0.01 * SPACING
@@ -46,10 +48,12 @@ def test_the_budget_closes_as_the_step_becomes_small(diffusion):
     """
     cells = pc.block((0.0, 0.0), (1.0, 1.0), SPACING)
     swirl = 0.5 * np.stack([np.sin(2 * np.pi * cells[:, 1]), np.sin(2 * np.pi * cells[:, 0])], axis=1)
-    water = pc.Fluid(cells, SPACING, velocities=swirl, sound_speed=20.0, density_diffusion=diffusion)
+    water = pc.Fluid(cells, SPACING, velocities=swirl)
+    scene = pc.Scene(water, pc.Periodic((0.0, 0.0), (1.0, 1.0)))
+    method = pc.WeaklyCompressible(20.0, density_diffusion=diffusion, shifting=0.0)
     holes = []
     for dt in (1e-3, 2.5e-4):
-        run = pc.Simulation(pc.Scene(water, pc.Periodic((0.0, 0.0), (1.0, 1.0))), dt=dt, precision="f64")
+        run = pc.Simulation(scene, dt=dt, precision="f64", fluids=method)
         before = run.energy()
         run.run(0.2)
         after = run.energy()
@@ -65,8 +69,8 @@ def stream(speed: float, drops: int | None = None) -> pc.Simulation:
     cells = pc.block((0.0, 0.0), (2.0, 2.0), SPACING)
     velocities = np.zeros_like(cells)
     velocities[:drops, 0] = speed
-    water = pc.Fluid(cells, SPACING, velocities=velocities, sound_speed=10.0)
-    return pc.Simulation(pc.Scene(water, pc.Periodic((0.0, 0.0), (2.0, 2.0))))
+    water = pc.Fluid(cells, SPACING, velocities=velocities)
+    return pc.Simulation(pc.Scene(water, pc.Periodic((0.0, 0.0), (2.0, 2.0))), fluids=SLOW)
 
 
 def test_sound_is_faster_where_water_is_compressed():
@@ -74,12 +78,14 @@ def test_sound_is_faster_where_water_is_compressed():
 
     The box is full, so that there is no surface, where waves are faster.
     """
-    quiet = {"sound_speed": 5.0, "viscosity": 0.0, "artificial_viscosity": 0.0, "density_diffusion": 0.0}
-    water = pc.Fluid(pc.block((0.0, 0.0), (0.5, 1.0), 0.1), 0.1, **quiet)
+    quiet = pc.WeaklyCompressible(5.0, artificial_viscosity=0.0, density_diffusion=0.0)
+    water = pc.Fluid(pc.block((0.0, 0.0), (0.5, 1.0), 0.1), 0.1, viscosity=0.0)
     box, down = pc.Box((0.0, 0.0), (0.5, 1.0)), pc.Gravity((0.0, -9.81))
-    ratios = pc.Simulation(pc.Scene(water, box, down), dt=1e-4, precision="f64")[water].densities / 1000.0
+    run = pc.Simulation(pc.Scene(water, box, down), dt=1e-4, precision="f64", fluids=quiet)
+    ratios = run[water].densities / 1000.0
     assert ratios.max() > 1.1
-    limits = [pc.stability_limit(pc.Scene(water, box, *pull), pc.VelocityVerlet()) for pull in ([down], [])]
+    scenes = [pc.Scene(water, box, *pull) for pull in ([down], [])]
+    limits = [pc.stability_limit(scene, pc.VelocityVerlet(), fluids=quiet) for scene in scenes]
     assert limits[0] == pytest.approx(limits[1] * ratios.max() ** -3 * np.sqrt(ratios.min()), rel=1e-9)
 
 
@@ -118,12 +124,10 @@ def test_viscosity_and_diffusion_are_those_of_the_literature(dimension):
         density=500.0,
         velocities=velocities,
         viscosity=3.0,
-        sound_speed=sound,
-        artificial_viscosity=0.0,
-        density_diffusion=diffusion,
     )
+    method = pc.WeaklyCompressible(sound, artificial_viscosity=0.0, density_diffusion=diffusion, shifting=0.0)
     endless = pc.Periodic((0.0,) * dimension, (float(side),) * dimension)
-    run = pc.Simulation(pc.Scene(water, endless), dt=dt, precision="f64")
+    run = pc.Simulation(pc.Scene(water, endless), dt=dt, precision="f64", fluids=method)
     field = np.zeros((*shape, dimension))
     field[places] = velocities
     rubbed = 2.0 * 3.0 / 500.0 * differences(field, h)[places]
@@ -159,11 +163,10 @@ def test_the_limit_of_thick_water_is_that_of_the_wave_which_it_damps_most(dimens
         spacing,
         density=density,
         viscosity=viscosity,
-        sound_speed=1e-3,
-        artificial_viscosity=0.0,
-        density_diffusion=0.0,
     )
-    limit = pc.stability_limit(pc.Scene(water, pc.Periodic((0.0,) * dimension, (1.0,) * dimension)), integrator)
+    method = pc.WeaklyCompressible(1e-3, artificial_viscosity=0.0, density_diffusion=0.0)
+    scene = pc.Scene(water, pc.Periodic((0.0,) * dimension, (1.0,) * dimension))
+    limit = pc.stability_limit(scene, integrator, fluids=method)
     dragged = pc.Scene(pc.Particles([[0.0] * dimension]), pc.Drag(linear=float(damping)))
     assert limit == pytest.approx(pc.stability_limit(dragged, integrator), rel=1e-3)
 
@@ -180,7 +183,7 @@ def test_a_flow_that_is_fast_beside_sound_warns_once():
     run.step(20)
     run.run(0.01)
     with pytest.warns(pc.MachWarning):
-        pc.simulate(run.scene, duration=0.01)
+        pc.simulate(run.scene, duration=0.01, fluids=SLOW)
 
 
 def test_a_tank_is_seen_with_its_fields():

@@ -296,9 +296,9 @@ def test_what_it_cannot_drive_is_refused():
         pc.Simulation(ball, RADAU)
     with pytest.raises(pc.SceneError, match=r"precision: expected .f64. with GaussRadau15"):
         pc.Simulation(kepler(0.1), RADAU, precision="f32")
-    pool = pc.Scene(pc.Fluid(pc.block((0.0, 0.0), (0.2, 0.2), 0.05), 0.05, sound_speed=10.0))
+    pool = pc.Scene(pc.Fluid(pc.block((0.0, 0.0), (0.2, 0.2), 0.05), 0.05))
     with pytest.raises(pc.SceneError, match=r"integrator: expected .* with a fluid, got GaussRadau15"):
-        pc.Simulation(pool, RADAU, precision="f64")
+        pc.Simulation(pool, RADAU, precision="f64", fluids=pc.WeaklyCompressible(sound_speed=10.0))
     with pytest.raises(pc.SceneError, match=r"dt: GaussRadau15\(\) has a tolerance of its own"):
         pc.Simulation(kepler(0.1), RADAU, pc.AdaptiveStep(tolerance=1e-6))
     with pytest.raises(pc.SceneError, match=r"integrator: GaussRadau15\(\) cannot drive it"):

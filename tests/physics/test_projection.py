@@ -234,7 +234,10 @@ def test_forces_without_a_projection_are_refused_by_name(integrator, item):
         ),
         (
             lambda: pc.Simulation(
-                pc.Scene(pc.Fluid(pc.block((0, 0), (0.5, 0.5), 0.1), 0.1, sound_speed=10.0)), pc.XPBD(), dt=1e-3
+                pc.Scene(pc.Fluid(pc.block((0, 0), (0.5, 0.5), 0.1), 0.1)),
+                pc.XPBD(),
+                dt=1e-3,
+                fluids=pc.WeaklyCompressible(sound_speed=10.0),
             ),
             r"for a Fluid, got XPBD",
         ),

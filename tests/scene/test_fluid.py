@@ -91,29 +91,37 @@ def test_drag_and_pair_forces_spare_a_fluid_that_is_not_named():
         pc.Drag(1.0, on=water),
     )
     scene = pc.Scene(water, grains, *forces)
-    assert [entry["on"] for entry in engine.describe(scene)["forces"]] == [[1], [1], [1], None, [0]]
+    assert [entry["on"] for entry in engine.describe(scene, check({}, scene))["forces"]] == [[1], [1], [1], None, [0]]
     assert scene.fluids == (water,)
     dry = pc.Scene(grains, *forces[:2])
-    assert [entry["on"] for entry in engine.describe(dry)["forces"]] == [None, None]
+    assert [entry["on"] for entry in engine.describe(dry, check({}, dry))["forces"]] == [None, None]
 
 
 def test_the_engine_is_told_what_makes_a_fluid():
-    water = pc.Fluid(WATER, 0.1, sound_speed=20.0, kernel=pc.CubicSpline(1.3), viscosity=0.0)
-    described = engine.describe(pc.Scene(water, pc.Particles([[2.0, 2.0]], name="dust")))["bodies"]
+    scene = pc.Scene(pc.Fluid(WATER, 0.1, viscosity=0.0), pc.Particles([[2.0, 2.0]], name="dust"))
+    method = pc.WeaklyCompressible(sound_speed=20.0, kernel=pc.CubicSpline(1.3), artificial_viscosity=0.02)
+    described = engine.describe(scene, check({"fluids": method}, scene))["bodies"]
     columns = {"positions", "velocities", "mass", "charge", "radius", "fixed"}
     assert [entry["kind"] for entry in described] == ["Fluid", "Particles"]
     assert {name: value for name, value in described[0]["values"].items() if name not in columns} == {
         "spacing": 0.1,
         "density": 1000.0,
         "viscosity": 0.0,
-        "sound_speed": 20.0,
-        "artificial_viscosity": 0.02,
-        "density_diffusion": 0.1,
         "surface_tension": 0.0,
-        "shifting": 0.0,
-        "density_from": "continuity",
-        "kernel": {"kind": "CubicSpline", "name": None, "on": None, "values": {"smoothing": 1.3}},
         "obstacles": True,
+        "method": {
+            "kind": "WeaklyCompressible",
+            "name": None,
+            "on": None,
+            "values": {
+                "sound_speed": 20.0,
+                "kernel": {"kind": "CubicSpline", "name": None, "on": None, "values": {"smoothing": 1.3}},
+                "artificial_viscosity": 0.02,
+                "density_diffusion": 0.1,
+                "density_from": "continuity",
+                "shifting": "auto",
+            },
+        },
     }
     assert set(described[1]["values"]) == columns
     assert described[1]["name"] == "dust"
@@ -179,9 +187,8 @@ def pool(monkeypatch: pytest.MonkeyPatch) -> pc.Simulation:
     """A stone and the fluid, which drift apart: with time steps that frames at 10 per second do not fall on."""
     monkeypatch.setattr(engine, "World", Rising)
     stone = pc.Particles([[5.0, 5.0]], velocities=1.0, name="stone")
-    return pc.Simulation(
-        pc.Scene(stone, pc.Fluid(WATER, 0.1, sound_speed=10.0, name="water", obstacles=False)), dt=0.003
-    )
+    scene = pc.Scene(stone, pc.Fluid(WATER, 0.1, name="water", obstacles=False))
+    return pc.Simulation(scene, dt=0.003, fluids=pc.WeaklyCompressible(sound_speed=10.0))
 
 
 def test_a_snapshot_of_a_fluid_has_densities_and_pressures(pool):
@@ -231,21 +238,26 @@ def test_fluids_are_computed_in_single_precision_unless_asked_otherwise():
         (lambda: pc.Fluid(WATER, 0.0), "Fluid.spacing: must be > 0"),
         (lambda: pc.Fluid(WATER, 0.1, density=-1.0), "Fluid.density: must be > 0"),
         (lambda: pc.Fluid(WATER, 0.1, viscosity=-1.0), "Fluid.viscosity: must be ≥ 0"),
-        (lambda: pc.Fluid(WATER, 0.1, sound_speed=0.0), "Fluid.sound_speed: must be > 0"),
-        (lambda: pc.Fluid(WATER, 0.1, sound_speed="fast"), "Fluid.sound_speed: .* or 'auto', got 'fast'"),
-        (lambda: pc.Fluid(WATER, 0.1, kernel=pc.WendlandC2), r"Fluid.kernel: .*write WendlandC2\(\)"),
-        (lambda: pc.Fluid(WATER, 0.1, kernel="cubic"), "Fluid.kernel: must be one of"),
-        (lambda: pc.Fluid(WATER, 0.1, artificial_viscosity=-1), "Fluid.artificial_viscosity: must be ≥ 0"),
-        (lambda: pc.Fluid(WATER, 0.1, density_diffusion=-1), "Fluid.density_diffusion: must be ≥ 0"),
-        (lambda: pc.Fluid(WATER, 0.1, surface_tension=-1), "Fluid.surface_tension: must be ≥ 0"),
-        (lambda: pc.Fluid(WATER, 0.1, shifting=-1), "Fluid.shifting: must be ≥ 0"),
+        (lambda: pc.WeaklyCompressible(sound_speed=0.0), "WeaklyCompressible.sound_speed: must be > 0"),
+        (lambda: pc.WeaklyCompressible(sound_speed="fast"), "WeaklyCompressible.sound_speed: .* or 'auto', got 'fast'"),
+        (lambda: pc.WeaklyCompressible(kernel=pc.WendlandC2), r"WeaklyCompressible.kernel: .*write WendlandC2\(\)"),
+        (lambda: pc.WeaklyCompressible(kernel="cubic"), "WeaklyCompressible.kernel: must be one of"),
         (
-            lambda: pc.Fluid(WATER, 0.1, shifting=6.0, density_from="summation"),
-            "Fluid.shifting: must be 0 with density_from='summation'",
+            lambda: pc.WeaklyCompressible(artificial_viscosity=-1),
+            "WeaklyCompressible.artificial_viscosity: must be ≥ 0",
+        ),
+        (lambda: pc.WeaklyCompressible(density_diffusion=-1), "WeaklyCompressible.density_diffusion: must be ≥ 0"),
+        (lambda: pc.Fluid(WATER, 0.1, surface_tension=-1), "Fluid.surface_tension: must be ≥ 0"),
+        (lambda: pc.WeaklyCompressible(shifting=-1), "WeaklyCompressible.shifting: must be ≥ 0"),
+        (
+            lambda: pc.WeaklyCompressible(shifting=6.0, density_from="summation"),
+            "WeaklyCompressible.shifting: must be 0 with density_from='summation'",
         ),
         (
-            lambda: pc.Fluid(WATER, 0.1, shifting=6.0, surface_tension=0.1),
-            "Fluid.shifting: must be 0 with surface_tension",
+            lambda: pc.Simulation(
+                pc.Scene(pc.Fluid(WATER, 0.1, surface_tension=0.1)), fluids=pc.WeaklyCompressible(shifting=6.0)
+            ),
+            "fluids.shifting: must be 0 with surface_tension",
         ),
         (lambda: pc.Fluid(WATER, 0.21), "Fluid.positions: overlapping particles: 0 and 1 are 0.1 m apart"),
         (lambda: pc.Fluid([1.0, 2.0], 0.1), r"Fluid.positions: must have the shape \(N, 2\) or \(N, 3\)"),

@@ -22,7 +22,7 @@ from physcore.systems import SYSTEMS
 
 DUST = pc.Particles([[0.0, 0.0], [1.0, 0.0]], radius=0.1, name="dust")
 NET = pc.SpringNetwork([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]], [[0, 1]], 2.0, faces=[[0, 1, 2]])
-WATER = pc.Fluid(pc.block((2.0, 0.0), (2.4, 0.4), 0.1), 0.1, sound_speed=20.0)
+WATER = pc.Fluid(pc.block((2.0, 0.0), (2.4, 0.4), 0.1), 0.1)
 SHEET = pc.cloth((3, 3), 1.0, 1.0, origin=(0.0, 0.0, 0.0))
 GRID = pc.Grid((4, 3), 0.1)
 ARGUMENTS: dict[str, tuple[object, ...]] = {

@@ -34,7 +34,7 @@ def test_bodies_are_joined_in_scene_order_and_found_again():
         ([pc.rope(5, 1.0, 10.0), GRAVITY], 4),
         ([pc.Particles(LINE, radius=3.0), pc.SoftSpheres(1.0)], 5 * 4),
         ([pc.Particles(LINE), pc.LennardJones(1.0, 1.0, cutoff=9.0)], 5 * 4),
-        ([pc.Fluid(pc.block((0.0, 0.0), (0.2, 0.2), 0.1), 0.1, sound_speed=1.0)], 2 * 4 * 3),
+        ([pc.Fluid(pc.block((0.0, 0.0), (0.2, 0.2), 0.1), 0.1, surface_tension=0.1)], 2 * 4 * 3),
     ],
 )
 def test_the_plan_counts_springs_and_the_neighbors_of_each(items, pairs):

@@ -185,7 +185,8 @@ def test_a_fluid_that_is_not_at_its_spacing_clumps_or_scatters(spacing, symptom,
     shaken = places + np.random.default_rng(1).uniform(-0.002, 0.002, places.shape)
     # Shaken by a tenth, distances grow by (D − 1) (0.1²/3), a percent, and at the rim some nearest ones are others.
     for positions, tolerance in ((places, 1e-9), (shaken, 0.05)):
-        simulation = pc.Simulation(pc.Scene(pc.Fluid(positions, spacing, sound_speed=10.0, name="water")))
+        scene = pc.Scene(pc.Fluid(positions, spacing, name="water"))
+        simulation = pc.Simulation(scene, fluids=pc.WeaklyCompressible(sound_speed=10.0))
         found = symptoms(simulation)
         assert set(found) == ({symptom} if symptom else set())
         if symptom:

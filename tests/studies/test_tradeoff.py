@@ -97,7 +97,7 @@ def test_a_film_shows_the_choice_beside_the_reference(trade, tmp_path):
 
 
 def test_what_cannot_be_computed_is_left_out_and_said():
-    water = pc.Fluid(pc.block((0.0, 0.0), (0.4, 0.2), 0.05), 0.05, sound_speed=10.0)
+    water = pc.Fluid(pc.block((0.0, 0.0), (0.4, 0.2), 0.05), 0.05)
     tank = pc.Scene(water, pc.Gravity((0.0, -1.0)), pc.Box((0.0, 0.0), (0.8, 0.4)))
     trade = pc.tradeoff(tank, 0.1, precisions=["f32"], budget=1.0)
     assert {type(row.integrator) for row in trade.rows} == {pc.SemiImplicitEuler, pc.VelocityVerlet, pc.McLachlan2}

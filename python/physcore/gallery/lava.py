@@ -15,6 +15,8 @@ from physcore.gallery.figure import Figure, budget
 
 DURATION = 5.0
 """[s]"""
+METHOD = pc.WeaklyCompressible(sound_speed=30.0, kernel=pc.WendlandC2(smoothing=1.25))
+"""How the lava is computed."""
 
 
 def scene() -> pc.Scene:
@@ -26,8 +28,6 @@ def scene() -> pc.Scene:
         spacing,
         density=2700.0,
         viscosity=800.0,
-        sound_speed=30.0,
-        kernel=pc.WendlandC2(smoothing=1.25),
     )
     ground = pc.Plane((0.0, 0.0, 0.0), up, no_slip=True)
     boulders = [
@@ -39,7 +39,7 @@ def scene() -> pc.Scene:
 
 def main(path: str | os.PathLike[str] = "lava.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
     """Simulate it and draw it."""
-    recording = pc.simulate(scene(), duration=DURATION, fps=20, progress=progress)
+    recording = pc.simulate(scene(), duration=DURATION, fps=20, progress=progress, fluids=METHOD)
     camera = Orbit(azimuth=-40.0, elevation=28.0, target=(-0.1, 0.0, 0.2), extent=2.7)
     style = pc.styles.Fluid(colormap="ember", top=0.45, opacity=1.0, glow=0.4)
     pc.film(recording, path, size=(640, 440), style=style, camera=camera, progress=progress)

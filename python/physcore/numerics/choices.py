@@ -10,6 +10,7 @@ from typing import Literal, TypeAlias, TypedDict
 from physcore.checks import MOST, count, is_word, number, shown, span, word
 from physcore.errors import SceneError, warn
 from physcore.forces import ElectromagneticField
+from physcore.numerics.fluids import FluidMethod, Fluids, fluid_methods
 from physcore.numerics.integrators import (
     INTEGRATORS,
     INTEGRATORS_BY_NAME,
@@ -131,6 +132,7 @@ class Options(TypedDict, total=False):
     threads: int | None
     max_energy_growth: float | None
     on_divergence: DivergenceRule
+    fluids: Fluids
     runaway: float | None
     """The deprecated name of max_energy_growth."""
 
@@ -148,6 +150,8 @@ class Numerics:
     on_divergence: DivergenceRule
     integrators: Mapping[str, Integrator] = field(default_factory=dict)
     """Where not all are the same: that of each system by its path, of the bodies by the key "bodies"; else empty."""
+    fluids: Mapping[str, FluidMethod] = field(default_factory=dict)
+    """The method of each fluid by its path."""
 
     @property
     def adaptive(self) -> AdaptiveStep | None:
@@ -193,6 +197,7 @@ def check(options: Options, scene: Scene) -> Numerics:
         threads=None if threads is None else count(threads, "threads", least=1, most=MOST_THREADS),
         max_energy_growth=MAX_ENERGY_GROWTH[rule] if growth is None else number(growth, "max_energy_growth", above=0.0),
         on_divergence=rule,
+        fluids=fluid_methods(options.get("fluids", "auto"), scene),
     )
 
 

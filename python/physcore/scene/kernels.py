@@ -15,7 +15,7 @@ class Kernel:
     """A weight W(q) of the distance r = q h, zero from q = 2 on. Kernels of the same kind and smoothing are equal.
 
         kernel = pc.WendlandC4()  # a Kernel
-        water = pc.Fluid.block((0.0, 0.0), (0.5, 0.5), spacing=0.05, kernel=kernel)
+        method = pc.WeaklyCompressible(kernel=kernel)
 
     To add one: a class here, a line in `KERNELS`, and its counterpart in Rust.
     """
@@ -32,7 +32,7 @@ class Kernel:
 class WendlandC2(Kernel):
     """W(q) = α (1 − q/2)⁴ (1 + 2q), with α = 7/(4π h²) in 2D and 21/(16π h³) in 3D.
 
-        water = pc.Fluid.block((0.0, 0.0), (0.5, 0.5), spacing=0.05, kernel=pc.WendlandC2())
+        method = pc.WeaklyCompressible(kernel=pc.WendlandC2())
 
     Its Fourier transform is positive, so that particles do not pair up.
 
@@ -52,7 +52,7 @@ class WendlandC2(Kernel):
 class WendlandC4(Kernel):
     """W(q) = α (1 − q/2)⁶ (1 + 3q + 35/12 q²), with α = 9/(4π h²) in 2D and 495/(256π h³) in 3D.
 
-        water = pc.Fluid.block((0.0, 0.0), (0.5, 0.5), spacing=0.05, kernel=pc.WendlandC4())
+        method = pc.WeaklyCompressible(kernel=pc.WendlandC4())
 
     Smoother than WendlandC2, for more neighbors.
 
@@ -72,7 +72,7 @@ class WendlandC4(Kernel):
 class CubicSpline(Kernel):
     """W(q) = α (1 − 3/2 q² + 3/4 q³) up to q = 1, then α (2 − q)³/4, with α = 10/(7π h²) in 2D and 1/(π h³) in 3D.
 
-        water = pc.Fluid.block((0.0, 0.0), (0.5, 0.5), spacing=0.05, kernel=pc.CubicSpline())
+        method = pc.WeaklyCompressible(kernel=pc.CubicSpline())
 
     The classical kernel. Particles pair up under it when the smoothing is large.
 

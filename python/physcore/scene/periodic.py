@@ -65,6 +65,10 @@ class Periodic:
         lengths: FloatArray = np.array(self.upper) - np.array(self.lower)
         return lengths
 
+    def holds(self, point: Vector) -> bool:
+        """Whether a point is in the domain, its ends included."""
+        return all(low <= x <= high for low, x, high in zip(self.lower, point, self.upper, strict=True))
+
     def wrap(self, positions: FloatArray) -> FloatArray:
         """The same points, within the domain: lower ≤ x < upper along each periodic axis; shape (…, D).
 

@@ -14,14 +14,16 @@ from physcore.scene.fluid import CLOSEST, Fluid, describe_pair
 from physcore.scene.items import ActingItem, Boundary, Constraint, Force, SceneItem, System
 from physcore.scene.overlaps import closer_than
 from physcore.scene.periodic import Periodic
+from physcore.scene.probe import Probe
 from physcore.scene.records import Record, pack
 from physcore.spelling import did_you_mean
 from physcore.storage.archive import Tree, digest
 
 BodyKey = Body | int | str
 """How a body is asked for: by itself, by its index in the scene, or by its name."""
-ItemKey = BodyKey | System
-"""How a body or a further system is asked for: a system by itself or by its name."""
+ItemKey = BodyKey | System | Boundary | Probe
+"""How a body or another item with results is asked for: a system or a probe by itself or by its name, a boundary by
+itself."""
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
@@ -33,8 +35,8 @@ class Scene:
         scene = pc.Scene(ball, pc.Gravity(), pc.Floor(restitution=0.8), pc.Drag(linear=0.01, on="ball"))
 
     Args:
-        items: bodies (Particles, SpringNetwork, Fluid), forces, boundaries, constraints, further systems and at most
-            one Periodic domain, in any order. Results list the particles body by body in the order given here.
+        items: bodies (Particles, SpringNetwork, Fluid), forces, boundaries, constraints, further systems, probes and at
+            most one Periodic domain, in any order. Results list the particles body by body in the order given here.
 
     Raises:
         SceneError: there is neither a body nor a system, the dimensions differ, a body or a name is there twice, a
@@ -46,17 +48,19 @@ class Scene:
     boundaries: tuple[Boundary, ...]
     constraints: tuple[Constraint, ...]
     systems: tuple[System, ...]
+    probes: tuple[Probe, ...]
     periodic: Periodic | None
     """The domain that repeats itself, or None."""
 
-    def __init__(self, *items: Body | Force | Boundary | Constraint | System | Periodic) -> None:
+    def __init__(self, *items: Body | Force | Boundary | Constraint | System | Probe | Periodic) -> None:
         for position, item in enumerate(items):
-            if not isinstance(item, (Body, Force, Boundary, Constraint, System, Periodic)):
+            if not isinstance(item, (Body, Force, Boundary, Constraint, System, Probe, Periodic)):
                 raise SceneError(
-                    f"items[{position}]: must be a body, a force, a boundary, a constraint, a system or a "
-                    f"Periodic domain, got {shown(item)}{_advice(item)}"
+                    f"items[{position}]: must be a body, a force, a boundary, a constraint, a system, a "
+                    f"Probe or a Periodic domain, got {shown(item)}{_advice(item)}"
                 )
         kinds = {"bodies": Body, "forces": Force, "boundaries": Boundary, "constraints": Constraint, "systems": System}
+        kinds["probes"] = Probe
         for field, kind in kinds.items():
             object.__setattr__(self, field, tuple(item for item in items if isinstance(item, kind)))
         self._check_bodies()
@@ -69,6 +73,7 @@ class Scene:
         self._check_items("boundaries", self.boundaries)
         self._check_items("constraints", self.constraints)
         self._check_items("systems", self.systems)
+        self._check_probes()
         self._warn_of_charges()
 
     @property
@@ -160,8 +165,8 @@ class Scene:
             "boundaries": self._packed_items("boundaries", self.boundaries),
             "periodic": pack(self.periodic),
         }
-        # Scenes without constraints and further systems keep the hash that they had before there were any.
-        later = {"constraints": self.constraints, "systems": self.systems}
+        # Scenes without constraints, further systems and probes keep the hash that they had before there were any.
+        later = {"constraints": self.constraints, "systems": self.systems, "probes": self.probes}
         return tree | {name: self._packed_items(name, items) for name, items in later.items() if items}
 
     def _packed_items(self, path: str, items: Sequence[SceneItem]) -> list[Tree]:
@@ -181,7 +186,15 @@ class Scene:
         domain = () if self.periodic is None else (self.periodic,)
         parts = [
             repr(item)
-            for item in (*self.bodies, *self.forces, *self.boundaries, *self.constraints, *self.systems, *domain)
+            for item in (
+                *self.bodies,
+                *self.forces,
+                *self.boundaries,
+                *self.constraints,
+                *self.systems,
+                *self.probes,
+                *domain,
+            )
         ]
         return f"Scene({', '.join(parts)})"
 
@@ -241,6 +254,20 @@ class Scene:
         first, second = (self.path(self.index(owner)) for owner in owners)
         where = f"particles of {first} and {second}" if first != second else f"particles of {first}, across the domain"
         raise SceneError(f"{second}.positions: overlapping bodies: {where}, {describe_pair(points, pair, spacing)}")
+
+    def _check_probes(self) -> None:
+        """There is a fluid to measure the pressure of, where the probes are."""
+        self._check_items("probes", self.probes)
+        named = [*(body.name for body in self.bodies), *(system.name for system in self.systems)]
+        names = [*named, *(probe.name for probe in self.probes)]
+        for index, probe in enumerate(self.probes):
+            path = f"probes[{index}]"
+            if not self.fluids:
+                raise SceneError(f"{path}: measures the pressure of fluids, and there is none in this scene")
+            if probe.name is not None and names.count(probe.name) > 1:
+                raise SceneError(f"{path}.name: {probe.name!r} is already the name of another item")
+            if self.periodic is not None and not self.periodic.holds(probe.position):
+                raise SceneError(f"{path}.position: must be in the periodic domain, got {shown(probe.position)}")
 
     def _warn_of_charges(self) -> None:
         """Charges have no effect where no force acts on them."""

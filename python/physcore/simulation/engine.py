@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
@@ -12,6 +12,9 @@ from physcore._core import World
 from physcore.checks import FloatArray
 from physcore.errors import SceneError
 from physcore.numerics.choices import Limit, Numerics
+from physcore.numerics.fluids import FluidMethod
+from physcore.scene.bodies import Body
+from physcore.scene.compressible import CHECKS
 from physcore.scene.items import ActingItem, SceneItem
 from physcore.scene.records import Record
 from physcore.scene.scene import Scene, indices
@@ -32,7 +35,7 @@ def build(scene: Scene, numerics: Numerics) -> World:
     """
     try:
         return World(
-            describe(scene),
+            describe(scene, numerics),
             Record.of(numerics.integrator).described(),
             {path: Record.of(integrator).described() for path, integrator in numerics.integrators.items()},
             numerics.precision,
@@ -40,20 +43,27 @@ def build(scene: Scene, numerics: Numerics) -> World:
             numerics.max_energy_growth,
             numerics.on_divergence,
         )
-    except SceneError as error:  # The engine does not know the names of bodies.
-        message = re.sub(r"\bbodies\[(\d+)\]", lambda found: scene.path(int(found[1])), str(error))
-        raise SceneError(message) from error.__cause__
+    except SceneError as error:
+        raise SceneError(named(str(error), scene)) from error.__cause__
 
 
-def describe(scene: Scene) -> dict[str, object]:
-    """A scene as plain dictionaries, numbers and arrays: the records of its items."""
+def named(message: str, scene: Scene) -> str:
+    """A message of the engine with the names of bodies, which it does not know, and of their methods."""
+    message = re.sub(r"\bbodies\[\d+\]\.method\b", "fluids", message)
+    return re.sub(r"\bbodies\[(\d+)\]", lambda found: scene.path(int(found[1])), message)
+
+
+def describe(scene: Scene, numerics: Numerics) -> dict[str, object]:
+    """A scene as plain dictionaries, numbers and arrays: the records of its items, of fluids with their method."""
+    methods = [numerics.fluids.get(scene.path(index)) for index in range(len(scene.bodies))]
     return {
         "dimension": scene.dimension,
-        "bodies": [Record.of(body).described() for body in scene.bodies],
+        "bodies": [_body(body, method) for body, method in zip(scene.bodies, methods, strict=True)],
         "forces": [_item(force, scene) for force in scene.forces],
         "boundaries": [_item(boundary, scene) for boundary in scene.boundaries],
         "constraints": [_item(constraint, scene) for constraint in scene.constraints],
         "systems": [_item(system, scene) for system in scene.systems],
+        "probes": [_item(probe, scene) for probe in scene.probes],
         "periodic": None if scene.periodic is None else Record.of(scene.periodic).described(),
     }
 
@@ -123,10 +133,11 @@ def evaluations(world: World) -> int:
     return max(system["evaluations"] for system in world.plan()["systems"])
 
 
-def plan(world: World, bound: Limit, dt: float) -> Plan:
+def plan(world: World, scene: Scene, bound: Limit, dt: float) -> Plan:
     """The plan of a world, with the time step and its limit."""
     facts = world.plan()
     first, *others = facts["systems"]
+    notes = (*first["notes"], *(note for system in others for note in (_summary(system), *system["notes"])))
     return Plan(
         stages=tuple(first["stages"]),
         dimension=first["dimension"],
@@ -145,7 +156,7 @@ def plan(world: World, bound: Limit, dt: float) -> Plan:
         simd=facts["simd"],
         layout=first["layout"],
         left_out=tuple(first["left_out"]),
-        notes=(*first["notes"], *(note for system in others for note in (_summary(system), *system["notes"]))),
+        notes=tuple(named(note, scene) for note in notes),
     )
 
 
@@ -155,6 +166,15 @@ def _summary(system: StagesRecord) -> str:
         f"{system['item']}: {' → '.join(system['stages'])}, by {system['integrator']} of order {system['order']}, "
         f"{system['layout']}"
     )
+
+
+def _body(body: Body, method: FluidMethod | None) -> dict[str, Any]:
+    """A body; a fluid with its method, in which the deprecated arguments are."""
+    described: dict[str, Any] = Record.of(body).described()
+    if method is None:
+        return described
+    own = {name: value for name, value in described["values"].items() if name not in CHECKS}
+    return {**described, "values": {**own, "method": Record.of(method).described()}}
 
 
 def _item(item: SceneItem, scene: Scene) -> dict[str, object]:

@@ -10,6 +10,7 @@ from physcore._core import World
 from physcore.checks import MOST, FloatArray
 from physcore.errors import PhyscoreError, SceneError, StabilityWarning, warn
 from physcore.numerics.choices import steps_to
+from physcore.scene.channels import GAUGES
 from physcore.scene.scene import Scene
 from physcore.simulation import engine
 from physcore.simulation.energy import Amount, Energy
@@ -112,9 +113,11 @@ def frames(world: World, scene: Scene, stepper: Stepper, duration: float, fps: f
         steps_to(duration, stepper.fixed, TIME_TOLERANCE)  # Refuses more than can be counted.
     stepper.warn_if_long(duration)
     sampled = _stepped if stepper.fixed is None else _interpolated
+    before: Frame | None = None
     for index, sample in enumerate(sampled(world, scene, stepper, count, fps)):
         here = world.steps
-        yield replace(engine.shown(sample, scene), time=start + index / fps, dt=stepper.dt)
+        yield replace(engine.shown(_measured(sample, before, fps), scene), time=start + index / fps, dt=stepper.dt)
+        before = sample
         if world.steps != here:
             raise PhyscoreError(
                 f"this simulation took {world.steps - here} steps between two of its frames, which would no longer be "
@@ -123,6 +126,16 @@ def frames(world: World, scene: Scene, stepper: Stepper, duration: float, fps: f
     left = duration - (world.time - start)
     if left > TIME_TOLERANCE * stepper.dt:
         stepper.run(left, fps)
+
+
+def _measured(sample: Frame, before: Frame | None, fps: float) -> Frame:
+    """A frame with what is measured of fluids as the mean since the frame before: the difference of two integrals."""
+    fields = dict(sample.fields)
+    for name, integral in GAUGES.items():
+        total = fields.pop(integral, None)
+        if total is not None and before is not None:
+            fields[name] = fps * (total - before.fields[integral])
+    return replace(sample, fields=fields)
 
 
 def _stepped(world: World, scene: Scene, stepper: Stepper, count: int, fps: float) -> Iterator[Frame]:

@@ -68,9 +68,13 @@ SEGMENTS: Rule = maybe(several(of(Segment)))
 
 
 def _choice(value: Tree, path: str) -> Tree:
-    """An integrator or a rule for steps; or integrators by the paths of what they drive."""
-    one = record(kind=text, fields=table(_scalar))
-    return (one if "kind" in value else table(one))(value, path)
+    """An integrator, a rule for steps or a method for fluids; or several by the paths of what they are for."""
+    return (_one if "kind" in value else table(_one))(value, path)
+
+
+def _one(value: Tree, path: str) -> Tree:
+    """A thing with its fields, in which may be others, as a kernel is in a method."""
+    return record(kind=text, fields=table(either(dict, _one, _scalar)))(value, path)
 
 
 def _scalar(value: Tree, path: str) -> Tree:

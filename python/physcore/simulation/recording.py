@@ -19,7 +19,10 @@ from physcore.scene.channels import (
     OWNERS,
     SPRING_CHANNELS,
     body_fields,
+    body_gauges,
     field_names,
+    gauge,
+    gauge_shapes,
     springs,
     system_shapes,
 )
@@ -48,6 +51,7 @@ PARTS = ("removed_by", "supplied_by")
 TOTALS = {"momentum": "kg·m/s", "angular_momentum": "kg·m²/s"}
 """The sums over all particles, with their units."""
 UNITS = {"positions": "m", "velocities": "m/s", "densities": "kg/m³", "pressures": "Pa", "tensions": "N"}
+UNITS |= {"pressure": "Pa", "force": "N"}
 """The units of channels."""
 TERMS = 8
 """About how many forces and frictions there are, each with an energy of its own."""
@@ -244,9 +248,14 @@ class Recording(Trajectory):
             return Trajectory(
                 self.times, shown({name.removeprefix(f"{system}."): values for name, values in own.items()})
             )
+        measured = gauge(self.scene, item)
+        if measured is not None:
+            return Trajectory(self.times, {measured[0]: self._channel(measured[1])[:, measured[2]]})
         body = cast("BodyKey", item)
         mine = body_fields(self.scene, body)
         own = {name: self.channels[name][:, part] for name, part in mine.items() if name in self.channels}
+        pressed = body_gauges(self.scene, body).items()
+        own |= {name: self.channels[field][:, row] for name, (field, row) in pressed if field in self.channels}
         return Trajectory(self.times, own)
 
     def __repr__(self) -> str:
@@ -317,7 +326,7 @@ class Recording(Trajectory):
         channels = several(schema.word(*field_names(scene)))(content.get("channels"), "channels")
         axes = {**dict.fromkeys(CHANNELS, ("F", "N", "D")), **dict.fromkeys(FLUID_CHANNELS, ("F", "N"))}
         axes |= dict.fromkeys(SPRING_CHANNELS, ("F", "S"))
-        for name, lengths in system_shapes(scene).items():
+        for name, lengths in {**system_shapes(scene), **gauge_shapes(scene)}.items():
             axes[name] = ("F", *(f"{name}, axis {axis}" for axis in range(len(lengths))))
             sizes.update(zip(axes[name][1:], lengths, strict=True))
         # Particles that are no fluid's have no density.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import fields
@@ -13,12 +14,14 @@ from physcore.constraints import CONSTRAINTS
 from physcore.errors import FileError, SceneError
 from physcore.forces import FORCES
 from physcore.numerics.choices import AdaptiveStep, AutoStep, Numerics, Options
+from physcore.numerics.fluids import FLUID_METHODS
 from physcore.numerics.integrators import INTEGRATORS
 from physcore.scene.bodies import Body, Particles, SpringNetwork
 from physcore.scene.fluid import Fluid
 from physcore.scene.items import SceneItem
 from physcore.scene.kernels import KERNELS
 from physcore.scene.periodic import Periodic
+from physcore.scene.probe import Probe
 from physcore.scene.records import kind_of, pack, parameters
 from physcore.scene.scene import Scene
 from physcore.storage.archive import Tree
@@ -26,7 +29,7 @@ from physcore.storage.schema import anything, maybe, record, several, table, tex
 from physcore.systems import SYSTEMS
 
 _BODIES = (Particles, SpringNetwork, Fluid)
-_RULES = (*INTEGRATORS, AutoStep, AdaptiveStep)
+_RULES = (*INTEGRATORS, *FLUID_METHODS, AutoStep, AdaptiveStep)
 _SECTIONS: dict[str, tuple[type[SceneItem], ...]] = {
     "forces": FORCES,
     "boundaries": BOUNDARIES,
@@ -35,11 +38,11 @@ _SECTIONS: dict[str, tuple[type[SceneItem], ...]] = {
 _PARTS = (*KERNELS, *dict.fromkeys(chain.from_iterable(kind.parts for kind in (*FORCES, *SYSTEMS))))
 """What stands within items."""
 _KINDS: dict[str, type[Any]] = {
-    kind_of(kind): kind for kind in (*_BODIES, *_PARTS, *chain(*_SECTIONS.values()), *SYSTEMS, Periodic, *_RULES)
+    kind_of(kind): kind for kind in (*_BODIES, *_PARTS, *chain(*_SECTIONS.values()), *SYSTEMS, Periodic, Probe, *_RULES)
 }
 
 _SCENE = record(
-    {"systems": several(anything), "constraints": several(anything)},
+    {"systems": several(anything), "constraints": several(anything), "probes": several(anything)},
     bodies=several(anything),
     forces=several(anything),
     boundaries=several(anything),
@@ -62,17 +65,23 @@ def unpack_scene(tree: Tree, path: str = "scene") -> Scene:
         for index, entry in enumerate(content.get(name, ()))
     ]
     systems = _unpack_systems(content.get("systems", ()), f"{path}.systems")
+    probes = [
+        _unpack(entry, f"{path}.probes[{index}]", (Probe,)) for index, entry in enumerate(content.get("probes", ()))
+    ]
     domain = content["periodic"]
     items = [] if domain is None else [_unpack(domain, f"{path}.periodic", (Periodic,))]
     with _named(path):
-        return Scene(*bodies, *acting, *systems, *items)
+        return Scene(*bodies, *acting, *systems, *probes, *items)
 
 
 def pack_numerics(numerics: Numerics) -> Tree:
     """Numerical choices as a tree."""
     own = {entry.name: pack(getattr(numerics, entry.name)) for entry in fields(numerics)}
     several = {path: pack(integrator) for path, integrator in own.pop("integrators").items()}
-    return {**own, "integrator": several or own["integrator"]}
+    methods = {path: pack(method) for path, method in own.pop("fluids").items()}
+    one = next(iter(methods.values()), None)
+    fluids = {"fluids": one if len(set(numerics.fluids.values())) == 1 else methods} if methods else {}
+    return {**own, "integrator": several or own["integrator"], **fluids}
 
 
 def unpack_numerics(tree: Tree, path: str = "numerics") -> Options:
@@ -81,17 +90,18 @@ def unpack_numerics(tree: Tree, path: str = "numerics") -> Options:
     Raises:
         FileError: the tree has something else.
     """
-    content = record({entry.name: anything for entry in fields(Numerics) if entry.name != "integrators"})(tree, path)
-    values = {
-        name: _unpack_value(value, f"{path}.{name}", _RULES) for name, value in content.items() if name != "integrator"
-    }
-    given = content.get("integrator")
-    if isinstance(given, dict) and "kind" not in given:
-        inner = f"{path}.integrator"
-        values["integrator"] = {key: _unpack(each, f"{inner}[{key!r}]", INTEGRATORS) for key, each in given.items()}
-    elif given is not None:
-        values["integrator"] = _unpack_value(given, f"{path}.integrator", _RULES)
+    known = {entry.name: anything for entry in fields(Numerics) if entry.name != "integrators"}
+    content = record(known)(tree, path)
+    kinds: dict[str, tuple[type[Any], ...]] = {"integrator": INTEGRATORS, "fluids": FLUID_METHODS}
+    values = {name: _unpack_choice(value, f"{path}.{name}", kinds.get(name)) for name, value in content.items()}
     return cast(Options, values)
+
+
+def _unpack_choice(tree: Tree, path: str, kinds: tuple[type[Any], ...] | None) -> Any:
+    """A numerical choice; of what may be of some kinds, one or several by the paths of what they are for."""
+    if kinds is not None and isinstance(tree, dict) and "kind" not in tree:
+        return {key: _unpack(each, f"{path}[{key!r}]", kinds) for key, each in tree.items()}
+    return _unpack_value(tree, path, kinds or _RULES)
 
 
 def _unpack(tree: Tree, path: str, kinds: tuple[type[Any], ...]) -> Any:
@@ -103,7 +113,9 @@ def _unpack(tree: Tree, path: str, kinds: tuple[type[Any], ...]) -> Any:
     required = {each.name: anything for each in arguments if each.default is each.empty}
     fields_of = record(optional, **required)(thing["fields"], f"{path}.fields")
     values = {name: _unpack_value(value, f"{path}.{name}", _PARTS) for name, value in fields_of.items()}
-    with _named(path):
+    with _named(path), warnings.catch_warnings():
+        # Whoever reads a file cannot change the words in it.
+        warnings.simplefilter("ignore", DeprecationWarning)
         return kind(**values)
 
 

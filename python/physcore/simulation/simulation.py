@@ -24,10 +24,11 @@ from physcore.numerics.choices import (
     StepRule,
     check,
 )
+from physcore.numerics.fluids import Fluids
 from physcore.numerics.integrators import Integrator
 from physcore.progress import Progress
 from physcore.scene.bodies import Body
-from physcore.scene.channels import CHANNELS, FLUID_CHANNELS, body_fields
+from physcore.scene.channels import CHANNELS, FLUID_CHANNELS, body_fields, body_gauges, gauge
 from physcore.scene.items import System
 from physcore.scene.records import Record
 from physcore.scene.scene import BodyKey, ItemKey, Scene
@@ -72,6 +73,8 @@ class Simulation:
         on_divergence: "raise"; "substep": take a step that fails again in halves, quarters and so on, down to 1/1024 of
             it, and warn; the energy budget is then looked at in each step, which takes about as long as the forces; or
             "ignore": go on until a position or velocity is not finite; energies, which are squares, cease to be before.
+        fluids: how fluids are computed, such as WeaklyCompressible(…), one method for all or a mapping
+            `{water: method}`, by fluids or their names; "auto": WeaklyCompressible().
         runaway: the deprecated name of `max_energy_growth`.
 
     Raises:
@@ -94,6 +97,7 @@ class Simulation:
         *,
         max_energy_growth: float | None = None,
         on_divergence: DivergenceRule = "raise",
+        fluids: Fluids = "auto",
         runaway: float | None = None,
     ) -> None:
         require_scene(scene)
@@ -104,6 +108,7 @@ class Simulation:
             threads=threads,
             max_energy_growth=max_energy_growth,
             on_divergence=on_divergence,
+            fluids=fluids,
             runaway=runaway,
         )
         self._build(scene, check(options, scene))
@@ -163,7 +168,7 @@ class Simulation:
     @property
     def plan(self) -> Plan:
         """The plan: the stages of one step, and the choices that were made."""
-        plan = engine.plan(self._world, self._stepper.limit, self.dt)
+        plan = engine.plan(self._world, self._scene, self._stepper.limit, self.dt)
         return replace(
             plan, substeps=self.substeps, notes=(*plan.notes, *of_scene(self._scene), *self._stepper.notes())
         )
@@ -176,15 +181,21 @@ class Simulation:
     def __getitem__(self, item: ItemKey) -> Part:
         """The present state of one body, given itself, its index or its name; a Fluid's has densities and pressures.
 
-        Of a further system, given itself or its name: its fields. `simulation[item].set(…)` changes them.
+        Of a further system, given itself or its name: its fields. `simulation[item].set(…)` changes them. Of a probe
+        its pressure [Pa]; of a boundary, or a body in a fluid, the force of fluids on it [N], without surface tension.
         """
         path = self._scene.system(item)
         if path is not None:
             system = next(each for each in self._scene.systems if self._scene.system(each) == path)
             own = {name: self._world.read(f"{path}.{name}") for name in system.shapes()}
             return Part(self.time, system.shown(own), lambda values: self._set_fields(system, path, values))
+        measured = gauge(self._scene, item)
+        if measured is not None:
+            name, field, row = measured
+            return Part(self.time, {name: self._world.read(field)[row]}, _refuse)
         body = cast("BodyKey", item)
         fields = {name: self._world.read(name)[part] for name, part in body_fields(self._scene, body).items()}
+        fields |= {name: self._world.read(field)[row] for name, (field, row) in body_gauges(self._scene, body).items()}
         shown = {**fields, "positions": engine.show(fields["positions"], self._scene)}
         return Part(self.time, shown, lambda values: self._set_body(body, values))
 
@@ -239,7 +250,7 @@ class Simulation:
             duration: [s].
             fps: frames per second of simulated time.
             channels: what to keep of each frame, such as "positions" and "velocities", and with a Fluid "densities" and
-                "pressures"; None: all but those of fluids.
+                "pressures", "wall_forces" and "probe_pressures"; None: all but the first two of fluids.
             progress: whether to show a progress bar; None: on a terminal, when it takes longer than a second.
 
         Raises:
@@ -494,6 +505,11 @@ class Simulation:
                 raise SceneError(f"{path}: {error.args[0]}") from None
             values[where] = broadcast(part, values[where].shape, f"{path}[{shown(key)}]")
         return values
+
+
+def _refuse(values: Mapping[str, ArrayLike]) -> None:
+    """Nothing of what is measured can be set."""
+    raise SceneError(f"set.{next(iter(values), '')}: follows from the state of the fluid")
 
 
 def _numbers(value: object, path: str) -> NDArray[np.generic]:

@@ -10,7 +10,7 @@ import numpy as np
 
 from physcore.checks import BoolArray, FloatArray
 from physcore.errors import SceneError
-from physcore.scene.channels import OWNERS, body_fields
+from physcore.scene.channels import OWNERS, body_fields, body_gauges, gauge
 from physcore.scene.scene import BodyKey, ItemKey, Scene
 from physcore.simulation.energy import Amount, Energy
 
@@ -59,8 +59,14 @@ class Snapshot:
             own = {name: values for name, values in self.fields.items() if name.startswith(f"{path}.")}
             shown = next(each for each in self.scene.systems if self.scene.system(each) == path).shown
             return Snapshot(self.time, shown({name.removeprefix(f"{path}."): values for name, values in own.items()}))
-        parts = body_fields(self.scene, cast("BodyKey", key))
-        own = {name: self.fields[name][part] for name, part in parts.items() if name in self.fields}
+        measured = gauge(self.scene, key)
+        if measured is not None:
+            return Snapshot(self.time, {measured[0]: self.fields[measured[1]][measured[2]]})
+        body = cast("BodyKey", key)
+        own = {
+            name: self.fields[name][part] for name, part in body_fields(self.scene, body).items() if name in self.fields
+        }
+        own |= {name: self.fields[field][row] for name, (field, row) in body_gauges(self.scene, body).items()}
         return Snapshot(self.time, own)
 
     @property

@@ -55,14 +55,15 @@ def simulate(
         duration: [s].
         fps: frames per second of simulated time.
         channels: what to keep of each frame: "positions" and "velocities", of a Fluid also "densities" and "pressures",
-            of further systems their fields after their names, "pond.displacement"; None: all but those of fluids.
+            "wall_forces" and "probe_pressures", of further systems their fields after their names, "pond.displacement";
+            None: all but densities and pressures.
         progress: whether to show a progress bar; None: on a terminal, when it takes longer than a second.
         accuracy: how far any particle may be from where it should be, at any frame [m]; without particles, how far any
             value of the first field of the first system may be off, in its unit.
         energy_drift: how far the energy balance may drift, as `Recording.energy.drift` counts it.
-        numerics: integrator, dt, precision, threads, max_energy_growth, on_divergence, as in Simulation; dt is not to
-            be given with `accuracy` or `energy_drift`, and an integrator that is given, or one for each item, is the
-            only one that is tried.
+        numerics: integrator, dt, precision, threads, max_energy_growth, on_divergence, fluids, as in Simulation; dt is
+            not to be given with `accuracy` or `energy_drift`, and an integrator that is given, or one for each item, is
+            the only one that is tried.
 
     Raises:
         SceneError, SimulationDiverged: as for Simulation.
@@ -114,6 +115,7 @@ def _search(
         max_energy_growth=options.get("max_energy_growth"),
         on_divergence=numerics.on_divergence,
         integrators=given if isinstance(given, Mapping) else None,
+        fluids=options.get("fluids", "auto"),
     )
 
     def record(choice: Choice) -> Trial:

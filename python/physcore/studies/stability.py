@@ -10,7 +10,8 @@ import numpy as np
 
 from physcore.checks import flag
 from physcore.errors import SimulationDiverged
-from physcore.numerics.choices import check
+from physcore.numerics.choices import Numerics, check
+from physcore.numerics.fluids import Fluids
 from physcore.numerics.integrators import Integrator
 from physcore.scene.scene import Scene
 from physcore.simulation import engine
@@ -70,15 +71,21 @@ class MeasuredLimit:
 
 
 @overload
-def stability_limit(scene: Scene, integrator: Integrator | str, *, measured: Literal[False] = False) -> float: ...
+def stability_limit(
+    scene: Scene, integrator: Integrator | str, *, fluids: Fluids = "auto", measured: Literal[False] = False
+) -> float: ...
 
 
 @overload
-def stability_limit(scene: Scene, integrator: Integrator | str, *, measured: Literal[True]) -> MeasuredLimit: ...
+def stability_limit(
+    scene: Scene, integrator: Integrator | str, *, fluids: Fluids = "auto", measured: Literal[True]
+) -> MeasuredLimit: ...
 
 
 @spelled
-def stability_limit(scene: Scene, integrator: Integrator | str, *, measured: bool = False) -> float | MeasuredLimit:
+def stability_limit(
+    scene: Scene, integrator: Integrator | str, *, fluids: Fluids = "auto", measured: bool = False
+) -> float | MeasuredLimit:
     """The largest time step [s] at which a scene is stable, as it stands at the start; inf: any; 0.0: none is certain.
 
         pc.stability_limit(scene, "RungeKutta4")  # [s]
@@ -95,6 +102,7 @@ def stability_limit(scene: Scene, integrator: Integrator | str, *, measured: boo
     Args:
         scene: what to simulate.
         integrator: how, or its name.
+        fluids: how fluids are computed, as in Simulation.
         measured: whether to look for the limit by bisection of real runs too, of 2000 steps from the scene's start with
             every particle nudged a little; a `MeasuredLimit` then gives both, to a thousandth.
 
@@ -102,43 +110,45 @@ def stability_limit(scene: Scene, integrator: Integrator | str, *, measured: boo
         SceneError: an argument is not valid, or a particle starts outside a boundary.
     """
     require_scene(scene)
-    numerics = check({"integrator": integrator, "threads": 1}, scene)
+    numerics = check({"integrator": integrator, "threads": 1, "fluids": fluids}, scene)
     limit = engine.limit(engine.build(scene, numerics))
     if not flag(measured, "measured"):
         return limit.stability
     found = limit.stability
     if 0.0 < found < math.inf:
-        found = _bisect(scene, numerics.integrator, found)
+        found = _bisect(scene, numerics, found)
     return MeasuredLimit(numerics.integrator, found, limit.stability, limit.term)
 
 
-def _bisect(scene: Scene, integrator: Integrator, theory: float) -> float:
+def _bisect(scene: Scene, numerics: Numerics, theory: float) -> float:
     """The largest dt that holds, between one that does and one that does not."""
     holds, fails = theory, math.inf
-    while not _stable(scene, integrator, holds, theory):
+    while not _stable(scene, numerics, holds, theory):
         holds, fails = 0.5 * holds, holds
         if holds < theory / FARTHEST:
             return 0.0
     while math.isinf(fails):
         if holds > FARTHEST * theory:
             return holds
-        if _stable(scene, integrator, STRIDE * holds, theory):
+        if _stable(scene, numerics, STRIDE * holds, theory):
             holds *= STRIDE
         else:
             fails = STRIDE * holds
     while fails > holds * (1.0 + RESOLUTION):
         middle = 0.5 * (holds + fails)
-        if _stable(scene, integrator, middle, theory):
+        if _stable(scene, numerics, middle, theory):
             holds = middle
         else:
             fails = middle
     return holds
 
 
-def _stable(scene: Scene, integrator: Integrator, dt: float, theory: float) -> bool:
+def _stable(scene: Scene, numerics: Numerics, dt: float, theory: float) -> bool:
     """Whether a run holds for 2000 steps."""
     with unwarned():
-        run = Simulation(scene, integrator, dt, "f64", max_energy_growth=MAX_ENERGY_GROWTH)
+        run = Simulation(
+            scene, numerics.integrator, dt, "f64", max_energy_growth=MAX_ENERGY_GROWTH, fluids=numerics.fluids or "auto"
+        )
     places = place(run)
     # Of particles how far they are apart, of a field how far its values are.
     extent = float(np.ptp(places, axis=0 if scene.bodies else None).max()) or 1.0

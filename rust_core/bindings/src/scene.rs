@@ -24,13 +24,13 @@ pub fn read(scene: &Bound<'_, PyDict>) -> PyResult<(Scene, Vec<Arc<Function>>)> 
     let mut reader = Reader { dimension, functions: Vec::new() };
     let mut items = |name: &str| reader.items(&entry(scene, name)?, name);
     let (bodies, forces, boundaries) = (items("bodies")?, items("forces")?, items("boundaries")?);
-    let (constraints, systems) = (items("constraints")?, items("systems")?);
+    let (constraints, systems, probes) = (items("constraints")?, items("systems")?, items("probes")?);
     let domain = entry(scene, "periodic")?;
     let domain = if domain.is_none() { None } else { Some(reader.item(&domain, "periodic".to_owned())?) };
     let scene = py.detach(|| {
         let bodies = bodies.into_iter().map(|item| Body::new(item, dimension)).collect::<Result<_, _>>()?;
         let periodic = domain.map(|item| corners(&item, dimension)).transpose()?;
-        Ok(Scene { dimension, bodies, forces, boundaries, constraints, systems, periodic })
+        Ok(Scene { dimension, bodies, forces, boundaries, constraints, systems, probes, periodic })
     });
     Ok((scene.map_err(|error| exception(py, error))?, reader.functions))
 }

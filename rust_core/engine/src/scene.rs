@@ -27,6 +27,8 @@ pub struct Scene {
     pub constraints: Vec<Item>,
     /// The systems beside matter.
     pub systems: Vec<Item>,
+    /// The probes of pressure.
+    pub probes: Vec<Item>,
     /// The periodic domain: its lower and its upper corner [m], infinite along an axis that is not periodic.
     pub periodic: Option<[DVec3; 2]>,
 }

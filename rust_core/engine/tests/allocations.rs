@@ -76,17 +76,20 @@ fn steps_of_a_shifted_fluid_allocate_nothing() {
     let positions: Vec<DVec3> = (0..10).flat_map(|x| (0..20).map(move |y| DVec3::new(at(x), at(y), 0.0))).collect();
     let count = positions.len();
     let kernel = Item::new("WendlandC2", [("smoothing", Value::Number(1.5))]);
-    let fluid = [
-        ("spacing", Value::Number(spacing)),
-        ("density", Value::Number(1000.0)),
-        ("viscosity", Value::Number(1e-3)),
+    let method = [
         ("sound_speed", Value::Number(40.0)),
         ("artificial_viscosity", Value::Number(0.02)),
         ("density_diffusion", Value::Number(0.1)),
-        ("surface_tension", Value::Number(0.0)),
         ("shifting", Value::Number(6.0)),
         ("density_from", Value::Text("continuity".to_owned())),
         ("kernel", Value::Record(Box::new(kernel))),
+    ];
+    let fluid = [
+        ("method", Value::Record(Box::new(Item::new("WeaklyCompressible", method)))),
+        ("spacing", Value::Number(spacing)),
+        ("density", Value::Number(1000.0)),
+        ("viscosity", Value::Number(1e-3)),
+        ("surface_tension", Value::Number(0.0)),
         ("obstacles", Value::Flag(true)),
     ];
     let body = Body {

@@ -84,16 +84,19 @@ fn fluid() -> impl Strategy<Value = Item> {
     (numbers, kernel, any::<bool>()).prop_map(|((density, viscosity, sound_speed, alpha, tension), kernel, summation)| {
         let text = |text: &str| Value::Text(text.to_owned());
         let kernel = Item::new(kernel, [("smoothing", Value::Number(1.5))]);
-        let values = [
-            ("density", Value::Number(density)),
-            ("viscosity", Value::Number(viscosity)),
+        let method = [
             ("sound_speed", sound_speed.map_or_else(|| text("auto"), Value::Number)),
             ("artificial_viscosity", Value::Number(alpha)),
             ("density_diffusion", Value::Number(0.1)),
-            ("surface_tension", Value::Number(tension)),
             ("shifting", Value::Number(0.0)),
             ("density_from", text(if summation { "summation" } else { "continuity" })),
             ("kernel", Value::Record(Box::new(kernel))),
+        ];
+        let values = [
+            ("method", Value::Record(Box::new(Item::new("WeaklyCompressible", method)))),
+            ("density", Value::Number(density)),
+            ("viscosity", Value::Number(viscosity)),
+            ("surface_tension", Value::Number(tension)),
             ("obstacles", Value::Flag(true)),
         ];
         Item::new("Fluid", values)

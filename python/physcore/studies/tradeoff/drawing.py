@@ -11,10 +11,12 @@ from physcore.checks import shown
 from physcore.errors import PhyscoreError, SceneError
 from physcore.film import film as film_recordings
 from physcore.film.writers import WRITERS
+from physcore.numerics.fluids import FluidMethod
 from physcore.numerics.integrators import Integrator
 from physcore.simulation.simulation import Simulation
 from physcore.storage.files import replacing, require_writable
 from physcore.storage.formats import writable
+from physcore.studies.tradeoff.labels import differences
 from physcore.studies.tradeoff.result import CERTAIN, Measurements, Row
 
 if TYPE_CHECKING:
@@ -100,12 +102,18 @@ def plot(trade: Measurements, path: str | os.PathLike[str] | None, axes: Axes | 
     return axes
 
 
-Variant = tuple[str, float | None]
-"""What has a color of its own: the label of an integrator, and a resolution."""
+Variant = tuple[str, float | None, FluidMethod | None]
+"""What has a color of its own: the label of an integrator, a resolution, and a method for fluids."""
 
 
 def _variant(row: Row) -> Variant:
-    return row.label, row.resolution
+    return row.label, row.resolution, row.fluids
+
+
+def _name(variant: Variant) -> str:
+    label, resolution, fluids = variant
+    parts = [label, "" if resolution is None else f"{resolution:g}", "" if fluids is None else differences(fluids)]
+    return ", ".join(filter(None, parts))
 
 
 def _colors(trade: Measurements) -> dict[Variant, tuple[float, float, float]]:
@@ -131,8 +139,7 @@ def _explain(trade: Measurements, axes: Axes, colors: dict[Variant, tuple[float,
     precisions = dict.fromkeys(row.precision for row in trade.rows)
     variants = dict.fromkeys(map(_variant, trade.rows))
     handles: list[Artist] = [
-        Line2D([], [], color=colors[label, at], label=label if at is None else f"{label}, {at:g}", linewidth=2.5)
-        for label, at in variants
+        Line2D([], [], color=colors[variant], label=_name(variant), linewidth=2.5) for variant in variants
     ]
     handles += [
         Line2D([], [], color="0.3", linestyle=LINES[each], marker=MARKERS[each], markersize=4, label=each)
@@ -154,11 +161,18 @@ def _series(trade: Measurements) -> dict[tuple[Variant, str], list[Row]]:
 def film(trade: Measurements, path: str | os.PathLike[str], row: Row, fps: float, options: dict[str, Any]) -> None:
     """What was chosen beside the reference; see `Tradeoff.film`."""
     writable(path, WRITERS)
-    position = list(dict.fromkeys(each.resolution for each in trade.rows)).index(row.resolution)
+    position = list(dict.fromkeys((each.fluids, each.resolution) for each in trade.rows)).index(
+        (row.fluids, row.resolution)
+    )
     experiment, reference = trade.experiments[position], trade.references[position]
     chosen = Simulation(experiment.scene, **row.numerics).record(trade.duration, fps)
     truth = Simulation(
-        experiment.scene, reference.choice.integrator, experiment.dt(reference.choice), "f64", experiment.threads
+        experiment.scene,
+        reference.choice.integrator,
+        experiment.dt(reference.choice),
+        "f64",
+        experiment.threads,
+        fluids=experiment.fluids,
     ).record(trade.duration, fps)
     titles = [f"{row.label}, {row.precision}, {row.seconds:.2g} s", f"reference, ±{reference.uncertainty:.0e} m"]
     film_recordings([chosen, truth], path, **{"titles": titles, "size": (960, 480), **options})

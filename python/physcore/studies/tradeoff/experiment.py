@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 from physcore.checks import FloatArray, array
 from physcore.errors import SceneError, SimulationDiverged
 from physcore.numerics.choices import DivergenceRule
+from physcore.numerics.fluids import Fluids
 from physcore.numerics.integrators import Integrator
 from physcore.scene.scene import ItemKey, Scene
 from physcore.simulation.energy import Energy, EnergySeries
@@ -97,6 +98,8 @@ class Experiment:
     """As in Simulation."""
     integrators: Mapping[ItemKey, Integrator | str] | None = None
     """Those of the items, where they are given; a choice's is then that of the first."""
+    fluids: Fluids = "auto"
+    """As in Simulation."""
 
     @property
     def interval(self) -> float:
@@ -126,6 +129,7 @@ class Experiment:
                 self.threads,
                 max_energy_growth=self.max_energy_growth,
                 on_divergence=self.on_divergence,
+                fluids=self.fluids,
             )
 
     def observe(self, simulation: Simulation) -> FloatArray:

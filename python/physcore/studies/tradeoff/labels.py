@@ -1,4 +1,4 @@
-"""What integrators are called beside each other."""
+"""What integrators and methods for fluids are called beside each other."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from dataclasses import fields
 from typing import Any
 
+from physcore.numerics.fluids import FluidMethod
 from physcore.numerics.integrators import Integrator
 
 
@@ -24,6 +25,13 @@ def labels(integrators: Iterable[Integrator]) -> dict[Integrator, str]:
     return named
 
 
-def parameters(integrator: Integrator) -> dict[str, Any]:
+def differences(method: FluidMethod) -> str:
+    """A method for fluids by what is not its default, such as "WeaklyCompressible(shifting=6.0)"."""
+    default = {entry.name: entry.default for entry in fields(method)}
+    other = [f"{name}={value}" for name, value in parameters(method).items() if value != default[name]]
+    return f"{type(method).__name__}({', '.join(other)})"
+
+
+def parameters(method: Integrator | FluidMethod) -> dict[str, Any]:
     """The arguments that it was made with, by name."""
-    return {entry.name: getattr(integrator, entry.name) for entry in fields(integrator)}
+    return {entry.name: getattr(method, entry.name) for entry in fields(method)}

@@ -12,6 +12,7 @@ import numpy as np
 from physcore.checks import FloatArray, count, flag, items, number, shown, span, words
 from physcore.errors import SceneError
 from physcore.numerics.choices import MOST_THREADS, suited
+from physcore.numerics.fluids import FluidMethod, WeaklyCompressible, fluid_method, fluid_methods
 from physcore.numerics.integrators import INTEGRATORS, INTEGRATORS_BY_NAME, Integrator, made
 from physcore.progress import Progress
 from physcore.scene.scene import Scene
@@ -42,6 +43,7 @@ def tradeoff(
     precisions: Sequence[Literal["f32", "f64"]] = PRECISIONS,
     dts: Sequence[float] | None = None,
     resolutions: Sequence[float] | None = None,
+    fluids: Sequence[FluidMethod | str] | None = None,
     observe: Observer | None = None,
     budget: float = 30.0,
     threads: int | None = None,
@@ -72,6 +74,9 @@ def tradeoff(
             them whatever the budget; None: the search.
         resolutions: what to call `scene` with, from the coarsest to the finest. The references at all of them say how
             much of the error is the resolution's: it is added to that of the time steps.
+        fluids: the methods to compare for the fluids of the scene, or their names; None: the default alone. The errors
+            of time steps are those from the reference of the same method: give `resolutions` for the errors of the
+            methods themselves, each from what its own resolutions tend to.
         observe: what to compare, as a function of the simulation that gives an array of numbers; None: the positions of
             all particles [m], and the centers of the bodies where there are resolutions; without particles the first
             field of the first system.
@@ -108,14 +113,18 @@ def tradeoff(
         if observer is None:
             needed = 8 * COPIES * (SAMPLES + 1) * size(each)
             refuse_if_too_large(SAMPLES + 1, each, needed, "observe fewer numbers: observe=…")
-    experiments = [Experiment(each, interval, team, observer) for each in scenes]
+    methods = (None,) if fluids is None else _fluids(fluids, scenes[0])
+    experiments = [
+        Experiment(each, interval, team, observer, fluids=method or "auto") for method in methods for each in scenes
+    ]
     with Progress(round(TICKS * patience), "measuring", bars) as bar:
         diagrams = _diagrams(experiments, chosen, kinds, steps, random, patience, bar)
     rows: list[Row] = []
-    for diagram, resolution, error in zip(
-        diagrams, resolutions or (None,), _discretization(diagrams, resolutions), strict=True
-    ):
-        rows += diagram.rows(resolution, error)
+    for index, method in enumerate(methods):
+        own = diagrams[index * len(scenes) : (index + 1) * len(scenes)]
+        errors = _discretization(own, resolutions)
+        for diagram, resolution, error in zip(own, resolutions or (None,), errors, strict=True):
+            rows += diagram.rows(resolution, error, method)
     notes = dict.fromkeys(note for diagram in diagrams for note in diagram.notes)
     return Tradeoff(
         rows=tuple(rows),
@@ -192,6 +201,17 @@ def _integrators(integrators: Sequence[Integrator | str]) -> list[Integrator]:
     if not given:
         raise SceneError("integrators: must not be empty")
     return list(dict.fromkeys(each for each in given if isinstance(each, Integrator)))
+
+
+def _fluids(methods: Sequence[FluidMethod | str], scene: Scene) -> tuple[FluidMethod, ...]:
+    """Some methods for fluids, each once."""
+    given = [fluid_method(each, f"fluids[{index}]") for index, each in enumerate(items(methods, "fluids", "methods"))]
+    if not given:
+        raise SceneError("fluids: must not be empty")
+    found = tuple(dict.fromkeys(method or WeaklyCompressible() for method in given))
+    for method in found:
+        fluid_methods(method, scene)
+    return found
 
 
 def _centers(simulation: Simulation) -> FloatArray:

@@ -10,7 +10,7 @@ from html import escape
 from typing import Any
 
 from physcore.numerics.integrators import Integrator
-from physcore.studies.tradeoff.labels import labels, parameters
+from physcore.studies.tradeoff.labels import differences, labels, parameters
 from physcore.studies.tradeoff.reference import Reference
 from physcore.studies.tradeoff.restarts import Windows
 from physcore.studies.tradeoff.result import CERTAIN, Measurements, Row
@@ -52,7 +52,8 @@ def table(trade: Measurements) -> str:
     """Every row, with marks: * on the Pareto front, ~ an error that the reference hardly resolves, ? a noisy time."""
     front = set(map(id, trade.front))
     resolved = trade.rows and trade.rows[0].resolution is not None
-    header = ["", "integrator", "dt [s]", "", *(["resolution"] if resolved else [])]
+    compared = trade.rows and trade.rows[0].fluids is not None
+    header = ["", "integrator", "dt [s]", "", *(["fluids"] if compared else []), *(["resolution"] if resolved else [])]
     header += ["seconds", "evaluations", "error [m]", "energy drift", "status"]
     lines = [header, *(_cells(row, id(row) in front) for row in trade.rows)]
     widths = [max(len(line[column]) for line in lines) for column in range(len(header))]
@@ -93,6 +94,7 @@ def _cells(row: Row, on_front: bool) -> list[str]:
         row.label,
         f"{row.dt:.4g}",
         row.precision,
+        *([differences(row.fluids)] if row.fluids is not None else []),
         *([f"{row.resolution:g}"] if row.resolution is not None else []),
         f"{row.seconds:.3g}{'?' if row.noisy else ' '}",
         str(row.evaluations),
@@ -253,7 +255,11 @@ def document(trade: Measurements) -> dict[str, Any]:
         ],
         "notes": list(trade.notes),
         "rows": [
-            {**{name: _plain(value) for name, value in asdict(row).items()}, **_method(row.integrator)}
+            {
+                **{name: _plain(value) for name, value in asdict(row).items()},
+                **_method(row.integrator),
+                "fluids": None if row.fluids is None else differences(row.fluids),
+            }
             for row in trade.rows
         ],
     }

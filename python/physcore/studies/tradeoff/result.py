@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from physcore.checks import number
 from physcore.errors import PhyscoreError, SceneError
 from physcore.numerics.choices import Options
+from physcore.numerics.fluids import FluidMethod
 from physcore.numerics.integrators import Integrator
 from physcore.scene.scene import Scene
 
@@ -73,11 +74,14 @@ class Row:
     """Where trajectories are lost: the average that is furthest from the reference's."""
     prediction: Prediction | None = None
     """For a row that was held out: what was expected of it."""
+    fluids: FluidMethod | None = None
+    """How fluids are computed, where that was a question."""
 
     @property
     def numerics(self) -> Options:
         """Keyword arguments for `Simulation`."""
-        return Options(integrator=self.integrator, dt=self.dt, precision=self.precision, threads=self.threads)
+        chosen = Options(integrator=self.integrator, dt=self.dt, precision=self.precision, threads=self.threads)
+        return chosen if self.fluids is None else {**chosen, "fluids": self.fluids}
 
     @property
     def total_error(self) -> float:
@@ -101,6 +105,7 @@ class Row:
 
     def __str__(self) -> str:
         at = "" if self.resolution is None else f", resolution {self.resolution:g}"
+        at = at if self.fluids is None else f"{at}, {self.fluids}"
         error = f"{self.total_error:.2g}" if self.status != "diverged" else "—"
         return (
             f"{self.label}, dt = {self.dt:.4g} s, {self.precision}{at}: error {error} m "
@@ -118,7 +123,7 @@ class Measurements:
     """What the errors are: of whole trajectories; where those are lost, over short windows from points of a reference,
     or until they are."""
     references: tuple[Reference | Windows, ...]
-    """What each scene was compared with, one for each resolution."""
+    """What each scene was compared with, one for each method for fluids and each resolution."""
     chaos: tuple[Chaos, ...]
     """What a twin run found, likewise."""
     experiments: tuple[Experiment, ...]

@@ -12,6 +12,7 @@ from typing import Literal
 import numpy as np
 
 from physcore.errors import PhyscoreError, SceneError, SimulationDiverged
+from physcore.numerics.fluids import FluidMethod
 from physcore.numerics.integrators import Integrator
 from physcore.studies.tradeoff import reference, restarts
 from physcore.studies.tradeoff.budget import Budget
@@ -112,7 +113,9 @@ class WorkPrecisionDiagram:
         """How many of the samples can be compared."""
         return max(2, int(np.sum(self.chaos.times <= self.chaos.horizon)))
 
-    def rows(self, resolution: float | None = None, discretization_error: float = 0.0) -> list[Row]:
+    def rows(
+        self, resolution: float | None = None, discretization_error: float = 0.0, fluids: FluidMethod | None = None
+    ) -> list[Row]:
         """What was found; `time` comes first."""
         return [
             Row(
@@ -133,6 +136,7 @@ class WorkPrecisionDiagram:
                 resolution=resolution,
                 discretization_error=discretization_error,
                 bias=measurement.bias,
+                fluids=fluids,
                 prediction=series.prediction(measurement) if measurement.held_out else None,
             )
             for series in self._series

@@ -19,6 +19,9 @@ use crate::matter::Properties;
 use crate::scene::Item;
 use crate::stability::{Horizon, SpectralBound};
 
+/// Its name.
+const NAME: &str = "CentralForce";
+
 /// Steps per period of the fastest orbit at an automatic time step.
 const STEPS_PER_TURN: f64 = 100.0;
 
@@ -42,7 +45,22 @@ pub fn kind<V: Vector>() -> Kind<V> {
     let build = |declared: &Declared<'_, V>| -> Result<Forces<V>> {
         Ok(vec![Box::new(Central::<V>::new(declared.item, declared.mask())?)])
     };
-    Kind { name: "CentralForce", reach: Reach::Pointwise, charges: false, build }
+    Kind { name: NAME, reach: Reach::Pointwise, charges: false, build }
+}
+
+/// The speed [m/s] of particles of this mass that fall from where the potential is highest to the center, or where it has no
+/// bottom there, to the particle nearest to it; none if the item is another force.
+pub fn fall(item: &Item, mass: f64, positions: &[DVec3]) -> Result<Option<f64>> {
+    if item.kind != NAME {
+        return Ok(None);
+    }
+    let law = Central::<DVec3>::new(item, Vec::new())?;
+    let potential = |distance: f64| law.potential_at(distance * distance + law.softening * law.softening);
+    let distances = || positions.iter().map(|x| (*x - law.center).length());
+    let (nearest, farthest) = (distances().fold(f64::INFINITY, f64::min), distances().fold(0.0, f64::max));
+    let lowest = if law.exponent > -1.0 || law.softening > 0.0 { 0.0 } else { nearest };
+    let drop = if positions.is_empty() { 0.0 } else { (potential(farthest) - potential(lowest)).abs() };
+    Ok(Some((2.0 * drop / mass).sqrt()))
 }
 
 impl<V: Vector> Central<V> {

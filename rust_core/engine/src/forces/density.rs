@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use super::StateView;
+use super::sph::Gauges;
 use crate::error::Result;
 use crate::math::{Real, Vector};
 use crate::matter::{Power, Span, View};
@@ -88,6 +89,9 @@ pub trait DensityEvolution<V: Vector> {
 
     /// The Mach number at these velocities.
     fn mach(&self, velocity: View<'_, V>) -> Mach;
+
+    /// The gauges of pressure and force, if there is anything to measure on.
+    fn gauges(&self) -> Option<&Gauges>;
 
     /// Writes density and pressure, indexed by particle.
     fn export(&self, fields: &mut Fields);

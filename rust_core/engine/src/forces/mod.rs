@@ -146,6 +146,8 @@ pub struct About {
     pub bytes: usize,
     /// Its layout, for the plan; empty if there is nothing to say.
     pub layout: String,
+    /// What else the plan says of it.
+    pub remarks: Vec<String>,
     /// What was found when it was last asked for its part of the bound on the time step, for the plan; empty likewise.
     pub findings: String,
 }
@@ -164,6 +166,7 @@ impl About {
             force_error: 0.0,
             bytes: 0,
             layout: String::new(),
+            remarks: Vec::new(),
             findings: String::new(),
         }
     }

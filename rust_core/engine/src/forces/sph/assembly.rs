@@ -1,10 +1,11 @@
 //! Construction of a scene's fluids: pair laws from the materials, initial densities and volumes from the positions.
 
 use super::Fluids;
+use super::gauges::Gauges;
 use super::kernel::{self, Kernel, Shape};
 use super::laws::{Continuity, Extrapolation, FORCES, KINDS, Momentum, OBSTACLE, PairCoefficients};
 use super::shifting::Shifting;
-use super::start::{self, Material, Materials};
+use super::start::{self, Choice, Material, Materials};
 use super::summation::Summation;
 use super::surface::Surface;
 use super::tension::Tension;
@@ -59,6 +60,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
         let momentum = Momentum { kernel, coefficients, for_particle: coefficients[0], density, softening: number(0.01 * h * h) };
         let extrapolation = Extrapolation { kernel, density, gravity: common.gravity.to_array().map(number) };
         let waves = kernel::waves::<K>(V::DIMENSION);
+        let measures = !(walls.is_empty() && obstacles.is_empty() && scene.probes.is_empty());
         let mut fluids = Self {
             mass: kind.iter().map(|&kind| materials.fluid(kind).unwrap_or(common).mass).collect(),
             density: Vec::new(),
@@ -75,7 +77,8 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
             strongest: None,
             saved_strongest: 0.0,
             summation: materials.summation.then(|| Summation::new(kernel, &materials, kind.len())),
-            shifting: (materials.shifting > 0.0).then(|| Shifting::new(kernel, common, materials.shifting, kind.len())),
+            shifting: None,
+            gauges: measures.then(|| Gauges::new::<K>(scene, properties.origin, &walls, 2.0 * h)).transpose()?,
             materials,
             kind,
             obstacles,
@@ -86,7 +89,41 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
             walls,
         };
         fluids.fill_space(scene, properties, executor)?;
+        fluids.choose_shifting(scene, properties, executor)?;
         Ok(fluids)
+    }
+
+    /// Turns shifting on, where it is asked for, or left open and safe: where no force acts on the fluid, or there is no free
+    /// surface, shifts lift nothing.
+    fn choose_shifting(&mut self, scene: &Scene, properties: &Properties<V>, executor: &Executor) -> Result<()> {
+        let coefficient = match self.materials.shifting {
+            Choice::Given(coefficient) => coefficient,
+            Choice::Auto => {
+                if unforced(scene) || self.is_closed(scene, properties, executor)? {
+                    start::SHIFTING
+                } else {
+                    0.0
+                }
+            }
+        };
+        if coefficient > 0.0 {
+            let common = self.materials.first();
+            self.shifting = Some(Shifting::new(self.continuity.kernel, common, coefficient, self.kind.len()));
+        }
+        Ok(())
+    }
+
+    /// Whether the fluid starts without a free surface.
+    fn is_closed(&mut self, scene: &Scene, properties: &Properties<V>, executor: &Executor) -> Result<bool> {
+        let at = properties.relative(&scene.positions());
+        self.search(&|axis, index| at[index][axis], executor)?;
+        executor.check()?;
+        let Self { neighbor_list, records, surface, walls, materials, kind, mass, density, .. } = self;
+        records.fill(neighbor_list.neighbors(), neighbor_list.positions(), executor, &|member, record| {
+            record[2 * V::DIMENSION] = V::Scalar::from_f64(mass[member] / density[member]).tagged(kind[member]);
+        });
+        surface.update((neighbor_list, records), walls, (materials, kind), density, executor);
+        Ok(surface.is_closed())
     }
 
     /// Sets the hydrostatic density of every fluid particle, and the volume of every obstacle particle: 1/Σ W over
@@ -124,6 +161,11 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
         }
         Ok(())
     }
+}
+
+/// Whether no force of the scene acts on a fluid.
+fn unforced(scene: &Scene) -> bool {
+    !start::fluids(scene).any(|(body, _)| scene.forces.iter().any(|item| item.acts_on(body)))
 }
 
 /// The kernel W(r) of a fluid, in double precision.

@@ -9,16 +9,19 @@
 //!
 //! [`laws`] holds the pair laws, [`kernel`] the smoothing kernels, [`walls`] the mirror images behind walls, [`surface`]
 //! the detection of free surfaces and [`tension`] surface tension; [`shifting`] restores even particle distributions;
-//! [`start`] completes the parameters of the scene, and [`assembly`] constructs the force.
+//! [`gauges`] measure pressures and the forces on walls; [`start`] completes the parameters of the scene, and [`assembly`]
+//! constructs the force.
 
 use std::ops::Range;
+
+use glam::DVec3;
 
 use super::neighbor_list::NeighborList;
 use super::{About, DensityEvolution, Drift, Fields, Force, Mach, Rates, Reach, Scheme, StateView, Validity, VelocityDependence};
 use crate::error::Result;
 use crate::history::{Archive, History};
 use crate::ledger::{Class, Ledger};
-use crate::math::{Real, Vector};
+use crate::math::{AXES, Real, Vector};
 use crate::matter::{self, EnergySink, Power, Properties, Span};
 use crate::neighbors::sums::Records;
 use crate::parallel::{BlockedSlice, Executor};
@@ -27,6 +30,7 @@ use crate::simd::LANES;
 use crate::stability::{Horizon, SpectralBound};
 
 mod assembly;
+mod gauges;
 mod images;
 mod kernel;
 mod laws;
@@ -38,6 +42,8 @@ mod surface;
 mod tension;
 mod walls;
 
+use gauges::Flow;
+pub use gauges::Gauges;
 use images::WallCondition;
 use kernel::{CubicSpline, Shape, Wave, WendlandC2, WendlandC4};
 use laws::{Continuity, Extrapolation, FORCES, Momentum, OBSTACLE, SOLID, VISCOUS};
@@ -59,7 +65,7 @@ const BLOCK: usize = 1024;
 pub fn fluid<V: Vector>(scene: &Scene, properties: &Properties<V>, executor: &Executor) -> Result<Option<Box<dyn Force<V>>>> {
     let Some((_, fluid)) = start::fluids(scene).next() else { return Ok(None) };
     let materials = Materials::of(scene)?;
-    let kernel = fluid.record("kernel")?;
+    let kernel = start::method(fluid)?.record("kernel")?;
     match kernel.kind.as_str() {
         "WendlandC2" if !materials.are_mixed() => with::<V, WendlandC2, false>(scene, properties, materials, executor),
         "WendlandC2" => with::<V, WendlandC2, true>(scene, properties, materials, executor),
@@ -141,6 +147,8 @@ struct Fluids<V: Vector, K, const MIXED: bool> {
     /// Sums of [`Momentum`] by slot: force and power densities.
     forces: Vec<[V::Scalar; FORCES]>,
     walls: Walls,
+    /// What is measured, if there is anything to measure on.
+    gauges: Option<Gauges>,
     surface: Surface<V, K>,
     /// The waves resolved by the kernel, for unit smoothing length.
     waves: Vec<Wave>,
@@ -207,6 +215,28 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
         Ok(tension.energy((&neighbor_list, &mut records), &walls, &self.kind, &|member| self.rest_volume(member), executor))
     }
 
+    /// Reads the gauges at a state for which the forces are known.
+    fn measure(&mut self, at: &StateView<'_, V>) {
+        let Some(mut gauges) = self.gauges.take() else { return };
+        let force = |slot: usize| {
+            let mut along = [0.0; AXES];
+            along.iter_mut().zip(&self.forces[slot]).take(V::DIMENSION).for_each(|(to, force)| *to = force.to_f64());
+            DVec3::from_array(along)
+        };
+        let flow = Flow {
+            neighbor_list: &self.neighbor_list,
+            walls: &self.walls,
+            materials: &self.materials,
+            kind: &self.kind,
+            body: &|member| at.properties.body[self.neighbor_list.members()[member] as usize] as usize,
+            volume: &|member| self.volume(member),
+            pressure: &|member| self.materials.fluid(self.kind[member]).map_or(0.0, |fluid| fluid.pressure(self.density[member])),
+            force: &force,
+        };
+        gauges.update::<K>(at.time, &flow);
+        self.gauges = Some(gauges);
+    }
+
     /// Memory [bytes].
     fn bytes(&self) -> usize {
         let own = 2 * std::mem::size_of_val(self.rates.as_slice()) + std::mem::size_of_val(self.forces.as_slice());
@@ -215,7 +245,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
         let counts = self.summation.as_ref().map_or(0, Summation::bytes);
         let pulls = self.tension.as_ref().map_or(0, Tension::bytes) + self.shifting.as_ref().map_or(0, Shifting::bytes);
         let parts = self.neighbor_list.bytes() + self.records.bytes() + self.walls.bytes() + self.surface.bytes();
-        counts + pulls + parts + own + numbers + indices
+        counts + pulls + parts + own + numbers + indices + self.gauges.as_ref().map_or(0, Gauges::bytes)
     }
 }
 
@@ -224,12 +254,14 @@ impl<V: Vector, K: Shape, const MIXED: bool> History for Fluids<V, K, MIXED> {
         self.neighbor_list.save();
         self.saved_density.copy_from_slice(&self.density);
         self.surface.save();
+        self.gauges.iter_mut().for_each(History::save);
         self.saved_strongest = self.strongest();
     }
 
     fn rollback(&mut self) {
         self.density.copy_from_slice(&self.saved_density);
         self.surface.rollback();
+        self.gauges.iter_mut().for_each(History::rollback);
         self.strongest = Some(self.saved_strongest);
         self.neighbor_list.rollback();
     }
@@ -237,6 +269,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> History for Fluids<V, K, MIXED> {
     fn capture(&self, archive: &mut Archive) {
         archive.write(self.density.iter().copied().chain([self.strongest()]));
         self.surface.capture(archive);
+        self.gauges.iter().for_each(|gauges| gauges.capture(archive));
         self.neighbor_list.capture(archive);
     }
 
@@ -244,6 +277,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> History for Fluids<V, K, MIXED> {
         archive.read_into(&mut self.density)?;
         self.strongest = Some(archive.read(1)?[0]);
         self.surface.restore(archive)?;
+        self.gauges.iter_mut().try_for_each(|gauges| gauges.restore(archive))?;
         self.neighbor_list.restore(archive)
     }
 }
@@ -331,6 +365,10 @@ impl<V: Vector, K: Shape, const MIXED: bool> DensityEvolution<V> for Fluids<V, K
         self.speed(velocity)
     }
 
+    fn gauges(&self) -> Option<&Gauges> {
+        self.gauges.as_ref()
+    }
+
     fn export(&self, fields: &mut Fields) {
         for (member, &index) in self.neighbor_list.members().iter().enumerate() {
             if let Some(fluid) = self.materials.fluid(self.kind[member]) {
@@ -355,6 +393,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> Force<V> for Fluids<V, K, MIXED> {
             pairs: 2 * self.neighbor_list.pairs(),
             bytes: self.bytes(),
             layout: format!("sound at {:.4} m/s; {shifts}{}", self.materials.first().sound_speed, self.neighbor_list.layout()),
+            remarks: self.materials.remarks.clone(),
             ..About::new("fluid", Reach::Pairs)
         }
     }
@@ -389,8 +428,9 @@ impl<V: Vector, K: Shape, const MIXED: bool> Force<V> for Fluids<V, K, MIXED> {
             }
         }
         let condition = WallCondition { weight: materials.first().gravity, no_slip: true };
-        walls.add(*momentum, &condition, (neighbor_list, records), forces, executor);
+        walls.press(*momentum, &condition, (neighbor_list, records), forces, executor);
         self.strongest = None;
+        self.measure(at);
         Ok(())
     }
 

@@ -8,7 +8,7 @@ use super::laws::{KINDS, OBSTACLE};
 use super::walls::Side;
 use crate::boundaries::{self, Gap, Path, Wall};
 use crate::error::{Error, Result};
-use crate::forces::{gravity, is_between_pairs};
+use crate::forces::{central, gravity, is_between_pairs};
 use crate::math::Real;
 use crate::scene::{Item, Scene, Value};
 
@@ -17,6 +17,16 @@ const GAMMA: i32 = 7;
 
 /// The speed of sound in units of the fastest flow: density then varies by some (1/10)² = 1 %.
 const SOUND: f64 = 10.0;
+
+/// Velocity in the middle of a turbulent channel in units of √(τ/ρ), τ the stress at its walls: S. B. Pope, Turbulent Flows
+/// (2000), § 7.1.
+const TURBULENT: f64 = 20.0;
+
+/// The coefficient α of the artificial viscosity that a fluid needs, as far as its own viscosity does not do what it does.
+const ARTIFICIAL: f64 = 0.02;
+
+/// The coefficient A of shifting where it is safe.
+pub const SHIFTING: f64 = 6.0;
 
 /// The square of the speed of sound in units of σ/ρ₀Δ: above a hundred σ/ρ₀R for radii of three spacings and more.
 const TENSION: f64 = 40.0;
@@ -97,6 +107,28 @@ impl Material {
     }
 }
 
+/// A choice that may be left open.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Choice {
+    Given(f64),
+    Auto,
+}
+
+impl Choice {
+    /// The choice that an item names.
+    fn of(item: &Item, name: &str) -> Result<Self> {
+        match item.values.get(name) {
+            Some(Value::Text(word)) if word == "auto" => Ok(Self::Auto),
+            _ => item.non_negative(name).map(Self::Given),
+        }
+    }
+}
+
+/// The numerical method of a fluid.
+pub fn method(fluid: &Item) -> Result<&Item> {
+    fluid.record("method")
+}
+
 /// The kind of a body that is a fluid.
 pub const KIND: &str = "Fluid";
 
@@ -108,10 +140,26 @@ pub fn fluids(scene: &Scene) -> impl Iterator<Item = (usize, &Item)> {
     scene.bodies.iter().map(|body| &body.item).enumerate().filter(|(_, item)| item.kind == KIND)
 }
 
+/// The boundaries that fluids meet: the index of each, and what it says.
+fn met(scene: &Scene) -> impl Iterator<Item = (usize, &Item)> {
+    let meets = |item: &Item| fluids(scene).any(|(body, _)| item.acts_on(body));
+    scene.boundaries.iter().enumerate().filter(move |(_, item)| meets(item))
+}
+
+/// The index of the boundary of each of the walls.
+pub fn boundaries_of_walls(scene: &Scene, origin: DVec3) -> Result<Vec<usize>> {
+    let mut found = Vec::new();
+    for (index, item) in met(scene) {
+        let count = boundaries::build(item, scene.dimension, origin)?.walls().len();
+        found.extend(std::iter::repeat_n(index, count));
+    }
+    Ok(found)
+}
+
 /// The walls of the fluid, relative to an origin.
 pub fn walls(scene: &Scene, origin: DVec3) -> Result<Vec<Side>> {
     let mut walls = Vec::new();
-    for item in scene.boundaries.iter().filter(|item| fluids(scene).any(|(body, _)| item.acts_on(body))) {
+    for (_, item) in met(scene) {
         let no_slip = if item.values.contains_key("no_slip") { item.flag("no_slip")? } else { false };
         let boundary = boundaries::build(item, scene.dimension, origin)?;
         walls.extend(boundary.walls().iter().map(|wall| Side { wall: wall.clone(), no_slip }));
@@ -128,7 +176,9 @@ pub struct Materials {
     /// Whether density is summed over positions.
     pub summation: bool,
     /// The coefficient A of shifting.
-    pub shifting: f64,
+    pub shifting: Choice,
+    /// What the plan says of them.
+    pub remarks: Vec<String>,
 }
 
 impl Materials {
@@ -137,7 +187,13 @@ impl Materials {
     /// # Errors
     /// If they are too many or have different kernels, or the speed of sound can neither be found nor is given.
     pub fn of(scene: &Scene) -> Result<Self> {
-        let mut materials = Self { fluids: Vec::new(), of_body: vec![None; scene.bodies.len()], summation: false, shifting: 0.0 };
+        let mut materials = Self {
+            fluids: Vec::new(),
+            of_body: vec![None; scene.bodies.len()],
+            summation: false,
+            shifting: Choice::Given(0.0),
+            remarks: Vec::new(),
+        };
         let mut shared: Option<(usize, &Item)> = None;
         for (body, fluid) in fluids(scene) {
             let (first, model) = *shared.get_or_insert((body, fluid));
@@ -149,12 +205,10 @@ impl Materials {
                 )
                 .with_hint("fluids of one scene may differ in density, viscosity and surface tension alone"));
             }
-            materials.summation = fluid.word("density_from", &["continuity", "summation"])? == "summation";
-            materials.shifting = fluid.non_negative("shifting")?;
-            if materials.shifting > 0.0 {
-                materials.check_shifting(scene, body, fluid)?;
-            }
+            materials.summation = method(fluid)?.word("density_from", &["continuity", "summation"])? == "summation";
+            materials.choose_shifting(scene, body, fluid)?;
             let material = Material::of(scene, fluid)?;
+            materials.remarks.extend(material.remark(scene, body));
             let known = materials.fluids.iter().position(|other| *other == material);
             if known.is_none() && materials.fluids.len() == usize::from(OBSTACLE) {
                 return Err(Error::parameter(format!("bodies[{body}]"), "at most three kinds of fluid", "a fourth"));
@@ -169,15 +223,33 @@ impl Materials {
         Ok(materials)
     }
 
+    /// Takes the shifting that a fluid asks for, if it may be shifted; where it is left open, none if it may not.
+    fn choose_shifting(&mut self, scene: &Scene, body: usize, fluid: &Item) -> Result<()> {
+        self.shifting = match Choice::of(method(fluid)?, "shifting")? {
+            Choice::Given(coefficient) => {
+                if coefficient > 0.0 {
+                    self.check_shifting(scene, body, fluid, coefficient)?;
+                }
+                Choice::Given(coefficient)
+            }
+            // Fluids that meet would mix.
+            Choice::Auto if fluids(scene).nth(1).is_some() => Choice::Given(0.0),
+            Choice::Auto if self.check_shifting(scene, body, fluid, SHIFTING).is_err() => Choice::Given(0.0),
+            Choice::Auto => Choice::Auto,
+        };
+        Ok(())
+    }
+
     /// Looks whether a fluid that is to be shifted may be.
-    fn check_shifting(&self, scene: &Scene, body: usize, fluid: &Item) -> Result<()> {
-        let refused = |expected: &str| fluid.wrong("shifting", expected, Some(&Value::Number(self.shifting)));
+    fn check_shifting(&self, scene: &Scene, body: usize, fluid: &Item, coefficient: f64) -> Result<()> {
+        let found = Value::Number(coefficient);
+        let refused = |expected: &str| Ok(method(fluid)?.wrong("shifting", expected, Some(&found)));
         if self.summation {
-            return Err(refused("0 where density is counted by summation")
+            return Err(refused("0 where density is counted by summation")?
                 .with_hint("the energy of such a fluid is that of its particles' positions, and keeps them apart"));
         }
         if fluid.number("surface_tension")? > 0.0 {
-            return Err(refused("0 where there is surface tension")
+            return Err(refused("0 where there is surface tension")?
                 .with_hint("what a shift changes in the energy of surfaces is not counted"));
         }
         match scene.forces.iter().find(|item| is_between_pairs(item) && item.acts_on(body)) {
@@ -238,31 +310,106 @@ impl Material {
         if let Some([lower, upper]) = scene.periodic {
             (0..scene.dimension).filter(|&axis| (upper[axis] - lower[axis]).is_finite()).for_each(|axis| gravity[axis] = 0.0);
         }
-        let sound_speed = match fluid.values.get("sound_speed") {
-            Some(Value::Text(word)) if word == "auto" => enough_sound(scene, first, gravity)?,
-            _ => fluid.number("sound_speed")?,
+        let method = method(fluid)?;
+        let (density, spacing, viscosity) = (fluid.number("density")?, fluid.number("spacing")?, fluid.number("viscosity")?);
+        let sound_speed = match Choice::of(method, "sound_speed")? {
+            Choice::Auto => enough_sound(scene, first, gravity)?,
+            Choice::Given(speed) => speed,
         };
-        let (density, spacing) = (fluid.number("density")?, fluid.number("spacing")?);
+        let smoothing_length = method.record("kernel")?.number("smoothing")? * spacing;
+        let artificial_viscosity = match Choice::of(method, "artificial_viscosity")? {
+            Choice::Auto => {
+                let own = viscosity / (density * smoothing_length * sound_speed * share(scene.dimension));
+                (ARTIFICIAL - own).max(0.0)
+            }
+            Choice::Given(coefficient) => coefficient,
+        };
         Ok(Self {
             mass: density * if scene.dimension == 2 { spacing.powi(2) } else { spacing.powi(3) },
             density,
             sound_speed,
-            smoothing_length: fluid.record("kernel")?.number("smoothing")? * spacing,
+            smoothing_length,
             spacing,
-            viscosity: fluid.number("viscosity")?,
-            artificial_viscosity: fluid.number("artificial_viscosity")?,
-            density_diffusion: fluid.number("density_diffusion")?,
+            viscosity,
+            artificial_viscosity,
+            density_diffusion: method.number("density_diffusion")?,
             surface_tension: fluid.number("surface_tension")?,
             gravity,
         })
     }
+
+    /// What the plan says of the viscosity of a body of this material, where not all of it is the fluid's own.
+    fn remark(&self, scene: &Scene, body: usize) -> Option<String> {
+        let more = self.artificial() * share(scene.dimension);
+        let (length, whole) = (extent(scene), self.viscosity + more);
+        let reynolds = self.density * self.sound_speed / SOUND * length / whole;
+        (more > 0.0).then(|| {
+            format!(
+                "bodies[{body}]: viscosity {whole:.1e} Pa·s, of which {more:.1e} are artificial (α = {:.2e}) and {:.1e} its own; at \
+                 c/10 over {length:.3} m the Reynolds number is {reynolds:.0}, and grows with resolution",
+                self.artificial_viscosity, self.viscosity,
+            )
+        })
+    }
 }
 
-/// Estimate of the largest speed [m/s]: the initial one, or that of a fall from the highest fluid to the lowest wall below
-/// any of it.
-fn fastest(scene: &Scene, gravity: DVec3) -> Result<f64> {
+/// Dynamic viscosity of the artificial one over αhcρ₀, 1/2(D + 2): J. J. Monaghan, Rep. Prog. Phys. 68 (2005) 1703.
+fn share(dimension: usize) -> f64 {
+    1.0 / (2.0 * (dimension as f64 + 2.0))
+}
+
+/// The smallest extent of the fluids at the start [m], with half a spacing on both sides.
+fn extent(scene: &Scene) -> f64 {
+    let positions = || fluids(scene).flat_map(|(body, _)| &scene.bodies[body].positions);
+    let least = positions().fold(DVec3::INFINITY, |least, x| least.min(*x));
+    let most = positions().fold(DVec3::NEG_INFINITY, |most, x| most.max(*x));
+    let spacing = fluids(scene).filter_map(|(_, fluid)| fluid.number("spacing").ok()).fold(f64::INFINITY, f64::min);
+    (most - least).to_array()[..scene.dimension].iter().copied().fold(f64::INFINITY, f64::min).max(0.0) + spacing
+}
+
+/// The largest initial speed [m/s].
+fn initial(scene: &Scene) -> f64 {
+    let velocities = fluids(scene).flat_map(|(body, _)| &scene.bodies[body].velocities);
+    velocities.map(|velocity| velocity.length()).fold(0.0, f64::max)
+}
+
+/// The least kinematic viscosity [m²/s].
+fn thinnest(scene: &Scene) -> Result<f64> {
+    let each = fluids(scene).map(|(_, fluid)| Ok(fluid.number("viscosity")? / fluid.number("density")?));
+    each.collect::<Result<Vec<f64>>>().map(|all| all.into_iter().fold(f64::INFINITY, f64::min))
+}
+
+/// The speed [m/s] at which friction balances gravity along a periodic axis, where there is something to rub at: gL²/8ν in the
+/// middle of a channel of width L, or where that is turbulent twenty times √(gL/2).
+fn driven(scene: &Scene, first: usize, gravity: DVec3) -> Result<f64> {
+    let along = (gravity::on_body(scene, first)? - gravity).length();
+    let rough = walls(scene, DVec3::ZERO)?.iter().any(|side| side.no_slip);
+    let stands = fluids(scene).any(|(_, fluid)| fluid.flag("obstacles").unwrap_or(false));
+    let solid = stands && scene.bodies.iter().any(|body| body.item.kind != KIND);
+    if along == 0.0 || !(rough || solid) {
+        return Ok(0.0);
+    }
+    let (length, viscosity) = (extent(scene), thinnest(scene)?);
+    Ok((along * length * length / (8.0 * viscosity)).min(TURBULENT * (0.5 * along * length).sqrt()))
+}
+
+/// The speed [m/s] of the fastest fall in a central force.
+fn falling(scene: &Scene) -> Result<f64> {
+    let mut fastest = 0.0_f64;
+    for item in &scene.forces {
+        for (body, fluid) in fluids(scene).filter(|&(body, _)| item.acts_on(body)) {
+            let spacing = fluid.number("spacing")?;
+            let mass = fluid.number("density")? * if scene.dimension == 2 { spacing.powi(2) } else { spacing.powi(3) };
+            fastest = fastest.max(central::fall(item, mass, &scene.bodies[body].positions)?.unwrap_or(0.0));
+        }
+    }
+    Ok(fastest)
+}
+
+/// Estimate of the largest speed [m/s]: the initial one; that of a fall from the highest fluid to the lowest wall below any of
+/// it, or in a central force; or that at which friction holds up what gravity drives along a periodic axis.
+fn fastest(scene: &Scene, first: usize, gravity: DVec3) -> Result<f64> {
     let bodies = || fluids(scene).map(|(body, _)| &scene.bodies[body]);
-    let start = bodies().flat_map(|body| &body.velocities).map(|velocity| velocity.length()).fold(0.0, f64::max);
     let fall = match gravity.try_normalize() {
         None => 0.0,
         Some(down) => {
@@ -274,7 +421,7 @@ fn fastest(scene: &Scene, gravity: DVec3) -> Result<f64> {
             (2.0 * gravity.length() * (lowest - highest)).sqrt()
         }
     };
-    Ok(start.max(fall))
+    Ok(initial(scene).max(fall).max(driven(scene, first, gravity)?).max(falling(scene)?))
 }
 
 /// Squared speed of sound for surface tension [m²/s²]: capillary pressures, of order σ/Δ, then change the density by some
@@ -290,12 +437,16 @@ fn square_for_tension(scene: &Scene) -> Result<f64> {
 
 /// Speed of sound at which the fluid is practically incompressible [m/s].
 fn enough_sound(scene: &Scene, first: usize, gravity: DVec3) -> Result<f64> {
-    let sound = (SOUND * fastest(scene, gravity)?).max(square_for_tension(scene)?.sqrt());
+    // At a Reynolds number UL/ν below 1 the pressures are those of friction, ρνU/L: J. P. Morris et al., J. Comput. Phys. 136
+    // (1997) 214.
+    let rubbing = SOUND * (initial(scene) * thinnest(scene)? / extent(scene)).sqrt();
+    let sound = (SOUND * fastest(scene, first, gravity)?).max(square_for_tension(scene)?.sqrt()).max(rubbing);
     if sound > 0.0 {
         return Ok(sound);
     }
-    Err(Error::parameter(format!("bodies[{first}].sound_speed"), "a speed [m/s]", "auto").with_hint(
-        "it follows from the initial velocities, from gravity and a wall below, or from surface tension; here there are none",
+    Err(Error::parameter(format!("bodies[{first}].method.sound_speed"), "a speed [m/s]", "auto").with_hint(
+        "it follows from the initial velocities, from gravity and a wall below, or no-slip walls and obstacles along a periodic \
+         axis, from a central force, or from surface tension; here there are none",
     ))
 }
 

@@ -100,6 +100,11 @@ impl<V: Vector, K: Shape> Surface<V, K> {
         self.highest
     }
 
+    /// Whether no particle is at a free surface.
+    pub fn is_closed(&self) -> bool {
+        self.wall_factors.iter().all(|wall_factor| !wall_factor.at_surface)
+    }
+
     /// Computes frequencies and surface flags with new lists, from records of volumes.
     pub fn update(
         &mut self,

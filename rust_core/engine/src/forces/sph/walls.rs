@@ -5,13 +5,15 @@
 //! originals are all in the particle's neighbor list; those with near images are listed separately. In a corner there are
 //! images of images. A curved wall is replaced by its tangent plane.
 
+use std::cell::Cell;
+
 use glam::DVec3;
 
 use super::BLOCK;
 use super::images::{Image, ImagePressure, Mirror, Mirrored, WallCondition};
 use crate::boundaries::Wall;
 use crate::forces::neighbor_list::NeighborList;
-use crate::math::{AXES, Vector};
+use crate::math::{AXES, Real, Vector};
 use crate::neighbors::List;
 use crate::neighbors::sums::{PairLaw, Records};
 use crate::parallel::{BlockedSlice, Executor};
@@ -47,6 +49,8 @@ pub struct Walls {
     sides: Vec<Side>,
     /// The images of each block of slots.
     images: Vec<BlockImages>,
+    /// Force density on a particle [N/m^D] from each of its lists of images, in each block of slots.
+    pushes: Vec<Vec<[f64; AXES]>>,
     /// Support radius of the kernel [m].
     reach: f64,
 }
@@ -78,7 +82,8 @@ impl Walls {
         let blocks = if sides.is_empty() { 0 } else { neighbors.count().div_ceil(BLOCK) };
         let block_images = || BlockImages { lists: Vec::new(), originals: neighbors.selection(), others: Vec::new() };
         let reach = neighbors.support() - neighbor_list.skin();
-        Self { sides, images: std::iter::repeat_with(block_images).take(blocks).collect(), reach }
+        let images = std::iter::repeat_with(block_images).take(blocks).collect();
+        Self { sides, images, pushes: vec![Vec::new(); blocks], reach }
     }
 
     /// The walls with updated images, for another neighbor list.
@@ -90,12 +95,20 @@ impl Walls {
 
     /// Lists the images within reach, or that may come within reach while the neighbor lists serve.
     pub fn update(&mut self, neighbor_list: &NeighborList, executor: &Executor) {
-        let Self { sides, images, .. } = self;
+        let Self { sides, images, pushes, .. } = self;
         let count = neighbor_list.neighbors().count();
-        executor.for_each_block(BlockedSlice::new(images, 1), &|mine| {
-            let block = mine.start * BLOCK..((mine.start + 1) * BLOCK).min(count);
-            mine.items.iter_mut().for_each(|block_images| block_images.update(block.clone(), sides, neighbor_list));
+        executor.for_each_block((BlockedSlice::new(images, 1), BlockedSlice::new(pushes, 1)), &|(images, pushes)| {
+            let block = images.start * BLOCK..((images.start + 1) * BLOCK).min(count);
+            for (block_images, pushes) in images.items.iter_mut().zip(pushes.items) {
+                block_images.update(block.clone(), sides, neighbor_list);
+                pushes.resize(block_images.lists.len(), [0.0; AXES]);
+            }
         });
+    }
+
+    /// Whether a point is farther than this from all walls, on their allowed side [m].
+    pub fn admit(&self, x: DVec3, distance: f64) -> bool {
+        self.sides.iter().all(|side| side.wall.distance(x).0 > distance)
     }
 
     /// Whether there are no walls.
@@ -115,19 +128,69 @@ impl Walls {
         &self,
         law: L,
         condition: &WallCondition,
-        (neighbor_list, records): (&NeighborList, &Records<V>),
+        lists: (&NeighborList, &Records<V>),
         sums: &mut [[V::Scalar; SUMS]],
+        executor: &Executor,
+    ) {
+        let mut nothing = vec![(); self.images.len()];
+        self.add_each(law, condition, lists, (sums, &mut nothing), &|(), _, _| (), executor);
+    }
+
+    /// The same for forces, and keeps that of each list of images.
+    pub fn press<V: Vector, L: PairLaw<V, SUMS> + ImagePressure<V, SUMS>, const SUMS: usize>(
+        &mut self,
+        law: L,
+        condition: &WallCondition,
+        lists: (&NeighborList, &Records<V>),
+        sums: &mut [[V::Scalar; SUMS]],
+        executor: &Executor,
+    ) {
+        let mut pushes = std::mem::take(&mut self.pushes);
+        pushes.iter_mut().for_each(|block| block.fill([0.0; AXES]));
+        let keep = |block: &mut Vec<[f64; AXES]>, list: usize, more: &[V::Scalar; SUMS]| {
+            for axis in 0..V::DIMENSION {
+                block[list][axis] = more[axis].to_f64();
+            }
+        };
+        self.add_each(law, condition, lists, (sums, &mut pushes), &keep, executor);
+        self.pushes = pushes;
+    }
+
+    /// The forces that [`Walls::press`] kept, list by list: the slot of the particle, its force density [N/m^D], and the mirrors,
+    /// each a wall's number with its normal.
+    pub fn pushes(
+        &self,
+        neighbor_list: &NeighborList,
+    ) -> impl Iterator<Item = (usize, DVec3, impl Iterator<Item = (u32, DVec3)>)> {
+        let lists = self.images.iter().flat_map(|block| &block.lists);
+        lists.zip(self.pushes.iter().flatten()).map(move |(list, &force)| {
+            let x = neighbor_list.at(list.slot as usize);
+            let mirrors = list.sides.into_iter().flatten();
+            let normals = mirrors.map(move |side| (side, self.sides[side as usize].mirror(x, false).normal));
+            (list.slot as usize, DVec3::from_array(force), normals)
+        })
+    }
+
+    /// Adds the sums over the images, and shows each list's to `note`, with its number in the block.
+    fn add_each<V: Vector, L: PairLaw<V, SUMS> + ImagePressure<V, SUMS>, N: Send, const SUMS: usize>(
+        &self,
+        law: L,
+        condition: &WallCondition,
+        (neighbor_list, records): (&NeighborList, &Records<V>),
+        (sums, notes): (&mut [[V::Scalar; SUMS]], &mut [N]),
+        note: &(impl Fn(&mut N, usize, &[V::Scalar; SUMS]) + Sync),
         executor: &Executor,
     ) {
         if self.is_empty() {
             return;
         }
-        executor.for_each_block(BlockedSlice::new(sums, BLOCK), &|mine| {
+        executor.for_each_block((BlockedSlice::new(sums, BLOCK), BlockedSlice::new(notes, 1)), &|(mine, notes)| {
             let BlockImages { lists, originals, .. } = &self.images[mine.start / BLOCK];
-            let mut start = 0;
-            let terms = lists.iter().filter_map(|&ImageList { slot, sides, end }| {
+            let (mut start, current) = (0, Cell::new(0));
+            let terms = lists.iter().enumerate().filter_map(|(number, &ImageList { slot, sides, end })| {
                 let (slot, list) = (slot as usize, List { segment: originals, range: start..end });
                 start = end;
+                current.set(number);
                 let x = neighbor_list.at(slot);
                 let (mut image, mut farthest) = (Image::ITSELF, 0.0_f64);
                 for &side in sides.iter().flatten() {
@@ -138,7 +201,9 @@ impl Walls {
                 // An image is no nearer than its mirror.
                 (farthest < self.reach).then(|| (slot, list, Mirrored::new(law, &image, condition)))
             });
+            // Each list is summed before the next one is looked at.
             records.sum_few(terms, |slot, more| {
+                note(&mut notes.items[0], current.get(), &more);
                 mine.items[slot - mine.start].iter_mut().zip(more).for_each(|(sum, more)| *sum += more);
             });
         });

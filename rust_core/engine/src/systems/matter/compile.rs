@@ -212,10 +212,11 @@ fn cannot_take(about: &MethodAbout, kind: &str) -> Error {
 /// The names of the stages of a step in their order, and notes on the layouts of the forces.
 fn sequence(known: &[About], about: &MethodAbout, rods: bool, contacts: bool) -> (Vec<String>, Vec<String>) {
     let (mut stages, mut notes): (Vec<String>, Vec<String>) = (Vec::new(), Vec::new());
-    for About { name, layout, reach, .. } in known {
+    for About { name, layout, remarks, reach, .. } in known {
         if !layout.is_empty() {
             notes.push(format!("{name}: {layout}"));
         }
+        notes.extend(remarks.iter().cloned());
         if *reach == Reach::Pairs && stages.first().is_none_or(|stage| stage != "neighbors") {
             stages.insert(0, "neighbors".to_owned());
         }

@@ -5,8 +5,9 @@ use glam::DVec3;
 use super::MatterSystem;
 use super::compile::out_of_range;
 use crate::error::{Error, Result};
+use crate::forces::sph::Gauges;
 use crate::forces::{Fields, Scheme};
-use crate::math::Vector;
+use crate::math::{AXES, Vector};
 use crate::matter::{Columns, EnergySink};
 use crate::parallel::{Executor, SERIAL};
 use crate::systems::{FieldInfo, System};
@@ -14,8 +15,16 @@ use crate::systems::{FieldInfo, System};
 /// The names and units of the fields of all matter, of fluids, and of springs where there are rods or they can break.
 const MOTION: [(&str, &str); 2] = [("positions", "m"), ("velocities", "m/s")];
 const FLUID: [(&str, &str); 2] = [("densities", "kg/m³"), ("pressures", "Pa")];
+/// Of boundaries and bodies, and of probes, with their integrals over time.
+const WALLS: [(&str, &str); 2] = [("wall_forces", "N"), ("wall_impulses", "N·s")];
+const PROBES: [(&str, &str); 2] = [("probe_pressures", "Pa"), ("probe_impulses", "Pa·s")];
 const TENSION: (&str, &str) = ("tensions", "N");
 const BROKEN: (&str, &str) = ("broken", "1");
+
+/// Vectors, component by component.
+fn flat<V: Vector>(vectors: &[[f64; AXES]]) -> Vec<f64> {
+    vectors.iter().flat_map(|vector| vector[..V::DIMENSION].iter().copied()).collect()
+}
 
 impl<V: Vector> MatterSystem<V> {
     /// The names and units of the fields that this matter has.
@@ -23,7 +32,15 @@ impl<V: Vector> MatterSystem<V> {
         let fluid = self.dynamics.scheme.is_some().then_some(FLUID);
         let tension = self.dynamics.rods.is_some().then_some(TENSION);
         let broken = self.dynamics.tearing.is_some().then_some(BROKEN);
-        MOTION.into_iter().chain(fluid.into_iter().flatten()).chain(tension).chain(broken)
+        let walls = self.gauges().map(|_| WALLS);
+        let probes = self.gauges().filter(|gauges| !gauges.pressures().is_empty()).map(|_| PROBES);
+        let fluid = fluid.into_iter().chain(walls).chain(probes).flatten();
+        MOTION.into_iter().chain(fluid).chain(tension).chain(broken)
+    }
+
+    /// The gauges of its fluids.
+    fn gauges(&self) -> Option<&Gauges> {
+        self.dynamics.forces().iter().filter_map(|force| force.density()).find_map(|density| density.gauges())
     }
 
     /// The fields: those of a fluid only where there is one, tensions where there are rods, broken springs where they can break.
@@ -34,6 +51,8 @@ impl<V: Vector> MatterSystem<V> {
             let shape = match name {
                 _ if moves => vec![count, V::DIMENSION],
                 "tensions" | "broken" => vec![self.dynamics.springs.len()],
+                "wall_forces" | "wall_impulses" => vec![self.gauges().map_or(0, |gauges| gauges.forces().len()), V::DIMENSION],
+                "probe_pressures" | "probe_impulses" => vec![self.gauges().map_or(0, |gauges| gauges.pressures().len())],
                 _ => vec![count],
             };
             let rate = (name == "positions").then(|| "velocities".to_owned());
@@ -55,6 +74,10 @@ impl<V: Vector> MatterSystem<V> {
                 let broken = self.dynamics.tearing.as_ref().map_or(&[][..], |tearing| tearing.broken());
                 broken.iter().map(|&torn| f64::from(u8::from(torn))).collect()
             }
+            "wall_forces" => self.gauges().map_or_else(Vec::new, |gauges| flat::<V>(gauges.forces())),
+            "wall_impulses" => self.gauges().map_or_else(Vec::new, |gauges| flat::<V>(gauges.impulses())),
+            "probe_pressures" => self.gauges().map_or_else(Vec::new, |gauges| gauges.pressures().to_vec()),
+            "probe_impulses" => self.gauges().map_or_else(Vec::new, |gauges| gauges.pressure_integrals().to_vec()),
             name => {
                 let nothing = || vec![f64::NAN; properties.count()];
                 let mut fields = Fields { density: nothing(), pressure: nothing() };

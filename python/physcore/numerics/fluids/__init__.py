@@ -1,0 +1,96 @@
+"""Methods for fluids, one file each, and which of them computes which fluid of a scene."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TypeAlias
+
+from physcore.checks import is_word, shown
+from physcore.errors import SceneError
+from physcore.numerics.fluids.base import FluidMethod
+from physcore.numerics.fluids.weakly_compressible import WeaklyCompressible
+from physcore.scene.fluid import Fluid
+from physcore.scene.scene import BodyKey, Scene
+from physcore.spelling import did_you_mean
+
+FLUID_METHODS: tuple[type[FluidMethod], ...] = (WeaklyCompressible,)
+"""Every method; what is registered here can be saved."""
+
+FLUID_METHODS_BY_NAME = {kind.__name__: kind for kind in FLUID_METHODS}
+"""The same by their names, by which they can be asked for."""
+
+Fluids: TypeAlias = FluidMethod | str | Mapping[BodyKey, FluidMethod | str] | Mapping[str, FluidMethod]
+"""One method for all fluids, or one for each; "auto": WeaklyCompressible()."""
+
+
+def fluid_method(value: object, path: str) -> FluidMethod | None:
+    """A method, or that of a name; None for "auto".
+
+    Raises:
+        SceneError: it is none.
+    """
+    if is_word(value, "auto"):
+        return None
+    kind = FLUID_METHODS_BY_NAME.get(value) if isinstance(value, str) else None
+    method = value if kind is None else kind()
+    if isinstance(method, FLUID_METHODS):
+        return method
+    known = ", ".join(f"{each.__name__}()" for each in FLUID_METHODS)
+    hint = f"; write {value.__name__}()" if isinstance(value, type) else did_you_mean(value, FLUID_METHODS_BY_NAME)
+    raise SceneError(f"{path}: must be one of {known}, its name, or 'auto', got {shown(value)}{hint}")
+
+
+def fluid_methods(value: object, scene: Scene) -> dict[str, FluidMethod]:
+    """The method of each fluid of a scene, by their paths.
+
+    Raises:
+        SceneError: something is no method or no fluid, or a fluid has numerical arguments of its own, which are
+            deprecated, and a method too.
+    """
+    paths = {scene.path(index): body for index, body in enumerate(scene.bodies) if isinstance(body, Fluid)}
+    given: dict[str, tuple[FluidMethod | None, str]] = {}
+    if isinstance(value, Mapping):
+        for key, each in value.items():
+            place = f"fluids[{shown(key)}]"
+            given[_path(key, scene, paths, place)] = (fluid_method(each, place), place)
+    else:
+        one = fluid_method(value, "fluids")
+        if one is not None and not paths:
+            raise SceneError("fluids: there is no Fluid in this scene")
+        given = dict.fromkeys(paths, (one, "fluids"))
+    chosen: dict[str, FluidMethod] = {}
+    for path, fluid in paths.items():
+        method, place = given.get(path, (None, "fluids"))
+        own = WeaklyCompressible(**fluid.numerics)
+        if method not in (None, own) and fluid.numerics:
+            raise SceneError(
+                f"{place}: {path} has the deprecated arguments {', '.join(fluid.numerics)}, which belong here; leave "
+                "them out there"
+            )
+        chosen[path] = method or own
+        chosen[path].check(fluid, place)
+    return chosen
+
+
+def _path(key: object, scene: Scene, paths: Mapping[str, Fluid], place: str) -> str:
+    """The path of a fluid that is given by itself, its index, its name or its path."""
+    if isinstance(key, str) and key in paths:
+        return key
+    try:
+        path = scene.path(scene.index(key))  # type: ignore[arg-type]
+    except KeyError:
+        path = ""
+    if path not in paths:
+        raise SceneError(f"{place}: is no Fluid of this scene, which has {', '.join(paths) or 'none'}")
+    return path
+
+
+__all__ = [
+    "FLUID_METHODS",
+    "FLUID_METHODS_BY_NAME",
+    "FluidMethod",
+    "Fluids",
+    "WeaklyCompressible",
+    "fluid_method",
+    "fluid_methods",
+]

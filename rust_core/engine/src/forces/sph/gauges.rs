@@ -1,0 +1,291 @@
+//! Gauges: the pressure at probes and the force of fluids on boundaries and obstacles, with their integrals over time.
+//!
+//! The pressure at a probe is the mean over its surroundings within its radius, weighted by the kernel with that support. Dry
+//! parts of it count with pressure 0, as for a sensor of that size, and each particle's pressure is carried to the probe
+//! hydrostatically:
+//!
+//! ```text
+//! p(x) = Σ Vⱼ W(x − xⱼ) [pⱼ + ρ₀ g·(x − xⱼ)] / max(Σ Vⱼ W(x − xⱼ), ⅘ ∫ W dV)
+//! ```
+//!
+//! with the integral over what is neither behind a wall nor in an obstacle. Where four fifths are wet this is the mean of D. Shepard,
+//! ACM National Conference (1968) 517, exact for a fluid at rest, also beside a wall. The tip of a front is a particle thin, and the
+//! pressure in one that hits a wall is 2ρcU for a moment: that is the stress on its own small part of the wall, not on a sensor's.
+//!
+//! A boundary is pressed with the opposite of what its images do to the particles. In a corner, an image by several mirrors pushes
+//! along all of their normals: each takes its part, and an equal share of the rest. An obstacle takes the sum over its particles.
+//!
+//! Both are those of the last evaluation of the forces. The integrals add them over the time until the next one, so that the
+//! difference of two is the impulse between two times, however it was divided into steps.
+
+use glam::DVec3;
+
+use super::kernel::Shape;
+use super::laws::OBSTACLE;
+use super::start::{self, Materials};
+use super::walls::Walls;
+use crate::error::Result;
+use crate::forces::neighbor_list::NeighborList;
+use crate::history::{Archive, History};
+use crate::math::AXES;
+use crate::scene::{Item, Scene, Value};
+
+/// Cells of the midpoint rule along each axis.
+const CELLS: u32 = 32;
+
+/// The wet share of its surroundings from which on the mean at a probe is over that alone: above it are all particles inside a
+/// fluid, whose volumes on no lattice add up to 1 exactly.
+const WET: f64 = 0.8;
+
+/// A point at which the pressure is measured.
+#[derive(Debug, Clone, Copy)]
+struct Probe {
+    /// Position relative to the origin [m].
+    position: DVec3,
+    /// Radius of the mean [m].
+    radius: f64,
+    /// ∫ W dV over what is not behind a wall [m^D], for a kernel of unit height.
+    room: f64,
+}
+
+/// Present values, and their time integrals.
+#[derive(Debug, Clone, Default)]
+struct Readings {
+    /// Force on each boundary, and on each body [N], an array per item.
+    forces: Vec<[f64; AXES]>,
+    /// Pressure at each probe [Pa].
+    pressures: Vec<f64>,
+    /// ∫ force dt [N·s].
+    impulses: Vec<[f64; AXES]>,
+    /// ∫ pressure dt [Pa·s].
+    pressure_integrals: Vec<f64>,
+    /// The time of the present values [s]; none before the first evaluation.
+    time: Option<f64>,
+}
+
+/// The gauges of a scene.
+#[derive(Debug)]
+pub struct Gauges {
+    probes: Vec<Probe>,
+    /// Lengths of the periodic domain [m], infinite along an axis that is not periodic.
+    period: DVec3,
+    /// The boundary of each wall.
+    boundary_of: Vec<usize>,
+    /// Number of boundaries; bodies follow.
+    boundaries: usize,
+    readings: Readings,
+    saved: Readings,
+}
+
+/// What the readings are taken from.
+pub struct Flow<'a> {
+    pub neighbor_list: &'a NeighborList,
+    pub walls: &'a Walls,
+    pub materials: &'a Materials,
+    /// Material of each member.
+    pub kind: &'a [u8],
+    /// Body of each member.
+    pub body: &'a dyn Fn(usize) -> usize,
+    /// Volume of each member [m^D].
+    pub volume: &'a dyn Fn(usize) -> f64,
+    /// Pressure of each fluid particle [Pa].
+    pub pressure: &'a dyn Fn(usize) -> f64,
+    /// Force density on the particle at a slot [N/m^D].
+    pub force: &'a dyn Fn(usize) -> DVec3,
+}
+
+impl Gauges {
+    /// The gauges of a scene with these walls, with coordinates relative to an origin; probes are of this radius [m] where they
+    /// do not say another.
+    pub fn new<K: Shape>(scene: &Scene, origin: DVec3, walls: &Walls, radius: f64) -> Result<Self> {
+        let probe = |item: &Item| {
+            let position = item.vector("position")? - origin;
+            let radius = if item.values.contains_key("radius") { item.number("radius")? } else { radius };
+            let room = room::<K>(scene.dimension, radius, |offset| walls.admit(position + offset, 0.0));
+            // On a wall it may be behind it by rounding.
+            if !walls.admit(position, -1e-6 * radius) || room == 0.0 {
+                let found = Some(&Value::Vector(position + origin));
+                return Err(item.wrong("position", "a point that is not behind a boundary", found));
+            }
+            Ok(Probe { position, radius, room })
+        };
+        let probes: Vec<Probe> = scene.probes.iter().map(probe).collect::<Result<_>>()?;
+        let rows = scene.boundaries.len() + scene.bodies.len();
+        let readings = Readings {
+            forces: vec![[0.0; AXES]; rows],
+            pressures: vec![0.0; probes.len()],
+            impulses: vec![[0.0; AXES]; rows],
+            pressure_integrals: vec![0.0; probes.len()],
+            time: None,
+        };
+        Ok(Self {
+            probes,
+            period: scene.periodic.map_or(DVec3::INFINITY, |[lower, upper]| upper - lower),
+            boundary_of: start::boundaries_of_walls(scene, origin)?,
+            boundaries: scene.boundaries.len(),
+            saved: readings.clone(),
+            readings,
+        })
+    }
+
+    /// Adds the present readings to the integrals up to a time [s], and takes new ones.
+    pub fn update<K: Shape>(&mut self, time: f64, flow: &Flow<'_>) {
+        self.readings.advance(time);
+        self.press(flow);
+        let Self { probes, period, readings, .. } = self;
+        for (probe, pressure) in probes.iter().zip(&mut readings.pressures) {
+            *pressure = probe.mean::<K>(*period, flow);
+        }
+    }
+
+    /// Sums the forces on boundaries and bodies.
+    fn press(&mut self, flow: &Flow<'_>) {
+        let Self { boundary_of, boundaries, readings: Readings { forces, .. }, .. } = self;
+        forces.fill([0.0; AXES]);
+        let mut add = |row: usize, force: DVec3| {
+            forces[row].iter_mut().zip(force.to_array()).for_each(|(sum, along)| *sum += along);
+        };
+        let order = flow.neighbor_list.neighbors().order();
+        for (slot, density, mirrors) in flow.walls.pushes(flow.neighbor_list) {
+            let member = order[slot] as usize;
+            if flow.kind[member] == OBSTACLE || density == DVec3::ZERO {
+                continue;
+            }
+            let on_wall = -(flow.volume)(member) * density;
+            let (mut rest, mut normals, mut count) = (on_wall, [(0, DVec3::ZERO); AXES], 0);
+            for (wall, normal) in mirrors {
+                normals[count] = (boundary_of[wall as usize], on_wall.dot(normal) * normal);
+                rest -= normals[count].1;
+                count += 1;
+            }
+            normals[..count].iter().for_each(|&(row, along)| add(row, along + rest / count as f64));
+        }
+        for (member, _) in flow.kind.iter().enumerate().filter(|(_, kind)| **kind == OBSTACLE) {
+            let slot = flow.neighbor_list.neighbors().slots()[member] as usize;
+            add(*boundaries + (flow.body)(member), (flow.volume)(member) * (flow.force)(slot));
+        }
+    }
+
+    /// Force on each boundary, and on each body [N].
+    pub fn forces(&self) -> &[[f64; AXES]] {
+        &self.readings.forces
+    }
+
+    /// Pressure at each probe [Pa].
+    pub fn pressures(&self) -> &[f64] {
+        &self.readings.pressures
+    }
+
+    /// ∫ force dt from the start until a time [N·s].
+    pub fn impulses(&self) -> &[[f64; AXES]] {
+        &self.readings.impulses
+    }
+
+    /// ∫ pressure dt from the start until a time [Pa·s].
+    pub fn pressure_integrals(&self) -> &[f64] {
+        &self.readings.pressure_integrals
+    }
+
+    /// Memory [bytes].
+    pub fn bytes(&self) -> usize {
+        let Readings { forces, pressures, .. } = &self.readings;
+        4 * size_of_val(forces.as_slice()) + 5 * size_of_val(pressures.as_slice())
+    }
+}
+
+impl Probe {
+    /// The mean pressure [Pa].
+    fn mean<K: Shape>(&self, period: DVec3, flow: &Flow<'_>) -> f64 {
+        let (mut pressed, mut wet, mut room) = (0.0, 0.0, self.room);
+        let columns = flow.neighbor_list.positions();
+        let gravity = flow.materials.first().gravity;
+        for (member, &kind) in flow.kind.iter().enumerate() {
+            let mut away = self.position;
+            for (axis, column) in columns.iter().enumerate().filter(|(_, column)| !column.is_empty()) {
+                away[axis] -= column[member];
+                if period[axis].is_finite() {
+                    away[axis] -= period[axis] * libm::rint(away[axis] / period[axis]);
+                }
+            }
+            let square = away.length_squared();
+            if square < self.radius * self.radius {
+                let weight = (flow.volume)(member) * K::value(square.sqrt() / self.radius);
+                if let Some(fluid) = flow.materials.fluid(kind) {
+                    pressed += weight * ((flow.pressure)(member) + fluid.density * gravity.dot(away));
+                    wet += weight;
+                } else {
+                    room -= weight;
+                }
+            }
+        }
+        if wet > 0.0 { pressed / wet.max(WET * room) } else { 0.0 }
+    }
+}
+
+/// ∫ W dV over the admitted part of a ball [m^D], by the midpoint rule, for a kernel of unit height.
+fn room<K: Shape>(dimension: usize, radius: f64, admits: impl Fn(DVec3) -> bool) -> f64 {
+    let cell = 2.0 * radius / f64::from(CELLS);
+    let along = || (0..CELLS).map(|index| (f64::from(index) + 0.5) * cell - radius);
+    let flat = if dimension == 2 { vec![0.0] } else { along().collect() };
+    let mut sum = 0.0;
+    for x in along() {
+        for y in along() {
+            for &z in &flat {
+                let offset = DVec3::new(x, y, z);
+                let u = offset.length() / radius;
+                if u < 1.0 && admits(offset) {
+                    sum += K::value(u);
+                }
+            }
+        }
+    }
+    sum * if dimension == 2 { cell.powi(2) } else { cell.powi(3) }
+}
+
+impl Readings {
+    /// Adds the present values over the time until `time` [s] to the integrals.
+    fn advance(&mut self, time: f64) {
+        let passed = time - self.time.unwrap_or(time);
+        self.time = Some(time);
+        let forces = self.impulses.as_flattened_mut().iter_mut().zip(self.forces.as_flattened());
+        let pressures = self.pressure_integrals.iter_mut().zip(&self.pressures);
+        forces.chain(pressures).for_each(|(integral, present)| *integral += passed * present);
+    }
+
+    /// The numbers of an archive, but for the time.
+    fn numbers(&mut self) -> [&mut [f64]; 4] {
+        let Self { forces, pressures, impulses, pressure_integrals, .. } = self;
+        [forces.as_flattened_mut(), pressures, impulses.as_flattened_mut(), pressure_integrals]
+    }
+
+    /// Takes the values of others of the same scene, in the memory that is there.
+    fn copy_from(&mut self, other: &Self) {
+        self.forces.copy_from_slice(&other.forces);
+        self.pressures.copy_from_slice(&other.pressures);
+        self.impulses.copy_from_slice(&other.impulses);
+        self.pressure_integrals.copy_from_slice(&other.pressure_integrals);
+        self.time = other.time;
+    }
+}
+
+impl History for Gauges {
+    fn save(&mut self) {
+        self.saved.copy_from(&self.readings);
+    }
+
+    fn rollback(&mut self) {
+        self.readings.copy_from(&self.saved);
+    }
+
+    fn capture(&self, archive: &mut Archive) {
+        let mut readings = self.readings.clone();
+        readings.numbers().into_iter().for_each(|numbers| archive.write(numbers.iter().copied()));
+        archive.write([self.readings.time.unwrap_or(f64::NAN)]);
+    }
+
+    fn restore(&mut self, archive: &mut Archive) -> Result<()> {
+        self.readings.numbers().into_iter().try_for_each(|numbers| archive.read_into(numbers))?;
+        self.readings.time = Some(archive.read(1)?[0]).filter(|time| !time.is_nan());
+        Ok(())
+    }
+}
