@@ -112,7 +112,7 @@ def test_a_chain_pours_onto_a_floor_and_comes_to_rest(precision):
     "walls",
     [
         [pc.Box((-1.0, -1.0), (4.0, 4.0), restitution=0.5)],
-        [pc.Sphere((1.5, 1.5), 3.5, restitution=0.3)],
+        [pc.Sphere((1.5, 1.5), 3.5, inside=True, restitution=0.3)],
         [pc.Floor(-1.2, restitution=0.8), pc.Sphere((1.5, -1.5), 1.0, inside=False, restitution=0.8)],
     ],
     ids=["in a box", "in a sphere", "on a ball on a floor"],
@@ -187,6 +187,21 @@ def test_the_balance_of_impacts_closes_with_the_step():
     assert errors[1] < 0.01 * 3.0 * G * 0.5
 
 
+def test_tensions_count_what_walls_bear():
+    """An upright rod on a floor bears the weight of its upper end, and a chain that hangs down to it what hangs above."""
+    upright = pc.SpringNetwork([[0.0, 0.0], [0.0, 1.0]], [[0, 1]], INF, mass=[1.0, 3.0])
+    nodes = [[1.0, 1.0], [1.0, 0.5], [1.0, 0.0]]
+    hung = pc.SpringNetwork(nodes, [[0, 1], [1, 2]], INF, mass=2.0, fixed=[0])
+    run = pc.Simulation(pc.Scene(upright, hung, pc.Gravity((0.0, -10.0)), pc.Floor()), dt=1e-3)
+    run.step(3)
+    np.testing.assert_allclose(run[upright].tensions, [-30.0], rtol=1e-9)
+    # The lowest node rests on the floor and hangs on two rods: what it weighs is shared, so that the sum of squares of all
+    # three impulses is least. The floor and the two rods have T₁ = T₂ + 20, T₂ = 20 − N.
+    one, other = run[hung].tensions
+    assert one - other == pytest.approx(20.0, rel=1e-9)
+    assert -1e-9 <= other <= 20.0 + 1e-9
+
+
 def test_a_radius_keeps_its_distance_and_others_meet_their_walls_alone():
     """Of two bodies that a floor acts on, one of rods: the other bounces as it does without the first."""
     body = rod(0.3, 0.3, 0.0, (1.0, 1.0))
@@ -200,7 +215,7 @@ def test_a_radius_keeps_its_distance_and_others_meet_their_walls_alone():
         both.step()
         alone.step()
         lowest = min(lowest, float(both.positions[:2, 1].min()))
-    assert 0.05 - 10 * EPSILON <= lowest < 0.0501
+    assert 0.05 - 10 * EPSILON <= lowest < 0.0525
     assert np.abs(both.positions[2] - alone.positions[0]).max() < 100 * EPSILON
     assert both.plan.order == 1
     assert "contacts" in both.plan.stages

@@ -220,6 +220,11 @@ impl<V: Vector> Contacts<V> {
         Gap { wall, distance: distance - radius, normal, slack, restitution: surface.restitution }
     }
 
+    /// The curvature of a wall [1/m] at `x` along a unit direction, as [`Wall::curvature`].
+    pub fn curvature(&self, wall: usize, x: DVec3, direction: DVec3) -> f64 {
+        self.surfaces[wall].wall.curvature(x, direction)
+    }
+
     /// The path and the friction of a boundary with friction that acts on one of the particles, if there is one.
     pub fn friction(&self, properties: &Properties<V>, particles: &[u32]) -> Option<(&str, f64)> {
         let rubs = |surface: &&Surface| {

@@ -223,14 +223,15 @@ impl Rods {
     }
 
     /// The tensions [N] of a state with these positions and velocities, and accelerations by all other forces, in the order of the rods:
-    /// n·(a₂ − a₁) + |v₂ − v₁|²/L − (A T) = 0.
-    pub fn tensions(
+    /// n·(a₂ − a₁) + |v₂ − v₁|²/L − (A T) = 0, together with what walls bear of particles that touch them.
+    pub fn tensions<V: Vector>(
         mut self,
         position: impl Fn(usize) -> DVec3,
         velocity: impl Fn(usize) -> DVec3,
         acceleration: impl Fn(usize) -> DVec3,
+        walls: Option<(&Contacts<V>, &Properties<V>)>,
     ) -> Vec<f64> {
-        self.turn_with(SHIFT_OF_TENSIONS, position);
+        self.turn_with(SHIFT_OF_TENSIONS, &position);
         for (vector, &particle) in self.network.vectors.iter_mut().zip(&self.particles) {
             *vector = acceleration(particle as usize);
         }
@@ -247,6 +248,13 @@ impl Rods {
             let turning = centripetal[index];
             (direction.dot(other - one) + turning, 2.0 * f64::EPSILON * (one.length() + other.length() + turning))
         };
+        if let (Some(supports), Some((contacts, properties))) = (&mut self.supports, walls) {
+            let walls = Walls { contacts, properties, particles: &self.particles };
+            let state = |index: usize| [position(index), velocity(index), acceleration(index)];
+            if let Some(tensions) = supports.tensions(&walls, &self.network.directions, state, along) {
+                return tensions;
+            }
+        }
         // Where the iterations stop above rounding the multipliers are those of the last one.
         let _ = self.network.project(along);
         self.network.multipliers
@@ -292,7 +300,7 @@ impl Rods {
     pub fn notes(&self) -> Vec<String> {
         let (count, redundant) = (self.network.links.len(), self.network.redundant);
         let redundant = (redundant > 0).then(|| {
-            format!("rods: {} of {count} are redundant; redundant rods share the load so that the sum of squares of tensions is least", redundant)
+            format!("rods: {redundant} of {count} are redundant; redundant rods share the load so that the sum of squares of tensions is least")
         });
         let removed = (self.removed > 0.0).then(|| {
             format!(

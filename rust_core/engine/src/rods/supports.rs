@@ -16,7 +16,7 @@
 use glam::DVec3;
 
 use super::network::{Network, Rod, Unsolved, along};
-use super::{SHIFT, add, count_reactions, resolution};
+use super::{SHIFT, SHIFT_OF_TENSIONS, add, count_reactions, resolution};
 use crate::contacts::{Contacts, Gap};
 use crate::math::{Real, Vector};
 use crate::matter::{EnergySink, Matter, Properties};
@@ -137,7 +137,8 @@ impl Supports {
         self.settle(
             &mut contacts,
             &from,
-            |rod, _, ends| rod.excess(ends, epsilon),
+            SHIFT,
+            |_, rod, _, ends| rod.excess(ends, epsilon),
             |contact, x| (gap(contact, x).distance - contact.gap, gap(contact, x).slack),
             |contact, x| gap(contact, x).distance < -gap(contact, x).slack,
         )?;
@@ -179,7 +180,8 @@ impl Supports {
         self.settle(
             &mut contacts,
             &from,
-            |_, direction, ends| along(direction, ends, epsilon),
+            SHIFT,
+            |_, _, direction, ends| along(direction, ends, epsilon),
             |contact, v| (contact.normal.dot(v) - contact.speed, 2.0 * epsilon * (v.length() + contact.speed)),
             |contact, v| contact.normal.dot(v) < contact.speed - STILL * epsilon * v.length(),
         )?;
@@ -196,6 +198,47 @@ impl Supports {
             matter.tallies[index / matter.block].add(EnergySink::Contact, lost);
         }
         Ok(true)
+    }
+
+    /// The tensions [N] of rods with these directions, where some touch walls; None if none does. `state` gives the position, the velocity
+    /// and the acceleration of a particle by all other forces, `residual` the one of a rod for accelerations of its ends. On a wall of the
+    /// curvature κ, n·a ≥ −κ v².
+    pub fn tensions<V: Vector>(
+        &mut self,
+        walls: &Walls<'_, V>,
+        directions: &[DVec3],
+        state: impl Fn(usize) -> [DVec3; 3],
+        residual: impl Fn(usize, &Rod, DVec3, [DVec3; 2]) -> (f64, f64),
+    ) -> Option<Vec<f64>> {
+        let states: Vec<[DVec3; 3]> = walls.particles.iter().map(|&particle| state(particle as usize)).collect();
+        let mut contacts = Vec::new();
+        for particle in (0..states.len()).filter(|&particle| self.network.inverse_mass[particle] > 0.0) {
+            let [x, v, _] = states[particle];
+            for (place, gap) in walls.nearest(particle, x, self.axes).into_iter().enumerate() {
+                let leaves = gap.normal.dot(v) > STILL * V::Scalar::EPSILON.to_f64() * v.length();
+                if gap.distance <= gap.slack && !leaves {
+                    let row = self.rods + self.axes * particle + place;
+                    let curvature = walls.contacts.curvature(gap.wall, x, v.normalize_or_zero());
+                    let speed = -curvature * v.length_squared();
+                    contacts.push(Contact { particle, row, speed, active: true, ..support(&gap, 0.0) });
+                }
+            }
+        }
+        if contacts.is_empty() {
+            return None;
+        }
+        self.network.directions[..self.rods].copy_from_slice(directions);
+        let from: Vec<DVec3> = states.iter().map(|&[_, _, acceleration]| acceleration).collect();
+        // Where the iterations stop above rounding the multipliers are those of the last one.
+        let _ = self.settle(
+            &mut contacts,
+            &from,
+            SHIFT_OF_TENSIONS,
+            residual,
+            |contact, a| (contact.normal.dot(a) - contact.speed, 2.0 * f64::EPSILON * (a.length() + contact.speed.abs())),
+            |contact, a| contact.normal.dot(a) < contact.speed - STILL * f64::EPSILON * (a.length() + contact.speed.abs()),
+        );
+        Some(self.network.multipliers[..self.rods].to_vec())
     }
 
     /// The contacts of the drift, and those that touch at its end.
@@ -225,7 +268,8 @@ impl Supports {
         &mut self,
         contacts: &mut [Contact],
         from: &[DVec3],
-        rod: impl Fn(&Rod, DVec3, [DVec3; 2]) -> (f64, f64),
+        shift: f64,
+        rod: impl Fn(usize, &Rod, DVec3, [DVec3; 2]) -> (f64, f64),
         row: impl Fn(&Contact, DVec3) -> (f64, f64),
         violated: impl Fn(&Contact, DVec3) -> bool,
     ) -> Result<(), Unsolved> {
@@ -239,10 +283,10 @@ impl Supports {
             for contact in contacts.iter().filter(|contact| contact.active) {
                 network.directions[contact.row] = contact.normal;
             }
-            network.factorize(SHIFT);
+            network.factorize(shift);
             outcome = network.project(|index, link, direction, ends| match contacts.get(places[index]) {
                 Some(contact) if contact.active => row(contact, ends[1]),
-                _ if index < *rods => rod(link, direction, ends),
+                _ if index < *rods => rod(index, link, direction, ends),
                 _ => (0.0, 1.0),
             });
             let mut settled = true;

@@ -65,18 +65,7 @@ pub fn compile<V: Vector>(scene: &Scene, method: Box<dyn Method<V>>, executor: &
     if tearing.is_some() && about.springs != Treatment::Rods {
         refuse_kinks(&about, "springs that break")?;
     }
-    let mut contacts = Contacts::build(scene, &properties)?;
-    if contacts.is_some() && !(about.springs == Treatment::Rods && about.order == 2) {
-        refuse_kinks(&about, "boundaries")?;
-    }
-    if let (Some(rods), Some(contacts)) = (&mut rods, &mut contacts) {
-        rods.meet_walls(V::DIMENSION);
-        contacts.leave_out(rods.particles());
-        if let Some((path, friction)) = contacts.friction(&properties, rods.particles()) {
-            return Err(Error::parameter(format!("{path}.friction"), "0 with rods", friction)
-                .with_hint("the friction of what rods hold is not computed; name bodies without rods with on="));
-        }
-    }
+    let contacts = contacts(scene, &properties, rods.as_mut(), &about)?;
     let self_contacts = self_contacts(scene, &springs, &properties, &about)?;
     let known: Vec<About> = all.iter().map(|force| force.about()).collect();
     let (mut stages, mut notes) = sequence(&known, &about, rods.is_some(), contacts.is_some());
@@ -165,6 +154,28 @@ fn fluid<V: Vector>(
         return Err(Error::parameter("integrator", expected, about.name).with_hint(reason));
     }
     Ok(Some(fluid))
+}
+
+/// The contacts with walls of a scene, for a method that can take them; those of rods are theirs.
+fn contacts<V: Vector>(
+    scene: &Scene,
+    properties: &Properties<V>,
+    rods: Option<&mut Rods>,
+    about: &MethodAbout,
+) -> Result<Option<Contacts<V>>> {
+    let Some(mut contacts) = Contacts::build(scene, properties)? else { return Ok(None) };
+    if about.springs != Treatment::Rods || about.order != 2 {
+        refuse_kinks(about, "boundaries")?;
+    }
+    if let Some(rods) = rods {
+        rods.meet_walls(V::DIMENSION);
+        contacts.leave_out(rods.particles());
+        if let Some((path, friction)) = contacts.friction(properties, rods.particles()) {
+            return Err(Error::parameter(format!("{path}.friction"), "0 with rods", friction)
+                .with_hint("the friction of what rods hold is not computed; name bodies without rods with on="));
+        }
+    }
+    Ok(Some(contacts))
 }
 
 /// The contacts between meshes of a scene and the strain limits of its springs, for a method that can take them.

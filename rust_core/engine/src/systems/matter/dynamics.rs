@@ -462,7 +462,8 @@ impl<V: Vector> Dynamics<V> {
     /// The tensions of all rods at a state with these accelerations by all other forces [N].
     fn tensions(&self, at: &StateView<'_, V>, accelerations: &[DVec3]) -> Vec<f64> {
         let (position, velocity) = (|index| at.exact_point(index), |index: usize| at.velocity.get(index).widen());
-        self.rods.clone().map_or_else(Vec::new, |rods| rods.tensions(position, velocity, |index| accelerations[index]))
+        let walls = self.contacts.as_ref().map(|contacts| (contacts, &self.properties));
+        self.rods.clone().map_or_else(Vec::new, |rods| rods.tensions(position, velocity, |index| accelerations[index], walls))
     }
 
     /// The tensions of all springs, the rods among them, as declared, at a state at which the forces are prepared [N]: of a spring
