@@ -29,7 +29,9 @@ class SelfContact(Constraint):
     iteration of the impulses leaves. Whatever happens, no path within a step crosses: all are checked by conservative
     advancement. Impulses act between the closest points, so that momentum is kept to rounding,
     and angular momentum but for the distance of these points; the kinetic energy that they take is dissipated by
-    "contacts". Where no impulses keep particles apart, some move on together, and the plan says in how many steps.
+    "contacts"; several with restitution at once give no energy. What contacts press on a wall has the friction and the
+    restitution of that. Where no impulses keep particles apart, some move on together, and the plan says in how many
+    steps.
 
     Contact is of order 1 in the time step. It needs VelocityVerlet, BackwardEuler, BDF2, XPBD or ProjectiveDynamics,
     and space in 3D without a Periodic domain.

@@ -107,6 +107,8 @@ pub struct Mesh {
     /// Boxes around the elements and the edges.
     boxes: Vec<Swept>,
     edge_boxes: Vec<Swept>,
+    /// The elements with a vertex that has changed.
+    changed: Vec<bool>,
 }
 
 /// What tells the higher half of the key of a vertex and a triangle.
@@ -219,8 +221,10 @@ impl Mesh {
         self.edge_boxes.clear();
         self.edge_boxes.extend(self.edges.iter().map(|ends| around(ends)));
         let has_changed = |nodes: &[u32]| nodes.iter().any(|&node| changed[node as usize]);
-        let (tree, elements, swept) = (&mut self.tree, &self.elements, &self.boxes);
-        tree.refit(|element| (swept[element as usize].hull(), has_changed(&elements[element as usize].vertices)));
+        self.changed.clear();
+        self.changed.extend(self.elements.iter().map(|element| has_changed(&element.vertices)));
+        let (tree, swept, news) = (&mut self.tree, &self.boxes, &self.changed);
+        tree.refit(|element| (swept[element as usize].hull(), news[element as usize]));
         let mesh = &*self;
         found.resize(mesh.tree.nodes().div_ceil(BLOCK), Vec::new());
         found.iter_mut().for_each(Vec::clear);
@@ -237,7 +241,8 @@ impl Mesh {
                     let same = std::ptr::eq(some, others);
                     for (index, &one) in some.iter().enumerate() {
                         for &other in &others[if same { index + 1 } else { 0 }..] {
-                            if mesh.boxes[one as usize].overlaps(&mesh.boxes[other as usize]) {
+                            let new = mesh.changed[one as usize] || mesh.changed[other as usize];
+                            if new && mesh.boxes[one as usize].overlaps(&mesh.boxes[other as usize]) {
                                 mesh.pairs_of([one, other], boxes, &mut take);
                             }
                         }

@@ -1,6 +1,6 @@
 //! The resolution of a step: velocities at which nothing passes through.
 
-use std::collections::BTreeSet;
+use std::collections::HashSet;
 
 use glam::DVec3;
 
@@ -47,7 +47,7 @@ pub struct Step<'a> {
 struct Active {
     contacts: Vec<Contact>,
     /// The keys of those along normals.
-    known: BTreeSet<u64>,
+    known: HashSet<u64>,
     /// Which vertices have a contact with a wall.
     held: Vec<bool>,
     /// The constraints of springs.
@@ -121,7 +121,7 @@ impl SelfContacts {
     /// The contacts of the last step, and the springs that exceed their longest lengths.
     fn start_from_last(&self, free: &[DVec3], thickness: f64, step: Step<'_>) -> Active {
         let (held, taut) = (vec![false; free.len()], vec![None; self.limited.len()]);
-        let mut active = Active { contacts: Vec::new(), known: BTreeSet::new(), held, taut };
+        let mut active = Active { contacts: Vec::new(), known: HashSet::new(), held, taut };
         active.extend(self.lasting(free, step));
         active.extend(self.loads.walls.iter().filter_map(|wall| self.resting(wall, thickness, step)));
         self.tauten(&mut active, free, step.h);

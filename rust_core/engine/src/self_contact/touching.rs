@@ -1,7 +1,7 @@
 //! Which pairs are contacts, and what these require: those that would close to less than the thickness along the normal at the start of
 //! the step, and those that meet on their way.
 
-use std::collections::BTreeSet;
+use std::collections::HashSet;
 
 use glam::DVec3;
 
@@ -32,38 +32,37 @@ impl SelfContacts {
             contact.impulse = h * load;
             Some((near, contact))
         };
-        let mut found: Vec<(Near, Contact)> = self.loads.pairs.iter().filter_map(contact).collect();
-        found.sort_unstable_by(|(one, _), (other, _)| one.order(other));
-        found.into_iter().map(|(_, contact)| contact).collect()
+        in_order(self.loads.pairs.iter().filter_map(contact).collect()).into_iter().map(|(_, contact)| contact).collect()
     }
 
-    /// The pairs that these velocities may lead nearer than the thickness and `margin` times that, the nearest first.
+    /// The pairs that these velocities may lead nearer than the thickness and `margin` times that.
     pub(super) fn reached(&self, velocities: &[DVec3], margin: f64, Step { h, executor, .. }: Step<'_>) -> Vec<Near> {
         let reached = |near: &Near| {
             let reach = (1.0 + margin) * self.rules[near.pair.rule as usize].thickness;
             (near.distance <= 0.0 || near.least(velocities, h) < reach).then_some(*near)
         };
-        let mut found = by_blocks(&self.nearby.pairs, executor, &reached);
-        found.sort_unstable_by(Near::order);
-        found
+        by_blocks(&self.nearby.pairs, executor, &reached)
     }
 
-    /// The contacts of those among these pairs that close along their normals, apart from those `known`.
+    /// The contacts of those among these pairs that close along their normals, apart from those `known`, the nearest first.
     pub(super) fn closing(
         &self,
         reached: &[Near],
-        known: &BTreeSet<u64>,
+        known: &HashSet<u64>,
         motion: (f64, &[DVec3], &[DVec3]),
         Step { h, executor, .. }: Step<'_>,
     ) -> Vec<Contact> {
         let contact = |near: &Near| {
+            if known.contains(&near.pair.key) {
+                return None;
+            }
             let closest = near.pair.measure(&near.pair.gather(&self.start));
-            if known.contains(&near.pair.key) { None } else { self.along_normal((near, &closest), motion, h) }
+            self.along_normal((near, &closest), motion, h).map(|contact| (*near, contact))
         };
-        by_blocks(reached, executor, &contact)
+        in_order(by_blocks(reached, executor, &contact)).into_iter().map(|(_, contact)| contact).collect()
     }
 
-    /// Those among these pairs that come too near each other on their way, and how.
+    /// Those among these pairs that come too near each other on their way, the nearest first, and how.
     pub(super) fn meetings(
         &self,
         reached: &[Near],
@@ -84,7 +83,7 @@ impl SelfContacts {
             let met = (distance - motion.0 <= least).then(|| advancement::meeting(|x| pair.measure(x), x, motion, least));
             met.flatten().map(|closest| (*near, closest))
         };
-        by_blocks(reached, executor, &meeting)
+        in_order(by_blocks(reached, executor, &meeting))
     }
 
     /// The contact of a pair with its normal at the start, if it closes to less than the thickness and `margin` times that with these
@@ -148,6 +147,12 @@ impl SelfContacts {
             }
         })
     }
+}
+
+/// What is found of pairs, the nearest first.
+fn in_order<T>(mut found: Vec<(Near, T)>) -> Vec<(Near, T)> {
+    found.sort_unstable_by(|(one, _), (other, _)| one.order(other));
+    found
 }
 
 /// What `each` finds among pairs, in their order.
