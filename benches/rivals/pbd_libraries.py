@@ -96,7 +96,7 @@ class Newton:
         for (one, other), stiffness in zip(body.pairs.tolist(), body.stiffness.tolist(), strict=True):
             builder.add_spring(one, other, stiffness, 0.0, 0.0)
         self._model = builder.finalize(device="cpu")
-        self._model.particle_grid = None  # else it would look for contacts of particles
+        self._model.particle_grid, self._model.particle_max_radius = None, 0.0  # no contacts of particles
         self._solver = newton.solvers.SolverXPBD(self._model, iterations=SWEEPS)
         self._states, self._control, self._h = [self._model.state(), self._model.state()], self._model.control(), h
 
