@@ -89,7 +89,7 @@ def table(title: str, unit: str, work: float, contenders: Sequence[Contender]) -
     print(f"\n{title} [million {unit}/s]")
     print(f"{'':<46}{'wall clock':^20}{'per CPU second':^20}{'physcore is':>12}")
     print(f"{'':<36}{'threads':>10}{'median':>10}{'best':>10}{'median':>10}{'best':>10}{'(CPU)':>12}")
-    ours = {one.threads: median(one.cpu) for one in contenders if one.name.startswith("physcore")}
+    ours = {one.threads: median(one.cpu) for one in reversed(contenders) if one.name.startswith("physcore")}
     for one in contenders:
         rates = [work / seconds / 1e6 for times in (one.wall, one.cpu) for seconds in (median(times), min(times))]
         ratio = median(one.cpu) / ours[one.threads]
