@@ -1,4 +1,4 @@
-"""A drop of milk falls into a pool and throws up a crown, eight times slower than in life.
+"""A drop falls into milk and throws up a crown and a jet, eight times slower than in life.
 
 It is as large as a head, and its surface tension as much larger than that of milk: the Weber number ρv²D/σ is that of
 a drop of 5 mm at 4 m/s.
@@ -58,7 +58,7 @@ def scene() -> pc.Scene:
 def main(path: str | os.PathLike[str] = "splash.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
     """Simulate it and draw it."""
     recording = pc.simulate(scene(), duration=DURATION, fps=200, progress=progress, fluids=METHOD)
-    style, camera = pc.styles.Fluid("#f7f5ee", opacity=1.0), Orbit(elevation=24.0)
+    style, camera = pc.styles.Fluid({"pool": "#f7f5ee", "drop": "#e8485f"}, opacity=1.0), Orbit(elevation=24.0)
     pc.film(recording, path, size=(640, 440), style=style, camera=camera, speed=0.125, progress=progress)
     return {"splash": recording}
 

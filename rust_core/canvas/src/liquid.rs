@@ -54,6 +54,8 @@ const TINTS: f32 = 0.1;
 const BENDS: f32 = 0.35;
 /// The farthest that it is bent [pixels].
 const FARTHEST: f32 = 24.0;
+/// How far the color of a drop in 3D reaches, over its support.
+const SMOOTH: f32 = 1.7;
 const ROUNDS: usize = 2;
 /// The share of light that a liquid holds back.
 const HELD: f32 = 0.5;
@@ -205,7 +207,9 @@ impl Liquid {
     fn splat_visible_colors(&mut self) {
         let Self { drops, front, colors, width, .. } = self;
         for drop in drops.iter() {
-            for_each_pixel(drop, *width, front.len(), |pixel, square| {
+            // Wider than it is: colors change more smoothly than the surface does.
+            let wide = Drop { radius: SMOOTH * drop.radius, ..*drop };
+            for_each_pixel(&wide, *width, front.len(), |pixel, square| {
                 let behind = (drop.depth - front[pixel]) / (2.0 * drop.radius);
                 let share = (1.0 - square) * (1.0 - behind).max(0.001);
                 tint(&mut colors[pixel], drop.color, share);

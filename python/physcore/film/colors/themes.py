@@ -113,7 +113,7 @@ LIGHT = Theme(
     stretched=(214, 34, 20),
     # Okabe and Ito, "Color Universal Design" (2008).
     bodies=((0, 114, 178), (213, 94, 0), (0, 158, 115), (204, 121, 167), (180, 130, 0), (86, 180, 233)),
-    part=(0.0, 0.88),
+    part=(0.18, 0.88),
 )
 """For documents with a white page."""
 
