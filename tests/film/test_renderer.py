@@ -27,7 +27,10 @@ from physcore.film.colors.colormaps import COLORMAPS, LUMA, sequential
 from physcore.film.colors.themes import LEGIBLE, contrast, legible
 from physcore.film.frame_cache import FrameCache
 from physcore.film.labels.footer import Footer, bars
-from physcore.film.labels.text import ADVANCE, ends, wrapped
+from physcore._core import text_width
+from physcore.film.labels.clock import UNITS, Clock
+from physcore.film.labels.text import ends, text_height, wrapped
+from physcore.film.layout import Heading
 from physcore.film.renderer import Renderer
 from physcore.film.styles.base import Scale
 from physcore.simulation.energy import Drift
@@ -49,7 +52,7 @@ def dust(lower: tuple[float, ...], upper: tuple[float, ...]) -> pc.Recording:
 def renderer(items: Any, size: Any = SIZE, **options: Any) -> Renderer:
     found = sources(items, options.pop("duration", None), options.pop("fps", None), {})
     style, camera, theme = options.pop("style", None), options.pop("camera", None), options.pop("theme", DARK)
-    return Renderer(found, size, style, camera, theme, options.pop("titles", None), False, **options)
+    return Renderer(found, size, style, camera, theme, Heading(tuple(options.pop("titles", ()))), False, **options)
 
 
 def pictures(items: Any, size: Any = SIZE, **options: Any) -> list[np.ndarray]:
