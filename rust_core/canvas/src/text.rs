@@ -30,6 +30,9 @@ const EM: f32 = 1.0 / 1.362;
 /// The baseline over the height of a line, from its upper edge.
 const BASELINE: f32 = 1.069 * EM;
 
+/// Coverage of pixels, over that of the outline: stems of small text are about a pixel wide, and lie between two.
+const STRENGTH: f32 = 1.3;
+
 /// Alignment of a label at the given x.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Align {
@@ -75,7 +78,7 @@ impl Canvas {
                     let corner = outline.px_bounds().min;
                     let (left, top) = (left + corner.x as i32, y + corner.y as i32);
                     outline.draw(|column, row, coverage| {
-                        self.dot(left + column as i32, top + row as i32, color, coverage.min(1.0));
+                        self.dot(left + column as i32, top + row as i32, color, (STRENGTH * coverage).min(1.0));
                     });
                 }
             }

@@ -66,7 +66,7 @@ class Clock:
     @property
     def pace(self) -> str:
         """What passes in a second of the film, such as "1 s = 90 d"; empty in real time."""
-        per_second = 1.0 / self._pace
+        per_second = self._pace
         if abs(per_second - 1.0) < 0.01:
             return ""
         unit = self.unit if 0.01 <= per_second / UNITS[self.unit] < 1e4 else _suitable(2.0 * per_second)

@@ -59,7 +59,7 @@ class Bar:
 
     def width(self, text: int, length: float) -> int:
         """Its width in a text of this height, when the bar is so many of these long [pixels]."""
-        return text_width(f"{self.name} {self.low} ", text) + round(length * text) + text_width(f" {self.high}", text)
+        return text_width(f"{self.name} {self.low}  ", text) + round(length * text) + text_width(f"  {self.high}", text)
 
     @classmethod
     def of(cls, scale: Scale) -> Bar:
@@ -153,7 +153,11 @@ class Footer:
     def _own(self, panel: int, error: float) -> list[str]:
         """The labels of one panel, always in the same width."""
         integrator, dt = self._facts[panel]
-        said = {"integrator": integrator, "dt": f"dt {dt or 0.0:.3g} s", "energy": f"energy error {error:.1e}"}
+        said = {
+            "integrator": integrator,
+            "dt": f"dt {dt or 0.0:.3g} s",
+            "energy": f"energy error {error:.1e}".replace("e-", "e−"),  # as wide as a plus sign
+        }
         return [said[label] or "" for label in self._labels if label != "time"]
 
     def _draw_bars(self, canvas: Canvas, size: tuple[int, int], text: int, color: Color, taken: int) -> None:
@@ -167,7 +171,7 @@ class Footer:
             start = right - bar.width(text, length)
             canvas.text(f"{bar.name} {bar.low}", start, top, text, (*color, 255), -1)
             canvas.text(bar.high, right, top, text, (*color, 255), 1)
-            x = start + text_width(f"{bar.name} {bar.low} ", text) + np.arange(round(length * text)) + 0.5
+            x = start + text_width(f"{bar.name} {bar.low}  ", text) + np.arange(round(length * text)) + 0.5
             middle, half = top + 0.54 * text, THICK * text / 2
             lines = np.stack([x, np.full_like(x, middle - half), x, np.full_like(x, middle + half)], axis=1)
             inks = np.full((len(x), 4), 255, dtype=np.uint8)

@@ -16,13 +16,15 @@ PHONE = 360
 """The width at which a picture is looked at [pixels]: a column of a page, or a telephone."""
 LEGIBLE = 14
 """The height of a line there [pixels]; its capitals have 7."""
+SMALLEST = 16
+"""The least height of a line [pixels]."""
 SHARE = 14
 """A line takes at most one part in so many of a picture's height."""
 
 
 def text_height(width: int, height: int) -> int:
     """The height of a line in a picture of this size, so that it can be read where that is 360 pixels wide [pixels]."""
-    return max(min(math.ceil(LEGIBLE * width / PHONE), height // SHARE), LEGIBLE)
+    return max(min(math.ceil(LEGIBLE * width / PHONE), height // SHARE), SMALLEST)
 
 
 def fitting(line: str, height: int, width: int) -> int:

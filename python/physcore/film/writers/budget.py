@@ -7,9 +7,11 @@ from dataclasses import dataclass, field, replace
 
 from physcore.errors import SceneError
 
-NEAR, FAR, FARTHEST = 8, 16, 24
-"""How far a pixel's color may be from the nearest of the palette [levels of 255]: always, in a film that would be
-large, and in one that has to become smaller."""
+MILD, FAR, FARTHEST = 10, 18, 28
+"""How far a pixel's color may be from the nearest of the palette [levels of 255], in a film that would be rather
+large or large, and in one that has to become smaller."""
+LARGE = 3_000_000
+"""The bytes above which a film is large."""
 SMALLER, SMALLEST = 0.5, 0.25
 """How much narrower the picture becomes, and at last [1]."""
 SLOW, SLOWEST = 12.0, 6.0
@@ -34,13 +36,18 @@ class Cut:
     """Of so many frames one is shown."""
     colors: int = 255
     """In the palette."""
-    tolerance: int = NEAR
+    tolerance: int = 0
     """How far a pixel's color may be from the nearest of the palette [levels of 255]."""
 
     def size(self, whole: tuple[int, int]) -> tuple[int, int]:
         """Width and height, as even numbers of pixels."""
         width, height = (max(2 * round(self.scale * side / 2), 16) for side in whole)
         return width, height
+
+    def farther(self, excess: float, most: int) -> int:
+        """The next tolerance, at most so large: the least that is likely to save enough."""
+        saving = ((MILD, 1.4), (FAR, 1.9), (FARTHEST, math.inf))
+        return next(min(far, most) for far, gain in saving if (far > self.tolerance and excess < gain) or far >= most)
 
     def deeper(self, excess: float, rate: float, limit: int) -> Cut:
         """The next cut, where a film takes `excess` times the bytes that it may.
@@ -58,7 +65,7 @@ class Cut:
             SceneError: there is nothing left to give up.
         """
         if self.tolerance < FARTHEST:
-            return replace(self, tolerance=FAR if self.tolerance < FAR and excess < 1.4 else FARTHEST)
+            return replace(self, tolerance=self.farther(excess, FARTHEST))
         # The bytes of a picture go with its area.
         shrunk = self.scale * math.sqrt(ROOM / excess)
         for slowest, fewest, smallest in ((SLOW, FEW, SMALLER), (SLOWEST, FEWEST, SMALLEST)):
@@ -81,7 +88,9 @@ class Search:
     rate: float
     """Frames per second of the whole film."""
     limit: int | None
-    """The bytes allowed."""
+    """The bytes allowed; None: any number, but a large film lets colors be farther off."""
+    gentle: bool = True
+    """Whether it does."""
     cut: Cut = field(default_factory=Cut)
     """What is tried."""
     fits: Cut | None = None
@@ -89,13 +98,22 @@ class Search:
     tries: int = 0
     _failed: Cut | None = None
 
+    @property
+    def bound(self) -> int | None:
+        """The bytes above which what is tried is given up."""
+        if self.limit is None and self.gentle and self.cut.tolerance < FAR:
+            return LARGE
+        return self.limit
+
     def too_large(self, excess: float) -> bool:
         """Go on after a film that took `excess` times its bytes; False: the one that fitted stays.
 
         Raises:
             SceneError: there is nothing left to give up.
         """
-        assert self.limit is not None  # without one nothing is too large
+        if self.limit is None:
+            self.cut = replace(self.cut, tolerance=self.cut.farther(excess, FAR))
+            return True
         self._failed = self.cut
         if self.fits is None:
             self.cut = self.cut.deeper(excess, self.rate, self.limit)
@@ -117,7 +135,7 @@ class Search:
         """The tolerance below which the film does not fit, as far as it is known."""
         failed, fits = self._failed, self.cut
         alike = failed is not None and replace(failed, tolerance=fits.tolerance) == fits
-        return failed.tolerance if failed is not None and alike else NEAR
+        return failed.tolerance if failed is not None and alike else 0
 
     def _between(self, fits: Cut, other: Cut) -> bool:
         """Try the middle of a cut with which the film fits and one with which it does not."""

@@ -5,23 +5,21 @@ from __future__ import annotations
 import os
 from collections.abc import Callable
 from contextlib import ExitStack, closing
-from dataclasses import replace
 from pathlib import Path
 from typing import BinaryIO, ClassVar
 
 from physcore._core import Gif
 from physcore.film.writers.base import Film, FilmJob, Writer
-from physcore.film.writers.budget import FAR, Cut, Search
+from physcore.film.writers.budget import FAR, LARGE, Cut, Search
 from physcore.storage.files import held, replacing
 
 TICKS = 100
 """Delays are hundredths of a second."""
 LOOK = 8
 """After so many frames it is looked whether they are too large already."""
-LARGE = 3_000_000
-"""A film that would take more bytes lets colors be farther off, step by step."""
-STEP = 2
-"""[levels of 255]"""
+STEP = 4
+"""By so much [levels of 255] colors may be farther off, every few frames, where a film that is made once would be
+large."""
 SMALL = 4096
 """More than the bytes of the header, the palette and the ends of blocks."""
 
@@ -40,8 +38,8 @@ class GifWriter(Writer):
         """Write a film, as often as it takes to find what fits into the bytes that are allowed and uses them."""
         whole = job.renderer.size
 
-        def attempt(cut: Cut) -> int:
-            _write_file(job, target, cut)
+        def attempt(cut: Cut, limit: int | None) -> int:
+            _write_file(job, target, cut, limit)
             return target.stat().st_size
 
         cut = _fit(job, attempt)
@@ -53,8 +51,8 @@ class GifWriter(Writer):
         """The bytes of a film, without a file."""
         contents: list[bytes] = []
 
-        def attempt(cut: Cut) -> int:
-            contents[:] = [_write(job, None, cut) or b""]
+        def attempt(cut: Cut, limit: int | None) -> int:
+            contents[:] = [_write(job, None, cut, limit) or b""]
             return len(contents[0])
 
         _fit(job, attempt)
@@ -91,22 +89,21 @@ class TooLargeError(Exception):
         """How many times more, as far as can be told."""
 
 
-def _fit(job: FilmJob, write: Callable[[Cut], int]) -> Cut:
+def _fit(job: FilmJob, write: Callable[[Cut, int | None], int]) -> Cut:
     """Write a film until it fits and uses its bytes; the last one that was written is the one to keep.
 
     Raises:
         SceneError: it cannot be made to fit.
     """
-    search, whole = Search(job.rate, job.max_bytes), job.renderer.size
-    if job.quality == "high":
-        search.cut = replace(search.cut, tolerance=0)
+    gentle = job.quality == "fast" and job.renderer.repeatable
+    search, whole = Search(job.rate, job.max_bytes, gentle), job.renderer.size
     going = True
     while going:
         size = search.cut.size(whole) if search.cut.scale < 1.0 else whole
         if size != job.renderer.size:
             job.renderer.resize(size)
         try:
-            written = write(search.cut)
+            written = write(search.cut, search.bound)
         except TooLargeError as error:
             going = search.too_large(error.excess)
         else:
@@ -115,7 +112,7 @@ def _fit(job: FilmJob, write: Callable[[Cut], int]) -> Cut:
     return search.fits
 
 
-def _write_file(job: FilmJob, target: Path, cut: Cut) -> None:
+def _write_file(job: FilmJob, target: Path, cut: Cut, limit: int | None) -> None:
     """Write what is left of all frames under a temporary name first, which is locked as long as it is there.
 
     Raises:
@@ -124,21 +121,21 @@ def _write_file(job: FilmJob, target: Path, cut: Cut) -> None:
     with ExitStack() as until_replaced, replacing(target) as file:
         part = Path(f"{file.name}.part")
         try:
-            _write(job, part, cut)
+            _write(job, part, cut, limit)
             until_replaced.enter_context(held(part))
             os.replace(part, file.name)
         finally:
             part.unlink(missing_ok=True)
 
 
-def _write(job: FilmJob, target: Path | None, cut: Cut) -> bytes | None:
+def _write(job: FilmJob, target: Path | None, cut: Cut, limit: int | None) -> bytes | None:
     """Write what is left of all frames, and give their bytes if there is no file to put them into.
 
     Raises:
         TooLargeError: they are too many; nothing was written.
     """
-    renderer, limit = job.renderer, job.max_bytes
-    times, tolerance = job.delays(TICKS, cut.stride), cut.tolerance
+    renderer, times, tolerance = job.renderer, job.delays(TICKS, cut.stride), cut.tolerance
+    growing = job.quality == "fast" and limit is None
     with closing(Gif(target, renderer.reserved, quality=job.quality, colors=cut.colors)) as gif:
         for canvas in renderer.samples():
             gif.observe(canvas)
@@ -150,7 +147,7 @@ def _write(job: FilmJob, target: Path | None, cut: Cut) -> bytes | None:
             done = (index + 1) / len(times)
             if limit is not None:
                 _refuse_if_too_large(gif.written(), limit, done)
-            elif 0 < tolerance < FAR and gif.written() > LARGE * done:
+            elif growing and tolerance < FAR and gif.written() > LARGE * done:
                 tolerance += STEP
                 gif.tolerate(tolerance)
         provenance = job.provenance
