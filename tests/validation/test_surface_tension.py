@@ -126,7 +126,7 @@ def test_a_drop_in_another_fluid_grows_round(ratio, record_property):
 def test_a_drop_has_laplace_s_pressure(dimension, record_property):
     """(D − 1) σ/R in the middle, as a mean over two periods of its ringing, with 12 spacings in the radius: 15 %.
 
-    R is that of the volume of all particles. A surface two spacings thick acts at a radius that is smaller by up to one,
+    R is that of the volume of all particles. A surface two spacings thick acts at a radius that is less by up to one,
     8 %, and is within 3 % of σ once it has settled in 2D, in 3D within as much again.
     """
     cells = pc.ball((0.0,) * dimension, 12.0 if dimension == 2 else 8.0, 1.0)

@@ -19,4 +19,4 @@ class FluidMethod:
     """
 
     def check(self, fluid: Fluid, path: str) -> None:
-        """Look at a fluid that it is to compute, and warn of what was hardly meant; `path` is where the method stands."""
+        """Look at a fluid that it is to compute, and warn of what was hardly meant; `path` is where it stands."""
