@@ -1,6 +1,7 @@
 """What speed costs in accuracy, on six scenes, in demos and at the extremes: writes docs/tradeoff.md and its figures.
 
-make tradeoff, or python benches/tradeoff.py [FOLDER] [--seconds N]
+make tradeoff, or python benches/tradeoff.py [FOLDER] [--seconds N]; --only "Stiff cloth" measures that scene alone, and
+puts it in its place in the report.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
+from typing import Literal
 
 import extremes
 import numpy as np
@@ -21,7 +23,8 @@ from physcore.gallery import caption, demo
 
 DECADES = (1e-2, 1e-4, 1e-6, 1e-8, 1e-10)
 """The errors for which the cheapest row is looked for, as fractions of the scene's size."""
-
+SECTION, RULE = "\n\n## ", "|---|" + "---|" * len(DECADES) + "\n"
+"""What stands before each section of the report, and before the rows of its tables of advice."""
 
 DEMOS = ("cloth", "rope", "jelly", "orbits")
 """The demos that can be run a hundred times in a minute."""
@@ -43,6 +46,9 @@ class Study:
     """Of the budget, beside the others."""
     integrators: tuple[pc.Integrator, ...] | None = None
     """What is compared; None: all explicit ones."""
+    precisions: tuple[Literal["f32", "f64"], ...] = ("f64", "f32")
+    advice: Callable[[pc.Tradeoff], str] | None = None
+    """What to choose when, in words, from what was measured."""
     fluids: tuple[pc.FluidMethod, ...] | None = None
     """How fluids are computed; None: by default."""
 
@@ -70,12 +76,13 @@ def cloth() -> Study:
 
 def stiff_cloth() -> Study:
     sheet = pc.cloth(
-        (12, 10), 0.05, 2e4, 0.5, mass=0.004, axes=((1.0, 0.0, 0.0), (0.0, 0.5, -0.8660254037844386)), pinned="top"
+        (12, 10), 0.05, 2e4, 0.5, mass=0.004, axes=((1.0, 0.0, 0.0), (0.0, 0.5, 0.8660254037844386)), pinned="top"
     )
     scene = pc.Scene(sheet, pc.Gravity((0.0, 0.0, -9.81)), pc.Drag(linear=2e-3))
     about = (
-        "A cloth a hundred times as stiff, swinging about its upper edge: explicit, implicit and projective methods, "
-        "XPBD by its substeps and projective dynamics by its iterations."
+        "A cloth in space, a hundred times as stiff, that swings about its upper edge from 30° off the vertical. "
+        "Explicit methods begin at their limit, all others with a step of a 32nd of a second; XPBD is compared by "
+        "its substeps, projective dynamics by its iterations, in double precision."
     )
     methods = (
         pc.SemiImplicitEuler(),
@@ -87,7 +94,38 @@ def stiff_cloth() -> Study:
         *(pc.XPBD(substeps) for substeps in (1, 5, 20)),
         *(pc.ProjectiveDynamics(iterations) for iterations in (5, 20)),
     )
-    return Study("Stiff cloth", about, scene, 1.0, 0.5, share=2.0, integrators=methods)
+    return Study(
+        "Stiff cloth", about, scene, 1.0, 0.5, share=2.0, integrators=methods, precisions=("f64",), advice=stiff_advice
+    )
+
+
+def stiff_advice(trade: pc.Tradeoff) -> str:
+    """When to take which method, with the rows that say so."""
+    ok = [row for row in trade.rows if row.status == "ok"]
+    frame = max(row.dt for row in ok)
+
+    def told(integrator: pc.Integrator, dt: float = math.inf) -> str:
+        row = next(row for row in ok if row.integrator == integrator and row.dt <= dt)
+        return (
+            f"{row.label} in steps of {1e3 * row.dt:.2g} ms is off by {1e3 * row.error:.3g} mm, with an energy drift "
+            f"of {row.energy_drift:.2g}, and takes {1e3 * row.seconds:.3g} ms"
+        )
+
+    return f"""Which method when, for a second of this cloth of half a meter:
+
+- *Where the motion itself is wanted*, explicit methods, as long as their limit can be paid for:
+  {told(pc.VelocityVerlet())}; {told(pc.RungeKutta4())}.
+  They alone resolve how springs swing. Their limit falls with the root of stiffness over mass: a cloth 100 times as
+  stiff takes them ten times as long, while the steps of all others do not depend on it.
+- *Where steps are far above that limit, and energy counts*, implicit methods of order 2:
+  {told(pc.ImplicitMidpoint(1e-6), 0.5 * frame)}; {told(pc.BDF2(1e-6), 0.5 * frame)}.
+  Backward Euler damps the swing itself: {told(pc.BackwardEuler(1e-6), 0.5 * frame)}.
+- *For a picture*, XPBD with as many substeps as can be paid for. Its curves lie on each other, so that only the number
+  of substeps in a second matters: {told(pc.XPBD(20))}.
+  With few of them cloth is soft, and its energy means nothing: {told(pc.XPBD(1))}.
+- *Projective dynamics* beside them: {told(pc.ProjectiveDynamics(20))}; {told(pc.ProjectiveDynamics(5))}.
+  As far off as the cloth should have moved says that its iterations stop before it moves: with cloth this stiff look at
+  a film before you trust it."""
 
 
 def gas() -> Study:
@@ -126,65 +164,99 @@ def demonstration(name: str) -> Study:
 
 
 def main() -> None:
-    """Measure everything and write the report."""
+    """Measure everything, or some scenes, and write the report."""
+    studies = [kepler(), pendulum(), cloth(), stiff_cloth(), gas(), dam(), *map(demonstration, DEMOS)]
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0] if __doc__ else None)
     parser.add_argument("folder", nargs="?", type=Path, default=Path("docs"))
     parser.add_argument("--seconds", type=float, default=420.0, help="for all scenes together (default: 420)")
+    parser.add_argument(
+        "--only", action="append", metavar="NAME", choices=[study.name for study in studies], help="a scene; repeatable"
+    )
     options = parser.parse_args()
     (options.folder / "images").mkdir(parents=True, exist_ok=True)
     begin = time.perf_counter()
-    studies = [kepler(), pendulum(), cloth(), stiff_cloth(), gas(), dam(), *map(demonstration, DEMOS)]
+    chosen = [study for study in studies if options.only is None or study.name in options.only]
     whole = sum(study.share for study in studies)
-    trades = {}
-    for study in studies:
-        print(f"{study.name} …", flush=True)
-        trades[study.name] = pc.tradeoff(
-            study.scene,
-            study.duration,
-            integrators=study.integrators,
-            resolutions=study.resolutions,
-            fluids=study.fluids,
-            observe=study.observe,
-            budget=options.seconds * study.share / whole,
-            threads=1,
-        )
-    parts = [_head(next(iter(trades.values()))), _advice(studies, trades)]
-    parts += [_section(study, trades[study.name], options.folder) for study in studies]
-    print("Extremes …", flush=True)
-    parts.append(extremes.table())
+    trades = {study.name: _measured(study, options.seconds * study.share / whole) for study in chosen}
     path = options.folder / "tradeoff.md"
-    path.write_text("\n\n".join(parts) + "\n", encoding="utf-8")
+    if options.only is None:
+        parts = [_head(next(iter(trades.values()))), _advice(studies, trades)]
+        parts += [_section(study, trades[study.name], options.folder) for study in studies]
+        print("Extremes …", flush=True)
+        report = "\n\n".join([*parts, extremes.table()]) + "\n"
+    else:
+        report = path.read_text(encoding="utf-8")
+        for study in chosen:
+            report = _replaced(report, study, trades[study.name], [each.name for each in studies], options.folder)
+    path.write_text(report, encoding="utf-8")
     print(f"{path} written in {time.perf_counter() - begin:.0f} s")
 
 
+def _measured(study: Study, budget: float) -> pc.Tradeoff:
+    print(f"{study.name} …", flush=True)
+    return pc.tradeoff(
+        study.scene,
+        study.duration,
+        integrators=study.integrators,
+        resolutions=study.resolutions,
+        fluids=study.fluids,
+        observe=study.observe,
+        precisions=study.precisions,
+        budget=budget,
+        threads=1,
+    )
+
+
 def _head(trade: pc.Tradeoff) -> str:
-    machine = trade.machine
-    day = datetime.now(UTC).strftime("%Y-%m-%d")
     return (
         "# What speed costs in accuracy\n\n"
-        f"Measured on {day} by `make tradeoff`, on one thread of {machine['processor']} "
-        f"({machine['vector instructions']}), physcore {machine['physcore']}. Do not edit.\n\n"
+        f"{_measured_where(trade, 'make tradeoff')} Do not edit.\n\n"
         "Every figure is of one call, `pc.tradeoff(scene, duration)`: errors are largest distances from a reference, "
         "times are medians of five whole runs in random order with the audit on, evaluations those of the forces. A "
         "question mark stands behind a time whose median is 5 % above the least of its repetitions."
     )
 
 
+def _measured_where(trade: pc.Tradeoff, command: str) -> str:
+    machine, day = trade.machine, datetime.now(UTC).strftime("%Y-%m-%d")
+    return (
+        f"Measured on {day} by `{command}`, on one thread of {machine['processor']} "
+        f"({machine['vector instructions']}), physcore {machine['physcore']}."
+    )
+
+
 def _advice(studies: list[Study], trades: dict[str, pc.Tradeoff]) -> str:
     """What to choose when: the cheapest row of each scene for each error."""
+    head = ["| scene | " + " | ".join(f"{decade:.0e}" for decade in DECADES) + " |", "|---|" + "---|" * len(DECADES)]
+    fastest, cheapest = zip(*(_choices(study, trades[study.name]) for study in studies), strict=True)
     lines = ["## What to choose", "", "The fastest row within an error, as a fraction of the scene's size:", ""]
-    lines += ["| scene | " + " | ".join(f"{decade:.0e}" for decade in DECADES) + " |"]
-    lines += ["|---|" + "---|" * len(DECADES)]
-    for study in studies:
-        cells = [_cell(trades[study.name], decade * study.size) for decade in DECADES]
-        lines.append(f"| {study.name} | " + " | ".join(cells) + " |")
+    lines += [*head, *fastest]
     lines += ["", "The same in evaluations of the forces, which no noise of the machine touches:", ""]
-    lines += ["| scene | " + " | ".join(f"{decade:.0e}" for decade in DECADES) + " |"]
-    lines += ["|---|" + "---|" * len(DECADES)]
-    for study in studies:
-        cells = [_cheapest(trades[study.name], decade * study.size) for decade in DECADES]
-        lines.append(f"| {study.name} | " + " | ".join(cells) + " |")
-    return "\n".join(lines)
+    return "\n".join([*lines, *head, *cheapest])
+
+
+def _choices(study: Study, trade: pc.Tradeoff) -> tuple[str, str]:
+    """The lines of a scene in both tables of advice."""
+    fastest, cheapest = ([cell(trade, decade * study.size) for decade in DECADES] for cell in (_cell, _cheapest))
+    return f"| {study.name} | {' | '.join(fastest)} |", f"| {study.name} | {' | '.join(cheapest)} |"
+
+
+def _replaced(report: str, study: Study, trade: pc.Tradeoff, names: list[str], folder: Path) -> str:
+    """A report with what was found of one scene in its place, among those of all `names`."""
+    before = names[: names.index(study.name)]
+    head, advice, *sections = report.rstrip("\n").split(SECTION)
+    note = _measured_where(trade, f'python benches/tradeoff.py --only "{study.name}"')
+    new = _section(study, trade, folder, note).removeprefix("## ")
+    titles = [section.partition("\n")[0] for section in sections]
+    first = next((at for at, title in enumerate(titles) if title not in before), len(sections))
+    last = first + (study.name in titles)
+    sections[first:last] = [new]
+    tables = advice.split(RULE)
+    for at, line in enumerate(_choices(study, trade), start=1):
+        rows = [row for row in tables[at].split("\n") if not row.startswith(f"| {study.name} |")]
+        place = sum(row.startswith(tuple(f"| {name} |" for name in before)) for row in rows)
+        tables[at] = "\n".join([*rows[:place], line, *rows[place:]])
+    return SECTION.join([head, RULE.join(tables), *sections]) + "\n"
 
 
 def _cell(trade: pc.Tradeoff, error: float) -> str:
@@ -193,7 +265,7 @@ def _cell(trade: pc.Tradeoff, error: float) -> str:
     except pc.PhyscoreError:
         return "—"
     at = "" if row.resolution is None else f", 1/{row.resolution:g} m"
-    return f"{type(row.integrator).__name__} {row.precision}{at}, {row.seconds:.2g} s{'?' if row.noisy else ''}"
+    return f"{row.label} {row.precision}{at}, {row.seconds:.2g} s{'?' if row.noisy else ''}"
 
 
 def _cheapest(trade: pc.Tradeoff, error: float) -> str:
@@ -201,17 +273,18 @@ def _cheapest(trade: pc.Tradeoff, error: float) -> str:
     if not within:
         return "—"
     row = min(within, key=lambda row: row.pair_interactions or row.evaluations)
-    return f"{type(row.integrator).__name__} {row.precision}, {row.evaluations}"
+    return f"{row.label} {row.precision}, {row.evaluations}"
 
 
-def _section(study: Study, trade: pc.Tradeoff, folder: Path) -> str:
-    """One scene: what it is, the figure, what was found, and the table."""
+def _section(study: Study, trade: pc.Tradeoff, folder: Path, note: str = "") -> str:
+    """One scene: what it is, a note on how it was measured, the figure, what was found, and the table."""
     image = f"images/tradeoff-{study.name.lower().replace(' ', '-')}.png"
     trade.plot(folder / image)
     sentences = "\n".join(f"- {sentence}" for sentence in trade.explain().splitlines())
+    advice = "" if study.advice is None else f"{study.advice(trade)}\n\n"
     return (
-        f"## {study.name}\n\n{study.about} {study.duration:.3g} s are simulated.\n\n"
-        f"![Error against time in {study.name}]({image})\n\n{sentences}\n\n"
+        f"## {study.name}\n\n{f'{study.about} {study.duration:.3g} s are simulated. {note}'.rstrip()}\n\n"
+        f"![Error against time in {study.name}]({image})\n\n{advice}{sentences}\n\n"
         f"<details><summary>Every row</summary>\n\n```\n{trade}\n```\n\n</details>"
     )
 

@@ -18,6 +18,7 @@ LAYERS = [
     "units",
     "checks",
     "progress",
+    "markup",
     "storage",
     "scene",
     "forces",

@@ -1,4 +1,4 @@
-"""A progress bar on standard error: drawn in place on a terminal, a line for every quarter elsewhere."""
+"""A progress bar on standard error: drawn in place on a terminal and in a notebook, a line now and then elsewhere."""
 
 from __future__ import annotations
 
@@ -10,25 +10,30 @@ from typing import Self
 WIDTH = 32
 PATIENCE = 1.0
 """Work that ends within this many seconds shows no bar, unless one is asked for."""
+LINES = 10.0
+"""Seconds between the lines of a log, beside one for every quarter."""
+REDRAWN = 0.1
+"""Seconds between two pictures of a bar."""
 
 
 class Progress:
-    """Shows how much of `total` is done.
+    """Shows how much of `total` is done, and about how long the rest takes.
 
     Args:
         total: how much there is to do.
         label: what is being done.
-        show: True: always; False: never; None: only on a terminal, and only if it takes longer than a second.
+        show: True: always; False: never; None: only on a terminal or in a notebook, and only if it takes longer than a
+            second.
     """
 
     def __init__(self, total: int, label: str, show: bool | None = None) -> None:
         self._total = max(total, 1)
         self._label = label
-        self._terminal = sys.stderr.isatty()
-        self._shown = self._terminal if show is None else show
+        self._in_place = sys.stderr.isatty() or in_notebook()
+        self._shown = self._in_place if show is None else show
         self._start = time.monotonic()
         self._visible_from = self._start + (PATIENCE if show is None else 0.0)
-        self._last = -1
+        self._last, self._last_time = -1, -1.0
         self._drawn = False
 
     def __enter__(self) -> Self:
@@ -37,26 +42,53 @@ class Progress:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        if self._drawn and self._terminal:
+        if self._drawn and self._in_place:
             sys.stderr.write("\n")
             sys.stderr.flush()
 
     def update(self, done: int) -> None:
         """Say that `done` of the total is done."""
         now = time.monotonic()
-        if not self._shown or now < self._visible_from:
+        if not self._shown or now < self._visible_from or not self._due(done, now):
             return
-        percent = 100 * done // self._total
-        mark = percent if self._terminal else percent // 25 * 25
-        if mark == self._last:
-            return
-        self._last, self._drawn = mark, True
-        sys.stderr.write(self._bar(done / self._total, now) if self._terminal else f"{self._label}: {mark} %\n")
+        self._drawn, self._last_time = True, now
+        fraction = done / self._total
+        sys.stderr.write(self._bar(fraction, now) if self._in_place else self._line(fraction, now))
         sys.stderr.flush()
+
+    def _due(self, done: int, now: float) -> bool:
+        """Whether there is something new to say."""
+        percent = 100 * done // self._total
+        mark = percent if self._in_place else percent // 25
+        waited = now - self._last_time if self._drawn else 0.0
+        if mark == self._last and not (not self._in_place and waited >= LINES):
+            return False
+        if self._in_place and self._drawn and waited < REDRAWN and done < self._total:
+            return False
+        self._last = mark
+        return True
+
+    def _left(self, fraction: float, now: float) -> str:
+        """How long the rest takes, if it goes on like this."""
+        if fraction <= 0.0:
+            return ""
+        seconds = (now - self._start) * (1.0 - fraction) / fraction
+        return f"{seconds:4.0f} s left" if seconds < 100.0 else f"{seconds / 60.0:4.0f} min left"
+
+    def _line(self, fraction: float, now: float) -> str:
+        """A line of a log."""
+        left = self._left(fraction, now).strip() if 0.0 < fraction < 1.0 else ""
+        return f"{self._label}: {fraction:.0%}{', ' + left if left else ''}\n"
 
     def _bar(self, fraction: float, now: float) -> str:
         """The bar with the time that is left, to be drawn over the last one."""
         filled = round(WIDTH * fraction)
-        left = (now - self._start) * (1.0 - fraction) / fraction if fraction > 0 else 0.0
         bar = "█" * filled + "·" * (WIDTH - filled)
-        return f"\r{self._label}  {bar} {fraction:4.0%}  {left:4.0f} s left "
+        return f"\r{self._label}  {bar} {fraction:4.0%}  {self._left(fraction, now):<13}"
+
+
+def in_notebook() -> bool:
+    """Whether this runs in a notebook, where a carriage return draws over the last line too."""
+    ipython = sys.modules.get("IPython")
+    shell = None if ipython is None else ipython.get_ipython()
+    return shell is not None and hasattr(shell, "kernel")

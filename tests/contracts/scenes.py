@@ -197,6 +197,17 @@ def chain(links: int = 12, dimension: int = 2) -> pc.Scene:
     return pc.Scene(body, pc.Gravity(-9.81 * np.eye(dimension)[-1]), pc.Drag(0.02))
 
 
+def dropped(links: int = 6, dimension: int = 2) -> pc.Scene:
+    """A chain of rods, not in line, that falls on a floor beside a loose ball and bounces."""
+    nodes = np.zeros((links + 1, dimension))
+    nodes[:, 0] = 0.1 * np.arange(links + 1)
+    nodes[:, -1] = 0.08 + 0.03 * np.cos(1.7 * np.arange(links + 1))
+    ends = np.arange(links)
+    body = pc.SpringNetwork(nodes, np.column_stack([ends, ends + 1]), np.inf, mass=0.1 + 0.02 * ends.sum() / links)
+    ball = pc.Particles([[-0.2] * (dimension - 1) + [0.05]], radius=0.02)
+    return pc.Scene(body, ball, pc.Gravity(-9.81 * np.eye(dimension)[-1]), pc.Floor(restitution=0.5))
+
+
 def truss(side: int = 3) -> pc.Scene:
     """A braced box of rods in space, of which many are redundant, that turns."""
     nodes = np.stack(np.meshgrid(*[np.arange(side)] * 3, indexing="ij"), -1).reshape(-1, 3) * 0.5
@@ -528,6 +539,14 @@ SCENES: dict[str, Case] = {
     "chain of order 4": Case(chain, 0.01, {"integrator": pc.RATTLE(4)}),
     "chain adaptive": Case(chain, 0.002, {"dt": pc.AdaptiveStep()}),
     "truss": Case(truss, 0.01),
+    "dropped": Case(dropped, 0.002),
+    "dropped 3D f32": Case(lambda: dropped(dimension=3), 0.002, F32),
+    "chain XPBD": Case(chain, 0.002, {"integrator": pc.XPBD(3, 4)}),
+    "shell BDF2": Case(shell, 0.002, {"integrator": pc.BDF2(1e-12)}, large=lambda: shell((60, 40))),
+    "flag BackwardEuler f32": Case(flag, 0.002, {**F32, "integrator": pc.BackwardEuler(1e-7)}),
+    "grains BackwardEuler": Case(grains, 0.002, {"integrator": pc.BackwardEuler(1e-12)}),
+    "atoms ImplicitMidpoint": Case(lambda: crowd(ATOMS), 0.005, {"integrator": pc.ImplicitMidpoint(1e-12)}),
+    "swarm star BDF2": Case(lambda: swarm(STAR, RESISTANCE, BREEZE, count=100), 0.01, {"integrator": pc.BDF2(1e-12)}),
     "network XPBD": Case(network, 0.02, {"integrator": pc.XPBD(3, 2)}, large=_large_network),
     "network ProjectiveDynamics": Case(network, 0.02, {"integrator": pc.ProjectiveDynamics(4)}, large=_large_network),
     "network BackwardEuler": Case(network, 0.02, {"integrator": pc.BackwardEuler()}, large=_large_network),

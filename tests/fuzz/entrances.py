@@ -132,6 +132,8 @@ LONG = (
 PARTS = (
     "Amount",
     "AmountSeries",
+    "Diagnosis",
+    "Finding",
     "Part",
     "Energy",
     "EnergySeries",
@@ -207,7 +209,7 @@ def _all() -> Iterator[Entrance]:
         for method in dir(kind):
             thing = getattr(kind, method)
             if (not method.startswith("_") or method == "__getitem__") and callable(thing) and method not in INTERNAL:
-                keys = method in ("__getitem__", "index", "slice")
+                keys = method in ("__getitem__", "index", "path", "slice")
                 yield _entrance(thing, f"{receiver}.{method}", f"{name}.{method}", name, keys=keys)
 
 

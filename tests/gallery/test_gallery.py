@@ -17,6 +17,7 @@ from physcore.gallery.hourglass import GRAINS
 
 LONG = (
     "flag",
+    "torn_flag",
     "drape",
     "bowl",
     "labyrinth",
@@ -103,6 +104,7 @@ def shown(tmp_path: Path, record_property: Callable[[str, object], None]) -> Cal
         "magnetic_bottle",
         "dipole",
         "double_pendulum",
+        "sixfold_pendulum",
         "chain",
         "knot",
         *(pytest.param(name, marks=pytest.mark.long) for name in LONG),

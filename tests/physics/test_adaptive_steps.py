@@ -226,6 +226,7 @@ def test_a_divergence_is_named_and_leaves_the_last_good_state():
     assert 0.5 - 1.0 / 128.0 / 1024.0 <= run.positions[0, 0] <= 0.5
 
 
+@pytest.mark.filterwarnings("ignore:duration. 1e.07 s are")
 @pytest.mark.skipif(os.name != "posix", reason="needs interval timers")
 def test_an_interrupt_leaves_a_whole_step_from_which_it_goes_on():
     """An interval without end in sight: it stops soon, and at a time that is a block's end."""

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from numpy.typing import ArrayLike
 
 import physcore as pc
+from physcore.integrators import INTEGRATORS
 from physics.laboratory import EPSILON, Array, state
 
 INF = math.inf
@@ -90,6 +91,52 @@ def test_any_network_keeps_its_lengths_and_goes_back(seed, dimension, fixed, ela
     run.step(100)
     back = state(run) * np.array([1.0, -1.0])[:, None, None]
     assert np.abs(back - start).max() < 1e4 * 4.0 * EPSILON
+
+
+@settings(max_examples=20, deadline=None)
+@given(seed=st.integers(0, 10**6), dimension=st.sampled_from([2, 3]), fixed=st.booleans(), redundant=st.booleans())
+def test_steps_of_order_4_keep_lengths_and_energy_and_go_back(seed, dimension, fixed, redundant):
+    """As those of order 2, whose five steps are up to 0.66 of a step long, with (ω dt)⁴ of the energy."""
+    body = still(network(seed, dimension, fixed=fixed, elastic=True, redundant=redundant))
+    run = pc.Simulation(pc.Scene(body, pc.Gravity(-9.81 * np.eye(dimension)[-1])), pc.RATTLE(4), dt=2e-3)
+    start, before = state(run), run.energy().balance
+    run.step(50)
+    lengths, along = missed(run, body)
+    assert lengths < 100 * EPSILON
+    assert along < 100 * EPSILON * (1.0 + np.abs(run.velocities).max())
+    kinetic = 0.5 * body.mass @ (run.velocities**2).sum(axis=1)
+    assert abs(run.energy().balance - before) < 1e-5 * (1.0 + kinetic)
+    run.set(velocities=-run.velocities)
+    run.step(50)
+    back = state(run) * np.array([1.0, -1.0])[:, None, None]
+    assert np.abs(back - start).max() < 1e4 * 4.0 * EPSILON
+
+
+def truss(side: int, dimension: int) -> pc.SpringNetwork:
+    """A braced lattice, of whose rods many are redundant, in rotation and on its way."""
+    rng = np.random.default_rng(side)
+    nodes = np.stack(np.meshgrid(*[np.arange(side)] * dimension, indexing="ij"), -1).reshape(-1, dimension) * 0.5
+    pairs = [[i, j] for j in range(len(nodes)) for i in range(j) if np.linalg.norm(nodes[i] - nodes[j]) < 0.9]
+    turn = np.column_stack([-nodes[:, 1], nodes[:, 0], *(0.0 * nodes[:, 2:].T)])
+    return pc.SpringNetwork(nodes, pairs, INF, mass=rng.uniform(0.2, 2.0, len(nodes)), velocities=1.3 * turn + 0.4)
+
+
+@pytest.mark.parametrize("order", [2, 4])
+@pytest.mark.parametrize(("side", "dimension"), [(2, 2), (4, 2), (2, 3), (3, 3)])
+def test_trusses_are_rigid_and_keep_energy_and_momentum(order, side, dimension):
+    """A rigid body in free rotation in a plane keeps its energy to rounding, by either order, and goes back."""
+    body = truss(side, dimension)
+    run = pc.Simulation(pc.Scene(body), pc.RATTLE(order), dt=5e-3)
+    start, energy, spin = state(run), run.energy().total, run.angular_momentum()
+    run.step(40)
+    lengths, _ = missed(run, body)
+    assert lengths < 1e3 * EPSILON
+    assert run.energy().total == pytest.approx(energy, rel=1e-12)
+    np.testing.assert_allclose(run.angular_momentum(), spin, atol=1e-12 * float(body.mass.sum()) * 10.0)
+    run.set(velocities=-run.velocities)
+    run.step(40)
+    back = state(run) * np.array([1.0, -1.0])[:, None, None]
+    assert np.abs(back - start).max() < 1e5 * EPSILON
 
 
 @pytest.mark.parametrize("dimension", [2, 3])
@@ -261,11 +308,15 @@ def test_dt_auto_counts_rotation_and_tension():
     [
         (
             lambda: pc.Simulation(double_pendulum(), pc.VelocityVerlet()),
-            r"integrator: expected RATTLE\(\) for rods, got VelocityVerlet",
+            r"integrator: expected RATTLE\(\) or XPBD\(\) for rods, got VelocityVerlet",
         ),
         (
-            lambda: pc.Simulation(pc.Scene(*double_pendulum().bodies, pc.Plane((0.0, 1.0), (0.0, -3.0)))),
-            r"integrator: expected .*boundaries, got RATTLE",
+            lambda: pc.Simulation(pc.Scene(*double_pendulum().bodies, pc.Plane((0.0, -3.0), (0.0, 1.0))), pc.RATTLE(4)),
+            r"integrator: expected .*boundaries, got RATTLE .*order=2",
+        ),
+        (
+            lambda: pc.Simulation(pc.Scene(*double_pendulum().bodies, pc.Floor(-3.0, friction=0.2))),
+            r"boundaries\[0\]\.friction: expected 0 with rods, got 0\.2",
         ),
         (
             lambda: double_pendulum(rest_length=[1.0, 1.0]),
@@ -294,6 +345,12 @@ def test_what_cannot_be_held_is_refused(make, message):
         make()
 
 
+@pytest.mark.parametrize("kind", [kind for kind in INTEGRATORS if "bodies" in kind.solves and not kind.holds_rods])
+def test_who_cannot_hold_rods_names_those_who_can(kind):
+    with pytest.raises(pc.SceneError, match=rf"integrator: .*RATTLE\(\) or XPBD\(\) for rods, got {kind.__name__}"):
+        pc.Simulation(double_pendulum(), kind(), dt=1e-3)
+
+
 def test_a_step_without_a_solution_diverges_and_says_why():
     """A rod that would turn by 20 radians in a step has no length along its old direction that brings it back."""
     body = pc.SpringNetwork([[-0.5, 0.0], [0.5, 0.0]], [[0, 1]], INF, velocities=[[0.0, -5.0], [0.0, 5.0]])
@@ -307,3 +364,31 @@ def test_a_step_without_a_solution_diverges_and_says_why():
     assert run.steps == 0
     with pytest.warns(pc.StabilityWarning):
         pc.Simulation(pc.Scene(body), dt=0.4, on_divergence="substep").run(2.0)
+
+
+def test_sweeps_of_xpbd_approach_rods_as_steps_become_small():
+    """Against RATTLE: of order 1 in the step, and rods that are as long as one sweep leaves them, to order 2."""
+    chain = pc.SpringNetwork(
+        [[0.1 * k, 0.0] for k in range(5)], [[k, k + 1] for k in range(4)], INF, mass=0.1, fixed=[0]
+    )
+    scene = pc.Scene(chain, pc.Gravity((0.0, -9.81)))
+    (exact := pc.Simulation(scene, dt=1e-3)).run(0.3)
+    errors, lengths = [], []
+    for substeps in (20, 40, 80):
+        (run := pc.Simulation(scene, pc.XPBD(substeps, 2), dt=0.01)).run(0.3)
+        errors.append(float(np.abs(run.positions - exact.positions).max()))
+        lengths.append(missed(run, chain)[0])
+    assert math.log2(errors[1] / errors[2]) == pytest.approx(1.0, abs=0.15)
+    assert math.log2(lengths[1] / lengths[2]) == pytest.approx(2.0, abs=0.3)
+    assert lengths[2] < 1e-4
+
+
+def test_a_rod_alone_is_held_by_xpbd_to_rounding():
+    """The same as a spring of any stiffness, which one sweep satisfies, between fixed ends and in loops too."""
+    body = pc.SpringNetwork(
+        [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]], [[0, 1], [1, 2]], [INF, INF], mass=[1.0, 1.0, 2.0], fixed=[0, 1]
+    )
+    run = pc.Simulation(pc.Scene(body, pc.Gravity((0.0, -9.81))), pc.XPBD(10), dt=0.01)
+    run.step(100)
+    assert missed(run, body)[0] < 10 * EPSILON
+    np.testing.assert_array_equal(run.positions[:2], body.positions[:2])

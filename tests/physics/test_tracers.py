@@ -282,7 +282,7 @@ def test_lyapunov_exponents_of_a_linear_flow_are_its_eigenvalues():
     cloud = pc.Tracers([[1.0, 2.0, 3.0]], pc.Flow(lambda time, x: x @ matrix.T))
     spectrum = pc.lyapunov(cloud, 4.0, transient=30.0, interval=0.5, dt=0.01)
     np.testing.assert_allclose(spectrum.exponents, [0.5, -1.0, -2.0], rtol=0.0, atol=1e-6)
-    assert np.isnan(spectrum.errors).all()
+    assert np.isnan(spectrum.errors).all()  # eight intervals have no tenths
     assert spectrum.dimension == pytest.approx(1.5, abs=1e-6)
 
 
@@ -310,8 +310,10 @@ def test_tracers_among_vortices_have_exponents_whose_sum_is_zero():
 
 def test_lyapunov_refuses_what_it_cannot_do():
     cloud = pc.Tracers(START, pc.Lorenz())
-    with pytest.raises(pc.SceneError, match=r"lyapunov.tracers: must be Tracers"):
-        pc.lyapunov(pc.Scene(cloud), 1.0)  # type: ignore[arg-type]
+    with pytest.raises(pc.SceneError, match=r"lyapunov.scene: must be a Scene or Tracers"):
+        pc.lyapunov("cloud", 1.0)  # type: ignore[arg-type]
+    with pytest.raises(pc.SceneError, match=r"lyapunov.scene: must be Tracers, or a scene .* got no bodies"):
+        pc.lyapunov(pc.Scene(cloud), 1.0)
     with pytest.raises(pc.SceneError, match=r"lyapunov.precision: must be 'f64'"):
         pc.lyapunov(cloud, 1.0, precision="f32")
     with pytest.raises(pc.SceneError, match=r"lyapunov.duration: must be > 0"):

@@ -145,3 +145,9 @@ def test_wind_without_faces_is_refused():
     flat = pc.cloth((3, 3), 0.1, 10.0)
     with pytest.raises(pc.SceneError, match="2 components"):
         pc.Scene(flat, pc.Wind((1.0, 0.0, 0.0)))
+
+
+def test_a_face_without_area_is_refused():
+    flat = pc.SpringNetwork([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0]], [[0, 1]], 1.0, faces=[[0, 1, 2]])
+    with pytest.raises(pc.SceneError, match=r"forces\[0\].*: must have faces with an area.*faces\[0\]"):
+        pc.Scene(flat, pc.Wind((1.0, 0.0, 0.0)))

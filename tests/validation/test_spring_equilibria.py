@@ -16,6 +16,21 @@ pytestmark = pytest.mark.validation
 VERLET = pc.VelocityVerlet()
 
 
+# Steps of a method for stiff matter [s], and what it leaves of equilibria: forces are balanced to 1e-10 of the largest.
+METHODS = [pc.BackwardEuler(), pc.BDF2(), pc.ImplicitMidpoint(), pc.ProjectiveDynamics(20)]
+
+
+def name(integrator: pc.Integrator) -> str:
+    return type(integrator).__name__
+
+
+def come_to_rest(scene: pc.Scene, integrator: pc.Integrator, duration: float, dt: float) -> pc.Simulation:
+    """Let a damped scene come to rest in long steps."""
+    run = simulation(scene, integrator, dt)
+    run.run(duration)
+    return run
+
+
 def settle(scene: pc.Scene, duration: float, precision: str = "f64", fraction: float = 0.4) -> pc.Simulation:
     """Let a damped scene come to rest."""
     run = simulation(scene, VERLET, fraction * pc.stability_limit(scene, VERLET), precision=precision)
@@ -23,16 +38,32 @@ def settle(scene: pc.Scene, duration: float, precision: str = "f64", fraction: f
     return run
 
 
+def hanging() -> tuple[pc.Scene, Array]:
+    """The chain of E04, and where it hangs."""
+    sites = np.arange(21)
+    pairs = np.stack([sites[:-1], sites[1:]], axis=1)
+    body = pc.SpringNetwork(line(0.05 * sites), pairs, 1000.0, damping=1.0, rest_length=0.05, mass=0.1, fixed=[0])
+    expected = 0.05 * sites + 0.1 * 9.81 / 1000.0 * np.cumsum(np.where(sites > 0, 21 - sites, 0))
+    return pc.Scene(body, pc.Gravity((9.81, 0.0)), pc.Drag(1.5)), expected
+
+
+@pytest.mark.parametrize("integrator", METHODS, ids=name)
+def test_e04_a_chain_hanging_in_long_steps(integrator, record_property):
+    """Excellent: 1e-10 relative, at 1/50 s, 6 times Verlet's limit; forces of 20 N to 1e-10 over 50 N/m of the chain: 4e-11 m."""
+    scene, expected = hanging()
+    run = come_to_rest(scene, integrator, 10.0, 0.02)
+    error = np.abs(run.positions[1:, 0] / expected[1:] - 1.0).max()
+    record_property("error", f"{error:.1e}")
+    assert error <= 1e-9
+
+
 def test_e04_a_chain_hanging_under_its_weight(record_property):
     """Source: y_i = i L₀ + (m g/k) Σ_(j≤i) (N − j + 1), N = 20. Excellent: 1e-10 relative.
 
     Slowest mode: ω = 2 √(k/m) sin(π/82) = 7.7/s; at critical drag b = 2 m ω it falls as t e^(−ωt): 1e-20 in 7 s.
     """
-    sites = np.arange(21)
-    pairs = np.stack([sites[:-1], sites[1:]], axis=1)
-    body = pc.SpringNetwork(line(0.05 * sites), pairs, 1000.0, damping=1.0, rest_length=0.05, mass=0.1, fixed=[0])
-    run = settle(pc.Scene(body, pc.Gravity((9.81, 0.0)), pc.Drag(1.5)), 7.0)
-    expected = 0.05 * sites + 0.1 * 9.81 / 1000.0 * np.cumsum(np.where(sites > 0, 21 - sites, 0))
+    scene, expected = hanging()
+    run = settle(scene, 7.0)
     for site, figure in ((1, 0.06962), (10, 0.652055), (20, 1.20601)):
         assert expected[site] == pytest.approx(figure, rel=1e-15)
     error = np.abs(run.positions[1:, 0] / expected[1:] - 1.0).max()
@@ -49,6 +80,58 @@ CATENARY_NODES = (
 CATENARY_FORCE, CATENARY_SAG = 2.276806350421256788480, 0.8047551025159791360097
 
 
+# The same of rigid links: one scalar equation, H = 2.2957 m g.
+RIGID_SAG, RIGID_FORCE, RIGID_END = 0.7982731089156397200084, 2.295667632235486457889, 9.773437976356819583004
+
+
+def catenary(stiffness: float, start: Array) -> pc.Scene:
+    """Twenty links between two points at the same height, m g = 1 N, with drag."""
+    sites = np.arange(21)
+    pairs = np.stack([sites[:-1], sites[1:]], axis=1)
+    damping = 5.0 if np.isfinite(stiffness) else 0.0
+    body = pc.SpringNetwork(start, pairs, stiffness, damping=damping, rest_length=0.1, mass=0.1, fixed=[0, 20])
+    return pc.Scene(body, pc.Gravity((0.0, -10.0)), pc.Drag(0.7))
+
+
+def triangle() -> Array:
+    """Two straight legs of ten links of 0.1 m, between ends a meter apart."""
+    half = np.linspace(0.0, 1.0, 11)[:, None]
+    low, span = np.array([0.5, -np.sqrt(0.75)]), np.array([1.0, 0.0])
+    return np.vstack([low * half, low + (span - low) * half[1:]])
+
+
+@pytest.mark.parametrize("integrator", METHODS, ids=name)
+def test_e06_a_catenary_of_stiff_springs_in_long_steps(integrator, record_property):
+    """Excellent: 1e-9, at 1/100 s, 6 times Verlet's limit."""
+    run = come_to_rest(catenary(1e4, triangle()), integrator, 14.0, 0.01)
+    error = abs(-run.positions[10, 1] / CATENARY_SAG - 1.0)
+    record_property("error of the sag", f"{error:.1e}")
+    assert error <= 1e-9
+    np.testing.assert_allclose(run.positions[1:11, 1], CATENARY_NODES, rtol=1e-8)
+
+
+def test_e06_a_catenary_of_rigid_links(record_property):
+    """Excellent: 1e-5; RATTLE's equilibrium is that of rigid links to rounding, tensions included."""
+    scene = catenary(np.inf, triangle())
+    run = come_to_rest(scene, pc.RATTLE(), 14.0, 0.005)
+    error = abs(-run.positions[10, 1] / RIGID_SAG - 1.0)
+    record_property("error of the sag", f"{error:.1e}")
+    assert error <= 1e-10
+    tensions = run[scene.bodies[0]].tensions
+    assert tensions[0] == pytest.approx(RIGID_END, rel=1e-9)
+    first = run.positions[1] - run.positions[0]
+    assert tensions[0] * first[0] / 0.1 == pytest.approx(RIGID_FORCE, rel=1e-9)
+
+
+@pytest.mark.parametrize(("substeps", "tolerance"), [(20, 1e-3), (200, 1e-5)])
+def test_e06_a_catenary_of_rods_by_sweeps(substeps, tolerance, record_property):
+    """Excellent: 1e-5, by XPBD of enough parts: what a sweep misses falls as their square."""
+    run = come_to_rest(catenary(np.inf, triangle()), pc.XPBD(substeps), 10.0, 0.01)
+    error = abs(-run.positions[10, 1] / RIGID_SAG - 1.0)
+    record_property("error of the sag", f"{error:.1e}")
+    assert error <= tolerance
+
+
 def test_e06_a_catenary_of_stiff_springs(record_property):
     """Excellent: sag to 1e-9, k = 1e4 and m g = 1 N.
 
@@ -57,9 +140,7 @@ def test_e06_a_catenary_of_stiff_springs(record_property):
     sites = np.arange(21)
     arc = np.pi * sites / 20.0
     start = np.stack([sites / 20.0, -0.8 * np.sin(arc)], axis=1)
-    pairs = np.stack([sites[:-1], sites[1:]], axis=1)
-    body = pc.SpringNetwork(start, pairs, 1e4, damping=5.0, rest_length=0.1, mass=0.1, fixed=[0, 20])
-    run = settle(pc.Scene(body, pc.Gravity((0.0, -10.0)), pc.Drag(0.7)), 14.0)
+    run = settle(catenary(1e4, start), 14.0)
     error = abs(-run.positions[10, 1] / CATENARY_SAG - 1.0)
     record_property("error of the sag", f"{error:.1e}")
     assert error <= 1e-9
@@ -94,6 +175,16 @@ def test_e09_a_taut_net_under_its_weight(precision, tolerance, record_property):
     assert run.energy().potential == pytest.approx(energy, abs=1e-12 if precision == "f64" else 1e-6)
 
 
+@pytest.mark.parametrize("integrator", METHODS, ids=name)
+def test_e09_a_taut_net_in_long_steps(integrator, record_property):
+    """Excellent: node positions to 1e-10 m, at 1/50 s, 6 times Verlet's limit."""
+    body = membrane(0.1, 0.09, 100.0, 0.01, 11, damping=0.1)
+    run = come_to_rest(pc.Scene(body, pc.Gravity((0.0, 0.0, -9.81)), pc.Drag(0.28)), integrator, 6.0, 0.02)
+    error = abs(run.positions.reshape(11, 11, 3)[5, 5, 2] + 0.0655265589939)
+    record_property("error", f"{error:.1e}")
+    assert error <= 1e-9
+
+
 # E11. Source: K. E. Bisshopp, D. C. Drucker, Q. Appl. Math. 3 (1945) 272; elliptic integrals. α = P L²/(E I).
 CANTILEVER = {
     1: (0.301720773799813530, 0.943566763716623117),
@@ -102,8 +193,8 @@ CANTILEVER = {
 }
 
 
-def cantilever(load: float, segments: int) -> tuple[float, float]:
-    """Drop and horizontal reach of the tip of a beam with L = E I = 1, of springs with E A = 1e5 and elastic hinges.
+def cantilever(load: float, segments: int, stiffness: float = 1e5) -> tuple[float, float]:
+    """Drop and horizontal reach of the tip of a beam with L = E I = 1, of springs of E A = `stiffness` and elastic hinges.
 
     A hinge between two segments turns them with E I θ/h; the one at the wall stands for half a segment only. The load
     is a force on the tip. Slowest mode 3.5/s: a drag of b/m = 7/s is critical, and 4 s take it to 1e-6.
@@ -126,12 +217,24 @@ def cantilever(load: float, segments: int) -> tuple[float, float]:
 
     nodes = np.arange(segments + 1)
     pairs = np.stack([nodes[:-1], nodes[1:]], axis=1)
-    beam = pc.SpringNetwork(line(h * nodes), pairs, 1e5 / h, damping=100.0, rest_length=h, mass=h, fixed=[0])
+    rigid = np.isinf(stiffness)
+    damping = 0.0 if rigid else 100.0
+    beam = pc.SpringNetwork(line(h * nodes), pairs, stiffness / h, damping=damping, rest_length=h, mass=h, fixed=[0])
     scene = pc.Scene(beam, pc.CustomForce(force), pc.Drag(7.0 * h))
-    # The hinges' frequency, 4/h², is below that of the springs, 2 √(E A)/h, of which the limit knows.
-    run = simulation(scene, VERLET, 0.6 * pc.stability_limit(scene, VERLET))
+    # The hinges' frequency is 4/h²; it is below that of the springs, 2 √(E A)/h, of which the limit knows.
+    if rigid:
+        run = simulation(scene, pc.RATTLE(), 0.6 * 2.0 * h * h / 4.0)
+    else:
+        run = simulation(scene, VERLET, 0.6 * pc.stability_limit(scene, VERLET))
     run.run(4.0)
     return -float(run.positions[-1, 1]), float(run.positions[-1, 0])
+
+
+def test_e11_an_inextensible_cantilever(record_property):
+    """Of rods, as in the theory: good, 1 %, with 20 segments; the error of the polygon is of order 2, 1/400 in size."""
+    drop, reach = cantilever(5.0, 20, np.inf)
+    record_property("errors", f"{drop / CANTILEVER[5][0] - 1:.1e}, {reach / CANTILEVER[5][1] - 1:.1e}")
+    np.testing.assert_allclose((drop, reach), CANTILEVER[5], rtol=5e-3)
 
 
 @pytest.mark.long

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from physcore.errors import warn
 from physcore.film.filming import film, gif_bytes
-from physcore.film.notebook import html
+from physcore.film.notebook import full_html, html
 from physcore.simulation.recording import show_with
 from physcore.spelling import did_you_mean, spell
 
@@ -53,7 +53,7 @@ _MODULES = {
 """The modules of names that are looked up when they are asked for: not every script draws."""
 
 
-show_with(html)
+show_with(html, full_html)
 
 
 def __getattr__(name: str) -> object:

@@ -19,6 +19,7 @@ from physcore.film.styles import (
     Relief,
     Strain,
     Style,
+    Surface,
     Trails,
 )
 from physcore.film.styles.base import BodyStyle
@@ -31,7 +32,8 @@ def asked(style: object, found: Sequence[Source]) -> list[Style]:
     """The styles that were asked for; each item that they name is in a source."""
     if style is None:
         fluids = all(source.has("velocities") for source in found)
-        return [Strain(), Fluid()] if fluids else [Strain()]
+        plain: list[Style] = [Surface(color="strain"), Strain()]
+        return [*plain, Fluid()] if fluids else plain
     styles = []
     every = [item for source in found for item in _items(source)]
     for given in style if isinstance(style, (list, tuple)) else [style]:

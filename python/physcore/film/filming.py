@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Unpack
 
 from physcore.checks import count as whole_number
-from physcore.checks import flag, text, word
-from physcore.errors import FileError, SceneError
+from physcore.checks import flag, word
+from physcore.errors import FileError, SceneError, SceneWarning, warn
 from physcore.numerics.choices import Options
 from physcore.spelling import spelled
 
@@ -21,10 +21,14 @@ if TYPE_CHECKING:
     from physcore.film.colors.themes import Color, Theme, ThemeName
     from physcore.film.labels.diagram import Inset
     from physcore.film.labels.footer import Label
+    from physcore.film.layout import Format
     from physcore.film.styles import Style
-    from physcore.film.writers import Film, Quality, Writer
+    from physcore.film.writers import Film, Loop, Quality, Writer
     from physcore.scene.scene import Scene
     from physcore.simulation.recording import Recording
+
+HEAVY = 5_000_000
+"""GIFs of more bytes are said to be large: pages load them slowly, and some take none."""
 
 
 @spelled
@@ -33,21 +37,27 @@ def film(
     path: str | os.PathLike[str],
     *,
     size: tuple[int, int] | None = None,
+    format: Format | None = None,
     style: Style | Sequence[Style] | None = None,
     camera: Camera | Follow | Corotating | None = None,
     theme: Theme | ThemeName = "dark",
     background: Color | str | None = None,
     title: str | None = None,
     titles: Sequence[str] | None = None,
+    subtitle: str | None = None,
+    credit: str | None = None,
     labels: Sequence[Label] = ("time",),
     color_bar: bool = True,
     inset: Inset | None = None,
+    time_unit: str | None = None,
     speed: float | None = None,
+    hold: float = 0.0,
+    loop: Loop | None = None,
     duration: float | None = None,
     fps: float | None = None,
     quality: Quality = "fast",
     max_bytes: int | None = None,
-    sidecar: bool = True,
+    sidecar: bool = False,
     progress: bool | None = None,
     **numerics: Unpack[Options],
 ) -> Film:
@@ -74,30 +84,45 @@ def film(
         path: where to write, ending in .gif, .webp, .apng, .mp4 or .png.
         size: width and height of the picture [pixels]; None: 640 × 480, or a format of about that area in which the
             motion is shown clearly larger, and for several panels up to 1280 pixels wide.
-        style: one or several of `physcore.styles`; None: springs by strain, fluids by speed, other bodies as points. A
-            body that no style draws is drawn as points.
+        format: instead of a size "square", "wide" (16 : 9) or "story" (9 : 16); 480 × 480, 640 × 360 and 360 × 640
+            pixels, and as an .mp4 1080 on the shorter side.
+        style: one or several of `physcore.styles`; None: cloths and soft bodies as surfaces, other springs as
+            lines, both by strain; fluids by speed, other bodies as points. A body that no style draws is drawn as
+            points.
         camera: a Window in 2D, an Orbit in 3D; Keyframes between some of these, a function that gives one for a time
             [s] (`lambda time: Orbit(azimuth=10 * time)`), Follow a body, or the frame that is Corotating with two; all
             are in `physcore`. None: so that nothing leaves the picture.
         theme: "dark", "light" or a `physcore.Theme`.
         background: a color instead of the theme's, such as "#000000".
-        title: a line above the picture.
+        title: a line above the picture. Letters, Greek, sub- and superscripts, mathematical signs, Chinese, Japanese
+            and Korean are drawn: "v₀ = √(2gh)", "抛体运动". Of other signs, such as emoji, a SceneWarning tells.
         titles: a line above each panel.
+        subtitle: a smaller line under the title.
+        credit: a small line at the lower right.
         labels: what stands below the picture, some of "time", "dt", "integrator" and "energy" (the energy error so
             far); those of several panels each below its own.
         color_bar: whether to show at the lower right what colors mean, as far as there is room.
         inset: "energy": a diagram of kinetic, potential, internal and total energy in the emptiest corner of a panel.
+        time_unit: "ms", "s", "min", "h", "d", "yr" or another; None: as suits the duration. Where the film does not
+            play in real time, the label "time" says so: "1 s = 90 d".
         speed: seconds of the simulation that pass in one second of the film; None: 1, or as near to it as the format
             shows all frames, with a warning where a GIF of more than 50 per second becomes slower.
+        hold: how long the last frame stays before the film begins again, or before it turns [s].
+        loop: how the end goes over into the start: "bounce" plays backward again, "crossfade" blends the last half
+            second into the first; None: it jumps. A motion with a period needs neither: `recording.period`.
         duration: how long to simulate a scene [s].
         fps: frames per second of simulated time at which to film a scene; None: 30.
-        quality: "fast", or "high" for a GIF whose colors are chosen with more care, in about twice the time.
-        max_bytes: how large a GIF may become. Where it would be larger, it is made again, and first the picture becomes
-            smaller, down to half as wide; then every second frame is left out, as long as ten a second are left; then
-            half of the colors, down to 32; and at last the picture shrinks to a quarter.
+        quality: of a GIF. "fast": pixels may have a color near the nearest one of the palette where that makes the
+            file smaller, at most 8 levels of 255 off, and up to 16 where it would exceed 3 MB; "high": the nearest one
+            always, of a palette chosen with more care. See docs/films.md.
+        max_bytes: how large a GIF may become. Where it would be larger, it is made again, and first colors may be
+            farther off, up to 24 levels; then every second frame is left out, as long as twelve a second are left; then
+            half of the colors, down to 63; then the picture becomes smaller, down to half as wide; at last more of all.
+            What room is left is used.
         sidecar: whether to write the provenance into a file beside the film too, such as film.gif.json; there it has
             the number of threads as well, which the film itself does not depend on.
-        progress: whether to show a progress bar; None: on a terminal, when it takes longer than a second.
+        progress: whether to show a progress bar; None: on a terminal or in a notebook, when it takes longer than a
+            second.
         numerics: for a scene: integrator, dt, precision, threads, … as in Simulation.
 
     Returns:
@@ -109,9 +134,11 @@ def film(
         PhyscoreError: what the format needs is not installed.
         SimulationDiverged: the scene blew up while it was filmed.
     """
+    from physcore.film.labels.clock import check_unit
+    from physcore.film.layout import check_format, check_heading, check_size, line_of
     from physcore.film.metadata import metadata, sidecar_of, write_sidecar
     from physcore.film.renderer import Renderer
-    from physcore.film.writers import WRITERS, FilmJob
+    from physcore.film.writers import WRITERS, FilmJob, check_loop
     from physcore.simulation.sources import sources
     from physcore.storage.files import require_writable
     from physcore.storage.formats import writable
@@ -122,21 +149,32 @@ def film(
     found = sources(recording, duration, fps, numerics)
     rate = writer.rate(found[0].fps, speed)
     shown = None if progress is None else flag(progress, "progress")
-    with_bar = flag(color_bar, "color_bar")
+    with_bar, unit = flag(color_bar, "color_bar"), check_unit(time_unit)
+    repeat = check_loop(loop, hold, writer.name, writer.longest, moving=writer.moving)
     _check_bytes(quality, max_bytes, writer)
-    colors, heads = _colors(theme, background), _titles(title, titles)
+    sides = check_format(format, check_size(size), video=writer.video)
+    colors, heading = _colors(theme, background), check_heading(title, titles, subtitle, len(found))
+    note = "" if credit is None else line_of(credit, "credit")
     renderer = Renderer(
-        found, size, style, camera, colors, heads, shown, labels=labels, color_bar=with_bar, inset=inset
-    )
+        found, sides, style, camera, colors, heading, shown,
+        labels=labels, color_bar=with_bar, inset=inset, credit=note, time_unit=unit, rate=rate,
+    )  # fmt: skip
     try:
         with renderer:
-            written = writer.write(FilmJob(renderer, rate, quality, max_bytes, lambda: metadata(found), shown), target)
+            job = FilmJob(renderer, rate, quality, max_bytes, lambda: metadata(found), shown, repeat)
+            written = writer.write(job, target)
     except FileError:
         raise
     except OSError as error:
         raise FileError(f"{target}: cannot be written: {error.strerror or error}") from error
     if sidecar:
         write_sidecar(found, target)
+    if writer.budgeted and max_bytes is None and written.bytes > HEAVY:
+        warn(
+            f"{written}: pages load a GIF above 5 MB slowly; give it max_bytes=5_000_000, a smaller size or fewer "
+            "frames per second, or write a .webp or .mp4",
+            SceneWarning,
+        )
     return written
 
 
@@ -147,6 +185,7 @@ def gif_bytes(
     style: Style | Sequence[Style] | None = None,
     theme: Theme | ThemeName = "dark",
     speed: float | None = None,
+    max_bytes: int | None = None,
 ) -> bytes:
     """The bytes of the GIF that `film` would write, for a notebook or a server; the arguments are those of `film`."""
     from physcore.film.colors.themes import resolve
@@ -157,20 +196,12 @@ def gif_bytes(
 
     found = sources(recording, None, None, {})
     rate = GifWriter.rate(found[0].fps, speed)
-    with Renderer(found, size, style, None, resolve(theme), None, False) as renderer:
-        return GifWriter.content(FilmJob(renderer, rate, "fast", None, lambda: metadata(found), False))
+    _check_bytes("fast", max_bytes, GifWriter)
+    with Renderer(found, size, style, None, resolve(theme), None, False, rate=rate) as renderer:
+        return GifWriter.content(FilmJob(renderer, rate, "fast", max_bytes, lambda: metadata(found), False))
 
 
-def _titles(title: str | None, titles: Sequence[str] | None) -> Sequence[str] | None:
-    """One title for all, or one for each panel."""
-    if title is not None and titles is not None:
-        raise SceneError("titles: give one title for all or titles for the panels, not both")
-    if title is None:
-        return titles
-    return [title] if text(title, "title") else None
-
-
-def _check_bytes(quality: object, max_bytes: object, writer: Writer) -> None:
+def _check_bytes(quality: object, max_bytes: object, writer: Writer | type[Writer]) -> None:
     """What was asked for of the file's size can be had.
 
     Raises:

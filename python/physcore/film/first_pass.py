@@ -16,6 +16,9 @@ from physcore.scene.scene import Scene
 from physcore.simulation.energy import Energy
 from physcore.simulation.sources import Source, SourceFrame
 
+NEAR = 0.5
+"""How far scenery around the motion is in the picture, over the extent of the motion: the subject is shown, not the box
+around it."""
 SAMPLES = 8
 """How many frames are kept to choose the palette from."""
 
@@ -49,6 +52,17 @@ class Bounds:
         """Take what stands still into account in every frame."""
         for frame in range(len(self.axes)):
             self.add(points, margin, frame)
+
+    def add_near(self, points: FloatArray, margin: float = 0.0) -> None:
+        """Take what stands still into account in every frame, as far as it is near what was added before; all of it, if
+        nothing was or if that is a point.
+        """
+        lower, upper = self.lower.copy(), self.upper.copy()
+        self.add_to_all(points, margin)
+        reach = NEAR * (upper - lower).max(axis=1, keepdims=True)
+        moved = np.isfinite(reach[:, 0]) & (reach[:, 0] > 0.0)
+        self.lower[moved] = np.maximum(self.lower, np.minimum(lower - reach, lower))[moved]
+        self.upper[moved] = np.minimum(self.upper, np.maximum(upper + reach, upper))[moved]
 
     def merge(self, other: Bounds) -> None:
         """Take other boxes along the same axes into account."""
@@ -178,7 +192,7 @@ def _add_scenery(scene: Scene, whole: Bounds, boxes: Sequence[Bounds]) -> None:
     """Take what stands still into account."""
     for box in (whole, *boxes):
         for points, around in landmarks(scene):
-            box.add_to_all(points, around)
+            box.add_near(points, around)
         box.settle()
     ground = grounds(scene, whole.lower[0], whole.upper[0])
     for box in (whole, *boxes):

@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 from physcore.checks import count as whole_number
-from physcore.checks import items, shown, text
+from physcore.checks import items, shown, text, word
 from physcore.errors import SceneError
-from physcore.film.labels.text import text_height
+from physcore.film.labels.text import fitting, text_height, warn_of_missing
 
 MARGIN = 0.03
 """Free space around the motion, as a fraction of a panel's shorter side."""
@@ -23,6 +24,28 @@ WIDEST = 1280
 """The greatest width of a picture that was not asked for [pixels]."""
 CLEARLY = 1.1
 """How much larger the motion has to look in another format."""
+Format = Literal["square", "wide", "story"]
+FORMATS: dict[Format, tuple[int, int]] = {"square": (480, 480), "wide": (640, 360), "story": (360, 640)}
+"""Common formats: 1 : 1, 16 : 9 and 9 : 16 [pixels]."""
+VIDEO: dict[Format, tuple[int, int]] = {"square": (1080, 1080), "wide": (1920, 1080), "story": (1080, 1920)}
+"""The same as video, where pixels cost little."""
+TITLE, SUBTITLE, LEADING = 1.2, 0.85, 1.25
+"""Heights of the titles, and from one line to the next, in heights of the text."""
+
+
+@dataclass(frozen=True)
+class Heading:
+    """What stands above the picture."""
+
+    titles: tuple[str, ...] = ()
+    """None, one for all, or one for each panel."""
+    subtitle: str = ""
+    """A smaller line under a title for all."""
+
+    def lines(self, text: int) -> int:
+        """The height of all lines for a text of this height [pixels]."""
+        heights = [TITLE] * bool(self.titles) + [SUBTITLE] * bool(self.subtitle)
+        return round(LEADING * sum(heights) * text)
 
 
 @dataclass(frozen=True)
@@ -31,15 +54,28 @@ class Layout:
 
     size: tuple[int, int]
     panels: int
-    header: bool
-    """Whether there are titles."""
+    heading: Heading
     footer: int
     """Height of the lines below the panels [pixels]."""
 
     @property
     def text(self) -> int:
         """The height of a line of text [pixels]."""
-        return text_height(self.size[1])
+        return text_height(*self.size)
+
+    def written(self) -> list[tuple[str, int, int, int]]:
+        """The lines above the picture: each with its middle, its top and its height [pixels]."""
+        text, titles, top = self.text, self.heading.titles, round(0.3 * self.text)
+        areas = [(0, 0, *self.size)] if len(titles) == 1 else [self.panel(index) for index in range(len(titles))]
+        lines = [(title, area, top, round(TITLE * text)) for title, area in zip(titles, areas, strict=True)]
+        if self.heading.subtitle:
+            below = top + round(LEADING * TITLE * text) * bool(titles)
+            lines.append((self.heading.subtitle, (0, 0, *self.size), below, round(SUBTITLE * text)))
+        result = []
+        for line, (left, _, right, _), start, height in lines:
+            fits = fitting(line, height, right - left - text)
+            result.append((line, (left + right) // 2, start + (height - fits) // 2, fits))
+        return result
 
     def panel(self, index: int) -> tuple[int, int, int, int]:
         """Left, top, right and bottom of a panel [pixels]."""
@@ -49,7 +85,8 @@ class Layout:
     def area(self, index: int) -> tuple[int, int, int, int]:
         """The part of a panel that is free of text."""
         left, _, right, bottom = self.panel(index)
-        return left, round(1.5 * self.text) if self.header else 0, right, bottom - self.footer
+        header = self.heading.lines(self.text)
+        return left, header + round(0.3 * self.text) * (header > 0), right, bottom - self.footer
 
     def pixels(self, index: int) -> float:
         """The size of a panel."""
@@ -76,18 +113,46 @@ def check_size(size: object) -> tuple[int, int] | None:
     return width, height
 
 
-def check_titles(titles: Sequence[str] | None, panels: int) -> list[str]:
+def check_format(format: object, size: tuple[int, int] | None, *, video: bool) -> tuple[int, int] | None:
+    """The size of a format that was asked for, or else the size.
+
+    Raises:
+        SceneError: there is no such format, or a size was given too.
+    """
+    if format is None:
+        return size
+    if size is not None:
+        raise SceneError("format: give a format or a size, not both")
+    chosen = word(format, "format", (*FORMATS,))
+    return VIDEO[chosen] if video else FORMATS[chosen]
+
+
+def check_heading(title: str | None, titles: Sequence[str] | None, subtitle: str | None, panels: int) -> Heading:
     """The titles that were asked for: none, one for all, or one for each panel.
 
     Raises:
         SceneError: they are something else.
     """
-    if titles is None:
-        return []
-    lines = [text(title, f"titles[{index}]") for index, title in enumerate(items(titles, "titles", "strings"))]
-    if len(lines) not in (1, panels):
-        raise SceneError(f"titles: must be one for each of the {panels} panels, got {len(lines)}")
-    return lines
+    if title is not None and titles is not None:
+        raise SceneError("titles: give one title for all or titles for the panels, not both")
+    if titles is not None:
+        lines = [line_of(each, f"titles[{index}]") for index, each in enumerate(items(titles, "titles", "strings"))]
+        if len(lines) not in (1, panels):
+            raise SceneError(f"titles: must be one for each of the {panels} panels, got {len(lines)}")
+    else:
+        lines = [] if title is None else [each for each in (line_of(title, "title"),) if each]
+    return Heading(tuple(lines), "" if subtitle is None else line_of(subtitle, "subtitle"))
+
+
+def line_of(value: object, path: str) -> str:
+    """A line of text; what no face can write is warned of.
+
+    Raises:
+        SceneError: it is no text.
+    """
+    line = text(value, path)
+    warn_of_missing(line, path)
+    return line
 
 
 def sizes(panels: int) -> list[tuple[int, int]]:

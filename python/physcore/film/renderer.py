@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import chain
@@ -16,15 +17,17 @@ from physcore.film import assignment
 from physcore.film.camera.corotating import Corotating, corotating
 from physcore.film.camera.framing import CameraTrack, Extent, PanelView, camera_track, extents
 from physcore.film.camera.track import Camera, Follow
+from physcore.film.colors.light import LAMP, OCCLUSION, REACH, SHADOW
 from physcore.film.colors.samples import palette_samples
 from physcore.film.colors.themes import Color, Theme
 from physcore.film.first_pass import FirstPass, first_pass
 from physcore.film.frame_cache import FrameCache
+from physcore.film.labels.clock import Clock
 from physcore.film.labels.diagram import Diagram, History, Inset, check_inset
 from physcore.film.labels.footer import Bar, Footer, Label, bars, check_labels
 from physcore.film.labels.text import text_height
-from physcore.film.layout import Layout, best, check_size, check_titles
-from physcore.film.scenery import draw_among, draw_behind
+from physcore.film.layout import Heading, Layout, best, check_size
+from physcore.film.scenery import draw_among, draw_backdrop, draw_behind
 from physcore.film.styles import Painter, Style
 from physcore.progress import Progress
 from physcore.simulation.sources import Source, SourceFrame
@@ -59,8 +62,9 @@ class Renderer:
         size: width and height [pixels]; None: as suits the motion.
         style, camera: as in `film`.
         theme: the colors.
-        titles: of the panels, or one over all.
-        progress, labels, color_bar, inset: as in `film`.
+        heading: what stands above the picture; None: nothing.
+        progress, labels, color_bar, inset, credit, time_unit: as in `film`.
+        rate: frames per second of the film; None: as many as of the simulation.
 
     Raises:
         SceneError: an argument is not valid.
@@ -73,15 +77,18 @@ class Renderer:
         style: Style | Sequence[Style] | None,
         camera: Camera | Follow | Corotating | None,
         theme: Theme,
-        titles: Sequence[str] | None,
+        heading: Heading | None,
         progress: bool | None,
         *,
         labels: Sequence[Label] = ("time",),
         color_bar: bool = True,
         inset: Inset | None = None,
+        credit: str = "",
+        time_unit: str | None = None,
+        rate: float | None = None,
     ) -> None:
         self._theme, asked = theme, check_size(size)
-        self._titles, self._labels = check_titles(titles, len(found)), check_labels(labels, found)
+        self._heading, self._labels = heading or Heading(), check_labels(labels, found)
         diagram = check_inset(inset, found)
         styles = assignment.asked(style, found)
         camera, found = corotating(camera, [assignment.shown(source, styles) for source in found])
@@ -96,7 +103,9 @@ class Renderer:
         try:
             passes = self._look_at_all(track, progress)
             assignment.share_scales(self._painters)
-            self._footer = self._make_footer(passes, color_bar)
+            fps = found[0].fps
+            written = Clock(self._clock, fps, fps if rate is None else rate, time_unit)
+            self._footer = self._make_footer(passes, color_bar, written, credit)
             self._passes, self._extents = passes, extents(track, passes, found)
             self._diagrammed, self._moving = diagram is not None, track.moving
             self.resize(asked)
@@ -190,18 +199,18 @@ class Renderer:
         cache = self._caches[index]
         return self._found[index].frames() if cache is None else cache.again()
 
-    def _make_footer(self, passes: Sequence[FirstPass], color_bar: bool) -> Footer:
+    def _make_footer(self, passes: Sequence[FirstPass], color_bar: bool, clock: Clock, credit: str) -> Footer:
         """The lines below the picture."""
         facts = [
             (source.integrator if "integrator" in self._labels else None, seen.dt)
             for source, seen in zip(self._found, passes, strict=True)
         ]
         scales: list[Bar] = bars([each.scale for each in chain.from_iterable(self._painters)]) if color_bar else []
-        return Footer(self._labels, self._clock, self._found[0].fps, facts, scales)
+        return Footer(self._labels, clock, facts, scales, credit)
 
     def _layout_of(self, size: tuple[int, int]) -> Layout:
-        footer = self._footer.height(text_height(size[1]), size[0])
-        return Layout(size, len(self._found), bool(self._titles), footer)
+        footer = self._footer.height(text_height(*size), size[0])
+        return Layout(size, len(self._found), self._heading, footer)
 
     def _inset(self, layout: Layout, index: int) -> float:
         """How far from a panel's edge the motion stays [pixels]."""
@@ -256,14 +265,16 @@ class Renderer:
         for panel in self._panels:
             canvas.clip(*panel.rectangle)
             view = panel.view.at(index)
+            if not view.flat:
+                canvas.eye(view.scale, view.middle, view.distance)
+                draw_backdrop(canvas, panel.source.scene, panel.rectangle, self._theme)
             draw_behind(canvas, panel.source.scene, view, self._theme, panel.view.scenery(view))
         canvas.clip(0, 0, *self.size)
 
     def _write_titles(self, canvas: Canvas) -> None:
-        shared, text = len(self._titles) == 1, self._layout.text
-        for panel, title in zip(self._panels, self._titles, strict=False):
-            left, _, right, _ = (0, 0, self.size[0], 0) if shared else panel.rectangle
-            canvas.text(title, (left + right) // 2, text // 3, text, (*self._theme.text, 255), 0)
+        for line, middle, top, height in self._layout.written():
+            color = self._theme.label if line == self._heading.subtitle else self._theme.text
+            canvas.text(line, middle, top, height, (*color, 255), 0)
 
     def _draw(self, indices: Sequence[int], frames: Sequence[SourceFrame]) -> Canvas:
         """One frame of the film, from one of each panel with its index."""
@@ -278,6 +289,9 @@ class Renderer:
                 shown = painter.raised(shown)
             canvas.clip(*panel.free)
             canvas.lens(view.blur, view.distance)
+            if not view.flat:
+                canvas.eye(view.scale, view.middle, view.distance)
+                canvas.light(LAMP, SHADOW, OCCLUSION, REACH * math.sqrt(panel.pixels))
             draw_among(canvas, panel.source.scene, view, self._theme, panel.view.scenery(view))
             for painter in panel.painters:
                 painter.paint(canvas, shown, view, panel.pixels)

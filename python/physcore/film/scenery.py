@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
 import numpy as np
@@ -13,8 +14,13 @@ from physcore.film.colors.themes import Theme
 from physcore.film.looks import look_of
 from physcore.film.looks.base import SHADING, Look, Scenery, corners, disc
 from physcore.film.looks.box import draw_edges
+from physcore.scene.bodies import SpringNetwork
+from physcore.scene.fluid import Fluid
 from physcore.scene.periodic import Periodic
 from physcore.scene.scene import Scene
+
+BACKDROP = 0.7
+"""How much of the ground's color the backdrop has in the middle."""
 
 
 def landmarks(scene: Scene) -> Iterator[tuple[FloatArray, float]]:
@@ -35,6 +41,19 @@ def grounds(scene: Scene, lower: FloatArray, upper: FloatArray) -> FloatArray:
     if scene.periodic is not None:
         points.append(corners(*_finite(scene.periodic, lower, upper)))
     return np.concatenate(points)
+
+
+def draw_backdrop(canvas: Canvas, scene: Scene, panel: tuple[int, int, int, int], theme: Theme) -> None:
+    """Draw at once the wall of the studio in which solid things are shown: a little lighter in the middle.
+
+    Points alone, such as stars, are shown in the dark.
+    """
+    solid = any(isinstance(body, (Fluid, SpringNetwork)) for body in scene.bodies)
+    if not (scene.boundaries or solid):
+        return
+    left, top, right, bottom = panel
+    center, radius = ((left + right) / 2, top + 0.4 * (bottom - top)), 0.6 * math.hypot(right - left, bottom - top)
+    canvas.backdrop(center, radius, theme.surface, BACKDROP)
 
 
 def draw_behind(canvas: Canvas, scene: Scene, view: View, theme: Theme, scenery: Scenery) -> None:

@@ -10,6 +10,7 @@ from physcore.checks import Vector, number, vector
 from physcore.errors import SceneError
 from physcore.scene.bodies import Body, SpringNetwork
 from physcore.scene.items import Force
+from physcore.scene.surfaces import check_areas
 
 
 @dataclass(frozen=True)
@@ -35,7 +36,8 @@ class Wind(Force):
         on: the SpringNetwork with faces in 3D that it acts on, or several; by default all that have faces.
 
     Raises:
-        SceneError: a value is out of range or not finite, a body named has no faces, or none in the scene has.
+        SceneError: a value is out of range or not finite, a body named has no faces, or none in the scene has, or a face
+            has no area.
 
     Source: S. F. Hoerner, "Fluid-Dynamic Drag", 1965, chapters 2 and 3.
     """
@@ -70,3 +72,4 @@ class Wind(Force):
         for body in surfaces:
             if body.dimension != 3:
                 raise SceneError(f"{path}: must act on faces in 3D, got {body!r}")
+            check_areas(body, path)

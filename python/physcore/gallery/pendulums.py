@@ -47,17 +47,20 @@ def scene() -> pc.Scene:
         [(index, index + PENDULUMS) for index in range(PENDULUMS)],
         stiffness=1e5,
         mass=0.5,
-        radius=np.repeat([0.006, 0.036], PENDULUMS),
+        radius=np.repeat([0.006, 0.04], PENDULUMS),
         fixed=np.arange(PENDULUMS),
     )
-    return pc.Scene(wires, pc.Gravity((0.0, 0.0, -9.81)))
+    floor = pc.Floor(-float(lengths.max()) - 0.12)
+    return pc.Scene(wires, pc.Gravity((0.0, 0.0, -9.81)), floor)
 
 
 def main(path: str | os.PathLike[str] = "pendulums.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
     """Simulate it and draw it."""
     recording = pc.simulate(scene(), duration=DURATION, fps=20, progress=progress)
-    style = pc.styles.Points(trail=0.0, glow=0.6, colormap="viridis")
-    pc.film(recording, path, size=(640, 360), style=style, camera=Orbit(-10.0, 55.0), progress=progress)
+    # From the longest to the shortest, wires and bobs alike.
+    style = pc.styles.Strain(color=np.tile(np.arange(PENDULUMS), 2), colormap="plasma", width=1.6)
+    camera = Orbit(-28.0, 14.0)
+    pc.film(recording, path, size=(640, 400), style=style, camera=camera, color_bar=False, progress=progress)
     return {"pendulums": recording}
 
 

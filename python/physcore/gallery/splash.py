@@ -1,4 +1,4 @@
-"""A drop falls into a shallow pool and throws up a crown, eight times slower than in life.
+"""A drop of milk falls into a pool and throws up a crown, eight times slower than in life.
 
 It is as large as a head, and its surface tension as much larger than that of milk: the Weber number ρv²D/σ is that of
 a drop of 5 mm at 4 m/s.
@@ -8,8 +8,11 @@ The physics checked: the fall of the drop is all the energy there is, and no bea
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Mapping
+
+import numpy as np
 
 import physcore as pc
 from physcore.checks import FloatArray
@@ -26,8 +29,16 @@ RADIUS, SPEED = 0.09, 5.0
 """Of the drop [m] and [m/s]."""
 
 
+def turned(axis: tuple[float, float, float], angle: float) -> FloatArray:
+    """The matrix of a rotation around an axis (O. Rodrigues, 1840)."""
+    x, y, z = np.array(axis) / np.linalg.norm(axis)
+    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    matrix: FloatArray = np.eye(3) + math.sin(angle) * cross + (1.0 - math.cos(angle)) * cross @ cross
+    return matrix
+
+
 def scene() -> pc.Scene:
-    """Let a drop hit a pool half as deep as the drop is wide."""
+    """Let a drop hit a pool nearly as deep as the drop is wide."""
     spacing = 1 / 60
     tension = 1000.0 * SPEED**2 * 2.0 * RADIUS / WEBER
 
@@ -35,16 +46,20 @@ def scene() -> pc.Scene:
         velocity = (0.0, 0.0, -speed)
         return pc.Fluid(places, spacing, velocities=velocity, surface_tension=tension, name=name)
 
-    pool = milk(pc.block((-0.5, -0.5, 0.0), (0.5, 0.5, 5 * spacing), spacing), 0.0, "pool")
-    drop = milk(pc.ball((0.0, 0.0, 0.1 + RADIUS), RADIUS, spacing), SPEED, "drop")
-    tank = pc.Box((-0.5, -0.5, 0.0), (0.5, 0.5, 0.42))
+    half, deep = 24 * spacing, 9 * spacing
+    pool = milk(pc.block((-half, -half, 0.0), (half, half, deep), spacing), 0.0, "pool")
+    # Turned, so that the two lattices have no direction in common, which a crown would show.
+    ball = pc.ball((0.0, 0.0, 0.0), RADIUS, spacing) @ turned((1.0, 2.0, 3.0), 1.0)
+    drop = milk(ball + (0.0, 0.0, deep + spacing + RADIUS), SPEED, "drop")
+    tank = pc.Box((-half, -half, 0.0), (half, half, 0.5))
     return pc.Scene(pool, drop, pc.Gravity((0.0, 0.0, -9.81)), tank)
 
 
 def main(path: str | os.PathLike[str] = "splash.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
     """Simulate it and draw it."""
     recording = pc.simulate(scene(), duration=DURATION, fps=200, progress=progress, fluids=METHOD)
-    pc.film(recording, path, size=(640, 440), camera=Orbit(elevation=24.0), speed=0.125, progress=progress)
+    style, camera = pc.styles.Fluid("#f7f5ee", opacity=1.0), Orbit(elevation=24.0)
+    pc.film(recording, path, size=(640, 440), style=style, camera=camera, speed=0.125, progress=progress)
     return {"splash": recording}
 
 

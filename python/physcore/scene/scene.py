@@ -123,8 +123,9 @@ class Scene:
             f"no body {shown(key)}: this scene has {len(self.bodies)}, and of names {names}{did_you_mean(key, known)}"
         )
 
-    def path(self, index: int) -> str:
+    def path(self, key: BodyKey) -> str:
         """What messages call a body: bodies['water'], or bodies[0] if it has no name."""
+        index = self.index(key)
         name = self.bodies[index].name
         return f"bodies[{index if name is None else repr(name)}]"
 

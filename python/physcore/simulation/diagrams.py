@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from physcore.checks import FloatArray
-from physcore.errors import PhyscoreError
+from physcore.checks import FloatArray, shown
+from physcore.errors import PhyscoreError, SceneError
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -21,14 +21,18 @@ def canvas(axes: Axes | None) -> Axes:
 
     Raises:
         PhyscoreError: Matplotlib is not installed.
+        SceneError: what was given are no Axes.
     """
-    if axes is not None:
-        return axes
     try:
         from matplotlib import pyplot
+        from matplotlib.axes import Axes
     except ImportError:
         raise PhyscoreError('plotting needs Matplotlib: pip install "physcore[plot]"') from None
-    return pyplot.subplots(layout="constrained")[1]
+    if axes is None:
+        return pyplot.subplots(layout="constrained")[1]
+    if not isinstance(axes, Axes):
+        raise SceneError(f"plot.axes: must be Axes of Matplotlib, got {shown(axes)}")
+    return axes
 
 
 def over_time(times: FloatArray, values: FloatArray, names: str, label: str, axes: Axes | None) -> Axes:

@@ -33,9 +33,9 @@ def remedy(term: str, given: bool) -> str:
 
 def long_run(duration: float, dt: float, term: str, given: bool) -> str | None:
     """What to say before a run of a duration [s] in steps of dt [s] that are too many; None where they are not."""
-    steps = duration / dt
-    if not MOST_STEPS < steps <= MOST:
+    if not MOST_STEPS * dt < duration <= MOST * dt:
         return None
+    steps = duration / dt
     cause = f", because of {term}" if term and not given else ""
     return (
         f"duration: {duration:g} s are {steps:.1e} steps of {dt:.2g} s{cause}: {remedy(term, given)}; "

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Generic, TypeVar
 import numpy as np
 
 from physcore.checks import FloatArray
+from physcore.markup import html_table
 from physcore.simulation.diagrams import canvas
 
 if TYPE_CHECKING:
@@ -98,6 +99,11 @@ class Energy(Budget[float]):
     def __str__(self) -> str:
         return _table([f"at {self.time:.4g} s"], {name: [value] for name, value in self._rows().items()})
 
+    def _repr_html_(self) -> str:
+        """For notebooks: the same table."""
+        rows = {name: [f"{value:.6g}"] for name, value in self._rows().items()}
+        return html_table(["energy [J]", f"at {self.time:.4g} s"], rows)
+
 
 @dataclass(frozen=True, eq=False)
 class EnergySeries(Budget[FloatArray]):
@@ -129,6 +135,13 @@ class EnergySeries(Budget[FloatArray]):
         largest = float(np.abs(self.drift).max())
         drift = f"  drift: at most {largest:.1e} of the energy in motion: {verdict(largest)}"
         return f"{_table(['start', 'end'], ends)}\n{drift}"
+
+    def _repr_html_(self) -> str:
+        """For notebooks: the same table."""
+        rows = {name: [f"{value:.6g}" for value in (values[0], values[-1])] for name, values in self._rows().items()}
+        largest = float(np.abs(self.drift).max())
+        rows["drift"] = ["", f"at most {largest:.1e}: {verdict(largest)}"]
+        return html_table(["energy [J]", "start", "end"], rows)
 
     def at(self, index: int) -> Energy:
         """The budget of one frame."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from physcore.markup import html_table
 from physcore.numerics.choices import LimitKind
 
 
@@ -67,7 +68,8 @@ class Plan:
         """The time step as a fraction of its limit."""
         return self.dt / self.dt_limit if self.dt_limit > 0 else math.inf
 
-    def __str__(self) -> str:
+    def _rows(self) -> dict[str, str]:
+        """What it says, line by line."""
         rows = {
             "stages": " → ".join(self.stages),
             "dimension": f"{self.dimension}D",
@@ -82,8 +84,16 @@ class Plan:
             "substeps": f"{self.substeps} steps failed and were taken again in parts" if self.substeps else "",
             "left out": ", ".join(self.left_out) or "nothing",
         }
-        lines = [f"  {name:<11}{text}" for name, text in rows.items() if text]
+        return {name: text for name, text in rows.items() if text}
+
+    def __str__(self) -> str:
+        lines = [f"  {name:<11}{text}" for name, text in self._rows().items()]
         return "\n".join(["Plan", *lines, *(f"  {'note':<11}{note}" for note in self.notes)])
+
+    def _repr_html_(self) -> str:
+        """For notebooks: the same lines as a table."""
+        notes = {f"note {number}" if len(self.notes) > 1 else "note": note for number, note in enumerate(self.notes, 1)}
+        return html_table([], {name: [text] for name, text in {**self._rows(), **notes}.items()}, "Plan")
 
     def _limit(self) -> str:
         """One phrase on the limit of the time step."""

@@ -31,6 +31,7 @@ from physcore.scene.points import PointSystem
 from physcore.scene.scene import BodyKey, ItemKey, Scene
 from physcore.simulation.diagrams import over_time
 from physcore.simulation.energy import Amount, AmountSeries, EnergySeries
+from physcore.simulation.periods import period_of
 from physcore.simulation.plan import Plan
 from physcore.simulation.provenance import Provenance
 from physcore.simulation.serial import unpack_scene
@@ -265,7 +266,30 @@ class Recording(Trajectory):
 
     def _repr_html_(self) -> str | None:
         """For notebooks: what `show_with` was given makes of it, which is a film."""
-        return None if _display is None else _display(self)
+        return None if _preview is None else _preview(self)
+
+    def show(self) -> Shown:
+        """The whole film for a notebook, however large it is; by itself a notebook shows a small preview.
+
+        Every frame in the size of `film`, in memory; for more than a few hundred frames write a file instead.
+
+        Raises:
+            SceneError: there are no positions to draw.
+        """
+        if _whole is None or "positions" not in self.channels:
+            raise SceneError("show: needs the channel 'positions'")
+        return Shown(_whole(self))
+
+    @property
+    def period(self) -> float | None:
+        """The period of the motion [s]: after it all particles are again where they were, to 2 % of how far they go;
+        None where there is none within half of the recording.
+
+            swing = pc.simulate(scene, duration=recording.period or 1.0)
+
+        A film of one period loops without a jump.
+        """
+        return None if "positions" not in self.channels else period_of(self.times, self.positions, self.scene.periodic)
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write everything to a NumPy archive, which `physcore.load` and `numpy.load` read.
@@ -405,10 +429,23 @@ def _turns(scene: Scene) -> int:
     return scene.dimension * (scene.dimension - 1) // 2
 
 
-_display: Callable[[Recording], str | None] | None = None
+@dataclass(frozen=True)
+class Shown:
+    """What a notebook shows."""
+
+    html: str
+
+    def _repr_html_(self) -> str:
+        return self.html
 
 
-def show_with(display: Callable[[Recording], str | None]) -> None:
-    """Let notebooks show recordings as the HTML that a function gives, or as text where it gives None."""
-    global _display
-    _display = display
+_preview: Callable[[Recording], str | None] | None = None
+_whole: Callable[[Recording], str] | None = None
+
+
+def show_with(preview: Callable[[Recording], str | None], whole: Callable[[Recording], str]) -> None:
+    """Let notebooks show recordings as the HTML that a function gives, or as text where it gives None; and whole ones
+    as that of another.
+    """
+    global _preview, _whole
+    _preview, _whole = preview, whole

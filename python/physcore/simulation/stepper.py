@@ -74,7 +74,7 @@ _UNWARNED = ContextVar("unwarned", default=False)
 
 @contextmanager
 def unwarned() -> Iterator[None]:
-    """For building simulations whose time step is meant to be above the limit, or was warned of before."""
+    """For simulations and runs whose time step the package itself chooses, to measure what becomes of it."""
     token = _UNWARNED.set(True)
     try:
         yield

@@ -8,7 +8,8 @@ use numpy::{
     PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3, PyUntypedArrayMethods,
 };
 use physcore_canvas::{
-    Align, Disc, Drop, Error, Exposure, Halo, Ink, Lens, Line, Painting, Rgb, Samples, Shading, Trails, Triangle,
+    Align, Disc, Drop, Error, Exposure, Eye, Ground, Halo, Ink, Lens, Light, Line, Painting, Rgb, Samples, Shading, Trails,
+    Triangle,
 };
 use physcore_engine::parallel::attend;
 use pyo3::exceptions::PyValueError;
@@ -100,14 +101,14 @@ impl Canvas {
         Ok(())
     }
 
-    /// Add triangles with corners (T, 3, 2), corner colors (T, 3, 4) and, with a texture, texture coordinates of the
-    /// corners.
+    /// Add triangles with corners (T, 3, 2), corner colors (T, 3, 4), depths of the corners (T, 3), or of the whole (T, 1),
+    /// on which no light falls, and, with a texture, texture coordinates of the corners.
     #[pyo3(signature = (corners, colors, depths=None, texture=None, places=None))]
     fn triangles(
         &mut self,
         corners: PyReadonlyArray2<'_, f32>,
         colors: PyReadonlyArray2<'_, u8>,
-        depths: Option<PyReadonlyArray1<'_, f32>>,
+        depths: Option<PyReadonlyArray2<'_, f32>>,
         texture: Option<PyRef<'_, Texture>>,
         places: Option<PyReadonlyArray2<'_, f32>>,
     ) -> PyResult<()> {
@@ -115,12 +116,18 @@ impl Canvas {
         let corners = rows::<f32, 6>(&corners, count, "corners")?;
         let colors = rows::<u8, 12>(&colors, count, "colors")?;
         let places = places.as_ref().map(|places| rows::<f32, 6>(places, count, "places")).transpose()?;
-        let depths = depth(depths.as_ref(), count)?;
+        let lit = depths.as_ref().is_some_and(|depths| depths.shape()[1] != 1);
+        let depths: Option<Vec<[f32; 3]>> = match &depths {
+            None => None,
+            Some(depths) if lit => Some(rows::<f32, 3>(depths, count, "depths")?.to_vec()),
+            Some(depths) => Some(rows::<f32, 1>(depths, count, "depths")?.iter().map(|&[depth]| [depth; 3]).collect()),
+        };
         let texture = texture.map(|texture| self.painting.texture(Arc::clone(&texture.texture)));
         for (index, (corners, colors)) in corners.iter().zip(colors).enumerate() {
             let texture_coordinates = places.map_or([[0.0; 2]; 3], |places| thirds(&places[index]));
-            let triangle = Triangle { corners: thirds(corners), colors: thirds(colors), texture_coordinates };
-            self.painting.triangle(triangle, texture, depths.map_or(0.0, |depths| depths[index]));
+            let depths = depths.as_ref().map_or([0.0; 3], |depths| depths[index]);
+            let triangle = Triangle { corners: thirds(corners), colors: thirds(colors), depths, lit, texture_coordinates };
+            self.painting.triangle(triangle, texture, (depths[0] + depths[1] + depths[2]) / 3.0);
         }
         Ok(())
     }
@@ -145,8 +152,9 @@ impl Canvas {
         Ok(())
     }
 
-    /// Add particles of a liquid surface; `scale` is pixels per meter of depth.
-    #[pyo3(signature = (centers, radii, colors, sky, depths=None, scale=0.0))]
+    /// Add particles of a liquid surface; `scale` is pixels per meter of depth, `glow` how much of its color it sends out.
+    #[pyo3(signature = (centers, radii, colors, sky, depths=None, scale=0.0, glow=0.0))]
+    #[expect(clippy::too_many_arguments, reason = "one call for each frame")]
     fn liquid(
         &mut self,
         centers: PyReadonlyArray2<'_, f32>,
@@ -155,12 +163,13 @@ impl Canvas {
         sky: Rgb,
         depths: Option<PyReadonlyArray1<'_, f32>>,
         scale: f32,
+        glow: f32,
     ) -> PyResult<()> {
         let count = centers.shape()[0];
         let centers = rows::<f32, 2>(&centers, count, "centers")?;
         let colors = rows::<u8, 4>(&colors, count, "colors")?;
         let (radii, depths) = (column(&radii, count, "radii")?, depth(depths.as_ref(), count)?);
-        self.painting.begin_liquid(if depths.is_some() { scale } else { 0.0 }, sky);
+        self.painting.begin_liquid(if depths.is_some() { scale } else { 0.0 }, sky, glow);
         for (index, ((&center, &radius), &color)) in centers.iter().zip(radii).zip(colors).enumerate() {
             self.painting.drop(Drop { center, radius, color, depth: depths.map_or(0.0, |depths| depths[index]) });
         }
@@ -196,6 +205,42 @@ impl Canvas {
     /// Apply a thin lens to everything added later: pixels of blur per meter from the focus, and the eye's distance [m].
     fn lens(&mut self, blur: f32, distance: f32) {
         self.painting.look_through(Lens { blur, distance });
+    }
+
+    /// Keep the depth of what is drawn from now on, as seen by an eye at this distance from its focus, which lies at a pixel,
+    /// with so many pixels per meter there.
+    fn eye(&mut self, scale: f32, middle: [f32; 2], distance: f32) {
+        self.picture.look_from(Eye { scale, middle, distance });
+    }
+
+    /// Let light fall on what is painted next: the direction to the lamp, right, up and toward the eye, the shares of light
+    /// that shadows and ambient occlusion take, and how far around a pixel ambient light is looked for.
+    fn light(&mut self, lamp: [f32; 3], shadow: f32, occlusion: f32, reach: f32) {
+        self.painting.light(Light { lamp, shadow, occlusion, reach });
+    }
+
+    /// Draw ground at once: its unit normal, the place that is lit best, the distance at which half of that is left, and its
+    /// color; lines of a grid along a direction and across it, with their color, distance and opacity.
+    #[pyo3(signature = (normal, center, size, color, along, grid=None))]
+    #[expect(clippy::too_many_arguments, reason = "one call for each film")]
+    fn ground(
+        &mut self,
+        py: Python<'_>,
+        normal: [f32; 3],
+        center: [f32; 3],
+        size: f32,
+        color: Rgb,
+        along: [f32; 3],
+        grid: Option<(Rgb, f32, f32)>,
+    ) {
+        let picture = &mut self.picture;
+        py.detach(|| picture.ground(&Ground { normal, center, size, color, grid, along }));
+    }
+
+    /// Let the background become lighter toward a pixel, at once, by a share of the way to a color.
+    fn backdrop(&mut self, py: Python<'_>, center: [f32; 2], radius: f32, color: Rgb, share: f32) {
+        let picture = &mut self.picture;
+        py.detach(|| picture.backdrop(center, radius, color, share));
     }
 
     /// Paint all added shapes, from the far to the near.
@@ -299,6 +344,18 @@ fn texels<'a>(pixels: &'a PyReadonlyArray3<'_, u8>) -> PyResult<&'a [Rgb]> {
         return Err(PyValueError::new_err(format!("pixels: must have the shape (H, W, 3), got {:?}", pixels.shape())));
     }
     Ok(pixels.as_slice().map_err(|_| PyValueError::new_err("pixels: must be C-contiguous"))?.as_chunks().0)
+}
+
+/// The width of a line of text, `height` pixels high [pixels].
+#[pyfunction]
+pub fn text_width(text: &str, height: usize) -> usize {
+    physcore_canvas::text_width(text, height)
+}
+
+/// The signs of a text that no face has, each once.
+#[pyfunction]
+pub fn missing_signs(text: &str) -> String {
+    physcore_canvas::missing_signs(text)
 }
 
 /// How much of each pixel (H, W) is covered by cells (nx, ny) that are 1, not 0; the other arguments are those of `heatmap`.

@@ -16,6 +16,7 @@ pub struct Gif {
     histogram: Histogram,
     reserved: Vec<Rgb>,
     colors: u8,
+    tolerance: u8,
     state: State,
 }
 
@@ -47,7 +48,7 @@ impl Gif {
             Some(path) => Sink::File(NewFile::create(&path)?),
             None => Sink::Memory(Vec::new()),
         };
-        Ok(Self { histogram: Histogram::new(quality), reserved, colors, state: State::Observing(sink) })
+        Ok(Self { histogram: Histogram::new(quality), reserved, colors, tolerance: 0, state: State::Observing(sink) })
     }
 
     /// Add a frame's colors to the histogram of the palette.
@@ -59,14 +60,15 @@ impl Gif {
     /// Append a frame that is shown for `delay` hundredths of a second; the first one fixes the palette. The frame is copied and
     /// encoded while the next one is drawn, so the canvas is free at once, and a failure may be reported by a later call.
     fn frame(&mut self, py: Python<'_>, canvas: &Canvas, delay: u16) -> PyResult<()> {
-        let (picture, Self { histogram, reserved, colors, state }) = (&canvas.picture, self);
+        let (picture, Self { histogram, reserved, colors, tolerance, state }) = (&canvas.picture, self);
         let written = py.detach(|| {
             if let State::Observing(_) = state {
                 let State::Observing(sink) = std::mem::replace(state, State::Closed) else {
                     return Ok(());
                 };
                 let palette = Palette::new(histogram, reserved, *colors);
-                let gif = physcore_canvas::Gif::new(sink, picture, palette)?;
+                let mut gif = physcore_canvas::Gif::new(sink, picture, palette)?;
+                gif.tolerate(*tolerance);
                 *state = State::Writing(Box::new(Background::new(gif)?));
             }
             match state {
@@ -75,6 +77,16 @@ impl Gif {
             }
         });
         written.map_err(python_error)
+    }
+
+    /// From the next frame on, let a pixel have any color of the palette at most `distance` from the nearest one [levels of
+    /// 255], where that makes the file smaller.
+    fn tolerate(&mut self, distance: u8) -> PyResult<()> {
+        self.tolerance = distance;
+        match &mut self.state {
+            State::Writing(gif) => gif.tolerate(distance).map_err(python_error),
+            _ => Ok(()),
+        }
     }
 
     /// Append a comment extension, which viewers do not show; only after a frame.

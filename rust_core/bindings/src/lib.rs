@@ -27,7 +27,7 @@ mod _core {
     }
 
     #[pymodule_export]
-    use super::canvas::{Canvas, Texture, coverage, heatmap};
+    use super::canvas::{Canvas, Texture, coverage, heatmap, missing_signs, text_width};
     #[pymodule_export]
     use super::gif::Gif;
     #[pymodule_export]

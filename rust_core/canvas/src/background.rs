@@ -59,6 +59,14 @@ impl<W: Write + Send + 'static> Background<W> {
         }))
     }
 
+    /// [`Gif::tolerate`].
+    pub fn tolerate(&mut self, distance: u8) -> Result<(), Error> {
+        self.send(Box::new(move |gif| {
+            gif.tolerate(distance);
+            Ok(())
+        }))
+    }
+
     /// [`Gif::comment`].
     pub fn comment(&mut self, text: &str) -> Result<(), Error> {
         let text = text.to_owned();

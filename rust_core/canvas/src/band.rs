@@ -2,6 +2,7 @@
 //! blending all shapes in the same order: the pixels do not depend on the number of bands.
 
 use crate::color::Ink;
+use crate::eye::Eye;
 use crate::ink::{Mixing, Paint, Shade};
 use crate::shapes::{Disc, Halo, Line, Triangle, drawn_half_width, drawn_radius, ramp};
 use crate::texture::Texture;
@@ -18,6 +19,9 @@ pub(crate) struct Rectangle {
 /// Whole rows of a picture.
 pub(crate) struct Band<'a> {
     pub(crate) pixels: &'a mut [[u8; 4]],
+    /// Their depths, where there is an eye.
+    pub(crate) depths: &'a mut [f32],
+    pub(crate) eye: Option<Eye>,
     /// Width of the picture [pixels].
     pub(crate) width: usize,
     /// The first row.
@@ -134,7 +138,10 @@ impl Band<'_> {
             let (pixels, offset) = self.span(area, row, f32::MIN, f32::MAX);
             for (pixel, column) in pixels.iter_mut().zip(0_u16..) {
                 let (x, y) = (offset + f32::from(column), row as f32 + 0.5);
-                let coverage = ramp(beyond(&edges, x, y) - MORE);
+                let outside = beyond(&edges, x, y);
+                // Beyond a sharp corner the lines along the sides meet far away: there, the distance of the corner counts.
+                let outside = if outside > 0.0 { outside.max(away(&triangle.corners, x, y)) } else { outside };
+                let coverage = ramp(outside - MORE);
                 if coverage > 0.0 {
                     let weights = barycentric(&triangle.corners, doubled, x, y);
                     let [red, green, blue, alpha] = mean(&inks, weights);
@@ -198,7 +205,7 @@ impl Band<'_> {
     }
 
     /// The pixels whose centers lie between two corners and inside the clip; None for NaN coordinates.
-    fn visible(&self, low: [f32; 2], high: [f32; 2]) -> Option<Rectangle> {
+    pub(crate) fn visible(&self, low: [f32; 2], high: [f32; 2]) -> Option<Rectangle> {
         let Rectangle { left, top, right, bottom } = self.clip;
         let area = Rectangle {
             left: nearest_edge(low[0]).max(left),
@@ -247,6 +254,18 @@ fn edges(corners: &[[f32; 2]]) -> Vec<[f32; 3]> {
 #[inline(always)]
 fn beyond(edges: &[[f32; 3]], x: f32, y: f32) -> f32 {
     edges.iter().fold(f32::MIN, |most, [nx, ny, c]| most.max(nx * x + ny * y - c))
+}
+
+/// Distance of a point from the outline of a triangle [pixels].
+#[inline(always)]
+fn away([a, b, c]: &[[f32; 2]; 3], x: f32, y: f32) -> f32 {
+    let from = |[x0, y0]: [f32; 2], [x1, y1]: [f32; 2]| {
+        let (ux, uy, dx, dy) = (x1 - x0, y1 - y0, x - x0, y - y0);
+        let along = ((dx * ux + dy * uy) / (ux * ux + uy * uy).max(1e-12)).clamp(0.0, 1.0);
+        let (ex, ey) = (dx - along * ux, dy - along * uy);
+        ex * ex + ey * ey
+    };
+    from(*a, *b).min(from(*b, *c)).min(from(*c, *a)).sqrt()
 }
 
 /// Barycentric coordinates of a point in a triangle of known doubled signed area, clamped to the triangle.

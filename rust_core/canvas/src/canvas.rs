@@ -5,6 +5,7 @@
 use crate::band::{Band, Rectangle};
 use crate::color::{Ink, Rgb};
 use crate::error::Error;
+use crate::eye::{Eye, OPEN};
 use crate::ink::Mixing;
 use crate::shapes::{Disc, Halo, Line, Triangle};
 use crate::texture::Texture;
@@ -17,6 +18,10 @@ pub struct Canvas {
     /// Row by row from the top; the fourth byte is not used, but makes a pixel one machine word.
     pixels: Vec<[u8; 4]>,
     backdrop: Vec<[u8; 4]>,
+    /// The eye of a picture in space, and then the depth of what each pixel shows; empty without one.
+    eye: Option<Eye>,
+    depths: Vec<f32>,
+    backdrop_depths: Vec<f32>,
     clip: Rectangle,
 }
 
@@ -29,7 +34,8 @@ impl Canvas {
         }
         let pixels = vec![[background[0], background[1], background[2], 255]; width * height];
         let clip = Rectangle { left: 0, top: 0, right: width as i32, bottom: height as i32 };
-        Ok(Self { width, height, backdrop: pixels.clone(), pixels, clip })
+        let (depths, backdrop_depths) = (Vec::new(), Vec::new());
+        Ok(Self { width, height, backdrop: pixels.clone(), pixels, eye: None, depths, backdrop_depths, clip })
     }
 
     /// Width [pixels].
@@ -50,11 +56,24 @@ impl Canvas {
     /// Makes the present picture the backdrop that [`Canvas::clear`] restores: static shapes are drawn once.
     pub fn keep(&mut self) {
         self.backdrop.copy_from_slice(&self.pixels);
+        self.backdrop_depths.clone_from(&self.depths);
     }
 
     /// Restores the backdrop: the picture kept last, at first the background.
     pub fn clear(&mut self) {
         self.pixels.copy_from_slice(&self.backdrop);
+        self.depths.clone_from(&self.backdrop_depths);
+    }
+
+    /// Sets the eye of all later drawing: from now on the depth of what each pixel shows is kept.
+    pub fn look_from(&mut self, eye: Eye) {
+        self.eye = Some(eye);
+        self.depths.resize(self.pixels.len(), OPEN);
+    }
+
+    /// The eye.
+    pub(crate) fn eye(&self) -> Option<Eye> {
+        self.eye
     }
 
     /// Sets the clip of all later drawing: columns `left..right`, rows `top..bottom` [pixels].
@@ -118,18 +137,35 @@ impl Canvas {
         &mut self.pixels[row * self.width..(row + 1) * self.width]
     }
 
+    /// The pixels of a row, and their depths, if there are any.
+    pub(crate) fn row_with_depths(&mut self, row: usize) -> (&mut [[u8; 4]], &mut [f32]) {
+        let range = row * self.width..(row + 1) * self.width;
+        (&mut self.pixels[range.clone()], self.depths.get_mut(range).unwrap_or_default())
+    }
+
+    /// The depths of the backdrop.
+    pub(crate) fn backdrop_depths(&self) -> &[f32] {
+        &self.backdrop_depths
+    }
+
     /// All rows.
     fn whole(&mut self) -> Band<'_> {
-        Band { pixels: &mut self.pixels, width: self.width, top: 0, clip: self.clip }
+        Band { pixels: &mut self.pixels, depths: &mut [], eye: None, width: self.width, top: 0, clip: self.clip }
+    }
+
+    /// The depths of all pixels.
+    pub(crate) fn depths(&self) -> &[f32] {
+        &self.depths
     }
 
     /// The rows in at most `count` bands of about equal height.
     pub(crate) fn bands(&mut self, count: usize) -> impl Iterator<Item = Band<'_>> {
-        let (width, clip, height) = (self.width, self.clip, self.height.div_ceil(count.max(1)));
+        let (width, clip, eye, height) = (self.width, self.clip, self.eye, self.height.div_ceil(count.max(1)));
+        let mut depths = self.depths.chunks_mut(width * height);
         self.pixels.chunks_mut(width * height).enumerate().map(move |(index, pixels)| {
             let (top, bottom) = ((index * height) as i32, (index * height + pixels.len() / width) as i32);
             let clip = Rectangle { top: clip.top.max(top), bottom: clip.bottom.min(bottom), ..clip };
-            Band { pixels, width, top, clip }
+            Band { pixels, depths: depths.next().unwrap_or_default(), eye, width, top, clip }
         })
     }
 }

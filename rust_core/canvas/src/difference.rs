@@ -47,6 +47,16 @@ impl Patch {
         }
     }
 
+    /// Writes the symbols of the patch over a picture `width` pixels wide, but for transparent ones.
+    pub(crate) fn paste(&self, symbols: &[u8], width: usize, picture: &mut [u8]) {
+        let rows = picture.chunks_exact_mut(width).skip(self.top);
+        for (row, symbols) in rows.zip(symbols.chunks_exact(self.width)) {
+            for (pixel, &symbol) in row[self.left..].iter_mut().zip(symbols) {
+                *pixel = if symbol == TRANSPARENT { *pixel } else { symbol };
+            }
+        }
+    }
+
     /// Makes long runs of unchanged pixels of a patch transparent; returns their number.
     pub(crate) fn clear_unchanged(&self, before: &[u8], width: usize, symbols: &mut [u8]) -> usize {
         let rows = before.chunks_exact(width).skip(self.top).map(|row| &row[self.left..][..self.width]);

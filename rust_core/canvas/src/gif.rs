@@ -11,6 +11,7 @@ use crate::error::Error;
 use crate::lzw::{Encoder, TRANSPARENT};
 use crate::palette::Palette;
 use crate::quality::Quality;
+use crate::tolerant::{Tolerance, TolerantEncoder, Wish};
 
 /// Writes frames one by one; memory does not grow with their number, and equal frames give equal bytes.
 pub struct Gif<W> {
@@ -21,6 +22,11 @@ pub struct Gif<W> {
     palette: Palette,
     bits: u32,
     encoder: Encoder,
+    /// The colors that may stand for others, if any may, with their encoder.
+    tolerance: Option<(Tolerance, TolerantEncoder)>,
+    /// Indices of the last frame as it was drawn.
+    drawn: Vec<u8>,
+    wishes: Vec<Wish>,
     /// Indices on the screen after the last frame; empty before the first.
     shown: Vec<u8>,
     indices: Vec<u8>,
@@ -45,10 +51,35 @@ impl<W: Write> Gif<W> {
         header.extend(b"\x21\xFF\x0BNETSCAPE2.0\x03\x01\0\0\0");
         let (encoder, empty) = (Encoder::new(), Vec::new);
         let (shown, indices, symbols, bytes, rival) = (empty(), empty(), empty(), empty(), empty());
-        let written = 0;
-        let mut gif = Self { out, written, width, height, palette, bits, encoder, shown, indices, symbols, bytes, rival };
+        let (written, tolerance, drawn, wishes) = (0, None, empty(), Vec::new());
+        let mut gif = Self {
+            out,
+            written,
+            width,
+            height,
+            palette,
+            bits,
+            encoder,
+            tolerance,
+            drawn,
+            wishes,
+            shown,
+            indices,
+            symbols,
+            bytes,
+            rival,
+        };
         gif.write(&header)?;
         Ok(gif)
+    }
+
+    /// From the next frame on, lets a pixel have any color at most `distance` from the nearest one of the palette [levels of 255],
+    /// where that makes the file smaller; what rests does not change. 0, as at first, is the nearest color everywhere.
+    pub fn tolerate(&mut self, distance: u8) {
+        self.tolerance = (distance > 0).then(|| {
+            let table = Tolerance::new(self.palette.colors(), self.palette.reserved(), distance);
+            (table, TolerantEncoder::new())
+        });
     }
 
     /// Appends a frame and shows it for `delay` hundredths of a second.
@@ -91,6 +122,9 @@ impl<W: Write> Gif<W> {
     /// Appends a frame of the film's size.
     pub(crate) fn append(&mut self, pixels: &[[u8; 4]], delay: u16) -> Result<(), Error> {
         self.palette.indices(pixels, &mut self.indices);
+        if let Some((tolerance, encoder)) = self.tolerance.take() {
+            return self.append_about(tolerance, encoder, delay);
+        }
         let (patch, cleared) = self.compose();
         let mut bytes = std::mem::take(&mut self.bytes);
         self.store(patch, cleared > 0, delay, &mut bytes);
@@ -105,6 +139,41 @@ impl<W: Write> Gif<W> {
             self.rival = rival;
         }
         std::mem::swap(&mut self.shown, &mut self.indices);
+        self.drawn.clone_from(&self.shown);
+        let result = self.write(&bytes);
+        self.bytes = bytes;
+        result
+    }
+
+    /// Appends the frame of `indices` within a tolerance.
+    fn append_about(&mut self, tolerance: Tolerance, mut encoder: TolerantEncoder, delay: u16) -> Result<(), Error> {
+        let first = self.shown.is_empty();
+        self.shown.resize(self.indices.len(), TRANSPARENT);
+        self.drawn.resize(self.indices.len(), TRANSPARENT);
+        // What may stay as it is counts as unchanged.
+        let stays: Vec<u8> = self
+            .indices
+            .iter()
+            .zip(&self.shown)
+            .map(|(&wanted, &shown)| if tolerance.allows(wanted, shown) { shown } else { wanted })
+            .collect();
+        let whole = Patch { left: 0, top: 0, width: self.width, height: self.height };
+        let patch = if first { whole } else { Patch::between(&self.shown, &stays, self.width) };
+        self.wishes.clear();
+        for row in patch.top..patch.top + patch.height {
+            for pixel in row * self.width + patch.left..row * self.width + patch.left + patch.width {
+                let (wanted, shown) = (self.indices[pixel], self.shown[pixel]);
+                let keep = tolerance.allows(wanted, shown);
+                let rests = keep && wanted == self.drawn[pixel];
+                self.wishes.push(if rests { Wish::rest(shown) } else { Wish::about(wanted, keep) });
+            }
+        }
+        let mut bytes = std::mem::take(&mut self.bytes);
+        Self::describe(patch, true, delay, &mut bytes);
+        encoder.encode(&self.wishes, &tolerance, self.bits, &mut self.symbols, &mut bytes);
+        patch.paste(&self.symbols, self.width, &mut self.shown);
+        std::mem::swap(&mut self.drawn, &mut self.indices);
+        self.tolerance = Some((tolerance, encoder));
         let result = self.write(&bytes);
         self.bytes = bytes;
         result
@@ -122,6 +191,12 @@ impl<W: Write> Gif<W> {
 
     /// The GIF blocks of a frame of `symbols`, into `bytes`.
     fn store(&mut self, patch: Patch, transparent: bool, delay: u16, bytes: &mut Vec<u8>) {
+        Self::describe(patch, transparent, delay, bytes);
+        self.encoder.encode(&self.symbols, self.bits, bytes);
+    }
+
+    /// The GIF blocks before the symbols of a frame, into `bytes`.
+    fn describe(patch: Patch, transparent: bool, delay: u16, bytes: &mut Vec<u8>) {
         bytes.clear();
         // Graphic control: leave the frame in place (disposal 1); its lowest bit says whether one index is transparent.
         bytes.extend([0x21, 0xF9, 4, 0b100 | u8::from(transparent)]);
@@ -131,7 +206,6 @@ impl<W: Write> Gif<W> {
             bytes.extend(short(value));
         }
         bytes.push(0);
-        self.encoder.encode(&self.symbols, self.bits, bytes);
     }
 
     fn write(&mut self, bytes: &[u8]) -> Result<(), Error> {

@@ -72,9 +72,18 @@ impl Paint {
 }
 
 /// Direction to the lamp: left, up, toward the viewer; a unit vector.
-pub(crate) const LAMP: [f32; 3] = [-0.408, -0.577, 0.707];
+pub(crate) const LAMP: [f32; 3] = [-0.42, -0.62, 0.66];
+/// How far a lamp's light reaches around a ball, as that of a lamp that is not a point.
+const WRAP: f32 = 0.2;
+/// Light from below and from the sky, and that of the lamp.
+const FILL: f32 = 0.3;
+const SKY: f32 = 0.16;
+const KEY: f32 = 0.72;
+/// Light at the rim, of a lamp behind.
+const RIM: f32 = 0.3;
+const HIGHLIGHT: f32 = 70.0;
 
-/// Shading of a sphere: Lambert's cosine of a lamp at the upper left, and a specular highlight.
+/// Shading of a sphere: Lambert's cosine of a lamp at the upper left, light from the sky and at the rim, and a highlight.
 pub(crate) struct Shade {
     pub(crate) strength: f32,
     pub(crate) per_radius: f32,
@@ -85,11 +94,16 @@ impl Shade {
     pub(crate) fn lit(&self, color: Ink, dx: f32, dy: f32) -> u32 {
         let (nx, ny) = (dx * self.per_radius, dy * self.per_radius);
         let nz = (1.0 - nx * nx - ny * ny).max(0.0).sqrt();
-        let light = (nx * LAMP[0] + ny * LAMP[1] + nz * LAMP[2]).max(0.0);
-        let square = light * light;
-        let highlight = 46.0 * self.strength * (square * square) * (square * square);
+        let (cosine, up) = (nx * LAMP[0] + ny * LAMP[1] + nz * LAMP[2], 0.5 - 0.5 * ny);
+        let light = FILL + SKY * up + KEY * ((cosine + WRAP) / (1.0 + WRAP)).max(0.0);
+        let square = cosine.max(0.0) * cosine.max(0.0);
+        let highlight = HIGHLIGHT * self.strength * (square * square) * (square * square) * (square * square);
         let factor = 1.0 - self.strength * (1.0 - light);
-        let channel = |value: u8| (f32::from(value) * factor + highlight).min(255.0) as u8;
+        let rim = self.strength * RIM * up * (1.0 - nz) * (1.0 - nz);
+        let channel = |value: u8| {
+            let value = f32::from(value);
+            ((value + (255.0 - value) * rim) * factor + highlight).min(255.0) as u8
+        };
         u32::from_le_bytes([channel(color[0]), channel(color[1]), channel(color[2]), 0])
     }
 }

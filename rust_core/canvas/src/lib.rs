@@ -22,8 +22,8 @@
 //! rasterizes on some rows of the `canvas`, `ink` blends colors, `painting` sorts shapes by depth, `texture` covers
 //! surfaces, `liquid` finds liquid surfaces, `heatmap` colors
 //! the values of grids, `density` exposes very many points, `palette` reduces millions of colors to 255 by `quantize`, `nearest` finds the
-//! nearest of them for each pixel, `difference` leaves out unchanged pixels, `lzw` compresses the indices, `gif` writes the
-//! container, `background` moves all this to another thread, and `file` makes the file appear only when it is complete.
+//! nearest of them for each pixel, `difference` leaves out unchanged pixels, `lzw` compresses the indices, `tolerant` indices of
+//! which some may be replaced by near ones, `gif` writes the container, `background` moves all this to another thread, and `file` makes the file appear only when it is complete.
 //! [`Quality`] sets the resolution of the histogram and the look-up, and whether a frame is stored in the smaller of two
 //! encodings.
 
@@ -34,20 +34,26 @@ mod color;
 mod density;
 mod difference;
 mod error;
+mod eye;
 mod file;
 mod gif;
+mod ground;
 mod heatmap;
 mod ink;
+mod light;
 mod liquid;
 mod lzw;
+mod math;
 mod nearest;
 mod painting;
 mod palette;
 mod quality;
 mod quantize;
+mod shadow;
 mod shapes;
 mod text;
 mod texture;
+mod tolerant;
 mod trails;
 mod view;
 
@@ -56,16 +62,19 @@ pub use canvas::Canvas;
 pub use color::{Ink, Rgb};
 pub use density::Exposure;
 pub use error::Error;
+pub use eye::Eye;
 pub use file::NewFile;
 pub use gif::Gif;
+pub use ground::Ground;
 pub use heatmap::{Samples, Shading, coverage, heatmap};
 pub use ink::Mixing;
+pub use light::Light;
 pub use liquid::Drop;
 pub use painting::{Lens, Painting};
 pub use palette::{Histogram, Palette};
 pub use quality::Quality;
 pub use shapes::{Disc, Halo, Line, Triangle};
-pub use text::{Align, text_width};
+pub use text::{Align, missing_signs, text_width};
 pub use texture::Texture;
 pub use trails::Trails;
 pub use view::{Fog, Projection, look_up, opaque};

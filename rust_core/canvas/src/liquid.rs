@@ -10,7 +10,9 @@
 
 use crate::band::Band;
 use crate::color::{Ink, Rgb};
+use crate::eye::Eye;
 use crate::ink::LAMP;
+use crate::shadow::Caster;
 use crate::view::opaque;
 
 /// A particle of a liquid.
@@ -22,7 +24,7 @@ pub struct Drop {
     pub radius: f32,
     /// Depth behind the focus, in the unit of depths; without meaning in 2D.
     pub depth: f32,
-    /// Color and opacity.
+    /// Color; its opacity is how little light comes through: 255 for milk, less for water.
     pub color: Ink,
 }
 
@@ -37,19 +39,32 @@ const NOTHING: f32 = 1e30;
 /// of its support.
 const EDGE: f32 = 0.3;
 /// Isovalue at which the lighter rim of a liquid in 2D ends.
-const RIM: f32 = 0.6;
-const RIM_LIGHT: f32 = 0.35;
+const RIM: f32 = 0.75;
+const RIM_LIGHT: f32 = 0.5;
+/// How far from its edge a liquid in 2D is darker, over a drop's support, and by how much.
+const DEEP: f32 = 4.0;
+const DARKER: f32 = 0.2;
 /// Thickness below which the edge of a liquid in 3D fades.
-const BRIM: f32 = 0.3;
-/// Transmittance of the thinnest liquid; a liquid as thick as a drop's support transmits a quarter of that.
-const CLEAR: f32 = 0.45;
+const BRIM: f32 = 0.2;
+/// Optical depth of a liquid as thick as a drop's support for the light that it scatters, if it is clear, and if it is not.
+const SCATTERS: [f32; 2] = [0.05, 4.0];
+/// Exponent by which the light that comes through as much of a clear liquid takes its color.
+const TINTS: f32 = 0.1;
+/// How far light is bent to the side that comes through, over the thickness.
+const BENDS: f32 = 0.35;
+/// The farthest that it is bent [pixels].
+const FARTHEST: f32 = 24.0;
 const ROUNDS: usize = 2;
+/// The share of light that a liquid holds back.
+const HELD: f32 = 0.5;
 
 /// The drops of one frame, and their screen-space buffers, which are reused for the next frame.
 #[derive(Debug, Default)]
 pub struct Liquid {
     drops: Vec<Drop>,
     sky: Rgb,
+    /// How much of its color it sends out by itself, 0 to 1.
+    glow: f32,
     /// Pixels per unit of depth; 0 in 2D.
     scale: f32,
     width: usize,
@@ -59,8 +74,10 @@ pub struct Liquid {
     front: Vec<f32>,
     /// In 2D the field over its mean inside, in 3D the thickness over a drop's support.
     amount: Vec<f32>,
-    /// Weighted sums of the colors of the visible drops, and of the weights.
-    colors: Vec<[f32; 4]>,
+    /// In 2D how far a pixel is from the edge, 0 to 1.
+    inside: Vec<f32>,
+    /// Weighted sums of the colors and opacities of the visible drops, and of the weights.
+    colors: Vec<[f32; 5]>,
     scratch: [Vec<f32>; 3],
 }
 
@@ -74,9 +91,9 @@ impl Liquid {
     }
 
     /// Begins a frame, before any drop: `scale` in pixels per unit of depth (0 in 2D), and the color reflected at grazing
-    /// angles.
-    pub fn begin(&mut self, scale: f32, sky: Rgb) {
-        (self.scale, self.sky) = (scale, sky);
+    /// angles; `glow` is how much of its color it sends out by itself.
+    pub fn begin(&mut self, scale: f32, sky: Rgb, glow: f32) {
+        (self.scale, self.sky, self.glow) = (scale, sky, glow.clamp(0.0, 1.0));
     }
 
     /// The number of drops.
@@ -97,13 +114,14 @@ impl Liquid {
             plane.resize(width * height, empty);
         }
         self.colors.clear();
-        self.colors.resize(width * height, [0.0; 4]);
+        self.colors.resize(width * height, [0.0; 5]);
         if self.scale > 0.0 {
             self.splat_front();
             self.splat_visible_colors();
             self.smooth();
         } else {
             self.splat_field();
+            self.find_inside();
         }
     }
 
@@ -114,13 +132,36 @@ impl Liquid {
         self.scale == 0.0 || !inside || depth * self.scale <= self.front[row * self.width + column]
     }
 
-    /// Paints the liquid on some rows.
-    pub(crate) fn paint(&self, band: &mut Band<'_>) {
+    /// The shadows of its drops in 3D, with the share of light that they hold back.
+    pub(crate) fn casters(&self, eye: Eye) -> impl Iterator<Item = (Caster, f32)> {
+        self.drops.iter().filter(|_| self.scale > 0.0).map(move |drop| {
+            let depth = drop.depth / self.scale;
+            // Less than its sphere, or a surface that is smooth would be in the shadow of its own drops.
+            (Caster::Ball(eye.place(drop.center, depth), 0.5 * drop.radius / eye.magnification(depth)), HELD)
+        })
+    }
+
+    /// Whether it shows what is behind it.
+    pub(crate) fn is_deep(&self) -> bool {
+        self.scale > 0.0
+    }
+
+    /// Paints the liquid on some rows; `behind` are the pixels of the whole picture without it, in 3D.
+    pub(crate) fn paint(&self, band: &mut Band<'_>, behind: &[[u8; 4]]) {
         for row in band.rows() {
             for column in 0..self.width {
                 let pixel = row * self.width + column;
-                if self.amount[pixel] > 0.0 {
-                    let (color, coverage) = if self.scale > 0.0 { self.lit(row, column) } else { self.rimmed(row, column) };
+                if self.amount[pixel] <= 0.0 {
+                    continue;
+                }
+                if self.is_deep() {
+                    let (color, coverage) = self.lit(row, column, behind);
+                    band.dot(column as i32, row as i32, color, coverage);
+                    if coverage > 0.5 {
+                        band.deepen_dot(column as i32, row as i32, self.front[pixel] / self.scale);
+                    }
+                } else {
+                    let (color, coverage) = self.rimmed(row, column);
                     band.dot(column as i32, row as i32, color, coverage);
                 }
             }
@@ -208,19 +249,44 @@ impl Liquid {
         }
     }
 
-    /// The color and coverage of a pixel in 2D: the edge is one pixel wide, and a lighter rim follows it.
-    fn rimmed(&self, row: usize, column: usize) -> (Ink, f32) {
-        let [dx, dy] = self.slope(&self.amount, row, column, |_, _| true);
-        let steepness = (dx * dx + dy * dy).sqrt().max(1e-3);
-        let amount = self.amount[row * self.width + column];
-        let coverage = (0.5 + (amount - EDGE) / steepness).clamp(0.0, 1.0);
-        let rim = RIM_LIGHT * ((RIM - amount) / (RIM - EDGE)).clamp(0.0, 1.0);
-        let [red, green, blue] = self.mean(row * self.width + column).map(|channel| channel + (255.0 - channel) * rim);
-        (opaque([red + 0.5, green + 0.5, blue + 0.5]), coverage)
+    /// How far inside a liquid in 2D pixels are, by the mean of what is covered around them.
+    fn find_inside(&mut self) {
+        let mean = self.drops.iter().map(|drop| drop.radius).sum::<f32>() / self.drops.len().max(1) as f32;
+        let reach = (DEEP * mean).clamp(1.0, 64.0) as usize;
+        self.inside.clear();
+        self.inside.extend(self.amount.iter().map(|&amount| if amount > EDGE { 1.0 } else { 0.0 }));
+        let (width, [other, ..]) = (self.width, &mut self.scratch);
+        other.clone_from(&self.inside);
+        let height = self.inside.len() / width.max(1);
+        for _ in 0..2 {
+            for row in 0..height {
+                blur(&self.inside[row * width..], &mut other[row * width..], width, 1, reach);
+            }
+            for column in 0..width {
+                blur(&other[column..], &mut self.inside[column..], height, width, reach);
+            }
+        }
     }
 
-    /// The color and coverage of a pixel in 3D: half-Lambert light, a highlight, and the sky where the surface is seen flat.
-    fn lit(&self, row: usize, column: usize) -> (Ink, f32) {
+    /// The color and coverage of a pixel in 2D: the edge is one pixel wide, and a rim follows it that is lighter above than
+    /// below; farther inside it is darker.
+    fn rimmed(&self, row: usize, column: usize) -> (Ink, f32) {
+        let pixel = row * self.width + column;
+        let [dx, dy] = self.slope(&self.amount, row, column, |_, _| true);
+        let steepness = (dx * dx + dy * dy).sqrt().max(1e-3);
+        let amount = self.amount[pixel];
+        let coverage = (0.5 + (amount - EDGE) / steepness).clamp(0.0, 1.0);
+        let up = 0.5 + 0.5 * dy / steepness;
+        let rim = RIM_LIGHT * (0.25 + 0.75 * up) * ((RIM - amount) / (RIM - EDGE)).clamp(0.0, 1.0);
+        let deep = 1.0 - (1.0 - self.glow) * DARKER * ((self.inside[pixel] - 0.5) / 0.5).clamp(0.0, 1.0);
+        let ([red, green, blue], _) = self.mean(pixel);
+        let lit = |channel: f32| channel * deep + (255.0 - channel * deep) * rim + 0.5;
+        (opaque([lit(red), lit(green), lit(blue)]), coverage)
+    }
+
+    /// The color and coverage of a pixel in 3D: what is behind, bent and tinted on its way through (Beer and Lambert), what is
+    /// scattered on the way by the light of the lamp and the sky, a highlight, and the sky where the surface is seen flat.
+    fn lit(&self, row: usize, column: usize, behind: &[[u8; 4]]) -> (Ink, f32) {
         let pixel = row * self.width + column;
         let steepest = 3.0;
         let near = |a: f32, b: f32| (a - b).abs() < self.range;
@@ -230,21 +296,39 @@ impl Liquid {
         let (nx, ny, nz) = (dx * scale, dy * scale, scale);
         let light = nx * LAMP[0] + ny * LAMP[1] + nz * LAMP[2];
         let half = [LAMP[0], LAMP[1], LAMP[2] + 1.0].map(|component| component / (2.0 + 2.0 * LAMP[2]).sqrt());
-        let highlight = 190.0 * (nx * half[0] + ny * half[1] + nz * half[2]).max(0.0).powi(48);
-        let mirrored = 0.02 + 0.75 * (1.0 - nz).powi(3);
-        let diffuse = 0.55 + 0.45 * light;
-        let color = self.mean(pixel);
+        let shining = (nx * half[0] + ny * half[1] + nz * half[2]).max(0.0);
+        let (color, opacity) = self.mean(pixel);
+        let amount = self.amount[pixel];
+        let optical = SCATTERS[0] * (SCATTERS[1] / SCATTERS[0]).powf(opacity) * amount;
+        let passes = (-optical).exp();
+        let mirrored = (1.0 - self.glow) * (0.02 + 0.45 * (1.0 - nz).powi(3)) * (amount / BRIM).min(1.0);
+        let highlight = (1.0 - self.glow) * 200.0 * shining.powi(64) * (0.7 * amount).min(1.0) * (0.7 * amount).min(1.0);
+        let diffuse = 0.62 + 0.12 * (0.5 - 0.5 * ny) + 0.38 * light;
+        let diffuse = diffuse + (1.0 - diffuse) * self.glow;
+        let bent = (BENDS * amount * self.mean_radius()).min(FARTHEST);
+        let seen = self.behind(row as f32 - ny * bent, column as f32 - nx * bent, behind);
         let channel = |index: usize| {
-            let body = color[index] * diffuse;
+            let tinted = (color[index] / 255.0).max(0.02).powf(TINTS * amount);
+            let body = f32::from(seen[index]) * tinted * passes + color[index] * diffuse * (1.0 - passes);
             (body + (f32::from(self.sky[index]) - body) * mirrored + highlight).clamp(0.0, 255.0) as u8
         };
-        let amount = self.amount[pixel];
-        let coverage = (amount / BRIM).min(1.0) * (1.0 - CLEAR / ((1.0 + amount) * (1.0 + amount)));
-        ([channel(0), channel(1), channel(2), 255], coverage)
+        ([channel(0), channel(1), channel(2), 255], (amount / BRIM).min(1.0))
     }
 
-    /// Gradient of a buffer to the right and down; the smaller of the two one-sided differences, so that a depth step
-    /// counts on one side only.
+    /// The mean support radius of the drops [pixels].
+    fn mean_radius(&self) -> f32 {
+        0.25 * self.range
+    }
+
+    /// The pixel behind at a row and column, or the nearest one in the picture.
+    fn behind(&self, row: f32, column: f32, pixels: &[[u8; 4]]) -> [u8; 4] {
+        let last = (pixels.len() / self.width - 1) as f32;
+        let (row, column) = (row.clamp(0.0, last), column.clamp(0.0, (self.width - 1) as f32));
+        pixels[(row + 0.5) as usize * self.width + (column + 0.5) as usize]
+    }
+
+    /// Gradient of a buffer to the right and down; where one of the two one-sided differences is much smaller, that one, so
+    /// that a depth step counts on one side only.
     fn slope(&self, plane: &[f32], row: usize, column: usize, joined: impl Fn(f32, f32) -> bool) -> [f32; 2] {
         let pixel = row * self.width + column;
         let here = plane[pixel];
@@ -253,6 +337,7 @@ impl Liquid {
             if joined(here, there) { Some(there - here) } else { None }
         };
         let gentler = |after: Option<f32>, before: Option<f32>| match (after, before.map(|step| -step)) {
+            (Some(p), Some(q)) if p.abs().min(q.abs()) > 0.25 * p.abs().max(q.abs()) => 0.5 * (p + q),
             (Some(p), Some(q)) if q.abs() < p.abs() => q,
             (Some(p), _) => p,
             (None, q) => q.unwrap_or(0.0),
@@ -264,10 +349,11 @@ impl Liquid {
         ]
     }
 
-    /// The weighted mean color of the drops at a pixel.
-    fn mean(&self, pixel: usize) -> [f32; 3] {
-        let [red, green, blue, weight] = self.colors[pixel];
-        [red, green, blue].map(|sum| sum / weight.max(1e-12))
+    /// The weighted mean color of the drops at a pixel, and their opacity, 0 to 1.
+    fn mean(&self, pixel: usize) -> ([f32; 3], f32) {
+        let [red, green, blue, opacity, weight] = self.colors[pixel];
+        let per_weight = 1.0 / weight.max(1e-12);
+        ([red, green, blue].map(|sum| sum * per_weight), opacity * per_weight / 255.0)
     }
 }
 
@@ -287,10 +373,22 @@ fn for_each_pixel(drop: &Drop, width: usize, count: usize, mut visit: impl FnMut
     }
 }
 
-fn tint(sum: &mut [f32; 4], color: Ink, weight: f32) {
-    let [red, green, blue, _] = color.map(f32::from);
-    for (sum, channel) in sum.iter_mut().zip([red, green, blue, 1.0]) {
+fn tint(sum: &mut [f32; 5], color: Ink, weight: f32) {
+    let [red, green, blue, opacity] = color.map(f32::from);
+    for (sum, channel) in sum.iter_mut().zip([red, green, blue, opacity, 1.0]) {
         *sum += weight * channel;
+    }
+}
+
+/// The means of the values up to some places away in a row of them at a distance from one another; at its ends they go on.
+fn blur(from: &[f32], to: &mut [f32], count: usize, stride: usize, reach: usize) {
+    let share = 1.0 / (2 * reach + 1) as f32;
+    let at = |index: usize| from[index.saturating_sub(reach).min(count - 1) * stride];
+    let mut sum: f32 = (0..2 * reach).map(at).sum();
+    for index in 0..count {
+        sum += at(index + 2 * reach);
+        to[index * stride] = sum * share;
+        sum -= at(index);
     }
 }
 

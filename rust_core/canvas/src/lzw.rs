@@ -3,7 +3,7 @@
 /// The transparent index: the pixel keeps its previous color.
 pub(crate) const TRANSPARENT: u8 = 0;
 
-const GREATEST_CODE: u32 = 4095;
+pub(crate) const GREATEST_CODE: u32 = 4095;
 const SLOTS: usize = 1 << 14;
 
 /// The encoder's dictionary, reused from frame to frame for its allocation.
@@ -82,7 +82,7 @@ fn key(string: u32, symbol: u8) -> u32 {
 }
 
 /// Codes of growing width, packed from the least significant bit.
-struct Codes<'a> {
+pub(crate) struct Codes<'a> {
     bytes: &'a mut Vec<u8>,
     pending: u64,
     count: u32,
@@ -91,13 +91,13 @@ struct Codes<'a> {
 }
 
 impl<'a> Codes<'a> {
-    fn new(bytes: &'a mut Vec<u8>, bits: u32) -> Self {
+    pub(crate) fn new(bytes: &'a mut Vec<u8>, bits: u32) -> Self {
         bytes.clear();
         Self { bytes, pending: 0, count: 0, width: bits + 1, bits }
     }
 
     #[inline(always)]
-    fn write(&mut self, code: u32) {
+    pub(crate) fn write(&mut self, code: u32) {
         self.pending |= u64::from(code) << self.count;
         self.count += self.width;
         if self.count >= 32 {
@@ -112,14 +112,14 @@ impl<'a> Codes<'a> {
 
     /// The decoder adds a string one code later than the encoder, so codes grow when `newest` is the first that needs it.
     #[inline(always)]
-    fn widen(&mut self, newest: u32) {
+    pub(crate) fn widen(&mut self, newest: u32) {
         if newest == 1 << self.width && self.width < 12 {
             self.width += 1;
         }
     }
 
     /// Writes the last code and sends everything off, in blocks of up to 255 bytes, each with its length, and an empty one.
-    fn finish(mut self, end: u32, out: &mut Vec<u8>) {
+    pub(crate) fn finish(mut self, end: u32, out: &mut Vec<u8>) {
         self.write(end);
         self.bytes.extend_from_slice(&self.pending.to_le_bytes()[..self.count.div_ceil(8) as usize]);
         out.push(self.bits as u8);

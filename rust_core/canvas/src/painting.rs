@@ -6,8 +6,11 @@ use std::thread::available_parallelism;
 use crate::band::Band;
 use crate::canvas::Canvas;
 use crate::color::Rgb;
+use crate::eye::{Eye, is_solid};
 use crate::ink::Mixing;
+use crate::light::{Depths, Light, Lighting};
 use crate::liquid::{Drop, Liquid};
+use crate::shadow::{Caster, ShadowMap};
 use crate::shapes::{Disc, Halo, Line, Triangle};
 use crate::texture::Texture;
 
@@ -24,6 +27,7 @@ pub struct Painting {
     order: Vec<Entry>,
     has_depth: bool,
     lens: Lens,
+    light: Option<Light>,
 }
 
 /// A thin lens, which blurs shapes in front of and behind the focus, at depth 0; without blur by default.
@@ -73,6 +77,11 @@ impl Painting {
         self.lens = lens;
     }
 
+    /// Lets a light fall on all that is painted next, and on what is behind it, on a canvas that has an eye.
+    pub fn light(&mut self, light: Light) {
+        self.light = Some(light);
+    }
+
     /// Adds a disc; `depth` is its distance behind the focus, in any unit.
     pub fn disc(&mut self, disc: Disc, depth: f32) {
         self.add(depth, Shape::Disc(self.discs.len() as u32));
@@ -118,9 +127,10 @@ impl Painting {
         (self.textures.len() - 1) as u16
     }
 
-    /// Begins a liquid, before any drop: pixels per unit of depth (0 in 2D), and the reflected color.
-    pub fn begin_liquid(&mut self, scale: f32, sky: Rgb) {
-        self.liquid.begin(scale, sky);
+    /// Begins a liquid, before any drop: pixels per unit of depth (0 in 2D), the reflected color, and how much of its own it
+    /// sends out.
+    pub fn begin_liquid(&mut self, scale: f32, sky: Rgb, glow: f32) {
+        self.liquid.begin(scale, sky, glow);
     }
 
     /// Adds a particle of a liquid.
@@ -147,7 +157,14 @@ impl Painting {
             self.liquid.settle(canvas.width(), canvas.height());
         }
         let threads = if self.liquid.is_empty() { threads(self.order.len()) } else { threads(FEW) };
-        in_bands(canvas, threads, &|band: &mut Band<'_>| self.draw_on(band));
+        if self.liquid.is_empty() {
+            in_bands(canvas, threads, &|band: &mut Band<'_>| self.order.iter().for_each(|entry| self.draw(entry, band)));
+        } else {
+            self.draw_with_liquid(canvas, threads);
+        }
+        if let (Some(light), Some(eye)) = (self.light.take(), canvas.eye()) {
+            self.shade(canvas, light, eye);
+        }
         self.liquid.clear();
         self.discs.clear();
         self.lines.clear();
@@ -158,26 +175,80 @@ impl Painting {
         self.has_depth = false;
     }
 
-    /// Draws all shapes on some rows.
-    fn draw_on(&self, band: &mut Band<'_>) {
-        if self.liquid.is_empty() {
-            self.order.iter().for_each(|entry| self.draw(entry, band));
+    /// Lets light fall on what is painted; where nothing throws a shadow, nothing is lit.
+    fn shade(&self, canvas: &mut Canvas, light: Light, eye: Eye) {
+        let casters = self.casters(eye);
+        if casters.is_empty() {
             return;
         }
+        let depths = canvas.depths().to_vec();
+        let depths = Depths { eye, width: canvas.width(), values: &depths };
+        let shadows = ShadowMap::new(light.lamp, &casters);
+        let lighting = Lighting::new(light, shadows, &depths, canvas.backdrop_depths(), threads(FEW));
+        in_bands(canvas, threads(FEW), &|band: &mut Band<'_>| lighting.shade(band, &depths));
+    }
+
+    /// What throws shadows, with the share of light that it holds back.
+    fn casters(&self, eye: Eye) -> Vec<(Caster, f32)> {
+        let mut casters = Vec::with_capacity(self.len());
+        for Entry { depth, shape } in self.order.iter().filter(|entry| entry.depth.is_finite()) {
+            let per_pixel = eye.length(*depth);
+            let caster = match *shape {
+                Shape::Disc(index) => {
+                    let disc = &self.discs[index as usize];
+                    let thrown = disc.shading > 0.0 && is_solid(disc.color);
+                    thrown.then(|| Caster::Ball(eye.place(disc.center, *depth), disc.radius * per_pixel))
+                }
+                Shape::Line(index, Mixing::Over) => {
+                    let line = &self.lines[index as usize];
+                    let [from, to] = [line.from, line.to].map(|end| eye.place(end, *depth));
+                    is_solid(line.color).then_some(Caster::Rod(from, to, 0.5 * line.width * per_pixel))
+                }
+                Shape::Triangle(index) => {
+                    let Triangle { corners, depths, colors, lit, .. } = self.triangles[index as usize].0;
+                    let place = |corner: usize| eye.place(corners[corner], depths[corner]);
+                    (lit && is_solid(colors[0])).then(|| Caster::Triangle([place(0), place(1), place(2)]))
+                }
+                _ => None,
+            };
+            casters.extend(caster.filter(Caster::is_somewhere).map(|caster| (caster, 1.0)));
+        }
+        casters.extend(self.liquid.casters(eye));
+        casters
+    }
+
+    /// Draws what is behind the liquid, then the liquid, through which that is seen, then what is in front of it.
+    fn draw_with_liquid(&self, canvas: &mut Canvas, threads: usize) {
         let in_front = |entry: &&Entry| self.liquid.leaves_in_front(self.anchor(entry), entry.depth);
-        self.order.iter().filter(|entry| !in_front(entry)).for_each(|entry| self.draw(entry, band));
-        self.liquid.paint(band);
-        self.order.iter().filter(in_front).for_each(|entry| self.draw(entry, band));
+        in_bands(canvas, threads, &|band: &mut Band<'_>| {
+            self.order.iter().filter(|entry| !in_front(entry)).for_each(|entry| self.draw(entry, band));
+        });
+        let behind = if self.liquid.is_deep() { canvas.pixels().to_vec() } else { Vec::new() };
+        in_bands(canvas, threads, &|band: &mut Band<'_>| {
+            self.liquid.paint(band, &behind);
+            self.order.iter().filter(in_front).for_each(|entry| self.draw(entry, band));
+        });
     }
 
     fn draw(&self, entry: &Entry, band: &mut Band<'_>) {
         match entry.shape {
-            Shape::Disc(index) => band.disc(self.discs[index as usize]),
-            Shape::Line(index, mixing) => band.line(self.lines[index as usize], mixing),
+            Shape::Disc(index) => {
+                let disc = self.discs[index as usize];
+                band.disc(disc);
+                band.deepen_disc(&disc, entry.depth);
+            }
+            Shape::Line(index, mixing) => {
+                let line = self.lines[index as usize];
+                band.line(line, mixing);
+                if mixing == Mixing::Over {
+                    band.deepen_line(&line, entry.depth);
+                }
+            }
             Shape::Halo(index) => band.halo(self.halos[index as usize]),
             Shape::Triangle(index) => {
                 let (triangle, texture) = &self.triangles[index as usize];
                 band.triangle(triangle, texture.map(|texture| &*self.textures[usize::from(texture)]));
+                band.deepen_triangle(triangle);
             }
         }
     }

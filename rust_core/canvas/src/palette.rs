@@ -58,6 +58,8 @@ impl Histogram {
 pub struct Palette {
     quality: Quality,
     colors: Vec<Rgb>,
+    /// How many of them, the first ones, were reserved.
+    reserved: usize,
     table: Table,
 }
 
@@ -73,6 +75,7 @@ impl Palette {
             }
         };
         reserved.iter().for_each(|&color| add(&mut colors, color));
+        let reserved = colors.len();
         let others: Vec<(Rgb, u64)> = histogram.colors().filter(|(color, _)| !colors.contains(color)).collect();
         let room = most - colors.len();
         if others.len() <= room {
@@ -85,7 +88,12 @@ impl Palette {
             colors.push([0; 3]);
         }
         let quality = histogram.quality;
-        Self { table: Table::new(&colors, quality.table_bits()), quality, colors }
+        Self { table: Table::new(&colors, quality.table_bits()), quality, colors, reserved }
+    }
+
+    /// How many colors, the first ones, were reserved.
+    pub(crate) fn reserved(&self) -> usize {
+        self.reserved
     }
 
     /// The colors; the first has number 1.

@@ -49,6 +49,10 @@ pub struct Triangle {
     pub corners: [[f32; 2]; 3],
     /// Corner colors, interpolated by barycentric coordinates. A texture multiplies them.
     pub colors: [Ink; 3],
+    /// Depths of the corners behind the focus.
+    pub depths: [f32; 3],
+    /// Whether light falls on it, which it throws shadows in.
+    pub lit: bool,
     /// Texture coordinates of the corners, 0–1 to the right and up; unused without a texture.
     pub texture_coordinates: [[f32; 2]; 3],
 }

@@ -1,11 +1,34 @@
-//! Text labels: anti-aliased glyphs of Noto Sans Mono, pre-rendered in four sizes.
+//! Text: anti-aliased outlines of Noto Sans, of its faces with mathematical and other symbols, and of Droid Sans Fallback for
+//! Chinese, Japanese and Korean; `scripts/subset-fonts` makes them. Signs stand one after the other, without ligatures.
 
 #![expect(clippy::cast_possible_wrap, reason = "no label is longer than a picture is wide by far")]
 
-use noto_sans_mono_bitmap::{FontWeight, RasterHeight, get_raster, get_raster_width};
+use std::sync::LazyLock;
+
+use ab_glyph::{Font, FontRef, Glyph, GlyphId, PxScale, point};
 
 use crate::canvas::Canvas;
 use crate::color::Ink;
+
+/// Faces: of those that have a sign, the first one draws it.
+static FACES: LazyLock<Vec<FontRef<'static>>> = LazyLock::new(|| {
+    let files: [&'static [u8]; 5] = [
+        include_bytes!("../fonts/noto-sans.ttf"),
+        include_bytes!("../fonts/noto-sans-math.ttf"),
+        include_bytes!("../fonts/droid-sans-fallback.ttf"),
+        include_bytes!("../fonts/noto-sans-symbols.ttf"),
+        include_bytes!("../fonts/noto-sans-symbols-2.ttf"),
+    ];
+    files.into_iter().filter_map(|bytes| FontRef::try_from_slice(bytes).ok()).collect()
+});
+
+/// Drawn in place of a sign that no face has: U+FFFD, a question mark in a black diamond.
+const MISSING: char = '\u{FFFD}';
+
+/// The em over the height of a line: an ascent of 1.07 em and a descent of 0.29 em leave no gap.
+const EM: f32 = 1.0 / 1.362;
+/// The baseline over the height of a line, from its upper edge.
+const BASELINE: f32 = 1.069 * EM;
 
 /// Alignment of a label at the given x.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,42 +41,76 @@ pub enum Align {
     Right,
 }
 
-/// Width of a label whose line is about `height` pixels high [pixels].
+/// Width of a label whose line is `height` pixels high [pixels].
 pub fn text_width(text: &str, height: usize) -> usize {
-    text.chars().count() * get_raster_width(FontWeight::Regular, raster_height(height))
+    advances(text, height).sum::<f32>().ceil() as usize
+}
+
+/// The signs of a text that no face has, each once.
+pub fn missing_signs(text: &str) -> String {
+    let mut missing = String::new();
+    for sign in text.chars() {
+        if !is_empty(sign) && find(sign).is_none() && !missing.contains(sign) {
+            missing.push(sign);
+        }
+    }
+    missing
 }
 
 impl Canvas {
-    /// Writes one line of text with its upper edge at `y`, in the greatest of the sizes 16, 20, 24 and 32 that fits `height`.
-    /// A character outside Latin script is shown as a question mark.
+    /// Writes one line of text, `height` pixels high, with its upper edge at `y`. A sign that no face has becomes U+FFFD.
     pub fn text(&mut self, text: &str, [x, y]: [i32; 2], height: usize, color: Ink, align: Align) {
-        let size = raster_height(height);
-        let advance = get_raster_width(FontWeight::Regular, size);
-        let width = (text.chars().count() * advance) as i32;
+        let width = text_width(text, height) as i32;
         let left = match align {
             Align::Left => x,
             Align::Center => x - width / 2,
             Align::Right => x - width,
         };
-        for (index, character) in text.chars().enumerate() {
-            let glyph = get_raster(character, FontWeight::Regular, size);
-            let Some(glyph) = glyph.or_else(|| get_raster('?', FontWeight::Regular, size)) else {
-                continue;
-            };
-            for (row, coverages) in glyph.rows().enumerate() {
-                for (column, &coverage) in coverages.iter().enumerate() {
-                    self.dot(left + (index * advance + column) as i32, y + row as i32, color, f32::from(coverage) / 255.0);
+        let baseline = (BASELINE * height as f32).round();
+        let mut pen = 0.0;
+        for (sign, advance) in text.chars().zip(advances(text, height)) {
+            if let Some((face, id)) = glyph_of(sign) {
+                let outlined = face.outline_glyph(Glyph { id, scale: scale(face, height), position: point(pen, baseline) });
+                if let Some(outline) = outlined {
+                    let corner = outline.px_bounds().min;
+                    let (left, top) = (left + corner.x as i32, y + corner.y as i32);
+                    outline.draw(|column, row, coverage| {
+                        self.dot(left + column as i32, top + row as i32, color, coverage.min(1.0));
+                    });
                 }
             }
+            pen += advance;
         }
     }
 }
 
-fn raster_height(height: usize) -> RasterHeight {
-    match height {
-        0..20 => RasterHeight::Size16,
-        20..24 => RasterHeight::Size20,
-        24..32 => RasterHeight::Size24,
-        _ => RasterHeight::Size32,
-    }
+/// How far the pen goes for each sign [pixels].
+fn advances(text: &str, height: usize) -> impl Iterator<Item = f32> {
+    text.chars().map(move |sign| {
+        glyph_of(sign).map_or(0.0, |(face, id)| {
+            let units = face.units_per_em().unwrap_or(1000.0);
+            face.h_advance_unscaled(id) * EM * height as f32 / units
+        })
+    })
+}
+
+/// The scale of a face at which its em is as large as that of the others.
+fn scale(face: &FontRef<'_>, height: usize) -> PxScale {
+    let units = face.units_per_em().unwrap_or(1000.0);
+    PxScale::from(EM * height as f32 * face.height_unscaled() / units)
+}
+
+/// The face and the glyph of a sign; none of control characters.
+fn glyph_of(sign: char) -> Option<(&'static FontRef<'static>, GlyphId)> {
+    if is_empty(sign) { None } else { find(sign).or_else(|| find(MISSING)) }
+}
+
+/// The first face that has a sign, and its glyph there.
+fn find(sign: char) -> Option<(&'static FontRef<'static>, GlyphId)> {
+    FACES.iter().map(|face| (face, face.glyph_id(sign))).find(|(_, id)| id.0 != 0)
+}
+
+/// Whether a sign takes no place: a control character, or one that selects among forms of the sign before it.
+fn is_empty(sign: char) -> bool {
+    sign.is_control() || matches!(sign, '\u{200B}'..='\u{200F}' | '\u{2060}'..='\u{2064}' | '\u{FE00}'..='\u{FE0F}' | '\u{FEFF}')
 }

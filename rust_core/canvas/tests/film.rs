@@ -111,6 +111,44 @@ proptest! {
         prop_assert_eq!(&bytes, &film_in_background(&frames, &palette), "on any thread");
     }
 
+    /// Each pixel is off by no more than was said, however long the film goes on; what rests stays; the ground is clean.
+    #[test]
+    fn a_tolerant_film_keeps_within_its_tolerance(
+        width in 1..80_usize, height in 1..60_usize, distance in 1..40_u8,
+        discs in prop::collection::vec((0.0..80.0_f32, 0.0..60.0_f32, 0.3..30.0_f32, any::<[u8; 4]>()), 1..12),
+        most in 2..=255_u8,
+    ) {
+        let mut frame = canvas(width, height);
+        let mut frames = vec![(frame.clone(), 3)];
+        for (index, &(x, y, radius, color)) in discs.iter().enumerate() {
+            if index % 3 == 2 {
+                frame.clear();
+            }
+            frame.disc(Disc { center: [x, y], radius, color, shading: 0.5, softness: 1.0 });
+            frames.extend([(frame.clone(), 3), (frame.clone(), 3)]);
+        }
+        let mut palette = palette_with(&frames, Quality::Fast, most);
+        let mut gif = Gif::new(Vec::new(), &frames[0].0, palette.clone()).expect("a vector takes all");
+        gif.tolerate(distance);
+        for (frame, delay) in &frames {
+            gif.frame(frame, *delay).expect("a vector takes all");
+        }
+        let (screens, _) = shown(&gif.finish().expect("a vector takes all"));
+        let mut last: Option<[Vec<[u8; 3]>; 2]> = None;
+        for (screen, (frame, _)) in screens.iter().zip(&frames) {
+            let nearest = reduced(frame, &mut palette);
+            for (p, q) in screen.iter().zip(&nearest) {
+                let [red, green, blue] = [0, 1, 2].map(|channel| u32::from(p[channel].abs_diff(q[channel])).pow(2));
+                prop_assert!(3 * (2 * red + 4 * green + blue) / 7 <= u32::from(distance).pow(2));
+                prop_assert!(*q != BACKGROUND || p == q, "the ground is clean");
+            }
+            if let Some([before, then]) = &last {
+                prop_assert!(before.iter().zip(then).zip(screen.iter().zip(&nearest)).all(|((p, r), (q, s))| p == q || r != s));
+            }
+            last = Some([screen.clone(), nearest]);
+        }
+    }
+
     /// Every color of a cell gets the color q that is nearest to the cell's middle m, or one of the palette inside the cell. With b
     /// the nearest to the color p itself and r half the cell's diagonal, |p − q| ≤ |m − q| + r ≤ |m − b| + r ≤ |p − b| + 2r; and
     /// in the other case |p − q| ≤ 2r.
@@ -198,6 +236,21 @@ fn high_quality_takes_the_smaller_way_to_store_a_frame() {
     let frames = [(mosaic(&stripes), 3), (mosaic(&[[9, 0, 0]; 4000]), 3)];
     let length = |quality| film(&frames, &palette_with(&frames, quality, 255)).len();
     assert!(length(Quality::High) < length(Quality::Fast));
+}
+
+/// A ramp that moves: its colors differ by less than the tolerance from those of the frame before.
+#[test]
+fn a_tolerant_film_is_smaller() {
+    let ramp = |shift: u32| mosaic(&(0..4000_u32).map(|x| [((x + shift) % 500 / 2) as u8, 90, 40]).collect::<Vec<_>>());
+    let frames: Vec<(Canvas, u16)> = (0..12).map(|frame| (ramp(frame), 3)).collect();
+    let palette = palette_of(&frames);
+    let length = |distance| {
+        let mut gif = Gif::new(Vec::new(), &frames[0].0, palette.clone()).expect("a vector takes all");
+        gif.tolerate(distance);
+        frames.iter().for_each(|(frame, delay)| gif.frame(frame, *delay).expect("a vector takes all"));
+        gif.finish().expect("a vector takes all").len()
+    };
+    assert!(4 * length(10) < 3 * length(0), "{} of {}", length(10), length(0));
 }
 
 #[test]

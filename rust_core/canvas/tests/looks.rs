@@ -80,7 +80,7 @@ proptest! {
         for (i, j) in (0..cells).flat_map(|i| (0..cells).map(move |j| (i, j))) {
             let [a, b, c, d] = [corner(i, j), corner(i + 1, j), corner(i + 1, j + 1), corner(i, j + 1)];
             for corners in [[a, b, c], [a, c, d]] {
-                painting.triangle(Triangle { corners, colors: [WHITE; 3], texture_coordinates: [[0.0; 2]; 3] }, None, 0.0);
+                painting.triangle(Triangle { corners, colors: [WHITE; 3], depths: [0.0; 3], lit: false, texture_coordinates: [[0.0; 2]; 3] }, None, 0.0);
             }
         }
         painting.paint(&mut canvas);
@@ -116,10 +116,10 @@ proptest! {
         canvas.clip(10, 20, 30, 40);
         let (a, b, c) = ([values[0], values[1]], [values[2], values[3]], [values[4], values[5]]);
         painting.look_through(Lens { blur: values[6].abs().min(1e3), distance: values[7] });
-        painting.triangle(Triangle { corners: [a, b, c], colors: [WHITE; 3], texture_coordinates: [a, b, c] }, None, values[6]);
+        painting.triangle(Triangle { corners: [a, b, c], colors: [WHITE; 3], depths: [values[6]; 3], lit: deep, texture_coordinates: [a, b, c] }, None, values[6]);
         painting.halo(Halo { center: a, radius: values[4].abs().min(1e4), color: WHITE, shadow: false }, values[7]);
         painting.disc(Disc { center: b, radius: values[4].abs().min(1e3), color: WHITE, shading: 0.5, softness: 1.0 }, values[5]);
-        painting.begin_liquid(if deep { 1.0 } else { 0.0 }, [255; 3]);
+        painting.begin_liquid(if deep { 1.0 } else { 0.0 }, [255; 3], 0.0);
         painting.drop(Drop { center: c, radius: values[6].abs().min(1e3), depth: values[7], color: WHITE });
         painting.drop(Drop { center: [20.0, 30.0], radius: 6.0, depth: 0.0, color: WHITE });
         painting.paint(&mut canvas);
@@ -151,7 +151,7 @@ fn colors_and_textures_are_those_of_the_corners() {
     let corners = [[10.0, 80.0], [80.0, 80.0], [10.0, 10.0]];
     let colors = [[255, 0, 0, 255], [0, 255, 0, 255], [0, 0, 255, 255]];
     let mut canvas = plain(0);
-    canvas.triangle(&Triangle { corners, colors, texture_coordinates: [[0.0; 2]; 3] }, None);
+    canvas.triangle(&Triangle { corners, colors, depths: [0.0; 3], lit: false, texture_coordinates: [[0.0; 2]; 3] }, None);
     for ([x, y], channel) in [([11, 79], 0), ([78, 79], 1), ([11, 12], 2)] {
         let color = at(&canvas, x, y);
         // A pixel from the corner the two other colors have each about 1/70 of the weight.
@@ -162,7 +162,11 @@ fn colors_and_textures_are_those_of_the_corners() {
     let (mut painting, mut canvas) = (Painting::default(), plain(0));
     let (texture_coordinates, gray) = ([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]], [128, 128, 128, 255]);
     let texture = painting.texture(texture);
-    painting.triangle(Triangle { corners, colors: [gray; 3], texture_coordinates }, Some(texture), 0.0);
+    painting.triangle(
+        Triangle { corners, colors: [gray; 3], depths: [0.0; 3], lit: false, texture_coordinates },
+        Some(texture),
+        0.0,
+    );
     painting.paint(&mut canvas);
     for ([x, y], color) in [([14, 76], [0, 0, 100]), ([74, 79], [100, 100, 100]), ([11, 16], [100, 0, 0])] {
         assert_eq!(at(&canvas, x, y), color); // half as bright as the texel, whose edge ends at the picture's edge
@@ -181,7 +185,7 @@ fn block(spacing: f32, depth: f32, painting: &mut Painting) {
 #[test]
 fn drops_flow_together_in_the_plane() {
     let (mut painting, mut canvas) = (Painting::default(), plain(0));
-    painting.begin_liquid(0.0, [255; 3]);
+    painting.begin_liquid(0.0, [255; 3], 0.0);
     block(6.0, 0.0, &mut painting);
     painting.paint(&mut canvas);
     let covered = canvas.pixels().iter().filter(|pixel| pixel[2] > 100).count() as f64;
@@ -195,7 +199,7 @@ fn drops_flow_together_in_the_plane() {
 #[test]
 fn balls_flow_together_into_a_smooth_surface_that_hides_what_is_behind() {
     let (mut painting, mut canvas) = (Painting::default(), plain(0));
-    painting.begin_liquid(1.0, [255; 3]);
+    painting.begin_liquid(1.0, [255; 3], 0.0);
     block(6.0, 0.0, &mut painting);
     let red = |x: f32| Disc { center: [x, 48.0], radius: 3.0, color: [255, 0, 0, 255], shading: 0.0, softness: 1.0 };
     painting.disc(red(40.0), 50.0);

@@ -10,7 +10,7 @@ use std::ops::Range;
 
 use glam::DVec3;
 
-use crate::boundaries::{self, Boundary, Path, Wall};
+use crate::boundaries::{self, Boundary, Part, Path, Piece, Wall};
 use crate::error::{Error, Result};
 use crate::math::{AXES, Real, Vector};
 use crate::matter::{Blocks, Columns, EnergySink, Properties, Span};
@@ -27,6 +27,11 @@ use trajectory::Walls;
 /// Contact tolerance in units of rounding: a distance is a sum of four products and differences, each off by half a unit,
 /// of a position that is itself rounded along each axis.
 const CONTACT_TOLERANCE: f64 = 4.0;
+
+/// How far beyond its region a piece of a wall is touched, and up to where a slide on it goes on, in units of rounding. The
+/// second is larger, so that a slide that has left a piece does not find it again.
+const WITHIN: f64 = 1.0;
+const LEFT: f64 = 2.0;
 
 /// Maximum number of projections out of the walls at the end of a step.
 const ROUNDS: u32 = 8;
@@ -60,11 +65,41 @@ pub(crate) struct Surface {
 }
 
 impl Surface {
+    /// The pieces of the wall that a particle may touch within a box along the axes.
+    fn pieces(&self, rounding: f64, (lower, upper): (DVec3, DVec3), radius: f64) -> impl Iterator<Item = Piece<'_>> {
+        let reach = radius + self.slack(rounding, lower.abs().max(upper.abs()), radius);
+        self.wall.pieces(lower - reach, upper + reach, radius)
+    }
+
     /// Contact tolerance of a particle at `x` beyond its radius [m], for numbers with the relative rounding error
     /// `rounding`.
     fn slack(&self, rounding: f64, x: DVec3, radius: f64) -> f64 {
         CONTACT_TOLERANCE * rounding * (x.abs().max_element() + self.wall.extent() + radius)
     }
+}
+
+/// A wall as a particle sees it.
+#[derive(Debug, Clone, Copy)]
+pub struct Gap {
+    /// The index of the wall.
+    pub wall: usize,
+    /// The distance of the particle's surface from it [m].
+    pub distance: f64,
+    /// The unit normal into its allowed side.
+    pub normal: DVec3,
+    /// The distance up to which they touch [m].
+    pub slack: f64,
+    /// Coefficient of restitution e.
+    pub restitution: f64,
+}
+
+/// What a particle touches: a surface, or a part of one.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub(crate) struct Key {
+    /// Its index among the surfaces.
+    surface: usize,
+    /// The part, of a wall that has several.
+    part: Option<Part>,
 }
 
 /// A block's state at the start of the step.
@@ -164,6 +199,38 @@ impl<V: Vector> Contacts<V> {
         reach + std::mem::size_of_val(self.surfaces.as_slice()) + std::mem::size_of_val(self.tests.as_slice())
     }
 
+    /// Leaves particles to another who resolves their contacts.
+    pub fn leave_out(&mut self, particles: &[u32]) {
+        for column in &mut self.reach {
+            particles.iter().for_each(|&index| column[index as usize] = V::Scalar::from_f64(f64::NEG_INFINITY));
+        }
+    }
+
+    /// The indices of the walls that act on a particle.
+    pub fn walls_of(&self, properties: &Properties<V>, index: usize) -> impl Iterator<Item = usize> {
+        let body = properties.body[index] as usize;
+        (0..self.surfaces.len()).filter(move |&wall| self.surfaces[wall].bodies[body])
+    }
+
+    /// A wall as a particle at `x` sees it, for numbers with the relative rounding error `rounding`.
+    pub fn gap(&self, wall: usize, x: DVec3, properties: &Properties<V>, index: usize, rounding: f64) -> Gap {
+        let (surface, radius) = (&self.surfaces[wall], properties.radius[index]);
+        let (distance, normal) = surface.wall.distance(x);
+        let slack = surface.slack(rounding, x, radius);
+        Gap { wall, distance: distance - radius, normal, slack, restitution: surface.restitution }
+    }
+
+    /// The path and the friction of a boundary with friction that acts on one of the particles, if there is one.
+    pub fn friction(&self, properties: &Properties<V>, particles: &[u32]) -> Option<(&str, f64)> {
+        let rubs = |surface: &&Surface| {
+            surface.friction > 0.0
+                && particles.iter().any(|&index| {
+                    !properties.is_fixed(index as usize) && surface.bodies[properties.body[index as usize] as usize]
+                })
+        };
+        self.surfaces.iter().find(rubs).map(|surface| (self.paths[surface.boundary].as_str(), surface.friction))
+    }
+
     /// Projects initial positions inside: particles whose surface overlaps a wall are moved along its normal. Returns their
     /// number.
     ///
@@ -177,7 +244,7 @@ impl<V: Vector> Contacts<V> {
             let (x, body, radius) = (position.get(index).widen(), properties.body[index] as usize, properties.radius[index]);
             let mut overlaps = false;
             for surface in self.surfaces.iter().filter(|surface| surface.bodies[body]) {
-                let distance = surface.wall.distance(x).0;
+                let distance = surface.wall.distance_within(x, radius).0;
                 let slack = surface.slack(V::Scalar::EPSILON, x, radius);
                 if distance < -slack {
                     return Err(self.outside(surface, properties, index, x, distance));
@@ -205,8 +272,19 @@ impl<V: Vector> Contacts<V> {
         let (body, radius) = (properties.body[index] as usize, properties.radius[index]);
         let rounded = V::narrow(x).widen();
         let mut surfaces = self.surfaces.iter().filter(|surface| surface.bodies[body]);
-        let is_entered = surfaces.any(|surface| surface.wall.distance(x).0.min(surface.wall.distance(rounded).0) < radius);
+        let distance = |surface: &Surface, x: DVec3| surface.wall.distance_within(x, radius).0;
+        let is_entered = surfaces.any(|surface| distance(surface, x).min(distance(surface, rounded)) < radius);
         is_entered.then(|| self.inside(x, body, radius).widen())
+    }
+
+    /// The coefficients of friction and restitution of the wall that a particle displaced to `x` enters the farthest; None if `x` is
+    /// clear of them.
+    pub fn coefficients(&self, x: DVec3, properties: &Properties<V>, index: usize) -> Option<[f64; 2]> {
+        let (body, radius) = (properties.body[index] as usize, properties.radius[index]);
+        let surfaces = self.surfaces.iter().filter(|surface| surface.bodies[body]);
+        let depths = surfaces.map(|surface| (surface.wall.distance(x).0 - radius, surface));
+        let (_, deepest) = depths.min_by(|(one, _), (other, _)| one.total_cmp(other))?;
+        Some([deepest.friction, deepest.restitution])
     }
 
     /// The nearest representable position to `x` at which a particle of `radius` is outside no wall, if the projections
@@ -218,9 +296,10 @@ impl<V: Vector> Contacts<V> {
             // In a narrow wedge the projection out of one wall leads into the other: then all nearby walls project
             // together.
             let together = if round < ROUNDS / 2 { DVec3::ZERO } else { self.away(position.widen(), body, radius) };
-            for surface in self.surfaces.iter().filter(|surface| surface.bodies[body]) {
+            let start = position.widen();
+            for piece in self.pieces(start, body, radius) {
                 let x = position.widen();
-                let (distance, normal) = surface.wall.distance(x);
+                let (distance, normal) = piece.distance(x, WITHIN);
                 if distance < radius {
                     let way = if together.dot(normal) > 0.0 { together / together.dot(normal) } else { normal };
                     // A projection may be rounded back to its start; later ones reach further.
@@ -240,12 +319,20 @@ impl<V: Vector> Contacts<V> {
     fn away(&self, x: DVec3, body: usize, radius: f64) -> DVec3 {
         let mut away = DVec3::ZERO;
         for surface in self.surfaces.iter().filter(|surface| surface.bodies[body]) {
-            let (distance, normal) = surface.wall.distance(x);
-            if distance - radius <= surface.slack(V::Scalar::EPSILON, x, radius) {
-                away += normal;
+            for piece in surface.pieces(V::Scalar::EPSILON, (x, x), radius) {
+                let (distance, normal) = piece.distance(x, WITHIN);
+                if distance - radius <= surface.slack(V::Scalar::EPSILON, x, radius) {
+                    away += normal;
+                }
             }
         }
         away.normalize_or_zero()
+    }
+
+    /// The pieces of walls that a particle at `x` may touch.
+    fn pieces(&self, x: DVec3, body: usize, radius: f64) -> impl Iterator<Item = Piece<'_>> {
+        let surfaces = self.surfaces.iter().filter(move |surface| surface.bodies[body]);
+        surfaces.flat_map(move |surface| surface.pieces(V::Scalar::EPSILON, (x, x), radius))
     }
 
     /// Resolves the contacts of one block after the integrator's step of `h` from the state `before`.
@@ -296,7 +383,7 @@ fn room(walls: &[Wall]) -> f64 {
     for (index, wall) in walls.iter().enumerate() {
         match *wall {
             Wall::Sphere { radius, inside, .. } if inside => room = room.min(radius),
-            Wall::Sphere { .. } | Wall::Solid(_) => {}
+            Wall::Sphere { .. } | Wall::Solid(_) | Wall::Terrain(_) => {}
             Wall::Plane { normal, offset } => {
                 for other in &walls[index + 1..] {
                     if let Wall::Plane { normal: opposite, offset: behind } = *other

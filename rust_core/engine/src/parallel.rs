@@ -105,17 +105,23 @@ impl Executor {
         if self.threads > 1 && work.blocks() > 1 {
             let half = work.blocks() / 2;
             let (left, right) = work.split_at(half);
-            rayon::join(|| self.for_each_block(left, each), || self.for_each_block(right, each));
-        } else {
-            let mut rest = work;
-            while rest.blocks() > 1 && !self.stopped() {
-                let (block, others) = rest.split_at(1);
-                each(block);
-                rest = others;
-            }
-            if rest.blocks() > 0 && !self.stopped() {
-                each(rest);
-            }
+            let (mut left, mut right) = (Some(left), Some(right));
+            join(&mut || left.take().into_iter().for_each(|left| self.for_each_block(left, each)), &mut || {
+                right.take().into_iter().for_each(|right| self.for_each_block(right, each))
+            });
+            return;
+        }
+        // One call of `each`: a second one would be compiled again.
+        let mut rest = (work.blocks() > 0).then_some(work);
+        while let Some(work) = rest.take().filter(|_| !self.stopped()) {
+            let block = if work.blocks() > 1 {
+                let (block, others) = work.split_at(1);
+                rest = Some(others);
+                block
+            } else {
+                work
+            };
+            each(block);
         }
     }
 
@@ -127,6 +133,12 @@ impl Executor {
             items.sort_unstable();
         }
     }
+}
+
+/// Runs two jobs, on two threads if another one is free. Their types are erased, because rayon's part of a job would else be
+/// compiled for each of a thousand kernels.
+fn join(one: &mut (dyn FnMut() + Send), other: &mut (dyn FnMut() + Send)) {
+    rayon::join(one, other);
 }
 
 /// The thread pool of a simulation.

@@ -6,74 +6,44 @@
 //! order. Where rods are redundant A is singular; with A + ε 1, and residuals that are evaluated anew, multipliers converge to those of
 //! least norm (M. R. Hestenes, J. Optim. Theory Appl. 4, 303 (1969): proximal iterations from zero remain in the range of A).
 
+mod network;
+mod supports;
+
 use glam::DVec3;
 
+use crate::contacts::Contacts;
 use crate::error::Error;
 use crate::forces::springs::Spring;
 use crate::math::{Real, Vector};
 use crate::matter::{EnergySink, Matter, Properties};
-use crate::sparse::Factorization;
 use crate::stability::SpectralBound;
+use network::{Network, Rod};
+
+use supports::{Supports, Walls};
+
+pub use network::Unsolved;
 
 /// The shift ε of A relative to its largest entry, for projections.
 const SHIFT: f64 = 1e-10;
 /// The same for tensions, in which redundant rods have rounding errors over ε.
 const SHIFT_OF_TENSIONS: f64 = 1e-7;
-/// A pivot of A below this multiple of its largest entry makes it singular; those of chains of 10⁴ rods are all above.
-const SINGULAR: f64 = 1e-9;
-/// A pivot of A + ε 1 below this multiple of ε belongs to a redundant rod.
-const REDUNDANT: f64 = 100.0;
 /// The largest accurate angle by which a rod turns in a step [rad]; one of 1 may have no solution.
 const LARGEST_ANGLE: f64 = 0.5;
-/// The most iterations of a projection.
-const MOST_ITERATIONS: usize = 100;
 /// The relative deviation from the length L, of coordinates in single precision, above which the ends of a rod are refused.
 const DEVIATION: f64 = 1e-4;
-
-/// A rod between two particles of a network.
-#[derive(Debug, Clone, Copy)]
-struct Rod {
-    /// Its ends, as indices into [`Rods::particles`].
-    ends: [u32; 2],
-    /// Length L [m].
-    length: f64,
-}
-
-/// A rod whose length the iterations did not reach.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Unsolved {
-    /// A particle at its end.
-    pub particle: usize,
-    /// Its residual relative to rounding errors.
-    pub residual: f64,
-}
 
 /// All rods of a scene, with the factorization of A at the positions of the last [`Rods::turn`].
 #[derive(Debug, Clone)]
 pub struct Rods {
-    links: Vec<Rod>,
+    network: Network,
+    /// Their contacts with walls, if there are any.
+    supports: Option<Supports>,
     /// The index of each in the declared springs.
     springs: Vec<usize>,
-    /// The particles at their ends, and their 1/m [1/kg].
+    /// The particles at their ends.
     particles: Vec<u32>,
-    inverse_mass: Vec<f64>,
-    /// Unit vectors n from the first end to the second.
-    directions: Vec<DVec3>,
-    /// Pairs of rods that meet, with the sum of ± 1/m over the particles in which they do.
-    couplings: Vec<([u32; 2], f64)>,
-    factorization: Factorization,
-    diagonal: Vec<f64>,
-    off_diagonal: Vec<f64>,
-    /// The number of redundant rods.
-    redundant: usize,
     /// The kinetic energy of velocities along rods in the states that were given [J].
     removed: f64,
-    /// Vectors of the particles, to be projected, and their changes by that.
-    vectors: Vec<DVec3>,
-    changes: Vec<DVec3>,
-    residuals: Vec<f64>,
-    buffer: Vec<f64>,
-    multipliers: Vec<f64>,
 }
 
 /// Whether a spring is a rod.
@@ -99,27 +69,58 @@ impl Rods {
             .map(|&index| Rod { ends: springs[index].ends.map(local), length: springs[index].rest_length })
             .collect();
         let inverse_mass: Vec<f64> = particles.iter().map(|&particle| 1.0 / properties.mass[particle as usize]).collect();
-        let couplings = couplings(&links, &inverse_mass);
-        let pattern: Vec<[u32; 2]> = couplings.iter().map(|&(pair, _)| pair).collect();
-        let weight = |rod: &Rod| rod.ends.iter().map(|&end| inverse_mass[end as usize]).sum::<f64>();
-        Some(Self {
-            factorization: Factorization::new(links.len(), &pattern),
-            diagonal: links.iter().map(weight).collect(),
-            off_diagonal: vec![0.0; couplings.len()],
-            directions: vec![DVec3::ZERO; links.len()],
-            residuals: vec![0.0; links.len()],
-            buffer: Vec::new(),
-            multipliers: vec![0.0; links.len()],
-            vectors: vec![DVec3::ZERO; particles.len()],
-            changes: vec![DVec3::ZERO; particles.len()],
-            redundant: 0,
-            removed: 0.0,
-            springs: chosen,
-            links,
-            particles,
-            inverse_mass,
-            couplings,
-        })
+        Some(Self { network: Network::new(links, inverse_mass), supports: None, springs: chosen, particles, removed: 0.0 })
+    }
+
+    /// Lets them meet walls, in a space of so many axes.
+    pub fn meet_walls(&mut self, axes: usize) {
+        self.supports = Some(Supports::new(&self.network, axes));
+    }
+
+    /// The particles at their ends, in the engine's order.
+    pub fn particles(&self) -> &[u32] {
+        &self.particles
+    }
+
+    /// Takes the state at the start of a step.
+    pub fn start<V: Vector>(&mut self, matter: &Matter<V>) {
+        if let Some(supports) = &mut self.supports {
+            supports.start(&self.particles, matter);
+        }
+    }
+
+    /// Keeps particles outside of walls, after [`Rods::hold_positions`] for the same drift.
+    ///
+    /// # Errors
+    /// If rods and walls contradict each other.
+    pub fn hold_gaps<V: Vector>(
+        &mut self,
+        matter: &mut Matter<V>,
+        (contacts, properties): (&Contacts<V>, &Properties<V>),
+        drift: (f64, usize),
+    ) -> Result<(), Unsolved> {
+        let Some(supports) = &mut self.supports else { return Ok(()) };
+        let walls = Walls { contacts, properties, particles: &self.particles };
+        let held = supports.hold_positions(matter, &walls, &self.network.directions, drift);
+        held.map_err(|unsolved| self.located(unsolved))
+    }
+
+    /// The same as [`Rods::hold_velocities`], at the end of a step of `h` seconds at walls.
+    ///
+    /// # Errors
+    /// If rods and walls contradict each other.
+    pub fn hold_velocities_at_walls<V: Vector>(
+        &mut self,
+        matter: &mut Matter<V>,
+        (contacts, properties): (&Contacts<V>, &Properties<V>),
+        h: f64,
+    ) -> Result<(), Unsolved> {
+        let walls = Walls { contacts, properties, particles: &self.particles };
+        let touches = match &mut self.supports {
+            Some(supports) => supports.hold_velocities(matter, &walls, &self.network.directions, h),
+            None => Ok(false),
+        };
+        if touches.map_err(|unsolved| self.located(unsolved))? { Ok(()) } else { self.hold_velocities(matter) }
     }
 
     /// Moves the particles of an initial state onto the constraints, and takes the velocities along rods from it.
@@ -130,9 +131,10 @@ impl Rods {
         let kinetic = |rods: &Self, matter: &Matter<V>| -> f64 {
             let of =
                 |(&particle, &inverse): (&u32, &f64)| matter.velocity.get(particle as usize).widen().length_squared() / inverse;
-            rods.particles.iter().zip(&rods.inverse_mass).filter(|(_, inverse)| **inverse > 0.0).map(of).sum::<f64>() / 2.0
+            rods.particles.iter().zip(&rods.network.inverse_mass).filter(|(_, inverse)| **inverse > 0.0).map(of).sum::<f64>()
+                / 2.0
         };
-        for (rod, &spring) in self.links.iter().zip(&self.springs) {
+        for (rod, &spring) in self.network.links.iter().zip(&self.springs) {
             let [one, other] = rod.ends.map(|end| matter.exact_position(self.particles[end as usize] as usize));
             let found = (other - one).length();
             if (found - rod.length).abs() > DEVIATION * rod.length {
@@ -165,22 +167,12 @@ impl Rods {
     }
 
     fn turn_with(&mut self, shift: f64, position: impl Fn(usize) -> DVec3) {
-        for (direction, rod) in self.directions.iter_mut().zip(&self.links) {
+        let Network { directions, links, .. } = &mut self.network;
+        for (direction, rod) in directions.iter_mut().zip(links.iter()) {
             let [one, other] = rod.ends.map(|end| position(self.particles[end as usize] as usize));
             *direction = (other - one).normalize_or_zero();
         }
-        for (value, &([one, other], weight)) in self.off_diagonal.iter_mut().zip(&self.couplings) {
-            *value = weight * self.directions[one as usize].dot(self.directions[other as usize]);
-        }
-        let largest = self.diagonal.iter().copied().fold(0.0, f64::max);
-        let small =
-            |rods: &Self, bound: f64| rods.factorization.pivots().iter().filter(|&&pivot| pivot < bound * largest).count();
-        self.factorization.factorize(&self.diagonal, 0.0, &self.off_diagonal);
-        self.redundant = small(self, SINGULAR);
-        if self.redundant > 0 {
-            self.factorization.factorize(&self.diagonal, shift * largest, &self.off_diagonal);
-            self.redundant = small(self, REDUNDANT * shift);
-        }
+        self.network.factorize(shift);
     }
 
     /// Moves particles along the directions until all rods have their lengths; `drift` is the step [s] of the drift that led there,
@@ -191,16 +183,12 @@ impl Rods {
     /// If the iterations do not converge.
     pub fn hold_positions<V: Vector>(&mut self, matter: &mut Matter<V>, drift: Option<(f64, usize)>) -> Result<(), Unsolved> {
         let epsilon = resolution::<V>();
-        for (vector, &particle) in self.vectors.iter_mut().zip(&self.particles) {
+        for (vector, &particle) in self.network.vectors.iter_mut().zip(&self.particles) {
             *vector = matter.exact_position(particle as usize);
         }
-        let length = |_: usize, rod: &Rod, _: DVec3, [one, other]: [DVec3; 2]| {
-            let residual = ((other - one).length_squared() - rod.length * rod.length) / (2.0 * rod.length);
-            // Coordinates are rounded by ε/2 of themselves.
-            (residual, epsilon * (2.0 * rod.length + one.abs().max_element() + other.abs().max_element()))
-        };
-        self.project(length)?;
-        for ((&vector, &change), &particle) in self.vectors.iter().zip(&self.changes).zip(&self.particles) {
+        let length = |_: usize, rod: &Rod, _: DVec3, ends: [DVec3; 2]| rod.excess(ends, epsilon);
+        self.network.project(length).map_err(|unsolved| self.located(unsolved))?;
+        for ((&vector, &change), &particle) in self.network.vectors.iter().zip(&self.network.changes).zip(&self.particles) {
             let index = particle as usize;
             if let Some((h, half)) = drift {
                 // Not of the positions, whose roundings would be divided by h.
@@ -211,7 +199,7 @@ impl Rods {
             matter.set_exact_position(index, vector);
         }
         if let Some((h, _)) = drift {
-            self.count_reactions(matter, 1.0 / h);
+            count_reactions(&self.network, self.springs.len(), &self.particles, matter, 1.0 / h);
         }
         Ok(())
     }
@@ -222,17 +210,15 @@ impl Rods {
     /// If the iterations do not converge.
     pub fn hold_velocities<V: Vector>(&mut self, matter: &mut Matter<V>) -> Result<(), Unsolved> {
         let epsilon = V::Scalar::EPSILON.to_f64();
-        for (vector, &particle) in self.vectors.iter_mut().zip(&self.particles) {
+        for (vector, &particle) in self.network.vectors.iter_mut().zip(&self.particles) {
             *vector = matter.velocity.get(particle as usize).widen();
         }
-        let along = |_: usize, _: &Rod, direction: DVec3, [one, other]: [DVec3; 2]| {
-            (direction.dot(other - one), 2.0 * epsilon * (one.length() + other.length()))
-        };
-        self.project(along)?;
-        for (&vector, &particle) in self.vectors.iter().zip(&self.particles) {
+        let along = |_: usize, _: &Rod, direction: DVec3, ends: [DVec3; 2]| network::along(direction, ends, epsilon);
+        self.network.project(along).map_err(|unsolved| self.located(unsolved))?;
+        for (&vector, &particle) in self.network.vectors.iter().zip(&self.particles) {
             matter.velocity.set(particle as usize, V::narrow(vector));
         }
-        self.count_reactions(matter, 1.0);
+        count_reactions(&self.network, self.springs.len(), &self.particles, matter, 1.0);
         Ok(())
     }
 
@@ -245,11 +231,11 @@ impl Rods {
         acceleration: impl Fn(usize) -> DVec3,
     ) -> Vec<f64> {
         self.turn_with(SHIFT_OF_TENSIONS, position);
-        let Self { vectors, particles, .. } = &mut self;
-        for (vector, &particle) in vectors.iter_mut().zip(particles.iter()) {
+        for (vector, &particle) in self.network.vectors.iter_mut().zip(&self.particles) {
             *vector = acceleration(particle as usize);
         }
         let centripetal: Vec<f64> = self
+            .network
             .links
             .iter()
             .map(|rod| {
@@ -262,8 +248,8 @@ impl Rods {
             (direction.dot(other - one) + turning, 2.0 * f64::EPSILON * (one.length() + other.length() + turning))
         };
         // Where the iterations stop above rounding the multipliers are those of the last one.
-        let _ = self.project(along);
-        self.multipliers
+        let _ = self.network.project(along);
+        self.network.multipliers
     }
 
     /// The indices of the rods in the declared springs.
@@ -271,63 +257,9 @@ impl Rods {
         &self.springs
     }
 
-    /// Adds impulses along the directions until the residual of every rod vanishes. `residual` gives that of a rod with its direction and
-    /// the vectors at its ends, and its rounding error.
-    fn project(&mut self, residual: impl Fn(usize, &Rod, DVec3, [DVec3; 2]) -> (f64, f64)) -> Result<(), Unsolved> {
-        self.multipliers.fill(0.0);
-        self.changes.fill(DVec3::ZERO);
-        let (mut before, mut worst) = (f64::INFINITY, (0, 0.0));
-        for iteration in 0..MOST_ITERATIONS {
-            worst = (0, 0.0);
-            for (index, rod) in self.links.iter().enumerate() {
-                let ends = rod.ends.map(|end| self.vectors[end as usize]);
-                let (value, rounding) = residual(index, rod, self.directions[index], ends);
-                self.residuals[index] = value;
-                let relative = value.abs() / rounding.max(f64::MIN_POSITIVE);
-                // A state that is not finite is found by the divergence monitor.
-                if relative.is_nan() && iteration == 0 {
-                    return Ok(());
-                }
-                if relative > worst.1 || relative.is_nan() {
-                    worst = (index, relative);
-                }
-            }
-            if !worst.1.is_finite() {
-                break;
-            }
-            // Rounding errors of all coupled rods add up to some of one.
-            if worst.1 <= 1.0 || (worst.1 <= 64.0 && worst.1 > 0.5 * before) {
-                return Ok(());
-            }
-            before = worst.1;
-            self.factorization.solve(&mut self.residuals, &mut self.buffer);
-            for (index, rod) in self.links.iter().enumerate() {
-                let (multiplier, [one, other]) = (self.residuals[index], rod.ends.map(|end| end as usize));
-                self.multipliers[index] += multiplier;
-                let impulse = multiplier * self.directions[index];
-                let changes = [self.inverse_mass[one] * impulse, -self.inverse_mass[other] * impulse];
-                for (end, change) in [one, other].into_iter().zip(changes) {
-                    self.vectors[end] += change;
-                    self.changes[end] += change;
-                }
-            }
-        }
-        let particle = self.particles[self.links[worst.0].ends[1] as usize] as usize;
-        Err(Unsolved { particle, residual: worst.1 })
-    }
-
-    /// Adds the work on fixed particles that move, by the impulses `scale` λ of the last projection [N·s].
-    fn count_reactions<V: Vector>(&self, matter: &mut Matter<V>, scale: f64) {
-        for (index, rod) in self.links.iter().enumerate() {
-            for (end, sign) in rod.ends.into_iter().zip([1.0, -1.0]) {
-                if self.inverse_mass[end as usize] == 0.0 {
-                    let particle = self.particles[end as usize] as usize;
-                    let along = self.directions[index].dot(matter.velocity.get(particle).widen());
-                    let tally = &mut matter.tallies[particle / matter.block];
-                    tally.add(EnergySink::Work, -sign * scale * self.multipliers[index] * along);
-                }
-            }
-        }
+    /// The same with the particle's index in the engine's order.
+    fn located(&self, unsolved: Unsolved) -> Unsolved {
+        Unsolved { particle: self.particles[unsolved.particle] as usize, ..unsolved }
     }
 
     /// Adds the rods to the bound on the time step. Transverse waves of tense chains have the stiffness T/L. A step of more than 1/ω
@@ -339,9 +271,9 @@ impl Rods {
         acceleration: impl Fn(usize) -> DVec3,
         bound: &mut SpectralBound,
     ) {
-        for (rod, tension) in self.links.iter().zip(tensions) {
+        for (rod, tension) in self.network.links.iter().zip(tensions) {
             let [one, other] = rod.ends.map(|end| self.particles[end as usize] as usize);
-            let weights = rod.ends.map(|end| self.inverse_mass[end as usize]);
+            let weights = rod.ends.map(|end| self.network.inverse_mass[end as usize]);
             let rate = (velocity(other) - velocity(one)).length() / rod.length;
             let onset = (acceleration(other) - acceleration(one)).length() / rod.length;
             let fastest = rate.max(onset.sqrt());
@@ -358,9 +290,9 @@ impl Rods {
 
     /// Notes for the plan.
     pub fn notes(&self) -> Vec<String> {
-        let count = self.links.len();
-        let redundant = (self.redundant > 0).then(|| {
-            format!("rods: {} of {count} are redundant; redundant rods share the load so that the sum of squares of tensions is least", self.redundant)
+        let (count, redundant) = (self.network.links.len(), self.network.redundant);
+        let redundant = (redundant > 0).then(|| {
+            format!("rods: {} of {count} are redundant; redundant rods share the load so that the sum of squares of tensions is least", redundant)
         });
         let removed = (self.removed > 0.0).then(|| {
             format!(
@@ -373,20 +305,32 @@ impl Rods {
 
     /// The number of rods.
     pub fn count(&self) -> usize {
-        self.links.len()
+        self.network.links.len()
     }
 
     /// An estimate of the duration of a step [ns]: a factorization, and some six iterations.
     pub fn cost(&self) -> f64 {
-        120.0 * self.links.len() as f64 + self.factorization.products() as f64 + 12.0 * self.factorization.len() as f64
+        self.network.cost()
     }
 
     /// Memory [bytes].
     pub fn bytes(&self) -> usize {
-        self.links.len() * (size_of::<Rod>() + 72)
-            + self.particles.len() * 36
-            + self.couplings.len() * 24
-            + self.factorization.bytes()
+        let supports = self.supports.as_ref().map_or(0, Supports::bytes);
+        self.network.bytes() + supports + self.particles.len() * size_of::<u32>()
+    }
+}
+
+/// Adds the work on fixed particles that move, by the impulses `scale` λ of the last projection [N·s] of the first `rods` of a network.
+fn count_reactions<V: Vector>(network: &Network, rods: usize, particles: &[u32], matter: &mut Matter<V>, scale: f64) {
+    for (index, rod) in network.links[..rods].iter().enumerate() {
+        for (end, sign) in rod.ends.into_iter().zip([1.0, -1.0]) {
+            if network.inverse_mass[end as usize] == 0.0 {
+                let particle = particles[end as usize] as usize;
+                let along = network.directions[index].dot(matter.velocity.get(particle).widen());
+                let tally = &mut matter.tallies[particle / matter.block];
+                tally.add(EnergySink::Work, -sign * scale * network.multipliers[index] * along);
+            }
+        }
     }
 }
 
@@ -399,29 +343,4 @@ fn resolution<V: Vector>() -> f64 {
 
 fn add<V: Vector>(columns: &mut crate::matter::Columns<V>, index: usize, change: DVec3) {
     columns.set(index, V::narrow(columns.get(index).widen() + change));
-}
-
-/// Pairs of rods that meet in particles that are not fixed, with the sum of ± 1/m: + where both begin or both end there.
-fn couplings(rods: &[Rod], inverse_mass: &[f64]) -> Vec<([u32; 2], f64)> {
-    let mut meeting: Vec<Vec<(u32, f64)>> = vec![Vec::new(); inverse_mass.len()];
-    for (index, rod) in rods.iter().enumerate() {
-        for (end, sign) in rod.ends.into_iter().zip([-1.0, 1.0]) {
-            meeting[end as usize].push((index as u32, sign));
-        }
-    }
-    let mut pairs = Vec::new();
-    for (rods, &inverse_mass) in meeting.iter().zip(inverse_mass).filter(|(_, inverse_mass)| **inverse_mass > 0.0) {
-        for (place, &(one, sign)) in rods.iter().enumerate() {
-            pairs.extend(rods[..place].iter().map(|&(other, other_sign)| ([one, other], sign * other_sign * inverse_mass)));
-        }
-    }
-    pairs.sort_by_key(|&(pair, _)| pair);
-    let mut couplings: Vec<([u32; 2], f64)> = Vec::new();
-    for (pair, weight) in pairs {
-        match couplings.last_mut() {
-            Some((last, sum)) if *last == pair => *sum += weight,
-            _ => couplings.push((pair, weight)),
-        }
-    }
-    couplings
 }

@@ -86,30 +86,30 @@ class Theme:
 
 
 DARK = Theme(
-    background=(15, 18, 24),
-    surface=(29, 35, 46),
-    edge=(92, 104, 124),
-    solid=(94, 112, 143),
+    background=(20, 23, 30),
+    surface=(66, 75, 92),
+    edge=(112, 124, 145),
+    solid=(134, 152, 184),
     text=(236, 239, 244),
     label=(148, 158, 174),
     compressed=(45, 140, 255),
-    relaxed=(132, 143, 162),
+    relaxed=(226, 230, 236),
     stretched=(255, 76, 56),
     # After Okabe and Ito, "Color Universal Design" (2008), lightened for a dark ground.
     bodies=((86, 180, 233), (240, 170, 40), (40, 190, 140), (232, 116, 60), (222, 140, 190), (240, 228, 66)),
-    part=(0.3, 1.0),
+    part=(0.36, 1.0),
 )
-"""For projectors and screens: light shapes on a ground that is nearly black."""
+"""For projectors and screens: light shapes on a dark ground."""
 
 LIGHT = Theme(
     background=(252, 252, 250),
-    surface=(232, 233, 235),
+    surface=(236, 237, 239),
     edge=(140, 148, 160),
-    solid=(176, 188, 206),
+    solid=(186, 197, 214),
     text=(24, 29, 38),
     label=(96, 106, 122),
     compressed=(0, 92, 220),
-    relaxed=(150, 156, 166),
+    relaxed=(186, 191, 200),
     stretched=(214, 34, 20),
     # Okabe and Ito, "Color Universal Design" (2008).
     bodies=((0, 114, 178), (213, 94, 0), (0, 158, 115), (204, 121, 167), (180, 130, 0), (86, 180, 233)),

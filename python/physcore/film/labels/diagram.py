@@ -8,20 +8,20 @@ from typing import Literal
 
 import numpy as np
 
-from physcore._core import Canvas
+from physcore._core import Canvas, text_width
 from physcore.checks import FloatArray, is_word, shown
 from physcore.errors import SceneError
 from physcore.film.camera.view import Area, PixelArray
 from physcore.film.colors.themes import Color, Theme
-from physcore.film.labels.text import GAP, advance, ends, wrapped
+from physcore.film.labels.text import GAP, ends, wrapped
 from physcore.simulation.energy import Energy
 from physcore.simulation.sources import Source
 
 Inset = Literal["energy"]
 WIDTH, HEIGHT = 0.4, 0.36
 """Of the diagram, as fractions of its panel."""
-COLUMNS = 17
-"""The least width of its legend, in characters: two words side by side."""
+LEAST_LEGEND = "potential   internal"
+"""The least width of its legend: two words side by side."""
 LEAST = (140, 110)
 """The smallest area of a panel that has room for it [pixels]."""
 OPACITY = 215
@@ -94,9 +94,9 @@ class Diagram:
             )
         self._text, self._theme, self._names = text, theme, history.names
         pad = text // 3
-        columns = max(COLUMNS, int((WIDTH * (right - left) - 2 * pad) // advance(text)))
-        self._words = self._legend(columns, ends(*history.range))
-        width = columns * advance(text) + 2 * pad
+        room = max(text_width(LEAST_LEGEND, text), round(WIDTH * (right - left)) - 2 * pad)
+        self._words = self._legend(room, ends(*history.range))
+        width = room + 2 * pad
         height = max(HEIGHT * (bottom - top), (len(self._words) + 1.5) * text + 2 * pad)
         self._box = _corner(area, width, height, text // 2, occupied)
         inner = self._box[0] + pad, self._box[1] + pad + len(self._words) * text, self._box[2] - pad, self._box[3] - pad
@@ -128,12 +128,14 @@ class Diagram:
             canvas.discs(drawn[-1:].astype(np.float32), np.array([0.7 * own + 1.0], dtype=np.float32), ink)
         canvas.paint()
 
-    def _legend(self, columns: int, limits: tuple[str, str]) -> list[list[tuple[str, int | None]]]:
+    def _legend(self, room: int, limits: tuple[str, str]) -> list[list[tuple[str, int | None]]]:
         """Lines of words, each with the number of its curve."""
         head = f"{limits[0]} to {limits[1]} J"
         named = f"energy {head}"
-        legend: list[list[tuple[str, int | None]]] = [[(named if len(named) <= columns else head, None)]]
-        lines = [line.split(GAP) for line in wrapped(self._names, columns)]
+        legend: list[list[tuple[str, int | None]]] = [
+            [(named if text_width(named, self._text) <= room else head, None)]
+        ]
+        lines = [line.split(GAP) for line in wrapped(self._names, self._text, room)]
         return legend + [[(name, self._names.index(name)) for name in line] for line in lines]
 
     def _write(self, canvas: Canvas) -> None:
@@ -143,7 +145,7 @@ class Diagram:
             for word, curve in words:
                 color = self._theme.label if curve is None else self.colors[curve]
                 canvas.text(word, x, y, self._text, (*color, 255), -1)
-                x += (len(word) + len(GAP)) * advance(self._text)
+                x += text_width(word + GAP, self._text)
 
     def _placed(self, history: History, panel: int, inner: Area) -> list[FloatArray]:
         """The points (F, 2) of each curve [pixels]."""

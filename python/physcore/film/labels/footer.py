@@ -1,4 +1,4 @@
-"""The footer of a film: the time, how it was computed, and what the colors mean."""
+"""The footer of a film: the time, how it was computed, what the colors mean, and whose it is."""
 
 from __future__ import annotations
 
@@ -9,12 +9,13 @@ from typing import Literal
 
 import numpy as np
 
-from physcore._core import Canvas
+from physcore._core import Canvas, text_width
 from physcore.checks import FloatArray, words
 from physcore.errors import SceneError
 from physcore.film.colors.colormaps import look_up
 from physcore.film.colors.themes import Color, Theme
-from physcore.film.labels.text import GAP, advance, ends, wrapped
+from physcore.film.labels.clock import Clock
+from physcore.film.labels.text import GAP, ends, fitting, wrapped
 from physcore.film.styles.base import Scale
 from physcore.simulation.energy import Drift, Energy
 from physcore.simulation.sources import Source
@@ -24,8 +25,10 @@ LABELS: tuple[Label, ...] = ("time", "dt", "integrator", "energy")
 """The labels of the footer."""
 LINE = 1.3
 """From one line to the next, in heights of the text."""
-WIDEST, NARROWEST = 8, 4
-"""Lengths of a color bar, in characters."""
+WIDEST, NARROWEST = 4.0, 2.0
+"""Lengths of a color bar, in heights of the text."""
+SMALL = 0.8
+"""Height of the credit, in heights of the text."""
 THICK = 0.5
 """Thickness of a color bar, in heights of the text."""
 
@@ -54,9 +57,9 @@ class Bar:
     high: str
     table: FloatArray
 
-    def columns(self, length: int) -> int:
-        """Its width when the bar is so long, in characters."""
-        return len(self.name) + len(self.low) + len(self.high) + length + 3
+    def width(self, text: int, length: float) -> int:
+        """Its width in a text of this height, when the bar is so many of these long [pixels]."""
+        return text_width(f"{self.name} {self.low} ", text) + round(length * text) + text_width(f" {self.high}", text)
 
     @classmethod
     def of(cls, scale: Scale) -> Bar:
@@ -83,23 +86,21 @@ class Footer:
 
     Args:
         labels: what is written.
-        clock: the time of each frame of the film [s].
-        fps: frames per second, which say how many decimals the time has.
+        clock: what is written of the time.
         facts: the integrator's name and the time step [s] of each panel, as far as they are labels.
         scales: what colors mean.
+        credit: a line of its own at the bottom; empty: none.
     """
 
     def __init__(
         self,
         labels: Sequence[Label],
-        clock: FloatArray,
-        fps: float,
+        clock: Clock,
         facts: Sequence[tuple[str | None, float | None]],
         scales: Sequence[Bar],
+        credit: str = "",
     ) -> None:
-        self._labels, self._clock, self._facts, self._bars = labels, clock, facts, scales
-        self._decimals = max(2, math.ceil(math.log10(fps) - 1e-9))  # so that the time moves with each frame
-        self._width = max((len(f"{time:.{self._decimals}f}") for time in clock[[0, -1]].tolist()), default=0)
+        self._labels, self._clock, self._facts, self._bars, self._credit = labels, clock, facts, scales, credit
         self._drifts = [Drift() for _ in facts]
 
     def begin(self) -> None:
@@ -110,36 +111,44 @@ class Footer:
         """Its height in a picture of this width with a text of this height [pixels]."""
         own, common = self._lines(text, width, [0.0] * len(self._facts), 0)
         count = max(map(len, own)) + bool(common or self._bars)
-        return round(LINE * text * count)
+        return round(LINE * text * count) + self._credit_height(text)
 
     def draw(
         self, canvas: Canvas, size: tuple[int, int], text: int, theme: Theme, frame: int, energies: list[Energy | None]
     ) -> None:
         """Write the lines of a frame; every frame of a film is to be drawn once, in order."""
         width, height = size
+        ink = (*theme.label, 255)
+        if self._credit:
+            small = fitting(self._credit, round(SMALL * text), width - text)
+            canvas.text(self._credit, width - text // 2, height - round(1.2 * small), small, ink, 1)
+            height -= self._credit_height(text)
         errors = [0.0 if now is None else drift.add(now) for drift, now in zip(self._drifts, energies, strict=True)]
         own, common = self._lines(text, width, errors, frame)
-        ink = (*theme.label, 255)
         canvas.text(common, text // 2, height - round(1.2 * text), text, ink, -1)
         rows = max(map(len, own)) + bool(common or self._bars)
         for panel, lines in enumerate(own):
             left = width * panel // len(own) + text // 2
             for row, line in enumerate(lines):
                 canvas.text(line, left, height - round((LINE * (rows - row) - 0.1) * text), text, ink, -1)
-        self._draw_bars(canvas, size, text, theme.label, len(common))
+        taken = text_width(common + GAP, text) if common else 0
+        self._draw_bars(canvas, (width, height), text, theme.label, taken)
+
+    def _credit_height(self, text: int) -> int:
+        return round(LINE * SMALL * text) if self._credit else 0
 
     def _lines(self, text: int, width: int, errors: Sequence[float], frame: int) -> tuple[list[list[str]], str]:
         """The lines of each panel, and the one for all."""
         pieces = [self._own(panel, error) for panel, error in enumerate(errors)]
-        time = f"{self._clock[frame]:{self._width}.{self._decimals}f} s" if "time" in self._labels else ""
-        columns = (width - text) // advance(text)
+        times = [self._clock.text(frame), self._clock.pace] if "time" in self._labels else []
+        time = GAP.join(filter(None, times))
         if len(pieces) == 1:
             line = GAP.join(piece for piece in (time, *pieces[0]) if piece)
-            needed = [len(line), *(bar.columns(WIDEST) for bar in self._bars)]
-            if sum(needed) + len(GAP) * (len(needed) - 1) <= columns:
+            needed = [text_width(line, text), *(bar.width(text, WIDEST) for bar in self._bars)]
+            if sum(needed) + text_width(GAP, text) * (len(needed) - 1) <= width - text:
                 return [[]], line
-        each = (width // len(pieces) - text) // advance(text)
-        return [wrapped(own, each) for own in pieces], time
+        each = width // len(pieces) - text
+        return [wrapped(own, text, each) for own in pieces], time
 
     def _own(self, panel: int, error: float) -> list[str]:
         """The labels of one panel, always in the same width."""
@@ -150,20 +159,19 @@ class Footer:
     def _draw_bars(self, canvas: Canvas, size: tuple[int, int], text: int, color: Color, taken: int) -> None:
         """As many bars as there is room for, from the right."""
         width, height = size
-        pitch, top = advance(text), height - round(1.2 * text)
-        right, left = width - text // 2, text // 2 + (taken + len(GAP) * (taken > 0)) * pitch
+        top, right, left = height - round(1.2 * text), width - text // 2, text // 2 + taken
         for bar in reversed(self._bars):
-            length = next((n for n in (WIDEST, NARROWEST) if right - bar.columns(n) * pitch >= left), None)
+            length = next((n for n in (WIDEST, NARROWEST) if right - bar.width(text, n) >= left), None)
             if length is None:
                 return
-            start = right - bar.columns(length) * pitch
+            start = right - bar.width(text, length)
             canvas.text(f"{bar.name} {bar.low}", start, top, text, (*color, 255), -1)
             canvas.text(bar.high, right, top, text, (*color, 255), 1)
-            x = start + (len(bar.name) + len(bar.low) + 2) * pitch + np.arange(length * pitch) + 0.5
+            x = start + text_width(f"{bar.name} {bar.low} ", text) + np.arange(round(length * text)) + 0.5
             middle, half = top + 0.54 * text, THICK * text / 2
             lines = np.stack([x, np.full_like(x, middle - half), x, np.full_like(x, middle + half)], axis=1)
             inks = np.full((len(x), 4), 255, dtype=np.uint8)
             inks[:, :3] = look_up(bar.table, np.linspace(0.0, 1.0, len(x)))
             canvas.lines(lines.astype(np.float32), np.ones(len(x), dtype=np.float32), inks)
             canvas.paint()
-            right = start - len(GAP) * pitch
+            right = start - text_width(GAP, text)

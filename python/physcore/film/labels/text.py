@@ -1,35 +1,55 @@
-"""Numbers and words that fit: the canvas writes in a face of fixed width, in four sizes."""
+"""Words and numbers that fit, in the faces that the canvas has."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
 
-ADVANCE = {32: 14, 24: 11, 20: 9, 16: 7}
-"""Width of a character for each height of a line [pixels]."""
-GAP = "  "
+from physcore._core import missing_signs, text_width
+from physcore.errors import SceneWarning, warn
+
+GAP = "   "
 """Between two pieces of a line."""
+FIGURE_SPACE = "\u2007"
+"""As wide as a digit."""
+PHONE = 360
+"""The width at which a picture is looked at [pixels]: a column of a page, or a telephone."""
+LEGIBLE = 14
+"""The height of a line there [pixels]; its capitals have 7."""
+SHARE = 14
+"""A line takes at most one part in so many of a picture's height."""
 
 
-def text_height(height: int) -> int:
-    """The height of a line in a picture of this height [pixels]."""
-    return min(max(height // 24, min(ADVANCE)), max(ADVANCE))
+def text_height(width: int, height: int) -> int:
+    """The height of a line in a picture of this size, so that it can be read where that is 360 pixels wide [pixels]."""
+    return max(min(math.ceil(LEGIBLE * width / PHONE), height // SHARE), LEGIBLE)
 
 
-def advance(height: int) -> int:
-    """The width of a character in a line of this height [pixels]."""
-    return next((width for least, width in ADVANCE.items() if height >= least), min(ADVANCE.values()))
+def fitting(line: str, height: int, width: int) -> int:
+    """The height of a line that is no higher than asked for and, down to a half of that, as wide as there is room."""
+    needed = text_width(line, height)
+    return height if needed <= width else max(height * width // needed, height // 2)
 
 
-def wrapped(pieces: Sequence[str], columns: int) -> list[str]:
-    """Lines of at most so many characters, if each piece is; a piece is never torn."""
+def wrapped(pieces: Sequence[str], height: int, width: int) -> list[str]:
+    """Lines of at most this width [pixels], if each piece is; a piece is never torn."""
     lines: list[str] = []
     for piece in pieces:
-        if lines and len(lines[-1]) + len(GAP) + len(piece) <= columns:
+        if lines and text_width(lines[-1] + GAP + piece, height) <= width:
             lines[-1] += GAP + piece
         else:
             lines.append(piece)
     return lines
+
+
+def warn_of_missing(line: str, name: str) -> None:
+    """Say which signs of a text no face has."""
+    if missing := missing_signs(line):
+        codes = ", ".join(f"U+{ord(sign):04X}" for sign in missing)
+        warn(
+            f"{name}: no face has {' '.join(missing)} ({codes}), which is drawn as \N{REPLACEMENT CHARACTER}",
+            SceneWarning,
+        )
 
 
 def ends(low: float, high: float) -> tuple[str, str]:

@@ -10,12 +10,16 @@ import numpy as np
 from physcore._core import Canvas
 from physcore.checks import FloatArray
 from physcore.film.camera.view import PixelArray, View
-from physcore.film.colors.themes import Color, Theme
+from physcore.film.colors.themes import Color, Theme, mixed
 from physcore.scene.periodic import Periodic
 
-SHADING = 0.62
+SHADING = 0.9
 GRID = 10
-"""Squares along each side of the ground."""
+"""Squares across the ground."""
+WIDE = 1.5
+"""How far the ground is lit, over its size."""
+LINES = 0.35
+"""The opacity of the lines of its grid."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,6 +57,27 @@ def corners(lower: FloatArray, upper: FloatArray) -> FloatArray:
     """The 2^D corners of a box along the axes; the bits of a corner's number say which are upper."""
     upper_in = np.array(list(np.ndindex(*(2,) * len(lower))), dtype=bool)
     return np.where(upper_in, upper, lower)
+
+
+def ground(
+    canvas: Canvas, view: View, theme: Theme, normal: FloatArray, center: FloatArray, size: float, pitch: float
+) -> None:
+    """Draw level ground at once, lit around a place [m], with a grid of such a pitch [m], and take shadows on it."""
+    helper = np.eye(3)[int(np.argmin(np.abs(normal)))]
+    along = np.cross(np.cross(normal, helper), normal)
+    across, place, first = view.axes @ normal, view.axes @ center - view.center, view.axes @ _unit(along)
+    grid = (mixed(theme.surface, theme.edge, 0.5), pitch, LINES)
+    canvas.ground(_three(across), _three(place), WIDE * size, theme.surface, _three(first), grid)
+
+
+def _unit(vector: FloatArray) -> FloatArray:
+    unit: FloatArray = vector / np.linalg.norm(vector)
+    return unit
+
+
+def _three(vector: FloatArray) -> tuple[float, float, float]:
+    first, second, third = vector.tolist()
+    return first, second, third
 
 
 def disc(

@@ -11,7 +11,7 @@ from physcore.boundaries.box import Box
 from physcore.checks import FloatArray
 from physcore.film.camera.view import View
 from physcore.film.colors.themes import Theme
-from physcore.film.looks.base import Look, Scenery, corners, lines
+from physcore.film.looks.base import GRID, Look, Scenery, corners, ground, lines
 
 
 class BoxLook(Look):
@@ -25,7 +25,11 @@ class BoxLook(Look):
         yield corners(self.lower, self.upper), 0.0
 
     def draw_behind(self, canvas: Canvas, view: View, theme: Theme, scenery: Scenery) -> None:
-        """All edges in 2D, in 3D those behind."""
+        """All edges in 2D, in 3D the ground and the edges behind."""
+        if not view.flat:
+            foot = np.append((self.lower[:2] + self.upper[:2]) / 2, self.lower[2])
+            size = float(np.linalg.norm(self.upper[:2] - self.lower[:2])) / 2
+            ground(canvas, view, theme, np.array([0.0, 0.0, 1.0]), foot, size, 2.0 * size / GRID)
         draw_edges(canvas, self.lower, self.upper, view, theme, front=False)
 
     def draw_among(self, canvas: Canvas, view: View, theme: Theme) -> None:

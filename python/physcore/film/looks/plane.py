@@ -1,4 +1,4 @@
-"""Planes: solid ground in 2D, a square with a grid in 3D."""
+"""Planes: solid ground in 2D, in 3D ground with a grid that fades away from what happens."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from physcore.boundaries.plane import Plane
 from physcore.checks import FloatArray
 from physcore.film.camera.view import View
 from physcore.film.colors.themes import Theme
-from physcore.film.looks.base import GRID, Look, Scenery, corners, lines
+from physcore.film.looks.base import GRID, Look, Scenery, corners, ground, lines
 
 
 class PlaneLook(Look):
@@ -43,17 +43,6 @@ class PlaneLook(Look):
         lines(canvas, pixels[np.newaxis, :2], theme.edge, 1.5)
 
     def _ground(self, canvas: Canvas, view: View, theme: Theme, scenery: Scenery) -> None:
-        """A square of a plane under the middle of what happens, with a grid for the eye to hold on to."""
-        normal, middle, size = self.normal, scenery.middle, scenery.size
-        foot = middle - ((middle - self.point) @ normal) * normal
-        helper = np.eye(3)[int(np.argmin(np.abs(normal)))]
-        first = np.cross(normal, helper)
-        first /= np.linalg.norm(first)
-        second = np.cross(normal, first)
-        sides = np.array([-first - second, first - second, first + second, second - first])
-        canvas.polygon(view.project(foot + size * sides)[0], (*theme.surface, 255))
-        steps = np.linspace(-size, size, GRID + 1)[:, np.newaxis]
-        starts = np.concatenate([foot + steps * first - size * second, foot + steps * second - size * first])
-        ends = np.concatenate([foot + steps * first + size * second, foot + steps * second + size * first])
-        pixels = np.stack([view.project(starts)[0], view.project(ends)[0]], axis=1)
-        lines(canvas, pixels, theme.edge, 1.0, alpha=80)
+        """A plane under the middle of what happens, with a grid for the eye to hold on to."""
+        foot = scenery.middle - ((scenery.middle - self.point) @ self.normal) * self.normal
+        ground(canvas, view, theme, self.normal, foot, scenery.size, 2.0 * scenery.size / GRID)

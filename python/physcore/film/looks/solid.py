@@ -12,7 +12,7 @@ from physcore.boundaries.capsule import Capsule
 from physcore.boundaries.convex_hull import ConvexHull
 from physcore.checks import FloatArray
 from physcore.film.camera.view import View
-from physcore.film.colors.light import lambert
+from physcore.film.colors.light import lit
 from physcore.film.colors.themes import Theme
 from physcore.film.looks.base import Look, Scenery, lines
 
@@ -60,12 +60,13 @@ class SolidLook(Look):
         # Counterclockwise from outside; pixels are counted downward.
         along, across = (second - first).T, (third - first).T
         seen = along[0] * across[1] < along[1] * across[0]
-        colors = np.clip(lambert(normals[seen].reshape(-1, 3), view)[:, np.newaxis] * np.array(theme.solid), 0.0, 255.0)
+        facing = normals[seen].reshape(-1, 3) @ view.axes.T
+        colors = lit(np.tile(np.array(theme.solid, dtype=float), (len(facing), 1)), facing)
         inks = np.concatenate([colors, np.full((len(colors), 1), 255.0)], axis=1).astype(np.uint8)
         canvas.triangles(
             np.ascontiguousarray(pixels.reshape(-1, 6)[seen]),
             inks.reshape(-1, 12),
-            depth.reshape(-1, 3).mean(axis=1, dtype=np.float32)[seen],
+            np.ascontiguousarray(depth.reshape(-1, 3)[seen]),
         )
 
     def _outline(self) -> FloatArray:

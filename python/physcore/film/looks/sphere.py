@@ -10,6 +10,7 @@ from physcore._core import Canvas
 from physcore.boundaries.sphere import Sphere
 from physcore.checks import FloatArray
 from physcore.film.camera.view import View
+from physcore.film.colors.light import lit
 from physcore.film.colors.themes import Theme
 from physcore.film.looks.base import SHADING, Look, Scenery, disc, lines
 
@@ -49,7 +50,8 @@ class SphereLook(Look):
         """The far half of a hollow sphere, with meridians and parallels."""
         center, radius = self.center, self.radius
         disc(canvas, view, center, radius, theme.edge, extra=1.0)
-        disc(canvas, view, center, radius, theme.surface, extra=-0.5)
+        canvas.paint()
+        self._hollow(canvas, view, theme)
         turn = np.linspace(0.0, 2.0 * np.pi, SEGMENTS + 1)
         curves = []
         for latitude in np.radians([-60.0, -30.0, 0.0, 30.0, 60.0]):
@@ -63,3 +65,23 @@ class SphereLook(Look):
             pixels = view.project(center + radius * curve)[0]
             behind = (curve[:-1] + curve[1:]) @ eye < 0.0
             lines(canvas, np.stack([pixels[:-1], pixels[1:]], axis=1)[behind], theme.edge, 1.0, alpha=70)
+
+    def _hollow(self, canvas: Canvas, view: View, theme: Theme) -> None:
+        """The far half as a lit surface, seen from within."""
+        turn, fall = np.linspace(0.0, 2.0 * np.pi, SEGMENTS + 1), np.linspace(0.0, 0.5 * np.pi, SEGMENTS // 4 + 1)
+        ring = np.stack([np.cos(turn), np.sin(turn), np.zeros_like(turn)], axis=1)
+        outward = np.sin(fall)[:, np.newaxis, np.newaxis] * ring
+        outward[..., 2] -= np.cos(fall)[:, np.newaxis]
+        outward = outward.reshape(-1, 3)
+        pixels, depth, _ = view.project(self.center + self.radius * outward @ view.axes)
+        assert depth is not None  # it is seen in space
+        index = np.arange(len(outward)).reshape(len(fall), len(turn))
+        a, b, c, d = index[:-1, :-1], index[1:, :-1], index[1:, 1:], index[:-1, 1:]
+        faces = np.concatenate([np.stack(each, -1).reshape(-1, 3) for each in ((a, b, c), (a, c, d))])
+        colors = lit(np.tile(np.array(theme.surface, dtype=float), (len(outward), 1)), -outward)
+        inks = np.concatenate([colors, np.full((len(colors), 1), 255.0)], axis=1).astype(np.uint8)
+        canvas.triangles(
+            np.ascontiguousarray(pixels[faces].reshape(-1, 6)),
+            np.ascontiguousarray(inks[faces].reshape(-1, 12)),
+            np.ascontiguousarray(depth[faces]),
+        )

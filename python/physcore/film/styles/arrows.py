@@ -85,7 +85,7 @@ class ArrowsPainter(FieldPainter):
         corners = heads(tails, tips, longest)
         canvas.lines(np.concatenate([tails, corners.mean(axis=1)], axis=1), widths, ink, depth)
         inks = np.repeat(ink[:, np.newaxis], 3, axis=1).reshape(-1, 12)
-        canvas.triangles(corners.reshape(-1, 6), inks, depth)
+        canvas.triangles(corners.reshape(-1, 6), inks, None if depth is None else depth[:, np.newaxis])
 
 
 def heads(tails: PixelArray, tips: PixelArray, longest: np.float32) -> PixelArray:

@@ -27,9 +27,9 @@ from physcore.simulation.sources import Source, SourceFrame
 InkArray = NDArray[np.uint8]
 """Red, green, blue and opacity, 0–255, shape (N, 4)."""
 
-FOG = 0.55
+FOG = 0.2
 """How much of its color the farthest thing in a 3D picture has lost to the background."""
-SHADING = 0.45
+SHADING = 0.85
 """How much the light matters on balls."""
 MANY = 50_000
 """The largest number of values of which a percentile is taken."""

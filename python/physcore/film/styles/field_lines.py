@@ -144,7 +144,7 @@ class FieldLinesPainter(Painter):
         corners = heads(tails, tips, np.float32(9.0 * self._style.width))
         between = None if depth is None else depth[rows, at]
         ink = np.repeat(self._ink(len(rows), between, view)[:, np.newaxis], 3, axis=1).reshape(-1, 12)
-        canvas.triangles(corners.reshape(-1, 6), ink, between)
+        canvas.triangles(corners.reshape(-1, 6), ink, None if between is None else between[:, np.newaxis])
 
     def _found(self, frame: SourceFrame, view: View) -> FloatArray:
         """The lines (L, K, D); those of the frame before where nothing has changed."""

@@ -1,24 +1,27 @@
-"""Fluids as lumps of the size of their spacing, colored by speed, pressure or density."""
+"""Fluids as smooth surfaces or lumps of the size of their spacing, colored by what they do or as one likes."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, cast
 
 import numpy as np
 
 from physcore._core import Canvas, norms, tint
-from physcore.checks import FloatArray, flag, word
+from physcore.checks import FloatArray, flag, number
 from physcore.errors import SceneError
-from physcore.film.camera.view import View
+from physcore.film.camera.view import PixelArray, View
+from physcore.film.colors.chosen import Chosen, ColorChoice, PerBody, PerParticle
 from physcore.film.colors.colormaps import ColormapName, sequential
 from physcore.film.colors.themes import Theme, mixed
-from physcore.film.styles.base import FOG, SHADING, BodyStyle, Painter, Part, Scale, places, typical
+from physcore.film.styles.base import FOG, SHADING, BodyStyle, InkArray, Painter, Part, Scale, inks, places, typical
+from physcore.film.styles.coloring import Coloring, checked
 from physcore.scene import fluid
 from physcore.scene.bodies import Body
 from physcore.simulation.sources import Source, SourceFrame
 
 ColorBy = Literal["speed", "pressure", "density"]
+COLOR_BY = ("speed", "pressure", "density")
 
 CHANNEL = {"speed": "velocities", "pressure": "pressures", "density": "densities"}
 """The channel that each color shows."""
@@ -33,37 +36,55 @@ FLAT_REACH, DEEP_REACH = 1.7, 1.15
 """How far a particle of a smooth surface reaches, in 2D and in 3D, over the spacing."""
 SKY = (235, 240, 245)
 """The color that, mixed with the background, is mirrored by a surface."""
+OPACITY = (0.35, 0.9)
+"""How little light comes through what is colored by a quantity, and what has a color of its own."""
+FOAM = 0.6
+"""The part of the color scale from which on fast water is foam."""
 NEVER = 1e-12
 """Pressures [Pa] and compressions below this are rounding."""
 
 
 @dataclass(frozen=True)
 class Fluid(BodyStyle):
-    """Each particle of a fluid is a disc as wide as its spacing, and in 3D a lit ball; or they flow together.
+    """The particles of a fluid flow together into a smooth surface, in 3D a lit one that is clear where it is thin.
+
+        pc.film(recording, "milk.gif", style=pc.styles.Fluid("white"))
+        pc.film(recording, "layers.gif", style=pc.styles.Fluid({"oil": "gold", "water": "#2a7fdb"}, opacity=0.5))
 
     Args:
         color: by "speed" [m/s] or "pressure" [Pa], from zero to what is typical of the frame with the most, or by
             "density", with the density at rest in the middle of the scale; a recording needs the channel
-            "velocities", "pressures" or "densities".
+            "velocities", "pressures" or "densities". Or colors of one's own, as in Points: one, such as "white", one
+            for each body or particle, or values or a function of which each is a place on a ramp.
         colormap: "water", "ember", "viridis", "inferno", "plasma" or "magma".
         top: the value at the end of the color scale, in the unit of what the color shows (for the density, relative
             to that at rest), above zero; None: what is typical of the frame with the most.
-        surface: whether particles flow together into a smooth surface, in 3D a lit one that is clear where it is thin,
-            instead of being drawn each by itself.
+        surface: whether particles flow together, instead of being drawn each by itself, as a disc as wide as its
+            spacing and in 3D as a lit ball.
+        opacity: how little light comes through in 3D, from 0, as through clear water, to 1, as through milk; None:
+            0.35, and for colors of one's own 0.9. By speed, what is fast is foam and lets less through.
+        glow: how much of its color it sends out by itself, 0 to 1, as lava does.
         on: as in Style; it must be a fluid.
 
     Raises:
         SceneError: a value is not valid, or what the color shows was not recorded.
     """
 
-    color: ColorBy = "speed"
+    color: ColorBy | ColorChoice | PerBody | PerParticle = "speed"
     colormap: ColormapName = "water"
     top: float | None = None
-    surface: bool = False
+    surface: bool = True
+    opacity: float | None = None
+    glow: float = 0.0
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        word(self.color, "Fluid.color", CHANNEL)
+        self._set(
+            color=checked(self.color, "Fluid.color", COLOR_BY),
+            glow=number(self.glow, "Fluid.glow", least=0.0, most=1.0),
+        )
+        if self.opacity is not None:
+            self._set(opacity=number(self.opacity, "Fluid.opacity", least=0.0, most=1.0))
         sequential(self.colormap, (0.0, 1.0), "Fluid.colormap")
         self._set(surface=flag(self.surface, "Fluid.surface"))
         self._set_positive("top")
@@ -77,19 +98,19 @@ class Fluid(BodyStyle):
         for part in parts:
             if not self.can_draw(part.body):
                 raise SceneError(f"Fluid.on: {part.body!r} is no fluid; use Points(on=…) for it")
-        needed = CHANNEL[self.color]
-        if not source.has(needed):
+        needed = CHANNEL[self.color] if isinstance(self.color, str) else None
+        if needed is not None and not source.has(needed):
             raise SceneError(
                 f"Fluid.color: {self.color!r} needs {needed}, which were not recorded; record them with "
-                f"channels=(…, {needed!r}), or draw Points(color='body')"
+                f"channels=(…, {needed!r}), or give it a color of its own, such as 'steelblue'"
             )
-        return FluidPainter(self, parts, theme)
+        return FluidPainter(self, source, parts, theme)
 
 
 class FluidPainter(Painter):
-    """Draws lumps."""
+    """Draws surfaces or lumps."""
 
-    def __init__(self, style: Fluid, parts: list[Part], theme: Theme) -> None:
+    def __init__(self, style: Fluid, source: Source, parts: list[Part], theme: Theme) -> None:
         self.style, self._style, self._theme = style, style, theme
         self._where = places(parts)
         self._table = sequential(style.colormap, theme.part, "Fluid.colormap")
@@ -98,19 +119,28 @@ class FluidPainter(Painter):
         sizes = [len(body) for body in bodies]
         self._radius = np.repeat([FULL / 2 * body.spacing for body in bodies], sizes).astype(np.float32)
         self._rest = np.repeat([body.density for body in bodies], sizes)
+        self._coloring: Coloring | None = None
         self.top = style.top or NEVER
+        if not isinstance(style.color, str):
+            chosen = cast("Chosen", style.color)
+            self._coloring = Coloring(chosen, self._table, "Fluid.color", source, parts, theme)
+            self.low, self.top = self._coloring.low, style.top or self._coloring.top
+        clear = OPACITY[self._coloring is not None] if style.opacity is None else style.opacity
+        self._opacity = clear if style.surface else 1.0
 
     @property
-    def scale(self) -> Scale:
+    def scale(self) -> Scale | None:
         """The scale of colors."""
+        if self._coloring is not None:
+            return self._coloring.scale(self.low, self.top)
         if self._style.color == "density":
             return Scale("density / at rest", "", (1.0 - self.top, 1.0 + self.top), self._table)
-        return Scale(self._style.color, UNITS[self._style.color], (0.0, self.top), self._table)
+        return Scale(str(self._style.color), UNITS[str(self._style.color)], (0.0, self.top), self._table)
 
     @property
     def settled(self) -> bool:
         """Whether the end of the color scale was given."""
-        return self._style.top is not None
+        return self._style.top is not None if self._coloring is None else self._coloring.settled
 
     @property
     def margin(self) -> float:
@@ -119,7 +149,10 @@ class FluidPainter(Painter):
 
     def observe(self, frame: SourceFrame) -> None:
         """Find the end of the color scale."""
-        if self._style.top is None:
+        if self._coloring is not None:
+            self._coloring.observe(frame)
+            self.low, self.top = self._coloring.low, self._style.top or self._coloring.top
+        elif self._style.top is None:
             self.top = max(self.top, typical(np.abs(self._values(frame)), TYPICAL))
 
     def inset(self, pixels: float) -> float:
@@ -128,22 +161,35 @@ class FluidPainter(Painter):
         return SMALLEST + 1.0
 
     def paint(self, canvas: Canvas, frame: SourceFrame, view: View, pixels: float) -> None:
-        """Add lumps."""
+        """Add a surface or lumps."""
         del pixels
         centers, depth, scale = view.project(frame.positions[self._where])
-        least = -self.top if self._style.color == "density" else 0.0
-        ends = (least, self.top)
-        ink = tint(self._values(frame), ends, self._table, self._theme.background, depth, (view.reach, FOG))
+        ink = self._inks(frame, depth, view)
         radii = np.maximum(scale * self._radius, np.float32(SMALLEST))
         if self._style.surface:
             reach = (FLAT_REACH if view.flat else DEEP_REACH) * 2.0 / FULL * radii
-            canvas.liquid(centers, np.maximum(reach, 2.0), ink, self._sky, depth, view.scale)
+            canvas.liquid(centers, np.maximum(reach, 2.0), ink, self._sky, depth, view.scale, self._style.glow)
             return
         canvas.discs(centers, radii, ink, depth, 0.0 if view.flat else SHADING)
 
+    def _inks(self, frame: SourceFrame, depth: PixelArray | None, view: View) -> InkArray:
+        """The color and opacity of each particle (N, 4)."""
+        if self._coloring is not None:
+            colors = self._coloring.colors(frame, self.low, self.top)
+            ink = inks(colors, self._theme, None if depth is None else view.farness(depth))
+            ink[:, 3] = round(255 * self._opacity)
+            return ink
+        values, least = self._values(frame), -self.top if self._style.color == "density" else 0.0
+        ink = tint(values, (least, self.top), self._table, self._theme.background, depth, (view.reach, FOG))
+        foam = np.zeros(len(values))
+        if self._style.color == "speed":
+            foam = np.clip((values / self.top - FOAM) / (1.0 - FOAM), 0.0, 1.0)
+        ink[:, 3] = np.round(255.0 * (self._opacity + (1.0 - self._opacity) * foam))
+        return ink
+
     def _values(self, frame: SourceFrame) -> FloatArray:
         """The quantity that the color shows, (N,)."""
-        values: FloatArray = frame.fields[CHANNEL[self._style.color]][self._where]
+        values: FloatArray = frame.fields[CHANNEL[str(self._style.color)]][self._where]
         match self._style.color:
             case "speed":
                 return norms(values)

@@ -258,7 +258,7 @@ class FieldPainter(GridPainter):
         canvas.triangles(
             points[faces].reshape(-1, 6),
             np.full((len(faces), 12), 255, dtype=np.uint8),
-            None if depth is None else depth[faces].mean(axis=1),
+            None if depth is None else depth[faces].mean(axis=1, keepdims=True),
             Texture(picture),
             np.stack([u, v], -1).reshape(-1, 2)[faces].reshape(-1, 6).astype(np.float32),
         )

@@ -143,7 +143,7 @@ class LinePainter(GridPainter):
         rules = np.array([[[left, height], [right, height]] for height in heights], dtype=np.float32)
         lines(canvas, rules[:1], self._theme.edge, 1.0)
         lines(canvas, rules[1:], mixed(self._theme.background, self._theme.edge, 0.4), 1.0)
-        text = text_height(round(2.0 * zero if self.signed else zero))
+        text = text_height(round(right - left), round(2.0 * zero if self.signed else zero))
         words = f"{self.quantity} {ends(0.0, self.top)[1]} {self.unit}" if self.top > 0.0 else self.quantity
         top = max(2, round(zero - reach - 1.1 * text))
         canvas.text(words, round(left), top, text, (*self._theme.label, 255), -1)

@@ -14,7 +14,7 @@ from physcore._core import Canvas, norms, tint
 from physcore.checks import FloatArray, array, flag, is_word, number, regular, shown
 from physcore.errors import SceneError
 from physcore.film.camera.view import PixelArray, View
-from physcore.film.colors.chosen import Chosen, ColorChoice, PerBody, PerParticle, chosen, numbers
+from physcore.film.colors.chosen import Chosen, ColorChoice, PerBody, PerParticle
 from physcore.film.colors.colormaps import ColormapName, sequential
 from physcore.film.colors.themes import Theme
 from physcore.film.styles.base import (
@@ -26,17 +26,18 @@ from physcore.film.styles.base import (
     Painter,
     Part,
     Scale,
-    body_color,
     inks,
     places,
     straight,
     typical,
 )
+from physcore.film.styles.coloring import Coloring, checked, require_known
 from physcore.film.styles.curve import Curve, joined
 from physcore.simulation.sources import Source, SourceFrame
 
 ColorBy = Literal["speed", "energy", "body"]
 COLOR_BY = ("speed", "energy", "body")
+MEASURED = ("speed", "energy")
 
 UNITS = {"speed": "m/s", "energy": "J"}
 SPACING = 0.3
@@ -98,8 +99,8 @@ class Points(BodyStyle):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if self.color is not None and not any(is_word(self.color, each) for each in COLOR_BY):
-            self._set(color=chosen(self.color, "Points.color", COLOR_BY))
+        if self.color is not None:
+            self._set(color=checked(self.color, "Points.color", COLOR_BY))
         sequential(self.colormap, (0.0, 1.0), "Points.colormap")
         self._set(
             trail=None if self.trail is None else number(self.trail, "Points.trail", least=0.0),
@@ -116,17 +117,10 @@ class Points(BodyStyle):
             raise SceneError("Points.blur: needs velocities, which were not recorded; record them, or leave it out")
         if color in ("speed", "energy") and not source.has("velocities"):
             raise SceneError(f"Points.color: {color!r} needs velocities, which were not recorded; use 'body'")
-        for name, given in (("color", color), ("size", self.size)):
-            count = sum(len(part.body) for part in parts)
-            if isinstance(given, PerParticle) and len(given.values) != count:
-                raise SceneError(f"Points.{name}: must be one, or {count} for the particles, got {len(given.values)}")
+        require_known(color, parts, "Points.color")
+        require_known(self.size, parts, "Points.size")
         if is_word(self.size, "radius") and not any((part.body.radius > 0.0).any() for part in parts):
             raise SceneError("Points.size: 'radius' needs particles with a radius; give Particles radius=…")
-        if isinstance(color, PerBody):
-            known = [key for part in parts for key in (part.body, part.body.name)]
-            for key in color.colors:
-                if key not in known:
-                    raise SceneError(f"Points.color: {shown(key)} is not among the bodies that are drawn")
         return PointsPainter(self, cast("ColorBy | Chosen", color), source, parts, theme)
 
 
@@ -142,35 +136,18 @@ class PointsPainter(Painter):
         self._own = self._diameters(source.scene.dimension)
         self._table = sequential(style.colormap, theme.part, "Points.colormap")
         self._fps = source.fps
-        self._fixed = self._fixed_colors(source, parts, theme)
         self._domain = source.scene.periodic
-        self._measured = color in ("speed", "energy")
-        self.top, self.low = style.top or (0.0 if self._measured else -math.inf), 0.0 if self._measured else math.inf
-        if isinstance(color, PerParticle) and color.values.ndim == 1:
-            self.low, self.top = (
-                float(color.values.min(initial=math.inf)),
-                style.top or float(color.values.max(initial=-math.inf)),
-            )
+        self._coloring = (
+            None if color in MEASURED else Coloring(color, self._table, "Points.color", source, parts, theme)
+        )
+        self._fixed = None if self._coloring is None else self._coloring.fixed
+        self.low, self.top = (0.0, 0.0) if self._coloring is None else (self._coloring.low, self._coloring.top)
+        self.top = style.top or self.top
         frames = source.count / 8 if len(self._mass) <= FEW else 0.0
         if style.trail is not None:
             frames = min(style.trail * source.fps, source.count)
         self._past: deque[FloatArray] = deque(maxlen=1 + round(frames))
         self._curve = Curve(1.0 / source.fps, smooth=self._domain is None)
-
-    def _fixed_colors(self, source: Source, parts: list[Part], theme: Theme) -> FloatArray | None:
-        """The colors (N, 3) of particles that keep them; None where values or a function say them."""
-        color, count = self._color, len(self._mass)
-        if isinstance(color, PerParticle):
-            return color.values if color.values.ndim == 2 else None
-        if isinstance(color, tuple):
-            return np.tile(np.array(color, dtype=float), (count, 1))
-        if not (color == "body" or isinstance(color, PerBody)):
-            return None
-        each = []
-        for part in parts:
-            own = color.of(part.body) if isinstance(color, PerBody) else None
-            each.append(body_color(source, part, theme) if own is None else np.array(own, dtype=float))
-        return np.repeat(np.stack(each), [len(part.body) for part in parts], axis=0)
 
     def _diameters(self, dimension: int) -> FloatArray | None:
         """Diameters over the one that is chosen for all (N,), or in pixels, where they differ; None if they do not."""
@@ -184,19 +161,14 @@ class PointsPainter(Painter):
     @property
     def scale(self) -> Scale | None:
         """The scale of colors."""
-        if self._fixed is not None or self.low > self.top:
-            return None
-        if self._measured:
-            return Scale(str(self._color), UNITS[str(self._color)], (0.0, self.top), self._table)
-        name = getattr(self._color, "__name__", "value")
-        return Scale("value" if name.startswith("<") else name.replace("_", " "), "", (self.low, self.top), self._table)
+        if self._coloring is not None:
+            return self._coloring.scale(self.low, self.top)
+        return Scale(str(self._color), UNITS[str(self._color)], (0.0, self.top), self._table)
 
     @property
     def settled(self) -> bool:
         """Whether the ends of the color scale were given, or there is none."""
-        if self._measured:
-            return self._style.top is not None
-        return not callable(self._color)
+        return self._style.top is not None if self._coloring is None else self._coloring.settled
 
     def begin(self) -> None:
         """Forget the paths."""
@@ -210,7 +182,7 @@ class PointsPainter(Painter):
         values = self._values(frame)
         if values.ndim == 1:
             self.top = max(self.top, self._style.top or typical(values))
-            if not self._measured:
+            if self._coloring is not None:
                 self.low = min(self.low, -typical(-values))
 
     def inset(self, pixels: float) -> float:
@@ -291,17 +263,9 @@ class PointsPainter(Painter):
 
     def _values(self, frame: SourceFrame) -> FloatArray:
         """The quantity that the color shows (N,), or colors (N, 3), which a function may give too."""
-        if isinstance(self._color, PerParticle):
-            return self._color.values
-        velocities = frame.fields["velocities"][self._where] if "velocities" in frame.fields else None
-        if callable(self._color):
-            given = self._color(frame.time, frame.positions[self._where], velocities)
-            values = numbers(given, "Points.color(time, positions, velocities)")
-            if len(values) != len(self._mass):
-                raise SceneError(f"Points.color: the function must give {len(self._mass)} values, got {len(values)}")
-            return values
-        assert velocities is not None  # the style has made sure of it
-        speeds = norms(velocities)
+        if self._coloring is not None:
+            return self._coloring.values(frame)
+        speeds = norms(frame.fields["velocities"][self._where])
         return speeds if self._color == "speed" else 0.5 * self._mass * speeds**2
 
     def _inks(self, fraction: FloatArray | None, depth: PixelArray | None, view: View) -> InkArray:

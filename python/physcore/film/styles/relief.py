@@ -189,7 +189,7 @@ class ReliefPainter(GridPainter):
         canvas.triangles(
             np.ascontiguousarray(points[faces].reshape(-1, 6)),
             np.ascontiguousarray(ink[faces].reshape(-1, 12)),
-            depth[faces].mean(axis=1, dtype=np.float32),
+            np.ascontiguousarray(depth[faces]),
         )
 
     def _heights(self, frame: SourceFrame) -> FloatArray:
@@ -204,7 +204,7 @@ class ReliefPainter(GridPainter):
         slopes = np.gradient(heights, *steps.tolist())
         normals = np.stack([-slopes[0], -slopes[1], np.ones_like(heights)], axis=-1) @ view.axes.T
         normals /= np.linalg.norm(normals, axis=-1, keepdims=True)
-        halfway = LAMP + np.array([0.0, 0.0, 1.0])
+        halfway = np.array(LAMP) + np.array([0.0, 0.0, 1.0])
         halfway /= np.linalg.norm(halfway)
         # The light on level ground is 1, so that colors there are those of the scale.
         level = max(float(view.axes[:, 2] @ LAMP), 0.1)

@@ -1,18 +1,21 @@
-"""Springs, colored by how far they are stretched or compressed; rods by their tension."""
+"""Springs, colored by how far they are stretched or compressed, or as one likes; rods by their tension."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Literal, cast
 
 import numpy as np
 
 from physcore._core import Canvas
-from physcore.checks import BoolArray, FloatArray, IntArray, flag
+from physcore.checks import BoolArray, FloatArray, IntArray, flag, is_word
 from physcore.errors import SceneError
-from physcore.film.camera.view import View
-from physcore.film.colors.colormaps import diverging, look_up
+from physcore.film.camera.view import PixelArray, View
+from physcore.film.colors.chosen import Chosen, ColorChoice, PerBody, PerParticle
+from physcore.film.colors.colormaps import ColormapName, diverging, look_up, sequential
 from physcore.film.colors.themes import Theme
-from physcore.film.styles.base import BodyStyle, Painter, Part, Scale, inks, typical
+from physcore.film.styles.base import SHADING, BodyStyle, InkArray, Painter, Part, Scale, inks, places, typical
+from physcore.film.styles.coloring import Coloring, checked
 from physcore.film.styles.torn import has_tears, intact
 from physcore.scene.bodies import Body, SpringNetwork
 from physcore.scene.channels import first_spring
@@ -26,6 +29,10 @@ BRACE = 1.2
 """Springs longer than the typical shortest one by this factor are braces [1]."""
 TENSIONS = "tensions"
 """The field of springs that rods are colored by."""
+FEW = 64
+"""Up to so many particles with a radius are drawn by themselves."""
+LONG = 24.0
+"""The length of the parts that a spring in space is drawn in, each with a depth of its own [pixels]."""
 FAINT = 0.5
 """Opacity of a brace, and its width as a fraction of the others'."""
 PIN = 2.4
@@ -45,7 +52,12 @@ class Strain(BodyStyle):
         range: the strain (length / rest length - 1) at which colors end [1], of rods the tension [N]; None: what is
             typical of the worst frame.
         width: of the lines [pixels]; None: as fits their length.
-        nodes: whether particles with a radius are drawn as discs of that size.
+        nodes: whether particles with a radius are drawn as discs of that size, in 3D as lit balls; None: where not
+            more than a few have one, such as the bobs of pendulums.
+        color: "strain", or colors of one's own for springs and nodes, as in Points: one, such as "tomato", one for each
+            body or particle, or values or a function of which each is a place on a ramp. A spring has the mean color of
+            its ends.
+        colormap: the ramp of values, as in Points.
         on: as in Style; it must have springs.
 
     Raises:
@@ -54,12 +66,17 @@ class Strain(BodyStyle):
 
     range: float | None = None
     width: float | None = None
-    nodes: bool = False
+    nodes: bool | None = None
+    color: Literal["strain"] | ColorChoice | PerBody | PerParticle = "strain"
+    colormap: ColormapName = "viridis"
 
     def __post_init__(self) -> None:
         super().__post_init__()
         self._set_positive("range", "width")
-        self._set(nodes=flag(self.nodes, "Strain.nodes"))
+        self._set(color=checked(self.color, "Strain.color", ("strain",)))
+        sequential(self.colormap, (0.0, 1.0), "Strain.colormap")
+        if self.nodes is not None:
+            self._set(nodes=flag(self.nodes, "Strain.nodes"))
 
     def can_draw(self, body: Body) -> bool:
         """Whether it has springs."""
@@ -91,7 +108,8 @@ class StrainPainter(Painter):
             brace.append(body.rest_length[shown] > BRACE * _spacing(body.pairs[shown], body.rest_length[shown]))
             chain.append(np.full(shown.sum(), shown.sum() < 1.5 * len(body)))
             fixed.append(np.flatnonzero(body.fixed) + part.where.start)
-            seen = np.flatnonzero((body.radius > 0.0) & style.nodes)
+            sized = body.radius > 0.0
+            seen = np.flatnonzero(sized & (sized.sum() <= FEW if style.nodes is None else style.nodes))
             nodes.append(seen + part.where.start)
             radii.append(body.radius[seen])
         # The longest are painted first, so that in a cloth the weave lies above its diagonals.
@@ -107,21 +125,33 @@ class StrainPainter(Painter):
         self._springs: IntArray | None = np.concatenate(springs)[order] if has_tears(source, parts) else None
         self._rods: IntArray | None = np.concatenate(springs)[order] if rigid else None
         self.top = style.range or NEVER
+        self._where, self._count = places(parts), source.scene.particles
+        self._coloring: Coloring | None = None
+        if not is_word(style.color, "strain"):
+            ramp = sequential(style.colormap, theme.part, "Strain.colormap")
+            chosen = cast("Chosen", style.color)
+            self._coloring = Coloring(chosen, ramp, "Strain.color", source, parts, theme)
+            self.low, self.top = self._coloring.low, self._coloring.top
 
     @property
     def settled(self) -> bool:
         """Whether the end of the color scale was given."""
-        return self._style.range is not None
+        return self._style.range is not None if self._coloring is None else self._coloring.settled
 
     @property
-    def scale(self) -> Scale:
+    def scale(self) -> Scale | None:
         """The scale of colors."""
+        if self._coloring is not None:
+            return self._coloring.scale(self.low, self.top)
         scale = strain_scale(self.top, self._table)
         return scale if self._rods is None else replace(scale, quantity="tension", unit="N")
 
     def observe(self, frame: SourceFrame) -> None:
         """Find the end of the color scale."""
-        if self._style.range is None:
+        if self._coloring is not None:
+            self._coloring.observe(frame)
+            self.low, self.top = self._coloring.low, self._coloring.top
+        elif self._style.range is None:
             self.top = max(self.top, typical(np.abs(self._values(frame)[self._whole(frame)])))
 
     def inset(self, pixels: float) -> float:
@@ -138,21 +168,43 @@ class StrainPainter(Painter):
             ends, there, _ = view.project(frame.positions[first] + self._separation(frame))
             between = None if depth is None or there is None else (depth[first] + there) / 2
         farness = None if between is None else view.farness(between)
-        colors = look_up(self._table, rooted(self._values(frame) / self.top))
-        ink = inks(colors, self._theme, farness)
+        own = self._own_colors(frame)
+        ramp = look_up(self._table, rooted(self._values(frame) / self.top)) if own is None else 0.0
+        ink = inks(ramp if own is None else (own[first] + own[second]) / 2, self._theme, farness)
         ink[self._brace, 3] = round(255 * FAINT)
         widths = self._widths(view)
         whole = self._whole(frame)
         lines = np.concatenate([points[first], ends], axis=1)[whole]
-        canvas.lines(lines, widths[whole], ink[whole], None if between is None else between[whole])
-        _, _, magnification = view.project(frame.positions[self._nodes])
-        sizes = (self._radii * magnification).astype(np.float32)
-        middle = np.tile(np.array([*self._theme.text, 255], dtype=np.uint8), (len(sizes), 1))
-        canvas.discs(points[self._nodes], sizes, middle, None if depth is None else depth[self._nodes])
+        if depth is None:
+            canvas.lines(lines, widths[whole], ink[whole])
+        else:
+            steps = (2.0 * (between - depth[first]))[whole]
+            canvas.lines(*divided(lines, widths[whole], ink[whole], depth[first][whole], steps))
+        self._paint_nodes(canvas, frame, view, own)
         pins = np.tile(np.array([*self._theme.text, 255], dtype=np.uint8), (len(self._fixed), 1))
         radius = np.minimum(PIN, 0.6 + 0.7 * float(np.median(widths)))
         radii = np.full(len(self._fixed), radius, dtype=np.float32)
         canvas.discs(points[self._fixed], radii, pins, None if depth is None else depth[self._fixed])
+
+    def _paint_nodes(self, canvas: Canvas, frame: SourceFrame, view: View, own: FloatArray | None) -> None:
+        """Add particles that have a radius."""
+        points, depth, magnification = view.project(frame.positions[self._nodes])
+        sizes = (self._radii * magnification).astype(np.float32)
+        plain = np.tile(np.array(self._theme.text, dtype=float), (len(sizes), 1))
+        colors = inks(
+            plain if own is None else own[self._nodes], self._theme, None if depth is None else view.farness(depth)
+        )
+        # A node lies over the springs that end in it.
+        nearer = None if depth is None else depth - (self._radii).astype(np.float32)
+        canvas.discs(points, sizes, colors, nearer, 0.0 if view.flat else SHADING)
+
+    def _own_colors(self, frame: SourceFrame) -> FloatArray | None:
+        """The colors of all particles of the scene (N, 3), where they were chosen."""
+        if self._coloring is None:
+            return None
+        colors = np.zeros((self._count, 3))
+        colors[self._where] = self._coloring.colors(frame, self.low, self.top)
+        return colors
 
     def _whole(self, frame: SourceFrame) -> BoolArray | slice:
         """Which springs are drawn (M,)."""
@@ -232,3 +284,24 @@ def covered(pairs: IntArray, rest_length: FloatArray) -> BoolArray:
         proper = (lengths[there] > 0.0) & (lengths[onward] > 0.0)
         result[index] |= proper & (keys[onward] == wanted) & (detour <= longest * rest_length[index])
     return result
+
+
+def divided(
+    lines: PixelArray, widths: PixelArray, ink: InkArray, depths: PixelArray, steps: PixelArray
+) -> tuple[PixelArray, PixelArray, InkArray, PixelArray]:
+    """Lines (M, 4) in space, cut into parts of which each has a depth of its own: ends, widths, inks and depths.
+
+    Args:
+        lines, widths, ink: as the canvas takes them.
+        depths: of the first ends (M,) [m].
+        steps: from there to the second ends (M,) [m].
+    """
+    lengths = np.hypot(lines[:, 2] - lines[:, 0], lines[:, 3] - lines[:, 1])
+    counts = np.clip(np.ceil(np.nan_to_num(lengths) / LONG), 1, 64).astype(np.intp)
+    index = np.repeat(np.arange(len(lines)), counts)
+    part = np.arange(len(index)) - np.repeat(np.cumsum(counts) - counts, counts)
+    low, high = ((part + each) / counts[index] for each in (0, 1))
+    start, way = lines[index, :2], lines[index, 2:] - lines[index, :2]
+    ends = np.concatenate([start + low[:, np.newaxis] * way, start + high[:, np.newaxis] * way], axis=1)
+    middle = depths[index] + (low + high) / 2 * steps[index]
+    return ends.astype(np.float32), widths[index], ink[index], middle.astype(np.float32)

@@ -4,20 +4,23 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from physcore._core import Canvas, Texture
-from physcore.checks import FloatArray, IntArray, file_path, frozen, is_word, regular
+from physcore.checks import BoolArray, FloatArray, IntArray, file_path, frozen, is_word, number, regular
 from physcore.errors import FileError, SceneError
 from physcore.film.camera.view import Orbit, View
-from physcore.film.colors.colormaps import diverging, look_up
-from physcore.film.colors.light import AMBIENT, LAMP
+from physcore.film.colors.chosen import Chosen, ColorChoice, PerBody, PerParticle
+from physcore.film.colors.colormaps import ColormapName, diverging, look_up, sequential
+from physcore.film.colors.light import lit
 from physcore.film.colors.themes import Color, Theme, color
 from physcore.film.pictures import opened
-from physcore.film.styles.base import BodyStyle, Painter, Part, Scale, body_color, inks, places, straight, sums, typical
+from physcore.film.styles.base import BodyStyle, Painter, Part, Scale, inks, places, straight, sums, typical
+from physcore.film.styles.coloring import Coloring, checked
+from physcore.film.styles.rim import paint_rim, thickness_of
 from physcore.film.styles.strain import rooted, strain_scale
 from physcore.film.styles.torn import has_tears, intact, sides
 from physcore.scene.bodies import Body, SpringNetwork
@@ -25,8 +28,10 @@ from physcore.scene.channels import first_spring
 from physcore.scene.periodic import Periodic
 from physcore.simulation.sources import Source, SourceFrame
 
-BACK = 0.8
-"""The light of the back of a surface, beside that of its front."""
+RIM = 0.75
+"""The light of the rim of a surface, which faces sideways."""
+CREASE = 0.75
+"""The cosine between the normals of two faces below which there is an edge between them."""
 NEVER = 1e-9
 """Strains below this are rounding, and stay neutral [1]."""
 UPWARD = ((0.0, 0.0, 1.0), (0.0, 1.0, 0.0))
@@ -64,12 +69,15 @@ class Surface(BodyStyle):
         pc.film(recording, "flag.gif", style=pc.styles.Surface("#c0392b", back="#f4e7d3"))
 
     Args:
-        color: "body", "strain", or a color such as "#10c0ff"; by strain each particle has the color of its
-            springs' mean, blue when compressed, red when stretched.
+        color: "body" or "strain"; by strain each particle has the color of its springs' mean, blue when compressed, red
+            when stretched. Or colors of one's own, as in Points: one, such as "tomato", one for each body or particle,
+            or values or a function of which each is a place on a ramp.
         texture: a picture that is laid on the body as it was at the start, seen along its thinnest side: a path, or
             an array (H, W, 3) of bytes; None: none.
         range: the strain at which colors end [1]; None: what is typical of the worst frame.
+        colormap: the ramp of values, as in Points.
         back: the color of the back, in 3D, the side from which corners go round clockwise; None: that of the front.
+        thickness: the width of the rim of a cloth in 3D [m], at least zero; None: that of its SelfContact, or no rim.
         on: as in Style; it must have faces.
 
     Raises:
@@ -77,18 +85,22 @@ class Surface(BodyStyle):
         FileError: the picture cannot be read.
     """
 
-    color: Literal["body", "strain"] | str | Color = "body"
+    color: Literal["body", "strain"] | ColorChoice | PerBody | PerParticle = "body"
     texture: str | os.PathLike[str] | NDArray[np.uint8] | Picture | None = None
     range: float | None = None
     back: str | Color | None = None
+    thickness: float | None = None
+    colormap: ColormapName = "viridis"
 
     def __post_init__(self) -> None:
         super().__post_init__()
         if self.back is not None:
             self._set(back=color(self.back, "Surface.back"))
-        if not (is_word(self.color, "body") or is_word(self.color, "strain")):
-            self._set(color=color(self.color, "Surface.color"))
+        self._set(color=checked(self.color, "Surface.color", ("body", "strain")))
+        sequential(self.colormap, (0.0, 1.0), "Surface.colormap")
         self._set_positive("range")
+        if self.thickness is not None:
+            self._set(thickness=number(self.thickness, "Surface.thickness", least=0.0))
         if self.texture is not None and not isinstance(self.texture, Picture):
             self._set(texture=Picture(_pixels(self.texture)))
 
@@ -124,35 +136,55 @@ class SurfacePainter(Painter):
         self._rest: FloatArray = np.concatenate(rest)
         self._springs: IntArray = np.concatenate(springs)
         self._sides: IntArray | None = sides(source.scene, parts) if has_tears(source, parts) else None
+        self._thickness = np.zeros(source.scene.particles)
+        for part in parts:
+            given = style.thickness
+            self._thickness[part.where] = thickness_of(part.body, source.scene) if given is None else given
         self._back = None if style.back is None else np.array(color(style.back, "Surface.back"), dtype=np.float64)
+        start = np.concatenate([body.positions for body in source.scene.bodies])
+        self._around = None if start.shape[1] < 3 else _around(start, self._faces)
+        self._closed = np.concatenate(
+            [
+                np.full(len(part.body.faces), _closed(part.body.faces))
+                for part in parts
+                if isinstance(part.body, SpringNetwork)
+            ]
+        )
         self._where = places(parts)
         count = source.scene.particles
         self._table = diverging(theme.compressed, theme.relaxed, theme.stretched)
-        self._plain = np.zeros((count, 3))
-        for part in parts:
-            own = style.color in ("body", "strain")
-            self._plain[part.where] = body_color(source, part, theme) if own else color(style.color, "Surface.color")
+        self._plain = np.full((count, 3), 255.0)
         self._texture = style.texture.texture if isinstance(style.texture, Picture) else None
-        if self._texture is not None and style.color == "body":
-            self._plain[:] = 255.0
+        white = self._texture is not None and is_word(style.color, "body")
+        chosen = cast("Chosen | str", (255, 255, 255) if white else style.color)
+        ramp = sequential(style.colormap, theme.part, "Surface.colormap")
+        self._by_strain = is_word(style.color, "strain")
+        self._coloring = None if self._by_strain else Coloring(chosen, ramp, "Surface.color", source, parts, theme)
         everywhere = np.zeros((count, 2), dtype=np.float32)
         everywhere[self._where] = np.concatenate(spots)
         self._spots = everywhere[self._faces].reshape(-1, 6)
         self.top = style.range or NEVER
+        if self._coloring is not None:
+            self.low, self.top = self._coloring.low, self._coloring.top
 
     @property
     def settled(self) -> bool:
         """Whether the end of the color scale was given, or there is none."""
-        return self._style.color != "strain" or self._style.range is not None
+        return self._style.range is not None if self._coloring is None else self._coloring.settled
 
     @property
     def scale(self) -> Scale | None:
         """The scale of colors."""
-        return strain_scale(self.top, self._table) if self._style.color == "strain" else None
+        return (
+            strain_scale(self.top, self._table) if self._coloring is None else self._coloring.scale(self.low, self.top)
+        )
 
     def observe(self, frame: SourceFrame) -> None:
         """Find the end of the color scale."""
-        if not self.settled:
+        if self._coloring is not None:
+            self._coloring.observe(frame)
+            self.low, self.top = self._coloring.low, self._coloring.top
+        elif not self.settled:
             self.top = max(self.top, typical(np.abs(self._strain(frame))[self._where]))
 
     def inset(self, pixels: float) -> float:
@@ -164,18 +196,20 @@ class SurfacePainter(Painter):
         """Add triangles."""
         del pixels
         corners, depth, _ = view.project(frame.positions)
-        light = np.ones(len(corners)) if view.flat else self._light(frame.positions, view)
         farness = None if depth is None else view.farness(depth)
-        ink = inks(np.clip(self._colors(frame) * light[:, np.newaxis], 0.0, 255.0), self._theme, farness)
         faces, spots = self._faces, self._spots
-        inked = ink[faces]
-        if self._back is not None and not view.flat:
-            behind = inks(np.clip(self._back * light[:, np.newaxis], 0.0, 255.0), self._theme, farness)
+        colors = self._colors(frame)[faces].reshape(-1, 3)
+        if not view.flat:
             one, other = corners[faces[:, 1]] - corners[faces[:, 0]], corners[faces[:, 2]] - corners[faces[:, 0]]
             # Pixels are counted downward: what goes round to the left is seen with a negative area.
-            hidden = one[:, 0] * other[:, 1] > one[:, 1] * other[:, 0]
-            inked[hidden] = behind[faces[hidden]]
-        shown = np.ones(len(faces), dtype=np.bool_)
+            away = np.repeat(one[:, 0] * other[:, 1] > one[:, 1] * other[:, 0], 3)
+            if self._back is not None:
+                colors = np.where(away[:, np.newaxis], self._back, colors)
+            colors = lit(colors, self._normals(frame.positions, away, view))
+        far = None if farness is None else farness[faces].ravel()
+        inked = inks(np.clip(colors, 0.0, 255.0), self._theme, far).reshape(-1, 12)
+        # The inside of a closed surface is not seen.
+        shown = np.ones(len(faces), dtype=np.bool_) if view.flat else ~(self._closed & away[::3])
         if self._sides is not None:
             shown &= intact(frame, self._sides).all(axis=1)
         if self._domain is not None:
@@ -185,14 +219,18 @@ class SurfacePainter(Painter):
             faces, spots, inked = faces[shown], spots[shown], inked[shown]
         canvas.triangles(
             np.ascontiguousarray(corners[faces].reshape(-1, 6)),
-            np.ascontiguousarray(inked.reshape(-1, 12)),
-            None if depth is None else depth[faces].mean(axis=1, dtype=np.float32),
+            np.ascontiguousarray(inked),
+            None if depth is None else np.ascontiguousarray(depth[faces]),
             self._texture,
             spots,
         )
+        if self._thickness.any() and not view.flat:
+            rim = inks(np.clip(RIM * self._colors(frame), 0.0, 255.0), self._theme, farness)
+            paint_rim(canvas, frame.positions, faces, self._thickness, rim, view)
 
     def _colors(self, frame: SourceFrame) -> FloatArray:
-        if self._style.color != "strain":
+        if self._coloring is not None:
+            self._plain[self._where] = self._coloring.colors(frame, self.low, self.top)
             return self._plain
         return look_up(self._table, rooted(self._strain(frame) / self.top))
 
@@ -209,17 +247,57 @@ class SurfacePainter(Painter):
         mean: FloatArray = total / np.maximum(np.bincount(pairs.ravel(), minlength=len(positions)), 1)
         return mean
 
-    def _light(self, positions: FloatArray, view: View) -> FloatArray:
-        """The light on each particle (N,): Lambert's cosine with the mean normal of its faces, turned to the eye."""
-        first, second, third = (positions[self._faces[:, corner]] for corner in (0, 1, 2))
-        flat = np.cross(second - first, third - first)
-        normals = sums(self._faces.ravel(), np.repeat(flat, 3, axis=0), len(positions))
-        local = normals @ view.axes.T
-        length = np.maximum(np.sqrt(np.einsum("nd,nd->n", local, local)), 1e-300)
-        away = local[:, 2] < 0.0
-        cosine = np.where(away, -1.0, 1.0) * (local @ LAMP) / length
-        light: FloatArray = (AMBIENT + (1.0 - AMBIENT) * np.maximum(cosine, 0.0)) * np.where(away, BACK, 1.0)
-        return light
+    def _normals(self, positions: FloatArray, away: BoolArray, view: View) -> FloatArray:
+        """Unit normals at the corners of all faces (3T, 3) along the view's axes; those turned away from it are turned.
+
+        A corner has the mean normal of the faces around it, without those that lie behind an edge at the start.
+        """
+        flat = _areas(positions, self._faces) @ view.axes.T
+        if self._around is None:
+            normals = _unit(sums(self._faces.ravel(), np.repeat(flat, 3, axis=0), len(positions)))[self._faces.ravel()]
+        else:
+            corner, face = self._around
+            normals = _unit(sums(corner, flat[face], 3 * len(flat)))
+        normals[away] *= -1.0
+        # A mean normal may point away from the eye where its face does not: that is the rim.
+        normals[:, 2] = np.maximum(normals[:, 2], 0.0)
+        return normals
+
+
+def _areas(positions: FloatArray, faces: IntArray) -> FloatArray:
+    """Normals of faces (T, 3), twice as long as they are large."""
+    first, second, third = (positions[faces[:, corner]] for corner in (0, 1, 2))
+    return np.cross(second - first, third - first)
+
+
+def _closed(faces: IntArray) -> bool:
+    """Whether each edge of faces (T, 3) belongs to two of them, once in each direction."""
+    edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
+    count = int(faces.max(initial=0)) + 1
+    return bool((np.sort(edges @ [count, 1]) == np.sort(edges[:, ::-1] @ [count, 1])).all())
+
+
+def _around(positions: FloatArray, faces: IntArray) -> tuple[IntArray, IntArray] | None:
+    """The faces around each corner of each face that are not behind an edge: corners (K,) of 3T and faces (K,) of T.
+
+    None where there is no edge, so that all faces around a particle are.
+    """
+    corners, normals = faces.ravel(), _unit(_areas(positions, faces))
+    order = np.argsort(corners, kind="stable")
+    counts = np.bincount(corners, minlength=len(positions))
+    starts = np.cumsum(counts) - counts
+    corner = np.repeat(np.arange(len(corners)), counts[corners])
+    step = np.arange(len(corner)) - np.repeat(np.cumsum(counts[corners]) - counts[corners], counts[corners])
+    face = order[starts[corners[corner]] + step] // 3
+    level = np.einsum("kd,kd->k", normals[corner // 3], normals[face]) > CREASE
+    return None if level.all() else (corner[level], face[level])
+
+
+def _unit(vectors: FloatArray) -> FloatArray:
+    """Vectors (N, 3) of length one."""
+    length = np.sqrt(np.einsum("nd,nd->n", vectors, vectors))
+    result: FloatArray = vectors / np.maximum(length, 1e-300)[:, np.newaxis]
+    return result
 
 
 def spread(positions: FloatArray) -> NDArray[np.float32]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from physcore.film.writers.apng import ApngWriter
 from physcore.film.writers.base import QUALITIES, Film, FilmJob, Quality, Writer, delays
 from physcore.film.writers.gif import GifWriter
+from physcore.film.writers.loops import Loop, check_loop
 from physcore.film.writers.mp4 import Mp4Writer
 from physcore.film.writers.png import PngWriter
 from physcore.film.writers.webp import WebpWriter
@@ -12,4 +13,4 @@ from physcore.film.writers.webp import WebpWriter
 WRITERS: tuple[type[Writer], ...] = (GifWriter, WebpWriter, ApngWriter, Mp4Writer, PngWriter)
 """Every format that a film can have."""
 
-__all__ = ["QUALITIES", "WRITERS", "Film", "FilmJob", "GifWriter", "Quality", "Writer", "delays"]
+__all__ = ["QUALITIES", "WRITERS", "Film", "FilmJob", "GifWriter", "Loop", "Quality", "Writer", "check_loop", "delays"]

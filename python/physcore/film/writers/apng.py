@@ -17,7 +17,7 @@ from typing import BinaryIO, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from physcore.film.writers.base import Film, FilmJob, Writer, delays
+from physcore.film.writers.base import Film, FilmJob, Writer
 from physcore.film.writers.patches import patches
 from physcore.film.writers.png import KEYWORD, text_of
 from physcore.storage.files import replacing
@@ -38,9 +38,9 @@ class ApngWriter(Writer):
 
     def write(self, job: FilmJob, target: Path) -> Film:
         """Write a film."""
-        count, order = job.renderer.count, 0
+        count, order = job.count(), 0
         with replacing(target) as file:
-            shown = zip(patches(job.frames()), delays(count, job.rate, TICKS), strict=True)
+            shown = zip(patches(job.frames()), job.delays(TICKS), strict=True)
             for index, (patch, delay) in enumerate(shown):
                 height, width, _ = patch.pixels.shape
                 header, parts = _compressed(patch.pixels)

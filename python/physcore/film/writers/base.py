@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from html import escape
 from pathlib import Path
 from typing import ClassVar, Literal, get_args
 
@@ -13,10 +14,16 @@ from physcore._core import Canvas
 from physcore.checks import span
 from physcore.errors import SceneError, SceneWarning, warn
 from physcore.film.renderer import Renderer
+from physcore.film.writers.loops import Repeat
+from physcore.markup import inline_image
 from physcore.progress import Progress
 from physcore.storage.formats import Format
 
 Quality = Literal["fast", "high"]
+KINDS = {".gif": "gif", ".webp": "webp", ".apng": "apng", ".png": "png"}
+"""What a page shows as an image."""
+INLINE = 3_000_000
+"""Films of at most so many bytes are shown by themselves in notebooks."""
 QUALITIES: tuple[Quality, ...] = get_args(Quality)
 
 
@@ -42,6 +49,17 @@ class Film:
         colors = "" if self.colors is None else f", {self.colors} colors"
         return f"{self.path}: {self.size[0]}×{self.size[1]}{moving}{colors}, {self.bytes / 1e6:.2f} MB"
 
+    def _repr_html_(self) -> str:
+        """For notebooks: the film itself as long as it has at most 3 MB and is still there, and what it is."""
+        words = f"<div>{escape(repr(self))}</div>"
+        kind = KINDS.get(self.path.suffix.lower())
+        if kind is None or self.bytes > INLINE:
+            return f'<a href="{escape(str(self.path))}">{words}</a>'
+        try:
+            return inline_image(self.path.read_bytes(), kind, repr(self)) + words
+        except OSError:
+            return words
+
 
 @dataclass(frozen=True, eq=False)
 class FilmJob:
@@ -59,6 +77,23 @@ class FilmJob:
     """Gives the provenance record, as JSON in ASCII; a scene that was not simulated yet is, so ask late."""
     progress: bool | None
     """Whether to show a progress bar, as in `film`."""
+    repeat: Repeat = field(default_factory=Repeat)
+    """How it begins again."""
+
+    def count(self, stride: int = 1) -> int:
+        """How many frames the film has, if of so many of the renderer's one is shown."""
+        return self.repeat.count(math.ceil(self.renderer.count / stride), self.rate / stride)
+
+    def delays(self, ticks: int, stride: int = 1) -> list[int]:
+        """How long each frame is shown, in units of 1/ticks s, none of them late by more than half a unit."""
+        result = delays(self.count(stride), self.rate / stride, ticks)
+        if result:
+            result[self.held(stride)] += round(self.repeat.hold * ticks)
+        return result
+
+    def held(self, stride: int = 1) -> int:
+        """The number of the frame that is held: the last one drawn."""
+        return min(math.ceil(self.renderer.count / stride), self.count(stride)) - 1
 
     @property
     def provenance(self) -> str:
@@ -67,6 +102,10 @@ class FilmJob:
 
     def frames(self, stride: int = 1) -> Iterator[Canvas]:
         """Every frame, or every second, third, …; each canvas is valid until the next is asked for."""
+        return self.repeat.frames(self._drawn(stride), math.ceil(self.renderer.count / stride), self.rate / stride)
+
+    def _drawn(self, stride: int) -> Iterator[Canvas]:
+        """Those of the renderer."""
         with Progress(self.renderer.count, "drawing", self.progress) as bar:
             for index, canvas in enumerate(self.renderer.frames()):
                 if index % stride == 0:
@@ -114,6 +153,10 @@ class Writer(Format, ABC):
 
     budgeted: ClassVar[bool] = False
     """Whether it can be made to fit into a number of bytes."""
+    video: ClassVar[bool] = False
+    """Whether it is compressed so well that large pictures are usual."""
+    moving: ClassVar[bool] = True
+    """Whether it shows more than one frame."""
 
     @abstractmethod
     def write(self, job: FilmJob, target: Path) -> Film:
@@ -126,7 +169,7 @@ class Writer(Format, ABC):
     @classmethod
     def written(cls, job: FilmJob, target: Path) -> Film:
         """The film that was written, if it shows the whole job."""
-        return Film(target, target.stat().st_size, job.renderer.size, job.renderer.count, job.rate)
+        return Film(target, target.stat().st_size, job.renderer.size, job.count(), job.rate)
 
     @staticmethod
     @abstractmethod

@@ -3,20 +3,25 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from contextlib import ExitStack, closing
-from math import ceil
+from dataclasses import replace
 from pathlib import Path
 from typing import BinaryIO, ClassVar
 
 from physcore._core import Gif
-from physcore.film.writers.base import Film, FilmJob, Writer, delays
-from physcore.film.writers.budget import Cut
+from physcore.film.writers.base import Film, FilmJob, Writer
+from physcore.film.writers.budget import FAR, Cut, Search
 from physcore.storage.files import held, replacing
 
 TICKS = 100
 """Delays are hundredths of a second."""
 LOOK = 8
 """After so many frames it is looked whether they are too large already."""
+LARGE = 3_000_000
+"""A film that would take more bytes lets colors be farther off, step by step."""
+STEP = 2
+"""[levels of 255]"""
 SMALL = 4096
 """More than the bytes of the header, the palette and the ends of blocks."""
 
@@ -32,23 +37,28 @@ class GifWriter(Writer):
     budgeted: ClassVar = True
 
     def write(self, job: FilmJob, target: Path) -> Film:
-        """Write a film, as often as it takes to find what fits into the bytes that are allowed."""
-        cut, whole = Cut(), job.renderer.size
-        while True:
-            try:
-                _write_file(job, target, cut)
-            except TooLargeError as error:
-                cut = cut.deeper(error.excess, job.rate, error.limit)
-                job.renderer.resize(cut.size(whole))
-            else:
-                frames = ceil(job.renderer.count / cut.stride)
-                size, rate = target.stat().st_size, job.rate / cut.stride
-                return Film(target, size, job.renderer.size, frames, rate, cut.colors)
+        """Write a film, as often as it takes to find what fits into the bytes that are allowed and uses them."""
+        whole = job.renderer.size
+
+        def attempt(cut: Cut) -> int:
+            _write_file(job, target, cut)
+            return target.stat().st_size
+
+        cut = _fit(job, attempt)
+        size, rate = cut.size(whole) if cut.scale < 1.0 else whole, job.rate / cut.stride
+        return Film(target, target.stat().st_size, size, job.count(cut.stride), rate, cut.colors)
 
     @staticmethod
     def content(job: FilmJob) -> bytes:
         """The bytes of a film, without a file."""
-        return _write(job, None, Cut()) or b""
+        contents: list[bytes] = []
+
+        def attempt(cut: Cut) -> int:
+            contents[:] = [_write(job, None, cut) or b""]
+            return len(contents[0])
+
+        _fit(job, attempt)
+        return contents[0]
 
     @staticmethod
     def provenance(path: Path) -> str | None:
@@ -81,6 +91,30 @@ class TooLargeError(Exception):
         """How many times more, as far as can be told."""
 
 
+def _fit(job: FilmJob, write: Callable[[Cut], int]) -> Cut:
+    """Write a film until it fits and uses its bytes; the last one that was written is the one to keep.
+
+    Raises:
+        SceneError: it cannot be made to fit.
+    """
+    search, whole = Search(job.rate, job.max_bytes), job.renderer.size
+    if job.quality == "high":
+        search.cut = replace(search.cut, tolerance=0)
+    going = True
+    while going:
+        size = search.cut.size(whole) if search.cut.scale < 1.0 else whole
+        if size != job.renderer.size:
+            job.renderer.resize(size)
+        try:
+            written = write(search.cut)
+        except TooLargeError as error:
+            going = search.too_large(error.excess)
+        else:
+            going = search.fitted(written)
+    assert search.fits is not None  # or it would have gone on, or failed
+    return search.fits
+
+
 def _write_file(job: FilmJob, target: Path, cut: Cut) -> None:
     """Write what is left of all frames under a temporary name first, which is locked as long as it is there.
 
@@ -104,14 +138,21 @@ def _write(job: FilmJob, target: Path | None, cut: Cut) -> bytes | None:
         TooLargeError: they are too many; nothing was written.
     """
     renderer, limit = job.renderer, job.max_bytes
-    times = delays(ceil(renderer.count / cut.stride), job.rate / cut.stride, TICKS)
+    times, tolerance = job.delays(TICKS, cut.stride), cut.tolerance
     with closing(Gif(target, renderer.reserved, quality=job.quality, colors=cut.colors)) as gif:
         for canvas in renderer.samples():
             gif.observe(canvas)
+        gif.tolerate(tolerance)
         for index, (canvas, delay) in enumerate(zip(job.frames(cut.stride), times, strict=True)):
             gif.frame(canvas, delay)
-            if limit is not None and (index % LOOK == LOOK - 1 or index == len(times) - 1):
-                _refuse_if_too_large(gif.written(), limit, (index + 1) / len(times))
+            if index % LOOK != LOOK - 1 and index != len(times) - 1:
+                continue
+            done = (index + 1) / len(times)
+            if limit is not None:
+                _refuse_if_too_large(gif.written(), limit, done)
+            elif 0 < tolerance < FAR and gif.written() > LARGE * done:
+                tolerance += STEP
+                gif.tolerate(tolerance)
         provenance = job.provenance
         if limit is not None:
             _refuse_if_too_large(gif.written() + len(provenance) + SMALL, limit, 1.0)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 import struct
 from collections.abc import Iterable, Iterator
-from itertools import chain
+from itertools import chain, repeat
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, ClassVar
 
@@ -38,6 +38,7 @@ class Mp4Writer(Writer):
 
     suffixes: ClassVar = (".mp4",)
     name: ClassVar = "an MP4"
+    video: ClassVar = True
     fastest: ClassVar = 240.0
     longest: ClassVar = 3600.0
 
@@ -51,7 +52,7 @@ class Mp4Writer(Writer):
         import subprocess
         import tempfile
 
-        frames = (_even(canvas.pixels()) for canvas in job.frames())
+        frames = _repeated(job)
         first = next(frames)
         with (
             replacing(target) as file,
@@ -136,6 +137,13 @@ def _cause(code: int, complaints: IO[bytes]) -> str:
 def _escaped(text: str) -> str:
     """As FFmpeg's files of metadata want it."""
     return "".join(f"\\{letter}" if letter in "=;#\\\n" else letter for letter in text)
+
+
+def _repeated(job: FilmJob) -> Iterator[NDArray[np.uint8]]:
+    """All frames, with the one that is held as often as that takes: each is shown as long as the others."""
+    held, times = job.held(), 1 + round(job.repeat.hold * job.rate)
+    for index, canvas in enumerate(job.frames()):
+        yield from repeat(_even(canvas.pixels()), times if index == held else 1)
 
 
 def _even(pixels: NDArray[np.uint8]) -> NDArray[np.uint8]:

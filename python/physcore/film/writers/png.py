@@ -37,6 +37,7 @@ class PngWriter(Writer):
 
     suffixes: ClassVar = (".png",)
     name: ClassVar = "a PNG"
+    moving: ClassVar = False
 
     def write(self, job: FilmJob, target: Path) -> Film:
         """Write the last frame."""

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from physcore.film.pictures import opened
-from physcore.film.writers.base import Film, FilmJob, Writer, delays
+from physcore.film.writers.base import Film, FilmJob, Writer
 from physcore.film.writers.patches import Patch, patches
 from physcore.storage.files import replacing
 
@@ -46,7 +46,7 @@ class WebpWriter(Writer):
 
         with replacing(target) as file:
             file.write(b"RIFF\0\0\0\0WEBP")
-            shown = zip(patches(job.frames()), delays(job.renderer.count, job.rate, TICKS), strict=True)
+            shown = zip(patches(job.frames()), job.delays(TICKS), strict=True)
             for index, (patch, delay) in enumerate(shown):
                 if index == 0:
                     height, width, _ = patch.pixels.shape

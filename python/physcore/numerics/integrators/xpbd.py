@@ -19,7 +19,8 @@ class XPBD(Integrator):
     Each step consists of `substeps` equal parts. A part predicts positions by velocities and by all forces but those of
     springs, then moves the ends of each spring in turn by the multiplier Δλ = (−C − α̃ λ)/(w + α̃) with C = l − l₀ and
     the compliance α̃ = 1/(k h²), and takes velocities from the displacements. A single spring is solved exactly, as by
-    BackwardEuler(). Stable at any stiffness, fast, and soft: what a sweep does not reach makes stiff cloth stretch, the
+    BackwardEuler(), and one of stiffness=math.inf by Δλ = −C/w, with α̃ = 0: a rod, whose length each sweep approaches.
+    Stable at any stiffness, fast, and soft: what a sweep does not reach makes stiff cloth stretch, the
     less the more parts a step has. Parts work better than iterations at equal cost.
 
     It damps, and is not symplectic: both are errors of the method, and show as drift of the energy balance. For springs
@@ -39,6 +40,7 @@ class XPBD(Integrator):
     order: ClassVar[int] = 1
     symplectic: ClassVar[bool] = False
     stiff: ClassVar[bool] = True
+    holds_rods: ClassVar[bool] = True
     solves: ClassVar[tuple[Equation, ...]] = ("bodies",)
 
     substeps: int = 10

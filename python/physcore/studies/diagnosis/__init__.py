@@ -14,16 +14,16 @@ from physcore.spelling import spelled
 from physcore.studies.diagnosis.case import Case
 from physcore.studies.diagnosis.clumps import clumps
 from physcore.studies.diagnosis.explodes import explodes
-from physcore.studies.diagnosis.film_size import film_too_large
 from physcore.studies.diagnosis.finding import Diagnosis, Finding
 from physcore.studies.diagnosis.jitters import jitters
+from physcore.studies.diagnosis.large import large
 from physcore.studies.diagnosis.penetrates import penetrates
 from physcore.studies.diagnosis.slow import slow
 from physcore.studies.diagnosis.sluggish import sluggish
 
 __all__ = ["SYMPTOMS", "Diagnosis", "Finding", "diagnose"]
 
-SYMPTOMS = (explodes, sluggish, penetrates, jitters, clumps, slow, film_too_large)
+SYMPTOMS = (explodes, sluggish, penetrates, jitters, clumps, slow, large)
 """What is looked for, in the order in which it is told."""
 
 

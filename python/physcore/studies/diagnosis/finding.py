@@ -18,8 +18,8 @@ class Finding:
     """
 
     symptom: str
-    """What it looks like: "explodes", "sluggish", "penetrates", "jitters", "clumps", "scatters", "slow" or "film too
-    large"."""
+    """What it looks like: "explodes", "sluggish", "penetrates", "jitters", "clumps", "scatters", "slow" or
+    "large"."""
     cause: str
     """Why, with the figure that shows it."""
     cure: str

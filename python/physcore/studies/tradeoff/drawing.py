@@ -5,24 +5,28 @@ from __future__ import annotations
 import math
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 from physcore.checks import shown
 from physcore.errors import PhyscoreError, SceneError
 from physcore.film import film as film_recordings
 from physcore.film.writers import WRITERS
 from physcore.numerics.fluids import FluidMethod
+from physcore.numerics.integrators import Integrator
 from physcore.simulation.simulation import Simulation
 from physcore.storage.files import replacing, require_writable
 from physcore.storage.formats import writable
-from physcore.studies.tradeoff.report import differences
+from physcore.studies.tradeoff.labels import differences
 from physcore.studies.tradeoff.result import CERTAIN, Measurements, Row
 
 if TYPE_CHECKING:
+    from matplotlib.artist import Artist
     from matplotlib.axes import Axes
 
 MARKERS = {"f64": "o", "f32": "s"}
-LINES = {"f64": "-", "f32": ":"}
+LINES: dict[str, Literal["-", ":"]] = {"f64": "-", "f32": ":"}
+PALEST = 0.75
+"""White in the shades of a color stays below this fraction."""
 
 
 def require_plottable(path: str | os.PathLike[str] | None) -> None:
@@ -57,7 +61,6 @@ def plot(trade: Measurements, path: str | os.PathLike[str] | None, axes: Axes | 
         from matplotlib.figure import Figure
 
         axes = Figure(figsize=(7.2, 4.8), layout="constrained").subplots()
-    names = list(dict.fromkeys(type(row.integrator).__name__ for row in trade.rows))
     front = [row for row in trade.front if row.total_error > 0.0]
     axes.plot(
         [row.seconds for row in front],
@@ -68,17 +71,15 @@ def plot(trade: Measurements, path: str | os.PathLike[str] | None, axes: Axes | 
         solid_capstyle="round",
         label="Pareto front",
     )
-    for (name, precision, resolution, fluids), rows in _series(trade).items():
-        label = f"{name}, {precision}" + ("" if resolution is None else f", {resolution:g}")
-        label += "" if fluids is None else f", {differences(fluids)}"
+    colors = _colors(trade)
+    for (variant, precision), rows in _series(trade).items():
         axes.plot(
             [row.seconds for row in rows],
             [row.total_error for row in rows],
             LINES[precision],
             marker=MARKERS[precision],
             markersize=4,
-            color=f"C{names.index(name)}",
-            label=label,
+            color=colors[variant],
         )
     axes.set(xscale="log", yscale="log", xlabel="time of a run [s]", ylabel=f"error ({trade.measure}) [m]")
     floor = CERTAIN * max(reference.uncertainty for reference in trade.references)
@@ -87,12 +88,12 @@ def plot(trade: Measurements, path: str | os.PathLike[str] | None, axes: Axes | 
         axes.axhspan(lowest, floor, color="0.5", alpha=0.15, linewidth=0, label="not resolved by the reference")
     for row in trade.rows:
         if not math.isfinite(row.error):
-            color = f"C{names.index(type(row.integrator).__name__)}"
+            color = colors[_variant(row)]
             axes.plot([row.seconds], [highest], "x", color=color, markersize=8, markeredgewidth=2, clip_on=False)
     axes.set_ylim(lowest, highest)
     axes.tick_params(which="minor", labelsize="xx-small")
     axes.grid(alpha=0.25)
-    axes.legend(frameon=False, fontsize="small", loc="center left", bbox_to_anchor=(1.0, 0.5))
+    _explain(trade, axes, colors)
     if path is not None:
         with replacing(path) as file:
             figure = axes.get_figure(root=True)
@@ -101,13 +102,59 @@ def plot(trade: Measurements, path: str | os.PathLike[str] | None, axes: Axes | 
     return axes
 
 
-def _series(trade: Measurements) -> dict[tuple[str, str, float | None, FluidMethod | None], list[Row]]:
+Variant = tuple[str, float | None, FluidMethod | None]
+"""What has a color of its own: the label of an integrator, a resolution, and a method for fluids."""
+
+
+def _variant(row: Row) -> Variant:
+    return row.label, row.resolution, row.fluids
+
+
+def _name(variant: Variant) -> str:
+    label, resolution, fluids = variant
+    parts = [label, "" if resolution is None else f"{resolution:g}", "" if fluids is None else differences(fluids)]
+    return ", ".join(filter(None, parts))
+
+
+def _colors(trade: Measurements) -> dict[Variant, tuple[float, float, float]]:
+    """A color for each kind of integrator, and shades of it for its variants, the last the darkest."""
+    from matplotlib.colors import to_rgb
+
+    kinds: dict[type[Integrator], dict[Variant, None]] = {}
+    for row in trade.rows:
+        kinds.setdefault(type(row.integrator), {})[_variant(row)] = None
+    colors = {}
+    for index, variants in enumerate(kinds.values()):
+        for position, variant in enumerate(reversed(variants)):
+            white = PALEST * position / len(variants)
+            red, green, blue = (white + (1.0 - white) * channel for channel in to_rgb(f"C{index}"))
+            colors[variant] = red, green, blue
+    return colors
+
+
+def _explain(trade: Measurements, axes: Axes, colors: dict[Variant, tuple[float, float, float]]) -> None:
+    """A legend beside the axes: colors, then precisions, then what is shaded."""
+    from matplotlib.lines import Line2D
+
+    precisions = dict.fromkeys(row.precision for row in trade.rows)
+    variants = dict.fromkeys(map(_variant, trade.rows))
+    handles: list[Artist] = [
+        Line2D([], [], color=colors[variant], label=_name(variant), linewidth=2.5) for variant in variants
+    ]
+    handles += [
+        Line2D([], [], color="0.3", linestyle=LINES[each], marker=MARKERS[each], markersize=4, label=each)
+        for each in precisions
+    ]
+    handles += axes.get_legend_handles_labels()[0]
+    axes.legend(handles=handles, frameon=False, fontsize="small", loc="center left", bbox_to_anchor=(1.0, 0.5))
+
+
+def _series(trade: Measurements) -> dict[tuple[Variant, str], list[Row]]:
     """The rows that have a place in a logarithmic figure, by what a line stands for."""
-    found: dict[tuple[str, str, float | None, FluidMethod | None], list[Row]] = {}
+    found: dict[tuple[Variant, str], list[Row]] = {}
     for row in trade.rows:
         if math.isfinite(row.error) and row.total_error > 0.0:
-            key = (type(row.integrator).__name__, row.precision, row.resolution, row.fluids)
-            found.setdefault(key, []).append(row)
+            found.setdefault((_variant(row), row.precision), []).append(row)
     return found
 
 
@@ -127,6 +174,5 @@ def film(trade: Measurements, path: str | os.PathLike[str], row: Row, fps: float
         experiment.threads,
         fluids=experiment.fluids,
     ).record(trade.duration, fps)
-    name = type(row.integrator).__name__
-    titles = [f"{name}, {row.precision}, {row.seconds:.2g} s", f"reference, ±{reference.uncertainty:.0e} m"]
+    titles = [f"{row.label}, {row.precision}, {row.seconds:.2g} s", f"reference, ±{reference.uncertainty:.0e} m"]
     film_recordings([chosen, truth], path, **{"titles": titles, "size": (960, 480), **options})

@@ -210,7 +210,8 @@ class Experiment:
         """
         simulation = self.start(choice)
         begin = time.perf_counter()
-        recording = simulation.record(duration, fps, channels, progress=False)
+        with unwarned():
+            recording = simulation.record(duration, fps, channels, progress=False)
         seconds = time.perf_counter() - begin
         taken = simulation.steps * recording.plan.evaluations
         drift = _largest_drift(recording.energy)

@@ -5,11 +5,14 @@ from __future__ import annotations
 import math
 import os
 import platform
-from dataclasses import asdict, fields
+from dataclasses import asdict
+from html import escape
 from typing import Any
 
-from physcore.numerics.fluids import FluidMethod
+from physcore.numerics.integrators import Integrator
+from physcore.studies.tradeoff.labels import differences, labels, parameters
 from physcore.studies.tradeoff.reference import Reference
+from physcore.studies.tradeoff.restarts import Windows
 from physcore.studies.tradeoff.result import CERTAIN, Measurements, Row
 
 KINDS = {
@@ -72,11 +75,23 @@ def table(trade: Measurements) -> str:
     )
 
 
+def html(trade: Measurements) -> str:
+    """The same table for notebooks."""
+    front = set(map(id, trade.front))
+    lines = [_cells(row, id(row) in front) for row in trade.rows]
+    resolved = ["resolution"] if trade.rows and trade.rows[0].resolution is not None else []
+    heads = ["", "integrator", "dt [s]", "precision", *resolved, "seconds", "evaluations", "error [m]", "energy drift"]
+    top = "".join(f"<th>{escape(head)}</th>" for head in (*heads, "status"))
+    body = "".join(f"<tr>{''.join(f'<td>{escape(cell)}</td>' for cell in line)}</tr>" for line in lines)
+    caption = f"Error: {KINDS[trade.measure]}; {trade.duration:g} s simulated. * on the Pareto front"
+    return f"<table><caption>{escape(caption)}</caption><thead><tr>{top}</tr></thead><tbody>{body}</tbody></table>"
+
+
 def _cells(row: Row, on_front: bool) -> list[str]:
     """A line of the table."""
     return [
         "*" if on_front else "",
-        type(row.integrator).__name__,
+        row.label,
         f"{row.dt:.4g}",
         row.precision,
         *([differences(row.fluids)] if row.fluids is not None else []),
@@ -87,13 +102,6 @@ def _cells(row: Row, on_front: bool) -> list[str]:
         f"{row.energy_drift:.1e}" if math.isfinite(row.energy_drift) else "—",
         row.status,
     ]
-
-
-def differences(method: FluidMethod) -> str:
-    """A method for fluids by what is not its default, such as "WeaklyCompressible(shifting=6.0)"."""
-    given = {each.name: getattr(method, each.name) for each in fields(method)}
-    other = ", ".join(f"{each.name}={given[each.name]}" for each in fields(method) if given[each.name] != each.default)
-    return f"{type(method).__name__}({other})"
 
 
 def _error(row: Row) -> str:
@@ -128,7 +136,8 @@ def _on_chaos(trade: Measurements) -> str:
 
 def _on_reference(trade: Measurements) -> str:
     experiment, reference = trade.experiments[-1], trade.references[-1]
-    name = f"{type(reference.choice.integrator).__name__} with dt = {experiment.dt(reference.choice):.3g} s"
+    names = labels([*(row.integrator for row in trade.rows), *_integrators(reference)])
+    name = f"{names[reference.choice.integrator]} with dt = {experiment.dt(reference.choice):.3g} s"
     if not isinstance(reference, Reference):
         doubt = "" if reference.agrees else ", because a method of another family is that far from them"
         return f"The reference windows are those of {name}, uncertain by {reference.uncertainty:.1e} m{doubt}."
@@ -137,13 +146,19 @@ def _on_reference(trade: Measurements) -> str:
     text = f"The reference is {name} ({order}, {how}), uncertain by {reference.uncertainty:.1e} m"
     if reference.check is None:
         return f"{text}; no method of another family can compute this scene, so nothing has checked it."
-    other = type(reference.check.integrator).__name__
+    other = names[reference.check.integrator]
     if reference.agrees:
         return f"{text}; {other} agrees with it to {reference.disagreement:.1e} m."
     return (
         f"{text}: that is how far {other} is from it, which is more than their own uncertainties allow. Do not trust "
         f"errors below {CERTAIN * reference.uncertainty:.1e} m."
     )
+
+
+def _integrators(reference: Reference | Windows) -> list[Integrator]:
+    """What a reference was computed with, and checked by."""
+    check = reference.check if isinstance(reference, Reference) else None
+    return [choice.integrator for choice in (reference.choice, check) if choice is not None]
 
 
 def _on_front(trade: Measurements) -> str:
@@ -174,7 +189,7 @@ def _on_divergence(trade: Measurements) -> str:
 
 
 def _name(row: Row) -> str:
-    return f"{type(row.integrator).__name__} {row.precision}"
+    return f"{row.label} {row.precision}"
 
 
 def _on_precision(trade: Measurements) -> str:
@@ -226,7 +241,7 @@ def document(trade: Measurements) -> dict[str, Any]:
         ],
         "references": [
             {
-                "integrator": type(reference.choice.integrator).__name__,
+                **_method(reference.choice.integrator),
                 "dt": experiment.dt(reference.choice),
                 "uncertainty": _plain(reference.uncertainty),
                 **(
@@ -242,12 +257,17 @@ def document(trade: Measurements) -> dict[str, Any]:
         "rows": [
             {
                 **{name: _plain(value) for name, value in asdict(row).items()},
-                "integrator": type(row.integrator).__name__,
+                **_method(row.integrator),
                 "fluids": None if row.fluids is None else differences(row.fluids),
             }
             for row in trade.rows
         ],
     }
+
+
+def _method(integrator: Integrator) -> dict[str, Any]:
+    """An integrator as plain values."""
+    return {"integrator": type(integrator).__name__, "parameters": parameters(integrator)}
 
 
 def _plain(value: Any) -> Any:

@@ -42,6 +42,8 @@ class Row:
     """One way to compute the scene: what it costs, and how far it is from the truth."""
 
     integrator: Integrator
+    label: str
+    """What it is called beside the others: its name, with the parameters in which those of its kind differ."""
     dt: float
     """[s]"""
     precision: Literal["f32", "f64"]
@@ -106,7 +108,7 @@ class Row:
         at = at if self.fluids is None else f"{at}, {self.fluids}"
         error = f"{self.total_error:.2g}" if self.status != "diverged" else "—"
         return (
-            f"{type(self.integrator).__name__}, dt = {self.dt:.4g} s, {self.precision}{at}: error {error} m "
+            f"{self.label}, dt = {self.dt:.4g} s, {self.precision}{at}: error {error} m "
             f"in {self.seconds:.3g} s, {self.status}"
         )
 

@@ -18,6 +18,7 @@ from physcore.studies.tradeoff import reference, restarts
 from physcore.studies.tradeoff.budget import Budget
 from physcore.studies.tradeoff.chaos import Chaos, twin
 from physcore.studies.tradeoff.experiment import Choice, Experiment
+from physcore.studies.tradeoff.labels import labels
 from physcore.studies.tradeoff.methods import SAFETY, halved, largest_step, methods, other_family
 from physcore.studies.tradeoff.reference import Reference
 from physcore.studies.tradeoff.restarts import Windows
@@ -55,6 +56,7 @@ class WorkPrecisionDiagram:
         self._searching = dts is None
         self.simd = ""
         self._methods = methods(experiment)
+        self._labels = labels([*integrators, *(method.integrator for method in self._methods)])
         self._series = [
             series
             for integrator in integrators
@@ -118,6 +120,7 @@ class WorkPrecisionDiagram:
         return [
             Row(
                 integrator=series.integrator,
+                label=self._labels[series.integrator],
                 dt=self.experiment.dt(measurement.choice),
                 precision=series.precision,
                 threads=self.experiment.threads,
@@ -155,9 +158,8 @@ class WorkPrecisionDiagram:
         try:
             plan = self.experiment.start(Choice(integrator, precision, 1)).plan
         except SceneError as error:
-            name = type(integrator).__name__
-            reason = str(error).replace(f", got {name}", "")
-            self.refused.setdefault(reason, []).append(f"{name} {precision}")
+            reason = str(error).replace(f", got {type(integrator).__name__}", "")
+            self.refused.setdefault(reason, []).append(f"{self._labels[integrator]} {precision}")
             return None
         self.simd = plan.simd
         known = [method for method in self._methods if method.integrator == integrator]

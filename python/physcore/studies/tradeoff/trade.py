@@ -82,3 +82,9 @@ class Tradeoff(Measurements):
         from physcore.studies.tradeoff.report import table
 
         return table(self)
+
+    def _repr_html_(self) -> str:
+        """For notebooks: the same table."""
+        from physcore.studies.tradeoff.report import html
+
+        return html(self)

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use super::polynomial::Polynomial;
-use super::{Polytope, Wall};
+use super::{Polytope, Terrain, Wall};
 
 /// Maximum number of supporting planes. Only rounding at a grazing contact could need more; it then counts as a contact, which is
 /// harmless, because a particle that recedes from a wall is not reflected.
@@ -39,6 +39,12 @@ impl Path {
         self.velocity + self.acceleration * time
     }
 
+    /// The corners of a box along the axes that holds it up to a time.
+    pub fn bounds(&self, end: f64) -> (DVec3, DVec3) {
+        let [first, middle, last] = self.control(0.0, end);
+        (first.min(middle).min(last), first.max(middle).max(last))
+    }
+
     /// The three Bernstein control points between two times.
     pub(super) fn control(&self, start: f64, end: f64) -> [DVec3; 3] {
         let first = self.at(start);
@@ -53,6 +59,8 @@ pub enum Gap {
     Smooth(Polynomial),
     /// To a solid.
     Solid(Approach),
+    /// To the nearest part of a height field.
+    Terrain(Arc<Terrain>, Path, f64, bool),
 }
 
 /// A particle on its path towards a solid.
@@ -74,6 +82,7 @@ impl Gap {
                 Self::Smooth(Polynomial::sphere((center, size, inside), path, radius, touching))
             }
             Wall::Solid(ref solid) => Self::Solid(Approach { solid: Arc::clone(solid), path: *path, radius, touching }),
+            Wall::Terrain(ref terrain) => Self::Terrain(Arc::clone(terrain), *path, radius, touching),
         }
     }
 
@@ -82,6 +91,12 @@ impl Gap {
         match self {
             Self::Smooth(polynomial) => polynomial.first_contact(duration),
             Self::Solid(approach) => approach.first_contact(duration),
+            Self::Terrain(terrain, path, radius, touching) => {
+                let (lower, upper) = path.bounds(duration);
+                let parts = terrain.parts(lower - *radius, upper + *radius, *radius);
+                let times = parts.filter_map(|part| terrain.first_contact(part, path, *radius, *touching, duration));
+                times.reduce(f64::min)
+            }
         }
     }
 }
@@ -89,25 +104,41 @@ impl Gap {
 impl Approach {
     fn first_contact(&self, duration: f64) -> Option<f64> {
         let Self { solid, path, radius, touching } = self;
-        let mut time = 0.0;
-        for plane in 0..PLANES {
-            let ahead = Path { position: path.at(time), velocity: path.slope(time), ..*path };
-            let nearest = solid.nearest(ahead.position);
-            let gap = nearest.distance - radius;
-            let touching = *touching && plane == 0;
-            let operands = ahead.position.abs().max_element() + solid.extent() + radius;
-            if !touching && gap <= CLOSED * f64::EPSILON * operands {
-                return Some(time);
-            }
-            let offset = nearest.normal.dot(ahead.position) - gap;
-            let way = Polynomial::plane((nearest.normal, offset), &ahead, 0.0, touching).first_contact(duration - time)?;
-            if plane > 0 && way == 0.0 {
-                return Some(time);
-            }
-            time += way;
-        }
-        Some(time)
+        let nearest = |x| {
+            let nearest = solid.nearest(x);
+            (nearest.distance, nearest.normal)
+        };
+        first_contact_with_convex(nearest, solid.extent(), path, *radius, *touching, duration)
     }
+}
+
+/// The time of first contact with a convex set of an `extent`, of which `nearest` tells the distance and the normal at a point.
+pub(super) fn first_contact_with_convex(
+    nearest: impl Fn(DVec3) -> (f64, DVec3),
+    extent: f64,
+    path: &Path,
+    radius: f64,
+    touching: bool,
+    duration: f64,
+) -> Option<f64> {
+    let mut time = 0.0;
+    for plane in 0..PLANES {
+        let ahead = Path { position: path.at(time), velocity: path.slope(time), ..*path };
+        let (distance, normal) = nearest(ahead.position);
+        let gap = distance - radius;
+        let touching = touching && plane == 0;
+        let operands = ahead.position.abs().max_element() + extent + radius;
+        if !touching && gap <= CLOSED * f64::EPSILON * operands {
+            return Some(time);
+        }
+        let offset = normal.dot(ahead.position) - gap;
+        let way = Polynomial::plane((normal, offset), &ahead, 0.0, touching).first_contact(duration - time)?;
+        if plane > 0 && way == 0.0 {
+            return Some(time);
+        }
+        time += way;
+    }
+    Some(time)
 }
 
 #[cfg(test)]

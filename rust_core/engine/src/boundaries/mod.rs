@@ -12,19 +12,25 @@ use crate::scene::{self, Item};
 
 mod cuboid;
 mod gap;
+mod height_field;
+mod piece;
 mod plane;
 mod polynomial;
 mod polytope;
 mod solid;
 mod sphere;
+mod terrain;
 mod wall;
 
 pub use cuboid::Cuboid;
 pub use gap::{Gap, Path};
+pub use height_field::HeightField;
+pub use piece::Piece;
 pub use plane::Plane;
 pub use polytope::{Feature, Nearest, Polytope};
 pub use solid::Solid;
 pub use sphere::Sphere;
+pub use terrain::{Part, Terrain};
 pub use wall::Wall;
 
 /// A domain that confines particles.
@@ -56,6 +62,7 @@ pub fn build(item: &Item, dimension: usize, origin: DVec3) -> Result<Box<dyn Bou
         "Sphere" => Ok(Box::new(Sphere::new(item, origin)?)),
         "Capsule" => Ok(Box::new(Solid::capsule(item, origin)?)),
         "ConvexHull" => Ok(Box::new(Solid::hull(item, dimension, origin)?)),
-        _ => Err(scene::unknown(item, "a boundary: Plane, Box, Sphere, Capsule or ConvexHull")),
+        "HeightField" => Ok(Box::new(HeightField::new(item, dimension, origin)?)),
+        _ => Err(scene::unknown(item, "a boundary: Plane, Box, Sphere, Capsule, ConvexHull or HeightField")),
     }
 }

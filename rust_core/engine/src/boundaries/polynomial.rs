@@ -185,7 +185,7 @@ mod tests {
         match *wall {
             Wall::Plane { normal, offset } => Polynomial::plane((normal, offset), path, 0.1, false),
             Wall::Sphere { center, radius, inside } => Polynomial::sphere((center, radius, inside), path, 0.1, false),
-            Wall::Solid(_) => unreachable!("not drawn"),
+            Wall::Solid(_) | Wall::Terrain(_) => unreachable!("not drawn"),
         }
     }
 

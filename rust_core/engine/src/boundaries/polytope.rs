@@ -44,6 +44,18 @@ pub enum Feature {
     Vertex,
 }
 
+impl Feature {
+    /// The curvature [1/m] along a unit direction of the surface at a distance [m], or the largest for no direction.
+    pub(super) fn curvature(self, distance: f64, direction: DVec3) -> f64 {
+        let straight = match self {
+            Self::Facet => return 0.0,
+            Self::Edge(edge) => edge.dot(direction).powi(2),
+            Self::Vertex => 0.0,
+        };
+        (1.0 - straight).max(0.0) / distance.max(f64::MIN_POSITIVE)
+    }
+}
+
 /// The surface nearest to a point.
 #[derive(Debug, Clone, Copy)]
 pub struct Nearest {
@@ -167,12 +179,7 @@ impl Polytope {
     /// The curvature [1/m] along a unit direction of the surface at the distance of `x`, or the largest for no direction.
     pub fn curvature(&self, x: DVec3, direction: DVec3) -> f64 {
         let Nearest { distance, feature, .. } = self.nearest(x);
-        let straight = match feature {
-            Feature::Facet => return 0.0,
-            Feature::Edge(edge) => edge.dot(direction).powi(2),
-            Feature::Vertex => 0.0,
-        };
-        (1.0 - straight).max(0.0) / (distance + self.rounding).max(f64::MIN_POSITIVE)
+        feature.curvature(distance + self.rounding, direction)
     }
 }
 

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use super::polytope::Polytope;
+use super::terrain::Terrain;
 
 /// A surface with an allowed side.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,12 +28,15 @@ pub enum Wall {
     },
     /// The outside of a rounded convex polytope.
     Solid(Arc<Polytope>),
+    /// What is above a height field.
+    Terrain(Arc<Terrain>),
 }
 
 impl Wall {
     /// The signed distance from the wall to `x` [m], positive on the allowed side, and the unit normal into that side.
     pub fn distance(&self, x: DVec3) -> (f64, DVec3) {
         match *self {
+            Self::Terrain(ref terrain) => terrain.distance(x, f64::INFINITY),
             Self::Solid(ref solid) => {
                 let nearest = solid.nearest(x);
                 (nearest.distance, nearest.normal)
@@ -48,12 +52,20 @@ impl Wall {
         }
     }
 
+    /// The same up to the distance `reach` [m]; beyond, that may be infinite.
+    pub fn distance_within(&self, x: DVec3, reach: f64) -> (f64, DVec3) {
+        match self {
+            Self::Terrain(terrain) => terrain.distance(x, reach),
+            _ => self.distance(x),
+        }
+    }
+
     /// The curvature κ [1/m] of the surface at the wall's distance from `x` along a unit direction: moving along that with
     /// velocity v changes the distance by d'' = n·a + κ v². For no direction, the curvature of the largest magnitude.
     pub fn curvature(&self, x: DVec3, direction: DVec3) -> f64 {
         match *self {
             Self::Solid(ref solid) => solid.curvature(x, direction),
-            Self::Plane { .. } => 0.0,
+            Self::Plane { .. } | Self::Terrain(_) => 0.0,
             Self::Sphere { center, inside, .. } => {
                 let length = (x - center).length();
                 let curvature = if length > 0.0 { 1.0 / length } else { 0.0 };
@@ -62,10 +74,19 @@ impl Wall {
         }
     }
 
+    /// How much the unit normal at `x`, which is within `reach` of the wall, may change within a way [m].
+    pub fn turn(&self, x: DVec3, reach: f64, way: f64) -> f64 {
+        match self {
+            Self::Terrain(terrain) => terrain.turn(x, reach, way),
+            _ => way * self.curvature(x, DVec3::ZERO).abs(),
+        }
+    }
+
     /// Magnitude of the operands of a distance near the surface [m], the scale of its rounding error.
     pub fn extent(&self) -> f64 {
         match *self {
             Self::Solid(ref solid) => solid.extent(),
+            Self::Terrain(ref terrain) => terrain.extent(),
             Self::Plane { offset, .. } => offset.abs(),
             Self::Sphere { center, radius, .. } => center.abs().max_element() + radius,
         }

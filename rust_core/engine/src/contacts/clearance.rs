@@ -1,6 +1,8 @@
 //! The clearance test that most particles pass at every step, in the state's precision and vectorized: if the Bernstein
 //! control points of the path are clear of every wall, so is the path, which lies in their convex hull.
 
+use glam::DVec3;
+
 use super::{Before, Contacts};
 use crate::boundaries::Wall;
 use crate::math::{AXES, Real, Vector};
@@ -62,6 +64,12 @@ impl<T: Real> Test<T> {
                         let center = center.to_array().map(T::from_f64);
                         Self::Sphere { set, center, radius: T::from_f64(radius + margin), inside: false }
                     });
+                }
+                // What is higher than all of the ground is clear of it.
+                Wall::Terrain(ref terrain) => {
+                    let (up, highest) = terrain.top();
+                    let (axis, lower) = (if up == DVec3::Z { 2 } else { 1 }, T::from_f64(highest + margin));
+                    tests.push(Self::Slab { set, axis, lower, upper: T::from_f64(f64::INFINITY) });
                 }
                 Wall::Sphere { center, radius, inside } => {
                     let radius = T::from_f64(if inside { radius - margin } else { radius + margin });

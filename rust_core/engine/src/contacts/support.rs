@@ -6,6 +6,7 @@
 
 use glam::DVec3;
 
+use super::Key;
 use super::trajectory::{Contact, ContactSet, pushes};
 
 /// Maximum rotation of the tangent plane [rad] within one slide on a curved wall.
@@ -111,11 +112,11 @@ impl Support {
         }
     }
 
-    /// The same support at another position, where `surface` gives a wall's normal and curvatures.
-    pub fn moved(&self, surface: impl Fn(usize) -> (DVec3, f64, f64)) -> Self {
+    /// The same support at another position, where `surface` gives a piece's normal and curvatures.
+    pub fn moved(&self, surface: impl Fn(Key) -> (DVec3, f64, f64)) -> Self {
         let mut moved = *self;
         for contact in moved.carriers.iter_mut().take(self.count.min(2)) {
-            (contact.normal, contact.curvature, contact.bend) = surface(contact.surface);
+            (contact.normal, contact.curvature, contact.bend) = surface(contact.key);
         }
         moved
     }

@@ -17,14 +17,14 @@
 
 use glam::DVec3;
 
-use super::Surface;
 use super::support::{Slip, Support};
-use crate::boundaries::{Gap, Path, Wall};
+use super::{Key, LEFT, Surface, WITHIN};
+use crate::boundaries::{Path, Piece, Wall};
 
 /// Maximum number of impacts and slides within one step.
 const EVENTS: usize = 64;
 /// Maximum number of simultaneous contacts of a particle.
-pub(super) const MOST_CONTACTS: usize = 8;
+pub(super) const MOST_CONTACTS: usize = 12;
 
 /// The walls that one particle can touch.
 #[derive(Clone, Copy)]
@@ -47,8 +47,8 @@ pub(super) struct End {
 /// A wall that a particle touches.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Contact {
-    /// Its index among the surfaces.
-    pub surface: usize,
+    /// The surface, or its part.
+    pub key: Key,
     /// The unit normal into the allowed side.
     pub normal: DVec3,
     /// Curvature κ [1/m] along the velocity: sliding with velocity v takes a normal acceleration −κ v².
@@ -73,6 +73,18 @@ impl ContactSet {
         &self.items[..self.count]
     }
 
+    /// Adds a contact. Where its normal is that of a contact with the same surface but for a rounding error of `blur`, it
+    /// becomes that one, so that faces in a plane do not form a valley.
+    fn add_part(&mut self, mut contact: Contact, blur: f64) {
+        let is_same = |other: &&Contact| {
+            other.key.surface == contact.key.surface && (other.normal - contact.normal).length_squared() <= blur * blur
+        };
+        if let Some(same) = self.as_slice().iter().find(is_same) {
+            contact.normal = same.normal;
+        }
+        self.add(contact);
+    }
+
     pub fn add(&mut self, contact: Contact) {
         if self.count < MOST_CONTACTS {
             self.items[self.count] = contact;
@@ -80,8 +92,8 @@ impl ContactSet {
         }
     }
 
-    pub fn contain(&self, surface: usize) -> bool {
-        self.as_slice().iter().any(|contact| contact.surface == surface)
+    pub fn contain(&self, key: Key) -> bool {
+        self.as_slice().iter().any(|contact| contact.key == key)
     }
 }
 
@@ -89,7 +101,7 @@ impl<'a> Walls<'a> {
     /// Integrates a step of `h` with contacts, which the integrator took along `path` from the velocity `start`; None
     /// without contact.
     pub fn trajectory(&self, path: &Path, start: DVec3, h: f64) -> Option<End> {
-        let (time, surface) = self.first(path, h, &self.contacts(path.position, start, None), &ContactSet::default())?;
+        let (time, key) = self.first(path, h, &self.contacts(path.position, start, None), &ContactSet::default())?;
         let trajectory = Trajectory {
             walls: *self,
             position: path.at(time),
@@ -98,37 +110,47 @@ impl<'a> Walls<'a> {
             left: h - time,
             lost: 0.0,
         };
-        Some(trajectory.finish(surface))
+        Some(trajectory.finish(key))
     }
 
-    fn acting(&self) -> impl Iterator<Item = (usize, &'a Surface)> {
-        let body = self.body;
-        self.surfaces.iter().enumerate().filter(move |(_, surface)| surface.bodies[body])
+    /// The pieces of walls that the particle may touch within a box along the axes.
+    fn acting(&self, bounds: (DVec3, DVec3)) -> impl Iterator<Item = (Key, &'a Surface, Piece<'a>)> {
+        let Self { surfaces, body, radius, rounding } = *self;
+        let surfaces = surfaces.iter().enumerate().filter(move |(_, surface)| surface.bodies[body]);
+        surfaces.flat_map(move |(index, surface)| {
+            let pieces = surface.pieces(rounding, bounds, radius);
+            pieces.map(move |piece| (Key { surface: index, part: piece.part() }, surface, piece))
+        })
+    }
+
+    /// What a particle touches.
+    fn piece(&self, key: Key) -> Piece<'a> {
+        self.surfaces[key.surface].wall.piece(key.part)
     }
 
     /// The walls that a particle at `x` with a velocity touches; `hit` is one of them irrespective of rounding.
-    fn contacts(&self, x: DVec3, velocity: DVec3, hit: Option<usize>) -> ContactSet {
+    fn contacts(&self, x: DVec3, velocity: DVec3, hit: Option<Key>) -> ContactSet {
         let mut contacts = ContactSet::default();
-        for (index, surface) in self.acting() {
-            let (distance, normal) = surface.wall.distance(x);
+        for (key, surface, piece) in self.acting((x, x)) {
+            let (distance, normal) = piece.distance(x, WITHIN);
             let slack = surface.slack(self.rounding, x, self.radius);
-            if distance - self.radius <= slack || hit == Some(index) {
+            if distance - self.radius <= slack || hit == Some(key) {
                 let [curvature, bend] =
-                    [velocity.normalize_or_zero(), DVec3::ZERO].map(|direction| surface.wall.curvature(x, direction));
-                contacts.add(Contact { surface: index, normal, curvature, bend, friction: surface.friction, slack });
+                    [velocity.normalize_or_zero(), DVec3::ZERO].map(|direction| piece.curvature(x, direction));
+                let contact = Contact { key, normal, curvature, bend, friction: surface.friction, slack };
+                contacts.add_part(contact, piece.blur());
             }
         }
         contacts
     }
 
     /// The first contact along `path` within `duration`, except with the walls that the particle slides on.
-    fn first(&self, path: &Path, duration: f64, contacts: &ContactSet, slides: &ContactSet) -> Option<(f64, usize)> {
+    fn first(&self, path: &Path, duration: f64, contacts: &ContactSet, slides: &ContactSet) -> Option<(f64, Key)> {
         let mut first = None;
         let mut duration = duration;
-        for (index, surface) in self.acting().filter(|(index, _)| !slides.contain(*index)) {
-            let gap = Gap::new(&surface.wall, path, self.radius, contacts.contain(index));
-            if let Some(time) = gap.first_contact(duration) {
-                first = Some((time, index));
+        for (key, _, piece) in self.acting(path.bounds(duration)).filter(|(key, ..)| !slides.contain(*key)) {
+            if let Some(time) = piece.first_contact(path, self.radius, contacts.contain(key), duration) {
+                first = Some((time, key));
                 duration = time;
             }
         }
@@ -138,7 +160,7 @@ impl<'a> Walls<'a> {
     /// `x`, projected onto the walls that the particle slides on.
     fn onto(&self, slides: &ContactSet, mut x: DVec3) -> DVec3 {
         let gap = |contact: &Contact, x: DVec3| {
-            let (distance, normal) = self.surfaces[contact.surface].wall.distance(x);
+            let (distance, normal) = self.piece(contact.key).surface(x);
             (self.radius - distance, normal)
         };
         match slides.as_slice() {
@@ -185,13 +207,13 @@ struct Trajectory<'a> {
 
 impl Trajectory<'_> {
     /// Integrates from the contact with one wall to the end of the step.
-    fn finish(mut self, surface: usize) -> End {
-        let mut hit = Some(surface);
+    fn finish(mut self, key: Key) -> End {
+        let mut hit = Some(key);
         for _ in 0..EVENTS {
             let contacts = self.walls.contacts(self.position, self.velocity, hit);
             if let Some(contact) = self.approached(&contacts) {
                 self.bounce(&contact);
-                hit = Some(contact.surface);
+                hit = Some(contact.key);
             } else if self.left > 0.0 {
                 hit = self.go_on(&contacts);
             } else {
@@ -219,7 +241,7 @@ impl Trajectory<'_> {
     }
 
     fn bounce(&mut self, contact: &Contact) {
-        let Surface { restitution, friction, .. } = self.walls.surfaces[contact.surface];
+        let Surface { restitution, friction, .. } = self.walls.surfaces[contact.key.surface];
         // Divided by n², so that a normal whose length is off by rounding does not add energy at every bounce.
         let normal = contact.normal / contact.normal.length_squared();
         let speed = -normal.dot(self.velocity);
@@ -238,7 +260,7 @@ impl Trajectory<'_> {
     }
 
     /// Advances freely or sliding to the next event; returns the wall of the next contact.
-    fn go_on(&mut self, contacts: &ContactSet) -> Option<usize> {
+    fn go_on(&mut self, contacts: &ContactSet) -> Option<Key> {
         let still = self.still();
         match Support::of(contacts, &mut self.velocity, self.acceleration, self.left, still) {
             None => self.fall(contacts),
@@ -246,20 +268,20 @@ impl Trajectory<'_> {
         }
     }
 
-    fn fall(&mut self, contacts: &ContactSet) -> Option<usize> {
+    fn fall(&mut self, contacts: &ContactSet) -> Option<Key> {
         let path = Path { position: self.position, velocity: self.velocity, acceleration: self.acceleration };
         let next = self.walls.first(&path, self.left, contacts, &ContactSet::default());
         let time = next.map_or(self.left, |(time, _)| time);
         self.position = path.at(time);
         self.velocity = path.slope(time);
         self.left -= time;
-        next.map(|(_, surface)| surface)
+        next.map(|(_, key)| key)
     }
 
     /// Slides on the supporting walls: a velocity Verlet step within the surface, with the friction along the velocity
     /// at its middle. On planes this is the exact parabola, and energy is exact; on a sphere it stays on the surface, and
     /// its energy is off by O(h²) without drift, as Verlet's is.
-    fn slide(&mut self, contacts: &ContactSet, support: &Support) -> Option<usize> {
+    fn slide(&mut self, contacts: &ContactSet, support: &Support) -> Option<Key> {
         let Slip { acceleration, duration, stops, rests } = support.slip(self.velocity, self.left);
         if rests && duration == 0.0 {
             self.position = self.walls.onto(&support.slides, self.position);
@@ -294,19 +316,28 @@ impl Trajectory<'_> {
             self.velocity = DVec3::ZERO;
             self.left = if rests { 0.0 } else { self.left };
         }
-        next.map(|(_, surface)| surface)
+        next.map(|(_, key)| key)
     }
 
-    /// The time, up to `time`, until which a slide on facets stays on them: beyond an edge the path lifts off.
+    /// The time, up to `time`, until which a slide on facets stays on them: beyond an edge the path lifts off. A slide on a part
+    /// of a height field stays in its region.
     fn edge(&self, support: &Support, acceleration: DVec3, time: f64) -> f64 {
-        let lifted = |time: f64| {
-            let x = self.position + (self.velocity + acceleration * (0.5 * time)) * time;
-            support.slides.as_slice().iter().any(|contact| {
-                let Surface { wall, .. } = &self.walls.surfaces[contact.surface];
-                matches!(wall, Wall::Solid(_)) && wall.distance(x).0 - self.walls.radius > 2.0 * contact.slack
-            })
+        let is_flat = support.bend == 0.0;
+        let bounded = |contact: &Contact| match self.walls.piece(contact.key) {
+            Piece::Whole(wall) => is_flat && matches!(wall, Wall::Solid(_)),
+            Piece::Part(..) => true,
         };
-        if support.bend > 0.0 || !lifted(time) {
+        let lifted = |time: f64| {
+            let straight = self.position + (self.velocity + acceleration * (0.5 * time)) * time;
+            let x = if is_flat { straight } else { self.slide_to(support, acceleration, time) };
+            support
+                .slides
+                .as_slice()
+                .iter()
+                .filter(|contact| bounded(contact))
+                .any(|contact| self.walls.piece(contact.key).distance(x, LEFT).0 - self.walls.radius > LEFT * contact.slack)
+        };
+        if !support.slides.as_slice().iter().any(bounded) || !lifted(time) {
             return time;
         }
         let (mut low, mut high) = (0.0, time);
@@ -330,11 +361,11 @@ impl Trajectory<'_> {
     /// The second half of a slide on a curved wall: the velocity is rotated into the new tangent plane, and the forces are
     /// those there.
     fn turn(&mut self, support: &Support, middle: DVec3, drag: f64, time: f64) {
-        let here = support.moved(|surface| {
-            let wall = &self.walls.surfaces[surface].wall;
+        let here = support.moved(|key| {
+            let piece = self.walls.piece(key);
             let [curvature, bend] =
-                [middle.normalize_or_zero(), DVec3::ZERO].map(|direction| wall.curvature(self.position, direction));
-            (wall.distance(self.position).1, curvature, bend)
+                [middle.normalize_or_zero(), DVec3::ZERO].map(|direction| piece.curvature(self.position, direction));
+            (piece.surface(self.position).1, curvature, bend)
         });
         let speed = middle.length();
         let middle = here.along(middle).normalize_or_zero() * speed;

@@ -8,6 +8,7 @@ use std::ops::Range;
 
 use glam::DVec3;
 
+use super::derivatives::{Block, Derivatives, Directed, Motion, Push};
 use super::linear::Fusion;
 use super::pointwise::{self, ForceField, PointRate};
 use super::{About, Declared, Force, Forces, Kind, Rates, Reach, StateView, Validity};
@@ -183,6 +184,41 @@ impl<V: Vector> Force<V> for Central<V> {
 
     fn validity(&self, _at: &StateView<'_, V>, horizon: Horizon) -> Validity {
         if horizon == Horizon::Present && self.exponent != 1.0 { Validity::Now } else { Validity::Always }
+    }
+
+    fn derivatives(&mut self) -> Option<&mut dyn Derivatives> {
+        Some(self)
+    }
+}
+
+impl<V: Vector> Central<V> {
+    /// The place d of each particle that it acts on, from the center, with the stiffness along and across it: with
+    /// w = s q^((p−1)/2) it is w across d, and w (1 + (p − 1) |d|²/q) along it.
+    fn stiffness(&self, at: &Motion<'_>) -> impl Iterator<Item = (usize, DVec3, Directed)> {
+        let (center, square) = (self.center - at.origin, self.softening * self.softening);
+        self.members(0..at.position.len()).filter_map(move |index| {
+            let d = at.position[index] - center;
+            let q = d.length_squared() + square;
+            let across = self.strength * half_power(q, self.exponent - 1.0);
+            let along = across * (1.0 + (self.exponent - 1.0) * d.length_squared() / q);
+            (q > 0.0 && self.strength != 0.0).then_some((index, d, Directed { along, across }))
+        })
+    }
+}
+
+impl<V: Vector> Derivatives for Central<V> {
+    fn forces(&self, at: &Motion<'_>, push: &mut dyn FnMut(Push)) {
+        for (particle, d, stiffness) in self.stiffness(at) {
+            push(Push { particle, force: -stiffness.across * d, stiffness: stiffness.largest() });
+        }
+    }
+
+    fn blocks(&self, at: &Motion<'_>, [position, _]: [f64; 2], add: &mut dyn FnMut(Block)) {
+        for (particle, d, stiffness) in self.stiffness(at) {
+            let [exact, definite] =
+                [stiffness, stiffness.definite()].map(|stiffness| position * stiffness.matrix(d.normalize_or_zero()));
+            add(Block::of(particle, exact, definite));
+        }
     }
 }
 

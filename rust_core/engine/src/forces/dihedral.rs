@@ -26,6 +26,7 @@ use std::ops::Range;
 use glam::DVec3;
 
 use super::corners::Corners;
+use super::derivatives::{Block, Derivatives, Motion, Push, outer};
 use super::{About, Declared, Force, Forces, Kind, Rates, Reach, StateView, Validity, VelocityDependence};
 use crate::error::{Error, Result};
 use crate::history::History;
@@ -33,7 +34,7 @@ use crate::math::Vector;
 use crate::matter::EnergySink;
 use crate::parallel::Executor;
 use crate::stability::{Horizon, SpectralBound};
-use hinge::{Bent, Hinge};
+use hinge::{Bent, Hinge, hessian};
 
 /// The bending of some networks.
 #[derive(Debug)]
@@ -146,5 +147,44 @@ impl<V: Vector> Force<V> for Dihedral<V> {
 
     fn validity(&self, _at: &StateView<'_, V>, _horizon: Horizon) -> Validity {
         if self.hinges.is_empty() { Validity::Always } else { Validity::Now }
+    }
+
+    fn derivatives(&mut self) -> Option<&mut dyn Derivatives> {
+        Some(self)
+    }
+}
+
+impl<V: Vector> Dihedral<V> {
+    /// The hinges that are there, with the positions of their corners and their states.
+    fn bent(&self, at: &Motion<'_>) -> impl Iterator<Item = (&Hinge, [DVec3; 4], Bent)> {
+        self.hinges.iter().filter_map(|hinge| {
+            let [x, v] = [at.position, at.velocity].map(|values| hinge.corners.map(|corner| values[corner as usize]));
+            hinge.bent_at(x, v).map(|bent| (hinge, x, bent))
+        })
+    }
+}
+
+/// K = w B ∇θ ∇θᵀ + τ ∇²θ and C = w c ∇θ ∇θᵀ. What damping changes with the position at a given velocity is not symmetric, and left out.
+/// Without τ ∇²θ, as by Gauss and Newton, K is positive semidefinite.
+impl<V: Vector> Derivatives for Dihedral<V> {
+    fn forces(&self, at: &Motion<'_>, push: &mut dyn FnMut(Push)) {
+        for (hinge, _, Bent { gradient, torque, .. }) in self.bent(at) {
+            let slope = gradient.iter().map(|gradient| gradient.length()).sum::<f64>();
+            for (corner, gradient) in hinge.corners.iter().zip(gradient) {
+                let stiffness = (hinge.stiffness + torque.abs()) * gradient.length() * slope;
+                push(Push { particle: *corner as usize, force: gradient * -torque, stiffness });
+            }
+        }
+    }
+
+    fn blocks(&self, at: &Motion<'_>, [position, rate]: [f64; 2], add: &mut dyn FnMut(Block)) {
+        for (hinge, x, Bent { gradient, torque, .. }) in self.bent(at) {
+            let (weight, bending) = (position * hinge.stiffness + rate * hinge.damping, hessian(x));
+            for (other, one) in (0..4).flat_map(|other| (0..other).map(move |one| (other, one))) {
+                let definite = -weight * outer(gradient[one], gradient[other]);
+                let exact = definite - position * torque * bending[one][other];
+                add(Block { ends: [hinge.corners[one], hinge.corners[other]], exact, definite });
+            }
+        }
     }
 }

@@ -6,6 +6,7 @@ use std::ops::Range;
 
 use glam::DVec3;
 
+use super::derivatives::{Block, Derivatives, Directed, Motion, Push};
 use super::linear::Fusion;
 use super::pointwise::{self, ForceField, PointRate};
 use super::{About, Declared, Force, Forces, Kind, Rates, Reach, StateView, Validity, VelocityDependence};
@@ -96,6 +97,30 @@ impl<V: Vector> Force<V> for Drag<V> {
 
     fn validity(&self, _at: &StateView<'_, V>, _horizon: Horizon) -> Validity {
         if self.quadratic == 0.0 { Validity::Always } else { Validity::Now }
+    }
+
+    fn derivatives(&mut self) -> Option<&mut dyn Derivatives> {
+        Some(self)
+    }
+}
+
+/// C = γ + 2q|u| along u, and γ + q|u| across it.
+impl<V: Vector> Derivatives for Drag<V> {
+    fn forces(&self, at: &Motion<'_>, push: &mut dyn FnMut(Push)) {
+        for particle in (0..at.velocity.len()).filter(|&index| self.acts_on(index)) {
+            let u = at.velocity[particle] - self.wind;
+            push(Push { particle, force: -(self.linear + self.quadratic * u.length()) * u, stiffness: 0.0 });
+        }
+    }
+
+    fn blocks(&self, at: &Motion<'_>, [_, rate]: [f64; 2], add: &mut dyn FnMut(Block)) {
+        for particle in (0..at.velocity.len()).filter(|&index| self.acts_on(index)) {
+            let u = at.velocity[particle] - self.wind;
+            let per_speed = self.quadratic * u.length();
+            let damping = Directed { along: self.linear + 2.0 * per_speed, across: self.linear + per_speed };
+            let matrix = rate * damping.matrix(u.normalize_or_zero());
+            add(Block::of(particle, matrix, matrix));
+        }
     }
 }
 

@@ -4,7 +4,10 @@
 //! and force (shifted force): F(r) − F(R) and U(r) − U(R) + (r − R) F(R), as in S. Toxvaerd, J. C. Dyre, J. Chem. Phys. 134
 //! (2011) 081102.
 
-use super::pairs::{Directed, Interaction, Pairs, SUMS};
+use glam::DVec3;
+
+use super::derivatives::Directed;
+use super::pairs::{Interaction, Pairs, Response, SUMS};
 use super::{Declared, Forces, Kind, Reach, StateView, VelocityDependence};
 use crate::error::Result;
 use crate::math::{Real, Vector};
@@ -127,6 +130,18 @@ impl<V: Vector> Interaction<V> for LennardJones<V::Scalar> {
         }
         let [_, force, stiffness] = uncut(self.epsilon, self.sigma, distance);
         [Directed { along: stiffness.abs(), across: (force - self.edge[1]).abs() / distance }, Directed::default()]
+    }
+
+    /// K is U'' along the pair and −F/r across it.
+    fn response(&self, _attributes: [f64; 2], separation: DVec3, _velocity: DVec3) -> Response {
+        let distance = separation.length();
+        if distance >= self.cutoff || distance == 0.0 {
+            return Response::NONE;
+        }
+        let [_, force, along] = uncut(self.epsilon, self.sigma, distance);
+        let push = force - self.edge[1];
+        let stiffness = Directed { along, across: -push / distance };
+        Response { force: separation * (push / distance), stiffness, ..Response::NONE }
     }
 
     fn bound(&self, at: &StateView<'_, V>, members: &[u32], bound: &mut SpectralBound) {

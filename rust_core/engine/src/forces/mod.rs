@@ -19,6 +19,7 @@ mod central;
 mod corners;
 mod custom;
 pub mod density;
+pub mod derivatives;
 mod dihedral;
 mod drag;
 mod electromagnetic;
@@ -36,6 +37,7 @@ mod wind;
 
 pub use central::InverseSquare;
 pub use density::{DensityEvolution, Drift, Fields, Mach, Scheme};
+use derivatives::Derivatives;
 pub use electromagnetic::ReadyField;
 pub(crate) use electromagnetic::{Affine, FieldLaw, Law, Use, times};
 use linear::Fusion;
@@ -238,6 +240,11 @@ pub trait Force<V: Vector>: History + Send + Sync {
 
     /// Itself as an electric or magnetic field, if that is one the engine computes and does not change in time.
     fn ready_field(&self) -> Option<ReadyField<'_, V::Scalar>> {
+        None
+    }
+
+    /// Its derivatives, if it has some.
+    fn derivatives(&mut self) -> Option<&mut dyn Derivatives> {
         None
     }
 

@@ -8,6 +8,7 @@ use std::ops::Range;
 
 use glam::{DMat3, DVec3};
 
+use super::derivatives::{Block, Derivatives, Directed, Motion, Push};
 use super::neighbor_list::NeighborList;
 use super::springs;
 use super::{About, Force, Rates, Reach, StateView, Validity, VelocityDependence};
@@ -48,6 +49,10 @@ pub trait Interaction<V: Vector>: PairLaw<V, SUMS> + Send {
     /// Upper bounds of the stiffness [N/m] and the damping [N·s/m] of such a pair, longitudinal and transverse.
     fn stiffness(&self, attributes: [f64; 2], distance: f64) -> [Directed; 2];
 
+    /// The force on the first of such a pair [N], which is at `separation` from the second and moves with `velocity` relative to it, with
+    /// its derivatives.
+    fn response(&self, attributes: [f64; 2], separation: DVec3, velocity: DVec3) -> Response;
+
     /// Largest eigenvalues of the summed stiffness [N/m] and damping [N·s/m] matrices of a particle's pairs that must be
     /// expected in the motion ahead, however few pairs interact now.
     fn expected(&self, _at: &StateView<'_, V>, _members: &[u32]) -> [f64; 2] {
@@ -58,19 +63,20 @@ pub trait Interaction<V: Vector>: PairLaw<V, SUMS> + Send {
     fn bound(&self, _at: &StateView<'_, V>, _members: &[u32], _bound: &mut SpectralBound) {}
 }
 
-/// Stiffness or damping of a pair: longitudinal a and transverse b for the direction n, a nnᵀ + b (1 − nnᵀ).
-#[derive(Debug, Clone, Copy, Default)]
-pub struct Directed {
-    pub along: f64,
-    pub across: f64,
+/// The force on the first of a pair, with the symmetric parts of its derivatives.
+#[derive(Debug, Clone, Copy)]
+pub struct Response {
+    /// [N]
+    pub force: DVec3,
+    /// K for the direction of the separation [N/m].
+    pub stiffness: Directed,
+    /// C, positive semidefinite [N·s/m].
+    pub damping: DMat3,
 }
 
-impl Directed {
-    /// The matrix for the direction `n`.
-    fn matrix(&self, n: DVec3) -> DMat3 {
-        let outer = DMat3::from_cols(n * n.x, n * n.y, n * n.z);
-        (self.along - self.across) * outer + self.across * DMat3::IDENTITY
-    }
+impl Response {
+    /// That of particles that do not interact.
+    pub const NONE: Self = Self { force: DVec3::ZERO, stiffness: Directed { along: 0.0, across: 0.0 }, damping: DMat3::ZERO };
 }
 
 /// Upper bound of the largest eigenvalue of a symmetric matrix in `dimension` dimensions by its trace and norm, exact in
@@ -130,6 +136,24 @@ impl<V: Vector, L: Interaction<V>> Pairs<V, L> {
         }
         let records = Records::new(neighbor_list.neighbors());
         Ok(Self { law, attributes, neighbor_list, records, sums })
+    }
+
+    /// Calls `take` with the members of every listed pair, and the response of the first of them.
+    fn respond(&self, at: &Motion<'_>, mut take: impl FnMut([usize; 2], DVec3, Response)) {
+        let (neighbors, members) = (self.neighbor_list.neighbors(), self.neighbor_list.members());
+        let (order, support) = (neighbors.order(), neighbors.support());
+        let encodings = neighbors.domain().lengths().map(|length| f64::encoding(length, support));
+        for (slot, &one) in order.iter().enumerate() {
+            for &other in neighbors.of(slot).iter().filter(|&&other| other as usize > slot) {
+                let pair = [one as usize, order[other as usize] as usize];
+                let [one, other] = pair.map(|member| members[member] as usize);
+                let (a, b) = (at.position[one].to_array(), at.position[other].to_array());
+                let separation =
+                    DVec3::from_array(std::array::from_fn(|axis| f64::separation::<true, _>(a[axis], b[axis], encodings[axis])));
+                let attributes = pair.map(|member| self.attributes[member]);
+                take([one, other], separation, self.law.response(attributes, separation, at.velocity[one] - at.velocity[other]));
+            }
+        }
     }
 
     /// Calls `take` with the value of `each` for every pair within the cutoff, once, with its members and its separation
@@ -282,5 +306,34 @@ impl<V: Vector, L: Interaction<V>> Force<V> for Pairs<V, L> {
 
     fn validity(&self, _at: &StateView<'_, V>, _horizon: Horizon) -> Validity {
         Validity::Now
+    }
+
+    fn derivatives(&mut self) -> Option<&mut dyn Derivatives> {
+        Some(self)
+    }
+}
+
+impl<V: Vector, L: Interaction<V>> Derivatives for Pairs<V, L> {
+    fn arrange(&mut self, at: &Motion<'_>, executor: &Executor) -> Result<()> {
+        self.neighbor_list.update(&|axis, index| at.position[index][axis], executor).map(|_| ())
+    }
+
+    fn forces(&self, at: &Motion<'_>, push: &mut dyn FnMut(Push)) {
+        self.respond(at, |[one, other], _, Response { force, stiffness, .. }| {
+            let stiffness = stiffness.largest();
+            push(Push { particle: one, force, stiffness });
+            push(Push { particle: other, force: -force, stiffness });
+        });
+    }
+
+    fn blocks(&self, at: &Motion<'_>, [position, rate]: [f64; 2], add: &mut dyn FnMut(Block)) {
+        self.respond(at, |ends, separation, Response { stiffness, damping, .. }| {
+            let direction = separation.normalize_or_zero();
+            let [exact, definite] =
+                [stiffness, stiffness.definite()].map(|stiffness| position * stiffness.matrix(direction) + rate * damping);
+            if definite != DMat3::ZERO || exact != DMat3::ZERO {
+                add(Block { ends: ends.map(|end| end as u32), exact, definite });
+            }
+        });
     }
 }

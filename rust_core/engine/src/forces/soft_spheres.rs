@@ -9,7 +9,10 @@
 //! and B. T. Werner's, Powder Technol. 48 (1986) 239. Contacts are never attractive. Particles have no spin, so friction
 //! acts on the motion of their centers.
 
-use super::pairs::{Directed, Interaction, Pairs, SUMS, attribute, relative_velocity};
+use glam::{DMat3, DVec3};
+
+use super::derivatives::{Directed, outer};
+use super::pairs::{Interaction, Pairs, Response, SUMS, attribute, relative_velocity};
 use super::{Declared, Forces, Kind, Reach, StateView, VelocityDependence};
 use crate::error::{Error, Result};
 use crate::math::{AXES, Real, Vector};
@@ -159,6 +162,38 @@ impl<V: Vector, const HERTZIAN: bool> Interaction<V> for SoftSpheres<V::Scalar, 
             return Default::default();
         }
         [Directed { along: self.stiffness_at(overlap), across: 0.0 }, self.dampings()]
+    }
+
+    /// While N > 0, K is k p δ^(p−1) along the normal and −N/r across it, and C is c along it; across, it is γ, or of sliding friction,
+    /// which does not grow with the slip, μN/|vₜ| across the slip alone. What friction and damping change with the position, at a
+    /// given velocity, is not symmetric, and left out.
+    fn response(&self, radii: [f64; 2], separation: DVec3, velocity: DVec3) -> Response {
+        let distance = separation.length();
+        let overlap = radii[0] + radii[1] - distance;
+        if overlap <= 0.0 || distance == 0.0 {
+            return Response::NONE;
+        }
+        let normal = separation / distance;
+        let parting = velocity.dot(normal);
+        let elastic = self.stiffness.to_f64() * if HERTZIAN { overlap * overlap.sqrt() } else { overlap };
+        let push = elastic - self.damping.to_f64() * parting;
+        if push <= 0.0 {
+            return Response::NONE;
+        }
+        let tangent = velocity - parting * normal;
+        let (slip, most) = (tangent.length(), self.friction.to_f64() * push);
+        let slides = self.tangential_damping.to_f64() * slip > most;
+        let per_slip = if slides { most / slip } else { self.dampings().across };
+        let mut damping = Directed { along: self.damping.to_f64(), across: per_slip }.matrix(normal);
+        if slides {
+            damping -= per_slip * outer(tangent, tangent) / (slip * slip);
+        }
+        let stiffness = Directed { along: self.stiffness_at(overlap), across: -push / distance };
+        Response {
+            force: push * normal - per_slip * tangent,
+            stiffness,
+            damping: if damping.is_finite() { damping } else { DMat3::ZERO },
+        }
     }
 
     /// The kissing number of equal spheres, each overlapping as in the impact of two of the heaviest at twice the largest

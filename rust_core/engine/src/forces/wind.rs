@@ -10,9 +10,10 @@
 
 use std::ops::Range;
 
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 
 use super::corners::Corners;
+use super::derivatives::{Block, Derivatives, Directed, Motion, Push, outer};
 use super::{About, Declared, Force, Forces, Kind, Rates, Reach, StateView, Validity, VelocityDependence};
 use crate::error::{Error, Result};
 use crate::history::History;
@@ -79,6 +80,16 @@ impl Air {
         let along = relative - across * normal;
         let pressure = self.normal * across.abs() * across * normal + self.tangential * along.length() * along;
         0.5 * self.density * size * pressure
+    }
+
+    /// ∂F/∂r = ½ ρ A (2 `C_n` |q| nnᵀ + `C_t` (|t| (1 − nnᵀ) + ttᵀ/|t|)), symmetric and positive semidefinite.
+    fn damping(&self, area: DVec3, relative: DVec3) -> DMat3 {
+        let normal = area.normalize_or_zero();
+        let across = normal.dot(relative);
+        let along = relative - across * normal;
+        let friction = Directed { along: 2.0 * self.normal * across.abs(), across: self.tangential * along.length() };
+        let turned = self.tangential * outer(along, along.normalize_or_zero());
+        0.5 * self.density * area.length() * (friction.matrix(normal) + turned)
     }
 }
 
@@ -168,5 +179,41 @@ impl<V: Vector> Force<V> for Wind<V> {
 
     fn validity(&self, _at: &StateView<'_, V>, _horizon: Horizon) -> Validity {
         if self.faces.is_empty() { Validity::Always } else { Validity::Now }
+    }
+
+    fn derivatives(&mut self) -> Option<&mut dyn Derivatives> {
+        Some(self)
+    }
+}
+
+impl<V: Vector> Wind<V> {
+    /// The corners of each face that is there, its area times its normal, and its velocity relative to the air.
+    fn met(&self, at: &Motion<'_>) -> impl Iterator<Item = ([u32; 3], DVec3, DVec3)> {
+        let of = |values: &[DVec3], face: [u32; 3]| face.map(|corner| values[corner as usize]);
+        let there = self.faces.iter().zip(&self.torn).filter(|(_, torn)| !**torn);
+        there.map(move |(&face, _)| (face, area(of(at.position, face)), self.air.relative(of(at.velocity, face))))
+    }
+}
+
+/// A third of F acts on each corner, and each moves the centroid by a third: −∂Fᵢ/∂vⱼ is a ninth of ∂F/∂r for all corners i and j. The
+/// changes with position have no symmetric part worth the name, and are left out.
+impl<V: Vector> Derivatives for Wind<V> {
+    fn forces(&self, at: &Motion<'_>, push: &mut dyn FnMut(Push)) {
+        for (face, area, relative) in self.met(at) {
+            let force = self.air.force(area, relative) / 3.0;
+            // An area is as uncertain as its sides are.
+            let stiffness = force.length() / area.length().sqrt();
+            face.iter().for_each(|&corner| push(Push { particle: corner as usize, force, stiffness }));
+        }
+    }
+
+    fn blocks(&self, at: &Motion<'_>, [_, rate]: [f64; 2], add: &mut dyn FnMut(Block)) {
+        for (face, area, relative) in self.met(at) {
+            let matrix = rate / 9.0 * self.air.damping(area, relative);
+            for (place, &corner) in face.iter().enumerate() {
+                add(Block::of(corner as usize, 3.0 * matrix, 3.0 * matrix));
+                face[..place].iter().for_each(|&other| add(Block { ends: [corner, other], exact: -matrix, definite: -matrix }));
+            }
+        }
     }
 }

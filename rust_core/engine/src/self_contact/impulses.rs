@@ -14,8 +14,10 @@ use glam::DVec3;
 use super::distance::combined;
 
 /// The most iterations, and the change of relative velocities in one, over the largest that is needed, that ends them.
-const MOST: u32 = 30;
+const MOST: u32 = 20;
 pub const CONVERGED: f64 = 1e-3;
+/// The iterations from one over all contacts to the next.
+const COMPLETE: u32 = 5;
 
 /// Where a contact comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -81,6 +83,13 @@ impl Contact {
         combined(&self.weights, &self.nodes.map(|node| velocities[node as usize]))
     }
 
+    /// The energy that what holds fixed particles supplies [J].
+    pub fn supplied(&self, is_fixed: impl Fn(u32) -> bool, velocities: &[DVec3]) -> f64 {
+        let fixed = self.nodes.iter().zip(self.weights).filter(|&(&node, weight)| weight != 0.0 && is_fixed(node));
+        let velocity: DVec3 = fixed.map(|(&node, weight)| weight * velocities[node as usize]).sum();
+        -velocity.dot(self.impulse * self.normal + self.tangential)
+    }
+
     /// Adds an impulse.
     #[inline(always)]
     fn push(&self, impulse: DVec3, velocities: &mut [DVec3]) {
@@ -126,7 +135,7 @@ pub fn start(contacts: &mut [Contact], velocities: &mut [DVec3]) {
     velocities.iter_mut().zip(&changes).for_each(|(velocity, change)| *velocity += factor * *change);
 }
 
-/// Iterates over the contacts to and fro.
+/// Iterates over the contacts to and fro; most iterations leave out those that have no impulse.
 pub fn solve(contacts: &mut [Contact], velocities: &mut [DVec3]) {
     let violation = |contact: &Contact| contact.least - contact.normal.dot(contact.velocity(velocities));
     let carried = contacts.iter().map(|contact| contact.impulse / contact.mass).fold(0.0, f64::max);
@@ -134,15 +143,29 @@ pub fn solve(contacts: &mut [Contact], velocities: &mut [DVec3]) {
     if needed <= 0.0 {
         return;
     }
+    let mut pressing: Vec<u32> = Vec::with_capacity(contacts.len());
+    let mut complete = true;
     for iteration in 0..MOST {
         let mut largest = 0.0_f64;
-        if iteration % 2 == 0 {
-            contacts.iter_mut().for_each(|contact| largest = largest.max(contact.relax(velocities)));
+        if complete {
+            pressing.clear();
+            for (contact, index) in contacts.iter_mut().zip(0..) {
+                largest = largest.max(contact.relax(velocities));
+                if contact.impulse > 0.0 {
+                    pressing.push(index);
+                }
+            }
         } else {
-            contacts.iter_mut().rev().for_each(|contact| largest = largest.max(contact.relax(velocities)));
+            let mut relax = |&index: &u32| largest = largest.max(contacts[index as usize].relax(velocities));
+            if iteration % 2 == 0 { pressing.iter().for_each(&mut relax) } else { pressing.iter().rev().for_each(&mut relax) }
         }
         if largest <= CONVERGED * needed {
-            break;
+            if complete {
+                break;
+            }
+            complete = true;
+        } else {
+            complete = (iteration + 1) % COMPLETE == 0;
         }
     }
 }

@@ -101,12 +101,16 @@ pub struct Mesh {
     /// The rule of each pair of bodies, as an index, row by row; [`NONE`] for bodies that do not touch.
     rules: Vec<u32>,
     bodies: usize,
+    /// The body of each particle.
+    body_of: Vec<u32>,
     tree: Tree,
     /// Boxes around the elements and the edges.
     boxes: Vec<Swept>,
     edge_boxes: Vec<Swept>,
 }
 
+/// What tells the higher half of the key of a vertex and a triangle.
+const HAS_FACE: u32 = 1 << 31;
 /// Bodies that do not touch.
 pub const NONE: u32 = u32::MAX;
 /// Nodes of the tree that one thread searches at a time.
@@ -119,7 +123,7 @@ impl Mesh {
     /// The meshes of bodies, each with its triangles and its free edges, of which `rules` has a row and a column each, between
     /// `count` particles.
     pub fn new(bodies: &[Body], rules: Vec<u32>, count: usize) -> Self {
-        let mut mesh = Self { rules, bodies: bodies.len(), ..Self::default() };
+        let mut mesh = Self { rules, bodies: bodies.len(), body_of: vec![0; count], ..Self::default() };
         let (mut has_vertex, mut numbers) = (vec![false; count], BTreeMap::<[u32; 2], u32>::new());
         for ((faces, edges), body) in bodies.iter().zip(0..) {
             let faces = faces.iter().map(|&face| (face, true));
@@ -144,6 +148,7 @@ impl Mesh {
             let [vertex, next] = [vertices[corner], vertices[(corner + 1) % 3]];
             if !std::mem::replace(&mut has_vertex[vertex as usize], true) {
                 element.own_vertices.push(vertex);
+                self.body_of[vertex as usize] = body;
             }
             if !is_face && corner == 1 {
                 break;
@@ -172,6 +177,23 @@ impl Mesh {
     #[inline(always)]
     pub fn neighbors(&self, vertex: u32) -> &[u32] {
         self.neighbors.of(vertex as usize)
+    }
+
+    /// The pair with a key; None if there is no such pair any more.
+    pub fn pair(&self, key: u64) -> Option<Pair> {
+        let (high, low) = ((key >> 32) as u32 & !HAS_FACE, key as u32);
+        let nodes = if key >> 63 == 1 {
+            let [a, b, c] = self.elements.get(low as usize).filter(|element| element.is_face)?.vertices;
+            [high, a, b, c]
+        } else {
+            let [[a, b], [c, d]] = [*self.edges.get(high as usize)?, *self.edges.get(low as usize)?];
+            [a, b, c, d]
+        };
+        let [one, other] = [nodes[0], nodes[3]].map(|node| self.body_of.get(node as usize).copied());
+        let rule = self.rules[one? as usize * self.bodies + other? as usize];
+        let apart =
+            if key >> 63 == 1 { !nodes[1..].contains(&high) } else { !nodes[2..].iter().any(|end| nodes[..2].contains(end)) };
+        (rule != NONE && apart).then_some(Pair { nodes, key, rule })
     }
 
     /// Sorts the elements in space, for the searches of a step.
@@ -242,9 +264,13 @@ impl Mesh {
                 if ends.iter().any(|end| far.contains(end)) || !part.overlaps(opposite) {
                     continue;
                 }
-                let (low, high) = (edge.min(facing), edge.max(facing));
-                let ([a, b], [c, d]) = if edge == low { (ends, far) } else { (far, ends) };
-                found(Pair { nodes: [a, b, c, d], key: u64::from(low) << 32 | u64::from(high), rule }, part, opposite);
+                let key = |low: u32, high: u32| u64::from(low) << 32 | u64::from(high);
+                let ([a, b], [c, d]) = (ends, far);
+                if edge < facing {
+                    found(Pair { nodes: [a, b, c, d], key: key(edge, facing), rule }, part, opposite);
+                } else {
+                    found(Pair { nodes: [c, d, a, b], key: key(facing, edge), rule }, opposite, part);
+                }
             }
         }
     }

@@ -48,10 +48,11 @@ impl Bounds {
         f64::from((self.low - point).max(point - self.high).max(Vec3A::ZERO).length())
     }
 
-    /// The largest distance of a point in it from the origin [m].
+    /// The largest component of a point in it along a direction [m].
     #[inline(always)]
-    pub fn reach(&self) -> f64 {
-        f64::from(self.low.abs().max(self.high.abs()).length() * (1.0 + ROUNDING))
+    pub fn support(&self, direction: DVec3) -> f64 {
+        let (low, high) = (direction * self.low.as_dvec3(), direction * self.high.as_dvec3());
+        low.max(high).element_sum()
     }
 }
 

@@ -215,38 +215,26 @@ register!(
 #[inline(always)]
 unsafe fn sixteen_singles(records: *const f32, part: Part<'_, 16>) -> [__m512; WORDS] {
     unsafe {
-        let mut rows = [_mm512_setzero_ps(); 8];
-        for row in 0..8 {
-            // One record in each half.
-            let low = _mm256_loadu_ps(records.add(part.index(row) * WORDS));
-            let high = _mm256_loadu_ps(records.add(part.index(row + 8) * WORDS));
-            rows[row] = _mm512_insertf32x8::<1>(_mm512_castps256_ps512(low), high);
-        }
-        // Words 0, 4 | 1, 5 | 2, 6 | 3, 7 of the first four rows and of the last four.
-        let first = four_rows(rows[0], rows[1], rows[2], rows[3]);
-        let last = four_rows(rows[4], rows[5], rows[6], rows[7]);
-        // Quarters in the order 0, 0, 2, 2 and 1, 1, 3, 3 of both.
-        let low = _mm512_setr_epi64(0, 1, 8, 9, 4, 5, 12, 13);
-        let high = _mm512_setr_epi64(2, 3, 10, 11, 6, 7, 14, 15);
         let mut words = [_mm512_setzero_ps(); WORDS];
-        for word in 0..4 {
-            words[word] = _mm512_castpd_ps(_mm512_permutex2var_pd(first[word], low, last[word]));
-            words[word + 4] = _mm512_castpd_ps(_mm512_permutex2var_pd(first[word], high, last[word]));
+        for half in 0..2 {
+            let mut rows = [_mm512_setzero_ps(); 4];
+            for row in 0..4 {
+                // Half a record in each quarter, loaded into its place: shuffles between quarters would cost more.
+                let words_of = |quarter: usize| _mm_loadu_ps(records.add(part.index(row + 4 * quarter) * WORDS + 4 * half));
+                rows[row] = _mm512_castps128_ps512(words_of(0));
+                rows[row] = _mm512_mask_broadcast_f32x4(rows[row], 0x00f0, words_of(1));
+                rows[row] = _mm512_mask_broadcast_f32x4(rows[row], 0x0f00, words_of(2));
+                rows[row] = _mm512_mask_broadcast_f32x4(rows[row], 0xf000, words_of(3));
+            }
+            let [a, b, c, d] = rows;
+            let (ab, cd) = (_mm512_castps_pd(_mm512_unpacklo_ps(a, b)), _mm512_castps_pd(_mm512_unpacklo_ps(c, d)));
+            let (ba, dc) = (_mm512_castps_pd(_mm512_unpackhi_ps(a, b)), _mm512_castps_pd(_mm512_unpackhi_ps(c, d)));
+            words[4 * half] = _mm512_castpd_ps(_mm512_unpacklo_pd(ab, cd));
+            words[4 * half + 1] = _mm512_castpd_ps(_mm512_unpackhi_pd(ab, cd));
+            words[4 * half + 2] = _mm512_castpd_ps(_mm512_unpacklo_pd(ba, dc));
+            words[4 * half + 3] = _mm512_castpd_ps(_mm512_unpackhi_pd(ba, dc));
         }
         words
-    }
-}
-
-/// Transposes the squares of four rows.
-///
-/// # Safety
-/// The CPU has AVX-512 F.
-#[inline(always)]
-unsafe fn four_rows(a: __m512, b: __m512, c: __m512, d: __m512) -> [__m512d; 4] {
-    unsafe {
-        let (ab, cd) = (_mm512_castps_pd(_mm512_unpacklo_ps(a, b)), _mm512_castps_pd(_mm512_unpacklo_ps(c, d)));
-        let (ba, dc) = (_mm512_castps_pd(_mm512_unpackhi_ps(a, b)), _mm512_castps_pd(_mm512_unpackhi_ps(c, d)));
-        [_mm512_unpacklo_pd(ab, cd), _mm512_unpackhi_pd(ab, cd), _mm512_unpacklo_pd(ba, dc), _mm512_unpackhi_pd(ba, dc)]
     }
 }
 
@@ -284,28 +272,23 @@ unsafe fn eight_singles(records: *const f32, part: Part<'_, 8>) -> [__m256; WORD
 /// The words of eight records.
 ///
 /// # Safety
-/// The part is one of these records, and the CPU has AVX-512 F.
+/// The part is one of these records, and the CPU has AVX-512 F and DQ.
 #[inline(always)]
 unsafe fn eight_doubles(records: *const f64, part: Part<'_, 8>) -> [__m512d; WORDS] {
     unsafe {
-        // The even words of two records at a time, and the odd ones.
-        let mut pairs = [[_mm512_setzero_pd(); 4]; 2];
-        for pair in 0..4 {
-            let one = _mm512_loadu_pd(records.add(part.index(2 * pair) * WORDS));
-            let other = _mm512_loadu_pd(records.add(part.index(2 * pair + 1) * WORDS));
-            pairs[0][pair] = _mm512_unpacklo_pd(one, other);
-            pairs[1][pair] = _mm512_unpackhi_pd(one, other);
-        }
         let mut words = [_mm512_setzero_pd(); WORDS];
-        for odd in 0..2 {
-            let [a, b, c, d] = pairs[odd];
-            // Quarters 0, 2 of both, then 1, 3.
-            let (ab, cd) = (_mm512_shuffle_f64x2::<0b10_00_10_00>(a, b), _mm512_shuffle_f64x2::<0b10_00_10_00>(c, d));
-            let (ba, dc) = (_mm512_shuffle_f64x2::<0b11_01_11_01>(a, b), _mm512_shuffle_f64x2::<0b11_01_11_01>(c, d));
-            words[odd] = _mm512_shuffle_f64x2::<0b10_00_10_00>(ab, cd);
-            words[odd + 4] = _mm512_shuffle_f64x2::<0b11_01_11_01>(ab, cd);
-            words[odd + 2] = _mm512_shuffle_f64x2::<0b10_00_10_00>(ba, dc);
-            words[odd + 6] = _mm512_shuffle_f64x2::<0b11_01_11_01>(ba, dc);
+        for pair in 0..WORDS / 2 {
+            let mut rows = [_mm512_setzero_pd(); 2];
+            for row in 0..2 {
+                // Two words of a record in each quarter.
+                let words_of = |quarter: usize| _mm_loadu_pd(records.add(part.index(row + 2 * quarter) * WORDS + 2 * pair));
+                rows[row] = _mm512_castpd128_pd512(words_of(0));
+                rows[row] = _mm512_mask_broadcast_f64x2(rows[row], 0x0c, words_of(1));
+                rows[row] = _mm512_mask_broadcast_f64x2(rows[row], 0x30, words_of(2));
+                rows[row] = _mm512_mask_broadcast_f64x2(rows[row], 0xc0, words_of(3));
+            }
+            words[2 * pair] = _mm512_unpacklo_pd(rows[0], rows[1]);
+            words[2 * pair + 1] = _mm512_unpackhi_pd(rows[0], rows[1]);
         }
         words
     }

@@ -459,7 +459,7 @@ fn hit(wall: &Wall, x: DVec3, direction: DVec3) -> Option<f64> {
             let root = (away * away - square).sqrt();
             if inside { root - away } else { -root - away }
         }
-        Wall::Solid(_) => {
+        Wall::Solid(_) | Wall::Terrain(_) => {
             let ray = Path { position: x, velocity: direction, acceleration: DVec3::ZERO };
             Gap::new(wall, &ray, 0.0, false).first_contact(2.0 * (x.length() + wall.extent()))?
         }

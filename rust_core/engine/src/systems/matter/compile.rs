@@ -45,7 +45,7 @@ pub fn compile<V: Vector>(scene: &Scene, method: Box<dyn Method<V>>, executor: &
     let properties = properties::<V>(scene, &order);
     precision::check::<V>(scene, &springs, &properties)?;
     let springs = renumbered(springs, &order);
-    let rods = rods(scene, &springs, &properties, &about)?;
+    let mut rods = rods(scene, &springs, &properties, &about)?;
     executor.check()?;
 
     let mut all: Vec<Box<dyn Force<V>>> = Vec::new();
@@ -57,17 +57,25 @@ pub fn compile<V: Vector>(scene: &Scene, method: Box<dyn Method<V>>, executor: &
     let mut fusion = Fusion::new(if solves { count } else { 0 });
     for item in &scene.forces {
         executor.check()?;
-        let built = forces::build(scene, item, &properties, executor)?;
-        refuse_forces(&about, item, &built, (&properties, &mut fusion))?;
+        let mut built = forces::build(scene, item, &properties, executor)?;
+        refuse_forces(&about, item, &mut built, (&properties, &mut fusion))?;
         all.extend(built);
     }
     let tearing = Tearing::declared(scene, &springs)?;
     if tearing.is_some() && about.springs != Treatment::Rods {
         refuse_kinks(&about, "springs that break")?;
     }
-    let contacts = Contacts::build(scene, &properties)?;
-    if contacts.is_some() {
+    let mut contacts = Contacts::build(scene, &properties)?;
+    if contacts.is_some() && !(about.springs == Treatment::Rods && about.order == 2) {
         refuse_kinks(&about, "boundaries")?;
+    }
+    if let (Some(rods), Some(contacts)) = (&mut rods, &mut contacts) {
+        rods.meet_walls(V::DIMENSION);
+        contacts.leave_out(rods.particles());
+        if let Some((path, friction)) = contacts.friction(&properties, rods.particles()) {
+            return Err(Error::parameter(format!("{path}.friction"), "0 with rods", friction)
+                .with_hint("the friction of what rods hold is not computed; name bodies without rods with on="));
+        }
     }
     let self_contacts = self_contacts(scene, &springs, &properties, &about)?;
     let known: Vec<About> = all.iter().map(|force| force.about()).collect();
@@ -108,8 +116,10 @@ pub fn compile<V: Vector>(scene: &Scene, method: Box<dyn Method<V>>, executor: &
     dynamics.self_contacts = self_contacts;
     let dissipative = dynamics.velocity != VelocityDependence::None;
     let nominal = if dissipative { about.order_dissipative } else { about.order };
-    // A spring breaks at the end of a step, and contacts between meshes begin at the start of one: off by up to a whole one.
-    let nominal = if dynamics.tearing.is_some() || dynamics.self_contacts.is_some() { 1 } else { nominal };
+    // A spring breaks at the end of a step, contacts between meshes begin at the start of one, and those of rods with walls are resolved
+    // together: off by up to a whole one.
+    let rods_meet_walls = dynamics.rods.is_some() && dynamics.contacts.is_some();
+    let nominal = if dynamics.tearing.is_some() || dynamics.self_contacts.is_some() || rods_meet_walls { 1 } else { nominal };
     let order = known.iter().map(|force| force.order).fold(nominal, u32::min);
     notes.extend(advice(&about, dissipative, bends && dynamics.scheme != Some(Scheme::Continuity)));
     executor.check()?;
@@ -173,26 +183,27 @@ fn self_contacts<V: Vector>(
     Ok(contacts)
 }
 
-/// Refuses forces for which a method has no projections, or no derivatives: those that do not join the linear force of those before.
+/// Refuses forces for which a method has no projections, or no derivatives: those that have none, and do not join the linear force of those
+/// before.
 fn refuse_forces<V: Vector>(
     about: &MethodAbout,
     item: &Item,
-    built: &[Box<dyn Force<V>>],
+    built: &mut [Box<dyn Force<V>>],
     (properties, fusion): (&Properties<V>, &mut Fusion),
 ) -> Result<()> {
-    let mut fits = |force: &dyn Force<V>| match about.springs {
+    let mut fits = |force: &mut dyn Force<V>| match about.springs {
         Treatment::Projections => force.about().reach == Reach::Pointwise && !force.about().callback,
-        Treatment::Solved => force.fuse(properties, fusion),
+        Treatment::Solved => force.fuse(properties, fusion) || force.derivatives().is_some(),
         Treatment::Forces | Treatment::Rods => true,
     };
-    if built.iter().all(|force| fits(force.as_ref())) { Ok(()) } else { Err(cannot_take(about, &item.kind)) }
+    if built.iter_mut().all(|force| fits(force.as_mut())) { Ok(()) } else { Err(cannot_take(about, &item.kind)) }
 }
 
 /// The error that a method has no projections, or no derivatives, of a kind of item.
 fn cannot_take(about: &MethodAbout, kind: &str) -> Error {
     let expected = format!("one that evaluates forces, such as VelocityVerlet(), for a {kind}");
     Error::parameter("integrator", expected, about.name).with_hint(if about.springs == Treatment::Solved {
-        "it has the derivatives of springs and of forces linear in position and velocity, as Gravity and linear Drag"
+        "it takes springs, Gravity, Drag, CentralForce, SoftSpheres, LennardJones, Dihedral and Wind, whose derivatives are known"
     } else {
         "it has projections for springs alone, and takes fields as they are"
     })
@@ -226,9 +237,9 @@ fn sequence(known: &[About], about: &MethodAbout, rods: bool, contacts: bool) ->
 
 /// The rods among springs, refused where the method does not hold them, or where they hold two particles that have to part.
 fn rods<V: Vector>(scene: &Scene, springs: &[Spring], properties: &Properties<V>, about: &MethodAbout) -> Result<Option<Rods>> {
-    if about.springs != Treatment::Rods && springs.iter().any(rods::is_rod) {
-        let hint = "their stiffness is infinite: its steps would have to be infinitely short";
-        return Err(Error::parameter("integrator", "RATTLE() for rods", about.name).with_hint(hint));
+    if !about.holds_rods && springs.iter().any(rods::is_rod) {
+        let hint = "their stiffness is infinite, and it takes springs as forces; RATTLE holds lengths to rounding";
+        return Err(Error::parameter("integrator", "RATTLE() or XPBD() for rods", about.name).with_hint(hint));
     }
     let velocity = |end: u32| {
         let caller = properties.caller[end as usize] as usize;
@@ -243,7 +254,7 @@ fn rods<V: Vector>(scene: &Scene, springs: &[Spring], properties: &Properties<V>
         let found = format!("a rod between the fixed particles {} and {}, whose velocities differ", ends[0], ends[1]);
         return Err(Error::parameter("scene", "rods whose ends can keep their distance", found));
     }
-    Ok(Rods::new(springs, properties))
+    Ok(if about.springs == Treatment::Rods { Rods::new(springs, properties) } else { None })
 }
 
 /// Refuses a method of smooth motion where a scene has what breaks it.

@@ -181,7 +181,7 @@ pub fn sweep<V: Vector, I: Integrator>(
 }
 
 /// Resolves all contacts within the drift.
-fn collisions<V: Vector, I: Integrator>(
+pub fn collisions<V: Vector, I: Integrator>(
     dynamics: &mut Dynamics<V>,
     matter: &mut Matter<V>,
     workspace: &Workspace<V>,

@@ -6,6 +6,7 @@ use glam::DVec3;
 
 use crate::contacts::Contacts;
 use crate::error::{Error, Result};
+use crate::forces::derivatives::Derivatives;
 use crate::forces::linear::{Fusion, LinearForce};
 use crate::forces::springs::{self, Spring, Springs};
 use crate::forces::{
@@ -16,7 +17,7 @@ use crate::math::{Real, Vector};
 use crate::matter::{Columns, EnergySink, Matter, Power, Properties, SINKS, Span, View};
 use crate::parallel::{Executor, SERIAL};
 use crate::rods::{self, Rods};
-use crate::self_contact::{SelfContacts, Step};
+use crate::self_contact::{Inside, SelfContacts, Step};
 use crate::simd::{LANES, padded};
 use crate::stability::SpectralBound;
 use crate::systems::matter::tearing::Tearing;
@@ -204,8 +205,13 @@ impl<V: Vector> Dynamics<V> {
         let free: Vec<DVec3> =
             (0..matter.count()).map(|index| (matter.exact_position(index) - meshes.start()[index]) / h).collect();
         let mut velocities = free.clone();
-        let confine = |index: usize, x: DVec3| walls.as_ref().and_then(|walls| walls.confine(x, properties, index));
-        let touched = meshes.resolve(&mut velocities, Step { h, confine: &confine, executor }).map_err(|unresolved| {
+        let inside = |index: usize, x: DVec3| {
+            let walls = walls.as_ref()?;
+            let position = walls.confine(x, properties, index)?;
+            let [friction, restitution] = walls.coefficients(x, properties, index)?;
+            Some(Inside { position, friction, restitution })
+        };
+        let touched = meshes.resolve(&mut velocities, Step { h, walls: &inside, executor }).map_err(|unresolved| {
             let index = properties.caller[unresolved.particle] as usize;
             Error::unsolved(
                 index,
@@ -221,7 +227,7 @@ impl<V: Vector> Dynamics<V> {
             }
             let change = *after - *before;
             let end = meshes.start()[index] + h * *after;
-            matter.set_exact_position(index, confine(index, end).unwrap_or(end));
+            matter.set_exact_position(index, inside(index, end).map_or(end, |inside| inside.position));
             let end_velocity = matter.velocity.get(index).widen();
             matter.velocity.set(index, V::narrow(end_velocity + change));
             // The impulse acts at the start of the step, on the velocity before half of its kick, so that what rests on others loses
@@ -315,6 +321,20 @@ impl<V: Vector> Dynamics<V> {
         let Self { properties, forces, fused, together, .. } = self;
         let at = state_view(properties, matter, time, executor);
         forces[*fused..*together].iter_mut().try_for_each(|force| force.prepare(&at, executor))
+    }
+
+    /// The same at positions and velocities of the stage of a step.
+    pub fn prepare_at(&mut self, [position, velocity]: [&Columns<V>; 2], time: f64, executor: &Executor) -> Result<()> {
+        let Self { properties, forces, fused, together, .. } = self;
+        let (position, velocity, residual) = (position.view(), velocity.view(), View::default());
+        let at = StateView { position, velocity, residual, properties, time, executor };
+        forces[*fused..*together].iter_mut().try_for_each(|force| force.prepare(&at, executor))
+    }
+
+    /// The derivatives of the forces that are not fused and have some.
+    pub fn derivatives(&mut self) -> impl Iterator<Item = &mut dyn Derivatives> {
+        let fused = self.fused;
+        self.forces[fused..].iter_mut().filter_map(|force| force.derivatives())
     }
 
     /// Sums density over the positions at the end of a step without an evaluation of forces.

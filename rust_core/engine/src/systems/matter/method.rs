@@ -54,6 +54,8 @@ pub struct About {
     pub limit: fn(f64) -> f64,
     /// Its treatment of springs.
     pub springs: Treatment,
+    /// Whether it holds springs of infinite stiffness at their lengths.
+    pub holds_rods: bool,
     /// Why it cannot advance a field that diffuses, if it cannot.
     pub refuses_fields: Option<&'static str>,
     /// Why it takes neither contacts nor fluids, if it takes smooth motion alone.
@@ -134,6 +136,7 @@ impl<V: Vector, I: Integrator> Method<V> for Explicit<I> {
             angle: self.angle,
             limit: I::limit,
             springs: Treatment::Forces,
+            holds_rods: false,
             refuses_fields: integrators::refuses_fields::<I>(),
             smooth_only: None,
             impulses: I::DRIFT_KICK.filter(|_| I::DRIFTS_FIRST).map(|drift_kick| Impulses::Register(drift_kick.velocity)),

@@ -239,6 +239,7 @@ impl<V: Vector<Scalar = f64>> Method<V> for GaussRadau15 {
             angle: None,
             limit: rule::limit,
             springs: Treatment::Forces,
+            holds_rods: false,
             refuses_fields: None,
             smooth_only: Some("its steps are polynomials of degree 9, which contacts and fluids would break"),
             impulses: None,

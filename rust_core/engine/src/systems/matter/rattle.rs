@@ -4,7 +4,8 @@
 //!     v ← v½ + h/2 (a(x) − M⁻¹ Jᵀ(x) μ) with μ so that r·ṙ = 0
 //!
 //! Symplectic, reversible, of order 2; by symmetric composition of five such steps of order 4. The constraint forces act along the
-//! rods before the drift: along those after it alone it would be of order 1. Sources: H. C. Andersen, J. Comput. Phys. 52, 24 (1983);
+//! rods before the drift: along those after it alone it would be of order 1. Contacts with walls act together with them
+//! ([`crate::rods`]). Sources: H. C. Andersen, J. Comput. Phys. 52, 24 (1983);
 //! E. Hairer, C. Lubich, G. Wanner, "Geometric Numerical Integration", 2nd ed., 2006, section VII.1.4; for the composition M. Suzuki,
 //! Phys. Lett. A 146, 319 (1990).
 
@@ -62,14 +63,30 @@ fn step<V: Vector>(
 ) -> Result<()> {
     let interval = Interval { start: time, first: 0, h, steps: 1 };
     let half = VelocityVerlet::DRIFT_KICK.map(|drift_kick| (h, drift_kick.velocity));
+    if let Some([position, velocity]) = &mut workspace.before {
+        position.copy_from(&matter.position);
+        velocity.copy_from(&matter.velocity);
+    }
+    dynamics.rods.iter_mut().for_each(|rods| rods.start(matter));
     coupled::sweep::<V, VelocityVerlet>(dynamics, matter, workspace, interval, time, Action::StageState, executor)?;
-    if let Some(rods) = &mut dynamics.rods {
-        rods.hold_positions(matter, half).map_err(|unsolved| diverged(&dynamics.properties.caller, unsolved))?;
+    coupled::collisions::<V, VelocityVerlet>(dynamics, matter, workspace, h, executor)?;
+    let Dynamics { rods, contacts, properties, .. } = dynamics;
+    if let Some(rods) = rods {
+        rods.hold_positions(matter, half).map_err(|unsolved| diverged(&properties.caller, unsolved))?;
+        if let (Some(contacts), Some(drift)) = (&*contacts, half) {
+            let held = rods.hold_gaps(matter, (contacts, properties), drift);
+            held.map_err(|unsolved| diverged(&properties.caller, unsolved))?;
+        }
     }
     coupled::sweep::<V, VelocityVerlet>(dynamics, matter, workspace, interval, time + h, Action::StageUpdate(0, None), executor)?;
-    if let Some(rods) = &mut dynamics.rods {
+    let Dynamics { rods, contacts, properties, .. } = dynamics;
+    if let Some(rods) = rods {
         rods.turn(|index| matter.exact_position(index));
-        rods.hold_velocities(matter).map_err(|unsolved| diverged(&dynamics.properties.caller, unsolved))?;
+        let held = match contacts {
+            Some(contacts) => rods.hold_velocities_at_walls(matter, (contacts, properties), h),
+            None => rods.hold_velocities(matter),
+        };
+        held.map_err(|unsolved| diverged(&properties.caller, unsolved))?;
     }
     Ok(())
 }
@@ -78,7 +95,7 @@ fn step<V: Vector>(
 fn diverged(caller: &[u32], Unsolved { particle, residual }: Unsolved) -> Error {
     let index = caller[particle] as usize;
     let cause = format!(
-        "does not satisfy its rods: they turn too far within a step, and a residual of {residual:.1e} rounding errors is left"
+        "does not satisfy its rods: they turn too far within a step, or walls leave them no room, and a residual of {residual:.1e} rounding errors is left"
     );
     Error::unsolved(index, cause)
 }
@@ -96,7 +113,8 @@ impl<V: Vector> Method<V> for Rattle {
             evaluations: self.parts.len(),
             sweeps: true,
             springs: Treatment::Rods,
-            smooth_only: Some("contacts would move particles off their rods"),
+            holds_rods: true,
+            smooth_only: Some("it advances rods, springs and fields, and no density; with order=2 boundaries too"),
             impulses: None,
             ..Method::<V>::about(&self.verlet)
         }

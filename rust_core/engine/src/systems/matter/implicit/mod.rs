@@ -1,4 +1,4 @@
-//! Implicit methods: backward Euler, the implicit midpoint rule and BDF2, for springs of any stiffness.
+//! Implicit methods: backward Euler, the implicit midpoint rule and BDF2, for forces of any stiffness whose derivatives are known.
 //!
 //! With the displacement u of a step of h seconds, all three solve
 //!
@@ -29,7 +29,7 @@ use crate::scene::Item;
 use crate::simd::LANES;
 use crate::stability::{Limit, LimitCache, SpectralBound};
 use crate::systems::unknown_integrator;
-use newton::{Equation, Newton, Unsolved};
+use newton::{Equation, Newton};
 
 /// A scheme.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -119,18 +119,16 @@ impl Implicit {
         (time, h): (f64, f64),
         executor: &Executor,
     ) -> Result<f64> {
-        dynamics.prepare(matter, time, executor)?;
         dynamics.begin_self_contacts(matter);
         let (equation, two_step) = self.equation(dynamics, matter, h);
-        let (displacements, counts) =
-            self.newton.solve(dynamics, &equation).map_err(|unsolved| diverged(&dynamics.properties.caller, &unsolved))?;
+        let (displacements, counts) = self.newton.solve(dynamics, &equation, executor)?;
         self.taken.iter_mut().zip([1, counts[0], counts[1]]).for_each(|(sum, count)| *sum += count);
         if self.scheme == Scheme::Midpoint {
             for (index, &u) in displacements.iter().enumerate() {
                 workspace.position.set(index, V::narrow(equation.from[index] + equation.position * u));
                 workspace.velocity.set(index, V::narrow(u / h));
             }
-            integrate(dynamics, matter, workspace, (time + 0.5 * h, [h, 0.0]), executor);
+            integrate(dynamics, matter, workspace, (time + 0.5 * h, [h, 0.0]), executor)?;
         }
         if let Some([position, velocity]) = &mut workspace.before {
             position.copy_from(&matter.position);
@@ -159,7 +157,7 @@ impl Implicit {
             let shares = if two_step { [0.5 * h, 0.5 * h] } else { [h, 0.0] };
             workspace.position.copy_from(&matter.position);
             workspace.velocity.copy_from(&matter.velocity);
-            integrate(dynamics, matter, workspace, (time + h, shares), executor);
+            integrate(dynamics, matter, workspace, (time + h, shares), executor)?;
         }
         let work = (matter.blocks(), BlockedSlice::new(&mut workspace.activity, 1));
         executor.for_each_block(work, &|(blocks, sum): (Blocks<'_, V>, BlockedSlice<'_, f64>)| {
@@ -171,12 +169,14 @@ impl Implicit {
 
 /// Adds the power at the state of the workspace, times a share [s], and that of the last evaluation, times another.
 fn integrate<V: Vector>(
-    dynamics: &Dynamics<V>,
+    dynamics: &mut Dynamics<V>,
     matter: &mut Matter<V>,
     workspace: &mut Workspace<V>,
     (time, [share, last]): (f64, [f64; 2]),
     executor: &Executor,
-) {
+) -> Result<()> {
+    dynamics.prepare_at([&workspace.position, &workspace.velocity], time, executor)?;
+    let dynamics = &*dynamics;
     let at = dynamics.state_view(workspace.position.view(), workspace.velocity.view(), time);
     let work = BlocksWithForces { blocks: matter.blocks(), force: workspace.force.span() };
     executor.for_each_block(work, &|work: BlocksWithForces<'_, V>| {
@@ -186,6 +186,7 @@ fn integrate<V: Vector>(
         kernels::accelerations(dynamics, blocks.start, (at.position, at.velocity), &mut force, &mut power);
         kernels::integrate(&mut blocks.tallies[0], &power, &kernels::ALL, share, last, true);
     });
+    Ok(())
 }
 
 /// Resolves contacts on the way of a step; returns whether there were any.
@@ -203,14 +204,6 @@ fn collide<V: Vector>(
         contacts.resolve(&before, &mut blocks, &dynamics.properties, h);
     });
     (0..matter.count()).any(|index| workspace.velocity.get(index) != matter.velocity.get(index))
-}
-
-/// The divergence of a step whose equation was not solved.
-fn diverged(caller: &[u32], &Unsolved { particle, residual, iterations }: &Unsolved) -> Error {
-    let index = caller[particle] as usize;
-    let cause =
-        format!("was not found in {iterations} iterations of Newton's method: {residual:.1e} of the forces is left unbalanced");
-    Error::unsolved(index, cause)
 }
 
 /// The size of the step before; BDF2's registers are those of matter.
@@ -251,6 +244,7 @@ impl<V: Vector> Method<V> for Implicit {
             angle: None,
             limit: |_| f64::INFINITY,
             springs: Treatment::Solved,
+            holds_rods: false,
             refuses_fields: None,
             smooth_only: None,
             // The midpoint rule keeps the energy of modes faster than a step, which impulses on its paths would raise.

@@ -7,8 +7,11 @@
 use glam::DVec3;
 
 use super::stiffness::Stiffness;
+use crate::error::{Error, Result};
+use crate::forces::derivatives::{Motion, Push};
 use crate::forces::springs::Spring;
 use crate::math::Vector;
+use crate::parallel::Executor;
 use crate::systems::matter::dynamics::Dynamics;
 use crate::systems::matter::projection::colored;
 
@@ -37,17 +40,6 @@ pub struct Equation {
     pub predicted: Vec<DVec3>,
     /// w [m/s].
     pub offset: Vec<DVec3>,
-}
-
-/// An equation that was not solved.
-#[derive(Debug, Clone, Copy)]
-pub struct Unsolved {
-    /// The particle with the largest residual.
-    pub particle: usize,
-    /// That residual over the largest force.
-    pub residual: f64,
-    /// Iterations.
-    pub iterations: u64,
 }
 
 /// A solver with its buffers.
@@ -92,8 +84,13 @@ impl Newton {
     /// The displacements that solve an equation, and the numbers of iterations and products.
     ///
     /// # Errors
-    /// If the residual does not become small enough.
-    pub fn solve<V: Vector>(&mut self, dynamics: &Dynamics<V>, equation: &Equation) -> Result<(Vec<DVec3>, [u64; 2]), Unsolved> {
+    /// If the residual does not become small enough, or particles are too far away.
+    pub fn solve<V: Vector>(
+        &mut self,
+        dynamics: &mut Dynamics<V>,
+        equation: &Equation,
+        executor: &Executor,
+    ) -> Result<(Vec<DVec3>, [u64; 2])> {
         let square = equation.h * equation.h;
         let mobile = |index: usize| {
             let [_, rate, well] = dynamics.linear.coefficients(0, index);
@@ -105,7 +102,7 @@ impl Newton {
         let start = |index: usize| if self.mass[index].is_finite() { DVec3::ZERO } else { equation.predicted[index] };
         let mut u: Vec<DVec3> = (0..self.mass.len()).map(start).collect();
         let mut products = 0;
-        let (mut worst, mut first) = (self.evaluate(dynamics, equation, &u), None);
+        let (mut worst, mut first) = (self.evaluate(dynamics, equation, &u, executor)?, None);
         for iteration in 0..MOST_ITERATIONS {
             // A state that is not finite is found by the divergence monitor.
             if worst.1 <= self.tolerance || worst.1.is_nan() {
@@ -113,6 +110,12 @@ impl Newton {
             }
             let factors = [square * equation.position, square * equation.rate / equation.h];
             self.matrix.assemble(&self.springs, &self.places, &self.velocities, factors);
+            let Self { places, velocities, matrix, .. } = self;
+            let at = Motion { position: places, velocity: velocities, origin: dynamics.properties.origin };
+            for force in dynamics.derivatives() {
+                force.blocks(&at, factors, &mut |block| matrix.add(block));
+            }
+            matrix.complete();
             // Superlinear convergence: the linear equations are solved the better the nearer the solution is.
             let norm = dot(&self.residual, &self.residual).sqrt();
             let start = *first.get_or_insert(norm);
@@ -123,21 +126,32 @@ impl Newton {
             let count = exact.flatten().or_else(|| self.descend(tolerance, true));
             products += count.unwrap_or_default();
             let slope = dot(&self.residual, &self.direction);
-            worst = self.search(dynamics, equation, &mut u, slope);
+            worst = self.search(dynamics, equation, &mut u, slope, executor)?;
         }
-        Err(Unsolved { particle: worst.0, residual: worst.1, iterations: MOST_ITERATIONS })
+        let cause = format!(
+            "was not found in {MOST_ITERATIONS} iterations of Newton's method: {:.1e} of the forces is left unbalanced",
+            worst.1
+        );
+        Err(Error::unsolved(dynamics.properties.caller[worst.0] as usize, cause))
     }
 
     /// Moves displacements along the direction, in whose beginning the derivative is `slope` < 0, until it has fallen to a half of
     /// that; a direction along which it has hardly changed is followed further, as where springs buckle.
-    fn search<V: Vector>(&mut self, dynamics: &Dynamics<V>, equation: &Equation, u: &mut [DVec3], slope: f64) -> (usize, f64) {
+    fn search<V: Vector>(
+        &mut self,
+        dynamics: &mut Dynamics<V>,
+        equation: &Equation,
+        u: &mut [DVec3],
+        slope: f64,
+        executor: &Executor,
+    ) -> Result<(usize, f64)> {
         let before = u.to_vec();
         let mut bracket = [0.0, f64::INFINITY];
         let mut part = 1.0;
         let mut worst = (0, f64::INFINITY);
         for _ in 0..MOST_TRIALS {
             u.iter_mut().zip(&before).zip(&self.direction).for_each(|((u, &before), &p)| *u = before + part * p);
-            worst = self.evaluate(dynamics, equation, u);
+            worst = self.evaluate(dynamics, equation, u, executor)?;
             let derivative = dot(&self.residual, &self.direction);
             if worst.1 <= self.tolerance || derivative.abs() <= DESCENT * slope.abs() {
                 break;
@@ -145,11 +159,17 @@ impl Newton {
             bracket[usize::from(derivative > 0.0)] = part;
             part = if bracket[1].is_finite() { 0.5 * (bracket[0] + bracket[1]) } else { 2.0 * part };
         }
-        worst
+        Ok(worst)
     }
 
     /// The residual at displacements; returns the particle where it is largest, and it over the largest force.
-    fn evaluate<V: Vector>(&mut self, dynamics: &Dynamics<V>, equation: &Equation, u: &[DVec3]) -> (usize, f64) {
+    fn evaluate<V: Vector>(
+        &mut self,
+        dynamics: &mut Dynamics<V>,
+        equation: &Equation,
+        u: &[DVec3],
+        executor: &Executor,
+    ) -> Result<(usize, f64)> {
         let (h, square) = (equation.h, equation.h * equation.h);
         for index in 0..u.len() {
             self.places[index] = equation.from[index] + equation.position * u[index];
@@ -177,6 +197,16 @@ impl Newton {
             let size = self.places[one].abs().max_element() + self.places[other].abs().max_element() + spring.rest_length;
             rounding = rounding.max(square * spring.stiffness * size);
         }
+        let Self { places, velocities, residual, .. } = self;
+        let at = Motion { position: places, velocity: velocities, origin: dynamics.properties.origin };
+        for force in dynamics.derivatives() {
+            force.arrange(&at, executor)?;
+            force.forces(&at, &mut |Push { particle, force, stiffness }| {
+                residual[particle] -= square * force;
+                scale = scale.max(square * force.length());
+                rounding = rounding.max(2.0 * square * stiffness * places[particle].abs().max_element());
+            });
+        }
         let mut worst = (0, 0.0);
         let floor = ROUNDINGS * f64::EPSILON * rounding / self.tolerance;
         for (index, residual) in self.residual.iter_mut().enumerate() {
@@ -188,7 +218,7 @@ impl Newton {
                 worst = (index, relative);
             }
         }
-        worst
+        Ok(worst)
     }
 
     /// The direction p with A p = −R, to a relative residual; returns the number of products, or None where A is not definite.

@@ -1,12 +1,13 @@
-//! The matrix of Newton's method: inertia, the derivatives of linear forces, and of springs in their present directions.
+//! The matrix of Newton's method: inertia, the derivatives of linear forces, of springs in their present directions, and of others.
 
 use glam::{DMat3, DVec3};
 
+use crate::forces::derivatives::Block;
 use crate::forces::springs::Spring;
 
 /// The derivative of a spring's force: along n, and across it.
 #[derive(Debug, Clone, Copy)]
-struct Block {
+struct Link {
     ends: [u32; 2],
     direction: DVec3,
     along: f64,
@@ -18,7 +19,10 @@ struct Block {
 pub struct Stiffness {
     /// By particle; 0 where it is fixed.
     pub diagonal: Vec<f64>,
-    blocks: Vec<Block>,
+    links: Vec<Link>,
+    /// Of all other forces: of particles alone, where there are any, and of pairs.
+    own: Vec<[DMat3; 2]>,
+    pairs: Vec<Block>,
     /// The inverses of its blocks on the diagonal.
     inverse: Vec<DMat3>,
 }
@@ -27,49 +31,79 @@ impl Stiffness {
     /// Takes springs at positions, with velocities, whose derivatives by the displacement are `position` and `rate`. A spring under
     /// compression has a negative stiffness across, which is left out of the inverse blocks, so that these are definite.
     pub fn assemble(&mut self, springs: &[Spring], places: &[DVec3], velocities: &[DVec3], [position, rate]: [f64; 2]) {
-        self.blocks.clear();
+        self.links.clear();
+        self.own.clear();
+        self.pairs.clear();
         self.inverse.clear();
         self.inverse.extend(self.diagonal.iter().map(|&value| DMat3::from_diagonal(DVec3::splat(value))));
         for spring in springs {
             let [one, other] = spring.ends.map(|end| end as usize);
             let (offset, relative) = (places[other] - places[one], velocities[other] - velocities[one]);
             let length = offset.length();
-            let block = if length > 0.0 {
+            let link = if length > 0.0 {
                 let direction = offset / length;
                 let pull = spring.stiffness * (length - spring.rest_length) + spring.damping * direction.dot(relative);
                 let along = position * spring.stiffness + rate * spring.damping;
-                Block { ends: spring.ends, direction, along, across: position * pull / length }
+                Link { ends: spring.ends, direction, along, across: position * pull / length }
             } else {
                 // Without a direction it is isotropic, and where its rest length is 0 this is exact.
                 let along = position * spring.stiffness;
-                Block { ends: spring.ends, direction: DVec3::ZERO, along, across: along }
+                Link { ends: spring.ends, direction: DVec3::ZERO, along, across: along }
             };
-            let DVec3 { x, y, z } = block.direction;
-            let outer = DMat3::from_cols(block.direction * x, block.direction * y, block.direction * z);
-            let across = block.across.max(0.0);
-            let matrix = DMat3::from_diagonal(DVec3::splat(across)) + outer * (block.along - across);
+            let DVec3 { x, y, z } = link.direction;
+            let outer = DMat3::from_cols(link.direction * x, link.direction * y, link.direction * z);
+            let across = link.across.max(0.0);
+            let matrix = DMat3::from_diagonal(DVec3::splat(across)) + outer * (link.along - across);
             self.inverse[one] += matrix;
             self.inverse[other] += matrix;
-            self.blocks.push(block);
+            self.links.push(link);
         }
+    }
+
+    /// Adds a block of another force.
+    pub fn add(&mut self, block: Block) {
+        let [one, other] = block.ends.map(|end| end as usize);
+        self.inverse[one] += block.definite;
+        if one == other {
+            self.own.resize(self.diagonal.len(), [DMat3::ZERO; 2]);
+            self.own[one][0] += block.exact;
+            self.own[one][1] += block.definite;
+        } else {
+            self.inverse[other] += block.definite.transpose();
+            self.pairs.push(block);
+        }
+    }
+
+    /// Inverts the blocks on the diagonal, when all are added.
+    pub fn complete(&mut self) {
         for (inverse, &diagonal) in self.inverse.iter_mut().zip(&self.diagonal) {
             *inverse = if diagonal > 0.0 { inverse.inverse() } else { DMat3::ZERO };
         }
     }
 
-    /// A p into `product`; components of fixed particles are 0. `definite` leaves negative stiffness across out.
+    /// A p into `product`; components of fixed particles are 0. `definite` leaves out what may be negative.
     pub fn multiply(&self, p: &[DVec3], product: &mut [DVec3], definite: bool) {
         let least = if definite { 0.0 } else { f64::NEG_INFINITY };
         for ((product, &p), &diagonal) in product.iter_mut().zip(p).zip(&self.diagonal) {
             *product = diagonal * p;
         }
-        for block in &self.blocks {
-            let [one, other] = block.ends.map(|end| end as usize);
+        for link in &self.links {
+            let [one, other] = link.ends.map(|end| end as usize);
             let apart = p[other] - p[one];
-            let across = block.across.max(least);
-            let force = across * apart + (block.along - across) * block.direction.dot(apart) * block.direction;
+            let across = link.across.max(least);
+            let force = across * apart + (link.along - across) * link.direction.dot(apart) * link.direction;
             product[one] -= force;
             product[other] += force;
+        }
+        for ((product, &p), own) in product.iter_mut().zip(p).zip(&self.own) {
+            *product += own[usize::from(definite)] * p;
+        }
+        for block in &self.pairs {
+            let [one, other] = block.ends.map(|end| end as usize);
+            let matrix = if definite { block.definite } else { block.exact };
+            let apart = p[other] - p[one];
+            product[one] -= matrix * apart;
+            product[other] += matrix.transpose() * apart;
         }
         for (product, &diagonal) in product.iter_mut().zip(&self.diagonal) {
             if diagonal == 0.0 {
@@ -85,6 +119,10 @@ impl Stiffness {
 
     /// Memory [bytes].
     pub fn bytes(&self) -> usize {
-        size_of_val(self.diagonal.as_slice()) + size_of_val(self.blocks.as_slice()) + size_of_val(self.inverse.as_slice())
+        size_of_val(self.diagonal.as_slice())
+            + size_of_val(self.links.as_slice())
+            + size_of_val(self.own.as_slice())
+            + size_of_val(self.pairs.as_slice())
+            + size_of_val(self.inverse.as_slice())
     }
 }

@@ -3,6 +3,7 @@
 use crate::forces::springs::Spring;
 use crate::math::{AXES, Real, Vector};
 use crate::matter::{Columns, Properties};
+use crate::rods;
 
 /// A vector of a particle, with a component 0 that fills a register.
 pub type Point<T> = [T; 4];
@@ -12,28 +13,34 @@ pub type Point<T> = [T; 4];
 pub struct Link<T> {
     /// Its ends, as indices of particles.
     pub ends: [u32; 2],
-    /// k h² and c h [kg].
+    /// k h² and c h [kg]; of a rod 1 and 0.
     stiffness: T,
     damping: T,
     rest_length: T,
     /// 1/m of both ends [1/kg].
     pub inverse_mass: [T; 2],
-    /// 1/(1 + (1/m₁ + 1/m₂) (k h² + c h)).
+    /// 1/(1 + (1/m₁ + 1/m₂) (k h² + c h)); of a rod 1/(1/m₁ + 1/m₂), and 0 between fixed particles.
     pub share: T,
+    /// 1, but of a rod 0.
+    pub compliant: T,
 }
 
 impl<T: Real> Link<T> {
     fn new(spring: &Spring, inverse_mass: &[T], h: f64) -> Self {
         let inverse_mass = spring.ends.map(|end| inverse_mass[end as usize]);
-        let (stiffness, damping) = (spring.stiffness * h * h, spring.damping * h);
+        let is_rod = rods::is_rod(spring);
+        let (stiffness, damping) = if is_rod { (1.0, 0.0) } else { (spring.stiffness * h * h, spring.damping * h) };
         let weight: f64 = inverse_mass.iter().map(|inverse| inverse.to_f64()).sum();
+        let compliant = if is_rod { 0.0 } else { 1.0 };
+        let share = if is_rod && weight == 0.0 { 0.0 } else { 1.0 / (compliant + weight * (stiffness + damping)) };
         Self {
             ends: spring.ends,
             stiffness: T::from_f64(stiffness),
             damping: T::from_f64(damping),
             rest_length: T::from_f64(spring.rest_length),
             inverse_mass,
-            share: T::from_f64(1.0 / (1.0 + weight * (stiffness + damping))),
+            share: T::from_f64(share),
+            compliant: T::from_f64(compliant),
         }
     }
 

@@ -163,6 +163,7 @@ fn about(name: &'static str, evaluations: usize) -> About {
         angle: None,
         limit: SemiImplicitEuler::limit,
         springs: Treatment::Projections,
+        holds_rods: false,
         refuses_fields: None,
         smooth_only: None,
         impulses: Some(Impulses::End),

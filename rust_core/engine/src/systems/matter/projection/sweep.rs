@@ -4,8 +4,8 @@
 //!
 //!     Δq = (h² [k (r − L) + c n·Δu/h] − q) / (1 + (w₁ + w₂) (k h² + c h)),   u₁ ← u₁ + w₁ n Δq,  u₂ ← u₂ − w₂ n Δq
 //!
-//! which for c = 0 is Δλ = (−C − α̃ λ)/(w + α̃) with the compliance α̃ = 1/(k h²): Gauss and Seidel's iteration, in one fixed order. Sources: M. Macklin, M. Müller, N. Chentanez, "XPBD", MIG 2016;
-//! M. Macklin et al., "Small steps in physics simulation", SCA 2019.
+//! which for c = 0 is Δλ = (−C − α̃ λ)/(w + α̃) with the compliance α̃ = 1/(k h²): Gauss and Seidel's iteration, in one fixed order. For a
+//! rod, of which α̃ = 0, it is Δq = (r − L)/(w₁ + w₂). Sources: M. Macklin, M. Müller, N. Chentanez, "XPBD", MIG 2016; M. Macklin et al., "Small steps in physics simulation", SCA 2019.
 
 use super::links::{Link, Point, gather, links, scatter};
 use super::{Projector, about};
@@ -57,7 +57,7 @@ pub fn count(item: &Item, name: &str) -> Result<usize> {
 
 impl<V: Vector> Projector<V> for Sweeps<V::Scalar> {
     fn about(&self) -> About {
-        about(NAME, self.substeps)
+        About { holds_rods: true, ..about(NAME, self.substeps) }
     }
 
     fn substeps(&self) -> usize {
@@ -104,7 +104,7 @@ impl<T: Real> Kernel for Sweep<'_, T> {
         let Self { links, multipliers, from, displacements } = self;
         for (link, multiplier) in links.iter().zip(multipliers) {
             let (direction, pull) = link.pull(from, displacements);
-            let change = (pull - *multiplier) * link.share;
+            let change = (pull - link.compliant * *multiplier) * link.share;
             *multiplier += change;
             let [one, other] = link.ends.map(|end| end as usize);
             let impulses = link.inverse_mass.map(|inverse_mass| inverse_mass * change);

@@ -1,4 +1,4 @@
-"""Film too large: the GIF of a recording would be larger than where it is shown takes."""
+"""Large: the GIF of a recording would be larger than where it is shown takes."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ SAMPLES = 6
 """Places in the film that are looked at."""
 
 
-def film_too_large(case: Case) -> Iterator[Finding]:
+def large(case: Case) -> Iterator[Finding]:
     """The size of the default film, estimated from a few frames."""
     if case.recording is None or "positions" not in case.recording.channels:
         return
@@ -29,7 +29,7 @@ def film_too_large(case: Case) -> Iterator[Finding]:
             f"its GIF of {len(case.recording)} frames takes about {size / 1e6:.0f} MB, and GitHub and Discord take 10"
         )
         cure = "film it with max_bytes=10_000_000, or record fewer frames per second, or write a .webp or .mp4"
-        yield Finding("film too large", cause, cure, float(size))
+        yield Finding("large", cause, cure, float(size))
 
 
 def film_bytes(recording: Recording) -> int:

@@ -1,0 +1,149 @@
+"""A height field: ground whose height is given at the nodes of a grid."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from physcore.checks import LONGEST, FloatArray, array, called, frozen, items, number, require, shown, span
+from physcore.errors import SceneError
+from physcore.scene.items import Boundary, On
+
+
+@dataclass(frozen=True, eq=False, init=False, repr=False)
+class HeightField(Boundary):
+    """Ground whose height is given at the nodes of a uniform grid; particles stay above it.
+
+        x = 0.1 * np.arange(31)
+        hills = pc.HeightField(0.2 * np.cos(4.0 * x), spacing=0.1, friction=0.2)
+        scene = pc.Scene(pc.Particles([[0.5, 1.0]], radius=0.05), pc.Gravity((0.0, -9.81)), hills)
+
+    Up is the last axis, as for Floor. Between the nodes the ground is straight: a polyline in 2D, in 3D two triangles in
+    each cell, which meet along its higher diagonal. Where the grid ends, so does the ground, with upright sides that
+    reach down without end; there is nothing around it. Particles with a radius go round edges and peaks as round
+    cylinders and spheres of that radius, and roll over ground that is flat or a valley as if it had no cells.
+
+    Args:
+        heights: of the nodes [m], shape (nx,) in 2D, indexed [i], or (nx, ny) in 3D, indexed [i, j] along x and y as
+            fields on a Grid; at least two nodes along each axis. `HeightField.over` takes a function.
+        spacing: the distance between neighboring nodes [m].
+        origin: the lower corner of the grid, node [0] or [0, 0]: x in 2D, x and y in 3D [m]; a number stands for both.
+        restitution, friction, no_slip, on: as in Boundary.
+
+    Raises:
+        SceneError: there are fewer than two nodes along an axis, or a value is out of range or not finite.
+    """
+
+    heights: FloatArray
+    spacing: float
+    origin: tuple[float, ...]
+
+    def __init__(
+        self,
+        heights: ArrayLike,
+        spacing: float,
+        origin: float | tuple[float, ...] = 0.0,
+        *,
+        restitution: float = 1.0,
+        friction: float = 0.0,
+        no_slip: bool = False,
+        on: On = None,
+    ) -> None:
+        values = array(heights, "HeightField.heights")
+        if values.ndim not in (1, 2) or min(values.shape) < 2:
+            raise SceneError(
+                "HeightField.heights: must have the shape (nx,) in 2D or (nx, ny) in 3D with at least two nodes along each "
+                f"axis, got {values.shape}"
+            )
+        require(np.abs(values) <= LONGEST, values, "HeightField.heights", f"at most {LONGEST:g} m in size")
+        step = span(spacing, "HeightField.spacing")
+        corner = _place(origin, values.ndim, "HeightField.origin")
+        self._set(heights=frozen(values), spacing=step, origin=corner)
+        self._set(restitution=restitution, friction=friction, no_slip=no_slip, on=on)
+        self.__post_init__()
+
+    @classmethod
+    def over(
+        cls,
+        function: Callable[..., ArrayLike],
+        lower: float | tuple[float, ...],
+        upper: float | tuple[float, ...],
+        spacing: float,
+        *,
+        restitution: float = 1.0,
+        friction: float = 0.0,
+        no_slip: bool = False,
+        on: On = None,
+    ) -> Self:
+        """The ground of the height that a function gives over a line or a rectangle.
+
+            bowl = pc.HeightField.over(lambda x, y: 0.5 * (x * x + y * y), (-1.0, -1.0), (1.0, 1.0), spacing=0.05)
+
+        Args:
+            function: the height [m] at coordinates [m], which it takes as arrays of one shape: f(x) in 2D, f(x, y) in 3D.
+            lower, upper: corners [m]: x in 2D, (x, y) in 3D.
+            spacing: the distance between nodes [m]. Where an extent is no whole multiple of it, the last node is before
+                or behind `upper`, by at most half of it.
+            restitution, friction, no_slip, on: as in Boundary.
+
+        Raises:
+            SceneError: an extent is less than one cell, the function fails, or a value is out of range or not finite.
+        """
+        step = span(spacing, "HeightField.spacing")
+        low, high = (
+            np.atleast_1d(array(value, f"HeightField.{name}")) for name, value in {"lower": lower, "upper": upper}.items()
+        )
+        if low.shape != high.shape or low.shape not in [(1,), (2,)]:
+            raise SceneError(
+                f"HeightField.upper: must be x in 2D, (x, y) in 3D, as the lower corner {shown(lower)}, got {shown(upper)}"
+            )
+        cells = np.rint((high - low) / step)
+        if not ((cells >= 1.0) & (cells < 2.0**31)).all():
+            raise SceneError(
+                f"HeightField.upper: must be 1 to {2**31} spacings of {step:g} m above the lower corner along each axis, "
+                f"got {shown(upper)}"
+            )
+        axes = [start + step * np.arange(n + 1) for start, n in zip(low.tolist(), cells.astype(int).tolist(), strict=True)]
+        nodes = np.meshgrid(*axes, indexing="ij")
+        given = array(called(function, "HeightField.function", *nodes), "HeightField.function")
+        try:
+            heights = np.broadcast_to(given, nodes[0].shape)
+        except ValueError:
+            raise SceneError(
+                f"HeightField.function: must give an array of the shape {nodes[0].shape}, got the shape {given.shape}"
+            ) from None
+        shared = {"restitution": restitution, "friction": friction, "no_slip": no_slip, "on": on}
+        return cls(heights, step, tuple(low.tolist()), **shared)  # type: ignore[arg-type]
+
+    def __repr__(self) -> str:
+        return f"HeightField({' x '.join(map(str, self.heights.shape))} nodes, {self.spacing:g} m apart)"
+
+    @property
+    def dimension(self) -> int:
+        """2 or 3."""
+        return self.heights.ndim + 1
+
+    @property
+    def nodes(self) -> FloatArray:
+        """The nodes [m], shape (nx, 2) in 2D or (nx, ny, 3) in 3D."""
+        counts = self.heights.shape
+        axes = [start + self.spacing * np.arange(n) for start, n in zip(self.origin, counts, strict=True)]
+        return np.stack([*np.meshgrid(*axes, indexing="ij"), self.heights], axis=-1)
+
+    def mismatch(self, dimension: int) -> tuple[str, int] | None:
+        """The heights, if the ground is not of `dimension` dimensions."""
+        return None if self.dimension == dimension else ("heights", self.dimension)
+
+
+def _place(value: object, axes: int, path: str) -> tuple[float, ...]:
+    """The coordinates of a corner along the horizontal axes, of one number for all or one each."""
+    if not isinstance(value, (tuple, list, np.ndarray)):
+        return (number(value, path, least=-LONGEST, most=LONGEST),) * axes
+    each = items(value, path, "numbers, one for each horizontal axis")
+    if len(each) != axes:
+        raise SceneError(f"{path}: must be one number, or {axes}, one for each horizontal axis, got {shown(value)}")
+    return tuple(number(entry, f"{path}[{axis}]", least=-LONGEST, most=LONGEST) for axis, entry in enumerate(each))

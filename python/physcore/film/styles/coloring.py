@@ -1,0 +1,116 @@
+"""Colors of particles that a user chose, for styles that show something else by themselves."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from physcore.checks import FloatArray, is_word, shown
+from physcore.errors import SceneError
+from physcore.film.colors.chosen import Chosen, PerBody, PerParticle, chosen, numbers
+from physcore.film.colors.colormaps import look_up
+from physcore.film.colors.themes import Theme
+from physcore.film.styles.base import Part, Scale, body_color, places, typical
+from physcore.simulation.sources import Source, SourceFrame
+
+
+def checked(value: object, path: str, words: Sequence[str]) -> str | Chosen:
+    """One of a style's own words, or a color, or what says one for each body or particle.
+
+    Raises:
+        SceneError: it is none of them.
+    """
+    for word in words:
+        if is_word(value, word):
+            return word
+    return chosen(value, path, words)
+
+
+def require_known(color: object, parts: Sequence[Part], path: str) -> None:
+    """Whether there are as many colors as particles, and each body that has one is drawn.
+
+    Raises:
+        SceneError: it is not so.
+    """
+    count = sum(len(part.body) for part in parts)
+    if isinstance(color, PerParticle) and len(color.values) != count:
+        raise SceneError(f"{path}: must be one, or {count} for the particles, got {len(color.values)}")
+    if isinstance(color, PerBody):
+        known = [key for part in parts for key in (part.body, part.body.name)]
+        for key in color.colors:
+            if key not in known:
+                raise SceneError(f"{path}: {shown(key)} is not among the bodies that are drawn")
+
+
+def fixed_colors(color: object, source: Source, parts: Sequence[Part], theme: Theme) -> FloatArray | None:
+    """The colors (N, 3) of particles that keep them; None where values or a function say them."""
+    count = sum(len(part.body) for part in parts)
+    if isinstance(color, PerParticle):
+        return color.values if color.values.ndim == 2 else None
+    if isinstance(color, tuple):
+        return np.tile(np.array(color, dtype=float), (count, 1))
+    if not (is_word(color, "body") or isinstance(color, PerBody)):
+        return None
+    each = []
+    for part in parts:
+        own = color.of(part.body) if isinstance(color, PerBody) else None
+        each.append(body_color(source, part, theme) if own is None else np.array(own, dtype=float))
+    return np.repeat(np.stack(each), [len(part.body) for part in parts], axis=0)
+
+
+class Coloring:
+    """The colors of some bodies' particles, frame by frame."""
+
+    def __init__(
+        self, color: Chosen | str, table: FloatArray, path: str, source: Source, parts: Sequence[Part], theme: Theme
+    ) -> None:
+        require_known(color, parts, path)
+        self._color, self._table, self._path = color, table, path
+        self._where, self._count = places(parts), sum(len(part.body) for part in parts)
+        self.fixed = fixed_colors(color, source, parts, theme)
+        """Of particles that keep them (N, 3); None where values or a function say them."""
+        self.low, self.top = math.inf, -math.inf
+        if isinstance(color, PerParticle) and color.values.ndim == 1:
+            self.low, self.top = float(color.values.min(initial=math.inf)), float(color.values.max(initial=-math.inf))
+
+    @property
+    def settled(self) -> bool:
+        """Whether it knows the ends of its scale, or there is none."""
+        return not callable(self._color)
+
+    def scale(self, low: float, top: float) -> Scale | None:
+        """The scale of values between two; None where there are only colors."""
+        if self.fixed is not None or low > top:
+            return None
+        name = getattr(self._color, "__name__", "value")
+        return Scale("value" if name.startswith("<") else name.replace("_", " "), "", (low, top), self._table)
+
+    def observe(self, frame: SourceFrame) -> None:
+        """Find the ends of the scale."""
+        if self.settled:
+            return
+        values = self.values(frame)
+        if values.ndim == 1:
+            self.low, self.top = min(self.low, -typical(-values)), max(self.top, typical(values))
+
+    def colors(self, frame: SourceFrame, low: float, top: float) -> FloatArray:
+        """The color of each particle (N, 3), with a scale between two values."""
+        if self.fixed is not None:
+            return self.fixed
+        values = self.values(frame)
+        return values if values.ndim == 2 else look_up(self._table, (values - low) / ((top - low) or 1.0))
+
+    def values(self, frame: SourceFrame) -> FloatArray:
+        """The values (N,) of a frame, or colors (N, 3), which a function may give too."""
+        if isinstance(self._color, PerParticle):
+            return self._color.values
+        assert callable(self._color)
+        velocities = frame.fields["velocities"][self._where] if "velocities" in frame.fields else None
+        given = self._color(frame.time, frame.positions[self._where], velocities)
+        values = numbers(given, f"{self._path}(time, positions, velocities)")
+        if len(values) != self._count:
+            name = self._path
+            raise SceneError(f"{name}: the function must give {self._count} values, got {len(values)}")
+        return values

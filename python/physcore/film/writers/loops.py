@@ -1,0 +1,104 @@
+"""How a film begins again: by a jump, backward, or by a blend of its end with its start."""
+
+from __future__ import annotations
+
+import math
+import tempfile
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Literal, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from physcore._core import Canvas
+from physcore.checks import span, word
+from physcore.errors import SceneError
+
+Loop = Literal["bounce", "crossfade"]
+BLEND = 0.5
+"""How long a crossfade takes [s]."""
+PART = 1 / 3
+"""The part of a short film that it takes at most."""
+
+
+@dataclass(frozen=True)
+class Repeat:
+    """How a film begins again."""
+
+    loop: Loop | None = None
+    hold: float = 0.0
+    """How long the last frame drawn stays [s]."""
+
+    def count(self, drawn: int, rate: float) -> int:
+        """How many frames there are, of so many that are drawn and so many per second."""
+        if self.loop == "bounce":
+            return max(2 * drawn - 2, 1)
+        return drawn - self._blended(drawn, rate) if self.loop == "crossfade" else drawn
+
+    def frames(self, drawn: Iterator[Canvas], count: int, rate: float) -> Iterator[Canvas]:
+        """The frames of the film; each canvas is valid until the next is asked for."""
+        if self.loop == "bounce":
+            return _bounced(drawn)
+        return _crossfaded(drawn, count, self._blended(count, rate)) if self.loop == "crossfade" else drawn
+
+    @staticmethod
+    def _blended(drawn: int, rate: float) -> int:
+        """How many frames a crossfade takes."""
+        return min(math.ceil(BLEND * rate), math.floor(PART * drawn))
+
+
+def check_loop(loop: object, hold: object, name: str, longest: float, *, moving: bool) -> Repeat:
+    """What was asked for.
+
+    Args:
+        loop, hold: as in `film`.
+        name: of the format, in a sentence.
+        longest: how long it can show one frame [s].
+        moving: whether it shows more than one.
+
+    Raises:
+        SceneError: there is no such loop, or the format cannot show it.
+    """
+    chosen = None if loop is None else word(loop, "loop", get_args(Loop))
+    seconds = span(hold, "hold", empty=True)
+    if not moving and (chosen is not None or seconds > 0.0):
+        raise SceneError(f"loop, hold: are for films, and this is {name}")
+    if seconds > longest / 2:
+        raise SceneError(f"hold: must be at most {longest / 2:.0f} s in {name}, got {seconds:g}")
+    if chosen == "crossfade" and seconds > 0.0:
+        raise SceneError("hold: a crossfade has no last frame to hold; give one of the two")
+    return Repeat(chosen, seconds)
+
+
+def _bounced(drawn: Iterator[Canvas]) -> Iterator[Canvas]:
+    """Forward and backward; the frames wait in a temporary file."""
+    with tempfile.TemporaryFile(prefix="physcore-") as file:
+        count, shape = 0, (0, 0, 0)
+        for canvas in drawn:
+            pixels = canvas.pixels()
+            file.write(np.ascontiguousarray(pixels).data)
+            count, shape = count + 1, pixels.shape
+            yield canvas
+        again, size = Canvas(shape[1], shape[0], (0, 0, 0)), math.prod(shape)
+        for index in range(count - 2, 0, -1):
+            file.seek(index * size)
+            again.picture(np.frombuffer(file.read(size), dtype=np.uint8).reshape(shape), 0, 0)
+            yield again
+
+
+def _crossfaded(drawn: Iterator[Canvas], count: int, blended: int) -> Iterator[Canvas]:
+    """From after the blend to the end, which is blended with the start; only the start is kept."""
+    start: list[NDArray[np.uint8]] = []
+    for index, canvas in enumerate(drawn):
+        if index < blended:
+            start.append(canvas.pixels())
+        elif index < count - blended:
+            yield canvas
+        else:
+            place = index - (count - blended)
+            pixels, weight = canvas.pixels(), (place + 1) / (blended + 1)
+            mixture = np.rint((1.0 - weight) * pixels + weight * start[place]).astype(np.uint8)
+            result = Canvas(pixels.shape[1], pixels.shape[0], (0, 0, 0))
+            result.picture(mixture, 0, 0)
+            yield result

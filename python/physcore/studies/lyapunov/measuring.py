@@ -1,0 +1,129 @@
+"""The growth of the offsets of neighbors, averaged over time."""
+
+from __future__ import annotations
+
+from typing import Unpack
+
+import numpy as np
+
+from physcore.checks import FloatArray, count, flag, shown, span
+from physcore.errors import SceneError
+from physcore.numerics.choices import Options
+from physcore.progress import Progress
+from physcore.scene.scene import Scene
+from physcore.spelling import spelled
+from physcore.studies.lyapunov.exponents import Lyapunov
+from physcore.studies.lyapunov.flows import Flow
+from physcore.studies.lyapunov.mechanics import Mechanics
+from physcore.studies.lyapunov.neighbors import Paths
+from physcore.systems.tracers import Tracers
+
+PARTS = 10
+"""Parts of the duration whose scatter gives the error of a single path."""
+
+
+@spelled
+def lyapunov(
+    scene: Scene | Tracers,
+    duration: float,
+    transient: float = 0.0,
+    interval: float | None = None,
+    *,
+    exponents: int = 1,
+    progress: bool | None = None,
+    **numerics: Unpack[Options],
+) -> Lyapunov:
+    """The Lyapunov exponents of the motion of bodies, the largest, or of the flow that tracers are in, all.
+
+        pendulum = pc.SpringNetwork([[0, 0], [1, 0], [2, 0]], [[0, 1], [1, 2]], math.inf, fixed=[0])
+        scene = pc.Scene(pendulum, pc.Gravity((0.0, -9.81)))
+        chaos = pc.lyapunov(scene, duration=4.0, dt=0.005)
+        chaos.exponents[0], chaos.errors[0]  # how fast two double pendulums part [1/s]
+
+        cloud = pc.Tracers(rng.normal(size=(200, 3)) + (0, 0, 25), pc.Lorenz())
+        spectrum = pc.lyapunov(cloud, duration=200.0, transient=20.0, dt=0.01)
+        spectrum.exponents  # 0.906, 0.000, -14.572
+        spectrum.dimension  # 2.062
+
+    Each path takes neighbors along, on the axes of a small orthogonal frame. After each interval their offsets are
+    orthonormalized by a QR decomposition; the logarithms of its diagonal, averaged over time and over the paths, are
+    the exponents. The offsets are 1e-7 of the extent of the motion, where truncation and rounding both are some 1e-7 of
+    a growth, below the error of the integrator and the statistical one.
+
+    Of bodies, by any integrator, the neighbors are runs of their own, one for each exponent, in equal steps; offsets of
+    positions are taken relative to the extent of the motion, of velocities to the largest speed, and with rods along
+    their constraints. A regular motion has exponents that fall to zero as log(t)/t.
+
+    Args:
+        scene: bodies with what acts on them; or tracers, from where their paths begin: more of them average as a longer
+            duration does. In the flow of PointVortices these move too.
+        duration: how long is averaged [s], above zero.
+        transient: how long they move before that, to be on the attractor, and neighbors, to turn to their directions
+            [s].
+        interval: the time between two orthonormalizations [s]; None: 2/max|∇v| at the tracers, of bodies a thousandth
+            of the duration.
+        exponents: how many of bodies are measured, the largest ones: at most twice their degrees of freedom.
+        progress: whether to show a progress bar; None: on a terminal, when it takes longer than a second.
+        numerics: integrator, dt and threads, as in Simulation; the precision is double. Of bodies a dt that follows the
+            motion becomes the smallest that it is in the first part of the motion.
+
+    Raises:
+        SceneError: an argument is not valid; or the state of the scene is more than positions and velocities, as with a
+            Fluid, springs that can break or systems beside bodies.
+        PhyscoreError: neighbors part by more than 1e4 in an interval, which has to be shorter.
+        SimulationDiverged: a tracer runs to infinity, or the motion of bodies is not resolved.
+
+    Source: G. Benettin, L. Galgani, A. Giorgilli, J.-M. Strelcyn, Meccanica 15, 9 and 21 (1980); A. Wolf, J. B. Swift,
+    H. L. Swinney, J. A. Vastano, Physica D 16, 285 (1985).
+    """
+    if numerics.get("precision", "f64") not in ("f64", "auto"):
+        raise SceneError("lyapunov.precision: must be 'f64': neighbors are 1e-7 apart")
+    average, before = span(duration, "lyapunov.duration"), span(transient, "lyapunov.transient", empty=True)
+    step = None if interval is None else span(interval, "lyapunov.interval")
+    number = count(exponents, "lyapunov.exponents", least=1)
+    bar = None if progress is None else flag(progress, "progress")
+    choices: Options = {**numerics, "precision": "f64"}
+    if isinstance(scene, Scene):
+        return _averaged(Mechanics(scene, number, before, average, step, choices), bar)
+    if not isinstance(scene, Tracers):
+        raise SceneError(f"lyapunov.scene: must be a Scene or Tracers, got {shown(scene)}")
+    if len(scene) == 0:
+        raise SceneError("lyapunov.scene: must be at least one tracer")
+    return _averaged(Flow(scene, before, average, step, choices), bar)
+
+
+def _averaged(paths: Paths, progress: bool | None) -> Lyapunov:
+    """The mean growth along paths, after what comes before averaging."""
+    warm, counted = paths.intervals
+    parts: list[tuple[float, FloatArray]] = []
+    with Progress(warm + counted, "measuring", progress) as bar:
+        for index in range(warm):
+            paths.advance()
+            bar.update(index + 1)
+        growth, start = np.zeros(1), paths.time
+        for index in range(counted):
+            growth = growth + paths.advance()
+            bar.update(warm + index + 1)
+            if (index + 1) * PARTS // counted > len(parts):
+                parts.append((paths.time, growth.mean(axis=0)))
+    each = growth / (paths.time - start)
+    order = np.argsort(-each.mean(axis=0))
+    each = each[:, order]
+    errors = _scatter(each) if len(each) > 1 else _scatter(_rates(start, parts))[order]
+    return Lyapunov(each.mean(axis=0), errors, each, paths.time - start, paths.directions)
+
+
+def _rates(start: float, parts: list[tuple[float, FloatArray]]) -> FloatArray:
+    """The rates of growth [1/s] in each part of the time, from the growth until the end of each."""
+    times = np.diff([start, *(time for time, _ in parts)])
+    growth = np.array([grown for _, grown in parts])
+    rates: FloatArray = np.diff(growth, axis=0, prepend=0.0 * growth[:1]) / times[:, np.newaxis]
+    return rates if len(parts) == PARTS else rates[:0]
+
+
+def _scatter(rates: FloatArray) -> FloatArray:
+    """The standard error of the mean of several rates (N, K), shape (K,); not a number of none."""
+    if len(rates) < 2:
+        return np.full(rates.shape[1], np.nan)
+    error: FloatArray = rates.std(axis=0, ddof=1) / np.sqrt(len(rates))
+    return error

@@ -1,0 +1,177 @@
+"""The bodies of a scene, with neighbors that are runs of their own."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from physcore.checks import FloatArray
+from physcore.errors import SceneError
+from physcore.numerics.choices import Options, StepRule, steps_to
+from physcore.scene.bodies import SpringNetwork
+from physcore.scene.scene import Scene
+from physcore.simulation.simulation import Simulation
+from physcore.simulation.stepper import unwarned
+from physcore.studies.lyapunov.neighbors import APART, TINY, orthonormalized, random_frame
+
+PILOT, LOOKS = 1.0 / 8.0, 32
+"""How much of the motion tells its extent, and how often it is looked at."""
+INTERVALS = 1000
+"""Orthonormalizations over the duration, unless their interval is given."""
+
+SINGULAR = 1e-9
+"""Constraints are independent where their singular values are above this fraction of the largest."""
+
+
+class Mechanics:
+    """A run of a scene, and one for each exponent beside it.
+
+    Offsets are those of the positions and velocities of particles that are not fixed, over the extent of the motion
+    and the largest speed of its first part. Those of rods lie in the tangent space of their constraints at first, and
+    the integrator keeps them there.
+
+    Args:
+        scene: bodies and what acts on them.
+        exponents: how many of the largest.
+        before: how long it moves before averaging [s].
+        average: how long that lasts [s].
+        interval: between two orthonormalizations [s]; None: a thousandth of `average`.
+        numerics: as in Simulation.
+
+    Raises:
+        SceneError: its state is more than positions and velocities, or it has fewer exponents.
+    """
+
+    def __init__(
+        self, scene: Scene, exponents: int, before: float, average: float, interval: float | None, numerics: Options
+    ) -> None:
+        _refuse_more_than_places_and_velocities(scene)
+        pilot = _pilot(scene, PILOT * (before + average), numerics)
+        self._scene, self._pilot = scene, pilot
+        self._steps = max(1, round((interval or average / INTERVALS) / pilot.dt))
+        self._interval = self._steps * pilot.dt
+        self.intervals = steps_to(before, self._interval, 1e-9), max(1, steps_to(average, self._interval, 1e-9))
+        options: Options = {**numerics, "dt": pilot.dt}
+        with unwarned():  # The pilot has said it.
+            self._run, *self._neighbors = (Simulation(scene, **options) for _ in range(1 + exponents))
+        self._free = ~np.concatenate([body.fixed for body in scene.bodies])
+        forbidden = _row_space(self._constraints())
+        self.directions = forbidden.shape[1] - len(forbidden)
+        if exponents > self.directions:
+            raise SceneError(f"lyapunov.exponents: must be at most {self.directions} in this scene, got {exponents}")
+        frame = random_frame(exponents, forbidden.shape[1])
+        frame -= frame @ forbidden.T @ forbidden
+        self._frames: FloatArray = np.linalg.qr(frame.T)[0].T[np.newaxis]
+
+    @property
+    def time(self) -> float:
+        """Until when it has been followed [s]."""
+        return self._run.time
+
+    def advance(self) -> FloatArray:
+        """The logarithms of the growth along each direction in an interval (1, K)."""
+        positions, velocities = self._run.positions, self._run.velocities
+        # All are set, so that methods that remember steps begin anew in each.
+        self._run.set(positions, velocities)
+        for neighbor, frame in zip(self._neighbors, self._frames[0], strict=True):
+            places, speeds = positions.copy(), velocities.copy()
+            shift, change = APART * frame.reshape(2, -1, self._scene.dimension)
+            places[self._free] += self._pilot.extent * shift
+            speeds[self._free] += self._pilot.speed * change
+            neighbor.set(places, speeds)
+        for run in (self._run, *self._neighbors):
+            run.step(self._steps)
+        offsets = np.array([self._offset(neighbor) for neighbor in self._neighbors]) / APART
+        growth, self._frames = orthonormalized(offsets[np.newaxis], self._interval)
+        return growth
+
+    def _offset(self, neighbor: Simulation) -> FloatArray:
+        """The offset of a neighbor, over the extent and the speed (P,)."""
+        apart = neighbor.positions[self._free] - self._run.positions[self._free]
+        if self._scene.periodic is not None:
+            apart = self._scene.periodic.nearest(apart)
+        faster = neighbor.velocities[self._free] - self._run.velocities[self._free]
+        return np.concatenate([(apart / self._pilot.extent).ravel(), (faster / self._pilot.speed).ravel()])
+
+    def _constraints(self) -> FloatArray:
+        """What rods forbid offsets at the start, a row for each equation (2 M, P): r·δr = 0 and r·δv + v·δr = 0, with
+        the separation r of the ends of a rod and its rate v.
+        """
+        places, speeds = self._run.positions, self._run.velocities
+        rods = [
+            body.pairs[body.rods] + self._scene.slice(index).start
+            for index, body in enumerate(self._scene.bodies)
+            if isinstance(body, SpringNetwork)
+        ]
+        first, second = np.concatenate([np.zeros((0, 2), dtype=np.int64), *rods]).T
+        count = len(first)
+        at = np.arange(count)
+        rows = np.zeros((2, count, 2, *places.shape))
+        for end, sign in ((first, -1.0), (second, 1.0)):
+            r, v = sign * (places[second] - places[first]), sign * (speeds[second] - speeds[first])
+            rows[0, at, 0, end] = r * self._pilot.extent
+            rows[1, at, 1, end] = r * self._pilot.speed
+            rows[1, at, 0, end] = v * self._pilot.extent
+        free = 2 * int(self._free.sum()) * self._scene.dimension
+        equations: FloatArray = rows[:, :, :, self._free].reshape(2 * count, free)
+        return equations
+
+
+def _row_space(equations: FloatArray) -> FloatArray:
+    """An orthonormal basis of the rows (R, P) of linear equations (M, P)."""
+    if not equations.any():
+        return equations[:0]
+    lengths = np.linalg.norm(equations, axis=1, keepdims=True)
+    _, sizes, rows = np.linalg.svd(equations / np.where(lengths > 0.0, lengths, 1.0), full_matrices=False)
+    basis: FloatArray = rows[sizes > SINGULAR * sizes[0]]
+    return basis
+
+
+@dataclass(frozen=True)
+class Pilot:
+    """What the first part of a motion tells."""
+
+    dt: float
+    """The time step [s]: the one that was given, or the smallest that was chosen."""
+    extent: float
+    """The largest distance of a particle from the middle along an axis [m]."""
+    speed: float
+    """The largest speed along an axis [m/s]."""
+
+
+def _pilot(scene: Scene, duration: float, numerics: Options) -> Pilot:
+    """Follow a motion for a while [s]."""
+    run = Simulation(scene, **numerics)
+    given = not isinstance(numerics.get("dt", "auto"), (str, StepRule))
+    places, speeds = [run.positions], [run.velocities]
+    dt = run.dt
+    for _ in range(LOOKS):
+        run.run(duration / LOOKS)
+        places.append(run.positions)
+        speeds.append(run.velocities)
+        dt = dt if given else min(dt, run.dt)
+    extent, speed = float(np.ptp(np.concatenate(places), axis=0).max()) / 2.0, float(np.abs(speeds).max())
+    extent = extent or speed * duration or 1.0
+    return Pilot(dt, max(extent, TINY), max(speed, extent / (duration / PILOT), TINY))
+
+
+def _refuse_more_than_places_and_velocities(scene: Scene) -> None:
+    """Refuse what positions and velocities do not tell.
+
+    Raises:
+        SceneError: there is something of that kind.
+    """
+    networks = [body for body in scene.bodies if isinstance(body, SpringNetwork)]
+    reasons = {
+        "no bodies": not scene.bodies,
+        "systems beside bodies": bool(scene.systems),
+        "a Fluid, which has densities": bool(scene.fluids),
+        "springs that can break": any(body.can_tear for body in networks),
+        "springs in a periodic domain, which may reach across its faces": bool(networks) and bool(scene.periodic),
+    }
+    for reason, found in reasons.items():
+        if found:
+            raise SceneError(
+                f"lyapunov.scene: must be Tracers, or a scene whose state is positions and velocities, got {reason}"
+            )

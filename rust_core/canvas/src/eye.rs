@@ -1,0 +1,131 @@
+//! The eye of a picture in space: places of pixels whose depth is known, and the depths of what is drawn.
+//!
+//! A canvas that has an eye keeps the depth of the surface that each pixel shows: later lights find by it where shadows fall
+//! (`light`). Shapes are painted from the far to the near, so that the depth is that of the last one that covers a pixel.
+
+use crate::band::Band;
+use crate::color::Ink;
+use crate::shapes::{Disc, Line, Triangle};
+
+/// The eye: from where a projection sees.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Eye {
+    /// Pixels per unit of length at the focus.
+    pub scale: f32,
+    /// The pixel of the focus.
+    pub middle: [f32; 2],
+    /// Distance of the eye from the focus; infinite for an orthographic projection.
+    pub distance: f32,
+}
+
+/// Depth of a pixel that shows no surface, or one that takes no shadow.
+pub(crate) const OPEN: f32 = f32::INFINITY;
+/// Opacity from which on a shape is a surface [1/255].
+const SOLID: u8 = 200;
+
+impl Eye {
+    /// Pixels per unit of length at a depth behind the focus.
+    #[inline(always)]
+    pub(crate) fn magnification(self, depth: f32) -> f32 {
+        1.0 / self.length(depth)
+    }
+
+    /// The length of a pixel at a depth behind the focus.
+    #[inline(always)]
+    pub(crate) fn length(self, depth: f32) -> f32 {
+        const NEAREST: f32 = 0.05;
+        let per_scale = 1.0 / self.scale;
+        // Hoisted out of loops: the eye is the same for all pixels.
+        let per_depth = if self.distance < f32::INFINITY { per_scale / self.distance } else { 0.0 };
+        (per_scale + per_depth * depth).max(NEAREST * per_scale)
+    }
+
+    /// The place of a pixel at a depth: to the right, up and toward the eye from the focus.
+    #[inline(always)]
+    pub(crate) fn place(self, [x, y]: [f32; 2], depth: f32) -> [f32; 3] {
+        let per_pixel = self.length(depth);
+        [(x - self.middle[0]) * per_pixel, (self.middle[1] - y) * per_pixel, -depth]
+    }
+}
+
+/// Whether a shape of this ink hides what is behind it.
+pub(crate) fn is_solid(ink: Ink) -> bool {
+    ink[3] >= SOLID
+}
+
+impl Band<'_> {
+    /// Keeps the depth of a disc, which is a ball if it is shaded; one that is not takes no shadow.
+    pub(crate) fn deepen_disc(&mut self, disc: &Disc, depth: f32) {
+        let Some(eye) = self.eye.filter(|_| is_solid(disc.color)) else {
+            return;
+        };
+        let ([x, y], radius, per_pixel) = (disc.center, disc.radius.max(0.5), eye.length(depth));
+        let lit = disc.shading > 0.0 && depth.is_finite();
+        self.deepen([x - radius, y - radius], [x + radius, y + radius], |column, row| {
+            let square = radius * radius - (column - x) * (column - x) - (row - y) * (row - y);
+            (square > 0.0).then(|| if lit { depth - square.sqrt() * per_pixel } else { OPEN })
+        });
+    }
+
+    /// Keeps the depth of a line, which is a round rod.
+    pub(crate) fn deepen_line(&mut self, line: &Line, depth: f32) {
+        let Some(eye) = self.eye.filter(|_| is_solid(line.color)) else {
+            return;
+        };
+        let ([x0, y0], [x1, y1], half) = (line.from, line.to, 0.5 * line.width.max(1.0));
+        let (low, high) = ([x0.min(x1) - half, y0.min(y1) - half], [x0.max(x1) + half, y0.max(y1) + half]);
+        let ([ux, uy], per_pixel) = ([x1 - x0, y1 - y0], eye.length(depth));
+        let per_square = 1.0 / (ux * ux + uy * uy).max(1e-12);
+        self.deepen(low, high, |column, row| {
+            let (dx, dy) = (column - x0, row - y0);
+            let along = ((dx * ux + dy * uy) * per_square).clamp(0.0, 1.0);
+            let (ex, ey) = (dx - along * ux, dy - along * uy);
+            let square = half * half - ex * ex - ey * ey;
+            (square > 0.0).then(|| if depth.is_finite() { depth - square.sqrt() * per_pixel } else { OPEN })
+        });
+    }
+
+    /// Keeps the depth of a triangle between its corners.
+    pub(crate) fn deepen_triangle(&mut self, triangle: &Triangle) {
+        let [a, b, c] = triangle.corners;
+        let doubled = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+        if self.eye.is_none() || !triangle.colors.iter().all(|&ink| is_solid(ink)) || doubled == 0.0 {
+            return;
+        }
+        let low = [a[0].min(b[0]).min(c[0]), a[1].min(b[1]).min(c[1])];
+        let high = [a[0].max(b[0]).max(c[0]), a[1].max(b[1]).max(c[1])];
+        let [first, second, third] = if triangle.lit { triangle.depths } else { [OPEN; 3] };
+        self.deepen(low, high, |x, y| {
+            let (dx, dy) = (x - a[0], y - a[1]);
+            let along = (dx * (c[1] - a[1]) - dy * (c[0] - a[0])) / doubled;
+            let across = (dy * (b[0] - a[0]) - dx * (b[1] - a[1])) / doubled;
+            let inside = along >= -1e-4 && across >= -1e-4 && along + across <= 1.0 + 1e-4;
+            let depth = if first == OPEN { OPEN } else { first + along * (second - first) + across * (third - first) };
+            inside.then_some(depth)
+        });
+    }
+
+    /// Keeps depths of the pixels between two corners for whose centers there is one.
+    #[inline(always)]
+    fn deepen(&mut self, low: [f32; 2], high: [f32; 2], depth: impl Fn(f32, f32) -> Option<f32>) {
+        let Some(area) = self.visible(low, high) else {
+            return;
+        };
+        for row in area.top..area.bottom {
+            let first = (row - self.top) as usize * self.width;
+            for column in area.left..area.right {
+                if let Some(depth) = depth(column as f32 + 0.5, row as f32 + 0.5) {
+                    self.depths[first + column as usize] = depth;
+                }
+            }
+        }
+    }
+
+    /// Keeps the depth of one pixel inside the clip.
+    pub(crate) fn deepen_dot(&mut self, x: i32, y: i32, depth: f32) {
+        let clip = self.clip;
+        if self.eye.is_some() && (clip.left..clip.right).contains(&x) && (clip.top..clip.bottom).contains(&y) {
+            self.depths[(y - self.top) as usize * self.width + x as usize] = depth;
+        }
+    }
+}

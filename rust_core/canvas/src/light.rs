@@ -1,0 +1,232 @@
+//! Shadows and ambient occlusion on all that has been painted, by the depth of each pixel.
+//!
+//! A lamp's light is held back by what stands in its way (`shadow`), light from everywhere by what is near: the share of it
+//! that does not come through is estimated from the depths of pixels around (after M. McGuire, M. Mara and D. Luebke,
+//! "Scalable ambient obscurance", 2012).
+
+#![expect(clippy::cast_possible_wrap, reason = "no side is longer than 65535 pixels")]
+#![expect(clippy::doc_markdown, reason = "names of people")]
+
+use crate::band::Band;
+use crate::eye::{Eye, OPEN};
+use crate::math::{cross, dot, minus, plus, unit};
+use crate::shadow::ShadowMap;
+
+/// The light of a scene in space.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Light {
+    /// Unit vector to the lamp: right, up, toward the eye.
+    pub lamp: [f32; 3],
+    /// The share of light that a place in the deepest shadow has lost.
+    pub shadow: f32,
+    /// The share of light that a place has lost whose surroundings hide everything.
+    pub occlusion: f32,
+    /// How far ambient light is looked for [pixels].
+    pub reach: f32,
+}
+
+/// How much less than red, green and blue lose in a shadow: it is lit by the sky.
+const COOL: [f32; 3] = [1.0, 0.97, 0.9];
+/// Places around a pixel that ambient light is looked for at.
+const TAPS: usize = 18;
+/// The angle from one of them to the next [rad], of which no multiple comes near to a turn.
+const GOLDEN: f32 = 2.399_963_2;
+/// The cosine below which a place around is not above the surface.
+const BIAS: f32 = 0.12;
+/// The cosine of the lamp's light from which on a surface shows a full shadow: one that is turned away is dark already.
+const FACING: f32 = 0.35;
+
+/// What is looked up at each pixel: depths, row by row.
+pub(crate) struct Depths<'a> {
+    pub(crate) eye: Eye,
+    pub(crate) width: usize,
+    pub(crate) values: &'a [f32],
+}
+
+impl Depths<'_> {
+    /// The place that a pixel shows.
+    #[inline(always)]
+    fn place(&self, column: usize, row: usize) -> [f32; 3] {
+        self.eye.place([column as f32 + 0.5, row as f32 + 0.5], self.values[row * self.width + column])
+    }
+
+    /// The step to a pixel beside another one, of the two on both sides the one that is nearer in depth; None if there is none.
+    #[inline(always)]
+    fn step(&self, here: [f32; 3], before: Option<(usize, usize)>, after: Option<(usize, usize)>) -> Option<[f32; 3]> {
+        let found = |pixel: Option<(usize, usize)>| {
+            let (column, row) = pixel?;
+            let there = self.place(column, row);
+            there[2].is_finite().then_some(there)
+        };
+        match (found(before), found(after)) {
+            (Some(one), Some(other)) if (one[2] - here[2]).abs() < (other[2] - here[2]).abs() => Some(minus(here, one)),
+            (_, Some(other)) => Some(minus(other, here)),
+            (Some(one), None) => Some(minus(here, one)),
+            (None, None) => None,
+        }
+    }
+
+    /// The normal of the surface at a pixel.
+    fn normal(&self, here: [f32; 3], column: usize, row: usize) -> [f32; 3] {
+        let height = self.values.len() / self.width;
+        let left = column.checked_sub(1).map(|column| (column, row));
+        let right = (column + 1 < self.width).then_some((column + 1, row));
+        let above = row.checked_sub(1).map(|row| (column, row));
+        let below = (row + 1 < height).then_some((column, row + 1));
+        match (self.step(here, left, right), self.step(here, below, above)) {
+            (Some(along), Some(up)) => unit(cross(along, up)),
+            _ => [0.0, 0.0, 1.0],
+        }
+    }
+}
+
+/// The side of the tiles that are lit or left out [pixels].
+const TILE: usize = 16;
+
+/// A light, prepared for one painting.
+pub(crate) struct Lighting {
+    light: Light,
+    shadows: Option<ShadowMap>,
+    /// Where ambient light is looked for around a pixel: columns and rows.
+    taps: [[i32; 2]; TAPS],
+    /// Tiles that are near to something else than the backdrop, row by row: elsewhere nothing holds back ambient light.
+    crowded: Vec<bool>,
+    tiles: usize,
+    /// The share of ambient light that is held back from every second pixel of every second row.
+    hidden: Vec<f32>,
+}
+
+impl Lighting {
+    /// A light for pixels with these depths, where a backdrop has those.
+    pub(crate) fn new(light: Light, shadows: Option<ShadowMap>, depths: &Depths<'_>, backdrop: &[f32], threads: usize) -> Self {
+        let taps = std::array::from_fn(|index| {
+            let (radius, angle) = (light.reach * ((index as f32 + 0.5) / TAPS as f32).sqrt(), GOLDEN * index as f32);
+            [radius * angle.cos(), radius * angle.sin()].map(|offset| offset.round() as i32)
+        });
+        let (tiles, crowded) = crowded(depths, backdrop, (light.reach / TILE as f32).ceil() as usize);
+        let mut found = Self { light, shadows, taps, crowded, tiles, hidden: Vec::new() };
+        found.hidden = found.occlusions(depths, threads);
+        found
+    }
+
+    /// The ambient light held back, by so many threads.
+    fn occlusions(&self, depths: &Depths<'_>, threads: usize) -> Vec<f32> {
+        let (across, height) = (depths.width.div_ceil(2), depths.values.len() / depths.width);
+        let mut hidden = vec![0.0; across * height.div_ceil(2)];
+        let rows = height.div_ceil(2).div_ceil(threads.max(1));
+        std::thread::scope(|scope| {
+            for (part, hidden) in hidden.chunks_mut((rows * across).max(1)).enumerate() {
+                scope.spawn(move || {
+                    for (index, hidden) in hidden.iter_mut().enumerate() {
+                        let (column, row) = (2 * (index % across), 2 * (part * rows + index / across));
+                        let crowded = self.crowded[row / TILE * self.tiles + column / TILE];
+                        if crowded && depths.values[row * depths.width + column] != OPEN {
+                            *hidden = self.occlusion(depths, column, row);
+                        }
+                    }
+                });
+            }
+        });
+        hidden
+    }
+
+    /// The ambient light held back from a pixel: the mean of those around it for which it is known and that lie as deep.
+    #[inline(always)]
+    fn hidden(&self, depths: &Depths<'_>, depth: f32, column: usize, row: usize) -> f32 {
+        let across = depths.width.div_ceil(2);
+        let (left, above) = (column / 2, row / 2);
+        let (right, below) = (column.div_ceil(2).min(across - 1), row.div_ceil(2).min(self.hidden.len() / across - 1));
+        let near = 4.0 * depths.eye.length(depth);
+        let (mut sum, mut total) = (0.0, 0.0);
+        for (column, row) in [(left, above), (right, above), (left, below), (right, below)] {
+            let there = depths.values[2 * row * depths.width + 2 * column];
+            let weight = if (there - depth).abs() < near { 1.0 } else { 1e-3 };
+            sum += weight * self.hidden[row * across + column];
+            total += weight;
+        }
+        sum / total
+    }
+
+    /// Lights the rows of a band.
+    pub(crate) fn shade(&self, band: &mut Band<'_>, depths: &Depths<'_>) {
+        let clip = band.clip;
+        for row in clip.top..clip.bottom {
+            let first = (row - band.top) as usize * band.width;
+            for column in clip.left..clip.right {
+                let depth = depths.values[row as usize * depths.width + column as usize];
+                if depth == OPEN {
+                    continue;
+                }
+                let [dark, hidden] = self.at(depths, column as usize, row as usize);
+                if dark > 0.0 || hidden > 0.0 {
+                    let pixel = &mut band.pixels[first + column as usize];
+                    for (channel, cool) in pixel.iter_mut().zip(COOL) {
+                        let left = (1.0 - cool * dark) * (1.0 - hidden);
+                        *channel = (f32::from(*channel) * left + 0.5) as u8;
+                    }
+                }
+            }
+        }
+    }
+
+    /// The shares of the lamp's and of ambient light that a pixel's place has lost.
+    #[inline(always)]
+    fn at(&self, depths: &Depths<'_>, column: usize, row: usize) -> [f32; 2] {
+        let here = depths.place(column, row);
+        let crowded = self.crowded[row / TILE * self.tiles + column / TILE];
+        let shadows = self.shadows.as_ref().filter(|shadows| shadows.reaches(here));
+        if !crowded && shadows.is_none() {
+            return [0.0; 2];
+        }
+        let dark = shadows.map_or(0.0, |shadows| {
+            let normal = depths.normal(here, column, row);
+            let facing = (dot(normal, self.light.lamp) / FACING).clamp(0.0, 1.0);
+            if facing > 0.0 { facing * shadows.at(plus(here, 2.0 * shadows.texel(), normal)) } else { 0.0 }
+        });
+        let hidden = if crowded { self.hidden(depths, -here[2], column, row) } else { 0.0 };
+        [self.light.shadow * dark, self.light.occlusion * hidden]
+    }
+
+    /// The share of ambient light that is held back by what is around a place.
+    fn occlusion(&self, depths: &Depths<'_>, column: usize, row: usize) -> f32 {
+        let here = depths.place(column, row);
+        let (normal, column, row) = (depths.normal(here, column, row), column as i32, row as i32);
+        let reach = self.light.reach * depths.eye.length(-here[2]);
+        let (per_square, width) = (1.0 / (reach * reach), depths.width as i32);
+        let height = (depths.values.len() / depths.width) as i32;
+        let mut hidden = 0.0;
+        for [right, down] in self.taps {
+            let (column, row) = (column + right, row + down);
+            if column < 0 || row < 0 || column >= width || row >= height {
+                continue;
+            }
+            let way = minus(depths.place(column as usize, row as usize), here);
+            let above = dot(way, normal);
+            // Written so that a pixel without depth is not above.
+            if above > 0.0 && above < reach {
+                let away = dot(way, way);
+                hidden += (1.0 - away * per_square).max(0.0) * (above / away.sqrt() - BIAS).max(0.0);
+            }
+        }
+        (2.5 * hidden / TAPS as f32).min(1.0)
+    }
+}
+
+/// The number of tiles across a picture, and which of them are no farther than so many from one that differs from a backdrop.
+fn crowded(depths: &Depths<'_>, backdrop: &[f32], reach: usize) -> (usize, Vec<bool>) {
+    let (across, height) = (depths.width.div_ceil(TILE), depths.values.len() / depths.width);
+    let down = height.div_ceil(TILE);
+    let mut crowded = vec![false; across * down];
+    for row in 0..height {
+        for tile in 0..across {
+            let pixels = row * depths.width + tile * TILE..row * depths.width + ((tile + 1) * TILE).min(depths.width);
+            if backdrop.get(pixels.clone()) != Some(&depths.values[pixels]) {
+                let (above, left) = ((row / TILE).saturating_sub(reach), tile.saturating_sub(reach));
+                for line in above..(row / TILE + reach + 1).min(down) {
+                    crowded[line * across + left..line * across + (tile + reach + 1).min(across)].fill(true);
+                }
+            }
+        }
+    }
+    (across, crowded)
+}

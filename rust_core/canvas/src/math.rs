@@ -1,0 +1,43 @@
+//! Vectors in space.
+
+pub(crate) type Vector = [f32; 3];
+
+#[inline(always)]
+pub(crate) fn dot(one: Vector, other: Vector) -> f32 {
+    one[0] * other[0] + one[1] * other[1] + one[2] * other[2]
+}
+
+#[inline(always)]
+pub(crate) fn cross(one: Vector, other: Vector) -> Vector {
+    [one[1] * other[2] - one[2] * other[1], one[2] * other[0] - one[0] * other[2], one[0] * other[1] - one[1] * other[0]]
+}
+
+#[inline(always)]
+pub(crate) fn minus(one: Vector, other: Vector) -> Vector {
+    [one[0] - other[0], one[1] - other[1], one[2] - other[2]]
+}
+
+/// A vector and a multiple of another.
+#[inline(always)]
+pub(crate) fn plus(one: Vector, factor: f32, other: Vector) -> Vector {
+    [one[0] + factor * other[0], one[1] + factor * other[1], one[2] + factor * other[2]]
+}
+
+/// The vector of length one in a direction; that of no direction points toward the eye.
+#[inline(always)]
+pub(crate) fn unit(vector: Vector) -> Vector {
+    let square = dot(vector, vector);
+    if square > 0.0 {
+        let scale = 1.0 / square.sqrt();
+        vector.map(|component| component * scale)
+    } else {
+        [0.0, 0.0, 1.0]
+    }
+}
+
+/// Two unit vectors across a direction and across each other.
+pub(crate) fn across(direction: Vector) -> [Vector; 2] {
+    let helper = if direction[0].abs() < 0.7 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] };
+    let first = unit(cross(direction, helper));
+    [first, cross(direction, first)]
+}

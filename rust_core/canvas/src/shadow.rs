@@ -1,0 +1,282 @@
+//! Shadows: the heights of what stands between a lamp and a place, seen from the lamp.
+//!
+//! A map of what the lamp sees holds, for each texel, how much of the light is held back, and the mean height toward the
+//! lamp, with its square, of what does so. These can be blurred before they are asked for, which makes shadows soft (W.
+//! Donnelly and A. Lauritzen, "Variance shadow maps", 2006), and two maps, of which one is blurred more, make them softer the
+//! farther they fall (R. Fernando, "Percentage-closer soft shadows", 2005).
+
+use crate::math::{across, dot};
+
+/// What throws a shadow.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Caster {
+    /// A ball: center and radius.
+    Ball([f32; 3], f32),
+    /// A rod with round ends: its ends and radius.
+    Rod([f32; 3], [f32; 3], f32),
+    /// The corners of a triangle.
+    Triangle([[f32; 3]; 3]),
+}
+
+impl Caster {
+    /// Whether it has a place.
+    pub(crate) fn is_somewhere(&self) -> bool {
+        let finite = |place: &[f32; 3]| place.iter().all(|component| component.is_finite());
+        match self {
+            Self::Ball(center, radius) => finite(center) && radius.is_finite(),
+            Self::Rod(from, to, radius) => finite(from) && finite(to) && radius.is_finite(),
+            Self::Triangle(corners) => corners.iter().all(finite),
+        }
+    }
+}
+
+/// Texels along the longer side of a map.
+const SIDE: usize = 300;
+/// Blur of the sharper map, and of the softer one [texels]; both are used twice.
+const BLURS: [usize; 2] = [1, 8];
+/// Free texels around all that throws a shadow.
+const MARGIN: usize = 2 * BLURS[1] + 2;
+/// How high above a place something has to be for its softest shadow, over the size of the map.
+const SOFT: f32 = 0.3;
+/// The least standard deviation of heights, over the size of the map.
+const ROUGH: f32 = 0.003;
+
+/// The share of light held back, and its products with the height of what does so and with the square of that.
+type Texel = [f32; 3];
+
+/// What a lamp sees.
+#[derive(Debug)]
+pub(crate) struct ShadowMap {
+    axes: [[f32; 3]; 3],
+    /// The corner along the first two axes.
+    corner: [f32; 2],
+    per_length: f32,
+    width: usize,
+    sharp: Vec<Texel>,
+    soft: Vec<Texel>,
+    size: f32,
+}
+
+impl ShadowMap {
+    /// The map of a lamp in a direction, of casters that hold back a share of its light; None where there are none.
+    pub(crate) fn new(lamp: [f32; 3], casters: &[(Caster, f32)]) -> Option<Self> {
+        let [first, second] = across(lamp);
+        let axes = [first, second, lamp];
+        let seen = |place: [f32; 3]| axes.map(|axis| dot(axis, place));
+        let (mut low, mut high) = ([f32::INFINITY; 2], [f32::NEG_INFINITY; 2]);
+        let mut include = |place: [f32; 3], radius: f32| {
+            let place = seen(place);
+            for axis in 0..2 {
+                low[axis] = low[axis].min(place[axis] - radius);
+                high[axis] = high[axis].max(place[axis] + radius);
+            }
+        };
+        for (caster, _) in casters {
+            match *caster {
+                Caster::Ball(center, radius) => include(center, radius),
+                Caster::Rod(from, to, radius) => [from, to].into_iter().for_each(|end| include(end, radius)),
+                Caster::Triangle(corners) => corners.into_iter().for_each(|corner| include(corner, 0.0)),
+            }
+        }
+        let size = (high[0] - low[0]).max(high[1] - low[1]);
+        if !(size > 0.0 && size.is_finite()) {
+            return None;
+        }
+        let per_length = (SIDE - 2 * MARGIN) as f32 / size;
+        let side = |axis: usize| ((high[axis] - low[axis]) * per_length) as usize + 2 * MARGIN + 1;
+        let (width, height) = (side(0), side(1));
+        let corner = [0, 1].map(|axis: usize| low[axis] - MARGIN as f32 / per_length);
+        let mut drawn = Heights { width, held: vec![0.0; width * height], top: vec![f32::NEG_INFINITY; width * height] };
+        let texel = |place: [f32; 3]| {
+            let [u, v, height] = seen(place);
+            [(u - corner[0]) * per_length, (v - corner[1]) * per_length, height]
+        };
+        for (caster, share) in casters {
+            match *caster {
+                Caster::Ball(center, radius) => drawn.ball(texel(center), radius * per_length, radius, *share),
+                Caster::Rod(from, to, radius) => drawn.rod(texel(from), texel(to), radius * per_length, *share),
+                Caster::Triangle(corners) => drawn.triangle(corners.map(texel), *share),
+            }
+        }
+        let texels = drawn.held.iter().zip(&drawn.top).map(|(&held, &top)| {
+            let top = if held > 0.0 { top } else { 0.0 };
+            [held, held * top, held * top * top]
+        });
+        let sharp = blurred(texels.collect(), width, BLURS[0]);
+        let soft = blurred(sharp.clone(), width, BLURS[1]);
+        Some(Self { axes, corner, per_length, width, sharp, soft, size })
+    }
+
+    /// Whether a place may be in a shadow.
+    #[inline(always)]
+    pub(crate) fn reaches(&self, place: [f32; 3]) -> bool {
+        let x = (dot(self.axes[0], place) - self.corner[0]) * self.per_length;
+        let y = (dot(self.axes[1], place) - self.corner[1]) * self.per_length;
+        x > 0.0 && y > 0.0 && x < self.width as f32 && y < (self.sharp.len() / self.width) as f32
+    }
+
+    /// The length of a texel's side.
+    pub(crate) fn texel(&self) -> f32 {
+        1.0 / self.per_length
+    }
+
+    /// The share of the light that is held back from a place, 0 to 1.
+    #[inline(always)]
+    pub(crate) fn at(&self, place: [f32; 3]) -> f32 {
+        let [u, v, height] = self.axes.map(|axis| dot(axis, place));
+        let (x, y) = ((u - self.corner[0]) * self.per_length - 0.5, (v - self.corner[1]) * self.per_length - 0.5);
+        let rows = self.sharp.len() / self.width;
+        if !(x >= 0.0 && y >= 0.0 && x < (self.width - 1) as f32 && y < (rows - 1) as f32) {
+            return 0.0;
+        }
+        let (column, row) = (x as usize, y as usize);
+        let (right, down) = (x - column as f32, y - row as f32);
+        let index = row * self.width + column;
+        let soft = between(&self.soft, index, self.width, right, down);
+        if soft[0] <= 1e-4 {
+            return 0.0;
+        }
+        let above = (soft[1] / soft[0] - height) / (SOFT * self.size);
+        let softness = above.clamp(0.0, 1.0);
+        let sharp = between(&self.sharp, index, self.width, right, down);
+        let (sharp, soft) = (self.held(sharp, height), self.held(soft, height));
+        sharp + softness * (soft - sharp)
+    }
+
+    /// The share of the light held back at a height: of what is there, the least part that can be above (Chebyshev's inequality).
+    #[inline(always)]
+    fn held(&self, [held, first, second]: Texel, height: f32) -> f32 {
+        if held <= 1e-4 {
+            return 0.0;
+        }
+        let mean = first / held;
+        if mean <= height {
+            return 0.0;
+        }
+        let least = ROUGH * self.size;
+        let variance = (second / held - mean * mean).max(least * least);
+        let away = mean - height;
+        held * (1.0 - variance / (variance + away * away))
+    }
+}
+
+/// The mean of four texels.
+#[inline(always)]
+fn between(texels: &[Texel], index: usize, width: usize, right: f32, down: f32) -> Texel {
+    let (upper, lower) = (&texels[index..index + 2], &texels[index + width..index + width + 2]);
+    std::array::from_fn(|part| {
+        let above = upper[0][part] + right * (upper[1][part] - upper[0][part]);
+        let below = lower[0][part] + right * (lower[1][part] - lower[0][part]);
+        above + down * (below - above)
+    })
+}
+
+/// What the lamp sees, before it is blurred.
+struct Heights {
+    width: usize,
+    held: Vec<f32>,
+    top: Vec<f32>,
+}
+
+impl Heights {
+    /// Something at a texel.
+    #[inline(always)]
+    fn add(&mut self, index: usize, share: f32, height: f32) {
+        self.held[index] = (self.held[index].max(share) + 0.2 * share).min(1.0).min(self.held[index] + share);
+        self.top[index] = self.top[index].max(height);
+    }
+
+    /// A ball at a texel, its radius in texels and in the unit of heights.
+    fn ball(&mut self, [x, y, height]: [f32; 3], radius: f32, length: f32, share: f32) {
+        if radius < 0.7 {
+            // Smaller than a texel: less than all of its light is held back.
+            let index = y as usize * self.width + x as usize;
+            return self.add(index, share * std::f32::consts::PI * radius * radius, height);
+        }
+        self.each([x - radius, y - radius], [x + radius, y + radius], |x1, y1| {
+            let square = 1.0 - ((x1 - x) * (x1 - x) + (y1 - y) * (y1 - y)) / (radius * radius);
+            (square > 0.0).then(|| (share, height + length * square.sqrt()))
+        });
+    }
+
+    /// A rod between texels.
+    fn rod(&mut self, [x0, y0, z0]: [f32; 3], [x1, y1, z1]: [f32; 3], radius: f32, share: f32) {
+        let (half, share) = (radius.max(0.6), share * (radius / 0.6).min(1.0));
+        let (ux, uy) = (x1 - x0, y1 - y0);
+        let per_square = 1.0 / (ux * ux + uy * uy).max(1e-12);
+        self.each([x0.min(x1) - half, y0.min(y1) - half], [x0.max(x1) + half, y0.max(y1) + half], |x, y| {
+            let along = (((x - x0) * ux + (y - y0) * uy) * per_square).clamp(0.0, 1.0);
+            let (ex, ey) = (x - x0 - along * ux, y - y0 - along * uy);
+            (ex * ex + ey * ey < half * half).then_some((share, z0 + along * (z1 - z0)))
+        });
+    }
+
+    /// A triangle between texels.
+    fn triangle(&mut self, [a, b, c]: [[f32; 3]; 3], share: f32) {
+        let doubled = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+        if doubled == 0.0 {
+            return;
+        }
+        let low = [a[0].min(b[0]).min(c[0]), a[1].min(b[1]).min(c[1])];
+        let high = [a[0].max(b[0]).max(c[0]), a[1].max(b[1]).max(c[1])];
+        self.each(low, high, |x, y| {
+            let (dx, dy) = (x - a[0], y - a[1]);
+            let along = (dx * (c[1] - a[1]) - dy * (c[0] - a[0])) / doubled;
+            let across = (dy * (b[0] - a[0]) - dx * (b[1] - a[1])) / doubled;
+            let inside = along >= -1e-3 && across >= -1e-3 && along + across <= 1.001;
+            inside.then(|| (share, a[2] + along * (b[2] - a[2]) + across * (c[2] - a[2])))
+        });
+    }
+
+    /// Adds what there is at the centers of the texels between two corners.
+    #[inline(always)]
+    fn each(&mut self, low: [f32; 2], high: [f32; 2], found: impl Fn(f32, f32) -> Option<(f32, f32)>) {
+        let rows = self.held.len() / self.width;
+        let last = |edge: f32, count: usize| ((edge + 1.0).max(0.0) as usize).min(count);
+        for row in low[1].max(0.0) as usize..last(high[1], rows) {
+            for column in low[0].max(0.0) as usize..last(high[0], self.width) {
+                if let Some((share, height)) = found(column as f32 + 0.5, row as f32 + 0.5) {
+                    self.add(row * self.width + column, share, height);
+                }
+            }
+        }
+    }
+}
+
+/// Texels blurred twice by the mean of those up to some texels away, along rows and then along columns.
+fn blurred(mut texels: Vec<Texel>, width: usize, reach: usize) -> Vec<Texel> {
+    let mut other = texels.clone();
+    let height = texels.len() / width;
+    for _ in 0..2 {
+        for row in 0..height {
+            mean(&texels[row * width..], &mut other[row * width..], width, 1, reach);
+        }
+        for column in 0..width {
+            mean(&other[column..], &mut texels[column..], height, width, reach);
+        }
+    }
+    texels
+}
+
+/// The means of a row of so many texels at some distance from one another; beyond its ends is nothing.
+fn mean(from: &[Texel], to: &mut [Texel], count: usize, stride: usize, reach: usize) {
+    let share = 1.0 / (2 * reach + 1) as f32;
+    let mut sum = [0.0_f32; 3];
+    let add = |sum: &mut Texel, texel: Texel, sign: f32| {
+        for (sum, part) in sum.iter_mut().zip(texel) {
+            *sum += sign * part;
+        }
+    };
+    for index in 0..reach.min(count) {
+        add(&mut sum, from[index * stride], 1.0);
+    }
+    for index in 0..count {
+        if index + reach < count {
+            add(&mut sum, from[(index + reach) * stride], 1.0);
+        }
+        if index > reach {
+            add(&mut sum, from[(index - reach - 1) * stride], -1.0);
+        }
+        to[index * stride] = sum.map(|part| part * share);
+    }
+}

@@ -1,0 +1,252 @@
+//! The ground below heights over a uniform grid: a height field, which is not convex.
+//!
+//! It is the set of all points below its surface, with upright sides at the borders of the grid, which have no lower end. The four
+//! nodes of a cell span two triangles that meet along the higher diagonal: the upper side of their convex hull, so that a cell has
+//! the same surface in its mirror image. Its surface consists of [`Part`]s: *faces* (triangles, in 2D segments, and strips of the
+//! sides), and *rims* (edges and nodes). Each has a region, where it is the nearest part locally; of a rim that is the cone of the
+//! normals between its faces, and empty along a valley or where the ground is flat. A ball that rolls from one cell to the next one
+//! therefore feels no edge between them, as it would between neighboring solids.
+
+use std::ops::RangeInclusive;
+
+use glam::DVec3;
+
+use super::polytope::Feature;
+
+mod contact;
+mod shapes;
+
+/// Rounding errors of a distance from a part or from the border of its region, in units of the operands' rounding.
+const ROUNDINGS: f64 = 16.0;
+/// How much larger than rounding the radius of a particle is that touches edges and nodes; a smaller one is a point.
+const ROUND: f64 = 64.0;
+
+/// The heights of the nodes of a uniform grid, along y in 2D and along z in 3D.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Terrain {
+    /// The heights [m] of nodes (i, j), j running faster.
+    heights: Vec<f64>,
+    /// The number of nodes along each horizontal axis; in 2D one along y.
+    nodes: [usize; 2],
+    /// The distance between nodes h [m].
+    spacing: f64,
+    /// The lower corner of the grid [m].
+    corner: DVec3,
+    /// The vertical direction, y in 2D, z in 3D.
+    up: DVec3,
+    /// The largest height [m].
+    highest: f64,
+    /// The largest coordinate [m].
+    extent: f64,
+}
+
+/// A part of the surface, with the first of its nodes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Part {
+    kind: Kind,
+    node: [u32; 2],
+}
+
+/// What part it is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    /// The triangle of the cell with its lower edge along x; in 2D the segment.
+    Low,
+    /// The other triangle of a cell.
+    High,
+    /// The side below the border at the first or the last x.
+    SideX,
+    /// The same along y.
+    SideY,
+    Node,
+    /// The edge to the next node along x.
+    AlongX,
+    /// The edge to the next node along y.
+    AlongY,
+    /// The edge between the triangles of a cell.
+    Diagonal,
+    /// The upright edge below a corner of the grid.
+    Corner,
+}
+
+const FACES: [Kind; 4] = [Kind::Low, Kind::High, Kind::SideX, Kind::SideY];
+const RIMS: [Kind; 5] = [Kind::Node, Kind::AlongX, Kind::AlongY, Kind::Diagonal, Kind::Corner];
+
+/// A part of the surface as seen from a point.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Spot {
+    /// The signed distance [m].
+    pub distance: f64,
+    /// The unit normal outward.
+    pub normal: DVec3,
+    /// How far the point is beyond the region of the part [m]; at most 0 within it.
+    pub beyond: f64,
+    /// Whether it is on a facet, an edge or a vertex.
+    pub feature: Feature,
+}
+
+impl Terrain {
+    /// The ground below `heights` [m] of nodes (i, j), j running faster; one row in 2D. `corner` is the lower corner of the grid.
+    pub fn new(heights: Vec<f64>, nodes: [usize; 2], spacing: f64, corner: DVec3, dimension: usize) -> Self {
+        let up = DVec3::AXES[dimension - 1];
+        let highest = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let mut terrain = Self { heights, nodes, spacing, corner: corner.reject_from(up), up, highest, extent: 0.0 };
+        let ends = [terrain.corner, terrain.node([nodes[0] - 1, nodes[1] - 1]).reject_from(up)];
+        let widest = ends.map(|end| end.abs().max_element()).into_iter().fold(0.0, f64::max);
+        terrain.extent = terrain.heights.iter().map(|height| height.abs()).fold(widest, f64::max);
+        terrain
+    }
+
+    /// Its largest coordinate [m].
+    pub fn extent(&self) -> f64 {
+        self.extent
+    }
+
+    /// The vertical axis and the largest height [m]: above it nothing touches the ground.
+    pub fn top(&self) -> (DVec3, f64) {
+        (self.up, self.highest)
+    }
+
+    /// Memory [bytes].
+    pub fn bytes(&self) -> usize {
+        std::mem::size_of_val(self.heights.as_slice())
+    }
+
+    /// The rounding error of a distance at `x` [m].
+    pub(super) fn rounding(&self, x: DVec3) -> f64 {
+        ROUNDINGS * f64::EPSILON * (x.abs().max_element() + self.extent)
+    }
+
+    /// The rounding error of a normal: heights of four nodes are rounded in it.
+    pub(super) fn blur(&self) -> f64 {
+        4.0 * ROUNDINGS * f64::EPSILON * (1.0 + self.extent / self.spacing)
+    }
+
+    /// The signed distance from `x` [m], with the normal, as far as it is at most `reach`; further away infinite.
+    pub fn distance(&self, x: DVec3, reach: f64) -> (f64, DVec3) {
+        if let Some(inside) = self.inside(x) {
+            return inside;
+        }
+        let near = self.parts(x - reach, x + reach, f64::INFINITY).map(|part| self.spot(part, x));
+        let near = near.filter(|spot| spot.beyond <= self.rounding(x) && spot.distance <= reach);
+        near.map(|spot| (spot.distance, spot.normal))
+            .reduce(|one, other| if other.0 < one.0 { other } else { one })
+            .unwrap_or((f64::INFINITY, self.up))
+    }
+
+    /// How much the normal at `x`, which is within `reach` of the surface, may change within a way [m].
+    pub fn turn(&self, x: DVec3, reach: f64, way: f64) -> f64 {
+        let (distance, normal) = self.distance(x, reach);
+        let around = distance + 2.0 * way;
+        let faces = self.parts(x - around, x + around, 0.0).map(|part| self.face(part));
+        faces.map(|face| (face.normal - normal).length()).fold(0.0, f64::max)
+    }
+
+    /// The parts of the surface that a particle of `radius` may touch within a box along the axes; a point touches faces alone.
+    pub fn parts(&self, lower: DVec3, upper: DVec3, radius: f64) -> impl Iterator<Item = Part> {
+        let rims = radius > ROUND * self.rounding(upper);
+        let lowest = lower.dot(self.up);
+        let [x, y] = [0, 1].map(|axis| self.cells(axis, lower[axis], upper[axis]));
+        let nodes = |cells: Option<RangeInclusive<usize>>, many: bool| match cells {
+            Some(cells) => *cells.start()..*cells.end() + 1 + usize::from(many),
+            None => 0..0,
+        };
+        let [ends_x, ends_y] = [(&x, 0), (&y, 1)].map(|(cells, axis)| nodes(cells.clone(), self.nodes[axis] > 1));
+        let kinds = move || FACES.into_iter().chain(RIMS.into_iter().filter(move |_| rims));
+        let within = [ends_x.end, ends_y.end];
+        let all = ends_x.flat_map(move |i| ends_y.clone().flat_map(move |j| kinds().map(move |kind| (kind, [i, j]))));
+        all.filter(move |&(kind, at)| {
+            let last = self.last(kind, at);
+            (0..2).all(|axis| last[axis] < within[axis]) && self.is_there(kind, at) && self.height_of(at, last) >= lowest
+        })
+        .map(|(kind, node)| Part { kind, node: node.map(|index| index as u32) })
+    }
+
+    /// The cells along a horizontal axis that have a part between two coordinates.
+    fn cells(&self, axis: usize, lower: f64, upper: f64) -> Option<RangeInclusive<usize>> {
+        let count = self.nodes[axis];
+        if count == 1 {
+            return Some(0..=0);
+        }
+        let place = |coordinate: f64| ((coordinate - self.corner[axis]) / self.spacing).floor();
+        let last = (count - 2) as f64;
+        let (first, end) = (place(lower), place(upper));
+        // A border belongs to the grid, also where its place is rounded.
+        let overlaps = first <= last + 1.0 && end >= -1.0;
+        overlaps.then(|| first.clamp(0.0, last) as usize..=end.clamp(0.0, last) as usize)
+    }
+
+    /// The last of the nodes of a part.
+    fn last(&self, kind: Kind, [i, j]: [usize; 2]) -> [usize; 2] {
+        let next = usize::from(self.nodes[1] > 1);
+        match kind {
+            Kind::Low | Kind::High | Kind::Diagonal => [i + 1, j + next],
+            Kind::SideX => [i, j + next],
+            Kind::SideY | Kind::AlongX => [i + 1, j],
+            Kind::AlongY => [i, j + next],
+            Kind::Node | Kind::Corner => [i, j],
+        }
+    }
+
+    /// Whether there is a part of a kind at nodes that the grid has: an edge is one where the ground is bent outward.
+    fn is_there(&self, kind: Kind, at: [usize; 2]) -> bool {
+        let is_spatial = self.nodes[1] > 1;
+        let ends = [0, 1].map(|axis| at[axis] == 0 || at[axis] == self.nodes[axis] - 1);
+        match kind {
+            Kind::Low | Kind::Node => true,
+            Kind::SideX => ends[0],
+            Kind::High => is_spatial,
+            Kind::SideY => is_spatial && ends[1],
+            Kind::Corner => is_spatial && ends[0] && ends[1],
+            Kind::AlongX => is_spatial && self.is_ridge(at, [1, 0]),
+            Kind::AlongY => is_spatial && self.is_ridge(at, [0, 1]),
+            Kind::Diagonal => {
+                let [a, b, c, d] = self.corners(at).map(|node| self.height(node));
+                is_spatial && ((a + d) - (b + c)).abs() > self.flat()
+            }
+        }
+    }
+
+    /// Whether the ground is bent outward along the edge from a node along an axis; at a border it is.
+    fn is_ridge(&self, [i, j]: [usize; 2], [di, dj]: [usize; 2]) -> bool {
+        let (across, limit) = if di == 1 { (j, self.nodes[1]) } else { (i, self.nodes[0]) };
+        if across == 0 || across + 1 == limit {
+            return true;
+        }
+        let drop = |from: [usize; 2]| {
+            let beside = [from, [from[0] + di, from[1] + dj]];
+            let ends = [[i, j], [i + di, j + dj]];
+            // The triangle ends in the node that is less below the level of the edge.
+            let drops = [0, 1].map(|end| self.height(ends[end]) - self.height(beside[end]));
+            drops[0].min(drops[1])
+        };
+        drop([i - dj, j - di]) + drop([i + dj, j + di]) > self.flat()
+    }
+
+    /// A difference of sums of heights that is none but for rounding [m].
+    fn flat(&self) -> f64 {
+        ROUNDINGS * f64::EPSILON * self.extent
+    }
+
+    /// The largest height of the nodes from one to another.
+    fn height_of(&self, from: [usize; 2], to: [usize; 2]) -> f64 {
+        let nodes = (from[0]..=to[0]).flat_map(|i| (from[1]..=to[1]).map(move |j| [i, j]));
+        nodes.map(|node| self.height(node)).fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    fn height(&self, [i, j]: [usize; 2]) -> f64 {
+        self.heights[i * self.nodes[1] + j]
+    }
+
+    /// The place of a node [m].
+    fn node(&self, [i, j]: [usize; 2]) -> DVec3 {
+        let across = if self.nodes[1] > 1 { DVec3::Y * (self.spacing * j as f64) } else { DVec3::ZERO };
+        self.corner + DVec3::X * (self.spacing * i as f64) + across + self.up * self.height([i, j])
+    }
+
+    /// The nodes of the cell from a node on: that node, the next along x, along y, and along both.
+    fn corners(&self, [i, j]: [usize; 2]) -> [[usize; 2]; 4] {
+        let next = usize::from(self.nodes[1] > 1);
+        [[i, j], [i + 1, j], [i, j + next], [i + 1, j + next]]
+    }
+}

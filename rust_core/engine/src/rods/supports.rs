@@ -1,0 +1,320 @@
+//! Rods at walls: impacts and support of particles that rods hold, together with their rods.
+//!
+//! A contact is one more row in the direction n of its wall's normal, on one particle, whose impulse pushes: p ≥ 0. Of those that can act,
+//! the ones that would pull are left out, and the ones that are violated without are added, until neither is left: the Kuhn–Tucker
+//! conditions of the step. A particle that would be at the gap g < 0 at the end of a step, and had g₀ > 0, met its wall at
+//! τ = h g₀/(g₀ − g) with the normal velocity u, and leaves it with −e u (Newton's law of restitution). With its normal acceleration a
+//!
+//!     g ← (h − τ) (−e u + a (h − τ)/2),   n·v ← −e u + a (h − τ),   0 at the least
+//!
+//! first for the drift, which its rods share in, then for the velocity at the end. Where it touched at the start, the wall supports it, and
+//! both are 0. Impulses are those of both stages; at τ, or throughout the step (τ = h/2) of support, they take the energy
+//! −p n·(v₀ + v₁ + a (2τ − h))/2 out, with the velocities v₀ at the start and v₁ at the end. Contacts of one network that meet at different
+//! times within a step are resolved together: of order 1. Source: J. J. Moreau, "Unilateral contact and dry friction in finite freedom
+//! dynamics", in Nonsmooth Mechanics and Applications, CISM 302 (1988).
+
+use glam::DVec3;
+
+use super::network::{Network, Rod, Unsolved, along};
+use super::{SHIFT, add, count_reactions, resolution};
+use crate::contacts::{Contacts, Gap};
+use crate::math::{Real, Vector};
+use crate::matter::{EnergySink, Matter, Properties};
+
+/// The most rounds in search of the contacts that act, of which the first half leaves some out again.
+const MOST_ROUNDS: usize = 60;
+/// Normal velocities below this multiple of a rounding error of the velocity violate nothing.
+const STILL: f64 = 64.0;
+
+/// A particle of a rod at a wall.
+#[derive(Debug, Clone, Copy)]
+struct Contact {
+    /// The particle in the network, its row, and the wall.
+    particle: usize,
+    row: usize,
+    wall: usize,
+    normal: DVec3,
+    /// When it meets the wall, after the start of the step [s].
+    meets: f64,
+    /// Its gap [m] and normal velocity [m/s] at the end of the step.
+    gap: f64,
+    speed: f64,
+    /// The acceleration of the particle and its rods without contacts [m/s²].
+    acceleration: DVec3,
+    /// The sum of its impulses in this step [N·s].
+    impulse: DVec3,
+    active: bool,
+}
+
+/// Walls of a scene, and who meets them.
+#[derive(Clone, Copy)]
+pub struct Walls<'a, V: Vector> {
+    pub contacts: &'a Contacts<V>,
+    pub properties: &'a Properties<V>,
+    /// The particles of the network.
+    pub particles: &'a [u32],
+}
+
+impl<V: Vector> Walls<'_, V> {
+    fn gap(&self, wall: usize, particle: usize, x: DVec3) -> Gap {
+        self.contacts.gap(wall, x, self.properties, self.particles[particle] as usize, resolution::<V>())
+    }
+
+    /// The nearest walls of a particle, at most `most`.
+    fn nearest(&self, particle: usize, x: DVec3, most: usize) -> Vec<Gap> {
+        let walls = self.contacts.walls_of(self.properties, self.particles[particle] as usize);
+        let mut gaps: Vec<Gap> = walls.map(|wall| self.gap(wall, particle, x)).collect();
+        gaps.sort_by(|one, other| one.distance.total_cmp(&other.distance));
+        gaps.truncate(most);
+        gaps
+    }
+}
+
+/// The contacts of rods with walls.
+#[derive(Debug, Clone)]
+pub struct Supports {
+    /// The rods, then as many rows for each particle as there are axes, from a last particle, which stands for all walls.
+    network: Network,
+    rods: usize,
+    axes: usize,
+    contacts: Vec<Contact>,
+    /// Positions and velocities at the start of the step.
+    start: Vec<[DVec3; 2]>,
+}
+
+impl Supports {
+    /// Those of a network of rods.
+    pub fn new(rods: &Network, axes: usize) -> Self {
+        let count = rods.inverse_mass.len();
+        let rows = (0..count as u32).flat_map(|end| (0..axes).map(move |_| Rod { ends: [count as u32, end], length: 1.0 }));
+        let links: Vec<Rod> = rods.links.iter().copied().chain(rows).collect();
+        let inverse_mass = rods.inverse_mass.iter().copied().chain([0.0]).collect();
+        let (contacts, start) = (Vec::new(), vec![[DVec3::ZERO; 2]; count]);
+        Self { network: Network::new(links, inverse_mass), rods: rods.links.len(), axes, contacts, start }
+    }
+
+    /// Takes the state at the start of a step.
+    pub fn start<V: Vector>(&mut self, particles: &[u32], matter: &Matter<V>) {
+        for (start, &particle) in self.start.iter_mut().zip(particles) {
+            *start = [matter.exact_position(particle as usize), matter.velocity.get(particle as usize).widen()];
+        }
+    }
+
+    /// Keeps the particles outside of walls after a drift of `h` seconds with the velocity in a register, at whose end the rods, with
+    /// these directions, have their lengths.
+    ///
+    /// # Errors
+    /// If rods and walls contradict each other.
+    pub fn hold_positions<V: Vector>(
+        &mut self,
+        matter: &mut Matter<V>,
+        walls: &Walls<'_, V>,
+        directions: &[DVec3],
+        (h, half): (f64, usize),
+    ) -> Result<(), Unsolved> {
+        self.contacts.clear();
+        let from: Vec<DVec3> = walls.particles.iter().map(|&particle| matter.exact_position(particle as usize)).collect();
+        let mobile = |particle: &usize| self.network.inverse_mass[*particle] > 0.0;
+        let near: Vec<(usize, Vec<Gap>)> = (0..from.len())
+            .filter(mobile)
+            .map(|particle| (particle, walls.nearest(particle, from[particle], self.axes)))
+            .collect();
+        if near.iter().all(|(_, gaps)| gaps.first().is_none_or(|gap| gap.distance >= 0.0)) {
+            return Ok(());
+        }
+        let mut contacts = Vec::new();
+        for (particle, gaps) in near {
+            let velocity = matter.registers[half].get(walls.particles[particle] as usize).widen();
+            for (place, gap) in gaps.into_iter().enumerate() {
+                let row = self.rods + self.axes * particle + place;
+                let before = walls.gap(gap.wall, particle, self.start[particle][0]).distance;
+                contacts.push(Contact { particle, row, ..meeting(&gap, before, velocity, self.start[particle][1], h) });
+            }
+        }
+        self.network.directions[..self.rods].copy_from_slice(directions);
+        let epsilon = resolution::<V>();
+        let gap = |contact: &Contact, x: DVec3| walls.gap(contact.wall, contact.particle, x);
+        self.settle(
+            &mut contacts,
+            &from,
+            |rod, _, ends| rod.excess(ends, epsilon),
+            |contact, x| (gap(contact, x).distance - contact.gap, gap(contact, x).slack),
+            |contact, x| gap(contact, x).distance < -gap(contact, x).slack,
+        )?;
+        for (particle, &index) in walls.particles.iter().enumerate() {
+            let kick = self.network.changes[particle] / h;
+            add(&mut matter.registers[half], index as usize, kick);
+            add(&mut matter.velocity, index as usize, 2.0 * kick);
+            matter.set_exact_position(index as usize, self.network.vectors[particle]);
+        }
+        for contact in contacts.iter_mut().filter(|contact| contact.active) {
+            contact.impulse = -self.network.multipliers[contact.row] / h * contact.normal;
+            push_out(matter, walls, contact);
+        }
+        count_reactions(&self.network, self.rods, walls.particles, matter, 1.0 / h);
+        contacts.retain(|contact| contact.active);
+        self.contacts = contacts;
+        Ok(())
+    }
+
+    /// Takes velocities along rods, in these directions, and into walls from a state at the end of a step of `h` seconds, and counts what
+    /// contacts dissipated in it; returns whether there are any.
+    ///
+    /// # Errors
+    /// If rods and walls contradict each other.
+    pub fn hold_velocities<V: Vector>(
+        &mut self,
+        matter: &mut Matter<V>,
+        walls: &Walls<'_, V>,
+        directions: &[DVec3],
+        h: f64,
+    ) -> Result<bool, Unsolved> {
+        let mut contacts = self.touching(matter, walls, h);
+        if contacts.is_empty() {
+            return Ok(false);
+        }
+        self.network.directions[..self.rods].copy_from_slice(directions);
+        let epsilon = V::Scalar::EPSILON.to_f64();
+        let from: Vec<DVec3> = walls.particles.iter().map(|&particle| matter.velocity.get(particle as usize).widen()).collect();
+        self.settle(
+            &mut contacts,
+            &from,
+            |_, direction, ends| along(direction, ends, epsilon),
+            |contact, v| (contact.normal.dot(v) - contact.speed, 2.0 * epsilon * (v.length() + contact.speed)),
+            |contact, v| contact.normal.dot(v) < contact.speed - STILL * epsilon * v.length(),
+        )?;
+        for (&vector, &particle) in self.network.vectors.iter().zip(walls.particles) {
+            matter.velocity.set(particle as usize, V::narrow(vector));
+        }
+        count_reactions(&self.network, self.rods, walls.particles, matter, 1.0);
+        for contact in contacts {
+            let index = walls.particles[contact.particle] as usize;
+            let push = if contact.active { -self.network.multipliers[contact.row] } else { 0.0 };
+            let impulse = contact.impulse + push * contact.normal;
+            let (start, end) = (self.start[contact.particle][1], matter.velocity.get(index).widen());
+            let lost = -0.5 * impulse.dot(start + end + contact.acceleration * (2.0 * contact.meets - h));
+            matter.tallies[index / matter.block].add(EnergySink::Contact, lost);
+        }
+        Ok(true)
+    }
+
+    /// The contacts of the drift, and those that touch at its end.
+    fn touching<V: Vector>(&self, matter: &Matter<V>, walls: &Walls<'_, V>, h: f64) -> Vec<Contact> {
+        let mut contacts = Vec::new();
+        for particle in (0..walls.particles.len()).filter(|&particle| self.network.inverse_mass[particle] > 0.0) {
+            let x = matter.exact_position(walls.particles[particle] as usize);
+            let first = contacts.len();
+            for known in self.contacts.iter().filter(|contact| contact.particle == particle) {
+                contacts.push(Contact { normal: walls.gap(known.wall, particle, x).normal, ..*known });
+            }
+            for gap in walls.nearest(particle, x, self.axes).into_iter().filter(|gap| gap.distance <= gap.slack) {
+                let known = contacts[first..].iter().any(|contact: &Contact| contact.wall == gap.wall);
+                if !known && contacts.len() - first < self.axes {
+                    contacts.push(Contact { particle, ..support(&gap, h) });
+                }
+            }
+            for (place, contact) in contacts[first..].iter_mut().enumerate() {
+                contact.row = self.rods + self.axes * particle + place;
+            }
+        }
+        contacts
+    }
+
+    /// Finds which contacts act, and the impulses of these and of all rods, from vectors of the particles.
+    fn settle(
+        &mut self,
+        contacts: &mut [Contact],
+        from: &[DVec3],
+        rod: impl Fn(&Rod, DVec3, [DVec3; 2]) -> (f64, f64),
+        row: impl Fn(&Contact, DVec3) -> (f64, f64),
+        violated: impl Fn(&Contact, DVec3) -> bool,
+    ) -> Result<(), Unsolved> {
+        let Self { network, rods, .. } = self;
+        let mut places = vec![usize::MAX; network.links.len()];
+        contacts.iter().enumerate().for_each(|(place, contact)| places[contact.row] = place);
+        let mut outcome = Ok(());
+        for round in 0..MOST_ROUNDS {
+            network.vectors[..from.len()].copy_from_slice(from);
+            network.directions[*rods..].fill(DVec3::ZERO);
+            for contact in contacts.iter().filter(|contact| contact.active) {
+                network.directions[contact.row] = contact.normal;
+            }
+            network.factorize(SHIFT);
+            outcome = network.project(|index, link, direction, ends| match contacts.get(places[index]) {
+                Some(contact) if contact.active => row(contact, ends[1]),
+                _ if index < *rods => rod(link, direction, ends),
+                _ => (0.0, 1.0),
+            });
+            let mut settled = true;
+            for contact in contacts.iter_mut() {
+                let pulls = contact.active && network.multipliers[contact.row] > 0.0 && round < MOST_ROUNDS / 2;
+                let enters = !contact.active && outcome.is_ok() && violated(contact, network.vectors[contact.particle]);
+                if pulls || enters {
+                    contact.active = enters;
+                    settled = false;
+                }
+            }
+            if settled {
+                break;
+            }
+        }
+        outcome
+    }
+
+    /// Memory [bytes].
+    pub fn bytes(&self) -> usize {
+        self.network.bytes() + size_of_val(self.contacts.as_slice()) + size_of_val(self.start.as_slice())
+    }
+}
+
+/// A contact that supports a particle.
+fn support(gap: &Gap, h: f64) -> Contact {
+    Contact {
+        particle: 0,
+        row: 0,
+        wall: gap.wall,
+        normal: gap.normal,
+        meets: 0.5 * h,
+        gap: 0.0,
+        speed: 0.0,
+        acceleration: DVec3::ZERO,
+        impulse: DVec3::ZERO,
+        active: gap.distance < 0.0,
+    }
+}
+
+/// The contact of a particle with the gap g at the end of a drift of `h` seconds with `velocity`, and the gap and the velocity at its start.
+fn meeting(gap: &Gap, before: f64, velocity: DVec3, start: DVec3, h: f64) -> Contact {
+    let acceleration = 2.0 * (velocity - start) / h;
+    let (normal_speed, normal_acceleration) = (gap.normal.dot(start), gap.normal.dot(acceleration));
+    let meets = if before > gap.slack {
+        if gap.distance < 0.0 { h * before / (before - gap.distance) } else { h }
+    } else if -normal_speed > normal_acceleration.abs() * h {
+        0.0
+    } else {
+        return Contact { acceleration, ..support(gap, h) };
+    };
+    let left = h - meets;
+    let away = -gap.restitution * (normal_speed + normal_acceleration * meets).min(0.0);
+    Contact {
+        meets,
+        gap: (left * (away + 0.5 * normal_acceleration * left)).max(0.0),
+        speed: (away + normal_acceleration * left).max(0.0),
+        acceleration,
+        ..support(gap, h)
+    }
+}
+
+/// Moves a particle out of its wall, where rounding left it within.
+fn push_out<V: Vector>(matter: &mut Matter<V>, walls: &Walls<'_, V>, contact: &Contact) {
+    let index = walls.particles[contact.particle] as usize;
+    for round in 0..8 {
+        let x = matter.exact_position(index);
+        let gap = walls.gap(contact.wall, contact.particle, x);
+        if gap.distance >= 0.0 {
+            break;
+        }
+        let extra = 0.25 * f64::from(1 << round) * resolution::<V>() * x.abs().max_element();
+        matter.set_exact_position(index, x + gap.normal * (extra - gap.distance));
+    }
+}

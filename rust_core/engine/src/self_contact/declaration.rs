@@ -1,0 +1,103 @@
+//! What a scene declares of contacts and strain limits: which bodies meet, by which rules, and their triangles and free edges.
+
+use super::limits::Limit;
+use super::mesh::{NONE, Rule};
+use super::{KIND, SelfContacts};
+use crate::error::{Error, Result};
+use crate::forces::springs::{self, Spring};
+use crate::math::Vector;
+use crate::matter::Properties;
+use crate::scene::{Body, Item, Scene, Value};
+
+/// A body's triangles and free edges, with the springs along the sides of each.
+#[derive(Debug, Clone, Default)]
+pub struct Surface {
+    pub faces: Vec<([u32; 3], Vec<u32>)>,
+    pub edges: Vec<([u32; 2], Vec<u32>)>,
+}
+
+impl SelfContacts {
+    /// The contacts and strain limits that a scene with these springs declares, if there are any.
+    ///
+    /// # Errors
+    /// If a value is wrong, or two items are about the same bodies.
+    pub fn build<V: Vector>(scene: &Scene, springs: &[Spring], properties: &Properties<V>) -> Result<Option<Self>> {
+        let items: Vec<&Item> = scene.constraints.iter().filter(|item| item.kind == KIND).collect();
+        let limits = Limit::declared(scene, springs)?;
+        let Some(path) = items.first().map(|item| item.path.as_str()).or((!limits.is_empty()).then_some("strain_limit")) else {
+            return Ok(None);
+        };
+        if scene.dimension != 3 && !items.is_empty() {
+            return Err(Error::parameter(path, "a scene in 3D", format!("one in {}D", scene.dimension)));
+        }
+        if scene.periodic.is_some() {
+            return Err(Error::parameter(path, "no Periodic domain", "one")
+                .with_hint("contacts and lengths are those of the bodies themselves, not of their images"));
+        }
+        let mut bodies: Vec<usize> = Vec::new();
+        let mut place = |body: usize| {
+            bodies.iter().position(|&known| known == body).unwrap_or_else(|| {
+                bodies.push(body);
+                bodies.len() - 1
+            })
+        };
+        let (mut rules, mut pairs) = (Vec::new(), Vec::new());
+        for item in items {
+            let own = match item.values.get("body") {
+                Some(Value::Indices(array)) if array.entries.len() == 1 => array.entries[0] as usize,
+                other => return Err(item.wrong("body", "a body", other)),
+            };
+            let thickness = item.number("thickness")?;
+            if thickness <= 0.0 {
+                return Err(item.wrong("thickness", "a number > 0", Some(&Value::Number(thickness))));
+            }
+            let restitution = item.number("restitution")?;
+            rules.push(Rule { thickness, friction: item.non_negative("friction")?, restitution });
+            let one = place(own);
+            for other in item.on.iter().flatten().copied().chain([own]) {
+                pairs.push((item, one, place(other), rules.len() as u32 - 1));
+            }
+        }
+        let size = bodies.len();
+        let mut table = vec![NONE; size * size];
+        for (item, one, other, rule) in pairs {
+            if table[one * size + other] != NONE {
+                return Err(Error::parameter(&item.path, "one SelfContact for two bodies", "a second one"));
+            }
+            (table[one * size + other], table[other * size + one]) = (rule, rule);
+        }
+        let engine = properties.engine();
+        let surfaces: Vec<Surface> = bodies.iter().map(|&body| surface(scene, body, &engine)).collect::<Result<_>>()?;
+        let inverse_mass = properties.mass.iter().map(|mass| 1.0 / mass).collect();
+        let start = properties.relative(&scene.positions());
+        let mut contacts = Self { rules, table, surfaces, limits, inverse_mass, start, ..Self::default() };
+        contacts.leave_out(&[]);
+        Ok(Some(contacts))
+    }
+}
+
+/// The triangles of a body, or its springs where it has none, in the engine's order.
+fn surface(scene: &Scene, body: usize, engine: &[u32]) -> Result<Surface> {
+    let first = scene.first(body);
+    let networks = scene.bodies[..body].iter().filter(|body| body.item.kind == springs::KIND);
+    let spring: usize = networks.map(|body| body.item.tuples::<2>("pairs").map(<[_]>::len)).sum::<Result<usize>>()?;
+    let Body { item, .. } = &scene.bodies[body];
+    let pairs = item.tuples::<2>("pairs")?;
+    let number = |index: &u32| engine[first + *index as usize];
+    let faces = item.tuples::<3>("faces").unwrap_or(&[]);
+    let mut springs: Vec<([u32; 2], u32)> =
+        pairs.iter().zip(spring as u32..).map(|(&[a, b], spring)| ([a.min(b), a.max(b)], spring)).collect();
+    springs.sort_unstable();
+    let along = |a: u32, b: u32| {
+        let key = [a.min(b), a.max(b)];
+        let from = springs.partition_point(|(ends, _)| *ends < key);
+        springs[from..].iter().take_while(move |(ends, _)| *ends == key).map(|&(_, spring)| spring).collect::<Vec<u32>>()
+    };
+    let face = |corners: &[u32; 3]| {
+        let sides = (0..3).flat_map(|corner| along(corners[corner], corners[(corner + 1) % 3])).collect();
+        (corners.map(|corner| number(&corner)), sides)
+    };
+    let edge = |ends: &[u32; 2]| (ends.map(|end| number(&end)), along(ends[0], ends[1]));
+    let edges = if faces.is_empty() { pairs.iter().map(edge).collect() } else { Vec::new() };
+    Ok(Surface { faces: faces.iter().map(face).collect(), edges })
+}

@@ -1,0 +1,161 @@
+//! Which pairs are contacts, and what these require: those that would close to less than the thickness along the normal at the start of
+//! the step, and those that meet on their way.
+
+use std::collections::BTreeSet;
+
+use glam::DVec3;
+
+use super::distance::{Closest, combined};
+use super::impulses::{Contact, Origin};
+use super::mesh::Pair;
+use super::nearby::Near;
+use super::resolution::Step;
+use super::{SelfContacts, advancement};
+use crate::parallel::{BlockedSlice, Executor};
+
+/// The distance that is always kept, in units of the thickness, and of the present distance where that is less.
+const KEPT: f64 = 0.5;
+const KEPT_OF_PRESENT: f64 = 0.5;
+/// How far beyond the thickness the contacts of the last step are taken into the next one, in units of the thickness.
+const LASTING: f64 = 1.0;
+/// Pairs that one thread looks at at a time.
+const BLOCK: usize = 1024;
+
+impl SelfContacts {
+    /// The contacts of the last step that are not far apart now, with their impulses, the nearest first.
+    pub(super) fn lasting(&self, free: &[DVec3], Step { h, .. }: Step<'_>) -> Vec<Contact> {
+        let contact = |&(key, load): &(u64, f64)| {
+            let pair = self.mesh.pair(key)?;
+            let closest = pair.measure(&pair.gather(&self.start));
+            let near = Near::new(pair, &closest);
+            let mut contact = self.along_normal((&near, &closest), (LASTING, free, free), h)?;
+            contact.impulse = h * load;
+            Some((near, contact))
+        };
+        let mut found: Vec<(Near, Contact)> = self.loads.pairs.iter().filter_map(contact).collect();
+        found.sort_unstable_by(|(one, _), (other, _)| one.order(other));
+        found.into_iter().map(|(_, contact)| contact).collect()
+    }
+
+    /// The pairs that these velocities may lead nearer than the thickness and `margin` times that, the nearest first.
+    pub(super) fn reached(&self, velocities: &[DVec3], margin: f64, Step { h, executor, .. }: Step<'_>) -> Vec<Near> {
+        let reached = |near: &Near| {
+            let reach = (1.0 + margin) * self.rules[near.pair.rule as usize].thickness;
+            (near.distance <= 0.0 || near.least(velocities, h) < reach).then_some(*near)
+        };
+        let mut found = by_blocks(&self.nearby.pairs, executor, &reached);
+        found.sort_unstable_by(Near::order);
+        found
+    }
+
+    /// The contacts of those among these pairs that close along their normals, apart from those `known`.
+    pub(super) fn closing(
+        &self,
+        reached: &[Near],
+        known: &BTreeSet<u64>,
+        motion: (f64, &[DVec3], &[DVec3]),
+        Step { h, executor, .. }: Step<'_>,
+    ) -> Vec<Contact> {
+        let contact = |near: &Near| {
+            let closest = near.pair.measure(&near.pair.gather(&self.start));
+            if known.contains(&near.pair.key) { None } else { self.along_normal((near, &closest), motion, h) }
+        };
+        by_blocks(reached, executor, &contact)
+    }
+
+    /// Those among these pairs that come too near each other on their way, and how.
+    pub(super) fn meetings(
+        &self,
+        reached: &[Near],
+        velocities: &[DVec3],
+        Step { h, executor, .. }: Step<'_>,
+    ) -> Vec<(Near, Closest)> {
+        let meeting = |near: &Near| {
+            let (pair, distance) = (&near.pair, near.distance);
+            let least = (KEPT * self.rules[pair.rule as usize].thickness).min(KEPT_OF_PRESENT * distance);
+            if distance > 0.0 && near.least(velocities, h) >= least {
+                return None;
+            }
+            let (x, ways) = (pair.gather(&self.start), pair.gather(velocities).map(|velocity| h * velocity));
+            if distance > 0.0 && near.least_of_vertices(&x, &ways) >= least {
+                return None;
+            }
+            let motion = advancement::relative(&ways, pair.split());
+            let met = (distance - motion.0 <= least).then(|| advancement::meeting(|x| pair.measure(x), x, motion, least));
+            met.flatten().map(|closest| (*near, closest))
+        };
+        by_blocks(reached, executor, &meeting)
+    }
+
+    /// The contact of a pair with its normal at the start, if it closes to less than the thickness and `margin` times that with these
+    /// velocities. Closest points on a boundary are those of several pairs: one of these counts, if it is locally closest.
+    fn along_normal(
+        &self,
+        (near, closest): (&Near, &Closest),
+        (margin, free, velocities): (f64, &[DVec3], &[DVec3]),
+        h: f64,
+    ) -> Option<Contact> {
+        let (pair, distance, normal) = (&near.pair, near.distance, near.normal);
+        let rule = &self.rules[pair.rule as usize];
+        let along = |velocities: &[DVec3]| normal.dot(combined(&closest.weights, &pair.gather(velocities)));
+        let reached = distance + h * along(velocities) < (1.0 + margin) * rule.thickness;
+        if !reached || distance <= 0.0 || !(closest.interior || self.is_local(pair, closest)) {
+            return None;
+        }
+        let (approach, least) = (along(free), ((rule.thickness - distance) / h).min(0.0));
+        // What touched in the last step rests; what arrives bounces.
+        let bounces = rule.restitution > 0.0 && approach < least && self.loads.of(pair.key).is_none();
+        let least = if bounces { least.max(-rule.restitution * approach) } else { least };
+        let origin = Origin::Pair(pair.key);
+        Contact::new((pair.nodes, origin), closest.weights, normal, (least, rule.friction), &self.inverse_mass)
+    }
+
+    /// The contact of a pair as it meets on its way.
+    pub(super) fn on_the_way(&self, &Near { ref pair, distance, .. }: &Near, closest: &Closest, h: f64) -> Option<Contact> {
+        let rule = &self.rules[pair.rule as usize];
+        let normal = closest.separation.normalize_or_zero();
+        let gap = normal.dot(combined(&closest.weights, &pair.gather(&self.start)));
+        let least = ((distance.min(rule.thickness) - gap) / h).min(0.0);
+        Contact::new((pair.nodes, Origin::Way), closest.weights, normal, (least, rule.friction), &self.inverse_mass)
+    }
+
+    /// Whether nothing near the closest points of a pair is closer.
+    fn is_local(&self, pair: &Pair, closest: &Closest) -> bool {
+        let x = &self.start;
+        let (p, weights) = (closest.separation, &closest.weights);
+        let alone = |vertex: u32, toward: DVec3| {
+            let neighbors = self.mesh.neighbors(vertex);
+            neighbors.iter().all(|&neighbor| toward.dot(x[neighbor as usize] - x[vertex as usize]) <= 0.0)
+        };
+        if pair.has_face() {
+            return closest.interior && alone(pair.nodes[0], -p);
+        }
+        let edges = [(pair.key >> 32) as u32, pair.key as u32];
+        let mut ends = 0;
+        (0..2).all(|side| {
+            let [a, b] = [pair.nodes[2 * side], pair.nodes[2 * side + 1]];
+            let along = weights[2 * side + 1].abs();
+            let toward = if side == 0 { -p } else { p };
+            if along > 0.0 && along < 1.0 {
+                let point = (1.0 - along) * x[a as usize] + along * x[b as usize];
+                let opposite = self.mesh.opposite[edges[side] as usize];
+                opposite.iter().all(|&vertex| vertex == a || vertex == b || toward.dot(x[vertex as usize] - point) <= 0.0)
+            } else {
+                // All edges at a vertex have it as their closest point: that to its first neighbor stands for them.
+                ends += 1;
+                let [vertex, other] = if along <= 0.0 { [a, b] } else { [b, a] };
+                ends == 1 && self.mesh.neighbors(vertex).first() == Some(&other) && alone(vertex, toward)
+            }
+        })
+    }
+}
+
+/// What `each` finds among pairs, in their order.
+fn by_blocks<T: Send + Clone>(pairs: &[Near], executor: &Executor, each: &(impl Fn(&Near) -> Option<T> + Sync)) -> Vec<T> {
+    let mut found: Vec<Vec<T>> = vec![Vec::new(); pairs.len().div_ceil(BLOCK)];
+    executor.for_each_block(BlockedSlice::new(&mut found, 1), &|work: BlockedSlice<'_, Vec<T>>| {
+        let first = work.start * BLOCK;
+        work.items[0].extend(pairs[first..pairs.len().min(first + BLOCK)].iter().filter_map(each));
+    });
+    found.concat()
+}
