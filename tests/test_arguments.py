@@ -287,6 +287,7 @@ def test_what_is_right_is_taken(call, tmp_path, monkeypatch):
 
 
 @pytest.mark.filterwarnings("ignore::physcore.StabilityWarning")
+@pytest.mark.filterwarnings("ignore:Fluid.*is numerics now:DeprecationWarning")
 @pytest.mark.parametrize(
     ("call", "parameter"), [(call, name) for call, (function, _) in CALLS.items() for name in parameters(function)]
 )

@@ -13,6 +13,7 @@ from physcore.constraints import CONSTRAINTS
 from physcore.film.looks import look_of
 from physcore.film.looks.base import Look
 from physcore.forces import FORCES
+from physcore.numerics.choices import check
 from physcore.scene.channels import field_names
 from physcore.scene.items import System
 from physcore.scene.kernels import KERNELS
@@ -144,7 +145,7 @@ def test_a_scene_takes_systems_beside_bodies():
     scene = pc.Scene(pond, DUST)
     assert scene.systems == (pond,)
     assert "Pond" in repr(scene)
-    assert engine.describe(scene)["systems"] == [
+    assert engine.describe(scene, check({}, scene))["systems"] == [
         {"kind": "Pond", "name": "pond", "on": None, "values": {"heights": (1.0, 2.0)}}
     ]
     assert "systems" not in pc.Scene(DUST).packed()

@@ -143,10 +143,11 @@ def sound(scene: pc.Scene) -> float:
 
 def test_sound_is_found_along_a_periodic_axis_and_in_a_central_force():
     """gL²/8ν in a channel that is 0.4 m wide, at most 20 √(gL/2); ωR in a harmonic well, from the edge of a drop."""
-    ends, walls = pc.Periodic((0.0, -np.inf), (0.4, np.inf)), [(0.0, 1.0), (0.4, -1.0)]
+    ends, walls = pc.Periodic((0.0, -np.inf), (0.8, np.inf)), [(0.0, 1.0), (0.4, -1.0)]
+    cells = pc.block((0.0, 0.0), (0.8, 0.4), 0.1)
     sides = [pc.Plane((0.0, height), (0.0, way), no_slip=True) for height, way in walls]
     along = pc.Gravity((0.1, 0.0))
-    thick, thin = (pc.Fluid(CELLS, 0.1, viscosity=viscosity) for viscosity in (10.0, 1e-3))
+    thick, thin = (pc.Fluid(cells, 0.1, viscosity=viscosity) for viscosity in (10.0, 1e-3))
     assert sound(pc.Scene(thick, along, ends, *sides)) == pytest.approx(10.0 * 0.1 * 0.4**2 / (8.0 * 0.01), rel=1e-4)
     assert sound(pc.Scene(thin, along, ends, *sides)) == pytest.approx(10.0 * 20.0 * np.sqrt(0.1 * 0.2), rel=1e-4)
     slippery = [pc.Plane((0.0, height), (0.0, way)) for height, way in walls]
@@ -162,10 +163,10 @@ def test_sound_is_found_along_a_periodic_axis_and_in_a_central_force():
 
 def test_the_artificial_viscosity_is_what_the_fluid_s_own_lacks():
     """αhc/8 of α = 0.02, h = 0.15 m and c = 10 m/s is 3.75e-3 m²/s: a viscosity above that is the only one."""
-    ends = pc.Periodic((0.0, 0.0), (0.4, 0.4))
+    cells, ends = pc.block((0.0, 0.0), (0.8, 0.8), 0.1), pc.Periodic((0.0, 0.0), (0.8, 0.8))
 
     def scene(viscosity: float) -> pc.Scene:
-        return pc.Scene(pc.Fluid(CELLS, 0.1, viscosity=viscosity, velocities=(1.0, 0.0), name="water"), ends)
+        return pc.Scene(pc.Fluid(cells, 0.1, viscosity=viscosity, velocities=(1.0, 0.0), name="water"), ends)
 
     def notes(viscosity: float) -> list[str]:
         method = pc.WeaklyCompressible(sound_speed=10.0)
@@ -176,8 +177,8 @@ def test_the_artificial_viscosity_is_what_the_fluid_s_own_lacks():
     (thin,), (half,) = notes(1e-3), notes(1.875)
     assert "viscosity 3.8e0 Pa·s, of which 3.7e0 are artificial (α = 2.00e-2) and 1.0e-3 its own" in thin
     assert "α = 1.00e-2" in half
-    # c/10 over 0.4 m by 3.75e-3 m²/s.
-    assert "Reynolds number is 107" in half
+    # c/10 over 0.8 m by 3.75e-3 m²/s.
+    assert "Reynolds number is 213" in half
     same = [bits(scene(1.875), fluids=pc.WeaklyCompressible(10.0, artificial_viscosity=a)) for a in ("auto", 0.01)]
     assert same[0] == same[1]
 
@@ -186,13 +187,14 @@ def test_shifting_is_on_where_it_is_safe():
     """In a closed space and without a force; not at a free surface in gravity, with tension, or for fluids that mix."""
     water = pc.Fluid(CELLS, 0.1, velocities=(0.1, 0.0))
     oil = pc.Fluid(np.add(CELLS, (0.4, 0.0)), 0.1, 800.0)
-    full, ends = pc.Box((0.0, 0.0), (0.4, 0.4)), pc.Periodic((0.0, 0.0), (0.4, 0.4))
+    full, ends = pc.Box((0.0, 0.0), (0.4, 0.4)), pc.Periodic((0.0, 0.0), (0.8, 0.8))
+    everywhere = pc.Fluid(pc.block((0.0, 0.0), (0.8, 0.8), 0.1), 0.1, velocities=(0.1, 0.0))
     tense = pc.Fluid(CELLS, 0.1, surface_tension=0.1)
-    shifted = [(water,), (water, full, DOWN), (water, ends)]
+    shifted = [(water,), (water, full, DOWN), (everywhere, ends)]
     still = [(water, TANK, DOWN), (water, oil), (tense,)]
     for items, on in [*((items, True) for items in shifted), *((items, False) for items in still)]:
         assert ("shifted by A = 6" in str(pc.Simulation(pc.Scene(*items)).plan)) == on
-    counted = pc.Simulation(pc.Scene(water, ends), fluids=pc.WeaklyCompressible(density_from="summation"))
+    counted = pc.Simulation(pc.Scene(everywhere, ends), fluids=pc.WeaklyCompressible(density_from="summation"))
     assert "shifted" not in str(counted.plan)
 
 

@@ -69,12 +69,8 @@ def test_a_scene_of_pairs_and_fluids_comes_back_as_it_was():
         0.1,
         900.0,
         0.01,
-        30.0,
-        pc.CubicSpline(1.3),
-        0.1,
-        0.05,
-        (1.0, 0.0),
-        "water",
+        velocities=(1.0, 0.0),
+        name="water",
     )
     oil = pc.Fluid(pc.block((0.4, 0.0), (0.8, 0.2), 0.1), 0.1)
     grains = pc.Particles([[0.0, 0.5]], radius=0.01)

@@ -12,21 +12,23 @@ from physcore.scene.items import SceneItem
 class Probe(SceneItem):
     """A point at which the pressure of fluids is measured, as a sensor in a wall does.
 
-        probe = pc.Probe((1.2, 0.05), name="P1")
+        water = pc.Fluid.block((0.0, 0.0), (0.4, 0.6), spacing=0.05)
+        probe = pc.Probe((1.2, 0.0), name="P1")
         tank = pc.Box((0.0, 0.0), (1.2, 1.0))
         recording = pc.simulate(pc.Scene(water, pc.Gravity(), tank, probe), 0.5)
         recording[probe].pressure  # (F,)
         recording[tank].force  # (F, D), on the tank
 
-    The pressure [Pa] is the mean over what is within `radius`, weighted by the fluid's kernel with that support, dry
-    parts with 0 and what is behind boundaries or in other bodies left out. Each particle's pressure is carried to the
-    probe hydrostatically, so that beside a wall it is that at the wall. Where four fifths are wet, the mean is over
-    those. In frames and recordings it is the mean over the time since the frame before, over all steps, and so is the
-    force on a boundary or body: of the first frame, as of `simulation[probe].pressure`, it is that of the present.
+    The pressure [Pa] at a wall, within a tenth of `radius` from a boundary, is what the wall bears of the fluid, as a
+    mean over its part within `radius`, weighted by the fluid's kernel with that support. Elsewhere it is the mean over
+    what is within `radius`, dry parts with 0 and what is behind boundaries or in other bodies left out; each particle's
+    pressure is carried to the probe hydrostatically, and where four fifths are wet, the mean is over those. In frames
+    and recordings it is the mean over the time since the frame before, over all steps, and so is the force on a
+    boundary or body: of the first frame, as of `simulation[probe].pressure`, it is that of the present.
 
-    A weakly compressible fluid rings at some spacings per period of sound, and stops a front of water that hits a wall
-    with 2ρcU where a particle touches it: values over a time of sound through the radius are the method's and not the
-    water's. Frames a hundred times of these apart show what a sensor of that size would.
+    A weakly compressible fluid rings, and a front of water, which is a particle thin, is stopped by a wall within the
+    time that sound takes for a spacing: values over a few times of sound through the radius are the method's and not
+    the water's. Frames that are twenty or more of these apart show what a sensor of that size would.
 
     Args:
         position: where [m], in the fluid's domain or on a wall of it.

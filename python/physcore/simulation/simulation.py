@@ -24,7 +24,7 @@ from physcore.numerics.choices import (
     StepRule,
     check,
 )
-from physcore.numerics.fluids import Fluids
+from physcore.numerics.fluids import Fluids, check_flows
 from physcore.numerics.integrators import Integrator
 from physcore.progress import Progress
 from physcore.scene.bodies import Body
@@ -112,6 +112,7 @@ class Simulation:
             runaway=runaway,
         )
         self._build(scene, check(options, scene))
+        check_flows(self._numerics.fluids, scene)
         self._stepper.begin()
 
     def _build(self, scene: Scene, numerics: Numerics) -> None:

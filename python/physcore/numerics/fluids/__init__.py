@@ -68,8 +68,20 @@ def fluid_methods(value: object, scene: Scene) -> dict[str, FluidMethod]:
                 "them out there"
             )
         chosen[path] = method or own
-        chosen[path].check(fluid, place)
     return chosen
+
+
+def check_flows(methods: Mapping[str, FluidMethod], scene: Scene) -> None:
+    """Let each method look at the fluid that it is to compute, whose engine has been built.
+
+    Warns:
+        MachWarning, SceneWarning: as the methods say.
+    """
+    several = len(set(methods.values())) > 1
+    for index, body in enumerate(scene.bodies):
+        if isinstance(body, Fluid):
+            path = scene.path(index)
+            methods[path].check(body, f"fluids[{path}]" if several else "fluids")
 
 
 def _path(key: object, scene: Scene, paths: Mapping[str, Fluid], place: str) -> str:
@@ -91,6 +103,7 @@ __all__ = [
     "FluidMethod",
     "Fluids",
     "WeaklyCompressible",
+    "check_flows",
     "fluid_method",
     "fluid_methods",
 ]

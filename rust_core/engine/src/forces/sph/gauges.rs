@@ -1,16 +1,18 @@
 //! Gauges: the pressure at probes and the force of fluids on boundaries and obstacles, with their integrals over time.
 //!
-//! The pressure at a probe is the mean over its surroundings within its radius, weighted by the kernel with that support. Dry
-//! parts of it count with pressure 0, as for a sensor of that size, and each particle's pressure is carried to the probe
-//! hydrostatically:
+//! The pressure at a probe on a wall is that of the wall's force on the particles, as for a sensor of that size: their parts along
+//! the normal, each at its foot on the wall, weighted by the kernel with the probe's radius as support, over the integral of the
+//! kernel over the wall. Elsewhere it is the mean over the surroundings, of which dry parts count with pressure 0, and each
+//! particle's pressure is carried to the probe hydrostatically:
 //!
 //! ```text
+//! p(x) = Σ Fⱼ·n W(xⱼ′ − x) / ∫ W dA
 //! p(x) = Σ Vⱼ W(x − xⱼ) [pⱼ + ρ₀ g·(x − xⱼ)] / max(Σ Vⱼ W(x − xⱼ), ⅘ ∫ W dV)
 //! ```
 //!
-//! with the integral over what is neither behind a wall nor in an obstacle. Where four fifths are wet this is the mean of D. Shepard,
-//! ACM National Conference (1968) 517, exact for a fluid at rest, also beside a wall. The tip of a front is a particle thin, and the
-//! pressure in one that hits a wall is 2ρcU for a moment: that is the stress on its own small part of the wall, not on a sensor's.
+//! with integrals over what is neither behind a wall nor in an obstacle. Where four fifths are wet the latter is the mean of
+//! D. Shepard, ACM National Conference (1968) 517, exact for a fluid at rest. The tip of a front is a particle thin, and the pressure
+//! in one that hits a wall is 2ρcU for a moment; but it lacks neighbors to press on, and its force on the wall is what stops it.
 //!
 //! A boundary is pressed with the opposite of what its images do to the particles. In a corner, an image by several mirrors pushes
 //! along all of their normals: each takes its part, and an equal share of the rest. An obstacle takes the sum over its particles.
@@ -33,6 +35,9 @@ use crate::scene::{Item, Scene, Value};
 /// Cells of the midpoint rule along each axis.
 const CELLS: u32 = 32;
 
+/// The distance from a wall within which a probe is on it, in units of its radius.
+const ON_WALL: f64 = 0.1;
+
 /// The wet share of its surroundings from which on the mean at a probe is over that alone: above it are all particles inside a
 /// fluid, whose volumes on no lattice add up to 1 exactly.
 const WET: f64 = 0.8;
@@ -44,8 +49,10 @@ struct Probe {
     position: DVec3,
     /// Radius of the mean [m].
     radius: f64,
-    /// ∫ W dV over what is not behind a wall [m^D], for a kernel of unit height.
+    /// ∫ W over what is not behind a wall, for a kernel of unit height: dV [m^D], or dA of its wall [m^(D−1)].
     room: f64,
+    /// The wall that it is on, and the normal there.
+    wall: Option<(u32, DVec3)>,
 }
 
 /// Present values, and their time integrals.
@@ -101,13 +108,21 @@ impl Gauges {
         let probe = |item: &Item| {
             let position = item.vector("position")? - origin;
             let radius = if item.values.contains_key("radius") { item.number("radius")? } else { radius };
-            let room = room::<K>(scene.dimension, radius, |offset| walls.admit(position + offset, 0.0));
+            let wall = walls.nearest(position).filter(|(_, distance, _)| *distance < ON_WALL * radius);
+            let wall = wall.map(|(number, _, normal)| (number, normal));
+            let room = match wall {
+                None => room::<K>(scene.dimension, radius, |offset| walls.admit(position + offset, 0.0)),
+                // The wall itself is not on its own allowed side.
+                Some((_, normal)) => room_on_wall::<K>(scene.dimension, radius, normal, |offset| {
+                    walls.admit(position + offset + ON_WALL * radius * normal, 0.0)
+                }),
+            };
             // On a wall it may be behind it by rounding.
             if !walls.admit(position, -1e-6 * radius) || room == 0.0 {
                 let found = Some(&Value::Vector(position + origin));
                 return Err(item.wrong("position", "a point that is not behind a boundary", found));
             }
-            Ok(Probe { position, radius, room })
+            Ok(Probe { position, radius, room, wall })
         };
         let probes: Vec<Probe> = scene.probes.iter().map(probe).collect::<Result<_>>()?;
         let rows = scene.boundaries.len() + scene.bodies.len();
@@ -131,16 +146,16 @@ impl Gauges {
     /// Adds the present readings to the integrals up to a time [s], and takes new ones.
     pub fn update<K: Shape>(&mut self, time: f64, flow: &Flow<'_>) {
         self.readings.advance(time);
-        self.press(flow);
         let Self { probes, period, readings, .. } = self;
         for (probe, pressure) in probes.iter().zip(&mut readings.pressures) {
-            *pressure = probe.mean::<K>(*period, flow);
+            *pressure = if probe.wall.is_some() { 0.0 } else { probe.mean::<K>(*period, flow) };
         }
+        self.press::<K>(flow);
     }
 
-    /// Sums the forces on boundaries and bodies.
-    fn press(&mut self, flow: &Flow<'_>) {
-        let Self { boundary_of, boundaries, readings: Readings { forces, .. }, .. } = self;
+    /// Sums the forces on boundaries and bodies, and at the probes on walls.
+    fn press<K: Shape>(&mut self, flow: &Flow<'_>) {
+        let Self { probes, period, boundary_of, boundaries, readings: Readings { forces, pressures, .. }, .. } = self;
         forces.fill([0.0; AXES]);
         let mut add = |row: usize, force: DVec3| {
             forces[row].iter_mut().zip(force.to_array()).for_each(|(sum, along)| *sum += along);
@@ -148,17 +163,25 @@ impl Gauges {
         let order = flow.neighbor_list.neighbors().order();
         for (slot, density, mirrors) in flow.walls.pushes(flow.neighbor_list) {
             let member = order[slot] as usize;
-            if flow.kind[member] == OBSTACLE || density == DVec3::ZERO {
+            if flow.kind[member] == OBSTACLE {
+                // Images of the fluid that press on it are none of the fluid.
+                add(*boundaries + (flow.body)(member), -(flow.volume)(member) * density);
                 continue;
             }
             let on_wall = -(flow.volume)(member) * density;
-            let (mut rest, mut normals, mut count) = (on_wall, [(0, DVec3::ZERO); AXES], 0);
+            let (mut rest, mut parts, mut count) = (on_wall, [(0, DVec3::ZERO); AXES], 0);
             for (wall, normal) in mirrors {
-                normals[count] = (boundary_of[wall as usize], on_wall.dot(normal) * normal);
-                rest -= normals[count].1;
+                parts[count] = (wall, on_wall.dot(normal) * normal);
+                rest -= parts[count].1;
                 count += 1;
             }
-            normals[..count].iter().for_each(|&(row, along)| add(row, along + rest / count as f64));
+            for &(wall, along) in &parts[..count] {
+                let force = along + rest / count as f64;
+                add(boundary_of[wall as usize], force);
+                for (probe, pressure) in probes.iter().zip(&mut *pressures) {
+                    *pressure += probe.share::<K>(wall, force, flow.neighbor_list.at(slot), *period);
+                }
+            }
         }
         for (member, _) in flow.kind.iter().enumerate().filter(|(_, kind)| **kind == OBSTACLE) {
             let slot = flow.neighbor_list.neighbors().slots()[member] as usize;
@@ -194,6 +217,16 @@ impl Gauges {
 }
 
 impl Probe {
+    /// Its share of the force on a wall by a particle at `x` [Pa].
+    fn share<K: Shape>(&self, wall: u32, force: DVec3, x: DVec3, period: DVec3) -> f64 {
+        let Some((_, normal)) = self.wall.filter(|(own, _)| *own == wall) else { return 0.0 };
+        let mut along = self.position - x;
+        wrap(&mut along, period);
+        along -= along.dot(normal) * normal;
+        let u = along.length() / self.radius;
+        if u < 1.0 { -force.dot(normal) * K::value(u) / self.room } else { 0.0 }
+    }
+
     /// The mean pressure [Pa].
     fn mean<K: Shape>(&self, period: DVec3, flow: &Flow<'_>) -> f64 {
         let (mut pressed, mut wet, mut room) = (0.0, 0.0, self.room);
@@ -203,10 +236,8 @@ impl Probe {
             let mut away = self.position;
             for (axis, column) in columns.iter().enumerate().filter(|(_, column)| !column.is_empty()) {
                 away[axis] -= column[member];
-                if period[axis].is_finite() {
-                    away[axis] -= period[axis] * libm::rint(away[axis] / period[axis]);
-                }
             }
+            wrap(&mut away, period);
             let square = away.length_squared();
             if square < self.radius * self.radius {
                 let weight = (flow.volume)(member) * K::value(square.sqrt() / self.radius);
@@ -220,6 +251,28 @@ impl Probe {
         }
         if wet > 0.0 { pressed / wet.max(WET * room) } else { 0.0 }
     }
+}
+
+/// Takes the nearest image of a separation.
+fn wrap(separation: &mut DVec3, period: DVec3) {
+    for axis in (0..AXES).filter(|&axis| period[axis].is_finite()) {
+        separation[axis] -= period[axis] * libm::rint(separation[axis] / period[axis]);
+    }
+}
+
+/// ∫ W dA over the admitted part of a disc [m^(D−1)], by the midpoint rule, for a kernel of unit height.
+fn room_on_wall<K: Shape>(dimension: usize, radius: f64, normal: DVec3, admits: impl Fn(DVec3) -> bool) -> f64 {
+    let (one, other) =
+        if dimension == 2 { (DVec3::new(-normal.y, normal.x, 0.0), DVec3::ZERO) } else { normal.any_orthonormal_pair() };
+    let cell = 2.0 * radius / f64::from(CELLS);
+    let along = || (0..CELLS).map(|index| (f64::from(index) + 0.5) * cell - radius);
+    let across: Vec<f64> = if dimension == 2 { vec![0.0] } else { along().collect() };
+    let offsets = along().flat_map(|x| across.iter().map(move |&y| x * one + y * other));
+    let weight = |offset: DVec3| {
+        let u = offset.length() / radius;
+        if u < 1.0 && admits(offset) { K::value(u) } else { 0.0 }
+    };
+    offsets.map(weight).sum::<f64>() * if dimension == 2 { cell } else { cell.powi(2) }
 }
 
 /// ∫ W dV over the admitted part of a ball [m^D], by the midpoint rule, for a kernel of unit height.
@@ -287,5 +340,41 @@ impl History for Gauges {
         self.readings.numbers().into_iter().try_for_each(|numbers| archive.read_into(numbers))?;
         self.readings.time = Some(archive.read(1)?[0]).filter(|time| !time.is_nan());
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::kernel::WendlandC2;
+    use super::*;
+
+    /// ∫ W dV = h^D/(W₀h^D), to the square of a cell; half of it beside a wall through the middle of cells' faces.
+    #[test]
+    fn the_room_of_a_probe_is_the_integral_of_its_kernel() {
+        for dimension in [2, 3] {
+            let radius = 0.3_f64;
+            let whole = (0.5 * radius).powi(dimension) / WendlandC2::HEIGHT[dimension as usize - 2];
+            let found = room::<WendlandC2>(dimension as usize, radius, |_| true);
+            assert!((found / whole - 1.0).abs() < 1e-3, "{dimension}D: {found} {whole}");
+            let half = room::<WendlandC2>(dimension as usize, radius, |offset| offset.x > 0.0);
+            assert!((half / found - 0.5).abs() < 1e-12, "{dimension}D: {half} {found}");
+        }
+    }
+
+    #[test]
+    fn integrals_are_those_of_what_held_until_then() {
+        let mut readings = Readings {
+            forces: vec![[0.0; AXES]],
+            pressures: vec![0.0],
+            impulses: vec![[0.0; AXES]],
+            pressure_integrals: vec![0.0],
+            time: None,
+        };
+        for (time, pressure) in [(1.0, 4.0), (1.5, 6.0), (1.5, 8.0), (2.0, 0.0)] {
+            readings.advance(time);
+            readings.pressures[0] = pressure;
+        }
+        // From 1 to 1.5 s 4 Pa, from there 8 Pa, the last that was found at that time.
+        assert_eq!(readings.pressure_integrals, [0.5 * 4.0 + 0.5 * 8.0]);
     }
 }

@@ -111,6 +111,15 @@ impl Walls {
         self.sides.iter().all(|side| side.wall.distance(x).0 > distance)
     }
 
+    /// The number of the nearest wall, its distance [m], and its normal.
+    pub fn nearest(&self, x: DVec3) -> Option<(u32, f64, DVec3)> {
+        let each = (0..).zip(&self.sides).map(|(number, side)| {
+            let (distance, normal) = side.wall.distance(x);
+            (number, distance, normal)
+        });
+        each.min_by(|one, other| one.1.total_cmp(&other.1))
+    }
+
     /// Whether there are no walls.
     pub fn is_empty(&self) -> bool {
         self.sides.is_empty()
