@@ -30,6 +30,7 @@ DEMOS = (
     "flag",
     "drape",
     "bowl",
+    "landslide",
     "dam_break",
     "dam_break_3d",
     "splash",

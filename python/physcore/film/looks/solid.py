@@ -53,20 +53,7 @@ class SolidLook(Look):
         """Lit triangles in 3D."""
         if view.flat:
             return
-        corners, normals = self._rounded() if self.radius else self._facets()
-        pixels, depth, _ = view.project(corners.reshape(-1, 3))
-        assert depth is not None  # it is seen in space
-        first, second, third = np.moveaxis(pixels.reshape(-1, 3, 2), 1, 0)
-        # Counterclockwise from outside; pixels are counted downward.
-        along, across = (second - first).T, (third - first).T
-        seen = along[0] * across[1] < along[1] * across[0]
-        colors = np.clip(lambert(normals[seen].reshape(-1, 3), view)[:, np.newaxis] * np.array(theme.solid), 0.0, 255.0)
-        inks = np.concatenate([colors, np.full((len(colors), 1), 255.0)], axis=1).astype(np.uint8)
-        canvas.triangles(
-            np.ascontiguousarray(pixels.reshape(-1, 6)[seen]),
-            inks.reshape(-1, 12),
-            depth.reshape(-1, 3).mean(axis=1, dtype=np.float32)[seen],
-        )
+        draw_facets(canvas, view, theme, *(self._rounded() if self.radius else self._facets()))
 
     def _outline(self) -> FloatArray:
         """The corners of the polygon in 2D (N, 2), counterclockwise."""
@@ -120,3 +107,20 @@ class SolidLook(Look):
             )
 
         return triangles(places), triangles(normals)
+
+
+def draw_facets(canvas: Canvas, view: View, theme: Theme, corners: FloatArray, normals: FloatArray) -> None:
+    """Add those of lit triangles (T, 3, 3), counterclockwise from outside, that face the eye; `normals` per corner."""
+    pixels, depth, _ = view.project(corners.reshape(-1, 3))
+    assert depth is not None  # it is seen in space
+    first, second, third = np.moveaxis(pixels.reshape(-1, 3, 2), 1, 0)
+    # Pixels are counted downward.
+    along, across = (second - first).T, (third - first).T
+    seen = along[0] * across[1] < along[1] * across[0]
+    colors = np.clip(lambert(normals[seen].reshape(-1, 3), view)[:, np.newaxis] * np.array(theme.solid), 0.0, 255.0)
+    inks = np.concatenate([colors, np.full((len(colors), 1), 255.0)], axis=1).astype(np.uint8)
+    canvas.triangles(
+        np.ascontiguousarray(pixels.reshape(-1, 6)[seen]),
+        inks.reshape(-1, 12),
+        depth.reshape(-1, 3).mean(axis=1, dtype=np.float32)[seen],
+    )
