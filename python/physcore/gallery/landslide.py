@@ -28,10 +28,10 @@ DURATION = 4.0
 def height(x: FloatArray, y: FloatArray) -> FloatArray:
     """A mountain side that falls along x, with a valley that winds down to a hollow, and a rim around all of it [m]."""
     valley = y - 0.22 * np.sin(4.0 * x)
-    side = 0.9 / (1.0 + np.exp(4.0 * (x + 0.2))) + 0.06 * (1.0 - x)
-    banks = 0.5 * valley**2 + 0.03 * np.cos(9.0 * y) * np.sin(8.0 * x)
+    side = 0.5 / (1.0 + np.exp(4.0 * (x + 0.2))) + 0.06 * (1.0 - x)
+    banks = 0.45 * valley**2 + 0.03 * np.cos(9.0 * y) * np.sin(8.0 * x)
     hollow = -0.22 * np.exp(-((x - 0.72) ** 2 + (y - 0.1) ** 2) / 0.11)
-    rim = 0.5 * (np.maximum(np.abs(x), np.abs(y)) / 1.15) ** 14
+    rim = 0.12 * (np.abs(x) / 1.15) ** 14
     return np.asarray(side + banks + hollow + rim)
 
 
