@@ -161,6 +161,11 @@ CALLS: dict[str, tuple[Callable[..., object], dict[str, Any]]] = {
     "Box": (pc.Box, {"lower": (0.0, 0.0), "upper": (1.0, 1.0)}),
     "Capsule": (pc.Capsule, {"start": (0.0, 0.0), "end": (1.0, 0.0), "radius": 0.1}),
     "ConvexHull": (pc.ConvexHull, {"points": [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]}),
+    "HeightField": (pc.HeightField, {"heights": [0.0, 1.0], "spacing": 1.0}),
+    "HeightField.over": (
+        pc.HeightField.over,
+        {"function": lambda x: x, "lower": 0.0, "upper": 1.0, "spacing": 1.0},
+    ),
     "Sphere": (pc.Sphere, {"center": (0.0, 0.0), "radius": 1.0}),
     "Periodic": (pc.Periodic, {"lower": (0.0, 0.0), "upper": (1.0, 1.0)}),
     "Grid": (pc.Grid, {"cells": (3, 4), "spacing": 0.5}),

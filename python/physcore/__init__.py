@@ -17,7 +17,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 from physcore import units
-from physcore.boundaries import Boundary, Box, Capsule, ConvexHull, Floor, Plane, Sphere
+from physcore.boundaries import Boundary, Box, Capsule, ConvexHull, Floor, HeightField, Plane, Sphere
 from physcore.constraints import SelfContact
 from physcore.errors import (
     AccuracyError,
@@ -184,6 +184,7 @@ __all__ = [
     "GrayScott",
     "Grid",
     "Halvorsen",
+    "HeightField",
     "ImplicitMidpoint",
     "Integrator",
     "InternalError",

@@ -485,6 +485,9 @@ STONES = (
     pc.ConvexHull([[-0.9, -0.9, -1.1], [0.8, -0.7, -1.2], [0.0, 0.9, -1.15], [0.1, 0.0, -1.8]], restitution=0.5),
     pc.Capsule((-1.0, -0.2, -1.4), (1.0, 0.9, -1.3), 0.2, friction=0.3),
 )
+HILLS = np.sin(7.0 * np.arange(11))[:, None] * np.cos(5.0 * np.arange(9))
+LAND = pc.HeightField(-1.3 + 0.2 * HILLS, 0.3, (-1.4, -1.1), restitution=0.5, friction=0.2)
+PROFILE = pc.HeightField(-1.3 + 0.2 * HILLS[:, 0], 0.3, -1.4, restitution=0.5, friction=0.2)
 ROOM = pc.Box((-1.1,) * 3, (1.1,) * 3, restitution=0.8, friction=0.3)
 GRAINS = pc.SoftSpheres(50.0, 0.2, 0.3, 0.1, exponent=1.5)
 DOWN = pc.Gravity((0.0, 0.0, -9.81))
@@ -589,6 +592,8 @@ SCENES: dict[str, Case] = {
     "swarm in a box RungeKutta4": Case(lambda: swarm(DOWN, ROOM), 0.01, RK4),
     "swarm on stones": Case(lambda: swarm(DOWN, *STONES), 0.01, large=lambda: swarm(DOWN, *STONES, count=30_000)),
     "swarm on stones f32": Case(lambda: swarm(DOWN, *STONES), 0.01, F32),
+    "swarm on hills": Case(lambda: swarm(DOWN, LAND), 0.01, large=lambda: swarm(DOWN, LAND, count=30_000)),
+    "swarm on hills 2D f32": Case(lambda: swarm(pc.Gravity((0.0, -9.81)), PROFILE, dimension=2), 0.01, F32),
     "swarm in Python": Case(lambda: swarm(harmonic()), 0.01),
     "grains": Case(grains, 0.002, large=_large_grains),
     "grains f32": Case(grains, 0.002, F32, large=_large_grains),

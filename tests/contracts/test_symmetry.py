@@ -69,6 +69,8 @@ def test_turning_a_scene_by_a_quarter_turns_its_motion(name):
     turn = np.roll(axes(name), 1, axis=0)
     if len(turn) == 1:
         pytest.skip("a line cannot be turned")
+    if any(isinstance(boundary, pc.HeightField) for boundary in SCENES[name].scene().boundaries):
+        pytest.skip("up is the last axis")
     if len(turn) == 2:
         turn[0] *= -1.0
     assert np.linalg.det(turn) == pytest.approx(1.0)

@@ -158,6 +158,8 @@ def _item(item: ActingItem, t: Transform, bodies: dict[Body, Body]) -> ActingIte
         return _custom(item, t, on)
     if isinstance(item, pc.ElectromagneticField):
         return _electromagnetic(item, t, on)
+    if isinstance(item, pc.HeightField):
+        return _height_field(item, t, on)
     if isinstance(item, pc.Floor):  # which is no floor where another axis is up
         up = np.eye(t.axes.shape[1])[-1]
         shared = {"restitution": item.restitution, "friction": item.friction, "no_slip": item.no_slip, "on": on}
@@ -181,6 +183,26 @@ def _custom(force: pc.CustomForce, t: Transform, on: Any) -> pc.CustomForce:
         return force.potential(back(x)) * t.unit(2, -2, 1)
 
     return pc.CustomForce(function, None if force.potential is None else potential, on=on)
+
+
+def _height_field(ground: pc.HeightField, t: Transform, on: Any) -> pc.HeightField:
+    """Up stays up. Along an axis that is new there are two rows of nodes, with the plane between them."""
+    assert t.axes[-1, -1] == 1.0
+    level = Transform(t.axes[:-1, :-1], np.broadcast_to(t.shift, len(t.axes))[:-1], m=t.m)
+    upper = np.array(ground.origin) + ground.spacing * (np.array(ground.heights.shape) - 1)
+    origin, _ = level.corners(ground.origin, upper, 0.5 * ground.spacing)
+    heights = _over_cells(level, ground.heights)
+    for axis in np.flatnonzero(~level.axes.any(axis=1)):
+        heights = np.repeat(heights, 2, axis=axis)
+    return pc.HeightField(
+        (heights + np.broadcast_to(t.shift, len(t.axes))[-1]) * t.m,
+        ground.spacing * t.m,
+        origin,
+        restitution=ground.restitution,
+        friction=ground.friction,
+        no_slip=ground.no_slip,
+        on=on,
+    )
 
 
 FIELDS: dict[type, Callable[[Any, Array], Array]] = {

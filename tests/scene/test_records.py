@@ -61,6 +61,7 @@ ARGUMENTS: dict[str, tuple[object, ...]] = {
     "Sphere": ((0.0, 0.0), 9.0),
     "Capsule": ((-9.0, -9.0), (9.0, -9.0), 0.5),
     "ConvexHull": ([[-9.0, -9.0], [9.0, -9.0], [0.0, -8.0]],),
+    "HeightField": ([-9.0, -8.0, -9.0], 1.0, -5.0),
 }
 ITEMS = [
     DUST,

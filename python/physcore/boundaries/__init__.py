@@ -5,6 +5,7 @@ from __future__ import annotations
 from physcore.boundaries.box import Box
 from physcore.boundaries.capsule import Capsule
 from physcore.boundaries.convex_hull import ConvexHull
+from physcore.boundaries.height_field import HeightField
 from physcore.boundaries.plane import Floor, Plane
 from physcore.boundaries.sphere import Sphere
 from physcore.scene.items import Boundary
@@ -16,7 +17,8 @@ BOUNDARIES: tuple[type[Boundary], ...] = (
     Sphere,
     Capsule,
     ConvexHull,
+    HeightField,
 )
 """Every boundary; what is registered here can be saved, and is tested."""
 
-__all__ = ["BOUNDARIES", "Boundary", "Box", "Capsule", "ConvexHull", "Floor", "Plane", "Sphere"]
+__all__ = ["BOUNDARIES", "Boundary", "Box", "Capsule", "ConvexHull", "Floor", "HeightField", "Plane", "Sphere"]

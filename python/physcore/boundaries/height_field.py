@@ -22,10 +22,10 @@ class HeightField(Boundary):
         hills = pc.HeightField(0.2 * np.cos(4.0 * x), spacing=0.1, friction=0.2)
         scene = pc.Scene(pc.Particles([[0.5, 1.0]], radius=0.05), pc.Gravity((0.0, -9.81)), hills)
 
-    Up is the last axis, as for Floor. Between the nodes the ground is straight: a polyline in 2D, in 3D two triangles in
-    each cell, which meet along its higher diagonal. Where the grid ends, so does the ground, with upright sides that
-    reach down without end; there is nothing around it. Particles with a radius go round edges and peaks as round
-    cylinders and spheres of that radius, and roll over ground that is flat or a valley as if it had no cells.
+    Up is the last axis, as for Floor. Between the nodes the ground is straight: a polyline in 2D, in 3D two triangles
+    in each cell, which meet along its higher diagonal. Where the grid ends, so does the ground, with upright sides
+    that reach down without end; there is nothing around it. Particles with a radius go round edges and peaks as round
+    cylinders and spheres of that radius, and over flat ground as if it had no cells.
 
     Args:
         heights: of the nodes [m], shape (nx,) in 2D, indexed [i], or (nx, ny) in 3D, indexed [i, j] along x and y as
@@ -56,8 +56,8 @@ class HeightField(Boundary):
         values = array(heights, "HeightField.heights")
         if values.ndim not in (1, 2) or min(values.shape) < 2:
             raise SceneError(
-                "HeightField.heights: must have the shape (nx,) in 2D or (nx, ny) in 3D with at least two nodes along each "
-                f"axis, got {values.shape}"
+                "HeightField.heights: must have the shape (nx,) in 2D or (nx, ny) in 3D with at least two nodes along "
+                f"each axis, got {values.shape}"
             )
         require(np.abs(values) <= LONGEST, values, "HeightField.heights", f"at most {LONGEST:g} m in size")
         step = span(spacing, "HeightField.spacing")
@@ -84,7 +84,8 @@ class HeightField(Boundary):
             bowl = pc.HeightField.over(lambda x, y: 0.5 * (x * x + y * y), (-1.0, -1.0), (1.0, 1.0), spacing=0.05)
 
         Args:
-            function: the height [m] at coordinates [m], which it takes as arrays of one shape: f(x) in 2D, f(x, y) in 3D.
+            function: the height [m] at coordinates [m], which it takes as arrays of one shape: f(x) in 2D, f(x, y) in
+                3D.
             lower, upper: corners [m]: x in 2D, (x, y) in 3D.
             spacing: the distance between nodes [m]. Where an extent is no whole multiple of it, the last node is before
                 or behind `upper`, by at most half of it.
@@ -95,19 +96,23 @@ class HeightField(Boundary):
         """
         step = span(spacing, "HeightField.spacing")
         low, high = (
-            np.atleast_1d(array(value, f"HeightField.{name}")) for name, value in {"lower": lower, "upper": upper}.items()
+            np.atleast_1d(array(value, f"HeightField.{name}"))
+            for name, value in {"lower": lower, "upper": upper}.items()
         )
         if low.shape != high.shape or low.shape not in [(1,), (2,)]:
             raise SceneError(
-                f"HeightField.upper: must be x in 2D, (x, y) in 3D, as the lower corner {shown(lower)}, got {shown(upper)}"
+                f"HeightField.upper: must be x in 2D, (x, y) in 3D, as the lower corner {shown(lower)}, "
+                f"got {shown(upper)}"
             )
         cells = np.rint((high - low) / step)
         if not ((cells >= 1.0) & (cells < 2.0**31)).all():
             raise SceneError(
-                f"HeightField.upper: must be 1 to {2**31} spacings of {step:g} m above the lower corner along each axis, "
-                f"got {shown(upper)}"
+                f"HeightField.upper: must be 1 to {2**31} spacings of {step:g} m above the lower corner along each "
+                f"axis, got {shown(upper)}"
             )
-        axes = [start + step * np.arange(n + 1) for start, n in zip(low.tolist(), cells.astype(int).tolist(), strict=True)]
+        axes = [
+            start + step * np.arange(n + 1) for start, n in zip(low.tolist(), cells.astype(int).tolist(), strict=True)
+        ]
         nodes = np.meshgrid(*axes, indexing="ij")
         given = array(called(function, "HeightField.function", *nodes), "HeightField.function")
         try:

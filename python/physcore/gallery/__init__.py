@@ -31,6 +31,7 @@ DEMOS = (
     "torn_flag",
     "drape",
     "bowl",
+    "landslide",
     "dam_break",
     "dam_break_3d",
     "splash",

@@ -304,7 +304,7 @@ impl<V: Vector> Contacts<V> {
             let start = position.widen();
             for piece in self.pieces(start, body, radius) {
                 let x = position.widen();
-                let (distance, normal) = piece.distance(x, WITHIN);
+                let (distance, normal) = piece.distance(x, radius, WITHIN);
                 if distance < radius {
                     let way = if together.dot(normal) > 0.0 { together / together.dot(normal) } else { normal };
                     // A projection may be rounded back to its start; later ones reach further.
@@ -325,8 +325,9 @@ impl<V: Vector> Contacts<V> {
         let mut away = DVec3::ZERO;
         for surface in self.surfaces.iter().filter(|surface| surface.bodies[body]) {
             for piece in surface.pieces(V::Scalar::EPSILON, (x, x), radius) {
-                let (distance, normal) = piece.distance(x, WITHIN);
-                if distance - radius <= surface.slack(V::Scalar::EPSILON, x, radius) {
+                let slack = surface.slack(V::Scalar::EPSILON, x, radius);
+                let (distance, normal) = piece.distance(x, radius + slack, WITHIN);
+                if distance - radius <= slack {
                     away += normal;
                 }
             }

@@ -10,10 +10,12 @@ import numpy as np
 from physcore.boundaries.box import Box
 from physcore.boundaries.capsule import Capsule
 from physcore.boundaries.convex_hull import ConvexHull
+from physcore.boundaries.height_field import HeightField
 from physcore.boundaries.plane import Plane
 from physcore.boundaries.sphere import Sphere
 from physcore.film.looks.base import Look, corners
 from physcore.film.looks.box import BoxLook
+from physcore.film.looks.height_field import HeightFieldLook
 from physcore.film.looks.plane import PlaneLook
 from physcore.film.looks.solid import SolidLook
 from physcore.film.looks.sphere import SphereLook
@@ -25,6 +27,7 @@ LOOKS: dict[type[Boundary], Callable[[Any], Look]] = {
     Sphere: SphereLook,
     Capsule: SolidLook.capsule,
     ConvexHull: SolidLook.hull,
+    HeightField: HeightFieldLook,
 }
 """The look of each boundary."""
 

@@ -53,21 +53,7 @@ class SolidLook(Look):
         """Lit triangles in 3D."""
         if view.flat:
             return
-        corners, normals = self._rounded() if self.radius else self._facets()
-        pixels, depth, _ = view.project(corners.reshape(-1, 3))
-        assert depth is not None  # it is seen in space
-        first, second, third = np.moveaxis(pixels.reshape(-1, 3, 2), 1, 0)
-        # Counterclockwise from outside; pixels are counted downward.
-        along, across = (second - first).T, (third - first).T
-        seen = along[0] * across[1] < along[1] * across[0]
-        facing = normals[seen].reshape(-1, 3) @ view.axes.T
-        colors = lit(np.tile(np.array(theme.solid, dtype=float), (len(facing), 1)), facing)
-        inks = np.concatenate([colors, np.full((len(colors), 1), 255.0)], axis=1).astype(np.uint8)
-        canvas.triangles(
-            np.ascontiguousarray(pixels.reshape(-1, 6)[seen]),
-            inks.reshape(-1, 12),
-            np.ascontiguousarray(depth.reshape(-1, 3)[seen]),
-        )
+        draw_facets(canvas, view, theme, *(self._rounded() if self.radius else self._facets()))
 
     def _outline(self) -> FloatArray:
         """The corners of the polygon in 2D (N, 2), counterclockwise."""
@@ -121,3 +107,21 @@ class SolidLook(Look):
             )
 
         return triangles(places), triangles(normals)
+
+
+def draw_facets(canvas: Canvas, view: View, theme: Theme, corners: FloatArray, normals: FloatArray) -> None:
+    """Add those of lit triangles (T, 3, 3), counterclockwise from outside, that face the eye; `normals` per corner."""
+    pixels, depth, _ = view.project(corners.reshape(-1, 3))
+    assert depth is not None  # it is seen in space
+    first, second, third = np.moveaxis(pixels.reshape(-1, 3, 2), 1, 0)
+    # Pixels are counted downward.
+    along, across = (second - first).T, (third - first).T
+    seen = along[0] * across[1] < along[1] * across[0]
+    facing = normals[seen].reshape(-1, 3) @ view.axes.T
+    colors = lit(np.tile(np.array(theme.solid, dtype=float), (len(facing), 1)), facing)
+    inks = np.concatenate([colors, np.full((len(colors), 1), 255.0)], axis=1).astype(np.uint8)
+    canvas.triangles(
+        np.ascontiguousarray(pixels.reshape(-1, 6)[seen]),
+        inks.reshape(-1, 12),
+        np.ascontiguousarray(depth.reshape(-1, 3)[seen]),
+    )

@@ -50,19 +50,19 @@ impl Piece<'_> {
         match *self {
             Self::Whole(wall) => wall.distance(x),
             Self::Part(terrain, part) => {
-                let spot = terrain.spot(part, x);
+                let spot = terrain.spot(part, x, f64::NEG_INFINITY);
                 (spot.distance, spot.normal)
             }
         }
     }
 
-    /// The same where the piece is the nearest one locally; else the distance is infinite. `roundings` is how far beyond that
-    /// region it is still there, in units of rounding.
-    pub fn distance(&self, x: DVec3, roundings: f64) -> (f64, DVec3) {
+    /// The same up to a distance of `reach` where the piece is the nearest one locally; else the distance is infinite. `roundings` is
+    /// how far beyond that region it is still there, in units of rounding.
+    pub fn distance(&self, x: DVec3, reach: f64, roundings: f64) -> (f64, DVec3) {
         match *self {
             Self::Whole(wall) => wall.distance(x),
             Self::Part(terrain, part) => {
-                let spot = terrain.spot(part, x);
+                let spot = terrain.spot(part, x, reach);
                 let is_beyond = spot.beyond > roundings * terrain.rounding(x);
                 (if is_beyond { f64::INFINITY } else { spot.distance }, spot.normal)
             }

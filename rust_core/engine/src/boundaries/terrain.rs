@@ -127,7 +127,7 @@ impl Terrain {
         if let Some(inside) = self.inside(x) {
             return inside;
         }
-        let near = self.parts(x - reach, x + reach, f64::INFINITY).map(|part| self.spot(part, x));
+        let near = self.parts(x - reach, x + reach, f64::INFINITY).map(|part| self.spot(part, x, reach));
         let near = near.filter(|spot| spot.beyond <= self.rounding(x) && spot.distance <= reach);
         near.map(|spot| (spot.distance, spot.normal))
             .reduce(|one, other| if other.0 < one.0 { other } else { one })
@@ -144,7 +144,9 @@ impl Terrain {
 
     /// The parts of the surface that a particle of `radius` may touch within a box along the axes; a point touches faces alone.
     pub fn parts(&self, lower: DVec3, upper: DVec3, radius: f64) -> impl Iterator<Item = Part> {
-        let rims = radius > ROUND * self.rounding(upper);
+        let rounding = self.rounding(lower.abs().max(upper.abs()));
+        let rims = radius > ROUND * rounding;
+        let (lower, upper) = (lower - rounding, upper + rounding);
         let lowest = lower.dot(self.up);
         let [x, y] = [0, 1].map(|axis| self.cells(axis, lower[axis], upper[axis]));
         let nodes = |cells: Option<RangeInclusive<usize>>, many: bool| match cells {
@@ -157,7 +159,9 @@ impl Terrain {
         let all = ends_x.flat_map(move |i| ends_y.clone().flat_map(move |j| kinds().map(move |kind| (kind, [i, j]))));
         all.filter(move |&(kind, at)| {
             let last = self.last(kind, at);
-            (0..2).all(|axis| last[axis] < within[axis]) && self.is_there(kind, at) && self.height_of(at, last) >= lowest
+            (0..2).all(|axis| last[axis] < within[axis] && self.is_across(axis, (at, last), lower[axis], upper[axis]))
+                && self.height_of(at, last) >= lowest
+                && self.is_there(kind, at)
         })
         .map(|(kind, node)| Part { kind, node: node.map(|index| index as u32) })
     }
@@ -174,6 +178,12 @@ impl Terrain {
         // A border belongs to the grid, also where its place is rounded.
         let overlaps = first <= last + 1.0 && end >= -1.0;
         overlaps.then(|| first.clamp(0.0, last) as usize..=end.clamp(0.0, last) as usize)
+    }
+
+    /// Whether a part from one node to another, if it has no extent along an axis, is between two coordinates there.
+    fn is_across(&self, axis: usize, (from, to): ([usize; 2], [usize; 2]), lower: f64, upper: f64) -> bool {
+        let place = self.corner[axis] + self.spacing * from[axis] as f64;
+        self.nodes[axis] == 1 || from[axis] < to[axis] || (lower <= place && place <= upper)
     }
 
     /// The last of the nodes of a part.

@@ -132,8 +132,8 @@ impl<'a> Walls<'a> {
     fn contacts(&self, x: DVec3, velocity: DVec3, hit: Option<Key>) -> ContactSet {
         let mut contacts = ContactSet::default();
         for (key, surface, piece) in self.acting((x, x)) {
-            let (distance, normal) = piece.distance(x, WITHIN);
             let slack = surface.slack(self.rounding, x, self.radius);
+            let (distance, normal) = piece.distance(x, self.radius + 2.0 * slack, WITHIN);
             if distance - self.radius <= slack || hit == Some(key) {
                 let [curvature, bend] =
                     [velocity.normalize_or_zero(), DVec3::ZERO].map(|direction| piece.curvature(x, direction));
@@ -330,12 +330,9 @@ impl Trajectory<'_> {
         let lifted = |time: f64| {
             let straight = self.position + (self.velocity + acceleration * (0.5 * time)) * time;
             let x = if is_flat { straight } else { self.slide_to(support, acceleration, time) };
-            support
-                .slides
-                .as_slice()
-                .iter()
-                .filter(|contact| bounded(contact))
-                .any(|contact| self.walls.piece(contact.key).distance(x, LEFT).0 - self.walls.radius > LEFT * contact.slack)
+            support.slides.as_slice().iter().filter(|contact| bounded(contact)).any(|contact| {
+                self.walls.piece(contact.key).distance(x, f64::INFINITY, LEFT).0 - self.walls.radius > LEFT * contact.slack
+            })
         };
         if !support.slides.as_slice().iter().any(bounded) || !lifted(time) {
             return time;

@@ -27,7 +27,7 @@ impl Terrain {
         };
         let time = first_contact_with_convex(nearest, self.extent, path, radius, touching, duration)?;
         let x = path.at(time);
-        (self.spot(part, x).beyond <= self.rounding(x)).then_some(time)
+        (self.spot(part, x, f64::INFINITY).beyond <= self.rounding(x)).then_some(time)
     }
 
     /// A face may be met once: where the path is below its plane at the start, that is beyond the face, from its highest point on.
@@ -37,7 +37,7 @@ impl Terrain {
         let rounding = self.rounding(path.position);
         let mut start = 0.0;
         if !touching && gap < -rounding {
-            let spot = self.spot(part, path.position);
+            let spot = self.spot(part, path.position, f64::INFINITY);
             if spot.beyond <= rounding && spot.distance < radius {
                 return Some(0.0);
             }
@@ -52,7 +52,7 @@ impl Terrain {
         let plane = (face.normal, face.normal.dot(face.point));
         let time = start + Polynomial::plane(plane, &ahead, radius, touching).first_contact(duration - start)?;
         let (x, slope) = (path.at(time), path.slope(time));
-        let (beyond, rounding) = (self.spot(part, x).beyond, self.rounding(x));
+        let (beyond, rounding) = (self.spot(part, x, f64::INFINITY).beyond, self.rounding(x));
         // A path along the plane of the face does not approach it.
         let approach = -face.normal.dot(slope) / slope.length();
         let grazes = approach > self.blur() && beyond <= (rounding / approach).min(GRAZING * self.spacing);

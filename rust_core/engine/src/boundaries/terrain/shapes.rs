@@ -35,9 +35,9 @@ impl Face {
 }
 
 impl Terrain {
-    /// A part as seen from `x`.
-    pub(crate) fn spot(&self, part: Part, x: DVec3) -> Spot {
-        if part.is_face() { self.spot_of_face(&self.face(part), x) } else { self.spot_of_rim(part, x) }
+    /// A part as seen from `x`. Further away than `reach`, `x` counts as beyond its region.
+    pub(crate) fn spot(&self, part: Part, x: DVec3, reach: f64) -> Spot {
+        if part.is_face() { self.spot_of_face(&self.face(part), x, reach) } else { self.spot_of_rim(part, x, reach) }
     }
 
     /// The curvature of the surface at the distance of `x` from a part, as of a wall.
@@ -45,7 +45,7 @@ impl Terrain {
         if part.is_face() {
             return 0.0;
         }
-        let Spot { distance, feature, .. } = self.spot_of_rim(part, x);
+        let Spot { distance, feature, .. } = self.spot_of_rim(part, x, f64::NEG_INFINITY);
         feature.curvature(distance, direction)
     }
 
@@ -94,8 +94,11 @@ impl Terrain {
 
     /// Above the ground the region of a face is the prism over it; below, that which is nearer to it than to the sides, or to the
     /// top of the ground.
-    fn spot_of_face(&self, face: &Face, x: DVec3) -> Spot {
+    fn spot_of_face(&self, face: &Face, x: DVec3, reach: f64) -> Spot {
         let distance = face.height(x);
+        if distance > reach {
+            return Spot { distance, normal: face.normal, beyond: f64::INFINITY, feature: Feature::Facet };
+        }
         let out = if distance >= 0.0 || !face.is_top { face.normal } else { self.up };
         let mut beyond = face.beyond(x, out);
         if distance < 0.0 {
@@ -146,7 +149,7 @@ impl Terrain {
     }
 
     /// The region of a rim is where no node around is nearer to `x`, to first order, than the point of the rim.
-    fn spot_of_rim(&self, part: Part, x: DVec3) -> Spot {
+    fn spot_of_rim(&self, part: Part, x: DVec3, reach: f64) -> Spot {
         let (from, way) = self.rim(part, x);
         let length = way.length();
         let along = if length > 0.0 { way.dot(x - from) / length } else { 0.0 };
@@ -163,6 +166,9 @@ impl Terrain {
             Kind::Node => Feature::Vertex,
             _ => Feature::Edge(way / length),
         };
+        if distance > reach {
+            return Spot { distance, normal, beyond: f64::INFINITY, feature };
+        }
         if part.kind != Kind::Corner {
             beyond = beyond.max(-away.dot(self.up));
         }

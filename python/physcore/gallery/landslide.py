@@ -1,0 +1,61 @@
+"""Six hundred pebbles run down a landscape into its lake.
+
+The physics checked: the budget closes over bounces on fifteen thousand faces, and nothing is below the ground.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+
+import numpy as np
+
+import physcore as pc
+from physcore.checks import FloatArray
+from physcore.gallery.figure import Figure, budget
+
+PEBBLES = 600
+"""How many there are."""
+RADIUS = 0.016
+"""Their radius [m]."""
+STIFFNESS = 400.0
+"""Of their contacts with each other [N/m]."""
+
+DURATION = 4.0
+"""[s]"""
+
+
+def height(x: FloatArray, y: FloatArray) -> FloatArray:
+    """A mountain side that falls along x, with a valley that winds down to a hollow, and a rim around all of it [m]."""
+    valley = y - 0.22 * np.sin(4.0 * x)
+    side = 0.5 / (1.0 + np.exp(4.0 * (x + 0.2))) + 0.06 * (1.0 - x)
+    banks = 0.45 * valley**2 + 0.03 * np.cos(9.0 * y) * np.sin(8.0 * x)
+    hollow = -0.22 * np.exp(-((x - 0.72) ** 2 + (y - 0.1) ** 2) / 0.11)
+    rim = 0.12 * (np.abs(x) / 1.15) ** 14
+    return np.asarray(side + banks + hollow + rim)
+
+
+def scene() -> pc.Scene:
+    """Let a heap of pebbles go high up."""
+    generator = np.random.default_rng(4)
+    sites = pc.block((-1.0, -0.5, 0.0), (-0.55, 0.5, 0.5), 2.5 * RADIUS)
+    sites = sites[generator.permutation(len(sites))[:PEBBLES]]
+    sites += generator.uniform(-0.2 * RADIUS, 0.2 * RADIUS, sites.shape)
+    sites[:, 2] += 0.2 + height(sites[:, 0], sites[:, 1])
+    mass = 2500.0 * 4.0 / 3.0 * np.pi * RADIUS**3
+    pebbles = pc.Particles(sites, mass=mass, radius=RADIUS)
+    ground = pc.HeightField.over(height, (-1.2, -0.9), (1.2, 0.9), spacing=0.025, restitution=0.4, friction=0.08)
+    contacts = pc.SoftSpheres(STIFFNESS, 0.1, friction=0.2, tangential_damping=0.05)
+    return pc.Scene(pebbles, pc.Gravity((0.0, 0.0, -9.81)), ground, contacts)
+
+
+def main(path: str | os.PathLike[str] = "landslide.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
+    """Simulate it and draw it."""
+    recording = pc.simulate(scene(), duration=DURATION, fps=25, dt=1e-3, progress=progress)
+    pc.film(recording, path, size=(640, 480), style=pc.styles.Points(color="speed"), progress=progress)
+    return {"pebbles": recording}
+
+
+def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
+    """What gravity gave is all there."""
+    return budget(recordings, bound=1e-3)
