@@ -16,7 +16,9 @@ PLEAT = 11.3
 """Width of a pleat, in units of the spacing: no row of particles lies on a fold."""
 STEP = 1.0 / 60.0
 STEPS, RUNS = 90, 3
-"""Steps of a run, in which the pleats meet, collapse and come to rest; the least time of each step in a few runs counts."""
+"""Steps of a run, in which the pleats meet, collapse and come to rest; the least time of each step in a few runs
+counts.
+"""
 
 
 def folded() -> pc.SpringNetwork:

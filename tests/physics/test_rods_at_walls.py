@@ -195,8 +195,8 @@ def test_tensions_count_what_walls_bear():
     run = pc.Simulation(pc.Scene(upright, hung, pc.Gravity((0.0, -10.0)), pc.Floor()), dt=1e-3)
     run.step(3)
     np.testing.assert_allclose(run[upright].tensions, [-30.0], rtol=1e-9)
-    # The lowest node rests on the floor and hangs on two rods: what it weighs is shared, so that the sum of squares of all
-    # three impulses is least. The floor and the two rods have T₁ = T₂ + 20, T₂ = 20 − N.
+    # The lowest node rests on the floor and hangs on two rods: what it weighs is shared, so that the sum of squares of
+    # all three impulses is least. The floor and the two rods have T₁ = T₂ + 20, T₂ = 20 − N.
     one, other = run[hung].tensions
     assert one - other == pytest.approx(20.0, rel=1e-9)
     assert -1e-9 <= other <= 20.0 + 1e-9

@@ -49,7 +49,9 @@ def hanging() -> tuple[pc.Scene, Array]:
 
 @pytest.mark.parametrize("integrator", METHODS, ids=name)
 def test_e04_a_chain_hanging_in_long_steps(integrator, record_property):
-    """Excellent: 1e-10 relative, at 1/50 s, 6 times Verlet's limit; forces of 20 N to 1e-10 over 50 N/m of the chain: 4e-11 m."""
+    """Excellent: 1e-10 relative, at 1/50 s, 6 times Verlet's limit; forces of 20 N to 1e-10 over 50 N/m of the chain:
+    4e-11 m.
+    """
     scene, expected = hanging()
     run = come_to_rest(scene, integrator, 10.0, 0.02)
     error = np.abs(run.positions[1:, 0] / expected[1:] - 1.0).max()
@@ -194,7 +196,8 @@ CANTILEVER = {
 
 
 def cantilever(load: float, segments: int, stiffness: float = 1e5) -> tuple[float, float]:
-    """Drop and horizontal reach of the tip of a beam with L = E I = 1, of springs of E A = `stiffness` and elastic hinges.
+    """Drop and horizontal reach of the tip of a beam with L = E I = 1, of springs of E A = `stiffness` and elastic
+    hinges.
 
     A hinge between two segments turns them with E I θ/h; the one at the wall stands for half a segment only. The load
     is a force on the tip. Slowest mode 3.5/s: a drag of b/m = 7/s is critical, and 4 s take it to 1e-6.
