@@ -1,4 +1,7 @@
-"""Height fields: ground of cells that are not felt. What the engine's own tests hold for random ground is not repeated."""
+"""Height fields: ground of cells that are not felt.
+
+What the engine's own tests hold for random ground is not repeated.
+"""
 
 from __future__ import annotations
 

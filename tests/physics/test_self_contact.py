@@ -217,7 +217,7 @@ def test_a_stack_comes_to_rest_and_does_not_creep(integrator: pc.Integrator):
 
 @pytest.mark.parametrize("wall", [True, False], ids=["wall", "sheet"])
 def test_impacts_of_several_bodies_give_no_energy(wall: bool):
-    """A heavy triangle strikes the tip of a light one that stands before a wall, or a fixed sheet, with restitution 1."""
+    """A heavy triangle strikes the tip of a light one before a wall, or a fixed sheet, with restitution 1."""
     light = triangle(size=0.01, height=0.012, tip=True, mass=0.01)
     heavy = triangle(height=0.06, velocities=(0.0, 0.0, -2.0), mass=1.0)
     ground: list[Any] = [pc.Floor(0.0, restitution=1.0)]
