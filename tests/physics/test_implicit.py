@@ -257,9 +257,7 @@ def test_all_forces_with_derivatives_are_followed_to_the_order(integrator, make)
 
 
 def test_the_midpoint_rule_keeps_the_energy_of_all_potentials():
-    """Symmetric: no drift, and an error of the order of dt² that returns. Of the energies exchanged, some 1 J and 1e-3
-    J.
-    """
+    """Symmetric: no drift, and an error of order dt², of energies exchanged of some 1 J and 1e-3 J."""
     for make, dt, size in ((SMOOTH["atoms"], 0.01, 1.0), (lambda: bent(damping=0.0), 2e-3, 1e-3)):
         scene = make()
         errors = []

@@ -66,10 +66,7 @@ def test_the_impulse_on_the_end_of_a_rod(restitution, angle, dimension):
 
 @pytest.mark.parametrize("restitution", [0.0, 0.5, 1.0])
 def test_a_rod_that_falls_flat_bounces_as_a_particle_does(restitution):
-    """Both ends meet the floor at once: the rod does nothing.
-
-    Of order 2 in the step, of which the impact takes a part.
-    """
+    """Both ends meet the floor at once: the rod does nothing. Of order 2 in the step."""
     h = 1e-3
     runs = []
     for body in (rod(0.0, 0.5, 0.0, (1.0, 2.0)), pc.Particles([[0.0, 0.5]], mass=3.0)):
@@ -191,15 +188,14 @@ def test_the_balance_of_impacts_closes_with_the_step():
 
 
 def test_tensions_count_what_walls_bear():
-    """An upright rod on a floor bears the weight of its upper end, a chain that hangs down to it what hangs above."""
+    """An upright rod on a floor bears the weight of its upper end; a chain that hangs down to it, what it has to."""
     upright = pc.SpringNetwork([[0.0, 0.0], [0.0, 1.0]], [[0, 1]], INF, mass=[1.0, 3.0])
     nodes = [[1.0, 1.0], [1.0, 0.5], [1.0, 0.0]]
     hung = pc.SpringNetwork(nodes, [[0, 1], [1, 2]], INF, mass=2.0, fixed=[0])
     run = pc.Simulation(pc.Scene(upright, hung, pc.Gravity((0.0, -10.0)), pc.Floor()), dt=1e-3)
     run.step(3)
     np.testing.assert_allclose(run[upright].tensions, [-30.0], rtol=1e-9)
-    # The lowest node rests on the floor and hangs on two rods: what it weighs is shared, so that the sum of squares of
-    # all three impulses is least. The floor and the two rods have T₁ = T₂ + 20, T₂ = 20 − N.
+    # Floor and rods share the weight of the lowest node, T₂ = 20 − N, by least norm; T₁ = T₂ + 20.
     one, other = run[hung].tensions
     assert one - other == pytest.approx(20.0, rel=1e-9)
     assert -1e-9 <= other <= 20.0 + 1e-9

@@ -49,9 +49,7 @@ def hanging() -> tuple[pc.Scene, Array]:
 
 @pytest.mark.parametrize("integrator", METHODS, ids=name)
 def test_e04_a_chain_hanging_in_long_steps(integrator, record_property):
-    """Excellent: 1e-10 relative, at 1/50 s, 6 times Verlet's limit; forces of 20 N to 1e-10 over 50 N/m of the chain:
-    4e-11 m.
-    """
+    """Excellent: 1e-10 relative. At 1/50 s; forces of 20 N to 1e-10 over 50 N/m of the chain: 4e-11 m."""
     scene, expected = hanging()
     run = come_to_rest(scene, integrator, 10.0, 0.02)
     error = np.abs(run.positions[1:, 0] / expected[1:] - 1.0).max()
@@ -104,7 +102,7 @@ def triangle() -> Array:
 
 @pytest.mark.parametrize("integrator", METHODS, ids=name)
 def test_e06_a_catenary_of_stiff_springs_in_long_steps(integrator, record_property):
-    """Excellent: 1e-9, at 1/100 s, 6 times Verlet's limit."""
+    """Excellent: 1e-9, at 1/100 s."""
     run = come_to_rest(catenary(1e4, triangle()), integrator, 14.0, 0.01)
     error = abs(-run.positions[10, 1] / CATENARY_SAG - 1.0)
     record_property("error of the sag", f"{error:.1e}")
@@ -179,7 +177,7 @@ def test_e09_a_taut_net_under_its_weight(precision, tolerance, record_property):
 
 @pytest.mark.parametrize("integrator", METHODS, ids=name)
 def test_e09_a_taut_net_in_long_steps(integrator, record_property):
-    """Excellent: node positions to 1e-10 m, at 1/50 s, 6 times Verlet's limit."""
+    """Excellent: node positions to 1e-10 m, at 1/50 s."""
     body = membrane(0.1, 0.09, 100.0, 0.01, 11, damping=0.1)
     run = come_to_rest(pc.Scene(body, pc.Gravity((0.0, 0.0, -9.81)), pc.Drag(0.28)), integrator, 6.0, 0.02)
     error = abs(run.positions.reshape(11, 11, 3)[5, 5, 2] + 0.0655265589939)
@@ -196,8 +194,7 @@ CANTILEVER = {
 
 
 def cantilever(load: float, segments: int, stiffness: float = 1e5) -> tuple[float, float]:
-    """Drop and horizontal reach of the tip of a beam with L = E I = 1, of springs of E A = `stiffness` and elastic
-    hinges.
+    """Drop and horizontal reach of the tip of a beam, L = E I = 1, of springs of E A = `stiffness` and elastic hinges.
 
     A hinge between two segments turns them with E I θ/h; the one at the wall stands for half a segment only. The load
     is a force on the tip. Slowest mode 3.5/s: a drag of b/m = 7/s is critical, and 4 s take it to 1e-6.

@@ -76,8 +76,7 @@ def test_e01_the_frequency_of_each_mode_of_a_chain(mode, record_property):
 def test_e01_the_frequency_of_a_mode_by_methods_for_stiff_matter(mode, integrator, record_property):
     """Good: 1e-6, relative to the discrete value; 300 steps, in which damped modes do not vanish yet.
 
-    Rounding of 1e-15 m is 1e-14 of the amplitude, over (ω dt)² ≥ 2e-4 and √300 3e-12; BDF2 starts with a step of its
-    own.
+    Rounding of 1e-15 m is 1e-14 of the amplitude, over (ω dt)² ≥ 2e-4 and √300 3e-12.
     """
     run = simulation(chain(0.1 * np.eye(10)[mode - 1]), integrator, 0.05)
     series = []
@@ -264,8 +263,8 @@ def test_e14_a_stiffness_ratio_of_1e8(record_property):
 def test_e14_the_slow_mode_in_steps_of_a_hundredth(integrator, tolerance, record_property):
     """Excellent: 1e-4, good: 1e-2, of an amplitude of 1 m, in steps that are 70 times Verlet's limit.
 
-    The midpoint rule is late by (ω dt)²/12 of ωt = 7, 3e-5; Verlet's, with a rod for the stiff spring, early by half of
-    it; BDF2 late by four times as much. Euler's damps by ω² dt t/2: 2.5 %, and XPBD in ten parts of a step 0.25 %.
+    The midpoint rule is late by (ω dt)²/12 of ωt = 7, 3e-5; Verlet's, with a rod for the stiff spring, early by half;
+    BDF2 late by four times as much. Euler's damps by ω² dt t/2: 2.5 %, and XPBD in ten parts of a step 0.25 %.
     """
     k2 = np.inf if isinstance(integrator, pc.RATTLE) else 1e8
     body = pc.SpringNetwork(line([0.0, 2.0, 3.0]), [[0, 1], [1, 2]], [1.0, k2], rest_length=1.0, fixed=[0])

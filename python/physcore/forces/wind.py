@@ -36,8 +36,8 @@ class Wind(Force):
         on: the SpringNetwork with faces in 3D that it acts on, or several; by default all that have faces.
 
     Raises:
-        SceneError: a value is out of range or not finite, a body named has no faces, or none in the scene has, or a
-        face has no area.
+        SceneError: a value is out of range or not finite, a body named has no faces, none in the scene has, or one of
+            them has no area.
 
     Source: S. F. Hoerner, "Fluid-Dynamic Drag", 1965, chapters 2 and 3.
     """

@@ -155,7 +155,8 @@ class SpringNetwork(Body):
         positions: [m], shape (N, D) with D = 2 or 3.
         pairs: indices of the two particles that each spring connects, shape (M, 2).
         stiffness: k of each spring [N/m], broadcast to (M,), at least zero; math.inf makes a rod, whose length does not
-            change and which has no damping. Its ends must be at its rest length, and RATTLE holds it there.
+            change and which has no damping. Its ends must be at its rest length, and RATTLE holds it there, or XPBD in
+            sweeps.
         damping: c of each spring, along the spring [N·s/m], broadcast to (M,), at least zero.
         rest_length: l₀ of each spring [m], broadcast to (M,); None: the lengths that the springs have in `positions`.
         mass, fixed, velocities, charge, radius, name: as in Particles.

@@ -31,7 +31,11 @@ class RATTLE(Integrator):
     start velocities along rods are taken away.
 
     A rod must turn by less than a radian in a step, and chains under tension swing fast across; dt="auto" follows
-    both, as AdaptiveStep(). Without rods it is VelocityVerlet. Not for boundaries and fluids.
+    both, as AdaptiveStep(). Without rods it is VelocityVerlet. Not for fluids.
+
+    With order 2, also for boundaries without friction: impulses of contacts are found together with those of the rods,
+    so that lengths hold and nobody is outside; a particle leaves with Newton's restitution, and what that takes is
+    dissipated by "contacts". Of order 1 then, as contacts within a step are resolved together.
 
     Args:
         order: 2, or 4 by a composition of five such steps, where no force depends on velocity.
