@@ -1,4 +1,7 @@
-"""Stiff cloth by projections beside Numba, PositionBasedDynamics, Newton and Warp: `python benches/stiff.py`."""
+"""Stiff cloth by projections beside Numba, PositionBasedDynamics, Newton and Warp: `python benches/stiff.py`.
+
+The libraries are left out where they are not installed: pip install "physcore[bench-cloth]".
+"""
 
 from __future__ import annotations
 

@@ -6,6 +6,7 @@ import json
 import math
 from itertools import pairwise
 
+import matplotlib.colors
 import numpy as np
 import pytest
 
@@ -89,6 +90,27 @@ def test_it_can_be_printed_explained_saved_and_drawn(trade, tmp_path):
         trade.plot(tmp_path / "missing" / "trade.png")
     with pytest.raises(pc.FileError):
         trade.save(tmp_path / "missing" / "trade.json")
+
+
+def test_variants_of_a_method_are_told_apart_everywhere(tmp_path):
+    """By the parameters in which they differ, in the table, the sentences, the file and the figure."""
+    methods = [pc.XPBD(1), pc.XPBD(5), pc.VelocityVerlet()]
+    trade = pc.tradeoff(SCENE, 0.5, integrators=methods, precisions=["f64"], dts=[0.5 / 32], budget=0.5)
+    names = ["XPBD(substeps=1)", "XPBD(substeps=5)", "VelocityVerlet"]
+    assert [row.label for row in trade.rows] == names
+    assert all(name in str(trade) for name in names)
+    assert str(trade.rows[1]).startswith("XPBD(substeps=5), dt = ")
+    trade.save(tmp_path / "trade.json")
+    rows = json.loads((tmp_path / "trade.json").read_text(encoding="utf-8"))["rows"]
+    assert [row["parameters"].get("substeps") for row in rows] == [1, 5, None]
+    axes = trade.plot()
+    legend = axes.get_legend()
+    assert [text.get_text() for text in legend.get_texts()][:3] == names
+    colors = [handle.get_color() for handle in legend.get_lines()[:3]]
+    hues = [matplotlib.colors.rgb_to_hsv(color)[0] for color in colors]
+    assert colors[0] != colors[1]
+    assert hues[0] == pytest.approx(hues[1], abs=1e-6)
+    assert hues[2] != pytest.approx(hues[0], abs=0.05)
 
 
 def test_a_film_shows_the_choice_beside_the_reference(trade, tmp_path):

@@ -57,7 +57,7 @@ def main(path: str | os.PathLike[str] = "curtain.gif", progress: bool | None = N
         list(recordings.values()),
         path,
         size=(1200, 400),
-        style=pc.styles.Surface("#8f6f8f", back="#e07a5f"),
+        style=pc.styles.Surface("#e07a5f"),
         camera=Orbit(-55.0, 12.0, target=(0.4, 0.25, -0.42), extent=1.85),
         titles=[f"{title}: {_verdict(each, recordings[EXACT])}" for title, each in recordings.items()],
         progress=progress,
