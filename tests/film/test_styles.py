@@ -176,8 +176,8 @@ def test_light_comes_from_the_upper_left_and_the_back_is_darker(tmp_path: Path) 
         camera = Orbit(azimuth=-90.0, elevation=0.0, field_of_view=0.0)
         seen[turn] = still(pc.Scene(cloth), tmp_path, style=pc.styles.Surface(), camera=camera, labels=()).max()
     assert seen[-50.0] > seen[0.0] > seen[50.0]
-    # Fog adds up to 0.55 of the background, whose brightest channel is 24, on both sides; and both are rounded.
-    assert 0.8 * seen[0.0] - 1.0 <= seen[180.0] <= 0.8 * seen[0.0] + 0.2 * 0.55 * 24.0 + 1.0
+    # Fog adds up to 0.2 of the background, whose brightest channel is 27, on both sides; and both are rounded.
+    assert 0.9 * seen[0.0] - 1.0 <= seen[180.0] <= 0.9 * seen[0.0] + 0.1 * 0.2 * 27.0 + 1.0
 
 
 def test_a_smooth_fluid_covers_its_volume(tmp_path: Path) -> None:
