@@ -122,7 +122,7 @@ def test_every_style_draws_what_it_is_for_and_stays_inside_the_picture(
     else:
         body = pc.Fluid(pc.block(*corners, 0.1), 0.1) if kind is pc.styles.Fluid else net(dimension)
         recording = recorded(pc.Scene(body), shift)
-    pc.film(recording, tmp_path / "film.gif", size=SIZE, style=kind())
+    pc.film(recording, tmp_path / "film.gif", size=SIZE, style=kind(), background=DARK.background)
     for picture in frames(tmp_path / "film.gif")[0]:
         drawn = ink(picture)
         assert drawn.sum() > 100
@@ -267,11 +267,13 @@ def test_a_fluid_is_colored_by_speed_pressure_or_density(tmp_path: Path) -> None
     recording.channels["pressures"] = np.tile([0.0, 1e4], (7, 1))
     recording.channels["densities"] = np.tile([990.0, 1010.0], (7, 1))
     for color in ("speed", "pressure", "density"):
-        picture = picture_of(recording, tmp_path / "film.png", style=pc.styles.Fluid(color, "viridis"))
+        picture = picture_of(recording, tmp_path / "film.png", style=pc.styles.Fluid(color, "viridis", surface=False))
         row = picture[:90].sum(axis=2).max(axis=0)
         assert row[100:].max() > row[:60].max() + 100, color
     bright, dim = (
-        picture_of(recording, tmp_path / "film.png", style=pc.styles.Fluid("pressure", top=top))[:90].sum(axis=2).max()
+        picture_of(recording, tmp_path / "film.png", style=pc.styles.Fluid("pressure", top=top, surface=False))[:90]
+        .sum(axis=2)
+        .max()
         for top in (1e4, 2e4)
     )
     assert bright > dim + 100

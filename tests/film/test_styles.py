@@ -176,8 +176,8 @@ def test_light_comes_from_the_upper_left_and_the_back_is_darker(tmp_path: Path) 
         camera = Orbit(azimuth=-90.0, elevation=0.0, field_of_view=0.0)
         seen[turn] = still(pc.Scene(cloth), tmp_path, style=pc.styles.Surface(), camera=camera, labels=()).max()
     assert seen[-50.0] > seen[0.0] > seen[50.0]
-    # Fog adds up to 0.55 of the background, whose brightest channel is 24, on both sides; and both are rounded.
-    assert 0.8 * seen[0.0] - 1.0 <= seen[180.0] <= 0.8 * seen[0.0] + 0.2 * 0.55 * 24.0 + 1.0
+    # Fog adds up to 0.2 of the background, whose brightest channel is 27, on both sides; and both are rounded.
+    assert 0.9 * seen[0.0] - 1.0 <= seen[180.0] <= 0.9 * seen[0.0] + 0.1 * 0.2 * 27.0 + 1.0
 
 
 def test_a_smooth_fluid_covers_its_volume(tmp_path: Path) -> None:
@@ -700,3 +700,58 @@ def test_paths_take_a_color(tmp_path: Path) -> None:
     # FRESH of the color, over the ground.
     faded = 0.85 * np.array([34, 204, 136]) + 0.15 * np.array(DARK.background)
     assert (np.abs(picture - faded).max(axis=2) <= 8).sum() > 6.0 * SIZE[0] / 2.0
+
+
+@pytest.mark.parametrize("kind", [pc.styles.Surface, pc.styles.Strain, pc.styles.Fluid])
+def test_bodies_have_colors_of_ones_own(kind: Any, tmp_path: Path) -> None:
+    """A left body and a right one, by name, by particle, by value and by a function; rims are lighter."""
+    if kind is pc.styles.Fluid:
+        bodies = [
+            pc.Fluid(pc.block((x, 0.0), (x + 0.4, 0.4), 0.05), 0.05, name=name) for x, name in ((0.0, "a"), (0.6, "b"))
+        ]
+    else:
+        bodies = [pc.cloth((9, 9), 0.05, 1.0, origin=(x, 0.0), name=name) for x, name in ((0.0, "a"), (0.6, "b"))]
+    scene = pc.Scene(*bodies)
+    count, first = scene.particles, len(scene.bodies[0])
+    each = np.where(np.arange(count)[:, np.newaxis] < first, (255, 0, 0), (0, 0, 255))
+    shift: dict[str, Any] = {"camera": Window((-0.1, -0.1), (1.1, 0.5)), "labels": (), "color_bar": False}
+    for color in ({"a": "red", "b": "blue"}, each, lambda time, x, v: each):
+        picture = still(scene, tmp_path, style=kind(color=color), **shift)
+        left, right = picture[:, :120].reshape(-1, 3), picture[:, 120:].reshape(-1, 3)
+        assert left[:, 0].max() > 150.0
+        assert right[:, 2].max() > 150.0
+        assert (left[:, 0] - left[:, 2]).max() > 120.0 > 60.0 > (right[:, 0] - right[:, 2]).max()
+    ramp = still(scene, tmp_path, style=kind(color=np.arange(count), colormap="viridis"), **shift)
+    assert (ramp[:, 120:] @ LUMA).max() > (ramp[:, :110] @ LUMA).max() + 20.0
+    with pytest.raises(pc.SceneError, match=f"{kind.__name__}.color: must be one, or {count} for the particles"):
+        still(scene, tmp_path, style=kind(color=[1.0, 2.0]), **shift)
+    with pytest.raises(pc.SceneError, match=f"{kind.__name__}.color: 'c' is not among the bodies"):
+        still(scene, tmp_path, style=kind(color={"c": "red"}), **shift)
+
+
+def test_milk_hides_what_water_shows(tmp_path: Path) -> None:
+    """A red ball in a clear fluid and in an opaque one."""
+    spacing = 0.05
+    water = pc.Fluid(pc.block((0.0, 0.0, 0.0), (0.5, 0.5, 0.3), spacing), spacing)
+    ball = pc.Particles([[0.25, 0.25, 0.15]], radius=0.12)
+    scene, reds = pc.Scene(water, ball), []
+    for opacity in (0.0, 1.0):
+        style = [pc.styles.Fluid("white", opacity=opacity), pc.styles.Points("red")]
+        picture = still(scene, tmp_path, style=style, labels=(), camera=Orbit(elevation=40.0))
+        reds.append((picture[..., 0] - picture[..., 1]).max())
+    assert reds[0] > 60.0 > 20.0 > reds[1]
+    with pytest.raises(pc.SceneError, match=r"Fluid\.opacity"):
+        pc.styles.Fluid(opacity=2.0)
+
+
+def test_a_body_has_a_shadow_on_the_floor_in_front_of_a_backdrop(tmp_path: Path) -> None:
+    """Without it the floor is as light or lighter everywhere that the ball does not hide."""
+    camera = Orbit(elevation=30.0, target=(0.0, 0.0, 0.2), extent=2.0)
+    options: dict[str, Any] = {"style": pc.styles.Points("red"), "camera": camera, "labels": (), "theme": "light"}
+    scenes = [pc.Scene(pc.Particles([[0.0, 0.0, 0.3]], radius=radius), pc.Floor()) for radius in (0.2, 0.001)]
+    with_ball, without = (still(scene, tmp_path, **options) for scene in scenes)
+    lost, gray = (without - with_ball)[..., 1], np.ptp(with_ball, axis=2) < 40.0
+    assert lost[gray].min() > -8.0
+    assert 60.0 < lost[gray].max() < 200.0
+    upright = pc.cloth((3, 3), 0.1, 1.0, axes=((1.0, 0.0, 0.0), (0.0, 0.0, 1.0)))
+    assert still(pc.Scene(upright), tmp_path, background="#000000", labels=())[0, 0].max() == 0.0

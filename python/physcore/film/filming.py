@@ -220,4 +220,8 @@ def _colors(theme: Theme | ThemeName, background: Color | str | None) -> Theme:
     from physcore.film.colors.themes import color, legible, resolve
 
     chosen = resolve(theme)
-    return chosen if background is None else legible(replace(chosen, background=color(background, "background")))
+    return (
+        chosen
+        if background is None
+        else legible(replace(chosen, background=color(background, "background"), backdrop=None))
+    )

@@ -19,9 +19,6 @@ from physcore.scene.fluid import Fluid
 from physcore.scene.periodic import Periodic
 from physcore.scene.scene import Scene
 
-BACKDROP = 0.7
-"""How much of the ground's color the backdrop has in the middle."""
-
 
 def landmarks(scene: Scene) -> Iterator[tuple[FloatArray, float]]:
     """Points (P, D) [m], and a distance around them, that belong in the picture: boxes, spheres, centers of forces."""
@@ -49,11 +46,11 @@ def draw_backdrop(canvas: Canvas, scene: Scene, panel: tuple[int, int, int, int]
     Points alone, such as stars, are shown in the dark.
     """
     solid = any(isinstance(body, (Fluid, SpringNetwork)) for body in scene.bodies)
-    if not (scene.boundaries or solid):
+    if theme.backdrop is None or not (scene.boundaries or solid):
         return
     left, top, right, bottom = panel
     center, radius = ((left + right) / 2, top + 0.4 * (bottom - top)), 0.6 * math.hypot(right - left, bottom - top)
-    canvas.backdrop(center, radius, theme.surface, BACKDROP)
+    canvas.backdrop(center, radius, theme.backdrop, 1.0)
 
 
 def draw_behind(canvas: Canvas, scene: Scene, view: View, theme: Theme, scenery: Scenery) -> None:

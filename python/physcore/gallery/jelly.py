@@ -33,7 +33,7 @@ def cube(name: str, stiffness: float, place: float) -> pc.SpringNetwork:
     inward = lattice.positions - lattice.positions.mean(axis=0)
     turned = inward @ rotation((1.0, -1.0, 0.0), 0.7).T @ rotation((0.0, 0.0, 1.0), 0.5).T
     spin = np.cross((0.0, 0.0, 2.0), turned)
-    return replace(lattice, positions=turned + np.array((place, 0.0, 0.62)), velocities=spin)
+    return replace(lattice, positions=turned + np.array([place, 0.0, 0.62]), velocities=spin)
 
 
 def rotation(axis: tuple[float, float, float], angle: float) -> FloatArray:

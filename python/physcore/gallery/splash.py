@@ -50,7 +50,7 @@ def scene() -> pc.Scene:
     pool = milk(pc.block((-half, -half, 0.0), (half, half, deep), spacing), 0.0, "pool")
     # Turned, so that the two lattices have no direction in common, which a crown would show.
     ball = pc.ball((0.0, 0.0, 0.0), RADIUS, spacing) @ turned((1.0, 2.0, 3.0), 1.0)
-    drop = milk(ball + np.array((0.0, 0.0, deep + spacing + RADIUS)), SPEED, "drop")
+    drop = milk(ball + np.array([0.0, 0.0, deep + spacing + RADIUS]), SPEED, "drop")
     tank = pc.Box((-half, -half, 0.0), (half, half, 0.5))
     return pc.Scene(pool, drop, pc.Gravity((0.0, 0.0, -9.81)), tank)
 

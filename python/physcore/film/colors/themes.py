@@ -69,10 +69,14 @@ class Theme:
     """One color for each body, in turn; told apart by the color-blind."""
     part: tuple[float, float]
     """Which part of a color map stands out against the background, as fractions of its length."""
+    backdrop: Color | None = None
+    """The background in 3D in the middle of the picture, behind solid things; None: it is the same everywhere."""
 
     def __post_init__(self) -> None:
-        names = [entry.name for entry in fields(self) if entry.name not in ("bodies", "part")]
+        names = [entry.name for entry in fields(self) if entry.name not in ("bodies", "part", "backdrop")]
         values: dict[str, object] = {name: color(getattr(self, name), f"Theme.{name}") for name in names}
+        if self.backdrop is not None:
+            values["backdrop"] = color(self.backdrop, "Theme.backdrop")
         bodies = items(self.bodies, "Theme.bodies", "colors")
         if not bodies:
             raise SceneError("Theme.bodies: must have at least one color")
@@ -86,7 +90,7 @@ class Theme:
 
 
 DARK = Theme(
-    background=(20, 23, 30),
+    background=(17, 20, 27),
     surface=(66, 75, 92),
     edge=(112, 124, 145),
     solid=(134, 152, 184),
@@ -98,6 +102,7 @@ DARK = Theme(
     # After Okabe and Ito, "Color Universal Design" (2008), lightened for a dark ground.
     bodies=((86, 180, 233), (240, 170, 40), (40, 190, 140), (232, 116, 60), (222, 140, 190), (240, 228, 66)),
     part=(0.36, 1.0),
+    backdrop=(51, 59, 73),
 )
 """For projectors and screens: light shapes on a dark ground."""
 
@@ -114,6 +119,7 @@ LIGHT = Theme(
     # Okabe and Ito, "Color Universal Design" (2008).
     bodies=((0, 114, 178), (213, 94, 0), (0, 158, 115), (204, 121, 167), (180, 130, 0), (86, 180, 233)),
     part=(0.18, 0.88),
+    backdrop=(242, 243, 244),
 )
 """For documents with a white page."""
 

@@ -30,6 +30,8 @@ from physcore.simulation.sources import Source, SourceFrame
 
 RIM = 0.75
 """The light of the rim of a surface, which faces sideways."""
+BACK = 0.9
+"""The light of the back of a surface, beside that of its front."""
 CREASE = 0.75
 """The cosine between the normals of two faces below which there is an edge between them."""
 NEVER = 1e-9
@@ -206,6 +208,7 @@ class SurfacePainter(Painter):
             if self._back is not None:
                 colors = np.where(away[:, np.newaxis], self._back, colors)
             colors = lit(colors, self._normals(frame.positions, away, view))
+            colors = np.where((away & ~np.repeat(self._closed, 3))[:, np.newaxis], BACK * colors, colors)
         far = None if farness is None else farness[faces].ravel()
         inked = inks(np.clip(colors, 0.0, 255.0), self._theme, far).reshape(-1, 12)
         # The inside of a closed surface is not seen.

@@ -1,0 +1,109 @@
+//! Shadows fall where something stands in the way of the lamp, and nowhere else; ground is where a plane is seen.
+
+use physcore_canvas::{Canvas, Disc, Eye, Ground, Light, Painting};
+
+const SIDE: usize = 200;
+const GRAY: u8 = 200;
+/// From straight above, in a picture whose up is up.
+const ABOVE: [f32; 3] = [0.0, 1.0, 0.0];
+
+/// An orthographic view, 50 pixels per unit, of a floor at the height −1, seen from 45 degrees above.
+fn floor(grid: Option<([u8; 3], f32, f32)>) -> Canvas {
+    let mut canvas = Canvas::new(SIDE, SIDE, [10; 3]).expect("a valid size");
+    canvas.look_from(Eye { scale: 50.0, middle: [100.0, 100.0], distance: f32::INFINITY });
+    let half = 0.5_f32.sqrt();
+    // The scene's up is tilted toward the eye.
+    let normal = [0.0, half, half];
+    let center = normal.map(|component| -component);
+    canvas.ground(&Ground { normal, center, size: 100.0, color: [GRAY; 3], grid, along: [1.0, 0.0, 0.0] });
+    canvas.keep();
+    canvas
+}
+
+fn lit(balls: &[([f32; 2], f32, f32)], lamp: [f32; 3]) -> Canvas {
+    let (mut painting, mut canvas) = (Painting::default(), floor(None));
+    painting.light(Light { lamp, shadow: 0.5, occlusion: 0.0, reach: 8.0 });
+    for &(center, radius, depth) in balls {
+        painting.disc(Disc { center, radius, color: [255, 0, 0, 255], shading: 0.5, softness: 1.0 }, depth);
+    }
+    painting.paint(&mut canvas);
+    canvas
+}
+
+fn gray(canvas: &Canvas, x: usize, y: usize) -> u8 {
+    canvas.pixels()[y * SIDE + x][0]
+}
+
+/// Along the floor's normal n the foot of a ball's center c is c − ((c + n)·n) n: of the focus it is −n, which is seen 50·√½ = 35
+/// pixels below the middle of the picture. The dither of the floor is at most 1.5 levels.
+#[test]
+fn a_ball_has_its_shadow_at_its_foot_and_nowhere_else() {
+    let half = 0.5_f32.sqrt();
+    let canvas = lit(&[([100.0, 100.0], 15.0, 0.0)], [0.0, half, half]);
+    let foot = gray(&canvas, 100, 135);
+    assert!((0.45..0.65).contains(&(f32::from(foot) / f32::from(GRAY))), "{foot}");
+    for (x, y) in [(20, 135), (180, 135), (100, 190), (30, 60)] {
+        assert!(gray(&canvas, x, y) >= GRAY - 2, "{x}, {y}");
+    }
+}
+
+/// The floor is the plane y' = −1 along its normal; a lamp that shines along the floor from the left meets it with the cosine 0.
+#[test]
+fn no_shadow_falls_on_what_the_lamp_does_not_reach() {
+    let canvas = lit(&[([100.0, 100.0], 15.0, 0.0)], [-1.0, 0.0, 0.0]);
+    let beside = |pixel: &usize| (pixel % SIDE).abs_diff(100).pow(2) + (pixel / SIDE).abs_diff(100).pow(2) > 17 * 17;
+    assert!((0..SIDE * SIDE).filter(beside).all(|pixel| canvas.pixels()[pixel][1] >= GRAY - 3));
+}
+
+#[test]
+fn a_place_among_others_gets_less_light_from_around() {
+    let crowd: Vec<([f32; 2], f32, f32)> =
+        (0..81).map(|index| ([60.0 + 10.0 * (index % 9) as f32, 60.0 + 10.0 * (index / 9) as f32], 5.0, 0.0)).collect();
+    let total = |occlusion: f32| -> u32 {
+        let (mut painting, mut canvas) = (Painting::default(), floor(None));
+        painting.light(Light { lamp: ABOVE, shadow: 0.0, occlusion, reach: 10.0 });
+        for &(center, radius, depth) in &crowd {
+            painting.disc(Disc { center, radius, color: [255, 0, 0, 255], shading: 0.5, softness: 1.0 }, depth);
+        }
+        painting.paint(&mut canvas);
+        canvas.pixels().iter().map(|pixel| u32::from(pixel[0])).sum()
+    };
+    assert!(total(0.8) < total(0.4) && total(0.4) < total(0.0));
+    // Far from the crowd nothing is lost.
+    let (mut painting, mut canvas) = (Painting::default(), floor(None));
+    painting.light(Light { lamp: ABOVE, shadow: 0.0, occlusion: 0.8, reach: 10.0 });
+    painting.disc(Disc { center: [100.0, 100.0], radius: 5.0, color: [255; 4], shading: 0.5, softness: 1.0 }, 0.0);
+    painting.paint(&mut canvas);
+    assert_eq!(gray(&canvas, 20, 20), gray(&floor(None), 20, 20));
+}
+
+/// Colors that stand for values are those that were asked for: no light falls on a disc without shading.
+#[test]
+fn what_is_not_shaded_is_not_lit() {
+    let (mut painting, mut canvas) = (Painting::default(), floor(None));
+    painting.light(Light { lamp: ABOVE, shadow: 0.9, occlusion: 0.9, reach: 10.0 });
+    painting.disc(Disc { center: [100.0, 100.0], radius: 20.0, color: [77, 0, 0, 255], shading: 0.0, softness: 1.0 }, 0.5);
+    painting.disc(Disc { center: [100.0, 80.0], radius: 9.0, color: [255; 4], shading: 0.5, softness: 1.0 }, 0.0);
+    painting.paint(&mut canvas);
+    assert_eq!(gray(&canvas, 100, 110), 77);
+}
+
+/// Lines a unit apart along x are 50 pixels apart; across them the floor is tilted by 45 degrees, which makes 35.
+#[test]
+fn the_grid_has_its_pitch_in_perspective() {
+    let canvas = floor(Some(([0; 3], 1.0, 1.0)));
+    let dark = |pixels: Vec<u8>| pixels.into_iter().filter(|&pixel| pixel < GRAY / 2).count();
+    let row: Vec<u8> = (0..SIDE).map(|x| gray(&canvas, x, 150)).collect();
+    let column: Vec<u8> = (0..SIDE).map(|y| gray(&canvas, 125, y)).collect();
+    assert!((3..=10).contains(&dark(row)) && (4..=12).contains(&dark(column)));
+}
+
+#[test]
+fn threads_and_bad_numbers_do_not_show() {
+    let nan = lit(&[([f32::NAN, 4.0], 3.0, 0.0), ([50.0, 50.0], f32::INFINITY, 0.0), ([60.0, 60.0], 4.0, f32::NAN)], ABOVE);
+    assert_eq!(nan.pixels().len(), SIDE * SIDE);
+    let balls: Vec<([f32; 2], f32, f32)> =
+        (0..1500).map(|index| ([(index * 37 % 200) as f32, (index * 91 % 200) as f32], 3.0, (index % 7) as f32 * 0.1)).collect();
+    let (one, other) = (lit(&balls, ABOVE), lit(&balls, ABOVE));
+    assert!(one.pixels() == other.pixels());
+}
