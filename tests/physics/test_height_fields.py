@@ -1,4 +1,4 @@
-"""Height fields: ground of cells that are not felt. What the engine's own tests hold for random ground is not repeated."""
+"""Height fields: ground of cells that are not felt. Random ground is in the engine's own tests."""
 
 from __future__ import annotations
 
@@ -33,8 +33,8 @@ def thrown(dimension: int, seed: int, radius: float) -> pc.Particles:
 @pytest.mark.parametrize("slope", [0.0, 0.3])
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_ground_in_a_plane_is_that_plane(dimension: int, slope: float, radius: float, precision: str):
-    """The same bounces and slides. Heights are rounded, so that a slope of cells of 0.1 m is off by some ten roundings, and
-    what a second of bounces makes of these is a hundred times as much.
+    """The same bounces and slides. Heights are rounded, so that a slope of cells of 0.1 m is off by some ten roundings,
+    and what a second of bounces makes of these is a hundred times as much.
     """
     normal = (-slope, 1.0) if dimension == 2 else (-slope, 0.0, 1.0)
     ends = []
@@ -65,8 +65,8 @@ def test_a_ball_rolls_over_cells_as_if_there_were_none(dimension: int):
 
 
 def test_balls_roll_in_a_bowl_and_their_energy_is_accounted_for():
-    """What valleys between cells take from balls that do not bounce counts as dissipated; slides around edges are of second
-    order in the step, and the edges of this bowl are blunt.
+    """What valleys between cells take from balls that do not bounce counts as dissipated; slides around edges are of
+    second order in the step, and the edges of this bowl are blunt.
     """
     rng = np.random.default_rng(2)
     bowl = pc.HeightField.over(lambda x, y: 0.5 * (x * x + y * y), (-1.5, -1.5), (1.5, 1.5), 0.1, restitution=0.0)
@@ -81,7 +81,7 @@ def test_balls_roll_in_a_bowl_and_their_energy_is_accounted_for():
 
 @given(st.integers(0, 2**32 - 1))
 def test_a_mirror_image_of_the_ground_mirrors_the_motion(seed: int):
-    """Balls bounce off facets, of which each keeps angles: small differences grow at edges alone, which points do not feel."""
+    """Balls bounce off facets, which keep angles: small differences grow at edges alone, which points do not feel."""
     rng = np.random.default_rng(seed)
     heights = rng.uniform(-0.1, 0.1, (13, 9))
     ends = []
@@ -145,3 +145,11 @@ def test_a_function_gives_the_heights_of_nodes():
 def test_a_scene_of_another_dimension_is_refused():
     with pytest.raises(pc.SceneError, match=r"boundaries\[0\].heights"):
         pc.Scene(pc.Particles([[0.0, 1.0, 0.0]]), pc.HeightField([0.0, 1.0], 1.0))
+
+
+def test_it_is_no_wall_of_fluids():
+    water = pc.Fluid(pc.block((0.0, 0.0), (0.4, 0.4), 0.1), 0.1)
+    stone = pc.Particles([[0.5, 1.0]], name="stone")
+    with pytest.raises(pc.SceneError, match=r"boundaries\[0\].on: a height field is no wall of fluids"):
+        pc.Scene(water, stone, pc.HeightField([-0.1, -0.1], 1.0))
+    pc.Scene(water, stone, pc.HeightField([-0.1, -0.1], 1.0, on="stone"))
