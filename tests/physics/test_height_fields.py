@@ -1,7 +1,4 @@
-"""Height fields: ground of cells that are not felt.
-
-What the engine's own tests hold for random ground is not repeated.
-"""
+"""Height fields: ground of cells that are not felt. Random ground is in the engine's own tests."""
 
 from __future__ import annotations
 
@@ -84,9 +81,7 @@ def test_balls_roll_in_a_bowl_and_their_energy_is_accounted_for():
 
 @given(st.integers(0, 2**32 - 1))
 def test_a_mirror_image_of_the_ground_mirrors_the_motion(seed: int):
-    """Balls bounce off facets, of which each keeps angles: small differences grow at edges alone, which points do not
-    feel.
-    """
+    """Balls bounce off facets, which keep angles: small differences grow at edges alone, which points do not feel."""
     rng = np.random.default_rng(seed)
     heights = rng.uniform(-0.1, 0.1, (13, 9))
     ends = []
@@ -150,3 +145,11 @@ def test_a_function_gives_the_heights_of_nodes():
 def test_a_scene_of_another_dimension_is_refused():
     with pytest.raises(pc.SceneError, match=r"boundaries\[0\].heights"):
         pc.Scene(pc.Particles([[0.0, 1.0, 0.0]]), pc.HeightField([0.0, 1.0], 1.0))
+
+
+def test_it_is_no_wall_of_fluids():
+    water = pc.Fluid(pc.block((0.0, 0.0), (0.4, 0.4), 0.1), 0.1)
+    stone = pc.Particles([[0.5, 1.0]], name="stone")
+    with pytest.raises(pc.SceneError, match=r"boundaries\[0\].on: a height field is no wall of fluids"):
+        pc.Scene(water, stone, pc.HeightField([-0.1, -0.1], 1.0))
+    pc.Scene(water, stone, pc.HeightField([-0.1, -0.1], 1.0, on="stone"))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Self
 
@@ -11,6 +11,8 @@ from numpy.typing import ArrayLike
 
 from physcore.checks import LONGEST, FloatArray, array, called, frozen, items, number, require, shown, span
 from physcore.errors import SceneError
+from physcore.scene.bodies import Body
+from physcore.scene.fluid import Fluid
 from physcore.scene.items import Boundary, On
 
 
@@ -25,7 +27,7 @@ class HeightField(Boundary):
     Up is the last axis, as for Floor. Between the nodes the ground is straight: a polyline in 2D, in 3D two triangles
     in each cell, which meet along its higher diagonal. Where the grid ends, so does the ground, with upright sides
     that reach down without end; there is nothing around it. Particles with a radius go round edges and peaks as round
-    cylinders and spheres of that radius, and over flat ground as if it had no cells.
+    cylinders and spheres of that radius, and over flat ground as if it had no cells. It is no wall of fluids.
 
     Args:
         heights: of the nodes [m], shape (nx,) in 2D, indexed [i], or (nx, ny) in 3D, indexed [i, j] along x and y as
@@ -35,7 +37,8 @@ class HeightField(Boundary):
         restitution, friction, no_slip, on: as in Boundary.
 
     Raises:
-        SceneError: there are fewer than two nodes along an axis, or a value is out of range or not finite.
+        SceneError: there are fewer than two nodes along an axis, or a value is out of range or not finite; from the
+            scene, it acts on a fluid.
     """
 
     heights: FloatArray
@@ -138,6 +141,19 @@ class HeightField(Boundary):
         counts = self.heights.shape
         axes = [start + self.spacing * np.arange(n) for start, n in zip(self.origin, counts, strict=True)]
         return np.stack([*np.meshgrid(*axes, indexing="ij"), self.heights], axis=-1)
+
+    def check(self, bodies: Sequence[Body], path: str) -> None:
+        """Look whether one of the bodies is a fluid: its walls are mirrors, which a bent surface is not.
+
+        Raises:
+            SceneError: one is.
+        """
+        fluid = next((body for body in bodies if isinstance(body, Fluid)), None)
+        if fluid is not None:
+            raise SceneError(
+                f"{path}.on: a height field is no wall of fluids, got {fluid!r}; name other bodies (on=…), and let the "
+                "fluid rest on planes, boxes or convex hulls"
+            )
 
     def mismatch(self, dimension: int) -> tuple[str, int] | None:
         """The heights, if the ground is not of `dimension` dimensions."""

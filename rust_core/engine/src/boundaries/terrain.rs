@@ -134,14 +134,6 @@ impl Terrain {
             .unwrap_or((f64::INFINITY, self.up))
     }
 
-    /// How much the normal at `x`, which is within `reach` of the surface, may change within a way [m].
-    pub fn turn(&self, x: DVec3, reach: f64, way: f64) -> f64 {
-        let (distance, normal) = self.distance(x, reach);
-        let around = distance + 2.0 * way;
-        let faces = self.parts(x - around, x + around, 0.0).map(|part| self.face(part));
-        faces.map(|face| (face.normal - normal).length()).fold(0.0, f64::max)
-    }
-
     /// The parts of the surface that a particle of `radius` may touch within a box along the axes; a point touches faces alone.
     pub fn parts(&self, lower: DVec3, upper: DVec3, radius: f64) -> impl Iterator<Item = Part> {
         let rounding = self.rounding(lower.abs().max(upper.abs()));

@@ -74,14 +74,6 @@ impl Wall {
         }
     }
 
-    /// How much the unit normal at `x`, which is within `reach` of the wall, may change within a way [m].
-    pub fn turn(&self, x: DVec3, reach: f64, way: f64) -> f64 {
-        match self {
-            Self::Terrain(terrain) => terrain.turn(x, reach, way),
-            _ => way * self.curvature(x, DVec3::ZERO).abs(),
-        }
-    }
-
     /// Magnitude of the operands of a distance near the surface [m], the scale of its rounding error.
     pub fn extent(&self) -> f64 {
         match *self {

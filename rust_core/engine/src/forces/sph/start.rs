@@ -162,6 +162,11 @@ pub fn walls(scene: &Scene, origin: DVec3) -> Result<Vec<Side>> {
     for (_, item) in met(scene) {
         let no_slip = if item.values.contains_key("no_slip") { item.flag("no_slip")? } else { false };
         let boundary = boundaries::build(item, scene.dimension, origin)?;
+        if boundary.walls().iter().any(|wall| matches!(wall, Wall::Terrain(_))) {
+            // Mirror images are behind one plane, not behind the faces on both sides of an edge.
+            let path = format!("{}.on", item.path);
+            return Err(Error::parameter(path, "bodies that are no fluids", "a fluid on a height field"));
+        }
         walls.extend(boundary.walls().iter().map(|wall| Side { wall: wall.clone(), no_slip }));
     }
     Ok(walls)

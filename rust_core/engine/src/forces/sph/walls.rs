@@ -30,9 +30,9 @@ pub struct Side {
 }
 
 impl Side {
-    /// The mirror of a particle at `x`, if it is nearer than `reach`: the tangent plane of the wall.
-    fn mirror(&self, x: DVec3, reach: f64, no_slip: bool) -> Mirror {
-        let (distance, normal) = self.wall.distance_within(x, reach);
+    /// The mirror of a particle at `x`: the tangent plane of the wall.
+    fn mirror(&self, x: DVec3, no_slip: bool) -> Mirror {
+        let (distance, normal) = self.wall.distance(x);
         Mirror { normal, distance, no_slip: self.no_slip && no_slip }
     }
 }
@@ -203,7 +203,7 @@ impl Walls {
                 let x = neighbor_list.at(slot);
                 let (mut image, mut farthest) = (Image::ITSELF, 0.0_f64);
                 for &side in sides.iter().flatten() {
-                    let mirror = self.sides[side as usize].mirror(x, self.reach, condition.no_slip);
+                    let mirror = self.sides[side as usize].mirror(x, condition.no_slip);
                     farthest = farthest.max(mirror.distance);
                     image.reflect(&mirror);
                 }
@@ -228,10 +228,9 @@ impl BlockImages {
         for slot in block {
             let x = neighbor_list.anchor(slot);
             // The mirrors of a particle near a curved wall rotate as it moves.
-            let turn = |side: &Side| 2.0 * support * side.wall.turn(x, support, neighbor_list.skin());
-            let near = (0..).zip(sides).map(|(number, side)| (number, side.mirror(x, support, false), side));
-            let near = near.filter(|(_, mirror, _)| mirror.distance < support);
-            let mut near = near.map(|(number, mirror, side)| (number, mirror, turn(side)));
+            let turn = |side: &Side| 2.0 * support * neighbor_list.skin() * side.wall.curvature(x, DVec3::ZERO).abs();
+            let near = (0..).zip(sides).map(|(number, side)| (number, side.mirror(x, false), turn(side)));
+            let mut near = near.filter(|(_, mirror, _)| mirror.distance < support);
             let mirrors: [_; CORNER] = std::array::from_fn(|_| near.next());
             let mirrors = || mirrors.iter().flatten().enumerate();
             if mirrors().next().is_some() {
