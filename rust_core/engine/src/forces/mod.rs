@@ -34,7 +34,7 @@ pub mod springs;
 mod strength;
 mod wind;
 
-pub use central::InverseSquare;
+pub use central::{InverseSquare, InverseSquareLaw};
 pub use density::{DensityEvolution, Drift, Fields, Mach, Scheme};
 pub use electromagnetic::ReadyField;
 pub(crate) use electromagnetic::{Affine, FieldLaw, Law, Use, times};
