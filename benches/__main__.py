@@ -15,6 +15,7 @@ import accuracy
 import charges
 import fluids
 import gravitation
+import hardware
 import numpy as np
 import overheads
 import particles
@@ -125,7 +126,8 @@ def main() -> None:
     print(where)
     print(f"physcore {pc.__version__}, NumPy {np.__version__}, Numba {version('numba')}")
     print("physcore audits and watches for divergence in every run; its opponents do neither.")
-    figures = particles.main() | springs.main() | fluids.main() | waves.main()
+    drops, networks = dict(particles.readings()), dict(springs.readings())
+    figures = particles.figures(drops) | springs.figures(networks) | fluids.main() | waves.main()
     figures |= reactions.main() | wave_functions.main() | gravitation.main()
     figures |= (
         rods.main()
@@ -138,6 +140,7 @@ def main() -> None:
     )
     print()
     film.main()
+    hardware.show(drops, networks)
     print(f"\nTargets, as set on a Zen 4 core of about 3.6 GHz; measured here, not scaled: {where}")
     print(
         "Rates are medians per CPU second on one thread; two threads over one are the fastest turns on the wall clock."

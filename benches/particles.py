@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -89,9 +89,8 @@ def compare(
     return contenders
 
 
-def main() -> dict[str, float]:
-    """Print the tables; give the figures that have targets."""
-    figures: dict[str, float] = {}
+def readings() -> Iterator[tuple[str, list[Contender]]]:
+    """Every race by name: physcore on one thread and on two, then Numba on one and on two."""
     precisions: tuple[Precision, ...] = ("f64", "f32")
 
     def fall(make: type) -> Maker:
@@ -103,20 +102,30 @@ def main() -> dict[str, float]:
             for fastmath in (False, True)
             for fused in (1, 4, 8)
         }
-        contenders = compare(
-            "Velocity Verlet, gravity and drag", falling, pc.VelocityVerlet(), precision, fall(NumpyFalling), drops
+        yield (
+            f"Verlet {precision}",
+            compare(
+                "Velocity Verlet, gravity and drag", falling, pc.VelocityVerlet(), precision, fall(NumpyFalling), drops
+            ),
         )
-        figures[f"Verlet {precision}"] = rate(contenders[0], COUNT)
-        figures[f"two threads, Verlet {precision}"] = speedup(contenders)
     for precision in precisions:
         orbits: dict[str, tuple[Maker, int]] = {
             "fastmath" if fastmath else "strict": (numba_orbit(fastmath), 1) for fastmath in (False, True)
         }
-        contenders = compare("RK4, inverse-square field", orbiting, pc.RungeKutta4(), precision, NumpyOrbit, orbits)
-        figures[f"RK4 {precision}"] = rate(contenders[0], COUNT)
-        figures[f"two threads, RK4 {precision}"] = speedup(contenders)
-    return figures
+        yield (
+            f"RK4 {precision}",
+            compare("RK4, inverse-square field", orbiting, pc.RungeKutta4(), precision, NumpyOrbit, orbits),
+        )
+
+
+def figures(races: Mapping[str, Sequence[Contender]]) -> dict[str, float]:
+    """The figures that have targets."""
+    found: dict[str, float] = {}
+    for name, contenders in races.items():
+        found[name] = rate(contenders[0], COUNT)
+        found[f"two threads, {name}"] = speedup(contenders)
+    return found
 
 
 if __name__ == "__main__":
-    main()
+    dict(readings())

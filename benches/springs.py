@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -109,28 +109,35 @@ def compare(
     return contenders
 
 
-def main() -> dict[str, float]:
-    """Print the tables; give the figures that have targets."""
-    figures: dict[str, float] = {}
+def readings() -> Iterator[tuple[str, list[Contender]]]:
+    """Every race of large networks by name: physcore on one thread and on two, then Numba on one and on two."""
     suffix = {False: "", True: ", fastmath"}
     gathers = {f"gather{suffix[fast]}": numba_network(fast, grid=False) for fast in suffix}
     shifts = {f"shifted rows{suffix[fast]}": numba_network(fast, grid=True) for fast in suffix}
-    springs = len(grid(LARGE).pairs)
+    plain = {"slices": Slices, "bincount": Bincount}
     for precision in DTYPES:
-        readings = compare(
-            "Cloth, regular", grid, LARGE, precision, {"slices": Slices, "bincount": Bincount}, gathers | shifts
+        yield f"grid {precision}", compare("Cloth, regular", grid, LARGE, precision, plain, gathers | shifts)
+    for precision in DTYPES:
+        yield (
+            f"network {precision}",
+            compare("Cloth, shuffled", shuffled, LARGE, precision, {"bincount": Bincount}, gathers),
         )
-        figures[f"grid {precision}"] = rate(readings[0], springs)
-        figures[f"two threads, grid {precision}"] = speedup(readings)
-    for precision in DTYPES:
-        readings = compare("Cloth, shuffled", shuffled, LARGE, precision, {"bincount": Bincount}, gathers)
-        figures[f"network {precision}"] = rate(readings[0], springs)
-        figures[f"two threads, network {precision}"] = speedup(readings)
-    readings = compare("Cloth, small", grid, SMALL, "f32", {"slices": Slices, "bincount": Bincount}, gathers | shifts)
-    figures["small cloth f32"] = rate(readings[0], 1.0) * 1e9
-    print(f"steps per CPU second: physcore {figures['small cloth f32']:.0f}, Numba {rate(readings[1], 1.0) * 1e9:.0f}")
-    return figures
+    yield "small cloth f32", compare("Cloth, small", grid, SMALL, "f32", plain, gathers | shifts)
+
+
+def figures(races: Mapping[str, Sequence[Contender]]) -> dict[str, float]:
+    """The figures that have targets."""
+    found: dict[str, float] = {}
+    springs = len(grid(LARGE).pairs)
+    for name, contenders in races.items():
+        if name == "small cloth f32":
+            found[name], numba = (1e9 * rate(one, 1.0) for one in contenders[:2])
+            print(f"steps per CPU second: physcore {found[name]:.0f}, Numba {numba:.0f}")
+        else:
+            found[name] = rate(contenders[0], springs)
+            found[f"two threads, {name}"] = speedup(contenders)
+    return found
 
 
 if __name__ == "__main__":
-    main()
+    figures(dict(readings()))

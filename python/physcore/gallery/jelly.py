@@ -5,7 +5,6 @@ The physics checked: total + dissipated energy stays constant through every boun
 
 from __future__ import annotations
 
-import math
 import os
 from collections.abc import Mapping
 from dataclasses import replace
@@ -13,9 +12,9 @@ from dataclasses import replace
 import numpy as np
 
 import physcore as pc
-from physcore.checks import FloatArray
 from physcore.film import Orbit
 from physcore.gallery.figure import Figure, budget
+from physcore.gallery.rotation import rotation
 
 DURATION = 2.0
 """[s]"""
@@ -34,13 +33,6 @@ def cube(name: str, stiffness: float, place: float) -> pc.SpringNetwork:
     turned = inward @ rotation((1.0, -1.0, 0.0), 0.7).T @ rotation((0.0, 0.0, 1.0), 0.5).T
     spin = np.cross((0.0, 0.0, 2.0), turned)
     return replace(lattice, positions=turned + np.array([place, 0.0, 0.62]), velocities=spin)
-
-
-def rotation(axis: tuple[float, float, float], angle: float) -> FloatArray:
-    """The matrix of a rotation around an axis (O. Rodrigues, 1840)."""
-    x, y, z = np.array(axis) / np.linalg.norm(axis)
-    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    return np.eye(3) + math.sin(angle) * cross + (1.0 - math.cos(angle)) * cross @ cross
 
 
 def scene() -> pc.Scene:

@@ -8,7 +8,6 @@ The physics checked: the fall of the drop is all the energy there is, and no bea
 
 from __future__ import annotations
 
-import math
 import os
 from collections.abc import Mapping
 
@@ -18,6 +17,7 @@ import physcore as pc
 from physcore.checks import FloatArray
 from physcore.film import Orbit
 from physcore.gallery.figure import Figure, budget
+from physcore.gallery.rotation import rotation
 
 DURATION = 0.55
 """[s]"""
@@ -27,14 +27,6 @@ WEBER = 1650.0
 """ρv²D/σ of a drop of milk, 1030 · 4² · 0.005/0.05."""
 RADIUS, SPEED = 0.09, 5.0
 """Of the drop [m] and [m/s]."""
-
-
-def turned(axis: tuple[float, float, float], angle: float) -> FloatArray:
-    """The matrix of a rotation around an axis (O. Rodrigues, 1840)."""
-    x, y, z = np.array(axis) / np.linalg.norm(axis)
-    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    matrix: FloatArray = np.eye(3) + math.sin(angle) * cross + (1.0 - math.cos(angle)) * cross @ cross
-    return matrix
 
 
 def scene() -> pc.Scene:
@@ -49,7 +41,7 @@ def scene() -> pc.Scene:
     half, deep = 24 * spacing, 9 * spacing
     pool = milk(pc.block((-half, -half, 0.0), (half, half, deep), spacing), 0.0, "pool")
     # Turned, so that the two lattices have no direction in common, which a crown would show.
-    ball = pc.ball((0.0, 0.0, 0.0), RADIUS, spacing) @ turned((1.0, 2.0, 3.0), 1.0)
+    ball = pc.ball((0.0, 0.0, 0.0), RADIUS, spacing) @ rotation((1.0, 2.0, 3.0), 1.0)
     drop = milk(ball + np.array([0.0, 0.0, deep + spacing + RADIUS]), SPEED, "drop")
     tank = pc.Box((-half, -half, 0.0), (half, half, 0.5))
     return pc.Scene(pool, drop, pc.Gravity((0.0, 0.0, -9.81)), tank)

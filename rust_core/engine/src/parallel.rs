@@ -106,9 +106,12 @@ impl Executor {
             let half = work.blocks() / 2;
             let (left, right) = work.split_at(half);
             let (mut left, mut right) = (Some(left), Some(right));
-            join(&mut || left.take().into_iter().for_each(|left| self.for_each_block(left, each)), &mut || {
-                right.take().into_iter().for_each(|right| self.for_each_block(right, each))
-            });
+            let run = |half: &mut Option<W>| {
+                if let Some(half) = half.take() {
+                    self.for_each_block(half, each);
+                }
+            };
+            join(&mut || run(&mut left), &mut || run(&mut right));
             return;
         }
         // One call of `each`: a second one would be compiled again.

@@ -17,6 +17,7 @@ use crate::history::History;
 use crate::math::{AXES, Real, Vector};
 use crate::matter::Properties;
 use crate::scene::Item;
+use crate::simd::Number;
 use crate::stability::{Horizon, SpectralBound};
 
 /// Its name.
@@ -243,11 +244,19 @@ pub trait Power<T>: Copy {
 #[derive(Debug, Clone, Copy)]
 pub struct InverseCube;
 
+impl InverseCube {
+    /// A factor times q^(−3/2), 0 where that is infinite.
+    #[inline(always)]
+    fn times<N: Number>(factor: N, q: N) -> N {
+        let (cube, zero) = (q * q.sqrt(), N::constant(0.0));
+        N::select(zero.less(cube), factor / cube, zero)
+    }
+}
+
 impl<T: Real> Power<T> for InverseCube {
     #[inline(always)]
     fn times(self, factor: T, q: T) -> T {
-        let cube = q * q.sqrt();
-        if cube > T::ZERO { factor / cube } else { T::ZERO }
+        Self::times(factor, q)
     }
 }
 
@@ -267,9 +276,29 @@ impl<T: Real> Power<T> for General {
 #[derive(Debug, Clone, Copy)]
 pub struct InverseSquare<'a, T> {
     /// The force field.
-    pub law: CentralLaw<T, InverseCube>,
+    pub law: InverseSquareLaw<T>,
     /// 1 for affected particles, else 0; padded.
     pub members: &'a [T],
+}
+
+/// The law of an inverse-square force.
+pub type InverseSquareLaw<T> = CentralLaw<T, InverseCube>;
+
+impl<T: Real> InverseSquareLaw<T> {
+    /// The force on particles of these weights at these places, with the bits of [`ForceField::at`].
+    #[inline(always)]
+    pub fn force<V: Vector<Scalar = T>, N: Number<Scalar = T>>(&self, weight: N, place: [N; AXES]) -> [N; AXES] {
+        let (mut force, mut q) = (place, N::of(self.square));
+        for axis in 0..V::DIMENSION {
+            force[axis] = place[axis] - N::of(self.center[axis]);
+            q += force[axis] * force[axis];
+        }
+        let push = InverseCube::times(weight * N::of(-self.strength), q);
+        for axis in 0..V::DIMENSION {
+            force[axis] = push * force[axis];
+        }
+        force
+    }
 }
 
 /// The central force on one particle.

@@ -35,7 +35,7 @@ pub mod springs;
 mod strength;
 mod wind;
 
-pub use central::InverseSquare;
+pub use central::{InverseSquare, InverseSquareLaw};
 pub use density::{DensityEvolution, Drift, Fields, Mach, Scheme};
 use derivatives::Derivatives;
 pub use electromagnetic::ReadyField;

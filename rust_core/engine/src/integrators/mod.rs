@@ -8,6 +8,7 @@
 
 use crate::math::Real;
 use crate::matter::REGISTERS;
+use crate::simd::Number;
 
 pub(crate) mod amplification;
 mod blanes_moan_4;
@@ -138,10 +139,10 @@ pub trait Integrator: Sized + Send + Sync + 'static {
     fn begin<T: Real>(_component: &mut Component<T>, _a: T) {}
 
     /// Moves to where stage `stage` asks for the forces.
-    fn stage_state<T: Real>(stage: usize, component: &mut Component<T>, h: T);
+    fn stage_state<T: Number>(stage: usize, component: &mut Component<T>, h: T);
 
     /// Takes in the acceleration found there; after the last stage x and v are the state at the step's end.
-    fn stage_update<T: Real>(stage: usize, component: &mut Component<T>, a: T, h: T);
+    fn stage_update<T: Number>(stage: usize, component: &mut Component<T>, a: T, h: T);
 }
 
 /// Why a field that diffuses cannot be advanced over the drifts of an integrator, if it cannot.

@@ -3,7 +3,7 @@
 //! Source: E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, 2nd ed. (2006), sec. I.1.2.
 
 use super::{Component, DriftKick, Integrator};
-use crate::math::Real;
+use crate::simd::Number;
 
 /// v ← v + h a(x, v), x ← x + h v, with the new velocity.
 #[derive(Debug)]
@@ -37,10 +37,10 @@ impl Integrator for SemiImplicitEuler {
     }
 
     #[inline(always)]
-    fn stage_state<T: Real>(_stage: usize, _component: &mut Component<T>, _h: T) {}
+    fn stage_state<T: Number>(_stage: usize, _component: &mut Component<T>, _h: T) {}
 
     #[inline(always)]
-    fn stage_update<T: Real>(_stage: usize, component: &mut Component<T>, a: T, h: T) {
+    fn stage_update<T: Number>(_stage: usize, component: &mut Component<T>, a: T, h: T) {
         component.v += h * a;
         component.x += h * component.v;
     }

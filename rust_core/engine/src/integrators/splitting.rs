@@ -11,6 +11,7 @@
 
 use super::{Component, DriftKick, Integrator, amplification};
 use crate::math::Real;
+use crate::simd::Number;
 
 /// The coefficients of a symmetric splitting.
 pub trait Splitting: Send + Sync + 'static {
@@ -113,23 +114,23 @@ impl<S: Splitting> Integrator for S {
     }
 
     #[inline(always)]
-    fn stage_state<T: Real>(stage: usize, component: &mut Component<T>, h: T) {
+    fn stage_state<T: Number>(stage: usize, component: &mut Component<T>, h: T) {
         let a = component.registers[ACCELERATION];
         let begins = S::KICKS_FIRST && stage == 0;
-        let before = if begins { component.v + T::from_f64(S::KICKS[0]) * h * a } else { component.v };
+        let before = if begins { component.v + T::constant(S::KICKS[0]) * h * a } else { component.v };
         let doubled = S::KICKS_FIRST && stage + 1 == S::STAGES;
         let half = if doubled { 1.0 } else { 0.5 } * S::SPLIT.1[stage];
-        component.x += T::from_f64(S::DRIFTS[stage]) * h * before;
-        component.v = before + T::from_f64(half) * h * a;
+        component.x += T::constant(S::DRIFTS[stage]) * h * before;
+        component.v = before + T::constant(half) * h * a;
         component.registers[BEFORE] = before;
     }
 
     #[inline(always)]
-    fn stage_update<T: Real>(stage: usize, component: &mut Component<T>, a: T, h: T) {
-        component.v = component.registers[BEFORE] + T::from_f64(S::SPLIT.1[stage]) * h * a;
+    fn stage_update<T: Number>(stage: usize, component: &mut Component<T>, a: T, h: T) {
+        component.v = component.registers[BEFORE] + T::constant(S::SPLIT.1[stage]) * h * a;
         component.registers[ACCELERATION] = a;
         if !S::KICKS_FIRST && stage + 1 == S::STAGES {
-            component.x += T::from_f64(S::DRIFTS[S::STAGES]) * h * component.v;
+            component.x += T::constant(S::DRIFTS[S::STAGES]) * h * component.v;
         }
     }
 }

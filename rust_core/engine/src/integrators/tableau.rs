@@ -22,6 +22,7 @@ use std::marker::PhantomData;
 use super::{Component, Integrator, amplification};
 use crate::math::Real;
 use crate::matter::REGISTERS;
+use crate::simd::Number;
 
 /// The coefficients of an explicit Runge–Kutta method.
 pub trait Tableau: Send + Sync + Sized + 'static {
@@ -172,7 +173,7 @@ impl<S: Tableau> Layout for S {}
 /// row added first. It is written out, as [`super::for_each_stage`] is.
 #[inline(always)]
 #[allow(unused_assignments, reason = "the last pass of a loop that is written out")]
-fn sum<T: Real>(weights: &[f64; MOST], accelerations: &[T; MOST], known: usize, h: T) -> Option<T> {
+fn sum<T: Number>(weights: &[f64; MOST], accelerations: &[T; MOST], known: usize, h: T) -> Option<T> {
     let (mut sum, mut equal) = (None, None);
     macro_rules! add {
         ($($slope:literal)*) => {
@@ -181,7 +182,7 @@ fn sum<T: Real>(weights: &[f64; MOST], accelerations: &[T; MOST], known: usize, 
                 let equals = if let Some(equal) = equal { equal + a } else { a };
                 equal = Some(equals);
                 if $slope + 1 == known || weights[$slope + 1] != weights[$slope] {
-                    let term = h * T::from_f64(weights[$slope]) * equals;
+                    let term = h * T::constant(weights[$slope]) * equals;
                     (sum, equal) = (Some(if let Some(sum) = sum { sum + term } else { term }), None);
                 }
             })*
@@ -193,15 +194,15 @@ fn sum<T: Real>(weights: &[f64; MOST], accelerations: &[T; MOST], known: usize, 
 
 /// x and v in a state that a step passes, as far as the accelerations are known, of slopes whose last has the velocity `last`.
 #[inline(always)]
-fn state<T: Real>(row: &Row, [x, v]: [T; 2], last: T, accelerations: &[T; MOST], known: usize, h: T) -> [T; 2] {
+fn state<T: Number>(row: &Row, [x, v]: [T; 2], last: T, accelerations: &[T; MOST], known: usize, h: T) -> [T; 2] {
     let velocity = match sum(&row.velocity, accelerations, known, h) {
         Some(change) => v + change,
         None => v,
     };
     if row.is_plain {
-        return [x + h * T::from_f64(row.velocity[known - 1]) * last, velocity];
+        return [x + h * T::constant(row.velocity[known - 1]) * last, velocity];
     }
-    let drift = T::from_f64(row.node) * v;
+    let drift = T::constant(row.node) * v;
     let mean = match sum(&row.position, accelerations, known, h) {
         Some(change) => drift + change,
         None => drift,
@@ -248,7 +249,7 @@ impl<S: Tableau> Integrator for RungeKutta<S> {
     }
 
     #[inline(always)]
-    fn stage_state<T: Real>(stage: usize, component: &mut Component<T>, h: T) {
+    fn stage_state<T: Number>(stage: usize, component: &mut Component<T>, h: T) {
         const { S::CONSISTENT };
         // The later stages stand where `stage_update` has left them.
         if stage == 0 && S::LAST > 0 {
@@ -262,12 +263,13 @@ impl<S: Tableau> Integrator for RungeKutta<S> {
     }
 
     #[inline(always)]
-    fn stage_update<T: Real>(stage: usize, component: &mut Component<T>, a: T, h: T) {
+    fn stage_update<T: Number>(stage: usize, component: &mut Component<T>, a: T, h: T) {
         let registers = &mut component.registers;
         let slope = stage + usize::from(S::REUSES);
         if slope < S::LAST {
             let start = [registers[X0], registers[V0]];
-            let mut slopes = [registers[0], registers[1], registers[4], registers[5], T::ZERO, T::ZERO, T::ZERO];
+            let mut slopes =
+                [registers[0], registers[1], registers[4], registers[5], T::constant(0.0), T::constant(0.0), T::constant(0.0)];
             slopes[slope] = a;
             let (last, known) = (component.v, slope + 1);
             [component.x, component.v] = state(&S::ROWS[known], start, last, &slopes, known, h);
@@ -277,8 +279,8 @@ impl<S: Tableau> Integrator for RungeKutta<S> {
             }
             [registers[SUM_X], registers[SUM_V]] = state(&S::ROWS[S::LAST + 1], start, last, &slopes, known, h);
             if !S::ERRORS.is_empty() {
-                registers[ERROR_X] = h * sum(S::ERRORS_OF_X, &slopes, known, h).unwrap_or(T::ZERO);
-                registers[ERROR_V] = sum(S::ERRORS_OF_V, &slopes, known, h).unwrap_or(T::ZERO);
+                registers[ERROR_X] = h * sum(S::ERRORS_OF_X, &slopes, known, h).unwrap_or(T::constant(0.0));
+                registers[ERROR_V] = sum(S::ERRORS_OF_V, &slopes, known, h).unwrap_or(T::constant(0.0));
             }
             return;
         }
@@ -289,13 +291,13 @@ impl<S: Tableau> Integrator for RungeKutta<S> {
             component.v += h * a;
         } else {
             component.x = registers[SUM_X];
-            component.v = registers[SUM_V] + h * T::from_f64(S::B[S::LAST]) * a;
+            component.v = registers[SUM_V] + h * T::constant(S::B[S::LAST]) * a;
         }
         if !S::ERRORS.is_empty() {
             if S::ERRORS_OF_X[slope] != 0.0 {
-                registers[ERROR_X] += h * (h * T::from_f64(S::ERRORS_OF_X[slope]) * a);
+                registers[ERROR_X] += h * (h * T::constant(S::ERRORS_OF_X[slope]) * a);
             }
-            registers[ERROR_V] += h * T::from_f64(S::ERRORS_OF_V[slope]) * a;
+            registers[ERROR_V] += h * T::constant(S::ERRORS_OF_V[slope]) * a;
         }
     }
 }

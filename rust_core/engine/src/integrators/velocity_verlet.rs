@@ -9,6 +9,7 @@
 
 use super::{Component, DriftKick, Integrator};
 use crate::math::Real;
+use crate::simd::Number;
 
 /// v½ = v + h/2 a, x ← x + h v½, a ← a(x, v½ + h/2 a), v ← v½ + h/2 a.
 #[derive(Debug)]
@@ -66,8 +67,8 @@ impl Integrator for VelocityVerlet {
     }
 
     #[inline(always)]
-    fn stage_state<T: Real>(_stage: usize, component: &mut Component<T>, h: T) {
-        let kick = T::from_f64(0.5) * h * component.registers[ACCELERATION];
+    fn stage_state<T: Number>(_stage: usize, component: &mut Component<T>, h: T) {
+        let kick = T::constant(0.5) * h * component.registers[ACCELERATION];
         let half = component.v + kick;
         component.x += h * half;
         component.v = half + kick;
@@ -75,8 +76,8 @@ impl Integrator for VelocityVerlet {
     }
 
     #[inline(always)]
-    fn stage_update<T: Real>(_stage: usize, component: &mut Component<T>, a: T, h: T) {
-        component.v = component.registers[HALF] + T::from_f64(0.5) * h * a;
+    fn stage_update<T: Number>(_stage: usize, component: &mut Component<T>, a: T, h: T) {
+        component.v = component.registers[HALF] + T::constant(0.5) * h * a;
         component.registers[ACCELERATION] = a;
     }
 }

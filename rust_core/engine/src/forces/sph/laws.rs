@@ -106,6 +106,9 @@ impl<V: Vector, K: Shape, const MIXED: bool> PairLaw<V, 2> for Continuity<V::Sca
     fn terms<N: Number<Scalar = V::Scalar>>(&self, pair: &Pair<N>) -> [N; 2] {
         let Pair { own, other, separation, square } = pair;
         let weight = self.kernel.slope(volume::<V, N>(other), square.sqrt());
+        if !MIXED && self.diffusion[0][0] == V::Scalar::ZERO {
+            return [approach::<V, N>(pair) * weight, N::constant(0.0)];
+        }
         let diffusion = pick::<N, MIXED>(volume::<V, N>(other), &self.for_particle);
         let mut excess = content::<V, N>(other) - content::<V, N>(own);
         for axis in 0..V::DIMENSION {
@@ -166,6 +169,13 @@ impl<V: Vector, K: Shape, const MIXED: bool> PairLaw<V, FORCES> for Momentum<V::
         let Viscous { squeeze, shear, approach } = self.viscous::<V, N>(pair, weight);
         let push = squeeze - (content::<V, N>(own) + content::<V, N>(other)) * weight;
         let mut terms = [N::constant(0.0); FORCES];
+        if !MIXED && self.for_particle.laminar[0] == V::Scalar::ZERO {
+            for axis in 0..V::DIMENSION {
+                terms[axis] = push * separation[axis];
+            }
+            terms[VISCOUS] = N::constant(0.0) - squeeze * approach;
+            return terms;
+        }
         let mut drag = N::constant(0.0);
         for axis in 0..V::DIMENSION {
             let velocity = velocity::<V, N>(pair, axis);

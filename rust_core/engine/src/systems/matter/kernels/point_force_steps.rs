@@ -1,18 +1,18 @@
-//! Whole steps under one force field alone, such as that of a star or a nucleus.
+//! Whole steps under an inverse-square force alone, such as that of a star or a nucleus.
 
 use std::marker::PhantomData;
 
-use super::components::columns;
-use crate::forces::{ForceField, InverseSquare};
-use crate::integrators::{Component, ComponentGroup, Integrator, for_each_stage};
-use crate::math::{Real, Vector};
-use crate::matter::Blocks;
-use crate::simd::{Kernel, dispatch};
+use super::components::{Axis, columns};
+use crate::forces::{InverseSquare, InverseSquareLaw};
+use crate::integrators::{Component, Integrator, for_each_stage};
+use crate::math::{AXES, Vector};
+use crate::matter::{Blocks, REGISTERS};
+use crate::simd::{Isa, LANES, LevelKernel, Number, Pack, dispatch_level};
 use crate::systems::matter::dynamics::Dynamics;
 
-/// Whole steps of a block under a single conservative force field.
-struct PointForceSteps<'a, 'b, V: Vector, I, L> {
-    law: L,
+/// Whole steps of a block.
+struct PointForceSteps<'a, 'b, V: Vector, I> {
+    law: InverseSquareLaw<V::Scalar>,
     members: &'a [V::Scalar],
     inverse_mass: &'a [V::Scalar],
     block: &'a mut Blocks<'b, V>,
@@ -24,66 +24,105 @@ struct PointForceSteps<'a, 'b, V: Vector, I, L> {
 /// Advances one block by whole steps under an inverse-square force alone.
 pub fn point_force_steps<V: Vector, I: Integrator>(
     dynamics: &Dynamics<V>,
-    InverseSquare { law: force, members }: InverseSquare<'_, V::Scalar>,
+    InverseSquare { law, members }: InverseSquare<'_, V::Scalar>,
     block: &mut Blocks<'_, V>,
     h: f64,
     steps: u64,
 ) {
     let members = &members[block.range()];
     let inverse_mass = &dynamics.properties.inverse_mass[block.range()];
-    dispatch(PointForceSteps::<V, I, _> { law: force, members, inverse_mass, block, h, number: steps, integrator: PhantomData });
+    dispatch_level(PointForceSteps::<V, I> { law, members, inverse_mass, block, h, number: steps, integrator: PhantomData });
 }
 
-impl<V: Vector, I: Integrator, L: ForceField<V>> Kernel for PointForceSteps<'_, '_, V, I, L> {
+impl<V: Vector, I: Integrator> LevelKernel for PointForceSteps<'_, '_, V, I> {
     type Output = ();
 
     #[inline(always)]
-    fn run(self) {
-        // The widest vector: a step needs so many temporaries that two vectors would exceed the register file.
-        if size_of::<V::Scalar>() == size_of::<f32>() { self.steps::<16>() } else { self.steps::<8>() }
+    fn run<S: Isa>(self, _isa: S) {
+        let Self { law, members, inverse_mass, block, h, number, .. } = self;
+        let mut walk = Walk::<V, S::Pack<V::Scalar>, I> {
+            law,
+            members,
+            inverse_mass,
+            axes: columns(&mut block.position, &mut block.velocity, &mut block.registers, &mut block.residual),
+            step: Number::constant(h),
+            integrator: PhantomData,
+        };
+        // Some registers of particles in turn: others compute while one waits for its root and its division. Not all of their
+        // numbers stay in registers, and of longer operations fewer hide the wait.
+        if S::Pack::<V::Scalar>::WIDTH == LANES { walk.steps::<4>(number) } else { walk.steps::<2>(number) }
     }
 }
 
-impl<V: Vector, I: Integrator, L: ForceField<V>> PointForceSteps<'_, '_, V, I, L> {
-    /// Takes all steps, `W` particles at a time.
+/// The columns of a block, and what moves its particles.
+struct Walk<'a, V: Vector, P, I> {
+    law: InverseSquareLaw<V::Scalar>,
+    members: &'a [V::Scalar],
+    inverse_mass: &'a [V::Scalar],
+    axes: [Axis<'a, V::Scalar>; AXES],
+    step: P,
+    integrator: PhantomData<I>,
+}
+
+impl<V: Vector, P: Pack<Scalar = V::Scalar>, I: Integrator> Walk<'_, V, P, I> {
+    /// Takes all steps, with `TURNS` registers of particles in turn.
     #[inline(always)]
-    fn steps<const W: usize>(self) {
-        let Self { law, members, inverse_mass, block, h, number, .. } = self;
-        let step = V::Scalar::from_f64(h);
-        let (members, inverse_mass) = (members.as_chunks::<W>().0, inverse_mass.as_chunks::<W>().0);
-        let [mut x, mut y, mut z] =
-            columns::<V, W>(&mut block.position, &mut block.velocity, &mut block.registers, &mut block.residual);
+    fn steps<const TURNS: usize>(&mut self, number: u64) {
+        let packs = self.members.len() / P::WIDTH;
+        let together = packs - packs % TURNS;
         for _ in 0..number {
-            for (group, (members, inverse_mass)) in members.iter().zip(inverse_mass).enumerate() {
-                let (members, inverse_mass) = (*members, *inverse_mass);
-                let mut first = ComponentGroup::load(&x.x[group], &x.v[group], &x.registers, group, I::PERSISTENT);
-                let mut second = ComponentGroup::load(&y.x[group], &y.v[group], &y.registers, group, I::PERSISTENT);
-                let mut third = ComponentGroup::ZERO;
-                if V::DIMENSION > 2 {
-                    third = ComponentGroup::load(&z.x[group], &z.v[group], &z.registers, group, I::PERSISTENT);
+            for first in (0..together).step_by(TURNS) {
+                self.advance::<TURNS>(first);
+            }
+            for first in together..packs {
+                self.advance::<1>(first);
+            }
+        }
+    }
+
+    /// Takes one step with `N` registers of particles, from the register `first` on.
+    #[inline(always)]
+    fn advance<const N: usize>(&mut self, first: usize) {
+        let at = |number: usize| (first + number) * P::WIDTH;
+        let zero = P::constant(0.0);
+        let mut components = [[Component { x: zero, v: zero, registers: [zero; REGISTERS] }; AXES]; N];
+        let mut weights = [zero; N];
+        for number in 0..N {
+            // A force times an inverse mass is an acceleration.
+            weights[number] = P::load(&self.members[at(number)..]) * P::load(&self.inverse_mass[at(number)..]);
+            for axis in 0..V::DIMENSION {
+                let (from, component) = (&self.axes[axis], &mut components[number][axis]);
+                component.x = P::load(&from.x.as_flattened()[at(number)..]);
+                component.v = P::load(&from.v.as_flattened()[at(number)..]);
+                for register in 0..I::PERSISTENT {
+                    component.registers[register] = P::load(&from.registers[register].as_flattened()[at(number)..]);
                 }
-                for lane in 0..W {
-                    // A force times an inverse mass is an acceleration.
-                    let weight = members[lane] * inverse_mass[lane];
-                    let mut components = [first.lane(lane), second.lane(lane), third.lane(lane)];
-                    for_each_stage!(I, stage => {
-                        for axis in 0..V::DIMENSION {
-                            I::stage_state(stage, &mut components[axis], step);
-                        }
-                        let at = |of: fn(&Component<V::Scalar>) -> V::Scalar| std::array::from_fn(|axis| of(&components[axis]));
-                        let a = law.at(weight, at(|component| component.x), at(|component| component.v)).force;
-                        for axis in 0..V::DIMENSION {
-                            I::stage_update(stage, &mut components[axis], a[axis], step);
-                        }
-                    });
-                    first.set(lane, &components[0]);
-                    second.set(lane, &components[1]);
-                    third.set(lane, &components[2]);
+            }
+        }
+        for_each_stage!(I, stage => {
+            for number in 0..N {
+                for axis in 0..V::DIMENSION {
+                    I::stage_state(stage, &mut components[number][axis], self.step);
                 }
-                first.store(&mut x.x[group], &mut x.v[group], &mut x.registers, group, I::READABLE);
-                second.store(&mut y.x[group], &mut y.v[group], &mut y.registers, group, I::READABLE);
-                if V::DIMENSION > 2 {
-                    third.store(&mut z.x[group], &mut z.v[group], &mut z.registers, group, I::READABLE);
+            }
+            let mut accelerations = [[zero; AXES]; N];
+            for number in 0..N {
+                let place = components[number].each_ref().map(|component| component.x);
+                accelerations[number] = self.law.force::<V, P>(weights[number], place);
+            }
+            for number in 0..N {
+                for axis in 0..V::DIMENSION {
+                    I::stage_update(stage, &mut components[number][axis], accelerations[number][axis], self.step);
+                }
+            }
+        });
+        for number in 0..N {
+            for axis in 0..V::DIMENSION {
+                let (to, component) = (&mut self.axes[axis], &components[number][axis]);
+                component.x.store(&mut to.x.as_flattened_mut()[at(number)..]);
+                component.v.store(&mut to.v.as_flattened_mut()[at(number)..]);
+                for register in 0..I::READABLE {
+                    component.registers[register].store(&mut to.registers[register].as_flattened_mut()[at(number)..]);
                 }
             }
         }

@@ -1,0 +1,176 @@
+"""What the hardware gives: physcore beside the fastest loops that we know for the same work, in one run.
+
+`python benches/hardware.py` prints what is asked, what was measured and the reference's figure. Particles and springs
+are compared with Numba; fluids with a program outside this project, named by PHYSCORE_FLUID_REFERENCE, where there is
+one. It takes `--n ROWS --threads T --warm STEPS --steps STEPS --reps TIMES --load STATE --dump STATE`, simulates a
+broken dam of ROWS³ particles (a cube of water of 1 m in a tank of 2.5 m × 1 m × 2 m, Wendland's C2 kernel of 1.2
+spacings, α = 0.1, c = 10 √(2g·1 m), steps of 0.2 h/c), and keeps states as x, y, z, u, v, w in f32. With --large also
+10⁶ particles in the fluid, and 10⁷ independent ones.
+"""
+
+from __future__ import annotations
+
+import os
+import resource
+import subprocess
+import sys
+import tempfile
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from math import inf, isnan, nan, sqrt
+from pathlib import Path
+from statistics import median
+from typing import TypeAlias
+
+import numpy as np
+import particles
+import springs
+from measure import Contender, race, rate, speedup
+
+import physcore as pc
+
+REFERENCE = "PHYSCORE_FLUID_REFERENCE"
+BREAKING = 1200
+"""Steps after which the dam has broken."""
+STEPS, TURNS = 20, 5
+Races: TypeAlias = Mapping[str, Sequence[Contender]]
+SOUND = 10.0 * sqrt(2.0 * 9.81)
+
+
+@dataclass(frozen=True)
+class Row:
+    """A line of the table."""
+
+    work: str
+    asked: float
+    found: float
+    reference: str
+    at_most: bool = False
+
+    def __str__(self) -> str:
+        """The line."""
+        sign = "≤" if self.at_most else "≥"
+        met = self.found <= self.asked if self.at_most else self.found >= self.asked
+        verdict = "not measured" if isnan(self.found) else "met" if met else "missed"
+        return f"{self.work:<52}{sign:>3}{self.asked:>6.4g}{self.found:>9.3g}  {verdict:<14}{self.reference}"
+
+
+def independent(races: Races) -> list[Row]:
+    """Particles without forces between them, of Numba's loop with several steps fused."""
+    rows = []
+    for name, (ours, both, numba, *_) in races.items():
+        told = f"{rate(numba, particles.COUNT):.2f} G/s"
+        rows.append(Row(f"{name}, of Numba's loop", 0.85, median(numba.cpu) / median(ours.cpu), told))
+        rows.append(Row(f"{name}, two threads over one", 1.9, speedup([ours, both]), ""))
+    return rows
+
+
+def networks(races: Races) -> list[Row]:
+    """Springs of a grid, of Numba's shifted rows; and of a shuffled network, of those of the grid."""
+    rows = []
+    for precision, asked in (("f32", 0.4), ("f64", 0.5)):
+        ours, both, numba, *_ = races[f"grid {precision}"]
+        other, other_both, *_ = races[f"network {precision}"]
+        name, ratio = f"springs, {precision}", median(numba.cpu) / median(ours.cpu)
+        rows.append(Row(f"{name}, grid, of Numba's rows", 1.15, ratio, f"{1e3 * median(numba.cpu):.2f} ms/step"))
+        share = median(ours.cpu) / median(other.cpu)
+        rows.append(Row(f"{name}, shuffled, of the grid", asked, share, f"{1e3 * median(ours.cpu):.2f} ms/step"))
+        rows.append(Row(f"{name}, grid, two threads over one", 1.9, speedup([ours, both]), ""))
+        rows.append(Row(f"{name}, shuffled, two threads over one", 1.9, speedup([other, other_both]), ""))
+    return rows
+
+
+class Dam:
+    """A dam that the reference has broken, in f32."""
+
+    def __init__(self, program: str, rows: int, folder: Path) -> None:
+        self.program, self.rows, self.state = program, rows, folder / f"dam{rows}"
+        self.run(STEPS, "--warm", str(BREAKING), "--dump", str(self.state))
+        table = np.fromfile(self.state, np.float32).reshape(-1, 6).astype(float)
+        self.positions, self.velocities = table[:, :3], table[:, 3:]
+
+    def run(self, steps: int, *options: str) -> float:
+        """What the reference takes on one thread [s], of the processor."""
+        always = ["--n", str(self.rows), "--threads", "1", "--steps", str(steps), "--reps", "1"]
+        before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
+        subprocess.run([self.program, *always, *options], stdout=subprocess.DEVNULL, check=True)
+        return resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before
+
+    def step(self) -> float:
+        """What a step takes, from runs of different lengths: they also read the state, and make their first lists."""
+        short, long = (self.run(steps, "--warm", "10", "--load", str(self.state)) for steps in (STEPS, 4 * STEPS))
+        return (long - short) / (3 * STEPS)
+
+    def simulation(self, walls: bool, threads: int = 1) -> pc.Simulation:
+        """The same dam in physcore, with walls and δ-SPH or without either."""
+        spacing = 1.0 / self.rows
+        fluid = pc.Fluid(
+            pc.block((0.0, 0.0, 0.0), (1.0, 1.0, 1.0), spacing),
+            spacing,
+            sound_speed=SOUND,
+            kernel=pc.WendlandC2(smoothing=1.2),
+            viscosity=0.0,
+            artificial_viscosity=0.1,
+            density_diffusion=0.1 if walls else 0.0,
+        )
+        tank = [pc.Box((0.0, 0.0, 0.0), (2.5, 1.0, 2.0))] if walls else []
+        scene = pc.Scene(fluid, pc.Gravity((0.0, 0.0, -9.81)), *tank)
+        simulation = pc.Simulation(scene, dt=0.2 * 1.2 * spacing / SOUND, precision="f32", threads=threads)
+        # The reference lets particles be nearer to each other than a fluid may begin with.
+        simulation.set(positions=self.positions, velocities=self.velocities)
+        return simulation
+
+    def race(self) -> list[Row]:
+        """The rows of this dam: the fastest of some turns each."""
+        count, reference = len(self.positions), inf
+        simulations = {walls: self.simulation(walls) for walls in (False, True)}
+        ours = {walls: Contender("physcore", simulation.step) for walls, simulation in simulations.items()}
+        both = Contender("physcore", self.simulation(False, threads=2).step, 2)
+        for contender in (*ours.values(), both):
+            contender.step(STEPS)
+            contender.steps = STEPS
+        for _ in range(TURNS):
+            reference = min(reference, self.step())
+            for contender in (*ours.values(), both):
+                contender.turn()
+        name, told = f"fluid 3D, {count}", f"{1e-6 * count / reference:.2f} M/s"
+        return [
+            Row(f"{name}, no walls, of the reference", 0.85, reference / min(ours[False].cpu), told),
+            Row(f"{name}, walls, δ-SPH, of the reference", 0.65, reference / min(ours[True].cpu), told),
+            Row(f"{name}, two threads over one", 1.9, speedup([ours[False], both]), ""),
+            Row(f"{name}, bytes per particle", 300, simulations[True].plan.memory / count, "", at_most=True),
+        ]
+
+
+def fluids(large: bool) -> list[Row]:
+    """Rows of the fluid, if there is a reference."""
+    program = os.environ.get(REFERENCE)
+    if not program:
+        return [Row("fluid 3D, of the reference", 0.85, nan, f"no {REFERENCE}")]
+    with tempfile.TemporaryDirectory() as folder:
+        return [row for rows in ((46, 100) if large else (46,)) for row in Dam(program, rows, Path(folder)).race()]
+
+
+def beyond_caches() -> list[Row]:
+    """What a particle-step costs among 10⁷ of them, over that among 10⁶."""
+    cost = {}
+    for count in (10**6, 10**7):
+        simulation = pc.Simulation(
+            particles.falling(count), pc.VelocityVerlet(), dt=particles.STEP, precision="f32", threads=1
+        )
+        contender = Contender("physcore", simulation.step)
+        race([contender], 3)
+        cost[count] = median(contender.cpu) / count
+    return [Row("Verlet f32, 10⁷ over 10⁶, cost each", 1.3, cost[10**7] / cost[10**6], "", at_most=True)]
+
+
+def show(particle_races: Races, spring_races: Races) -> None:
+    """Print the table, from races of particles and of springs; those of fluids are run here."""
+    large = "--large" in sys.argv
+    rows = [*independent(particle_races), *networks(spring_races), *fluids(large), *(beyond_caches() if large else [])]
+    print(f"\n{'What the hardware gives':<52}{'asked':>9}{'found':>9}  {'':<14}reference")
+    print(*rows, sep="\n")
+
+
+if __name__ == "__main__":
+    show(dict(particles.readings()), dict(springs.readings()))
