@@ -51,8 +51,8 @@ def thrown(rng: np.random.Generator, spacing: float) -> pc.SpringNetwork:
 
 
 def drop(seed: int) -> tuple[pc.Scene, list[pc.SpringNetwork], dict[str, Any]]:
-    """A cloth that is thrown at another one, at a block of jelly, at a rope, or at a fixed sheet, above an obstacle on a
-    floor; and the numerics. Every method meets every body, and every obstacle in either precision.
+    """A cloth that is thrown at another one, at a block of jelly, at a rope, or at a fixed sheet, above an obstacle on
+    a floor; and the numerics. Every method meets every body, and every obstacle in either precision.
     """
     rng = np.random.default_rng(seed)
     spacing = 0.05
@@ -162,8 +162,8 @@ def test_friction_is_coulombs():
 @pytest.mark.parametrize(("slope", "friction"), [(0.3, 0.5), (0.8, 0.5), (0.8, 0.25)])
 def test_layers_slide_on_a_wall_as_one(slope: float, friction: float):
     """Two sheets on a plane of slope tan θ: they stick where it is below the friction of the wall, and slide with the
-    acceleration g (sin θ − μ cos θ) above it. The wall meets the momentum of the lower sheet first and what the upper one
-    presses with in the contacts, so that only the sum of both is the load. Within a step of 1/240 s.
+    acceleration g (sin θ − μ cos θ) above it. The wall meets the momentum of the lower sheet first and what the upper
+    one presses with in the contacts, so that only the sum of both is the load. Within a step of 1/240 s.
     """
     thickness, h, duration = 0.01, 1.0 / 240.0, 0.4
     below, above = (
@@ -217,7 +217,7 @@ def test_a_stack_comes_to_rest_and_does_not_creep(integrator: pc.Integrator):
 
 @pytest.mark.parametrize("wall", [True, False], ids=["wall", "sheet"])
 def test_impacts_of_several_bodies_give_no_energy(wall: bool):
-    """A heavy triangle strikes the tip of a light one that stands before a wall, or a fixed sheet, with restitution 1."""
+    """A heavy triangle strikes the tip of a light one before a wall, or a fixed sheet, with restitution 1."""
     light = triangle(size=0.01, height=0.012, tip=True, mass=0.01)
     heavy = triangle(height=0.06, velocities=(0.0, 0.0, -2.0), mass=1.0)
     ground: list[Any] = [pc.Floor(0.0, restitution=1.0)]
