@@ -16,9 +16,7 @@ PLEAT = 11.3
 """Width of a pleat, in units of the spacing: no row of particles lies on a fold."""
 STEP = 1.0 / 60.0
 STEPS, RUNS = 90, 3
-"""Steps of a run, in which the pleats meet, collapse and come to rest; the least time of each step in a few runs
-counts.
-"""
+"""Steps of a run, in which the pleats meet, collapse and come to rest; the least time of each step in some runs."""
 
 
 def folded() -> pc.SpringNetwork:
@@ -75,11 +73,8 @@ def main() -> dict[str, float]:
     precisions: tuple[Precision, ...] = ("f64", "f32")
     for precision in precisions:
         times = costs(precision)
-        middle, mean, worst = np.median(times), times.mean(), times.max()
-        print(
-            f"{precision}: median {middle:.1f}, mean {mean:.1f}, worst {worst:.1f} (step {times.argmax() + 1})",
-            flush=True,
-        )
+        middle, mean, worst, at = np.median(times), times.mean(), times.max(), times.argmax() + 1
+        print(f"{precision}: median {middle:.1f}, mean {mean:.1f}, worst {worst:.1f} (step {at})", flush=True)
         figures[f"self-contact {precision}"] = float(middle)
     return figures
 

@@ -13,9 +13,8 @@ use super::zones::Zones;
 use super::{SelfContacts, limits};
 use crate::parallel::Executor;
 
-/// Rounds in which what closes or meets becomes a contact; in the first ones only what closes along its normal.
+/// Rounds in which what closes or meets becomes a contact.
 const ROUNDS: u32 = 8;
-const LINEAR: u32 = 3;
 /// Rounds in which zones grow.
 const MERGERS: u32 = 1000;
 /// How far pairs are from closing to the thickness that become contacts, in units of that: the first ones, and those of later rounds,
@@ -95,17 +94,16 @@ impl SelfContacts {
             let reached = self.reached(velocities, margin, step);
             active.extend(self.closing(&reached, &active.known, (margin, &free, velocities), step));
             let more = active.contacts.len() > known;
-            if !more || round >= LINEAR {
-                let met = self.meetings(&reached, velocities, step);
-                if met.is_empty() && !longer && (!more || round > LINEAR) {
-                    break;
-                }
-                if round == ROUNDS {
-                    self.merge(met, velocities, step)?;
-                    break;
-                }
-                active.extend(met.iter().filter_map(|(near, closest)| self.on_the_way(near, closest, h)));
+            let met = self.meetings(&reached, velocities, step);
+            // What the first round has found is solved together with the contacts of the last step, once.
+            if met.is_empty() && !longer && (!more || round > 0) {
+                break;
             }
+            if round == ROUNDS {
+                self.merge(met, velocities, step)?;
+                break;
+            }
+            active.extend(met.iter().filter_map(|(near, closest)| self.on_the_way(near, closest, h)));
             impulses::solve(&mut active.contacts, velocities);
             if self.gains(&active.contacts, &free, velocities) {
                 active.contacts.iter_mut().for_each(|contact| contact.least = contact.least.min(0.0));

@@ -9,11 +9,14 @@ use super::SelfContacts;
 use super::impulses::{self, Contact, Origin};
 use super::resolution::Step;
 
-/// A position inside all walls [m], with the coefficients of friction and restitution of the wall that is in the way.
+/// A position inside all walls, with the coefficients of the wall that is in the way.
 #[derive(Debug, Clone, Copy)]
 pub struct Inside {
+    /// The position [m].
     pub position: DVec3,
+    /// Coulomb's coefficient of friction μ.
     pub friction: f64,
+    /// The coefficient of restitution e.
     pub restitution: f64,
 }
 

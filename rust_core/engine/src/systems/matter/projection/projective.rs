@@ -27,7 +27,8 @@ use crate::systems::matter::method::About;
 /// The class's name in Python.
 pub const NAME: &str = "ProjectiveDynamics";
 
-/// The most halvings of a step, and the derivative of the energy along it at its end, over that at its start.
+/// The most halvings of a step, and the part of the descent of the energy at its start that may have become an ascent at its end. A
+/// step that is too short is one: the energy falls along it, though hardly more slowly at its end.
 const MOST_HALVINGS: usize = 6;
 const DESCENT: f64 = 0.95;
 
@@ -178,7 +179,8 @@ impl<V: Vector> Projective<V> {
                 (0..3).for_each(|axis| moved[axis] = point[axis] + V::Scalar::from_f64(step[axis]));
             }
             self.balance(dynamics, prepared);
-            falls = first || dot(&self.residual, &direction).abs() <= DESCENT * slope;
+            let end = dot(&self.residual, &direction);
+            falls = first || (-DESCENT * slope <= end && end < slope);
             if falls {
                 break;
             }
