@@ -40,7 +40,8 @@ def rotation(axis: tuple[float, float, float], angle: float) -> FloatArray:
     """The matrix of a rotation around an axis (O. Rodrigues, 1840)."""
     x, y, z = np.array(axis) / np.linalg.norm(axis)
     cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    return np.eye(3) + math.sin(angle) * cross + (1.0 - math.cos(angle)) * cross @ cross
+    matrix: FloatArray = np.eye(3) + math.sin(angle) * cross + (1.0 - math.cos(angle)) * cross @ cross
+    return matrix
 
 
 def scene() -> pc.Scene:

@@ -15,6 +15,7 @@ import numpy as np
 import physcore as pc
 from physcore.film import Window
 from physcore.gallery.figure import Figure, budget
+from physcore.scene.bodies import Body
 
 ROPES = 31
 FAN = 180.0
@@ -41,7 +42,7 @@ def scene() -> pc.Scene:
     return pc.Scene(*ropes, pc.Gravity((0.0, -9.81)), pc.Drag(linear=2e-3))
 
 
-def rainbow(scene: pc.Scene) -> dict[pc.Body, tuple[int, int, int]]:
+def rainbow(scene: pc.Scene) -> dict[Body | str, str | tuple[int, int, int]]:
     """A color for each rope, around the circle of hues but for the last sixth."""
     colors = [colorsys.hsv_to_rgb(0.83 * index / (ROPES - 1), 0.72, 1.0) for index in range(ROPES)]
     return {

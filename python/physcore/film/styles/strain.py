@@ -169,8 +169,11 @@ class StrainPainter(Painter):
             between = None if depth is None or there is None else (depth[first] + there) / 2
         farness = None if between is None else view.farness(between)
         own = self._own_colors(frame)
-        ramp = look_up(self._table, rooted(self._values(frame) / self.top)) if own is None else 0.0
-        ink = inks(ramp if own is None else (own[first] + own[second]) / 2, self._theme, farness)
+        if own is None:
+            colors = look_up(self._table, rooted(self._values(frame) / self.top))
+        else:
+            colors = (own[first] + own[second]) / 2
+        ink = inks(colors, self._theme, farness)
         ink[self._brace, 3] = round(255 * FAINT)
         widths = self._widths(view)
         whole = self._whole(frame)
