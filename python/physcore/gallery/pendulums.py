@@ -57,7 +57,9 @@ def main(path: str | os.PathLike[str] = "pendulums.gif", progress: bool | None =
     """Simulate it and draw it."""
     recording = pc.simulate(scene(), duration=DURATION, fps=20, progress=progress)
     style = pc.styles.Points(trail=0.0, glow=0.6, colormap="viridis")
-    pc.film(recording, path, size=(640, 360), style=style, camera=Orbit(-10.0, 55.0), progress=progress)
+    pc.film(
+        recording, path, size=(640, 360), style=style, camera=Orbit(-10.0, 55.0), max_bytes=3_000_000, progress=progress
+    )
     return {"pendulums": recording}
 
 

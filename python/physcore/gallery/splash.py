@@ -42,7 +42,15 @@ def scene() -> pc.Scene:
 def main(path: str | os.PathLike[str] = "splash.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
     """Simulate it and draw it."""
     recording = pc.simulate(scene(), duration=DURATION, fps=200, progress=progress)
-    pc.film(recording, path, size=(640, 440), camera=Orbit(elevation=24.0), speed=0.125, progress=progress)
+    pc.film(
+        recording,
+        path,
+        size=(640, 440),
+        camera=Orbit(elevation=24.0),
+        speed=0.125,
+        max_bytes=3_000_000,
+        progress=progress,
+    )
     return {"splash": recording}
 
 
