@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Unpack
 
 from physcore.checks import count as whole_number
 from physcore.checks import flag, word
-from physcore.errors import FileError, SceneError, SceneWarning, warn
+from physcore.errors import FileError, SceneWarning, warn
 from physcore.numerics.choices import Options
 from physcore.spelling import spelled
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from physcore.film.labels.footer import Label
     from physcore.film.layout import Format
     from physcore.film.styles import Style
-    from physcore.film.writers import Film, Loop, Quality, Writer
+    from physcore.film.writers import Film, Loop, Quality
     from physcore.scene.scene import Scene
     from physcore.simulation.recording import Recording
 
@@ -113,10 +113,10 @@ def film(
         duration: how long to simulate a scene [s].
         fps: frames per second of simulated time at which to film a scene; None: 30.
         quality: of a GIF. "fast": pixels may have a color near the nearest one of the palette where that makes the
-            film smaller, where it would exceed 3 MB: at most 16 levels of 255 off, and only where things move;
+            film smaller, where it would exceed 3 MB: at most 18 levels of 255 off, and only where things move;
             "high": the nearest one always, of a palette chosen with more care. See docs/films.md.
-        max_bytes: how large a GIF may become. Where it would be larger, it is made again, and first colors may be
-            farther off, up to 24 levels; then every second frame is left out, as long as twelve a second are left; then
+        max_bytes: how large a GIF may become; of other formats a SceneWarning tells. Where it would be larger, it is
+            made again, and first colors may be farther off, up to 28 levels; then every second frame is left out, as long as twelve a second are left; then
             half of the colors, down to 63; then the picture becomes smaller, down to half as wide; at last more of all.
             What room is left is used.
         sidecar: whether to write the provenance into a file beside the film too, such as film.gif.json; there it has
@@ -151,7 +151,7 @@ def film(
     shown = None if progress is None else flag(progress, "progress")
     with_bar, unit = flag(color_bar, "color_bar"), check_unit(time_unit)
     repeat = check_loop(loop, hold, writer.name, writer.longest, moving=writer.moving)
-    _check_bytes(quality, max_bytes, writer)
+    _check_bytes(quality, max_bytes)
     sides = check_format(format, check_size(size), video=writer.video)
     colors, heading = _colors(theme, background), check_heading(title, titles, subtitle, len(found))
     note = "" if credit is None else line_of(credit, "credit")
@@ -175,6 +175,11 @@ def film(
             "frames per second, or write a .webp or .mp4",
             SceneWarning,
         )
+    if max_bytes is not None and written.bytes > max_bytes:
+        warn(
+            f"{written}: is larger than max_bytes; only GIFs are made to fit, others by a smaller size or fewer frames",
+            SceneWarning,
+        )
     return written
 
 
@@ -196,24 +201,22 @@ def gif_bytes(
 
     found = sources(recording, None, None, {})
     rate = GifWriter.rate(found[0].fps, speed)
-    _check_bytes("fast", max_bytes, GifWriter)
+    _check_bytes("fast", max_bytes)
     with Renderer(found, size, style, None, resolve(theme), None, False, rate=rate) as renderer:
         return GifWriter.content(FilmJob(renderer, rate, "fast", max_bytes, lambda: metadata(found), False))
 
 
-def _check_bytes(quality: object, max_bytes: object, writer: Writer | type[Writer]) -> None:
-    """What was asked for of the file's size can be had.
+def _check_bytes(quality: object, max_bytes: object) -> None:
+    """What was asked for of the file's size makes sense.
 
     Raises:
-        SceneError: it cannot.
+        SceneError: it does not.
     """
     from physcore.film.writers import QUALITIES
 
     word(quality, "quality", QUALITIES)
     if max_bytes is not None:
         whole_number(max_bytes, "max_bytes", least=1)
-        if not writer.budgeted:
-            raise SceneError(f"max_bytes: is for GIFs, and this is {writer.name}; give it a smaller size= or fps=")
 
 
 def _colors(theme: Theme | ThemeName, background: Color | str | None) -> Theme:

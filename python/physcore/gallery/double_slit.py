@@ -34,7 +34,15 @@ def scene() -> pc.Scene:
 def main(path: str | os.PathLike[str] = "double_slit.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
     """Simulate it and draw it."""
     recording = pc.simulate(scene(), duration=DURATION, fps=10, progress=progress)
-    pc.film(recording, path, size=(320, 350), style=pc.styles.Field(range=0.028), speed=2.0, progress=progress)
+    pc.film(
+        recording,
+        path,
+        size=(320, 350),
+        style=pc.styles.Field(range=0.028),
+        speed=2.0,
+        max_bytes=3_000_000,
+        progress=progress,
+    )
     return {"light": recording}
 
 

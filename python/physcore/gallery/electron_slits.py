@@ -41,7 +41,7 @@ def main(path: str | os.PathLike[str] = "electron_slits.gif", progress: bool | N
     """Simulate it and draw it."""
     recording = pc.simulate(scene(), duration=DURATION, fps=30, dt=0.004, progress=progress)
     style = pc.styles.Phase(range=0.02)
-    pc.film(recording, path, size=(520, 400), style=style, speed=0.5, progress=progress)
+    pc.film(recording, path, size=(520, 400), style=style, speed=0.5, max_bytes=3_000_000, progress=progress)
     return {"electron": recording}
 
 

@@ -45,7 +45,7 @@ def scene() -> pc.Scene:
 def main(path: str | os.PathLike[str] = "lens.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
     """Simulate it and draw it."""
     recording = pc.simulate(scene(), duration=DURATION, fps=12, progress=progress)
-    pc.film(recording, path, size=(360, 290), speed=2.0, progress=progress)
+    pc.film(recording, path, size=(360, 290), speed=2.0, max_bytes=3_000_000, progress=progress)
     return {"light": recording}
 
 

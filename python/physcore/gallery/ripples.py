@@ -34,7 +34,9 @@ def _later(pulse: pc.Ricker, start: float, time: float) -> float:
 def main(path: str | os.PathLike[str] = "ripples.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
     """Simulate it and draw it."""
     recording = pc.simulate(scene(), duration=DURATION, fps=25, progress=progress)
-    pc.film(recording, path, size=(480, 380), style=pc.styles.Field(relief=0.35), progress=progress)
+    pc.film(
+        recording, path, size=(480, 380), style=pc.styles.Field(relief=0.35), max_bytes=3_000_000, progress=progress
+    )
     return {"pond": recording}
 
 
