@@ -48,7 +48,7 @@ def test_probes_read_the_hydrostatic_pressure_in_the_middle_and_at_walls(dimensi
     """
     water, box, gravity = tank(dimension)
     middle = (0.2,) * (dimension - 1)
-    places = [(*middle, 0.25), (*middle, 0.0), (0.0, *middle[1:], 0.1), (0.4, *middle[1:], 0.0)]
+    places = [(*middle, 0.25), (*middle, 0.0), (0.0, *middle[1:], 0.2), (0.4, *middle[1:], 0.25)]
     probes = [pc.Probe(place) for place in places]
     run = pc.Simulation(pc.Scene(water, box, gravity, *probes), threads=1, fluids=STILL)
     run.step()
