@@ -19,6 +19,7 @@ LONG = (
     "flag",
     "drape",
     "bowl",
+    "landslide",
     "labyrinth",
     "spirals",
     "butterfly",
