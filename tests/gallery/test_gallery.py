@@ -20,6 +20,7 @@ LONG = (
     "torn_flag",
     "drape",
     "bowl",
+    "landslide",
     "labyrinth",
     "spirals",
     "butterfly",

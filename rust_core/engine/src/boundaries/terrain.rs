@@ -183,9 +183,8 @@ impl Terrain {
         let next = usize::from(self.nodes[1] > 1);
         match kind {
             Kind::Low | Kind::High | Kind::Diagonal => [i + 1, j + next],
-            Kind::SideX => [i, j + next],
+            Kind::SideX | Kind::AlongY => [i, j + next],
             Kind::SideY | Kind::AlongX => [i + 1, j],
-            Kind::AlongY => [i, j + next],
             Kind::Node | Kind::Corner => [i, j],
         }
     }

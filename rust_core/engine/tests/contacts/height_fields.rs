@@ -64,11 +64,6 @@ impl Ground {
         triangles
     }
 
-    /// The distance from the surface by brute force [m].
-    fn distance(&self, triangles: &[[DVec3; 3]], x: DVec3) -> f64 {
-        triangles.iter().map(|triangle| (x - nearest(triangle, x)).length()).fold(f64::INFINITY, f64::min)
-    }
-
     /// The height of the ground at a point, by brute force; None beside it.
     fn height(&self, x: DVec3) -> Option<f64> {
         let place = |axis: usize| x[axis] / self.spacing;
@@ -87,6 +82,11 @@ impl Ground {
         // The upper side of the hull of the four nodes.
         (inside(0) && inside(1)).then(|| rising.max(falling))
     }
+}
+
+/// The distance from the surface by brute force [m].
+fn distance(triangles: &[[DVec3; 3]], x: DVec3) -> f64 {
+    triangles.iter().map(|triangle| (x - nearest(triangle, x)).length()).fold(f64::INFINITY, f64::min)
 }
 
 /// The point of a triangle nearest to `x`: of its plane, if that is in it, or of its sides.
@@ -138,7 +138,7 @@ const ROUNDING: f64 = 100.0 * 30.0 * f64::EPSILON;
 fn is_the_first(ground: &Ground, x: DVec3, v: DVec3, a: DVec3, radius: f64) -> Result<(), TestCaseError> {
     let triangles = ground.triangles();
     prop_assume!(
-        ground.distance(&triangles, x) > radius + 0.01
+        distance(&triangles, x) > radius + 0.01
             && ground.height(x).is_none_or(|height| x.dot(-down(ground.dimension()).normalize()) > height)
     );
     let path = Path { position: x, velocity: v, acceleration: a };
@@ -146,14 +146,14 @@ fn is_the_first(ground: &Ground, x: DVec3, v: DVec3, a: DVec3, radius: f64) -> R
     let contact = Gap::new(&boundary.walls()[0], &path, radius, false).first_contact(2.0);
     for sample in 0..=400 {
         let x = path.at(contact.unwrap_or(2.0) * f64::from(sample) / 400.0);
-        let distance = ground.distance(&triangles, x);
+        let distance = distance(&triangles, x);
         prop_assert!(distance - radius > -ROUNDING, "{distance} at {x}, before {contact:?}");
         let height = ground.height(x).unwrap_or(f64::NEG_INFINITY);
         let up = if ground.dimension() == 2 { x.y } else { x.z };
         prop_assert!(up > height - ROUNDING, "{x} below {height}, before {contact:?}");
     }
     if let Some(time) = contact {
-        let distance = ground.distance(&triangles, path.at(time));
+        let distance = distance(&triangles, path.at(time));
         // What grazes is found to the root of rounding.
         prop_assert!((distance - radius).abs() < 10.0 * ROUNDING, "{distance} at {time}");
     }
@@ -164,7 +164,7 @@ fn stays_above<V: Vector>(ground: &Ground, ball: Ball, e: f64, mu: f64, h: f64) 
     let triangles = ground.triangles();
     let flat = |vector: DVec3| V::narrow(vector).widen();
     let ball = Ball { position: flat(ball.position), velocity: flat(ball.velocity), ..ball };
-    prop_assume!(ground.distance(&triangles, ball.position) > ball.radius + 0.001);
+    prop_assume!(distance(&triangles, ball.position) > ball.radius + 0.001);
     prop_assume!(ground.height(ball.position).is_none_or(|height| ball.position[V::DIMENSION - 1] > height));
     let mut laboratory = Laboratory::<V>::new(&[ball], vec![ground.item(e, mu)], down(V::DIMENSION));
     for number in 0..40 {
@@ -172,7 +172,7 @@ fn stays_above<V: Vector>(ground: &Ground, ball: Ball, e: f64, mu: f64, h: f64) 
         let x = laboratory.position(0);
         prop_assert!(x.is_finite() && laboratory.velocity(0).is_finite());
         let rounding = 16.0 * V::Scalar::EPSILON * (x.length() + 4.0);
-        let distance = ground.distance(&triangles, x);
+        let distance = distance(&triangles, x);
         prop_assert!(distance >= ball.radius - rounding, "step {number}: {distance} at {x}");
         let is_above = ground.height(x).is_none_or(|height| x[V::DIMENSION - 1] > height - rounding);
         prop_assert!(is_above, "step {number}: {x}");
@@ -183,7 +183,7 @@ fn stays_above<V: Vector>(ground: &Ground, ball: Ball, e: f64, mu: f64, h: f64) 
 /// Energy and what is dissipated are constant. A step has some tens of events at most, each of some roundings of 100 J.
 fn keeps_the_energy<V: Vector>(ground: &Ground, ball: Ball, e: f64, mu: f64) -> Result<(), TestCaseError> {
     let triangles = ground.triangles();
-    prop_assume!(ground.distance(&triangles, ball.position) > ball.radius + 0.001);
+    prop_assume!(distance(&triangles, ball.position) > ball.radius + 0.001);
     prop_assume!(ground.height(ball.position).is_none_or(|height| ball.position[V::DIMENSION - 1] > height));
     let mut laboratory = Laboratory::<V>::new(&[ball], vec![ground.item(e, mu)], down(V::DIMENSION));
     let start = laboratory.energy();
