@@ -232,10 +232,10 @@ def cantilever(load: float, segments: int, stiffness: float = 1e5) -> tuple[floa
 
 
 def test_e11_an_inextensible_cantilever(record_property):
-    """Of rods, as in the theory: good, 1 %, with 20 segments; the error of the polygon is of order 2, 1/400 in size."""
-    drop, reach = cantilever(5.0, 20, np.inf)
+    """Of rods, as in the theory: good, 1 %, with 10 segments, of which the error is of order 2."""
+    drop, reach = cantilever(5.0, 10, np.inf)
     record_property("errors", f"{drop / CANTILEVER[5][0] - 1:.1e}, {reach / CANTILEVER[5][1] - 1:.1e}")
-    np.testing.assert_allclose((drop, reach), CANTILEVER[5], rtol=5e-3)
+    np.testing.assert_allclose((drop, reach), CANTILEVER[5], rtol=1e-2)
 
 
 @pytest.mark.long
