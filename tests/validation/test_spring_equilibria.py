@@ -221,9 +221,10 @@ def cantilever(load: float, segments: int, stiffness: float = 1e5) -> tuple[floa
     damping = 0.0 if rigid else 100.0
     beam = pc.SpringNetwork(line(h * nodes), pairs, stiffness / h, damping=damping, rest_length=h, mass=h, fixed=[0])
     scene = pc.Scene(beam, pc.CustomForce(force), pc.Drag(7.0 * h))
-    # The hinges' frequency is 4/h²; it is below that of the springs, 2 √(E A)/h, of which the limit knows.
+    # The hinges' frequency, 4/h² and more at the wall, is below that of the springs, 2 √(E A)/h, of which the limit
+    # knows.
     if rigid:
-        run = simulation(scene, pc.RATTLE(), 0.6 * 2.0 * h * h / 4.0)
+        run = simulation(scene, pc.RATTLE(), 0.1 * h * h)
     else:
         run = simulation(scene, VERLET, 0.6 * pc.stability_limit(scene, VERLET))
     run.run(4.0)
@@ -231,10 +232,10 @@ def cantilever(load: float, segments: int, stiffness: float = 1e5) -> tuple[floa
 
 
 def test_e11_an_inextensible_cantilever(record_property):
-    """Of rods, as in the theory: good, 1 %, with 20 segments; the error of the polygon is of order 2, 1/400 in size."""
-    drop, reach = cantilever(5.0, 20, np.inf)
+    """Of rods, as in the theory: good, 1 %, with 10 segments, of which the error is of order 2."""
+    drop, reach = cantilever(5.0, 10, np.inf)
     record_property("errors", f"{drop / CANTILEVER[5][0] - 1:.1e}, {reach / CANTILEVER[5][1] - 1:.1e}")
-    np.testing.assert_allclose((drop, reach), CANTILEVER[5], rtol=5e-3)
+    np.testing.assert_allclose((drop, reach), CANTILEVER[5], rtol=1e-2)
 
 
 @pytest.mark.long
