@@ -175,7 +175,7 @@ impl Walls {
         lists.zip(self.pushes.iter().flatten()).map(move |(list, &force)| {
             let x = neighbor_list.at(list.slot as usize);
             let mirrors = list.sides.into_iter().flatten();
-            let normals = mirrors.map(move |side| (side, self.sides[side as usize].mirror(x, self.reach, false).normal));
+            let normals = mirrors.map(move |side| (side, self.sides[side as usize].mirror(x, false).normal));
             (list.slot as usize, DVec3::from_array(force), normals)
         })
     }
