@@ -116,9 +116,9 @@ def film(
             film smaller, where it would exceed 3 MB: at most 18 levels of 255 off, and only where things move;
             "high": the nearest one always, of a palette chosen with more care. See docs/films.md.
         max_bytes: how large a GIF may become; of other formats a SceneWarning tells. Where it would be larger, it is
-            made again, and first colors may be farther off, up to 28 levels; then every second frame is left out, as long as twelve a second are left; then
-            half of the colors, down to 63; then the picture becomes smaller, down to half as wide; at last more of all.
-            What room is left is used.
+            made again, and first colors may be farther off, up to 28 levels; then every second frame is left out, as
+            long as twelve a second are left; then half of the colors, down to 63; then the picture becomes smaller,
+            down to half as wide; at last more of all. What room is left is used.
         sidecar: whether to write the provenance into a file beside the film too, such as film.gif.json; there it has
             the number of threads as well, which the film itself does not depend on.
         progress: whether to show a progress bar; None: on a terminal or in a notebook, when it takes longer than a
