@@ -254,7 +254,8 @@ def test_progress_prints_a_line_for_each_quarter_where_there_is_no_terminal(caps
     with Progress(1000, "working", show=True) as bar:
         for done in range(1001):
             bar.update(done)
-    assert capsys.readouterr().err.splitlines() == [f"working: {percent} %" for percent in (0, 25, 50, 75, 100)]
+    expected = ["working: 0 %", *(f"working: {percent} %, 0 s left" for percent in (25, 50, 75)), "working: 100 %"]
+    assert capsys.readouterr().err.splitlines() == expected
 
 
 def test_progress_is_silent_where_nobody_asked(capsys):

@@ -78,7 +78,7 @@ class Progress:
     def _line(self, fraction: float, now: float) -> str:
         """A line of a log."""
         left = self._left(fraction, now).strip() if 0.0 < fraction < 1.0 else ""
-        return f"{self._label}: {fraction:.0%}{', ' + left if left else ''}\n"
+        return f"{self._label}: {100 * fraction:.0f} %{', ' + left if left else ''}\n"
 
     def _bar(self, fraction: float, now: float) -> str:
         """The bar with the time that is left, to be drawn over the last one."""
