@@ -545,7 +545,7 @@ SCENES: dict[str, Case] = {
     "dropped": Case(dropped, 0.002),
     "dropped 3D f32": Case(lambda: dropped(dimension=3), 0.002, F32),
     "chain XPBD": Case(chain, 0.002, {"integrator": pc.XPBD(3, 4)}),
-    "shell BDF2": Case(shell, 0.002, {"integrator": pc.BDF2(1e-12)}, large=lambda: shell((60, 40))),
+    "shell BDF2": Case(shell, 0.002, {"integrator": pc.BDF2(1e-12)}, large=lambda: shell((70, 60))),
     "flag BackwardEuler f32": Case(flag, 0.002, {**F32, "integrator": pc.BackwardEuler(1e-7)}),
     "grains BackwardEuler": Case(grains, 0.002, {"integrator": pc.BackwardEuler(1e-12)}),
     "atoms ImplicitMidpoint": Case(lambda: crowd(ATOMS), 0.001, {"integrator": pc.ImplicitMidpoint(1e-12)}),

@@ -19,7 +19,15 @@ def inked(path: Path, *items: Any, **style: Any) -> np.ndarray:
     """How many rows of each column of a picture are inked: a level cloth, seen from its side."""
     recording = pc.simulate(pc.Scene(CLOTH, *items), 0.01, fps=100, dt=0.01, progress=False)
     camera = Orbit(azimuth=-90.0, elevation=0.0, target=(0.5, 0.5, 0.0), extent=1.2)
-    pc.film(recording, path, size=(200, 150), style=pc.styles.Surface("white", **style), camera=camera, labels=())
+    pc.film(
+        recording,
+        path,
+        size=(200, 150),
+        style=pc.styles.Surface("white", **style),
+        camera=camera,
+        labels=(),
+        background=DARK.background,
+    )
     with Image.open(path) as image:
         return (np.abs(np.asarray(image.convert("RGB")).astype(float) - np.array(DARK.background)) > 20).any(2).sum(0)
 

@@ -66,7 +66,7 @@ def test_a_dry_probe_reads_nothing_and_one_at_the_edge_a_share():
 
 def test_water_and_its_tank_exchange_momentum_in_a_splash():
     """Momentum is what gravity gives and the tank takes: the impulses that it is said to bear are all that there are.
-    With corners of images, and a ball of particles in the way; to a percent of the impulse, because in a splash walls
+    With corners of images, and a ball of particles in the way; to two percent of the impulse, because in a splash walls
     are hit by particles themselves too.
     """
     water = pc.Fluid(pc.block((0.0, 0.0), (0.4, 0.8), SPACING), SPACING, name="water")
@@ -78,7 +78,7 @@ def test_water_and_its_tank_exchange_momentum_in_a_splash():
     impulse = (recording[box].force[1:] + recording["ball"].force[1:]).sum(axis=0) / 50.0
     given = np.array([0.0, -float(water.mass.sum()) * G * 0.8])
     assert np.abs(recording["ball"].force).max() > 10.0
-    np.testing.assert_allclose(run.momentum(), given - impulse, atol=0.01 * abs(given[1]))
+    np.testing.assert_allclose(run.momentum(), given - impulse, atol=0.02 * abs(given[1]))
 
 
 def test_forces_on_two_boundaries_are_those_on_their_own_walls():

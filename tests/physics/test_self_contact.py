@@ -91,6 +91,8 @@ def drop(seed: int) -> tuple[pc.Scene, list[pc.SpringNetwork], dict[str, Any]]:
     return scene, [cloth, other], {"integrator": method, "dt": dt, "precision": "f32" if seed % 7 % 2 else "f64"}
 
 
+# Impacts that explicit steps at half of their limit resolve to several percent, with the square of the step.
+@pytest.mark.filterwarnings("ignore:the energy balance drifted")
 @pytest.mark.parametrize("seed", range(1000 if LONG else 40))
 def test_nothing_passes_through(seed: int):
     """Edges and triangles of every frame, in exact arithmetic."""
@@ -116,7 +118,8 @@ def test_a_contact_takes_the_energy_of_its_restitution(integrator: pc.Integrator
         # The iteration ends at a thousandth of the velocity; f32 keeps 7 digits of 1.5 J.
         assert simulation.energy().dissipated == pytest.approx(0.375 * (1.0 - restitution**2), abs=1e-3)
         assert simulation.energy().balance == pytest.approx(1.5, abs=1e-5)
-        assert np.abs(simulation.momentum() - (0.0, 0.0, -3.0)).max() < 1e-5
+        # In f32 each of 240 substeps rounds velocities of 1 m/s, of three particles, by up to 6e-8.
+        assert np.abs(simulation.momentum() - (0.0, 0.0, -3.0)).max() < (1e-5 if precision == "f64" else 4.5e-5)
 
 
 def test_contacts_keep_momentum_and_angular_momentum():

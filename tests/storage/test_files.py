@@ -375,7 +375,7 @@ def test_a_target_that_cannot_be_written_is_refused_before_the_work(tmp_path, mo
     (tmp_path / "folder.xyz").mkdir()
     for target in ("folder.gif", "missing/film.gif", "film.gif", "n" * 300 + ".gif"):
         with pytest.raises(pc.FileError, match="cannot be written"):
-            pc.film(SCENE, tmp_path / target, duration=1.0)
+            pc.film(SCENE, tmp_path / target, duration=1.0, sidecar=True)
     for target in ("folder.xyz", "missing/run.xyz"):
         with pytest.raises(pc.FileError, match="cannot be written"):
             pc.export(SCENE, tmp_path / target, duration=1.0)

@@ -194,6 +194,7 @@ def test_a_fluid_that_is_not_at_its_spacing_clumps_or_scatters(spacing, symptom,
             assert "spacing" in found[symptom].cure
 
 
+@pytest.mark.filterwarnings("ignore:.*pages load a GIF above 5 MB slowly")
 def test_a_film_that_would_be_too_large_is_told_and_its_size_is_known(tmp_path):
     rng = np.random.default_rng(1)
     dust = pc.Particles(rng.uniform(-1, 1, (4000, 2)), velocities=rng.normal(0, 1, (4000, 2)))

@@ -60,7 +60,16 @@ def main(path: str | os.PathLike[str] = "pendulums.gif", progress: bool | None =
     # From the longest to the shortest, wires and bobs alike.
     style = pc.styles.Strain(color=np.tile(np.arange(PENDULUMS), 2), colormap="plasma", width=1.6)
     camera = Orbit(-28.0, 14.0)
-    pc.film(recording, path, size=(640, 400), style=style, camera=camera, color_bar=False, progress=progress)
+    pc.film(
+        recording,
+        path,
+        size=(640, 400),
+        style=style,
+        camera=camera,
+        color_bar=False,
+        max_bytes=3_000_000,
+        progress=progress,
+    )
     return {"pendulums": recording}
 
 

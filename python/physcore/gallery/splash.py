@@ -51,7 +51,16 @@ def main(path: str | os.PathLike[str] = "splash.gif", progress: bool | None = No
     """Simulate it and draw it."""
     recording = pc.simulate(scene(), duration=DURATION, fps=200, progress=progress, fluids=METHOD)
     style, camera = pc.styles.Fluid({"pool": "#f7f5ee", "drop": "#e8485f"}, opacity=1.0), Orbit(elevation=24.0)
-    pc.film(recording, path, size=(640, 440), style=style, camera=camera, speed=0.125, progress=progress)
+    pc.film(
+        recording,
+        path,
+        size=(640, 440),
+        style=style,
+        camera=camera,
+        speed=0.125,
+        max_bytes=3_000_000,
+        progress=progress,
+    )
     return {"splash": recording}
 
 

@@ -28,7 +28,8 @@ class Probe(SceneItem):
 
     A weakly compressible fluid rings, and a front of water, which is a particle thin, is stopped by a wall within the
     time that sound takes for a spacing: values over a few times of sound through the radius are the method's and not
-    the water's. Frames that are twenty or more of these apart show what a sensor of that size would.
+    the water's. Frames that are twenty or more of these apart show what a sensor of that size would, if there are five
+    spacings or more along its radius: a coarser front bounces off as a whole, with several times the pressure.
 
     Args:
         position: where [m], in the fluid's domain or on a wall of it.

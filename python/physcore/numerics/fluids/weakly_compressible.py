@@ -62,8 +62,9 @@ class WeaklyCompressible(FluidMethod):
             1 in time and wants drifts and kicks that all go forwards: VelocityVerlet(), SemiImplicitEuler() or
             McLachlan2().
         shifting: the coefficient A, at least zero; 0: not at all; "auto": 6 where it is safe, which is a single fluid
-            on which no force acts, or which starts without a free surface, and 0 elsewhere. It goes with density from
-            continuity, and neither with surface tension nor with forces between pairs that act on the fluid.
+            that is alone, without forces and boundaries, or starts without a free surface, and 0 elsewhere. It goes
+            with density from continuity, and neither with surface tension nor with forces between pairs that act on
+            the fluid.
 
     Raises:
         SceneError: a value is out of range, or it is shifted with density from summation; later, with a scene, it is

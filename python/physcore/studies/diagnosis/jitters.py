@@ -10,9 +10,9 @@ from physcore.scene.bodies import SpringNetwork
 from physcore.studies.diagnosis.case import Case
 from physcore.studies.diagnosis.finding import Finding
 
-REVERSED = 0.25
+REVERSED = 0.35
 """Share of the kinetic energy whose velocity reverses from frame to frame, above which motion is not resolved: an
-oscillation of n frames has sin²(π/n), which is this for six of them; velocities without memory have a half."""
+oscillation of n frames has sin²(π/n), which is this for five of them; velocities without memory have a half."""
 VISIBLE = 2e-3
 """Jumps from frame to frame, over the extent of the body, that are seen: a pixel where it is 500 wide."""
 FEWEST_FRAMES = 10

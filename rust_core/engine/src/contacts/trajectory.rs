@@ -101,7 +101,7 @@ impl<'a> Walls<'a> {
     /// Integrates a step of `h` with contacts, which the integrator took along `path` from the velocity `start`; None
     /// without contact.
     pub fn trajectory(&self, path: &Path, start: DVec3, h: f64) -> Option<End> {
-        let (time, key) = self.first(path, h, &self.contacts(path.position, start, None), &ContactSet::default())?;
+        let (time, key) = self.first(path, h, &self.contacts(path.position, start, None), None)?;
         let trajectory = Trajectory {
             walls: *self,
             position: path.at(time),
@@ -144,12 +144,18 @@ impl<'a> Walls<'a> {
         contacts
     }
 
-    /// The first contact along `path` within `duration`, except with the walls that the particle slides on.
-    fn first(&self, path: &Path, duration: f64, contacts: &ContactSet, slides: &ContactSet) -> Option<(f64, Key)> {
+    /// The first contact along `path` within `duration`, except with the walls that the particle slides on. The others that it
+    /// touches it leaves then: only rounding makes it meet one at once.
+    fn first(&self, path: &Path, duration: f64, contacts: &ContactSet, slides: Option<&ContactSet>) -> Option<(f64, Key)> {
         let mut first = None;
         let mut duration = duration;
-        for (key, _, piece) in self.acting(path.bounds(duration)).filter(|(key, ..)| !slides.contain(*key)) {
-            if let Some(time) = piece.first_contact(path, self.radius, contacts.contain(key), duration) {
+        for (key, _, piece) in self.acting(path.bounds(duration)) {
+            if slides.is_some_and(|slides| slides.contain(key)) {
+                continue;
+            }
+            let touching = contacts.contain(key);
+            let time = piece.first_contact(path, self.radius, touching, duration);
+            if let Some(time) = time.filter(|&time| time > 0.0 || !touching || slides.is_none()) {
                 first = Some((time, key));
                 duration = time;
             }
@@ -270,7 +276,7 @@ impl Trajectory<'_> {
 
     fn fall(&mut self, contacts: &ContactSet) -> Option<Key> {
         let path = Path { position: self.position, velocity: self.velocity, acceleration: self.acceleration };
-        let next = self.walls.first(&path, self.left, contacts, &ContactSet::default());
+        let next = self.walls.first(&path, self.left, contacts, Some(&ContactSet::default()));
         let time = next.map_or(self.left, |(time, _)| time);
         self.position = path.at(time);
         self.velocity = path.slope(time);
@@ -296,7 +302,7 @@ impl Trajectory<'_> {
             acceleration * (duration * duration)
         };
         let path = Path { position: self.position, velocity: way, acceleration: bend };
-        let next = self.walls.first(&path, 1.0, contacts, &support.slides);
+        let next = self.walls.first(&path, 1.0, contacts, Some(&support.slides));
         let time = next.map_or(duration, |(share, _)| share * duration);
         let edge = self.edge(support, acceleration, time);
         let (time, next) = if edge < time { (edge, None) } else { (time, next) };

@@ -93,13 +93,13 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
         Ok(fluids)
     }
 
-    /// Turns shifting on, where it is asked for, or left open and safe: where no force acts on the fluid, or there is no free
-    /// surface, shifts lift nothing.
+    /// Turns shifting on, where it is asked for, or left open and safe: where there is no free surface, or the fluid is alone, shifts
+    /// lift nothing, and no wall turns aside a surface that they do not move.
     fn choose_shifting(&mut self, scene: &Scene, properties: &Properties<V>, executor: &Executor) -> Result<()> {
         let coefficient = match self.materials.shifting {
             Choice::Given(coefficient) => coefficient,
             Choice::Auto => {
-                if unforced(scene) || self.is_closed(scene, properties, executor)? {
+                if is_alone(scene) || self.is_closed(scene, properties, executor)? {
                     start::SHIFTING
                 } else {
                     0.0
@@ -163,9 +163,11 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
     }
 }
 
-/// Whether no force of the scene acts on a fluid.
-fn unforced(scene: &Scene) -> bool {
-    !start::fluids(scene).any(|(body, _)| scene.forces.iter().any(|item| item.acts_on(body)))
+/// Whether fluids are all that there is: no force acts on them, and neither boundaries nor other bodies are in their way.
+fn is_alone(scene: &Scene) -> bool {
+    scene.boundaries.is_empty()
+        && start::fluids(scene).count() == scene.bodies.len()
+        && !start::fluids(scene).any(|(body, _)| scene.forces.iter().any(|item| item.acts_on(body)))
 }
 
 /// The kernel W(r) of a fluid, in double precision.
