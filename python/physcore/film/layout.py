@@ -86,7 +86,9 @@ class Layout:
         """The part of a panel that is free of text."""
         left, _, right, bottom = self.panel(index)
         header = self.heading.lines(self.text)
-        return left, header + round(0.3 * self.text) * (header > 0), right, bottom - self.footer
+        # Of a picture that text would fill a row is left.
+        top = min(header + round(0.3 * self.text) * (header > 0), bottom - 1)
+        return left, top, right, max(bottom - self.footer, top + 1)
 
     def pixels(self, index: int) -> float:
         """The size of a panel."""
