@@ -147,7 +147,8 @@ fn check<V: Vector<Scalar = f64>>(force: &Item, in_motion: bool) {
             for index in 0..12 {
                 let difference = (backward[index] - forward[index]) / (2.0 * STEP);
                 let error = (product[index] - difference).length();
-                assert!(error < 2e-8 * size, "{force:?} {weights:?}: {} instead of {difference}", product[index]);
+                // Truncation is of the square of the step over the slowest slip, a few hundredths [m/s].
+                assert!(error < 2e-7 * size, "{force:?} {weights:?}: {} instead of {difference}", product[index]);
             }
         }
     }
