@@ -67,7 +67,7 @@ def test_a_dry_probe_reads_nothing_and_one_at_the_edge_a_share():
 def test_water_and_its_tank_exchange_momentum_in_a_splash():
     """Momentum is what gravity gives and the tank takes: the impulses that it is said to bear are all that there are.
     With corners of images, and a ball of particles in the way; to two percent of the impulse, because in a splash walls
-    are hit by particles themselves too.
+    are hit by particles themselves too, whose impulses no force counts; 1.04 percent was seen, which is not derived.
     """
     water = pc.Fluid(pc.block((0.0, 0.0), (0.4, 0.8), SPACING), SPACING, name="water")
     ball = pc.Particles(pc.ball((0.9, 0.1), 0.1, SPACING), fixed=True, name="ball")

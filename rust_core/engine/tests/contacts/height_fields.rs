@@ -171,7 +171,8 @@ fn stays_above<V: Vector>(ground: &Ground, ball: Ball, e: f64, mu: f64, h: f64) 
         laboratory.step(h);
         let x = laboratory.position(0);
         prop_assert!(x.is_finite() && laboratory.velocity(0).is_finite());
-        // A slide leaves a part where it is two times 16 roundings beyond its region, on ground some four times as high as wide.
+        // A slide leaves a part where it is two times 16 roundings beyond its region. The factor of four for steep ground is not
+        // derived: 36 were seen.
         let rounding = 128.0 * V::Scalar::EPSILON * (x.length() + 4.0);
         let distance = distance(&triangles, x);
         prop_assert!(distance >= ball.radius - rounding, "step {number}: {distance} at {x}");
@@ -191,8 +192,8 @@ fn keeps_the_energy<V: Vector>(ground: &Ground, ball: Ball, e: f64, mu: f64) -> 
     for number in 0..300 {
         laboratory.step(0.01);
         let balance = laboratory.energy() + laboratory.dissipated() - start;
-        // A slide around an edge or a peak is off by the square of its step of 0.01 s, times some 50 m²/s⁴ of curved motion, and
-        // bounces are exact.
+        // A slide around an edge or a peak is off by its step's order, and bounces are exact. Not derived: the largest that 9000
+        // random grounds showed was 1.3e-3.
         let tolerance = if mu > 0.0 || e < 1.0 { 5e-3 } else { 1e-6 };
         prop_assert!(balance.abs() < tolerance, "step {number}: off by {balance:e} at {}", laboratory.position(0));
     }
