@@ -199,7 +199,7 @@ def test_the_plan_says_how_much_work_a_step_was():
     "item",
     [
         pc.CustomForce(lambda time, positions, velocities: -positions),
-        pc.Gravitation(1.0, softening=0.1),
+        pc.Gravitation(1.0, softening=0.1, opening_angle=0.5),
     ],
     ids=name,
 )
@@ -209,13 +209,20 @@ def test_forces_without_derivatives_are_refused_by_name(integrator, item):
         pc.Simulation(pc.Scene(sheet(3), item), integrator)
 
 
-def crowd(*items: Any, dimension: int = 3) -> pc.Scene:
-    """Particles on a jittered lattice, nine tenths of a spacing in radius, in slow motion."""
+def crowd(*items: Any, dimension: int = 3, charge: bool = False) -> pc.Scene:
+    """Particles on a jittered lattice, 1.2 spacings in diameter, in slow motion; with charges of ±1 C if wished."""
     rng = np.random.default_rng(4)
     sites = pc.block((0.0,) * dimension, (3.0,) * dimension, 1.0)
     places = sites + rng.uniform(-0.1, 0.1, sites.shape)
-    body = pc.Particles(places, rng.uniform(-0.2, 0.2, sites.shape), mass=rng.uniform(0.5, 1.5, len(sites)), radius=0.6)
-    return pc.Scene(body, *items)
+    speeds, masses = rng.uniform(-0.2, 0.2, sites.shape), rng.uniform(0.5, 1.5, len(sites))
+    charges = rng.choice([-1.0, 1.0], len(sites)) if charge else 0.0
+    return pc.Scene(pc.Particles(places, speeds, mass=masses, radius=0.6, charge=charges), *items)
+
+
+def sources() -> pc.Scene:
+    """Two masses in free motion that attract others and do not feel them."""
+    heavy = pc.Particles([[-1.0, 1.0, 1.0], [3.5, 2.0, 1.0]], [[0.0, 0.3, 0.0], [-0.2, 0.0, 0.1]], mass=20.0)
+    return pc.Scene(heavy, *crowd().bodies, pc.Gravitation(0.2, softening=0.2, sources=heavy))
 
 
 def bent(*items: Any, damping: float = 1e-4) -> pc.Scene:
@@ -231,6 +238,9 @@ SMOOTH = {
     "atoms": lambda: crowd(pc.LennardJones(1.0, 0.9)),
     "atoms in 2D": lambda: crowd(pc.LennardJones(1.0, 0.9), dimension=2),
     "spheres that overlap": lambda: crowd(pc.SoftSpheres(20.0, 0.3, friction=10.0, tangential_damping=0.2)),
+    "masses that attract": lambda: crowd(pc.Gravitation(0.5, softening=0.3)),
+    "masses in two heavy ones": sources,
+    "charges": lambda: crowd(pc.Coulomb(0.1), charge=True),
     "an attracting center": lambda: crowd(pc.CentralForce((1.0, 1.0, 4.0), 2.0, softening=0.3)),
     "drag that grows with the speed": lambda: crowd(
         pc.Drag(0.1, 0.5, wind=(1.0, 0.0, 0.5)), pc.Gravity((0.0, 0.0, -2.0))

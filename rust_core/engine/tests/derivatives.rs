@@ -199,6 +199,17 @@ fn of_central_forces() {
     }
 }
 
+/// With its pole, and softened.
+#[test]
+fn of_gravitation() {
+    for softening in [0.0, 0.3] {
+        let values = numbers(&[("constant", 0.7), ("softening", softening), ("opening_angle", 0.0)]);
+        let force = Item::new("Gravitation", values);
+        check::<DVec2>(&force, false);
+        check::<DVec3>(&force, false);
+    }
+}
+
 #[test]
 fn of_drag() {
     let mut values = numbers(&[("linear", 0.0), ("quadratic", 0.4)]);

@@ -25,8 +25,8 @@ class BDF2(Integrator):
     Newton's method with line search, its linear equations by conjugate gradients. A step whose equation is not solved
     raises SimulationDiverged, or is taken in parts with on_divergence="substep"; none is accepted that is not balanced.
     Stable with any step, for springs of any stiffness with damping, Gravity, Drag, CentralForce, LennardJones,
-    SoftSpheres, Dihedral, Wind and boundaries; forces without known derivatives are refused by their names. A force
-    that jumps, as where damped spheres touch, may have no solution at long steps.
+    SoftSpheres, Dihedral, Wind, exact sums of Gravitation and Coulomb, and boundaries; forces without known derivatives
+    are refused by their names. A force that jumps, as where damped spheres touch, may have no solution at long steps.
 
     Args:
         tolerance: the largest unbalanced force over the largest force in the step, above 0.

@@ -8,6 +8,7 @@
 //! cubes in SI units may be out of the range of f32.
 
 mod accuracy;
+mod derivatives;
 mod evaluation;
 mod expansion;
 mod hilbert;
@@ -20,6 +21,7 @@ use std::ops::Range;
 
 use glam::DVec3;
 
+use super::derivatives::Derivatives;
 use super::{About, Declared, Force, Forces, Kind, Rates, Reach, StateView, Validity};
 use crate::error::{Error, Result};
 use crate::history::History;
@@ -292,5 +294,9 @@ impl<V: Vector> Force<V> for AllPairs<V> {
 
     fn validity(&self, _at: &StateView<'_, V>, horizon: Horizon) -> Validity {
         if horizon == Horizon::Present { Validity::Now } else { Validity::Always }
+    }
+
+    fn derivatives(&mut self) -> Option<&mut dyn Derivatives> {
+        if self.has_derivatives() { Some(self) } else { None }
     }
 }

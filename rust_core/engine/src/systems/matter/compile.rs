@@ -214,7 +214,8 @@ fn refuse_forces<V: Vector>(
 fn cannot_take(about: &MethodAbout, kind: &str) -> Error {
     let expected = format!("one that evaluates forces, such as VelocityVerlet(), for a {kind}");
     Error::parameter("integrator", expected, about.name).with_hint(if about.springs == Treatment::Solved {
-        "it takes springs, Gravity, Drag, CentralForce, SoftSpheres, LennardJones, Dihedral and Wind, whose derivatives are known"
+        "it takes springs, Gravity, Drag, CentralForce, SoftSpheres, LennardJones, Dihedral and Wind, whose derivatives are known, \
+         and Gravitation and Coulomb as exact sums (opening_angle=0) over up to a million pairs"
     } else {
         "it has projections for springs alone, and takes fields as they are"
     })
