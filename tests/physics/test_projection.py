@@ -103,6 +103,26 @@ def test_projective_dynamics_converges_to_backward_euler(damping):
     assert errors[2] < 10 * EPSILON
 
 
+def test_few_iterations_keep_the_motion_of_stiff_cloth():
+    """A cloth that swings from 30° off the vertical, in steps of sixteen times Verlet's limit, is where backward Euler
+    leads it: iterations start from the displacements that keep the velocities. From none it would hang in the air.
+    """
+    cloth = pc.cloth(
+        (12, 10), 0.05, 2e4, 0.5, mass=0.004, axes=((1.0, 0.0, 0.0), (0.0, 0.5, 0.8660254037844386)), pinned="top"
+    )
+    scene = pc.Scene(cloth, pc.Gravity((0.0, 0.0, -9.81)), pc.Drag(2e-3))
+
+    def end(integrator: pc.Integrator) -> Array:
+        run = pc.Simulation(scene, integrator, dt=1.0 / 256)
+        run.run(0.5)
+        return run.positions
+
+    exact = end(pc.BackwardEuler(1e-8))
+    moved = float(np.abs(exact - cloth.positions).max())
+    off = [float(np.abs(end(pc.ProjectiveDynamics(count)) - exact).max()) / moved for count in (5, 20, 80)]
+    assert np.all(np.less(off, [0.5, 0.1, 0.02])), off
+
+
 @pytest.mark.parametrize("damping", [0.0, 0.3])
 def test_sweeps_converge_to_backward_euler_as_steps_become_small(damping):
     """Impulses of earlier sweeps keep the directions that springs had then. These turn by (Δv/l) h, the impulses move

@@ -7,6 +7,10 @@
 
 use std::ops::{Div, Mul, SubAssign};
 
+use glam::{DVec3, DVec4};
+
+use crate::simd::{Kernel, dispatch};
+
 /// A factorization of matrices with one pattern of entries.
 #[derive(Debug, Clone)]
 pub struct Factorization {
@@ -155,31 +159,12 @@ impl Factorization {
         &self.pivots
     }
 
-    /// Solves A x = b in place, for numbers or vectors; `y` is a buffer.
-    pub fn solve<X>(&self, x: &mut [X], y: &mut Vec<X>)
-    where
-        X: Copy + Default + SubAssign + Mul<f64, Output = X> + Div<f64, Output = X>,
-    {
-        let Self { place, start, rows, values, pivots, .. } = self;
-        y.resize(x.len(), X::default());
-        x.iter().zip(place.iter()).for_each(|(&value, &place)| y[place as usize] = value);
-        let end = |column: usize| start.get(column + 1).copied().unwrap_or(values.len());
-        for column in 0..pivots.len() {
-            let known = y[column];
-            for entry in start[column]..end(column) {
-                y[rows[entry] as usize] -= known * values[entry];
-            }
-        }
-        for column in (0..pivots.len()).rev() {
-            let mut sum = y[column] / pivots[column];
-            for entry in start[column]..end(column) {
-                sum -= y[rows[entry] as usize] * values[entry];
-            }
-            y[column] = sum;
-        }
-        for (value, &place) in x.iter_mut().zip(place.iter()) {
-            *value = y[place as usize];
-        }
+    /// Solves A x = b in place; `y` is a buffer.
+    pub fn solve<X: RightSide>(&self, x: &mut [X], y: &mut Vec<X::Wide>) {
+        y.resize(x.len(), X::default().widen());
+        x.iter().zip(self.place.iter()).for_each(|(&value, &place)| y[place as usize] = value.widen());
+        dispatch(Substitution { factorization: self, y });
+        x.iter_mut().zip(self.place.iter()).for_each(|(value, &place)| *value = X::narrow(y[place as usize]));
     }
 
     /// Memory [bytes].
@@ -187,6 +172,69 @@ impl Factorization {
         self.values.len() * (size_of::<f64>() + size_of::<u32>())
             + self.row.len() * 64
             + self.entries.iter().map(Vec::len).sum::<usize>() * 8
+    }
+}
+
+/// A component of a right-hand side: a number, or a vector, which a fourth component 0 makes as wide as a register.
+pub trait RightSide: Copy + Default {
+    /// The component as it is stored.
+    type Wide: Copy + SubAssign + Mul<f64, Output = Self::Wide> + Div<f64, Output = Self::Wide>;
+    /// To that.
+    fn widen(self) -> Self::Wide;
+    /// From that.
+    fn narrow(wide: Self::Wide) -> Self;
+}
+
+impl RightSide for f64 {
+    type Wide = Self;
+
+    fn widen(self) -> Self {
+        self
+    }
+
+    fn narrow(wide: Self) -> Self {
+        wide
+    }
+}
+
+impl RightSide for DVec3 {
+    type Wide = DVec4;
+
+    fn widen(self) -> DVec4 {
+        self.extend(0.0)
+    }
+
+    fn narrow(wide: DVec4) -> Self {
+        wide.truncate()
+    }
+}
+
+/// Solves L D Lᵀ y = y, in the order of elimination.
+struct Substitution<'a, W> {
+    factorization: &'a Factorization,
+    y: &'a mut [W],
+}
+
+impl<W: Copy + SubAssign + Mul<f64, Output = W> + Div<f64, Output = W>> Kernel for Substitution<'_, W> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { factorization: Factorization { start, rows, values, pivots, .. }, y } = self;
+        let end = |column: usize| start.get(column + 1).copied().unwrap_or(values.len());
+        for column in 0..pivots.len() {
+            let (known, entries) = (y[column], start[column]..end(column));
+            for (&row, &value) in rows[entries.clone()].iter().zip(&values[entries]) {
+                y[row as usize] -= known * value;
+            }
+        }
+        for column in (0..pivots.len()).rev() {
+            let (mut sum, entries) = (y[column] / pivots[column], start[column]..end(column));
+            for (&row, &value) in rows[entries.clone()].iter().zip(&values[entries]) {
+                sum -= y[row as usize] * value;
+            }
+            y[column] = sum;
+        }
     }
 }
 

@@ -38,8 +38,8 @@ pub trait Projector<V: Vector>: Send + Sync {
     fn substeps(&self) -> usize;
     /// Prepares for the springs of a scene.
     fn begin(&mut self, dynamics: &Dynamics<V>);
-    /// Turns predicted displacements over `h` seconds [m], from positions `from`, into those that it finds.
-    fn project(&mut self, dynamics: &Dynamics<V>, from: &Columns<V>, displacement: &mut Columns<V>, h: f64);
+    /// Turns predicted displacements over `h` seconds [m] of particles in a state into those that it finds.
+    fn project(&mut self, dynamics: &Dynamics<V>, state: &Matter<V>, displacement: &mut Columns<V>, h: f64);
     /// Memory [bytes].
     fn bytes(&self) -> usize;
 }
@@ -68,7 +68,7 @@ impl<V: Vector, P: Projector<V>> Projection<V, P> {
         dynamics.prepare(matter, time, executor)?;
         dynamics.begin_self_contacts(matter);
         self.predict(dynamics, matter, workspace, h, executor);
-        self.projector.project(dynamics, &matter.position, &mut self.displacement, h);
+        self.projector.project(dynamics, matter, &mut self.displacement, h);
         if let Some([position, velocity]) = &mut workspace.before {
             position.copy_from(&matter.position);
             velocity.copy_from(&matter.velocity);

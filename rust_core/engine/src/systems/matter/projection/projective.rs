@@ -6,10 +6,11 @@
 //!
 //! decreases the incremental energy in every iteration. D takes differences of positions, so that the matrix is the same for all axes;
 //! it is factorized once for each step size. It is stiff across springs too, where a swinging cloth is not: what iterations learn of
-//! that corrects it ([`super::curvature`]). They start from u = 0, where a state of rest remains. Sources: S. Bouaziz et al.,
-//! ACM Trans. Graph. 33, 154 (2014); T. Liu, S. Bouaziz, L. Kavan, ACM Trans. Graph. 36, 23 (2017) for the quasi-Newton form.
+//! that corrects it ([`super::curvature`]). They start from u = h v, with which a state of rest remains, and motion too. Sources:
+//! S. Bouaziz et al., ACM Trans. Graph. 33, 154 (2014); T. Liu, S. Bouaziz, L. Kavan, ACM Trans. Graph. 36, 23 (2017) for the
+//! quasi-Newton form.
 
-use glam::DVec3;
+use glam::{DVec3, DVec4};
 
 use super::curvature::{Curvature, dot};
 use super::links::{Link, Point, gather, links, scatter};
@@ -17,7 +18,7 @@ use super::sweep::count;
 use super::{Projector, about};
 use crate::error::Result;
 use crate::math::{Real, Vector};
-use crate::matter::Columns;
+use crate::matter::{Columns, Matter};
 use crate::scene::Item;
 use crate::simd::{Kernel, dispatch};
 use crate::sparse::Factorization;
@@ -45,7 +46,7 @@ pub struct Projective<V: Vector> {
     /// Residuals of the free particles, and what is known of their changes.
     residual: Vec<DVec3>,
     curvature: Curvature,
-    buffer: Vec<DVec3>,
+    buffer: Vec<DVec4>,
 }
 
 struct Prepared<T> {
@@ -113,15 +114,15 @@ impl<V: Vector> Projector<V> for Projective<V> {
         self.prepared = None;
     }
 
-    fn project(&mut self, dynamics: &Dynamics<V>, from: &Columns<V>, displacement: &mut Columns<V>, h: f64) {
+    fn project(&mut self, dynamics: &Dynamics<V>, state: &Matter<V>, displacement: &mut Columns<V>, h: f64) {
         if self.prepared.as_ref().is_none_or(|(known, _)| *known != h) {
             self.prepared = Some((h, prepare(dynamics, h)));
         }
-        gather(from, &mut self.from);
+        gather(&state.position, &mut self.from);
         gather(displacement, &mut self.predicted);
-        self.displacements.clone_from(&self.predicted);
+        gather(&state.velocity, &mut self.displacements);
+        self.displacements.iter_mut().flatten().for_each(|component| *component = V::Scalar::from_f64(h) * *component);
         let Some((_, prepared)) = self.prepared.take() else { return };
-        prepared.free.iter().for_each(|&particle| self.displacements[particle as usize] = Point::default());
         self.curvature.clear();
         self.balance(dynamics, &prepared);
         for iteration in 0..self.iterations {

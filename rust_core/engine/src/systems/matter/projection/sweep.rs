@@ -11,7 +11,7 @@ use super::links::{Link, Point, gather, links, scatter};
 use super::{Projector, about};
 use crate::error::{Error, Result};
 use crate::math::{Real, Vector};
-use crate::matter::Columns;
+use crate::matter::{Columns, Matter};
 use crate::scene::Item;
 use crate::simd::{Kernel, dispatch};
 use crate::systems::matter::dynamics::Dynamics;
@@ -68,13 +68,13 @@ impl<V: Vector> Projector<V> for Sweeps<V::Scalar> {
         self.h = 0.0;
     }
 
-    fn project(&mut self, dynamics: &Dynamics<V>, from: &Columns<V>, displacement: &mut Columns<V>, h: f64) {
+    fn project(&mut self, dynamics: &Dynamics<V>, state: &Matter<V>, displacement: &mut Columns<V>, h: f64) {
         if self.h != h {
             (self.h, self.links) = (h, links(&dynamics.springs, &dynamics.properties, h));
         }
         self.multipliers.clear();
         self.multipliers.resize(self.links.len(), V::Scalar::ZERO);
-        gather(from, &mut self.from);
+        gather(&state.position, &mut self.from);
         gather(displacement, &mut self.displacements);
         let Self { links, multipliers, from, displacements, .. } = self;
         for _ in 0..self.iterations {
