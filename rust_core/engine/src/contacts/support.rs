@@ -13,7 +13,7 @@ use super::trajectory::{Contact, ContactSet, pushes};
 const ANGLE: f64 = 0.25;
 
 /// The supporting contacts of a particle.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub(super) struct Support {
     carriers: [Contact; 2],
     count: usize,
@@ -114,7 +114,7 @@ impl Support {
 
     /// The same support at another position, where `surface` gives a piece's normal and curvatures.
     pub fn moved(&self, surface: impl Fn(Key) -> (DVec3, f64, f64)) -> Self {
-        let mut moved = *self;
+        let mut moved = self.clone();
         for contact in moved.carriers.iter_mut().take(self.count.min(2)) {
             (contact.normal, contact.curvature, contact.bend) = surface(contact.key);
         }

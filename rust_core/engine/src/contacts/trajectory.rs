@@ -15,6 +15,7 @@
 //! After [`EVENTS`] impacts and slides a particle keeps its position and velocity until the step's end: energy stays exact
 //! and no wall is crossed; the error is the phase of a motion that dt does not resolve.
 
+use arrayvec::ArrayVec;
 use glam::DVec3;
 
 use super::support::{Slip, Support};
@@ -24,7 +25,7 @@ use crate::boundaries::{Path, Piece, Wall};
 /// Maximum number of impacts and slides within one step.
 const EVENTS: usize = 64;
 /// Maximum number of simultaneous contacts of a particle.
-pub(super) const MOST_CONTACTS: usize = 12;
+const MOST_CONTACTS: usize = 12;
 
 /// The walls that one particle can touch.
 #[derive(Clone, Copy)]
@@ -62,15 +63,14 @@ pub(super) struct Contact {
 }
 
 /// The walls that a particle touches.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct ContactSet {
-    items: [Contact; MOST_CONTACTS],
-    count: usize,
+    items: ArrayVec<Contact, MOST_CONTACTS>,
 }
 
 impl ContactSet {
     pub fn as_slice(&self) -> &[Contact] {
-        &self.items[..self.count]
+        &self.items
     }
 
     /// Adds a contact. Where its normal is that of a contact with the same surface but for a rounding error of `blur`, it
@@ -85,11 +85,9 @@ impl ContactSet {
         self.add(contact);
     }
 
+    /// Adds a contact, unless there are [`MOST_CONTACTS`].
     pub fn add(&mut self, contact: Contact) {
-        if self.count < MOST_CONTACTS {
-            self.items[self.count] = contact;
-            self.count += 1;
-        }
+        let _ = self.items.try_push(contact);
     }
 
     pub fn contain(&self, key: Key) -> bool {

@@ -37,6 +37,10 @@ impl SelfContacts {
 
 /// Whether an edge passes through a triangle, decided without rounding.
 fn pierces([p, q]: [DVec3; 2], [a, b, c]: [DVec3; 3]) -> bool {
+    let around = |points: &[DVec3]| points.iter().fold(Bounds::EMPTY, |sum, &point| sum.union(&Bounds::around(point, 0.0)));
+    if !around(&[p, q]).overlaps(&around(&[a, b, c])) {
+        return false;
+    }
     let point = |x: DVec3| Coord3D { x: x.x, y: x.y, z: x.z };
     let side = |a: DVec3, b: DVec3, c: DVec3, d: DVec3| orient3d(point(a), point(b), point(c), point(d));
     let turns = [side(p, q, a, b), side(p, q, b, c), side(p, q, c, a)];

@@ -104,11 +104,10 @@ pub struct Mesh {
     /// The body of each particle.
     body_of: Vec<u32>,
     tree: Tree,
-    /// Boxes around the elements and the edges.
+    /// Boxes around the elements in the tree's order, and whether a vertex of them has changed; boxes around the edges.
     boxes: Vec<Swept>,
-    edge_boxes: Vec<Swept>,
-    /// The elements with a vertex that has changed.
     changed: Vec<bool>,
+    edge_boxes: Vec<Swept>,
 }
 
 /// What tells the higher half of the key of a vertex and a triangle.
@@ -216,15 +215,15 @@ impl Mesh {
         each: &(impl Fn(Pair, &Swept, &Swept) -> Option<T> + Sync),
     ) {
         let around = |vertices: &[u32]| vertices.iter().fold(Swept::EMPTY, |sum, &vertex| sum.union(&boxes[vertex as usize]));
+        let has_changed = |nodes: &[u32]| nodes.iter().any(|&node| changed[node as usize]);
+        let elements = self.tree.order().iter().map(|&element| &self.elements[element as usize].vertices);
         self.boxes.clear();
-        self.boxes.extend(self.elements.iter().map(|element| around(&element.vertices)));
+        self.boxes.extend(elements.clone().map(|vertices| around(vertices)));
+        self.changed.clear();
+        self.changed.extend(elements.map(|vertices| has_changed(vertices)));
         self.edge_boxes.clear();
         self.edge_boxes.extend(self.edges.iter().map(|ends| around(ends)));
-        let has_changed = |nodes: &[u32]| nodes.iter().any(|&node| changed[node as usize]);
-        self.changed.clear();
-        self.changed.extend(self.elements.iter().map(|element| has_changed(&element.vertices)));
-        let (tree, swept, news) = (&mut self.tree, &self.boxes, &self.changed);
-        tree.refit(|element| (swept[element as usize].hull(), news[element as usize]));
+        self.tree.refit(|place| (self.boxes[place].hull(), self.changed[place]));
         let mesh = &*self;
         found.resize(mesh.tree.nodes().div_ceil(BLOCK), Vec::new());
         found.iter_mut().for_each(Vec::clear);
@@ -237,12 +236,16 @@ impl Mesh {
                 }
             };
             for node in first..(first + BLOCK).min(mesh.tree.nodes()) {
-                mesh.tree.query(node, |some, others| {
-                    let same = std::ptr::eq(some, others);
-                    for (index, &one) in some.iter().enumerate() {
-                        for &other in &others[if same { index + 1 } else { 0 }..] {
-                            let new = mesh.changed[one as usize] || mesh.changed[other as usize];
-                            if new && mesh.boxes[one as usize].overlaps(&mesh.boxes[other as usize]) {
+                mesh.tree.query(node, |some, others, around| {
+                    for one in some.clone() {
+                        let part = &mesh.boxes[one];
+                        // Of the elements of one leaf, each pair once.
+                        let rest = if some == others { one + 1..others.end } else { others.clone() };
+                        if !part.hull().overlaps(around) {
+                            continue;
+                        }
+                        for other in rest {
+                            if (mesh.changed[one] || mesh.changed[other]) && part.overlaps(&mesh.boxes[other]) {
                                 mesh.pairs_of([one, other], boxes, &mut take);
                             }
                         }
@@ -252,16 +255,17 @@ impl Mesh {
         });
     }
 
-    /// Calls `found` with the pairs of two elements.
+    /// Calls `found` with the pairs of two elements, by their places in the tree's order.
     #[inline]
-    fn pairs_of(&self, [one, other]: [u32; 2], boxes: &[Swept], found: &mut impl FnMut(Pair, &Swept, &Swept)) {
+    fn pairs_of(&self, places: [usize; 2], boxes: &[Swept], found: &mut impl FnMut(Pair, &Swept, &Swept)) {
+        let [one, other] = places.map(|place| self.tree.order()[place]);
         let (first, second) = (&self.elements[one as usize], &self.elements[other as usize]);
         let rule = self.rules[first.body as usize * self.bodies + second.body as usize];
         if rule == NONE {
             return;
         }
-        self.vertices_on_face((first, second), other, rule, boxes, found);
-        self.vertices_on_face((second, first), one, rule, boxes, found);
+        self.vertices_on_face((first, second), (other, &self.boxes[places[1]]), rule, boxes, found);
+        self.vertices_on_face((second, first), (one, &self.boxes[places[0]]), rule, boxes, found);
         for &edge in first.own_edges.as_slice() {
             let (ends, part) = (self.edges[edge as usize], &self.edge_boxes[edge as usize]);
             for &facing in second.own_edges.as_slice() {
@@ -284,7 +288,7 @@ impl Mesh {
     fn vertices_on_face(
         &self,
         (one, face): (&Element, &Element),
-        index: u32,
+        (index, around): (u32, &Swept),
         rule: u32,
         boxes: &[Swept],
         found: &mut impl FnMut(Pair, &Swept, &Swept),
@@ -292,7 +296,6 @@ impl Mesh {
         if !face.is_face {
             return;
         }
-        let around = &self.boxes[index as usize];
         for &vertex in one.own_vertices.as_slice() {
             let point = &boxes[vertex as usize];
             if !face.vertices.contains(&vertex) && point.overlaps(around) {

@@ -203,7 +203,7 @@ impl SelfContacts {
             zones.merge(&self.inverse_mass, velocities, |members, velocity| self.within_walls(members, velocity, step));
             self.cover(velocities, step);
             let mut reached = self.reached(velocities, 0.0, step);
-            reached.retain(|near| near.pair.nodes.iter().any(|&node| zones.contains(node)));
+            reached.retain(|&index| self.nearby.pairs[index as usize].pair.nodes.iter().any(|&node| zones.contains(node)));
             met = self.meetings(&reached, velocities, step);
         }
         Err(Unresolved { particle: last })

@@ -18,7 +18,7 @@ const KEPT: f64 = 0.5;
 const KEPT_OF_PRESENT: f64 = 0.5;
 /// How far beyond the thickness the contacts of the last step are taken into the next one, in units of the thickness.
 const LASTING: f64 = 1.0;
-/// Pairs that one thread looks at at a time.
+/// Items that one thread looks at at a time.
 const BLOCK: usize = 1024;
 
 impl SelfContacts {
@@ -35,24 +35,26 @@ impl SelfContacts {
         in_order(self.loads.pairs.iter().filter_map(contact).collect()).into_iter().map(|(_, contact)| contact).collect()
     }
 
-    /// The pairs that these velocities may lead nearer than the thickness and `margin` times that.
-    pub(super) fn reached(&self, velocities: &[DVec3], margin: f64, Step { h, executor, .. }: Step<'_>) -> Vec<Near> {
-        let reached = |near: &Near| {
+    /// The pairs near each other, as indices, that these velocities may lead nearer than the thickness and `margin` times that.
+    pub(super) fn reached(&self, velocities: &[DVec3], margin: f64, Step { h, executor, .. }: Step<'_>) -> Vec<u32> {
+        let reached = |&index: &u32| {
+            let near = &self.nearby.pairs[index as usize];
             let reach = (1.0 + margin) * self.rules[near.pair.rule as usize].thickness;
-            (near.distance <= 0.0 || near.least(velocities, h) < reach).then_some(*near)
+            (near.distance <= 0.0 || near.least(velocities, h) < reach).then_some(index)
         };
-        by_blocks(&self.nearby.pairs, executor, &reached)
+        by_blocks(&(0..self.nearby.pairs.len() as u32).collect::<Vec<_>>(), executor, &reached)
     }
 
     /// The contacts of those among these pairs that close along their normals, apart from those `known`, the nearest first.
     pub(super) fn closing(
         &self,
-        reached: &[Near],
+        reached: &[u32],
         known: &HashSet<u64>,
         motion: (f64, &[DVec3], &[DVec3]),
         Step { h, executor, .. }: Step<'_>,
     ) -> Vec<Contact> {
-        let contact = |near: &Near| {
+        let contact = |&index: &u32| {
+            let near = &self.nearby.pairs[index as usize];
             if known.contains(&near.pair.key) {
                 return None;
             }
@@ -65,11 +67,12 @@ impl SelfContacts {
     /// Those among these pairs that come too near each other on their way, the nearest first, and how.
     pub(super) fn meetings(
         &self,
-        reached: &[Near],
+        reached: &[u32],
         velocities: &[DVec3],
         Step { h, executor, .. }: Step<'_>,
     ) -> Vec<(Near, Closest)> {
-        let meeting = |near: &Near| {
+        let meeting = |&index: &u32| {
+            let near = &self.nearby.pairs[index as usize];
             let (pair, distance) = (&near.pair, near.distance);
             let least = (KEPT * self.rules[pair.rule as usize].thickness).min(KEPT_OF_PRESENT * distance);
             if distance > 0.0 && near.least(velocities, h) >= least {
@@ -155,12 +158,12 @@ fn in_order<T>(mut found: Vec<(Near, T)>) -> Vec<(Near, T)> {
     found
 }
 
-/// What `each` finds among pairs, in their order.
-fn by_blocks<T: Send + Clone>(pairs: &[Near], executor: &Executor, each: &(impl Fn(&Near) -> Option<T> + Sync)) -> Vec<T> {
-    let mut found: Vec<Vec<T>> = vec![Vec::new(); pairs.len().div_ceil(BLOCK)];
-    executor.for_each_block(BlockedSlice::new(&mut found, 1), &|work: BlockedSlice<'_, Vec<T>>| {
+/// What `each` finds among items, in their order, block by block.
+fn by_blocks<T: Sync, R: Send + Clone>(items: &[T], executor: &Executor, each: &(impl Fn(&T) -> Option<R> + Sync)) -> Vec<R> {
+    let mut found: Vec<Vec<R>> = vec![Vec::new(); items.len().div_ceil(BLOCK)];
+    executor.for_each_block(BlockedSlice::new(&mut found, 1), &|work: BlockedSlice<'_, Vec<R>>| {
         let first = work.start * BLOCK;
-        work.items[0].extend(pairs[first..pairs.len().min(first + BLOCK)].iter().filter_map(each));
+        work.items[0].extend(items[first..items.len().min(first + BLOCK)].iter().filter_map(each));
     });
     found.concat()
 }

@@ -1,10 +1,12 @@
 //! A binary tree of boxes around the elements of a mesh: its topology follows from where they are at the start, its boxes from where
 //! they are now.
 
+use std::ops::Range;
+
 use glam::{DVec3, Vec3A};
 
 /// Elements in a leaf.
-const LEAF: usize = 4;
+const LEAF: usize = 8;
 
 /// The margin of a box for the rounding of its corners and of sums of a few of them, relative to these: 8 half units of the last place.
 const ROUNDING: f32 = 4.0 * f32::EPSILON;
@@ -103,6 +105,14 @@ struct Node {
     changed: bool,
 }
 
+impl Node {
+    /// The places of its elements in the tree's order.
+    #[inline(always)]
+    fn elements(&self) -> Range<usize> {
+        self.start as usize..(self.start + self.count) as usize
+    }
+}
+
 /// The tree.
 #[derive(Debug, Clone, Default)]
 pub struct Tree {
@@ -142,13 +152,13 @@ impl Tree {
         self.nodes[at].skip = self.nodes.len() as u32;
     }
 
-    /// Takes boxes of the elements, and whether they have changed.
-    pub fn refit(&mut self, element: impl Fn(u32) -> (Bounds, bool)) {
+    /// Takes boxes of the elements in the tree's order, and whether they have changed.
+    pub fn refit(&mut self, element: impl Fn(usize) -> (Bounds, bool)) {
         for at in (0..self.nodes.len()).rev() {
             let node = self.nodes[at];
             let (bounds, changed) = if node.count > 0 {
                 let join = |sum: (Bounds, bool), part: (Bounds, bool)| (sum.0.union(&part.0), sum.1 || part.1);
-                self.elements(&node).iter().map(|&index| element(index)).fold((Bounds::EMPTY, false), join)
+                node.elements().map(&element).fold((Bounds::EMPTY, false), join)
             } else {
                 let [left, right] = [at + 1, self.nodes[at + 1].skip as usize].map(|child| &self.nodes[child]);
                 (left.bounds.union(&right.bounds), left.changed || right.changed)
@@ -157,9 +167,9 @@ impl Tree {
         }
     }
 
-    #[inline(always)]
-    fn elements(&self, node: &Node) -> &[u32] {
-        &self.order[node.start as usize..(node.start + node.count) as usize]
+    /// The elements in the tree's order.
+    pub fn order(&self) -> &[u32] {
+        &self.order
     }
 
     /// The number of nodes.
@@ -168,16 +178,16 @@ impl Tree {
     }
 
     /// Calls `each` with the elements of one node, if it is a leaf, and those of every leaf from there on whose box overlaps its own, if an
-    /// element of the two has changed.
+    /// element of the two has changed: by their places in the tree's order, and the box of the second leaf.
     #[inline]
-    pub fn query(&self, node: usize, mut each: impl FnMut(&[u32], &[u32])) {
+    pub fn query(&self, node: usize, mut each: impl FnMut(Range<usize>, Range<usize>, &Bounds)) {
         let leaf = &self.nodes[node];
         let mut at = node;
         while at < self.nodes.len() && leaf.count > 0 {
             let other = &self.nodes[at];
             let touches = (leaf.changed || other.changed) && leaf.bounds.overlaps(&other.bounds);
             if touches && other.count > 0 {
-                each(self.elements(leaf), self.elements(other));
+                each(leaf.elements(), other.elements(), &other.bounds);
             }
             at = if touches { at + 1 } else { other.skip as usize };
         }
