@@ -361,7 +361,7 @@ def test_labels_keep_their_width() -> None:
     narrow = footer._lines(16, 200, [0.0], 0)[0][0]
     assert len(narrow) > 1
     assert all(text_width(line, 16) <= 200 for line in narrow)
-    assert wrapped(["aa", "bb", "cc"], 16, text_width("aa   bb", 16)) == ["aa   bb", "cc"]
+    assert wrapped(["aa", "bb", "cc"], 16, text_width("aa   bb", 16)) == [["aa", "bb"], ["cc"]]
 
 
 @pytest.mark.parametrize(

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from physcore.film.colors.themes import Color, Theme, ThemeName
     from physcore.film.labels.diagram import Inset
     from physcore.film.labels.footer import Label
+    from physcore.film.labels.tags import Named
     from physcore.film.layout import Format
     from physcore.film.styles import Style
     from physcore.film.writers import Film, Loop, Quality
@@ -48,6 +49,8 @@ def film(
     credit: str | None = None,
     labels: Sequence[Label] = ("time",),
     color_bar: bool = True,
+    legend: Named = False,
+    name_tags: Named = False,
     inset: Inset | None = None,
     time_unit: str | None = None,
     speed: float | None = None,
@@ -102,6 +105,10 @@ def film(
         labels: what stands below the picture, some of "time", "dt", "integrator" and "energy" (the energy error so
             far); those of several panels each below its own.
         color_bar: whether to show at the lower right what colors mean, as far as there is room.
+        legend: whether to list the names of bodies with their colors below the picture; or which, by themselves or by
+            their names: `legend=("Sun", "Jupiter")`. Each has to be drawn in a color of its own.
+        name_tags: whether to write names beside their bodies in the picture, as suits planets and other single
+            particles; or which. None lies over another one.
         inset: "energy": a diagram of kinetic, potential, internal and total energy in the emptiest corner of a panel.
         time_unit: "ms", "s", "min", "h", "d", "yr" or another; None: as suits the duration. Where the film does not
             play in real time, the label "time" says so: "1 s = 90 d".
@@ -157,7 +164,8 @@ def film(
     note = "" if credit is None else line_of(credit, "credit")
     renderer = Renderer(
         found, sides, style, camera, colors, heading, shown,
-        labels=labels, color_bar=with_bar, inset=inset, credit=note, time_unit=unit, rate=rate,
+        labels=labels, color_bar=with_bar, legend=legend, name_tags=name_tags, inset=inset, credit=note,
+        time_unit=unit, rate=rate,
     )  # fmt: skip
     try:
         with renderer:

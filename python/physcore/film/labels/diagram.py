@@ -106,6 +106,11 @@ class Diagram:
         self._sides = inner[0], inner[2]
 
     @property
+    def box(self) -> Area:
+        """The rectangle that it takes [pixels]."""
+        return self._box
+
+    @property
     def colors(self) -> list[Color]:
         """One for each curve; the total is like the text."""
         return [*self._theme.bodies[: len(self._names) - 1], self._theme.text]
@@ -135,7 +140,7 @@ class Diagram:
         legend: list[list[tuple[str, int | None]]] = [
             [(named if text_width(named, self._text) <= room else head, None)]
         ]
-        lines = [line.split(GAP) for line in wrapped(self._names, self._text, room)]
+        lines = wrapped(self._names, self._text, room)
         return legend + [[(name, self._names.index(name)) for name in line] for line in lines]
 
     def _write(self, canvas: Canvas) -> None:

@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from physcore._core import missing_signs, text_width
+from physcore._core import Canvas, missing_signs, text_width
 from physcore.errors import SceneWarning, warn
+from physcore.film.colors.themes import Theme
 
 GAP = "   "
 """Between two pieces of a line."""
@@ -33,14 +34,14 @@ def fitting(line: str, height: int, width: int) -> int:
     return height if needed <= width else max(height * width // needed, height // 2)
 
 
-def wrapped(pieces: Sequence[str], height: int, width: int) -> list[str]:
-    """Lines of at most this width [pixels], if each piece is; a piece is never torn."""
-    lines: list[str] = []
+def wrapped(pieces: Sequence[str], height: int, width: int) -> list[list[str]]:
+    """The pieces of each line: lines of at most this width [pixels], if each piece is; a piece is never torn."""
+    lines: list[list[str]] = []
     for piece in pieces:
-        if lines and text_width(lines[-1] + GAP + piece, height) <= width:
-            lines[-1] += GAP + piece
+        if lines and text_width(GAP.join([*lines[-1], piece]), height) <= width:
+            lines[-1].append(piece)
         else:
-            lines.append(piece)
+            lines.append([piece])
     return lines
 
 
@@ -70,3 +71,10 @@ def _short(value: float) -> str:
         return "0"
     digits, _, exponent = f"{value:.1e}".partition("e")
     return f"{digits}e{int(exponent)}" if exponent else digits
+
+
+def outlined(canvas: Canvas, line: str, left: int, top: int, height: int, theme: Theme) -> None:
+    """Write a line at once over a picture, with an outline of the background around its signs."""
+    for x, y in ((-1, -1), (1, -1), (-1, 1), (1, 1)):
+        canvas.text(line, left + x, top + y, height, (*theme.background, 255), -1)
+    canvas.text(line, left, top, height, (*theme.text, 255), -1)

@@ -17,7 +17,7 @@ from physcore.checks import BoolArray, FloatArray, IntArray, number, shown
 from physcore.errors import SceneError
 from physcore.film.camera.view import PixelArray, View
 from physcore.film.colors.colormaps import ColormapName, sequential
-from physcore.film.colors.themes import Theme
+from physcore.film.colors.themes import Color, Theme
 from physcore.scene.bodies import Body
 from physcore.scene.items import On, System, chosen, found
 from physcore.scene.periodic import Periodic
@@ -151,7 +151,9 @@ class BodyStyle(Style):
     def painters(self, source: Source, items: Sequence[Body | System], theme: Theme) -> list[Painter]:
         """One painter of all bodies."""
         parts = [Part(body, source.scene.slice(body)) for body in items if isinstance(body, Body)]
-        return [self.painter(source, parts, theme)]
+        painter = self.painter(source, parts, theme)
+        painter.parts = parts
+        return [painter]
 
     @abstractmethod
     def painter(self, source: Source, parts: list[Part], theme: Theme) -> Painter:
@@ -194,6 +196,24 @@ class Painter(ABC):
     """The value at the end of the color scale. Panels with equal styles and quantities share it."""
     low: float = 0.0
     """The value at its start, likewise."""
+    parts: Sequence[Part] = ()
+    """The bodies that it draws."""
+    fixed: FloatArray | None = None
+    """Colors (N, 3) of their particles, if those keep them; None if they show a quantity, or a picture."""
+
+    @property
+    def legend(self) -> list[tuple[Body, Color]]:
+        """The bodies that it draws in one color, with that."""
+        if self.fixed is None:
+            return []
+        ends = np.cumsum([len(part.body) for part in self.parts])
+        result: list[tuple[Body, Color]] = []
+        for part, end in zip(self.parts, ends.tolist(), strict=True):
+            colors = np.unique(self.fixed[end - len(part.body) : end], axis=0)
+            if len(colors) == 1:
+                red, green, blue = colors[0].astype(int).tolist()
+                result.append((part.body, (red, green, blue)))
+        return result
 
     @property
     def scale(self) -> Scale | None:

@@ -125,6 +125,7 @@ class FluidPainter(Painter):
             chosen = cast("Chosen", style.color)
             self._coloring = Coloring(chosen, self._table, "Fluid.color", source, parts, theme)
             self.low, self.top = self._coloring.low, style.top or self._coloring.top
+            self.fixed = self._coloring.fixed
         clear = OPACITY[self._coloring is not None] if style.opacity is None else style.opacity
         self._opacity = clear if style.surface else 1.0
 

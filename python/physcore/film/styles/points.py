@@ -140,7 +140,7 @@ class PointsPainter(Painter):
         self._coloring = (
             None if color in MEASURED else Coloring(color, self._table, "Points.color", source, parts, theme)
         )
-        self._fixed = None if self._coloring is None else self._coloring.fixed
+        self.fixed = None if self._coloring is None else self._coloring.fixed
         self.low, self.top = (0.0, 0.0) if self._coloring is None else (self._coloring.low, self._coloring.top)
         self.top = style.top or self.top
         frames = source.count / 8 if len(self._mass) <= FEW else 0.0
@@ -196,7 +196,7 @@ class PointsPainter(Painter):
         """Add trails, then halos, then discs."""
         positions = frame.positions[self._where]
         centers, depth, scale = view.project(positions)
-        fraction = None if self._fixed is not None else self._values(frame)
+        fraction = None if self.fixed is not None else self._values(frame)
         if fraction is not None and fraction.ndim == 1:
             fraction = (fraction - self.low) / ((self.top - self.low) or 1.0)
         ink = self._inks(fraction, depth if self._style.shading else None, view)
@@ -270,7 +270,7 @@ class PointsPainter(Painter):
 
     def _inks(self, fraction: FloatArray | None, depth: PixelArray | None, view: View) -> InkArray:
         """The color of each particle (N, 4), its own or by the fraction of the scale that it has reached."""
-        colors = self._fixed if fraction is None else fraction if fraction.ndim == 2 else None
+        colors = self.fixed if fraction is None else fraction if fraction.ndim == 2 else None
         if colors is not None:
             return inks(colors, self._theme, None if depth is None else view.farness(depth))
         assert fraction is not None

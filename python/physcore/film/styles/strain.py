@@ -132,6 +132,7 @@ class StrainPainter(Painter):
             chosen = cast("Chosen", style.color)
             self._coloring = Coloring(chosen, ramp, "Strain.color", source, parts, theme)
             self.low, self.top = self._coloring.low, self._coloring.top
+            self.fixed = self._coloring.fixed
 
     @property
     def settled(self) -> bool:

@@ -168,6 +168,7 @@ class SurfacePainter(Painter):
         self.top = style.range or NEVER
         if self._coloring is not None:
             self.low, self.top = self._coloring.low, self._coloring.top
+            self.fixed = self._coloring.fixed if self._texture is None else None
 
     @property
     def settled(self) -> bool:
