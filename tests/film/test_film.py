@@ -19,7 +19,8 @@ import physcore as pc
 from physcore._core import Canvas, Gif
 from physcore.film import DARK, LIGHT, Orbit, Window, gif_bytes
 from physcore.film.camera.view import fit
-from physcore.film.colors.colormaps import COLORMAPS, look_up, sequential
+from physcore.film.colors.colormaps import COLORMAPS, look_up, oklab, sequential
+from physcore.film.colors.themes import contrast
 from physcore.film.styles.base import SystemStyle
 from physcore.film.styles.strain import covered
 from physcore.film.writers import delays
@@ -338,6 +339,17 @@ def test_colormaps_grow_evenly_lighter() -> None:
         assert (np.diff(luma) > -0.2).all()
     table = sequential("viridis", (0.0, 1.0), "colormap")
     np.testing.assert_array_equal(look_up(table, np.array([-1.0, 0.0, 2.0])), table[[0, 0, 255]])
+
+
+@pytest.mark.parametrize("name", [*COLORMAPS, "gray", "hot", "afmhot"])
+def test_ramps_stand_out_from_their_ground(name: str) -> None:
+    """They begin at middle lightness on a dark ground, and end no lighter than a light one."""
+    if name not in COLORMAPS:
+        pytest.importorskip("matplotlib")
+    dark, light = (sequential(name, theme.part, "colormap") for theme in (DARK, LIGHT))
+    assert oklab(dark)[0, 0] > 0.49
+    assert oklab(light)[0, 0] < oklab(dark)[0, 0]
+    assert contrast(tuple(np.round(dark[0]).astype(int).tolist()), DARK.background) > 2.7
 
 
 def test_a_failure_leaves_the_old_file_and_nothing_else(tmp_path: Path) -> None:

@@ -31,12 +31,8 @@ FOG = 0.2
 """How much of its color the farthest thing in a 3D picture has lost to the background."""
 SHADING = 0.85
 """How much the light matters on balls."""
-MANY = 50_000
-"""The largest number of values of which a percentile is taken."""
 BRIGHT = 384
 """A ground whose red, green and blue add up to more is light."""
-TYPICAL = 99.5
-"""The top of a color scale is this percentile of a frame, so that one outlier does not take all color for itself."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -306,16 +302,6 @@ def straight(domain: Periodic | None, steps: FloatArray) -> BoolArray:
 def sums(index: IntArray, values: FloatArray, count: int) -> FloatArray:
     """The sums (count, D) of the rows (N, D) that have each index (N,)."""
     return np.stack([np.bincount(index, weights=column, minlength=count) for column in values.T], axis=1)
-
-
-def typical(values: FloatArray, percentile: float = TYPICAL) -> float:
-    """The value below which nearly all lie, of at most some ten thousands of them; 0 if there are none."""
-    few = values[:: 1 + len(values) // MANY]
-    finite = few[np.isfinite(few)]
-    if len(finite) == 0:
-        return 0.0
-    rank = min(int(len(finite) * percentile / 100), len(finite) - 1)
-    return float(np.partition(finite, rank)[rank])
 
 
 def table(colormap: ColormapName | None, theme: Theme, path: str) -> FloatArray:

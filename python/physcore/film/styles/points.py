@@ -29,10 +29,10 @@ from physcore.film.styles.base import (
     inks,
     places,
     straight,
-    typical,
 )
 from physcore.film.styles.coloring import Coloring, checked, require_known
 from physcore.film.styles.curve import Curve, joined
+from physcore.film.styles.typical import Typical
 from physcore.simulation.sources import Source, SourceFrame
 
 ColorBy = Literal["speed", "energy", "body"]
@@ -80,7 +80,7 @@ class Points(BodyStyle):
             ground it is a shadow of its color.
         blur: the part of the time between two frames for which the shutter is open, 0 to 1: discs are drawn out along
             their velocities. 0.5 is what film cameras have.
-        top: the value at the end of the color scale [m/s or J], above zero; None: what is typical of the fastest frame.
+        top: the value at the end of the color scale [m/s or J], above zero; None: what is typical of the film.
         shading: whether balls are lit in 3D and fade with distance; if not, each color is exactly what was asked for.
         on: as in Style.
 
@@ -142,7 +142,7 @@ class PointsPainter(Painter):
         )
         self.fixed = None if self._coloring is None else self._coloring.fixed
         self.low, self.top = (0.0, 0.0) if self._coloring is None else (self._coloring.low, self._coloring.top)
-        self.top = style.top or self.top
+        self.top, self._typical = style.top or self.top, Typical()
         frames = source.count / 8 if len(self._mass) <= FEW else 0.0
         if style.trail is not None:
             frames = min(style.trail * source.fps, source.count)
@@ -179,11 +179,11 @@ class PointsPainter(Painter):
         """Find the top of the color scale."""
         if self.settled:
             return
-        values = self._values(frame)
-        if values.ndim == 1:
-            self.top = max(self.top, self._style.top or typical(values))
-            if self._coloring is not None:
-                self.low = min(self.low, -typical(-values))
+        if self._coloring is None:
+            self.top = self._typical.add(self._values(frame))
+        else:
+            self._coloring.observe(frame)
+            self.low, self.top = self._coloring.low, self._style.top or self._coloring.top
 
     def inset(self, pixels: float) -> float:
         """A radius."""
