@@ -15,7 +15,8 @@ use crate::texture::Texture;
 pub struct Canvas {
     width: usize,
     height: usize,
-    /// Row by row from the top; the fourth byte is not used, but makes a pixel one machine word.
+    /// Row by row from the top; the fourth byte says how much of a pixel is glow, whose gradients are dithered where there are
+    /// few colors.
     pixels: Vec<[u8; 4]>,
     backdrop: Vec<[u8; 4]>,
     /// The eye of a picture in space, and then the depth of what each pixel shows; empty without one.
@@ -32,7 +33,7 @@ impl Canvas {
         if !sides.contains(&width) || !sides.contains(&height) {
             return Err(Error::Size { width, height });
         }
-        let pixels = vec![[background[0], background[1], background[2], 255]; width * height];
+        let pixels = vec![[background[0], background[1], background[2], 0]; width * height];
         let clip = Rectangle { left: 0, top: 0, right: width as i32, bottom: height as i32 };
         let (depths, backdrop_depths) = (Vec::new(), Vec::new());
         Ok(Self { width, height, backdrop: pixels.clone(), pixels, eye: None, depths, backdrop_depths, clip })
@@ -48,7 +49,8 @@ impl Canvas {
         self.height
     }
 
-    /// The pixels, row by row from the top: red, green, blue and a byte without meaning.
+    /// The pixels, row by row from the top: red, green, blue, and how much of it is glow, which [`Palette`](crate::Palette)
+    /// dithers.
     pub fn pixels(&self) -> &[[u8; 4]] {
         &self.pixels
     }
@@ -110,7 +112,7 @@ impl Canvas {
         {
             for (column, &[red, green, blue]) in (left..).zip(colors) {
                 if (first..last).contains(&column) {
-                    self.pixels[row as usize * self.width + column as usize] = [red, green, blue, 255];
+                    self.pixels[row as usize * self.width + column as usize] = [red, green, blue, 0];
                 }
             }
         }

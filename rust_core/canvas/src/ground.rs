@@ -3,7 +3,7 @@
 use crate::canvas::Canvas;
 use crate::color::Rgb;
 use crate::eye::Eye;
-use crate::math::{cross, dot, minus, plus};
+use crate::math::{cross, dot, minus, plus, threshold};
 
 /// Ground: a plane that is lit around a place and fades into what is behind it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -102,17 +102,11 @@ fn meet(eye: Eye, ground: &Ground, x: f32, y: f32) -> Option<[f32; 3]> {
 }
 
 /// Mixes a color into a pixel with an ordered dither: in the few colors of a GIF, gradients would have steps.
-///
-/// Source: B. Bayer, "An optimum method for two-level rendition of continuous-tone pictures" (1973).
 #[inline(always)]
 fn mix_evenly(pixel: &mut [u8; 4], color: Rgb, share: f32, center: [f32; 2]) {
     const LEVELS: f32 = 3.0;
-    let ([x, y], mut threshold) = (center.map(|coordinate| coordinate as u32), 0);
-    for bit in 0..3 {
-        let (right, down) = ((x >> bit) & 1, (y >> bit) & 1);
-        threshold = 4 * threshold + 2 * (right ^ down) + down;
-    }
-    let offset = LEVELS * ((threshold as f32 + 0.5) / 64.0 - 0.5);
+    let [x, y] = center.map(|coordinate| coordinate as u32);
+    let offset = LEVELS * (threshold(x, y) - 0.5);
     for (channel, toward) in pixel.iter_mut().zip(color) {
         let below = f32::from(*channel);
         *channel = (below + (f32::from(toward) - below) * share + offset * (4.0 * share).min(1.0) + 0.5) as u8;

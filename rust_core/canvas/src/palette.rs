@@ -106,9 +106,9 @@ impl Palette {
         self.quality
     }
 
-    /// The number of each pixel's color, into `out`.
-    pub fn indices(&mut self, pixels: &[[u8; 4]], out: &mut Vec<u8>) {
+    /// The number of each pixel's color in a picture of so many columns, into `out`: the nearest one, but glow is dithered.
+    pub fn indices(&mut self, pixels: &[[u8; 4]], width: usize, out: &mut Vec<u8>) {
         out.resize(pixels.len(), 0);
-        self.table.look_up(pixels, out);
+        self.table.look_up_dithered(pixels, width, out);
     }
 }
