@@ -352,6 +352,31 @@ def test_ramps_stand_out_from_their_ground(name: str) -> None:
     assert contrast(tuple(np.round(dark[0]).astype(int).tolist()), DARK.background) > 2.7
 
 
+def test_high_quality_smooths_outlines_in_space_and_changes_nothing_in_the_plane(tmp_path: Path) -> None:
+    """It is nearer to the means of a picture that is four times as large along each side."""
+
+    def still(body: Any, times: int, quality: Any, camera: Any) -> np.ndarray:
+        path, style = tmp_path / "still.png", pc.styles.Surface("tomato")
+        options: dict[str, Any] = {
+            "size": (160 * times, 120 * times),
+            "style": style,
+            "camera": camera,
+            "background": "#101010",
+        }
+        pc.film(pc.Scene(body), path, duration=0.1, quality=quality, labels=(), **options)
+        with Image.open(path) as image:
+            pixels = np.asarray(image.convert("RGB")).astype(float)
+        return pixels.reshape(120, times, 160, times, 3).mean(axis=(1, 3))
+
+    camera = Orbit(-72.0, 16.0, target=(0.2, 0.2, 0.2), extent=0.8)
+    exact, fast, high = (
+        still(pc.soft_body((5, 5, 5), 0.1, 100.0), *each, camera) for each in ((4, "fast"), (1, "fast"), (1, "high"))
+    )
+    assert np.square(high - exact).mean() < 0.5 * np.square(fast - exact).mean()
+    sheet, window = pc.cloth((6, 5), 0.1, 100.0), Window((-0.1, -0.1), (0.7, 0.5))
+    np.testing.assert_array_equal(still(sheet, 1, "fast", window), still(sheet, 1, "high", window))
+
+
 def test_a_failure_leaves_the_old_file_and_nothing_else(tmp_path: Path) -> None:
     path = tmp_path / "film.gif"
     path.write_bytes(b"old")

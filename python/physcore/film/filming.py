@@ -30,6 +30,8 @@ if TYPE_CHECKING:
 
 HEAVY = 5_000_000
 """GIFs of more bytes are said to be large: pages load them slowly, and some take none."""
+SAMPLES: dict[Quality, int] = {"fast": 1, "high": 2}
+"""Pixels that are drawn along each side of one in 3D."""
 
 
 @spelled
@@ -119,9 +121,10 @@ def film(
             second into the first; None: it jumps. A motion with a period needs neither: `recording.period`.
         duration: how long to simulate a scene [s].
         fps: frames per second of simulated time at which to film a scene; None: 30.
-        quality: of a GIF. "fast": pixels may have a color near the nearest one of the palette where that makes the
-            film smaller, where it would exceed 3 MB: at most 18 levels of 255 off, and only where things move;
-            "high": the nearest one always, of a palette chosen with more care. See docs/films.md.
+        quality: "fast", or "high": in 3D each pixel is the mean of four, so that outlines have no steps, which takes
+            three times as long; and pixels of a GIF always have the nearest color, of a palette chosen with more care,
+            where those of a "fast" one, if it would exceed 3 MB, may have one near that where it makes the film
+            smaller: at most 18 levels of 255 off, and only where things move. See docs/films.md.
         max_bytes: how large a GIF may become; of other formats a SceneWarning tells. Where it would be larger, it is
             made again, and first colors may be farther off, up to 28 levels; then every second frame is left out, as
             long as twelve a second are left; then half of the colors, down to 63; then the picture becomes smaller,
@@ -165,7 +168,7 @@ def film(
     renderer = Renderer(
         found, sides, style, camera, colors, heading, shown,
         labels=labels, color_bar=with_bar, legend=legend, name_tags=name_tags, inset=inset, credit=note,
-        time_unit=unit, rate=rate,
+        time_unit=unit, rate=rate, samples=SAMPLES[quality],
     )  # fmt: skip
     try:
         with renderer:

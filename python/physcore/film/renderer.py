@@ -68,6 +68,7 @@ class Renderer:
         heading: what stands above the picture; None: nothing.
         progress, labels, color_bar, legend, name_tags, inset, credit, time_unit: as in `film`.
         rate: frames per second of the film; None: as many as of the simulation.
+        samples: pixels in 3D are the means of so many along each side.
 
     Raises:
         SceneError: an argument is not valid.
@@ -91,8 +92,9 @@ class Renderer:
         credit: str = "",
         time_unit: str | None = None,
         rate: float | None = None,
+        samples: int = 1,
     ) -> None:
-        self._theme, asked = theme, check_size(size)
+        self._theme, self._samples, asked = theme, samples, check_size(size)
         self._heading, self._labels = heading or Heading(), check_labels(labels, found)
         diagram = check_inset(inset, found)
         self._listed, self._tagged = check_named(legend, "legend", found), check_named(name_tags, "name_tags", found)
@@ -283,7 +285,8 @@ class Renderer:
 
     def _prepared(self) -> Canvas:
         """A canvas with all that does not move."""
-        canvas = Canvas(*self.size, self._theme.background)
+        flat = all(panel.view.at(0).flat for panel in self._panels)
+        canvas = Canvas(*self.size, self._theme.background, 1 if flat else self._samples)
         if not self._moving:
             self._draw_scenery(canvas, 0)
             self._write_titles(canvas)

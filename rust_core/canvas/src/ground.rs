@@ -25,9 +25,11 @@ pub struct Ground {
 impl Canvas {
     /// Lets the background become lighter toward a place by a share of the way to a color, at once and everywhere in the clip.
     pub fn backdrop(&mut self, center: [f32; 2], radius: f32, color: Rgb, share: f32) {
+        let times = self.samples() as f32;
+        let (center, radius) = (center.map(|place| times * place), times * radius);
         self.each(|pixel, [x, y], _| {
             let square = ((x - center[0]) * (x - center[0]) + (y - center[1]) * (y - center[1])) / (radius * radius);
-            mix_evenly(pixel, color, share / ((1.0 + square) * (1.0 + square)), [x, y]);
+            mix_evenly(pixel, color, share / ((1.0 + square) * (1.0 + square)), [x / times, y / times]);
         });
     }
 
@@ -36,6 +38,7 @@ impl Canvas {
         let Some(eye) = self.eye() else {
             return;
         };
+        let times = self.samples() as f32;
         let axes = [ground.along, cross(ground.normal, ground.along)];
         // The place that is seen at a pixel, and its coordinates on the plane.
         let seen = |x: f32, y: f32| {
@@ -52,13 +55,13 @@ impl Canvas {
             if lit < 0.01 {
                 return;
             }
-            mix_evenly(pixel, ground.color, lit, [x, y]);
+            mix_evenly(pixel, ground.color, lit, [x / times, y / times]);
             if let Some((color, pitch, opacity)) = ground.grid {
-                let (right, below) = (seen(x + 1.0, y), seen(x, y + 1.0));
+                let (right, below) = (seen(x + times, y), seen(x, y + times));
                 if let (Some((_, right)), Some((_, below))) = (right, below) {
                     let mut covered = 0.0_f32;
                     for axis in 0..2 {
-                        // The width of a pixel on the plane, across the lines.
+                        // The width of a pixel of the reduced picture on the plane, across the lines.
                         let wide = (right[axis] - at[axis]).hypot(below[axis] - at[axis]) / pitch;
                         let away = (at[axis] / pitch - (at[axis] / pitch).round()).abs();
                         // Where lines are nearer together than pixels they become a gray.

@@ -57,6 +57,11 @@ const FARTHEST: f32 = 24.0;
 /// How far the color of a drop in 3D reaches, over its support.
 const SMOOTH: f32 = 1.7;
 const ROUNDS: usize = 2;
+/// Thickness from which on shadows fall on a liquid in 3D, and no longer on what is seen through it, if it is clear, and if it
+/// is not.
+const SHADED: [f32; 2] = [1.2, 0.5 * BRIM];
+/// How far the thickness of a liquid in 3D is blurred, over a drop's support.
+const SOFT: f32 = 0.3;
 /// The share of light that a liquid holds back.
 const HELD: f32 = 0.5;
 
@@ -92,6 +97,15 @@ impl Liquid {
         }
     }
 
+    /// Scales the liquid to a picture with so many times as many pixels along each side.
+    pub(crate) fn magnify(&mut self, times: f32) {
+        self.scale *= times;
+        for drop in &mut self.drops {
+            let center = drop.center.map(|place| times * place);
+            *drop = Drop { center, radius: times * drop.radius, depth: times * drop.depth, ..*drop };
+        }
+    }
+
     /// Begins a frame, before any drop: `scale` in pixels per unit of depth (0 in 2D), and the color reflected at grazing
     /// angles; `glow` is how much of its color it sends out by itself.
     pub fn begin(&mut self, scale: f32, sky: Rgb, glow: f32) {
@@ -121,6 +135,7 @@ impl Liquid {
             self.splat_front();
             self.splat_visible_colors();
             self.smooth();
+            self.soften();
         } else {
             self.splat_field();
             self.find_inside();
@@ -159,7 +174,9 @@ impl Liquid {
                 if self.is_deep() {
                     let (color, coverage) = self.lit(row, column, behind);
                     band.dot(column as i32, row as i32, color, coverage);
-                    if coverage > 0.5 {
+                    let opacity = self.mean(pixel).1;
+                    let shaded = self.amount[pixel] > SHADED[0] + (SHADED[1] - SHADED[0]) * opacity;
+                    if shaded && self.front[pixel] < NOTHING {
                         band.deepen_dot(column as i32, row as i32, self.front[pixel] / self.scale);
                     }
                 } else {
@@ -232,6 +249,14 @@ impl Liquid {
         }
     }
 
+    /// Blurs the thickness a little: where the outlines of drops meet, the rim would have teeth.
+    fn soften(&mut self) {
+        let reach = (SOFT * self.mean_radius()).clamp(1.0, 16.0) as usize;
+        let (width, [other, ..]) = (self.width, &mut self.scratch);
+        other.clone_from(&self.amount);
+        blur_plane(&mut self.amount, other, width, reach);
+    }
+
     /// One pass of the filter over neighbors at multiples of a stride. At the ends of rows it wraps into the next row,
     /// which blurs a few pixels where there is liquid at both edges.
     fn filter(&mut self, stride: usize, weights: &[f32]) {
@@ -261,15 +286,8 @@ impl Liquid {
         self.inside.extend(self.amount.iter().map(|&amount| if amount > EDGE { 1.0 } else { 0.0 }));
         let (width, [other, ..]) = (self.width, &mut self.scratch);
         other.clone_from(&self.inside);
-        let height = self.inside.len() / width.max(1);
-        for _ in 0..2 {
-            for row in 0..height {
-                blur(&self.inside[row * width..], &mut other[row * width..], width, 1, reach);
-            }
-            for column in 0..width {
-                blur(&other[column..], &mut self.inside[column..], height, width, reach);
-            }
-        }
+        blur_plane(&mut self.inside, other, width, reach);
+        blur_plane(&mut self.inside, other, width, reach);
     }
 
     /// The color and coverage of a pixel in 2D: the edge is one pixel wide, and a rim follows it that is lighter above than
@@ -381,6 +399,17 @@ fn tint(sum: &mut [f32; 5], color: Ink, weight: f32) {
     let [red, green, blue, opacity] = color.map(f32::from);
     for (sum, channel) in sum.iter_mut().zip([red, green, blue, opacity, 1.0]) {
         *sum += weight * channel;
+    }
+}
+
+/// The means of values up to some places away along rows and then along columns, by means of a plane as large.
+fn blur_plane(values: &mut [f32], other: &mut [f32], width: usize, reach: usize) {
+    let height = values.len() / width.max(1);
+    for row in 0..height {
+        blur(&values[row * width..], &mut other[row * width..], width, 1, reach);
+    }
+    for column in 0..width {
+        blur(&other[column..], &mut values[column..], height, width, reach);
     }
 }
 
