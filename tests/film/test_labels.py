@@ -1,10 +1,11 @@
-"""What is written of bodies: their names, below the picture or beside them."""
+"""What is written over the picture and below it: names of bodies, and a scale bar."""
 
 from __future__ import annotations
 
+import unicodedata
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 import pytest
@@ -14,9 +15,13 @@ from PIL import Image
 
 import physcore as pc
 from physcore.film import DARK, Orbit, Window
+from physcore.film.labels.scale_bar import UNITS, ScaleBar, rounded
 from physcore.film.layout import Heading
 from physcore.film.renderer import Renderer
 from physcore.simulation.sources import sources
+
+if TYPE_CHECKING:
+    from physcore.film.labels.scale_bar import LengthUnit
 
 SIZE = (320, 240)
 BODY = pc.styles.Points("body")
@@ -155,3 +160,64 @@ def test_names_are_drawn_over_the_picture(tmp_path: Path) -> None:
             seen.append(np.asarray(image.convert("RGB")).astype(int))
     lighter = [int((picture.sum(axis=2) > seen[0].sum(axis=2) + 200).sum()) for picture in seen]
     assert lighter[0] < lighter[1] < lighter[2]
+
+
+# The scale bar.
+
+
+@given(st.floats(1e-14, 1e22), st.sampled_from([None, *UNITS]))
+def test_a_scale_bar_is_as_long_as_it_says_and_as_there_is_room(most: float, unit: Any) -> None:
+    length, words = rounded(most, unit)
+    assert most / 2.5 - 1e-9 * most <= length <= most * (1.0 + 1e-6)
+    number, sign = words.rsplit(" ", 1)
+    factor, _, power = number.rpartition("10") if any(digit in number for digit in "⁻⁰¹²³⁴⁵⁶⁷⁸⁹") else (number, "", "")
+    value = float(factor.strip(" ·") or 1.0) * (
+        10.0 ** int(unicodedata.normalize("NFKC", power).replace("−", "-")) if power else 1.0
+    )
+    assert value * UNITS[cast("LengthUnit", sign)] == pytest.approx(length)
+    assert f"{value:e}"[0] in "125"
+    assert unit in (None, sign)
+
+
+@pytest.mark.parametrize(
+    ("most", "words"),
+    [(0.13, "10 cm"), (7.0, "5 m"), (2.4e-9, "2 nm"), (9.9e3, "5 km"), (pc.units.AU, "1 AU"), (1e-20, "10⁻⁵ fm")],
+)
+def test_the_unit_suits_the_length(most: float, words: str) -> None:
+    assert rounded(most, None)[1] == words
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_a_scale_bar_is_drawn_to_scale(dimension: int) -> None:
+    """Of all rows the one of the bar has the most pixels that are like the text."""
+    camera: Any = Window((0.0, 0.0), (5.0, 4.0)) if dimension == 2 else Orbit(target=(2.0, 2.0, 2.0), extent=3.0)
+    bare, barred = [], []
+    for shown, pictures in ((False, bare), (True, barred)):
+        with renderer(system(dimension), camera=camera, scale_bar=shown, labels=(), color_bar=False) as made:
+            pictures.append(next(iter(made.frames())).pixels().astype(int))
+            panel = made._panels[0]
+            view, free = panel.view.at(0), panel.free
+    length, _ = rounded(0.25 * (free[2] - free[0]) / view.scale, None)
+    changed = np.abs(barred[0] - bare[0]).sum(axis=2)
+    light = np.abs(barred[0] - DARK.text).max(axis=2) < 40
+    assert light.sum(axis=1).max() == pytest.approx(
+        length * view.scale, abs=2.5
+    )  # half of the line's width at each end
+    rows, columns = np.nonzero(changed)
+    assert columns.max() < SIZE[0] / 2
+    assert rows.min() > SIZE[1] / 2
+
+
+def test_a_scale_bar_leaves_room_for_what_is_there() -> None:
+    bar = ScaleBar(True, (0.0, 0.0, 320.0, 200.0), 16, DARK)
+    with renderer(system()) as made:
+        view = made._panels[0].view.at(0)
+    left, right = (bar.placed(view, taken)[0] for taken in (None, (8.0, 120.0, 150.0, 192.0)))
+    assert left[2] < 150.0 < right[0]
+    assert right[2] < 320.0
+
+
+@pytest.mark.parametrize("given_unit", ["parsec", 3, None, "ma"])
+def test_what_is_no_unit_of_length_is_refused(given_unit: Any, tmp_path: Path) -> None:
+    with pytest.raises(pc.SceneError, match=r"scale_bar: must be 'fm', 'pm'"):
+        pc.film(system(), tmp_path / "film.png", duration=0.1, scale_bar=given_unit)

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from physcore.film.colors.themes import Color, Theme, ThemeName
     from physcore.film.labels.diagram import Inset
     from physcore.film.labels.footer import Label
+    from physcore.film.labels.scale_bar import LengthUnit
     from physcore.film.labels.tags import Named
     from physcore.film.layout import Format
     from physcore.film.styles import Style
@@ -53,6 +54,7 @@ def film(
     color_bar: bool = True,
     legend: Named = False,
     name_tags: Named = False,
+    scale_bar: bool | LengthUnit = False,
     inset: Inset | None = None,
     time_unit: str | None = None,
     speed: float | None = None,
@@ -111,6 +113,8 @@ def film(
             their names: `legend=("Sun", "Jupiter")`. Each has to be drawn in a color of its own.
         name_tags: whether to write names beside their bodies in the picture, as suits planets and other single
             particles; or which. None lies over another one.
+        scale_bar: whether to draw a scale bar at the lower left of each panel, or in which unit: "nm", "cm", "m", "km",
+            "AU", "ly", "kpc" or another. In 3D it holds at the point that the camera looks at.
         inset: "energy": a diagram of kinetic, potential, internal and total energy in the emptiest corner of a panel.
         time_unit: "ms", "s", "min", "h", "d", "yr" or another; None: as suits the duration. Where the film does not
             play in real time, the label "time" says so: "1 s = 90 d".
@@ -167,8 +171,8 @@ def film(
     note = "" if credit is None else line_of(credit, "credit")
     renderer = Renderer(
         found, sides, style, camera, colors, heading, shown,
-        labels=labels, color_bar=with_bar, legend=legend, name_tags=name_tags, inset=inset, credit=note,
-        time_unit=unit, rate=rate, samples=SAMPLES[quality],
+        labels=labels, color_bar=with_bar, legend=legend, name_tags=name_tags, scale_bar=scale_bar,
+        inset=inset, credit=note, time_unit=unit, rate=rate, samples=SAMPLES[quality],
     )  # fmt: skip
     try:
         with renderer:

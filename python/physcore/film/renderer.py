@@ -26,6 +26,7 @@ from physcore.film.frame_cache import FrameCache
 from physcore.film.labels.clock import Clock
 from physcore.film.labels.diagram import Diagram, History, Inset, check_inset
 from physcore.film.labels.footer import Bar, Footer, Label, bars, check_labels
+from physcore.film.labels.scale_bar import LengthUnit, ScaleBar, check_scale_bar
 from physcore.film.labels.tags import Named, NameTags, check_named
 from physcore.film.labels.text import text_height
 from physcore.film.layout import Heading, Layout, best, check_size
@@ -50,6 +51,7 @@ class Panel:
     view: PanelView
     samples: list[tuple[int, SourceFrame]]
     tags: NameTags
+    bar: ScaleBar | None
     diagram: Diagram | None = None
 
 
@@ -66,7 +68,7 @@ class Renderer:
         style, camera: as in `film`.
         theme: the colors.
         heading: what stands above the picture; None: nothing.
-        progress, labels, color_bar, legend, name_tags, inset, credit, time_unit: as in `film`.
+        progress, labels, color_bar, legend, name_tags, scale_bar, inset, credit, time_unit: as in `film`.
         rate: frames per second of the film; None: as many as of the simulation.
         samples: pixels in 3D are the means of so many along each side.
 
@@ -88,6 +90,7 @@ class Renderer:
         color_bar: bool = True,
         legend: Named = False,
         name_tags: Named = False,
+        scale_bar: bool | LengthUnit = False,
         inset: Inset | None = None,
         credit: str = "",
         time_unit: str | None = None,
@@ -96,7 +99,7 @@ class Renderer:
     ) -> None:
         self._theme, self._samples, asked = theme, samples, check_size(size)
         self._heading, self._labels = heading or Heading(), check_labels(labels, found)
-        diagram = check_inset(inset, found)
+        diagram, self._bar = check_inset(inset, found), check_scale_bar(scale_bar)
         self._listed, self._tagged = check_named(legend, "legend", found), check_named(name_tags, "name_tags", found)
         styles = assignment.asked(style, found)
         camera, found = corotating(camera, [assignment.shown(source, styles) for source in found])
@@ -268,7 +271,8 @@ class Renderer:
             view = PanelView(extent, layout.area(index), self._inset(layout, index))
             free, pixels = layout.area(index), layout.pixels(index)
             tags = NameTags(self._tagged[index], painters, free, layout.text, self._theme)
-            panels.append(Panel(source, painters, layout.panel(index), free, pixels, view, seen.samples, tags))
+            bar = None if self._bar is False else ScaleBar(self._bar, free, layout.text, self._theme)
+            panels.append(Panel(source, painters, layout.panel(index), free, pixels, view, seen.samples, tags, bar))
         return panels
 
     def _add_diagrams(self, passes: Sequence[FirstPass]) -> None:
@@ -333,6 +337,8 @@ class Renderer:
             if panel.diagram is not None:
                 panel.diagram.draw(canvas, index)
                 taken.append(panel.diagram.box)
+            if panel.bar is not None:
+                taken.append(panel.bar.draw(canvas, view, *taken))
             panel.tags.draw(canvas, shown, view, panel.pixels, taken)
         canvas.clip(0, 0, *self.size)
         if self._moving:

@@ -11,7 +11,7 @@ from physcore._core import Canvas, text_width
 from physcore.errors import SceneError
 from physcore.film.camera.view import Area, View
 from physcore.film.colors.themes import Theme
-from physcore.film.labels.text import outlined
+from physcore.film.labels.drawing import outlined
 from physcore.film.styles import Painter
 from physcore.scene.bodies import Body
 from physcore.scene.items import chosen, found

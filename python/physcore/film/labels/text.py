@@ -5,9 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from physcore._core import Canvas, missing_signs, text_width
+from physcore._core import missing_signs, text_width
 from physcore.errors import SceneWarning, warn
-from physcore.film.colors.themes import Theme
 
 GAP = "   "
 """Between two pieces of a line."""
@@ -71,10 +70,3 @@ def _short(value: float) -> str:
         return "0"
     digits, _, exponent = f"{value:.1e}".partition("e")
     return f"{digits}e{int(exponent)}" if exponent else digits
-
-
-def outlined(canvas: Canvas, line: str, left: int, top: int, height: int, theme: Theme) -> None:
-    """Write a line at once over a picture, with an outline of the background around its signs."""
-    for x, y in ((-1, -1), (1, -1), (-1, 1), (1, 1)):
-        canvas.text(line, left + x, top + y, height, (*theme.background, 255), -1)
-    canvas.text(line, left, top, height, (*theme.text, 255), -1)
