@@ -377,6 +377,28 @@ def test_high_quality_smooths_outlines_in_space_and_changes_nothing_in_the_plane
     np.testing.assert_array_equal(still(sheet, 1, "fast", window), still(sheet, 1, "high", window))
 
 
+def test_a_color_that_is_seen_for_a_moment_is_in_the_palette(tmp_path: Path) -> None:
+    """A sheet shows its orange back in one frame of thirty, which is none of those that the palette is chosen from."""
+    sheet = pc.cloth((6, 5), 0.1, 100.0, axes=((1.0, 0.0, 0.0), (0.0, 0.0, 1.0)))
+    start, times = sheet.positions - sheet.positions.mean(axis=0), np.arange(30) / 20
+    positions = np.tile(start, (30, 1, 1))
+    positions[15, :, 0] *= -1.0  # turned around
+    positions[15, :, 1] += 1e-3 * start[:, 0]
+    channels = {"positions": positions, "velocities": np.zeros_like(positions)}
+    recording: Any = SimpleNamespace(
+        scene=pc.Scene(sheet), times=times, fps=20.0, positions=positions, channels=channels
+    )
+    style = pc.styles.Surface("#7a3fd0", back="#ff8c1a")
+    pc.film(recording, tmp_path / "film.gif", size=(160, 120), style=style, camera=Orbit(-90.0, 0.0), labels=())
+    seen = []
+    with Image.open(tmp_path / "film.gif") as image:
+        for frame in (14, 15):
+            image.seek(frame)
+            red, green, blue = np.asarray(image.convert("RGB")).astype(int)[60, 80]
+            seen.append(red > 1.3 * green > 1.3 * 1.3 * blue)
+    assert seen == [False, True]
+
+
 def test_a_failure_leaves_the_old_file_and_nothing_else(tmp_path: Path) -> None:
     path = tmp_path / "film.gif"
     path.write_bytes(b"old")

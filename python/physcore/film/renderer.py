@@ -35,6 +35,9 @@ from physcore.film.styles import Painter, Style
 from physcore.progress import Progress
 from physcore.simulation.sources import Source, SourceFrame
 
+SHADES = (1.0, 0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3)
+"""How much of their colors things in 3D have in the light and in the shade."""
+
 
 @dataclass(eq=False)
 class Panel:
@@ -159,6 +162,14 @@ class Renderer:
     def reserved(self) -> list[Color]:
         """Colors that the film needs exactly."""
         return [self._theme.background]
+
+    @property
+    def colors(self) -> list[Color]:
+        """Colors that the film may show, though no sample does: of bodies and scales, in 3D in light and shade."""
+        every = np.concatenate([painter.palette for painter in chain.from_iterable(self._painters)])
+        shades = SHADES if any(source.scene.dimension == 3 for source in self._found) else (1.0,)
+        shaded = np.unique(np.concatenate([np.rint(shade * every) for shade in shades]).astype(int), axis=0)
+        return [(red, green, blue) for red, green, blue in shaded.clip(0, 255).tolist()]
 
     def samples(self) -> Iterator[Canvas]:
         """Some frames of the film, to choose its palette from; each canvas is valid until the next is asked for."""

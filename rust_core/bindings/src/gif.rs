@@ -57,6 +57,12 @@ impl Gif {
         py.detach(|| histogram.observe(&canvas.picture.reduced()));
     }
 
+    /// Add colors of which none alike was observed.
+    #[expect(clippy::needless_pass_by_value, reason = "PyO3 hands arguments over by value")]
+    fn include(&mut self, colors: Vec<Rgb>) {
+        self.histogram.include(&colors);
+    }
+
     /// Append a frame that is shown for `delay` hundredths of a second; the first one fixes the palette. The frame is copied and
     /// encoded while the next one is drawn, so the canvas is free at once, and a failure may be reported by a later call.
     fn frame(&mut self, py: Python<'_>, canvas: &Canvas, delay: u16) -> PyResult<()> {

@@ -430,3 +430,23 @@ fn only_glow_between_two_colors_is_dithered() {
     let first = reduced(&covered, &mut few);
     assert!(first.iter().all(|shown| *shown == first[0]));
 }
+
+/// A color is included where none is within 24 levels in each channel, up to the 8 of a cell; then the palette has it, and a color
+/// that is alike changes nothing.
+#[test]
+fn included_colors_are_in_the_palette() {
+    let mut picture = canvas(64, 64);
+    let ball = Disc { center: [32.0, 32.0], radius: 25.0, color: [122, 63, 208, 255], shading: 0.8, softness: 1.0 };
+    picture.disc(ball);
+    let mut histogram = Histogram::default();
+    histogram.observe(&picture);
+    let plain = Palette::new(&histogram, &[BACKGROUND], 255);
+    histogram.include(&[[124, 60, 210]]);
+    assert_eq!(Palette::new(&histogram, &[BACKGROUND], 255).colors(), plain.colors());
+    histogram.include(&[[255, 140, 26]]);
+    for most in [255, 16] {
+        let palette = Palette::new(&histogram, &[BACKGROUND], most);
+        let away = |color: &[u8; 3]| (0..3).map(|c| u32::from(color[c].abs_diff([255, 140, 26][c])).pow(2)).sum::<u32>();
+        assert!(palette.colors().iter().map(away).min().expect("a color") < 100, "{most}");
+    }
+}

@@ -31,6 +31,8 @@ FOG = 0.2
 """How much of its color the farthest thing in a 3D picture has lost to the background."""
 SHADING = 0.85
 """How much the light matters on balls."""
+SHOWN = 16
+"""How many colors of a scale a palette has for certain."""
 BRIGHT = 384
 """A ground whose red, green and blue add up to more is light."""
 
@@ -220,6 +222,14 @@ class Painter(ABC):
     def traced(self) -> FloatArray | None:
         """Colors (K, 3) of what it draws only where frames follow each other, which samples of a film do not show."""
         return None
+
+    @property
+    def palette(self) -> FloatArray:
+        """Colors (K, 3) that it may draw in any frame: some of its scale, and the first of each body."""
+        firsts = np.cumsum([0, *(len(part.body) for part in self.parts)])[:-1]
+        bodies = np.empty((0, 3)) if self.fixed is None else self.fixed[firsts[firsts < len(self.fixed)]]
+        table = np.empty((0, 3)) if self.scale is None else self.scale.table
+        return np.concatenate([bodies, table[:: max(len(table) // SHOWN, 1)]])
 
     @property
     def settled(self) -> bool:

@@ -183,6 +183,12 @@ class SurfacePainter(Painter):
             strain_scale(self.top, self._table) if self._coloring is None else self._coloring.scale(self.low, self.top)
         )
 
+    @property
+    def palette(self) -> FloatArray:
+        """Colors (K, 3) that it may draw, that of the back among them."""
+        front = super().palette
+        return front if self._back is None else np.concatenate([front, self._back[np.newaxis]])
+
     def observe(self, frame: SourceFrame) -> None:
         """Find the end of the color scale."""
         if self._coloring is not None:
