@@ -8,6 +8,8 @@
 
 #![expect(clippy::cast_possible_wrap, reason = "no side is longer than 65535 pixels")]
 
+use std::ops::Range;
+
 use crate::band::Band;
 use crate::color::{Ink, Rgb};
 use crate::eye::Eye;
@@ -62,6 +64,8 @@ const ROUNDS: usize = 2;
 const SHADED: [f32; 2] = [1.2, 0.5 * BRIM];
 /// How far the thickness of a liquid in 3D is blurred, over a drop's support.
 const SOFT: f32 = 0.3;
+/// The farthest that it is blurred [pixels].
+const FARTHEST_BLUR: usize = 16;
 /// The share of light that a liquid holds back.
 const HELD: f32 = 0.5;
 
@@ -75,6 +79,8 @@ pub struct Liquid {
     /// Pixels per unit of depth; 0 in 2D.
     scale: f32,
     width: usize,
+    /// The rows where there is liquid in 3D, and around.
+    rows: Range<usize>,
     /// Depth difference above which neighboring pixels belong to different parts of the surface [pixels].
     range: f32,
     /// Depth of the front in 3D [pixels].
@@ -132,6 +138,7 @@ impl Liquid {
         self.colors.clear();
         self.colors.resize(width * height, [0.0; 5]);
         if self.scale > 0.0 {
+            self.rows = self.occupied(height);
             self.splat_front();
             self.splat_visible_colors();
             self.smooth();
@@ -140,6 +147,15 @@ impl Liquid {
             self.splat_field();
             self.find_inside();
         }
+    }
+
+    /// The rows of so many that drops reach, and as many around as their thickness is blurred by.
+    fn occupied(&self, height: usize) -> Range<usize> {
+        let ends = self.drops.iter().map(|drop| (drop.center[1] - drop.radius, drop.center[1] + drop.radius));
+        let (low, high) = ends.fold((f32::MAX, f32::MIN), |(low, high), ends| (low.min(ends.0), high.max(ends.1)));
+        let around = FARTHEST_BLUR as f32 + 1.0;
+        let last = (high + around).clamp(0.0, height as f32) as usize;
+        ((low - around).clamp(0.0, height as f32) as usize).min(last)..last
     }
 
     /// Whether a shape at a depth is in front of the liquid at a pixel; always in 2D.
@@ -223,7 +239,7 @@ impl Liquid {
     /// The colors of the drops no deeper than their own size behind the front.
     fn splat_visible_colors(&mut self) {
         let Self { drops, front, colors, width, .. } = self;
-        for drop in drops.iter() {
+        for drop in drops.iter().filter(|drop| !is_hidden(drop, front, *width)) {
             // Wider than it is: colors change more smoothly than the surface does.
             let wide = Drop { radius: SMOOTH * drop.radius, ..*drop };
             for_each_pixel(&wide, *width, front.len(), |pixel, square| {
@@ -243,38 +259,50 @@ impl Liquid {
         let taps = reach.ceil() as usize;
         let weights: Vec<f32> = (0..=taps).map(|tap| (1.0 - (tap as f32 / (taps + 1) as f32).powi(2)).powi(2)).collect();
         for _ in 0..ROUNDS {
-            for stride in [1, self.width] {
-                self.filter(stride, &weights);
+            for level in [true, false] {
+                self.filter(level, &weights);
             }
         }
     }
 
     /// Blurs the thickness a little: where the outlines of drops meet, the rim would have teeth.
     fn soften(&mut self) {
-        let reach = (SOFT * self.mean_radius()).clamp(1.0, 16.0) as usize;
+        let reach = ((SOFT * self.mean_radius()) as usize).clamp(1, FARTHEST_BLUR);
         let (width, [other, ..]) = (self.width, &mut self.scratch);
-        other.clone_from(&self.amount);
-        blur_plane(&mut self.amount, other, width, reach);
+        let rows = self.rows.start * width..self.rows.end * width;
+        other.clear();
+        other.extend_from_slice(&self.amount[rows.clone()]);
+        blur_plane(&mut self.amount[rows], other, width, reach);
     }
 
-    /// One pass of the filter over neighbors at multiples of a stride. At the ends of rows it wraps into the next row,
-    /// which blurs a few pixels where there is liquid at both edges.
-    fn filter(&mut self, stride: usize, weights: &[f32]) {
-        let Self { front, range, scratch: [sums, totals, before], .. } = self;
-        let count = front.len();
-        before.clone_from(front);
-        sums.clear();
-        sums.extend(front.iter().map(|depth| depth * weights[0]));
-        totals.clear();
-        totals.resize(count, weights[0]);
-        for (tap, &weight) in weights.iter().enumerate().skip(1) {
-            let shift = (tap * stride).min(count);
-            let (here, there) = (&before[..count - shift], &before[shift..]);
-            gather(&mut sums[..count - shift], &mut totals[..count - shift], here, there, weight, *range);
-            gather(&mut sums[shift..], &mut totals[shift..], there, here, weight, *range);
-        }
-        for ((depth, sum), total) in front.iter_mut().zip(sums.iter()).zip(totals.iter()) {
-            *depth = sum / total;
+    /// One pass of the filter along rows, or else along columns, on the rows where there is liquid.
+    fn filter(&mut self, level: bool, weights: &[f32]) {
+        let Self { front, range, width, rows, scratch: [sums, totals, before], .. } = self;
+        let (width, count) = (*width, rows.len());
+        before.clear();
+        before.extend_from_slice(&front[rows.start * width..rows.end * width]);
+        sums.resize(width, 0.0);
+        totals.resize(width, 0.0);
+        for (row, line) in front[rows.start * width..rows.end * width].chunks_exact_mut(width).enumerate() {
+            let here = &before[row * width..(row + 1) * width];
+            sums.iter_mut().zip(here).for_each(|(sum, depth)| *sum = depth * weights[0]);
+            totals.fill(weights[0]);
+            for (tap, &weight) in weights.iter().enumerate().skip(1) {
+                if level {
+                    let rest = width.saturating_sub(tap);
+                    let shift = width - rest;
+                    gather(&mut sums[..rest], &mut totals[..rest], &here[..rest], &here[shift..], weight, *range);
+                    gather(&mut sums[shift..], &mut totals[shift..], &here[shift..], &here[..rest], weight, *range);
+                } else {
+                    for other in [row.checked_add(tap).filter(|&other| other < count), row.checked_sub(tap)].into_iter().flatten()
+                    {
+                        gather(sums, totals, here, &before[other * width..(other + 1) * width], weight, *range);
+                    }
+                }
+            }
+            for ((depth, sum), total) in line.iter_mut().zip(sums.iter()).zip(totals.iter()) {
+                *depth = sum / total;
+            }
         }
     }
 
@@ -393,6 +421,16 @@ fn for_each_pixel(drop: &Drop, width: usize, count: usize, mut visit: impl FnMut
             visit(row * width + column, (dx * dx + dy * dy) * per_square);
         }
     }
+}
+
+/// Whether a drop in 3D is far behind the front at its center and at its sides.
+fn is_hidden(drop: &Drop, front: &[f32], width: usize) -> bool {
+    let ([x, y], r) = (drop.center, drop.radius);
+    let height = front.len() / width.max(1);
+    [[x, y], [x - r, y], [x + r, y], [x, y - r], [x, y + r]].into_iter().all(|[x, y]| {
+        let inside = x >= 0.0 && y >= 0.0 && x < width as f32 && y < height as f32;
+        inside && drop.depth - 4.0 * r > front[y as usize * width + x as usize]
+    })
 }
 
 fn tint(sum: &mut [f32; 5], color: Ink, weight: f32) {
