@@ -222,8 +222,9 @@ impl Canvas {
     }
 
     /// Draw ground at once: its unit normal, the place that is lit best, the distance at which half of that is left, and its
-    /// color; lines of a grid along a direction and across it, with their color, distance and opacity.
-    #[pyo3(signature = (normal, center, size, color, along, grid=None))]
+    /// color; lines of a grid along a direction and across it, with their color, distance and opacity; and, of a wall, the pixels of
+    /// its corners and its opacity.
+    #[pyo3(signature = (normal, center, size, color, along, grid=None, part=None))]
     #[expect(clippy::too_many_arguments, reason = "one call for each film")]
     fn ground(
         &mut self,
@@ -234,9 +235,10 @@ impl Canvas {
         color: Rgb,
         along: [f32; 3],
         grid: Option<(Rgb, f32, f32)>,
+        part: Option<([[f32; 2]; 4], f32)>,
     ) {
         let picture = &mut self.picture;
-        py.detach(|| picture.ground(&Ground { normal, center, size, color, grid, along }));
+        py.detach(|| picture.ground(&Ground { normal, center, size, color, grid, along, part }));
     }
 
     /// Let the background become lighter toward a pixel, at once, by a share of the way to a color.

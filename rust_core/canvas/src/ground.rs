@@ -20,6 +20,9 @@ pub struct Ground {
     pub grid: Option<(Rgb, f32, f32)>,
     /// The direction of half of the lines.
     pub along: [f32; 3],
+    /// The corners of the part of it that is there [pixels], in order, and the opacity that it has everywhere, as of a wall; None:
+    /// all of it, which fades with the distance.
+    pub part: Option<([[f32; 2]; 4], f32)>,
 }
 
 impl Canvas {
@@ -46,12 +49,16 @@ impl Canvas {
             let from = minus(place, ground.center);
             Some((place, axes.map(|axis| dot(axis, from))))
         };
+        let part = ground.part.map(|(corners, opacity)| (corners.map(|corner| corner.map(|place| times * place)), opacity));
         self.each(|pixel, [x, y], depth| {
+            if part.is_some_and(|(corners, _)| !surrounds(&corners, [x, y])) {
+                return;
+            }
             let Some((place, at)) = seen(x, y) else {
                 return;
             };
             let square = (at[0] * at[0] + at[1] * at[1]) / (ground.size * ground.size);
-            let lit = 1.0 / (1.0 + square * square);
+            let lit = part.map_or(1.0 / (1.0 + square * square), |(_, opacity)| opacity);
             if lit < 0.01 {
                 return;
             }
@@ -87,6 +94,15 @@ impl Canvas {
             }
         }
     }
+}
+
+/// Whether a place lies in a convex polygon with corners in either order.
+fn surrounds(corners: &[[f32; 2]; 4], [x, y]: [f32; 2]) -> bool {
+    let turn = |index: usize| {
+        let ([x0, y0], [x1, y1]) = (corners[index], corners[(index + 1) % 4]);
+        (x1 - x0) * (y - y0) - (y1 - y0) * (x - x0)
+    };
+    (0..4).all(|index| turn(index) >= 0.0) || (0..4).all(|index| turn(index) <= 0.0)
 }
 
 /// Where the ray through a pixel meets the ground, if it does so before the eye and from above.

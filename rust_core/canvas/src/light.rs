@@ -43,9 +43,17 @@ pub(crate) struct Depths<'a> {
     pub(crate) eye: Eye,
     pub(crate) width: usize,
     pub(crate) values: &'a [f32],
+    /// Those of the backdrop; empty if there is none.
+    pub(crate) backdrop: &'a [f32],
 }
 
 impl Depths<'_> {
+    /// Whether a pixel shows the backdrop.
+    #[inline(always)]
+    fn is_backdrop(&self, pixel: usize) -> bool {
+        self.backdrop.get(pixel) == Some(&self.values[pixel])
+    }
+
     /// The place that a pixel shows.
     #[inline(always)]
     fn place(&self, column: usize, row: usize) -> [f32; 3] {
@@ -99,13 +107,13 @@ pub(crate) struct Lighting {
 }
 
 impl Lighting {
-    /// A light for pixels with these depths, where a backdrop has those.
-    pub(crate) fn new(light: Light, shadows: Option<ShadowMap>, depths: &Depths<'_>, backdrop: &[f32], threads: usize) -> Self {
+    /// A light for pixels with these depths.
+    pub(crate) fn new(light: Light, shadows: Option<ShadowMap>, depths: &Depths<'_>, threads: usize) -> Self {
         let taps = std::array::from_fn(|index| {
             let (radius, angle) = (light.reach * ((index as f32 + 0.5) / TAPS as f32).sqrt(), GOLDEN * index as f32);
             [radius * angle.cos(), radius * angle.sin()].map(|offset| offset.round() as i32)
         });
-        let (tiles, crowded) = crowded(depths, backdrop, (light.reach / TILE as f32).ceil() as usize);
+        let (tiles, crowded) = crowded(depths, (light.reach / TILE as f32).ceil() as usize);
         let mut found = Self { light, shadows, taps, crowded, tiles, held: Vec::new() };
         found.held = found.sparse(depths, threads);
         found
@@ -137,7 +145,7 @@ impl Lighting {
     fn between(&self, depths: &Depths<'_>, depth: f32, column: usize, row: usize) -> [f32; 2] {
         let across = depths.width.div_ceil(2);
         let (left, above) = (column / 2, row / 2);
-        if column % 2 == 0 && row % 2 == 0 {
+        if column.is_multiple_of(2) && row.is_multiple_of(2) {
             return self.held[above * across + left];
         }
         let (right, below) = (column.div_ceil(2).min(across - 1), row.div_ceil(2).min(self.held.len() / across - 1));
@@ -199,10 +207,13 @@ impl Lighting {
         let reach = self.light.reach * depths.eye.length(-here[2]);
         let (per_square, width) = (1.0 / (reach * reach), depths.width as i32);
         let height = (depths.values.len() / depths.width) as i32;
+        // What stands still takes no light from itself: it would only do so where something is near.
+        let still = depths.is_backdrop((row * width + column) as usize);
         let mut hidden = 0.0;
         for [right, down] in self.taps {
             let (column, row) = (column + right, row + down);
-            if column < 0 || row < 0 || column >= width || row >= height {
+            let outside = column < 0 || row < 0 || column >= width || row >= height;
+            if outside || (still && depths.is_backdrop((row * width + column) as usize)) {
                 continue;
             }
             let way = minus(depths.place(column as usize, row as usize), here);
@@ -217,15 +228,15 @@ impl Lighting {
     }
 }
 
-/// The number of tiles across a picture, and which of them are no farther than so many from one that differs from a backdrop.
-fn crowded(depths: &Depths<'_>, backdrop: &[f32], reach: usize) -> (usize, Vec<bool>) {
+/// The number of tiles across a picture, and which of them are no farther than so many from one that differs from the backdrop.
+fn crowded(depths: &Depths<'_>, reach: usize) -> (usize, Vec<bool>) {
     let (across, height) = (depths.width.div_ceil(TILE), depths.values.len() / depths.width);
     let down = height.div_ceil(TILE);
     let mut crowded = vec![false; across * down];
     for row in 0..height {
         for tile in 0..across {
             let pixels = row * depths.width + tile * TILE..row * depths.width + ((tile + 1) * TILE).min(depths.width);
-            if backdrop.get(pixels.clone()) != Some(&depths.values[pixels]) {
+            if depths.backdrop.get(pixels.clone()) != Some(&depths.values[pixels]) {
                 let (above, left) = ((row / TILE).saturating_sub(reach), tile.saturating_sub(reach));
                 for line in above..(row / TILE + reach + 1).min(down) {
                     crowded[line * across + left..line * across + (tile + reach + 1).min(across)].fill(true);

@@ -197,9 +197,10 @@ impl Painting {
             return;
         }
         let depths = canvas.depths().to_vec();
-        let depths = Depths { eye, width: canvas.width(), values: &depths };
+        let backdrop = canvas.backdrop_depths().to_vec();
+        let depths = Depths { eye, width: canvas.width(), values: &depths, backdrop: &backdrop };
         let shadows = ShadowMap::new(light.lamp, &casters);
-        let lighting = Lighting::new(light, shadows, &depths, canvas.backdrop_depths(), threads(FEW));
+        let lighting = Lighting::new(light, shadows, &depths, threads(FEW));
         in_bands(canvas, threads(FEW), &|band: &mut Band<'_>| lighting.shade(band, &depths));
     }
 

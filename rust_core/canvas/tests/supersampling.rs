@@ -11,8 +11,15 @@ fn scene(canvas: &mut Canvas, times: f32) {
     canvas.backdrop(place(40.0, 30.0), 60.0 * times, [90, 60, 70], 0.5);
     canvas.look_from(Eye { scale: 20.0 * times, middle: place(40.0, 40.0), distance: f32::INFINITY });
     let half = 0.5_f32.sqrt();
-    let floor =
-        Ground { normal: [0.0, half, half], center: [0.0; 3], size: 3.0, color: [90; 3], grid: None, along: [1.0, 0.0, 0.0] };
+    let floor = Ground {
+        normal: [0.0, half, half],
+        center: [0.0; 3],
+        size: 3.0,
+        color: [90; 3],
+        grid: None,
+        along: [1.0, 0.0, 0.0],
+        part: None,
+    };
     canvas.ground(&floor);
     canvas.polygon(&[place(2.0, 2.0), place(12.3, 4.0), place(5.1, 14.2)], [0, 200, 100, 128]);
     let mut painting = Painting::default();
