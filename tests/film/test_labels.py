@@ -94,6 +94,13 @@ def test_a_body_without_a_name_has_none_to_write(tmp_path: Path) -> None:
         pc.film(scene, tmp_path / "film.png", duration=0.1, name_tags=scene.bodies[-1])
 
 
+@pytest.mark.parametrize("option", ["legend", "name_tags"])
+def test_a_name_with_a_sign_that_no_face_has_is_warned_of(option: str, tmp_path: Path) -> None:
+    scene = pc.Scene(pc.Particles([[0.0, 0.0]], name="🪐"))
+    with pytest.warns(pc.SceneWarning, match=rf"{option}: no face has 🪐"):
+        pc.film(scene, tmp_path / "film.png", duration=0.1, style=BODY, **{option: True})
+
+
 def rectangles(made: Renderer) -> list[tuple[float, float, float, float]]:
     """Those that the names take in the first frame: left, top, right and bottom [pixels]."""
     panel = made._panels[0]

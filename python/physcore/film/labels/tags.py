@@ -12,6 +12,7 @@ from physcore.errors import SceneError
 from physcore.film.camera.view import Area, View
 from physcore.film.colors.themes import Theme
 from physcore.film.labels.drawing import outlined
+from physcore.film.labels.text import warn_of_missing
 from physcore.film.styles import Painter
 from physcore.scene.bodies import Body
 from physcore.scene.items import chosen, found
@@ -28,7 +29,7 @@ SIDES = ((1, 0), (-1, 0), (0, -1), (0, 1), (1, -1), (-1, -1), (1, 1), (-1, 1))
 
 
 def check_named(given: object, path: str, filmed: Sequence[Source]) -> list[list[Body]]:
-    """The bodies of each source whose names are to be written.
+    """The bodies of each source whose names are to be written; signs that no face has are warned of.
 
     Raises:
         SceneError: what was asked for is neither True nor False, nor bodies with names of what is filmed.
@@ -43,6 +44,7 @@ def check_named(given: object, path: str, filmed: Sequence[Source]) -> list[list
             raise SceneError(f"{path}: {body!r} is not in what is filmed")
         if not body.name:
             raise SceneError(f"{path}: {body!r} has no name; give it name=…")
+        warn_of_missing(body.name, path)
     return [[body for body in source.scene.bodies if any(body is each for each in asked)] for source in filmed]
 
 
