@@ -15,6 +15,7 @@ use crate::color::{Ink, Rgb};
 use crate::eye::Eye;
 use crate::ink::LAMP;
 use crate::shadow::Caster;
+use crate::smoothing::{blur_plane, narrow_range};
 use crate::view::opaque;
 
 /// A particle of a liquid.
@@ -259,8 +260,9 @@ impl Liquid {
         let taps = reach.ceil() as usize;
         let weights: Vec<f32> = (0..=taps).map(|tap| (1.0 - (tap as f32 / (taps + 1) as f32).powi(2)).powi(2)).collect();
         for _ in 0..ROUNDS {
+            let part = self.rows.start * self.width..self.rows.end * self.width;
             for level in [true, false] {
-                self.filter(level, &weights);
+                narrow_range(&mut self.front[part.clone()], self.width, level, &weights, self.range, &mut self.scratch);
             }
         }
     }
@@ -273,37 +275,6 @@ impl Liquid {
         other.clear();
         other.extend_from_slice(&self.amount[rows.clone()]);
         blur_plane(&mut self.amount[rows], other, width, reach);
-    }
-
-    /// One pass of the filter along rows, or else along columns, on the rows where there is liquid.
-    fn filter(&mut self, level: bool, weights: &[f32]) {
-        let Self { front, range, width, rows, scratch: [sums, totals, before], .. } = self;
-        let (width, count) = (*width, rows.len());
-        before.clear();
-        before.extend_from_slice(&front[rows.start * width..rows.end * width]);
-        sums.resize(width, 0.0);
-        totals.resize(width, 0.0);
-        for (row, line) in front[rows.start * width..rows.end * width].chunks_exact_mut(width).enumerate() {
-            let here = &before[row * width..(row + 1) * width];
-            sums.iter_mut().zip(here).for_each(|(sum, depth)| *sum = depth * weights[0]);
-            totals.fill(weights[0]);
-            for (tap, &weight) in weights.iter().enumerate().skip(1) {
-                if level {
-                    let rest = width.saturating_sub(tap);
-                    let shift = width - rest;
-                    gather(&mut sums[..rest], &mut totals[..rest], &here[..rest], &here[shift..], weight, *range);
-                    gather(&mut sums[shift..], &mut totals[shift..], &here[shift..], &here[..rest], weight, *range);
-                } else {
-                    for other in [row.checked_add(tap).filter(|&other| other < count), row.checked_sub(tap)].into_iter().flatten()
-                    {
-                        gather(sums, totals, here, &before[other * width..(other + 1) * width], weight, *range);
-                    }
-                }
-            }
-            for ((depth, sum), total) in line.iter_mut().zip(sums.iter()).zip(totals.iter()) {
-                *depth = sum / total;
-            }
-        }
     }
 
     /// How far inside a liquid in 2D pixels are, by the mean of what is covered around them.
@@ -437,37 +408,5 @@ fn tint(sum: &mut [f32; 5], color: Ink, weight: f32) {
     let [red, green, blue, opacity] = color.map(f32::from);
     for (sum, channel) in sum.iter_mut().zip([red, green, blue, opacity, 1.0]) {
         *sum += weight * channel;
-    }
-}
-
-/// The means of values up to some places away along rows and then along columns, by means of a plane as large.
-fn blur_plane(values: &mut [f32], other: &mut [f32], width: usize, reach: usize) {
-    let height = values.len() / width.max(1);
-    for row in 0..height {
-        blur(&values[row * width..], &mut other[row * width..], width, 1, reach);
-    }
-    for column in 0..width {
-        blur(&other[column..], &mut values[column..], height, width, reach);
-    }
-}
-
-/// The means of the values up to some places away in a row of them at a distance from one another; at its ends they go on.
-fn blur(from: &[f32], to: &mut [f32], count: usize, stride: usize, reach: usize) {
-    let share = 1.0 / (2 * reach + 1) as f32;
-    let at = |index: usize| from[index.saturating_sub(reach).min(count - 1) * stride];
-    let mut sum: f32 = (0..2 * reach).map(at).sum();
-    for index in 0..count {
-        sum += at(index + 2 * reach);
-        to[index * stride] = sum * share;
-        sum -= at(index);
-    }
-}
-
-/// Adds neighbors within a depth range, with equal weights.
-fn gather(sums: &mut [f32], totals: &mut [f32], here: &[f32], there: &[f32], weight: f32, range: f32) {
-    for (((sum, total), here), there) in sums.iter_mut().zip(totals).zip(here).zip(there) {
-        let share = if (there - here).abs() < range { weight } else { 0.0 };
-        *sum += share * there;
-        *total += share;
     }
 }
