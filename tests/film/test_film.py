@@ -19,7 +19,8 @@ import physcore as pc
 from physcore._core import Canvas, Gif
 from physcore.film import DARK, LIGHT, Orbit, Window, gif_bytes
 from physcore.film.camera.view import fit
-from physcore.film.colors.colormaps import COLORMAPS, look_up, sequential
+from physcore.film.colors.colormaps import COLORMAPS, look_up, oklab, sequential
+from physcore.film.colors.themes import contrast
 from physcore.film.styles.base import SystemStyle
 from physcore.film.styles.strain import covered
 from physcore.film.writers import delays
@@ -338,6 +339,64 @@ def test_colormaps_grow_evenly_lighter() -> None:
         assert (np.diff(luma) > -0.2).all()
     table = sequential("viridis", (0.0, 1.0), "colormap")
     np.testing.assert_array_equal(look_up(table, np.array([-1.0, 0.0, 2.0])), table[[0, 0, 255]])
+
+
+@pytest.mark.parametrize("name", [*COLORMAPS, "gray", "hot", "afmhot"])
+def test_ramps_stand_out_from_their_ground(name: str) -> None:
+    """They begin at middle lightness on a dark ground, and end no lighter than a light one."""
+    if name not in COLORMAPS:
+        pytest.importorskip("matplotlib")
+    dark, light = (sequential(name, theme.part, "colormap") for theme in (DARK, LIGHT))
+    assert oklab(dark)[0, 0] > 0.49
+    assert oklab(light)[0, 0] < oklab(dark)[0, 0]
+    assert contrast(tuple(np.round(dark[0]).astype(int).tolist()), DARK.background) > 2.7
+
+
+def test_high_quality_smooths_outlines_in_space_and_changes_nothing_in_the_plane(tmp_path: Path) -> None:
+    """It is nearer to the means of a picture that is four times as large along each side."""
+
+    def still(body: Any, times: int, quality: Any, camera: Any) -> np.ndarray:
+        path, style = tmp_path / "still.png", pc.styles.Surface("tomato")
+        options: dict[str, Any] = {
+            "size": (160 * times, 120 * times),
+            "style": style,
+            "camera": camera,
+            "background": "#101010",
+        }
+        pc.film(pc.Scene(body), path, duration=0.1, quality=quality, labels=(), **options)
+        with Image.open(path) as image:
+            pixels = np.asarray(image.convert("RGB")).astype(float)
+        return pixels.reshape(120, times, 160, times, 3).mean(axis=(1, 3))
+
+    camera = Orbit(-72.0, 16.0, target=(0.2, 0.2, 0.2), extent=0.8)
+    exact, fast, high = (
+        still(pc.soft_body((5, 5, 5), 0.1, 100.0), *each, camera) for each in ((4, "fast"), (1, "fast"), (1, "high"))
+    )
+    assert np.square(high - exact).mean() < 0.5 * np.square(fast - exact).mean()
+    sheet, window = pc.cloth((6, 5), 0.1, 100.0), Window((-0.1, -0.1), (0.7, 0.5))
+    np.testing.assert_array_equal(still(sheet, 1, "fast", window), still(sheet, 1, "high", window))
+
+
+def test_a_color_that_is_seen_for_a_moment_is_in_the_palette(tmp_path: Path) -> None:
+    """A sheet shows its orange back in one frame of thirty, which is none of those that the palette is chosen from."""
+    sheet = pc.cloth((6, 5), 0.1, 100.0, axes=((1.0, 0.0, 0.0), (0.0, 0.0, 1.0)))
+    start, times = sheet.positions - sheet.positions.mean(axis=0), np.arange(30) / 20
+    positions = np.tile(start, (30, 1, 1))
+    positions[15, :, 0] *= -1.0  # turned around
+    positions[15, :, 1] += 1e-3 * start[:, 0]
+    channels = {"positions": positions, "velocities": np.zeros_like(positions)}
+    recording: Any = SimpleNamespace(
+        scene=pc.Scene(sheet), times=times, fps=20.0, positions=positions, channels=channels
+    )
+    style = pc.styles.Surface("#7a3fd0", back="#ff8c1a")
+    pc.film(recording, tmp_path / "film.gif", size=(160, 120), style=style, camera=Orbit(-90.0, 0.0), labels=())
+    seen = []
+    with Image.open(tmp_path / "film.gif") as image:
+        for frame in (14, 15):
+            image.seek(frame)
+            red, green, blue = np.asarray(image.convert("RGB")).astype(int)[60, 80]
+            seen.append(red > 1.3 * green > 1.3 * 1.3 * blue)
+    assert seen == [False, True]
 
 
 def test_a_failure_leaves_the_old_file_and_nothing_else(tmp_path: Path) -> None:

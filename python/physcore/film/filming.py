@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from physcore.film.colors.themes import Color, Theme, ThemeName
     from physcore.film.labels.diagram import Inset
     from physcore.film.labels.footer import Label
+    from physcore.film.labels.scale_bar import LengthUnit
+    from physcore.film.labels.tags import Named
     from physcore.film.layout import Format
     from physcore.film.styles import Style
     from physcore.film.writers import Film, Loop, Quality
@@ -29,6 +31,8 @@ if TYPE_CHECKING:
 
 HEAVY = 5_000_000
 """GIFs of more bytes are said to be large: pages load them slowly, and some take none."""
+SAMPLES: dict[Quality, int] = {"fast": 1, "high": 2}
+"""Pixels that are drawn along each side of one in 3D."""
 
 
 @spelled
@@ -48,6 +52,9 @@ def film(
     credit: str | None = None,
     labels: Sequence[Label] = ("time",),
     color_bar: bool = True,
+    legend: Named = False,
+    name_tags: Named = False,
+    scale_bar: bool | LengthUnit = False,
     inset: Inset | None = None,
     time_unit: str | None = None,
     speed: float | None = None,
@@ -102,6 +109,12 @@ def film(
         labels: what stands below the picture, some of "time", "dt", "integrator" and "energy" (the energy error so
             far); those of several panels each below its own.
         color_bar: whether to show at the lower right what colors mean, as far as there is room.
+        legend: whether to list the names of bodies with their colors below the picture; or which, by themselves or by
+            their names: `legend=("Sun", "Jupiter")`. Each has to be drawn in a color of its own.
+        name_tags: whether to write names beside their bodies in the picture, as suits planets and other single
+            particles; or which. None lies over another one.
+        scale_bar: whether to draw a scale bar at the lower left of each panel, or in which unit: "nm", "cm", "m", "km",
+            "AU", "ly", "kpc" or another. In 3D it holds at the point that the camera looks at.
         inset: "energy": a diagram of kinetic, potential, internal and total energy in the emptiest corner of a panel.
         time_unit: "ms", "s", "min", "h", "d", "yr" or another; None: as suits the duration. Where the film does not
             play in real time, the label "time" says so: "1 s = 90 d".
@@ -112,9 +125,10 @@ def film(
             second into the first; None: it jumps. A motion with a period needs neither: `recording.period`.
         duration: how long to simulate a scene [s].
         fps: frames per second of simulated time at which to film a scene; None: 30.
-        quality: of a GIF. "fast": pixels may have a color near the nearest one of the palette where that makes the
-            film smaller, where it would exceed 3 MB: at most 18 levels of 255 off, and only where things move;
-            "high": the nearest one always, of a palette chosen with more care. See docs/films.md.
+        quality: "fast", or "high": in 3D each pixel is the mean of four, so that outlines have no steps, which takes
+            three times as long; and pixels of a GIF always have the nearest color, of a palette chosen with more care,
+            where those of a "fast" one, if it would exceed 3 MB, may have one near that where it makes the film
+            smaller: at most 18 levels of 255 off, and only where things move. See docs/films.md.
         max_bytes: how large a GIF may become; of other formats a SceneWarning tells. Where it would be larger, it is
             made again, and first colors may be farther off, up to 28 levels; then every second frame is left out, as
             long as twelve a second are left; then half of the colors, down to 63; then the picture becomes smaller,
@@ -157,7 +171,8 @@ def film(
     note = "" if credit is None else line_of(credit, "credit")
     renderer = Renderer(
         found, sides, style, camera, colors, heading, shown,
-        labels=labels, color_bar=with_bar, inset=inset, credit=note, time_unit=unit, rate=rate,
+        labels=labels, color_bar=with_bar, legend=legend, name_tags=name_tags, scale_bar=scale_bar,
+        inset=inset, credit=note, time_unit=unit, rate=rate, samples=SAMPLES[quality],
     )  # fmt: skip
     try:
         with renderer:

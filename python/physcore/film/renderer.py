@@ -13,6 +13,7 @@ import numpy as np
 
 from physcore._core import Canvas
 from physcore.checks import FloatArray
+from physcore.errors import SceneError
 from physcore.film import assignment
 from physcore.film.camera.corotating import Corotating, corotating
 from physcore.film.camera.framing import CameraTrack, Extent, PanelView, camera_track, extents
@@ -25,12 +26,17 @@ from physcore.film.frame_cache import FrameCache
 from physcore.film.labels.clock import Clock
 from physcore.film.labels.diagram import Diagram, History, Inset, check_inset
 from physcore.film.labels.footer import Bar, Footer, Label, bars, check_labels
+from physcore.film.labels.scale_bar import LengthUnit, ScaleBar, check_scale_bar
+from physcore.film.labels.tags import Named, NameTags, check_named
 from physcore.film.labels.text import text_height
 from physcore.film.layout import Heading, Layout, best, check_size
 from physcore.film.scenery import draw_among, draw_backdrop, draw_behind
 from physcore.film.styles import Painter, Style
 from physcore.progress import Progress
 from physcore.simulation.sources import Source, SourceFrame
+
+SHADES = (1.0, 0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3)
+"""How much of their colors things in 3D have in the light and in the shade."""
 
 
 @dataclass(eq=False)
@@ -47,6 +53,8 @@ class Panel:
     """The size of the rectangle."""
     view: PanelView
     samples: list[tuple[int, SourceFrame]]
+    tags: NameTags
+    bar: ScaleBar | None
     diagram: Diagram | None = None
 
 
@@ -63,8 +71,9 @@ class Renderer:
         style, camera: as in `film`.
         theme: the colors.
         heading: what stands above the picture; None: nothing.
-        progress, labels, color_bar, inset, credit, time_unit: as in `film`.
+        progress, labels, color_bar, legend, name_tags, scale_bar, inset, credit, time_unit: as in `film`.
         rate: frames per second of the film; None: as many as of the simulation.
+        samples: pixels in 3D are the means of so many along each side.
 
     Raises:
         SceneError: an argument is not valid.
@@ -82,14 +91,19 @@ class Renderer:
         *,
         labels: Sequence[Label] = ("time",),
         color_bar: bool = True,
+        legend: Named = False,
+        name_tags: Named = False,
+        scale_bar: bool | LengthUnit = False,
         inset: Inset | None = None,
         credit: str = "",
         time_unit: str | None = None,
         rate: float | None = None,
+        samples: int = 1,
     ) -> None:
-        self._theme, asked = theme, check_size(size)
+        self._theme, self._samples, asked = theme, samples, check_size(size)
         self._heading, self._labels = heading or Heading(), check_labels(labels, found)
-        diagram = check_inset(inset, found)
+        diagram, self._bar = check_inset(inset, found), check_scale_bar(scale_bar)
+        self._listed, self._tagged = check_named(legend, "legend", found), check_named(name_tags, "name_tags", found)
         styles = assignment.asked(style, found)
         camera, found = corotating(camera, [assignment.shown(source, styles) for source in found])
         self._found = found
@@ -149,11 +163,18 @@ class Renderer:
         """Colors that the film needs exactly."""
         return [self._theme.background]
 
+    @property
+    def colors(self) -> list[Color]:
+        """Colors that the film may show, though no sample does: of bodies and scales, in 3D in light and shade."""
+        every = np.concatenate([painter.palette for painter in chain.from_iterable(self._painters)])
+        shades = SHADES if any(source.scene.dimension == 3 for source in self._found) else (1.0,)
+        shaded = np.unique(np.concatenate([np.rint(shade * every) for shade in shades]).astype(int), axis=0)
+        return [(red, green, blue) for red, green, blue in shaded.clip(0, 255).tolist()]
+
     def samples(self) -> Iterator[Canvas]:
         """Some frames of the film, to choose its palette from; each canvas is valid until the next is asked for."""
         for index in range(max(len(panel.samples) for panel in self._panels)):
-            for painter in chain.from_iterable(self._painters):
-                painter.begin()  # samples are far apart: no trail joins them
+            self._begin()  # samples are far apart: no trail joins them
             chosen = [panel.samples[min(index, len(panel.samples) - 1)] for panel in self._panels]
             yield self._draw([index for index, _ in chosen], [frame for _, frame in chosen])
         for source, painters in zip(self._found, self._painters, strict=True):
@@ -163,14 +184,20 @@ class Renderer:
 
     def frames(self) -> Iterator[Canvas]:
         """Every frame; each canvas is valid until the next is asked for. A panel that ends early keeps its last."""
-        for painter in chain.from_iterable(self._painters):
-            painter.begin()
+        self._begin()
         self._footer.begin()
         running, self._opened = self._opened or [self._again(index) for index in range(len(self._found))], []
         frames = [next(each) for each in running]
         for index in range(self.count):
             yield self._draw([index] * len(frames), frames)
             frames = [next(each, frame) for each, frame in zip(running, frames, strict=True)]
+
+    def _begin(self) -> None:
+        """Forget earlier frames."""
+        for painter in chain.from_iterable(self._painters):
+            painter.begin()
+        for panel in self._panels:
+            panel.tags.begin()
 
     @property
     def _settled(self) -> bool:
@@ -210,8 +237,21 @@ class Renderer:
             (source.integrator if "integrator" in self._labels else None, seen.dt)
             for source, seen in zip(self._found, passes, strict=True)
         ]
-        scales: list[Bar] = bars([each.scale for each in chain.from_iterable(self._painters)]) if color_bar else []
-        return Footer(self._labels, clock, facts, scales, credit)
+        painters = list(chain.from_iterable(self._painters))
+        scales: list[Bar] = bars([each.scale for each in painters]) if color_bar else []
+        return Footer(self._labels, clock, facts, scales, credit, self._legend(painters))
+
+    def _legend(self, painters: Sequence[Painter]) -> list[tuple[str, Color]]:
+        """The names that are listed, and the colors of their bodies, equal ones once."""
+        colors = {id(body): color for painter in painters for body, color in painter.legend}
+        entries = {(body.name or "", colors.get(id(body))): body for panel in self._listed for body in panel}
+        for (_, color), body in entries.items():
+            if color is None:
+                raise SceneError(
+                    f"legend: {body!r} is not drawn in one color; give it a style that colors by body, such as "
+                    "styles.Points('body')"
+                )
+        return [(name, color) for name, color in entries if color is not None]
 
     def _layout_of(self, size: tuple[int, int]) -> Layout:
         footer = self._footer.height(text_height(*size), size[0])
@@ -240,8 +280,10 @@ class Renderer:
             zip(self._found, self._painters, found, passes, strict=True)
         ):
             view = PanelView(extent, layout.area(index), self._inset(layout, index))
-            free = layout.area(index)
-            panels.append(Panel(source, painters, layout.panel(index), free, layout.pixels(index), view, seen.samples))
+            free, pixels = layout.area(index), layout.pixels(index)
+            tags = NameTags(self._tagged[index], painters, free, layout.text, self._theme)
+            bar = None if self._bar is False else ScaleBar(self._bar, free, layout.text, self._theme)
+            panels.append(Panel(source, painters, layout.panel(index), free, pixels, view, seen.samples, tags, bar))
         return panels
 
     def _add_diagrams(self, passes: Sequence[FirstPass]) -> None:
@@ -258,7 +300,8 @@ class Renderer:
 
     def _prepared(self) -> Canvas:
         """A canvas with all that does not move."""
-        canvas = Canvas(*self.size, self._theme.background)
+        flat = all(panel.view.at(0).flat for panel in self._panels)
+        canvas = Canvas(*self.size, self._theme.background, 1 if flat else self._samples)
         if not self._moving:
             self._draw_scenery(canvas, 0)
             self._write_titles(canvas)
@@ -301,8 +344,13 @@ class Renderer:
             for painter in panel.painters:
                 painter.paint(canvas, shown, view, panel.pixels)
             canvas.paint()
+            taken = []
             if panel.diagram is not None:
                 panel.diagram.draw(canvas, index)
+                taken.append(panel.diagram.box)
+            if panel.bar is not None:
+                taken.append(panel.bar.draw(canvas, view, *taken))
+            panel.tags.draw(canvas, shown, view, panel.pixels, taken)
         canvas.clip(0, 0, *self.size)
         if self._moving:
             self._write_titles(canvas)

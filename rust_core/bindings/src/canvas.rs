@@ -28,9 +28,11 @@ pub struct Canvas {
 
 #[pymethods]
 impl Canvas {
+    /// A picture of some sides, drawn with `samples` × `samples` pixels for each of its own.
     #[new]
-    fn new(width: usize, height: usize, background: Rgb) -> PyResult<Self> {
-        let picture = physcore_canvas::Canvas::new(width, height, background).map_err(python_error)?;
+    #[pyo3(signature = (width, height, background, samples = 1))]
+    fn new(width: usize, height: usize, background: Rgb, samples: usize) -> PyResult<Self> {
+        let picture = physcore_canvas::Canvas::supersampled(width, height, background, samples).map_err(python_error)?;
         Ok(Self { picture, painting: Painting::default() })
     }
 
@@ -220,8 +222,9 @@ impl Canvas {
     }
 
     /// Draw ground at once: its unit normal, the place that is lit best, the distance at which half of that is left, and its
-    /// color; lines of a grid along a direction and across it, with their color, distance and opacity.
-    #[pyo3(signature = (normal, center, size, color, along, grid=None))]
+    /// color; lines of a grid along a direction and across it, with their color, distance and opacity; and, of a wall, the pixels of
+    /// its corners and its opacity.
+    #[pyo3(signature = (normal, center, size, color, along, grid=None, part=None))]
     #[expect(clippy::too_many_arguments, reason = "one call for each film")]
     fn ground(
         &mut self,
@@ -232,9 +235,10 @@ impl Canvas {
         color: Rgb,
         along: [f32; 3],
         grid: Option<(Rgb, f32, f32)>,
+        part: Option<([[f32; 2]; 4], f32)>,
     ) {
         let picture = &mut self.picture;
-        py.detach(|| picture.ground(&Ground { normal, center, size, color, grid, along }));
+        py.detach(|| picture.ground(&Ground { normal, center, size, color, grid, along, part }));
     }
 
     /// Let the background become lighter toward a pixel, at once, by a share of the way to a color.
@@ -296,8 +300,9 @@ impl Canvas {
 
     /// A copy of the pixels, (height, width, 3).
     fn pixels<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray3<u8>>> {
-        let bytes: Vec<u8> = self.picture.pixels().iter().flat_map(|&[red, green, blue, _]| [red, green, blue]).collect();
-        PyArray1::from_vec(py, bytes).reshape([self.picture.height(), self.picture.width(), 3])
+        let picture = self.picture.reduced();
+        let bytes: Vec<u8> = picture.pixels().iter().flat_map(|&[red, green, blue, _]| [red, green, blue]).collect();
+        PyArray1::from_vec(py, bytes).reshape([picture.height(), picture.width(), 3])
     }
 }
 
@@ -312,7 +317,7 @@ impl Canvas {
         py: Python<'_>,
         paint: impl FnOnce(&mut Painting, &mut physcore_canvas::Canvas) + Send + 'static,
     ) -> PyResult<()> {
-        let Self { mut picture, mut painting } = std::mem::replace(self, Self::new(1, 1, [0; 3])?);
+        let Self { mut picture, mut painting } = std::mem::replace(self, Self::new(1, 1, [0; 3], 1)?);
         let job = move || {
             paint(&mut painting, &mut picture);
             Self { picture, painting }

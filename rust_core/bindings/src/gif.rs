@@ -54,14 +54,21 @@ impl Gif {
     /// Add a frame's colors to the histogram of the palette.
     fn observe(&mut self, py: Python<'_>, canvas: &Canvas) {
         let histogram = &mut self.histogram;
-        py.detach(|| histogram.observe(&canvas.picture));
+        py.detach(|| histogram.observe(&canvas.picture.reduced()));
+    }
+
+    /// Add colors of which none alike was observed.
+    #[expect(clippy::needless_pass_by_value, reason = "PyO3 hands arguments over by value")]
+    fn include(&mut self, colors: Vec<Rgb>) {
+        self.histogram.include(&colors);
     }
 
     /// Append a frame that is shown for `delay` hundredths of a second; the first one fixes the palette. The frame is copied and
     /// encoded while the next one is drawn, so the canvas is free at once, and a failure may be reported by a later call.
     fn frame(&mut self, py: Python<'_>, canvas: &Canvas, delay: u16) -> PyResult<()> {
-        let (picture, Self { histogram, reserved, colors, tolerance, state }) = (&canvas.picture, self);
+        let Self { histogram, reserved, colors, tolerance, state } = self;
         let written = py.detach(|| {
+            let picture = &canvas.picture.reduced();
             if let State::Observing(_) = state {
                 let State::Observing(sink) = std::mem::replace(state, State::Closed) else {
                     return Ok(());

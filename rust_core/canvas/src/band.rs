@@ -30,6 +30,9 @@ pub(crate) struct Band<'a> {
     pub(crate) clip: Rectangle,
 }
 
+/// The fourth byte of a pixel that is all glow; what is blended over it takes its share away.
+pub(crate) const GLOW: u8 = 255;
+
 impl Band<'_> {
     /// The rows.
     pub(crate) fn rows(&self) -> std::ops::Range<usize> {
@@ -171,9 +174,13 @@ impl Band<'_> {
                 let dx = offset - x + f32::from(column);
                 let inside = (1.0 - (dx * dx + dy * dy) * per_square).max(0.0);
                 let amount = (inside * inside * f32::from(alpha) * (256.0 / 255.0) + 0.5) as u32;
+                let before = *pixel;
                 for (channel, light) in pixel.iter_mut().zip([red, green, blue]) {
                     let (below, light) = (*channel ^ flip, light ^ flip);
                     *channel = (below + ((u32::from(255 - below) * u32::from(light) * amount + 0x7F80) / 0xFF00) as u8) ^ flip;
+                }
+                if *pixel != before {
+                    pixel[3] = GLOW;
                 }
             }
         }

@@ -2,6 +2,8 @@
 
 #![expect(clippy::cast_possible_wrap, reason = "no side is longer than 65535 pixels")]
 
+use std::borrow::Cow;
+
 use crate::band::{Band, Rectangle};
 use crate::color::{Ink, Rgb};
 use crate::error::Error;
@@ -15,7 +17,10 @@ use crate::texture::Texture;
 pub struct Canvas {
     width: usize,
     height: usize,
-    /// Row by row from the top; the fourth byte is not used, but makes a pixel one machine word.
+    /// Pixels along each side of one of the picture that [`Canvas::reduced`] gives.
+    samples: usize,
+    /// Row by row from the top; the fourth byte says how much of a pixel is glow, whose gradients are dithered where there are
+    /// few colors.
     pixels: Vec<[u8; 4]>,
     backdrop: Vec<[u8; 4]>,
     /// The eye of a picture in space, and then the depth of what each pixel shows; empty without one.
@@ -28,14 +33,21 @@ pub struct Canvas {
 impl Canvas {
     /// A canvas of one color; its sides are from 1 to 65535 pixels.
     pub fn new(width: usize, height: usize, background: Rgb) -> Result<Self, Error> {
+        Self::supersampled(width, height, background, 1)
+    }
+
+    /// A canvas that draws `samples` × `samples` pixels for each one of a picture of these sides; places and lengths are given
+    /// in pixels of that picture, which is [`Canvas::reduced`].
+    pub fn supersampled(width: usize, height: usize, background: Rgb, samples: usize) -> Result<Self, Error> {
+        let (width, height) = (width.saturating_mul(samples), height.saturating_mul(samples));
         let sides = 1..=usize::from(u16::MAX);
         if !sides.contains(&width) || !sides.contains(&height) {
             return Err(Error::Size { width, height });
         }
-        let pixels = vec![[background[0], background[1], background[2], 255]; width * height];
+        let pixels = vec![[background[0], background[1], background[2], 0]; width * height];
         let clip = Rectangle { left: 0, top: 0, right: width as i32, bottom: height as i32 };
         let (depths, backdrop_depths) = (Vec::new(), Vec::new());
-        Ok(Self { width, height, backdrop: pixels.clone(), pixels, eye: None, depths, backdrop_depths, clip })
+        Ok(Self { width, height, samples, backdrop: pixels.clone(), pixels, eye: None, depths, backdrop_depths, clip })
     }
 
     /// Width [pixels].
@@ -48,9 +60,40 @@ impl Canvas {
         self.height
     }
 
-    /// The pixels, row by row from the top: red, green, blue and a byte without meaning.
+    /// The pixels, row by row from the top: red, green, blue, and how much of it is glow, which [`Palette`](crate::Palette)
+    /// dithers.
     pub fn pixels(&self) -> &[[u8; 4]] {
         &self.pixels
+    }
+
+    /// Pixels along each side of one of the reduced picture.
+    pub(crate) fn samples(&self) -> usize {
+        self.samples
+    }
+
+    /// The picture that is meant: each of its pixels is the mean of those that were drawn for it.
+    pub fn reduced(&self) -> Cow<'_, Self> {
+        if self.samples == 1 {
+            return Cow::Borrowed(self);
+        }
+        let (width, height, count) =
+            (self.width / self.samples, self.height / self.samples, (self.samples * self.samples) as u32);
+        let mut pixels = Vec::with_capacity(width * height);
+        let mut sums = vec![[0_u32; 4]; width];
+        for rows in self.pixels.chunks_exact(self.width * self.samples) {
+            sums.fill([0; 4]);
+            for row in rows.chunks_exact(self.width) {
+                for (sum, drawn) in sums.iter_mut().zip(row.chunks_exact(self.samples)) {
+                    for pixel in drawn {
+                        (0..4).for_each(|channel| sum[channel] += u32::from(pixel[channel]));
+                    }
+                }
+            }
+            pixels.extend(sums.iter().map(|sum| sum.map(|sum| ((sum + count / 2) / count) as u8)));
+        }
+        let clip = Rectangle { left: 0, top: 0, right: width as i32, bottom: height as i32 };
+        let (depths, backdrop_depths, eye, backdrop) = (Vec::new(), Vec::new(), None, Vec::new());
+        Cow::Owned(Self { width, height, samples: 1, pixels, backdrop, eye, depths, backdrop_depths, clip })
     }
 
     /// Makes the present picture the backdrop that [`Canvas::clear`] restores: static shapes are drawn once.
@@ -67,7 +110,8 @@ impl Canvas {
 
     /// Sets the eye of all later drawing: from now on the depth of what each pixel shows is kept.
     pub fn look_from(&mut self, eye: Eye) {
-        self.eye = Some(eye);
+        let times = self.samples as f32;
+        self.eye = Some(Eye { scale: times * eye.scale, middle: eye.middle.map(|place| times * place), ..eye });
         self.depths.resize(self.pixels.len(), OPEN);
     }
 
@@ -78,6 +122,7 @@ impl Canvas {
 
     /// Sets the clip of all later drawing: columns `left..right`, rows `top..bottom` [pixels].
     pub fn clip(&mut self, left: usize, top: usize, right: usize, bottom: usize) {
+        let [left, top, right, bottom] = [left, top, right, bottom].map(|edge| edge.saturating_mul(self.samples));
         let (right, bottom) = (right.min(self.width), bottom.min(self.height));
         let (left, top) = (left.min(right), top.min(bottom));
         self.clip = Rectangle { left: left as i32, top: top as i32, right: right as i32, bottom: bottom as i32 };
@@ -85,32 +130,38 @@ impl Canvas {
 
     /// Draws a disc.
     pub fn disc(&mut self, disc: Disc) {
+        let disc = disc.scaled(self.samples as f32);
         self.whole().disc(disc);
     }
 
     /// Draws a line.
     pub fn line(&mut self, line: Line) {
+        let line = line.scaled(self.samples as f32);
         self.whole().line(line, Mixing::Over);
     }
 
     /// Draws a triangle, half a pixel larger than it is.
     pub fn triangle(&mut self, triangle: &Triangle, texture: Option<&Texture>) {
-        self.whole().triangle(triangle, texture);
+        let triangle = triangle.scaled(self.samples as f32);
+        self.whole().triangle(&triangle, texture);
     }
 
     /// Draws a halo.
     pub fn halo(&mut self, halo: Halo) {
+        let halo = halo.scaled(self.samples as f32);
         self.whole().halo(halo);
     }
 
     /// Copies a picture of `width` columns, row by row from the top, with its upper left corner at a pixel.
     pub fn picture(&mut self, picture: &[Rgb], width: usize, [left, top]: [i32; 2]) {
         let Rectangle { left: first, top: highest, right: last, bottom: lowest } = self.clip;
-        for (row, colors) in (top..).zip(picture.chunks_exact(width.max(1))).filter(|&(row, _)| (highest..lowest).contains(&row))
-        {
-            for (column, &[red, green, blue]) in (left..).zip(colors) {
-                if (first..last).contains(&column) {
-                    self.pixels[row as usize * self.width + column as usize] = [red, green, blue, 255];
+        let samples = self.samples as i32;
+        for (row, colors) in (top..).zip(picture.chunks_exact(width.max(1))) {
+            for row in (samples * row..samples * (row + 1)).filter(|row| (highest..lowest).contains(row)) {
+                for (column, &[red, green, blue]) in (left..).zip(colors) {
+                    for column in (samples * column..samples * (column + 1)).filter(|column| (first..last).contains(column)) {
+                        self.pixels[row as usize * self.width + column as usize] = [red, green, blue, 0];
+                    }
                 }
             }
         }
@@ -118,7 +169,9 @@ impl Canvas {
 
     /// Fills a convex polygon of either orientation.
     pub fn polygon(&mut self, corners: &[[f32; 2]], color: Ink) {
-        self.whole().polygon(corners, color);
+        let times = self.samples as f32;
+        let corners: Vec<[f32; 2]> = corners.iter().map(|corner| corner.map(|place| times * place)).collect();
+        self.whole().polygon(&corners, color);
     }
 
     /// Blends `color` into one pixel with a coverage of 0–1; no effect outside the picture.

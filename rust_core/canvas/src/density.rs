@@ -102,8 +102,9 @@ impl Canvas {
         }
         let (width, height) = (right - left, bottom - top);
         let mut film = Film { width, height, light: vec![0.0; width * height] };
-        points.iter().for_each(|&[x, y]| film.add([x - left as f32, y - top as f32]));
-        film.smooth(exposure.spread.max(0.1));
+        let times = self.samples() as f32;
+        points.iter().for_each(|&[x, y]| film.add([times * x - left as f32, times * y - top as f32]));
+        film.smooth((times * exposure.spread).max(0.1));
         let scale = TYPICAL * exposure.strength / film.typical();
         for (row, light) in film.light.chunks_exact(width).enumerate() {
             for (pixel, &light) in self.row_mut(top + row)[left..right].iter_mut().zip(light).filter(|(_, light)| **light > 0.0) {

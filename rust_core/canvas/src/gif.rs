@@ -121,7 +121,7 @@ impl<W: Write> Gif<W> {
 
     /// Appends a frame of the film's size.
     pub(crate) fn append(&mut self, pixels: &[[u8; 4]], delay: u16) -> Result<(), Error> {
-        self.palette.indices(pixels, &mut self.indices);
+        self.palette.indices(pixels, self.width, &mut self.indices);
         if let Some((tolerance, encoder)) = self.tolerance.take() {
             return self.append_about(tolerance, encoder, delay);
         }

@@ -3,7 +3,7 @@
 use crate::canvas::Canvas;
 use crate::color::Rgb;
 use crate::eye::Eye;
-use crate::math::{cross, dot, minus, plus};
+use crate::math::{cross, dot, minus, plus, threshold};
 
 /// Ground: a plane that is lit around a place and fades into what is behind it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,14 +20,19 @@ pub struct Ground {
     pub grid: Option<(Rgb, f32, f32)>,
     /// The direction of half of the lines.
     pub along: [f32; 3],
+    /// The corners of the part of it that is there [pixels], in order, and the opacity that it has everywhere, as of a wall; None:
+    /// all of it, which fades with the distance.
+    pub part: Option<([[f32; 2]; 4], f32)>,
 }
 
 impl Canvas {
     /// Lets the background become lighter toward a place by a share of the way to a color, at once and everywhere in the clip.
     pub fn backdrop(&mut self, center: [f32; 2], radius: f32, color: Rgb, share: f32) {
+        let times = self.samples() as f32;
+        let (center, radius) = (center.map(|place| times * place), times * radius);
         self.each(|pixel, [x, y], _| {
             let square = ((x - center[0]) * (x - center[0]) + (y - center[1]) * (y - center[1])) / (radius * radius);
-            mix_evenly(pixel, color, share / ((1.0 + square) * (1.0 + square)), [x, y]);
+            mix_evenly(pixel, color, share / ((1.0 + square) * (1.0 + square)), [x / times, y / times]);
         });
     }
 
@@ -36,6 +41,7 @@ impl Canvas {
         let Some(eye) = self.eye() else {
             return;
         };
+        let times = self.samples() as f32;
         let axes = [ground.along, cross(ground.normal, ground.along)];
         // The place that is seen at a pixel, and its coordinates on the plane.
         let seen = |x: f32, y: f32| {
@@ -43,22 +49,26 @@ impl Canvas {
             let from = minus(place, ground.center);
             Some((place, axes.map(|axis| dot(axis, from))))
         };
+        let part = ground.part.map(|(corners, opacity)| (corners.map(|corner| corner.map(|place| times * place)), opacity));
         self.each(|pixel, [x, y], depth| {
+            if part.is_some_and(|(corners, _)| !surrounds(&corners, [x, y])) {
+                return;
+            }
             let Some((place, at)) = seen(x, y) else {
                 return;
             };
             let square = (at[0] * at[0] + at[1] * at[1]) / (ground.size * ground.size);
-            let lit = 1.0 / (1.0 + square * square);
+            let lit = part.map_or(1.0 / (1.0 + square * square), |(_, opacity)| opacity);
             if lit < 0.01 {
                 return;
             }
-            mix_evenly(pixel, ground.color, lit, [x, y]);
+            mix_evenly(pixel, ground.color, lit, [x / times, y / times]);
             if let Some((color, pitch, opacity)) = ground.grid {
-                let (right, below) = (seen(x + 1.0, y), seen(x, y + 1.0));
+                let (right, below) = (seen(x + times, y), seen(x, y + times));
                 if let (Some((_, right)), Some((_, below))) = (right, below) {
                     let mut covered = 0.0_f32;
                     for axis in 0..2 {
-                        // The width of a pixel on the plane, across the lines.
+                        // The width of a pixel of the reduced picture on the plane, across the lines.
                         let wide = (right[axis] - at[axis]).hypot(below[axis] - at[axis]) / pitch;
                         let away = (at[axis] / pitch - (at[axis] / pitch).round()).abs();
                         // Where lines are nearer together than pixels they become a gray.
@@ -86,6 +96,15 @@ impl Canvas {
     }
 }
 
+/// Whether a place lies in a convex polygon with corners in either order.
+fn surrounds(corners: &[[f32; 2]; 4], [x, y]: [f32; 2]) -> bool {
+    let turn = |index: usize| {
+        let ([x0, y0], [x1, y1]) = (corners[index], corners[(index + 1) % 4]);
+        (x1 - x0) * (y - y0) - (y1 - y0) * (x - x0)
+    };
+    (0..4).all(|index| turn(index) >= 0.0) || (0..4).all(|index| turn(index) <= 0.0)
+}
+
 /// Where the ray through a pixel meets the ground, if it does so before the eye and from above.
 fn meet(eye: Eye, ground: &Ground, x: f32, y: f32) -> Option<[f32; 3]> {
     let focus = eye.place([x, y], 0.0);
@@ -102,17 +121,11 @@ fn meet(eye: Eye, ground: &Ground, x: f32, y: f32) -> Option<[f32; 3]> {
 }
 
 /// Mixes a color into a pixel with an ordered dither: in the few colors of a GIF, gradients would have steps.
-///
-/// Source: B. Bayer, "An optimum method for two-level rendition of continuous-tone pictures" (1973).
 #[inline(always)]
 fn mix_evenly(pixel: &mut [u8; 4], color: Rgb, share: f32, center: [f32; 2]) {
     const LEVELS: f32 = 3.0;
-    let ([x, y], mut threshold) = (center.map(|coordinate| coordinate as u32), 0);
-    for bit in 0..3 {
-        let (right, down) = ((x >> bit) & 1, (y >> bit) & 1);
-        threshold = 4 * threshold + 2 * (right ^ down) + down;
-    }
-    let offset = LEVELS * ((threshold as f32 + 0.5) / 64.0 - 0.5);
+    let [x, y] = center.map(|coordinate| coordinate as u32);
+    let offset = LEVELS * (threshold(x, y) - 0.5);
     for (channel, toward) in pixel.iter_mut().zip(color) {
         let below = f32::from(*channel);
         *channel = (below + (f32::from(toward) - below) * share + offset * (4.0 * share).min(1.0) + 0.5) as u8;

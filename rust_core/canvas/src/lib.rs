@@ -21,7 +21,7 @@
 //! Data flow: `view` projects points to pixels and maps values to inks, `shapes` defines the coverage of a pixel, `band`
 //! rasterizes on some rows of the `canvas`, `ink` blends colors, `painting` sorts shapes by depth, `eye` keeps the depth of what pixels
 //! show, by which `light` finds shadows (`shadow`) and ambient occlusion, `ground` is what stands behind, `texture` covers
-//! surfaces, `liquid` finds liquid surfaces, `heatmap` colors
+//! surfaces, `liquid` finds liquid surfaces by `smoothing`, `heatmap` colors
 //! the values of grids, `density` exposes very many points, `palette` reduces millions of colors to 255 by `quantize`, `nearest` finds the
 //! nearest of them for each pixel, `difference` leaves out unchanged pixels, `lzw` compresses the indices, `tolerant` indices of
 //! which some may be replaced by near ones, `gif` writes the container, `background` moves all this to another thread, and `file` makes the file appear only when it is complete.
@@ -52,6 +52,7 @@ mod quality;
 mod quantize;
 mod shadow;
 mod shapes;
+mod smoothing;
 mod text;
 mod texture;
 mod tolerant;

@@ -27,6 +27,8 @@ pub struct Light {
 
 /// How much less than red, green and blue lose in a shadow: it is lit by the sky.
 const COOL: [f32; 3] = [1.0, 0.97, 0.9];
+/// Pixels that are no farther apart in depth than so many pixels are wide lose about as much light.
+const NEAR: f32 = 8.0;
 /// Places around a pixel that ambient light is looked for at.
 const TAPS: usize = 18;
 /// The angle from one of them to the next [rad], of which no multiple comes near to a turn.
@@ -41,9 +43,17 @@ pub(crate) struct Depths<'a> {
     pub(crate) eye: Eye,
     pub(crate) width: usize,
     pub(crate) values: &'a [f32],
+    /// Those of the backdrop; empty if there is none.
+    pub(crate) backdrop: &'a [f32],
 }
 
 impl Depths<'_> {
+    /// Whether a pixel shows the backdrop.
+    #[inline(always)]
+    fn is_backdrop(&self, pixel: usize) -> bool {
+        self.backdrop.get(pixel) == Some(&self.values[pixel])
+    }
+
     /// The place that a pixel shows.
     #[inline(always)]
     fn place(&self, column: usize, row: usize) -> [f32; 3] {
@@ -92,59 +102,63 @@ pub(crate) struct Lighting {
     /// Tiles that are near to something else than the backdrop, row by row: elsewhere nothing holds back ambient light.
     crowded: Vec<bool>,
     tiles: usize,
-    /// The share of ambient light that is held back from every second pixel of every second row.
-    hidden: Vec<f32>,
+    /// The shares of the lamp's and of ambient light that are held back from every second pixel of every second row.
+    held: Vec<[f32; 2]>,
 }
 
 impl Lighting {
-    /// A light for pixels with these depths, where a backdrop has those.
-    pub(crate) fn new(light: Light, shadows: Option<ShadowMap>, depths: &Depths<'_>, backdrop: &[f32], threads: usize) -> Self {
+    /// A light for pixels with these depths.
+    pub(crate) fn new(light: Light, shadows: Option<ShadowMap>, depths: &Depths<'_>, threads: usize) -> Self {
         let taps = std::array::from_fn(|index| {
             let (radius, angle) = (light.reach * ((index as f32 + 0.5) / TAPS as f32).sqrt(), GOLDEN * index as f32);
             [radius * angle.cos(), radius * angle.sin()].map(|offset| offset.round() as i32)
         });
-        let (tiles, crowded) = crowded(depths, backdrop, (light.reach / TILE as f32).ceil() as usize);
-        let mut found = Self { light, shadows, taps, crowded, tiles, hidden: Vec::new() };
-        found.hidden = found.occlusions(depths, threads);
+        let (tiles, crowded) = crowded(depths, (light.reach / TILE as f32).ceil() as usize);
+        let mut found = Self { light, shadows, taps, crowded, tiles, held: Vec::new() };
+        found.held = found.sparse(depths, threads);
         found
     }
 
-    /// The ambient light held back, by so many threads.
-    fn occlusions(&self, depths: &Depths<'_>, threads: usize) -> Vec<f32> {
+    /// The light held back from every second pixel of every second row, by so many threads.
+    fn sparse(&self, depths: &Depths<'_>, threads: usize) -> Vec<[f32; 2]> {
         let (across, height) = (depths.width.div_ceil(2), depths.values.len() / depths.width);
-        let mut hidden = vec![0.0; across * height.div_ceil(2)];
+        let mut held = vec![[0.0; 2]; across * height.div_ceil(2)];
         let rows = height.div_ceil(2).div_ceil(threads.max(1));
         std::thread::scope(|scope| {
-            for (part, hidden) in hidden.chunks_mut((rows * across).max(1)).enumerate() {
+            for (part, held) in held.chunks_mut((rows * across).max(1)).enumerate() {
                 scope.spawn(move || {
-                    for (index, hidden) in hidden.iter_mut().enumerate() {
+                    for (index, held) in held.iter_mut().enumerate() {
                         let (column, row) = (2 * (index % across), 2 * (part * rows + index / across));
-                        let crowded = self.crowded[row / TILE * self.tiles + column / TILE];
-                        if crowded && depths.values[row * depths.width + column] != OPEN {
-                            *hidden = self.occlusion(depths, column, row);
+                        if depths.values[row * depths.width + column] != OPEN {
+                            *held = self.at(depths, column, row);
                         }
                     }
                 });
             }
         });
-        hidden
+        held
     }
 
-    /// The ambient light held back from a pixel: the mean of those around it for which it is known and that lie as deep.
+    /// The light held back from a pixel: the mean of those around it for which it is known and that lie about as deep; where none
+    /// does, its own.
     #[inline(always)]
-    fn hidden(&self, depths: &Depths<'_>, depth: f32, column: usize, row: usize) -> f32 {
+    fn between(&self, depths: &Depths<'_>, depth: f32, column: usize, row: usize) -> [f32; 2] {
         let across = depths.width.div_ceil(2);
         let (left, above) = (column / 2, row / 2);
-        let (right, below) = (column.div_ceil(2).min(across - 1), row.div_ceil(2).min(self.hidden.len() / across - 1));
-        let near = 4.0 * depths.eye.length(depth);
-        let (mut sum, mut total) = (0.0, 0.0);
-        for (column, row) in [(left, above), (right, above), (left, below), (right, below)] {
-            let there = depths.values[2 * row * depths.width + 2 * column];
-            let weight = if (there - depth).abs() < near { 1.0 } else { 1e-3 };
-            sum += weight * self.hidden[row * across + column];
-            total += weight;
+        if column.is_multiple_of(2) && row.is_multiple_of(2) {
+            return self.held[above * across + left];
         }
-        sum / total
+        let (right, below) = (column.div_ceil(2).min(across - 1), row.div_ceil(2).min(self.held.len() / across - 1));
+        let near = NEAR * depths.eye.length(depth);
+        let (mut sum, mut count) = ([0.0; 2], 0.0);
+        for (column, row) in [(left, above), (right, above), (left, below), (right, below)] {
+            if (depths.values[2 * row * depths.width + 2 * column] - depth).abs() < near {
+                let held = self.held[row * across + column];
+                sum = [sum[0] + held[0], sum[1] + held[1]];
+                count += 1.0;
+            }
+        }
+        if count > 0.0 { sum.map(|sum| sum / count) } else { self.at(depths, column, row) }
     }
 
     /// Lights the rows of a band.
@@ -157,7 +171,7 @@ impl Lighting {
                 if depth == OPEN {
                     continue;
                 }
-                let [dark, hidden] = self.at(depths, column as usize, row as usize);
+                let [dark, hidden] = self.between(depths, depth, column as usize, row as usize);
                 if dark > 0.0 || hidden > 0.0 {
                     let pixel = &mut band.pixels[first + column as usize];
                     for (channel, cool) in pixel.iter_mut().zip(COOL) {
@@ -170,7 +184,6 @@ impl Lighting {
     }
 
     /// The shares of the lamp's and of ambient light that a pixel's place has lost.
-    #[inline(always)]
     fn at(&self, depths: &Depths<'_>, column: usize, row: usize) -> [f32; 2] {
         let here = depths.place(column, row);
         let crowded = self.crowded[row / TILE * self.tiles + column / TILE];
@@ -178,26 +191,29 @@ impl Lighting {
         if !crowded && shadows.is_none() {
             return [0.0; 2];
         }
-        let dark = shadows.map_or(0.0, |shadows| {
-            let normal = depths.normal(here, column, row);
-            let facing = (dot(normal, self.light.lamp) / FACING).clamp(0.0, 1.0);
-            if facing > 0.0 { facing * shadows.at(plus(here, 2.0 * shadows.texel(), normal)) } else { 0.0 }
-        });
-        let hidden = if crowded { self.hidden(depths, -here[2], column, row) } else { 0.0 };
+        let normal = depths.normal(here, column, row);
+        let facing = (dot(normal, self.light.lamp) / FACING).clamp(0.0, 1.0);
+        let dark = match shadows {
+            Some(shadows) if facing > 0.0 => facing * shadows.at(plus(here, 2.0 * shadows.texel(), normal)),
+            _ => 0.0,
+        };
+        let hidden = if crowded { self.occlusion(depths, here, normal, [column as i32, row as i32]) } else { 0.0 };
         [self.light.shadow * dark, self.light.occlusion * hidden]
     }
 
-    /// The share of ambient light that is held back by what is around a place.
-    fn occlusion(&self, depths: &Depths<'_>, column: usize, row: usize) -> f32 {
-        let here = depths.place(column, row);
-        let (normal, column, row) = (depths.normal(here, column, row), column as i32, row as i32);
+    /// The share of ambient light that is held back by what is around a place on a surface, which a pixel shows.
+    #[inline(always)]
+    fn occlusion(&self, depths: &Depths<'_>, here: [f32; 3], normal: [f32; 3], [column, row]: [i32; 2]) -> f32 {
         let reach = self.light.reach * depths.eye.length(-here[2]);
         let (per_square, width) = (1.0 / (reach * reach), depths.width as i32);
         let height = (depths.values.len() / depths.width) as i32;
+        // What stands still takes no light from itself: it would only do so where something is near.
+        let still = depths.is_backdrop((row * width + column) as usize);
         let mut hidden = 0.0;
         for [right, down] in self.taps {
             let (column, row) = (column + right, row + down);
-            if column < 0 || row < 0 || column >= width || row >= height {
+            let outside = column < 0 || row < 0 || column >= width || row >= height;
+            if outside || (still && depths.is_backdrop((row * width + column) as usize)) {
                 continue;
             }
             let way = minus(depths.place(column as usize, row as usize), here);
@@ -212,15 +228,15 @@ impl Lighting {
     }
 }
 
-/// The number of tiles across a picture, and which of them are no farther than so many from one that differs from a backdrop.
-fn crowded(depths: &Depths<'_>, backdrop: &[f32], reach: usize) -> (usize, Vec<bool>) {
+/// The number of tiles across a picture, and which of them are no farther than so many from one that differs from the backdrop.
+fn crowded(depths: &Depths<'_>, reach: usize) -> (usize, Vec<bool>) {
     let (across, height) = (depths.width.div_ceil(TILE), depths.values.len() / depths.width);
     let down = height.div_ceil(TILE);
     let mut crowded = vec![false; across * down];
     for row in 0..height {
         for tile in 0..across {
             let pixels = row * depths.width + tile * TILE..row * depths.width + ((tile + 1) * TILE).min(depths.width);
-            if backdrop.get(pixels.clone()) != Some(&depths.values[pixels]) {
+            if depths.backdrop.get(pixels.clone()) != Some(&depths.values[pixels]) {
                 let (above, left) = ((row / TILE).saturating_sub(reach), tile.saturating_sub(reach));
                 for line in above..(row / TILE + reach + 1).min(down) {
                     crowded[line * across + left..line * across + (tile + reach + 1).min(across)].fill(true);

@@ -8,11 +8,14 @@
 
 #![expect(clippy::cast_possible_wrap, reason = "no side is longer than 65535 pixels")]
 
+use std::ops::Range;
+
 use crate::band::Band;
 use crate::color::{Ink, Rgb};
 use crate::eye::Eye;
 use crate::ink::LAMP;
 use crate::shadow::Caster;
+use crate::smoothing::{blur_plane, narrow_range};
 use crate::view::opaque;
 
 /// A particle of a liquid.
@@ -57,6 +60,13 @@ const FARTHEST: f32 = 24.0;
 /// How far the color of a drop in 3D reaches, over its support.
 const SMOOTH: f32 = 1.7;
 const ROUNDS: usize = 2;
+/// Thickness from which on shadows fall on a liquid in 3D, and no longer on what is seen through it, if it is clear, and if it
+/// is not.
+const SHADED: [f32; 2] = [1.2, 0.5 * BRIM];
+/// How far the thickness of a liquid in 3D is blurred, over a drop's support.
+const SOFT: f32 = 0.3;
+/// The farthest that it is blurred [pixels].
+const FARTHEST_BLUR: usize = 16;
 /// The share of light that a liquid holds back.
 const HELD: f32 = 0.5;
 
@@ -70,6 +80,8 @@ pub struct Liquid {
     /// Pixels per unit of depth; 0 in 2D.
     scale: f32,
     width: usize,
+    /// The rows where there is liquid in 3D, and around.
+    rows: Range<usize>,
     /// Depth difference above which neighboring pixels belong to different parts of the surface [pixels].
     range: f32,
     /// Depth of the front in 3D [pixels].
@@ -89,6 +101,15 @@ impl Liquid {
         let (Drop { radius, .. }, [x, y], depth) = (drop, drop.center, drop.depth * self.scale);
         if x.is_finite() && y.is_finite() && depth.is_finite() && radius > 0.0 {
             self.drops.push(Drop { depth, ..drop });
+        }
+    }
+
+    /// Scales the liquid to a picture with so many times as many pixels along each side.
+    pub(crate) fn magnify(&mut self, times: f32) {
+        self.scale *= times;
+        for drop in &mut self.drops {
+            let center = drop.center.map(|place| times * place);
+            *drop = Drop { center, radius: times * drop.radius, depth: times * drop.depth, ..*drop };
         }
     }
 
@@ -118,13 +139,24 @@ impl Liquid {
         self.colors.clear();
         self.colors.resize(width * height, [0.0; 5]);
         if self.scale > 0.0 {
+            self.rows = self.occupied(height);
             self.splat_front();
             self.splat_visible_colors();
             self.smooth();
+            self.soften();
         } else {
             self.splat_field();
             self.find_inside();
         }
+    }
+
+    /// The rows of so many that drops reach, and as many around as their thickness is blurred by.
+    fn occupied(&self, height: usize) -> Range<usize> {
+        let ends = self.drops.iter().map(|drop| (drop.center[1] - drop.radius, drop.center[1] + drop.radius));
+        let (low, high) = ends.fold((f32::MAX, f32::MIN), |(low, high), ends| (low.min(ends.0), high.max(ends.1)));
+        let around = FARTHEST_BLUR as f32 + 1.0;
+        let last = (high + around).clamp(0.0, height as f32) as usize;
+        ((low - around).clamp(0.0, height as f32) as usize).min(last)..last
     }
 
     /// Whether a shape at a depth is in front of the liquid at a pixel; always in 2D.
@@ -159,7 +191,9 @@ impl Liquid {
                 if self.is_deep() {
                     let (color, coverage) = self.lit(row, column, behind);
                     band.dot(column as i32, row as i32, color, coverage);
-                    if coverage > 0.5 {
+                    let opacity = self.mean(pixel).1;
+                    let shaded = self.amount[pixel] > SHADED[0] + (SHADED[1] - SHADED[0]) * opacity;
+                    if shaded && self.front[pixel] < NOTHING {
                         band.deepen_dot(column as i32, row as i32, self.front[pixel] / self.scale);
                     }
                 } else {
@@ -206,7 +240,7 @@ impl Liquid {
     /// The colors of the drops no deeper than their own size behind the front.
     fn splat_visible_colors(&mut self) {
         let Self { drops, front, colors, width, .. } = self;
-        for drop in drops.iter() {
+        for drop in drops.iter().filter(|drop| !is_hidden(drop, front, *width)) {
             // Wider than it is: colors change more smoothly than the surface does.
             let wide = Drop { radius: SMOOTH * drop.radius, ..*drop };
             for_each_pixel(&wide, *width, front.len(), |pixel, square| {
@@ -226,31 +260,21 @@ impl Liquid {
         let taps = reach.ceil() as usize;
         let weights: Vec<f32> = (0..=taps).map(|tap| (1.0 - (tap as f32 / (taps + 1) as f32).powi(2)).powi(2)).collect();
         for _ in 0..ROUNDS {
-            for stride in [1, self.width] {
-                self.filter(stride, &weights);
+            let part = self.rows.start * self.width..self.rows.end * self.width;
+            for level in [true, false] {
+                narrow_range(&mut self.front[part.clone()], self.width, level, &weights, self.range, &mut self.scratch);
             }
         }
     }
 
-    /// One pass of the filter over neighbors at multiples of a stride. At the ends of rows it wraps into the next row,
-    /// which blurs a few pixels where there is liquid at both edges.
-    fn filter(&mut self, stride: usize, weights: &[f32]) {
-        let Self { front, range, scratch: [sums, totals, before], .. } = self;
-        let count = front.len();
-        before.clone_from(front);
-        sums.clear();
-        sums.extend(front.iter().map(|depth| depth * weights[0]));
-        totals.clear();
-        totals.resize(count, weights[0]);
-        for (tap, &weight) in weights.iter().enumerate().skip(1) {
-            let shift = (tap * stride).min(count);
-            let (here, there) = (&before[..count - shift], &before[shift..]);
-            gather(&mut sums[..count - shift], &mut totals[..count - shift], here, there, weight, *range);
-            gather(&mut sums[shift..], &mut totals[shift..], there, here, weight, *range);
-        }
-        for ((depth, sum), total) in front.iter_mut().zip(sums.iter()).zip(totals.iter()) {
-            *depth = sum / total;
-        }
+    /// Blurs the thickness a little: where the outlines of drops meet, the rim would have teeth.
+    fn soften(&mut self) {
+        let reach = ((SOFT * self.mean_radius()) as usize).clamp(1, FARTHEST_BLUR);
+        let (width, [other, ..]) = (self.width, &mut self.scratch);
+        let rows = self.rows.start * width..self.rows.end * width;
+        other.clear();
+        other.extend_from_slice(&self.amount[rows.clone()]);
+        blur_plane(&mut self.amount[rows], other, width, reach);
     }
 
     /// How far inside a liquid in 2D pixels are, by the mean of what is covered around them.
@@ -261,15 +285,8 @@ impl Liquid {
         self.inside.extend(self.amount.iter().map(|&amount| if amount > EDGE { 1.0 } else { 0.0 }));
         let (width, [other, ..]) = (self.width, &mut self.scratch);
         other.clone_from(&self.inside);
-        let height = self.inside.len() / width.max(1);
-        for _ in 0..2 {
-            for row in 0..height {
-                blur(&self.inside[row * width..], &mut other[row * width..], width, 1, reach);
-            }
-            for column in 0..width {
-                blur(&other[column..], &mut self.inside[column..], height, width, reach);
-            }
-        }
+        blur_plane(&mut self.inside, other, width, reach);
+        blur_plane(&mut self.inside, other, width, reach);
     }
 
     /// The color and coverage of a pixel in 2D: the edge is one pixel wide, and a rim follows it that is lighter above than
@@ -377,30 +394,19 @@ fn for_each_pixel(drop: &Drop, width: usize, count: usize, mut visit: impl FnMut
     }
 }
 
+/// Whether a drop in 3D is far behind the front at its center and at its sides.
+fn is_hidden(drop: &Drop, front: &[f32], width: usize) -> bool {
+    let ([x, y], r) = (drop.center, drop.radius);
+    let height = front.len() / width.max(1);
+    [[x, y], [x - r, y], [x + r, y], [x, y - r], [x, y + r]].into_iter().all(|[x, y]| {
+        let inside = x >= 0.0 && y >= 0.0 && x < width as f32 && y < height as f32;
+        inside && drop.depth - 4.0 * r > front[y as usize * width + x as usize]
+    })
+}
+
 fn tint(sum: &mut [f32; 5], color: Ink, weight: f32) {
     let [red, green, blue, opacity] = color.map(f32::from);
     for (sum, channel) in sum.iter_mut().zip([red, green, blue, opacity, 1.0]) {
         *sum += weight * channel;
-    }
-}
-
-/// The means of the values up to some places away in a row of them at a distance from one another; at its ends they go on.
-fn blur(from: &[f32], to: &mut [f32], count: usize, stride: usize, reach: usize) {
-    let share = 1.0 / (2 * reach + 1) as f32;
-    let at = |index: usize| from[index.saturating_sub(reach).min(count - 1) * stride];
-    let mut sum: f32 = (0..2 * reach).map(at).sum();
-    for index in 0..count {
-        sum += at(index + 2 * reach);
-        to[index * stride] = sum * share;
-        sum -= at(index);
-    }
-}
-
-/// Adds neighbors within a depth range, with equal weights.
-fn gather(sums: &mut [f32], totals: &mut [f32], here: &[f32], there: &[f32], weight: f32, range: f32) {
-    for (((sum, total), here), there) in sums.iter_mut().zip(totals).zip(here).zip(there) {
-        let share = if (there - here).abs() < range { weight } else { 0.0 };
-        *sum += share * there;
-        *total += share;
     }
 }

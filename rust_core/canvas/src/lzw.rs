@@ -5,19 +5,25 @@ pub(crate) const TRANSPARENT: u8 = 0;
 
 pub(crate) const GREATEST_CODE: u32 = 4095;
 const SLOTS: usize = 1 << 14;
+/// (string, next symbol) → longer string, in an open-addressed table: 12 + 8 bits of key above 12 bits of code, 0 is free. At most
+/// a quarter full, so a search takes little more than one probe.
+pub(crate) type Slots = [u32; SLOTS];
+
+/// A table without strings.
+#[expect(clippy::large_stack_arrays, reason = "64 KiB once per film, on the way to the heap")]
+pub(crate) fn free_slots() -> Box<Slots> {
+    Box::new([0; SLOTS])
+}
 
 /// The encoder's dictionary, reused from frame to frame for its allocation.
 pub(crate) struct Encoder {
-    /// (string, next symbol) → longer string, in an open-addressed table: 12 + 8 bits of key above 12 bits of code, 0 is
-    /// free. At most a quarter full, so a search takes little more than one probe.
-    slots: Box<[u32; SLOTS]>,
+    slots: Box<Slots>,
     bytes: Vec<u8>,
 }
 
 impl Encoder {
-    #[expect(clippy::large_stack_arrays, reason = "64 KiB once per film, on the way to the heap")]
     pub(crate) fn new() -> Self {
-        Self { slots: Box::new([0; SLOTS]), bytes: Vec::new() }
+        Self { slots: free_slots(), bytes: Vec::new() }
     }
 
     /// Appends to `out` the code size and the sub-blocks for `symbols`, all of them below 2^`bits`.
@@ -58,7 +64,7 @@ impl Encoder {
 
 /// The code of a string with one more symbol, or else the free slot where it belongs.
 #[inline(always)]
-fn find(slots: &[u32; SLOTS], string: u32, symbol: u8) -> Result<u32, usize> {
+pub(crate) fn find(slots: &Slots, string: u32, symbol: u8) -> Result<u32, usize> {
     let key = key(string, symbol);
     // The symbols are spread by the golden ratio; the string, which each step must wait for, needs one operation more.
     let spread = u32::from(symbol).wrapping_mul(0x9E37_79B1) >> (32 - SLOTS.ilog2());
@@ -77,7 +83,7 @@ fn find(slots: &[u32; SLOTS], string: u32, symbol: u8) -> Result<u32, usize> {
 
 /// One more than the two numbers side by side, so that none is 0.
 #[inline(always)]
-fn key(string: u32, symbol: u8) -> u32 {
+pub(crate) fn key(string: u32, symbol: u8) -> u32 {
     (string << 8 | u32::from(symbol)) + 1
 }
 

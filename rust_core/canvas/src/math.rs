@@ -41,3 +41,16 @@ pub(crate) fn across(direction: Vector) -> [Vector; 2] {
     let first = unit(cross(direction, helper));
     [first, cross(direction, first)]
 }
+
+/// The threshold of an ordered dither at a pixel, between 0 and 1: each of 64 once in 8 × 8 pixels.
+///
+/// Source: B. Bayer, "An optimum method for two-level rendition of continuous-tone pictures" (1973).
+#[inline(always)]
+pub(crate) fn threshold(column: u32, row: u32) -> f32 {
+    let mut index = 0;
+    for bit in 0..3 {
+        let (right, down) = ((column >> bit) & 1, (row >> bit) & 1);
+        index = 4 * index + 2 * (right ^ down) + down;
+    }
+    (index as f32 + 0.5) / 64.0
+}

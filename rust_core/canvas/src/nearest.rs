@@ -1,6 +1,8 @@
 //! The nearest of a palette's colors, for every pixel.
 
+use crate::band::GLOW;
 use crate::color::Rgb;
+use crate::math::threshold;
 
 /// Colors as one array per channel, so that the distances to all of them are found at once.
 #[derive(Clone, Debug)]
@@ -13,6 +15,11 @@ impl Centers {
     pub(crate) fn new(colors: &[[f32; 3]]) -> Self {
         let channels = [0, 1, 2].map(|channel| colors.iter().map(|color| color[channel]).collect());
         Self { channels, distances: vec![0.0; colors.len()] }
+    }
+
+    /// The color of a number, from 1.
+    fn color(&self, number: u8) -> [f32; 3] {
+        std::array::from_fn(|channel| self.channels[channel][usize::from(number) - 1])
     }
 
     /// The position of the nearest color, of equally near ones the first.
@@ -59,8 +66,48 @@ impl Table {
         Self { bits, centers: Centers::new(&centers), numbers }
     }
 
-    /// The number of each pixel's color, into `out`, which is as long.
-    pub(crate) fn look_up(&mut self, pixels: &[[u8; 4]], out: &mut [u8]) {
+    /// The number of each pixel's color, into `out`, which is as long; of glow in a picture of so many columns one of the two
+    /// colors that it lies between.
+    pub(crate) fn look_up_dithered(&mut self, pixels: &[[u8; 4]], width: usize, out: &mut [u8]) {
+        self.look_up(pixels, out);
+        let rows = pixels.chunks_exact(width.max(1)).zip(out.chunks_exact_mut(width.max(1)));
+        for (row, (pixels, numbers)) in rows.enumerate() {
+            for (column, (&pixel, number)) in pixels.iter().zip(numbers).enumerate() {
+                if pixel[3] > GLOW / 2 {
+                    *number = self.dithered(pixel, *number, threshold(column as u32, row as u32));
+                }
+            }
+        }
+    }
+
+    /// The nearest color of a pixel, or one on its other side, in shares by which their mean over all thresholds is about its
+    /// own; the nearest one where there is none such.
+    ///
+    /// Source: B. Bayer, "An optimum method for two-level rendition of continuous-tone pictures" (1973), for two levels that
+    /// are found for each color.
+    fn dithered(&mut self, pixel: [u8; 4], nearest: u8, threshold: f32) -> u8 {
+        /// How many times as far as the color the other one is looked for.
+        const TIMES: [f32; 3] = [2.0, 4.0, 8.0];
+        let near = self.centers.color(nearest);
+        let off: [f32; 3] = std::array::from_fn(|channel| f32::from(pixel[channel]) - near[channel]);
+        let error: f32 = off.iter().map(|part| part * part).sum();
+        for times in TIMES.into_iter().filter(|_| error > 0.0) {
+            let [red, green, blue] = std::array::from_fn(|channel: usize| (near[channel] + times * off[channel]) as u8);
+            let other = self.number([red, green, blue, 0]);
+            let far = self.centers.color(other);
+            let way: [f32; 3] = std::array::from_fn(|channel| far[channel] - near[channel]);
+            let square: f32 = way.iter().map(|part| part * part).sum();
+            let along: f32 = way.iter().zip(off).map(|(part, off)| part * off).sum();
+            // Half of the error at most may remain.
+            if other != nearest && error - along * along / square < 0.25 * error {
+                return if along > threshold * square { other } else { nearest };
+            }
+        }
+        nearest
+    }
+
+    /// The number of each pixel's nearest color, into `out`, which is as long.
+    fn look_up(&mut self, pixels: &[[u8; 4]], out: &mut [u8]) {
         let (groups, rest) = pixels.as_chunks::<GROUP>();
         let (targets, tail) = out.as_chunks_mut::<GROUP>();
         for (group, target) in groups.iter().zip(targets) {

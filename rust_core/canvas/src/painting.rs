@@ -91,7 +91,9 @@ impl Painting {
     /// Paints all queued shapes, then discs without depth, which are not stored: a million of them take no memory.
     pub fn paint_discs(&mut self, canvas: &mut Canvas, discs: &(impl Iterator<Item = Disc> + Clone + Sync)) {
         self.paint(canvas);
-        let draw = |band: &mut Band<'_>| discs.clone().for_each(|disc| band.disc(disc));
+        let times = canvas.samples() as f32;
+        let draw =
+            |band: &mut Band<'_>| discs.clone().for_each(|disc| band.disc(if times > 1.0 { disc.scaled(times) } else { disc }));
         in_bands(canvas, threads(discs.size_hint().0), &draw);
     }
 
@@ -150,6 +152,9 @@ impl Painting {
 
     /// Paints all queued shapes and empties the queue; the memory is reused for the next frame.
     pub fn paint(&mut self, canvas: &mut Canvas) {
+        if canvas.samples() > 1 {
+            self.magnify(canvas.samples() as f32);
+        }
         if self.has_depth {
             radsort::sort_by_key(&mut self.order, |entry| -entry.depth); // stable, and ten times faster for millions
         }
@@ -175,6 +180,16 @@ impl Painting {
         self.has_depth = false;
     }
 
+    /// Scales all queued shapes to a picture with so many times as many pixels along each side.
+    fn magnify(&mut self, times: f32) {
+        self.discs.iter_mut().for_each(|disc| *disc = disc.scaled(times));
+        self.lines.iter_mut().for_each(|line| *line = line.scaled(times));
+        self.triangles.iter_mut().for_each(|(triangle, _)| *triangle = triangle.scaled(times));
+        self.halos.iter_mut().for_each(|halo| *halo = halo.scaled(times));
+        self.liquid.magnify(times);
+        self.light = self.light.map(|light| Light { reach: times * light.reach, ..light });
+    }
+
     /// Lets light fall on what is painted; where nothing throws a shadow, nothing is lit.
     fn shade(&self, canvas: &mut Canvas, light: Light, eye: Eye) {
         let casters = self.casters(eye);
@@ -182,9 +197,10 @@ impl Painting {
             return;
         }
         let depths = canvas.depths().to_vec();
-        let depths = Depths { eye, width: canvas.width(), values: &depths };
+        let backdrop = canvas.backdrop_depths().to_vec();
+        let depths = Depths { eye, width: canvas.width(), values: &depths, backdrop: &backdrop };
         let shadows = ShadowMap::new(light.lamp, &casters);
-        let lighting = Lighting::new(light, shadows, &depths, canvas.backdrop_depths(), threads(FEW));
+        let lighting = Lighting::new(light, shadows, &depths, threads(FEW));
         in_bands(canvas, threads(FEW), &|band: &mut Band<'_>| lighting.shade(band, &depths));
     }
 

@@ -16,6 +16,11 @@ pub struct Histogram {
     cells: Vec<Tally>,
 }
 
+/// Colors that differ by at most about so much in each channel are alike [levels of 255].
+const ALIKE: usize = 24;
+/// A color that is included counts as so many pixels.
+const INCLUDED: u64 = 100;
+
 /// The number of pixels in a cell and the sums of their channels: a color alone in its cell is kept exactly.
 #[derive(Clone, Copy, Debug, Default)]
 struct Tally {
@@ -44,6 +49,29 @@ impl Histogram {
                 *sum += u64::from(channel);
             }
         }
+    }
+
+    /// Counts those of some colors as a few pixels of which none alike was seen: a palette of samples of a film then has them too,
+    /// for what shows them between the samples.
+    pub fn include(&mut self, colors: &[Rgb]) {
+        let missing: Vec<Rgb> = colors.iter().copied().filter(|&color| !self.has_seen(color)).collect();
+        for color in missing {
+            let [red, green, blue] = color;
+            let tally = &mut self.cells[cell([red, green, blue, 0], self.quality.histogram_bits()) as usize];
+            *tally = Tally { count: INCLUDED, sums: color.map(|channel| INCLUDED * u64::from(channel)) };
+        }
+    }
+
+    /// Whether a color like this one was seen.
+    fn has_seen(&self, color: Rgb) -> bool {
+        let bits = self.quality.histogram_bits();
+        let (size, last) = (256 >> bits, (1_usize << bits) - 1);
+        let [reds, greens, blues] = color.map(|channel| {
+            let (own, reach) = (usize::from(channel) / size, ALIKE / size);
+            own.saturating_sub(reach)..=(own + reach).min(last)
+        });
+        let columns = reds.flat_map(|red| greens.clone().map(move |green| red << (2 * bits) | green << bits));
+        columns.flat_map(|column| blues.clone().map(move |blue| column | blue)).any(|cell| self.cells[cell].count > 0)
     }
 
     /// The mean color and the count of each occupied cell.
@@ -106,9 +134,9 @@ impl Palette {
         self.quality
     }
 
-    /// The number of each pixel's color, into `out`.
-    pub fn indices(&mut self, pixels: &[[u8; 4]], out: &mut Vec<u8>) {
+    /// The number of each pixel's color in a picture of so many columns, into `out`: the nearest one, but glow is dithered.
+    pub fn indices(&mut self, pixels: &[[u8; 4]], width: usize, out: &mut Vec<u8>) {
         out.resize(pixels.len(), 0);
-        self.table.look_up(pixels, out);
+        self.table.look_up_dithered(pixels, width, out);
     }
 }

@@ -1,7 +1,7 @@
 //! Trade-off between the time and the color error and size of a film.
 //!
-//! Neither dithers. Ordered dithering with a static pattern was tried: its error per frame is larger, and films of smooth
-//! gradients become two to three times as large.
+//! Neither dithers anything but glow. Ordered dithering of all pixels with a static pattern was tried: its error per frame is
+//! larger, and films of smooth gradients become two to three times as large; of glow alone, films become a sixth larger.
 
 use std::str::FromStr;
 

@@ -71,6 +71,12 @@ pub struct Halo {
 }
 
 impl Disc {
+    /// The disc in a picture with so many times as many pixels along each side.
+    pub(crate) fn scaled(self, times: f32) -> Self {
+        let (center, softness) = (self.center.map(|place| times * place), scaled_softness(self.softness, times));
+        Self { center, radius: times * self.radius, softness, ..self }
+    }
+
     /// The disc out of focus: a convolution with a circle of confusion of this radius [pixels].
     #[must_use]
     pub fn blurred(self, confusion: f32) -> Self {
@@ -80,12 +86,37 @@ impl Disc {
 }
 
 impl Line {
+    /// The line in a picture with so many times as many pixels along each side.
+    pub(crate) fn scaled(self, times: f32) -> Self {
+        let [from, to] = [self.from, self.to].map(|end| end.map(|place| times * place));
+        Self { from, to, width: times * self.width, softness: scaled_softness(self.softness, times), ..self }
+    }
+
     /// The line out of focus: a convolution with a circle of confusion of this radius [pixels].
     #[must_use]
     pub fn blurred(self, confusion: f32) -> Self {
         let (half, softness, share) = blurred(0.5 * self.width, confusion, 1);
         Self { width: 2.0 * half, softness: softness.max(self.softness), color: faded(self.color, share), ..self }
     }
+}
+
+impl Triangle {
+    /// The triangle in a picture with so many times as many pixels along each side.
+    pub(crate) fn scaled(self, times: f32) -> Self {
+        Self { corners: self.corners.map(|corner| corner.map(|place| times * place)), ..self }
+    }
+}
+
+impl Halo {
+    /// The halo in a picture with so many times as many pixels along each side.
+    pub(crate) fn scaled(self, times: f32) -> Self {
+        Self { center: self.center.map(|place| times * place), radius: times * self.radius, ..self }
+    }
+}
+
+/// An edge that is sharp stays so: one pixel wide.
+fn scaled_softness(softness: f32, times: f32) -> f32 {
+    if softness > 1.0 { times * softness } else { softness }
 }
 
 /// Half the size, the softness and the opacity factor of a shape blurred in this number of directions: total light is

@@ -63,6 +63,8 @@ pub fn missing_signs(text: &str) -> String {
 impl Canvas {
     /// Writes one line of text, `height` pixels high, with its upper edge at `y`. A sign that no face has becomes U+FFFD.
     pub fn text(&mut self, text: &str, [x, y]: [i32; 2], height: usize, color: Ink, align: Align) {
+        let samples = self.samples();
+        let (x, y, height) = (samples as i32 * x, samples as i32 * y, samples * height);
         let width = text_width(text, height) as i32;
         let left = match align {
             Align::Left => x,

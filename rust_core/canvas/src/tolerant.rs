@@ -4,9 +4,9 @@
 //! neither add up nor spread.
 
 use crate::color::Rgb;
-use crate::lzw::{Codes, GREATEST_CODE, TRANSPARENT};
+use crate::lzw::{Codes, GREATEST_CODE, Slots, TRANSPARENT, find, free_slots, key};
 
-/// Strings that are tried at each place. On thin moving lines 200 instead of 24 save 1 % of the bytes.
+/// Strings that are tried at each place without finding a longer one.
 const TRIALS: usize = 24;
 
 /// Rows of [`Tolerance`] from here on allow one color alone.
@@ -94,6 +94,9 @@ pub(crate) struct TolerantEncoder {
     parent: Vec<u16>,
     child: Vec<u16>,
     sibling: Vec<u16>,
+    /// How many strings are longer by one symbol, and these by string and symbol, as in [`Encoder`](crate::lzw::Encoder).
+    children: Vec<u16>,
+    slots: Box<Slots>,
     stack: Vec<(u16, usize)>,
     string: Vec<u8>,
     bytes: Vec<u8>,
@@ -104,7 +107,8 @@ impl TolerantEncoder {
         let links = || vec![NONE; CODES];
         let symbol = (0..CODES).map(|code| code as u8).collect();
         let (stack, string, bytes) = (Vec::new(), Vec::new(), Vec::new());
-        Self { symbol, parent: links(), child: links(), sibling: links(), stack, string, bytes }
+        let (children, slots) = (vec![0; CODES], free_slots());
+        Self { symbol, parent: links(), child: links(), sibling: links(), children, slots, stack, string, bytes }
     }
 
     /// Appends to `out` the code size and the sub-blocks for symbols that fulfil `wishes`, all below 2^`bits`, and writes these
@@ -152,6 +156,8 @@ impl TolerantEncoder {
     fn forget(&mut self) {
         self.child.fill(NONE);
         self.sibling.fill(NONE);
+        self.children.fill(0);
+        self.slots.fill(0);
     }
 
     /// The longest string, of those tried, that the pixels ahead may be, and its length.
@@ -165,25 +171,43 @@ impl TolerantEncoder {
             self.stack.push((u16::from(TRANSPARENT), 1));
             best.0 = u16::from(TRANSPARENT);
         }
-        for _ in 0..TRIALS {
-            let Some((code, length)) = self.stack.pop() else {
-                break;
-            };
+        let mut trials = 0;
+        while let Some((code, length)) = self.stack.pop() {
             if length > best.1 {
                 best = (code, length);
+            } else if trials < TRIALS {
+                trials += 1;
+            } else {
+                break;
             }
             let Some(wish) = ahead.get(length) else {
                 break;
             };
-            let mut longer = self.child[usize::from(code)];
-            while longer != NONE {
-                if wish.takes(tolerance, self.symbol[usize::from(longer)]) {
-                    self.stack.push((longer, length + 1));
+            let choices = &tolerance.ordered[usize::from(wish.row)];
+            if usize::from(self.children[usize::from(code)]) <= choices.len() {
+                let mut longer = self.child[usize::from(code)];
+                while longer != NONE {
+                    if wish.takes(tolerance, self.symbol[usize::from(longer)]) {
+                        self.stack.push((longer, length + 1));
+                    }
+                    longer = self.sibling[usize::from(longer)];
                 }
-                longer = self.sibling[usize::from(longer)];
+            } else {
+                let kept = wish.keep.then_some(TRANSPARENT);
+                for &symbol in choices.iter().chain(&kept) {
+                    if let Some(longer) = self.longer(code, symbol) {
+                        self.stack.push((longer, length + 1));
+                    }
+                }
             }
         }
         best
+    }
+
+    /// A string with one more symbol, if it is known.
+    #[inline(always)]
+    fn longer(&self, code: u16, symbol: u8) -> Option<u16> {
+        find(&self.slots, u32::from(code), symbol).ok().map(|code| code as u16)
     }
 
     /// Whether the pixels ahead may be the last string and its first symbol again, and whether that is longer.
@@ -209,5 +233,9 @@ impl TolerantEncoder {
         let (index, above) = (usize::from(code), usize::from(parent));
         (self.symbol[index], self.parent[index], self.sibling[index]) = (symbol, parent, self.child[above]);
         (self.child[index], self.child[above]) = (NONE, code);
+        self.children[above] += 1;
+        if let Err(slot) = find(&self.slots, u32::from(parent), symbol) {
+            self.slots[slot] = key(u32::from(parent), symbol) << 12 | u32::from(code);
+        }
     }
 }

@@ -3,7 +3,7 @@
 use std::fs;
 use std::io::Write;
 
-use physcore_canvas::{Background, Canvas, Disc, Error, Gif, Histogram, NewFile, Palette, Quality};
+use physcore_canvas::{Background, Canvas, Disc, Error, Gif, Halo, Histogram, NewFile, Palette, Quality};
 use proptest::prelude::*;
 
 const BACKGROUND: [u8; 3] = [16, 19, 24];
@@ -58,7 +58,7 @@ fn shown(bytes: &[u8]) -> (Vec<Vec<[u8; 3]>>, Vec<u16>) {
 /// The colors that the palette gives each pixel.
 fn reduced(canvas: &Canvas, palette: &mut Palette) -> Vec<[u8; 3]> {
     let mut indices = Vec::new();
-    palette.indices(canvas.pixels(), &mut indices);
+    palette.indices(canvas.pixels(), canvas.width(), &mut indices);
     indices.iter().map(|&index| palette.colors()[usize::from(index) - 1]).collect()
 }
 
@@ -370,4 +370,83 @@ fn a_file_is_the_new_one_whole_or_the_old_one() {
     assert!(NewFile::create(&folder).is_err(), "a folder is not a file");
     assert!(NewFile::create(&folder.join("none/film.gif")).is_err());
     fs::remove_dir_all(&folder).expect("an empty folder");
+}
+
+/// A halo in the middle of a picture.
+fn glowing(color: [u8; 3], shadow: bool) -> Canvas {
+    let mut picture = Canvas::new(512, 512, if shadow { [250; 3] } else { BACKGROUND }).expect("a valid size");
+    picture.halo(Halo { center: [256.0, 256.0], radius: 250.0, color: [color[0], color[1], color[2], 160], shadow });
+    picture
+}
+
+/// Differences of the means of colors over squares of 8 × 8 pixels from those of a picture, squared and added up.
+fn unevenness(picture: &Canvas, colors: &[[u8; 3]]) -> f64 {
+    let width = picture.width();
+    let mut sums = vec![[0.0; 3]; (width / 8) * (picture.height() / 8)];
+    for (index, (drawn, shown)) in picture.pixels().iter().zip(colors).enumerate() {
+        let square = &mut sums[index / width / 8 * (width / 8) + index % width / 8];
+        (0..3).for_each(|channel| square[channel] += f64::from(shown[channel]) - f64::from(drawn[channel]));
+    }
+    sums.iter().flatten().map(|sum| (sum / 64.0) * (sum / 64.0)).sum()
+}
+
+/// In few colors the means of glow are less than half as far off as with nearest colors: it has no rings. (They are off where
+/// the palette ends, at the center, beyond which there is no color to mix with.)
+#[test]
+fn glow_is_dithered() {
+    for (color, shadow) in [([255, 190, 60], false), ([60, 160, 255], false), ([220, 90, 40], true)] {
+        let picture = glowing(color, shadow);
+        let mut histogram = Histogram::default();
+        histogram.observe(&picture);
+        let ground = picture.pixels()[0];
+        let mut palette = Palette::new(&histogram, &[[ground[0], ground[1], ground[2]]], 12);
+        let nearest: Vec<[u8; 3]> = picture
+            .pixels()
+            .iter()
+            .map(|pixel| {
+                let away = |entry: &&[u8; 3]| (0..3).map(|c| i32::from(entry[c].abs_diff(pixel[c])).pow(2)).sum::<i32>();
+                *palette.colors().iter().min_by_key(away).expect("a color")
+            })
+            .collect();
+        let dithered = reduced(&picture, &mut palette);
+        let (before, after) = (unevenness(&picture, &nearest), unevenness(&picture, &dithered));
+        assert!(after < before / 4.0, "{color:?}: {after} after {before}");
+    }
+}
+
+/// A color that is the palette's own is shown as it is, in glow too, and what covers glow is not dithered.
+#[test]
+fn only_glow_between_two_colors_is_dithered() {
+    let picture = glowing([255, 190, 60], false);
+    let mut palette = palette_of(&[(picture.clone(), 1)]);
+    for (pixel, shown) in picture.pixels().iter().zip(reduced(&picture, &mut palette)) {
+        if palette.colors().contains(&[pixel[0], pixel[1], pixel[2]]) {
+            assert_eq!(shown, [pixel[0], pixel[1], pixel[2]]);
+        }
+    }
+    let mut covered = picture.clone();
+    covered.disc(Disc { center: [256.0, 256.0], radius: 400.0, color: [99, 98, 97, 255], shading: 0.0, softness: 1.0 });
+    let mut few = palette_with(&[(picture, 1)], Quality::Fast, 8);
+    let first = reduced(&covered, &mut few);
+    assert!(first.iter().all(|shown| *shown == first[0]));
+}
+
+/// A color is included where none is within 24 levels in each channel, up to the 8 of a cell; then the palette has it, and a color
+/// that is alike changes nothing.
+#[test]
+fn included_colors_are_in_the_palette() {
+    let mut picture = canvas(64, 64);
+    let ball = Disc { center: [32.0, 32.0], radius: 25.0, color: [122, 63, 208, 255], shading: 0.8, softness: 1.0 };
+    picture.disc(ball);
+    let mut histogram = Histogram::default();
+    histogram.observe(&picture);
+    let plain = Palette::new(&histogram, &[BACKGROUND], 255);
+    histogram.include(&[[124, 60, 210]]);
+    assert_eq!(Palette::new(&histogram, &[BACKGROUND], 255).colors(), plain.colors());
+    histogram.include(&[[255, 140, 26]]);
+    for most in [255, 16] {
+        let palette = Palette::new(&histogram, &[BACKGROUND], most);
+        let away = |color: &[u8; 3]| (0..3).map(|c| u32::from(color[c].abs_diff([255, 140, 26][c])).pow(2)).sum::<u32>();
+        assert!(palette.colors().iter().map(away).min().expect("a color") < 100, "{most}");
+    }
 }

@@ -15,7 +15,7 @@ fn floor(grid: Option<([u8; 3], f32, f32)>) -> Canvas {
     // The scene's up is tilted toward the eye.
     let normal = [0.0, half, half];
     let center = normal.map(|component| -component);
-    canvas.ground(&Ground { normal, center, size: 100.0, color: [GRAY; 3], grid, along: [1.0, 0.0, 0.0] });
+    canvas.ground(&Ground { normal, center, size: 100.0, color: [GRAY; 3], grid, along: [1.0, 0.0, 0.0], part: None });
     canvas.keep();
     canvas
 }
@@ -106,4 +106,65 @@ fn threads_and_bad_numbers_do_not_show() {
         (0..1500).map(|index| ([(index * 37 % 200) as f32, (index * 91 % 200) as f32], 3.0, (index % 7) as f32 * 0.1)).collect();
     let (one, other) = (lit(&balls, ABOVE), lit(&balls, ABOVE));
     assert!(one.pixels() == other.pixels());
+}
+
+/// An orthographic view of a wall that faces the eye, from −1 to 1 along both axes, two lengths behind the focus.
+fn wall(normal: [f32; 3]) -> Canvas {
+    let mut canvas = Canvas::new(SIDE, SIDE, [10; 3]).expect("a valid size");
+    canvas.look_from(Eye { scale: 50.0, middle: [100.0, 100.0], distance: f32::INFINITY });
+    let part = Some(([[50.0, 50.0], [150.0, 50.0], [150.0, 150.0], [50.0, 150.0]], 1.0));
+    let (center, color) = ([0.0, 0.0, -2.0], [GRAY; 3]);
+    canvas.ground(&Ground { normal, center, size: 1.0, color, grid: None, along: [1.0, 0.0, 0.0], part });
+    canvas.keep();
+    canvas
+}
+
+/// A wall is between its corners and seen from its front. The lamp is at half a right angle from the left, so that the shadow of a ball
+/// that is two lengths in front of the wall falls two lengths, which are 100 pixels, to the right of it.
+#[test]
+fn a_wall_is_between_its_corners_and_takes_shadows() {
+    let half = 0.5_f32.sqrt();
+    assert!(wall([0.0, 0.0, -1.0]).pixels().iter().all(|pixel| pixel[0] == 10));
+    let bare = wall([0.0, 0.0, 1.0]);
+    for (x, y, seen) in [(60, 60, GRAY), (140, 140, GRAY), (40, 100, 10), (100, 160, 10)] {
+        assert!(gray(&bare, x, y).abs_diff(seen) <= 2, "{x}, {y}: {}", gray(&bare, x, y));
+    }
+    let (mut painting, mut canvas) = (Painting::default(), bare);
+    painting.light(Light { lamp: [-half, 0.0, half], shadow: 0.5, occlusion: 0.0, reach: 8.0 });
+    painting.disc(Disc { center: [20.0, 100.0], radius: 12.0, color: [255, 0, 0, 255], shading: 0.5, softness: 1.0 }, 0.0);
+    painting.paint(&mut canvas);
+    let shadow = f32::from(gray(&canvas, 120, 100)) / f32::from(GRAY);
+    assert!((0.45..0.65).contains(&shadow), "{shadow}");
+    for (x, y) in [(75, 100), (120, 65), (120, 135)] {
+        assert!(gray(&canvas, x, y) >= GRAY - 2, "{x}, {y}");
+    }
+}
+
+/// Two walls that meet take no light from each other, wherever something else is: the corner would be dark near to that alone.
+#[test]
+fn what_stands_still_is_not_darker_where_something_is_near() {
+    let half = 0.5_f32.sqrt();
+    let draw = |ball: bool| {
+        let mut canvas = Canvas::new(SIDE, SIDE, [10; 3]).expect("a valid size");
+        canvas.look_from(Eye { scale: 50.0, middle: [100.0, 100.0], distance: f32::INFINITY });
+        for (side, left, right) in [(1.0, 50.0, 100.0), (-1.0, 100.0, 150.0)] {
+            let part = Some(([[left, 50.0], [right, 50.0], [right, 150.0], [left, 150.0]], 1.0));
+            let (normal, center) = ([side * half, 0.0, half], [0.0, 0.0, -2.0]);
+            let (color, along) = ([GRAY; 3], [0.0, 1.0, 0.0]);
+            canvas.ground(&Ground { normal, center, size: 1.0, color, grid: None, along, part });
+        }
+        canvas.keep();
+        let mut painting = Painting::default();
+        painting.light(Light { lamp: [0.0, 0.0, 1.0], shadow: 0.0, occlusion: 0.8, reach: 12.0 });
+        let center = if ball { [100.0, 70.0] } else { [100.0, 10.0] };
+        painting.disc(Disc { center, radius: 6.0, color: [255, 0, 0, 255], shading: 0.5, softness: 1.0 }, 1.9);
+        painting.paint(&mut canvas);
+        canvas
+    };
+    let (near, far) = (draw(true), draw(false));
+    for row in 95..140 {
+        assert_eq!(gray(&near, 99, row), gray(&far, 99, row), "{row}");
+    }
+    let darker = (77..82).map(|row| gray(&far, 99, row) - gray(&near, 99, row)).max();
+    assert!(darker > Some(5), "{darker:?}");
 }

@@ -67,6 +67,9 @@ FINE = 4096
 STEPS = 256
 LUMA = np.array([0.2126, 0.7152, 0.0722])
 """How much red, green and blue add to lightness."""
+DARKEST = 0.26
+"""The lightness in Oklab from which a part of a map is counted: what is darker, of maps that begin at black, would be
+lost on a dark ground."""
 STRAY = 0.5
 """A change of lightness between two of 256 colors that is none to the eye, out of 255."""
 
@@ -74,18 +77,31 @@ STRAY = 0.5
 def sequential(name: object, part: tuple[float, float], path: str) -> FloatArray:
     """256 colors (256, 3) of the part of a map between two fractions of its way from dark to light.
 
-    Maps that do not go from dark to light or back, those with two sides and those that go round, are given whole.
+    A part that leaves the beginning out is counted from where the map is no longer nearly black, so that all maps begin
+    about equally light. Maps that do not go from dark to light or back, those with two sides and those that go round,
+    are given whole.
 
     Raises:
         SceneError: there is no such map, or it is Matplotlib's and that is not installed.
     """
     if isinstance(name, str) and name in COLORMAPS:
-        return _between([tuple(bytes.fromhex(entry)) for entry in COLORMAPS[name].split()], part)
+        return _between(*_counted([tuple(bytes.fromhex(entry)) for entry in COLORMAPS[name].split()], part))
     colors = _of_matplotlib(name, path)
     change = np.diff(colors @ LUMA)
     if (change > -STRAY).all():
-        return _between(colors, part)
-    return _between(colors, (1.0 - part[1], 1.0 - part[0]) if (change < STRAY).all() else (0.0, 1.0))
+        return _between(*_counted(colors, part))
+    if (change < STRAY).all():
+        return _between(*_counted(colors[::-1], part))[::-1]
+    return _between(colors, (0.0, 1.0))
+
+
+def _counted(
+    colors: Sequence[tuple[float, ...]], part: tuple[float, float]
+) -> tuple[Sequence[tuple[float, ...]], tuple[float, float]]:
+    """A map from dark to light, and the part of its whole length that is meant by one of what is not nearly black."""
+    black = np.interp(DARKEST, oklab(np.array(colors, dtype=float))[:, 0], np.linspace(0.0, 1.0, len(colors)))
+    low, high = (float(black + (1.0 - black) * fraction) for fraction in part)
+    return colors, (low if part[0] > 0.0 else 0.0, high)
 
 
 def _of_matplotlib(name: object, path: str) -> list[tuple[float, ...]]:
@@ -130,10 +146,10 @@ def two_sided(background: tuple[int, int, int]) -> FloatArray:
     """
     light = float(np.array(background) @ LUMA) > 127.0
     cold, warm = LIGHT_SIDES if light else DARK_SIDES
-    middle = _oklab(np.array([background], dtype=float))[0]
+    middle = oklab(np.array([background], dtype=float))[0]
     sides = []
     for stops in (cold, warm):
-        colors = _oklab(np.array([tuple(bytes.fromhex(stop)) for stop in stops.split()], dtype=float))
+        colors = oklab(np.array([tuple(bytes.fromhex(stop)) for stop in stops.split()], dtype=float))
         points, fractions = np.vstack([middle, colors]), np.linspace(0.0, 1.0, STEPS // 2)
         places = np.linspace(0.0, 1.0, len(points))
         sides.append(np.stack([np.interp(fractions, places, channel) for channel in points.T], axis=1))
@@ -162,7 +178,7 @@ _TO_LAB = np.array(
 )  # fmt: skip
 
 
-def _oklab(colors: FloatArray) -> FloatArray:
+def oklab(colors: FloatArray) -> FloatArray:
     """Lightness and two opponent colors (N, 3) of sRGB colors (N, 3) from 0 to 255."""
     fractions = colors / 255.0
     linear = np.where(fractions <= 0.04045, fractions / 12.92, ((fractions + 0.055) / 1.055) ** 2.4)

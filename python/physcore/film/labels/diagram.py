@@ -13,6 +13,7 @@ from physcore.checks import FloatArray, is_word, shown
 from physcore.errors import SceneError
 from physcore.film.camera.view import Area, PixelArray
 from physcore.film.colors.themes import Color, Theme
+from physcore.film.labels.drawing import stroke
 from physcore.film.labels.text import GAP, ends, wrapped
 from physcore.simulation.energy import Energy
 from physcore.simulation.sources import Source
@@ -106,6 +107,11 @@ class Diagram:
         self._sides = inner[0], inner[2]
 
     @property
+    def box(self) -> Area:
+        """The rectangle that it takes [pixels]."""
+        return self._box
+
+    @property
     def colors(self) -> list[Color]:
         """One for each curve; the total is like the text."""
         return [*self._theme.bodies[: len(self._names) - 1], self._theme.text]
@@ -116,14 +122,14 @@ class Diagram:
         corners = np.array([[left, top], [right, top], [right, bottom], [left, bottom]], dtype=np.float32)
         canvas.polygon(corners, (*self._theme.background, OPACITY))
         self._write(canvas)
-        _stroke(canvas, np.concatenate([corners, corners[:1]]), self._theme.edge, 1.0, alpha=FRAME)
-        _stroke(canvas, np.array([[self._sides[0], self._zero], [self._sides[1], self._zero]]), self._theme.edge, 1.0)
+        stroke(canvas, np.concatenate([corners, corners[:1]]), self._theme.edge, 1.0, alpha=FRAME)
+        stroke(canvas, np.array([[self._sides[0], self._zero], [self._sides[1], self._zero]]), self._theme.edge, 1.0)
         width = self._text / 10
         # The total lies below, and wider: where it is one of the others, both are seen.
         for curve, color in reversed(list(zip(self._lines, self.colors, strict=True))):
             drawn, own = curve[: frame + 1], 2.0 * width if curve is self._lines[-1] else width
             keep = np.unique((2.0 * drawn[:, 0]).round(), return_index=True)[1]  # the others would not be seen
-            _stroke(canvas, np.concatenate([drawn[keep], drawn[-1:]]), color, own)
+            stroke(canvas, np.concatenate([drawn[keep], drawn[-1:]]), color, own)
             ink = np.array([[*color, 255]], dtype=np.uint8)
             canvas.discs(drawn[-1:].astype(np.float32), np.array([0.7 * own + 1.0], dtype=np.float32), ink)
         canvas.paint()
@@ -135,7 +141,7 @@ class Diagram:
         legend: list[list[tuple[str, int | None]]] = [
             [(named if text_width(named, self._text) <= room else head, None)]
         ]
-        lines = [line.split(GAP) for line in wrapped(self._names, self._text, room)]
+        lines = wrapped(self._names, self._text, room)
         return legend + [[(name, self._names.index(name)) for name in line] for line in lines]
 
     def _write(self, canvas: Canvas) -> None:
@@ -169,10 +175,3 @@ def _corner(area: Area, width: float, height: float, gap: float, occupied: Pixel
         return int(((occupied >= box[:2]) & (occupied <= box[2:])).all(axis=1).sum())
 
     return min(boxes, key=count)
-
-
-def _stroke(canvas: Canvas, points: FloatArray, color: Color, width: float, alpha: int = 255) -> None:
-    """Add a line through points (N, 2)."""
-    sides = np.concatenate([points[:-1], points[1:]], axis=1).astype(np.float32)
-    inks = np.tile(np.array([*color, alpha], dtype=np.uint8), (len(sides), 1))
-    canvas.lines(sides, np.full(len(sides), width, dtype=np.float32), inks)

@@ -1,4 +1,4 @@
-"""The footer of a film: the time, how it was computed, what the colors mean, and whose it is."""
+"""The footer of a film: the names of bodies, the time, how it was computed, what colors mean, and whose it is."""
 
 from __future__ import annotations
 
@@ -31,6 +31,8 @@ SMALL = 0.8
 """Height of the credit, in heights of the text."""
 THICK = 0.5
 """Thickness of a color bar, in heights of the text."""
+MARK = "●"
+"""Before each name of the legend, in the color of its body."""
 
 
 def check_labels(labels: object, found: Sequence[Source]) -> tuple[Label, ...]:
@@ -90,6 +92,7 @@ class Footer:
         facts: the integrator's name and the time step [s] of each panel, as far as they are labels.
         scales: what colors mean.
         credit: a line of its own at the bottom; empty: none.
+        legend: names with their colors, in lines of their own above all others.
     """
 
     def __init__(
@@ -99,8 +102,10 @@ class Footer:
         facts: Sequence[tuple[str | None, float | None]],
         scales: Sequence[Bar],
         credit: str = "",
+        legend: Sequence[tuple[str, Color]] = (),
     ) -> None:
         self._labels, self._clock, self._facts, self._bars, self._credit = labels, clock, facts, scales, credit
+        self._legend = legend
         self._drifts = [Drift() for _ in facts]
 
     def begin(self) -> None:
@@ -110,7 +115,7 @@ class Footer:
     def height(self, text: int, width: int) -> int:
         """Its height in a picture of this width with a text of this height [pixels]."""
         own, common = self._lines(text, width, [0.0] * len(self._facts), 0)
-        count = max(map(len, own)) + bool(common or self._bars)
+        count = len(self._names(text, width)) + max(map(len, own)) + bool(common or self._bars)
         return round(LINE * text * count) + self._credit_height(text)
 
     def draw(
@@ -131,6 +136,7 @@ class Footer:
             left = width * panel // len(own) + text // 2
             for row, line in enumerate(lines):
                 canvas.text(line, left, height - round((LINE * (rows - row) - 0.1) * text), text, ink, -1)
+        self._draw_legend(canvas, (width, height), text, theme.text, rows)
         taken = text_width(common + GAP, text) if common else 0
         self._draw_bars(canvas, (width, height), text, theme.label, taken)
 
@@ -148,7 +154,7 @@ class Footer:
             if sum(needed) + text_width(GAP, text) * (len(needed) - 1) <= width - text:
                 return [[]], line
         each = width // len(pieces) - text
-        return [wrapped(own, text, each) for own in pieces], time
+        return [[GAP.join(line) for line in wrapped(own, text, each)] for own in pieces], time
 
     def _own(self, panel: int, error: float) -> list[str]:
         """The labels of one panel, always in the same width."""
@@ -159,6 +165,22 @@ class Footer:
             "energy": f"energy error {error:.1e}".replace("e-", "e−"),  # as wide as a plus sign
         }
         return [said[label] or "" for label in self._labels if label != "time"]
+
+    def _names(self, text: int, width: int) -> list[list[str]]:
+        """The lines of the legend."""
+        return wrapped([f"{MARK} {name}" for name, _ in self._legend], text, width - text)
+
+    def _draw_legend(self, canvas: Canvas, size: tuple[int, int], text: int, color: Color, below: int) -> None:
+        """Write the lines of the legend, with so many others below."""
+        width, height = size
+        lines, colors = self._names(text, width), iter(self._legend)
+        for row, line in enumerate(lines):
+            x, top = text // 2, height - round((LINE * (len(lines) + below - row) - 0.1) * text)
+            high = fitting(GAP.join(line), text, width - text)
+            for piece, (name, own) in zip(line, colors, strict=False):
+                canvas.text(MARK, x, top, high, (*own, 255), -1)
+                canvas.text(name, x + text_width(f"{MARK} ", high), top, high, (*color, 255), -1)
+                x += text_width(piece + GAP, high)
 
     def _draw_bars(self, canvas: Canvas, size: tuple[int, int], text: int, color: Color, taken: int) -> None:
         """As many bars as there is room for, from the right."""

@@ -33,14 +33,14 @@ def fitting(line: str, height: int, width: int) -> int:
     return height if needed <= width else max(height * width // needed, height // 2)
 
 
-def wrapped(pieces: Sequence[str], height: int, width: int) -> list[str]:
-    """Lines of at most this width [pixels], if each piece is; a piece is never torn."""
-    lines: list[str] = []
+def wrapped(pieces: Sequence[str], height: int, width: int) -> list[list[str]]:
+    """The pieces of each line: lines of at most this width [pixels], if each piece is; a piece is never torn."""
+    lines: list[list[str]] = []
     for piece in pieces:
-        if lines and text_width(lines[-1] + GAP + piece, height) <= width:
-            lines[-1] += GAP + piece
+        if lines and text_width(GAP.join([*lines[-1], piece]), height) <= width:
+            lines[-1].append(piece)
         else:
-            lines.append(piece)
+            lines.append([piece])
     return lines
 
 

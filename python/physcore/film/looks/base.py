@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 
@@ -20,6 +21,9 @@ WIDE = 1.5
 """How far the ground is lit, over its size."""
 LINES = 0.35
 """The opacity of the lines of its grid."""
+WALL = 0.3
+"""The opacity of the walls of a box."""
+_Three: TypeAlias = tuple[float, float, float]
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,11 +67,27 @@ def ground(
     canvas: Canvas, view: View, theme: Theme, normal: FloatArray, center: FloatArray, size: float, pitch: float
 ) -> None:
     """Draw level ground at once, lit around a place [m], with a grid of such a pitch [m], and take shadows on it."""
-    helper = np.eye(3)[int(np.argmin(np.abs(normal)))]
-    along = np.cross(np.cross(normal, helper), normal)
-    across, place, first = view.axes @ normal, view.axes @ center - view.center, view.axes @ _unit(along)
     grid = (mixed(theme.surface, theme.edge, 0.5), pitch, LINES)
-    canvas.ground(_three(across), _three(place), WIDE * size, theme.surface, _three(first), grid)
+    canvas.ground(*_plane(view, normal, center), WIDE * size, theme.surface, _three(view.axes @ _level(normal)), grid)
+
+
+def wall(canvas: Canvas, view: View, theme: Theme, normal: FloatArray, corners: FloatArray) -> None:
+    """Draw a faint wall at once between corners (4, 3) [m] in order, and take shadows on it; no effect from behind."""
+    pixels = view.project(corners)[0].tolist()
+    part = ([(x, y) for x, y in pixels], WALL)
+    place, first = _plane(view, normal, corners.mean(axis=0)), _three(view.axes @ _level(normal))
+    canvas.ground(*place, 1.0, theme.surface, first, None, part)
+
+
+def _plane(view: View, normal: FloatArray, center: FloatArray) -> tuple[_Three, _Three]:
+    """A normal and a place, as the camera has them."""
+    return _three(view.axes @ normal), _three(view.axes @ center - view.center)
+
+
+def _level(normal: FloatArray) -> FloatArray:
+    """A unit vector in a plane."""
+    helper = np.eye(3)[int(np.argmin(np.abs(normal)))]
+    return _unit(np.cross(np.cross(normal, helper), normal))
 
 
 def _unit(vector: FloatArray) -> FloatArray:
@@ -75,7 +95,7 @@ def _unit(vector: FloatArray) -> FloatArray:
     return unit
 
 
-def _three(vector: FloatArray) -> tuple[float, float, float]:
+def _three(vector: FloatArray) -> _Three:
     first, second, third = vector.tolist()
     return first, second, third
 

@@ -11,7 +11,7 @@ from physcore.boundaries.box import Box
 from physcore.checks import FloatArray
 from physcore.film.camera.view import View
 from physcore.film.colors.themes import Theme
-from physcore.film.looks.base import GRID, Look, Scenery, corners, ground, lines
+from physcore.film.looks.base import GRID, Look, Scenery, corners, ground, lines, wall
 
 
 class BoxLook(Look):
@@ -25,12 +25,22 @@ class BoxLook(Look):
         yield corners(self.lower, self.upper), 0.0
 
     def draw_behind(self, canvas: Canvas, view: View, theme: Theme, scenery: Scenery) -> None:
-        """All edges in 2D, in 3D the ground and the edges behind."""
+        """All edges in 2D, in 3D the ground, the walls that are seen from within, and the edges behind."""
         if not view.flat:
             foot = np.append((self.lower[:2] + self.upper[:2]) / 2, self.lower[2])
             size = float(np.linalg.norm(self.upper[:2] - self.lower[:2])) / 2
             ground(canvas, view, theme, np.array([0.0, 0.0, 1.0]), foot, size, 2.0 * size / GRID)
+            for normal, outline in self._walls():
+                wall(canvas, view, theme, normal, outline)
         draw_edges(canvas, self.lower, self.upper, view, theme, front=False)
+
+    def _walls(self) -> Iterator[tuple[FloatArray, FloatArray]]:
+        """The inward normal and the corners (4, 3) [m] of each face but the floor."""
+        points = corners(self.lower, self.upper)
+        for axis, upper in ((0, False), (0, True), (1, False), (1, True), (2, True)):
+            bit = 1 << (2 - axis)
+            first, second, third, fourth = (each for each in range(8) if bool(each & bit) == upper)
+            yield (-1.0 if upper else 1.0) * np.eye(3)[axis], points[[first, second, fourth, third]]
 
     def draw_among(self, canvas: Canvas, view: View, theme: Theme) -> None:
         """The edges in front in 3D."""

@@ -35,7 +35,7 @@ class Arrows(FieldStyle):
             positions (N, D) [m] that gives vectors (N, D).
         spacing: between arrows [pixels], at most 10 000.
         colormap: as in Points; None: all in the color of text.
-        top: the value of the longest arrow, above zero; None: what is typical of the frame with the most.
+        top: the value of the longest arrow, above zero; None: what is typical of the film.
         on: as in Style: whose velocities are shown.
 
     Raises:

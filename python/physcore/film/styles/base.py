@@ -17,7 +17,7 @@ from physcore.checks import BoolArray, FloatArray, IntArray, number, shown
 from physcore.errors import SceneError
 from physcore.film.camera.view import PixelArray, View
 from physcore.film.colors.colormaps import ColormapName, sequential
-from physcore.film.colors.themes import Theme
+from physcore.film.colors.themes import Color, Theme
 from physcore.scene.bodies import Body
 from physcore.scene.items import On, System, chosen, found
 from physcore.scene.periodic import Periodic
@@ -31,12 +31,10 @@ FOG = 0.2
 """How much of its color the farthest thing in a 3D picture has lost to the background."""
 SHADING = 0.85
 """How much the light matters on balls."""
-MANY = 50_000
-"""The largest number of values of which a percentile is taken."""
+SHOWN = 16
+"""How many colors of a scale a palette has for certain."""
 BRIGHT = 384
 """A ground whose red, green and blue add up to more is light."""
-TYPICAL = 99.5
-"""The top of a color scale is this percentile of a frame, so that one outlier does not take all color for itself."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -151,7 +149,9 @@ class BodyStyle(Style):
     def painters(self, source: Source, items: Sequence[Body | System], theme: Theme) -> list[Painter]:
         """One painter of all bodies."""
         parts = [Part(body, source.scene.slice(body)) for body in items if isinstance(body, Body)]
-        return [self.painter(source, parts, theme)]
+        painter = self.painter(source, parts, theme)
+        painter.parts = parts
+        return [painter]
 
     @abstractmethod
     def painter(self, source: Source, parts: list[Part], theme: Theme) -> Painter:
@@ -194,6 +194,24 @@ class Painter(ABC):
     """The value at the end of the color scale. Panels with equal styles and quantities share it."""
     low: float = 0.0
     """The value at its start, likewise."""
+    parts: Sequence[Part] = ()
+    """The bodies that it draws."""
+    fixed: FloatArray | None = None
+    """Colors (N, 3) of their particles, if those keep them; None if they show a quantity, or a picture."""
+
+    @property
+    def legend(self) -> list[tuple[Body, Color]]:
+        """The bodies that it draws in one color, with that."""
+        if self.fixed is None:
+            return []
+        ends = np.cumsum([len(part.body) for part in self.parts])
+        result: list[tuple[Body, Color]] = []
+        for part, end in zip(self.parts, ends.tolist(), strict=True):
+            colors = np.unique(self.fixed[end - len(part.body) : end], axis=0)
+            if len(colors) == 1:
+                red, green, blue = colors[0].astype(int).tolist()
+                result.append((part.body, (red, green, blue)))
+        return result
 
     @property
     def scale(self) -> Scale | None:
@@ -204,6 +222,14 @@ class Painter(ABC):
     def traced(self) -> FloatArray | None:
         """Colors (K, 3) of what it draws only where frames follow each other, which samples of a film do not show."""
         return None
+
+    @property
+    def palette(self) -> FloatArray:
+        """Colors (K, 3) that it may draw in any frame: some of its scale, and the first of each body."""
+        firsts = np.cumsum([0, *(len(part.body) for part in self.parts)])[:-1]
+        bodies = np.empty((0, 3)) if self.fixed is None else self.fixed[firsts[firsts < len(self.fixed)]]
+        table = np.empty((0, 3)) if self.scale is None else self.scale.table
+        return np.concatenate([bodies, table[:: max(len(table) // SHOWN, 1)]])
 
     @property
     def settled(self) -> bool:
@@ -286,16 +312,6 @@ def straight(domain: Periodic | None, steps: FloatArray) -> BoolArray:
 def sums(index: IntArray, values: FloatArray, count: int) -> FloatArray:
     """The sums (count, D) of the rows (N, D) that have each index (N,)."""
     return np.stack([np.bincount(index, weights=column, minlength=count) for column in values.T], axis=1)
-
-
-def typical(values: FloatArray, percentile: float = TYPICAL) -> float:
-    """The value below which nearly all lie, of at most some ten thousands of them; 0 if there are none."""
-    few = values[:: 1 + len(values) // MANY]
-    finite = few[np.isfinite(few)]
-    if len(finite) == 0:
-        return 0.0
-    rank = min(int(len(finite) * percentile / 100), len(finite) - 1)
-    return float(np.partition(finite, rank)[rank])
 
 
 def table(colormap: ColormapName | None, theme: Theme, path: str) -> FloatArray:

@@ -12,7 +12,8 @@ from physcore.errors import SceneError
 from physcore.film.colors.chosen import Chosen, PerBody, PerParticle, chosen, numbers
 from physcore.film.colors.colormaps import look_up
 from physcore.film.colors.themes import Theme
-from physcore.film.styles.base import Part, Scale, body_color, places, typical
+from physcore.film.styles.base import Part, Scale, body_color, places
+from physcore.film.styles.typical import Typical
 from physcore.simulation.sources import Source, SourceFrame
 
 
@@ -72,6 +73,7 @@ class Coloring:
         self.fixed = fixed_colors(color, source, parts, theme)
         """Of particles that keep them (N, 3); None where values or a function say them."""
         self.low, self.top = math.inf, -math.inf
+        self._least, self._most = Typical(), Typical()
         if isinstance(color, PerParticle) and color.values.ndim == 1:
             self.low, self.top = float(color.values.min(initial=math.inf)), float(color.values.max(initial=-math.inf))
 
@@ -93,7 +95,7 @@ class Coloring:
             return
         values = self.values(frame)
         if values.ndim == 1:
-            self.low, self.top = min(self.low, -typical(-values)), max(self.top, typical(values))
+            self.low, self.top = -self._least.add(-values), self._most.add(values)
 
     def colors(self, frame: SourceFrame, low: float, top: float) -> FloatArray:
         """The color of each particle (N, 3), with a scale between two values."""

@@ -13,7 +13,8 @@ from physcore.errors import SceneError
 from physcore.film.camera.view import View
 from physcore.film.colors.colormaps import ColormapName, sequential
 from physcore.film.colors.themes import Theme
-from physcore.film.styles.base import BRIGHT, MANY, Painter, SystemPart, SystemStyle
+from physcore.film.styles.base import BRIGHT, Painter, SystemPart, SystemStyle
+from physcore.film.styles.typical import MANY
 from physcore.scene.points import PointSystem
 from physcore.simulation.sources import Source, SourceFrame
 

@@ -9,8 +9,9 @@ from typing import ClassVar
 from physcore._core import norms
 from physcore.film.colors.colormaps import ColormapName, sequential
 from physcore.film.colors.themes import Theme
-from physcore.film.styles.base import BodyStyle, Painter, Part, Scale, table, typical
+from physcore.film.styles.base import BodyStyle, Painter, Part, Scale, table
 from physcore.film.styles.fields import UNITS, Field, Of, check_field, field
+from physcore.film.styles.typical import Typical
 from physcore.simulation.sources import Source, SourceFrame
 
 LONGEST = 10_000.0
@@ -50,7 +51,7 @@ class FieldPainter(Painter):
         self.style, self._top, self._field, self._theme = style, style.top, shown, theme
         self._of, self._plain = str(style.of), style.colormap is None
         self._table = table(style.colormap, theme, f"{type(style).__name__}.colormap")
-        self.top = style.top or 0.0
+        self.top, self._typical = style.top or 0.0, Typical()
 
     @property
     def settled(self) -> bool:
@@ -66,4 +67,4 @@ class FieldPainter(Painter):
     def observe(self, frame: SourceFrame) -> None:
         """Find the end of the scale."""
         if not self.settled:
-            self.top = max(self.top, typical(norms(self._field.known(frame))))
+            self.top = self._typical.add(norms(self._field.known(frame)))

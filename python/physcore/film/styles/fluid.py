@@ -14,8 +14,9 @@ from physcore.film.camera.view import PixelArray, View
 from physcore.film.colors.chosen import Chosen, ColorChoice, PerBody, PerParticle
 from physcore.film.colors.colormaps import ColormapName, sequential
 from physcore.film.colors.themes import Theme, mixed
-from physcore.film.styles.base import FOG, SHADING, BodyStyle, InkArray, Painter, Part, Scale, inks, places, typical
+from physcore.film.styles.base import FOG, SHADING, BodyStyle, InkArray, Painter, Part, Scale, inks, places
 from physcore.film.styles.coloring import Coloring, checked
+from physcore.film.styles.typical import Typical
 from physcore.scene import fluid
 from physcore.scene.bodies import Body
 from physcore.simulation.sources import Source, SourceFrame
@@ -28,8 +29,8 @@ CHANNEL = {"speed": "velocities", "pressure": "pressures", "density": "densities
 UNITS = {"speed": "m/s", "pressure": "Pa"}
 FULL = 1.6
 """A lump's diameter over its spacing: discs on a square lattice just cover the plane, √2, so that water is closed."""
-TYPICAL = 95.0
-"""The top of the color scale is this percentile of a frame: what is faster is spray, and as white as can be."""
+CALM = 95.0
+"""The percentile of a frame that the top of the color scale is found from: what is faster is spray, and white."""
 SMALLEST = 0.7
 """The least radius of a lump [pixels]."""
 FLAT_REACH, DEEP_REACH = 1.7, 1.15
@@ -52,13 +53,13 @@ class Fluid(BodyStyle):
         pc.film(recording, "layers.gif", style=pc.styles.Fluid({"oil": "gold", "water": "#2a7fdb"}, opacity=0.5))
 
     Args:
-        color: by "speed" [m/s] or "pressure" [Pa], from zero to what is typical of the frame with the most, or by
+        color: by "speed" [m/s] or "pressure" [Pa], from zero to what is typical of the film, or by
             "density", with the density at rest in the middle of the scale; a recording needs the channel
             "velocities", "pressures" or "densities". Or colors of one's own, as in Points: one, such as "white", one
             for each body or particle, or values or a function of which each is a place on a ramp.
         colormap: "water", "ember", "viridis", "inferno", "plasma" or "magma".
         top: the value at the end of the color scale, in the unit of what the color shows (for the density, relative
-            to that at rest), above zero; None: what is typical of the frame with the most.
+            to that at rest), above zero; None: what is typical of the film.
         surface: whether particles flow together, instead of being drawn each by itself, as a disc as wide as its
             spacing and in 3D as a lit ball.
         opacity: how little light comes through in 3D, from 0, as through clear water, to 1, as through milk; None:
@@ -120,11 +121,13 @@ class FluidPainter(Painter):
         self._radius = np.repeat([FULL / 2 * body.spacing for body in bodies], sizes).astype(np.float32)
         self._rest = np.repeat([body.density for body in bodies], sizes)
         self._coloring: Coloring | None = None
+        self._typical = Typical(CALM)
         self.top = style.top or NEVER
         if not isinstance(style.color, str):
             chosen = cast("Chosen", style.color)
             self._coloring = Coloring(chosen, self._table, "Fluid.color", source, parts, theme)
             self.low, self.top = self._coloring.low, style.top or self._coloring.top
+            self.fixed = self._coloring.fixed
         clear = OPACITY[self._coloring is not None] if style.opacity is None else style.opacity
         self._opacity = clear if style.surface else 1.0
 
@@ -153,7 +156,7 @@ class FluidPainter(Painter):
             self._coloring.observe(frame)
             self.low, self.top = self._coloring.low, self._style.top or self._coloring.top
         elif self._style.top is None:
-            self.top = max(self.top, typical(np.abs(self._values(frame)), TYPICAL))
+            self.top = max(NEVER, self._typical.add(np.abs(self._values(frame))))
 
     def inset(self, pixels: float) -> float:
         """A rim: the radius is part of what the camera is fitted to."""

@@ -17,12 +17,13 @@ from physcore.film.colors.colormaps import FINE, STEPS, ColormapName, sequential
 from physcore.film.colors.themes import Theme, mixed
 from physcore.film.looks.base import corners, lines
 from physcore.film.looks.box import draw_edges
-from physcore.film.styles.base import TYPICAL, Painter, Scale, SystemPart, SystemStyle, typical
+from physcore.film.styles.base import Painter, Scale, SystemPart, SystemStyle
+from physcore.film.styles.typical import TYPICAL, Typical
 from physcore.scene.grid import GridSystem
 from physcore.simulation.sources import Source, SourceFrame
 
-USUAL = 0.8
-"""The end of a scale is this quantile of what is typical of each frame that is not still."""
+LOUDEST = 0.2
+"""The share of frames that may be beyond the end of a scale, as a pulse at the start is; still ones do not count."""
 LOUD = 0.35
 """The least end of a scale, as a fraction of what is typical of the frame with the most."""
 SOFT = 0.75
@@ -113,7 +114,11 @@ class GridPainter(Painter):
         self.unit, self._field = part.system.unit(self.quantity), f"{part.path}.{self.quantity}"
         if not source.has(self._field):
             raise SceneError(f"{path}.quantity: {self._field} was not recorded; record it: channels=({self._field!r},)")
-        self._typical: list[float] = []
+        self._typical = self.typical()
+
+    def typical(self) -> Typical:
+        """How the end of the scale is found."""
+        return Typical(TYPICAL, LOUDEST, LOUD)
 
     @property
     def signed(self) -> bool:
@@ -124,14 +129,11 @@ class GridPainter(Painter):
         """The values of a frame, of the grid's shape."""
         return frame.fields[self._field]
 
-    def observe_range(self, frame: SourceFrame, percentile: float = TYPICAL, least: float = LOUD) -> None:
-        """Find the end of the scale: a high quantile of what is typical of each frame, if that is not far below what is
-        typical of the frame with the most; a pulse at the start does not take all color for itself.
-        """
-        size = typical(np.abs(self.values(frame)).ravel(), percentile)
-        if size > 0.0:
-            self._typical.append(size)
-            self.top = max(float(np.quantile(self._typical, USUAL)), least * max(self._typical))
+    def observe_range(self, frame: SourceFrame) -> None:
+        """Find the end of the scale, unless the frame is still."""
+        values = self.values(frame)
+        if values.any():
+            self.top = self._typical.add(np.abs(values).ravel())
 
 
 class FieldPainter(GridPainter):

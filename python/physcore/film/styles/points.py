@@ -29,10 +29,10 @@ from physcore.film.styles.base import (
     inks,
     places,
     straight,
-    typical,
 )
 from physcore.film.styles.coloring import Coloring, checked, require_known
 from physcore.film.styles.curve import Curve, joined
+from physcore.film.styles.typical import Typical
 from physcore.simulation.sources import Source, SourceFrame
 
 ColorBy = Literal["speed", "energy", "body"]
@@ -80,7 +80,7 @@ class Points(BodyStyle):
             ground it is a shadow of its color.
         blur: the part of the time between two frames for which the shutter is open, 0 to 1: discs are drawn out along
             their velocities. 0.5 is what film cameras have.
-        top: the value at the end of the color scale [m/s or J], above zero; None: what is typical of the fastest frame.
+        top: the value at the end of the color scale [m/s or J], above zero; None: what is typical of the film.
         shading: whether balls are lit in 3D and fade with distance; if not, each color is exactly what was asked for.
         on: as in Style.
 
@@ -140,9 +140,9 @@ class PointsPainter(Painter):
         self._coloring = (
             None if color in MEASURED else Coloring(color, self._table, "Points.color", source, parts, theme)
         )
-        self._fixed = None if self._coloring is None else self._coloring.fixed
+        self.fixed = None if self._coloring is None else self._coloring.fixed
         self.low, self.top = (0.0, 0.0) if self._coloring is None else (self._coloring.low, self._coloring.top)
-        self.top = style.top or self.top
+        self.top, self._typical = style.top or self.top, Typical()
         frames = source.count / 8 if len(self._mass) <= FEW else 0.0
         if style.trail is not None:
             frames = min(style.trail * source.fps, source.count)
@@ -179,11 +179,11 @@ class PointsPainter(Painter):
         """Find the top of the color scale."""
         if self.settled:
             return
-        values = self._values(frame)
-        if values.ndim == 1:
-            self.top = max(self.top, self._style.top or typical(values))
-            if self._coloring is not None:
-                self.low = min(self.low, -typical(-values))
+        if self._coloring is None:
+            self.top = self._typical.add(self._values(frame))
+        else:
+            self._coloring.observe(frame)
+            self.low, self.top = self._coloring.low, self._style.top or self._coloring.top
 
     def inset(self, pixels: float) -> float:
         """A radius."""
@@ -196,7 +196,7 @@ class PointsPainter(Painter):
         """Add trails, then halos, then discs."""
         positions = frame.positions[self._where]
         centers, depth, scale = view.project(positions)
-        fraction = None if self._fixed is not None else self._values(frame)
+        fraction = None if self.fixed is not None else self._values(frame)
         if fraction is not None and fraction.ndim == 1:
             fraction = (fraction - self.low) / ((self.top - self.low) or 1.0)
         ink = self._inks(fraction, depth if self._style.shading else None, view)
@@ -270,7 +270,7 @@ class PointsPainter(Painter):
 
     def _inks(self, fraction: FloatArray | None, depth: PixelArray | None, view: View) -> InkArray:
         """The color of each particle (N, 4), its own or by the fraction of the scale that it has reached."""
-        colors = self._fixed if fraction is None else fraction if fraction.ndim == 2 else None
+        colors = self.fixed if fraction is None else fraction if fraction.ndim == 2 else None
         if colors is not None:
             return inks(colors, self._theme, None if depth is None else view.farness(depth))
         assert fraction is not None

@@ -18,7 +18,8 @@ from physcore.film.colors.themes import Theme, mixed
 from physcore.film.looks.base import corners
 from physcore.film.resampling import cubic
 from physcore.film.styles.base import Painter, Scale, SystemPart, SystemStyle, inks
-from physcore.film.styles.grid_field import NEVER, GridPainter
+from physcore.film.styles.grid_field import LOUDEST, NEVER, GridPainter
+from physcore.film.styles.typical import Typical
 from physcore.scene.grid import GridSystem
 from physcore.simulation.sources import Source, SourceFrame
 
@@ -107,6 +108,10 @@ class ReliefPainter(GridPainter):
             self._table = sequential(style.colormap, theme.part, "Relief.colormap")
         self._solid = np.array(mixed(theme.solid, theme.background, 0.2), dtype=float)
 
+    def typical(self) -> Typical:
+        """How the end of the scale is found: from the largest value of each frame; what is above it looks steep."""
+        return Typical(100.0, LOUDEST, STEEP)
+
     @property
     def scale(self) -> Scale | None:
         """The scale of colors, unless nothing ever moves."""
@@ -129,9 +134,9 @@ class ReliefPainter(GridPainter):
         return -(ROOT + self.signed) * self._height
 
     def observe(self, frame: SourceFrame) -> None:
-        """Find the end of the scale from the largest value of each frame: what is above it looks steep."""
+        """Find the end of the scale."""
         if not self.settled:
-            self.observe_range(frame, 100.0, STEEP)
+            self.observe_range(frame)
 
     def inset(self, pixels: float) -> float:
         """A rim."""

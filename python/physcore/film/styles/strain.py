@@ -14,9 +14,10 @@ from physcore.film.camera.view import PixelArray, View
 from physcore.film.colors.chosen import Chosen, ColorChoice, PerBody, PerParticle
 from physcore.film.colors.colormaps import ColormapName, diverging, look_up, sequential
 from physcore.film.colors.themes import Theme
-from physcore.film.styles.base import SHADING, BodyStyle, InkArray, Painter, Part, Scale, inks, places, typical
+from physcore.film.styles.base import SHADING, BodyStyle, InkArray, Painter, Part, Scale, inks, places
 from physcore.film.styles.coloring import Coloring, checked
 from physcore.film.styles.torn import has_tears, intact
+from physcore.film.styles.typical import Typical
 from physcore.scene.bodies import Body, SpringNetwork
 from physcore.scene.channels import first_spring
 from physcore.simulation.sources import Source, SourceFrame
@@ -50,7 +51,7 @@ class Strain(BodyStyle):
 
     Args:
         range: the strain (length / rest length - 1) at which colors end [1], of rods the tension [N]; None: what is
-            typical of the worst frame.
+            typical of the film.
         width: of the lines [pixels]; None: as fits their length.
         nodes: whether particles with a radius are drawn as discs of that size, in 3D as lit balls; None: where not
             more than a few have one, such as the bobs of pendulums.
@@ -124,7 +125,7 @@ class StrainPainter(Painter):
         rigid = bool(len(order)) and bool(np.concatenate(rods).all()) and source.has(TENSIONS)
         self._springs: IntArray | None = np.concatenate(springs)[order] if has_tears(source, parts) else None
         self._rods: IntArray | None = np.concatenate(springs)[order] if rigid else None
-        self.top = style.range or NEVER
+        self.top, self._typical = style.range or NEVER, Typical()
         self._where, self._count = places(parts), source.scene.particles
         self._coloring: Coloring | None = None
         if not is_word(style.color, "strain"):
@@ -132,6 +133,7 @@ class StrainPainter(Painter):
             chosen = cast("Chosen", style.color)
             self._coloring = Coloring(chosen, ramp, "Strain.color", source, parts, theme)
             self.low, self.top = self._coloring.low, self._coloring.top
+            self.fixed = self._coloring.fixed
 
     @property
     def settled(self) -> bool:
@@ -152,7 +154,7 @@ class StrainPainter(Painter):
             self._coloring.observe(frame)
             self.low, self.top = self._coloring.low, self._coloring.top
         elif self._style.range is None:
-            self.top = max(self.top, typical(np.abs(self._values(frame)[self._whole(frame)])))
+            self.top = max(NEVER, self._typical.add(np.abs(self._values(frame)[self._whole(frame)])))
 
     def inset(self, pixels: float) -> float:
         """A line's half width, or a pin."""

@@ -37,7 +37,7 @@ class Streamlines(FieldStyle):
         length: of a line [pixels], at most 10 000.
         width: at a line's end [pixels].
         colormap: as in Points; None: all in the color of text.
-        top: the value at the end of the color scale, above zero; None: what is typical of the frame with the most.
+        top: the value at the end of the color scale, above zero; None: what is typical of the film.
         on: as in Style: whose velocities are shown.
 
     Raises:

@@ -18,11 +18,12 @@ from physcore.film.colors.colormaps import ColormapName, diverging, look_up, seq
 from physcore.film.colors.light import lit
 from physcore.film.colors.themes import Color, Theme, color
 from physcore.film.pictures import opened
-from physcore.film.styles.base import BodyStyle, Painter, Part, Scale, inks, places, straight, sums, typical
+from physcore.film.styles.base import BodyStyle, Painter, Part, Scale, inks, places, straight, sums
 from physcore.film.styles.coloring import Coloring, checked
 from physcore.film.styles.rim import paint_rim, thickness_of
 from physcore.film.styles.strain import rooted, strain_scale
 from physcore.film.styles.torn import has_tears, intact, sides
+from physcore.film.styles.typical import Typical
 from physcore.scene.bodies import Body, SpringNetwork
 from physcore.scene.channels import first_spring
 from physcore.scene.periodic import Periodic
@@ -76,7 +77,7 @@ class Surface(BodyStyle):
             or values or a function of which each is a place on a ramp.
         texture: a picture that is laid on the body as it was at the start, seen along its thinnest side: a path, or
             an array (H, W, 3) of bytes; None: none.
-        range: the strain at which colors end [1]; None: what is typical of the worst frame.
+        range: the strain at which colors end [1]; None: what is typical of the film.
         colormap: the ramp of values, as in Points.
         back: the color of the back, in 3D, the side from which corners go round clockwise; None: that of the front.
         thickness: the width of the rim of a cloth in 3D [m], at least zero; None: that of its SelfContact, or no rim.
@@ -165,9 +166,10 @@ class SurfacePainter(Painter):
         everywhere = np.zeros((count, 2), dtype=np.float32)
         everywhere[self._where] = np.concatenate(spots)
         self._spots = everywhere[self._faces].reshape(-1, 6)
-        self.top = style.range or NEVER
+        self.top, self._typical = style.range or NEVER, Typical()
         if self._coloring is not None:
             self.low, self.top = self._coloring.low, self._coloring.top
+            self.fixed = self._coloring.fixed if self._texture is None else None
 
     @property
     def settled(self) -> bool:
@@ -181,13 +183,19 @@ class SurfacePainter(Painter):
             strain_scale(self.top, self._table) if self._coloring is None else self._coloring.scale(self.low, self.top)
         )
 
+    @property
+    def palette(self) -> FloatArray:
+        """Colors (K, 3) that it may draw, that of the back among them."""
+        front = super().palette
+        return front if self._back is None else np.concatenate([front, self._back[np.newaxis]])
+
     def observe(self, frame: SourceFrame) -> None:
         """Find the end of the color scale."""
         if self._coloring is not None:
             self._coloring.observe(frame)
             self.low, self.top = self._coloring.low, self._coloring.top
         elif not self.settled:
-            self.top = max(self.top, typical(np.abs(self._strain(frame))[self._where]))
+            self.top = max(NEVER, self._typical.add(np.abs(self._strain(frame))[self._where]))
 
     def inset(self, pixels: float) -> float:
         """A rim."""

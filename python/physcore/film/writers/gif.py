@@ -139,6 +139,7 @@ def _write(job: FilmJob, target: Path | None, cut: Cut, limit: int | None) -> by
     with closing(Gif(target, renderer.reserved, quality=job.quality, colors=cut.colors)) as gif:
         for canvas in renderer.samples():
             gif.observe(canvas)
+        gif.include(renderer.colors)
         gif.tolerate(tolerance)
         for index, (canvas, delay) in enumerate(zip(job.frames(cut.stride), times, strict=True)):
             gif.frame(canvas, delay)

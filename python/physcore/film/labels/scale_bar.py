@@ -1,0 +1,119 @@
+"""A scale bar: a line in a corner of the picture, and how long it is in the scene."""
+
+from __future__ import annotations
+
+import math
+from typing import Literal, TypeAlias
+
+import numpy as np
+
+from physcore._core import Canvas, text_width
+from physcore.checks import word
+from physcore.film.camera.view import Area, View
+from physcore.film.colors.themes import Theme
+from physcore.film.labels.drawing import outlined, stroke
+from physcore.units import AU, light_year, parsec
+
+LengthUnit: TypeAlias = Literal["fm", "pm", "nm", "µm", "mm", "cm", "m", "km", "AU", "ly", "pc", "kpc", "Mpc"]
+UNITS: dict[LengthUnit, float] = {
+    "fm": 1e-15,
+    "pm": 1e-12,
+    "nm": 1e-9,
+    "µm": 1e-6,
+    "mm": 1e-3,
+    "cm": 1e-2,
+    "m": 1.0,
+    "km": 1e3,
+    "AU": AU,
+    "ly": light_year,
+    "pc": parsec,
+    "kpc": 1e3 * parsec,
+    "Mpc": 1e6 * parsec,
+}
+"""Of length, by their signs [m]."""
+CHOSEN: tuple[LengthUnit, ...] = ("fm", "pm", "nm", "µm", "mm", "cm", "m", "km", "AU", "ly")
+"""Those that are chosen by themselves."""
+LEAST = 0.01
+"""Astronomical units and light years are chosen for bars of at least so much of one, others from one on."""
+LONGEST = 0.25
+"""The longest bar, as a fraction of the width that is free of text."""
+STEPS = (5.0, 2.0, 1.0)
+"""A bar is so many times a power of ten long."""
+HEIGHT = 0.8
+"""Of the words, in heights of the text."""
+SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+def check_scale_bar(given: object) -> LengthUnit | bool:
+    """Whether there is a scale bar, or its unit.
+
+    Raises:
+        SceneError: it is neither, or no unit of length.
+    """
+    if isinstance(given, (bool, np.bool_)):
+        return bool(given)
+    return word(given, "scale_bar", (*UNITS,))
+
+
+def rounded(most: float, unit: LengthUnit | None) -> tuple[float, str]:
+    """The longest length of 1, 2 or 5 times a power of ten up to some length [m], and how it is written.
+
+    Args:
+        most: the length, above zero [m].
+        unit: in which the length is such a number; None: as suits it.
+    """
+    if unit is None:
+        least = {each: LEAST if each in ("AU", "ly") else 1.0 for each in CHOSEN}
+        suitable = [each for each in CHOSEN if most >= least[each] * UNITS[each] * (1.0 - 1e-9)]
+        unit = suitable[-1] if suitable else CHOSEN[0]
+    ratio = most / UNITS[unit] * (1.0 + 1e-9)
+    exponent = math.floor(math.log10(ratio))
+    digit = next(step for step in STEPS if step * 10.0**exponent <= ratio)
+    value = digit * 10.0**exponent
+    number = f"{value:g}"
+    if exponent > 4 or exponent < -3:
+        power = f"10{str(exponent).translate(SUPERSCRIPTS)}"
+        number = power if digit == 1.0 else f"{digit:g} · {power}"
+    return value * UNITS[unit], f"{number} {unit}"
+
+
+class ScaleBar:
+    """The scale bar of one panel, at its lower left, or at the lower right of something that is there.
+
+    In space it is as long as a thing at the point that the camera looks at; what is nearer looks larger.
+
+    Args:
+        unit: of its length; True: as suits it, in each frame.
+        area: the part of the panel that is free of text.
+        text: the height of the text [pixels].
+        theme: the colors.
+    """
+
+    def __init__(self, unit: LengthUnit | Literal[True], area: Area, text: int, theme: Theme) -> None:
+        self._unit: LengthUnit | None = None if unit is True else unit
+        self._area, self._gap, self._height, self._theme = area, text // 2, round(HEIGHT * text), theme
+
+    def placed(self, view: View, taken: Area | None = None) -> tuple[Area, float, str]:
+        """The rectangle that it takes and the length of its line [pixels], and its words."""
+        left, _, right, bottom = self._area
+        length, words = rounded(LONGEST * (right - left) / view.scale, self._unit)
+        line = length * view.scale
+        width, height = max(line, float(text_width(words, self._height))), 1.5 * self._height
+        top = bottom - self._gap - height
+        start = left + self._gap
+        if taken is not None and taken[3] > top and taken[0] < start + width:
+            start = right - self._gap - width
+        return (start, top, start + width, top + height), line, words
+
+    def draw(self, canvas: Canvas, view: View, taken: Area | None = None) -> Area:
+        """Draw it at once over a panel, beside a rectangle that is taken; returns the one that it takes [pixels]."""
+        box, line, words = self.placed(view, taken)
+        middle, width = (box[0] + box[2]) / 2, float(text_width(words, self._height))
+        outlined(canvas, words, round(middle - width / 2), round(box[1]), self._height, self._theme)
+        thick = max(self._height / 8, 1.5)
+        start, end, base, tick = middle - line / 2, middle + line / 2, box[3] - thick, box[3] - 0.35 * self._height
+        points = np.array([[start, tick], [start, base], [end, base], [end, tick]])
+        stroke(canvas, points, self._theme.background, thick + 2.0)
+        stroke(canvas, points, self._theme.text, thick)
+        canvas.paint()
+        return box

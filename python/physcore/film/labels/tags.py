@@ -1,0 +1,144 @@
+"""Names of bodies, each beside its body in the picture."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import TypeAlias
+
+import numpy as np
+
+from physcore._core import Canvas, text_width
+from physcore.errors import SceneError
+from physcore.film.camera.view import Area, View
+from physcore.film.colors.themes import Theme
+from physcore.film.labels.drawing import outlined
+from physcore.film.labels.text import warn_of_missing
+from physcore.film.styles import Painter
+from physcore.scene.bodies import Body
+from physcore.scene.items import chosen, found
+from physcore.simulation.sources import Source, SourceFrame
+
+Named: TypeAlias = bool | Body | str | Sequence[Body | str]
+"""Whether the names of all bodies that have one are written, or of which."""
+HEIGHT = 0.8
+"""Of a name, in heights of the text."""
+GAP = 0.15
+"""Between a body and its name, in heights of the name."""
+SIDES = ((1, 0), (-1, 0), (0, -1), (0, 1), (1, -1), (-1, -1), (1, 1), (-1, 1))
+"""Where a name may stand, to the right of its body and below it."""
+
+
+def check_named(given: object, path: str, filmed: Sequence[Source]) -> list[list[Body]]:
+    """The bodies of each source whose names are to be written; signs that no face has are warned of.
+
+    Raises:
+        SceneError: what was asked for is neither True nor False, nor bodies with names of what is filmed.
+    """
+    every = [body for source in filmed for body in source.scene.bodies]
+    if isinstance(given, (bool, np.bool_)):
+        asked: Sequence[Body] = [body for body in every if body.name and given]
+    else:
+        asked = found(chosen(given, path) or (), every, path)
+    for body in asked:
+        if not any(body is each for each in every):
+            raise SceneError(f"{path}: {body!r} is not in what is filmed")
+        if not body.name:
+            raise SceneError(f"{path}: {body!r} has no name; give it name=…")
+        warn_of_missing(body.name, path)
+    return [[body for body in source.scene.bodies if any(body is each for each in asked)] for source in filmed]
+
+
+class NameTags:
+    """The names of one panel. None lies over another, and over another's body only where there is no other place; what
+    has no place is left out. A name stays on the side where it was in the frame before, as long as that is free.
+
+    Args:
+        bodies: those whose names are written, in the order in which they choose their places.
+        painters: what draws them.
+        area: the part of the panel that is free of text.
+        text: the height of the text [pixels].
+        theme: the colors.
+    """
+
+    def __init__(
+        self, bodies: Sequence[Body], painters: Sequence[Painter], area: Area, text: int, theme: Theme
+    ) -> None:
+        self._area, self._height, self._theme = area, round(HEIGHT * text), theme
+        self._drawn = [
+            (part, painter)
+            for body in bodies
+            for painter in painters
+            for part in painter.parts
+            if part.body is body and not painter.style.overlay
+        ]
+        self._sides: dict[int, tuple[int, int]] = {}
+
+    def begin(self) -> None:
+        """Forget where the names were: the film starts."""
+        self._sides.clear()
+
+    def draw(self, canvas: Canvas, frame: SourceFrame, view: View, pixels: float, taken: Sequence[Area] = ()) -> None:
+        """Write the names of a frame at once, over a panel of so many pixels and beside areas that are taken."""
+        for left, top, name in self.placed(frame, view, pixels, taken):
+            outlined(canvas, name, round(left), round(top), self._height, self._theme)
+
+    def placed(
+        self, frame: SourceFrame, view: View, pixels: float, taken: Sequence[Area] = ()
+    ) -> Iterator[tuple[float, float, str]]:
+        """The upper left corner [pixels] of each name, and that."""
+        boxes = [
+            self._box(frame.positions[part.where], part.body, view, each.inset(pixels)) for part, each in self._drawn
+        ]
+        names = list(taken)
+        for index, ((part, _), box) in enumerate(zip(self._drawn, boxes, strict=True)):
+            if box is None:
+                continue
+            name = part.body.name or ""
+            size = (text_width(name, self._height), self._height)
+            others = [each for at, each in enumerate(boxes) if each is not None and at != index]
+            place = self._place(index, box, size, [names + others, names])
+            if place is not None:
+                names.append(place)
+                yield place[0], place[1], name
+
+    def _box(self, positions: np.ndarray, body: Body, view: View, inset: float) -> Area | None:
+        """The part of the panel that a body takes; None outside of it."""
+        centers, _, scale = view.project(positions)
+        reach = np.maximum(scale * body.radius, inset)[:, np.newaxis]
+        seen = np.isfinite(centers).all(axis=1)
+        if not seen.any():
+            return None
+        left, top = (centers - reach)[seen].min(axis=0).tolist()
+        right, bottom = (centers + reach)[seen].max(axis=0).tolist()
+        area = self._area
+        box = max(left, area[0]), max(top, area[1]), min(right, area[2]), min(bottom, area[3])
+        return box if box[0] < box[2] and box[1] < box[3] else None
+
+    def _place(self, index: int, box: Area, size: tuple[float, float], taken: Sequence[list[Area]]) -> Area | None:
+        """The first place beside a body that is free of all areas of the first list, or else of a later one."""
+        last = self._sides.get(index)
+        for areas in taken:
+            for side in SIDES if last is None else (last, *SIDES):
+                place = self._beside(box, size, side)
+                inside = _overlap(place, self._area) >= size[0] * size[1] - 1e-6
+                if inside and not any(_overlap(place, area) > 0.0 for area in areas):
+                    self._sides[index] = side
+                    return place
+        return None
+
+    def _beside(self, box: Area, size: tuple[float, float], side: tuple[int, int]) -> Area:
+        """The place of a name of some size at a side of a box."""
+        gap = GAP * self._height
+        corner = []
+        for axis in (0, 1):
+            low, high, length = box[axis], box[axis + 2], size[axis]
+            places = {-1: low - gap - length, 0: (low + high - length) / 2, 1: high + gap}
+            corner.append(places[side[axis]])
+        return corner[0], corner[1], corner[0] + size[0], corner[1] + size[1]
+
+
+def _overlap(one: Area, other: Area) -> float:
+    """The area that two rectangles share [pixels]."""
+    width = min(one[2], other[2]) - max(one[0], other[0])
+    height = min(one[3], other[3]) - max(one[1], other[1])
+    return max(width, 0.0) * max(height, 0.0)
