@@ -56,7 +56,7 @@ fn frames(criterion: &mut Criterion) {
     let mut palette = palette();
     let mut indices = Vec::new();
     criterion.bench_function("reduce to the palette", |bencher| {
-        bencher.iter(|| palette.indices(black_box(pictures[0].pixels()), &mut indices));
+        bencher.iter(|| palette.indices(black_box(pictures[0].pixels()), pictures[0].width(), &mut indices));
     });
     let mut film = Gif::new(std::io::sink(), &canvas, palette.clone()).expect("a sink takes all");
     let mut number = 0;
@@ -72,7 +72,7 @@ fn frames(criterion: &mut Criterion) {
         let mut film = gif::Encoder::new(std::io::sink(), width, height, &colors).expect("a sink takes all");
         bencher.iter(|| {
             number = (number + 1) % pictures.len();
-            palette.indices(pictures[number].pixels(), &mut indices);
+            palette.indices(pictures[number].pixels(), pictures[number].width(), &mut indices);
             let pixels: Vec<u8> = indices.iter().map(|index| index - 1).collect();
             let frame = gif::Frame::from_indexed_pixels(width, height, pixels, None);
             film.write_frame(&frame).expect("a sink takes all");

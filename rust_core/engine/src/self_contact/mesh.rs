@@ -264,8 +264,8 @@ impl Mesh {
         if rule == NONE {
             return;
         }
-        self.vertices_on_face((first, second), (other, &self.boxes[places[1]]), rule, boxes, found);
-        self.vertices_on_face((second, first), (one, &self.boxes[places[0]]), rule, boxes, found);
+        vertices_on_face((first, second), (other, &self.boxes[places[1]]), rule, boxes, found);
+        vertices_on_face((second, first), (one, &self.boxes[places[0]]), rule, boxes, found);
         for &edge in first.own_edges.as_slice() {
             let (ends, part) = (self.edges[edge as usize], &self.edge_boxes[edge as usize]);
             for &facing in second.own_edges.as_slice() {
@@ -284,28 +284,6 @@ impl Mesh {
         }
     }
 
-    #[inline]
-    fn vertices_on_face(
-        &self,
-        (one, face): (&Element, &Element),
-        (index, around): (u32, &Swept),
-        rule: u32,
-        boxes: &[Swept],
-        found: &mut impl FnMut(Pair, &Swept, &Swept),
-    ) {
-        if !face.is_face {
-            return;
-        }
-        for &vertex in one.own_vertices.as_slice() {
-            let point = &boxes[vertex as usize];
-            if !face.vertices.contains(&vertex) && point.overlaps(around) {
-                let [a, b, c] = face.vertices;
-                let key = 1 << 63 | u64::from(vertex) << 32 | u64::from(index);
-                found(Pair { nodes: [vertex, a, b, c], key, rule }, point, around);
-            }
-        }
-    }
-
     /// Memory [bytes].
     pub fn bytes(&self) -> usize {
         let edges = 2 * size_of_val(self.edges.as_slice());
@@ -315,5 +293,27 @@ impl Mesh {
             + size_of_val(self.boxes.as_slice())
             + size_of_val(self.edge_boxes.as_slice())
             + self.tree.bytes()
+    }
+}
+
+/// Calls `found` with the vertices of one element that may touch a face.
+#[inline]
+fn vertices_on_face(
+    (one, face): (&Element, &Element),
+    (index, around): (u32, &Swept),
+    rule: u32,
+    boxes: &[Swept],
+    found: &mut impl FnMut(Pair, &Swept, &Swept),
+) {
+    if !face.is_face {
+        return;
+    }
+    for &vertex in one.own_vertices.as_slice() {
+        let point = &boxes[vertex as usize];
+        if !face.vertices.contains(&vertex) && point.overlaps(around) {
+            let [a, b, c] = face.vertices;
+            let key = 1 << 63 | u64::from(vertex) << 32 | u64::from(index);
+            found(Pair { nodes: [vertex, a, b, c], key, rule }, point, around);
+        }
     }
 }
