@@ -12,9 +12,10 @@ from collections.abc import Mapping
 import numpy as np
 
 import physcore as pc
+from physcore.film import Window
 from physcore.gallery.figure import Figure
 
-DURATION = 16.0
+DURATION = 13.0
 """[s]"""
 WAVELENGTH, APART, OPENING = 0.5, 2.0, 0.25
 """Of the light, of the slits from center to center, and of each of them [m]."""
@@ -37,8 +38,9 @@ def main(path: str | os.PathLike[str] = "double_slit.gif", progress: bool | None
     pc.film(
         recording,
         path,
-        size=(320, 350),
+        size=(420, 440),
         style=pc.styles.Field(range=0.028),
+        camera=Window((-0.5, -4.0), (7.0, 4.0)),
         speed=2.0,
         max_bytes=3_000_000,
         progress=progress,

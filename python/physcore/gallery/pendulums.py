@@ -56,7 +56,7 @@ def scene() -> pc.Scene:
 
 def main(path: str | os.PathLike[str] = "pendulums.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
     """Simulate it and draw it."""
-    recording = pc.simulate(scene(), duration=DURATION, fps=20, progress=progress)
+    recording = pc.simulate(scene(), duration=DURATION, fps=10, progress=progress)
     # From the longest to the shortest, wires and bobs alike.
     style = pc.styles.Strain(color=np.tile(np.arange(PENDULUMS), 2), colormap="plasma", width=1.6)
     camera = Orbit(-28.0, 14.0)
@@ -67,6 +67,7 @@ def main(path: str | os.PathLike[str] = "pendulums.gif", progress: bool | None =
         style=style,
         camera=camera,
         color_bar=False,
+        speed=2.0,
         max_bytes=3_000_000,
         progress=progress,
     )
