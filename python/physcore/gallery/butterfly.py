@@ -34,7 +34,7 @@ def main(
     path: str | os.PathLike[str] = "butterfly.gif", progress: bool | None = None, tracers: int = TRACERS
 ) -> dict[str, pc.Recording]:
     """Simulate them while they are drawn, from an eye that goes round, and record the first ones."""
-    first, last = (Orbit(*angles, target=(0.0, 0.0, 24.5), extent=56.0) for angles in ((-90.0, 4.0), (-58.0, 8.0)))
+    first, last = (Orbit(*angles, target=(0.0, 0.0, 24.5), extent=50.0) for angles in ((-90.0, 4.0), (-58.0, 8.0)))
     pc.film(
         scene(tracers),
         path,

@@ -24,7 +24,7 @@ ANGLE, SPREAD = math.radians(127.0), math.radians(0.02)
 LENGTHS, ANGLES, MASSES = (1.0, 0.8), (ANGLE, 2.6), (1.0, 0.7)
 """Of the rods, from the upper one down, and of the bobs at their ends [m, rad, kg]."""
 
-DURATION = 12.0
+DURATION = 11.0
 """[s]"""
 NEAR = (2.0, 7.0)
 """When all have turned to the direction in which they part, and when some are five hundredths of a meter apart [s]."""
@@ -65,15 +65,15 @@ def down() -> pc.Gravity:
 def main(path: str | os.PathLike[str] = "double_pendulum.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
     """Simulate it by RATTLE of order 4, and draw rods and bobs with light behind them."""
     recording = pc.simulate(scene(), DURATION, fps=20, integrator=pc.RATTLE(4), dt=2e-3, progress=progress)
-    draw(recording, path, fade=0.9, size=(480, 480), progress=progress)
+    draw(recording, path, fade=0.5, size=(400, 400), progress=progress)
     return {"pendulums": recording}
 
 
 def draw(recording: pc.Recording, path: str | os.PathLike[str], *, fade: float, **options: Any) -> None:
-    """Draw rods and bobs, each pendulum in a color of its own, with the light of the last `fade` seconds behind it."""
+    """Draw rods and bobs, each pendulum in a color of its own, and the way of its last bob, which fades [s]."""
     hues, bodies = rainbow(len(recording.scene.bodies)), recording.scene.bodies
     colors: dict[pc.Body | str, str | tuple[int, int, int]] = dict(zip(bodies, hues, strict=True))
-    style = [pc.styles.Paths(fade=fade, width=1.6), pc.styles.Strain(width=1.5, nodes=True, color=colors)]
+    style = [pc.styles.Paths([-1], fade=fade, width=1.8), pc.styles.Strain(width=1.5, nodes=True, color=colors)]
     pc.film(recording, path, style=style, theme=replace(DARK, bodies=tuple(hues)), **options)
 
 

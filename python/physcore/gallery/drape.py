@@ -50,7 +50,7 @@ def main(path: str | os.PathLike[str] = "drape.gif", progress: bool | None = Non
     first = Orbit(azimuth=-75.0, elevation=20.0, target=(0.0, 0.0, 0.02), extent=1.6)
     last = Orbit(azimuth=-45.0, elevation=28.0, target=(0.0, 0.0, -0.05), extent=1.2)
     camera = Keyframes({0.0: first, DURATION: last})
-    pc.film(recording, path, size=(640, 480), style=style, camera=camera, progress=progress)
+    pc.film(recording, path, size=(640, 480), style=style, camera=camera, hold=1.0, progress=progress)
     return {"cloth": recording}
 
 

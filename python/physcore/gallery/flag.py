@@ -21,7 +21,7 @@ DURATION = 5.0
 
 def scene() -> pc.Scene:
     """Hang a flag of one and a half square meters, three hundred grams, on its mast, and let the wind turn about it."""
-    mast = pc.Capsule((-0.04, 0.0, -1.5), (-0.04, 0.0, 1.06), radius=0.03)
+    mast = pc.Capsule((-0.045, 0.0, -0.55), (-0.045, 0.0, 1.06), radius=0.035)
     flag = pc.cloth(
         (25, 17),
         spacing=0.0625,

@@ -12,6 +12,7 @@ import numpy as np
 
 import physcore as pc
 from physcore.checks import FloatArray
+from physcore.film import Orbit
 from physcore.gallery.figure import Figure, budget
 
 PEBBLES = 600
@@ -31,7 +32,7 @@ def height(x: FloatArray, y: FloatArray) -> FloatArray:
     side = 0.5 / (1.0 + np.exp(4.0 * (x + 0.2))) + 0.06 * (1.0 - x)
     banks = 0.45 * valley**2 + 0.03 * np.cos(9.0 * y) * np.sin(8.0 * x)
     hollow = -0.22 * np.exp(-((x - 0.72) ** 2 + (y - 0.1) ** 2) / 0.11)
-    rim = 0.12 * (np.abs(x) / 1.15) ** 14
+    rim = 0.3 * (np.abs(x) / 1.15) ** 14
     return np.asarray(side + banks + hollow + rim)
 
 
@@ -52,7 +53,9 @@ def scene() -> pc.Scene:
 def main(path: str | os.PathLike[str] = "landslide.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
     """Simulate it and draw it."""
     recording = pc.simulate(scene(), duration=DURATION, fps=25, dt=1e-3, progress=progress)
-    pc.film(recording, path, size=(640, 480), style=pc.styles.Points(color="speed"), progress=progress)
+    camera = Orbit(azimuth=-55.0, elevation=32.0, target=(0.05, 0.0, 0.05), extent=1.75)
+    style = pc.styles.Points(color="speed")
+    pc.film(recording, path, size=(640, 440), style=style, camera=camera, hold=1.0, progress=progress)
     return {"pebbles": recording}
 
 

@@ -35,7 +35,7 @@ def scene() -> pc.Scene:
     ring = RADIUS * np.column_stack([0.0 * angles, np.cos(angles), np.sin(angles)])
     coils = [pc.Particles(ring + 0.5 * APART * np.array([side, 0.0, 0.0]), fixed=True) for side in (-1.0, 1.0)]
     beams = []
-    for name, pitch in (("steep", 62.0), ("middle", 46.0), ("flat", 32.0)):
+    for name, pitch in (("steep", 62.0), ("middle", 46.0), ("flat", 36.0)):
         count = PROTONS // 3
         turn, tilt = generator.uniform(0.0, 2.0 * np.pi, (2, count)), np.radians(pitch)
         across = np.column_stack([np.zeros(count), np.cos(turn[0]), np.sin(turn[0])])

@@ -57,7 +57,7 @@ def scene() -> pc.Scene:
         breaking_strain=strength,
         name="flag",
     )
-    mast = pc.Capsule((-0.04, 0.0, -1.5), (-0.04, 0.0, 1.06), radius=0.03)
+    mast = pc.Capsule((-0.045, 0.0, -0.55), (-0.045, 0.0, 1.06), radius=0.035)
     return pc.Scene(flag, pc.Gravity((0.0, 0.0, -9.81)), pc.Wind((18.0, 0.9, 0.0), on=flag), mast)
 
 
@@ -65,7 +65,7 @@ def main(path: str | os.PathLike[str] = "torn_flag.gif", progress: bool | None =
     """Simulate it and draw it."""
     recording = pc.simulate(scene(), duration=DURATION, fps=25, dt=pc.AutoStep(safety=0.2), progress=progress)
     style = pc.styles.Surface("#ef5a3c", back="#d98a6e")
-    camera = Orbit(azimuth=-70.0, elevation=12.0, target=(0.8, 0.1, 0.47), extent=1.75)
+    camera = Orbit(azimuth=-70.0, elevation=12.0, target=(0.75, 0.1, 0.44), extent=1.55)
     pc.film(recording, path, size=(640, 440), style=style, camera=camera, labels=(), progress=progress)
     return {"flag": recording}
 
