@@ -20,7 +20,7 @@ DURATION = 2.0
 """[s]"""
 
 
-KINDS = {"soft": (30.0, "#e8443a"), "medium": (70.0, "#f6a21c"), "firm": (160.0, "#58b947")}
+KINDS = {"soft": (30.0, "#e8443a"), "medium": (70.0, "#f6a21c"), "firm": (130.0, "#58b947")}
 """The stiffness of their springs [N/m], and their colors."""
 NODES, SPACING = 8, 0.045
 """Along each side of a cube, and the distance from one to the next [m]."""
@@ -28,7 +28,7 @@ NODES, SPACING = 8, 0.045
 
 def cube(name: str, stiffness: float, place: float) -> pc.SpringNetwork:
     """A cube that turns, with one corner down."""
-    lattice = pc.soft_body((NODES,) * 3, SPACING, stiffness, damping=0.25, mass=0.002, name=name)
+    lattice = pc.soft_body((NODES,) * 3, SPACING, stiffness, damping=0.4, mass=0.002, name=name)
     inward = lattice.positions - lattice.positions.mean(axis=0)
     turned = inward @ rotation((1.0, -1.0, 0.0), 0.15).T @ rotation((0.0, 0.0, 1.0), 0.5).T
     spin = np.cross((0.0, 0.0, 1.0), turned)

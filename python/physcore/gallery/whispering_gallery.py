@@ -47,7 +47,7 @@ def main(
 ) -> dict[str, pc.Recording]:
     """Simulate it and draw it."""
     recording = pc.simulate(scene(), duration=DURATION, fps=16, progress=progress)
-    pc.film(recording, path, size=(440, 460), style=pc.styles.Field(range=0.4, relief=0.2), progress=progress)
+    pc.film(recording, path, size=(392, 410), style=pc.styles.Field(range=0.4), progress=progress)
     return {"hall": recording}
 
 
