@@ -38,11 +38,10 @@ def main(path: str | os.PathLike[str] = "double_slit.gif", progress: bool | None
     pc.film(
         recording,
         path,
-        size=(372, 392),
+        size=(400, 420),
         style=pc.styles.Field(range=0.028),
         camera=Window((-0.5, -4.0), (7.0, 4.0)),
         speed=2.0,
-        max_bytes=3_000_000,
         progress=progress,
     )
     return {"light": recording}

@@ -13,7 +13,7 @@ import numpy as np
 import physcore as pc
 from physcore.gallery.figure import Figure
 
-DURATION = 180.0
+DURATION = 220.0
 """[s]"""
 MEDIUM = pc.FitzHughNagumo(epsilon=0.1, beta=0.5, gamma=0.5)
 REST = (-0.8177, -0.6355)
@@ -34,7 +34,7 @@ def main(path: str | os.PathLike[str] = "spirals.gif", progress: bool | None = N
     """Simulate it and draw it."""
     recording = pc.simulate(scene(), duration=DURATION, fps=0.5, precision="f32", progress=progress)
     style = pc.styles.Field(colormap="inferno", range=(-2.6, 2.2), relief=0.3)
-    pc.film(recording, path, size=(480, 404), style=style, speed=50.0, max_bytes=3_000_000, progress=progress)
+    pc.film(recording, path, size=(440, 372), style=style, speed=50.0, progress=progress)
     return {"sheet": recording}
 
 

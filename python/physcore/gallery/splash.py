@@ -54,11 +54,10 @@ def main(path: str | os.PathLike[str] = "splash.gif", progress: bool | None = No
     pc.film(
         recording,
         path,
-        size=(640, 440),
+        size=(480, 336),
         style=style,
         camera=camera,
         speed=0.125,
-        max_bytes=3_000_000,
         progress=progress,
     )
     return {"splash": recording}
