@@ -44,7 +44,9 @@ def main(path: str | os.PathLike[str] = "cloth.gif", progress: bool | None = Non
     # Stripes along the cloth show how it folds.
     style = pc.styles.Surface(np.tile(np.linspace(0.0, 1.0, SIDE), SIDE), colormap="plasma")
     camera = Orbit(-58.0, 14.0, target=(0.0, 0.2, 0.53), extent=1.3)
-    pc.film(recording, path, size=(640, 480), style=style, camera=camera, color_bar=False, progress=progress)
+    pc.film(
+        recording, path, size=(640, 480), style=style, camera=camera, color_bar=False, quality="high", progress=progress
+    )
     return {"cloth": recording}
 
 

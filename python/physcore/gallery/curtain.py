@@ -64,6 +64,7 @@ def main(path: str | os.PathLike[str] = "curtain.gif", progress: bool | None = N
         camera=Orbit(-65.0, 14.0, target=(0.5, 0.2, -0.4), extent=1.25),
         titles=list(recordings),
         subtitle=f"energy at the end: {', '.join(f'{each.energy.drift[-1]:+.0%}' for each in recordings.values())}",
+        quality="high",
         progress=progress,
     )
     return recordings

@@ -42,7 +42,7 @@ def main(path: str | os.PathLike[str] = "electron_slits.gif", progress: bool | N
     """Simulate it and draw it."""
     recording = pc.simulate(scene(), duration=DURATION, fps=30, dt=0.004, progress=progress)
     style, camera = pc.styles.Phase(range=0.012), Window((-9.0, -6.6), (9.0, 6.6))
-    pc.film(recording, path, size=(428, 348), style=style, camera=camera, speed=0.5, progress=progress)
+    pc.film(recording, path, size=(396, 322), style=style, camera=camera, speed=0.5, progress=progress)
     return {"electron": recording}
 
 

@@ -62,10 +62,10 @@ def stripes() -> np.ndarray:
 
 def main(path: str | os.PathLike[str] = "flag.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
     """Simulate it and draw it."""
-    recording = pc.simulate(scene(), duration=DURATION, fps=25, dt=pc.AutoStep(safety=0.3), progress=progress)
+    recording = pc.simulate(scene(), duration=DURATION, fps=20, dt=pc.AutoStep(safety=0.3), progress=progress)
     style = pc.styles.Surface(texture=stripes())
     camera = Orbit(azimuth=-70.0, elevation=12.0, target=(0.72, 0.0, 0.42), extent=1.4)
-    pc.film(recording, path, size=(640, 440), style=style, camera=camera, labels=(), progress=progress)
+    pc.film(recording, path, size=(544, 374), style=style, camera=camera, labels=(), quality="high", progress=progress)
     return {"flag": recording}
 
 

@@ -63,7 +63,17 @@ def main(path: str | os.PathLike[str] = "knot.gif", progress: bool | None = None
     last = Orbit(azimuth=-60.0, elevation=50.0, target=(0.0, 0.0, 0.0), extent=0.4)
     camera = Keyframes({0.0: first, DURATION: last})
     style = pc.styles.Strain(color="#e9b44c", width=16.0)
-    pc.film(recording, path, size=(640, 360), style=style, camera=camera, labels=(), hold=1.0, progress=progress)
+    pc.film(
+        recording,
+        path,
+        size=(640, 360),
+        style=style,
+        camera=camera,
+        labels=(),
+        quality="high",
+        hold=1.0,
+        progress=progress,
+    )
     return {"rope": recording}
 
 
