@@ -40,7 +40,7 @@ def main(
         path,
         duration=DURATION,
         fps=FPS,
-        size=(520, 400),
+        size=(440, 340),
         camera=Keyframes({0.0: first, DURATION: last}),
         style=pc.styles.Density(exposure=0.7),
         speed=0.75,
