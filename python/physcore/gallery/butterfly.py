@@ -40,12 +40,13 @@ def main(
         path,
         duration=DURATION,
         fps=FPS,
-        size=(440, 340),
+        size=(640, 480),
         camera=Keyframes({0.0: first, DURATION: last}),
         style=pc.styles.Density(exposure=0.7),
         speed=0.75,
         dt=1.0 / (16 * FPS),
         precision="f32",
+        max_bytes=3_000_000,
         progress=progress,
     )
     recording = pc.simulate(scene(MEASURED), DURATION, fps=FPS, dt=1.0 / (16 * FPS), progress=progress)

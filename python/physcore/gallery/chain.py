@@ -53,7 +53,7 @@ def main(path: str | os.PathLike[str] = "chain.gif", progress: bool | None = Non
     chain, ball = recording.scene.bodies
     style = [pc.styles.Strain(width=6.0, range=40.0, on=chain), pc.styles.Points(color="#ffb703", on=ball)]
     camera = Window((-0.5, -2.05), (0.8, 0.1))
-    pc.film(recording, path, size=(360, 600), style=style, camera=camera, speed=0.1, hold=1.0, progress=progress)
+    pc.film(recording, path, size=(360, 600), style=style, camera=camera, speed=0.1, progress=progress)
     return {"chain": recording}
 
 

@@ -30,7 +30,7 @@ def main(path: str | os.PathLike[str] = "crystal.gif", progress: bool | None = N
     """Simulate it and draw it."""
     recording = pc.simulate(scene(), duration=DURATION, fps=0.16, dt=0.008, progress=progress)
     style = pc.styles.Points(colormap="plasma", top=2.5)
-    pc.film(recording, path, size=(496, 400), style=style, speed=100.0, hold=1.0, progress=progress)
+    pc.film(recording, path, size=(496, 400), style=style, speed=100.0, progress=progress)
     return {"argon": recording}
 
 

@@ -56,7 +56,6 @@ def main(path: str | os.PathLike[str] = "drape.gif", progress: bool | None = Non
         camera=camera,
         labels=(),
         quality="high",
-        hold=1.0,
         progress=progress,
     )
     return {"cloth": recording}

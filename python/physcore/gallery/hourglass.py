@@ -85,7 +85,6 @@ def main(
         style=pc.styles.Points(color="body"),
         camera=Window((-WIDTH, -HEIGHT - 0.02), (WIDTH, HEIGHT - 0.15)),
         speed=0.5,
-        hold=1.0,
         progress=progress,
     )
     return {"sand": recording}

@@ -71,7 +71,6 @@ def main(path: str | os.PathLike[str] = "knot.gif", progress: bool | None = None
         camera=camera,
         labels=(),
         quality="high",
-        hold=1.0,
         progress=progress,
     )
     return {"rope": recording}

@@ -67,7 +67,7 @@ def main(
         duration=DURATION,
         fps=30,
         speed=0.6,
-        size=(528, 208),
+        size=(496, 196),
         style=[
             pc.styles.Density(colormap="ember", on=above),
             pc.styles.Density(colormap="water", on=below),
