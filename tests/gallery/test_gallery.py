@@ -69,7 +69,7 @@ def shown(tmp_path: Path, record_property: Callable[[str, object], None]) -> Cal
     def run(name: str, **options: int) -> pc.Recording:
         path = tmp_path / f"{name}.gif"
         recordings = demo(name).main(path, progress=False, **options)
-        assert path.stat().st_size < 8e6
+        assert path.stat().st_size <= 3e6
         figure = demo(name).figure(recordings)
         record_property("figure", str(figure))
         assert figure.holds

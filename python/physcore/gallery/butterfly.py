@@ -20,7 +20,7 @@ MEASURED = 4000
 DURATION = 9.0
 """[s]"""
 BETA = 8.0 / 3.0
-FPS = 16
+FPS = 13
 """Frames per second of simulated time."""
 
 
@@ -34,19 +34,18 @@ def main(
     path: str | os.PathLike[str] = "butterfly.gif", progress: bool | None = None, tracers: int = TRACERS
 ) -> dict[str, pc.Recording]:
     """Simulate them while they are drawn, from an eye that goes round, and record the first ones."""
-    first, last = (Orbit(*angles, target=(0.0, 0.0, 24.5), extent=56.0) for angles in ((-90.0, 4.0), (-58.0, 8.0)))
+    first, last = (Orbit(*angles, target=(0.0, 0.0, 24.5), extent=50.0) for angles in ((-90.0, 4.0), (-58.0, 8.0)))
     pc.film(
         scene(tracers),
         path,
         duration=DURATION,
         fps=FPS,
-        size=(640, 480),
+        size=(464, 354),
         camera=Keyframes({0.0: first, DURATION: last}),
         style=pc.styles.Density(exposure=0.7),
-        speed=0.75,
+        speed=0.9,
         dt=1.0 / (16 * FPS),
         precision="f32",
-        max_bytes=3_000_000,
         progress=progress,
     )
     recording = pc.simulate(scene(MEASURED), DURATION, fps=FPS, dt=1.0 / (16 * FPS), progress=progress)

@@ -24,7 +24,7 @@ RADII = (0.15, 1.0)
 PERIAPSIS, APART = 1.0, 3.5
 """How near two points of these masses would come on the parabola, and how far they are from each other at first [m]."""
 
-DURATION = 8.0
+DURATION = 7.0
 """[s]"""
 
 
@@ -63,17 +63,17 @@ def main(path: str | os.PathLike[str] = "collision.gif", progress: bool | None =
     recording = pc.simulate(scene(), DURATION, fps=15, dt=0.01, precision="f32", progress=progress)
     flat, tilted, cores = recording.scene.bodies
     style = [
-        pc.styles.Points(color="body", size=1.8, glow=0.35, on=[flat, tilted]),
+        pc.styles.Points(color="body", size=1.8, glow=0.2, on=[flat, tilted]),
         pc.styles.Points(color="body", size=7.0, glow=1.0, trail=0.0, on=cores),
     ]
     middle = (0.0, 0.0, 0.0)
     camera = Keyframes(
         {
             0.0: Orbit(10.0, 60.0, target=middle, extent=4.4),
-            DURATION: Orbit(45.0, 50.0, target=middle, extent=5.6),
+            DURATION: Orbit(45.0, 50.0, target=middle, extent=7.6),
         }
     )
-    pc.film(recording, path, size=(640, 480), style=style, camera=camera, labels=("time",), progress=progress)
+    pc.film(recording, path, size=(560, 420), style=style, camera=camera, progress=progress)
     return {"galaxies": recording}
 
 

@@ -29,8 +29,8 @@ def scene() -> pc.Scene:
 def main(path: str | os.PathLike[str] = "crystal.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
     """Simulate it and draw it."""
     recording = pc.simulate(scene(), duration=DURATION, fps=0.16, dt=0.008, progress=progress)
-    style = pc.styles.Points(colormap="water", top=3.0)
-    pc.film(recording, path, size=(600, 480), style=style, speed=100.0, max_bytes=3_000_000, progress=progress)
+    style = pc.styles.Points(colormap="plasma", top=2.5)
+    pc.film(recording, path, size=(496, 400), style=style, speed=100.0, progress=progress)
     return {"argon": recording}
 
 

@@ -1,4 +1,4 @@
-"""One stiff curtain falls by five methods, and says what each makes of its energy and where it leaves the hem.
+"""One stiff curtain falls by three methods, two of them in steps two hundred times as long; one loses its energy.
 
 The physics checked: BDF2, in steps of half a frame, keeps the hem where Verlet's method has it in short ones.
 """
@@ -14,13 +14,10 @@ import physcore as pc
 from physcore.film import Orbit
 from physcore.gallery.figure import Figure
 
-EXACT = "Verlet, 0.1 ms"
 METHODS: dict[str, tuple[pc.Integrator, float | pc.AutoStep]] = {
-    EXACT: (pc.VelocityVerlet(), pc.AutoStep()),
-    "BDF2": (pc.BDF2(1e-6), 1 / 50),
-    "backward Euler": (pc.BackwardEuler(1e-6), 1 / 50),
-    "XPBD, 20 parts": (pc.XPBD(20), 1 / 50),
-    "projective": (pc.ProjectiveDynamics(30), 1 / 50),
+    "Verlet 0.1 ms": (pc.VelocityVerlet(), pc.AutoStep()),
+    "BDF2 20 ms": (pc.BDF2(1e-6), 1 / 50),
+    "Euler 20 ms": (pc.BackwardEuler(1e-6), 1 / 50),
 }
 """By titles, with the time steps [s]."""
 
@@ -47,6 +44,12 @@ def scene() -> pc.Scene:
     return pc.Scene(curtain, pc.Gravity((0.0, 0.0, -9.81)), pc.Drag(0.002))
 
 
+def stripes() -> np.ndarray:
+    """Down the curtain, eight of each color."""
+    _, across = np.indices((16, 480))
+    return np.array([(250, 240, 225), (205, 75, 60)], dtype=np.uint8).take(across // 30 % 2, axis=0)
+
+
 def main(path: str | os.PathLike[str] = "curtain.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
     """Simulate it by each method and draw them side by side."""
     recordings = {
@@ -56,23 +59,18 @@ def main(path: str | os.PathLike[str] = "curtain.gif", progress: bool | None = N
     pc.film(
         list(recordings.values()),
         path,
-        size=(1200, 400),
-        style=pc.styles.Surface("#e07a5f"),
-        camera=Orbit(-55.0, 12.0, target=(0.4, 0.25, -0.42), extent=1.85),
-        titles=[f"{title}: {_verdict(each, recordings[EXACT])}" for title, each in recordings.items()],
+        size=(720, 320),
+        style=pc.styles.Surface(texture=stripes()),
+        camera=Orbit(-65.0, 14.0, target=(0.5, 0.2, -0.4), extent=1.25),
+        titles=list(recordings),
+        subtitle=f"energy at the end: {', '.join(f'{each.energy.drift[-1]:+.0%}' for each in recordings.values())}",
+        quality="high",
         progress=progress,
     )
     return recordings
 
 
-def _verdict(recording: pc.Recording, exact: pc.Recording) -> str:
-    """The drift of the energy balance at the end, and the mean distance of particles from where they should be."""
-    off = float(np.linalg.norm(recording.positions - exact.positions, axis=-1).mean())
-    drift = 100.0 * float(recording.energy.drift[-1])
-    return "reference" if recording is exact else f"{drift:+.0f} %, {100.0 * off:.0f} cm off"
-
-
 def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
     """The mean depth of the hem over the second half of the film."""
-    hems = {title: each.positions[50:, -COLUMNS:, 2].mean() for title, each in recordings.items()}
-    return Figure("mean depth of the hem", float(hems["BDF2"]), float(hems[EXACT]), "by Verlet's method", 0.05, "m")
+    exact, found, _ = (float(each.positions[50:, -COLUMNS:, 2].mean()) for each in recordings.values())
+    return Figure("mean depth of the hem", found, exact, "by Verlet's method", 0.05, "m")

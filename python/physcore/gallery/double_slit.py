@@ -12,9 +12,10 @@ from collections.abc import Mapping
 import numpy as np
 
 import physcore as pc
+from physcore.film import Window
 from physcore.gallery.figure import Figure
 
-DURATION = 16.0
+DURATION = 11.0
 """[s]"""
 WAVELENGTH, APART, OPENING = 0.5, 2.0, 0.25
 """Of the light, of the slits from center to center, and of each of them [m]."""
@@ -37,10 +38,10 @@ def main(path: str | os.PathLike[str] = "double_slit.gif", progress: bool | None
     pc.film(
         recording,
         path,
-        size=(320, 350),
+        size=(400, 420),
         style=pc.styles.Field(range=0.028),
+        camera=Window((-0.5, -4.0), (7.0, 4.0)),
         speed=2.0,
-        max_bytes=3_000_000,
         progress=progress,
     )
     return {"light": recording}
@@ -52,7 +53,7 @@ def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
     (wave,) = recording.scene.systems
     assert isinstance(wave, pc.Wave)
     column = round((SCREEN - wave.grid.origin[0]) / wave.grid.spacing)
-    periods = round(8 * WAVELENGTH * recording.fps)  # eight of them, after all is steady
+    periods = round(4 * WAVELENGTH * recording.fps)  # four of them, after all is steady
     heights = wave.grid.coordinates[1][column]
     brightness = np.mean(recording[wave].displacement[-periods:, column] ** 2, axis=0)
     near = np.abs(heights) < 1.5 * SCREEN * WAVELENGTH / APART

@@ -11,7 +11,7 @@ from collections.abc import Mapping
 import numpy as np
 
 import physcore as pc
-from physcore.film import Keyframes, Orbit
+from physcore.film import Orbit
 from physcore.gallery.figure import Figure, budget
 
 DURATION = 3.0
@@ -45,12 +45,19 @@ def gingham() -> np.ndarray:
 
 def main(path: str | os.PathLike[str] = "drape.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
     """Simulate it and draw it."""
-    recording = pc.simulate(scene(), duration=DURATION, fps=30, progress=progress)
+    recording = pc.simulate(scene(), duration=DURATION, fps=25, progress=progress)
     style = pc.styles.Surface(texture=gingham())
-    first = Orbit(azimuth=-75.0, elevation=20.0, target=(0.0, 0.0, 0.02), extent=1.6)
-    last = Orbit(azimuth=-45.0, elevation=28.0, target=(0.0, 0.0, -0.05), extent=1.2)
-    camera = Keyframes({0.0: first, DURATION: last})
-    pc.film(recording, path, size=(640, 480), style=style, camera=camera, progress=progress)
+    camera = Orbit(azimuth=-60.0, elevation=24.0, target=(0.0, 0.0, 0.0), extent=1.3)
+    pc.film(
+        recording,
+        path,
+        size=(640, 480),
+        style=style,
+        camera=camera,
+        labels=(),
+        quality="high",
+        progress=progress,
+    )
     return {"cloth": recording}
 
 

@@ -12,15 +12,16 @@ from collections.abc import Mapping
 import numpy as np
 
 import physcore as pc
+from physcore.film import Window
 from physcore.gallery.figure import Figure
 
-DURATION = 3.6
+DURATION = 2.9
 """[s]"""
 MOMENTUM = 6.0
 """ħ = m = 1, so that the wavelength is 2π/6."""
 APART, OPENING = 3.0, 0.7
 """Of the slits, from center to center, and of each [m]."""
-SCREEN = 9.0
+SCREEN = 6.0
 """Where the electron is looked for, behind the slits [m]."""
 
 
@@ -40,8 +41,8 @@ def scene() -> pc.Scene:
 def main(path: str | os.PathLike[str] = "electron_slits.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
     """Simulate it and draw it."""
     recording = pc.simulate(scene(), duration=DURATION, fps=30, dt=0.004, progress=progress)
-    style = pc.styles.Phase(range=0.02)
-    pc.film(recording, path, size=(520, 400), style=style, speed=0.5, max_bytes=3_000_000, progress=progress)
+    style, camera = pc.styles.Phase(range=0.012), Window((-9.0, -6.6), (9.0, 6.6))
+    pc.film(recording, path, size=(396, 322), style=style, camera=camera, speed=0.5, progress=progress)
     return {"electron": recording}
 
 

@@ -21,6 +21,7 @@ DURATION = 5.0
 
 def scene() -> pc.Scene:
     """Hang a flag of one and a half square meters, three hundred grams, on its mast, and let the wind turn about it."""
+    mast = pc.Capsule((-0.045, 0.0, -0.55), (-0.045, 0.0, 1.06), radius=0.035)
     flag = pc.cloth(
         (25, 17),
         spacing=0.0625,
@@ -30,7 +31,7 @@ def scene() -> pc.Scene:
         origin=(0.0, 0.0, 0.0),
         axes=((1.0, 0.0, 0.0), (0.0, 0.0, 1.0)),
         shear_stiffness=40.0,
-        bend_stiffness=1.0,
+        bend_stiffness=4.0,
         pinned="left",
     )
     first, second, third = flag.faces.T
@@ -49,7 +50,7 @@ def scene() -> pc.Scene:
         )
 
     return pc.Scene(
-        flag, pc.Gravity((0.0, 0.0, -9.81)), pc.CustomForce(wind), pc.Drag(linear=2e-4, wind=(6.0, 0.0, 0.0))
+        flag, pc.Gravity((0.0, 0.0, -9.81)), pc.CustomForce(wind), pc.Drag(linear=2e-4, wind=(6.0, 0.0, 0.0)), mast
     )
 
 
@@ -61,9 +62,10 @@ def stripes() -> np.ndarray:
 
 def main(path: str | os.PathLike[str] = "flag.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
     """Simulate it and draw it."""
-    recording = pc.simulate(scene(), duration=DURATION, fps=25, dt=pc.AutoStep(safety=0.3), progress=progress)
-    style, camera = pc.styles.Surface(texture=stripes()), Orbit(azimuth=-70.0, elevation=12.0)
-    pc.film(recording, path, size=(640, 440), style=style, camera=camera, progress=progress)
+    recording = pc.simulate(scene(), duration=DURATION, fps=20, dt=pc.AutoStep(safety=0.3), progress=progress)
+    style = pc.styles.Surface(texture=stripes())
+    camera = Orbit(azimuth=-70.0, elevation=12.0, target=(0.72, 0.0, 0.42), extent=1.4)
+    pc.film(recording, path, size=(528, 363), style=style, camera=camera, labels=(), quality="high", progress=progress)
     return {"flag": recording}
 
 

@@ -53,9 +53,9 @@ def scene() -> pc.Scene:
 def main(path: str | os.PathLike[str] = "galaxy.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
     """Simulate it and draw it, while the camera rises."""
     recording = pc.simulate(scene(), duration=DURATION, fps=15, progress=progress)
-    style = pc.styles.Points(colormap="magma", size=2.2, glow=0.7)
+    style = pc.styles.Points(colormap="magma", size=2.2, glow=0.4)
     camera = Keyframes({0.0: Orbit(-60.0, 25.0), DURATION: Orbit(-90.0, 60.0)})
-    pc.film(recording, path, size=(560, 420), style=style, camera=camera, max_bytes=3_000_000, progress=progress)
+    pc.film(recording, path, size=(432, 334), style=style, camera=camera, progress=progress)
     return {"stars": recording}
 
 

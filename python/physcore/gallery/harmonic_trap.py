@@ -12,6 +12,7 @@ from collections.abc import Mapping
 import numpy as np
 
 import physcore as pc
+from physcore.film import Window
 from physcore.gallery.figure import Figure
 
 DURATION = 4.0 * math.pi
@@ -22,20 +23,26 @@ START, MOMENTUM = (5.0, 0.0), (0.0, 4.5)
 
 
 def scene() -> pc.Scene:
-    """Put a packet of the width of the ground state beside the middle of a trap, and push it."""
+    """Put a packet of the width of the ground state beside the middle of a trap and push it, and a particle with it."""
     room = pc.Grid.over((-8.0, -6.0), (8.0, 6.0), 0.1)
     packet = pc.wave_packet(room, START, MOMENTUM, [math.sqrt(0.5 / rate) for rate in RATES])
 
     def trap(x: np.ndarray, y: np.ndarray) -> np.ndarray:
         return 0.5 * ((RATES[0] * x) ** 2 + (RATES[1] * y) ** 2)
 
-    return pc.Scene(pc.Schrodinger(room, packet, potential=trap, name="atom"))
+    def force(time: float, positions: np.ndarray, velocities: np.ndarray) -> np.ndarray:
+        return np.asarray(-np.square(RATES) * positions)
+
+    particle = pc.Particles([START], [MOMENTUM], name="particle")
+    return pc.Scene(pc.Schrodinger(room, packet, potential=trap, name="atom"), particle, pc.CustomForce(force))
 
 
 def main(path: str | os.PathLike[str] = "harmonic_trap.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
     """Simulate it and draw it."""
-    recording = pc.simulate(scene(), duration=DURATION, fps=12, dt=0.01, progress=progress)
-    pc.film(recording, path, size=(520, 400), style=pc.styles.Phase(), speed=2.0, progress=progress)
+    recording = pc.simulate(scene(), duration=DURATION, fps=150 / DURATION, dt=0.01, progress=progress)
+    style = [pc.styles.Phase(), pc.styles.Points(color="body", size=9.0, trail=DURATION)]
+    camera = Window((-6.8, -4.7), (6.8, 4.7))
+    pc.film(recording, path, size=(520, 400), style=style, camera=camera, speed=2.0, progress=progress)
     return {"atom": recording}
 
 

@@ -20,7 +20,7 @@ DURATION = 2.0
 """[s]"""
 
 
-KINDS = {"soft": (28.0, "#e8443a"), "medium": (70.0, "#f6a21c"), "firm": (160.0, "#58b947")}
+KINDS = {"soft": (30.0, "#e8443a"), "medium": (70.0, "#f6a21c"), "firm": (130.0, "#58b947")}
 """The stiffness of their springs [N/m], and their colors."""
 NODES, SPACING = 8, 0.045
 """Along each side of a cube, and the distance from one to the next [m]."""
@@ -28,10 +28,10 @@ NODES, SPACING = 8, 0.045
 
 def cube(name: str, stiffness: float, place: float) -> pc.SpringNetwork:
     """A cube that turns, with one corner down."""
-    lattice = pc.soft_body((NODES,) * 3, SPACING, stiffness, damping=0.03, mass=0.002, name=name)
+    lattice = pc.soft_body((NODES,) * 3, SPACING, stiffness, damping=0.4, mass=0.002, name=name)
     inward = lattice.positions - lattice.positions.mean(axis=0)
-    turned = inward @ rotation((1.0, -1.0, 0.0), 0.7).T @ rotation((0.0, 0.0, 1.0), 0.5).T
-    spin = np.cross((0.0, 0.0, 2.0), turned)
+    turned = inward @ rotation((1.0, -1.0, 0.0), 0.15).T @ rotation((0.0, 0.0, 1.0), 0.5).T
+    spin = np.cross((0.0, 0.0, 1.0), turned)
     return replace(lattice, positions=turned + np.array([place, 0.0, 0.62]), velocities=spin)
 
 
@@ -39,7 +39,7 @@ def scene() -> pc.Scene:
     """Drop them side by side."""
     places = (-0.7, 0.0, 0.7)
     cubes = [cube(name, stiffness, place) for (name, (stiffness, _)), place in zip(KINDS.items(), places, strict=True)]
-    return pc.Scene(*cubes, pc.Gravity((0.0, 0.0, -9.81)), pc.Floor(0.0, restitution=0.2, friction=0.8))
+    return pc.Scene(*cubes, pc.Gravity((0.0, 0.0, -9.81)), pc.Floor(0.0, restitution=0.0, friction=0.8))
 
 
 def main(path: str | os.PathLike[str] = "jelly.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
@@ -47,7 +47,7 @@ def main(path: str | os.PathLike[str] = "jelly.gif", progress: bool | None = Non
     # Every impact rings at frequencies close to the limit of stability: a quarter of it resolves them.
     recording = pc.simulate(scene(), duration=DURATION, fps=40, dt=pc.AutoStep(safety=0.25), progress=progress)
     style = pc.styles.Surface({name: color for name, (_, color) in KINDS.items()})
-    camera = Orbit(-72.0, 16.0, target=(0.0, 0.0, 0.38), extent=1.4)
+    camera = Orbit(-72.0, 16.0, target=(0.0, 0.1, 0.34), extent=1.2)
     pc.film(recording, path, size=(640, 360), style=style, camera=camera, speed=0.5, progress=progress)
     return {"jelly": recording}
 

@@ -11,7 +11,7 @@ from collections.abc import Mapping
 import numpy as np
 
 import physcore as pc
-from physcore.film import Orbit
+from physcore.film import Keyframes, Orbit
 from physcore.gallery.figure import Figure
 
 DURATION = 4.0
@@ -59,8 +59,20 @@ def scene() -> pc.Scene:
 def main(path: str | os.PathLike[str] = "knot.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
     """Simulate it and draw it."""
     recording = pc.simulate(scene(), DURATION, fps=30, progress=progress)
-    camera = Orbit(azimuth=-90.0, elevation=65.0, target=(0.0, -0.2, 0.0), extent=1.3)
-    pc.film(recording, path, size=(640, 360), style=pc.styles.Strain(width=12.0), camera=camera, progress=progress)
+    first = Orbit(azimuth=-90.0, elevation=65.0, target=(0.0, 0.0, 0.0), extent=0.95)
+    last = Orbit(azimuth=-60.0, elevation=50.0, target=(0.0, 0.0, 0.0), extent=0.4)
+    camera = Keyframes({0.0: first, DURATION: last})
+    style = pc.styles.Strain(color="#e9b44c", width=16.0)
+    pc.film(
+        recording,
+        path,
+        size=(640, 360),
+        style=style,
+        camera=camera,
+        labels=(),
+        quality="high",
+        progress=progress,
+    )
     return {"rope": recording}
 
 

@@ -32,7 +32,7 @@ def scene() -> pc.Scene:
 def main(path: str | os.PathLike[str] = "labyrinth.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
     """Simulate it and draw it."""
     recording = pc.simulate(scene(), duration=DURATION, fps=0.02, precision="f32", progress=progress)
-    pc.film(recording, path, size=(468, 360), style=pc.styles.Field(relief=0.3), speed=750.0, progress=progress)
+    pc.film(recording, path, size=(468, 396), style=pc.styles.Field(relief=0.3), speed=750.0, progress=progress)
     return {"dish": recording}
 
 

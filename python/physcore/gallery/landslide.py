@@ -12,6 +12,7 @@ import numpy as np
 
 import physcore as pc
 from physcore.checks import FloatArray
+from physcore.film import Orbit
 from physcore.gallery.figure import Figure, budget
 
 PEBBLES = 600
@@ -21,7 +22,7 @@ RADIUS = 0.016
 STIFFNESS = 400.0
 """Of their contacts with each other [N/m]."""
 
-DURATION = 4.0
+DURATION = 3.5
 """[s]"""
 
 
@@ -31,7 +32,7 @@ def height(x: FloatArray, y: FloatArray) -> FloatArray:
     side = 0.5 / (1.0 + np.exp(4.0 * (x + 0.2))) + 0.06 * (1.0 - x)
     banks = 0.45 * valley**2 + 0.03 * np.cos(9.0 * y) * np.sin(8.0 * x)
     hollow = -0.22 * np.exp(-((x - 0.72) ** 2 + (y - 0.1) ** 2) / 0.11)
-    rim = 0.12 * (np.abs(x) / 1.15) ** 14
+    rim = 0.25 * (np.abs(x) / 1.15) ** 14
     return np.asarray(side + banks + hollow + rim)
 
 
@@ -44,7 +45,7 @@ def scene() -> pc.Scene:
     sites[:, 2] += 0.2 + height(sites[:, 0], sites[:, 1])
     mass = 2500.0 * 4.0 / 3.0 * np.pi * RADIUS**3
     pebbles = pc.Particles(sites, mass=mass, radius=RADIUS)
-    ground = pc.HeightField.over(height, (-1.2, -0.9), (1.2, 0.9), spacing=0.025, restitution=0.4, friction=0.08)
+    ground = pc.HeightField.over(height, (-1.2, -0.9), (1.2, 0.9), spacing=0.025, restitution=0.3, friction=0.25)
     contacts = pc.SoftSpheres(STIFFNESS, 0.1, friction=0.2, tangential_damping=0.05)
     return pc.Scene(pebbles, pc.Gravity((0.0, 0.0, -9.81)), ground, contacts)
 
@@ -52,7 +53,9 @@ def scene() -> pc.Scene:
 def main(path: str | os.PathLike[str] = "landslide.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
     """Simulate it and draw it."""
     recording = pc.simulate(scene(), duration=DURATION, fps=25, dt=1e-3, progress=progress)
-    pc.film(recording, path, size=(640, 480), style=pc.styles.Points(color="speed"), progress=progress)
+    camera = Orbit(azimuth=-72.0, elevation=42.0, target=(0.0, 0.0, 0.13), extent=2.25)
+    style = pc.styles.Points(color="speed", top=2.5)
+    pc.film(recording, path, size=(640, 440), style=style, camera=camera, progress=progress)
     return {"pebbles": recording}
 
 

@@ -15,7 +15,7 @@ import physcore as pc
 from physcore.checks import FloatArray
 from physcore.gallery.figure import Figure
 
-DURATION = 12.0
+DURATION = 7.5
 """[s]"""
 RADIUS = 1.5
 """Of the lens [m]."""
@@ -38,14 +38,17 @@ def scene() -> pc.Scene:
     plane = pc.Grid.over((-2.5, -2.1), (3.1, 2.1), 0.02)
     x, _ = plane.coordinates
     lamp = pc.Source(np.abs(x + 2.2) < 0.01, amplitude=40.0, frequency=1.0 / WAVELENGTH, phase=math.pi / 2)
+    around = np.linspace(0.0, 2.0 * math.pi, 181)
+    rim = pc.Particles(RADIUS * np.column_stack([np.cos(around), np.sin(around)]), fixed=True)  # to be seen
     edges = {"x": "absorbing", "y": "free"}
-    return pc.Scene(pc.Wave(plane, speed=speed, sources=lamp, edges=edges))  # type: ignore[arg-type]
+    return pc.Scene(pc.Wave(plane, speed=speed, sources=lamp, edges=edges), rim)  # type: ignore[arg-type]
 
 
 def main(path: str | os.PathLike[str] = "lens.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
     """Simulate it and draw it."""
     recording = pc.simulate(scene(), duration=DURATION, fps=12, progress=progress)
-    pc.film(recording, path, size=(360, 290), speed=2.0, max_bytes=3_000_000, progress=progress)
+    style = [pc.styles.Field(), pc.styles.Points(color="body", size=2.0)]
+    pc.film(recording, path, size=(440, 360), style=style, speed=2.0, progress=progress)
     return {"light": recording}
 
 

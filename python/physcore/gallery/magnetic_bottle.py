@@ -24,14 +24,14 @@ MIDDLE = 4e-7 * np.pi * CURRENT * RADIUS**2 / (RADIUS**2 + 0.25 * APART**2) ** 1
 """B between the coils, on their axis [T]."""
 SPEED = 3e4
 """[m/s]"""
-PROTONS = 36
+PROTONS = 24
 COLORS = ((170, 120, 80), (170, 120, 80), (110, 200, 255), (255, 190, 90), (240, 110, 170))
 
 
 def scene() -> pc.Scene:
     """Protons of one speed, in three beams at different angles to the field; the coils are there to be seen."""
     generator = np.random.default_rng(8)
-    angles = np.linspace(0.0, 2.0 * np.pi, 80, endpoint=False)
+    angles = np.linspace(0.0, 2.0 * np.pi, 240, endpoint=False)
     ring = RADIUS * np.column_stack([0.0 * angles, np.cos(angles), np.sin(angles)])
     coils = [pc.Particles(ring + 0.5 * APART * np.array([side, 0.0, 0.0]), fixed=True) for side in (-1.0, 1.0)]
     beams = []
@@ -57,16 +57,16 @@ def main(path: str | os.PathLike[str] = "magnetic_bottle.gif", progress: bool | 
     recording = pc.simulate(scene(), DURATION, fps=7.5e6, dt=1 / 52.5e6, progress=progress)
     coils, beams = recording.scene.bodies[:2], recording.scene.bodies[2:]
     style = [
-        pc.styles.Paths(fade=9e-6, width=2.0, on=beams),
-        pc.styles.Points(color="body", size=7.0, trail=0.0, on=coils),
-        pc.styles.Points(color="body", size=8.0, glow=0.8, trail=0.0, on=beams),
+        pc.styles.Paths(fade=12e-6, width=2.0, on=beams),
+        pc.styles.Points(color="body", size=6.0, trail=0.0, on=coils),
+        pc.styles.Points(color="body", size=8.0, glow=0.5, trail=0.0, on=beams),
     ]
     pc.film(
         recording,
         path,
         size=(640, 360),
         style=style,
-        camera=Orbit(-73.0, 16.0, target=(0.0, 0.0, 0.0), extent=0.38),
+        camera=Orbit(-73.0, 16.0, target=(0.0, 0.0, 0.0), extent=0.39),
         theme=replace(DARK, bodies=COLORS),
         labels=("energy",),
         speed=3.5e-6,

@@ -56,18 +56,19 @@ def scene() -> pc.Scene:
 
 def main(path: str | os.PathLike[str] = "pendulums.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
     """Simulate it and draw it."""
-    recording = pc.simulate(scene(), duration=DURATION, fps=20, progress=progress)
+    recording = pc.simulate(scene(), duration=DURATION, fps=8, progress=progress)
     # From the longest to the shortest, wires and bobs alike.
     style = pc.styles.Strain(color=np.tile(np.arange(PENDULUMS), 2), colormap="plasma", width=1.6)
     camera = Orbit(-28.0, 14.0)
     pc.film(
         recording,
         path,
-        size=(640, 400),
+        size=(528, 330),
         style=style,
         camera=camera,
         color_bar=False,
-        max_bytes=3_000_000,
+        speed=2.0,
+        quality="high",
         progress=progress,
     )
     return {"pendulums": recording}

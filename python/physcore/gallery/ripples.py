@@ -10,11 +10,25 @@ from collections.abc import Mapping
 from functools import partial
 
 import physcore as pc
+from physcore.film import Orbit
 from physcore.gallery.figure import Figure
 
 DURATION = 6.0
 """[s]"""
-DROPS = ((1.0, 1.9, 0.0), (2.9, 1.1, 0.7), (2.2, 2.3, 1.5), (0.9, 0.8, 2.4), (3.2, 2.2, 3.1))
+DROPS = (
+    (1.0, 1.9, 0.0),
+    (2.9, 1.1, 0.4),
+    (2.2, 2.3, 0.9),
+    (0.9, 0.8, 1.4),
+    (3.2, 2.2, 1.8),
+    (2.0, 1.4, 2.3),
+    (3.1, 0.6, 2.7),
+    (0.7, 2.4, 3.1),
+    (1.6, 0.6, 3.6),
+    (2.6, 1.8, 4.0),
+    (1.2, 1.4, 4.5),
+    (3.5, 1.5, 4.9),
+)
 """Where and when they fall [m, m, s]."""
 
 
@@ -22,7 +36,7 @@ def scene() -> pc.Scene:
     """Let drops fall into a part of an endless pond."""
     pulse = pc.Ricker(3.0)
     drops = [pc.Source((x, y), 1.0, signal=partial(_later, pulse, start)) for x, y, start in DROPS]
-    pond = pc.Wave(pc.Grid.over((0.0, 0.0), (4.0, 3.0), 0.0125), speed=1.0, sources=drops, edges="absorbing")
+    pond = pc.Wave(pc.Grid.over((0.0, 0.0), (4.0, 3.0), 0.025), speed=1.0, sources=drops, edges="absorbing")
     return pc.Scene(pond)
 
 
@@ -33,10 +47,9 @@ def _later(pulse: pc.Ricker, start: float, time: float) -> float:
 
 def main(path: str | os.PathLike[str] = "ripples.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
     """Simulate it and draw it."""
-    recording = pc.simulate(scene(), duration=DURATION, fps=25, progress=progress)
-    pc.film(
-        recording, path, size=(480, 380), style=pc.styles.Field(relief=0.35), max_bytes=3_000_000, progress=progress
-    )
+    recording = pc.simulate(scene(), duration=DURATION, fps=20, dt=pc.AutoStep(safety=0.3), progress=progress)
+    style, camera = pc.styles.Relief(range=0.08, height=0.1), Orbit(-70.0, 36.0, target=(2.0, 1.5, -0.1), extent=2.7)
+    pc.film(recording, path, size=(520, 360), style=style, camera=camera, color_bar=False, progress=progress)
     return {"pond": recording}
 
 

@@ -1,4 +1,4 @@
-"""A fan of ropes falls from one point; each swings, cracks like a whip and goes a way of its own.
+"""A fan of ropes, let go at all angles, closes and opens again; the outer ones crack like whips.
 
 The physics checked: nothing but damping and drag takes energy, and the budget says how much each of them took.
 """
@@ -17,8 +17,6 @@ from physcore.film import Window
 from physcore.gallery.figure import Figure, budget
 
 ROPES = 31
-FAN = 180.0
-"""The angle between the first and the last of them [degrees]."""
 
 DURATION = 2.0
 """[s]"""
@@ -36,26 +34,26 @@ def scene() -> pc.Scene:
             direction=(math.cos(angle), math.sin(angle)),
             pinned="start",
         )
-        for angle in np.radians(np.linspace(0.0, FAN, ROPES))
+        for angle in np.radians(np.linspace(-180.0, 0.0, ROPES))
     ]
     return pc.Scene(*ropes, pc.Gravity((0.0, -9.81)), pc.Drag(linear=2e-3))
 
 
-def rainbow(scene: pc.Scene) -> dict[pc.Body | str, str | tuple[int, int, int]]:
-    """A color for each rope, around the circle of hues but for the last sixth."""
-    colors = [colorsys.hsv_to_rgb(0.83 * index / (ROPES - 1), 0.72, 1.0) for index in range(ROPES)]
-    return {
-        rope: (round(255 * red), round(255 * green), round(255 * blue))
-        for rope, (red, green, blue) in zip(scene.bodies, colors, strict=True)
-    }
+def rainbow(count: int) -> list[tuple[int, int, int]]:
+    """Colors around the circle of hues but for the last sixth."""
+    hues = [colorsys.hsv_to_rgb(0.83 * index / (count - 1), 0.72, 1.0) for index in range(count)]
+    return [(round(255 * red), round(255 * green), round(255 * blue)) for red, green, blue in hues]
 
 
 def main(path: str | os.PathLike[str] = "rope.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
     """Simulate it and draw it."""
     # The tips crack with frequencies close to the limit of stability: a fifth of it keeps the budget closed there too.
     recording = pc.simulate(scene(), duration=DURATION, fps=60, dt=pc.AutoStep(safety=0.2), progress=progress)
-    style, camera = pc.styles.Strain(width=4.0, color=rainbow(recording.scene)), Window((-1.2, -1.08), (1.2, 1.03))
-    pc.film(recording, path, size=(640, 560), style=style, camera=camera, speed=0.4, progress=progress)
+    colors: dict[pc.Body | str, str | tuple[int, int, int]] = dict(
+        zip(recording.scene.bodies, rainbow(ROPES), strict=True)
+    )
+    style, camera = pc.styles.Strain(width=4.0, color=colors), Window((-1.1, -1.1), (1.1, 0.1))
+    pc.film(recording, path, size=(640, 380), style=style, camera=camera, speed=0.4, progress=progress)
     return {"ropes": recording}
 
 

@@ -11,6 +11,7 @@ from collections.abc import Mapping
 import numpy as np
 
 import physcore as pc
+from physcore.film import Window
 from physcore.gallery.figure import Figure
 
 DURATION = 1.3
@@ -37,8 +38,9 @@ def scene() -> pc.Scene:
 def main(path: str | os.PathLike[str] = "scattering.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
     """Simulate it and draw it."""
     recording = pc.simulate(scene(), duration=DURATION, fps=60, dt=0.003, progress=progress)
-    style = pc.styles.Phase(range=0.08)
-    pc.film(recording, path, size=(520, 400), style=style, speed=0.25, progress=progress)
+    camera = Window((-7.0, -5.25), (7.0, 5.25))
+    style = pc.styles.Phase(range=0.025)
+    pc.film(recording, path, size=(484, 391), style=style, camera=camera, speed=0.25, quality="high", progress=progress)
     return {"electron": recording}
 
 

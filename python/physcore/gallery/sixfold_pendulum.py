@@ -12,7 +12,8 @@ from collections.abc import Mapping
 import numpy as np
 
 import physcore as pc
-from physcore.gallery.double_pendulum import down, parting, pendulums
+from physcore.film import Window
+from physcore.gallery.double_pendulum import down, draw, parting, pendulums
 from physcore.gallery.figure import Figure
 
 PENDULUMS = 24
@@ -30,7 +31,7 @@ NEAR = (3.0, 5.0)
 def scene(pendulum_count: int = PENDULUMS) -> pc.Scene:
     """All hang from one point and do not feel each other; of one alone, that in the middle."""
     turns = SPREAD * (np.arange(pendulum_count) / max(pendulum_count - 1, 1) - 0.5 * (pendulum_count > 1))
-    return pc.Scene(pendulums([LENGTH] * RODS, [ANGLE] * RODS, [1.0] * RODS, turns), down())
+    return pc.Scene(*pendulums([LENGTH] * RODS, [ANGLE] * RODS, [1.0] * RODS, turns), down())
 
 
 def main(
@@ -38,8 +39,8 @@ def main(
 ) -> dict[str, pc.Recording]:
     """Simulate it by RATTLE of order 4, and draw rods and bobs with light behind them."""
     recording = pc.simulate(scene(), DURATION, fps=20, integrator=pc.RATTLE(4), dt=1e-3, progress=progress)
-    style = [pc.styles.Paths(fade=0.6, width=1.4), pc.styles.Strain(width=1.5, nodes=True)]
-    pc.film(recording, path, size=(400, 400), style=style, progress=progress)
+    camera = Window((-1.9, -1.95), (1.9, 0.9))
+    draw(recording, path, fade=0.6, size=(520, 420), camera=camera, progress=progress)
     return {"pendulums": recording}
 
 

@@ -79,17 +79,17 @@ def main(path: str | os.PathLike[str] = "solar_system.gif", progress: bool | Non
     )
     sun, *planets = recording.scene.bodies
     glow = pc.styles.Points(color="body", size=30.0, glow=1.0, trail=0.0, on=sun)
-    balls = pc.styles.Points(color="body", size=13.0, trail=0.5 * year, glow=0.5, on=planets)
-    camera = Orbit(-70.0, 45.0, target=(0.0, 0.0, 0.0), extent=2.75 * AU)
+    balls = pc.styles.Points(color="body", size=13.0, trail=0.6 * year, glow=0.5, on=planets)
+    camera = Orbit(-70.0, 45.0, target=(0.0, 0.0, 0.0), extent=2.55 * AU)
     pc.film(
         recording,
         path,
-        size=(640, 480),
+        size=(640, 450),
         style=[glow, balls],
         camera=camera,
         theme=replace(DARK, bodies=COLORS),
         title="Mercury, Venus, the Earth and Mars from the first of January 2000",
-        labels=("energy",),
+        labels=("time", "energy"),
         speed=year / 5.0,
         progress=progress,
     )

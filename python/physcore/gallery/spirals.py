@@ -1,4 +1,4 @@
-"""A wave of excitation in a sheet of cells, cut in two, curls up into a spiral that turns for ever.
+"""A wave of excitation in a sheet of cells, cut at both ends, curls up into two spirals that turn for ever.
 
 The physics checked: it turns steadily, so that its waves pass all cells equally often.
 """
@@ -13,7 +13,7 @@ import numpy as np
 import physcore as pc
 from physcore.gallery.figure import Figure
 
-DURATION = 420.0
+DURATION = 220.0
 """[s]"""
 MEDIUM = pc.FitzHughNagumo(epsilon=0.1, beta=0.5, gamma=0.5)
 REST = (-0.8177, -0.6355)
@@ -21,11 +21,11 @@ REST = (-0.8177, -0.6355)
 
 
 def scene() -> pc.Scene:
-    """Excite the left half of a sheet whose lower half cannot be excited for some time."""
+    """Excite a strip of a sheet that cannot be excited again below it for some time."""
     grid = pc.Grid.over((0.0, 0.0), (130.0, 100.0), 0.5)
     start = {
-        "u": lambda x, y: np.where(x < 65.0, 1.5, REST[0]) + 0.0 * y,
-        "v": lambda x, y: np.where(y < 50.0, REST[1] + 1.2, REST[1]) + 0.0 * x,
+        "u": lambda x, y: np.where((np.abs(x - 65.0) < 16.0) & (np.abs(y - 50.0) < 4.0), 1.5, REST[0]),
+        "v": lambda x, y: np.where((np.abs(x - 65.0) < 16.0) & (np.abs(y - 36.0) < 10.0), REST[1] + 1.2, REST[1]),
     }
     return pc.Scene(pc.ReactionDiffusion(grid, MEDIUM, {"u": 1.0, "v": 0.0}, start))
 
@@ -34,7 +34,7 @@ def main(path: str | os.PathLike[str] = "spirals.gif", progress: bool | None = N
     """Simulate it and draw it."""
     recording = pc.simulate(scene(), duration=DURATION, fps=0.5, precision="f32", progress=progress)
     style = pc.styles.Field(colormap="inferno", range=(-2.6, 2.2), relief=0.3)
-    pc.film(recording, path, size=(520, 400), style=style, speed=50.0, max_bytes=3_000_000, progress=progress)
+    pc.film(recording, path, size=(440, 372), style=style, speed=50.0, progress=progress)
     return {"sheet": recording}
 
 

@@ -50,17 +50,9 @@ def scene() -> pc.Scene:
 def main(path: str | os.PathLike[str] = "splash.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
     """Simulate it and draw it."""
     recording = pc.simulate(scene(), duration=DURATION, fps=200, progress=progress, fluids=METHOD)
-    style, camera = pc.styles.Fluid({"pool": "#f7f5ee", "drop": "#e8485f"}, opacity=1.0), Orbit(elevation=24.0)
-    pc.film(
-        recording,
-        path,
-        size=(640, 440),
-        style=style,
-        camera=camera,
-        speed=0.125,
-        max_bytes=3_000_000,
-        progress=progress,
-    )
+    style = pc.styles.Fluid({"pool": "#f7f5ee", "drop": "#e8485f"}, opacity=1.0)
+    camera = Orbit(elevation=24.0, target=(0.0, 0.0, 0.15), extent=0.85)
+    pc.film(recording, path, size=(560, 392), style=style, camera=camera, speed=0.125, progress=progress)
     return {"splash": recording}
 
 

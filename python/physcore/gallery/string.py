@@ -1,4 +1,4 @@
-"""A plucked string: its corner runs to and fro between the ends, and all is as it was after each period.
+"""A plucked string is the sum of its harmonics: each swings in its own time, and after each period all is as it was.
 
 The physics checked: the period of the lowest tone is twice the length over the speed.
 """
@@ -14,37 +14,49 @@ import physcore as pc
 from physcore.checks import FloatArray
 from physcore.gallery.figure import Figure
 
-DURATION = 6.0
-"""[s]"""
 LENGTH, SPEED = 1.0, 0.5
 """[m], [m/s]: some hundred times slower than a guitar's."""
+HARMONICS = 4
+"""How many of them are shown."""
+HEIGHT = 0.015
+"""Of the string where it is plucked [m]."""
+DURATION = 2.0 * LENGTH / SPEED
+"""A period [s]."""
 
 
 def pluck(x: FloatArray) -> FloatArray:
     """Pulled up at a quarter of its length, with a finger's width."""
     corner = 0.25 * LENGTH
     rise, fall = x / corner, (LENGTH - x) / (LENGTH - corner)
-    return 0.01 * (rise + fall - np.sqrt((rise - fall) ** 2 + 0.01))
+    return 0.5 * HEIGHT * (rise + fall - np.sqrt((rise - fall) ** 2 + 0.01))
 
 
 def scene() -> pc.Scene:
-    """Let go of a plucked string that air damps a little."""
+    """Let go of a plucked string, and of others that begin as its harmonics, b sin(nπx/L) with b = 2⟨u sin(nπx/L)⟩."""
     line = pc.Grid.over(0.0, LENGTH, 0.0025)
-    return pc.Scene(pc.Wave(line, speed=SPEED, displacement=pluck, damping=0.05, name="string"))
+    (x,) = line.coordinates
+    shapes = [np.sin(n * np.pi * x / LENGTH) for n in range(1, HARMONICS + 1)]
+    harmonics = [
+        pc.Wave(line, speed=SPEED, displacement=2.0 * np.mean(pluck(x) * shape) * shape, name=f"harmonic {n}")
+        for n, shape in enumerate(shapes, 1)
+    ]
+    return pc.Scene(pc.Wave(line, speed=SPEED, displacement=pluck, name="string"), *harmonics)
 
 
 def main(path: str | os.PathLike[str] = "string.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
-    """Simulate it and draw it."""
+    """Simulate a period, and draw the string thick and its harmonics thin, all to one scale."""
     recording = pc.simulate(scene(), duration=DURATION, fps=25, progress=progress)
-    pc.film(recording, path, size=(560, 320), progress=progress)
+    string, *harmonics = recording.scene.systems
+    style = [pc.styles.Line(range=HEIGHT, width=4.0, on=string), pc.styles.Line(range=HEIGHT, width=1.4, on=harmonics)]
+    pc.film(recording, path, size=(640, 330), style=style, progress=progress)
     return {"string": recording}
 
 
 def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
-    """From one passage of the lowest mode through zero to the next but one."""
+    """Twice the time from one passage of the lowest mode through zero to the next."""
     recording = recordings["string"]
     x = recording.scene.systems[0].grid.coordinates[0]  # type: ignore[attr-defined]
     mode = recording["string"].displacement @ np.sin(np.pi * x / LENGTH)
-    down = np.flatnonzero((mode[:-1] > 0.0) & (mode[1:] <= 0.0))[:2]
-    passages = recording.times[down] + mode[down] / (mode[down] - mode[down + 1]) / recording.fps
-    return Figure("period", float(np.diff(passages)[0]), 2.0 * LENGTH / SPEED, "by length and speed", 2e-3, "s")
+    before = np.flatnonzero(mode[:-1] * mode[1:] < 0.0)[:2]
+    passages = recording.times[before] + mode[before] / (mode[before] - mode[before + 1]) / recording.fps
+    return Figure("period", 2.0 * float(np.diff(passages)[0]), 2.0 * LENGTH / SPEED, "by length and speed", 2e-3, "s")

@@ -57,15 +57,16 @@ def scene() -> pc.Scene:
         breaking_strain=strength,
         name="flag",
     )
-    return pc.Scene(flag, pc.Gravity((0.0, 0.0, -9.81)), pc.Wind((18.0, 0.9, 0.0), on=flag))
+    mast = pc.Capsule((-0.045, 0.0, -0.55), (-0.045, 0.0, 1.06), radius=0.035)
+    return pc.Scene(flag, pc.Gravity((0.0, 0.0, -9.81)), pc.Wind((18.0, 0.9, 0.0), on=flag), mast)
 
 
 def main(path: str | os.PathLike[str] = "torn_flag.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
     """Simulate it and draw it."""
-    recording = pc.simulate(scene(), duration=DURATION, fps=25, dt=pc.AutoStep(safety=0.2), progress=progress)
+    recording = pc.simulate(scene(), duration=DURATION, fps=20, dt=pc.AutoStep(safety=0.2), progress=progress)
     style = pc.styles.Surface("#ef5a3c", back="#d98a6e")
-    camera = Orbit(azimuth=-70.0, elevation=12.0, target=(0.8, 0.1, 0.47), extent=1.75)
-    pc.film(recording, path, size=(640, 440), style=style, camera=camera, progress=progress)
+    camera = Orbit(azimuth=-70.0, elevation=12.0, target=(0.75, 0.1, 0.44), extent=1.55)
+    pc.film(recording, path, size=(560, 386), style=style, camera=camera, labels=(), quality="high", progress=progress)
     return {"flag": recording}
 
 

@@ -11,6 +11,7 @@ from collections.abc import Mapping
 import numpy as np
 
 import physcore as pc
+from physcore.film import Window
 from physcore.gallery.figure import Figure
 
 DURATION = 4.5
@@ -35,7 +36,8 @@ def scene() -> pc.Scene:
 def main(path: str | os.PathLike[str] = "tunnelling.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
     """Simulate it and draw it."""
     recording = pc.simulate(scene(), duration=DURATION, fps=24, progress=progress)
-    pc.film(recording, path, size=(640, 270), speed=0.5, progress=progress)
+    style, camera = pc.styles.Phase(range=0.02), Window((-15.0, -5.0), (15.0, 5.0))
+    pc.film(recording, path, size=(540, 224), style=style, camera=camera, speed=0.5, quality="high", progress=progress)
     return {"electron": recording}
 
 

@@ -26,7 +26,7 @@ SPEED = CIRCULATION / (2.0 * SPACING) * math.tanh(math.pi * WIDTH / SPACING)
 """That of an endless street, Γ/(2 a) tanh(π b/a) [m/s]."""
 CORE = 0.05
 """Within which a vortex turns dye as a whole [m]."""
-DURATION = 4.0
+DURATION = 3.0
 """[s]"""
 DYE = 200_000
 """About how many tracers there are of each color."""
@@ -59,7 +59,7 @@ def main(
 
     def window(time: float) -> Window:
         middle = SPEED * time
-        return Window((middle - SHOWN / 2, -0.24 * SHOWN), (middle + SHOWN / 2, 0.24 * SHOWN))
+        return Window((middle - SHOWN / 2, -0.17 * SHOWN), (middle + SHOWN / 2, 0.17 * SHOWN))
 
     pc.film(
         whole,
@@ -67,7 +67,7 @@ def main(
         duration=DURATION,
         fps=30,
         speed=0.6,
-        size=(640, 320),
+        size=(496, 196),
         style=[
             pc.styles.Density(colormap="ember", on=above),
             pc.styles.Density(colormap="water", on=below),

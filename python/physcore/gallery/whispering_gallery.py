@@ -46,8 +46,9 @@ def main(
     path: str | os.PathLike[str] = "whispering_gallery.gif", progress: bool | None = None
 ) -> dict[str, pc.Recording]:
     """Simulate it and draw it."""
-    recording = pc.simulate(scene(), duration=DURATION, fps=16, progress=progress)
-    pc.film(recording, path, size=(440, 380), style=pc.styles.Relief(), progress=progress)
+    recording = pc.simulate(scene(), duration=DURATION, fps=12, progress=progress)
+    style = pc.styles.Field(range=0.6)
+    pc.film(recording, path, size=(328, 346), style=style, speed=1.25, quality="high", progress=progress)
     return {"hall": recording}
 
 
