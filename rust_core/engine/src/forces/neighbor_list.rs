@@ -153,6 +153,11 @@ impl NeighborList {
         self.vector(self.neighbors.anchors(), slot)
     }
 
+    /// The distance of a point from the members of a block of [`BLOCK`], or less [m].
+    pub fn distance_to(&self, block: usize, point: DVec3) -> f64 {
+        self.neighbors.bounds(block).distance(point.to_array()) - 0.5 * self.skin
+    }
+
     fn vector(&self, columns: [&[f64]; AXES], slot: usize) -> DVec3 {
         let member = self.neighbors.order()[slot] as usize;
         DVec3::from_array(columns.map(|axis| axis.get(member).copied().unwrap_or(0.0)))

@@ -32,7 +32,8 @@ use crate::math::{AXES, Coordinate};
 use crate::parallel::{BlockedSlice, Executor};
 use crate::simd::{LANES, Selection};
 use domain::{check_lengths, check_spacing};
-use grid::{Bounds, Grid};
+pub use grid::Bounds;
+use grid::Grid;
 use lists::{Candidates, Lists};
 use sort::Sort;
 
@@ -216,6 +217,11 @@ impl Neighbors {
     /// The positions of the last build along each axis [m], by particle.
     pub fn anchors(&self) -> [&[f64]; AXES] {
         self.anchors.each_ref().map(Vec::as_slice)
+    }
+
+    /// The bounding box of a block of [`BLOCK`] particles at the last build.
+    pub fn bounds(&self, block: usize) -> &Bounds {
+        &self.bounds[block]
     }
 
     /// The number of particles.

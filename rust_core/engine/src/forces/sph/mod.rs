@@ -53,7 +53,7 @@ use start::Materials;
 use summation::Summation;
 use surface::Surface;
 use tension::Tension;
-use walls::Walls;
+use walls::{Mirrors, Walls};
 
 /// Slots in a block of the passes over single particles.
 const BLOCK: usize = 1024;
@@ -215,26 +215,48 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
         Ok(tension.energy((&neighbor_list, &mut records), &walls, &self.kind, &|member| self.rest_volume(member), executor))
     }
 
-    /// Reads the gauges at a state for which the forces are known.
-    fn measure(&mut self, at: &StateView<'_, V>) {
+    /// Adds the forces from walls, and reads the gauges.
+    fn press(&mut self, time: f64, executor: &Executor) {
         let Some(mut gauges) = self.gauges.take() else { return };
+        gauges.begin(time);
+        let slots = self.neighbor_list.neighbors().slots();
         let force = |slot: usize| {
             let mut along = [0.0; AXES];
             along.iter_mut().zip(&self.forces[slot]).take(V::DIMENSION).for_each(|(to, force)| *to = force.to_f64());
             DVec3::from_array(along)
         };
+        gauges.sum_obstacles(&|member| self.volume(member) * force(slots[member] as usize), executor);
+        self.add_walls(&mut gauges, executor);
+        let pressure =
+            |member: usize| self.materials.fluid(self.kind[member]).map_or(0.0, |fluid| fluid.pressure(self.density[member]));
         let flow = Flow {
             neighbor_list: &self.neighbor_list,
-            walls: &self.walls,
             materials: &self.materials,
             kind: &self.kind,
-            body: &|member| at.properties.body[self.neighbor_list.members()[member] as usize] as usize,
-            volume: &|member| self.volume(member),
-            pressure: &|member| self.materials.fluid(self.kind[member]).map_or(0.0, |fluid| fluid.pressure(self.density[member])),
-            force: &force,
+            state: |member: usize| (self.volume(member), pressure(member)),
         };
-        gauges.update::<K>(at.time, &flow);
+        gauges.read::<K>(&flow, executor);
         self.gauges = Some(gauges);
+    }
+
+    /// Adds the forces from walls, and what fluid particles press on them to the gauges.
+    fn add_walls(&mut self, gauges: &mut Gauges, executor: &Executor) {
+        let mut forces = std::mem::take(&mut self.forces);
+        let condition = WallCondition { weight: self.materials.first().gravity, no_slip: true };
+        let (numbers, instruments) = gauges.on_walls();
+        let order = self.neighbor_list.neighbors().order();
+        let note = |numbers: &mut [f64], mirrors: &Mirrors, more: &[V::Scalar; FORCES]| {
+            let member = order[mirrors.slot] as usize;
+            // What images of the fluid press on an obstacle with is none of the fluid.
+            if self.kind[member] != OBSTACLE {
+                let force =
+                    DVec3::from_array(std::array::from_fn(|axis| if axis < V::DIMENSION { more[axis].to_f64() } else { 0.0 }));
+                instruments.add::<K>(numbers, mirrors, -self.volume(member) * force);
+            }
+        };
+        let lists = (&self.neighbor_list, &self.records);
+        self.walls.add_noting(self.momentum, &condition, lists, &mut forces, (numbers, &note), executor);
+        self.forces = forces;
     }
 
     /// Memory [bytes].
@@ -417,7 +439,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> Force<V> for Fluids<V, K, MIXED> {
             surface.update((neighbor_list, records), walls, (materials, kind), density, executor);
         }
         self.extrapolate_pressure(executor);
-        let Self { materials, surface, neighbor_list, records, momentum, forces, walls, .. } = self;
+        let Self { surface, neighbor_list, records, momentum, forces, walls, .. } = self;
         let neighbors = neighbor_list.neighbors();
         records.sum(neighbors, *momentum, forces, executor);
         if !walls.is_empty() {
@@ -427,10 +449,8 @@ impl<V: Vector, K: Shape, const MIXED: bool> Force<V> for Fluids<V, K, MIXED> {
                 records.write(slot as usize, |words| words[V::DIMENSION + 1] *= V::Scalar::from_f64(wall_factor.kick.into()));
             }
         }
-        let condition = WallCondition { weight: materials.first().gravity, no_slip: true };
-        walls.press(*momentum, &condition, (neighbor_list, records), forces, executor);
         self.strongest = None;
-        self.measure(at);
+        self.press(at.time, executor);
         Ok(())
     }
 
