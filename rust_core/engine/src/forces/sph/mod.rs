@@ -166,8 +166,12 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
             let end = mine.start + mine.items.len();
             let mut extrapolated = mine.items.iter_mut();
             let slots = obstacles[mine.start..end].iter().map(|&obstacle| neighbors.slots()[obstacle as usize] as usize);
-            let few = slots.map(|slot| (slot, neighbors.list(slot), *extrapolation));
-            before.sum_few(few, |_, sums| extrapolated.next().into_iter().for_each(|extrapolated| *extrapolated = sums));
+            let few = slots.map(|slot| (slot, neighbors.list(slot), ()));
+            before.sum_few(
+                few,
+                |()| *extrapolation,
+                |_, sums| extrapolated.next().into_iter().for_each(|extrapolated| *extrapolated = sums),
+            );
         });
         for (&obstacle, &[pressed, weight]) in obstacles.iter().zip(&*extrapolated) {
             // Negative pressures are cut off: obstacles exert no suction.
@@ -467,7 +471,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> Force<V> for Fluids<V, K, MIXED> {
                 }
             }
             // Each particle accounts for half of a pair's power.
-            rates.power[EnergySink::Viscosity as usize][index % LANES] += 0.5 * volume * force[VISCOUS].to_f64();
+            rates.power[EnergySink::Viscosity as usize][index % LANES] -= 0.5 * volume * force[VISCOUS].to_f64();
             rates.power[EnergySink::Contact as usize][index % LANES] += volume * force[SOLID].to_f64();
         }
     }

@@ -10,7 +10,7 @@ use std::cell::Cell;
 use glam::DVec3;
 
 use super::BLOCK;
-use super::images::{Image, ImagePressure, Mirror, Mirrored, WallCondition};
+use super::images::{Image, ImagePressure, Mirror, Mirrored, Reflection, WallCondition};
 use crate::boundaries::Wall;
 use crate::forces::neighbor_list::NeighborList;
 use crate::math::{AXES, Vector};
@@ -173,10 +173,11 @@ impl Walls {
                 }
                 current.set(mirrors);
                 // An image is no nearer than its mirror.
-                (farthest < self.reach).then(|| (slot, list, Mirrored::new(law, &image, condition)))
+                (farthest < self.reach).then(|| (slot, list, Reflection::new(&image, condition)))
             });
             // Each list is summed before the next one is looked at.
-            records.sum_few(terms, |slot, more| {
+            let mirrored = |reflection: &Reflection<V::Scalar>| Mirrored::new(law, reflection);
+            records.sum_few(terms, mirrored, |slot, more| {
                 note(notes.items, &current.get(), &more);
                 mine.items[slot - mine.start].iter_mut().zip(more).for_each(|(sum, more)| *sum += more);
             });
