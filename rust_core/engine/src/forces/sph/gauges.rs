@@ -313,19 +313,16 @@ impl Probe {
         if !period.is_finite() && flow.neighbor_list.distance_to(block, self.position) >= self.radius {
             return mean;
         }
-        let columns = flow.neighbor_list.positions();
         let gravity = flow.materials.first().gravity;
-        for (member, &kind) in flow.kind.iter().enumerate().skip(block * BLOCK).take(BLOCK) {
-            let mut away = self.position;
-            for (axis, column) in columns.iter().enumerate().filter(|(_, column)| !column.is_empty()) {
-                away[axis] -= column[member];
-            }
+        let slots = flow.neighbor_list.neighbors().slots().iter().enumerate();
+        for (member, &slot) in slots.skip(block * BLOCK).take(BLOCK) {
+            let mut away = self.position - flow.neighbor_list.at(slot as usize);
             wrap(&mut away, period);
             let square = away.length_squared();
             if square < self.radius * self.radius {
                 let (volume, pressure) = (flow.state)(member);
                 let weight = volume * K::value(square.sqrt() / self.radius);
-                if let Some(fluid) = flow.materials.fluid(kind) {
+                if let Some(fluid) = flow.materials.fluid(flow.kind[member]) {
                     mean.pressed += weight * (pressure + fluid.density * gravity.dot(away));
                     mean.wet += weight;
                 } else {

@@ -203,7 +203,13 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
     /// Updates the neighbor lists, and with them the lists of images.
     fn search(&mut self, position: &(impl Fn(usize, usize) -> f64 + Sync), executor: &Executor) -> Result<()> {
         let resumed = self.neighbor_list.resume(executor)?;
+        if resumed {
+            self.walls.declare(&mut self.neighbor_list, executor);
+        }
         let renewed = self.neighbor_list.update(position, executor)?;
+        if renewed {
+            self.walls.declare(&mut self.neighbor_list, executor);
+        }
         if resumed || renewed {
             self.walls.update(&self.neighbor_list, executor);
         }

@@ -14,8 +14,8 @@ use super::images::{Image, ImagePressure, Mirror, Mirrored, Reflection, WallCond
 use crate::boundaries::Wall;
 use crate::forces::neighbor_list::NeighborList;
 use crate::math::{AXES, Vector};
-use crate::neighbors::List;
 use crate::neighbors::sums::{PairLaw, Records};
+use crate::neighbors::{List, Reflections};
 use crate::parallel::{BlockedSlice, Executor};
 use crate::simd::Selection;
 
@@ -30,6 +30,16 @@ pub struct Side {
 }
 
 impl Side {
+    /// The reflections in the wall, which has the same normal everywhere if it is a plane.
+    fn reflections(&self) -> Reflections {
+        match self.wall {
+            Wall::Plane { normal, .. } if normal.abs().max_element() == 1.0 => {
+                Reflections { axes: normal.to_array().map(|along| along != 0.0), any: false }
+            }
+            _ => Reflections { axes: [false; AXES], any: true },
+        }
+    }
+
     /// The mirror of a particle at `x`: the tangent plane of the wall.
     fn mirror(&self, x: DVec3, no_slip: bool) -> Mirror {
         let (distance, normal) = self.wall.distance(x);
@@ -101,6 +111,19 @@ impl Walls {
                 block_images.update(block.clone(), sides, neighbor_list);
             }
         });
+    }
+
+    /// Declares the reflections in walls to a neighbor list that was rebuilt.
+    pub fn declare(&self, neighbor_list: &mut NeighborList, executor: &Executor) {
+        if self.is_empty() {
+            return;
+        }
+        let near = neighbor_list.neighbors().support() + neighbor_list.neighbors().largest_displacement();
+        let reflections = |x: DVec3| {
+            let sides = self.sides.iter().filter(|side| side.wall.distance(x).0 < near);
+            sides.map(Side::reflections).fold(Reflections::default(), Reflections::with)
+        };
+        neighbor_list.reflect(&reflections, executor);
     }
 
     /// Whether a point is farther than this from all walls, on their allowed side [m].
