@@ -71,7 +71,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
             extrapolated: vec![[V::Scalar::ZERO; 2]; obstacles.len()],
             records: Records::new(neighbor_list.neighbors()),
             rates: vec![[V::Scalar::ZERO; 2]; kind.len()],
-            mirrored: vec![[V::Scalar::ZERO; 2]; kind.len()],
+            mirrored: vec![[V::Scalar::ZERO; 2]; if walls.is_empty() { 0 } else { kind.len() }],
             forces: vec![[V::Scalar::ZERO; FORCES]; kind.len()],
             surface: Surface::new(kernel, common, &waves, kind.len()),
             tension: Tension::new(kernel, &waves, &materials, kind.len()),

@@ -141,7 +141,7 @@ struct Fluids<V: Vector, K, const MIXED: bool> {
     tension: Option<Tension<V, K, MIXED>>,
     /// Particle shifting, if it is on.
     shifting: Option<Shifting<V, K>>,
-    /// Sums of [`Continuity`] by slot: over particles, and over their images.
+    /// Sums of [`Continuity`] by slot: over particles, and over their images where there are walls.
     rates: Vec<[V::Scalar; 2]>,
     mirrored: Vec<[V::Scalar; 2]>,
     /// Sums of [`Momentum`] by slot: force and power densities.
@@ -271,7 +271,8 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
 
     /// Memory [bytes].
     fn bytes(&self) -> usize {
-        let own = 2 * std::mem::size_of_val(self.rates.as_slice()) + std::mem::size_of_val(self.forces.as_slice());
+        let rates = std::mem::size_of_val(self.rates.as_slice()) + std::mem::size_of_val(self.mirrored.as_slice());
+        let own = rates + std::mem::size_of_val(self.forces.as_slice());
         let numbers = 4 * size_of::<f64>() * self.density.len();
         let indices = size_of::<u32>() * self.obstacles.len() + self.kind.len();
         let counts = self.summation.as_ref().map_or(0, Summation::bytes);
@@ -361,9 +362,9 @@ impl<V: Vector, K: Shape, const MIXED: bool> DensityEvolution<V> for Fluids<V, K
                 let Some(fluid) = materials.fluid(kind[member]) else { continue };
                 let slot = slots[member] as usize;
                 let [squeeze, diffusion] = rates[slot].map(Real::to_f64);
-                let [by_walls, through_walls] = mirrored[slot].map(Real::to_f64);
+                let [by_walls, through_walls] = mirrored.get(slot).map_or([0.0; 2], |sums| sums.map(Real::to_f64));
                 let evened = diffusion + through_walls;
-                let change = drift.h * (*density * (squeeze + f64::from(wall_factor.drift) * by_walls) + evened);
+                let change = drift.h * (*density * (squeeze + f64::from(wall_factor.drift()) * by_walls) + evened);
                 // Work of diffusion against pressure is dissipated.
                 let middle = *density + 0.5 * change;
                 *lost = -drift.h * fluid.mass * fluid.pressure(middle) / (middle * middle) * evened;
@@ -454,9 +455,9 @@ impl<V: Vector, K: Shape, const MIXED: bool> Force<V> for Fluids<V, K, MIXED> {
         records.sum(neighbors, *momentum, forces, executor);
         if !walls.is_empty() {
             for (wall_factor, &slot) in
-                surface.wall_factors.iter().zip(neighbors.slots()).filter(|(wall_factor, _)| wall_factor.kick < 1.0)
+                surface.wall_factors.iter().zip(neighbors.slots()).filter(|(wall_factor, _)| wall_factor.kick() < 1.0)
             {
-                records.write(slot as usize, |words| words[V::DIMENSION + 1] *= V::Scalar::from_f64(wall_factor.kick.into()));
+                records.write(slot as usize, |words| words[V::DIMENSION + 1] *= V::Scalar::from_f64(wall_factor.kick().into()));
             }
         }
         self.strongest = None;
