@@ -12,7 +12,7 @@ use crate::error::{Error, Result};
 use crate::history::{Archive, History};
 use crate::math::{AXES, Real, Vector};
 use crate::matter::Properties;
-use crate::neighbors::{Domain, Neighbors};
+use crate::neighbors::{Domain, Neighbors, Reflections};
 use crate::parallel::{BlockedSlice, Executor};
 use crate::scene::Scene;
 
@@ -153,6 +153,16 @@ impl NeighborList {
         self.vector(self.neighbors.anchors(), slot)
     }
 
+    /// The distance of a point from the members of a block of the lists, or less [m].
+    pub fn distance_to(&self, block: usize, point: DVec3) -> f64 {
+        self.neighbors.bounds(block).distance(point.to_array()) - self.neighbors.largest_displacement()
+    }
+
+    /// Declares the reflections of displacements that the lists serve for too, by position at the build [m].
+    pub fn reflect(&mut self, reflections: &(impl Fn(DVec3) -> Reflections + Sync), executor: &Executor) {
+        self.neighbors.reflect(&|point| reflections(DVec3::from_array(point)), executor);
+    }
+
     fn vector(&self, columns: [&[f64]; AXES], slot: usize) -> DVec3 {
         let member = self.neighbors.order()[slot] as usize;
         DVec3::from_array(columns.map(|axis| axis.get(member).copied().unwrap_or(0.0)))
@@ -184,7 +194,7 @@ impl NeighborList {
     pub fn layout(&self) -> String {
         let reach = self.neighbors.support() - self.skin;
         format!(
-            "neighbors within {reach:.3e} m, from lists that reach {:.3e} m further and serve until somebody has moved by half of that",
+            "neighbors within {reach:.3e} m, from lists that reach {:.3e} m further and serve until neighbors have moved by that relative to each other",
             self.skin
         )
     }

@@ -98,9 +98,9 @@ impl<T: Real, const HERTZIAN: bool> SoftSpheres<T, HERTZIAN> {
 impl<V: Vector, const HERTZIAN: bool> PairLaw<V, SUMS> for SoftSpheres<V::Scalar, HERTZIAN> {
     #[inline(always)]
     fn terms<N: Number<Scalar = V::Scalar>>(&self, pair: &Pair<N>) -> [N; SUMS] {
-        let Pair { own, other, separation, square } = pair;
+        let Pair { own, other, separation, .. } = pair;
         let (zero, one) = (N::constant(0.0), N::constant(1.0));
-        let distance = square.sqrt();
+        let distance = pair.distance;
         let overlap = attribute::<V, N>(own) + attribute::<V, N>(other) - distance;
         // Concentric spheres have no contact normal.
         let touches = N::both(zero.less(overlap), zero.less(distance));

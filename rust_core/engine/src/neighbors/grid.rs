@@ -44,6 +44,12 @@ impl Bounds {
     /// The empty box.
     pub const EMPTY: Self = Self { low: [f64::INFINITY; AXES], high: [f64::NEG_INFINITY; AXES] };
 
+    /// The distance of a point from the box [m].
+    pub fn distance(&self, point: [f64; AXES]) -> f64 {
+        let gap = |axis: usize| (self.low[axis] - point[axis]).max(point[axis] - self.high[axis]).max(0.0);
+        (0..AXES).map(|axis| gap(axis).powi(2)).sum::<f64>().sqrt()
+    }
+
     /// The union of both boxes.
     #[must_use]
     pub fn with(self, other: &Self) -> Self {

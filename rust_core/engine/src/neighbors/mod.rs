@@ -1,8 +1,9 @@
 //! Neighbor lists (Verlet lists): for every particle, all others within a cutoff and a skin.
 //!
 //! The particles are sorted by cell ([`Sort`], over the table of [`Grid`]), and lists are built from the runs of candidates
-//! around each ([`Lists`]); with a skin they serve until the displacement of a particle exceeds half of it. A *slot* is a
-//! particle's index in the sorted order: lists hold slots, and so do pair sums ([`sums`]), whose reads are then local.
+//! around each ([`Lists`]); with a skin they serve until the displacements of two neighboring particles differ by more
+//! ([`displacements`]). A *slot* is a particle's index in the sorted order: lists hold slots, and so do pair sums ([`sums`]),
+//! whose reads are then local.
 //! Lists and their order depend on the positions alone, so they are the same for any number of threads.
 //!
 //! Exactness. A pair is listed if its distance, computed in f64, is at most cutoff + skin. A cell is larger than that by
@@ -10,6 +11,7 @@
 //! then 2e-7, so a listed pair is always in neighboring cells.
 
 mod brute;
+mod displacements;
 mod domain;
 mod grid;
 mod lists;
@@ -31,8 +33,11 @@ use crate::error::{Error, Result};
 use crate::math::{AXES, Coordinate};
 use crate::parallel::{BlockedSlice, Executor};
 use crate::simd::{LANES, Selection};
+use displacements::Displacements;
+pub use displacements::Reflections;
 use domain::{check_lengths, check_spacing};
-use grid::{Bounds, Grid};
+pub use grid::Bounds;
+use grid::Grid;
 use lists::{Candidates, Lists};
 use sort::Sort;
 
@@ -83,6 +88,7 @@ pub struct Neighbors {
     bounds: Vec<Bounds>,
     /// Whether a displacement in each block exceeds half the skin.
     moved: Vec<bool>,
+    displacements: Displacements,
     /// Pairs that are left out.
     excluded: Adjacency,
     /// Whether the lists are valid.
@@ -120,6 +126,7 @@ impl Neighbors {
             sorted: columns(count + LANES),
             bounds: vec![Bounds::EMPTY; count.div_ceil(BLOCK)],
             moved: vec![false; count.div_ceil(BLOCK)],
+            displacements: Displacements::new(count, cutoff, skin),
             excluded: Adjacency::default(),
             built: false,
         })
@@ -136,23 +143,42 @@ impl Neighbors {
         &self.excluded
     }
 
-    /// Rebuilds the lists if a displacement since the last build exceeds half the skin, and returns whether it did.
-    /// `positions` [m] are not wrapped into the domain.
+    /// Rebuilds the lists if the displacements of neighboring particles since the last build differ by more than the skin,
+    /// and returns whether it did. `positions` [m] are not wrapped into the domain.
     ///
     /// # Errors
     /// If a position is so far away that its rounding error is not small against the cutoff, or the lists do not fit into
     /// memory. The lists are then invalid.
     pub fn update(&mut self, positions: [&[f64]; AXES], executor: &Executor) -> Result<bool> {
         let positions = Positions { axes: positions, dimension: self.dimension };
-        if self.built && self.skin > 0.0 && !self.has_moved(positions, executor) {
+        if self.built && self.skin > 0.0 && !self.have_moved(positions, executor) {
             return Ok(false);
         }
         self.arrange(positions.axes, executor)?;
         let Self { grid, sort, sorted, metric, excluded, lists, .. } = self;
         lists.build(candidates(grid, (sort, sorted), metric, excluded), self.dimension, executor)?;
+        self.displacements.begin(&self.sorted, self.dimension, &self.domain, &self.bounds, executor);
         // After an interrupt the lists are invalid.
         self.built = !executor.stopped();
         Ok(true)
+    }
+
+    /// Declares the reflections of displacements that the lists serve for too, after a build: those of each particle, by its
+    /// position then [m].
+    pub fn reflect(&mut self, reflections: &(impl Fn([f64; AXES]) -> Reflections + Sync), executor: &Executor) {
+        let Self { displacements, sorted, dimension, .. } = self;
+        let point = |slot: usize| std::array::from_fn(|axis| if axis < *dimension { sorted[axis][slot] } else { 0.0 });
+        displacements.reflect(&|slot| reflections(point(slot)), executor);
+    }
+
+    /// The largest displacement since the build with which lists may serve [m].
+    pub fn largest_displacement(&self) -> f64 {
+        self.displacements.largest()
+    }
+
+    /// The bounding box of a block of [`BLOCK`] particles at the last build.
+    pub fn bounds(&self, block: usize) -> &Bounds {
+        &self.bounds[block]
     }
 
     /// Lists the neighbors of some slots only, for a single use, after [`Neighbors::arrange`].
@@ -244,13 +270,22 @@ impl Neighbors {
         columns
             + std::mem::size_of_val(self.bounds.as_slice())
             + self.moved.len()
+            + self.displacements.bytes()
             + self.sort.bytes()
             + self.lists.bytes()
             + self.excluded.bytes()
     }
 
-    /// Whether a displacement since the last build exceeds half the skin, or is not finite.
-    fn has_moved(&mut self, positions: Positions<'_>, executor: &Executor) -> bool {
+    /// Whether the displacements of neighboring particles since the last build differ by more than the skin, or are not
+    /// finite.
+    fn have_moved(&mut self, positions: Positions<'_>, executor: &Executor) -> bool {
+        self.one_has_moved(positions, executor)
+            && (executor.stopped() || self.displacements.exceed(positions, &self.sort.order, &self.sorted, executor))
+    }
+
+    /// Whether a displacement since the last build exceeds half the skin, or is not finite: if none does, no two differ by
+    /// more.
+    fn one_has_moved(&mut self, positions: Positions<'_>, executor: &Executor) -> bool {
         let anchors = Positions { axes: self.anchors.each_ref().map(Vec::as_slice), dimension: self.dimension };
         let (count, limit) = (self.count, 0.25 * self.skin * self.skin);
         executor.for_each_block(BlockedSlice::new(&mut self.moved, 1), &|moved| {

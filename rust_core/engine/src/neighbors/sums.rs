@@ -8,7 +8,9 @@
 use super::{BLOCK, List, Neighbors};
 use crate::math::{AXES, Coordinate, Real, Vector};
 use crate::parallel::{BlockedSlice, Executor};
-use crate::simd::{Isa, Kernel, LANES, Lanes, LevelKernel, Number, Pack, Record, Table, WORDS, dispatch, dispatch_level};
+use crate::simd::{
+    Group, Isa, Kernel, LANES, Lanes, LevelKernel, Number, Pack, Record, Table, WORDS, dispatch, dispatch_level, fold,
+};
 
 /// A particle and its neighbor; or several neighbors, one in each lane.
 #[derive(Debug, Clone, Copy)]
@@ -21,6 +23,8 @@ pub struct Pair<N> {
     pub separation: [N; AXES],
     /// |d|² [m²].
     pub square: N,
+    /// |d| [m].
+    pub distance: N,
 }
 
 /// A pair law: the terms of a pair in the sums of its first particle.
@@ -44,6 +48,9 @@ pub trait PairLaw<V: Vector, const SUMS: usize>: Copy + Sync {
 pub struct Records<V: Vector> {
     /// One per slot, and a group of lanes as padding.
     words: Table<V::Scalar>,
+    /// The same by particle, while they are written: their words come from many columns, which are read in order, and whole
+    /// records are then sorted.
+    unsorted: Table<V::Scalar>,
     encodings: [<V::Scalar as Coordinate>::Encoding; AXES],
     periodic: bool,
 }
@@ -53,6 +60,7 @@ impl<V: Vector> Records<V> {
     pub fn new(neighbors: &Neighbors) -> Self {
         Self {
             words: Table::zeros(neighbors.count() + LANES),
+            unsorted: Table::zeros(neighbors.count()),
             encodings: neighbors.domain().lengths().map(|length| V::Scalar::encoding(length, neighbors.support())),
             periodic: neighbors.domain().is_periodic(),
         }
@@ -60,7 +68,7 @@ impl<V: Vector> Records<V> {
 
     /// Memory [bytes].
     pub fn bytes(&self) -> usize {
-        std::mem::size_of_val(&*self.words)
+        std::mem::size_of_val(&*self.words) + std::mem::size_of_val(&*self.unsorted)
     }
 
     /// Rewrites all records: the positions, and the words from the number of axes on, which `each` writes for a particle.
@@ -72,10 +80,13 @@ impl<V: Vector> Records<V> {
         executor: &Executor,
         each: &(impl Fn(usize, &mut Record<V::Scalar>) + Sync),
     ) {
-        let (order, encodings) = (neighbors.order(), self.encodings);
-        executor.for_each_block(BlockedSlice::new(&mut self.words[..neighbors.count()], BLOCK), &|mine| {
-            let order = &order[mine.start..];
-            dispatch(Fill::<V, _> { records: mine.items, order, positions, encodings, each });
+        let Self { words, unsorted, encodings, .. } = self;
+        executor.for_each_block(BlockedSlice::new(unsorted, BLOCK), &|mine| {
+            dispatch(Fill::<V, _> { records: mine.items, start: mine.start, positions, encodings: *encodings, each });
+        });
+        let (order, unsorted) = (neighbors.order(), &*unsorted);
+        executor.for_each_block(BlockedSlice::new(&mut words[..neighbors.count()], BLOCK), &|mine| {
+            mine.items.iter_mut().zip(&order[mine.start..]).for_each(|(to, &particle)| *to = unsorted[particle as usize]);
         });
     }
 
@@ -107,25 +118,27 @@ impl<V: Vector> Records<V> {
         });
     }
 
-    /// The sums of laws over neighbor lists of particles at some slots, each passed to `take` with its slot.
-    pub fn sum_few<'a, L: PairLaw<V, SUMS>, const SUMS: usize>(
+    /// The sums of laws over neighbor lists of particles at some slots, each passed to `take` with its slot. `law` makes that
+    /// of a list from its data: laws are large, and made where they stay in registers.
+    pub fn sum_few<'a, D, L: PairLaw<V, SUMS>, const SUMS: usize>(
         &self,
-        few: impl Iterator<Item = (usize, List<'a>, L)>,
+        few: impl Iterator<Item = (usize, List<'a>, D)>,
+        law: impl Fn(&D) -> L,
         take: impl FnMut(usize, [V::Scalar; SUMS]),
     ) {
         let records = self;
         if V::Scalar::WRAPS || !self.periodic {
-            dispatch_level(Few::<V, _, _, SUMS, false> { records, each: few, take });
+            dispatch_level(Few::<V, _, _, _, SUMS, false> { records, each: few, law, take });
         } else {
-            dispatch_level(Few::<V, _, _, SUMS, true> { records, each: few, take });
+            dispatch_level(Few::<V, _, _, _, SUMS, true> { records, each: few, law, take });
         }
     }
 }
 
-/// The kernel that writes the records of one block, dispatched by SIMD level because scalar rounding is slow.
+/// The kernel that writes the records of one block of particles, dispatched by SIMD level because scalar rounding is slow.
 struct Fill<'a, V: Vector, F> {
     records: &'a mut [Record<V::Scalar>],
-    order: &'a [u32],
+    start: usize,
     positions: [&'a [f64]; AXES],
     encodings: [<V::Scalar as Coordinate>::Encoding; AXES],
     each: &'a F,
@@ -136,11 +149,11 @@ impl<V: Vector, F: Fn(usize, &mut Record<V::Scalar>)> Kernel for Fill<'_, V, F> 
 
     #[inline(always)]
     fn run(self) {
-        for (words, &particle) in self.records.iter_mut().zip(self.order) {
+        for (particle, words) in (self.start..).zip(self.records) {
             *words = [V::Scalar::ZERO; WORDS];
-            (self.each)(particle as usize, words);
+            (self.each)(particle, words);
             for axis in 0..V::DIMENSION {
-                words[axis] = V::Scalar::encode(self.positions[axis][particle as usize], self.encodings[axis]);
+                words[axis] = V::Scalar::encode(self.positions[axis][particle], self.encodings[axis]);
             }
         }
     }
@@ -172,24 +185,27 @@ impl<V: Vector, L: PairLaw<V, SUMS>, const SUMS: usize, const PERIODIC: bool> Le
 }
 
 /// The sums of a few particles, specialized to periodicity.
-struct Few<'r, V: Vector, S, T, const SUMS: usize, const PERIODIC: bool> {
+struct Few<'r, V: Vector, S, F, T, const SUMS: usize, const PERIODIC: bool> {
     records: &'r Records<V>,
     each: S,
+    law: F,
     take: T,
 }
 
-impl<'a, V, L, S, T, const SUMS: usize, const PERIODIC: bool> LevelKernel for Few<'_, V, S, T, SUMS, PERIODIC>
+impl<'a, V, D, L, S, F, T, const SUMS: usize, const PERIODIC: bool> LevelKernel for Few<'_, V, S, F, T, SUMS, PERIODIC>
 where
     V: Vector,
     L: PairLaw<V, SUMS>,
-    S: Iterator<Item = (usize, List<'a>, L)>,
+    S: Iterator<Item = (usize, List<'a>, D)>,
+    F: Fn(&D) -> L,
     T: FnMut(usize, [V::Scalar; SUMS]),
 {
     type Output = ();
 
     #[inline(always)]
     fn run<I: Isa>(mut self, _isa: I) {
-        for (slot, list, law) in self.each {
+        for (slot, list, data) in self.each {
+            let law = (self.law)(&data);
             (self.take)(slot, sum_over_list::<V, L, I::Pack<V::Scalar>, SUMS, PERIODIC>(self.records, list, &law, slot));
         }
     }
@@ -212,21 +228,39 @@ fn sum_over_list<V: Vector, L: PairLaw<V, SUMS>, P: Pack<Scalar = V::Scalar>, co
     for first in (0..LANES).step_by(P::WIDTH) {
         let mut sums = [P::constant(0.0); SUMS];
         let mut left = range.len();
-        for group in groups.clone() {
-            if left > first {
-                let other = P::transpose(&records.words, group, first);
-                let terms = law.terms(&pair::<V, P, PERIODIC>(own, other, &records.encodings, left, first));
-                for sum in 0..SUMS {
-                    sums[sum] += terms[sum];
-                }
+        let mut parts = groups.clone().take(left.saturating_sub(first).div_ceil(LANES));
+        if let Some(group) = parts.next() {
+            let mut current = pair::<V, P, PERIODIC>(own, records, group, left, first);
+            // The square roots of the next neighbors are begun before those of the present ones are waited for.
+            for group in parts {
+                left -= LANES;
+                let next = pair::<V, P, PERIODIC>(own, records, group, left, first);
+                add(&law, &current, &mut sums);
+                current = next;
             }
-            left = left.saturating_sub(LANES);
+            add(&law, &current, &mut sums);
+        }
+        if P::WIDTH == LANES {
+            return P::fold(sums);
         }
         for sum in 0..SUMS {
             sums[sum].store(&mut lanes[sum][first..]);
         }
     }
     lanes.map(fold)
+}
+
+/// Adds the terms of a pair to the sums.
+#[inline(always)]
+fn add<V: Vector, L: PairLaw<V, SUMS>, P: Pack<Scalar = V::Scalar>, const SUMS: usize>(
+    law: &L,
+    pair: &Pair<P>,
+    sums: &mut [P; SUMS],
+) {
+    let terms = law.terms(pair);
+    for sum in 0..SUMS {
+        sums[sum] += terms[sum];
+    }
 }
 
 /// The same number in every lane.
@@ -246,11 +280,12 @@ where
 #[inline(always)]
 fn pair<V: Vector, P: Pack<Scalar = V::Scalar>, const PERIODIC: bool>(
     own: Record<P>,
-    other: Record<P>,
-    encodings: &[<V::Scalar as Coordinate>::Encoding; AXES],
+    records: &Records<V>,
+    group: Group<'_>,
     number: usize,
     first: usize,
 ) -> Pair<P> {
+    let (other, encodings) = (P::transpose(&records.words, group, first), &records.encodings);
     let mut separation = [P::constant(0.0); AXES];
     for axis in 0..V::DIMENSION {
         separation[axis] = V::Scalar::separation::<PERIODIC, P>(own[axis], other[axis], encodings[axis]);
@@ -262,7 +297,7 @@ fn pair<V: Vector, P: Pack<Scalar = V::Scalar>, const PERIODIC: bool>(
     // Added from a table, because compilers turn a comparison with the lane into branches.
     let table = Rest::<V::Scalar>::TABLE;
     square += P::load(&table.as_flattened()[LANES + first - number.min(LANES)..]);
-    Pair { own, other, separation, square }
+    Pair { own, other, separation, square, distance: square.sqrt() }
 }
 
 /// Addend of the lanes' squares: 0 for valid lanes, then infinity.
@@ -270,18 +305,4 @@ struct Rest<T>(T);
 
 impl<T: Real> Rest<T> {
     const TABLE: [Lanes<T>; 2] = [[T::ZERO; LANES], [T::INFINITY; LANES]];
-}
-
-/// The sum of all lanes, by a tree.
-#[inline(always)]
-fn fold<T: Real>(mut lanes: Lanes<T>) -> T {
-    let mut half = LANES / 2;
-    while half > 0 {
-        for lane in 0..half {
-            let other = lanes[lane + half];
-            lanes[lane] += other;
-        }
-        half /= 2;
-    }
-    lanes[0]
 }

@@ -20,7 +20,7 @@ mod registers;
 mod selection;
 
 pub use gather::Gather;
-pub use packs::{Number, Pack, Packed};
+pub use packs::{Number, Pack, Packed, fold};
 pub use records::{Record, Table, WORDS};
 pub use selection::{Group, Selection};
 

@@ -6,7 +6,7 @@
 
 use std::ops::{Add, AddAssign, Div, Mul, Sub};
 
-use super::{Group, LANES, Record, WORDS};
+use super::{Group, LANES, Lanes, Record, WORDS};
 
 /// A number, or one in each lane.
 pub trait Number: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> + AddAssign {
@@ -56,6 +56,33 @@ pub trait Pack: Number {
     /// # Panics
     /// If there are fewer records than the bound of the group, or fewer lanes than it takes.
     fn transpose(records: &[Record<Self::Scalar>], group: Group<'_>, first: usize) -> Record<Self>;
+
+    /// The sums of the lanes of registers that are as wide as a group, by [`fold`].
+    #[inline(always)]
+    fn fold<const SUMS: usize>(registers: [Self; SUMS]) -> [Self::Scalar; SUMS]
+    where
+        Self::Scalar: Packed,
+    {
+        registers.map(|register| {
+            let mut lanes = [Self::Scalar::default(); LANES];
+            register.store(&mut lanes);
+            fold(lanes)
+        })
+    }
+}
+
+/// The sum of all lanes, by a tree.
+#[inline(always)]
+pub fn fold<T: Packed>(mut lanes: Lanes<T>) -> T {
+    let mut half = LANES / 2;
+    while half > 0 {
+        for lane in 0..half {
+            let other = lanes[lane + half];
+            lanes[lane] += other;
+        }
+        half /= 2;
+    }
+    lanes[0]
 }
 
 /// A number type with packs. A pack must be accessed through an [`super::Isa`], which exists only where the CPU has the

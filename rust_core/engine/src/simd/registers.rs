@@ -28,6 +28,7 @@ macro_rules! register {
         has_bit: |$x:ident, $bit:ident| $has_bit:expr,
         coordinate_difference: |$s:ident, $t:ident| $difference:expr,
         transpose: $transpose:ident
+        $(, fold: $fold:ident)?
     ) => {
         /// A register of this width.
         #[derive(Debug, Clone, Copy)]
@@ -140,6 +141,13 @@ macro_rules! register {
                     Self(words[7]),
                 ]
             }
+
+            $(
+                #[inline(always)]
+                fn fold<const SUMS: usize>(registers: [Self; SUMS]) -> [$scalar; SUMS] {
+                    unsafe { $fold(registers) }
+                }
+            )?
         }
     };
     (@operator $name:ident, $trait:ident, $method:ident, $intrinsic:ident) => {
@@ -163,7 +171,8 @@ register!(
     select: |mask, one, other| _mm512_mask_blend_ps(mask, other, one),
     has_bit: |x, bit| _mm512_test_epi32_mask(_mm512_castps_si512(x), _mm512_set1_epi32(1 << bit)),
     coordinate_difference: |one, other| _mm512_cvtepi32_ps(_mm512_sub_epi32(_mm512_castps_si512(one), _mm512_castps_si512(other))),
-    transpose: sixteen_singles
+    transpose: sixteen_singles,
+    fold: fold_singles
 );
 
 register!(
@@ -215,27 +224,60 @@ register!(
 #[inline(always)]
 unsafe fn sixteen_singles(records: *const f32, part: Part<'_, 16>) -> [__m512; WORDS] {
     unsafe {
-        let mut words = [_mm512_setzero_ps(); WORDS];
+        let mut halves = [[_mm512_setzero_ps(); 4]; 2];
         for half in 0..2 {
+            // Two whole records in each register, loaded into their places: each index is read once.
             let mut rows = [_mm512_setzero_ps(); 4];
             for row in 0..4 {
-                // Half a record in each quarter, loaded into its place: shuffles between quarters would cost more.
-                let words_of = |quarter: usize| _mm_loadu_ps(records.add(part.index(row + 4 * quarter) * WORDS + 4 * half));
-                rows[row] = _mm512_castps128_ps512(words_of(0));
-                rows[row] = _mm512_mask_broadcast_f32x4(rows[row], 0x00f0, words_of(1));
-                rows[row] = _mm512_mask_broadcast_f32x4(rows[row], 0x0f00, words_of(2));
-                rows[row] = _mm512_mask_broadcast_f32x4(rows[row], 0xf000, words_of(3));
+                let record = |lane: usize| records.add(part.index(lane) * WORDS);
+                let (low, high) = (_mm256_loadu_ps(record(8 * half + row)), _mm256_loadu_ps(record(8 * half + row + 4)));
+                rows[row] = _mm512_insertf32x8::<1>(_mm512_castps256_ps512(low), high);
             }
+            // The words w and w + 4 of four records in each quarter.
             let [a, b, c, d] = rows;
             let (ab, cd) = (_mm512_castps_pd(_mm512_unpacklo_ps(a, b)), _mm512_castps_pd(_mm512_unpacklo_ps(c, d)));
             let (ba, dc) = (_mm512_castps_pd(_mm512_unpackhi_ps(a, b)), _mm512_castps_pd(_mm512_unpackhi_ps(c, d)));
-            words[4 * half] = _mm512_castpd_ps(_mm512_unpacklo_pd(ab, cd));
-            words[4 * half + 1] = _mm512_castpd_ps(_mm512_unpackhi_pd(ab, cd));
-            words[4 * half + 2] = _mm512_castpd_ps(_mm512_unpacklo_pd(ba, dc));
-            words[4 * half + 3] = _mm512_castpd_ps(_mm512_unpackhi_pd(ba, dc));
+            halves[half][0] = _mm512_castpd_ps(_mm512_unpacklo_pd(ab, cd));
+            halves[half][1] = _mm512_castpd_ps(_mm512_unpackhi_pd(ab, cd));
+            halves[half][2] = _mm512_castpd_ps(_mm512_unpacklo_pd(ba, dc));
+            halves[half][3] = _mm512_castpd_ps(_mm512_unpackhi_pd(ba, dc));
+        }
+        let mut words = [_mm512_setzero_ps(); WORDS];
+        for word in 0..4 {
+            words[word] = _mm512_shuffle_f32x4::<0x88>(halves[0][word], halves[1][word]);
+            words[word + 4] = _mm512_shuffle_f32x4::<0xdd>(halves[0][word], halves[1][word]);
         }
         words
     }
+}
+
+/// The sums of the lanes of registers of singles, by a tree.
+///
+/// # Safety
+/// The CPU has AVX-512 F and DQ.
+#[inline(always)]
+unsafe fn fold_singles<const SUMS: usize>(registers: [Single512; SUMS]) -> [f32; SUMS] {
+    let mut sums = [0.0; SUMS];
+    for first in (0..SUMS).step_by(4) {
+        let mut folded = [0.0; 4];
+        // SAFETY: the caller has these instructions, and there is room for four numbers.
+        unsafe {
+            let mut four = [_mm_setzero_ps(); 4];
+            for index in 0..(SUMS - first).min(4) {
+                let register = registers[first + index].0;
+                let eight = _mm256_add_ps(_mm512_castps512_ps256(register), _mm512_extractf32x8_ps::<1>(register));
+                four[index] = _mm_add_ps(_mm256_castps256_ps128(eight), _mm256_extractf128_ps::<1>(eight));
+            }
+            // One number of each pair in the lower half, the other in the upper one.
+            let [a, b, c, d] = four;
+            let ab = _mm_add_ps(_mm_unpacklo_ps(a, b), _mm_unpackhi_ps(a, b));
+            let cd = _mm_add_ps(_mm_unpacklo_ps(c, d), _mm_unpackhi_ps(c, d));
+            _mm_storeu_ps(folded.as_mut_ptr(), _mm_add_ps(_mm_movelh_ps(ab, cd), _mm_movehl_ps(cd, ab)));
+        }
+        let number = (SUMS - first).min(4);
+        sums[first..first + number].copy_from_slice(&folded[..number]);
+    }
+    sums
 }
 
 /// The words of eight records.

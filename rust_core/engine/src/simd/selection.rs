@@ -105,7 +105,7 @@ impl Selection {
 
     #[cold]
     fn grow(&mut self) {
-        let length = (self.length + 4 * LANES) * 5 / 4;
+        let length = self.length + self.length / 8 + 4 * LANES;
         if self.entries.try_reserve_exact(length - self.entries.len()).is_ok() {
             self.entries.resize(length, 0);
         } else {

@@ -1,7 +1,7 @@
 //! How long lists live, that nothing but positions decides about them, and that they need no new memory.
 
 use physcore_engine::math::AXES;
-use physcore_engine::neighbors::{Domain, Neighbors, brute};
+use physcore_engine::neighbors::{Domain, Neighbors, Reflections, brute};
 use physcore_engine::parallel::Executor;
 
 use crate::laboratory::{by_particle, cloud, disorder, raw, search, view, with_threads};
@@ -34,7 +34,10 @@ fn lists_hold_every_pair_within_the_cutoff_for_as_long_as_they_live() {
     let mut number = disorder(12);
     let (mut made, mut kept) = (0, 0);
     for _ in 0..200 {
-        points.iter_mut().flatten().for_each(|coordinate| *coordinate += 0.1 * (number() - 0.5));
+        points.iter_mut().flatten().for_each(|coordinate| *coordinate += 0.05 * (number() - 0.5));
+        // A shear flow, in which they move much farther than relative to each other.
+        let [x, y, _] = &mut points;
+        x.iter_mut().zip(y).for_each(|(x, y)| *x += 0.2 + 0.05 * (*y - 3.5));
         if neighbors.update(view(&points), &Executor::serial()).unwrap() {
             made += 1;
         } else {
@@ -49,16 +52,36 @@ fn lists_hold_every_pair_within_the_cutoff_for_as_long_as_they_live() {
 }
 
 #[test]
-fn lists_are_made_when_somebody_has_moved_by_more_than_half_the_skin() {
+fn lists_are_made_when_neighbors_have_moved_relative_to_each_other_by_more_than_the_skin() {
     let mut points = cloud(5000, [20.0; AXES], 2);
     let mut neighbors = search(&points, 3, &Domain::default(), 1.0, 0.25).unwrap();
     let start = points[1][4000];
-    for (moved, made) in [(0.124, false), (0.126, true), (0.126, false), (f64::NAN, true)] {
+    for (moved, made) in [(0.249, false), (0.251, true), (0.251, false), (f64::NAN, true)] {
         points[1][4000] = start + moved;
         assert_eq!(neighbors.update(view(&points), &Executor::serial()).unwrap(), made, "{moved}");
     }
     let mut always = search(&points, 3, &Domain::default(), 1.0, 0.0).unwrap();
     assert!(always.update(view(&points), &Executor::serial()).unwrap());
+}
+
+#[test]
+fn lists_serve_longer_for_particles_that_move_together() {
+    let still = cloud(5000, [20.0; AXES], 2);
+    let moved = |by: [f64; AXES]| {
+        let mut points = still.clone();
+        points.iter_mut().zip(by).for_each(|(axis, by)| axis.iter_mut().for_each(|coordinate| *coordinate += by));
+        points
+    };
+    for (reflections, by, made) in [
+        (Reflections::default(), [0.2, 0.2, 0.2], false),
+        (Reflections { axes: [true, false, false], any: false }, [0.12, 0.2, 0.2], false),
+        (Reflections { axes: [true, false, false], any: false }, [0.13, 0.0, 0.0], true),
+        (Reflections { axes: [false; AXES], any: true }, [0.0, 0.13, 0.0], true),
+    ] {
+        let mut neighbors = search(&still, 3, &Domain::default(), 1.0, 0.25).unwrap();
+        neighbors.reflect(&|_| reflections, &Executor::serial());
+        assert_eq!(neighbors.update(view(&moved(by)), &Executor::serial()).unwrap(), made, "{reflections:?} {by:?}");
+    }
 }
 
 #[test]

@@ -61,6 +61,8 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
         let extrapolation = Extrapolation { kernel, density, gravity: common.gravity.to_array().map(number) };
         let waves = kernel::waves::<K>(V::DIMENSION);
         let measures = !(walls.is_empty() && obstacles.is_empty() && scene.probes.is_empty());
+        let body = |obstacle: u32| properties.body[neighbor_list.members()[obstacle as usize] as usize] as usize;
+        let bodies = || obstacles.iter().map(|&obstacle| (body(obstacle), obstacle)).collect();
         let mut fluids = Self {
             mass: kind.iter().map(|&kind| materials.fluid(kind).unwrap_or(common).mass).collect(),
             density: Vec::new(),
@@ -69,7 +71,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
             extrapolated: vec![[V::Scalar::ZERO; 2]; obstacles.len()],
             records: Records::new(neighbor_list.neighbors()),
             rates: vec![[V::Scalar::ZERO; 2]; kind.len()],
-            mirrored: vec![[V::Scalar::ZERO; 2]; kind.len()],
+            mirrored: vec![[V::Scalar::ZERO; 2]; if walls.is_empty() { 0 } else { kind.len() }],
             forces: vec![[V::Scalar::ZERO; FORCES]; kind.len()],
             surface: Surface::new(kernel, common, &waves, kind.len()),
             tension: Tension::new(kernel, &waves, &materials, kind.len()),
@@ -78,7 +80,9 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
             saved_strongest: 0.0,
             summation: materials.summation.then(|| Summation::new(kernel, &materials, kind.len())),
             shifting: None,
-            gauges: measures.then(|| Gauges::new::<K>(scene, properties.origin, &walls, 2.0 * h)).transpose()?,
+            gauges: measures
+                .then(|| Gauges::new::<K>(scene, properties.origin, &walls, 2.0 * h, (bodies(), kind.len())))
+                .transpose()?,
             materials,
             kind,
             obstacles,

@@ -16,20 +16,24 @@
 //!
 //! A boundary is pressed with the opposite of what its images do to the particles. In a corner, an image by several mirrors pushes
 //! along all of their normals: each takes its part, and an equal share of the rest. An obstacle takes the sum over its particles.
+//! All are summed in blocks that are added in their order: the forces on boundaries in the same pass as those on the particles.
 //!
 //! Both are those of the last evaluation of the forces. The integrals add them over the time until the next one, so that the
 //! difference of two is the impulse between two times, however it was divided into steps.
 
+use std::ops::Range;
+
 use glam::DVec3;
 
+use super::BLOCK;
 use super::kernel::Shape;
-use super::laws::OBSTACLE;
 use super::start::{self, Materials};
-use super::walls::Walls;
+use super::walls::{Mirrors, Walls};
 use crate::error::Result;
 use crate::forces::neighbor_list::NeighborList;
 use crate::history::{Archive, History};
 use crate::math::AXES;
+use crate::parallel::{BlockedSlice, Executor};
 use crate::scene::{Item, Scene, Value};
 
 /// Cells of the midpoint rule along each axis.
@@ -73,38 +77,72 @@ struct Readings {
 /// The gauges of a scene.
 #[derive(Debug)]
 pub struct Gauges {
+    instruments: Instruments,
+    /// Number of boundaries; bodies follow.
+    boundaries: usize,
+    /// Force on each boundary [N], axis by axis, and pressure at each probe on a wall [Pa], of each block of slots.
+    by_slots: Vec<f64>,
+    /// Sums of the means at the other probes, of each block of members.
+    by_members: Vec<Mean>,
+    /// The members that are obstacles, body by body.
+    obstacles: Vec<u32>,
+    /// Parts of them of one body each.
+    parts: Vec<Part>,
+    readings: Readings,
+    saved: Readings,
+}
+
+/// What the readings are taken with.
+#[derive(Debug)]
+pub struct Instruments {
     probes: Vec<Probe>,
     /// Lengths of the periodic domain [m], infinite along an axis that is not periodic.
     period: DVec3,
     /// The boundary of each wall.
     boundary_of: Vec<usize>,
-    /// Number of boundaries; bodies follow.
-    boundaries: usize,
-    readings: Readings,
-    saved: Readings,
+    /// The first of the numbers for probes in each block of slots.
+    first_probe: usize,
 }
 
-/// What the readings are taken from.
-pub struct Flow<'a> {
+/// A part of an obstacle.
+#[derive(Debug)]
+struct Part {
+    body: usize,
+    obstacles: Range<usize>,
+    /// Force on it [N].
+    force: DVec3,
+}
+
+/// The sums of the mean pressure at a probe: Σ V W p [N·m], and Σ V W over fluid and over obstacles.
+#[derive(Debug, Clone, Copy, Default)]
+struct Mean {
+    pressed: f64,
+    wet: f64,
+    solid: f64,
+}
+
+/// The fluid that the mean pressure at a probe is taken of.
+pub struct Flow<'a, P> {
     pub neighbor_list: &'a NeighborList,
-    pub walls: &'a Walls,
     pub materials: &'a Materials,
     /// Material of each member.
     pub kind: &'a [u8],
-    /// Body of each member.
-    pub body: &'a dyn Fn(usize) -> usize,
-    /// Volume of each member [m^D].
-    pub volume: &'a dyn Fn(usize) -> f64,
-    /// Pressure of each fluid particle [Pa].
-    pub pressure: &'a dyn Fn(usize) -> f64,
-    /// Force density on the particle at a slot [N/m^D].
-    pub force: &'a dyn Fn(usize) -> DVec3,
+    /// Volume [m^D] and pressure [Pa] of a member.
+    pub state: P,
 }
 
 impl Gauges {
     /// The gauges of a scene with these walls, with coordinates relative to an origin; probes are of this radius [m] where they
     /// do not say another.
-    pub fn new<K: Shape>(scene: &Scene, origin: DVec3, walls: &Walls, radius: f64) -> Result<Self> {
+    ///
+    /// `obstacles` are members with their bodies, of `count` members.
+    pub fn new<K: Shape>(
+        scene: &Scene,
+        origin: DVec3,
+        walls: &Walls,
+        radius: f64,
+        (mut obstacles, count): (Vec<(usize, u32)>, usize),
+    ) -> Result<Self> {
         let probe = |item: &Item| {
             let position = item.vector("position")? - origin;
             let radius = if item.values.contains_key("radius") { item.number("radius")? } else { radius };
@@ -133,59 +171,82 @@ impl Gauges {
             pressure_integrals: vec![0.0; probes.len()],
             time: None,
         };
+        obstacles.sort_unstable();
+        let of_bodies = obstacles.chunk_by(|one, other| one.0 == other.0);
+        let mut parts = Vec::new();
+        for of_body in of_bodies.flat_map(|of_body| of_body.chunks(BLOCK)) {
+            let first = parts.last().map_or(0, |part: &Part| part.obstacles.end);
+            parts.push(Part { body: of_body[0].0, obstacles: first..first + of_body.len(), force: DVec3::ZERO });
+        }
+        let (boundaries, blocks) = (scene.boundaries.len(), count.div_ceil(BLOCK));
+        let off_walls = probes.iter().filter(|probe| probe.wall.is_none()).count();
         Ok(Self {
-            probes,
-            period: scene.periodic.map_or(DVec3::INFINITY, |[lower, upper]| upper - lower),
-            boundary_of: start::boundaries_of_walls(scene, origin)?,
-            boundaries: scene.boundaries.len(),
+            boundaries,
+            by_slots: vec![0.0; if walls.is_empty() { 0 } else { blocks * (AXES * boundaries + probes.len()) }],
+            by_members: vec![Mean::default(); blocks * off_walls],
+            obstacles: obstacles.into_iter().map(|(_, member)| member).collect(),
+            parts,
+            instruments: Instruments {
+                probes,
+                period: scene.periodic.map_or(DVec3::INFINITY, |[lower, upper]| upper - lower),
+                boundary_of: start::boundaries_of_walls(scene, origin)?,
+                first_probe: AXES * boundaries,
+            },
             saved: readings.clone(),
             readings,
         })
     }
 
-    /// Adds the present readings to the integrals up to a time [s], and takes new ones.
-    pub fn update<K: Shape>(&mut self, time: f64, flow: &Flow<'_>) {
+    /// Adds the present readings to the integrals up to a time [s], and begins new ones.
+    pub fn begin(&mut self, time: f64) {
         self.readings.advance(time);
-        let Self { probes, period, readings, .. } = self;
-        for (probe, pressure) in probes.iter().zip(&mut readings.pressures) {
-            *pressure = if probe.wall.is_some() { 0.0 } else { probe.mean::<K>(*period, flow) };
-        }
-        self.press::<K>(flow);
+        self.by_slots.fill(0.0);
     }
 
-    /// Sums the forces on boundaries and bodies, and at the probes on walls.
-    fn press<K: Shape>(&mut self, flow: &Flow<'_>) {
-        let Self { probes, period, boundary_of, boundaries, readings: Readings { forces, pressures, .. }, .. } = self;
+    /// Sums the forces on obstacles, of `force` on a member [N].
+    pub fn sum_obstacles(&mut self, force: &(impl Fn(usize) -> DVec3 + Sync), executor: &Executor) {
+        let obstacles = &self.obstacles;
+        executor.for_each_block(BlockedSlice::new(&mut self.parts, 1), &|parts| {
+            for part in parts.items {
+                part.force = obstacles[part.obstacles.clone()].iter().map(|&member| force(member as usize)).sum();
+            }
+        });
+    }
+
+    /// The numbers to add the forces on walls to, block by block of slots, and what they are added by.
+    pub fn on_walls(&mut self) -> (BlockedSlice<'_, f64>, &Instruments) {
+        let Self { instruments, by_slots, .. } = self;
+        let numbers = instruments.first_probe + instruments.probes.len();
+        (BlockedSlice::new(by_slots, numbers.max(1)), instruments)
+    }
+
+    /// Takes the readings from the forces on obstacles and walls, and the means at probes that are on no wall.
+    pub fn read<K: Shape>(&mut self, flow: &Flow<'_, impl Fn(usize) -> (f64, f64) + Sync>, executor: &Executor) {
+        let Self { instruments, boundaries, by_slots, by_members, parts, readings: Readings { forces, pressures, .. }, .. } =
+            self;
+        let Instruments { probes, period, first_probe, .. } = instruments;
         forces.fill([0.0; AXES]);
-        let mut add = |row: usize, force: DVec3| {
-            forces[row].iter_mut().zip(force.to_array()).for_each(|(sum, along)| *sum += along);
-        };
-        let order = flow.neighbor_list.neighbors().order();
-        for (slot, density, mirrors) in flow.walls.pushes(flow.neighbor_list) {
-            let member = order[slot] as usize;
-            if flow.kind[member] == OBSTACLE {
-                // Images of the fluid that press on it are none of the fluid.
-                add(*boundaries + (flow.body)(member), -(flow.volume)(member) * density);
-                continue;
-            }
-            let on_wall = -(flow.volume)(member) * density;
-            let (mut rest, mut parts, mut count) = (on_wall, [(0, DVec3::ZERO); AXES], 0);
-            for (wall, normal) in mirrors {
-                parts[count] = (wall, on_wall.dot(normal) * normal);
-                rest -= parts[count].1;
-                count += 1;
-            }
-            for &(wall, along) in &parts[..count] {
-                let force = along + rest / count as f64;
-                add(boundary_of[wall as usize], force);
-                for (probe, pressure) in probes.iter().zip(&mut *pressures) {
-                    *pressure += probe.share::<K>(wall, force, flow.neighbor_list.at(slot), *period);
-                }
-            }
+        pressures.fill(0.0);
+        for block in by_slots.chunks_exact((*first_probe + probes.len()).max(1)) {
+            let sums = forces.as_flattened_mut().iter_mut().take(*first_probe).chain(&mut *pressures);
+            sums.zip(block).for_each(|(sum, of_block)| *sum += of_block);
         }
-        for (member, _) in flow.kind.iter().enumerate().filter(|(_, kind)| **kind == OBSTACLE) {
-            let slot = flow.neighbor_list.neighbors().slots()[member] as usize;
-            add(*boundaries + (flow.body)(member), (flow.volume)(member) * (flow.force)(slot));
+        for part in parts {
+            forces[*boundaries + part.body].iter_mut().zip(part.force.to_array()).for_each(|(sum, along)| *sum += along);
+        }
+        let off_walls = || probes.iter().filter(|probe| probe.wall.is_none());
+        let number = off_walls().count();
+        if number == 0 {
+            return;
+        }
+        executor.for_each_block(BlockedSlice::new(by_members, number), &|means| {
+            let block = means.start / number;
+            means.items.iter_mut().zip(off_walls()).for_each(|(mean, probe)| *mean = probe.mean::<K>(block, *period, flow));
+        });
+        for (index, (probe, pressure)) in probes.iter().zip(pressures).filter(|(probe, _)| probe.wall.is_none()).enumerate() {
+            let sum = |of: fn(&Mean) -> f64| by_members[index..].iter().step_by(number).map(of).sum::<f64>();
+            let (pressed, wet, solid) = (sum(|mean| mean.pressed), sum(|mean| mean.wet), sum(|mean| mean.solid));
+            *pressure = if wet > 0.0 { pressed / wet.max(WET * (probe.room - solid)) } else { 0.0 };
         }
     }
 
@@ -212,7 +273,25 @@ impl Gauges {
     /// Memory [bytes].
     pub fn bytes(&self) -> usize {
         let Readings { forces, pressures, .. } = &self.readings;
-        4 * size_of_val(forces.as_slice()) + 5 * size_of_val(pressures.as_slice())
+        let blocks = size_of_val(self.by_slots.as_slice()) + size_of_val(self.by_members.as_slice());
+        let obstacles = size_of_val(self.obstacles.as_slice()) + size_of_val(self.parts.as_slice());
+        4 * size_of_val(forces.as_slice()) + 5 * size_of_val(pressures.as_slice()) + blocks + obstacles
+    }
+}
+
+impl Instruments {
+    /// Adds the force on walls by the images of a fluid particle [N] to the numbers of its block.
+    pub fn add<K: Shape>(&self, numbers: &mut [f64], mirrors: &Mirrors, on_wall: DVec3) {
+        let (forces, pressures) = numbers.split_at_mut(self.first_probe);
+        let rest = mirrors.walls().iter().fold(on_wall, |rest, (_, normal)| rest - on_wall.dot(*normal) * normal);
+        for &(wall, normal) in mirrors.walls() {
+            let force = on_wall.dot(normal) * normal + rest / mirrors.walls().len() as f64;
+            let sums = &mut forces[AXES * self.boundary_of[wall as usize]..][..AXES];
+            sums.iter_mut().zip(force.to_array()).for_each(|(sum, along)| *sum += along);
+            for (probe, pressure) in self.probes.iter().zip(&mut *pressures) {
+                *pressure += probe.share::<K>(wall, force, mirrors.x, self.period);
+            }
+        }
     }
 }
 
@@ -227,29 +306,31 @@ impl Probe {
         if u < 1.0 { -force.dot(normal) * K::value(u) / self.room } else { 0.0 }
     }
 
-    /// The mean pressure [Pa].
-    fn mean<K: Shape>(&self, period: DVec3, flow: &Flow<'_>) -> f64 {
-        let (mut pressed, mut wet, mut room) = (0.0, 0.0, self.room);
-        let columns = flow.neighbor_list.positions();
+    /// The sums of the mean pressure over a block of members.
+    fn mean<K: Shape>(&self, block: usize, period: DVec3, flow: &Flow<'_, impl Fn(usize) -> (f64, f64)>) -> Mean {
+        let mut mean = Mean::default();
+        // Periodic images are everywhere.
+        if !period.is_finite() && flow.neighbor_list.distance_to(block, self.position) >= self.radius {
+            return mean;
+        }
         let gravity = flow.materials.first().gravity;
-        for (member, &kind) in flow.kind.iter().enumerate() {
-            let mut away = self.position;
-            for (axis, column) in columns.iter().enumerate().filter(|(_, column)| !column.is_empty()) {
-                away[axis] -= column[member];
-            }
+        let slots = flow.neighbor_list.neighbors().slots().iter().enumerate();
+        for (member, &slot) in slots.skip(block * BLOCK).take(BLOCK) {
+            let mut away = self.position - flow.neighbor_list.at(slot as usize);
             wrap(&mut away, period);
             let square = away.length_squared();
             if square < self.radius * self.radius {
-                let weight = (flow.volume)(member) * K::value(square.sqrt() / self.radius);
-                if let Some(fluid) = flow.materials.fluid(kind) {
-                    pressed += weight * ((flow.pressure)(member) + fluid.density * gravity.dot(away));
-                    wet += weight;
+                let (volume, pressure) = (flow.state)(member);
+                let weight = volume * K::value(square.sqrt() / self.radius);
+                if let Some(fluid) = flow.materials.fluid(flow.kind[member]) {
+                    mean.pressed += weight * (pressure + fluid.density * gravity.dot(away));
+                    mean.wet += weight;
                 } else {
-                    room -= weight;
+                    mean.solid += weight;
                 }
             }
         }
-        if wet > 0.0 { pressed / wet.max(WET * room) } else { 0.0 }
+        mean
     }
 }
 

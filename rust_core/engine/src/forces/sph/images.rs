@@ -83,7 +83,7 @@ type Triple<T> = [T; AXES];
 
 /// An image in the precision of the run, as a function of the vector d from the original to the particle.
 #[derive(Debug, Clone, Copy)]
-struct Reflection<T> {
+pub struct Reflection<T> {
     /// The vector from the image: Ad − b.
     turn: [Triple<T>; AXES],
     shift: Triple<T>,
@@ -94,7 +94,8 @@ struct Reflection<T> {
 }
 
 impl<T: Real> Reflection<T> {
-    fn new(image: &Image, condition: &WallCondition) -> Self {
+    /// The reflection by an image.
+    pub fn new(image: &Image, condition: &WallCondition) -> Self {
         let triple = |vector: DVec3| vector.to_array().map(T::from_f64);
         let rows = |matrix: DMat3| [matrix.row(0), matrix.row(1), matrix.row(2)].map(triple);
         Self {
@@ -151,8 +152,9 @@ pub struct Mirrored<T, L> {
 
 impl<T: Real, L> Mirrored<T, L> {
     /// The pair law for an image.
-    pub fn new(law: L, image: &Image, condition: &WallCondition) -> Self {
-        Self { law, reflection: Reflection::new(image, condition) }
+    #[inline(always)]
+    pub fn new(law: L, reflection: &Reflection<T>) -> Self {
+        Self { law, reflection: *reflection }
     }
 }
 
@@ -166,7 +168,7 @@ impl<V: Vector, L: PairLaw<V, SUMS> + ImagePressure<V, SUMS>, const SUMS: usize>
     fn terms<N: Number<Scalar = V::Scalar>>(&self, pair: &Pair<N>) -> [N; SUMS] {
         let Reflection { turn, shift, velocity, rise, depths } = &self.reflection;
         let zero = N::constant(0.0);
-        let Pair { own, other, separation, square } = pair;
+        let Pair { own, other, separation, square, .. } = pair;
         let (mut image, mut from_image, mut before) = (*other, [zero; AXES], [zero; AXES]);
         for axis in 0..V::DIMENSION {
             from_image[axis] = dot::<V, N>(&turn[axis], separation) + N::of(shift[axis]);
@@ -188,7 +190,8 @@ impl<V: Vector, L: PairLaw<V, SUMS> + ImagePressure<V, SUMS>, const SUMS: usize>
         for (normal, distance) in depths {
             counts = N::both(counts, zero.less(dot::<V, N>(normal, separation) + N::of(*distance)));
         }
-        let image = Pair { own: *own, other: image, separation: from_image, square: N::select(counts, far, infinity) };
+        let square = N::select(counts, far, infinity);
+        let image = Pair { own: *own, other: image, separation: from_image, square, distance: square.sqrt() };
         let mut terms = self.law.terms(&image);
         let correction = self.law.power_correction(&image, pressure - content);
         for sum in 0..SUMS {

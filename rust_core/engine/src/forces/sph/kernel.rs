@@ -23,7 +23,9 @@ pub trait Shape: Copy + Send + Sync + 'static {
     const HEIGHT: [f64; 2];
     /// W/W₀.
     fn value<N: Number>(u: N) -> N;
-    /// h² F/W₀.
+    /// Constant factor of h² F/W₀.
+    const SLOPE: f64;
+    /// h² F/W₀ over that.
     fn slope<N: Number>(u: N) -> N;
     /// h⁴ F′/(r W₀) = h² (dF/du)/(4u W₀), regularized where it diverges for u → 0.
     fn bend<N: Number>(u: N) -> N;
@@ -34,6 +36,7 @@ pub trait Shape: Copy + Send + Sync + 'static {
 pub struct WendlandC2;
 
 impl Shape for WendlandC2 {
+    const SLOPE: f64 = -5.0;
     const HEIGHT: [f64; 2] = [7.0 / (4.0 * PI), 21.0 / (16.0 * PI)];
 
     #[inline(always)]
@@ -46,7 +49,7 @@ impl Shape for WendlandC2 {
     #[inline(always)]
     fn slope<N: Number>(u: N) -> N {
         let y = N::constant(1.0) - u;
-        (N::constant(-5.0) * y) * (y * y)
+        y * (y * y)
     }
 
     #[inline(always)]
@@ -61,6 +64,7 @@ impl Shape for WendlandC2 {
 pub struct WendlandC4;
 
 impl Shape for WendlandC4 {
+    const SLOPE: f64 = -14.0 / 3.0;
     const HEIGHT: [f64; 2] = [9.0 / (4.0 * PI), 495.0 / (256.0 * PI)];
 
     #[inline(always)]
@@ -74,7 +78,7 @@ impl Shape for WendlandC4 {
     fn slope<N: Number>(u: N) -> N {
         let y = N::constant(1.0) - u;
         let square = y * y;
-        N::constant(-14.0 / 3.0) * (square * square * y) * (N::constant(1.0) + N::constant(5.0) * u)
+        (square * square * y) * (N::constant(1.0) + N::constant(5.0) * u)
     }
 
     #[inline(always)]
@@ -89,6 +93,7 @@ impl Shape for WendlandC4 {
 pub struct CubicSpline;
 
 impl Shape for CubicSpline {
+    const SLOPE: f64 = 1.0;
     const HEIGHT: [f64; 2] = [10.0 / (7.0 * PI), 1.0 / PI];
 
     #[inline(always)]
@@ -123,8 +128,9 @@ pub struct Kernel<T, K> {
     pub inverse_support: T,
     /// W₀ [m^−D].
     pub height: T,
-    /// W₀/h² [m^−(D+2)].
+    /// W₀/h² [m^−(D+2)], and times the constant factor of F.
     pub steepness: T,
+    slope: T,
     /// 1/h² [1/m²].
     inverse_square: T,
     shape: std::marker::PhantomData<K>,
@@ -143,6 +149,7 @@ impl<T: Real, K: Shape> Kernel<T, K> {
             inverse_support: T::from_f64(0.5 / smoothing_length),
             height: T::from_f64(height),
             steepness: T::from_f64(steepness),
+            slope: T::from_f64(K::SLOPE * steepness),
             inverse_square: T::from_f64(square.recip()),
             shape: std::marker::PhantomData,
         }
@@ -158,7 +165,7 @@ impl<T: Real, K: Shape> Kernel<T, K> {
     #[inline(always)]
     pub fn slope<N: Number<Scalar = T>>(&self, volume: N, distance: N) -> N {
         // In this order the first product does not wait for the distance.
-        (N::of(self.steepness) * volume) * K::slope(self.reach(distance))
+        (N::of(self.slope) * volume) * K::slope(self.reach(distance))
     }
 
     /// V F′/r for a volume V at a distance r [m].
@@ -180,7 +187,7 @@ const STEPS: usize = 200;
 
 /// −Σ Δ^D F x² over a lattice of spacing Δ, for unit smoothing length.
 fn lattice_moment<K: Shape>(spacing: f64, dimension: usize) -> f64 {
-    over_lattice(spacing, dimension, |x, r| -K::HEIGHT[dimension - 2] * K::slope(0.5 * r) * x * x)
+    over_lattice(spacing, dimension, |x, r| -K::HEIGHT[dimension - 2] * K::SLOPE * K::slope(0.5 * r) * x * x)
 }
 
 /// S = Σ Δ^D W over the neighbors on a lattice of spacing Δ, and the factor κ of differences from S for which a small
@@ -192,7 +199,7 @@ pub fn lattice_density<K: Shape>(spacing: f64, dimension: usize) -> (f64, f64) {
 
 /// Σ Δ^D |∇W| over the neighbors of a particle on a lattice of spacing Δ, for unit smoothing length.
 pub fn lattice_gradient<K: Shape>(spacing: f64, dimension: usize) -> f64 {
-    over_lattice(spacing, dimension, |_, r| -K::HEIGHT[dimension - 2] * K::slope(0.5 * r) * r)
+    over_lattice(spacing, dimension, |_, r| -K::HEIGHT[dimension - 2] * K::SLOPE * K::slope(0.5 * r) * r)
         / lattice_moment::<K>(spacing, dimension)
 }
 
@@ -238,7 +245,7 @@ const LARGEST: f64 = 6.0;
 const DIRECTIONS: u32 = 24;
 
 fn wave_of<K: Shape>(dimension: usize, k: f64) -> Wave {
-    let slope = |r: f64| K::HEIGHT[dimension - 2] * K::slope(0.5 * r);
+    let slope = |r: f64| K::HEIGHT[dimension - 2] * K::SLOPE * K::slope(0.5 * r);
     let mean = |of: &dyn Fn(f64) -> f64| {
         let angle = |index: u32| FRAC_PI_2 * (f64::from(index) + 0.5) / f64::from(DIRECTIONS);
         // In 3D the solid angle of a ring around the axis is proportional to the sine of its angle.

@@ -27,7 +27,8 @@ pub const KINDS: usize = 4;
 /// The tag of obstacles.
 pub const OBSTACLE: u8 = 3;
 
-/// Number of sums of [`Momentum`]: the force along each axis, the viscous power, and the power of obstacle pressures.
+/// Number of sums of [`Momentum`]: the force along each axis, the power of viscous forces (twice, and negative where they
+/// dissipate), and the power dissipated by obstacle pressures.
 pub const FORCES: usize = AXES + 2;
 pub const VISCOUS: usize = AXES;
 pub const SOLID: usize = AXES + 1;
@@ -104,8 +105,8 @@ impl<V: Vector, K: Shape, const MIXED: bool> PairLaw<V, 2> for Continuity<V::Sca
 
     #[inline(always)]
     fn terms<N: Number<Scalar = V::Scalar>>(&self, pair: &Pair<N>) -> [N; 2] {
-        let Pair { own, other, separation, square } = pair;
-        let weight = self.kernel.slope(volume::<V, N>(other), square.sqrt());
+        let Pair { own, other, separation, distance, .. } = pair;
+        let weight = self.kernel.slope(volume::<V, N>(other), *distance);
         if !MIXED && self.diffusion[0][0] == V::Scalar::ZERO {
             return [approach::<V, N>(pair) * weight, N::constant(0.0)];
         }
@@ -173,7 +174,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> PairLaw<V, FORCES> for Momentum<V::
             for axis in 0..V::DIMENSION {
                 terms[axis] = push * separation[axis];
             }
-            terms[VISCOUS] = N::constant(0.0) - squeeze * approach;
+            terms[VISCOUS] = squeeze * approach;
             return terms;
         }
         let mut drag = N::constant(0.0);
@@ -182,7 +183,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> PairLaw<V, FORCES> for Momentum<V::
             terms[axis] = push * separation[axis] + shear * velocity;
             drag += velocity * velocity;
         }
-        terms[VISCOUS] = N::constant(0.0) - (squeeze * approach + shear * drag);
+        terms[VISCOUS] = squeeze * approach + shear * drag;
         if MIXED {
             // The work against an obstacle's pressure is dissipated, because obstacles store no energy. Each particle
             // accounts for half of a pair's power.
@@ -210,7 +211,7 @@ impl<T: Real, K: Shape, const MIXED: bool> Momentum<T, K, MIXED> {
     #[inline(always)]
     fn weight<V: Vector<Scalar = T>, N: Number<Scalar = T>>(&self, pair: &Pair<N>) -> N {
         let volume = volume::<V, N>(&pair.other);
-        let weight = self.kernel.slope(volume, pair.square.sqrt());
+        let weight = self.kernel.slope(volume, pair.distance);
         if MIXED { weight * pick::<N, MIXED>(volume, &self.for_particle.interacts) } else { weight }
     }
 
@@ -245,16 +246,16 @@ impl<V: Vector, K: Shape, const MIXED: bool> ImagePressure<V, FORCES> for Moment
         let Viscous { squeeze, shear, approach } = self.viscous::<V, N>(pair, weight);
         let mut terms = [N::constant(0.0); FORCES];
         // Each particle accounts for half of a pair's loss: here twice its own loss, because the wall takes none.
-        terms[VISCOUS] = squeeze * approach;
+        let mut loss = squeeze * approach;
         for axis in 0..V::DIMENSION {
             let own_velocity = own[V::DIMENSION + axis];
             let relative = velocity::<V, N>(pair, axis);
             // The work of the hydrostatic difference is dissipated too.
             terms[SOLID] += by * weight * separation[axis] * own_velocity;
-            let loss =
+            loss +=
                 shear * relative * relative - N::constant(2.0) * (squeeze * separation[axis] + shear * relative) * own_velocity;
-            terms[VISCOUS] += loss;
         }
+        terms[VISCOUS] = N::constant(0.0) - loss;
         terms
     }
 }
@@ -268,7 +269,7 @@ pub struct NumberDensity<T, K> {
 impl<V: Vector, K: Shape> PairLaw<V, 1> for NumberDensity<V::Scalar, K> {
     #[inline(always)]
     fn terms<N: Number<Scalar = V::Scalar>>(&self, pair: &Pair<N>) -> [N; 1] {
-        [volume::<V, N>(&pair.other) * self.kernel.value(pair.square.sqrt())]
+        [volume::<V, N>(&pair.other) * self.kernel.value(pair.distance)]
     }
 }
 
@@ -287,7 +288,7 @@ pub const GRADIENT_SUMS: usize = AXES + 1;
 impl<V: Vector, K: Shape> PairLaw<V, GRADIENT_SUMS> for KernelGradientSum<V::Scalar, K> {
     #[inline(always)]
     fn terms<N: Number<Scalar = V::Scalar>>(&self, pair: &Pair<N>) -> [N; GRADIENT_SUMS] {
-        let (distance, zero) = (pair.square.sqrt(), N::constant(0.0));
+        let (distance, zero) = (pair.distance, N::constant(0.0));
         let weight = self.kernel.slope(volume::<V, N>(&pair.other), distance);
         let mut terms = [zero; GRADIENT_SUMS];
         for axis in 0..V::DIMENSION {
@@ -315,11 +316,11 @@ pub struct Extrapolation<T, K> {
 impl<V: Vector, K: Shape> PairLaw<V, 2> for Extrapolation<V::Scalar, K> {
     #[inline(always)]
     fn terms<N: Number<Scalar = V::Scalar>>(&self, pair: &Pair<N>) -> [N; 2] {
-        let Pair { other, separation, square, .. } = pair;
+        let Pair { other, separation, distance, .. } = pair;
         let volume = volume::<V, N>(other);
         // The tag of obstacles has both bits.
         let obstacle = N::both(volume.has_bit(0), volume.has_bit(1));
-        let weight = N::select(obstacle, N::constant(0.0), self.kernel.value(square.sqrt()));
+        let weight = N::select(obstacle, N::constant(0.0), self.kernel.value(*distance));
         let mut rise = N::constant(0.0);
         for axis in 0..V::DIMENSION {
             rise += N::of(self.gravity[axis]) * separation[axis];

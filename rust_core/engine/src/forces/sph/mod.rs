@@ -53,7 +53,7 @@ use start::Materials;
 use summation::Summation;
 use surface::Surface;
 use tension::Tension;
-use walls::Walls;
+use walls::{Mirrors, Walls};
 
 /// Slots in a block of the passes over single particles.
 const BLOCK: usize = 1024;
@@ -141,7 +141,7 @@ struct Fluids<V: Vector, K, const MIXED: bool> {
     tension: Option<Tension<V, K, MIXED>>,
     /// Particle shifting, if it is on.
     shifting: Option<Shifting<V, K>>,
-    /// Sums of [`Continuity`] by slot: over particles, and over their images.
+    /// Sums of [`Continuity`] by slot: over particles, and over their images where there are walls.
     rates: Vec<[V::Scalar; 2]>,
     mirrored: Vec<[V::Scalar; 2]>,
     /// Sums of [`Momentum`] by slot: force and power densities.
@@ -166,8 +166,12 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
             let end = mine.start + mine.items.len();
             let mut extrapolated = mine.items.iter_mut();
             let slots = obstacles[mine.start..end].iter().map(|&obstacle| neighbors.slots()[obstacle as usize] as usize);
-            let few = slots.map(|slot| (slot, neighbors.list(slot), *extrapolation));
-            before.sum_few(few, |_, sums| extrapolated.next().into_iter().for_each(|extrapolated| *extrapolated = sums));
+            let few = slots.map(|slot| (slot, neighbors.list(slot), ()));
+            before.sum_few(
+                few,
+                |()| *extrapolation,
+                |_, sums| extrapolated.next().into_iter().for_each(|extrapolated| *extrapolated = sums),
+            );
         });
         for (&obstacle, &[pressed, weight]) in obstacles.iter().zip(&*extrapolated) {
             // Negative pressures are cut off: obstacles exert no suction.
@@ -199,7 +203,13 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
     /// Updates the neighbor lists, and with them the lists of images.
     fn search(&mut self, position: &(impl Fn(usize, usize) -> f64 + Sync), executor: &Executor) -> Result<()> {
         let resumed = self.neighbor_list.resume(executor)?;
+        if resumed {
+            self.walls.declare(&mut self.neighbor_list, executor);
+        }
         let renewed = self.neighbor_list.update(position, executor)?;
+        if renewed {
+            self.walls.declare(&mut self.neighbor_list, executor);
+        }
         if resumed || renewed {
             self.walls.update(&self.neighbor_list, executor);
         }
@@ -215,31 +225,54 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
         Ok(tension.energy((&neighbor_list, &mut records), &walls, &self.kind, &|member| self.rest_volume(member), executor))
     }
 
-    /// Reads the gauges at a state for which the forces are known.
-    fn measure(&mut self, at: &StateView<'_, V>) {
+    /// Adds the forces from walls, and reads the gauges.
+    fn press(&mut self, time: f64, executor: &Executor) {
         let Some(mut gauges) = self.gauges.take() else { return };
+        gauges.begin(time);
+        let slots = self.neighbor_list.neighbors().slots();
         let force = |slot: usize| {
             let mut along = [0.0; AXES];
             along.iter_mut().zip(&self.forces[slot]).take(V::DIMENSION).for_each(|(to, force)| *to = force.to_f64());
             DVec3::from_array(along)
         };
+        gauges.sum_obstacles(&|member| self.volume(member) * force(slots[member] as usize), executor);
+        self.add_walls(&mut gauges, executor);
+        let pressure =
+            |member: usize| self.materials.fluid(self.kind[member]).map_or(0.0, |fluid| fluid.pressure(self.density[member]));
         let flow = Flow {
             neighbor_list: &self.neighbor_list,
-            walls: &self.walls,
             materials: &self.materials,
             kind: &self.kind,
-            body: &|member| at.properties.body[self.neighbor_list.members()[member] as usize] as usize,
-            volume: &|member| self.volume(member),
-            pressure: &|member| self.materials.fluid(self.kind[member]).map_or(0.0, |fluid| fluid.pressure(self.density[member])),
-            force: &force,
+            state: |member: usize| (self.volume(member), pressure(member)),
         };
-        gauges.update::<K>(at.time, &flow);
+        gauges.read::<K>(&flow, executor);
         self.gauges = Some(gauges);
+    }
+
+    /// Adds the forces from walls, and what fluid particles press on them to the gauges.
+    fn add_walls(&mut self, gauges: &mut Gauges, executor: &Executor) {
+        let mut forces = std::mem::take(&mut self.forces);
+        let condition = WallCondition { weight: self.materials.first().gravity, no_slip: true };
+        let (numbers, instruments) = gauges.on_walls();
+        let order = self.neighbor_list.neighbors().order();
+        let note = |numbers: &mut [f64], mirrors: &Mirrors, more: &[V::Scalar; FORCES]| {
+            let member = order[mirrors.slot] as usize;
+            // What images of the fluid press on an obstacle with is none of the fluid.
+            if self.kind[member] != OBSTACLE {
+                let force =
+                    DVec3::from_array(std::array::from_fn(|axis| if axis < V::DIMENSION { more[axis].to_f64() } else { 0.0 }));
+                instruments.add::<K>(numbers, mirrors, -self.volume(member) * force);
+            }
+        };
+        let lists = (&self.neighbor_list, &self.records);
+        self.walls.add_noting(self.momentum, &condition, lists, &mut forces, (numbers, &note), executor);
+        self.forces = forces;
     }
 
     /// Memory [bytes].
     fn bytes(&self) -> usize {
-        let own = 2 * std::mem::size_of_val(self.rates.as_slice()) + std::mem::size_of_val(self.forces.as_slice());
+        let rates = std::mem::size_of_val(self.rates.as_slice()) + std::mem::size_of_val(self.mirrored.as_slice());
+        let own = rates + std::mem::size_of_val(self.forces.as_slice());
         let numbers = 4 * size_of::<f64>() * self.density.len();
         let indices = size_of::<u32>() * self.obstacles.len() + self.kind.len();
         let counts = self.summation.as_ref().map_or(0, Summation::bytes);
@@ -329,9 +362,9 @@ impl<V: Vector, K: Shape, const MIXED: bool> DensityEvolution<V> for Fluids<V, K
                 let Some(fluid) = materials.fluid(kind[member]) else { continue };
                 let slot = slots[member] as usize;
                 let [squeeze, diffusion] = rates[slot].map(Real::to_f64);
-                let [by_walls, through_walls] = mirrored[slot].map(Real::to_f64);
+                let [by_walls, through_walls] = mirrored.get(slot).map_or([0.0; 2], |sums| sums.map(Real::to_f64));
                 let evened = diffusion + through_walls;
-                let change = drift.h * (*density * (squeeze + f64::from(wall_factor.drift) * by_walls) + evened);
+                let change = drift.h * (*density * (squeeze + f64::from(wall_factor.drift()) * by_walls) + evened);
                 // Work of diffusion against pressure is dissipated.
                 let middle = *density + 0.5 * change;
                 *lost = -drift.h * fluid.mass * fluid.pressure(middle) / (middle * middle) * evened;
@@ -417,20 +450,18 @@ impl<V: Vector, K: Shape, const MIXED: bool> Force<V> for Fluids<V, K, MIXED> {
             surface.update((neighbor_list, records), walls, (materials, kind), density, executor);
         }
         self.extrapolate_pressure(executor);
-        let Self { materials, surface, neighbor_list, records, momentum, forces, walls, .. } = self;
+        let Self { surface, neighbor_list, records, momentum, forces, walls, .. } = self;
         let neighbors = neighbor_list.neighbors();
         records.sum(neighbors, *momentum, forces, executor);
         if !walls.is_empty() {
             for (wall_factor, &slot) in
-                surface.wall_factors.iter().zip(neighbors.slots()).filter(|(wall_factor, _)| wall_factor.kick < 1.0)
+                surface.wall_factors.iter().zip(neighbors.slots()).filter(|(wall_factor, _)| wall_factor.kick() < 1.0)
             {
-                records.write(slot as usize, |words| words[V::DIMENSION + 1] *= V::Scalar::from_f64(wall_factor.kick.into()));
+                records.write(slot as usize, |words| words[V::DIMENSION + 1] *= V::Scalar::from_f64(wall_factor.kick().into()));
             }
         }
-        let condition = WallCondition { weight: materials.first().gravity, no_slip: true };
-        walls.press(*momentum, &condition, (neighbor_list, records), forces, executor);
         self.strongest = None;
-        self.measure(at);
+        self.press(at.time, executor);
         Ok(())
     }
 
@@ -447,7 +478,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> Force<V> for Fluids<V, K, MIXED> {
                 }
             }
             // Each particle accounts for half of a pair's power.
-            rates.power[EnergySink::Viscosity as usize][index % LANES] += 0.5 * volume * force[VISCOUS].to_f64();
+            rates.power[EnergySink::Viscosity as usize][index % LANES] -= 0.5 * volume * force[VISCOUS].to_f64();
             rates.power[EnergySink::Contact as usize][index % LANES] += volume * force[SOLID].to_f64();
         }
     }

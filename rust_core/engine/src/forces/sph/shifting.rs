@@ -70,7 +70,7 @@ struct ShiftingSum<T, K> {
 impl<V: Vector, K: Shape> PairLaw<V, SUMS> for ShiftingSum<V::Scalar, K> {
     #[inline(always)]
     fn terms<N: Number<Scalar = V::Scalar>>(&self, pair: &Pair<N>) -> [N; SUMS] {
-        let (distance, zero) = (pair.square.sqrt(), N::constant(0.0));
+        let (distance, zero) = (pair.distance, N::constant(0.0));
         let slope = self.kernel.slope(volume::<V, N>(&pair.other), distance);
         let near = N::of(self.scale) * self.kernel.value(distance);
         let weight = slope * (N::constant(1.0) + N::constant(CLOSE) * (near * near) * (near * near));

@@ -31,30 +31,41 @@ const SURFACE: f64 = 0.8;
 /// Wall factor: the fraction of a particle's pressure that acts on its images.
 #[derive(Debug, Clone, Copy)]
 pub struct WallFactor {
-    /// Factor in the kick between two drifts.
-    pub kick: f32,
-    /// Factor in the next drift.
-    pub drift: f32,
+    /// Factors in the kick between two drifts, and in the next drift, in halves.
+    kick: u8,
+    drift: u8,
     /// Whether the particle is at a free surface.
     at_surface: bool,
 }
 
 impl WallFactor {
     /// The factor of a particle inside the fluid.
-    const INTERIOR: Self = Self { kick: 1.0, drift: 1.0, at_surface: false };
+    const INTERIOR: Self = Self { kick: 2, drift: 2, at_surface: false };
 
     /// Updates the factors after a drift: `pulls` for a pressure below that at rest, `stretched` for a separation from
     /// walls.
     #[inline(always)]
     pub fn drifted(&mut self, pulls: bool, stretched: bool) {
-        let next = if self.at_surface && pulls && stretched { 0.0 } else { 1.0 };
+        let next = if self.at_surface && pulls && stretched { 0 } else { 2 };
         // Each half of a kick belongs to its adjacent drift, so that separation dissipates no energy.
-        (self.kick, self.drift) = (0.5 * (self.drift + next), next);
+        (self.kick, self.drift) = (u8::midpoint(self.drift, next), next);
+    }
+
+    /// The factor in the kick between two drifts.
+    #[inline(always)]
+    pub fn kick(self) -> f32 {
+        0.5 * f32::from(self.kick)
+    }
+
+    /// The factor in the next drift.
+    #[inline(always)]
+    pub fn drift(self) -> f32 {
+        0.5 * f32::from(self.drift)
     }
 
     /// The values in an archive.
-    fn numbers(&self) -> [f64; 3] {
-        [f64::from(self.kick), f64::from(self.drift), f64::from(u8::from(self.at_surface))]
+    fn numbers(self) -> [f64; 3] {
+        [self.kick().into(), self.drift().into(), f64::from(u8::from(self.at_surface))]
     }
 }
 
@@ -157,7 +168,7 @@ impl<V: Vector, K> History for Surface<V, K> {
     }
 
     fn capture(&self, archive: &mut Archive) {
-        archive.write(self.wall_factors.iter().flat_map(WallFactor::numbers));
+        archive.write(self.wall_factors.iter().copied().flat_map(WallFactor::numbers));
         archive.write([self.highest, f64::from(u8::from(self.is_stale))]);
     }
 
@@ -165,7 +176,8 @@ impl<V: Vector, K> History for Surface<V, K> {
         for wall_factor in &mut self.wall_factors {
             let mut numbers = wall_factor.numbers();
             archive.read_into(&mut numbers)?;
-            *wall_factor = WallFactor { kick: numbers[0] as f32, drift: numbers[1] as f32, at_surface: numbers[2] > 0.0 };
+            let [kick, drift] = [numbers[0], numbers[1]].map(|factor| (2.0 * factor) as u8);
+            *wall_factor = WallFactor { kick, drift, at_surface: numbers[2] > 0.0 };
         }
         let mut numbers = [0.0; 2];
         archive.read_into(&mut numbers)?;

@@ -105,7 +105,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> PairLaw<V, COLOR_SUMS> for ColorFie
 
     #[inline(always)]
     fn terms<N: Number<Scalar = V::Scalar>>(&self, pair: &Pair<N>) -> [N; COLOR_SUMS] {
-        let (cohesive_volume, distance) = (self.0.cohesive_volume::<V, N>(pair), pair.square.sqrt());
+        let (cohesive_volume, distance) = (self.0.cohesive_volume::<V, N>(pair), pair.distance);
         let slope = self.0.kernel.slope(cohesive_volume, distance);
         let mut terms = [N::constant(0.0); COLOR_SUMS];
         for axis in 0..V::DIMENSION {
@@ -133,7 +133,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> PairLaw<V, AXES> for TensionForce<V
     #[inline(always)]
     fn terms<N: Number<Scalar = V::Scalar>>(&self, pair: &Pair<N>) -> [N; AXES] {
         let Pair { own, other, separation, .. } = pair;
-        let (cohesive_volume, distance) = (self.0.cohesive_volume::<V, N>(pair), pair.square.sqrt());
+        let (cohesive_volume, distance) = (self.0.cohesive_volume::<V, N>(pair), pair.distance);
         let slope = self.0.kernel.slope(cohesive_volume, distance);
         let (mut terms, mut along) = ([N::constant(0.0); AXES], N::constant(0.0));
         for axis in 0..V::DIMENSION {

@@ -10,12 +10,12 @@ use std::cell::Cell;
 use glam::DVec3;
 
 use super::BLOCK;
-use super::images::{Image, ImagePressure, Mirror, Mirrored, WallCondition};
+use super::images::{Image, ImagePressure, Mirror, Mirrored, Reflection, WallCondition};
 use crate::boundaries::Wall;
 use crate::forces::neighbor_list::NeighborList;
-use crate::math::{AXES, Real, Vector};
-use crate::neighbors::List;
+use crate::math::{AXES, Vector};
 use crate::neighbors::sums::{PairLaw, Records};
+use crate::neighbors::{List, Reflections};
 use crate::parallel::{BlockedSlice, Executor};
 use crate::simd::Selection;
 
@@ -30,6 +30,16 @@ pub struct Side {
 }
 
 impl Side {
+    /// The reflections in the wall, which has the same normal everywhere if it is a plane.
+    fn reflections(&self) -> Reflections {
+        match self.wall {
+            Wall::Plane { normal, .. } if normal.abs().max_element() == 1.0 => {
+                Reflections { axes: normal.to_array().map(|along| along != 0.0), any: false }
+            }
+            _ => Reflections { axes: [false; AXES], any: true },
+        }
+    }
+
     /// The mirror of a particle at `x`: the tangent plane of the wall.
     fn mirror(&self, x: DVec3, no_slip: bool) -> Mirror {
         let (distance, normal) = self.wall.distance(x);
@@ -49,8 +59,6 @@ pub struct Walls {
     sides: Vec<Side>,
     /// The images of each block of slots.
     images: Vec<BlockImages>,
-    /// Force density on a particle [N/m^D] from each of its lists of images, in each block of slots.
-    pushes: Vec<Vec<[f64; AXES]>>,
     /// Support radius of the kernel [m].
     reach: f64,
 }
@@ -83,7 +91,7 @@ impl Walls {
         let block_images = || BlockImages { lists: Vec::new(), originals: neighbors.selection(), others: Vec::new() };
         let reach = neighbors.support() - neighbor_list.skin();
         let images = std::iter::repeat_with(block_images).take(blocks).collect();
-        Self { sides, images, pushes: vec![Vec::new(); blocks], reach }
+        Self { sides, images, reach }
     }
 
     /// The walls with updated images, for another neighbor list.
@@ -95,15 +103,27 @@ impl Walls {
 
     /// Lists the images within reach, or that may come within reach while the neighbor lists serve.
     pub fn update(&mut self, neighbor_list: &NeighborList, executor: &Executor) {
-        let Self { sides, images, pushes, .. } = self;
+        let Self { sides, images, .. } = self;
         let count = neighbor_list.neighbors().count();
-        executor.for_each_block((BlockedSlice::new(images, 1), BlockedSlice::new(pushes, 1)), &|(images, pushes)| {
+        executor.for_each_block(BlockedSlice::new(images, 1), &|images| {
             let block = images.start * BLOCK..((images.start + 1) * BLOCK).min(count);
-            for (block_images, pushes) in images.items.iter_mut().zip(pushes.items) {
+            for block_images in images.items {
                 block_images.update(block.clone(), sides, neighbor_list);
-                pushes.resize(block_images.lists.len(), [0.0; AXES]);
             }
         });
+    }
+
+    /// Declares the reflections in walls to a neighbor list that was rebuilt.
+    pub fn declare(&self, neighbor_list: &mut NeighborList, executor: &Executor) {
+        if self.is_empty() {
+            return;
+        }
+        let near = neighbor_list.neighbors().support() + neighbor_list.neighbors().largest_displacement();
+        let reflections = |x: DVec3| {
+            let sides = self.sides.iter().filter(|side| side.wall.distance(x).0 < near);
+            sides.map(Side::reflections).fold(Reflections::default(), Reflections::with)
+        };
+        neighbor_list.reflect(&reflections, executor);
     }
 
     /// Whether a point is farther than this from all walls, on their allowed side [m].
@@ -142,80 +162,69 @@ impl Walls {
         executor: &Executor,
     ) {
         let mut nothing = vec![(); self.images.len()];
-        self.add_each(law, condition, lists, (sums, &mut nothing), &|(), _, _| (), executor);
+        self.add_noting(law, condition, lists, sums, (BlockedSlice::new(&mut nothing, 1), &|_, _, _| ()), executor);
     }
 
-    /// The same for forces, and keeps that of each list of images.
-    pub fn press<V: Vector, L: PairLaw<V, SUMS> + ImagePressure<V, SUMS>, const SUMS: usize>(
-        &mut self,
-        law: L,
-        condition: &WallCondition,
-        lists: (&NeighborList, &Records<V>),
-        sums: &mut [[V::Scalar; SUMS]],
-        executor: &Executor,
-    ) {
-        let mut pushes = std::mem::take(&mut self.pushes);
-        pushes.iter_mut().for_each(|block| block.fill([0.0; AXES]));
-        let keep = |block: &mut Vec<[f64; AXES]>, list: usize, more: &[V::Scalar; SUMS]| {
-            for axis in 0..V::DIMENSION {
-                block[list][axis] = more[axis].to_f64();
-            }
-        };
-        self.add_each(law, condition, lists, (sums, &mut pushes), &keep, executor);
-        self.pushes = pushes;
-    }
-
-    /// The forces that [`Walls::press`] kept, list by list: the slot of the particle, its force density [N/m^D], and the mirrors,
-    /// each a wall's number with its normal.
-    pub fn pushes(
-        &self,
-        neighbor_list: &NeighborList,
-    ) -> impl Iterator<Item = (usize, DVec3, impl Iterator<Item = (u32, DVec3)>)> {
-        let lists = self.images.iter().flat_map(|block| &block.lists);
-        lists.zip(self.pushes.iter().flatten()).map(move |(list, &force)| {
-            let x = neighbor_list.at(list.slot as usize);
-            let mirrors = list.sides.into_iter().flatten();
-            let normals = mirrors.map(move |side| (side, self.sides[side as usize].mirror(x, false).normal));
-            (list.slot as usize, DVec3::from_array(force), normals)
-        })
-    }
-
-    /// Adds the sums over the images, and shows each list's to `note`, with its number in the block.
-    fn add_each<V: Vector, L: PairLaw<V, SUMS> + ImagePressure<V, SUMS>, N: Send, const SUMS: usize>(
+    /// The same, and passes the sums of each list of images to `note`, with the items of `notes` for its block of slots.
+    pub fn add_noting<V: Vector, L: PairLaw<V, SUMS> + ImagePressure<V, SUMS>, N: Send, const SUMS: usize>(
         &self,
         law: L,
         condition: &WallCondition,
         (neighbor_list, records): (&NeighborList, &Records<V>),
-        (sums, notes): (&mut [[V::Scalar; SUMS]], &mut [N]),
-        note: &(impl Fn(&mut N, usize, &[V::Scalar; SUMS]) + Sync),
+        sums: &mut [[V::Scalar; SUMS]],
+        (notes, note): (BlockedSlice<'_, N>, &(impl Fn(&mut [N], &Mirrors, &[V::Scalar; SUMS]) + Sync)),
         executor: &Executor,
     ) {
         if self.is_empty() {
             return;
         }
-        executor.for_each_block((BlockedSlice::new(sums, BLOCK), BlockedSlice::new(notes, 1)), &|(mine, notes)| {
+        executor.for_each_block((BlockedSlice::new(sums, BLOCK), notes), &|(mine, notes)| {
             let BlockImages { lists, originals, .. } = &self.images[mine.start / BLOCK];
-            let (mut start, current) = (0, Cell::new(0));
-            let terms = lists.iter().enumerate().filter_map(|(number, &ImageList { slot, sides, end })| {
+            let (mut start, current) = (0, Cell::new(Mirrors::NONE));
+            let terms = lists.iter().filter_map(|&ImageList { slot, sides, end }| {
                 let (slot, list) = (slot as usize, List { segment: originals, range: start..end });
                 start = end;
-                current.set(number);
                 let x = neighbor_list.at(slot);
                 let (mut image, mut farthest) = (Image::ITSELF, 0.0_f64);
+                let mut mirrors = Mirrors { slot, x, ..Mirrors::NONE };
                 for &side in sides.iter().flatten() {
                     let mirror = self.sides[side as usize].mirror(x, condition.no_slip);
                     farthest = farthest.max(mirror.distance);
+                    mirrors.walls[mirrors.count] = (side, mirror.normal);
+                    mirrors.count += 1;
                     image.reflect(&mirror);
                 }
+                current.set(mirrors);
                 // An image is no nearer than its mirror.
-                (farthest < self.reach).then(|| (slot, list, Mirrored::new(law, &image, condition)))
+                (farthest < self.reach).then(|| (slot, list, Reflection::new(&image, condition)))
             });
             // Each list is summed before the next one is looked at.
-            records.sum_few(terms, |slot, more| {
-                note(&mut notes.items[0], current.get(), &more);
+            let mirrored = |reflection: &Reflection<V::Scalar>| Mirrored::new(law, reflection);
+            records.sum_few(terms, mirrored, |slot, more| {
+                note(notes.items, &current.get(), &more);
                 mine.items[slot - mine.start].iter_mut().zip(more).for_each(|(sum, more)| *sum += more);
             });
         });
+    }
+}
+
+/// The mirrors of a list of images.
+#[derive(Debug, Clone, Copy)]
+pub struct Mirrors {
+    /// The slot of the particle, and its position [m].
+    pub slot: usize,
+    pub x: DVec3,
+    /// Number and normal of the wall of each reflection.
+    walls: [(u32, DVec3); AXES],
+    count: usize,
+}
+
+impl Mirrors {
+    const NONE: Self = Self { slot: 0, x: DVec3::ZERO, walls: [(0, DVec3::ZERO); AXES], count: 0 };
+
+    /// Number and normal of the wall of each reflection.
+    pub fn walls(&self) -> &[(u32, DVec3)] {
+        &self.walls[..self.count]
     }
 }
 
