@@ -48,7 +48,17 @@ def main(path: str | os.PathLike[str] = "jelly.gif", progress: bool | None = Non
     recording = pc.simulate(scene(), duration=DURATION, fps=40, dt=pc.AutoStep(safety=0.25), progress=progress)
     style = pc.styles.Surface({name: color for name, (_, color) in KINDS.items()})
     camera = Orbit(-72.0, 16.0, target=(0.0, 0.1, 0.34), extent=1.2)
-    pc.film(recording, path, size=(640, 360), style=style, camera=camera, speed=0.5, progress=progress)
+    pc.film(
+        recording,
+        path,
+        size=(640, 360),
+        style=style,
+        camera=camera,
+        speed=0.5,
+        quality="high",
+        legend=True,
+        progress=progress,
+    )
     return {"jelly": recording}
 
 

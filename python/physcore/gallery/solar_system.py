@@ -90,6 +90,8 @@ def main(path: str | os.PathLike[str] = "solar_system.gif", progress: bool | Non
         theme=replace(DARK, bodies=COLORS),
         title="Mercury, Venus, the Earth and Mars from the first of January 2000",
         labels=("time", "energy"),
+        name_tags=("Mercury", "Venus", "Earth and Moon", "Mars"),
+        scale_bar="AU",
         speed=year / 5.0,
         progress=progress,
     )

@@ -33,8 +33,8 @@ impl<T: Real> Fluid<T> {
     }
 
     #[inline(always)]
-    fn slope<N: Number<Scalar = T>>(&self, square: N) -> N {
-        let left = (N::constant(1.0) - square.sqrt() * N::of(self.half_inverse)).max(N::constant(0.0));
+    fn slope<N: Number<Scalar = T>>(&self, distance: N) -> N {
+        let left = (N::constant(1.0) - distance * N::of(self.half_inverse)).max(N::constant(0.0));
         left * left * left
     }
 }
@@ -56,7 +56,7 @@ struct Continuity<T>(Fluid<T>);
 impl<V: Vector> PairLaw<V, 1> for Continuity<V::Scalar> {
     #[inline(always)]
     fn terms<N: Number<Scalar = V::Scalar>>(&self, pair: &Pair<N>) -> [N; 1] {
-        [approach::<V, N>(pair) * self.0.slope(pair.square)]
+        [approach::<V, N>(pair) * self.0.slope(pair.distance)]
     }
 }
 
@@ -68,10 +68,10 @@ struct Momentum<T>(Fluid<T>);
 impl<V: Vector> PairLaw<V, 3> for Momentum<V::Scalar> {
     #[inline(always)]
     fn terms<N: Number<Scalar = V::Scalar>>(&self, pair: &Pair<N>) -> [N; 3] {
-        let Pair { own, other, separation, square } = pair;
+        let Pair { own, other, separation, square, distance } = pair;
         let approach = approach::<V, N>(pair).min(N::constant(0.0));
         let viscosity = N::of(self.0.viscosity) * approach / ((*square + N::of(self.0.softening)) * (own[6] + other[6]));
-        let strength = (own[7] + other[7] - viscosity) * self.0.slope(*square);
+        let strength = (own[7] + other[7] - viscosity) * self.0.slope(*distance);
         [
             strength * separation[0],
             strength * separation[1],
