@@ -135,6 +135,17 @@ def test_bodies_without_a_force_between_them_penetrate():
     assert 1.0 < found.measured <= 2.0  # Centers that meet overlap by both radii.
 
 
+@pytest.mark.parametrize(("anchors", "sides"), [((0.0, 0.0), (0.3, 0.25)), ((0.0, 0.3), (-0.3, 0.3))])
+def test_networks_that_were_placed_within_each_other_may_be_there(anchors, sides):
+    """Two pendulums that hang from one point do not feel each other; two that swing through each other may not know."""
+    rods = [
+        pc.SpringNetwork([[at, 0.0], [at + side, -1.0]], [[0, 1]], math.inf, radius=[0.0, 0.1], fixed=[0])
+        for at, side in zip(anchors, sides, strict=True)
+    ]
+    found = symptoms(pc.simulate(pc.Scene(*rods, pc.Gravity()), 1.5, integrator=pc.RATTLE(), fps=40))
+    assert ("penetrates" in found) == (anchors[0] != anchors[1])
+
+
 @pytest.mark.parametrize("stiffness", [100.0, 20_000.0])
 def test_spheres_that_are_too_soft_penetrate(stiffness):
     recording = pc.simulate(pc.Scene(BALL, BED, pc.SoftSpheres(stiffness), pc.Gravity()), 0.6)

@@ -117,8 +117,8 @@ def _touching(positions: FloatArray, radius: FloatArray) -> Iterator[tuple[IntAr
 
 class _Excused:
     """Which pairs may overlap: fixed ones; those that springs connect; those that other forces keep at a distance of
-    their own; and within a body those that were placed so, and all of it where that has no contacts and is a network,
-    or a swarm some of which were placed so.
+    their own; within a body those that were placed so, and all of it where that has no contacts and is a network,
+    or a swarm some of which were placed so; and those of networks without contacts that were placed within each other.
     """
 
     def __init__(self, scene: Scene, radius: FloatArray, owner: IntArray, start: FloatArray) -> None:
@@ -134,12 +134,14 @@ class _Excused:
         keys = [row[:, 0] * self._count + row[:, 1] for row in pairs]
         self._springs = np.concatenate(keys or [np.empty(0, np.int64)])
         kept = _together(scene, (LennardJones, CustomForce))
-        met = _together(scene, (SoftSpheres,)).diagonal()
-        swarm = np.array([isinstance(body, SpringNetwork) for body in scene.bodies])
+        network = np.array([isinstance(body, SpringNetwork) for body in scene.bodies])
+        free = np.diag(network)
         for one, other, distance in _touching(start, radius):
-            mine = (owner[one] == owner[other]) & (distance < radius[one] + radius[other])
-            swarm[owner[one[mine]]] = True
-        self._kept = kept | np.diag(swarm & ~met)
+            placed = distance < radius[one] + radius[other]
+            first, second = owner[one[placed]], owner[other[placed]]
+            swarm = (first == second) | (network[first] & network[second])
+            free[first[swarm], second[swarm]] = free[second[swarm], first[swarm]] = True
+        self._kept = kept | (free & ~_together(scene, (SoftSpheres,)))
 
     def __call__(self, one: IntArray, other: IntArray) -> BoolArray:
         """Whether each pair may."""
