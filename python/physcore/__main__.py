@@ -141,7 +141,7 @@ def _gallery(options: argparse.Namespace) -> int:
     failed, done, start = [], 0.0, time.monotonic()
     for number, entry in enumerate(gallery(options.output, names, progress=True, jobs=options.jobs), 1):
         done += weights[entry.name]
-        left = (time.monotonic() - start) * (sum(weights.values()) / done - 1.0) if done else 0.0
+        left = (time.monotonic() - start) * max(sum(weights.values()) / done - 1.0, 0.0) if done else 0.0
         film = options.output / entry.film
         print(f"{entry.name}: {entry.figure}")
         print(f"  {_written(film)} ({film.stat().st_size / 1e6:.1f} MB)")

@@ -107,6 +107,7 @@ def shown(tmp_path: Path, record_property: Callable[[str, object], None]) -> Cal
         "double_pendulum",
         "sixfold_pendulum",
         "chain",
+        "falling_chain",
         "knot",
         *(pytest.param(name, marks=pytest.mark.long) for name in LONG),
     ],

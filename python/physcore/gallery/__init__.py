@@ -63,6 +63,7 @@ DEMOS = (
     "double_pendulum",
     "sixfold_pendulum",
     "chain",
+    "falling_chain",
     "curtain",
     "folds",
     "knot",

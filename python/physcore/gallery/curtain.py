@@ -1,4 +1,4 @@
-"""One stiff curtain falls by three methods, two of them in steps two hundred times as long; one loses its energy.
+"""One stiff curtain falls by five methods, four of them in steps two hundred times as long; three lose its energy.
 
 The physics checked: BDF2, in steps of half a frame, keeps the hem where Verlet's method has it in short ones.
 """
@@ -15,9 +15,11 @@ from physcore.film import Orbit
 from physcore.gallery.figure import Figure
 
 METHODS: dict[str, tuple[pc.Integrator, float | pc.AutoStep]] = {
-    "Verlet 0.1 ms": (pc.VelocityVerlet(), pc.AutoStep()),
-    "BDF2 20 ms": (pc.BDF2(1e-6), 1 / 50),
-    "Euler 20 ms": (pc.BackwardEuler(1e-6), 1 / 50),
+    "Verlet": (pc.VelocityVerlet(), pc.AutoStep()),
+    "BDF2": (pc.BDF2(1e-6), 1 / 50),
+    "Euler": (pc.BackwardEuler(1e-6), 1 / 50),
+    "XPBD": (pc.XPBD(20), 1 / 50),
+    "projective": (pc.ProjectiveDynamics(30), 1 / 50),
 }
 """By titles, with the time steps [s]."""
 
@@ -59,9 +61,9 @@ def main(path: str | os.PathLike[str] = "curtain.gif", progress: bool | None = N
     pc.film(
         list(recordings.values()),
         path,
-        size=(720, 320),
+        size=(960, 300),
         style=pc.styles.Surface(texture=stripes()),
-        camera=Orbit(-65.0, 14.0, target=(0.5, 0.2, -0.4), extent=1.25),
+        camera=Orbit(-65.0, 14.0, target=(0.5, 0.2, -0.4), extent=1.5),
         titles=list(recordings),
         subtitle=f"energy at the end: {', '.join(f'{each.energy.drift[-1]:+.0%}' for each in recordings.values())}",
         quality="high",
@@ -72,5 +74,5 @@ def main(path: str | os.PathLike[str] = "curtain.gif", progress: bool | None = N
 
 def figure(recordings: Mapping[str, pc.Recording]) -> Figure:
     """The mean depth of the hem over the second half of the film."""
-    exact, found, _ = (float(each.positions[50:, -COLUMNS:, 2].mean()) for each in recordings.values())
+    exact, found, *_ = (float(each.positions[50:, -COLUMNS:, 2].mean()) for each in recordings.values())
     return Figure("mean depth of the hem", found, exact, "by Verlet's method", 0.05, "m")
