@@ -141,6 +141,8 @@ def test_a_function_gives_the_heights_of_nodes():
         pc.HeightField.over(lambda x: x, (0.0, 0.0), (1.0, 1.0), 0.5)
     with pytest.raises(pc.SceneError, match=r"HeightField.upper: must be 1 to"):
         pc.HeightField.over(lambda x: x, 0.0, 0.1, 0.5)
+    with pytest.raises(pc.SceneError, match=r"HeightField.spacing: .* nodes take .* GB"):
+        pc.HeightField.over(lambda x, y: x + y, (0.0, 0.0), (1.0, 1.0), 1e-6)
 
 
 def test_a_scene_of_another_dimension_is_refused():

@@ -9,11 +9,15 @@ from typing import Self
 import numpy as np
 from numpy.typing import ArrayLike
 
+from physcore import memory
 from physcore.checks import LONGEST, FloatArray, array, called, frozen, items, number, require, shown, span
 from physcore.errors import SceneError
 from physcore.scene.bodies import Body
 from physcore.scene.fluid import Fluid
 from physcore.scene.items import Boundary, On
+
+COPIES = 12
+"""Arrays as large as the heights that are there at once: coordinates, what the function makes of them, and checks."""
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
@@ -95,7 +99,8 @@ class HeightField(Boundary):
             restitution, friction, no_slip, on: as in Boundary.
 
         Raises:
-            SceneError: an extent is less than one cell, the function fails, or a value is out of range or not finite.
+            SceneError: an extent is less than one cell, the nodes take more memory than is free, the function fails, or
+                a value is out of range or not finite.
         """
         step = span(spacing, "HeightField.spacing")
         low, high = (
@@ -113,6 +118,8 @@ class HeightField(Boundary):
                 f"HeightField.upper: must be 1 to {2**31} spacings of {step:g} m above the lower corner along each "
                 f"axis, got {shown(upper)}"
             )
+        count = float(np.prod(cells + 1.0))
+        memory.require(COPIES * 8.0 * count, f"{count:.4g} nodes", "HeightField.spacing", "make it larger")
         axes = [
             start + step * np.arange(n + 1) for start, n in zip(low.tolist(), cells.astype(int).tolist(), strict=True)
         ]
