@@ -71,10 +71,9 @@ def main(path: str | os.PathLike[str] = "double_pendulum.gif", progress: bool | 
 
 def draw(recording: pc.Recording, path: str | os.PathLike[str], *, fade: float, **options: Any) -> None:
     """Draw rods and bobs, each pendulum in a color of its own, and the way of its last bob, which fades [s]."""
-    hues, bodies = rainbow(len(recording.scene.bodies)), recording.scene.bodies
-    colors: dict[pc.Body | str, str | tuple[int, int, int]] = dict(zip(bodies, hues, strict=True))
+    colors = rainbow(recording.scene.bodies)
     style = [pc.styles.Paths([-1], fade=fade, width=1.8), pc.styles.Strain(width=1.5, nodes=True, color=colors)]
-    pc.film(recording, path, style=style, theme=replace(DARK, bodies=tuple(hues)), **options)
+    pc.film(recording, path, style=style, theme=replace(DARK, bodies=tuple(colors.values())), **options)
 
 
 def figure(recordings: Mapping[str, pc.Recording]) -> Figure:

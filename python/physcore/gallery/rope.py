@@ -8,7 +8,7 @@ from __future__ import annotations
 import colorsys
 import math
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -39,20 +39,19 @@ def scene() -> pc.Scene:
     return pc.Scene(*ropes, pc.Gravity((0.0, -9.81)), pc.Drag(linear=2e-3))
 
 
-def rainbow(count: int) -> list[tuple[int, int, int]]:
-    """Colors around the circle of hues but for the last sixth."""
-    hues = [colorsys.hsv_to_rgb(0.83 * index / (count - 1), 0.72, 1.0) for index in range(count)]
-    return [(round(255 * red), round(255 * green), round(255 * blue)) for red, green, blue in hues]
+def rainbow(bodies: Sequence[pc.Body]) -> dict[pc.Body | str, tuple[int, int, int]]:
+    """A color for each body, around the circle of hues but for the last sixth."""
+    hues = [colorsys.hsv_to_rgb(0.83 * index / (len(bodies) - 1), 0.72, 1.0) for index in range(len(bodies))]
+    colors = [(round(255 * red), round(255 * green), round(255 * blue)) for red, green, blue in hues]
+    return dict(zip(bodies, colors, strict=True))
 
 
 def main(path: str | os.PathLike[str] = "rope.gif", progress: bool | None = None) -> dict[str, pc.Recording]:
     """Simulate it and draw it."""
     # The tips crack with frequencies close to the limit of stability: a fifth of it keeps the budget closed there too.
     recording = pc.simulate(scene(), duration=DURATION, fps=60, dt=pc.AutoStep(safety=0.2), progress=progress)
-    colors: dict[pc.Body | str, str | tuple[int, int, int]] = dict(
-        zip(recording.scene.bodies, rainbow(ROPES), strict=True)
-    )
-    style, camera = pc.styles.Strain(width=4.0, color=colors), Window((-1.1, -1.1), (1.1, 0.1))
+    style = pc.styles.Strain(width=4.0, color=rainbow(recording.scene.bodies))
+    camera = Window((-1.1, -1.1), (1.1, 0.1))
     pc.film(recording, path, size=(640, 380), style=style, camera=camera, speed=0.4, progress=progress)
     return {"ropes": recording}
 

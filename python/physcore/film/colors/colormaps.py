@@ -85,23 +85,22 @@ def sequential(name: object, part: tuple[float, float], path: str) -> FloatArray
         SceneError: there is no such map, or it is Matplotlib's and that is not installed.
     """
     if isinstance(name, str) and name in COLORMAPS:
-        return _between(*_counted([tuple(bytes.fromhex(entry)) for entry in COLORMAPS[name].split()], part))
+        own: list[tuple[float, ...]] = [tuple(bytes.fromhex(entry)) for entry in COLORMAPS[name].split()]
+        return _between(own, _visible(own, part))
     colors = _of_matplotlib(name, path)
     change = np.diff(colors @ LUMA)
     if (change > -STRAY).all():
-        return _between(*_counted(colors, part))
+        return _between(colors, _visible(colors, part))
     if (change < STRAY).all():
-        return _between(*_counted(colors[::-1], part))[::-1]
+        return _between(colors[::-1], _visible(colors[::-1], part))[::-1]
     return _between(colors, (0.0, 1.0))
 
 
-def _counted(
-    colors: Sequence[tuple[float, ...]], part: tuple[float, float]
-) -> tuple[Sequence[tuple[float, ...]], tuple[float, float]]:
-    """A map from dark to light, and the part of its whole length that is meant by one of what is not nearly black."""
+def _visible(colors: Sequence[tuple[float, ...]], part: tuple[float, float]) -> tuple[float, float]:
+    """The fractions of the whole way of a map from dark to light for those of its way where it is not nearly black."""
     black = np.interp(DARKEST, oklab(np.array(colors, dtype=float))[:, 0], np.linspace(0.0, 1.0, len(colors)))
     low, high = (float(black + (1.0 - black) * fraction) for fraction in part)
-    return colors, (low if part[0] > 0.0 else 0.0, high)
+    return low if part[0] > 0.0 else 0.0, high
 
 
 def _of_matplotlib(name: object, path: str) -> list[tuple[float, ...]]:

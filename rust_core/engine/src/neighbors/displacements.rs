@@ -205,6 +205,7 @@ impl Displacements {
             let start = runs.start * BLOCK;
             dispatch(Measure { runs: &mut runs.items[0], start, positions, order, sorted });
         });
+        let largest = self.largest();
         let Self { runs, of_cells, around, copy, cells, periodic, .. } = self;
         of_cells.clear();
         of_cells.resize(cells.iter().product(), Bounds::EMPTY);
@@ -219,7 +220,7 @@ impl Displacements {
         if difference(&all, &all) <= skin {
             return false;
         }
-        if farthest(&all) > 0.5 * (self.size - self.cutoff) {
+        if farthest(&all) > largest {
             return true;
         }
         around.clone_from(of_cells);

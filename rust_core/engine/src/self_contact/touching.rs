@@ -37,12 +37,12 @@ impl SelfContacts {
 
     /// The pairs near each other, as indices, that these velocities may lead nearer than the thickness and `margin` times that.
     pub(super) fn reached(&self, velocities: &[DVec3], margin: f64, Step { h, executor, .. }: Step<'_>) -> Vec<u32> {
-        let reached = |&index: &u32| {
-            let near = &self.nearby.pairs[index as usize];
+        let reached = |index: usize| {
+            let near = &self.nearby.pairs[index];
             let reach = (1.0 + margin) * self.rules[near.pair.rule as usize].thickness;
-            (near.distance <= 0.0 || near.least(velocities, h) < reach).then_some(index)
+            (near.distance <= 0.0 || near.least(velocities, h) < reach).then_some(index as u32)
         };
-        by_blocks(&(0..self.nearby.pairs.len() as u32).collect::<Vec<_>>(), executor, &reached)
+        by_blocks(self.nearby.pairs.len(), executor, &reached)
     }
 
     /// The contacts of those among these pairs that close along their normals, apart from those `known`, the nearest first.
@@ -53,15 +53,15 @@ impl SelfContacts {
         motion: (f64, &[DVec3], &[DVec3]),
         Step { h, executor, .. }: Step<'_>,
     ) -> Vec<Contact> {
-        let contact = |&index: &u32| {
-            let near = &self.nearby.pairs[index as usize];
+        let contact = |index: usize| {
+            let near = &self.nearby.pairs[reached[index] as usize];
             if known.contains(&near.pair.key) {
                 return None;
             }
             let closest = near.pair.measure(&near.pair.gather(&self.start));
             self.along_normal((near, &closest), motion, h).map(|contact| (*near, contact))
         };
-        in_order(by_blocks(reached, executor, &contact)).into_iter().map(|(_, contact)| contact).collect()
+        in_order(by_blocks(reached.len(), executor, &contact)).into_iter().map(|(_, contact)| contact).collect()
     }
 
     /// Those among these pairs that come too near each other on their way, the nearest first, and how.
@@ -71,8 +71,8 @@ impl SelfContacts {
         velocities: &[DVec3],
         Step { h, executor, .. }: Step<'_>,
     ) -> Vec<(Near, Closest)> {
-        let meeting = |&index: &u32| {
-            let near = &self.nearby.pairs[index as usize];
+        let meeting = |index: usize| {
+            let near = &self.nearby.pairs[reached[index] as usize];
             let (pair, distance) = (&near.pair, near.distance);
             let least = (KEPT * self.rules[pair.rule as usize].thickness).min(KEPT_OF_PRESENT * distance);
             if distance > 0.0 && near.least(velocities, h) >= least {
@@ -86,7 +86,7 @@ impl SelfContacts {
             let met = (distance - motion.0 <= least).then(|| advancement::meeting(|x| pair.measure(x), x, motion, least));
             met.flatten().map(|closest| (*near, closest))
         };
-        in_order(by_blocks(reached, executor, &meeting))
+        in_order(by_blocks(reached.len(), executor, &meeting))
     }
 
     /// The contact of a pair with its normal at the start, if it closes to less than the thickness and `margin` times that with these
@@ -158,12 +158,12 @@ fn in_order<T>(mut found: Vec<(Near, T)>) -> Vec<(Near, T)> {
     found
 }
 
-/// What `each` finds among items, in their order, block by block.
-fn by_blocks<T: Sync, R: Send + Clone>(items: &[T], executor: &Executor, each: &(impl Fn(&T) -> Option<R> + Sync)) -> Vec<R> {
-    let mut found: Vec<Vec<R>> = vec![Vec::new(); items.len().div_ceil(BLOCK)];
+/// What `each` finds of so many items by their indices, in their order.
+fn by_blocks<R: Send + Clone>(count: usize, executor: &Executor, each: &(impl Fn(usize) -> Option<R> + Sync)) -> Vec<R> {
+    let mut found: Vec<Vec<R>> = vec![Vec::new(); count.div_ceil(BLOCK)];
     executor.for_each_block(BlockedSlice::new(&mut found, 1), &|work: BlockedSlice<'_, Vec<R>>| {
         let first = work.start * BLOCK;
-        work.items[0].extend(items[first..items.len().min(first + BLOCK)].iter().filter_map(each));
+        work.items[0].extend((first..count.min(first + BLOCK)).filter_map(each));
     });
     found.concat()
 }

@@ -12,21 +12,20 @@ const MOST: usize = 1 << 21;
 impl<V: Vector> AllPairs<V> {
     /// Whether the force is an exact sum over pairs few enough for a matrix.
     pub(super) fn has_derivatives(&self) -> bool {
-        self.angle == 0.0 && self.groups.iter().map(|group| group.targets.len() * group.sources.len()).sum::<usize>() <= MOST
+        self.angle == 0.0 && self.pairs <= MOST
     }
 
-    /// Calls `each` with every pair that acts: target, source, the force on the target [N], its stiffness, and whether the source feels it
-    /// too.
-    fn respond(&self, at: &Motion<'_>, mut each: impl FnMut([usize; 2], DVec3, Directed, DVec3, bool)) {
-        for group @ Group { targets, sources, mutual } in &self.groups {
-            debug_assert!(!group.mutual || targets == sources);
+    /// Calls `each` with every pair that acts: target and source, the vector d [m], the stiffness of the target along and across it
+    /// [N/m], of which the force on the target is −d times that across, and whether the source feels it too.
+    fn respond(&self, at: &Motion<'_>, mut each: impl FnMut([usize; 2], DVec3, Directed, bool)) {
+        for Group { targets, sources, mutual } in &self.groups {
             for (place, &target) in targets.iter().enumerate() {
                 for &source in &sources[if *mutual { place + 1 } else { 0 }..] {
                     let offset = at.position[target] - at.position[source];
                     let square = offset.length_squared() + self.softening * self.softening;
                     let across = self.constant * self.charge[target] * self.charge[source] / (square * square.sqrt());
                     let along = across * (1.0 - 3.0 * offset.length_squared() / square);
-                    each([target, source], -across * offset, Directed { along, across }, offset.normalize_or_zero(), *mutual);
+                    each([target, source], offset, Directed { along, across }, *mutual);
                 }
             }
         }
@@ -35,8 +34,8 @@ impl<V: Vector> AllPairs<V> {
 
 impl<V: Vector> Derivatives for AllPairs<V> {
     fn forces(&self, at: &Motion<'_>, push: &mut dyn FnMut(Push)) {
-        self.respond(at, |[target, source], force, stiffness, _, mutual| {
-            let stiffness = stiffness.largest();
+        self.respond(at, |[target, source], offset, stiffness, mutual| {
+            let (force, stiffness) = (-stiffness.across * offset, stiffness.largest());
             push(Push { particle: target, force, stiffness });
             if mutual {
                 push(Push { particle: source, force: -force, stiffness });
@@ -44,10 +43,10 @@ impl<V: Vector> Derivatives for AllPairs<V> {
         });
     }
 
-    /// The source of a pair that is not mutual responds to nothing: its block is the target's alone, and its own motion is not in it, which
-    /// makes the matrix symmetric and Newton's method slower.
+    /// A pair that is not mutual has the target's block alone: without that for the motion of the source the matrix is symmetric.
     fn blocks(&self, at: &Motion<'_>, [position, _]: [f64; 2], add: &mut dyn FnMut(Block)) {
-        self.respond(at, |[target, source], _, stiffness, direction, mutual| {
+        self.respond(at, |[target, source], offset, stiffness, mutual| {
+            let direction = offset.normalize_or_zero();
             let [exact, definite] = [stiffness, stiffness.definite()].map(|stiffness| position * stiffness.matrix(direction));
             if mutual {
                 add(Block { ends: [target as u32, source as u32], exact, definite });

@@ -180,18 +180,19 @@ impl Gauges {
         }
         let (boundaries, blocks) = (scene.boundaries.len(), count.div_ceil(BLOCK));
         let off_walls = probes.iter().filter(|probe| probe.wall.is_none()).count();
+        let instruments = Instruments {
+            probes,
+            period: scene.periodic.map_or(DVec3::INFINITY, |[lower, upper]| upper - lower),
+            boundary_of: start::boundaries_of_walls(scene, origin)?,
+            first_probe: AXES * boundaries,
+        };
         Ok(Self {
             boundaries,
-            by_slots: vec![0.0; if walls.is_empty() { 0 } else { blocks * (AXES * boundaries + probes.len()) }],
+            by_slots: vec![0.0; if walls.is_empty() { 0 } else { blocks * instruments.numbers() }],
             by_members: vec![Mean::default(); blocks * off_walls],
             obstacles: obstacles.into_iter().map(|(_, member)| member).collect(),
             parts,
-            instruments: Instruments {
-                probes,
-                period: scene.periodic.map_or(DVec3::INFINITY, |[lower, upper]| upper - lower),
-                boundary_of: start::boundaries_of_walls(scene, origin)?,
-                first_probe: AXES * boundaries,
-            },
+            instruments,
             saved: readings.clone(),
             readings,
         })
@@ -216,18 +217,18 @@ impl Gauges {
     /// The numbers to add the forces on walls to, block by block of slots, and what they are added by.
     pub fn on_walls(&mut self) -> (BlockedSlice<'_, f64>, &Instruments) {
         let Self { instruments, by_slots, .. } = self;
-        let numbers = instruments.first_probe + instruments.probes.len();
-        (BlockedSlice::new(by_slots, numbers.max(1)), instruments)
+        (BlockedSlice::new(by_slots, instruments.numbers().max(1)), instruments)
     }
 
     /// Takes the readings from the forces on obstacles and walls, and the means at probes that are on no wall.
     pub fn read<K: Shape>(&mut self, flow: &Flow<'_, impl Fn(usize) -> (f64, f64) + Sync>, executor: &Executor) {
         let Self { instruments, boundaries, by_slots, by_members, parts, readings: Readings { forces, pressures, .. }, .. } =
             self;
+        let numbers = instruments.numbers();
         let Instruments { probes, period, first_probe, .. } = instruments;
         forces.fill([0.0; AXES]);
         pressures.fill(0.0);
-        for block in by_slots.chunks_exact((*first_probe + probes.len()).max(1)) {
+        for block in by_slots.chunks_exact(numbers.max(1)) {
             let sums = forces.as_flattened_mut().iter_mut().take(*first_probe).chain(&mut *pressures);
             sums.zip(block).for_each(|(sum, of_block)| *sum += of_block);
         }
@@ -280,6 +281,11 @@ impl Gauges {
 }
 
 impl Instruments {
+    /// The numbers of each block of slots.
+    fn numbers(&self) -> usize {
+        self.first_probe + self.probes.len()
+    }
+
     /// Adds the force on walls by the images of a fluid particle [N] to the numbers of its block.
     pub fn add<K: Shape>(&self, numbers: &mut [f64], mirrors: &Mirrors, on_wall: DVec3) {
         let (forces, pressures) = numbers.split_at_mut(self.first_probe);

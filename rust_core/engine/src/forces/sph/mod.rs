@@ -21,7 +21,7 @@ use super::{About, DensityEvolution, Drift, Fields, Force, Mach, Rates, Reach, S
 use crate::error::Result;
 use crate::history::{Archive, History};
 use crate::ledger::{Class, Ledger};
-use crate::math::{AXES, Real, Vector};
+use crate::math::{Real, Vector};
 use crate::matter::{self, EnergySink, Power, Properties, Span};
 use crate::neighbors::sums::Records;
 use crate::parallel::{BlockedSlice, Executor};
@@ -230,12 +230,8 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
         let Some(mut gauges) = self.gauges.take() else { return };
         gauges.begin(time);
         let slots = self.neighbor_list.neighbors().slots();
-        let force = |slot: usize| {
-            let mut along = [0.0; AXES];
-            along.iter_mut().zip(&self.forces[slot]).take(V::DIMENSION).for_each(|(to, force)| *to = force.to_f64());
-            DVec3::from_array(along)
-        };
-        gauges.sum_obstacles(&|member| self.volume(member) * force(slots[member] as usize), executor);
+        let force = |member: usize| force_density::<V>(&self.forces[slots[member] as usize]);
+        gauges.sum_obstacles(&|member| self.volume(member) * force(member), executor);
         self.add_walls(&mut gauges, executor);
         let pressure =
             |member: usize| self.materials.fluid(self.kind[member]).map_or(0.0, |fluid| fluid.pressure(self.density[member]));
@@ -259,9 +255,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
             let member = order[mirrors.slot] as usize;
             // What images of the fluid press on an obstacle with is none of the fluid.
             if self.kind[member] != OBSTACLE {
-                let force =
-                    DVec3::from_array(std::array::from_fn(|axis| if axis < V::DIMENSION { more[axis].to_f64() } else { 0.0 }));
-                instruments.add::<K>(numbers, mirrors, -self.volume(member) * force);
+                instruments.add::<K>(numbers, mirrors, -self.volume(member) * force_density::<V>(more));
             }
         };
         let lists = (&self.neighbor_list, &self.records);
@@ -511,4 +505,9 @@ impl<V: Vector, K: Shape, const MIXED: bool> Force<V> for Fluids<V, K, MIXED> {
     fn density_mut(&mut self) -> Option<&mut dyn DensityEvolution<V>> {
         Some(self)
     }
+}
+
+/// The force density of sums of [`Momentum`] [N/m^D].
+fn force_density<V: Vector>(sums: &[V::Scalar; FORCES]) -> DVec3 {
+    V::from_axes(|axis| sums[axis]).widen()
 }
