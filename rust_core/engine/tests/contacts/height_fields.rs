@@ -269,3 +269,18 @@ fn run<V: Vector>(balls: &[Ball], wall: Item, steps: usize) -> (DVec3, DVec3) {
     laboratory.steps(steps, 1.0 / steps as f64);
     (laboratory.position(0), laboratory.velocity(0))
 }
+
+/// A point that slid off one side of a valley, and bounced off the other, is in the first one's plane, two roundings beyond its end.
+#[test]
+fn a_point_stays_in_a_valley() {
+    let heights = vec![0.19530347962053762, -0.43080836957466623, -0.03527913627706903, 0.22885504797180525, 0.0, 0.0, 0.0];
+    let ground = Ground { heights, nodes: [7, 1], spacing: 0.5 };
+    let (x, v) = (DVec3::new(1.4151235818862915, 0.7171393632888794, 0.0), DVec3::new(-0.13258054852485657, 0.0, 0.0));
+    let item = ground.item(0.9510354014300121, 0.07207772256800578);
+    let mut laboratory = Laboratory::<Vec2>::new(&[Ball::new(x, v, 0.0)], vec![item], down(2));
+    for number in 0..40 {
+        laboratory.step(0.41321310760333185);
+        let x = laboratory.position(0);
+        assert!(ground.height(x).is_none_or(|height| x.y > height - 1e-6), "step {number}: {x}");
+    }
+}

@@ -47,7 +47,8 @@ impl Terrain {
                 return None;
             }
         }
-        let touching = start == 0.0 && (touching || gap < 0.0);
+        // Within rounding of the plane it is on it: of a contact at once beyond the face, the later one on the face would not be found.
+        let touching = start == 0.0 && (touching || gap <= rounding);
         let ahead = Path { position: path.at(start), velocity: path.slope(start), ..*path };
         let plane = (face.normal, face.normal.dot(face.point));
         let time = start + Polynomial::plane(plane, &ahead, radius, touching).first_contact(duration - start)?;
