@@ -60,6 +60,11 @@ impl Wall {
         }
     }
 
+    /// Whether `x` is in the ground of a height field, deeper than `depth` [m].
+    pub fn covers(&self, x: DVec3, depth: f64) -> bool {
+        matches!(self, Self::Terrain(terrain) if terrain.inside(x).is_some_and(|(distance, _)| distance < -depth))
+    }
+
     /// The curvature κ [1/m] of the surface at the wall's distance from `x` along a unit direction: moving along that with
     /// velocity v changes the distance by d'' = n·a + κ v². For no direction, the curvature of the largest magnitude.
     pub fn curvature(&self, x: DVec3, direction: DVec3) -> f64 {

@@ -13,7 +13,8 @@
 //! the particle slides ([`super::support`]).
 //!
 //! After [`EVENTS`] impacts and slides a particle keeps its position and velocity until the step's end: energy stays exact
-//! and no wall is crossed; the error is the phase of a motion that dt does not resolve.
+//! and no wall is crossed; the error is the phase of a motion that dt does not resolve. The same holds where a path would end in the
+//! ground of a height field, in a corner of which rounding may hide all faces from a point.
 
 use arrayvec::ArrayVec;
 use glam::DVec3;
@@ -99,7 +100,9 @@ impl<'a> Walls<'a> {
     /// Integrates a step of `h` with contacts, which the integrator took along `path` from the velocity `start`; None
     /// without contact.
     pub fn trajectory(&self, path: &Path, start: DVec3, h: f64) -> Option<End> {
-        let (time, key) = self.first(path, h, &self.contacts(path.position, start, None), None)?;
+        let Some((time, key)) = self.first(path, h, &self.contacts(path.position, start, None), None) else {
+            return self.buries(path.at(h)).then_some(End { position: path.position, velocity: start, lost: 0.0 });
+        };
         let trajectory = Trajectory {
             walls: *self,
             position: path.at(time),
@@ -159,6 +162,13 @@ impl<'a> Walls<'a> {
             }
         }
         first
+    }
+
+    /// Whether `x` is in the ground of a height field by more than rounding. A path there has slipped through between faces, and is
+    /// not taken.
+    fn buries(&self, x: DVec3) -> bool {
+        let mut surfaces = self.surfaces.iter().filter(|surface| surface.bodies[self.body]);
+        surfaces.any(|surface| surface.wall.covers(x, surface.slack(self.rounding, x, self.radius)))
     }
 
     /// `x`, projected onto the walls that the particle slides on.
@@ -276,6 +286,10 @@ impl Trajectory<'_> {
         let path = Path { position: self.position, velocity: self.velocity, acceleration: self.acceleration };
         let next = self.walls.first(&path, self.left, contacts, Some(&ContactSet::default()));
         let time = next.map_or(self.left, |(time, _)| time);
+        if next.is_none() && self.walls.buries(path.at(time)) {
+            self.left = 0.0;
+            return None;
+        }
         self.position = path.at(time);
         self.velocity = path.slope(time);
         self.left -= time;
@@ -306,7 +320,12 @@ impl Trajectory<'_> {
         let (time, next) = if edge < time { (edge, None) } else { (time, next) };
         let stops = stops && next.is_none() && edge == duration;
         let middle = self.velocity + acceleration * (0.5 * time);
-        self.position = self.slide_to(support, acceleration, time);
+        let end = self.slide_to(support, acceleration, time);
+        if next.is_none() && self.walls.buries(end) {
+            self.left = 0.0;
+            return None;
+        }
+        self.position = end;
         self.left -= time;
         let drag = support.acceleration - acceleration;
         if support.bend > 0.0 && !stops {

@@ -270,17 +270,33 @@ fn run<V: Vector>(balls: &[Ball], wall: Item, steps: usize) -> (DVec3, DVec3) {
     (laboratory.position(0), laboratory.velocity(0))
 }
 
-/// A point that slid off one side of a valley, and bounced off the other, is in the first one's plane, two roundings beyond its end.
+/// A point stays above the ground where rounding hid all faces from it, in the precision of the run.
+fn a_point_stays_above<V: Vector>(ground: &Ground, x: DVec3, v: DVec3, [e, mu, h]: [f64; 3]) {
+    let mut laboratory = Laboratory::<V>::new(&[Ball::new(x, v, 0.0)], vec![ground.item(e, mu)], down(V::DIMENSION));
+    for number in 0..40 {
+        laboratory.step(h);
+        let x = laboratory.position(0);
+        assert!(ground.height(x).is_none_or(|height| x[V::DIMENSION - 1] > height - 1e-6), "step {number}: {x}");
+    }
+}
+
+/// It slid off one side, and bounced off the other, in the first one's plane, but two roundings beyond its end.
 #[test]
 fn a_point_stays_in_a_valley() {
     let heights = vec![0.19530347962053762, -0.43080836957466623, -0.03527913627706903, 0.22885504797180525, 0.0, 0.0, 0.0];
     let ground = Ground { heights, nodes: [7, 1], spacing: 0.5 };
     let (x, v) = (DVec3::new(1.4151235818862915, 0.7171393632888794, 0.0), DVec3::new(-0.13258054852485657, 0.0, 0.0));
-    let item = ground.item(0.9510354014300121, 0.07207772256800578);
-    let mut laboratory = Laboratory::<Vec2>::new(&[Ball::new(x, v, 0.0)], vec![item], down(2));
-    for number in 0..40 {
-        laboratory.step(0.41321310760333185);
-        let x = laboratory.position(0);
-        assert!(ground.height(x).is_none_or(|height| x.y > height - 1e-6), "step {number}: {x}");
-    }
+    a_point_stays_above::<Vec2>(&ground, x, v, [0.9510354014300121, 0.07207772256800578, 0.41321310760333185]);
+}
+
+/// Six faces meet at the deepest point, and in single precision the point is in the planes of several at once.
+#[test]
+fn a_point_stays_in_a_hollow() {
+    let (last, row) =
+        ([0.0, -0.15516358198427307, 0.4612042265209647, 0.0], [0.0, -0.35188872761687956, 0.32059425399574454, 0.0]);
+    let middle = [0.3467848677620634, -0.4993093628568901, -0.3998434205641157, 0.43617331054291375];
+    let heights = [[0.0; 4], [0.0; 4], row, middle, last].concat();
+    let ground = Ground { heights, nodes: [5, 4], spacing: 0.5 };
+    let x = DVec3::new(1.6857479810714722, 1.2978637218475342, 0.8999999761581421);
+    a_point_stays_above::<Vec3>(&ground, x, DVec3::ZERO, [0.3019815959927306, 0.2639966489387513, 0.2820468084619537]);
 }

@@ -132,7 +132,7 @@ impl Terrain {
     }
 
     /// The distance from the surface, negative, and the normal, if `x` is in the ground.
-    pub(super) fn inside(&self, x: DVec3) -> Option<(f64, DVec3)> {
+    pub(crate) fn inside(&self, x: DVec3) -> Option<(f64, DVec3)> {
         let (side, (roof, normal)) = (self.depth_from_sides(x), self.roof(x));
         if side <= 0.0 || roof >= 0.0 {
             return None;
