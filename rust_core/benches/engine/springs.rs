@@ -83,7 +83,7 @@ fn bench<V: Vector>(criterion: &mut Criterion, columns: usize, rows: usize, shuf
             for start in (0..padded(count)).step_by(BLOCK) {
                 let end = (start + BLOCK).min(padded(count));
                 let (block, others) = rest.split_at(end - start);
-                force.accumulate(start..end, &at, &mut Rates { force: block, power: &mut power });
+                force.accumulate(start..end, &at, &mut Rates::new(block, &mut power));
                 rest = others;
             }
         });

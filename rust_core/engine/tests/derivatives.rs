@@ -122,7 +122,7 @@ impl<V: Vector<Scalar = f64>> Laboratory<V> {
         };
         self.force.prepare(&at, &SERIAL).unwrap();
         let (mut force, mut power): (_, Power) = (Columns::<V>::zeros(12), [[0.0; LANES]; SINKS]);
-        self.force.accumulate(0..padded(12), &at, &mut Rates { force: force.span(), power: &mut power });
+        self.force.accumulate(0..padded(12), &at, &mut Rates::new(force.span(), &mut power));
         (0..12).map(|index| force.get(index).widen()).collect()
     }
 }

@@ -84,6 +84,20 @@ pub struct Rates<'a, V: Vector> {
     pub force: Span<'a, V>,
     /// The power that passes through each sink [W]. Each force adds to it.
     pub power: &'a mut Power,
+    /// The part of the force by the damping of springs [N], where an integrator asks for it.
+    pub damping: Option<Span<'a, V>>,
+}
+
+impl<'a, V: Vector> Rates<'a, V> {
+    /// Forces and powers alone.
+    pub fn new(force: Span<'a, V>, power: &'a mut Power) -> Self {
+        Self { force, power, damping: None }
+    }
+
+    /// A reborrow of all of them.
+    pub fn reborrow(&mut self) -> Rates<'_, V> {
+        Rates { force: self.force.reborrow(), power: &mut *self.power, damping: self.damping.as_mut().map(Span::reborrow) }
+    }
 }
 
 /// How far a force reaches from the particle that it acts on.

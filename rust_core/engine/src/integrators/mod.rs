@@ -93,6 +93,9 @@ pub trait Integrator: Sized + Send + Sync + 'static {
     const WEIGHTS: &'static [f64];
     /// The weight of the power at the last stage of the step before, where the method reuses that evaluation.
     const LAST_WEIGHT: f64 = 0.0;
+    /// The weight, in the power of damping at a stage, of the velocity that the stage's update ends with; the rest is of the one at
+    /// which the forces were asked for.
+    const CORRECTED_WEIGHT: f64 = 0.0;
     /// The number of registers in use.
     const REGISTERS: usize = 0;
     /// The number of those that persist from one step to the next.

@@ -104,8 +104,8 @@ impl<V: Vector> Computed<V> {
     /// Adds `role` of each law to the forces and powers of a block.
     fn accumulate(&self, role: Role, block: Range<usize>, at: &StateView<'_, V>, rates: &mut Rates<'_, V>) {
         for &law in &self.laws {
-            let rates = Rates { force: rates.force.reborrow(), power: &mut *rates.power };
-            law.with(at.time, at.properties.origin, Sum { role, charges: &self.charges, block: block.clone(), at, rates });
+            let sum = Sum { role, charges: &self.charges, block: block.clone(), at, rates: rates.reborrow() };
+            law.with(at.time, at.properties.origin, sum);
         }
     }
 }
@@ -255,7 +255,7 @@ impl<V: Vector> Force<V> for Magnetic<V> {
     fn magnetic(&self, block: Range<usize>, at: &StateView<'_, V>, strength: &mut Strength<V>) {
         let force = strength.span(block.len());
         let power = &mut Default::default();
-        self.0.accumulate(Role::Strength, block, at, &mut Rates { force, power });
+        self.0.accumulate(Role::Strength, block, at, &mut Rates::new(force, power));
     }
 
     fn bound(&self, at: &StateView<'_, V>, bound: &mut SpectralBound) -> Result<()> {

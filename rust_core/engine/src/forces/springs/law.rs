@@ -35,8 +35,7 @@ impl<T: Real> SpringLaw<T> {
         [self.stiffness, self.damping, self.rest_length].map(|number| number.to_f64().to_bits())
     }
 
-    /// The force on end i [N], opposite to that on end j, and the dissipated power [W]. Without DAMPED, c counts as 0. With
-    /// d = xⱼ − xᵢ, r = |d|, u = d/r:
+    /// The pull on end i, opposite to that on end j. Without DAMPED, c counts as 0. With d = xⱼ − xᵢ, r = |d|, u = d/r:
     ///
     /// Fᵢ = [k (r − L) + c (vⱼ − vᵢ)·u] u = [k (r − L)/r + c ((vⱼ − vᵢ)·u)/r] d,  P = c ((vⱼ − vᵢ)·u)²
     ///
@@ -44,7 +43,7 @@ impl<T: Real> SpringLaw<T> {
     /// 0, so that such a spring is exactly linear. Where L > 0, coincident ends (or ends so near that d·d underflows) have
     /// no direction, and the force is 0.
     #[inline(always)]
-    pub fn force<V: Vector<Scalar = T>, const DAMPED: bool>(&self, i: State<T>, j: State<T>) -> ([T; AXES], T) {
+    pub fn force<V: Vector<Scalar = T>, const DAMPED: bool>(&self, i: State<T>, j: State<T>) -> Pull<T> {
         let mut along = [T::ZERO; AXES];
         let (mut square, mut approach) = (T::ZERO, T::ZERO);
         for axis in 0..V::DIMENSION {
@@ -54,24 +53,36 @@ impl<T: Real> SpringLaw<T> {
                 approach += (j.velocity[axis] - i.velocity[axis]) * along[axis];
             }
         }
-        let (pull, power) = self.pull::<DAMPED>(square, approach);
-        (along.map(|along| pull * along), power)
+        let (tension, drag, power) = self.factors::<DAMPED>(square, approach);
+        let damping = if DAMPED { along.map(|along| drag * along) } else { [T::ZERO; AXES] };
+        Pull { force: along.map(|along| tension * along), damping, power }
     }
 
-    /// The factor of d in the force, and the power, from d·d and (vⱼ − vᵢ)·d.
+    /// The factors of d in the force and in its part by damping, and the power, from d·d and (vⱼ − vᵢ)·d.
     #[inline(always)]
-    fn pull<const DAMPED: bool>(&self, square: T, approach: T) -> (T, T) {
+    fn factors<const DAMPED: bool>(&self, square: T, approach: T) -> (T, T, T) {
         let length = square.sqrt();
         let inverse = T::ONE / length;
         let inverse = if length > T::ZERO { inverse } else { T::ZERO };
         let strain = if self.rest_length == T::ZERO { T::ONE } else { (length - self.rest_length) * inverse };
         if !DAMPED {
-            return (self.stiffness * strain, T::ZERO);
+            return (self.stiffness * strain, T::ZERO, T::ZERO);
         }
         let rate = approach * inverse;
         let drag = self.damping * rate;
-        (self.stiffness * strain + drag * inverse, drag * rate)
+        (self.stiffness * strain + drag * inverse, drag * inverse, drag * rate)
     }
+}
+
+/// The pull of a spring on one of its ends.
+#[derive(Debug, Clone, Copy)]
+pub struct Pull<T> {
+    /// The force [N].
+    pub force: [T; AXES],
+    /// Its part by damping [N]: 0 without.
+    pub damping: [T; AXES],
+    /// The dissipated power [W].
+    pub power: T,
 }
 
 /// The position and velocity of one end.

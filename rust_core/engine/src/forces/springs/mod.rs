@@ -10,7 +10,6 @@ use super::{About, Force, Rates, Reach, StateView, Validity, VelocityDependence}
 use crate::error::{Error, Result};
 use crate::history::History;
 use crate::math::{Real, Vector};
-use crate::matter::{Power, Span};
 use crate::scene::{Array, Body, Item, Scene, Value};
 use crate::simd::{Kernel, LANES, dispatch, padded};
 use crate::stability::{Horizon, Link, SpectralBound};
@@ -207,7 +206,7 @@ impl<V: Vector> Force<V> for Springs<V> {
     }
 
     fn accumulate(&self, block: Range<usize>, at: &StateView<'_, V>, rates: &mut Rates<'_, V>) {
-        dispatch(Accumulation { springs: self, block, at, force: rates.force.reborrow(), power: rates.power });
+        dispatch(Accumulation { springs: self, block, at, rates: rates.reborrow() });
     }
 
     /// A spring's energy ½ k (r − L)² is counted at its lower end.
@@ -237,8 +236,7 @@ struct Accumulation<'a, V: Vector> {
     springs: &'a Springs<V>,
     block: Range<usize>,
     at: &'a StateView<'a, V>,
-    force: Span<'a, V>,
-    power: &'a mut Power,
+    rates: Rates<'a, V>,
 }
 
 impl<V: Vector> Kernel for Accumulation<'_, V> {
@@ -253,8 +251,7 @@ impl<V: Vector> Kernel for Accumulation<'_, V> {
 impl<V: Vector> Accumulation<'_, V> {
     #[inline(always)]
     fn add<const DAMPED: bool>(self) {
-        let Self { springs, block, at, force, power } = self;
-        let mut rates = Rates { force, power };
+        let Self { springs, block, at, mut rates } = self;
         if !springs.stencils.is_empty() {
             let mut scratch = Scratch::EMPTY;
             for tile in block.start.saturating_sub(springs.reach) / TILE..block.end.div_ceil(TILE) {

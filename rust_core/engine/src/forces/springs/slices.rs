@@ -213,27 +213,39 @@ impl<T: Real> Slices<T> {
             }
             let mut near = Side::<T, 1>::EMPTY;
             near.fill::<V, DAMPED>(at, |column, out| out[0] = column.as_chunks().0[slice]);
-            let (mut force, mut power) = ([[T::ZERO; LANES]; AXES], [T::ZERO; LANES]);
+            let [mut force, mut damping] = [[[T::ZERO; LANES]; AXES]; 2];
+            let mut power = [T::ZERO; LANES];
             for start in self.rows(slice).step_by(ROWS) {
                 let rows = start..self.rows(slice).end.min(start + ROWS);
                 far.fill::<V, DAMPED>(at, |column, out| self.partners.read(rows.clone(), column, &mut out[..rows.len()]));
                 for row in rows {
                     let (far, law) = (far.row(row - start), laws.row(row));
-                    let (mut pulls, mut dissipated) = ([[T::ZERO; LANES]; AXES], [T::ZERO; LANES]);
+                    let [mut pulls, mut drags] = [[[T::ZERO; LANES]; AXES]; 2];
+                    let mut dissipated = [T::ZERO; LANES];
                     for lane in 0..LANES {
-                        let pull;
-                        (pull, dissipated[lane]) = law(lane).force::<V, DAMPED>(near.lane(lane), far.lane(lane));
-                        (0..V::DIMENSION).for_each(|axis| pulls[axis][lane] = pull[axis]);
+                        let pull = law(lane).force::<V, DAMPED>(near.lane(lane), far.lane(lane));
+                        dissipated[lane] = pull.power;
+                        for axis in 0..V::DIMENSION {
+                            (pulls[axis][lane], drags[axis][lane]) = (pull.force[axis], pull.damping[axis]);
+                        }
                     }
                     for lane in 0..LANES {
-                        (0..V::DIMENSION).for_each(|axis| force[axis][lane] += pulls[axis][lane]);
+                        for axis in 0..V::DIMENSION {
+                            force[axis][lane] += pulls[axis][lane];
+                            damping[axis][lane] += drags[axis][lane];
+                        }
                         power[lane] += dissipated[lane];
                     }
                 }
             }
+            let place = slice * LANES - block.start;
             for axis in 0..V::DIMENSION {
-                let sum = &mut rates.force.axes[axis][slice * LANES - block.start..][..LANES];
+                let sum = &mut rates.force.axes[axis][place..][..LANES];
                 (0..LANES).for_each(|lane| sum[lane] += force[axis][lane]);
+                if let Some(sum) = rates.damping.as_mut().filter(|_| DAMPED) {
+                    let sum = &mut sum.axes[axis][place..][..LANES];
+                    (0..LANES).for_each(|lane| sum[lane] += damping[axis][lane]);
+                }
             }
             (0..LANES).for_each(|lane| rates.power[EnergySink::Damping as usize][lane] += 0.5 * power[lane].to_f64());
         }

@@ -24,13 +24,15 @@ pub const TILE: usize = 16 * LANES;
 pub struct Scratch<T> {
     /// The force on their lower ends [N].
     force: [[T; TILE]; AXES],
+    /// Its part by damping [N].
+    damping: [[T; TILE]; AXES],
     /// The dissipated power [W].
     power: [T; TILE],
 }
 
 impl<T: Real> Scratch<T> {
     /// Zero forces and powers.
-    pub const EMPTY: Self = Self { force: [[T::ZERO; TILE]; AXES], power: [T::ZERO; TILE] };
+    pub const EMPTY: Self = Self { force: [[T::ZERO; TILE]; AXES], damping: [[T::ZERO; TILE]; AXES], power: [T::ZERO; TILE] };
 }
 
 /// Maximum number of stencils: each has a cost per tile.
@@ -142,8 +144,7 @@ impl<T: Real> Stencil<T> {
         self.compute::<V, DAMPED>(&(start..end), at, scratch);
         let lower = start.max(block.start)..end;
         let upper = (start + self.offset).max(block.start)..(end + self.offset).min(block.end);
-        for axis in 0..V::DIMENSION {
-            let (force, pulls) = (&mut *rates.force.axes[axis], &scratch.force[axis]);
+        let add = |force: &mut [T], pulls: &[T; TILE]| {
             if !lower.is_empty() {
                 let force = &mut force[lower.start - block.start..lower.end - block.start];
                 force.iter_mut().zip(&pulls[lower.start - start..]).for_each(|(force, pull)| *force += *pull);
@@ -151,6 +152,12 @@ impl<T: Real> Stencil<T> {
             if !upper.is_empty() {
                 let force = &mut force[upper.start - block.start..upper.end - block.start];
                 force.iter_mut().zip(&pulls[upper.start - self.offset - start..]).for_each(|(force, pull)| *force -= *pull);
+            }
+        };
+        for axis in 0..V::DIMENSION {
+            add(&mut *rates.force.axes[axis], &scratch.force[axis]);
+            if let Some(damping) = rates.damping.as_mut().filter(|_| DAMPED) {
+                add(&mut *damping.axes[axis], &scratch.damping[axis]);
             }
         }
         if DAMPED && !lower.is_empty() {
@@ -181,20 +188,26 @@ impl<T: Real> Stencil<T> {
         let law = self.law;
         let length = range.len();
         let force = scratch.force.each_mut().map(|axis| &mut axis[..length]);
+        let damping = scratch.damping.each_mut().map(|axis| &mut axis[..length]);
         let power = &mut scratch.power[..length];
         for index in 0..length {
-            let (pull, dissipated) = law.force::<V, DAMPED>(near.get::<V, DAMPED>(index), far.get::<V, DAMPED>(index));
+            let pull = law.force::<V, DAMPED>(near.get::<V, DAMPED>(index), far.get::<V, DAMPED>(index));
             for axis in 0..V::DIMENSION {
-                force[axis][index] = pull[axis];
+                force[axis][index] = pull.force[axis];
+                if DAMPED {
+                    damping[axis][index] = pull.damping[axis];
+                }
             }
-            power[index] = dissipated;
+            power[index] = pull.power;
         }
         scratch.power[length..padded(length)].fill(T::ZERO);
         for (group, &present) in self.present[range.start / LANES - self.first..][..length.div_ceil(LANES)].iter().enumerate() {
             let mut holes = !present;
             while holes != 0 {
                 let hole = group * LANES + holes.trailing_zeros() as usize;
-                (0..V::DIMENSION).for_each(|axis| scratch.force[axis][hole] = T::ZERO);
+                for axis in 0..V::DIMENSION {
+                    (scratch.force[axis][hole], scratch.damping[axis][hole]) = (T::ZERO, T::ZERO);
+                }
                 scratch.power[hole] = T::ZERO;
                 holes &= holes - 1;
             }

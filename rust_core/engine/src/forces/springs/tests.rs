@@ -15,10 +15,11 @@ struct Network {
     velocity: Vec<DVec3>,
 }
 
-/// Forces on all particles, and their power.
+/// Forces on all particles, their part by damping, and its power.
 #[derive(Debug, PartialEq)]
 struct Outcome {
     force: Vec<DVec3>,
+    damping: Vec<DVec3>,
     power: f64,
 }
 
@@ -58,21 +59,23 @@ impl Network {
     /// The outcome in blocks of some size, at the best SIMD level or without SIMD.
     fn outcome<V: Vector>(&self, springs: &Springs<V>, block: usize, simd: bool) -> Outcome {
         self.with::<V, _>(|at| {
-            let mut sum = Columns::<V>::zeros(self.count());
-            let (mut rest, mut power) = (sum.span(), [[0.0; LANES]; SINKS]);
+            let [mut sum, mut drag] = [(); 2].map(|()| Columns::<V>::zeros(self.count()));
+            let (mut rest, mut power) = ((sum.span(), drag.span()), [[0.0; LANES]; SINKS]);
             for start in (0..padded(self.count())).step_by(block) {
                 let end = (start + block).min(padded(self.count()));
-                let (force, others) = rest.split_at(end - start);
-                let kernel = Accumulation { springs, block: start..end, at, force, power: &mut power };
+                let (force, others) = rest.0.split_at(end - start);
+                let (damping, other_damping) = rest.1.split_at(end - start);
+                let rates = Rates { damping: Some(damping), ..Rates::new(force, &mut power) };
+                let kernel = Accumulation { springs, block: start..end, at, rates };
                 if simd {
                     dispatch(kernel);
                 } else {
                     kernel.run();
                 }
-                rest = others;
+                rest = (others, other_damping);
             }
-            let force = (0..self.count()).map(|index| sum.get(index).widen()).collect();
-            Outcome { force, power: power[EnergySink::Damping as usize].iter().sum() }
+            let [force, damping] = [sum, drag].map(|sum| (0..self.count()).map(|index| sum.get(index).widen()).collect());
+            Outcome { force, damping, power: power[EnergySink::Damping as usize].iter().sum() }
         })
     }
 
@@ -86,7 +89,8 @@ impl Network {
     /// them rounds n times more, to at most the sum of their sizes. The power has the same error, of c |vⱼ − vᵢ|² and over
     /// all springs.
     fn reference<V: Vector>(&self) -> (Outcome, Vec<f64>, f64) {
-        let mut outcome = Outcome { force: vec![DVec3::ZERO; self.count()], power: 0.0 };
+        let zero = vec![DVec3::ZERO; self.count()];
+        let mut outcome = Outcome { force: zero.clone(), damping: zero, power: 0.0 };
         let (mut sizes, mut degree, mut powers) = (vec![0.0; self.count()], vec![0.0; self.count()], 0.0);
         for spring in &self.springs {
             let [i, j] = spring.ends.map(|end| end as usize);
@@ -96,6 +100,8 @@ impl Network {
             let force = direction * (spring.stiffness * (along.length() - spring.rest_length) + spring.damping * rate);
             outcome.force[i] += force;
             outcome.force[j] -= force;
+            outcome.damping[i] += direction * (spring.damping * rate);
+            outcome.damping[j] -= direction * (spring.damping * rate);
             outcome.power += spring.damping * rate * rate;
             powers += spring.damping * approach.length_squared();
             for end in [i, j] {
@@ -159,8 +165,10 @@ fn check_against_textbook<V: Vector>(network: &Network) {
     for springs in [found, gathered(&network.springs, network.count())] {
         let outcome = network.outcome(&springs, 64, true);
         for (index, &tolerance) in tolerance.iter().enumerate() {
-            let error = (outcome.force[index] - expected.force[index]).length();
-            assert!(error <= tolerance, "{}: particle {index} is off by {error:e}", springs.layout());
+            for (found, expected) in [(&outcome.force, &expected.force), (&outcome.damping, &expected.damping)] {
+                let error = (found[index] - expected[index]).length();
+                assert!(error <= tolerance, "{}: particle {index} is off by {error:e}", springs.layout());
+            }
         }
         assert!((outcome.power - expected.power).abs() <= power_tolerance, "{} and {}", outcome.power, expected.power);
 

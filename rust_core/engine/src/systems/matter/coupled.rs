@@ -22,6 +22,8 @@ pub struct Workspace<V: Vector> {
     pub position: Columns<V>,
     pub velocity: Columns<V>,
     pub force: Columns<V>,
+    /// The part of the force by the damping of springs [N], where the integrator asks for it.
+    pub damping: Option<Columns<V>>,
     /// Positions and velocities at the start of the step, for contacts.
     pub before: Option<[Columns<V>; 2]>,
     /// Activity of each block at the end of the step [J].
@@ -29,16 +31,17 @@ pub struct Workspace<V: Vector> {
 }
 
 impl<V: Vector> Workspace<V> {
-    /// Buffers for `count` particles in `blocks` blocks, with contacts or without.
-    pub fn new(count: usize, blocks: usize, contacts: bool) -> Self {
+    /// Buffers for `count` particles in `blocks` blocks, with contacts or without, and with the force of damping or without.
+    pub fn new(count: usize, blocks: usize, contacts: bool, damping: bool) -> Self {
         let columns = || Columns::zeros(count);
         let before = contacts.then(|| [columns(), columns()]);
-        Self { position: columns(), velocity: columns(), force: columns(), before, activity: vec![0.0; blocks] }
+        let damping = damping.then(columns);
+        Self { position: columns(), velocity: columns(), force: columns(), damping, before, activity: vec![0.0; blocks] }
     }
 
     /// Memory [bytes].
     pub fn bytes(&self) -> usize {
-        let before = self.before.iter().flatten().map(Columns::bytes).sum::<usize>();
+        let before = self.before.iter().flatten().chain(&self.damping).map(Columns::bytes).sum::<usize>();
         self.position.bytes() + self.velocity.bytes() + self.force.bytes() + before + size_of_val(self.activity.as_slice())
     }
 }
@@ -154,22 +157,28 @@ pub fn sweep<V: Vector, I: Integrator>(
     let at = dynamics.state_view(workspace.position.view(), workspace.velocity.view(), time);
     let before = workspace.before.as_ref().filter(|_| ends_step && !I::DRIFTS_FIRST);
     let work = (
-        BlocksWithForces { blocks: matter.blocks(), force: workspace.force.span() },
+        BlocksWithForces {
+            blocks: matter.blocks(),
+            force: workspace.force.span(),
+            damping: workspace.damping.as_mut().map(Columns::span),
+        },
         BlockedSlice::new(&mut workspace.activity, 1),
     );
     executor.for_each_block(work, &|(work, activity): (BlocksWithForces<'_, V>, BlockedSlice<'_, f64>)| {
-        let BlocksWithForces { mut blocks, mut force } = work;
+        let BlocksWithForces { mut blocks, mut force, mut damping } = work;
         let range = blocks.range();
         blocks.position.copy_from(&at.position, range.start);
         blocks.velocity.copy_from(&at.velocity, range.start);
         let mut power = [[0.0; LANES]; SINKS];
         if evaluates {
-            dynamics.accumulate(&range, &at, &mut Rates { force: force.reborrow(), power: &mut power });
+            let damping = damping.as_mut().map(Span::reborrow);
+            dynamics.accumulate(&range, &at, &mut Rates { force: force.reborrow(), power: &mut power, damping });
             if let (true, Some(before)) = (I::GYRATES && dynamics.magnetic, kicked::<V, I>(&blocks, action)) {
                 kernels::gyrate(dynamics, &range, &at, before, interval.h, &mut force);
             }
         }
-        activity.items[0] = kernels::stage::<V, I>(dynamics, &mut blocks, &Evaluation { force, power }, interval.h, action);
+        let evaluation = Evaluation { force, power, damping };
+        activity.items[0] = kernels::stage::<V, I>(dynamics, &mut blocks, &evaluation, interval.h, action);
         if let (Some(contacts), Some([position, velocity])) = (&dynamics.contacts, before) {
             contacts.resolve(&Before::part(position, velocity, &range), &mut blocks, &dynamics.properties, interval.h);
         }
@@ -205,6 +214,14 @@ pub fn collisions<V: Vector, I: Integrator>(
 pub struct BlocksWithForces<'a, V: Vector> {
     pub blocks: Blocks<'a, V>,
     pub force: Span<'a, V>,
+    pub damping: Option<Span<'a, V>>,
+}
+
+impl<'a, V: Vector> BlocksWithForces<'a, V> {
+    /// Without a force of damping.
+    pub fn new(blocks: Blocks<'a, V>, force: Span<'a, V>) -> Self {
+        Self { blocks, force, damping: None }
+    }
 }
 
 impl<V: Vector> Split for BlocksWithForces<'_, V> {
@@ -214,7 +231,9 @@ impl<V: Vector> Split for BlocksWithForces<'_, V> {
 
     fn split_at(self, blocks: usize) -> (Self, Self) {
         let (first, rest) = self.blocks.split_at(blocks);
-        let (force, other_force) = self.force.split_at(first.position.len());
-        (Self { blocks: first, force }, Self { blocks: rest, force: other_force })
+        let length = first.position.len();
+        let (force, other_force) = self.force.split_at(length);
+        let (damping, other_damping) = self.damping.map(|damping| damping.split_at(length)).unzip();
+        (Self { blocks: first, force, damping }, Self { blocks: rest, force: other_force, damping: other_damping })
     }
 }

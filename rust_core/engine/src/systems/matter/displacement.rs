@@ -19,30 +19,27 @@ pub fn displace<V: Vector>(
     executor: &Executor,
 ) -> Result<()> {
     let before = dynamics.potential_of_callbacks(&dynamics.view_of(matter, time, executor))?;
-    executor.for_each_block(
-        BlocksWithForces { blocks: matter.blocks(), force: displacements.span() },
-        &|work: BlocksWithForces<'_, V>| {
-            let BlocksWithForces { mut blocks, force: mut displacements } = work;
-            let (start, count) = (blocks.start, blocks.count);
-            dynamics.shift(&blocks.range(), &mut displacements);
-            let potential = |blocks: &Blocks<'_, V>| {
-                let at = dynamics.state_view(blocks.position.view(start), blocks.velocity.view(start), time);
-                dynamics.potential(&(start..start + count), &at)
-            };
-            let before = potential(&blocks);
-            for lane in 0..count {
-                let displacement = displacements.get(lane);
-                if displacement != V::default() {
-                    let position = blocks.exact_position(lane) + displacement.widen();
-                    let held =
-                        dynamics.contacts.as_ref().and_then(|walls| walls.confine(position, &dynamics.properties, start + lane));
-                    blocks.set_exact_position(lane, held.unwrap_or(position));
-                }
+    executor.for_each_block(BlocksWithForces::new(matter.blocks(), displacements.span()), &|work: BlocksWithForces<'_, V>| {
+        let BlocksWithForces { mut blocks, force: mut displacements, .. } = work;
+        let (start, count) = (blocks.start, blocks.count);
+        dynamics.shift(&blocks.range(), &mut displacements);
+        let potential = |blocks: &Blocks<'_, V>| {
+            let at = dynamics.state_view(blocks.position.view(start), blocks.velocity.view(start), time);
+            dynamics.potential(&(start..start + count), &at)
+        };
+        let before = potential(&blocks);
+        for lane in 0..count {
+            let displacement = displacements.get(lane);
+            if displacement != V::default() {
+                let position = blocks.exact_position(lane) + displacement.widen();
+                let held =
+                    dynamics.contacts.as_ref().and_then(|walls| walls.confine(position, &dynamics.properties, start + lane));
+                blocks.set_exact_position(lane, held.unwrap_or(position));
             }
-            let gain = potential(&blocks) - before;
-            blocks.tallies[0].add(EnergySink::Work, gain);
-        },
-    );
+        }
+        let gain = potential(&blocks) - before;
+        blocks.tallies[0].add(EnergySink::Work, gain);
+    });
     let gain = dynamics.potential_of_callbacks(&dynamics.view_of(matter, time, executor))? - before;
     if let Some(tally) = matter.tallies.first_mut() {
         tally.add(EnergySink::Work, gain);

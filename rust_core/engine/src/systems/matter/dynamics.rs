@@ -388,6 +388,9 @@ impl<V: Vector> Dynamics<V> {
     pub fn accumulate(&self, block: &Range<usize>, at: &StateView<'_, V>, rates: &mut Rates<'_, V>) {
         for axis in 0..V::DIMENSION {
             rates.force.axes[axis].fill(V::Scalar::ZERO);
+            if let Some(damping) = &mut rates.damping {
+                damping.axes[axis].fill(V::Scalar::ZERO);
+            }
         }
         let turned = self.magnetic && self.angle.is_some();
         let acting =
@@ -422,6 +425,12 @@ impl<V: Vector> Dynamics<V> {
         fields.for_each(|force| force.magnetic(range.clone(), at, strength));
     }
 
+    /// Whether springs are damped.
+    pub fn damps_springs(&self) -> bool {
+        let mut springs = self.forces.iter().map(|force| force.about()).filter(|about| about.name == springs::NAME);
+        springs.any(|about| about.velocity == VelocityDependence::Dissipative)
+    }
+
     /// Whether there are fused forces.
     pub fn has_linear(&self) -> bool {
         self.fused > 0
@@ -439,7 +448,7 @@ impl<V: Vector> Dynamics<V> {
         let count = self.properties.count();
         let mut force = Columns::<V>::zeros(count);
         let mut power = [[0.0; LANES]; SINKS];
-        self.accumulate(&(0..padded(count)), at, &mut Rates { force: force.span(), power: &mut power });
+        self.accumulate(&(0..padded(count)), at, &mut Rates::new(force.span(), &mut power));
         (0..count).map(move |index| {
             let inverse_mass = self.properties.inverse_mass[index];
             V::from_axes(|axis| {

@@ -194,10 +194,10 @@ fn run_stage<V: Vector, I: Integrator>(
     let mut power = [[0.0; LANES]; SINKS];
     if !matches!(action, Action::StageState) {
         let at = dynamics.state_view(block.position.view(range.start), block.velocity.view(range.start), time);
-        dynamics.accumulate(&range, &at, &mut Rates { force: force.reborrow(), power: &mut power });
+        dynamics.accumulate(&range, &at, &mut Rates::new(force.reborrow(), &mut power));
         if let (true, Some(before)) = (I::GYRATES && dynamics.magnetic, kicked::<V, I>(block, action)) {
             kernels::gyrate(dynamics, &range, &at, before, interval.h, force);
         }
     }
-    kernels::stage::<V, I>(dynamics, block, &Evaluation { force: force.reborrow(), power }, interval.h, action)
+    kernels::stage::<V, I>(dynamics, block, &Evaluation { force: force.reborrow(), power, damping: None }, interval.h, action)
 }

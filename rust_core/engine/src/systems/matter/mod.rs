@@ -165,8 +165,9 @@ impl<V: Vector> MatterSystem<V> {
         let meshes = dynamics.self_contacts.as_ref().map_or(0.0, |contacts| 2000.0 * contacts.elements() as f64);
         let cost = 1e-9 * (about.evaluations as f64 * (per_stage + rods) + meshes);
         let blocks = state.tallies.len();
-        let workspace = (!independent)
-            .then(|| Workspace::new(state.count(), blocks, dynamics.contacts.is_some() || dynamics.self_contacts.is_some()));
+        let contacts = dynamics.contacts.is_some() || dynamics.self_contacts.is_some();
+        let damped = about.corrects && dynamics.damps_springs();
+        let workspace = (!independent).then(|| Workspace::new(state.count(), blocks, contacts, damped));
         let mut system = Self {
             saved: state.clone(),
             dynamics,

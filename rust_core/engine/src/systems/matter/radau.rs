@@ -144,7 +144,7 @@ impl GaussRadau15 {
         executor.for_each_block((forces, sums), &|(Forces { start, mut force, .. }, (power, activity))| {
             let mut sum: Power = [[0.0; LANES]; SINKS];
             let range = start..start + force.len();
-            dynamics.accumulate(&range, &at, &mut Rates { force: force.reborrow(), power: &mut sum });
+            dynamics.accumulate(&range, &at, &mut Rates::new(force.reborrow(), &mut sum));
             activity.items[0] = kernels::accelerations(dynamics, start, (at.position, at.velocity), &mut force, &mut sum);
             power.items[0][stage] = sum;
         });
@@ -236,6 +236,7 @@ impl<V: Vector<Scalar = f64>> Method<V> for GaussRadau15 {
             own: vectors,
             drifts_first: false,
             sweeps: true,
+            corrects: false,
             angle: None,
             limit: rule::limit,
             springs: Treatment::Forces,

@@ -178,11 +178,11 @@ fn integrate<V: Vector>(
     dynamics.prepare_at([&workspace.position, &workspace.velocity], time, executor)?;
     let dynamics = &*dynamics;
     let at = dynamics.state_view(workspace.position.view(), workspace.velocity.view(), time);
-    let work = BlocksWithForces { blocks: matter.blocks(), force: workspace.force.span() };
+    let work = BlocksWithForces::new(matter.blocks(), workspace.force.span());
     executor.for_each_block(work, &|work: BlocksWithForces<'_, V>| {
-        let BlocksWithForces { blocks, mut force } = work;
+        let BlocksWithForces { blocks, mut force, .. } = work;
         let mut power: Power = [[0.0; LANES]; SINKS];
-        dynamics.accumulate(&blocks.range(), &at, &mut Rates { force: force.reborrow(), power: &mut power });
+        dynamics.accumulate(&blocks.range(), &at, &mut Rates::new(force.reborrow(), &mut power));
         kernels::accelerations(dynamics, blocks.start, (at.position, at.velocity), &mut force, &mut power);
         kernels::integrate(&mut blocks.tallies[0], &power, &kernels::ALL, share, last, true);
     });
@@ -241,6 +241,7 @@ impl<V: Vector> Method<V> for Implicit {
             own: 6,
             drifts_first: false,
             sweeps: true,
+            corrects: false,
             angle: None,
             limit: |_| f64::INFINITY,
             springs: Treatment::Solved,

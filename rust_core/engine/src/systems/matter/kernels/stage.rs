@@ -40,11 +40,14 @@ pub struct Evaluation<'a, V: Vector> {
     pub force: Span<'a, V>,
     /// The power through each sink [W].
     pub power: Power,
+    /// The part of the force by the damping of springs [N].
+    pub damping: Option<Span<'a, V>>,
 }
 
 struct Stage<'a, T, I> {
     axes: Axes<'a, T>,
     force: [&'a [Lanes<T>]; AXES],
+    damping: [&'a [Lanes<T>]; AXES],
     inverse_mass: &'a [Lanes<T>],
     inertia: &'a [Lanes<T>],
     power: Power,
@@ -53,6 +56,11 @@ struct Stage<'a, T, I> {
     h: f64,
     action: Action,
     integrator: PhantomData<I>,
+}
+
+/// The columns of a span as groups of lanes.
+fn lanes<'a, V: Vector>(span: &'a Span<'_, V>) -> [&'a [Lanes<V::Scalar>]; AXES] {
+    span.axes.each_ref().map(|axis| axis.as_chunks().0)
 }
 
 /// Runs one stage of one block; returns the activity at the stage.
@@ -65,11 +73,13 @@ pub fn stage<V: Vector, I: Integrator>(
 ) -> f64 {
     let inverse_mass = dynamics.properties.inverse_mass[blocks.range()].as_chunks().0;
     let inertia = dynamics.properties.inertia[blocks.range()].as_chunks().0;
-    let force = evaluation.force.axes.each_ref().map(|axis| axis.as_chunks().0);
+    let force = lanes(&evaluation.force);
+    let damping = evaluation.damping.as_ref().map_or([&[][..]; AXES], lanes);
     let (axes, tally) = split(dynamics, blocks);
     dispatch(Stage::<V::Scalar, I> {
         axes,
         force,
+        damping,
         inverse_mass,
         inertia,
         power: evaluation.power,
@@ -86,10 +96,10 @@ impl<T: Real, I: Integrator> Kernel for Stage<'_, T, I> {
 
     #[inline(always)]
     fn run(self) -> f64 {
-        let Self { mut axes, force, inverse_mass, inertia, mut power, tally, dissipates, h, action, .. } = self;
+        let Self { mut axes, force, damping, inverse_mass, inertia, mut power, tally, dissipates, h, action, .. } = self;
         let mut squares = [T::ZERO; LANES];
-        for ((axis, law), force) in axes.iter_mut().flatten().zip(force) {
-            let input = AxisInput { force, inverse_mass, inertia };
+        for ((axis, law), (force, damping)) in axes.iter_mut().flatten().zip(force.into_iter().zip(damping)) {
+            let input = AxisInput { force, damping, inverse_mass, inertia };
             let sums = (&mut power, &mut squares);
             match *law {
                 AxisLaw::Uniform(same) if dissipates => one_stage::<_, I>(Uniform::<_, true>(same), input, axis, h, action, sums),
@@ -109,10 +119,11 @@ impl<T: Real, I: Integrator> Kernel for Stage<'_, T, I> {
     }
 }
 
-/// Forces along one axis [N], inverse masses [1/kg] and masses [kg].
+/// Forces along one axis [N], maybe with their part by damping, inverse masses [1/kg] and masses [kg].
 #[derive(Clone, Copy)]
 struct AxisInput<'a, T> {
     force: &'a [Lanes<T>],
+    damping: &'a [Lanes<T>],
     inverse_mass: &'a [Lanes<T>],
     inertia: &'a [Lanes<T>],
 }
@@ -131,6 +142,7 @@ fn one_stage<T: Real, I: Integrator>(
     let Axis { x, v, registers, residual } = axis;
     let mut drag = [T::ZERO; LANES];
     let mut work = [T::ZERO; LANES];
+    let mut corrected = [T::ZERO; LANES];
     let mut moved = *squares;
     for (group, (x, v)) in x.iter_mut().zip(v.iter_mut()).enumerate() {
         let coefficients = law.group(group);
@@ -153,7 +165,13 @@ fn one_stage<T: Real, I: Integrator>(
             Action::Begin => begin::<T, I>(&mut components, &a),
             Action::StageState => stage_state::<T, I>(0, &mut components, step),
             Action::StageUpdate(stage, next) => {
+                let predicted = components.v;
                 stage_update::<T, I>(stage, &mut components, &a, step);
+                if let (true, Some(damping)) = (I::CORRECTED_WEIGHT != 0.0, input.damping.get(group)) {
+                    for lane in 0..LANES {
+                        corrected[lane] += damping[lane] * (predicted[lane] - components.v[lane]);
+                    }
+                }
                 if let Some(next) = next {
                     // The end of a step has the same bits, whether the next one follows in this sweep or in another batch.
                     if let (0, Some(residual)) = (next, residual.get_mut(group)) {
@@ -170,6 +188,7 @@ fn one_stage<T: Real, I: Integrator>(
         components.store(x, v, registers, group, I::REGISTERS);
     }
     *squares = moved;
+    add_power(&mut power[EnergySink::Damping as usize], &corrected, I::CORRECTED_WEIGHT);
     add_power(&mut power[EnergySink::Drag as usize], &drag, law.unit());
     if supplies(&law) {
         add_power(&mut power[EnergySink::Work as usize], &work, law.unit());

@@ -97,11 +97,11 @@ impl<V: Vector, P: Projector<V>> Projection<V, P> {
         workspace.position.copy_from(&matter.position);
         workspace.velocity.copy_from(&matter.velocity);
         let at = dynamics.state_view(workspace.position.view(), workspace.velocity.view(), 0.0);
-        let work = BlocksWithForces { blocks: matter.blocks(), force: workspace.force.span() };
+        let work = BlocksWithForces::new(matter.blocks(), workspace.force.span());
         executor.for_each_block(work, &|work: BlocksWithForces<'_, V>| {
-            let BlocksWithForces { blocks, mut force } = work;
+            let BlocksWithForces { blocks, mut force, .. } = work;
             let mut power: Power = [[0.0; LANES]; SINKS];
-            dynamics.accumulate(&blocks.range(), &at, &mut Rates { force: force.reborrow(), power: &mut power });
+            dynamics.accumulate(&blocks.range(), &at, &mut Rates::new(force.reborrow(), &mut power));
             kernels::accelerations(dynamics, blocks.start, (at.position, at.velocity), &mut force, &mut power);
             kernels::integrate(&mut blocks.tallies[0], &power, &kernels::ALL, h, 0.0, false);
         });
@@ -133,14 +133,11 @@ fn finish<V: Vector>(
     workspace.position.copy_from(&matter.position);
     workspace.velocity.copy_from(&matter.velocity);
     let at = dynamics.state_view(workspace.position.view(), workspace.velocity.view(), time + h);
-    let work = (
-        BlocksWithForces { blocks: matter.blocks(), force: workspace.force.span() },
-        BlockedSlice::new(&mut workspace.activity, 1),
-    );
+    let work = (BlocksWithForces::new(matter.blocks(), workspace.force.span()), BlockedSlice::new(&mut workspace.activity, 1));
     executor.for_each_block(work, &|(work, activity): (BlocksWithForces<'_, V>, BlockedSlice<'_, f64>)| {
-        let BlocksWithForces { blocks, mut force } = work;
+        let BlocksWithForces { blocks, mut force, .. } = work;
         let mut power: Power = [[0.0; LANES]; SINKS];
-        dynamics.spring_power(&blocks.range(), &at, &mut Rates { force: force.reborrow(), power: &mut power });
+        dynamics.spring_power(&blocks.range(), &at, &mut Rates::new(force.reborrow(), &mut power));
         kernels::integrate(&mut blocks.tallies[0], &power, &kernels::ALL, h, 0.0, false);
         activity.items[0] = kernels::activity(dynamics, &blocks) + kernels::out_of_range(dynamics, &blocks);
     });
@@ -160,6 +157,7 @@ fn about(name: &'static str, evaluations: usize) -> About {
         own: 1,
         drifts_first: false,
         sweeps: true,
+        corrects: false,
         angle: None,
         limit: SemiImplicitEuler::limit,
         springs: Treatment::Projections,
