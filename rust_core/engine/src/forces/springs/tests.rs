@@ -343,7 +343,7 @@ fn ends_in_one_place_exert_nothing() {
     network.velocity[0] = DVec3::X;
     for springs in [Springs::<DVec2>::new(&network.springs, 2), gathered(&network.springs, 2)] {
         let outcome = network.outcome(&springs, 16, true);
-        assert_eq!(outcome, Outcome { force: vec![DVec3::ZERO; 2], power: 0.0 });
+        assert_eq!(outcome, Outcome { force: vec![DVec3::ZERO; 2], damping: vec![DVec3::ZERO; 2], power: 0.0 });
         assert_eq!(network.with::<DVec2, _>(|at| springs.shortest(0..16, at)), 0.0);
         assert_eq!(network.potential(&springs), 0.5 * 3.7);
     }
@@ -365,7 +365,10 @@ fn shortest_is_the_least_length_by_rest_length() {
 fn no_springs_do_nothing() {
     let network = Network { springs: Vec::new(), position: vec![DVec3::ZERO; 3], velocity: vec![DVec3::ZERO; 3] };
     let springs = Springs::<Vec3>::new(&[], 3);
-    assert_eq!(network.outcome(&springs, 16, true), Outcome { force: vec![DVec3::ZERO; 3], power: 0.0 });
+    assert_eq!(
+        network.outcome(&springs, 16, true),
+        Outcome { force: vec![DVec3::ZERO; 3], damping: vec![DVec3::ZERO; 3], power: 0.0 }
+    );
     let About { velocity, bytes, layout, .. } = springs.about();
     assert_eq!((velocity, bytes, layout.as_str()), (VelocityDependence::None, 0, "no springs"));
     assert_eq!(network.with::<Vec3, _>(|at| springs.shortest(0..16, at)), f64::INFINITY);
