@@ -44,7 +44,8 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
         let density = materials.each(|fluid| fluid.density);
         let continuity = Continuity { kernel, diffusion, for_particle: diffusion[0], density, gravity, fall };
         let artificial = materials.pairs(|one, other| mean(one.artificial(), other.artificial()));
-        let laminar = materials.pairs(|one, other| 2.0 * mean(one.viscosity, other.viscosity));
+        let variance = h * h * kernel::variance::<K>(V::DIMENSION);
+        let laminar = materials.pairs(|one, other| 2.0 * mean(one.viscosity, other.viscosity) / variance);
         let interacts = materials.pairs(|_, _| 1.0);
         let solid = usize::from(OBSTACLE);
         let either = |is: &dyn Fn(usize) -> bool| -> [V::Scalar; KINDS] {
