@@ -22,7 +22,8 @@
 //! act along v: they slow down a drop that rotates as a whole.
 //!
 //! With several materials (`MIXED`), ρ₀, α and μ are those of the pair, there is no diffusion between materials, and
-//! obstacles do not interact with each other. The material of a particle is the tag of its volume.
+//! obstacles do not interact with each other. The material of a particle is the tag of its volume. Where it separates from an
+//! obstacle at a free surface, the tag of its pressure says how much of that acts on obstacles ([`super::surface`]).
 
 use super::images::ImagePressure;
 use super::kernel::{Kernel, Shape};
@@ -84,7 +85,16 @@ where
     N::select(low, odd, even)
 }
 
-/// Continuity: Σ Vⱼ v·∇W [1/s], and the diffusive rate of density [kg/(m³·s)].
+/// Where a volume has the tag of obstacles, which has both bits.
+#[inline(always)]
+fn is_obstacle<N: Number>(volume: N) -> N::Mask {
+    N::both(volume.has_bit(0), volume.has_bit(1))
+}
+
+/// Number of sums of [`Continuity`].
+pub const RATES: usize = 3;
+
+/// Continuity: Σ Vⱼ v·∇W over fluids [1/s], the diffusive rate of density [kg/(m³·s)], and Σ Vⱼ v·∇W over obstacles [1/s].
 #[derive(Debug, Clone, Copy)]
 pub struct Continuity<T, K, const MIXED: bool> {
     pub kernel: Kernel<T, K>,
@@ -98,7 +108,7 @@ pub struct Continuity<T, K, const MIXED: bool> {
     pub fall: [T; AXES],
 }
 
-impl<V: Vector, K: Shape, const MIXED: bool> PairLaw<V, 2> for Continuity<V::Scalar, K, MIXED> {
+impl<V: Vector, K: Shape, const MIXED: bool> PairLaw<V, RATES> for Continuity<V::Scalar, K, MIXED> {
     #[inline(always)]
     fn for_particle(mut self, own: &Record<V::Scalar>) -> Self {
         if MIXED {
@@ -112,23 +122,30 @@ impl<V: Vector, K: Shape, const MIXED: bool> PairLaw<V, 2> for Continuity<V::Sca
     }
 
     #[inline(always)]
-    fn terms<N: Number<Scalar = V::Scalar>>(&self, pair: &Pair<N>) -> [N; 2] {
+    fn terms<N: Number<Scalar = V::Scalar>>(&self, pair: &Pair<N>) -> [N; RATES] {
         let Pair { own, other, separation, distance, .. } = pair;
-        let weight = self.kernel.slope(volume::<V, N>(other), *distance);
+        let (volume, zero) = (volume::<V, N>(other), N::constant(0.0));
+        let weight = self.kernel.slope(volume, *distance);
+        let squeeze = approach::<V, N>(pair) * weight;
         if !MIXED && self.diffusion[0][0] == V::Scalar::ZERO {
-            return [approach::<V, N>(pair) * weight, N::constant(0.0)];
+            return [squeeze, zero, zero];
         }
-        let diffusion = pick::<N, MIXED>(volume::<V, N>(other), &self.for_particle);
+        let diffusion = pick::<N, MIXED>(volume, &self.for_particle);
         let mut excess = content::<V, N>(other) - content::<V, N>(own);
         for axis in 0..V::DIMENSION {
             excess += N::of(self.fall[axis]) * separation[axis];
         }
-        [approach::<V, N>(pair) * weight, N::constant(0.0) - diffusion * excess * weight]
+        let evened = zero - diffusion * excess * weight;
+        if !MIXED {
+            return [squeeze, evened, zero];
+        }
+        let is_obstacle = is_obstacle(volume);
+        [N::select(is_obstacle, zero, squeeze), evened, N::select(is_obstacle, squeeze, zero)]
     }
 }
 
 /// Diffusion does not act on the hydrostatic part of the density.
-impl<V: Vector, K: Shape, const MIXED: bool> ImagePressure<V, 2> for Continuity<V::Scalar, K, MIXED> {
+impl<V: Vector, K: Shape, const MIXED: bool> ImagePressure<V, RATES> for Continuity<V::Scalar, K, MIXED> {
     #[inline(always)]
     fn density<N: Number<Scalar = V::Scalar>>(&self, other: &Record<N>) -> N {
         pick::<N, MIXED>(volume::<V, N>(other), &self.density)
@@ -147,6 +164,9 @@ pub struct PairCoefficients<T> {
     /// 1 where the other particle alone is an obstacle, and where this one alone is.
     pub other_is_obstacle: [T; KINDS],
     pub own_is_obstacle: [T; KINDS],
+    /// The fraction of the particle's own pressure that acts on each material, and by tag that of the other's on it.
+    pub own_acts: [T; KINDS],
+    pub other_acts: [T; KINDS],
 }
 
 /// Momentum: force density along each axis [N/m^D], and power densities [W/m^D].
@@ -166,7 +186,9 @@ impl<V: Vector, K: Shape, const MIXED: bool> PairLaw<V, FORCES> for Momentum<V::
     #[inline(always)]
     fn for_particle(mut self, own: &Record<V::Scalar>) -> Self {
         if MIXED {
+            let solid = usize::from(OBSTACLE);
             self.for_particle = self.coefficients[usize::from(volume::<V, _>(own).tag())];
+            self.for_particle.own_acts[solid] = self.coefficients[solid].other_acts[usize::from(content::<V, _>(own).tag())];
         }
         self
     }
@@ -177,7 +199,12 @@ impl<V: Vector, K: Shape, const MIXED: bool> PairLaw<V, FORCES> for Momentum<V::
         let weight = self.weight::<V, N>(pair);
         let approach = approach::<V, N>(pair);
         let squeeze = self.squeeze::<V, N>(pair, weight, approach);
-        let push = squeeze - (content::<V, N>(own) + content::<V, N>(other)) * weight;
+        let (mut own_pressure, mut other_pressure) = (content::<V, N>(own), content::<V, N>(other));
+        if MIXED {
+            own_pressure = own_pressure * pick::<N, MIXED>(volume::<V, N>(other), &self.for_particle.own_acts);
+            other_pressure = other_pressure * pick::<N, MIXED>(other_pressure, &self.for_particle.other_acts);
+        }
+        let push = squeeze - (own_pressure + other_pressure) * weight;
         let mut terms = [N::constant(0.0); FORCES];
         for axis in 0..V::DIMENSION {
             terms[axis] = push * separation[axis];
@@ -196,6 +223,12 @@ impl<V: Vector, K: Shape, const MIXED: bool> PairLaw<V, FORCES> for Momentum<V::
 }
 
 impl<T: Real, K: Shape, const MIXED: bool> Momentum<T, K, MIXED> {
+    /// The same where all of the pressures acts on obstacles, as those of images do, which have no tags.
+    pub fn untagged(mut self) -> Self {
+        self.coefficients[usize::from(OBSTACLE)].other_acts = [T::ONE; KINDS];
+        self
+    }
+
     /// Vⱼ F, 0 for materials that do not interact.
     #[inline(always)]
     fn weight<V: Vector<Scalar = T>, N: Number<Scalar = T>>(&self, pair: &Pair<N>) -> N {
@@ -307,9 +340,7 @@ impl<V: Vector, K: Shape> PairLaw<V, 2> for Extrapolation<V::Scalar, K> {
     fn terms<N: Number<Scalar = V::Scalar>>(&self, pair: &Pair<N>) -> [N; 2] {
         let Pair { other, separation, distance, .. } = pair;
         let volume = volume::<V, N>(other);
-        // The tag of obstacles has both bits.
-        let obstacle = N::both(volume.has_bit(0), volume.has_bit(1));
-        let weight = N::select(obstacle, N::constant(0.0), self.kernel.value(*distance));
+        let weight = N::select(is_obstacle(volume), N::constant(0.0), self.kernel.value(*distance));
         let mut rise = N::constant(0.0);
         for axis in 0..V::DIMENSION {
             rise += N::of(self.gravity[axis]) * separation[axis];
