@@ -11,7 +11,7 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 from types import ModuleType
-from typing import cast
+from typing import Any, cast
 
 import physcore
 from physcore.errors import PhyscoreError
@@ -58,6 +58,9 @@ def _parser() -> argparse.ArgumentParser:
         help="the film to write: .gif, .webp, .apng, .mp4, or .png for its last frame (default: NAME.gif)",
     )
     demo.add_argument("--source", action="store_true", help="print the script of the demo instead of running it")
+    demo.add_argument(
+        "--particles", type=int, metavar="N", help="how many particles, where a demo has them by number, as two_dams"
+    )
     demo.set_defaults(run=_demo)
     page = commands.add_parser("gallery", help="run the demos: write their films and a page that shows them")
     page.add_argument("names", nargs="*", metavar="NAME", help="some of `physcore list` (default: all)")
@@ -109,19 +112,36 @@ def _demo(options: argparse.Namespace) -> int:
     if options.source:
         print(inspect.getsource(cast(ModuleType, demo(name))), end="")
         return 0
+    chosen, numbers = demo(name), {}
+    if options.particles is not None:
+        if not hasattr(chosen, "PARTICLES"):
+            print(f"physcore: {name} has no --particles", file=sys.stderr)
+            return 2
+        numbers = {"particles": options.particles}
     try:
         path = Path(options.output or f"{name}.gif")
         writable(path, WRITERS)
+        print(caption(name), flush=True)
+        if numbers:
+            print(_ahead(chosen, options.particles), flush=True)
     except PhyscoreError as error:
         print(f"physcore: {error}", file=sys.stderr)
         return 2
-    print(caption(name))
-    recordings = demo(name).main(path, progress=True)
+    recordings = chosen.main(path, progress=True, **numbers)
     for title, recording in recordings.items():
         print(f"\n{title}: {audit(recording)}")
-    print(f"\nChecked: {demo(name).figure(recordings)}.")
+    print(f"\nChecked: {chosen.figure(recordings)}.")
     print(f"\nThe film is {_written(path)} ({path.stat().st_size / 1e6:.1f} MB).")
     return 0
+
+
+def _ahead(chosen: Any, particles: int) -> str:
+    """What a demo of so many particles will take, before it begins."""
+    from physcore.studies.forecast import forecast
+
+    simulation = physcore.Simulation(chosen.scene(particles), **chosen.NUMERICS)
+    count, memory = len(simulation.positions), simulation.plan.memory / 1e6
+    return f"{count} particles: {forecast(simulation, chosen.DURATION)}; {memory:.0f} MB and the recording"
 
 
 def _gallery(options: argparse.Namespace) -> int:

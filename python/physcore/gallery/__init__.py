@@ -34,6 +34,7 @@ DEMOS = (
     "landslide",
     "dam_break",
     "dam_break_3d",
+    "two_dams",
     "splash",
     "lava",
     "rayleigh_taylor",

@@ -3,11 +3,11 @@
 use super::Fluids;
 use super::gauges::Gauges;
 use super::kernel::{self, Kernel, Shape};
-use super::laws::{Continuity, Extrapolation, FORCES, KINDS, Momentum, OBSTACLE, PairCoefficients};
+use super::laws::{Continuity, Extrapolation, FORCES, KINDS, Momentum, OBSTACLE, PairCoefficients, RATES};
 use super::shifting::Shifting;
 use super::start::{self, Choice, Material, Materials};
 use super::summation::Summation;
-use super::surface::Surface;
+use super::surface::{Surface, WallFactor};
 use super::tension::Tension;
 use super::walls::Walls;
 use crate::error::{Error, Result};
@@ -44,7 +44,8 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
         let density = materials.each(|fluid| fluid.density);
         let continuity = Continuity { kernel, diffusion, for_particle: diffusion[0], density, gravity, fall };
         let artificial = materials.pairs(|one, other| mean(one.artificial(), other.artificial()));
-        let laminar = materials.pairs(|one, other| 2.0 * mean(one.viscosity, other.viscosity));
+        let variance = h * h * kernel::variance::<K>(V::DIMENSION);
+        let laminar = materials.pairs(|one, other| 2.0 * mean(one.viscosity, other.viscosity) / variance);
         let interacts = materials.pairs(|_, _| 1.0);
         let solid = usize::from(OBSTACLE);
         let either = |is: &dyn Fn(usize) -> bool| -> [V::Scalar; KINDS] {
@@ -56,6 +57,8 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
             interacts: interacts[kind],
             other_is_obstacle: either(&|other| kind != solid && other == solid),
             own_is_obstacle: either(&|other| kind == solid && other != solid),
+            own_acts: [V::Scalar::ONE; KINDS],
+            other_acts: if kind == solid { WallFactor::by_tag() } else { [V::Scalar::ONE; KINDS] },
         });
         let momentum = Momentum { kernel, coefficients, for_particle: coefficients[0], density, softening: number(0.01 * h * h) };
         let extrapolation = Extrapolation { kernel, density, gravity: common.gravity.to_array().map(number) };
@@ -70,8 +73,8 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
             diffused: vec![0.0; kind.len()],
             extrapolated: vec![[V::Scalar::ZERO; 2]; obstacles.len()],
             records: Records::new(neighbor_list.neighbors()),
-            rates: vec![[V::Scalar::ZERO; 2]; kind.len()],
-            mirrored: vec![[V::Scalar::ZERO; 2]; if walls.is_empty() { 0 } else { kind.len() }],
+            rates: vec![[V::Scalar::ZERO; RATES]; kind.len()],
+            mirrored: vec![[V::Scalar::ZERO; RATES]; if walls.is_empty() { 0 } else { kind.len() }],
             forces: vec![[V::Scalar::ZERO; FORCES]; kind.len()],
             surface: Surface::new(kernel, common, &waves, kind.len()),
             tension: Tension::new(kernel, &waves, &materials, kind.len()),

@@ -230,6 +230,8 @@ pub struct Wave {
     pub decay: f64,
     /// Decay rate under artificial viscosity: ∫ |F| (x/r)² (1 − cos(kx)) dV.
     pub squeeze: f64,
+    /// Decay rate of a longitudinal wave, which is that of the fastest, at unit viscosity: ∫ |F| (x/σ)² (1 − cos(kx)) dV.
+    pub strain: f64,
 }
 
 /// The waves resolved by a kernel, from long to the shortest.
@@ -252,12 +254,19 @@ fn wave_of<K: Shape>(dimension: usize, k: f64) -> Wave {
         let weight = |angle: f64| if dimension == 2 { 1.0 } else { FRAC_PI_2 * angle.sin() };
         (0..DIRECTIONS).map(angle).map(|angle| weight(angle) * of(angle.cos())).sum::<f64>() / f64::from(DIRECTIONS)
     };
+    let squeezed = |r: f64| mean(&|cosine| cosine * cosine * (1.0 - (k * r * cosine).cos()));
     Wave {
         number: k,
         frequency: integral(dimension, |r| -slope(r) * r * mean(&|cosine| cosine * (k * r * cosine).sin())),
         decay: integral(dimension, |r| -slope(r) * mean(&|cosine| 1.0 - (k * r * cosine).cos())),
-        squeeze: integral(dimension, |r| -slope(r) * mean(&|cosine| cosine * cosine * (1.0 - (k * r * cosine).cos()))),
+        squeeze: integral(dimension, |r| -slope(r) * squeezed(r)),
+        strain: integral(dimension, |r| -slope(r) * r * r * squeezed(r)) / variance::<K>(dimension),
     }
+}
+
+/// Variance σ² = ∫ W x² dV of a kernel along an axis, for unit smoothing length; by parts it is −∫ F x²y² dV.
+pub fn variance<K: Shape>(dimension: usize) -> f64 {
+    integral(dimension, |r| K::HEIGHT[dimension - 2] * K::value(0.5 * r) * r * r) / dimension as f64
 }
 
 /// Volume integral of a function of the distance over the support of a kernel of unit smoothing length, by Simpson's rule.
@@ -319,8 +328,7 @@ mod tests {
         fn check<K: Shape>(dimension: usize, expected: f64) {
             let fastest = waves::<K>(dimension).iter().map(|wave| wave.frequency).fold(0.0, f64::max);
             assert!((2.0 / fastest - expected).abs() < 5e-3 * expected, "{} {expected}", 2.0 / fastest);
-            let square = integral(dimension, |r| r * r * K::HEIGHT[dimension - 2] * K::value(0.5 * r));
-            let deviation = (square / dimension as f64).sqrt();
+            let deviation = variance::<K>(dimension).sqrt();
             assert!((2.0 / fastest / deviation - 3.3).abs() < 0.05, "{}", 2.0 / fastest / deviation);
         }
         check::<WendlandC2>(2, 1.756);

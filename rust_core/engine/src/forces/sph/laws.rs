@@ -5,16 +5,25 @@
 //!
 //! ```text
 //! dρᵢ/dt = ρᵢ Σ Vⱼ v·∇W − 2δhc ρ₀/c² Σ Vⱼ [wⱼ − wᵢ − g·(xⱼ − xᵢ)] F
-//!     Fᵢ = −Vᵢ Σ Vⱼ (pᵢ + pⱼ) ∇W + Vᵢ Σ Vⱼ αhcρ₀ v·d/(d² + 0.01h²) ∇W + Vᵢ Σ Vⱼ 2μ F v
+//!     Fᵢ = −Vᵢ Σ Vⱼ (pᵢ + pⱼ) ∇W + Vᵢ Σ Vⱼ [αhcρ₀/(d² + 0.01h²) + 2μ/σ²] v·d ∇W
 //! ```
 //!
 //! Diffusion acts on the enthalpy w minus its hydrostatic part, as that of density does in G. Fourtakas et al., Comput.
 //! Fluids 190 (2019) 346, to first order in w/c²; in w it vanishes exactly in a fluid at rest. The artificial viscosity is
-//! J. J. Monaghan and R. A. Gingold's, J. Comput. Phys. 52 (1983) 374; the laminar one that of J. P. Morris, P. J. Fox and
-//! Y. Zhu, J. Comput. Phys. 136 (1997) 214, which is far more accurate in shear.
+//! J. J. Monaghan and R. A. Gingold's, J. Comput. Phys. 52 (1983) 374.
+//!
+//! **Viscosity.** Both forces act along d and go with v·d: angular momentum is conserved pair by pair, and a rotation as a whole
+//! feels none of them, at a free surface either. For any such force A(d) v·d d, the quadratic terms of a flow give ∇²v + 2∇∇·v
+//! times ½∫A dₓ²d_y² dV, which is free of traction at a free surface (A. Colagrossi, M. Antuono, A. Souto-Iglesias, D. Le
+//! Touzé, Phys. Rev. E 84 (2011) 026705). J. J. Monaghan, Rep. Prog. Phys. 68 (2005) 1703 takes A ∝ F/d²; with A ∝ F the
+//! integral is −σ², the variance of W along an axis, and the sum over a lattice is closer to it: with the default kernel
+//! shear along an axis of a square lattice feels 0.999 of μ, and along its diagonals 1.047, instead of 0.89 and 1.11. The
+//! Laplacian of J. P. Morris, P. J. Fox and Y. Zhu, J. Comput. Phys. 136 (1997) 214 is as accurate inside, but its forces
+//! act along v: they slow down a drop that rotates as a whole.
 //!
 //! With several materials (`MIXED`), ρ₀, α and μ are those of the pair, there is no diffusion between materials, and
-//! obstacles do not interact with each other. The material of a particle is the tag of its volume.
+//! obstacles do not interact with each other. The material of a particle is the tag of its volume. Where it separates from an
+//! obstacle at a free surface, the tag of its pressure says how much of that acts on obstacles ([`super::surface`]).
 
 use super::images::ImagePressure;
 use super::kernel::{Kernel, Shape};
@@ -76,7 +85,16 @@ where
     N::select(low, odd, even)
 }
 
-/// Continuity: Σ Vⱼ v·∇W [1/s], and the diffusive rate of density [kg/(m³·s)].
+/// Where a volume has the tag of obstacles, which has both bits.
+#[inline(always)]
+fn is_obstacle<N: Number>(volume: N) -> N::Mask {
+    N::both(volume.has_bit(0), volume.has_bit(1))
+}
+
+/// Number of sums of [`Continuity`].
+pub const RATES: usize = 3;
+
+/// Continuity: Σ Vⱼ v·∇W over fluids [1/s], the diffusive rate of density [kg/(m³·s)], and Σ Vⱼ v·∇W over obstacles [1/s].
 #[derive(Debug, Clone, Copy)]
 pub struct Continuity<T, K, const MIXED: bool> {
     pub kernel: Kernel<T, K>,
@@ -90,7 +108,7 @@ pub struct Continuity<T, K, const MIXED: bool> {
     pub fall: [T; AXES],
 }
 
-impl<V: Vector, K: Shape, const MIXED: bool> PairLaw<V, 2> for Continuity<V::Scalar, K, MIXED> {
+impl<V: Vector, K: Shape, const MIXED: bool> PairLaw<V, RATES> for Continuity<V::Scalar, K, MIXED> {
     #[inline(always)]
     fn for_particle(mut self, own: &Record<V::Scalar>) -> Self {
         if MIXED {
@@ -104,23 +122,30 @@ impl<V: Vector, K: Shape, const MIXED: bool> PairLaw<V, 2> for Continuity<V::Sca
     }
 
     #[inline(always)]
-    fn terms<N: Number<Scalar = V::Scalar>>(&self, pair: &Pair<N>) -> [N; 2] {
+    fn terms<N: Number<Scalar = V::Scalar>>(&self, pair: &Pair<N>) -> [N; RATES] {
         let Pair { own, other, separation, distance, .. } = pair;
-        let weight = self.kernel.slope(volume::<V, N>(other), *distance);
+        let (volume, zero) = (volume::<V, N>(other), N::constant(0.0));
+        let weight = self.kernel.slope(volume, *distance);
+        let squeeze = approach::<V, N>(pair) * weight;
         if !MIXED && self.diffusion[0][0] == V::Scalar::ZERO {
-            return [approach::<V, N>(pair) * weight, N::constant(0.0)];
+            return [squeeze, zero, zero];
         }
-        let diffusion = pick::<N, MIXED>(volume::<V, N>(other), &self.for_particle);
+        let diffusion = pick::<N, MIXED>(volume, &self.for_particle);
         let mut excess = content::<V, N>(other) - content::<V, N>(own);
         for axis in 0..V::DIMENSION {
             excess += N::of(self.fall[axis]) * separation[axis];
         }
-        [approach::<V, N>(pair) * weight, N::constant(0.0) - diffusion * excess * weight]
+        let evened = zero - diffusion * excess * weight;
+        if !MIXED {
+            return [squeeze, evened, zero];
+        }
+        let is_obstacle = is_obstacle(volume);
+        [N::select(is_obstacle, zero, squeeze), evened, N::select(is_obstacle, squeeze, zero)]
     }
 }
 
 /// Diffusion does not act on the hydrostatic part of the density.
-impl<V: Vector, K: Shape, const MIXED: bool> ImagePressure<V, 2> for Continuity<V::Scalar, K, MIXED> {
+impl<V: Vector, K: Shape, const MIXED: bool> ImagePressure<V, RATES> for Continuity<V::Scalar, K, MIXED> {
     #[inline(always)]
     fn density<N: Number<Scalar = V::Scalar>>(&self, other: &Record<N>) -> N {
         pick::<N, MIXED>(volume::<V, N>(other), &self.density)
@@ -132,13 +157,16 @@ impl<V: Vector, K: Shape, const MIXED: bool> ImagePressure<V, 2> for Continuity<
 pub struct PairCoefficients<T> {
     /// Artificial viscosity αhcρ₀ [Pa·s].
     pub artificial: [T; KINDS],
-    /// Twice the dynamic viscosity, 2μ [Pa·s].
+    /// Twice the dynamic viscosity over the variance of the kernel, 2μ/σ² [Pa·s/m²].
     pub laminar: [T; KINDS],
     /// 1 for materials that interact, 0 between obstacles.
     pub interacts: [T; KINDS],
     /// 1 where the other particle alone is an obstacle, and where this one alone is.
     pub other_is_obstacle: [T; KINDS],
     pub own_is_obstacle: [T; KINDS],
+    /// The fraction of the particle's own pressure that acts on each material, and by tag that of the other's on it.
+    pub own_acts: [T; KINDS],
+    pub other_acts: [T; KINDS],
 }
 
 /// Momentum: force density along each axis [N/m^D], and power densities [W/m^D].
@@ -158,7 +186,9 @@ impl<V: Vector, K: Shape, const MIXED: bool> PairLaw<V, FORCES> for Momentum<V::
     #[inline(always)]
     fn for_particle(mut self, own: &Record<V::Scalar>) -> Self {
         if MIXED {
+            let solid = usize::from(OBSTACLE);
             self.for_particle = self.coefficients[usize::from(volume::<V, _>(own).tag())];
+            self.for_particle.own_acts[solid] = self.coefficients[solid].other_acts[usize::from(content::<V, _>(own).tag())];
         }
         self
     }
@@ -167,23 +197,19 @@ impl<V: Vector, K: Shape, const MIXED: bool> PairLaw<V, FORCES> for Momentum<V::
     fn terms<N: Number<Scalar = V::Scalar>>(&self, pair: &Pair<N>) -> [N; FORCES] {
         let Pair { own, other, separation, .. } = pair;
         let weight = self.weight::<V, N>(pair);
-        let Viscous { squeeze, shear, approach } = self.viscous::<V, N>(pair, weight);
-        let push = squeeze - (content::<V, N>(own) + content::<V, N>(other)) * weight;
+        let approach = approach::<V, N>(pair);
+        let squeeze = self.squeeze::<V, N>(pair, weight, approach);
+        let (mut own_pressure, mut other_pressure) = (content::<V, N>(own), content::<V, N>(other));
+        if MIXED {
+            own_pressure = own_pressure * pick::<N, MIXED>(volume::<V, N>(other), &self.for_particle.own_acts);
+            other_pressure = other_pressure * pick::<N, MIXED>(other_pressure, &self.for_particle.other_acts);
+        }
+        let push = squeeze - (own_pressure + other_pressure) * weight;
         let mut terms = [N::constant(0.0); FORCES];
-        if !MIXED && self.for_particle.laminar[0] == V::Scalar::ZERO {
-            for axis in 0..V::DIMENSION {
-                terms[axis] = push * separation[axis];
-            }
-            terms[VISCOUS] = squeeze * approach;
-            return terms;
-        }
-        let mut drag = N::constant(0.0);
         for axis in 0..V::DIMENSION {
-            let velocity = velocity::<V, N>(pair, axis);
-            terms[axis] = push * separation[axis] + shear * velocity;
-            drag += velocity * velocity;
+            terms[axis] = push * separation[axis];
         }
-        terms[VISCOUS] = squeeze * approach + shear * drag;
+        terms[VISCOUS] = squeeze * approach;
         if MIXED {
             // The work against an obstacle's pressure is dissipated, because obstacles store no energy. Each particle
             // accounts for half of a pair's power.
@@ -196,17 +222,13 @@ impl<V: Vector, K: Shape, const MIXED: bool> PairLaw<V, FORCES> for Momentum<V::
     }
 }
 
-/// Viscous interaction of a pair.
-struct Viscous<N> {
-    /// Coefficient of d in the force density.
-    squeeze: N,
-    /// Coefficient of v in the force density.
-    shear: N,
-    /// v·d [m²/s], negative in approach.
-    approach: N,
-}
-
 impl<T: Real, K: Shape, const MIXED: bool> Momentum<T, K, MIXED> {
+    /// The same where all of the pressures acts on obstacles, as those of images do, which have no tags.
+    pub fn untagged(mut self) -> Self {
+        self.coefficients[usize::from(OBSTACLE)].other_acts = [T::ONE; KINDS];
+        self
+    }
+
     /// Vⱼ F, 0 for materials that do not interact.
     #[inline(always)]
     fn weight<V: Vector<Scalar = T>, N: Number<Scalar = T>>(&self, pair: &Pair<N>) -> N {
@@ -215,13 +237,14 @@ impl<T: Real, K: Shape, const MIXED: bool> Momentum<T, K, MIXED> {
         if MIXED { weight * pick::<N, MIXED>(volume, &self.for_particle.interacts) } else { weight }
     }
 
+    /// The coefficient of d in the viscous force density, for v·d in `approach`.
     #[inline(always)]
-    fn viscous<V: Vector<Scalar = T>, N: Number<Scalar = T>>(&self, pair: &Pair<N>, weight: N) -> Viscous<N> {
-        let (volume, approach) = (volume::<V, N>(&pair.other), approach::<V, N>(pair));
+    fn squeeze<V: Vector<Scalar = T>, N: Number<Scalar = T>>(&self, pair: &Pair<N>, weight: N, approach: N) -> N {
+        let volume = volume::<V, N>(&pair.other);
         let artificial =
             pick::<N, MIXED>(volume, &self.for_particle.artificial) * approach / (pair.square + N::of(self.softening));
-        let laminar = pick::<N, MIXED>(volume, &self.for_particle.laminar);
-        Viscous { squeeze: artificial * weight, shear: laminar * weight, approach }
+        let laminar = pick::<N, MIXED>(volume, &self.for_particle.laminar) * approach;
+        (artificial + laminar) * weight
     }
 }
 
@@ -243,17 +266,16 @@ impl<V: Vector, K: Shape, const MIXED: bool> ImagePressure<V, FORCES> for Moment
     fn power_correction<N: Number<Scalar = V::Scalar>>(&self, pair: &Pair<N>, by: N) -> [N; FORCES] {
         let Pair { own, separation, .. } = pair;
         let weight = self.weight::<V, N>(pair);
-        let Viscous { squeeze, shear, approach } = self.viscous::<V, N>(pair, weight);
+        let approach = approach::<V, N>(pair);
+        let squeeze = self.squeeze::<V, N>(pair, weight, approach);
         let mut terms = [N::constant(0.0); FORCES];
         // Each particle accounts for half of a pair's loss: here twice its own loss, because the wall takes none.
         let mut loss = squeeze * approach;
         for axis in 0..V::DIMENSION {
             let own_velocity = own[V::DIMENSION + axis];
-            let relative = velocity::<V, N>(pair, axis);
             // The work of the hydrostatic difference is dissipated too.
             terms[SOLID] += by * weight * separation[axis] * own_velocity;
-            loss +=
-                shear * relative * relative - N::constant(2.0) * (squeeze * separation[axis] + shear * relative) * own_velocity;
+            loss += N::constant(-2.0) * squeeze * separation[axis] * own_velocity;
         }
         terms[VISCOUS] = N::constant(0.0) - loss;
         terms
@@ -318,9 +340,7 @@ impl<V: Vector, K: Shape> PairLaw<V, 2> for Extrapolation<V::Scalar, K> {
     fn terms<N: Number<Scalar = V::Scalar>>(&self, pair: &Pair<N>) -> [N; 2] {
         let Pair { other, separation, distance, .. } = pair;
         let volume = volume::<V, N>(other);
-        // The tag of obstacles has both bits.
-        let obstacle = N::both(volume.has_bit(0), volume.has_bit(1));
-        let weight = N::select(obstacle, N::constant(0.0), self.kernel.value(*distance));
+        let weight = N::select(is_obstacle(volume), N::constant(0.0), self.kernel.value(*distance));
         let mut rise = N::constant(0.0);
         for axis in 0..V::DIMENSION {
             rise += N::of(self.gravity[axis]) * separation[axis];

@@ -48,7 +48,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
                 let densities = self.density.iter().zip(&self.kind).filter(|(_, other)| **other == kind);
                 let densest = densities.map(|(density, _)| *density).fold(fluid.density, f64::max);
                 let scaled = |wave: &Wave| {
-                    let viscous = (fluid.artificial() * wave.squeeze + 2.0 * fluid.viscosity * wave.decay) / fluid.density;
+                    let viscous = (fluid.artificial() * wave.squeeze + 2.0 * fluid.viscosity * wave.strain) / fluid.density;
                     let diffusion = diffuses * fluid.diffusion() * wave.decay;
                     [fluid.sound_at(densest) * wave.frequency / h, viscous / (h * h), diffusion / (h * h)]
                 };

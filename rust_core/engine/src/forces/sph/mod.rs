@@ -46,7 +46,7 @@ use gauges::Flow;
 pub use gauges::Gauges;
 use images::WallCondition;
 use kernel::{CubicSpline, Shape, Wave, WendlandC2, WendlandC4};
-use laws::{Continuity, Extrapolation, FORCES, Momentum, OBSTACLE, SOLID, VISCOUS};
+use laws::{Continuity, Extrapolation, FORCES, Momentum, OBSTACLE, RATES, SOLID, VISCOUS};
 use shifting::Shifting;
 pub use start::KIND;
 use start::Materials;
@@ -98,7 +98,7 @@ fn fill<V: Vector>(
     records: &mut Records<V>,
     (neighbor_list, kind): (&NeighborList, &[u8]),
     velocity: &matter::View<'_, V>,
-    each: &(impl Fn(usize) -> [f64; 2] + Sync),
+    each: &(impl Fn(usize) -> [V::Scalar; 2] + Sync),
     executor: &Executor,
 ) {
     let members = neighbor_list.members();
@@ -108,8 +108,8 @@ fn fill<V: Vector>(
             record[V::DIMENSION + axis] = velocity.axis(axis)[index];
         }
         let [volume, content] = each(member);
-        record[2 * V::DIMENSION] = V::Scalar::from_f64(volume).tagged(kind[member]);
-        record[2 * V::DIMENSION + 1] = V::Scalar::from_f64(content);
+        record[2 * V::DIMENSION] = volume.tagged(kind[member]);
+        record[2 * V::DIMENSION + 1] = content;
     });
 }
 
@@ -142,8 +142,8 @@ struct Fluids<V: Vector, K, const MIXED: bool> {
     /// Particle shifting, if it is on.
     shifting: Option<Shifting<V, K>>,
     /// Sums of [`Continuity`] by slot: over particles, and over their images where there are walls.
-    rates: Vec<[V::Scalar; 2]>,
-    mirrored: Vec<[V::Scalar; 2]>,
+    rates: Vec<[V::Scalar; RATES]>,
+    mirrored: Vec<[V::Scalar; RATES]>,
     /// Sums of [`Momentum`] by slot: force and power densities.
     forces: Vec<[V::Scalar; FORCES]>,
     walls: Walls,
@@ -190,7 +190,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
     fn sum_density(&mut self, velocity: &matter::View<'_, V>, executor: &Executor) -> Result<()> {
         let Self { summation, neighbor_list, records, walls, materials, kind, mass, density, .. } = self;
         let Some(summation) = summation else { return Ok(()) };
-        let rest = |member: usize| [mass[member] / materials.rest_density(kind[member]), 0.0];
+        let rest = |member: usize| [V::Scalar::from_f64(mass[member] / materials.rest_density(kind[member])), V::Scalar::ZERO];
         fill(records, (neighbor_list, kind), velocity, &rest, executor);
         summation.count((neighbor_list, records), walls, (materials, kind), density, executor)
     }
@@ -259,7 +259,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> Fluids<V, K, MIXED> {
             }
         };
         let lists = (&self.neighbor_list, &self.records);
-        self.walls.add_noting(self.momentum, &condition, lists, &mut forces, (numbers, &note), executor);
+        self.walls.add_noting(self.momentum.untagged(), &condition, lists, &mut forces, (numbers, &note), executor);
         self.forces = forces;
     }
 
@@ -329,7 +329,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> DensityEvolution<V> for Fluids<V, K
         let Self { continuity, rates, mirrored, walls, .. } = self;
         let each = |member: usize| {
             let enthalpy = materials.fluid(kind[member]).map_or(0.0, |fluid| fluid.enthalpy(density[member]));
-            [mass[member] / density[member], enthalpy]
+            [mass[member] / density[member], enthalpy].map(V::Scalar::from_f64)
         };
         fill(records, (neighbor_list, kind), &drift.velocity, &each, executor);
         let neighbors = neighbor_list.neighbors();
@@ -337,7 +337,7 @@ impl<V: Vector, K: Shape, const MIXED: bool> DensityEvolution<V> for Fluids<V, K
         let common = materials.first();
         let condition = WallCondition { weight: common.gravity / common.sound_speed.powi(2), no_slip: false };
         if !walls.is_empty() {
-            mirrored.fill([V::Scalar::ZERO; 2]);
+            mirrored.fill([V::Scalar::ZERO; RATES]);
         }
         walls.add(*continuity, &condition, (neighbor_list, records), mirrored, executor);
         if let Some(shifting) = shifting {
@@ -355,8 +355,9 @@ impl<V: Vector, K: Shape, const MIXED: bool> DensityEvolution<V> for Fluids<V, K
                 let member = densities.start + offset;
                 let Some(fluid) = materials.fluid(kind[member]) else { continue };
                 let slot = slots[member] as usize;
-                let [squeeze, diffusion] = rates[slot].map(Real::to_f64);
-                let [by_walls, through_walls] = mirrored.get(slot).map_or([0.0; 2], |sums| sums.map(Real::to_f64));
+                let [squeeze, diffusion, by_obstacles] = rates[slot].map(Real::to_f64);
+                let [by_fluid, through_walls, by_solid] = mirrored.get(slot).map_or([0.0; RATES], |sums| sums.map(Real::to_f64));
+                let by_walls = by_fluid + by_solid + by_obstacles;
                 let evened = diffusion + through_walls;
                 let change = drift.h * (*density * (squeeze + f64::from(wall_factor.drift()) * by_walls) + evened);
                 // Work of diffusion against pressure is dissipated.
@@ -428,16 +429,25 @@ impl<V: Vector, K: Shape, const MIXED: bool> Force<V> for Fluids<V, K, MIXED> {
     fn prepare(&mut self, at: &StateView<'_, V>, executor: &Executor) -> Result<()> {
         self.search(&|axis, index| at.exact_position(axis, index), executor)?;
         self.sum_density(&at.velocity, executor)?;
-        let Self { summation, tension, surface, walls, neighbor_list, records, materials, kind, mass, density, .. } = self;
+        let Self {
+            summation, tension, surface, walls, neighbor_list, records, materials, kind, mass, density, obstacles, ..
+        } = self;
         if let Some(tension) = tension {
             let rest = |member: usize| mass[member] / materials.rest_density(kind[member]);
             tension.update((neighbor_list, records), walls, kind, &rest, executor);
         }
         let summed = summation.is_some();
+        let meets_obstacles = !obstacles.is_empty();
         let each = |member: usize| {
             let (density, rest) = (density[member], materials.rest_density(kind[member]));
             let pressure = materials.fluid(kind[member]).map_or(0.0, |fluid| fluid.pressure(density));
-            if summed { [mass[member] / rest, pressure * (rest / density).powi(2)] } else { [mass[member] / density, pressure] }
+            let both = if summed {
+                [mass[member] / rest, pressure * (rest / density).powi(2)]
+            } else {
+                [mass[member] / density, pressure]
+            };
+            let [volume, pressure] = both.map(V::Scalar::from_f64);
+            [volume, if meets_obstacles { pressure.tagged(surface.wall_factors[member].tag()) } else { pressure }]
         };
         fill(records, (neighbor_list, kind), &at.velocity, &each, executor);
         if surface.is_stale {

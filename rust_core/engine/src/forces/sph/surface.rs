@@ -5,15 +5,16 @@
 //! estimate: the largest singular values of the sum over v·∇W, in dam breaks, drops, jets and sprays along walls, are 1 to
 //! 20 % below it.
 //!
-//! **Walls.** At a mirror, tension would hold a particle to its own image. So at a free surface, where air enters between
-//! them, a separating wall exerts no pressure below that at rest.
+//! **Walls.** At a mirror, tension would hold a particle to its own image, and that of a drop stretched between it and an
+//! obstacle would hold the drop. So at a free surface, where air enters between them, a separating wall or obstacle exerts no
+//! pressure below that at rest.
 
 use glam::DVec3;
 
 use super::BLOCK;
 use super::images::WallCondition;
 use super::kernel::{self, Kernel, Shape, Wave};
-use super::laws::{GRADIENT_SUMS, KernelGradientSum};
+use super::laws::{GRADIENT_SUMS, KINDS, KernelGradientSum};
 use super::start::{Material, Materials};
 use super::walls::Walls;
 use crate::error::Result;
@@ -28,7 +29,7 @@ use crate::parallel::{BlockedSlice, Executor};
 /// 8417 take 0.75 to 0.8.
 const SURFACE: f64 = 0.8;
 
-/// Wall factor: the fraction of a particle's pressure that acts on its images.
+/// Wall factor: the fraction of a particle's pressure that acts on its images and on obstacles.
 #[derive(Debug, Clone, Copy)]
 pub struct WallFactor {
     /// Factors in the kick between two drifts, and in the next drift, in halves.
@@ -43,7 +44,7 @@ impl WallFactor {
     const INTERIOR: Self = Self { kick: 2, drift: 2, at_surface: false };
 
     /// Updates the factors after a drift: `pulls` for a pressure below that at rest, `stretched` for a separation from
-    /// walls.
+    /// walls and obstacles.
     #[inline(always)]
     pub fn drifted(&mut self, pulls: bool, stretched: bool) {
         let next = if self.at_surface && pulls && stretched { 0 } else { 2 };
@@ -61,6 +62,17 @@ impl WallFactor {
     #[inline(always)]
     pub fn drift(self) -> f32 {
         0.5 * f32::from(self.drift)
+    }
+
+    /// The tag of the factor in the kick: 0 for all, 1 for half, 2 for nothing.
+    #[inline(always)]
+    pub fn tag(self) -> u8 {
+        2 - self.kick
+    }
+
+    /// The factors by tag.
+    pub fn by_tag<T: Real>() -> [T; KINDS] {
+        [1.0, 0.5, 0.0, 0.0].map(T::from_f64)
     }
 
     /// The values in an archive.
